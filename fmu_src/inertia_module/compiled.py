@@ -1,0 +1,192 @@
+"""The kernel compiled from its Python source, once per source and processor, kept in a cache.
+
+Numba compiles the same files that run as plain Python into one object file; from then on only
+llvmlite is needed to load it, in milliseconds. The object holds one function, the kernel's entry
+``call``, working on the addresses of arrays of doubles.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import hashlib
+import importlib
+import os
+import re
+import sys
+import tempfile
+import types
+from pathlib import Path
+from typing import Any, Callable
+
+from . import kernel
+from .kernel import slots
+
+ENTRY = "inertia_module_kernel"
+SIGNATURE = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64, *[ctypes.c_void_p] * 6, ctypes.c_double)
+KERNEL_FOLDER = Path(kernel.__file__).parent
+
+_loaded: dict[str, Any] = {}
+
+
+class CompilationUnavailable(RuntimeError):
+    """Numba or llvmlite is not installed, or cannot compile the kernel here."""
+
+
+def source_hash() -> str:
+    """Hash of the kernel's source files."""
+    digest = hashlib.sha256()
+    for path in sorted(KERNEL_FOLDER.glob("*.py")):
+        digest.update(path.name.encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def cache_folder() -> Path:
+    """Where compiled kernels are kept; the environment variable INERTIA_MODULE_CACHE overrides it."""
+    chosen = os.environ.get("INERTIA_MODULE_CACHE")
+    if chosen:
+        return Path(chosen)
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA", str(Path.home()))) / "inertia-module"
+    if sys.platform == "darwin":
+        return Path.home() / "Library" / "Caches" / "inertia-module"
+    return Path(os.environ.get("XDG_CACHE_HOME", str(Path.home() / ".cache"))) / "inertia-module"
+
+
+def _jitted_kernel() -> types.ModuleType:
+    """A second copy of the kernel's modules, every function of it wrapped by numba."""
+    import numba
+
+    package = types.ModuleType(f"{kernel.__name__}_for_numba")
+    package.__path__ = [str(KERNEL_FOLDER)]
+    prefix = package.__name__ + "."
+    sys.modules[package.__name__] = package
+    try:
+        entry = importlib.import_module(prefix + "step")
+        modules = [module for name, module in sys.modules.items() if name.startswith(prefix)]
+    finally:
+        for name in [name for name in sys.modules if name.startswith(package.__name__)]:
+            del sys.modules[name]
+    wrapped: dict[int, Any] = {}
+    for module in modules:
+        for name, value in list(vars(module).items()):
+            if isinstance(value, types.FunctionType):
+                if id(value) not in wrapped:
+                    wrapped[id(value)] = numba.njit(error_model="numpy")(value)
+                setattr(module, name, wrapped[id(value)])
+    return entry
+
+
+def _compile_to_ir() -> str:
+    """LLVM IR of the entry, as numba makes it from the kernel's source."""
+    import numba
+    from numba import types as nt
+
+    call = _jitted_kernel().call
+    sizes = slots.P_SIZE, slots.D_SIZE, slots.U_SIZE, slots.X_SIZE, slots.Y_SIZE, slots.W_SIZE
+    n_p, n_d, n_u, n_x, n_y, n_w = sizes
+    pointer = nt.CPointer(nt.float64)
+
+    def entry(operation, p, d, u, x, y, w, h):  # type: ignore[no-untyped-def]
+        return call(
+            operation,
+            numba.carray(p, n_p),
+            numba.carray(d, n_d),
+            numba.carray(u, n_u),
+            numba.carray(x, n_x),
+            numba.carray(y, n_y),
+            numba.carray(w, n_w),
+            h,
+        )
+
+    signature = nt.int64(nt.int64, *[pointer] * 6, nt.float64)
+    function = numba.cfunc(signature, error_model="numpy")(entry)
+    text: str = function.inspect_llvm()
+    return text.replace(function.native_name, ENTRY)
+
+
+def _without_error_path(ir: str) -> str:
+    """Let numba's error path trap: the kernel raises nothing and allocates nothing, so it is never taken."""
+    ir = re.sub(
+        r"^declare ([^@\n]*)@((?:NRT|numba|Py|_Py)\w*)\(([^)]*)\)[^\n]*$",
+        r"define internal \1@\2(\3) {\n  call void @llvm.trap()\n  unreachable\n}",
+        ir,
+        flags=re.M,
+    )
+    ir = re.sub(r"^@(Py\w+) = external global i8.*$", r"@\1 = internal global i8 0", ir, flags=re.M)
+    return ir + "\ndeclare void @llvm.trap()\n"
+
+
+def _target_machine(binding: Any) -> Any:
+    binding.initialize_native_target()
+    binding.initialize_native_asmprinter()
+    return binding.Target.from_default_triple().create_target_machine(
+        cpu=binding.get_host_cpu_name(),
+        features=binding.get_host_cpu_features().flatten(),
+        opt=3,
+        reloc="pic",
+        jit=True,
+    )
+
+
+def _compile_to_object(binding: Any) -> bytes:
+    """Object file for this processor with the entry as its only visible function."""
+    module = binding.parse_assembly(_without_error_path(_compile_to_ir()))
+    for function in module.functions:
+        if not function.is_declaration and function.name != ENTRY:
+            function.linkage = "internal"
+    for variable in module.global_variables:
+        if not variable.is_declaration:
+            variable.linkage = "internal"
+    machine = _target_machine(binding)
+    builder = binding.create_pass_builder(machine, binding.create_pipeline_tuning_options(speed_level=3))
+    builder.getModulePassManager().run(module, builder)
+    return bytes(machine.emit_object(module))
+
+
+def write_atomically(path: Path, content: bytes) -> None:
+    """Write a file so that it is either whole or not there, whoever else writes it."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=path.name)
+    try:
+        with os.fdopen(handle, "wb") as stream:
+            stream.write(content)
+        os.replace(name, path)
+    except BaseException:
+        os.unlink(name)
+        raise
+
+
+def is_cached() -> bool:
+    """Whether the compiled kernel of this source is in the cache already."""
+    return "entry" in _loaded or bool(list(cache_folder().glob(f"kernel-{source_hash()}-*.o")))
+
+
+def load() -> Callable[..., int]:
+    """The compiled entry: entry(operation, p, d, u, x, y, w, h) with addresses of arrays of doubles.
+
+    The first call ever on a machine compiles (about half a minute), later ones load from the cache.
+
+    Raises:
+        CompilationUnavailable: numba or llvmlite is not installed, or fails.
+    """
+    if "entry" not in _loaded:
+        try:
+            import llvmlite
+            import llvmlite.binding as binding
+
+            machine = _target_machine(binding)
+            processor = f"{binding.get_host_cpu_name()}-{binding.get_host_cpu_features().flatten()}"
+            label = hashlib.sha256(f"{processor}-{llvmlite.__version__}".encode()).hexdigest()[:12]
+            path = cache_folder() / f"kernel-{source_hash()}-{label}.o"
+            if not path.exists():
+                content = _compile_to_object(binding)
+                write_atomically(path, content)
+            engine = binding.create_mcjit_compiler(binding.parse_assembly(""), machine)
+            engine.add_object_file(binding.ObjectFileRef.from_data(path.read_bytes()))
+            engine.finalize_object()
+        except (ImportError, RuntimeError, OSError) as error:
+            raise CompilationUnavailable(f"{type(error).__name__}: {error}") from error
+        _loaded["engine"] = engine  # owns the code
+        _loaded["entry"] = SIGNATURE(engine.get_function_address(ENTRY))
+    entry: Callable[..., int] = _loaded["entry"]
+    return entry

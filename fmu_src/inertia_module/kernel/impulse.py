@@ -1,0 +1,72 @@
+"""A jump of the input speed acts impulsively: complementarity on impulses and end velocities.
+
+The jump is the limit of a steep ramp, so a freewheel that closes does so part of the way: before,
+link 2 moves freely; after, with what it has met. The end velocities are those of the 2 x 2 problem
+of DESIGN section 3, and as ideal contacts close at zero relative speed no energy is lost.
+"""
+
+from .accumulate import add, assign
+from .inertia import reduced_inertia
+from .slots import *  # noqa: F403
+
+
+def apply_part(d, x, i, b, g, jump, change2):
+    """One linear part of the jump: omega1 by jump, link 2 by change2. Returns the input impulse."""
+    rate_change = d[D_K] * (jump - change2)
+    impulse = (d[D_J1] + i) * jump + b * rate_change + d[D_K] * (b * jump + g * rate_change)
+    add(x, X_ENERGY_IN, impulse * (x[X_OMEGA1] + 0.5 * jump))
+    x[X_OMEGA1] += jump
+    return impulse
+
+
+def jump_input(d, x, jump):
+    """Apply a jump of omega1, N m s.
+
+    Returns:
+        (P1, Pc): impulse of the input torque and of the output freewheel, N m s.
+    """
+    i, _, _, b, _, g, _, _ = reduced_inertia(d, x[X_Q])
+    k = d[D_K]
+    push = k * (b + k * g) * jump
+    inertia = d[D_J2] + k * k * g
+    omega2 = x[X_OMEGA2]
+    omega3 = x[X_OMEGA3]
+    target = x[X_OMEGA1] + jump
+    joined = d[D_OUTPUT] == 0.0 or (omega3 == omega2 and push > 0.0)
+    if joined:
+        inertia += d[D_J3]
+    change = push / inertia if push != 0.0 else 0.0
+    fraction = 1.0
+    clutch = 0.0
+    end2 = omega2 + change
+    if d[D_HOUSING] != 0.0 and end2 < 0.0:
+        fraction = omega2 / -change  # the rest of the way link 2 is held
+        end2 = 0.0
+    elif not joined and end2 > omega3:
+        fraction = (omega3 - omega2) / change  # the rest of the way it drives the shaft
+        end2 = omega3 + (1.0 - fraction) * push / (inertia + d[D_J3])
+    part = fraction * jump
+    impulse = apply_part(d, x, i, b, g, part, fraction * change)
+    if fraction < 1.0:
+        impulse += apply_part(d, x, i, b, g, jump - part, end2 - (omega2 + fraction * change))
+    x[X_OMEGA1] = target
+    assign(x, X_OMEGA2, end2)
+    if end2 > omega3 or d[D_OUTPUT] == 0.0:
+        clutch = d[D_J3] * (end2 - omega3)
+        assign(x, X_OMEGA3, end2)
+    return impulse, clutch
+
+
+def jump_kinematic(d, x, jump, ratio):
+    """The same where omega2 = ratio omega1 is prescribed.
+
+    Returns:
+        (P1, Pc): impulses at the input and at the output that keeps the ratio, N m s.
+    """
+    i, _, _, b, _, g, _, _ = reduced_inertia(d, x[X_Q])
+    change2 = ratio * jump
+    clutch = d[D_K] * (b * jump + g * d[D_K] * (jump - change2)) - d[D_J2] * change2
+    mean2 = ratio * (x[X_OMEGA1] + 0.5 * jump)
+    impulse = apply_part(d, x, i, b, g, jump, change2)
+    add(x, X_ENERGY_OUT, clutch * mean2)
+    return impulse, clutch

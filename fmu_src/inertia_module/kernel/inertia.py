@@ -1,0 +1,84 @@
+"""Reduced inertia I, B, G of all imbalances and its exact derivatives in q (DESIGN section 2)."""
+
+import math
+
+from .slots import *  # noqa: F403
+
+
+def reduced_inertia(d, q):
+    """I = sum m (y^2 + z^2), B = sum m (y z' - z y'), G = sum m |r'|^2 + J16.
+
+    The sums over the satellites of a module are closed: with two or more spread evenly B vanishes,
+    with three or more the harmonics of A vanish from I. Modules are alike about the central axis.
+    In the planar layout the drive turns about an axis parallel to the central one, so its own
+    inertia J16 is carried by link 1 as well: it enters I and B as it enters G.
+
+    Args:
+        d: derived constants.
+        q: drive angle, rad.
+
+    Returns:
+        (I, I', I'', B, B', G, G', G''), kg m^2 and kg m^2 per rad of q to the power 1 and 2.
+    """
+    mass = d[D_MASS]
+    if d[D_PLANAR] != 0.0:
+        arm = d[D_RADIAL]
+        centre = d[D_AXIAL]
+        swing = mass * arm * centre
+        cosine = swing * math.cos(q)
+        sine = swing * math.sin(q)
+        own = mass * arm * arm + d[D_J16]
+        fixed = own + mass * centre * centre
+        return fixed - 2.0 * cosine, 2.0 * sine, 2.0 * cosine, own - cosine, sine, own, 0.0, 0.0
+    s = d[D_S]
+    half = 0.5 * (s * q + d[D_PHASE_B])
+    sin_half = math.sin(half)
+    sin_b = 2.0 * sin_half * math.cos(half)
+    versed = 2.0 * sin_half * sin_half  # 1 - cos B, without cancellation at the rolling pole
+    cos_b = 1.0 - versed
+    pole_arm = d[D_POLE_ARM]
+    pole = d[D_POLE_OFFSET] + pole_arm * versed
+    spin = d[D_SPIN]
+    g = mass * (spin * sin_b * sin_b + pole * pole) + d[D_J16]
+    g1 = 2.0 * mass * s * sin_b * (spin * cos_b + pole * pole_arm)
+    swing = pole_arm * sin_b
+    g2 = (
+        2.0
+        * mass
+        * s
+        * s
+        * (spin * (cos_b * cos_b - sin_b * sin_b) + swing * swing + pole * pole_arm * cos_b)
+    )
+
+    arm = d[D_ARM]
+    z = d[D_AXIAL] - d[D_AXIAL_COS] * cos_b
+    z1 = s * d[D_AXIAL_COS] * sin_b
+    z2 = s * s * d[D_AXIAL_COS] * cos_b
+    radial = d[D_RADIAL] - d[D_RADIAL_COS] * cos_b
+    tangential = -arm * sin_b
+    radial1 = s * d[D_RADIAL_COS] * sin_b
+    tangential1 = -s * arm * cos_b
+    radial2 = s * s * d[D_RADIAL_COS] * cos_b
+    tangential2 = s * s * arm * sin_b
+    if d[D_PAIRED] == 0.0:
+        i = mass * (0.5 * (radial * radial + tangential * tangential) + z * z)
+        i1 = mass * (radial * radial1 + tangential * tangential1 + 2.0 * z * z1)
+        i2 = mass * (
+            radial1 * radial1
+            + radial * radial2
+            + tangential1 * tangential1
+            + tangential * tangential2
+            + 2.0 * (z1 * z1 + z * z2)
+        )
+        return i, i1, i2, 0.0, 0.0, g, g1, g2
+    sin_a = math.sin(q + d[D_PHASE_A])
+    cos_a = math.cos(q + d[D_PHASE_A])
+    y = radial * sin_a + tangential * cos_a
+    y1 = (radial1 - tangential) * sin_a + (tangential1 + radial) * cos_a
+    y2 = (radial2 - 2.0 * tangential1 - radial) * sin_a + (tangential2 + 2.0 * radial1 - tangential) * cos_a
+    i = mass * (y * y + z * z)
+    i1 = 2.0 * mass * (y * y1 + z * z1)
+    i2 = 2.0 * mass * (y1 * y1 + y * y2 + z1 * z1 + z * z2)
+    if d[D_SINGLE] == 0.0:
+        return i, i1, i2, 0.0, 0.0, g, g1, g2
+    return i, i1, i2, mass * (y * z1 - z * y1), mass * (y * z2 - z * y2), g, g1, g2

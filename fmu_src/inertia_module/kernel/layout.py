@@ -1,0 +1,83 @@
+"""Where the imbalance is: position and its derivatives in q, in the frame of link 1.
+
+Source: Karetin (2020), equation 2, with U5 U4 put right to U3 cos(phi + psi); Lysenko, equation 1.
+"""
+
+import math
+
+from .slots import *  # noqa: F403
+
+
+def imbalance(d, q):
+    """Imbalance 0 of module 0 in the frame of link 1.
+
+    Args:
+        d: derived constants.
+        q: drive angle, rad.
+
+    Returns:
+        (x, y, z, x', y', z', x'', y'', z''), m and m per rad of q to the power 1 and 2.
+    """
+    s = d[D_S]
+    sin_a = math.sin(q + d[D_PHASE_A])
+    cos_a = math.cos(q + d[D_PHASE_A])
+    if d[D_PLANAR] != 0.0:
+        arm = d[D_RADIAL]
+        y = arm * sin_a
+        z = arm * cos_a
+        return 0.0, y, d[D_AXIAL] - z, 0.0, z, y, 0.0, -y, z
+    sin_b = math.sin(s * q + d[D_PHASE_B])
+    cos_b = math.cos(s * q + d[D_PHASE_B])
+    radial = d[D_RADIAL] - d[D_RADIAL_COS] * cos_b
+    tangential = -d[D_ARM] * sin_b
+    radial1 = s * d[D_RADIAL_COS] * sin_b
+    tangential1 = -s * d[D_ARM] * cos_b
+    radial2 = s * s * d[D_RADIAL_COS] * cos_b
+    tangential2 = s * s * d[D_ARM] * sin_b
+    # components along and across the turning drive, differentiated with it
+    along1 = radial1 - tangential
+    across1 = tangential1 + radial
+    along2 = radial2 - 2.0 * tangential1 - radial
+    across2 = tangential2 + 2.0 * radial1 - tangential
+    return (
+        radial * cos_a - tangential * sin_a,
+        radial * sin_a + tangential * cos_a,
+        d[D_AXIAL] - d[D_AXIAL_COS] * cos_b,
+        along1 * cos_a - across1 * sin_a,
+        along1 * sin_a + across1 * cos_a,
+        s * d[D_AXIAL_COS] * sin_b,
+        along2 * cos_a - across2 * sin_a,
+        along2 * sin_a + across2 * cos_a,
+        s * s * d[D_AXIAL_COS] * cos_b,
+    )
+
+
+def to_fixed_frame(theta1, x, y, z):
+    """Turn a vector of the frame of link 1 by theta1 about the central axis Ox."""
+    sine = math.sin(theta1)
+    cosine = math.cos(theta1)
+    return x, y * cosine - z * sine, y * sine + z * cosine
+
+
+def imbalance_in_fixed_frame(d, q, theta1, omega1, alpha1, rate_q, rate2_q):
+    """Position, velocity and acceleration of the imbalance in the fixed frame Oxyz.
+
+    Exact form of DESIGN section 4: Rx(theta1)[r], Rx[r' q' + w x r] and
+    Rx[r'' q'^2 + r' q'' + 2 w x r' q' + alpha x r + w x (w x r)], with w along Ox.
+
+    Returns:
+        nine doubles: position (m), velocity (m/s), acceleration (m/s^2).
+    """
+    x, y, z, x1, y1, z1, x2, y2, z2 = imbalance(d, q)
+    px, py, pz = to_fixed_frame(theta1, x, y, z)
+    vx, vy, vz = to_fixed_frame(theta1, x1 * rate_q, y1 * rate_q - omega1 * z, z1 * rate_q + omega1 * y)
+    square = rate_q * rate_q
+    coriolis = 2.0 * omega1 * rate_q
+    central = omega1 * omega1
+    ax, ay, az = to_fixed_frame(
+        theta1,
+        x2 * square + x1 * rate2_q,
+        y2 * square + y1 * rate2_q - coriolis * z1 - alpha1 * z - central * y,
+        z2 * square + z1 * rate2_q + coriolis * y1 + alpha1 * y - central * z,
+    )
+    return px, py, pz, vx, vy, vz, ax, ay, az

@@ -1,0 +1,89 @@
+"""Outputs and locals at the present instant, from the state and the inputs held in it."""
+
+from .dynamics import kinetic_energy, motion, prescribed_torques
+from .layout import imbalance_in_fixed_frame
+from .slots import *  # noqa: F403
+
+
+def shaft_in_energy(p, x):
+    """Speed with which J3 enters the energy: prescribed motion ends at the output, before J3."""
+    return 0.0 if p[P_FIDELITY] == KINEMATIC else x[X_OMEGA3]
+
+
+def write_torques(p, d, x, y):
+    """Instantaneous torques in the present mode. Returns the acceleration of link 2."""
+    mode = x[X_MODE]
+    q = x[X_Q]
+    omega1 = x[X_OMEGA1]
+    alpha1 = x[X_ALPHA1]
+    omega2 = x[X_OMEGA2]
+    load = x[X_LOAD_TORQUE]
+    output = 0.0
+    housing = 0.0
+    if p[P_FIDELITY] == KINEMATIC:
+        alpha2 = p[P_KINEMATIC_RATIO] * alpha1
+        drive, mesh = prescribed_torques(d, q, omega1, alpha1, omega2, alpha2)
+        output = mesh - d[D_J2] * alpha2
+    elif mode == DRIVING:
+        alpha2, drive, output, mesh = motion(d, q, omega1, alpha1, omega2, d[D_J3], load)
+    elif mode == FREE:
+        alpha2, drive, _, mesh = motion(d, q, omega1, alpha1, omega2, 0.0, 0.0)
+    else:
+        alpha2 = 0.0
+        drive, mesh = prescribed_torques(d, q, omega1, alpha1, 0.0, 0.0)
+        output = load if mode == HELD_DRIVING else 0.0
+        housing = output - mesh
+    y[Y_INPUT_TORQUE] = drive
+    y[Y_MESH_TORQUE] = mesh
+    y[Y_OUTPUT_TORQUE] = output
+    y[Y_HOUSING_TORQUE] = housing
+    return alpha2
+
+
+def write_imbalance(d, x, y, alpha2):
+    """Position, velocity and acceleration of imbalance 0 of module 0 in the fixed frame."""
+    k = d[D_K]
+    px, py, pz, vx, vy, vz, ax, ay, az = imbalance_in_fixed_frame(
+        d,
+        x[X_Q],
+        x[X_THETA1],
+        x[X_OMEGA1],
+        x[X_ALPHA1],
+        k * (x[X_OMEGA1] - x[X_OMEGA2]),
+        k * (x[X_ALPHA1] - alpha2),
+    )
+    y[Y_POSITION_X] = px
+    y[Y_POSITION_Y] = py
+    y[Y_POSITION_Z] = pz
+    y[Y_VELOCITY_X] = vx
+    y[Y_VELOCITY_Y] = vy
+    y[Y_VELOCITY_Z] = vz
+    y[Y_ACCELERATION] = (ax * ax + ay * ay + az * az) ** 0.5
+    y[Y_ACCELERATION_X] = ax
+    y[Y_ACCELERATION_Y] = ay
+    y[Y_ACCELERATION_Z] = az
+
+
+def write_outputs(p, d, x, y):
+    """Fill y (Y_SIZE doubles) from the state."""
+    y[Y_OMEGA2] = x[X_OMEGA2]
+    y[Y_OMEGA_OUT] = x[X_OMEGA3]
+    y[Y_OMEGA_HUB] = x[X_OMEGA3]
+    y[Y_SHAFT_TWIST] = 0.0
+    y[Y_INPUT_TORQUE_MEAN] = x[X_INPUT_TORQUE_MEAN]
+    y[Y_OUTPUT_TORQUE_MEAN] = x[X_OUTPUT_TORQUE_MEAN]
+    y[Y_TORQUE_RIPPLE] = x[X_TORQUE_RIPPLE]
+    y[Y_DRIVE_ANGLE] = x[X_Q]
+    y[Y_DRIVE_TURNS] = x[X_DRIVE_TURNS]
+    y[Y_INPUT_ANGLE] = x[X_THETA1]
+    y[Y_INPUT_TURNS] = x[X_INPUT_TURNS]
+    y[Y_CONTACT_MODE] = x[X_MODE]
+    y[Y_CONTACT_SWITCHES] = x[X_SWITCHES]
+    y[Y_RHS_EVALUATIONS] = x[X_EVALUATIONS]
+    stored = kinetic_energy(d, x[X_Q], x[X_OMEGA1], x[X_OMEGA2], shaft_in_energy(p, x))
+    y[Y_ENERGY_IN] = x[X_ENERGY_IN]
+    y[Y_ENERGY_OUT] = x[X_ENERGY_OUT]
+    y[Y_ENERGY_STORED] = stored
+    y[Y_ENERGY_LOST] = 0.0  # ideal freewheels close at zero relative speed
+    y[Y_ENERGY_RESIDUAL] = x[X_ENERGY_IN] - x[X_ENERGY_OUT] - (stored - x[X_ENERGY_START])
+    write_imbalance(d, x, y, write_torques(p, d, x, y))

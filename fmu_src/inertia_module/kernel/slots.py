@@ -1,0 +1,206 @@
+"""Where each number lives in the arrays the kernel reads and writes.
+
+p parameters, u inputs, x state, y outputs and locals, d constants derived from p, w workspace.
+:mod:`inertia_module.variables` gives p, u and y their names, units and ranges.
+"""
+
+# p: parameters, in the order of the table of variables
+P_LAYOUT = 0
+P_Z2 = 1
+P_Z16 = 2
+P_Z17 = 3
+P_Z6 = 4
+P_SHAFT_ANGLE = 5
+P_WHEEL_RADIUS = 6
+P_A = 7
+P_B = 8
+P_C = 9
+P_EPSILON = 10
+P_GAMMA = 11
+P_SUN_RADIUS = 12
+P_SATELLITE_RADIUS = 13
+P_ECCENTRICITY = 14
+P_IMBALANCE_MASS = 15
+P_MODULES = 16
+P_SATELLITES = 17
+P_J16 = 18
+P_J1 = 19
+P_J2 = 20
+P_J3 = 21
+P_J4 = 22
+P_SHAFT_STIFFNESS = 23
+P_SHAFT_DAMPING = 24
+P_DRIVEN_FRICTION = 25
+P_BALANCER = 26
+P_HOUSING_FREEWHEEL = 27
+P_OUTPUT_FREEWHEEL = 28
+P_FIDELITY = 29
+P_METHOD = 30
+P_INPUT_HOLD = 31
+P_TOLERANCE = 32
+P_MAX_STEP = 33
+P_KINEMATIC_RATIO = 34
+P_OMEGA2_START = 35
+P_OMEGA_OUT_START = 36
+P_DRIVE_ANGLE_START = 37
+P_SIZE = 38
+
+# u: inputs
+U_OMEGA1 = 0
+U_LOAD_TORQUE = 1
+U_SIZE = 2
+
+# y: outputs, then locals, in the order of the table of variables
+Y_OMEGA2 = 0
+Y_OMEGA_OUT = 1
+Y_INPUT_TORQUE = 2
+Y_MESH_TORQUE = 3
+Y_OUTPUT_TORQUE = 4
+Y_HOUSING_TORQUE = 5
+Y_INPUT_TORQUE_MEAN = 6
+Y_OUTPUT_TORQUE_MEAN = 7
+Y_ACCELERATION = 8
+Y_ACCELERATION_X = 9
+Y_ACCELERATION_Y = 10
+Y_ACCELERATION_Z = 11
+Y_DRIVE_ANGLE = 12
+Y_DRIVE_TURNS = 13
+Y_INPUT_ANGLE = 14
+Y_INPUT_TURNS = 15
+Y_CONTACT_MODE = 16
+Y_OMEGA_HUB = 17
+Y_SHAFT_TWIST = 18
+Y_POSITION_X = 19
+Y_POSITION_Y = 20
+Y_POSITION_Z = 21
+Y_VELOCITY_X = 22
+Y_VELOCITY_Y = 23
+Y_VELOCITY_Z = 24
+Y_ENERGY_IN = 25
+Y_ENERGY_OUT = 26
+Y_ENERGY_STORED = 27
+Y_ENERGY_LOST = 28
+Y_ENERGY_RESIDUAL = 29
+Y_TORQUE_RIPPLE = 30
+Y_CONTACT_SWITCHES = 31
+Y_RHS_EVALUATIONS = 32
+Y_SIZE = 33
+
+# x: state. A ..._LOW slot is what the slot before it lost to rounding (compensated sums), so that
+# a billion tiny communication steps add up to the same motion as one long step.
+X_Q = 0
+X_Q_LOW = 1
+X_DRIVE_TURNS = 2
+X_THETA1 = 3
+X_THETA1_LOW = 4
+X_INPUT_TURNS = 5
+X_OMEGA2 = 6
+X_OMEGA2_LOW = 7
+X_OMEGA3 = 8
+X_OMEGA3_LOW = 9
+X_MODE = 10
+X_OMEGA1 = 11
+X_ALPHA1 = 12
+X_HELD_INPUT = 13
+X_HELD_STEP = 14
+X_LOAD_TORQUE = 15
+X_STEP_SIZE = 16
+X_ENERGY_IN = 17
+X_ENERGY_IN_LOW = 18
+X_ENERGY_OUT = 19
+X_ENERGY_OUT_LOW = 20
+X_ENERGY_START = 21
+X_INPUT_TORQUE_MEAN = 22
+X_OUTPUT_TORQUE_MEAN = 23
+X_TORQUE_RIPPLE = 24
+X_SWITCHES = 25
+X_EVALUATIONS = 26
+# sums over the communication step in hand
+X_INPUT_IMPULSE = 27
+X_OUTPUT_IMPULSE = 28
+X_OUTPUT_SQUARE = 29
+X_STEP_SWITCHES = 30
+X_STEP_EVALUATIONS = 31
+X_SIZE = 32
+
+# d: constants derived from the parameters
+D_K = 0
+D_S = 1
+D_MASS = 2
+D_PLANAR = 3
+D_SINGLE = 4
+D_PAIRED = 5
+D_PHASE_A = 6
+D_PHASE_B = 7
+D_RADIAL = 8
+D_RADIAL_COS = 9
+D_ARM = 10
+D_AXIAL = 11
+D_AXIAL_COS = 12
+D_POLE_OFFSET = 13
+D_POLE_ARM = 14
+D_SPIN = 15
+D_PERIOD = 16
+D_PERIOD_LOW = 17
+D_PERIOD_TURNS = 18
+D_HARMONIC = 19
+D_G_SLOPE = 20
+D_I_SLOPE = 21
+D_ALPHA_SLOPE = 22
+D_J1 = 23
+D_J2 = 24
+D_J3 = 25
+D_J16 = 26
+D_HOUSING = 27
+D_OUTPUT = 28
+D_TOLERANCE = 29
+D_MAX_STEP = 30
+D_SIZE = 31
+
+# w: workspace of one call (nothing in it outlives the call)
+# stage blocks of the integrator: stages 1, 6 to 12, the end of the step, stages 14 to 16
+W_RATE_Q = 0
+W_RATE_OMEGA2 = 12
+W_MOMENTUM = 24
+W_DENSE_Q = 36
+W_DENSE_OMEGA2 = 43
+W_DENSE_OTHER = 50
+# the step in hand
+W_OMEGA1 = 57
+W_ALPHA1 = 58
+W_LOAD = 59
+W_STEP = 60
+W_SHAFT_INERTIA = 61
+W_SHAFT_TORQUE = 62
+W_STATE = 63
+W_SIZE = W_STATE + X_SIZE
+
+# contact modes
+HELD = 0
+FREE = 1
+DRIVING = 2
+HELD_DRIVING = 3
+
+# fidelities and methods
+KINEMATIC = 0
+AVERAGED = 1
+RIGID = 2
+ELASTIC = 3
+EVENT = 0
+TIMESTEPPING = 1
+
+# status codes
+OK = 0
+BAD_FIDELITY = 1
+BAD_METHOD = 2
+SINGULAR = 3
+BAD_START_HOUSING = 4
+BAD_START_OUTPUT = 5
+BAD_START_RIGID = 6
+BAD_OMEGA1 = 10
+BAD_LOAD_TORQUE = 11
+BAD_STEP = 12
+TOO_MANY_SWITCHES = 20
+TOO_MUCH_WORK = 21
+STEP_TOO_SMALL = 22
+NOT_FINITE = 23

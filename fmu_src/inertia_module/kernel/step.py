@@ -1,0 +1,212 @@
+"""The three things a shell calls: start, advance by a communication step, and the one entry to both."""
+
+from .accumulate import add, assign, wrap_drive_angle, wrap_input_angle
+from .contact import select_mode
+from .derive import derive
+from .dynamics import kinetic_energy
+from .held import advance_held
+from .impulse import jump_input, jump_kinematic
+from .kinematic import advance_kinematic
+from .outputs import shaft_in_energy, write_outputs
+from .pulse import advance_moving
+from .slots import *  # noqa: F403
+
+LARGEST_SPEED = 1e6
+LARGEST_TORQUE = 1e12
+LARGEST_STEP = 1e6
+# work one communication step may take before it is given up
+MAX_EVALUATIONS = 5e7
+# contact switches per turn of the highest harmonic: a pulse has about four
+SWITCHES_PER_PULSE = 64.0
+SWITCHES_ALLOWED = 1000.0
+
+START = 0
+STEP = 1
+
+
+def check_inputs(u):
+    """Status of the inputs: finite and within what a drivetrain can mean."""
+    if not abs(u[U_OMEGA1]) <= LARGEST_SPEED:
+        return BAD_OMEGA1
+    if not abs(u[U_LOAD_TORQUE]) <= LARGEST_TORQUE:
+        return BAD_LOAD_TORQUE
+    return OK
+
+
+def start(p, d, u, x, y):
+    """Derive the constants and set the state at the end of initialisation.
+
+    Args:
+        p: parameters (P_SIZE), each within its range. u: inputs (U_SIZE).
+        d: derived constants (D_SIZE), x: state (X_SIZE), y: outputs (Y_SIZE), all written.
+
+    Returns:
+        Status: OK, one of derive's, BAD_OMEGA1 or BAD_LOAD_TORQUE.
+    """
+    status = derive(p, d)
+    if status == OK:
+        status = check_inputs(u)
+    if status != OK:
+        return status
+    for n in range(X_SIZE):
+        x[n] = 0.0
+    x[X_OMEGA1] = u[U_OMEGA1]
+    x[X_HELD_INPUT] = u[U_OMEGA1]
+    x[X_LOAD_TORQUE] = u[U_LOAD_TORQUE]
+    x[X_Q] = p[P_DRIVE_ANGLE_START]
+    wrap_drive_angle(d, x)
+    if p[P_FIDELITY] == KINEMATIC:
+        x[X_OMEGA2] = p[P_KINEMATIC_RATIO] * u[U_OMEGA1]
+        x[X_OMEGA3] = x[X_OMEGA2]
+        x[X_MODE] = DRIVING
+    else:
+        x[X_OMEGA2] = p[P_OMEGA2_START]
+        x[X_OMEGA3] = p[P_OMEGA_OUT_START]
+        x[X_MODE] = select_mode(d, x[X_Q], x[X_OMEGA1], 0.0, x[X_OMEGA2], x[X_OMEGA3], x[X_LOAD_TORQUE])
+    x[X_ENERGY_START] = kinetic_energy(d, x[X_Q], x[X_OMEGA1], x[X_OMEGA2], shaft_in_energy(p, x))
+    write_outputs(p, d, x, y)
+    return OK
+
+
+def extrapolate_input(p, u, x, h):
+    """Slope of omega1 over the coming step and the jump that is left at its beginning."""
+    alpha1 = 0.0
+    if p[P_INPUT_HOLD] != 0.0 and x[X_HELD_STEP] > 0.0:
+        alpha1 = (u[U_OMEGA1] - x[X_HELD_INPUT]) / x[X_HELD_STEP]
+    x[X_HELD_INPUT] = u[U_OMEGA1]
+    x[X_HELD_STEP] = h
+    return alpha1, u[U_OMEGA1] - x[X_OMEGA1]
+
+
+def begin(p, u, x, h):
+    """Take the inputs of the coming step and clear its sums. Returns the jump of omega1."""
+    alpha1, jump = extrapolate_input(p, u, x, h)
+    x[X_ALPHA1] = alpha1
+    x[X_LOAD_TORQUE] = u[U_LOAD_TORQUE]
+    x[X_INPUT_IMPULSE] = 0.0
+    x[X_OUTPUT_IMPULSE] = 0.0
+    x[X_OUTPUT_SQUARE] = 0.0
+    x[X_STEP_SWITCHES] = 0.0
+    x[X_STEP_EVALUATIONS] = 0.0
+    return jump
+
+
+def choose_mode(d, x, omega1):
+    """Choose the contact mode anew and count a switch if it is another."""
+    mode = select_mode(d, x[X_Q], omega1, x[X_ALPHA1], x[X_OMEGA2], x[X_OMEGA3], x[X_LOAD_TORQUE])
+    if mode != x[X_MODE]:
+        x[X_MODE] = mode
+        x[X_STEP_SWITCHES] += 1.0
+
+
+def run_rigid(d, x, w, h):
+    """Advance link 2 and the output shaft by h from event to event. Returns a status."""
+    omega1 = x[X_OMEGA1]
+    alpha1 = x[X_ALPHA1]
+    load = x[X_LOAD_TORQUE]
+    time = 0.0
+    travel = 0.0
+    choose_mode(d, x, omega1)
+    while time < h:
+        mode = x[X_MODE]
+        speed = omega1 + alpha1 * time
+        if mode == HELD or mode == HELD_DRIVING:
+            passed, event = advance_held(d, x, mode, speed, alpha1, load, h - time)
+        else:
+            passed, event = advance_moving(d, x, w, speed, alpha1, load, h - time)
+        if passed < 0.0:
+            return STEP_TOO_SMALL
+        travel += passed * d[D_K] * (abs(speed) + abs(alpha1) * passed + abs(x[X_OMEGA2]))
+        wrap_drive_angle(d, x)
+        time = h if passed >= h - time else time + passed
+        if event:
+            choose_mode(d, x, omega1 + alpha1 * time)
+            if x[X_STEP_SWITCHES] > SWITCHES_ALLOWED + SWITCHES_PER_PULSE * d[D_HARMONIC] * travel:
+                return TOO_MANY_SWITCHES
+        if x[X_STEP_EVALUATIONS] > MAX_EVALUATIONS:
+            return TOO_MUCH_WORK
+    return OK
+
+
+def run_kinematic(p, d, x, h):
+    """Advance the prescribed motion by h. Returns a status."""
+    time = 0.0
+    while time < h:
+        speed = x[X_OMEGA1] + x[X_ALPHA1] * time
+        passed = advance_kinematic(d, x, p[P_KINEMATIC_RATIO], speed, x[X_ALPHA1], h - time)
+        wrap_drive_angle(d, x)
+        time = h if passed >= h - time else time + passed
+        if x[X_STEP_EVALUATIONS] > MAX_EVALUATIONS:
+            return TOO_MUCH_WORK
+    speed = p[P_KINEMATIC_RATIO] * (x[X_OMEGA1] + x[X_ALPHA1] * h)
+    assign(x, X_OMEGA2, speed)
+    assign(x, X_OMEGA3, speed)
+    return OK
+
+
+def end(x, h, input_jump, output_jump):
+    """Means over the step, all impulses included, and the angle of link 1."""
+    add(x, X_THETA1, h * (x[X_OMEGA1] + 0.5 * x[X_ALPHA1] * h))
+    wrap_input_angle(x)
+    x[X_OMEGA1] += x[X_ALPHA1] * h
+    x[X_INPUT_TORQUE_MEAN] = (input_jump + x[X_INPUT_IMPULSE]) / h
+    x[X_OUTPUT_TORQUE_MEAN] = (output_jump + x[X_OUTPUT_IMPULSE]) / h
+    mean = x[X_OUTPUT_IMPULSE] / h
+    variance = x[X_OUTPUT_SQUARE] / h - mean * mean
+    x[X_TORQUE_RIPPLE] = variance**0.5 if variance > 0.0 else 0.0
+    x[X_SWITCHES] += x[X_STEP_SWITCHES]
+    x[X_EVALUATIONS] += x[X_STEP_EVALUATIONS]
+
+
+def is_finite(x):
+    """Whether every number of the state is."""
+    for n in range(X_SIZE):
+        if not abs(x[n]) < 1e300:
+            return False
+    return True
+
+
+def advance(p, d, u, x, y, w, h):
+    """Advance by the communication step h, s.
+
+    A status other than OK leaves state and outputs as they were.
+
+    Args:
+        p, d, u: parameters, derived constants, inputs (held or extrapolated over the step).
+        x, y: state and outputs, written. w: workspace (W_SIZE).
+    """
+    if not 0.0 < h <= LARGEST_STEP:
+        return BAD_STEP
+    status = check_inputs(u)
+    if status != OK:
+        return status
+    for n in range(X_SIZE):
+        w[W_STATE + n] = x[n]
+    jump = begin(p, u, x, h)
+    input_jump = 0.0
+    output_jump = 0.0
+    if p[P_FIDELITY] == KINEMATIC:
+        if jump != 0.0:
+            input_jump, output_jump = jump_kinematic(d, x, jump, p[P_KINEMATIC_RATIO])
+        status = run_kinematic(p, d, x, h)
+    else:
+        if jump != 0.0:
+            input_jump, output_jump = jump_input(d, x, jump)
+        status = run_rigid(d, x, w, h)
+    if status == OK:
+        end(x, h, input_jump, output_jump)
+        if not is_finite(x):
+            status = NOT_FINITE
+    if status != OK:
+        for n in range(X_SIZE):
+            x[n] = w[W_STATE + n]
+        return status
+    write_outputs(p, d, x, y)
+    return OK
+
+
+def call(operation, p, d, u, x, y, w, h):
+    """The one entry of the compiled kernel: START or STEP."""
+    if operation == START:
+        return start(p, d, u, x, y)
+    return advance(p, d, u, x, y, w, h)

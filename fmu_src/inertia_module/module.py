@@ -1,0 +1,179 @@
+"""One inertia module in memory: named values over the arrays of the kernel. The FMU is a shell of it."""
+
+from __future__ import annotations
+
+import struct
+from array import array
+from typing import Any, Callable
+
+from . import compiled
+from .kernel import slots, step
+from .variables import (
+    BY_NAME,
+    INPUT,
+    PARAMETER,
+    default_parameters,
+    explain,
+    refusal,
+    refused_parameters,
+)
+
+_MAGIC = b"InertiaModule"
+
+
+class Refused(ValueError):
+    """Bad parameters, inputs or steps: the message names them and what is allowed. Nothing has changed."""
+
+
+def _doubles(size: int) -> array[float]:
+    return array("d", bytes(8 * size))
+
+
+def choose_kernel(kernel: str) -> tuple[Callable[..., int] | None, str]:
+    """The compiled entry, or None for the plain kernel, and a word on why.
+
+    Args:
+        kernel: "compiled", "plain", or "auto": compiled where numba or its cached result is there.
+
+    Raises:
+        CompilationUnavailable: "compiled" was asked for and cannot be had.
+        Refused: another word.
+    """
+    if kernel == "plain":
+        return None, "plain Python, as asked for"
+    if kernel == "compiled":
+        return compiled.load(), "compiled"
+    if kernel != "auto":
+        raise Refused(f"kernel = {kernel!r} is refused: allowed is auto, compiled or plain")
+    try:
+        return compiled.load(), "compiled"
+    except compiled.CompilationUnavailable as error:
+        return None, f"plain Python, for there is no compiled one ({error})"
+
+
+class Module:
+    """An inertia module: set parameters and inputs, start, step, read.
+
+    Args:
+        kernel: see choose_kernel.
+
+    Attributes:
+        kernel: which kernel runs, and why.
+        started: whether start has been called with good parameters.
+    """
+
+    def __init__(self, kernel: str = "auto") -> None:
+        self._entry, self.kernel = choose_kernel(kernel)
+        self.parameters = array("d", default_parameters())
+        self.derived = _doubles(slots.D_SIZE)
+        self.inputs = _doubles(slots.U_SIZE)
+        self.state = _doubles(slots.X_SIZE)
+        self.outputs = _doubles(slots.Y_SIZE)
+        self._workspace = _doubles(slots.W_SIZE)
+        self._arrays = (
+            self.parameters,
+            self.derived,
+            self.inputs,
+            self.state,
+            self.outputs,
+            self._workspace,
+        )
+        # addresses stay good: no array is ever resized
+        self._addresses = tuple(values.buffer_info()[0] for values in self._arrays)
+        self.started = False
+
+    def _call(self, operation: int, step_size: float) -> int:
+        if self._entry is not None:
+            return self._entry(operation, *self._addresses, step_size)
+        return step.call(operation, *self._arrays, step_size)  # type: ignore[no-untyped-call, no-any-return]
+
+    def set(self, **values: float) -> None:
+        """Set parameters (before start) and inputs by name; all of them or, on an error, none.
+
+        Raises:
+            Refused: an unknown name, a value out of its range, or a parameter after start.
+        """
+        places = []
+        for name, value in values.items():
+            variable = BY_NAME.get(name)
+            if variable is None or variable.causality not in (INPUT, PARAMETER):
+                settable = ", ".join(v.name for v in BY_NAME.values() if v.causality in (INPUT, PARAMETER))
+                raise Refused(f"{name} is refused: no such parameter or input; allowed are {settable}")
+            if variable.causality == PARAMETER and self.started:
+                raise Refused(
+                    f"{name} = {value} is refused: parameters are fixed once the module has started"
+                )
+            if not variable.accepts(float(value)):
+                raise Refused(refusal(variable, float(value)))
+            places.append(
+                (self.inputs if variable.causality == INPUT else self.parameters, variable.slot, value)
+            )
+        for values_of, slot, value in places:
+            values_of[slot] = value
+
+    def start(self, **values: float) -> "Module":
+        """Set values, check the parameters alone and together, and take the initial state.
+
+        Raises:
+            Refused: with one line for each thing that is wrong.
+        """
+        self.set(**values)
+        refused = refused_parameters(list(self.parameters))
+        if refused:
+            raise Refused("; ".join(refused))
+        self._check(self._call(step.START, 0.0), 0.0)
+        self.started = True
+        return self
+
+    def advance(self, step_size: float) -> None:
+        """Advance by a communication step, s.
+
+        Raises:
+            Refused: bad inputs or step, or work without end; the state is as it was.
+        """
+        if not self.started:
+            raise Refused("a step is refused: the module has not been started")
+        self._check(self._call(step.STEP, step_size), step_size)
+
+    def _check(self, status: int, step_size: float) -> None:
+        if status != slots.OK:
+            raise Refused(explain(status, list(self.parameters), list(self.inputs), step_size))
+
+    def __getitem__(self, name: str) -> float:
+        """Value of any variable by its name."""
+        variable = BY_NAME[name]
+        if variable.causality == INPUT:
+            return self.inputs[variable.slot]
+        if variable.causality == PARAMETER:
+            return self.parameters[variable.slot]
+        return self.outputs[variable.slot]
+
+    def save(self) -> bytes:
+        """Everything that makes up the module's state, bit for bit."""
+        head = _MAGIC + struct.pack("<?", self.started) + compiled.source_hash().encode()
+        return head + b"".join(values.tobytes() for values in self._arrays[:5])
+
+    def restore(self, saved: bytes) -> None:
+        """Take over a state of save.
+
+        Raises:
+            Refused: it is not one, or of another build; nothing is changed.
+        """
+        head = len(_MAGIC) + 1
+        start = head + len(compiled.source_hash())
+        size = start + sum(8 * len(values) for values in self._arrays[:5])
+        if len(saved) != size or saved[: len(_MAGIC)] != _MAGIC:
+            raise Refused(
+                f"a state of {len(saved)} bytes is refused: allowed is one saved by this build ({size} bytes)"
+            )
+        if saved[head:start] != compiled.source_hash().encode():
+            raise Refused("a state of another build is refused: allowed is one saved by this build")
+        self.started = bool(saved[len(_MAGIC)])
+        for values in self._arrays[:5]:
+            end = start + 8 * len(values)
+            memoryview(values).cast("B")[:] = saved[start:end]
+            start = end
+
+    def snapshot(self) -> dict[str, Any]:
+        """All variables by name."""
+        return {name: self[name] for name in BY_NAME}

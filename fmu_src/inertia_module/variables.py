@@ -1,0 +1,361 @@
+"""The one table of variables: the FMU description, the argument checks and docs/variables.md use it.
+
+Names and meanings are the contract of the module; slots are places in the arrays of the kernel.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Iterator
+
+from .kernel import slots
+
+REAL = "Real"
+INTEGER = "Integer"
+BOOLEAN = "Boolean"
+ENUMERATION = "Enumeration"
+
+INPUT = "input"
+OUTPUT = "output"
+LOCAL = "local"
+PARAMETER = "parameter"
+
+LARGEST_SPEED = 1e6
+LARGEST_TORQUE = 1e12
+LARGEST_STEP = 1e6
+
+# FMI base units: exponents of kg, m, s, rad
+UNITS: dict[str, dict[str, int]] = {
+    "1": {},
+    "rad": {"rad": 1},
+    "rad/s": {"rad": 1, "s": -1},
+    "m": {"m": 1},
+    "m/s": {"m": 1, "s": -1},
+    "m/s2": {"m": 1, "s": -2},
+    "s": {"s": 1},
+    "kg": {"kg": 1},
+    "kg.m2": {"kg": 1, "m": 2},
+    "N.m": {"kg": 1, "m": 2, "s": -2},
+    "N.m/rad": {"kg": 1, "m": 2, "s": -2, "rad": -1},
+    "N.m.s/rad": {"kg": 1, "m": 2, "s": -1, "rad": -1},
+    "J": {"kg": 1, "m": 2, "s": -2},
+}
+
+# display units: name and factor from the base unit
+DISPLAY_UNITS: dict[str, tuple[str, float]] = {
+    "rad": ("deg", 180.0 / math.pi),
+    "rad/s": ("rpm", 30.0 / math.pi),
+}
+
+ENUMERATIONS: dict[str, tuple[tuple[str, int, str], ...]] = {
+    "Layout": (
+        ("bevel", 0, "bevel differential, satellites on a bevel wheel (Karetin)"),
+        ("planar", 1, "planar differential, satellites rolling on a sun wheel (Lysenko)"),
+    ),
+    "Fidelity": (
+        ("kinematic", 0, "speed ratio prescribed, torques by inverse dynamics"),
+        ("averaged", 1, "mean torques and speeds (not built yet)"),
+        ("rigid", 2, "pulses and freewheels, rigid shafts"),
+        ("elastic", 3, "rigid, with an elastic output shaft (not built yet)"),
+    ),
+    "Method": (
+        ("event", 0, "high order between located events"),
+        ("timestepping", 1, "fixed step, complementarity on impulses (not built yet)"),
+    ),
+    "InputHold": (
+        ("constant", 0, "omega1 constant between communication points"),
+        ("linear", 1, "omega1 extrapolated linearly from the last two values"),
+    ),
+    "ContactMode": (
+        ("held", 0, "link 2 held by the housing freewheel, output shaft coasting"),
+        ("free", 1, "both freewheels open"),
+        ("driving", 2, "link 2 drives the output shaft"),
+        ("held_driving", 3, "link 2 and the output shaft both at rest"),
+    ),
+}
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One variable of the module.
+
+    Attributes:
+        name: name in the FMU. kind: Real, Integer, Boolean or Enumeration.
+        causality, variability: as in FMI 2.0. unit: of UNITS ("" where it has none).
+        start: start value (None: calculated). minimum, maximum, nominal: or None.
+        description: one sentence. slot: place in the array of its causality (p, u or y).
+        enumeration: name in ENUMERATIONS, or "". exclusive: minimum itself is not allowed.
+    """
+
+    name: str
+    kind: str
+    causality: str
+    variability: str
+    unit: str
+    start: float | None
+    minimum: float | None
+    maximum: float | None
+    nominal: float | None
+    description: str
+    slot: int
+    enumeration: str = ""
+
+    @property
+    def allowed(self) -> str:
+        """The allowed values in words."""
+        if self.kind == BOOLEAN:
+            return "true or false"
+        if self.kind == ENUMERATION:
+            items = ENUMERATIONS[self.enumeration]
+            return ", ".join(f"{number} ({name})" for name, number, _ in items)
+        low = -math.inf if self.minimum is None else self.minimum
+        high = math.inf if self.maximum is None else self.maximum
+        unit = f" {self.unit}" if self.unit not in ("", "1") else ""
+        number = "a whole number " if self.kind == INTEGER else ""
+        return f"{number}from {low:.16g} to {high:.16g}{unit}"
+
+    def accepts(self, value: float) -> bool:
+        """Whether a value is finite, whole where it has to be, and within the range."""
+        if not math.isfinite(value):
+            return False
+        if self.kind != REAL and value != math.floor(value):
+            return False
+        if self.kind == BOOLEAN:
+            return value in (0.0, 1.0)
+        if self.kind == ENUMERATION:
+            return any(value == number for _, number, _ in ENUMERATIONS[self.enumeration])
+        return (self.minimum is None or value >= self.minimum) and (
+            self.maximum is None or value <= self.maximum
+        )
+
+
+def _input(name: str, unit: str, limit: float, nominal: float, text: str, slot: int) -> Variable:
+    return Variable(name, REAL, INPUT, "continuous", unit, 0.0, -limit, limit, nominal, text, slot)
+
+
+def _signal(
+    causality: str,
+    name: str,
+    unit: str,
+    nominal: float | None,
+    text: str,
+    slot: int,
+    minimum: float | None = None,
+) -> Variable:
+    return Variable(name, REAL, causality, "continuous", unit, None, minimum, None, nominal, text, slot)
+
+
+def _counter(name: str, text: str, slot: int, minimum: float | None = 0.0) -> Variable:
+    return Variable(name, REAL, LOCAL, "discrete", "1", None, minimum, None, None, text, slot)
+
+
+def _real(
+    name: str,
+    unit: str,
+    start: float,
+    low: float,
+    high: float,
+    text: str,
+    slot: int,
+    nominal: float | None = None,
+) -> Variable:
+    return Variable(name, REAL, PARAMETER, "fixed", unit, start, low, high, nominal, text, slot)
+
+
+def _whole(name: str, start: int, low: int, high: int, text: str, slot: int) -> Variable:
+    return Variable(name, INTEGER, PARAMETER, "fixed", "", start, low, high, None, text, slot)
+
+
+def _choice(name: str, enumeration: str, start: int, text: str, slot: int) -> Variable:
+    items = ENUMERATIONS[enumeration]
+    return Variable(
+        name,
+        ENUMERATION,
+        PARAMETER,
+        "fixed",
+        "",
+        start,
+        items[0][1],
+        items[-1][1],
+        None,
+        text,
+        slot,
+        enumeration,
+    )
+
+
+def _switch(name: str, start: bool, text: str, slot: int) -> Variable:
+    return Variable(name, BOOLEAN, PARAMETER, "fixed", "", float(start), None, None, None, text, slot)
+
+
+_INERTIA_LIMIT = 1e12
+_SPEED_START_LIMIT = 1e6
+
+VARIABLES: tuple[Variable, ...] = (
+    _input("omega1", "rad/s", LARGEST_SPEED, 100.0, "speed of link 1 (input)", slots.U_OMEGA1),
+    _input("load_torque", "N.m", LARGEST_TORQUE, 10.0, "torque of the load on the output shaft, positive against the motion", slots.U_LOAD_TORQUE),
+    _signal(OUTPUT, "omega2", "rad/s", 100.0, "speed of link 2, the output link of the differential", slots.Y_OMEGA2),
+    _signal(OUTPUT, "omega_out", "rad/s", 100.0, "speed of the output shaft (driven mass if elastic)", slots.Y_OMEGA_OUT),
+    _signal(OUTPUT, "input_torque", "N.m", 100.0, "torque M1 on link 1 at this instant", slots.Y_INPUT_TORQUE),
+    _signal(OUTPUT, "mesh_torque", "N.m", 100.0, "torque M2 of the mesh on link 2 at this instant", slots.Y_MESH_TORQUE),
+    _signal(OUTPUT, "output_torque", "N.m", 100.0, "torque Tc in the output freewheel at this instant", slots.Y_OUTPUT_TORQUE),
+    _signal(OUTPUT, "housing_torque", "N.m", 100.0, "torque Th in the housing freewheel at this instant", slots.Y_HOUSING_TORQUE),
+    _signal(OUTPUT, "input_torque_mean", "N.m", 100.0, "mean of M1 over the last communication step, impulses included", slots.Y_INPUT_TORQUE_MEAN),
+    _signal(OUTPUT, "output_torque_mean", "N.m", 100.0, "mean of Tc over the last communication step, impulses included", slots.Y_OUTPUT_TORQUE_MEAN),
+    _signal(OUTPUT, "imbalance_acceleration", "m/s2", 1e3, "magnitude of the absolute acceleration of imbalance 0 of module 0", slots.Y_ACCELERATION, 0.0),
+    _signal(OUTPUT, "imbalance_acceleration_x", "m/s2", 1e3, "its component along the central axis Ox (fixed frame)", slots.Y_ACCELERATION_X),
+    _signal(OUTPUT, "imbalance_acceleration_y", "m/s2", 1e3, "its component along Oy (fixed frame)", slots.Y_ACCELERATION_Y),
+    _signal(OUTPUT, "imbalance_acceleration_z", "m/s2", 1e3, "its component along Oz (fixed frame)", slots.Y_ACCELERATION_Z),
+    _signal(LOCAL, "drive_angle", "rad", 1.0, "drive angle q without drive_turns whole turns: q = drive_angle + 2 pi drive_turns", slots.Y_DRIVE_ANGLE, 0.0),
+    _counter("drive_turns", "whole turns of the drive taken off drive_angle (a multiple of the turns in one period of the motion)", slots.Y_DRIVE_TURNS, None),
+    _signal(LOCAL, "input_angle", "rad", 1.0, "angle theta1 of link 1 without input_turns whole turns", slots.Y_INPUT_ANGLE, 0.0),
+    _counter("input_turns", "whole turns of link 1 taken off input_angle", slots.Y_INPUT_TURNS, None),
+    Variable("contact_mode", ENUMERATION, LOCAL, "discrete", "", None, 0, 3, None, "which freewheels are engaged", slots.Y_CONTACT_MODE, "ContactMode"),
+    _signal(LOCAL, "omega_hub", "rad/s", 100.0, "speed omega3 of the output shaft behind the freewheel", slots.Y_OMEGA_HUB),
+    _signal(LOCAL, "shaft_twist", "rad", 1e-2, "twist of the elastic output shaft (0 if rigid)", slots.Y_SHAFT_TWIST),
+    _signal(LOCAL, "imbalance_x", "m", 0.1, "position of imbalance 0 of module 0 along the central axis Ox (fixed frame)", slots.Y_POSITION_X),
+    _signal(LOCAL, "imbalance_y", "m", 0.1, "its position along Oy", slots.Y_POSITION_Y),
+    _signal(LOCAL, "imbalance_z", "m", 0.1, "its position along Oz", slots.Y_POSITION_Z),
+    _signal(LOCAL, "imbalance_velocity_x", "m/s", 10.0, "absolute velocity of imbalance 0 of module 0 along Ox", slots.Y_VELOCITY_X),
+    _signal(LOCAL, "imbalance_velocity_y", "m/s", 10.0, "its velocity along Oy", slots.Y_VELOCITY_Y),
+    _signal(LOCAL, "imbalance_velocity_z", "m/s", 10.0, "its velocity along Oz", slots.Y_VELOCITY_Z),
+    _signal(LOCAL, "energy_in", "J", 1e3, "work of the input torque since the start", slots.Y_ENERGY_IN),
+    _signal(LOCAL, "energy_out", "J", 1e3, "work done on the load since the start", slots.Y_ENERGY_OUT),
+    _signal(LOCAL, "energy_stored", "J", 1e3, "kinetic energy of the mechanism now", slots.Y_ENERGY_STORED),
+    _signal(LOCAL, "energy_lost", "J", 1e3, "energy lost since the start (ideal freewheels and rigid shafts lose none)", slots.Y_ENERGY_LOST),
+    _signal(LOCAL, "energy_residual", "J", 1.0, "energy audit: in - out - lost - gain of stored, the error of the integration", slots.Y_ENERGY_RESIDUAL),
+    _signal(LOCAL, "torque_ripple", "N.m", 100.0, "RMS of Tc about its mean over the last communication step, impulses apart", slots.Y_TORQUE_RIPPLE, 0.0),
+    _counter("contact_switches", "changes of the contact mode since the start", slots.Y_CONTACT_SWITCHES),
+    _counter("rhs_evaluations", "evaluations of the mechanism since the start: the cost", slots.Y_RHS_EVALUATIONS),
+    _choice("layout", "Layout", 0, "layout of the differential", slots.P_LAYOUT),
+    _whole("z2", 20, 1, 1000000, "teeth of wheel 2, fixed to link 2 (bevel)", slots.P_Z2),
+    _whole("z16", 20, 1, 1000000, "teeth of the wheel of drive 16 (bevel)", slots.P_Z16),
+    _whole("z17", 34, 1, 1000000, "teeth of the reactive wheel 17 (bevel)", slots.P_Z17),
+    _whole("z6", 20, 1, 1000000, "teeth of satellite 6 (bevel)", slots.P_Z6),
+    _real("shaft_angle", "rad", math.pi / 2, 1e-6, 3.141591, "angle Sigma between the axes of satellite 6 and drive 16 (bevel)", slots.P_SHAFT_ANGLE),
+    _real("wheel_radius", "m", 0.08, 1e-6, 1e3, "pitch radius r17 of wheel 17 (bevel)", slots.P_WHEEL_RADIUS),
+    _real("a", "1", 1.0, 0.0, 100.0, "AD over the pitch radius of the satellite (bevel)", slots.P_A),
+    _real("b", "1", 1.0, 0.0, 100.0, "QA over the height of the pitch cone of the satellite (bevel)", slots.P_B),
+    _real("c", "1", 1.0, 0.0, 100.0, "OQ over the height of the pitch cone of wheel 17 (bevel)", slots.P_C),
+    _real("epsilon", "rad", 0.0, -1e3, 1e3, "offset of the imbalance about the axis of the satellite (bevel)", slots.P_EPSILON),
+    _real("gamma", "rad", 0.0, -1e3, 1e3, "offset of the imbalance about the axis of the drive (bevel)", slots.P_GAMMA),
+    _real("sun_radius", "m", 0.05, 1e-6, 1e3, "radius R0 of the sun wheel, link 2 (planar)", slots.P_SUN_RADIUS),
+    _real("satellite_radius", "m", 0.03, 1e-6, 1e3, "radius r of a satellite (planar)", slots.P_SATELLITE_RADIUS),
+    _real("eccentricity", "m", 0.02, 0.0, 1e3, "distance l of the imbalance from the axis of its satellite (planar)", slots.P_ECCENTRICITY),
+    _real("imbalance_mass", "kg", 1.0, 0.0, 1e9, "mass m of one imbalance", slots.P_IMBALANCE_MASS),
+    _whole("modules", 1, 1, 1000, "modules, alike, about the central axis", slots.P_MODULES),
+    _whole("satellites", 1, 1, 1000, "satellites (imbalances) in one module, evenly spread", slots.P_SATELLITES),
+    _real("drive_inertia", "kg.m2", 0.0, 0.0, _INERTIA_LIMIT, "inertia J16 of all drives about their axes", slots.P_J16),
+    _real("input_inertia", "kg.m2", 0.0, 0.0, _INERTIA_LIMIT, "inertia J1 of link 1", slots.P_J1),
+    _real("link2_inertia", "kg.m2", 0.005, 0.0, _INERTIA_LIMIT, "inertia J2 of link 2", slots.P_J2),
+    _real("output_inertia", "kg.m2", 0.5, 1e-12, _INERTIA_LIMIT, "inertia J3 of the output shaft (hub if elastic)", slots.P_J3),
+    _real("driven_inertia", "kg.m2", 0.5, 1e-12, _INERTIA_LIMIT, "inertia J4 of the driven mass (elastic)", slots.P_J4),
+    _real("shaft_stiffness", "N.m/rad", 400.0, 1e-6, 1e15, "stiffness c of the output shaft (elastic)", slots.P_SHAFT_STIFFNESS),
+    _real("shaft_damping", "N.m.s/rad", 0.05, 0.0, 1e12, "damping d of the output shaft (elastic)", slots.P_SHAFT_DAMPING),
+    _real("driven_friction", "N.m.s/rad", 0.0, 0.0, 1e12, "viscous friction f of the driven mass (elastic)", slots.P_DRIVEN_FRICTION),
+    _real("balancer", "1", 0.0, -10.0, 10.0, "gain beta of the balancer (elastic)", slots.P_BALANCER),
+    _switch("housing_freewheel", True, "whether link 2 has a freewheel to the housing", slots.P_HOUSING_FREEWHEEL),
+    _switch("output_freewheel", True, "whether link 2 has a freewheel to the output shaft, else it is rigid with it", slots.P_OUTPUT_FREEWHEEL),
+    _choice("fidelity", "Fidelity", 2, "what is modelled", slots.P_FIDELITY),
+    _choice("method", "Method", 0, "how it is integrated", slots.P_METHOD),
+    _choice("input_hold", "InputHold", 0, "omega1 between communication points", slots.P_INPUT_HOLD),
+    _real("tolerance", "1", 1e-6, 1e-13, 0.1, "relative tolerance; one given to setupExperiment wins", slots.P_TOLERANCE, 1e-6),
+    _real("max_step", "s", 0.0, 0.0, LARGEST_STEP, "longest internal step, 0 for no limit", slots.P_MAX_STEP),
+    _real("kinematic_ratio", "1", 0.0, -10.0, 10.0, "prescribed omega2/omega1 (kinematic)", slots.P_KINEMATIC_RATIO),
+    _real("omega2_start", "rad/s", 0.0, -_SPEED_START_LIMIT, _SPEED_START_LIMIT, "speed of link 2 at the start", slots.P_OMEGA2_START),
+    _real("omega_out_start", "rad/s", 0.0, -_SPEED_START_LIMIT, _SPEED_START_LIMIT, "speed of the output shaft at the start", slots.P_OMEGA_OUT_START),
+    _real("drive_angle_start", "rad", 0.0, -1e6, 1e6, "drive angle q at the start", slots.P_DRIVE_ANGLE_START),
+)  # fmt: skip
+
+BY_NAME: dict[str, Variable] = {variable.name: variable for variable in VARIABLES}
+
+
+def with_causality(*causalities: str) -> Iterator[Variable]:
+    """Variables of these causalities, in the order of the table."""
+    return (variable for variable in VARIABLES if variable.causality in causalities)
+
+
+def default_parameters() -> list[float]:
+    """Start values of all parameters (scene R1), P_SIZE doubles by slot."""
+    values = [0.0] * slots.P_SIZE
+    for variable in with_causality(PARAMETER):
+        assert variable.start is not None
+        values[variable.slot] = float(variable.start)
+    return values
+
+
+def refusal(variable: Variable, value: float) -> str:
+    """Why a value is refused: name, value, what is allowed."""
+    return f"{variable.name} = {value:.16g} is refused: allowed is {variable.allowed}"
+
+
+def refused_parameters(values: list[float]) -> list[str]:
+    """One message for each parameter that is out of its own range, by slot."""
+    return [
+        refusal(variable, values[variable.slot])
+        for variable in with_causality(PARAMETER)
+        if not variable.accepts(values[variable.slot])
+    ]
+
+
+def _named(values: list[float], *names: str) -> str:
+    return ", ".join(f"{name} = {values[BY_NAME[name].slot]:.16g}" for name in names)
+
+
+def explain(status: int, values: list[float], inputs: list[float], step: float) -> str:
+    """The message for a status of the kernel: names, values and what is allowed.
+
+    Args:
+        status: status code of the kernel, not OK. values: parameters by slot.
+        inputs: inputs by slot. step: communication step, s.
+    """
+    choice = int(values[slots.P_FIDELITY]), int(values[slots.P_METHOD])
+    messages = {
+        slots.BAD_FIDELITY: lambda: (
+            f"fidelity = {choice[0]} ({ENUMERATIONS['Fidelity'][choice[0]][0]}) is refused: it is not built yet;"
+            " allowed is 0 (kinematic) or 2 (rigid)"
+        ),
+        slots.BAD_METHOD: lambda: (
+            f"method = {choice[1]} ({ENUMERATIONS['Method'][choice[1]][0]}) is refused: it is not built yet;"
+            " allowed is 0 (event)"
+        ),
+        slots.SINGULAR: lambda: (
+            f"{_named(values, 'link2_inertia', 'drive_inertia', 'a', 'b', 'eccentricity', 'imbalance_mass')}"
+            " are refused together: the inertia behind link 2 vanishes where the imbalance is at rest in link 1"
+            " (a = b, or no eccentricity); allowed is link2_inertia > 0, drive_inertia > 0, or a different from b"
+        ),
+        slots.BAD_START_HOUSING: lambda: (
+            f"{_named(values, 'omega2_start')} is refused: with the housing freewheel allowed is omega2_start >= 0"
+        ),
+        slots.BAD_START_OUTPUT: lambda: (
+            f"{_named(values, 'omega_out_start', 'omega2_start')} are refused together:"
+            " with the output freewheel allowed is omega_out_start >= omega2_start"
+        ),
+        slots.BAD_START_RIGID: lambda: (
+            f"{_named(values, 'omega_out_start', 'omega2_start')} are refused together:"
+            " without the output freewheel allowed is omega_out_start = omega2_start"
+        ),
+        slots.BAD_OMEGA1: lambda: refusal(BY_NAME["omega1"], inputs[slots.U_OMEGA1]),
+        slots.BAD_LOAD_TORQUE: lambda: refusal(BY_NAME["load_torque"], inputs[slots.U_LOAD_TORQUE]),
+        slots.BAD_STEP: lambda: (
+            f"communication step = {step:.16g} s is refused: allowed is above 0 up to {LARGEST_STEP:g} s"
+        ),
+        slots.TOO_MANY_SWITCHES: lambda: (
+            f"communication step = {step:.16g} s given up: the freewheels switch without end;"
+            " allowed is 1000 switches and 64 more a pulse"
+        ),
+        slots.TOO_MUCH_WORK: lambda: (
+            f"communication step = {step:.16g} s given up: it takes more than 5e7 evaluations of the mechanism;"
+            " allowed is a shorter communication step or a larger tolerance"
+        ),
+        slots.STEP_TOO_SMALL: lambda: (
+            f"communication step = {step:.16g} s given up: no internal step meets"
+            f" {_named(values, 'tolerance')}; allowed is a larger tolerance, or more link2_inertia"
+        ),
+        slots.NOT_FINITE: lambda: (
+            f"communication step = {step:.16g} s given up: the motion leaves the range of doubles with omega1 ="
+            f" {inputs[slots.U_OMEGA1]:.16g} rad/s, load_torque = {inputs[slots.U_LOAD_TORQUE]:.16g} N.m"
+        ),
+    }
+    return messages[status]()
