@@ -8,6 +8,7 @@ llvmlite is needed to load it, in milliseconds. The object holds one function, t
 from __future__ import annotations
 
 import ctypes
+import functools
 import hashlib
 import importlib
 import os
@@ -15,8 +16,9 @@ import re
 import sys
 import tempfile
 import types
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any, Callable
+from typing import Any
 
 from . import kernel
 from .kernel import slots
@@ -32,6 +34,7 @@ class CompilationUnavailable(RuntimeError):
     """Numba or llvmlite is not installed, or cannot compile the kernel here."""
 
 
+@functools.cache
 def source_hash() -> str:
     """Hash of the kernel's source files."""
     digest = hashlib.sha256()
@@ -54,8 +57,7 @@ def cache_folder() -> Path:
 
 def _jitted_kernel() -> types.ModuleType:
     """A second copy of the kernel's modules, every function of it wrapped by numba."""
-    import numba
-
+    numba: Any = importlib.import_module("numba")
     package = types.ModuleType(f"{kernel.__name__}_for_numba")
     package.__path__ = [str(KERNEL_FOLDER)]
     prefix = package.__name__ + "."
@@ -78,9 +80,9 @@ def _jitted_kernel() -> types.ModuleType:
 
 def _compile_to_ir() -> str:
     """LLVM IR of the entry, as numba makes it from the kernel's source."""
-    import numba
-    from numba import types as nt
-
+    numba: Any = importlib.import_module("numba")
+    nt = numba.types
+    carray = numba.carray
     call = _jitted_kernel().call
     sizes = slots.P_SIZE, slots.D_SIZE, slots.U_SIZE, slots.X_SIZE, slots.Y_SIZE, slots.W_SIZE
     n_p, n_d, n_u, n_x, n_y, n_w = sizes
@@ -89,12 +91,12 @@ def _compile_to_ir() -> str:
     def entry(operation, p, d, u, x, y, w, h):  # type: ignore[no-untyped-def]
         return call(
             operation,
-            numba.carray(p, n_p),
-            numba.carray(d, n_d),
-            numba.carray(u, n_u),
-            numba.carray(x, n_x),
-            numba.carray(y, n_y),
-            numba.carray(w, n_w),
+            carray(p, n_p),
+            carray(d, n_d),
+            carray(u, n_u),
+            carray(x, n_x),
+            carray(y, n_y),
+            carray(w, n_w),
             h,
         )
 
@@ -150,6 +152,7 @@ def write_atomically(path: Path, content: bytes) -> None:
     try:
         with os.fdopen(handle, "wb") as stream:
             stream.write(content)
+        os.chmod(name, 0o644)
         os.replace(name, path)
     except BaseException:
         os.unlink(name)
@@ -172,7 +175,7 @@ def load() -> Callable[..., int]:
     if "entry" not in _loaded:
         try:
             import llvmlite
-            import llvmlite.binding as binding
+            from llvmlite import binding
 
             machine = _target_machine(binding)
             processor = f"{binding.get_host_cpu_name()}-{binding.get_host_cpu_features().flatten()}"

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import struct
 from array import array
-from typing import Any, Callable
+from collections.abc import Callable
+from typing import Any
 
 from . import compiled
 from .kernel import slots, step
+from .messages import explain
 from .variables import (
     BY_NAME,
     INPUT,
     PARAMETER,
     default_parameters,
-    explain,
     refusal,
     refused_parameters,
 )
@@ -58,12 +59,14 @@ class Module:
         kernel: see choose_kernel.
 
     Attributes:
-        kernel: which kernel runs, and why.
+        kernel: which kernel runs, and why; chosen at the start.
         started: whether start has been called with good parameters.
     """
 
     def __init__(self, kernel: str = "auto") -> None:
-        self._entry, self.kernel = choose_kernel(kernel)
+        self._wanted = kernel
+        self._entry: Callable[..., int] | None = None
+        self.kernel = ""
         self.parameters = array("d", default_parameters())
         self.derived = _doubles(slots.D_SIZE)
         self.inputs = _doubles(slots.U_SIZE)
@@ -82,7 +85,13 @@ class Module:
         self._addresses = tuple(values.buffer_info()[0] for values in self._arrays)
         self.started = False
 
-    def _call(self, operation: int, step_size: float) -> int:
+    def load_kernel(self) -> None:
+        """Load the kernel (and compile it, the first time ever) now instead of at the start."""
+        if not self.kernel:
+            self._entry, self.kernel = choose_kernel(self._wanted)
+
+    def call(self, operation: int, step_size: float) -> int:
+        """Call the kernel (step.START or step.STEP) and return its status."""
         if self._entry is not None:
             return self._entry(operation, *self._addresses, step_size)
         return step.call(operation, *self._arrays, step_size)  # type: ignore[no-untyped-call, no-any-return]
@@ -111,7 +120,7 @@ class Module:
         for values_of, slot, value in places:
             values_of[slot] = value
 
-    def start(self, **values: float) -> "Module":
+    def start(self, **values: float) -> Module:
         """Set values, check the parameters alone and together, and take the initial state.
 
         Raises:
@@ -121,7 +130,8 @@ class Module:
         refused = refused_parameters(list(self.parameters))
         if refused:
             raise Refused("; ".join(refused))
-        self._check(self._call(step.START, 0.0), 0.0)
+        self.load_kernel()
+        self._check(self.call(step.START, 0.0), 0.0)
         self.started = True
         return self
 
@@ -133,7 +143,7 @@ class Module:
         """
         if not self.started:
             raise Refused("a step is refused: the module has not been started")
-        self._check(self._call(step.STEP, step_size), step_size)
+        self._check(self.call(step.STEP, step_size), step_size)
 
     def _check(self, status: int, step_size: float) -> None:
         if status != slots.OK:
@@ -168,6 +178,7 @@ class Module:
             )
         if saved[head:start] != compiled.source_hash().encode():
             raise Refused("a state of another build is refused: allowed is one saved by this build")
+        self.load_kernel()
         self.started = bool(saved[len(_MAGIC)])
         for values in self._arrays[:5]:
             end = start + 8 * len(values)

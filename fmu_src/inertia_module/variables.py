@@ -6,8 +6,8 @@ Names and meanings are the contract of the module; slots are places in the array
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Iterator
 
 from .kernel import slots
 
@@ -85,7 +85,7 @@ class Variable:
         causality, variability: as in FMI 2.0. unit: of UNITS ("" where it has none).
         start: start value (None: calculated). minimum, maximum, nominal: or None.
         description: one sentence. slot: place in the array of its causality (p, u or y).
-        enumeration: name in ENUMERATIONS, or "". exclusive: minimum itself is not allowed.
+        enumeration: name in ENUMERATIONS, or "".
     """
 
     name: str
@@ -297,65 +297,3 @@ def refused_parameters(values: list[float]) -> list[str]:
         for variable in with_causality(PARAMETER)
         if not variable.accepts(values[variable.slot])
     ]
-
-
-def _named(values: list[float], *names: str) -> str:
-    return ", ".join(f"{name} = {values[BY_NAME[name].slot]:.16g}" for name in names)
-
-
-def explain(status: int, values: list[float], inputs: list[float], step: float) -> str:
-    """The message for a status of the kernel: names, values and what is allowed.
-
-    Args:
-        status: status code of the kernel, not OK. values: parameters by slot.
-        inputs: inputs by slot. step: communication step, s.
-    """
-    choice = int(values[slots.P_FIDELITY]), int(values[slots.P_METHOD])
-    messages = {
-        slots.BAD_FIDELITY: lambda: (
-            f"fidelity = {choice[0]} ({ENUMERATIONS['Fidelity'][choice[0]][0]}) is refused: it is not built yet;"
-            " allowed is 0 (kinematic) or 2 (rigid)"
-        ),
-        slots.BAD_METHOD: lambda: (
-            f"method = {choice[1]} ({ENUMERATIONS['Method'][choice[1]][0]}) is refused: it is not built yet;"
-            " allowed is 0 (event)"
-        ),
-        slots.SINGULAR: lambda: (
-            f"{_named(values, 'link2_inertia', 'drive_inertia', 'a', 'b', 'eccentricity', 'imbalance_mass')}"
-            " are refused together: the inertia behind link 2 vanishes where the imbalance is at rest in link 1"
-            " (a = b, or no eccentricity); allowed is link2_inertia > 0, drive_inertia > 0, or a different from b"
-        ),
-        slots.BAD_START_HOUSING: lambda: (
-            f"{_named(values, 'omega2_start')} is refused: with the housing freewheel allowed is omega2_start >= 0"
-        ),
-        slots.BAD_START_OUTPUT: lambda: (
-            f"{_named(values, 'omega_out_start', 'omega2_start')} are refused together:"
-            " with the output freewheel allowed is omega_out_start >= omega2_start"
-        ),
-        slots.BAD_START_RIGID: lambda: (
-            f"{_named(values, 'omega_out_start', 'omega2_start')} are refused together:"
-            " without the output freewheel allowed is omega_out_start = omega2_start"
-        ),
-        slots.BAD_OMEGA1: lambda: refusal(BY_NAME["omega1"], inputs[slots.U_OMEGA1]),
-        slots.BAD_LOAD_TORQUE: lambda: refusal(BY_NAME["load_torque"], inputs[slots.U_LOAD_TORQUE]),
-        slots.BAD_STEP: lambda: (
-            f"communication step = {step:.16g} s is refused: allowed is above 0 up to {LARGEST_STEP:g} s"
-        ),
-        slots.TOO_MANY_SWITCHES: lambda: (
-            f"communication step = {step:.16g} s given up: the freewheels switch without end;"
-            " allowed is 1000 switches and 64 more a pulse"
-        ),
-        slots.TOO_MUCH_WORK: lambda: (
-            f"communication step = {step:.16g} s given up: it takes more than 5e7 evaluations of the mechanism;"
-            " allowed is a shorter communication step or a larger tolerance"
-        ),
-        slots.STEP_TOO_SMALL: lambda: (
-            f"communication step = {step:.16g} s given up: no internal step meets"
-            f" {_named(values, 'tolerance')}; allowed is a larger tolerance, or more link2_inertia"
-        ),
-        slots.NOT_FINITE: lambda: (
-            f"communication step = {step:.16g} s given up: the motion leaves the range of doubles with omega1 ="
-            f" {inputs[slots.U_OMEGA1]:.16g} rad/s, load_torque = {inputs[slots.U_LOAD_TORQUE]:.16g} N.m"
-        ),
-    }
-    return messages[status]()

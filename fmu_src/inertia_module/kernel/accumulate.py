@@ -3,7 +3,7 @@
 import math
 
 from .derive import TWO_PI, TWO_PI_LOW
-from .slots import *  # noqa: F403
+from .slots import *
 
 
 def add(x, slot, value):

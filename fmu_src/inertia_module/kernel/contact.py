@@ -5,7 +5,7 @@
 
 from .dynamics import free_torque, free_torque_rate, torque_scale
 from .inertia import reduced_inertia
-from .slots import *  # noqa: F403
+from .slots import *
 
 # a torque below this fraction of its scale is zero: the sign of its rate decides
 TORQUE_ROUNDING = 1e-13

@@ -2,7 +2,7 @@
 
 import math
 
-from .slots import *  # noqa: F403
+from .slots import *
 
 TWO_PI = 6.283185307179586
 TWO_PI_LOW = 2.4492935982947064e-16

@@ -7,9 +7,9 @@ quadratures need of them (stages 1, 6 to 13 and the three extra ones) goes to th
 
 import math
 
-from .dormand_prince_table import *  # noqa: F403
+from .dormand_prince_table import *
 from .dynamics import stage_rates
-from .slots import *  # noqa: F403
+from .slots import *
 
 
 def store(w, base, r1, r6, r7, r8, r9, r10, r11, r12):

@@ -1,11 +1,11 @@
 """Equations of motion (DESIGN section 3): torques and accelerations at one instant."""
 
 from .inertia import reduced_inertia
-from .slots import *  # noqa: F403
+from .slots import *
 
 
 def free_torque(d, omega1, alpha1, rate_q, i1, b, g, g1):
-    """F = k (k G alpha1 + G' q'^2 / 2 + B alpha1 - I' omega1^2 / 2): mesh torque with link 2 unaccelerated."""
+    """Mesh torque, link 2 unaccelerated: F = k (k G alpha1 + G' q'^2 / 2 + B alpha1 - I' omega1^2 / 2)."""
     k = d[D_K]
     return k * ((k * g + b) * alpha1 + 0.5 * g1 * rate_q * rate_q - 0.5 * i1 * omega1 * omega1)
 

@@ -10,7 +10,7 @@ import math
 from .contact import TORQUE_ROUNDING
 from .dormand_prince import dense_change, dense_coefficients, dense_rate, extra_stages
 from .dynamics import motion_rates, torque_scale
-from .slots import *  # noqa: F403
+from .slots import *
 
 # a velocity below this fraction of the fastest one is zero
 VELOCITY_ROUNDING = 1e-14

@@ -7,7 +7,7 @@ freedom of inertia Phi(q) = J1 + I + 2 k B + k^2 G, so work and impulse of the i
 from .accumulate import add, assign
 from .contact import TORQUE_ROUNDING
 from .dynamics import held_inertia, held_torque, torque_scale
-from .slots import *  # noqa: F403
+from .slots import *
 
 # phase of the highest harmonic between two looks at the guard, rad
 SCAN_PHASE = 1.5

@@ -7,7 +7,7 @@ of DESIGN section 3, and as ideal contacts close at zero relative speed no energ
 
 from .accumulate import add, assign
 from .inertia import reduced_inertia
-from .slots import *  # noqa: F403
+from .slots import *
 
 
 def apply_part(d, x, i, b, g, jump, change2):

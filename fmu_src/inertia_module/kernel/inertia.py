@@ -2,7 +2,7 @@
 
 import math
 
-from .slots import *  # noqa: F403
+from .slots import *
 
 
 def reduced_inertia(d, q):

@@ -9,7 +9,7 @@ from .held import (
     GAUSS_WEIGHT_2,
     GAUSS_WEIGHT_3,
 )
-from .slots import *  # noqa: F403
+from .slots import *
 
 # phase of the highest harmonic within one Gauss interval, rad
 GAUSS_PHASE = 1.0

@@ -5,7 +5,7 @@ Source: Karetin (2020), equation 2, with U5 U4 put right to U3 cos(phi + psi); L
 
 import math
 
-from .slots import *  # noqa: F403
+from .slots import *
 
 
 def imbalance(d, q):

@@ -2,7 +2,7 @@
 
 from .dynamics import kinetic_energy, motion, prescribed_torques
 from .layout import imbalance_in_fixed_frame
-from .slots import *  # noqa: F403
+from .slots import *
 
 
 def shaft_in_energy(p, x):

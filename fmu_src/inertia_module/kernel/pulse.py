@@ -5,7 +5,7 @@ from .dormand_prince import dense_change, error_norm, keep_end, quadrature, resu
 from .dynamics import angular_momentum, motion_rates
 from .events import LINK2, NONE, first_event, is_step_quiet
 from .held import coast
-from .slots import *  # noqa: F403
+from .slots import *
 
 # phase of the highest harmonic within one step, rad
 STEP_PHASE = 12.0

@@ -9,7 +9,7 @@ from .impulse import jump_input, jump_kinematic
 from .kinematic import advance_kinematic
 from .outputs import shaft_in_energy, write_outputs
 from .pulse import advance_moving
-from .slots import *  # noqa: F403
+from .slots import *
 
 LARGEST_SPEED = 1e6
 LARGEST_TORQUE = 1e12

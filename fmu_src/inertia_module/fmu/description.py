@@ -1,0 +1,180 @@
+"""modelDescription.xml of FMI 2.0 from the table of variables."""
+
+from __future__ import annotations
+
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
+
+from .. import __version__
+from ..variables import (
+    BOOLEAN,
+    DISPLAY_UNITS,
+    ENUMERATION,
+    ENUMERATIONS,
+    INPUT,
+    INTEGER,
+    OUTPUT,
+    PARAMETER,
+    REAL,
+    UNITS,
+    VARIABLES,
+    Variable,
+)
+
+DESCRIPTION = (
+    "Inertia module: inertial torque transformer, unbalanced satellites on a bevel or planar differential,"
+    " rectified by freewheels"
+)
+LOG_CATEGORIES = {
+    "logStatusWarning": "What the host should know but need not act on.",
+    "logStatusDiscard": "A step that was refused: the state is as it was.",
+    "logStatusError": "Parameters or calls that were refused.",
+    "logAll": "All messages.",
+}
+CAPABILITIES = {
+    "canHandleVariableCommunicationStepSize": True,
+    "canInterpolateInputs": False,
+    "canRunAsynchronuously": False,  # spelt so in the standard
+    "canBeInstantiatedOnlyOncePerProcess": False,
+    "canNotUseMemoryManagementFunctions": True,
+    "canGetAndSetFMUstate": True,
+    "canSerializeFMUstate": True,
+    "providesDirectionalDerivative": False,
+}
+
+# at initialisation the step means are zero and the turn counters depend on the start angle alone
+_NUMERICS = {"tolerance", "max_step", "method", "input_hold"}
+_ELASTIC = {"driven_inertia", "shaft_stiffness", "shaft_damping", "driven_friction", "balancer"}
+_MEANS = {"input_torque_mean", "output_torque_mean"}
+_SPEEDS = {
+    "omega2": {"omega1", "fidelity", "kinematic_ratio", "omega2_start"},
+    "omega_out": {"omega1", "fidelity", "kinematic_ratio", "omega_out_start"},
+}
+
+
+def _number(value: float) -> str:
+    return f"{value:.17g}" if value != int(value) or abs(value) > 1e15 else f"{value:.1f}"
+
+
+def _bool(value: bool) -> str:
+    return "true" if value else "false"
+
+
+def initial_dependencies(variable: Variable) -> list[int]:
+    """Indices (from 1) of the inputs and parameters an output depends on at initialisation."""
+    if variable.name in _MEANS:
+        return []
+    chosen = _SPEEDS.get(variable.name)
+    return [
+        index
+        for index, known in enumerate(VARIABLES, 1)
+        if known.causality in (INPUT, PARAMETER)
+        and (known.name in chosen if chosen else known.name not in _NUMERICS | _ELASTIC)
+    ]
+
+
+def _add_units(root: Element) -> None:
+    definitions = SubElement(root, "UnitDefinitions")
+    for name, exponents in UNITS.items():
+        unit = SubElement(definitions, "Unit", name=name)
+        SubElement(unit, "BaseUnit", {base: str(power) for base, power in exponents.items()})
+        if name in DISPLAY_UNITS:
+            display, factor = DISPLAY_UNITS[name]
+            SubElement(unit, "DisplayUnit", name=display, factor=_number(factor))
+
+
+def _add_types(root: Element) -> None:
+    definitions = SubElement(root, "TypeDefinitions")
+    for name, items in ENUMERATIONS.items():
+        enumeration = SubElement(SubElement(definitions, "SimpleType", name=name), "Enumeration")
+        for item, value, description in items:
+            SubElement(enumeration, "Item", name=item, value=str(value), description=description)
+
+
+def _real_attributes(variable: Variable) -> dict[str, str]:
+    attributes = {"unit": variable.unit}
+    numbers = {"min": variable.minimum, "max": variable.maximum, "nominal": variable.nominal}
+    attributes |= {key: _number(value) for key, value in numbers.items() if value is not None}
+    if variable.start is not None:
+        attributes["start"] = _number(variable.start)
+    return attributes
+
+
+def _discrete_attributes(variable: Variable) -> dict[str, str]:
+    attributes = {"declaredType": variable.enumeration} if variable.kind == ENUMERATION else {}
+    numbers = {"min": variable.minimum, "max": variable.maximum, "start": variable.start}
+    return attributes | {key: str(int(value)) for key, value in numbers.items() if value is not None}
+
+
+def _add_variable(parent: Element, reference: int, variable: Variable) -> None:
+    attributes = {
+        "name": variable.name,
+        "valueReference": str(reference),
+        "description": variable.description,
+        "causality": variable.causality,
+        "variability": variable.variability,
+    }
+    if variable.causality != INPUT:
+        attributes["initial"] = "exact" if variable.causality == PARAMETER else "calculated"
+    scalar = SubElement(parent, "ScalarVariable", attributes)
+    if variable.kind == REAL:
+        SubElement(scalar, REAL, _real_attributes(variable))
+    elif variable.kind == BOOLEAN:
+        SubElement(scalar, BOOLEAN, start=_bool(bool(variable.start)))
+    elif variable.kind in (INTEGER, ENUMERATION):
+        SubElement(scalar, variable.kind, _discrete_attributes(variable))
+
+
+def _add_structure(root: Element) -> None:
+    """Outputs hold the end of the last step: at a communication point none depends on an input."""
+    structure = SubElement(root, "ModelStructure")
+    outputs = SubElement(structure, "Outputs")
+    unknowns = SubElement(structure, "InitialUnknowns")
+    for index, variable in enumerate(VARIABLES, 1):
+        if variable.causality == OUTPUT:
+            SubElement(outputs, "Unknown", index=str(index), dependencies="")
+            known = " ".join(map(str, initial_dependencies(variable)))
+            SubElement(unknowns, "Unknown", index=str(index), dependencies=known)
+
+
+def model_description(identifier: str, guid: str, date: str, needs_execution_tool: bool) -> bytes:
+    """The XML of modelDescription.xml.
+
+    Args:
+        identifier: model identifier, the name of the binaries. guid: hash of the content.
+        date: generation date and time, UTC, ending in Z.
+        needs_execution_tool: whether the host has to have Python.
+    """
+    root = Element(
+        "fmiModelDescription",
+        fmiVersion="2.0",
+        modelName=identifier,
+        guid=guid,
+        description=DESCRIPTION,
+        author="The inertia module developers",
+        version=__version__,
+        license="MIT",
+        generationTool=f"inertia-module {__version__}",
+        generationDateAndTime=date,
+        variableNamingConvention="flat",
+    )
+    flags = {name: _bool(value) for name, value in CAPABILITIES.items()}
+    SubElement(
+        root,
+        "CoSimulation",
+        {"modelIdentifier": identifier, "needsExecutionTool": _bool(needs_execution_tool)} | flags,
+    )
+    _add_units(root)
+    _add_types(root)
+    categories = SubElement(root, "LogCategories")
+    for name, description in LOG_CATEGORIES.items():
+        SubElement(categories, "Category", name=name, description=description)
+    SubElement(
+        root, "DefaultExperiment", startTime="0.0", stopTime="1.0", tolerance="1e-06", stepSize="0.001"
+    )
+    variables = SubElement(root, "ModelVariables")
+    for reference, variable in enumerate(VARIABLES):
+        _add_variable(variables, reference, variable)
+    _add_structure(root)
+    indent(root)
+    text: bytes = tostring(root, encoding="UTF-8", xml_declaration=True)
+    return text + b"\n"

@@ -1,0 +1,270 @@
+"""The Python slave: FMI calls as pythonfmu passes them on, over one module in memory.
+
+Nothing may be raised out of a callback: pythonfmu turns it into fmi2Fatal and corrupts memory. What
+is refused is logged and kept in mind; the only status this shell can return is the fmi2Discard of a
+step, so a bad instance answers every step with it.
+"""
+
+from __future__ import annotations
+
+import math
+from array import array
+from collections.abc import Callable
+from typing import Any
+
+from pythonfmu import Fmi2Slave
+from pythonfmu.enums import Fmi2Status
+
+from ..kernel import slots, step
+from ..messages import explain
+from ..module import Module, Refused
+from ..variables import BOOLEAN, INPUT, PARAMETER, REAL, VARIABLES, Variable
+
+INSTANTIATED = "instantiated"
+INITIALIZING = "in initialization mode"
+STEPPING = "initialized"
+TERMINATED = "terminated"
+
+_PHASES = (INSTANTIATED, INITIALIZING, STEPPING, TERMINATED)
+_UNKNOWN = Variable("unknown", "", "", "", "", None, None, None, None, "", 0)
+
+
+class InertiaModulePy(Fmi2Slave):  # type: ignore[misc]
+    """The inertia module behind the FMI 2.0 interface of pythonfmu."""
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__(**kwargs)
+        self._module = Module("auto")
+        self._phase = INSTANTIATED
+        self._tolerance: float | None = None
+        self._refusal = ""
+        module = self._module
+        arrays = {INPUT: module.inputs, PARAMETER: module.parameters}
+        # value reference -> array and slot
+        self._places: list[tuple[array[float], int]] = [
+            (arrays.get(variable.causality, module.outputs), variable.slot) for variable in VARIABLES
+        ]
+        self._reals = {
+            reference: place
+            for reference, place in enumerate(self._places)
+            if VARIABLES[reference].kind == REAL
+        }
+
+    def _say(self, message: str, status: Fmi2Status) -> None:
+        # the text is used as a printf format
+        self.log(message.replace("%", "%%"), status)
+
+    def _refuse(self, message: str) -> None:
+        """Log a refusal and answer every step with fmi2Discard from now on."""
+        self._refusal = message
+        self._say(message, Fmi2Status.error)
+
+    def _guarded(self, action: Callable[[], None]) -> None:
+        """Run an action; whatever goes wrong becomes a refusal."""
+        try:
+            action()
+        except Refused as error:
+            self._refuse(str(error))
+        except Exception as error:
+            self._refuse(f"internal error: {type(error).__name__}: {error}")
+
+    # -- initialisation ------------------------------------------------------------------------------
+
+    def setup_experiment(self, start_time: float, stop_time: float | None, tolerance: float | None) -> None:
+        """Take over the tolerance: it wins over the parameter."""
+        if self._phase != INSTANTIATED:
+            self._say(
+                f"setupExperiment is refused: the instance is {self._phase}, allowed is before"
+                " enterInitializationMode",
+                Fmi2Status.error,
+            )
+            return
+        self._tolerance = tolerance
+
+    def enter_initialization_mode(self) -> None:
+        """Load the kernel; say so when that will take a while."""
+        if self._phase != INSTANTIATED:
+            self._refuse(
+                f"enterInitializationMode is refused: the instance is {self._phase}, allowed is once,"
+                " after instantiation or reset"
+            )
+            return
+        self._phase = INITIALIZING
+
+        def load() -> None:
+            self._module.load_kernel()
+            self._say(f"the kernel is {self._module.kernel}", Fmi2Status.ok)
+
+        self._guarded(load)
+
+    def exit_initialization_mode(self) -> None:
+        """Check the parameters, alone and together, and take the initial state."""
+        if self._phase != INITIALIZING:
+            self._refuse(
+                f"exitInitializationMode is refused: the instance is {self._phase},"
+                " allowed is after enterInitializationMode"
+            )
+            return
+        self._phase = STEPPING
+
+        def start() -> None:
+            if self._tolerance is not None:
+                self._module.parameters[slots.P_TOLERANCE] = self._tolerance
+            self._module.start()
+
+        self._guarded(start)
+
+    def terminate(self) -> None:
+        """Outputs stay readable, steps are refused."""
+        self._phase = TERMINATED
+
+    # -- stepping ------------------------------------------------------------------------------------
+
+    def do_step(self, current_time: float, step_size: float) -> bool:
+        """Advance by step_size, s; False (fmi2Discard) leaves the state as it was."""
+        try:
+            if self._refusal or self._phase != STEPPING:
+                self._say(self._why_not(), Fmi2Status.discard)
+                return False
+            module = self._module
+            status = module.call(step.STEP, step_size) if math.isfinite(current_time) else slots.BAD_STEP
+            if status == slots.OK:
+                return True
+            if status == slots.BAD_STEP and not math.isfinite(current_time):
+                message = f"communication point = {current_time} s is refused: allowed is a finite time"
+            else:
+                message = explain(status, module.parameters, module.inputs, step_size)
+            self._say(message, Fmi2Status.discard)
+        except Exception as error:
+            self._refuse(f"internal error: {type(error).__name__}: {error}")
+        return False
+
+    def _why_not(self) -> str:
+        if self._refusal:
+            return f"doStep is refused: {self._refusal}"
+        return f"doStep is refused: the instance is {self._phase}, allowed is after exitInitializationMode"
+
+    # -- values --------------------------------------------------------------------------------------
+
+    def _variable(self, reference: int) -> Variable:
+        return VARIABLES[reference] if 0 <= reference < len(VARIABLES) else _UNKNOWN
+
+    def _get(self, references: list[int], kinds: tuple[str, ...], missing: float) -> list[float]:
+        values = []
+        for reference in references:
+            variable = self._variable(reference)
+            if variable.kind in kinds:
+                place, slot = self._places[reference]
+                values.append(place[slot])
+            else:
+                self._say(
+                    f"value reference {reference} is refused: it is no {kinds[0]}, allowed are those of"
+                    " modelDescription.xml",
+                    Fmi2Status.error,
+                )
+                values.append(missing)
+        return values
+
+    def get_real(self, vrs: list[int]) -> list[float]:
+        """Values of Real variables (NaN for a reference that is none)."""
+        reals = self._reals
+        try:
+            return [place[slot] for place, slot in [reals[reference] for reference in vrs]]
+        except KeyError:
+            return self._get(vrs, (REAL,), math.nan)
+
+    def get_integer(self, vrs: list[int]) -> list[int]:
+        """Values of Integer and Enumeration variables (0 for a reference that is none)."""
+        return [_int32(value) for value in self._get(vrs, ("Integer", "Enumeration"), 0.0)]
+
+    def get_boolean(self, vrs: list[int]) -> list[bool]:
+        """Values of Boolean variables (False for a reference that is none)."""
+        return [value != 0.0 for value in self._get(vrs, (BOOLEAN,), 0.0)]
+
+    def get_string(self, vrs: list[int]) -> list[str]:
+        """There are no String variables."""
+        self._get(vrs, ("String",), 0.0)
+        return [""] * len(vrs)
+
+    def _why_not_set(self, variable: Variable, reference: int, kinds: tuple[str, ...]) -> str:
+        if variable.kind not in kinds:
+            return (
+                f"value reference {reference} is refused: it is no {kinds[0]},"
+                " allowed are those of modelDescription.xml"
+            )
+        if variable.causality not in (INPUT, PARAMETER):
+            return (
+                f"setting {variable.name} is refused: it is {variable.causality},"
+                " allowed are inputs and parameters"
+            )
+        if variable.causality == PARAMETER and self._phase in (STEPPING, TERMINATED):
+            return (
+                f"setting {variable.name} is refused: parameters are fixed,"
+                " allowed is before the end of initialization"
+            )
+        return ""
+
+    def _set(self, references: list[int], values: list[Any], kinds: tuple[str, ...]) -> None:
+        """Set all of the values or, if one cannot be set, none."""
+
+        def assign() -> None:
+            for reference in references:
+                message = self._why_not_set(self._variable(reference), reference, kinds)
+                if message:
+                    self._say(message, Fmi2Status.error)
+                    return
+            for reference, value in zip(references, values, strict=True):
+                place, slot = self._places[reference]
+                place[slot] = value
+
+        self._guarded(assign)
+
+    def set_real(self, vrs: list[int], values: list[float]) -> None:
+        """Set Real inputs and parameters; they are checked where they are used."""
+        self._set(vrs, values, (REAL,))
+
+    def set_integer(self, vrs: list[int], values: list[int]) -> None:
+        """Set Integer and Enumeration parameters."""
+        self._set(vrs, values, ("Integer", "Enumeration"))
+
+    def set_boolean(self, vrs: list[int], values: list[bool]) -> None:
+        """Set Boolean parameters."""
+        self._set(vrs, [1.0 if value else 0.0 for value in values], (BOOLEAN,))
+
+    def set_string(self, vrs: list[int], values: list[str]) -> None:
+        """There are no String variables."""
+        self._set(vrs, values, ("String",))
+
+    # -- state ---------------------------------------------------------------------------------------
+
+    def _get_fmu_state(self) -> bytes:
+        tolerance = math.nan if self._tolerance is None else self._tolerance
+        head = bytes([_PHASES.index(self._phase)]) + array("d", [tolerance]).tobytes()
+        refusal = self._refusal.encode()
+        return head + len(refusal).to_bytes(4, "little") + refusal + self._module.save()
+
+    def _set_fmu_state(self, state: bytes) -> None:
+        def restore() -> None:
+            end = 13 + int.from_bytes(state[9:13], "little")
+            if len(state) < end or state[0] >= len(_PHASES):
+                raise Refused("the FMU state is refused: allowed is one of this FMU")
+            self._module.restore(state[end:])
+            tolerance = array("d", state[1:9])[0]
+            self._tolerance = None if math.isnan(tolerance) else tolerance
+            self._phase = _PHASES[state[0]]
+            self._refusal = state[13:end].decode()
+
+        self._guarded(restore)
+
+    @staticmethod
+    def _fmu_state_to_bytes(state: bytes) -> bytes:
+        return state
+
+    @staticmethod
+    def _fmu_state_from_bytes(state: bytes) -> bytes:
+        return state
+
+
+def _int32(value: float) -> int:
+    """What a 32-bit integer can hold of a parameter that has not been checked yet."""
+    return int(max(-(2.0**31), min(2.0**31 - 1.0, value))) if math.isfinite(value) else 0
