@@ -187,7 +187,7 @@ def load() -> Callable[..., int]:
             engine = binding.create_mcjit_compiler(binding.parse_assembly(""), machine)
             engine.add_object_file(binding.ObjectFileRef.from_data(path.read_bytes()))
             engine.finalize_object()
-        except (ImportError, RuntimeError, OSError) as error:
+        except Exception as error:
             raise CompilationUnavailable(f"{type(error).__name__}: {error}") from error
         _loaded["engine"] = engine  # owns the code
         _loaded["entry"] = SIGNATURE(engine.get_function_address(ENTRY))

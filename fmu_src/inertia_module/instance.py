@@ -6,6 +6,7 @@ import contextlib
 import functools
 import math
 import shutil
+import weakref
 from collections.abc import Callable, Mapping, Sequence
 from ctypes import byref, c_double
 from pathlib import Path
@@ -28,6 +29,51 @@ class Plant(Protocol):
 
     def read(self, names: Sequence[str]) -> tuple[float, ...]:
         """Values by name."""
+
+
+# instances by the environment their callbacks carry
+_listeners: weakref.WeakValueDictionary[int, Fmu] = weakref.WeakValueDictionary()
+
+
+def _dispatch(environment: int | None, instance: bytes, status: int, category: bytes, message: bytes) -> None:
+    """Pass a log message on to the instance it is for; others are printed, as fmpy does."""
+    from fmpy.fmi1 import printLogMessage
+
+    listener = _listeners.get(environment or 0)
+    if listener is None:
+        printLogMessage(environment, instance, status, category, message)
+    else:
+        listener._log(status, message.decode("utf-8", "replace"))
+
+
+@functools.cache
+def _logger() -> Any:
+    """The process's one log callback: fmpy's proxy, which formats the messages, knows only one."""
+    from fmpy.fmi2 import fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
+    from fmpy.logging import addLoggerProxy
+
+    callbacks = fmi2CallbackFunctions()
+    callbacks.logger = fmi2CallbackLoggerTYPE(_dispatch)
+    addLoggerProxy(byref(callbacks))
+    return callbacks
+
+
+def _callbacks(listener: Fmu) -> Any:
+    """Callbacks of one instance, with its own environment."""
+    from fmpy.fmi1 import calloc, free
+    from fmpy.fmi2 import (
+        fmi2CallbackAllocateMemoryTYPE,
+        fmi2CallbackFreeMemoryTYPE,
+        fmi2CallbackFunctions,
+    )
+
+    callbacks = fmi2CallbackFunctions()
+    callbacks.logger = _logger().logger
+    callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
+    callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
+    callbacks.componentEnvironment = id(listener)
+    _listeners[id(listener)] = listener
+    return callbacks
 
 
 class Fmu:
@@ -98,34 +144,16 @@ class Fmu:
             instanceName=self.path.stem,
         )
         try:
-            self._instance.instantiate(callbacks=self._callbacks(), loggingOn=True)
+            self._instance.instantiate(callbacks=_callbacks(self), loggingOn=True)
         except Exception as error:
             reasons = "; ".join(self.messages) or str(error)
             raise DriveError(f"{self.path} cannot be instantiated: {reasons}") from error
         return self._instance
 
-    def _callbacks(self) -> Any:
-        from fmpy.fmi1 import calloc, free
-        from fmpy.fmi2 import (
-            fmi2CallbackAllocateMemoryTYPE,
-            fmi2CallbackFreeMemoryTYPE,
-            fmi2CallbackFunctions,
-            fmi2CallbackLoggerTYPE,
-        )
-        from fmpy.logging import addLoggerProxy
-
-        def log(_environment: Any, _instance: bytes, status: int, _category: bytes, message: bytes) -> None:
-            text = message.decode("utf-8", "replace")
-            self.messages.append(text)
-            if status > 0:
-                self._errors.append(text)
-
-        callbacks = fmi2CallbackFunctions()
-        callbacks.logger = fmi2CallbackLoggerTYPE(log)
-        callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
-        callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
-        addLoggerProxy(byref(callbacks))
-        return callbacks
+    def _log(self, status: int, message: str) -> None:
+        self.messages.append(message)
+        if status > 0:
+            self._errors.append(message)
 
     def _guard(self, name: str, call: Callable[[], Any]) -> None:
         """Call the FMU; an error status or an error message of its own becomes a DriveError."""

@@ -1,0 +1,51 @@
+# Two commands do all: `make demo` and `make test`.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+PIP_QUIET ?= -q
+
+.PHONY: demo test lint docs build bench install clean help
+
+help: ## what there is to make
+	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
+
+$(VENV)/.made:
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install $(PIP_QUIET) --upgrade pip
+	@touch $@
+
+$(VENV)/.run: $(VENV)/.made pyproject.toml
+	$(BIN)/python -m pip install $(PIP_QUIET) -e '.[fast]'
+	@touch $@
+
+$(VENV)/.all: $(VENV)/.made pyproject.toml
+	$(BIN)/python -m pip install $(PIP_QUIET) -e '.[all]'
+	@touch $@ $(VENV)/.run
+
+install: $(VENV)/.all ## set up a virtual environment with everything
+
+build: $(VENV)/.run ## build the FMUs into build/
+	$(BIN)/inertia-module build
+
+demo: $(VENV)/.run ## set up, build the FMU, drive a car through the urban cycle
+	$(BIN)/inertia-module build
+	$(BIN)/inertia-module run examples/urban.toml -o out/urban
+
+test: $(VENV)/.all ## run all tests
+	$(BIN)/python -m pytest -n auto
+
+lint: $(VENV)/.all ## style, types, floors
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+docs: $(VENV)/.all ## build the documentation into site/
+	$(BIN)/python docs/make_pages.py --check
+	$(BIN)/mkdocs build -q --strict
+
+bench: $(VENV)/.all ## measure speed and errors, write docs/performance.md
+	$(BIN)/python benchmarks/speed.py
+
+clean: ## remove what was built
+	rm -rf $(VENV) out site build/*.fmu

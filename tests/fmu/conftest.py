@@ -1,0 +1,104 @@
+"""FMUs as an importer sees them: built once a session, driven through fmpy only."""
+
+import pytest
+from fmpy import extract, read_model_description
+from fmpy.fmi1 import FMICallException
+from fmpy.fmi2 import FMU2Slave, fmi2Discard
+
+from inertia_module.fmu.builder import build
+
+FLAVOURS = ("InertiaModulePy",)
+
+
+@pytest.fixture(scope="session")
+def built(tmp_path_factory):
+    """Folder with all FMUs."""
+    folder = tmp_path_factory.mktemp("build")
+    build(folder)
+    return folder
+
+
+@pytest.fixture(scope="session", params=FLAVOURS)
+def fmu_path(request, built):
+    return built / f"{request.param}.fmu"
+
+
+@pytest.fixture(scope="session")
+def description(fmu_path):
+    return read_model_description(str(fmu_path))
+
+
+@pytest.fixture(scope="session")
+def unpacked(fmu_path, tmp_path_factory):
+    return extract(str(fmu_path), unzipdir=str(tmp_path_factory.mktemp("unpacked")))
+
+
+class Instance:
+    """One instance over fmpy's calls, values by name."""
+
+    def __init__(self, description, folder):
+        self.references = {v.name: v.valueReference for v in description.modelVariables}
+        self.types = {v.name: v.type for v in description.modelVariables}
+        self.fmu = FMU2Slave(
+            guid=description.guid,
+            unzipDirectory=str(folder),
+            modelIdentifier=description.coSimulation.modelIdentifier,
+            instanceName="instance",
+        )
+        self.fmu.instantiate(loggingOn=True)
+        self.time = 0.0
+
+    def set(self, **values):
+        for name, value in values.items():
+            kind = {"Real": "Real", "Boolean": "Boolean"}.get(self.types[name], "Integer")
+            getattr(self.fmu, f"set{kind}")([self.references[name]], [value])
+
+    def get(self, name):
+        kind = {"Real": "Real", "Boolean": "Boolean"}.get(self.types[name], "Integer")
+        return getattr(self.fmu, f"get{kind}")([self.references[name]])[0]
+
+    def all_values(self):
+        return {name: self.get(name) for name in self.references}
+
+    def start(self, tolerance=None, **values):
+        self.fmu.setupExperiment(tolerance=tolerance, startTime=0.0)
+        self.set(**values)
+        self.fmu.enterInitializationMode()
+        self.fmu.exitInitializationMode()
+        return self
+
+    def step(self, h):
+        self.fmu.doStep(currentCommunicationPoint=self.time, communicationStepSize=h)
+        self.time += h
+
+    def is_discarded(self, h):
+        """Whether the step is answered by fmi2Discard."""
+        try:
+            self.fmu.fmi2DoStep(self.fmu.component, self.time, h, True)
+        except FMICallException as error:
+            if error.status != fmi2Discard:
+                raise
+            return True
+        return False
+
+    def close(self):
+        self.fmu.fmi2FreeInstance(self.fmu.component)
+
+
+@pytest.fixture
+def instances(description, unpacked):
+    """Makes instances and frees them after the test."""
+    made = []
+
+    def make():
+        made.append(Instance(description, unpacked))
+        return made[-1]
+
+    yield make
+    for instance in made:
+        instance.close()
+
+
+@pytest.fixture
+def instance(instances):
+    return instances()
