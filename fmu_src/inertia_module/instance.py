@@ -7,7 +7,7 @@ import functools
 import math
 import shutil
 import weakref
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from ctypes import byref, c_double
 from pathlib import Path
 from types import TracebackType
@@ -31,8 +31,9 @@ class Plant(Protocol):
         """Values by name."""
 
 
-# instances by the environment their callbacks carry
+# instances by the environment their callbacks carry, and who hears the messages of all others
 _listeners: weakref.WeakValueDictionary[int, Fmu] = weakref.WeakValueDictionary()
+_others: list[list[str]] = []
 
 
 def _dispatch(environment: int | None, instance: bytes, status: int, category: bytes, message: bytes) -> None:
@@ -40,22 +41,33 @@ def _dispatch(environment: int | None, instance: bytes, status: int, category: b
     from fmpy.fmi1 import printLogMessage
 
     listener = _listeners.get(environment or 0)
-    if listener is None:
-        printLogMessage(environment, instance, status, category, message)
-    else:
+    if listener is not None:
         listener._log(status, message.decode("utf-8", "replace"))
+    elif _others and status > 0:
+        _others[-1].append(message.decode("utf-8", "replace"))
+    elif not _others:
+        printLogMessage(environment, instance, status, category, message)
 
 
 @functools.cache
+def _dispatcher() -> Any:
+    from fmpy.fmi2 import fmi2CallbackLoggerTYPE
+
+    return fmi2CallbackLoggerTYPE(_dispatch)
+
+
 def _logger() -> Any:
-    """The process's one log callback: fmpy's proxy, which formats the messages, knows only one."""
-    from fmpy.fmi2 import fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
+    """The log callback of all instances, made anew the one that fmpy's proxy passes messages to.
+
+    The proxy, which formats the messages, knows one callback a process: whoever came last.
+    """
+    from fmpy.fmi2 import fmi2CallbackFunctions
     from fmpy.logging import addLoggerProxy
 
     callbacks = fmi2CallbackFunctions()
-    callbacks.logger = fmi2CallbackLoggerTYPE(_dispatch)
+    callbacks.logger = _dispatcher()
     addLoggerProxy(byref(callbacks))
-    return callbacks
+    return callbacks.logger
 
 
 def _callbacks(listener: Fmu) -> Any:
@@ -68,12 +80,24 @@ def _callbacks(listener: Fmu) -> Any:
     )
 
     callbacks = fmi2CallbackFunctions()
-    callbacks.logger = _logger().logger
+    callbacks.logger = _logger()
     callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
     callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
     callbacks.componentEnvironment = id(listener)
     _listeners[id(listener)] = listener
     return callbacks
+
+
+@contextlib.contextmanager
+def messages_of_others() -> Iterator[list[str]]:
+    """Collect warnings and errors of instances that fmpy makes itself."""
+    _logger()
+    messages: list[str] = []
+    _others.append(messages)
+    try:
+        yield messages
+    finally:
+        _others.remove(messages)
 
 
 class Fmu:

@@ -57,11 +57,12 @@ def test_interrupted_build_leaves_the_old_file_and_no_other(tmp_path, monkeypatc
         assert [file.name for file in tmp_path.iterdir()] == [path.name]
 
 
-def test_build_says_what_it_is_doing(tmp_path):
+def test_build_says_what_it_is_doing(tmp_path, monkeypatch):
+    monkeypatch.setattr(builder, "is_cached", lambda: False)
     stages = []
     builder.build(tmp_path / "new" / "folder", stages.append)
     assert stages[0] == "packing InertiaModulePy.fmu"
-    assert any("kernel" in stage for stage in stages)
+    assert "compiling the kernel" in stages[1]
 
 
 def test_build_tells_when_there_is_no_compiler(tmp_path, monkeypatch):

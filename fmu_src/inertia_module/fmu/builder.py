@@ -18,7 +18,7 @@ from pathlib import Path
 
 from pythonfmu import FmuBuilder
 
-from ..compiled import CompilationUnavailable, load, write_atomically
+from ..compiled import CompilationUnavailable, is_cached, load, write_atomically
 from .description import model_description
 from .documentation import index_page
 
@@ -133,7 +133,8 @@ def build(folder: Path, progress: Progress = lambda stage: None) -> list[Path]:
     progress(f"packing {IDENTIFIER}.fmu")
     path = folder / f"{IDENTIFIER}.fmu"
     write_atomically(path, python_fmu())
-    progress("compiling the kernel for this machine (once)")
+    if not is_cached():
+        progress("compiling the kernel for this machine, once: about half a minute")
     try:
         load()
     except CompilationUnavailable as reason:

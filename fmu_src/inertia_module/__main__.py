@@ -1,0 +1,5 @@
+"""``python -m inertia_module``."""
+
+from .cli import main
+
+main()

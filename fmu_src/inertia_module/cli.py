@@ -1,0 +1,100 @@
+"""The command ``inertia-module``: build the FMUs, run a scene, check an FMU."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+BUILD_FOLDER = Path("build")
+
+app = typer.Typer(
+    help="Inertia module: an inertial torque transformer as an FMI 2.0 co-simulation FMU.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+OutputFolder = Annotated[
+    Path | None,
+    typer.Option("--output", "-o", metavar="DIR", help="Folder to write to; made if it is not there."),
+]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object for machines.")]
+
+
+@contextmanager
+def one_line_errors() -> Iterator[None]:
+    """Errors a user can cause leave with one clear line and exit code 1."""
+    try:
+        yield
+    except (ValueError, RuntimeError, OSError) as error:
+        typer.echo("error: " + " ".join(str(error).split()), err=True)
+        raise typer.Exit(1) from error
+
+
+def show_table(title: str, rows: dict[str, str]) -> None:
+    """Print headings and values as a table."""
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(title=title, title_justify="left", show_header=False)
+    for heading, value in rows.items():
+        table.add_row(heading, value)
+    Console(soft_wrap=True).print(table)
+
+
+@app.command()
+def build(output: OutputFolder = None, as_json: Json = False) -> None:
+    """Build the FMUs, each whole or not at all (into build/ without -o)."""
+    from rich.console import Console
+
+    from .fmu.builder import build as build_fmus
+
+    with one_line_errors():
+        folder = output or BUILD_FOLDER
+        if as_json:
+            paths = build_fmus(folder)
+            typer.echo(json.dumps({"fmus": [str(path) for path in paths]}))
+            return
+        console = Console(soft_wrap=True, highlight=False)
+        with console.status("building") as status:
+
+            def stage(text: str) -> None:
+                status.update(text)
+                console.print(text)
+
+            paths = build_fmus(folder, stage)
+        for path in paths:
+            console.print(f"built {path} ({path.stat().st_size / 1024:.0f} kB)")
+
+
+@app.command()
+def check(
+    fmu: Annotated[Path, typer.Argument(metavar="FILE.fmu", help="Any FMU file.")],
+    as_json: Json = False,
+) -> None:
+    """Validate an FMU file with fmpy, then step it over its default experiment."""
+    from .checking import check_fmu
+
+    with one_line_errors():
+        report = check_fmu(fmu)
+    if as_json:
+        found = {"facts": report.facts, "problems": report.problems, "outputs": report.outputs}
+        typer.echo(json.dumps({"fmu": str(fmu)} | found))
+    else:
+        show_table(str(fmu), report.facts)
+        for problem in report.problems:
+            typer.echo(f"problem: {problem}")
+        typer.echo("no problems found" if not report.problems else f"{len(report.problems)} problems found")
+    if report.problems:
+        raise typer.Exit(1)
+
+
+def main() -> None:
+    """Entry of the console script."""
+    sys.exit(app())
