@@ -33,6 +33,16 @@ def longest_step(d, w, omega2, remaining):
     return step
 
 
+def response(d, w):
+    """How much of its own speed the mechanism can impart to link 2 and what it carries, 0 to 1.
+
+    The natural measure of an error of omega2: behind a heavy shaft the speed hardly changes, yet its
+    small changes are the torque.
+    """
+    own = d[D_ALPHA_SLOPE]
+    return own / (own + d[D_J2] + w[W_SHAFT_INERTIA]) if own > 0.0 else 1.0
+
+
 def try_steps(d, x, w, remaining, alpha2, momentum):
     """Make the longest step whose error is allowed; the stages are left in w, its length in W_STEP.
 
@@ -45,6 +55,7 @@ def try_steps(d, x, w, remaining, alpha2, momentum):
     omega2 = x[X_OMEGA2]
     carried = x[X_STEP_SIZE]
     limit = longest_step(d, w, omega2, remaining)
+    measure = d[D_TOLERANCE] * response(d, w)
     h = min(limit, carried) if carried > 0.0 else 0.1 * limit
     for attempt in range(REJECTIONS):
         w[W_STEP] = h
@@ -54,7 +65,7 @@ def try_steps(d, x, w, remaining, alpha2, momentum):
         change2 = h * result(w, W_RATE_OMEGA2)
         ends = max(abs(omega1 + w[W_ALPHA1] * h), abs(omega2 + change2))
         fastest = max(ends, max(abs(omega1), abs(omega2)))
-        error = error_norm(w, d[D_TOLERANCE], d[D_TOLERANCE] * fastest) if fastest > 0.0 else 0.0
+        error = error_norm(w, d[D_TOLERANCE], measure * fastest) if fastest > 0.0 else 0.0
         factor = LARGEST_FACTOR
         if not error < 1e300:
             factor = SMALLEST_FACTOR
