@@ -12,6 +12,7 @@ from typing import Annotated
 import typer
 
 BUILD_FOLDER = Path("build")
+OUTPUT_FOLDER = Path("out")
 
 app = typer.Typer(
     help="Inertia module: an inertial torque transformer as an FMI 2.0 co-simulation FMU.",
@@ -71,6 +72,56 @@ def build(output: OutputFolder = None, as_json: Json = False) -> None:
             paths = build_fmus(folder, stage)
         for path in paths:
             console.print(f"built {path} ({path.stat().st_size / 1024:.0f} kB)")
+
+
+def current_fmu() -> Path:
+    """The Python FMU in build/, built anew if it is missing or of another state of the package."""
+    from .fmu.builder import IDENTIFIER, is_current
+    from .fmu.builder import build as build_fmus
+
+    path = BUILD_FOLDER / f"{IDENTIFIER}.fmu"
+    if not is_current(path):
+        build_fmus(BUILD_FOLDER, lambda stage: typer.echo(stage, err=True))
+    return path
+
+
+@app.command()
+def run(
+    scene: Annotated[Path, typer.Argument(metavar="SCENE.toml", help="Scene file.")],
+    output: OutputFolder = None,
+    fmu: Annotated[
+        Path | None, typer.Option(metavar="FILE.fmu", help="FMU to run (build/InertiaModulePy.fmu).")
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Run a scene: leaves table.csv, summary.json and plot.png in a folder (out/SCENE without -o)."""
+    from .drive import progress_bar
+    from .figures import scene_figure
+    from .results import write_figure, write_text
+    from .scene import load_scene, run_scene
+
+    with one_line_errors():
+        read = load_scene(scene)
+        path = fmu or current_fmu()
+        with progress_bar(read.title) as progress:
+            result = run_scene(read, path, progress)
+        folder = output or OUTPUT_FOLDER / scene.stem
+        files = {
+            "table": result.table.to_csv(folder / "table.csv"),
+            "summary": write_text(folder / "summary.json", json.dumps(result.summary, indent=2) + "\n"),
+            "plot": write_figure(folder / "plot.png", scene_figure(result)),
+        }
+    if as_json:
+        listed = {name: str(file) for name, file in files.items()}
+        typer.echo(json.dumps({"scene": str(scene), "summary": result.summary, "files": listed}))
+        return
+    rows = {
+        name.replace("_", " "): f"{value:.6g} {result.units[name]}".rstrip()
+        for name, value in result.summary.items()
+    }
+    show_table(read.title, rows)
+    for name, file in files.items():
+        typer.echo(f"{name}: {file}")
 
 
 @app.command()

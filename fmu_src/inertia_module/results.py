@@ -156,3 +156,17 @@ class Result:
             axis.grid(alpha=0.3)
         axes[-1].set_xlabel(f"{TIME} [s]")
         return figure
+
+
+def write_text(path: Path, text: str) -> Path:
+    """Write a text file, whole or not at all."""
+    write_atomically(path, text.encode())
+    return path
+
+
+def write_figure(path: Path, figure: Any) -> Path:
+    """Write a matplotlib Figure in the format of the file's ending, whole or not at all."""
+    stream = io.BytesIO()
+    figure.savefig(stream, format=path.suffix.lstrip("."))
+    write_atomically(path, stream.getvalue())
+    return path

@@ -104,18 +104,33 @@ def _archive(content: dict[str, bytes]) -> bytes:
     return stream.getvalue()
 
 
-def python_fmu() -> bytes:
-    """The content of InertiaModulePy.fmu."""
+def _content() -> tuple[dict[str, bytes], str]:
+    """Everything in InertiaModulePy.fmu but its description, and the GUID, the hash of all."""
     files = bundled_files()
     content = _pack(files, content_hash(files)[:12])
     content["documentation/index.html"] = index_page().encode()
     content["model.png"] = PICTURE.read_bytes()
     blank = model_description(IDENTIFIER, "", "", True)
     digits = content_hash(content | {"modelDescription.xml": blank})
-    guid = "-".join((digits[:8], digits[8:12], digits[12:16], digits[16:20], digits[20:]))
-    date = generation_date()
-    content["modelDescription.xml"] = model_description(IDENTIFIER, f"{{{guid}}}", date, True)
+    return content, "{" + "-".join(
+        (digits[:8], digits[8:12], digits[12:16], digits[16:20], digits[20:])
+    ) + "}"
+
+
+def python_fmu() -> bytes:
+    """The content of InertiaModulePy.fmu."""
+    content, guid = _content()
+    content["modelDescription.xml"] = model_description(IDENTIFIER, guid, generation_date(), True)
     return _archive(content)
+
+
+def is_current(path: Path) -> bool:
+    """Whether a file is InertiaModulePy.fmu as it would be built now."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            return _content()[1].encode() in archive.read("modelDescription.xml")
+    except (OSError, KeyError, zipfile.BadZipFile):
+        return False
 
 
 def build(folder: Path, progress: Progress = lambda stage: None) -> list[Path]:

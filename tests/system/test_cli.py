@@ -1,0 +1,137 @@
+"""The command as a user types it."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+
+def command(*arguments, folder):
+    return subprocess.run(
+        [sys.executable, "-m", "inertia_module", *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        cwd=folder,
+        check=False,
+    )
+
+
+@pytest.fixture(scope="module")
+def workshop(tmp_path_factory):
+    """A folder with a built FMU."""
+    folder = tmp_path_factory.mktemp("workshop")
+    done = command("build", folder=folder)
+    assert done.returncode == 0, done.stderr
+    return folder
+
+
+SCENE = """
+[drive]
+kind = "constant"
+omega1 = "100 rad/s"
+[load]
+kind = "torque"
+torque = "10 N.m"
+[run]
+stop_time = "0.1 s"
+communication_step = "1 ms"
+"""
+
+
+@pytest.fixture
+def scene(tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_text(SCENE)
+    return path
+
+
+def test_build_leaves_the_fmu_in_build(workshop):
+    assert (workshop / "build" / "InertiaModulePy.fmu").is_file()
+
+
+def test_build_for_machines_prints_one_json_object(tmp_path):
+    done = command("build", "-o", tmp_path / "there", "--json", folder=tmp_path)
+    assert [Path(path).name for path in json.loads(done.stdout)["fmus"]] == ["InertiaModulePy.fmu"]
+
+
+def test_run_leaves_table_summary_and_plot(workshop, scene, tmp_path):
+    done = command("run", scene, "-o", tmp_path / "out", folder=workshop)
+    assert done.returncode == 0, done.stderr
+    table = (tmp_path / "out" / "table.csv").read_text().splitlines()
+    assert table[0].startswith("time [s]")
+    assert len(table) == 102
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["omega_out_final"] == pytest.approx(3.447176379, rel=1e-5)
+    assert summary["rhs_evaluations"] > 0
+    assert (tmp_path / "out" / "plot.png").read_bytes().startswith(b"\x89PNG")
+    assert "omega out final" in done.stdout
+
+
+def test_run_for_machines_prints_one_json_object(workshop, scene, tmp_path):
+    done = command("run", scene, "-o", tmp_path / "out", "--json", folder=workshop)
+    found = json.loads(done.stdout)
+    assert found["summary"]["simulated_time"] == 0.1
+    assert Path(found["files"]["table"]).is_file()
+
+
+def test_run_builds_the_fmu_it_needs(scene, tmp_path):
+    done = command("run", scene, "-o", tmp_path / "out", folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "build" / "InertiaModulePy.fmu").is_file()
+
+
+@pytest.mark.parametrize(
+    "change, words",
+    [
+        (('kind = "constant"', 'kind = "konstant"'), ("drive.kind", "konstant", "allowed")),
+        (('"100 rad/s"', '"100 m"'), ("drive.omega1", "100 m", "allowed")),
+        (("[run]", "[run]\nspeed = 3"), ("run.speed", "allowed")),
+        (("stop_time", "stoptime"), ("stoptime", "allowed")),
+        (('"10 N.m"', '"10 N.m'), ("scene.toml",)),
+    ],
+)
+def test_bad_scene_is_one_line_and_leaves_nothing(workshop, tmp_path, change, words):
+    path = tmp_path / "scene.toml"
+    path.write_text(SCENE.replace(*change))
+    done = command("run", path, "-o", tmp_path / "out", folder=workshop)
+    assert done.returncode == 1
+    assert done.stderr.startswith("error: ")
+    assert done.stderr.count("\n") == 1
+    assert all(word in done.stderr for word in words)
+    assert not (tmp_path / "out").exists()
+
+
+def test_check_finds_no_problem_in_ours(workshop):
+    done = command("check", "build/InertiaModulePy.fmu", folder=workshop)
+    assert done.returncode == 0
+    assert "no problems found" in done.stdout
+
+
+def test_check_tells_what_is_wrong_with_another(workshop, tmp_path):
+    import zipfile
+
+    broken = tmp_path / "broken.fmu"
+    with (
+        zipfile.ZipFile(workshop / "build" / "InertiaModulePy.fmu") as old,
+        zipfile.ZipFile(broken, "w") as new,
+    ):
+        for name in old.namelist():
+            content = old.read(name)
+            if name == "modelDescription.xml":
+                content = content.replace(b'unit="rad/s"', b'unit="furlong"', 1)
+            new.writestr(name, content)
+    done = command("check", broken, "--json", folder=tmp_path)
+    assert done.returncode == 1
+    assert any("furlong" in problem for problem in json.loads(done.stdout)["problems"])
+
+
+@pytest.mark.parametrize("arguments", [("check", "nothing.fmu"), ("run", "nothing.toml")])
+def test_missing_files_are_named(tmp_path, arguments):
+    done = command(*arguments, folder=tmp_path)
+    assert done.returncode == 1
+    assert done.stderr.startswith("error: ")
+    assert arguments[1] in done.stderr

@@ -1,0 +1,41 @@
+"""What is generated, and what the README promises."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+from inertia_module.variables import VARIABLES
+
+ROOT = Path(__file__).parents[2]
+
+
+def test_generated_pages_are_up_to_date():
+    done = subprocess.run(
+        [sys.executable, ROOT / "docs" / "make_pages.py", "--check"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+
+
+def test_every_variable_is_in_the_documentation():
+    page = (ROOT / "docs" / "variables.md").read_text()
+    assert all(f"| `{variable.name}` |" in page for variable in VARIABLES)
+
+
+def test_links_of_the_readme_lead_somewhere():
+    links = re.findall(r"\]\((?!http)([^)#]+)\)", (ROOT / "README.md").read_text())
+    assert len(links) > 5
+    assert all((ROOT / link).exists() for link in links)
+
+
+def test_python_of_the_readme_runs(tmp_path, monkeypatch, capsys):
+    from inertia_module.fmu.builder import build
+
+    build(tmp_path / "build")
+    (code,) = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.S)
+    monkeypatch.chdir(tmp_path)
+    exec(compile(code, "README.md", "exec"), {})
+    assert "energy residual" in capsys.readouterr().out
