@@ -10,14 +10,17 @@ import math
 from .contact import TORQUE_ROUNDING
 from .dormand_prince import dense_change, dense_coefficients, dense_rate, extra_stages
 from .dynamics import motion_rates, torque_scale
+from .guards import next_look, stays_positive
 from .slots import *
 
 # a velocity below this fraction of the fastest one is zero
 VELOCITY_ROUNDING = 1e-14
 # phase of the highest harmonic between two looks at a guard, rad
-LOOK_PHASE = 1.5
+LOOK_PHASE = 1.0
 # up to this phase of a step its ends tell whether a guard can have dipped inside
-QUIET_PHASE = 3.0
+QUIET_PHASE = 2.0
+# looks for a dip between two looks at a guard
+DIP_LOOKS = 30
 
 NONE = -1
 LINK2 = 0
@@ -55,24 +58,22 @@ def guard_inside(d, x, w, which, sigma):
     return x[X_OMEGA3] - slowing * sigma - omega2, -slowing - rate
 
 
-def find_dip(d, x, w, which, zero, low, rate_low, high, rate_high):
-    """Fraction of the step where the guard, falling at low and rising at high, is below -zero, or -1."""
-    for _ in range(50):
-        sigma = low - rate_low * (high - low) / (rate_high - rate_low)
-        if not low < sigma < high:
-            sigma = 0.5 * (low + high)
-        if not low < sigma < high:
+def find_dip(d, x, w, which, zero, low, value_low, rate_low, high, value_high, rate_high):
+    """Fraction of the step, low to high, where the guard is below -zero, or -1 if its lowest is not."""
+    for _ in range(DIP_LOOKS):
+        if stays_positive(value_low, rate_low, value_high, rate_high, high - low):
             return -1.0
+        sigma = next_look(low, rate_low, high, rate_high)
         value, rate = guard_inside(d, x, w, which, sigma)
         if value < -zero:
             return sigma
-        if rate == 0.0 or value > abs(rate) * (high - low):
-            return -1.0
         if rate < 0.0:
             low = sigma
+            value_low = value
             rate_low = rate
         else:
             high = sigma
+            value_high = value
             rate_high = rate
     return -1.0
 
@@ -99,33 +100,26 @@ def find_crossing(d, x, w, which, zero, low, high):
 def first_crossing(d, x, w, which, zero, looks):
     """First crossing of one guard in the step, looked for in so many parts of it, or -1."""
     low = 0.0
-    _, rate_low = guard_inside(d, x, w, which, 0.0)
+    value_low, rate_low = guard_inside(d, x, w, which, 0.0)
     for look in range(1, looks + 1):
         high = look / looks
         value, rate = guard_inside(d, x, w, which, high)
         found = -1.0
         if value < -zero:
             found = high
-        elif rate_low < 0.0 and rate > 0.0:
-            found = find_dip(d, x, w, which, zero, low, rate_low, high, rate)
+        else:
+            found = find_dip(d, x, w, which, zero, low, value_low, rate_low, high, value, rate)
         if found > 0.0:
             return find_crossing(d, x, w, which, zero, low, found)
         low = high
+        value_low = value
         rate_low = rate
     return -1.0
 
 
-def is_quiet(value0, rate0, value1, rate1, h):
-    """Whether a guard stays clear of zero inside a short step, by its values and rates at the ends.
-
-    A dip needs a fall at the beginning and a rise at the end; for a margin the lines of both rates
-    must meet well above zero.
-    """
-    if value1 < 0.0:
-        return False
-    if rate0 >= 0.0 or rate1 <= 0.0:
-        return True
-    return value0 + value1 - h * (rate1 - rate0) > 0.0
+def is_clear(value0, rate0, value1, rate1, h):
+    """Whether a guard, not negative at the beginning of the step, is so to its end."""
+    return value1 >= 0.0 and stays_positive(value0, rate0, value1, rate1, h)
 
 
 def is_step_quiet(d, x, w, phase, omega2_end, alpha2, jerk2, alpha2_end, jerk2_end):
@@ -133,13 +127,13 @@ def is_step_quiet(d, x, w, phase, omega2_end, alpha2, jerk2, alpha2_end, jerk2_e
     if phase > QUIET_PHASE:
         return False
     h = w[W_STEP]
-    if d[D_HOUSING] != 0.0 and not is_quiet(x[X_OMEGA2], alpha2, omega2_end, alpha2_end, h):
+    if d[D_HOUSING] != 0.0 and not is_clear(x[X_OMEGA2], alpha2, omega2_end, alpha2_end, h):
         return False
     if d[D_OUTPUT] == 0.0:
         return True
     value0, rate0 = output_guard(d, x, w, 0.0, x[X_OMEGA2], alpha2, jerk2)
     value1, rate1 = output_guard(d, x, w, h, omega2_end, alpha2_end, jerk2_end)
-    return is_quiet(value0, rate0, value1, rate1, h)
+    return is_clear(value0, rate0, value1, rate1, h)
 
 
 def first_event(d, x, w, phase, fastest):

@@ -7,10 +7,13 @@ freedom of inertia Phi(q) = J1 + I + 2 k B + k^2 G, so work and impulse of the i
 from .accumulate import add, assign
 from .contact import TORQUE_ROUNDING
 from .dynamics import held_inertia, held_torque, torque_scale
+from .guards import next_look, stays_positive
 from .slots import *
 
 # phase of the highest harmonic between two looks at the guard, rad
 SCAN_PHASE = 1.5
+# looks for a dip in one interval
+LOOKS = 30
 # intervals before the angle is wrapped and the work counted
 SCAN_INTERVALS = 64
 
@@ -34,33 +37,23 @@ def release_guard(d, x, q, omega1, alpha1, threshold, t):
     return threshold - torque, -rate
 
 
-def find_low(d, x, q, omega1, alpha1, threshold, zero, start, rate_start, end, rate_end):
-    """Lowest point of the guard between start and end, where its rate changes sign upwards.
-
-    Returns:
-        time of a point below -zero, or -1 where the lowest is not.
-    """
-    low = start
-    high = end
-    for _ in range(50):
-        t = low - rate_start * (high - low) / (rate_end - rate_start)
-        if not low < t < high:
-            t = 0.5 * (low + high)
-        if not low < t < high:
+def find_low(d, x, q, omega1, alpha1, threshold, zero, low, value_low, rate_low, high, value_high, rate_high):
+    """Time of a point between low and high where the guard is below -zero, or -1 if its lowest is not."""
+    for _ in range(LOOKS):
+        if stays_positive(value_low, rate_low, value_high, rate_high, high - low):
             return -1.0
+        t = next_look(low, rate_low, high, rate_high)
         value, rate = release_guard(d, x, q, omega1, alpha1, threshold, t)
         if value < -zero:
             return t
-        if value > abs(rate) * (high - low):
-            return -1.0
         if rate < 0.0:
             low = t
-            rate_start = rate
-        elif rate > 0.0:
-            high = t
-            rate_end = rate
+            value_low = value
+            rate_low = rate
         else:
-            return -1.0
+            high = t
+            value_high = value
+            rate_high = rate
     return -1.0
 
 
@@ -115,7 +108,7 @@ def scan(d, x, omega1, alpha1, threshold, remaining):
     q = x[X_Q]
     zero = TORQUE_ROUNDING * (torque_scale(d, omega1, alpha1, d[D_K] * omega1) + abs(threshold))
     interval = scan_interval(d, omega1, alpha1, remaining)
-    _, rate_start = release_guard(d, x, q, omega1, alpha1, threshold, 0.0)
+    value_start, rate_start = release_guard(d, x, q, omega1, alpha1, threshold, 0.0)
     integral = 0.0
     start = 0.0
     for n in range(1, SCAN_INTERVALS + 1):
@@ -127,8 +120,10 @@ def scan(d, x, omega1, alpha1, threshold, remaining):
         value, rate = release_guard(d, x, q, omega1, alpha1, threshold, end)
         if value < -zero:
             found = end
-        elif rate_start < 0.0 and rate > 0.0:
-            found = find_low(d, x, q, omega1, alpha1, threshold, zero, start, rate_start, end, rate)
+        else:
+            found = find_low(
+                d, x, q, omega1, alpha1, threshold, zero, start, value_start, rate_start, end, value, rate
+            )
         if found > 0.0:
             end = find_release(d, x, q, omega1, alpha1, threshold, zero, start, found)
         if alpha1 != 0.0:
@@ -136,6 +131,7 @@ def scan(d, x, omega1, alpha1, threshold, remaining):
         if found > 0.0:
             return end, True, integral
         start = end
+        value_start = value
         rate_start = rate
         if last:
             break

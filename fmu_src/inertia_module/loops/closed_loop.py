@@ -1,0 +1,172 @@
+"""The loop: sources, controllers and loads, connected by the names of their signals, around an FMU."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import control as ct
+import numpy as np
+
+from ..drive import Plant, Progress, Result
+from ..variables import BY_NAME
+
+PLANT_INPUTS = ("omega1", "load_torque")
+_PROGRESS_CALLS = 200
+
+# units of the signals that sources, controllers and loads bring along
+SIGNAL_UNITS = {
+    "vehicle_speed": "m/s",
+    "distance": "m",
+    "drag_torque": "N.m",
+    "slope_torque": "N.m",
+    "rolling_torque": "N.m",
+    "brake_torque": "N.m",
+    "brake_force": "N",
+    "load_speed": "rad/s",
+}
+
+
+def connect(systems: Sequence[Any]) -> Any:
+    """Connect systems by the names of their signals to the one system around the FMU.
+
+    An input of one is driven by the output of the same name of another; inputs that none drives are
+    outputs of the FMU. What depends on what is found out by control.interconnect.
+
+    Args:
+        systems: discrete-time python-control systems of one step, each with a name of its own.
+
+    Returns:
+        A control.InterconnectedSystem; its outputs are all outputs of the systems.
+
+    Raises:
+        ValueError: two systems give the same signal.
+    """
+    origin: dict[str, str] = {}
+    for system in systems:
+        for label in system.output_labels:
+            if label in origin:
+                raise ValueError(
+                    f"{label} is given by {origin[label]} and by {system.name}:"
+                    " allowed is one system for a signal"
+                )
+            origin[label] = system.name
+    wanted = {label: None for system in systems for label in system.input_labels if label not in origin}
+    return ct.interconnect(
+        systems,
+        inputs=list(wanted),
+        outlist=[f"{name}.{label}" for label, name in origin.items()],
+        outputs=list(origin),
+        name="surroundings",
+    )
+
+
+def _initial_state(surroundings: Any) -> Any:
+    return np.zeros(surroundings.nstates)
+
+
+def initial_inputs(surroundings: Any, measured: Mapping[str, float] | None = None) -> dict[str, float]:
+    """What the surroundings give the FMU at time 0: to be set before the end of its initialisation.
+
+    Args:
+        surroundings: of connect. measured: outputs of the FMU at the start that are not 0.
+    """
+    known = measured or {}
+    given = np.array([known.get(label, 0.0) for label in surroundings.input_labels])
+    values = surroundings.output(0.0, _initial_state(surroundings), given)
+    signals = dict(zip(surroundings.output_labels, values, strict=True))
+    return {name: float(signals[name]) for name in PLANT_INPUTS if name in signals}
+
+
+class ClosedLoop:
+    """An FMU and the systems around it, stepped together at the step of these systems.
+
+    Order in a step (Gauss-Seidel): read the FMU, let the systems follow to this time with what was
+    read, take their outputs, set the inputs of the FMU, advance it. So the FMU goes first and its
+    surroundings follow over the same step, which keeps an undamped elastic coupling stable up to a
+    natural frequency of 2 / step (see Load.check_step).
+
+    Args:
+        plant: a started FMU. surroundings: of connect.
+        outputs: variables of the FMU to record besides the signals of the surroundings.
+        units: of signals with names of your own.
+
+    Raises:
+        ValueError: the surroundings give no input of the FMU.
+    """
+
+    def __init__(
+        self,
+        plant: Plant,
+        surroundings: Any,
+        outputs: Sequence[str] = (),
+        units: Mapping[str, str] | None = None,
+    ) -> None:
+        self.plant = plant
+        self.surroundings = surroundings
+        self.step = float(surroundings.dt)
+        signals: list[str] = surroundings.output_labels
+        self._measured = len(surroundings.input_labels)
+        self._outputs = [name for name in dict.fromkeys(outputs) if name not in signals]
+        self._driven = [(name, signals.index(name)) for name in PLANT_INPUTS if name in signals]
+        if not self._driven:
+            raise ValueError(
+                f"surroundings that give {', '.join(signals)} are refused:"
+                f" allowed is at least one of {', '.join(PLANT_INPUTS)}"
+            )
+        self.names = ("time", *self._outputs, *signals)
+        self._units = {**SIGNAL_UNITS, **(units or {})}
+
+    def unit(self, name: str) -> str:
+        """Unit of a recorded name, "" where none is known."""
+        if name == "time":
+            return "s"
+        return BY_NAME[name].unit if name in BY_NAME else self._units.get(name, "")
+
+    def steps(self, stop_time: float) -> int:
+        """Number of steps to the stop time.
+
+        Raises:
+            ValueError: it is not a whole number of them, or none.
+        """
+        number = round(stop_time / self.step)
+        if number < 1 or abs(number * self.step - stop_time) > 1e-6 * self.step:
+            raise ValueError(
+                f"stop_time = {stop_time:g} s is refused: allowed is a whole number of"
+                f" communication steps of {self.step:g} s, and at least one"
+            )
+        return number
+
+    def rows(self, stop_time: float, progress: Progress | None = None) -> Iterator[tuple[float, ...]]:
+        """Step to the stop time, s; give a row with the values of names at each communication point.
+
+        Args:
+            stop_time: s. progress: told how much of the run is done (0 to 1).
+
+        Raises:
+            ValueError: the stop time is not a whole number of steps.
+            DriveError: the FMU refuses a value or a step.
+        """
+        number = self.steps(stop_time)
+        report_every = max(number // _PROGRESS_CALLS, 1)
+        names = [*self.surroundings.input_labels, *self._outputs]
+        state = _initial_state(self.surroundings)
+        for n in range(number + 1):
+            time = n * self.step
+            values = self.plant.read(names)
+            measured = np.array(values[: self._measured])
+            if n > 0:
+                state = self.surroundings.dynamics(time, state, measured)
+            signals = self.surroundings.output(time, state, measured).tolist()
+            if progress is not None and (n % report_every == 0 or n == number):
+                progress(n / number)
+            yield (time, *values[self._measured :], *signals)
+            if n < number:
+                self.plant.set(**{name: signals[index] for name, index in self._driven})
+                self.plant.advance(self.step)
+
+    def run(self, stop_time: float, progress: Progress | None = None) -> Result:
+        """Step to the stop time, s, and return the rows as a named table. Raises as rows does."""
+        table = np.array(list(self.rows(stop_time, progress)))
+        columns = {name: table[:, index] for index, name in enumerate(self.names)}
+        return Result.from_columns(columns, {name: self.unit(name) for name in self.names})

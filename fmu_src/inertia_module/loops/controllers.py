@@ -1,0 +1,94 @@
+"""Controllers in discrete time: PI with limits and anti-windup, and the driver's foot on the brake."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import control as ct
+
+
+def pi_speed_controller(
+    step: float,
+    proportional_gain: float,
+    integral_gain: float,
+    limits: tuple[float, float],
+    *,
+    feedforward: float = 0.0,
+    measured: str = "omega_out",
+    command: str = "omega1",
+) -> Any:
+    """PI controller with output limits, feedforward of the reference and anti-windup by back-calculation.
+
+    Where the command is cut off, the integral is led back with the time constant of the controller,
+    proportional_gain / integral_gain (but never faster than the step).
+    Source: Åström and Murray, Feedback Systems (2nd edition 2021), section 11.4.
+
+    Args:
+        step: communication step, s.
+        proportional_gain: command per unit of the measured speed.
+        integral_gain: command per unit of the measured speed and second.
+        limits: least and greatest command.
+        feedforward: command per unit of the reference.
+        measured: name of the measured speed. command: name of the output.
+
+    Returns:
+        A discrete-time control.NonlinearIOSystem with inputs reference and measured, output command, and
+        the integral, in units of the command, as its state.
+
+    Raises:
+        ValueError: a gain is negative or not finite, or the limits are not in order.
+    """
+    for name, gain in (("proportional_gain", proportional_gain), ("integral_gain", integral_gain)):
+        if not (math.isfinite(gain) and gain >= 0.0):
+            raise ValueError(f"{name} = {gain:g} is refused: allowed is a finite number from 0")
+    low, high = limits
+    if not low < high:
+        raise ValueError(f"limits = {low:g}, {high:g} are refused: allowed is a lower before a higher one")
+    leading_back = step / max(step, proportional_gain / integral_gain) if integral_gain > 0.0 else 0.0
+
+    def unlimited(integral: float, reference: float, speed: float) -> float:
+        return feedforward * reference + proportional_gain * (reference - speed) + integral
+
+    def output(_: float, x: Any, u: Any, __: Any) -> list[float]:
+        return [min(max(unlimited(x[0], u[0], u[1]), low), high)]
+
+    def update(_: float, x: Any, u: Any, __: Any) -> list[float]:
+        wanted = unlimited(x[0], u[0], u[1])
+        excess = wanted - min(max(wanted, low), high)
+        return [x[0] + step * integral_gain * (u[0] - u[1]) - leading_back * excess]
+
+    return ct.nlsys(
+        update,
+        output,
+        inputs=["reference", measured],
+        outputs=[command],
+        states=["integral"],
+        dt=step,
+        name="pi_speed_controller",
+    )
+
+
+def driver_brake(step: float, gain: float, greatest: float, margin: float = 0.0) -> Any:
+    """The driver's brake: a force in proportion to how much the vehicle is too fast.
+
+    Args:
+        step: communication step, s. gain: N per m/s. greatest: force the brakes can have, N.
+        margin: excess of speed that is let pass, m/s.
+
+    Returns:
+        A static discrete-time control.NonlinearIOSystem with inputs reference and vehicle_speed, m/s,
+        and output brake_force, N.
+    """
+
+    def output(_: float, __: Any, u: Any, ___: Any) -> list[float]:
+        return [min(max(gain * (u[1] - u[0] - margin), 0.0), greatest)]
+
+    return ct.nlsys(
+        None,
+        output,
+        inputs=["reference", "vehicle_speed"],
+        outputs=["brake_force"],
+        dt=step,
+        name="driver_brake",
+    )

@@ -1,0 +1,142 @@
+"""The [controller] of a scene: what speed is wanted, and who sees to it.
+
+With a vehicle as load the vehicle speed is controlled (m/s), with any other load omega_out (rad/s);
+bare numbers are in that unit.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import BeforeValidator, Field, ValidationInfo, model_validator
+
+from .. import loops
+from ..cycles import CYCLES, Cycle
+from ..variables import LARGEST_SPEED
+from .drives import AngularSpeed
+from .tables import Strict, Tabulated, Times
+from .units import checked, quantity
+
+VEHICLE_SPEED = "vehicle_speed"
+SHAFT_SPEED = "omega_out"
+SPEED_UNITS = {VEHICLE_SPEED: "m/s", SHAFT_SPEED: "rad/s"}
+
+
+def measured_speed(load_kind: Any) -> str:
+    """Name of the speed that is controlled with a kind of load."""
+    return VEHICLE_SPEED if load_kind == "vehicle" else SHAFT_SPEED
+
+
+def _speed_unit(context: Any) -> str:
+    return SPEED_UNITS[(context or {}).get("measured", SHAFT_SPEED)]
+
+
+def _by_measured(vehicle_unit: str, shaft_unit: str, minimum: float | None = None) -> BeforeValidator:
+    """Validator of a quantity, or a list of them, whose unit depends on the speed that is controlled."""
+
+    def check(value: Any, info: ValidationInfo) -> Any:
+        unit = vehicle_unit if _speed_unit(info.context) == "m/s" else shaft_unit
+        if isinstance(value, list):
+            return [checked(item, unit, minimum) for item in value]
+        return checked(value, unit, minimum)
+
+    return BeforeValidator(check)
+
+
+class ConstantReference(Strict):
+    """One speed all the time."""
+
+    kind: Literal["constant"]
+    speed: Annotated[float, _by_measured("m/s", "rad/s")]
+
+    def signal(self) -> float | loops.Table:
+        """Wanted speed."""
+        return self.speed
+
+
+class TableReference(Tabulated):
+    """A speed over time."""
+
+    VALUES: ClassVar[str] = "speed"
+
+    kind: Literal["table"]
+    time: Times
+    speed: Annotated[list[float], _by_measured("m/s", "rad/s")]
+
+    @classmethod
+    def units(cls, context: Any) -> tuple[str, str]:
+        """Units of points and values in SI."""
+        return "s", _speed_unit(context)
+
+    def signal(self) -> float | loops.Table:
+        """Wanted speed over time."""
+        return self.table()
+
+
+def _known_cycle(name: Any) -> str:
+    if name not in CYCLES:
+        raise ValueError(f"allowed is one of {', '.join(repr(known) for known in CYCLES)}")
+    return str(name)
+
+
+class CycleReference(Strict):
+    """A driving cycle."""
+
+    kind: Literal["cycle"]
+    cycle: Annotated[str, BeforeValidator(_known_cycle)]
+
+    def driving_cycle(self) -> Cycle:
+        """The cycle itself."""
+        return CYCLES[self.cycle]
+
+    def signal(self) -> float | loops.Table:
+        """Wanted speed over time, m/s."""
+        cycle = self.driving_cycle()
+        return loops.Table(cycle.time, cycle.speed)
+
+
+class Brake(Strict):
+    """The driver's brake: a force in proportion to how much the vehicle is too fast."""
+
+    gain: Annotated[float, quantity("N.s/m", 0.0)]
+    maximum: Annotated[float, quantity("N", 0.0)]
+    margin: Annotated[float, quantity("m/s", 0.0)] = 0.0
+
+
+class PiController(Strict):
+    """PI controller of the speed that commands omega1, with limits and anti-windup."""
+
+    kind: Literal["pi"]
+    proportional_gain: Annotated[float, _by_measured("rad/m", "1", 0.0)]
+    integral_gain: Annotated[float, _by_measured("rad/m/s", "1/s", 0.0)] = 0.0
+    feedforward: Annotated[float, _by_measured("rad/m", "1")] = 0.0
+    minimum: AngularSpeed = 0.0
+    maximum: AngularSpeed = LARGEST_SPEED
+    reference: Annotated[ConstantReference | TableReference | CycleReference, Field(discriminator="kind")]
+    brake: Brake | None = None
+
+    @model_validator(mode="after")
+    def _limits_in_order(self) -> PiController:
+        if not self.minimum < self.maximum:
+            raise ValueError(
+                f"minimum = {self.minimum:g}, maximum = {self.maximum:g} are refused:"
+                " allowed is minimum below maximum"
+            )
+        return self
+
+    def build(self, step: float, measured: str) -> list[Any]:
+        """The systems of reference, controller and brake, of this step, s."""
+        systems = [
+            loops.source("reference", self.reference.signal(), step),
+            loops.pi_speed_controller(
+                step,
+                self.proportional_gain,
+                self.integral_gain,
+                (self.minimum, self.maximum),
+                feedforward=self.feedforward,
+                measured=measured,
+            ),
+        ]
+        if self.brake is not None:
+            systems.append(loops.driver_brake(step, self.brake.gain, self.brake.maximum, self.brake.margin))
+        return systems

@@ -1,0 +1,98 @@
+"""What is wrong with a scene, in one line: the key, the value and what is allowed."""
+
+from __future__ import annotations
+
+import difflib
+from typing import Any, get_args
+
+from pydantic import BaseModel, ValidationError
+
+# what pydantic would say in its own words
+_ALLOWED = {
+    "model_type": "a table",
+    "model_attributes_type": "a table",
+    "list_type": "a list",
+    "too_short": "a list of at least one",
+    "string_type": "a string",
+}
+
+
+class SceneError(ValueError):
+    """A scene that cannot be run: one line that names the key, the value and what is allowed."""
+
+
+def _models(annotation: Any) -> list[type[BaseModel]]:
+    """Models within a type: the members of a union, the type itself."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    return [model for part in get_args(annotation) for model in _models(part)]
+
+
+def _kind(model: type[BaseModel]) -> str:
+    field = model.model_fields.get("kind")
+    return str(get_args(field.annotation)[0]) if field is not None else ""
+
+
+def _walk(scene: type[BaseModel], location: tuple[Any, ...]) -> tuple[list[str], list[type[BaseModel]]]:
+    """Keys of a location, without the kinds pydantic puts between them, and the models it leads to."""
+    keys: list[str] = []
+    models = [scene]
+    for part in location:
+        chosen = [model for model in models if len(models) > 1 and _kind(model) == part]
+        if chosen:
+            models = chosen
+            continue
+        keys.append(str(part))
+        fields = [model.model_fields[part] for model in models if part in model.model_fields]
+        models = [model for field in fields for model in _models(field.annotation)]
+    return keys, models
+
+
+def _no_such_key(scene: type[BaseModel], location: tuple[Any, ...], value: Any) -> str:
+    """Line for a key that no model has."""
+    parents, models = _walk(scene, location[:-1])
+    known = list(dict.fromkeys(name for model in models for name in model.model_fields))
+    close = difflib.get_close_matches(str(location[-1]), known, n=1)
+    hint = f" (did you mean {close[0]}?)" if close else ""
+    place = f"[{'.'.join(parents)}]" if parents else "a scene"
+    key = ".".join([*parents, str(location[-1])])
+    return f"{key} = {value!r} is refused: no such key{hint}; allowed in {place} are {', '.join(known)}"
+
+
+def one_line(scene: type[BaseModel], failure: ValidationError) -> str:
+    """The first thing that is wrong, and how many more there are.
+
+    Args:
+        scene: the model that was validated. failure: what pydantic found.
+    """
+    # an unknown key before others: what is missing may only be misspelt
+    errors = sorted(failure.errors(), key=lambda error: error["type"] != "extra_forbidden")
+    line = _line(scene, errors[0])
+    more = f" (and {len(errors) - 1} more)" if len(errors) > 1 else ""
+    return " ".join(line.split()) + more
+
+
+def _line(scene: type[BaseModel], error: Any) -> str:
+    """Line for one error of pydantic."""
+    kind, value, context = error["type"], error["input"], error.get("ctx", {})
+    keys, models = _walk(scene, error["loc"])
+    key = ".".join(keys) or "scene"
+    if kind == "extra_forbidden":
+        return _no_such_key(scene, error["loc"], value)
+    if kind == "missing":
+        return f"{key} is missing: it has to be given"
+    if kind == "union_tag_not_found":
+        kinds = ", ".join(repr(_kind(model)) for model in models)
+        return f"{key}.kind is missing: allowed is one of {kinds}"
+    if kind == "union_tag_invalid":
+        return f"{key}.kind = {context['tag']!r} is refused: allowed is one of {context['expected_tags']}"
+    if kind == "value_error":
+        reason = context["error"]
+        if isinstance(reason, SceneError):
+            return str(reason)
+        return f"{key}: {reason}" if isinstance(value, dict) else f"{key} = {value!r} is refused: {reason}"
+    if kind in _ALLOWED:
+        return f"{key} = {value!r} is refused: allowed is {_ALLOWED[kind]}"
+    if "expected" in context:
+        return f"{key} = {value!r} is refused: allowed is {context['expected']}"
+    return f"{key} = {value!r} is refused: {error['msg'][0].lower()}{error['msg'][1:]}"

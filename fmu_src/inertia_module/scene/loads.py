@@ -1,0 +1,117 @@
+"""The [load] of a scene: what hangs on the output shaft."""
+
+from __future__ import annotations
+
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import Field, model_validator
+
+from .. import loops
+from ..variables import LARGEST_TORQUE
+from .tables import Strict, Tabulated, Times
+from .units import quantities, quantity
+
+Torque = Annotated[float, quantity("N.m", -LARGEST_TORQUE, LARGEST_TORQUE)]
+
+
+class Coupling(Strict):
+    """Elastic coupling between output shaft and load (without it they are rigid)."""
+
+    stiffness: Annotated[float, quantity("N.m/rad", above=0.0)]
+    damping: Annotated[float, quantity("N.m.s/rad", 0.0)] = 0.0
+
+
+def _coupling(table: Coupling | None) -> loops.Coupling | None:
+    return None if table is None else loops.Coupling(table.stiffness, table.damping)
+
+
+class TorqueOverTime(Tabulated):
+    """Torque over time."""
+
+    VALUES: ClassVar[str] = "torque"
+    UNITS: ClassVar[tuple[str, str]] = ("s", "N.m")
+
+    time: Times
+    torque: Annotated[list[float], quantities("N.m")]
+
+
+class SlopeOverDistance(Tabulated):
+    """Slope of the road, rise over run, over the way."""
+
+    POINTS: ClassVar[str] = "distance"
+    VALUES: ClassVar[str] = "slope"
+    UNITS: ClassVar[tuple[str, str]] = ("m", "1")
+
+    distance: Annotated[list[float], quantities("m")]
+    slope: Annotated[list[float], quantities("1")]
+
+
+class TorqueLoad(Strict):
+    """A torque on the output shaft that does not depend on the motion."""
+
+    kind: Literal["torque"]
+    torque: Torque | None = None
+    torque_over_time: TorqueOverTime | None = None
+
+    @model_validator(mode="after")
+    def _one_of_both(self) -> TorqueLoad:
+        if (self.torque is None) == (self.torque_over_time is None):
+            given = "both" if self.torque is not None else "neither"
+            raise ValueError(f"{given} of torque and torque_over_time is refused: allowed is one of them")
+        return self
+
+    def build(self, step: float, one_way: bool) -> loops.Load:
+        """The load as a system of this step, s; one_way: the shaft cannot turn backwards."""
+        if self.torque_over_time is not None:
+            return loops.torque_source(self.torque_over_time.table(), step)
+        return loops.torque_source(self.torque or 0.0, step)
+
+
+class ShaftLoad(Strict):
+    """A shaft with inertia, viscous friction and a torque against it."""
+
+    kind: Literal["shaft"]
+    inertia: Annotated[float, quantity("kg.m2", above=0.0)]
+    viscous_friction: Annotated[float, quantity("N.m.s/rad", 0.0)] = 0.0
+    torque: Torque = 0.0
+    coupling: Coupling | None = None
+
+    def build(self, step: float, one_way: bool) -> loops.Load:
+        """The load as a system of this step, s; one_way: the shaft cannot turn backwards."""
+        return loops.shaft_load(
+            step, self.inertia, self.viscous_friction, self.torque, _coupling(self.coupling)
+        )
+
+
+class VehicleLoad(Strict):
+    """A vehicle on a road, behind a final drive."""
+
+    kind: Literal["vehicle"]
+    mass: Annotated[float, quantity("kg", above=0.0)]
+    wheel_radius: Annotated[float, quantity("m", above=0.0)]
+    final_drive: Annotated[float, quantity("1", above=0.0)]
+    rolling_resistance: Annotated[float, quantity("1", 0.0, 1.0)] = 0.01
+    drag_area: Annotated[float, quantity("m2", 0.0)] = 0.0
+    air_density: Annotated[float, quantity("kg/m3", 0.0)] = 1.2
+    slope: Annotated[float, quantity("1", -1.0, 1.0)] = 0.0
+    slope_over_distance: SlopeOverDistance | None = None
+    coupling: Coupling | None = None
+
+    def build(self, step: float, one_way: bool) -> loops.Load:
+        """The load as a system of this step, s; one_way: the shaft cannot turn backwards."""
+        table = self.slope_over_distance
+        return loops.vehicle_load(
+            step,
+            self.mass,
+            self.wheel_radius,
+            self.final_drive,
+            rolling_resistance=self.rolling_resistance,
+            drag_area=self.drag_area,
+            air_density=self.air_density,
+            slope=self.slope if table is None else table.table(),
+            one_way=one_way,
+            coupling=_coupling(self.coupling),
+        )
+
+
+Load = Annotated[TorqueLoad | ShaftLoad | VehicleLoad, Field(discriminator="kind")]

@@ -1,0 +1,57 @@
+"""The [mechanism] of a scene: any parameter of the table of variables, in SI or with a unit."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any
+
+from pydantic import BaseModel, BeforeValidator, create_model
+
+from ..variables import BOOLEAN, ENUMERATION, ENUMERATIONS, PARAMETER, Variable, with_causality
+from .tables import Strict
+from .units import to_si
+
+
+def _number(variable: Variable, value: Any) -> float:
+    """A value as the number the FMU takes, not yet checked against its range."""
+    if variable.kind == BOOLEAN:
+        if isinstance(value, bool):
+            return float(value)
+        raise ValueError("it is neither true nor false")
+    if variable.kind == ENUMERATION and isinstance(value, str):
+        numbers = {name: float(number) for name, number, _ in ENUMERATIONS[variable.enumeration]}
+        if value in numbers:
+            return numbers[value]
+        raise ValueError("there is no such item")
+    return to_si(value, variable.unit or "1")
+
+
+def _validator(variable: Variable) -> BeforeValidator:
+    def check(value: Any) -> float:
+        try:
+            number = _number(variable, value)
+        except ValueError as error:
+            raise ValueError(f"{error}; allowed is {variable.allowed}") from None
+        if not (math.isfinite(number) and variable.accepts(number)):
+            raise ValueError(f"allowed is {variable.allowed}")
+        return number
+
+    return BeforeValidator(check)
+
+
+# tolerance has a table of its own: [accuracy]
+Mechanism: type[BaseModel] = create_model(
+    "Mechanism",
+    __base__=Strict,
+    __doc__="Parameters of the module that differ from the defaults (scene R1).",
+    **{
+        variable.name: (Annotated[float | None, _validator(variable)], None)
+        for variable in with_causality(PARAMETER)
+        if variable.name != "tolerance"
+    },
+)  # type: ignore[call-overload]
+
+
+def parameters(mechanism: BaseModel) -> dict[str, float]:
+    """The parameters that the scene gives, as numbers for the FMU."""
+    return mechanism.model_dump(exclude_none=True)

@@ -1,0 +1,75 @@
+"""Running a scene: the FMU and what the scene puts around it, to a table and a summary."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from ..drive import Fmu, Progress, Result
+from ..loops import ClosedLoop, connect, initial_inputs
+from .schema import Scene
+from .summary import SUMMARISED, Quantity, summarise
+
+
+@dataclass(frozen=True)
+class SceneResult:
+    """What a scene gave.
+
+    Attributes:
+        scene: as it was run.
+        record: everything recorded: outputs wanted, outputs summarised, signals of the loop.
+        summary: the numbers by name. units: of these numbers, "" for counts and ratios.
+    """
+
+    scene: Scene
+    record: Result
+    quantities: dict[str, Quantity] = field(repr=False)
+
+    @property
+    def summary(self) -> dict[str, float]:
+        """Numbers of the run by name."""
+        return {name: quantity.value for name, quantity in self.quantities.items()}
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Units of the numbers of the summary, "" for counts and ratios."""
+        return {name: quantity.unit for name, quantity in self.quantities.items()}
+
+    @property
+    def table(self) -> Result:
+        """The outputs the scene wants and the signals of its loop, at each communication point."""
+        extra = set(SUMMARISED) - set(self.scene.run.outputs)
+        names = [name for name in self.record.names if name not in extra]
+        units = {name: self.record.units[name] for name in names}
+        return Result.from_columns({name: self.record[name] for name in names}, units)
+
+
+def run_scene(scene: Scene, fmu_path: Path | str, progress: Progress | None = None) -> SceneResult:
+    """Run a scene with an FMU of the module.
+
+    Args:
+        scene: of load_scene. fmu_path: InertiaModulePy.fmu, or another with its contract.
+        progress: told how much of the run is done (0 to 1).
+
+    Raises:
+        DriveError: the FMU cannot be loaded, or refuses a value or a step.
+    """
+    surroundings = connect(list(scene.systems()))
+    values = scene.parameters()
+    start = {"omega_out": values.get("omega_out_start", 0.0)}
+    outputs = [*scene.run.outputs, *SUMMARISED]
+    fmu = Fmu(
+        fmu_path,
+        parameters=values,
+        inputs=initial_inputs(surroundings, start),
+        tolerance=scene.accuracy.tolerance,
+        stop_time=scene.run.stop_time,
+    )
+    with fmu:
+        loop = ClosedLoop(fmu, surroundings, outputs, scene.signal_units)
+        began = time.perf_counter()
+        record = loop.run(scene.run.stop_time, progress)
+        wall_time = time.perf_counter() - began
+    measured = scene.measured if scene.controller is not None else None
+    return SceneResult(scene, record, summarise(record, measured, scene.cycle, wall_time))

@@ -1,0 +1,203 @@
+"""A scene: which mechanism, drive, load and controller, which outputs, how accurate, how long."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import Field, ValidationError, model_validator
+
+from .. import loops
+from ..cycles import Cycle
+from ..module import Module, Refused
+from ..variables import BY_NAME, LARGEST_STEP, LOCAL, OUTPUT, with_causality
+from .controllers import SPEED_UNITS, VEHICLE_SPEED, CycleReference, PiController, measured_speed
+from .drives import ControlledDrive, Drive
+from .errors import SceneError, one_line
+from .loads import Load
+from .mechanism import Mechanism, parameters
+from .tables import Duration, Strict
+from .units import quantity
+
+_TOLERANCE = BY_NAME["tolerance"]
+_OUTPUTS = tuple(variable.name for variable in with_causality(OUTPUT))
+_READABLE = tuple(variable.name for variable in with_causality(OUTPUT, LOCAL))
+
+
+class Accuracy(Strict):
+    """How accurate the integration has to be."""
+
+    tolerance: Annotated[float, quantity("1", _TOLERANCE.minimum, _TOLERANCE.maximum)] = 1e-6
+
+
+class Run(Strict):
+    """How long, in which steps, and what is recorded."""
+
+    stop_time: Duration
+    communication_step: Annotated[float, quantity("s", maximum=LARGEST_STEP, above=0.0)]
+    outputs: list[str] = Field(default=list(_OUTPUTS), min_length=1)
+
+    @model_validator(mode="after")
+    def _whole_steps(self) -> Run:
+        number = self.stop_time / self.communication_step
+        if round(number) < 1 or abs(number - round(number)) > 1e-6:
+            raise SceneError(
+                f"run.stop_time = {self.stop_time:g} is refused: allowed is a whole number of"
+                f" run.communication_step = {self.communication_step:g} s"
+            )
+        return self
+
+
+class Scene(Strict):
+    """A scene, checked; all quantities in SI units.
+
+    Attributes:
+        title, description: for people. mechanism: parameters that differ from the defaults.
+        drive, load, controller: what is around the module. accuracy, run: how it is simulated.
+    """
+
+    title: str = "scene"
+    description: str = ""
+    mechanism: Mechanism = Field(default_factory=Mechanism)  # type: ignore[valid-type]
+    drive: Drive
+    load: Load
+    controller: PiController | None = None
+    accuracy: Accuracy = Accuracy()
+    run: Run
+
+    @property
+    def measured(self) -> str:
+        """Name of the speed that a controller controls."""
+        return measured_speed(self.load.kind)
+
+    @property
+    def cycle(self) -> Cycle | None:
+        """The driving cycle that is to be followed, if any."""
+        reference = self.controller.reference if self.controller else None
+        return reference.driving_cycle() if isinstance(reference, CycleReference) else None
+
+    @property
+    def signal_units(self) -> dict[str, str]:
+        """Units of signals that depend on the scene."""
+        return {"reference": SPEED_UNITS[self.measured]}
+
+    def build_load(self) -> loops.Load:
+        """The load as a system."""
+        mechanism = parameters(self.mechanism)
+        one_way = all(mechanism.get(name, 1.0) for name in ("housing_freewheel", "output_freewheel"))
+        return self.load.build(self.run.communication_step, one_way)
+
+    def systems(self) -> Iterator[Any]:
+        """Load, and drive or controller, as systems to connect."""
+        step = self.run.communication_step
+        load = self.build_load().system
+        yield load
+        if self.controller is not None:
+            yield from self.controller.build(step, self.measured)
+        elif not isinstance(self.drive, ControlledDrive):
+            yield loops.source("omega1", self.drive.signal(), step)
+        braked = self.controller is not None and self.controller.brake is not None
+        if "brake_force" in load.input_labels and not braked:
+            yield loops.source("brake_force", 0.0, step)
+
+    def _shaft_inertia(self) -> float:
+        """Inertia of the output shaft without the load, kg.m2."""
+        default = BY_NAME["output_inertia"].start or 0.0
+        return parameters(self.mechanism).get("output_inertia", default)
+
+    def parameters(self) -> dict[str, float]:
+        """Parameters for the FMU; the inertia of a rigidly coupled load is in output_inertia."""
+        values = parameters(self.mechanism)
+        rigid = self.build_load().rigid_inertia
+        return {**values, "output_inertia": self._shaft_inertia() + rigid} if rigid else values
+
+    @model_validator(mode="after")
+    def _drive_and_controller(self) -> Scene:
+        controlled = isinstance(self.drive, ControlledDrive)
+        if controlled and self.controller is None:
+            raise SceneError("drive.kind = 'controlled' is refused: allowed is that only with a [controller]")
+        if self.controller is not None and not controlled:
+            raise SceneError(
+                f"drive.kind = {self.drive.kind!r} is refused: allowed with a [controller] is 'controlled'"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _vehicle_only(self) -> Scene:
+        if self.controller is None or self.measured == VEHICLE_SPEED:
+            return self
+        for key, given in (("reference.kind = 'cycle'", self.cycle), ("brake", self.controller.brake)):
+            if given is not None:
+                raise SceneError(
+                    f"controller.{key} is refused with load.kind = {self.load.kind!r}: allowed is load.kind ="
+                    " 'vehicle'"
+                )
+        return self
+
+    @model_validator(mode="after")
+    def _outputs_known(self) -> Scene:
+        signals = loops.connect(list(self.systems())).output_labels
+        for name in self.run.outputs:
+            if name not in _READABLE and name not in signals:
+                allowed = ", ".join([*_READABLE, *signals])
+                raise SceneError(f"run.outputs = {name!r} is refused: allowed are {allowed}")
+        return self
+
+    @model_validator(mode="after")
+    def _step_short_enough(self) -> Scene:
+        try:
+            self.build_load().check_step(self._shaft_inertia())
+        except ValueError as error:
+            raise SceneError(f"run.communication_step: {error}") from None
+        return self
+
+    @model_validator(mode="after")
+    def _mechanism_possible(self) -> Scene:
+        """Let the module itself look at all parameters together."""
+        try:
+            Module("plain").start(**self.parameters())
+        except Refused as error:
+            raise SceneError(f"mechanism: {error}") from None
+        return self
+
+
+def read_scene(text: str, folder: Path) -> Scene:
+    """Check the text of a scene file.
+
+    Args:
+        text: TOML. folder: where paths of CSV files in it start.
+
+    Raises:
+        SceneError: in one line, the key, the value and what is allowed.
+    """
+    try:
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise SceneError(f"the scene is no TOML: {' '.join(str(error).split())}") from None
+    load = data.get("load")
+    kind = load.get("kind") if isinstance(load, dict) else None
+    try:
+        return Scene.model_validate(data, context={"folder": folder, "measured": measured_speed(kind)})
+    except ValidationError as failure:
+        raise SceneError(one_line(Scene, failure)) from None
+
+
+def load_scene(path: Path | str) -> Scene:
+    """Read and check a scene file.
+
+    Raises:
+        SceneError: in one line, the file, the key, the value and what is allowed.
+    """
+    path = Path(path)
+    try:
+        text = path.read_text(encoding="utf-8")
+    except OSError as error:
+        raise SceneError(f"{path} is refused: {error.strerror}; allowed is a scene file (TOML)") from None
+    except UnicodeDecodeError as error:
+        raise SceneError(f"{path} is refused: {error}; allowed is a scene file (TOML)") from None
+    try:
+        return read_scene(text, path.parent)
+    except SceneError as error:
+        raise SceneError(f"{path.name}: {error}") from None

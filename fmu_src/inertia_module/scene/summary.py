@@ -1,0 +1,139 @@
+"""A run in some numbers: speeds, torques, energy, cost, and how well a cycle was followed."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..cycles import KILOMETRE_PER_HOUR, Cycle
+from ..drive import Result
+
+# variables of the FMU that the summary and the figure need, whatever outputs the scene wants
+SUMMARISED = (
+    "omega2",
+    "omega_out",
+    "input_torque_mean",
+    "output_torque_mean",
+    "energy_in",
+    "energy_out",
+    "energy_stored",
+    "energy_lost",
+    "energy_residual",
+    "contact_switches",
+    "rhs_evaluations",
+)
+
+
+class Quantity(NamedTuple):
+    """One number of a summary.
+
+    Attributes:
+        value: in its unit. unit: "" for counts and ratios.
+    """
+
+    value: float
+    unit: str
+
+
+def _time_mean(table: Result, name: str) -> float:
+    """Mean of a step mean over the run: the value at a row is the mean over the step before it."""
+    return float(np.average(table[name][1:], weights=np.diff(table.time)))
+
+
+def _speeds_and_torques(table: Result) -> dict[str, Quantity]:
+    return {
+        "omega1_maximum": Quantity(float(table["omega1"].max()), "rad/s"),
+        "omega_out_maximum": Quantity(float(table["omega_out"].max()), "rad/s"),
+        "omega_out_final": Quantity(float(table["omega_out"][-1]), "rad/s"),
+        "input_torque_mean": Quantity(_time_mean(table, "input_torque_mean"), "N.m"),
+        "output_torque_mean": Quantity(_time_mean(table, "output_torque_mean"), "N.m"),
+        "output_torque_mean_maximum": Quantity(float(table["output_torque_mean"].max()), "N.m"),
+        # a pulse of the freewheels is some of these
+        "contact_switches": Quantity(float(table["contact_switches"][-1]), ""),
+    }
+
+
+def _energy(table: Result) -> dict[str, Quantity]:
+    last = table.last()
+    stored = last["energy_stored"] - float(table["energy_stored"][0])
+    scale = max(abs(last["energy_in"]), abs(last["energy_out"]), abs(stored))
+    return {
+        "energy_in": Quantity(last["energy_in"], "J"),
+        "energy_out": Quantity(last["energy_out"], "J"),
+        "energy_stored_gain": Quantity(stored, "J"),
+        "energy_lost": Quantity(last["energy_lost"], "J"),
+        "energy_residual": Quantity(last["energy_residual"], "J"),
+        "energy_residual_relative": Quantity(abs(last["energy_residual"]) / scale if scale else 0.0, ""),
+    }
+
+
+def work(table: Result, torque: str) -> NDArray[np.float64]:
+    """Work of a torque on the load, held over each step, up to each row, J."""
+    mean_speed = 0.5 * (table["load_speed"][1:] + table["load_speed"][:-1])
+    done = table[torque][:-1] * mean_speed * np.diff(table.time)
+    return np.concatenate([[0.0], np.cumsum(done)])
+
+
+def _vehicle(table: Result) -> dict[str, Quantity]:
+    parts = ("rolling", "drag", "slope", "brake")
+    energies = {f"energy_{part}": Quantity(float(work(table, f"{part}_torque")[-1]), "J") for part in parts}
+    speed = float(table["vehicle_speed"].max()) / KILOMETRE_PER_HOUR
+    return {
+        "distance": Quantity(float(table["distance"][-1]), "m"),
+        "vehicle_speed_maximum": Quantity(speed, "km/h"),
+        **energies,
+    }
+
+
+def _tracking(table: Result, speed: str, unit: str) -> dict[str, Quantity]:
+    factor, shown = (KILOMETRE_PER_HOUR, "km/h") if unit == "m/s" else (1.0, unit)
+    error = (table[speed] - table["reference"]) / factor
+    return {
+        "tracking_error_rms": Quantity(float(np.sqrt(np.mean(error**2))), shown),
+        "tracking_error_maximum": Quantity(float(np.abs(error).max()), shown),
+    }
+
+
+def _out_of_tolerance(table: Result, cycle: Cycle) -> dict[str, Quantity]:
+    """Time outside the band of the regulation; each row counts for the step it begins."""
+    lower, upper = cycle.tolerance_band(table.time)
+    speed = table["vehicle_speed"]
+    outside = ((speed < lower) | (speed > upper))[:-1]
+    seconds = float(np.sum(np.diff(table.time)[outside]))
+    total = float(table.time[-1] - table.time[0])
+    return {
+        "time_out_of_tolerance": Quantity(seconds, "s"),
+        "share_out_of_tolerance": Quantity(100.0 * seconds / total, "%"),
+    }
+
+
+def summarise(
+    table: Result, measured: str | None, cycle: Cycle | None, wall_time: float
+) -> dict[str, Quantity]:
+    """Numbers of a run.
+
+    Args:
+        table: all of SUMMARISED, and the signals of the loop.
+        measured: name of the speed under control, or None. cycle: to be followed, or None.
+        wall_time: of the run, s.
+    """
+    simulated = float(table.time[-1] - table.time[0])
+    summary = {
+        "simulated_time": Quantity(simulated, "s"),
+        **_speeds_and_torques(table),
+        **_energy(table),
+    }
+    if "vehicle_speed" in table:
+        summary |= _vehicle(table)
+    if measured is not None:
+        summary |= _tracking(table, measured, table.units["reference"])
+    if cycle is not None:
+        summary |= _out_of_tolerance(table, cycle)
+    return {
+        **summary,
+        "rhs_evaluations": Quantity(float(table["rhs_evaluations"][-1]), ""),
+        "wall_time": Quantity(wall_time, "s"),
+        "real_time_factor": Quantity(simulated / wall_time, ""),
+    }

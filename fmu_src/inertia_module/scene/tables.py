@@ -1,0 +1,74 @@
+"""What all tables of a scene have in common, and quantities in columns: inline or in a CSV file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any, ClassVar
+
+from pydantic import BaseModel, ConfigDict, ValidationInfo, model_validator
+
+from ..drive import Result, TableError
+from ..loops import Table
+from .units import checked, quantities, quantity
+
+Time = Annotated[float, quantity("s", 0.0)]
+Duration = Annotated[float, quantity("s", above=0.0)]
+Times = Annotated[list[float], quantities("s")]
+
+
+class Strict(BaseModel):
+    """Base of all tables of a scene: unknown keys are refused."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Tabulated(Strict):
+    """A quantity in columns, in the scene itself or in a CSV file with a heading row.
+
+    Attributes:
+        POINTS, VALUES: names of the columns. UNITS: of both, where the heading gives none.
+        file: path from the folder of the scene.
+    """
+
+    POINTS: ClassVar[str] = "time"
+    VALUES: ClassVar[str]
+    UNITS: ClassVar[tuple[str, str]]
+
+    file: str | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _read_file(cls, data: Any, info: ValidationInfo) -> Any:
+        """Fill the columns from the file."""
+        if not isinstance(data, dict) or "file" not in data:
+            return data
+        if {cls.POINTS, cls.VALUES} & data.keys():
+            raise ValueError(f"allowed is either file or {cls.POINTS} and {cls.VALUES}, not both")
+        context = info.context or {}
+        try:
+            table = Result.from_csv(context.get("folder", Path()) / str(data["file"]))
+            columns = {name: table[name] for name in (cls.POINTS, cls.VALUES)}
+        except TableError as error:
+            raise ValueError(str(error)) from None
+        filled = dict(data)
+        for name, default in zip(columns, cls.units(context), strict=True):
+            unit = table.units.get(name, default)
+            filled[name] = [checked(f"{value!r} {unit}", default) for value in columns[name].tolist()]
+        return filled
+
+    @classmethod
+    def units(cls, _: Any) -> tuple[str, str]:
+        """Units of points and values in SI; the argument is the context of the validation."""
+        return cls.UNITS
+
+    @model_validator(mode="after")
+    def _check(self) -> Tabulated:
+        try:
+            self.table()
+        except ValueError as error:
+            raise ValueError(f"{self.POINTS}, {self.VALUES}: {error}") from None
+        return self
+
+    def table(self) -> Table:
+        """The quantity over time, s, or distance, m; linear in between, held at the ends."""
+        return Table(getattr(self, self.POINTS), getattr(self, self.VALUES))

@@ -1,0 +1,27 @@
+import importlib.util
+
+import pytest
+from hypothesis import settings
+
+# the same examples each run; `pytest --hypothesis-profile=search` looks for new ones
+settings.register_profile("same", max_examples=40, deadline=None, derandomize=True, database=None)
+settings.register_profile("search", max_examples=2000, deadline=None)
+settings.load_profile("same")
+
+
+def _kernel(name):
+    if name == "compiled" and importlib.util.find_spec("numba") is None:
+        pytest.skip("numba is not installed")
+    return name
+
+
+@pytest.fixture(scope="session", params=["plain", "compiled"])
+def kernel(request):
+    """Both kernels in turn."""
+    return _kernel(request.param)
+
+
+@pytest.fixture(scope="session")
+def compiled():
+    """The fast kernel, for what would take the plain one too long."""
+    return _kernel("compiled")

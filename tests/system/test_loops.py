@@ -1,0 +1,421 @@
+"""Loads, controllers and the loop, against closed solutions, balances and the module itself."""
+
+import math
+from collections import Counter
+
+import control
+import numpy as np
+import pytest
+
+from inertia_module import cycles, loops
+from inertia_module.cycles import ELEMENTARY_URBAN_CYCLE as CYCLE
+from inertia_module.module import Module
+
+URBAN = {
+    "layout": 1,
+    "sun_radius": 0.1,
+    "satellite_radius": 0.06,
+    "eccentricity": 0.04,
+    "imbalance_mass": 0.3,
+    "satellites": 3,
+    "link2_inertia": 0.01,
+    "input_hold": 1,
+    "tolerance": 1e-8,
+}
+KMH = 1.0 / 3.6
+
+
+class ModulePlant:
+    """The module in memory as a plant."""
+
+    def __init__(self, kernel, **values):
+        self.module = Module(kernel).start(**values)
+        self.set = self.module.set
+        self.advance = self.module.advance
+
+    def read(self, names):
+        return tuple(self.module[name] for name in names)
+
+
+class Shaft:
+    """A bare shaft that a torque accelerates, one way or both; exact for a torque that is held."""
+
+    def __init__(self, inertia, speed=0.0, drive=0.0, one_way=False):
+        self.inertia, self.speed, self.drive, self.one_way = inertia, speed, drive, one_way
+        self.load_torque = 0.0
+
+    def set(self, **values):
+        self.load_torque = values.get("load_torque", self.load_torque)
+
+    def advance(self, step):
+        self.speed += step * (self.drive - self.load_torque) / self.inertia
+        if self.one_way:
+            self.speed = max(self.speed, 0.0)
+
+    def read(self, names):
+        return tuple({"omega_out": self.speed}[name] for name in names)
+
+
+def spin(plant, load, stop_time, *others):
+    surroundings = loops.connect([load.system, *others])
+    return loops.ClosedLoop(plant, surroundings, ["omega_out"]).run(stop_time)
+
+
+def no_brake(step):
+    return loops.source("brake_force", 0.0, step)
+
+
+# --- shaft load ---
+
+
+def test_friction_spins_the_coasting_shaft_down_exponentially(compiled):
+    """Through the module, to first order in the step."""
+    friction, own, driven = 0.4, 0.1, 0.9
+    errors = []
+    for step in (0.02, 0.01):
+        load = loops.shaft_load(step, driven, friction)
+        inertia = own + load.rigid_inertia
+        plant = ModulePlant(compiled, omega_out_start=50.0, output_inertia=inertia)
+        table = spin(plant, load, 2.0)
+        exact = 50.0 * np.exp(-friction / inertia * table.time)
+        errors.append(np.abs(table["omega_out"] - exact).max())
+    assert errors[0] < 0.1
+    assert errors[0] / errors[1] == pytest.approx(2.0, rel=0.05)
+
+
+def test_elastic_load_follows_a_turning_shaft_exactly():
+    """Sampled exactly: an inertia on a spring behind a shaft of constant speed, any step."""
+    inertia, stiffness = 0.5, 200.0
+    natural = math.sqrt(stiffness / inertia)
+    load = loops.shaft_load(0.03, inertia, coupling=loops.Coupling(stiffness, 0.0))
+    assert load.rigid_inertia == 0.0
+    table = spin(Shaft(1e30, speed=10.0), load, 3.0)
+    np.testing.assert_allclose(
+        table["load_speed"], 10.0 * (1.0 - np.cos(natural * table.time)), rtol=0, atol=1e-9
+    )
+    np.testing.assert_allclose(
+        table["load_torque"], 10.0 * stiffness / natural * np.sin(natural * table.time), rtol=0, atol=1e-8
+    )
+
+
+def test_undamped_coupling_neither_gains_nor_loses_over_many_swings():
+    step, inertia, stiffness = 0.005, 0.5, 500.0
+    load = loops.shaft_load(step, inertia, coupling=loops.Coupling(stiffness, 0.0))
+    table = spin(Shaft(0.5, speed=10.0), load, 50.0)
+    swing = table["omega_out"] - table["load_speed"]
+    assert np.abs(swing[-400:]).max() == pytest.approx(np.abs(swing[:400]).max(), rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "damping", "stable"),
+    [(500.0, 0.0, True), (500.0, 5.0, True), (500.0, 2000.0, False), (90000.0, 0.0, False)],
+)
+def test_check_coupling_tells_what_a_run_shows(stiffness, damping, stable):
+    load = loops.shaft_load(0.005, 0.5, coupling=loops.Coupling(stiffness, damping))
+    table = spin(Shaft(0.5, speed=1.0), load, 1.0)
+    assert bool(np.abs(table["omega_out"]).max() < 3.0) == stable
+    if stable:
+        load.check_step(0.5)
+    else:
+        with pytest.raises(ValueError, match=r"a step of 0.005 s is refused .* allowed is a shorter step"):
+            load.check_step(0.5)
+
+
+def test_friction_too_strong_for_the_step_is_refused():
+    load = loops.shaft_load(0.1, 0.5, viscous_friction=12.0)
+    load.check_step(0.8)
+    with pytest.raises(ValueError, match=r"viscous_friction = 12 .* allowed is up to .* 0.05 s"):
+        load.check_step(0.1)
+
+
+def test_elastic_friction_settles_at_the_torque_of_the_friction():
+    load = loops.shaft_load(0.01, 0.2, 0.3, torque=2.0, coupling=loops.Coupling(50.0, 2.0))
+    table = spin(Shaft(1e30, speed=10.0), load, 20.0)
+    assert table["load_speed"][-1] == pytest.approx(10.0, rel=1e-9)
+    assert table["load_torque"][-1] == pytest.approx(0.3 * 10.0 + 2.0, rel=1e-9)
+
+
+def test_torque_source_follows_its_table():
+    load = loops.torque_source(loops.Table([0.0, 1.0], [0.0, 8.0]), 0.1)
+    table = spin(Shaft(1.0), load, 2.0)
+    np.testing.assert_allclose(table["load_torque"], np.minimum(8.0 * table.time, 8.0))
+
+
+# --- vehicle ---
+
+
+def vehicle(step, **values):
+    given = {"mass": 1000.0, "wheel_radius": 0.3, "final_drive": 3.0, **values}
+    return loops.vehicle_load(step, **given)
+
+
+@pytest.mark.parametrize("one_way", [True, False])
+@pytest.mark.parametrize("brake", [0.0, 3000.0])
+def test_vehicle_comes_to_rest_and_stays_there(one_way, brake):
+    step, ratio = 0.01, 0.1
+    load = vehicle(step, rolling_resistance=0.02, one_way=one_way)
+    plant = Shaft(load.rigid_inertia, speed=5.0 / ratio, one_way=one_way)
+    table = spin(plant, load, 30.0, loops.source("brake_force", brake, step))
+    deceleration = 0.02 * 9.80665 + brake / 1000.0
+    exact = np.maximum(5.0 - deceleration * table.time, 0.0)
+    np.testing.assert_allclose(table["vehicle_speed"], exact, atol=deceleration * step + 1e-9)
+    assert table["vehicle_speed"].min() >= -1e-12
+    assert table["distance"][-1] == pytest.approx(5.0**2 / (2.0 * deceleration), rel=0.02)
+
+
+def test_elastic_vehicle_comes_to_rest_and_stays_there():
+    step = 0.01
+    load = vehicle(step, rolling_resistance=0.02, coupling=loops.Coupling(2000.0, 10.0))
+    table = spin(Shaft(0.2, speed=0.0, drive=0.0), load, 5.0, no_brake(step))
+    assert np.abs(table["vehicle_speed"]).max() == 0.0
+    # pulled away against the friction, then left alone
+    plant = Shaft(0.2, drive=60.0)
+    surroundings = loops.connect([load.system, no_brake(step)])
+    loop = loops.ClosedLoop(plant, surroundings, ["omega_out"])
+    rows = loop.rows(60.0)
+    speed_at = loop.names.index("vehicle_speed")
+    speeds = []
+    for n, row in enumerate(rows):
+        speeds.append(row[speed_at])
+        if n == 500:
+            plant.drive = 0.0
+    expected = (60.0 / 0.1 - 0.02 * 1000.0 * 9.80665) / (1000.0 + 0.2 / 0.1**2) * 5.0
+    assert speeds[500] == pytest.approx(expected, rel=0.02)
+    assert abs(speeds[-1]) < 1e-9
+    assert min(speeds) > -1e-3
+
+
+@pytest.mark.parametrize("slope", [0.1, -0.1])
+def test_brake_holds_on_a_hill(compiled, slope):
+    """At standstill the load never pushes the shaft: with the brake on, downhill neither."""
+    step = 0.01
+    load = vehicle(step, slope=slope)
+    plant = ModulePlant(compiled, output_inertia=load.rigid_inertia)
+    table = spin(plant, load, 2.0, loops.source("brake_force", 2000.0, step))
+    assert np.all(table["omega_out"] == 0.0)
+    assert table["load_torque"].min() >= 0.0
+
+
+def test_vehicle_rolls_downhill_without_brake(compiled):
+    step = 0.01
+    load = vehicle(step, slope=-0.1, rolling_resistance=0.01)
+    plant = ModulePlant(compiled, output_inertia=load.rigid_inertia)
+    table = spin(plant, load, 5.0, no_brake(step))
+    angle = math.atan(0.1)
+    acceleration = 9.80665 * (math.sin(angle) - 0.01 * math.cos(angle))
+    assert table["vehicle_speed"][-1] == pytest.approx(5.0 * acceleration, rel=1e-6)
+
+
+def test_slope_over_distance_and_terminal_speed():
+    """Down a hill that begins after 50 m, to the speed at which drag and rolling hold the balance."""
+    step = 0.05
+    slope = loops.Table([0.0, 50.0, 51.0], [0.0, 0.0, -0.1])
+    load = vehicle(step, slope=slope, drag_area=2.0, rolling_resistance=0.01)
+    table = spin(Shaft(load.rigid_inertia, speed=100.0, one_way=True), load, 300.0, no_brake(step))
+    angle = math.atan(0.1)
+    pull = 1000.0 * 9.80665 * (math.sin(angle) - 0.01 * math.cos(angle))
+    assert table["vehicle_speed"][-1] == pytest.approx(math.sqrt(pull / (0.5 * 1.2 * 2.0)), rel=1e-6)
+    assert table["slope_torque"][0] == 0.0
+
+
+# --- controllers ---
+
+
+def pi(**values):
+    given = {
+        "step": 0.01,
+        "proportional_gain": 2.0,
+        "integral_gain": 4.0,
+        "limits": (0.0, 5.0),
+        "command": "torque",
+        **values,
+    }
+    return loops.pi_speed_controller(**given)
+
+
+def follow(controller, reference, stop_time=20.0):
+    """Speed of an inertia of 1 kg.m2 with friction, driven by the controller."""
+    step = controller.dt
+    plant = control.sample_system(control.ss([[-0.5]], [[1.0]], [[1.0]], [[0.0]]), step)
+    speed, integral, speeds, commands = 0.0, np.zeros(1), [], []
+    for n in range(round(stop_time / step)):
+        u = np.array([reference(n * step), speed])
+        command = float(controller.output(n * step, integral, u)[0])
+        integral = controller.dynamics(n * step, integral, u)
+        speed = float(plant.A[0, 0] * speed + plant.B[0, 0] * command)
+        speeds.append(speed)
+        commands.append(command)
+    return np.array(speeds), np.array(commands)
+
+
+def test_pi_without_limits_is_the_linear_one():
+    """Command = gain times error plus integral gain times the sum of errors."""
+    controller = pi(limits=(-1e9, 1e9), feedforward=0.5)
+    integral = np.zeros(1)
+    errors = np.sin(np.arange(50))
+    for n, error in enumerate(errors):
+        u = np.array([1.0, 1.0 - error])
+        expected = 0.5 + 2.0 * error + 4.0 * 0.01 * errors[:n].sum()
+        assert controller.output(0.0, integral, u)[0] == pytest.approx(expected, abs=1e-12)
+        integral = controller.dynamics(0.0, integral, u)
+
+
+def test_pi_keeps_its_limits_and_leaves_no_error():
+    speeds, commands = follow(pi(), lambda _: 8.0)
+    assert commands.max() <= 5.0
+    assert commands.min() >= 0.0
+    assert speeds[-1] == pytest.approx(8.0, rel=1e-6)
+
+
+def test_anti_windup_ends_saturation_at_once():
+    """A reference out of reach for 20 s, then one within: no time is lost to the integral."""
+    speeds, commands = follow(pi(), lambda time: 50.0 if time < 20.0 else 4.0, 40.0)
+    assert speeds[1999] == pytest.approx(10.0, rel=1e-3)
+    assert commands[2000] == 0.0
+    below = np.flatnonzero(speeds[2000:] < 4.0)[0] * 0.01
+    assert below == pytest.approx(2.0 * math.log(10.0 / 4.0), abs=0.05)  # free run down, nothing lost
+    assert speeds[2000:].min() > 3.0
+
+
+def test_pi_refuses_bad_gains_and_limits():
+    with pytest.raises(ValueError, match=r"proportional_gain = -1 is refused: allowed is"):
+        pi(proportional_gain=-1.0)
+    with pytest.raises(ValueError, match=r"integral_gain = nan is refused: allowed is"):
+        pi(integral_gain=math.nan)
+    with pytest.raises(ValueError, match=r"limits = 5, 5 are refused: allowed is"):
+        pi(limits=(5.0, 5.0))
+
+
+def test_driver_brakes_only_beyond_the_margin():
+    brake = loops.driver_brake(0.01, gain=1000.0, greatest=500.0, margin=0.2)
+    forces = [brake.output(0.0, [], [10.0, speed])[0] for speed in (9.0, 10.2, 10.5, 12.0)]
+    np.testing.assert_allclose(forces, [0.0, 0.0, 300.0, 500.0], atol=1e-9)
+
+
+# --- the loop ---
+
+
+def test_loop_refuses_what_it_cannot_run():
+    load = loops.torque_source(1.0, 0.1)
+    with pytest.raises(ValueError, match=r"load_torque is given by .* and by .*: allowed is one"):
+        loops.connect([load.system, loops.source("load_torque", 2.0, 0.1).copy("other")])
+    with pytest.raises(ValueError, match=r"refused: allowed is at least one of omega1, load_torque"):
+        loops.ClosedLoop(Shaft(1.0), loops.connect([no_brake(0.1)]))
+    loop = loops.ClosedLoop(Shaft(1.0), loops.connect([load.system]))
+    for stop_time in (0.25, 0.0, -1.0):
+        with pytest.raises(ValueError, match=r"stop_time = .* is refused: allowed is a whole number"):
+            loop.run(stop_time)
+
+
+@pytest.mark.parametrize(
+    ("points", "values"), [([], []), ([0.0, 1.0], [1.0]), ([0.0, 0.0], [1.0, 2.0]), ([0.0], [math.nan])]
+)
+def test_table_refuses(points, values):
+    with pytest.raises(ValueError, match="refused: allowed"):
+        loops.Table(points, values)
+
+
+def test_initial_inputs_are_those_of_the_first_row():
+    load = loops.shaft_load(0.1, 1.0, 0.5, torque=2.0)
+    surroundings = loops.connect([load.system, loops.source("omega1", 7.0, 0.1)])
+    assert loops.initial_inputs(surroundings, {"omega_out": 4.0}) == {"load_torque": 4.0, "omega1": 7.0}
+
+
+def test_progress_and_units():
+    seen = []
+    load = vehicle(0.1)
+    surroundings = loops.connect([load.system, no_brake(0.1)])
+    table = loops.ClosedLoop(Shaft(1.0), surroundings, ["omega_out"]).run(5.0, seen.append)
+    assert seen[0] == 0.0
+    assert seen[-1] == 1.0
+    assert table.units["vehicle_speed"] == "m/s"
+    assert table.units["load_torque"] == "N.m"
+    assert table.units["omega_out"] == "rad/s"
+
+
+# --- the elementary urban cycle ---
+
+
+def test_cycle_is_the_published_one():
+    """Sums the regulation prints: seconds by kind of operation, length, way and mean speed."""
+    seconds = Counter()
+    for operation in CYCLE.operations:
+        seconds[operation.kind] += operation.duration
+    assert seconds == {
+        "idling": 60.0,
+        "deceleration, clutch disengaged": 9.0,
+        "gear-changing": 8.0,
+        "acceleration": 36.0,
+        "steady speed": 57.0,
+        "deceleration": 25.0,
+    }
+    assert CYCLE.duration == 195.0
+    assert CYCLE.distance == pytest.approx(1013.0, rel=0.01)
+    assert round(CYCLE.distance / CYCLE.duration / KMH) == 19
+    rates = np.diff(CYCLE.speed) / np.diff(CYCLE.time)
+    assert rates.max() == pytest.approx(1.04, abs=0.005)
+    assert rates.min() > -1.0
+
+
+def test_tolerance_band_by_brute_force():
+    times = np.linspace(0.0, 195.0, 1951)
+    lower, upper = CYCLE.tolerance_band(times)
+    for n in range(0, times.size, 7):
+        near = CYCLE.speed_at(np.linspace(times[n] - 1.0, times[n] + 1.0, 2001))
+        assert upper[n] == pytest.approx(near.max() + 2.0 * KMH, abs=1e-3)
+        assert lower[n] == pytest.approx(max(near.min() - 2.0 * KMH, 0.0), abs=1e-3)
+    assert cycles.CYCLES[CYCLE.name] is CYCLE
+
+
+@pytest.fixture(scope="module")
+def urban(request):
+    kernel = request.getfixturevalue("compiled")
+    step = 0.01
+    car = loops.vehicle_load(step, 900.0, 0.29, 4.0, rolling_resistance=0.01, drag_area=0.65)
+    surroundings = loops.connect(
+        [
+            loops.source("reference", loops.Table(CYCLE.time, CYCLE.speed), step),
+            loops.pi_speed_controller(
+                step, 500.0, 100.0, (0.0, 400.0), feedforward=13.8, measured="vehicle_speed"
+            ),
+            loops.driver_brake(step, 8000.0, 6000.0, 0.14),
+            car.system,
+        ]
+    )
+    inertia = 0.05 + car.rigid_inertia
+    outputs = ["omega_out", "output_torque_mean", "energy_in", "energy_out", "energy_residual"]
+    plant = ModulePlant(kernel, output_inertia=inertia, **URBAN)
+    return loops.ClosedLoop(plant, surroundings, outputs).run(CYCLE.duration), inertia
+
+
+def test_car_stays_within_the_tolerances(urban):
+    table, _ = urban
+    lower, upper = CYCLE.tolerance_band(table.time)
+    speed = table["vehicle_speed"]
+    assert np.mean((speed < lower) | (speed > upper)) < 0.02
+    assert np.sqrt(np.mean((speed - table["reference"]) ** 2)) < 0.6 * KMH
+    assert table["omega1"].max() <= 400.0
+    assert speed[-1] == 0.0
+
+
+def test_momentum_balance_of_the_car_in_every_step(urban):
+    """Step means lose nothing: J d(omega) = (mean torque - load) dt, as long as the car moves."""
+    table, inertia = urban
+    gained = inertia * np.diff(table["omega_out"])
+    torque = table["output_torque_mean"][1:] - table["load_torque"][:-1]
+    moving = table["omega_out"][1:] > 0.0
+    assert moving.mean() > 0.5
+    np.testing.assert_allclose(gained[moving], 0.01 * torque[moving], atol=1e-7)
+
+
+def test_power_balance_of_the_car(urban):
+    """What the module hands out is what drag, rolling, slope and brake take: the car ends at rest."""
+    table, _ = urban
+    mean_speed = 0.5 * (table["omega_out"][1:] + table["omega_out"][:-1])
+    parts = [
+        float(np.sum(table[f"{name}_torque"][:-1] * mean_speed * 0.01))
+        for name in ("drag", "rolling", "slope", "brake")
+    ]
+    assert sum(parts) == pytest.approx(table["energy_out"][-1], rel=1e-4)
+    assert parts[1] == pytest.approx(0.01 * 900.0 * 9.80665 * table["distance"][-1], rel=1e-3)
+    assert abs(table["energy_residual"][-1]) < 1e-7 * table["energy_in"][-1]

@@ -1,0 +1,75 @@
+"""The mechanism as a chain of turned rigid bodies, written out without the closed forms of the kernel."""
+
+import numpy as np
+
+EX, EY, EZ = np.eye(3)
+
+
+def turn_x(angle):
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
+
+
+def turn_y(angle):
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
+
+
+def turn_z(angle):
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+
+
+def ratio(p):
+    """k: turns of the drive in link 1 per turn of link 1 against link 2."""
+    return p["sun_radius"] / p["satellite_radius"] if p["layout"] else p["z2"] / p["z16"]
+
+
+def satellite_ratio(p):
+    """s: turns of the satellite on the drive per turn of the drive."""
+    return 1.0 if p["layout"] else p["z17"] / p["z6"]
+
+
+def bevel_lengths(p):
+    """(AD, QA, OQ): the pitch cones touch on the line about which the satellite turns in link 1."""
+    satellite_axis = turn_y(-p["shaft_angle"]) @ EZ
+    line = EZ + satellite_ratio(p) * satellite_axis
+    line /= np.linalg.norm(line)
+    cone = p["wheel_radius"] / np.linalg.norm(np.cross(line, EZ))
+    radius = cone * np.linalg.norm(np.cross(line, satellite_axis))
+    return p["a"] * radius, p["b"] * cone * (line @ satellite_axis), p["c"] * cone * (line @ EZ)
+
+
+def position(p, q, satellite=0):
+    """Imbalance of one satellite in the frame of link 1; q may be complex."""
+    place = 2.0 * np.pi * satellite / p["satellites"]
+    if p["layout"]:
+        centre = (p["sun_radius"] + p["satellite_radius"]) * EZ
+        return turn_x(place) @ (centre + turn_x(q) @ (-p["eccentricity"] * EZ))
+    ad, qa, oq = bevel_lengths(p)
+    on_drive = (
+        turn_y(-p["shaft_angle"]) @ turn_z(satellite_ratio(p) * q + p["epsilon"]) @ np.array([-ad, 0, -qa])
+    )
+    return oq * EZ + turn_z(q + p["gamma"] + place) @ on_drive
+
+
+def taylor(function, at, terms=4, radius=0.5, points=32):
+    """Taylor coefficients of an analytic function by Cauchy's integral: exact to rounding."""
+    circle = np.exp(2j * np.pi * np.arange(points) / points)
+    samples = np.array([function(at + radius * point) for point in circle])
+    return np.array([np.tensordot(circle**-n, samples, 1).real / points / radius**n for n in range(terms)])
+
+
+def series_rate(series):
+    """Series of the derivative."""
+    return np.arange(1, len(series)).reshape(-1, *[1] * (series.ndim - 1)) * series[1:]
+
+
+def series_product(one, two):
+    """First three coefficients of the product of two series."""
+    return np.array([sum(one[i] * two[n - i] for i in range(n + 1)) for n in range(3)])
+
+
+def derivatives(series):
+    """(f, f', f'') from the first coefficients."""
+    return series[0], series[1], 2.0 * series[2]

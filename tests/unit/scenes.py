@@ -1,0 +1,57 @@
+"""Scenes the tests share, and what they read off a module."""
+
+import math
+
+from inertia_module.module import Module
+from inertia_module.variables import PARAMETER, with_causality
+
+REFERENCE = {"omega1": 100.0, "load_torque": 10.0}  # R1: everything else is at its default
+PLANAR = {
+    "layout": 1,
+    "sun_radius": 0.05,
+    "satellite_radius": 0.03,
+    "eccentricity": 0.02,
+    "imbalance_mass": 0.8,
+    "satellites": 3,
+    "link2_inertia": 0.003,
+    "output_inertia": 0.4,
+    "omega1": 120.0,
+    "load_torque": 8.0,
+}
+SCENES = {"bevel": REFERENCE, "planar": PLANAR}
+FREEWHEELS = {
+    "both freewheels": {},
+    "no housing freewheel": {"housing_freewheel": False},
+    "no output freewheel": {"output_freewheel": False},
+    "no freewheel": {"housing_freewheel": False, "output_freewheel": False},
+}
+TWO_PI = 2.0 * math.pi
+
+
+def started(kernel, *scenes, **values):
+    """A module started with these scenes, later ones over earlier ones, and values over all."""
+    settings = {}
+    for scene in (*scenes, values):
+        settings.update(scene)
+    return Module(kernel).start(**settings)
+
+
+def advanced(module, *steps, **inputs):
+    """The module after these steps with these inputs."""
+    module.set(**inputs)
+    for step in steps:
+        module.advance(step)
+    return module
+
+
+def parameters(**values):
+    """All parameters by name, these over the defaults."""
+    return {v.name: v.start for v in with_causality(PARAMETER)} | values
+
+
+def drive_angle(module):
+    return module["drive_angle"] + TWO_PI * module["drive_turns"]
+
+
+def vector(module, name):
+    return [module[f"{name}_{axis}"] for axis in "xyz"]

@@ -1,0 +1,79 @@
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scenes import FREEWHEELS, SCENES, advanced, started, vector
+
+SINGLE = {"satellites": 1, "imbalance_mass": 0.8, "link2_inertia": 0.004, "output_inertia": 0.3}
+JUMPS = st.floats(-150.0, 150.0)
+LOADS = st.floats(-20.0, 20.0)
+DURATIONS = st.floats(1e-4, 0.1)
+
+
+@pytest.fixture(scope="module", params=SCENES)
+def scene(request):
+    return SCENES[request.param] | SINGLE
+
+
+def momentum(module):
+    """Angular momentum of imbalance and link 2 about the central axis."""
+    _, y, z = vector(module, "imbalance")
+    _, vy, vz = vector(module, "imbalance_velocity")
+    return module["imbalance_mass"] * (y * vz - z * vy) + module["link2_inertia"] * module["omega2"]
+
+
+def impulses(module, jump, load, duration):
+    """Changes of the momentum and of the shaft's speed over a step, and the impulses of M1 and Tc."""
+    before, speed = momentum(module), module["omega_out"]
+    advanced(module, duration, omega1=module["omega1"] + jump, load_torque=load)
+    return (
+        momentum(module) - before,
+        module["omega_out"] - speed,
+        module["input_torque_mean"] * duration,
+        module["output_torque_mean"] * duration,
+    )
+
+
+@pytest.mark.parametrize("input_hold", [0, 1], ids=["constant", "linear"])
+@given(jump=JUMPS, load=LOADS, duration=DURATIONS)
+def test_mean_output_torque_speeds_up_the_shaft_against_the_load(
+    compiled, scene, input_hold, jump, load, duration
+):
+    module = advanced(started(compiled, scene, input_hold=input_hold), 0.02)
+    _, gain, _, output = impulses(module, jump, load, duration)
+    gained = SINGLE["output_inertia"] * gain
+    assert output == pytest.approx(gained + load * duration, rel=1e-9, abs=1e-12)
+
+
+@pytest.mark.parametrize("input_hold", [0, 1], ids=["constant", "linear"])
+@given(jump=JUMPS, load=LOADS, duration=DURATIONS)
+def test_mean_input_torque_is_what_changes_the_momentum(compiled, scene, input_hold, jump, load, duration):
+    free = FREEWHEELS["no housing freewheel"]
+    module = advanced(started(compiled, scene, free, input_hold=input_hold), 0.02)
+    change, _, driven, output = impulses(module, jump, load, duration)
+    assert driven - output == pytest.approx(change, rel=1e-9, abs=1e-11)
+
+
+@given(jump=JUMPS, load=LOADS, duration=DURATIONS)
+def test_housing_only_ever_pushes_link_2_forwards(compiled, scene, jump, load, duration):
+    module = advanced(started(compiled, scene), 0.02)
+    change, _, driven, output = impulses(module, jump, load, duration)
+    assert change - (driven - output) > -1e-11
+
+
+def test_means_are_those_of_the_torques_at_each_instant(compiled, scene):
+    duration, steps = 0.05, 5000
+    one = advanced(started(compiled, scene), duration)
+    many = started(compiled, scene)
+    names = ["input_torque", "output_torque"]
+    sums = dict.fromkeys(names, 0.0)
+    squares = 0.0
+    for _ in range(steps):
+        sums = {name: value + 0.5 * many[name] for name, value in sums.items()}
+        many.advance(duration / steps)
+        sums = {name: value + 0.5 * many[name] for name, value in sums.items()}
+        squares += many["output_torque"] ** 2
+    largest = max(abs(one["input_torque_mean"]), abs(one["output_torque_mean"]))
+    for name in names:
+        assert sums[name] / steps == pytest.approx(one[f"{name}_mean"], abs=1e-3 * largest)
+    ripple = (squares / steps - one["output_torque_mean"] ** 2) ** 0.5
+    assert one["torque_ripple"] == pytest.approx(ripple, rel=1e-3)

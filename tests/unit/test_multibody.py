@@ -1,0 +1,115 @@
+import numpy as np
+import pytest
+from geometry import ratio
+from scenes import parameters, started
+
+from inertia_module.kernel.dynamics import kinetic_energy, motion, prescribed_torques
+from inertia_module.kernel.layout import imbalance_in_fixed_frame
+
+pytest.importorskip("mujoco")
+from multibody import Multibody
+
+STATES = 20
+LAYOUTS = {
+    "bevel": {"layout": 0},
+    "bevel, askew": {
+        "layout": 0,
+        "z2": 24,
+        "z16": 18,
+        "z17": 26,
+        "shaft_angle": 1.1,
+        "a": 0.7,
+        "b": 1.4,
+        "c": 0.5,
+        "epsilon": 0.4,
+        "gamma": -1.3,
+    },
+    "planar": {"layout": 1},
+}
+
+
+@pytest.fixture(params=LAYOUTS)
+def layout(request):
+    return LAYOUTS[request.param]
+
+
+@pytest.fixture(params=[1, 2, 3])
+def satellites(request):
+    return request.param
+
+
+@pytest.fixture(params=[1, 2])
+def modules(request):
+    return request.param
+
+
+@pytest.fixture(params=[0.0, 0.004], ids=["no J16", "J16"])
+def multibody(layout, satellites, modules, request):
+    return Multibody(
+        parameters(
+            **layout,
+            satellites=satellites,
+            modules=modules,
+            imbalance_mass=0.8,
+            drive_inertia=request.param,
+            input_inertia=0.02,
+            link2_inertia=0.006,
+        )
+    )
+
+
+@pytest.fixture
+def states():
+    """Random (q, theta1, omega1, alpha1, omega2, alpha2)."""
+    scale = np.array([10.0, 10.0, 100.0, 3000.0, 100.0, 3000.0])
+    return scale * np.random.default_rng(2020).uniform(-1.0, 1.0, (STATES, 6))
+
+
+def derived(multibody):
+    return started("plain", multibody.p).derived
+
+
+def largest(values):
+    return np.abs(values).max()
+
+
+def test_torques_agree_with_inverse_dynamics_of_the_multibody_engine(multibody, states):
+    d = derived(multibody)
+    expected = np.array([multibody.prescribe(*state) for state in states])
+    found = np.array([prescribed_torques(d, q, *speeds) for q, _, *speeds in states])
+    assert largest(found - expected) < 1e-8 * largest(expected)
+
+
+@pytest.mark.parametrize(("inertia", "torque"), [(0.0, 0.0), (0.5, 30.0)], ids=["free", "driving"])
+def test_link_2_accelerates_as_the_multibody_engine_says(multibody, states, inertia, torque):
+    d = derived(multibody)
+    for q, theta1, omega1, alpha1, omega2, _ in states:
+        # the engine's mesh torque is linear in the acceleration of link 2
+        _, still = multibody.prescribe(q, theta1, omega1, alpha1, omega2, 0.0)
+        _, moved = multibody.prescribe(q, theta1, omega1, alpha1, omega2, 1000.0)
+        carried = multibody.p["link2_inertia"] + inertia
+        alpha2 = (still - torque) / (carried - (moved - still) / 1000.0)
+        drive, mesh = multibody.prescribe(q, theta1, omega1, alpha1, omega2, alpha2)
+        expected = (alpha2, drive, torque + inertia * alpha2, mesh)
+        scale = largest([still, drive, torque])
+        found = motion(d, q, omega1, alpha1, omega2, inertia, torque)
+        assert found == pytest.approx(expected, rel=1e-8, abs=1e-8 * scale)
+
+
+def test_imbalance_moves_and_accelerates_as_in_the_multibody_engine(multibody, states):
+    d = derived(multibody)
+    k = ratio(multibody.p)
+    for q, theta1, omega1, alpha1, omega2, alpha2 in states:
+        multibody.prescribe(q, theta1, omega1, alpha1, omega2, alpha2)
+        found = imbalance_in_fixed_frame(
+            d, q, theta1, omega1, alpha1, k * (omega1 - omega2), k * (alpha1 - alpha2)
+        )
+        for expected, vector in zip(multibody.imbalance(), np.reshape(found, (3, 3)), strict=True):
+            assert largest(vector - expected) < 1e-8 * largest(expected)
+
+
+def test_kinetic_energy_is_that_of_the_multibody_engine(multibody, states):
+    d = derived(multibody)
+    for q, theta1, omega1, alpha1, omega2, alpha2 in states:
+        multibody.prescribe(q, theta1, omega1, alpha1, omega2, alpha2)
+        assert kinetic_energy(d, q, omega1, omega2, 0.0) == pytest.approx(multibody.energy(), rel=1e-8)

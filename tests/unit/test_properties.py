@@ -1,0 +1,166 @@
+"""What has to hold whatever the numbers: scaling, mirror image, likeness, conservation."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scenes import FREEWHEELS, SCENES, TWO_PI, advanced, drive_angle, started
+
+TOLERANCE = 1e-10
+SPEEDS = ["omega1", "omega2", "omega_out"]
+TORQUES = [
+    "input_torque",
+    "mesh_torque",
+    "output_torque",
+    "housing_torque",
+    "input_torque_mean",
+    "output_torque_mean",
+    "torque_ripple",
+]
+ENERGIES = ["energy_in", "energy_out", "energy_stored"]
+ACCELERATIONS = ["imbalance_acceleration", *(f"imbalance_acceleration_{axis}" for axis in "xyz")]
+
+
+@pytest.fixture(scope="module", params=SCENES)
+def scene(request):
+    return SCENES[request.param]
+
+
+@pytest.fixture(scope="module", params=FREEWHEELS)
+def freewheels(request):
+    return FREEWHEELS[request.param]
+
+
+def assert_times(other, one, names, factor, rel=1e-7):
+    """The values of other are those of one times the factor."""
+    values = {name: factor * one[name] for name in names}
+    scale = max(abs(value) for value in values.values())
+    assert {name: other[name] for name in names} == pytest.approx(values, rel=rel, abs=rel * scale)
+
+
+@given(speed=st.floats(0.01, 100.0), duration=st.floats(1e-3, 0.3))
+def test_faster_input_gives_the_same_motion_in_less_time(compiled, scene, freewheels, speed, duration):
+    one = started(compiled, scene, freewheels, tolerance=TOLERANCE)
+    other = started(
+        compiled,
+        scene,
+        freewheels,
+        tolerance=TOLERANCE,
+        omega1=speed * scene["omega1"],
+        load_torque=speed**2 * scene["load_torque"],
+    )
+    advanced(one, duration)
+    advanced(other, duration / speed)
+    assert other["contact_mode"] == one["contact_mode"]
+    assert other["contact_switches"] == one["contact_switches"]
+    assert drive_angle(other) == pytest.approx(drive_angle(one), rel=1e-8)
+    assert_times(other, one, SPEEDS, speed)
+    for names in (TORQUES, ENERGIES, ACCELERATIONS):
+        assert_times(other, one, names, speed**2)
+
+
+@given(mass=st.floats(1e-3, 1e3), length=st.floats(0.1, 10.0), duration=st.floats(1e-3, 0.3))
+def test_heavier_and_longer_parts_need_only_more_torque(compiled, scene, mass, length, duration):
+    inertia = mass * length**2
+    base = {"link2_inertia": 0.005, "output_inertia": 0.5, "imbalance_mass": 1.0}
+    sizes = {"wheel_radius": 0.08, "sun_radius": 0.05, "satellite_radius": 0.03, "eccentricity": 0.02}
+    larger = {name: inertia * base[name] for name in ("link2_inertia", "output_inertia")}
+    larger |= {name: length * size for name, size in sizes.items()}
+    larger |= {"imbalance_mass": mass, "load_torque": inertia * scene["load_torque"]}
+    one = advanced(started(compiled, scene, base, sizes, tolerance=TOLERANCE), duration)
+    other = advanced(started(compiled, scene, larger, tolerance=TOLERANCE), duration)
+    assert other["contact_mode"] == one["contact_mode"]
+    assert_times(other, one, SPEEDS, 1.0)
+    assert_times(other, one, ACCELERATIONS, length)
+    for names in (TORQUES, ENERGIES):
+        assert_times(other, one, names, inertia)
+
+
+@pytest.mark.parametrize("satellites", [1, 2, 3])
+@given(omega1=st.floats(1.0, 200.0), load=st.floats(-20.0, 20.0), duration=st.floats(1e-3, 0.1))
+def test_mechanism_without_freewheels_has_a_mirror_image(compiled, scene, satellites, omega1, load, duration):
+    values = {"satellites": satellites, "tolerance": TOLERANCE, **FREEWHEELS["no freewheel"]}
+    one = started(compiled, scene, values, omega1=omega1, load_torque=load)
+    other = started(compiled, scene, values, omega1=-omega1, load_torque=-load)
+    for module in (one, other):
+        advanced(module, duration, duration)
+    assert_times(other, one, SPEEDS, -1.0, rel=1e-9)
+    assert_times(other, one, [name for name in TORQUES if name != "torque_ripple"], -1.0, rel=1e-8)
+    assert drive_angle(other) == pytest.approx(-drive_angle(one), rel=1e-9)
+    assert_times(other, one, [*ENERGIES, "torque_ripple", "imbalance_acceleration"], 1.0)
+
+
+@given(modules=st.integers(2, 20), duration=st.floats(1e-3, 0.3))
+def test_equal_modules_are_one_with_imbalances_of_all_their_mass(compiled, scene, modules, duration):
+    mass = scene.get("imbalance_mass", 1.0)
+    many = started(compiled, scene, modules=modules, drive_inertia=0.001, tolerance=TOLERANCE)
+    one = started(compiled, scene, imbalance_mass=modules * mass, drive_inertia=0.001, tolerance=TOLERANCE)
+    for module in (many, one):
+        advanced(module, duration)
+    assert_times(many, one, [*SPEEDS, *TORQUES, *ENERGIES, *ACCELERATIONS, "drive_angle"], 1.0, rel=1e-9)
+
+
+@given(satellites=st.integers(3, 20), duration=st.floats(1e-3, 0.3))
+def test_three_or_more_satellites_of_one_mass_in_all_act_alike(compiled, satellites, duration):
+    one = started(compiled, SCENES["bevel"], satellites=3, imbalance_mass=1.0, tolerance=TOLERANCE)
+    other = started(
+        compiled,
+        SCENES["bevel"],
+        satellites=satellites,
+        imbalance_mass=3.0 / satellites,
+        tolerance=TOLERANCE,
+    )
+    for module in (one, other):
+        advanced(module, duration)
+    assert_times(other, one, [*SPEEDS, *TORQUES, *ENERGIES, *ACCELERATIONS], 1.0, rel=1e-9)
+
+
+@given(turns=st.integers(-100, 100), duration=st.floats(1e-3, 0.2))
+def test_motion_repeats_with_its_period_in_the_drive_angle(compiled, scene, turns, duration):
+    period = TWO_PI * (1 if scene.get("layout") else 10)
+    one = started(compiled, scene, tolerance=TOLERANCE)
+    other = started(compiled, scene, tolerance=TOLERANCE, drive_angle_start=turns * period)
+    for module in (one, other):
+        advanced(module, duration)
+    assert_times(other, one, [*SPEEDS, *TORQUES, *ENERGIES, *ACCELERATIONS, "drive_angle"], 1.0)
+    gone = drive_angle(other) - turns * period
+    assert gone == pytest.approx(drive_angle(one), rel=1e-9, abs=1e-9 * abs(turns))
+
+
+@given(
+    turn=st.floats(-3.0, 3.0),
+    duration=st.floats(1e-3, 0.2),
+    load=st.floats(-20.0, 20.0),
+    inertia=st.floats(0.0, 0.1),
+)
+def test_no_energy_is_gained_or_lost(compiled, scene, freewheels, turn, duration, load, inertia):
+    module = started(
+        compiled,
+        scene,
+        freewheels,
+        tolerance=TOLERANCE,
+        load_torque=load,
+        drive_angle_start=turn,
+        drive_inertia=inertia,
+    )
+    before = module["energy_stored"]
+    advanced(module, duration)
+    turnover = max(abs(module["energy_in"]), abs(module["energy_out"]), module["energy_stored"])
+    balance = module["energy_in"] - module["energy_out"] - (module["energy_stored"] - before)
+    assert module["energy_residual"] == pytest.approx(balance, abs=1e-12 * turnover)
+    assert abs(balance) < 1e-8 * turnover
+    assert module["energy_lost"] == 0.0
+
+
+@given(steps=st.lists(st.floats(1e-5, 0.05), min_size=2, max_size=30))
+def test_sum_over_many_steps_is_that_of_one_long_step(compiled, scene, freewheels, steps):
+    one = advanced(started(compiled, scene, freewheels, tolerance=TOLERANCE), sum(steps))
+    many = started(compiled, scene, freewheels, tolerance=TOLERANCE)
+    impulses = dict.fromkeys(("input_torque_mean", "output_torque_mean"), 0.0)
+    for step in steps:
+        many.advance(step)
+        for name in impulses:
+            impulses[name] += many[name] * step
+    assert_times(many, one, [*SPEEDS, *ENERGIES], 1.0)
+    assert many["contact_switches"] == one["contact_switches"]
+    for name, impulse in impulses.items():
+        assert impulse == pytest.approx(one[name] * sum(steps), rel=1e-6, abs=1e-8)

@@ -1,0 +1,136 @@
+import math
+
+import numpy as np
+import pytest
+from geometry import derivatives, position, satellite_ratio, series_product, series_rate, taylor, turn_x
+from hypothesis import given
+from hypothesis import strategies as st
+from scenes import parameters, started
+
+from inertia_module.kernel.inertia import reduced_inertia
+from inertia_module.kernel.layout import imbalance, imbalance_in_fixed_frame
+
+PHASES = st.floats(-7.0, 7.0)
+FACTORS = st.floats(0.0, 3.0)
+LENGTHS = st.floats(0.01, 0.3)
+MECHANISM = {
+    "modules": st.integers(1, 3),
+    "imbalance_mass": st.floats(0.01, 10.0),
+    "drive_inertia": st.sampled_from([0.0, 0.02]),
+    "link2_inertia": st.just(0.1),
+}
+MECHANISMS = {
+    "bevel": st.fixed_dictionaries(
+        {
+            "layout": st.just(0),
+            "z17": st.integers(10, 60),
+            "z6": st.integers(15, 30),
+            "shaft_angle": st.floats(0.3, 2.8),
+            "a": FACTORS,
+            "b": FACTORS,
+            "c": FACTORS,
+            "epsilon": PHASES,
+            "gamma": PHASES,
+        }
+        | MECHANISM
+    ),
+    "planar": st.fixed_dictionaries(
+        {"layout": st.just(1), "sun_radius": LENGTHS, "satellite_radius": LENGTHS, "eccentricity": LENGTHS}
+        | MECHANISM
+    ),
+}
+
+
+def derived(p):
+    return started("plain", p).derived
+
+
+def direct_sums(p, q):
+    """(I, I', I'', B, B', G, G', G'') summed over the imbalances, satellites' own inertia apart."""
+    sums = np.zeros((3, 3))
+    for satellite in range(p["satellites"]):
+        r = taylor(lambda q, satellite=satellite: position(p, q, satellite), q, terms=5)
+        rate = series_rate(r)
+        (_, y, z), (x1, y1, z1) = r.T, rate.T
+        sums += (
+            p["imbalance_mass"]
+            * p["modules"]
+            * np.array(
+                [
+                    derivatives(series_product(y, y) + series_product(z, z)),
+                    derivatives(series_product(y, z1) - series_product(z, y1)),
+                    derivatives(series_product(x1, x1) + series_product(y1, y1) + series_product(z1, z1)),
+                ]
+            )
+        )
+    own = p["drive_inertia"]
+    sums[2, 0] += own
+    if p["layout"]:  # the satellite's axis is parallel to the central one: J16 (omega1 + q')^2 / 2
+        sums[0, 0] += own
+        sums[1, 0] += own
+    return np.array([*sums[0], *sums[1, :2], *sums[2]])
+
+
+@pytest.mark.parametrize("satellites", [1, 2, 3, 4, 5])
+@pytest.mark.parametrize("layout", MECHANISMS)
+@given(data=st.data())
+def test_reduced_inertia_and_its_derivatives_are_sums_over_the_imbalances(layout, satellites, data):
+    p = parameters(**data.draw(MECHANISMS[layout]), satellites=satellites)
+    q = data.draw(PHASES)
+    expected = direct_sums(p, q)
+    assert reduced_inertia(derived(p), q) == pytest.approx(
+        expected, rel=1e-11, abs=1e-12 * np.abs(expected).max()
+    )
+
+
+@pytest.mark.parametrize("layout", MECHANISMS)
+@given(data=st.data())
+def test_imbalance_and_its_derivatives_follow_the_chain_of_rigid_bodies(layout, data):
+    p = parameters(**data.draw(MECHANISMS[layout]))
+    q = data.draw(PHASES)
+    expected = np.concatenate(derivatives(taylor(lambda q: position(p, q), q)))
+    assert imbalance(derived(p), q) == pytest.approx(expected, rel=1e-11, abs=1e-12 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("layout", MECHANISMS)
+@given(data=st.data())
+def test_velocity_and_acceleration_are_rates_of_the_position_along_the_path(layout, data):
+    p = parameters(**data.draw(MECHANISMS[layout]))
+    q, theta1, omega1, alpha1, rate_q, rate2_q = (data.draw(st.floats(-2.0, 2.0)) for _ in range(6))
+
+    def place(t):
+        return turn_x(theta1 + omega1 * t + alpha1 * t * t / 2) @ position(
+            p, q + rate_q * t + rate2_q * t * t / 2
+        )
+
+    expected = np.concatenate(derivatives(taylor(place, 0.0, radius=0.25)))
+    found = imbalance_in_fixed_frame(derived(p), q, theta1, omega1, alpha1, rate_q, rate2_q)
+    assert found == pytest.approx(expected, rel=1e-11, abs=1e-11 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("turn", range(5))
+@given(epsilon=PHASES, a=st.floats(0.1, 3.0))
+def test_bevel_imbalance_with_equal_a_and_b_is_at_rest_in_link_1_at_the_rolling_point(turn, epsilon, a):
+    p = parameters(epsilon=epsilon, a=a, b=a, drive_inertia=0.02)
+    q = (2.0 * math.pi * turn - epsilon) / satellite_ratio(p)
+    d = derived(p)
+    assert imbalance(d, q)[3:6] == pytest.approx([0.0] * 3, abs=1e-14)
+    inertia, *_ = reduced_inertia(d, q)
+    assert reduced_inertia(d, q)[5] - 0.02 == pytest.approx(0.0, abs=1e-14 * inertia)
+
+
+@given(distance=st.floats(1e-12, 1e-4))
+def test_inertia_near_the_rolling_point_keeps_its_digits(distance):
+    p = parameters()
+    d = derived(p)
+    curvature = reduced_inertia(d, 0.0)[7]
+    g = reduced_inertia(d, distance)[5]
+    assert g == pytest.approx(0.5 * curvature * distance**2, rel=1e-13 + 10.0 * distance**2)
+
+
+@given(theta1=PHASES, omega1=st.floats(-300.0, 300.0), sun=LENGTHS, satellite=LENGTHS)
+def test_planar_imbalance_touching_the_held_sun_wheel_is_at_rest(theta1, omega1, sun, satellite):
+    p = parameters(layout=1, sun_radius=sun, satellite_radius=satellite, eccentricity=satellite)
+    found = imbalance_in_fixed_frame(derived(p), 0.0, theta1, omega1, 0.0, omega1 * sun / satellite, 0.0)
+    assert found[:3] == pytest.approx(turn_x(theta1) @ [0.0, 0.0, sun])
+    assert found[3:6] == pytest.approx([0.0] * 3, abs=1e-14 * abs(omega1) * (sun + satellite))
