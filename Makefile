@@ -2,7 +2,7 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-PIP_QUIET ?= -q
+QUIET ?= -q
 
 .PHONY: demo test lint docs build bench install clean help
 
@@ -11,15 +11,14 @@ help: ## what there is to make
 
 $(VENV)/.made:
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install $(PIP_QUIET) --upgrade pip
 	@touch $@
 
 $(VENV)/.run: $(VENV)/.made pyproject.toml
-	$(BIN)/python -m pip install $(PIP_QUIET) -e '.[fast]'
+	$(BIN)/python -m pip install $(QUIET) -e '.[fast]'
 	@touch $@
 
 $(VENV)/.all: $(VENV)/.made pyproject.toml
-	$(BIN)/python -m pip install $(PIP_QUIET) -e '.[all]'
+	$(BIN)/python -m pip install $(QUIET) -e '.[all]'
 	@touch $@ $(VENV)/.run
 
 install: $(VENV)/.all ## set up a virtual environment with everything
