@@ -3,7 +3,7 @@
 from .accumulate import add, assign, wrap_drive_angle
 from .dormand_prince import dense_change, error_norm, keep_end, quadrature, result, stages
 from .dynamics import angular_momentum, motion_rates
-from .events import LINK2, NONE, first_event, is_step_quiet
+from .events import LINK2, NONE, OUTPUT, first_event, is_step_quiet
 from .held import coast
 from .slots import *
 
@@ -80,18 +80,23 @@ def try_steps(d, x, w, remaining, alpha2, momentum):
 
 
 def commit(d, x, w, passed, change_q, change2, which):
-    """Take the step over; at an event on velocities set the relative velocity to exactly zero."""
+    """Take the step over; where a velocity has met its limit, or passed it within rounding, set it there."""
     add(x, X_Q, change_q)
     wrap_drive_angle(d, x)
     add(x, X_OMEGA2, change2)
-    if which == LINK2:
+    if which == LINK2 or (d[D_HOUSING] != 0.0 and x[X_OMEGA2] < 0.0):
         assign(x, X_OMEGA2, 0.0)
     if x[X_MODE] == DRIVING:
         x[X_OMEGA3] = x[X_OMEGA2]
         x[X_OMEGA3_LOW] = x[X_OMEGA2_LOW]
         return
     coast(d, x, w[W_LOAD], passed)
-    if which > LINK2:
+    if which == LINK2:
+        if x[X_OMEGA3] < 0.0:
+            assign(x, X_OMEGA3, 0.0)
+    elif which == OUTPUT or x[X_OMEGA3] < x[X_OMEGA2]:
+        if d[D_HOUSING] != 0.0 and x[X_OMEGA3] < 0.0:
+            assign(x, X_OMEGA3, 0.0)
         x[X_OMEGA2] = x[X_OMEGA3]
         x[X_OMEGA2_LOW] = x[X_OMEGA3_LOW]
 
