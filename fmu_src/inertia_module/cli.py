@@ -125,6 +125,25 @@ def run(
 
 
 @app.command()
+def papers(output: OutputFolder = None, as_json: Json = False) -> None:
+    """Draw the figures of the papers as PNG and SVG, their numbers as CSV (out/papers without -o)."""
+    from .drive import progress_bar
+    from .paper_figures import all_figures
+    from .results import write_columns, write_figure
+
+    folder = output or OUTPUT_FOLDER / "papers"
+    figures = all_figures()
+    files: list[str] = []
+    with one_line_errors(), progress_bar("drawing the papers", len(figures)) as progress:
+        for number, (name, draw) in enumerate(figures.items(), 1):
+            figure, columns = draw()
+            files += [str(write_figure(folder / f"{name}.{kind}", figure)) for kind in ("png", "svg")]
+            files.append(str(write_columns(folder / f"{name}.csv", columns)))
+            progress(number)
+    typer.echo(json.dumps({"files": files}) if as_json else "\n".join(files))
+
+
+@app.command()
 def check(
     fmu: Annotated[Path, typer.Argument(metavar="FILE.fmu", help="Any FMU file.")],
     as_json: Json = False,

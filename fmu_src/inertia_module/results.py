@@ -93,13 +93,7 @@ class Result:
 
     def to_csv(self, path: Path | str) -> Path:
         """Write all columns with enough digits to read back the same doubles; whole or not at all."""
-        stream = io.StringIO()
-        writer = csv.writer(stream, lineterminator="\n")
-        writer.writerow([self.label(name) for name in self.columns])
-        for row in zip(*self.columns.values(), strict=True):
-            writer.writerow([repr(float(value)) for value in row])
-        write_atomically(Path(path), stream.getvalue().encode())
-        return Path(path)
+        return write_columns(Path(path), {self.label(name): values for name, values in self.columns.items()})
 
     @classmethod
     def from_csv(cls, path: Path | str) -> Result:
@@ -156,6 +150,16 @@ class Result:
             axis.grid(alpha=0.3)
         axes[-1].set_xlabel(f"{TIME} [s]")
         return figure
+
+
+def write_columns(path: Path, columns: Mapping[str, NDArray[np.float64]]) -> Path:
+    """Write columns of equal length as CSV, by heading, whole or not at all."""
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(columns)
+    for row in zip(*columns.values(), strict=True):
+        writer.writerow([repr(float(value)) for value in row])
+    return write_text(path, stream.getvalue())
 
 
 def write_text(path: Path, text: str) -> Path:

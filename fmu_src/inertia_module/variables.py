@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from .kernel import slots
+from .kernel import slots, step
 
 REAL = "Real"
 INTEGER = "Integer"
@@ -21,9 +21,10 @@ OUTPUT = "output"
 LOCAL = "local"
 PARAMETER = "parameter"
 
-LARGEST_SPEED = 1e6
-LARGEST_TORQUE = 1e12
-LARGEST_STEP = 1e6
+# what the kernel takes for absurd
+LARGEST_SPEED: float = step.LARGEST_SPEED
+LARGEST_TORQUE: float = step.LARGEST_TORQUE
+LARGEST_STEP: float = step.LARGEST_STEP
 
 # FMI base units: exponents of kg, m, s, rad
 UNITS: dict[str, dict[str, int]] = {

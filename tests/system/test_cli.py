@@ -105,6 +105,17 @@ def test_bad_scene_is_one_line_and_leaves_nothing(workshop, tmp_path, change, wo
     assert not (tmp_path / "out").exists()
 
 
+def test_papers_leaves_every_figure_as_png_svg_and_csv(tmp_path):
+    done = command("papers", "-o", tmp_path / "papers", "--json", folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    files = [Path(file) for file in json.loads(done.stdout)["files"]]
+    names = {"karetin_2", "karetin_3", "lysenko_1", "lysenko_2", "stelmashchuk_2", "stelmashchuk_3"}
+    for kind in (".png", ".svg", ".csv"):
+        drawn = {file.stem: file for file in files if file.suffix == kind}
+        assert names <= set(drawn)
+        assert all(file.stat().st_size > 1000 for file in drawn.values())
+
+
 def test_check_finds_no_problem_in_ours(workshop):
     done = command("check", "build/InertiaModulePy.fmu", folder=workshop)
     assert done.returncode == 0

@@ -73,3 +73,29 @@ def series_product(one, two):
 def derivatives(series):
     """(f, f', f'') from the first coefficients."""
     return series[0], series[1], 2.0 * series[2]
+
+
+def direct_sums(p, q):
+    """(I, I', I'', B, B', G, G', G'') summed over the imbalances, the drives with them."""
+    sums = np.zeros((3, 3))
+    for satellite in range(p["satellites"]):
+        r = taylor(lambda q, satellite=satellite: position(p, q, satellite), q, terms=5)
+        rate = series_rate(r)
+        (_, y, z), (x1, y1, z1) = r.T, rate.T
+        sums += (
+            p["imbalance_mass"]
+            * p["modules"]
+            * np.array(
+                [
+                    derivatives(series_product(y, y) + series_product(z, z)),
+                    derivatives(series_product(y, z1) - series_product(z, y1)),
+                    derivatives(series_product(x1, x1) + series_product(y1, y1) + series_product(z1, z1)),
+                ]
+            )
+        )
+    own = p["drive_inertia"]
+    sums[2, 0] += own
+    if p["layout"]:  # the satellite's axis is parallel to the central one: J16 (omega1 + q')^2 / 2
+        sums[0, 0] += own
+        sums[1, 0] += own
+    return np.array([*sums[0], *sums[1, :2], *sums[2]])

@@ -71,9 +71,7 @@ class Chain:
             t = mpf(float(t))
             before, now, after = (self.position(t + n * STEP) for n in (-1, 0, 1))
             velocity = [(v - u) / (2 * STEP) for u, v in zip(before, after, strict=True)]
-            acceleration = [
-                (u - 2 * w + v) / STEP**2 for u, w, v in zip(before, now, after, strict=True)
-            ]
+            acceleration = [(u - 2 * w + v) / STEP**2 for u, w, v in zip(before, now, after, strict=True)]
             return now, velocity, acceleration
 
 

@@ -16,6 +16,13 @@ def add(x, slot, value):
     x[slot] = new
 
 
+def later(time, low, passed):
+    """Time and what rounding has kept from it, the time passed later. Returns (time, low)."""
+    passed += low
+    new = time + passed
+    return new, passed - (new - time)
+
+
 def assign(x, slot, value):
     """Set x[slot] exactly."""
     x[slot] = value

@@ -33,13 +33,11 @@ def derive_bevel(p, d):
     shaft_angle = p[P_SHAFT_ANGLE]
     sine = math.sin(shaft_angle)
     cosine = math.cos(shaft_angle)
-    # half angles of the pitch cones: rolling without slip makes s = sin psi / sin phi
+    # half angle of the satellite's pitch cone: rolling without slip makes s = sin psi / sin phi
     phi = math.atan2(sine, s + cosine)
-    psi = shaft_angle - phi
     pitch = p[P_WHEEL_RADIUS] / (s * math.sin(phi))
     arm = p[P_A] * pitch * math.sin(phi)  # AD
     satellite_axis = p[P_B] * pitch * math.cos(phi)  # QA
-    drive_axis = p[P_C] * pitch * math.cos(psi)  # OQ
     d[D_K] = p[P_Z2] / p[P_Z16]
     d[D_S] = s
     d[D_PHASE_A] = p[P_GAMMA]
@@ -47,7 +45,8 @@ def derive_bevel(p, d):
     d[D_RADIAL] = satellite_axis * sine
     d[D_RADIAL_COS] = arm * cosine
     d[D_ARM] = arm
-    d[D_AXIAL] = drive_axis - satellite_axis * cosine
+    # OQ - QA cos Sigma with OQ = c L cos psi, written out so that nothing cancels for small Sigma
+    d[D_AXIAL] = pitch * ((p[P_C] - p[P_B]) * math.cos(phi) * cosine + p[P_C] * math.sin(phi) * sine)
     d[D_AXIAL_COS] = arm * sine
     # |r'|^2 = spin sin^2 B + (pole_offset + pole_arm (1 - cos B))^2: exact also where it vanishes
     d[D_POLE_OFFSET] = (p[P_B] - p[P_A]) * pitch * sine * math.cos(phi)

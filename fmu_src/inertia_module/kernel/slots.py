@@ -181,13 +181,10 @@ FREE = 1
 DRIVING = 2
 HELD_DRIVING = 3
 
-# fidelities and methods
+# fidelities and methods that are built
 KINEMATIC = 0
-AVERAGED = 1
 RIGID = 2
-ELASTIC = 3
 EVENT = 0
-TIMESTEPPING = 1
 
 # status codes
 OK = 0

@@ -1,6 +1,6 @@
 """The three things a shell calls: start, advance by a communication step, and the one entry to both."""
 
-from .accumulate import add, assign, wrap_drive_angle, wrap_input_angle
+from .accumulate import add, assign, later, wrap_drive_angle, wrap_input_angle
 from .contact import select_mode
 from .derive import derive
 from .dynamics import kinetic_energy
@@ -105,20 +105,25 @@ def run_rigid(d, x, w, h):
     alpha1 = x[X_ALPHA1]
     load = x[X_LOAD_TORQUE]
     time = 0.0
+    low = 0.0
     travel = 0.0
     choose_mode(d, x, omega1)
     while time < h:
+        remaining = (h - time) - low
         mode = x[X_MODE]
         speed = omega1 + alpha1 * time
         if mode == HELD or mode == HELD_DRIVING:
-            passed, event = advance_held(d, x, mode, speed, alpha1, load, h - time)
+            passed, event = advance_held(d, x, mode, speed, alpha1, load, remaining)
         else:
-            passed, event = advance_moving(d, x, w, speed, alpha1, load, h - time)
+            passed, event = advance_moving(d, x, w, speed, alpha1, load, remaining)
         if passed < 0.0:
             return STEP_TOO_SMALL
         travel += passed * d[D_K] * (abs(speed) + abs(alpha1) * passed + abs(x[X_OMEGA2]))
         wrap_drive_angle(d, x)
-        time = h if passed >= h - time else time + passed
+        if passed >= remaining:
+            time = h
+        else:
+            time, low = later(time, low, passed)
         if event:
             choose_mode(d, x, omega1 + alpha1 * time)
             if x[X_STEP_SWITCHES] > SWITCHES_ALLOWED + SWITCHES_PER_PULSE * d[D_HARMONIC] * travel:
@@ -131,11 +136,16 @@ def run_rigid(d, x, w, h):
 def run_kinematic(p, d, x, h):
     """Advance the prescribed motion by h. Returns a status."""
     time = 0.0
+    low = 0.0
     while time < h:
+        remaining = (h - time) - low
         speed = x[X_OMEGA1] + x[X_ALPHA1] * time
-        passed = advance_kinematic(d, x, p[P_KINEMATIC_RATIO], speed, x[X_ALPHA1], h - time)
+        passed = advance_kinematic(d, x, p[P_KINEMATIC_RATIO], speed, x[X_ALPHA1], remaining)
         wrap_drive_angle(d, x)
-        time = h if passed >= h - time else time + passed
+        if passed >= remaining:
+            time = h
+        else:
+            time, low = later(time, low, passed)
         if x[X_STEP_EVALUATIONS] > MAX_EVALUATIONS:
             return TOO_MUCH_WORK
     speed = p[P_KINEMATIC_RATIO] * (x[X_OMEGA1] + x[X_ALPHA1] * h)

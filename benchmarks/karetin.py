@@ -1,0 +1,36 @@
+"""Time of the complete exact Karetin set at a million times.
+
+Run: python benchmarks/karetin.py [TIMES]
+"""
+
+import statistics
+import sys
+import time
+
+import numpy as np
+
+from inertia_module.papers.karetin import dynamic_mode, kinematics
+from inertia_module.papers.karetin.cases import GENERAL
+from inertia_module.papers.karetin.complete import NAMES
+
+REPEATS = 5
+LONGEST = 1e6  # s: as long a run as the angles are tested for
+
+
+def main():
+    count = int(sys.argv[1]) if len(sys.argv) > 1 else 1_000_000
+    t, motion = np.linspace(0.0, LONGEST, count), dynamic_mode(100.0, 2.0)
+    times = []
+    for _ in range(REPEATS):
+        begin = time.perf_counter()
+        found = kinematics(GENERAL, motion, t)
+        times.append(time.perf_counter() - begin)
+    columns = sum(getattr(found, name).size for name in NAMES) // count
+    print(
+        f"{count} times, {columns} columns: {statistics.median(times):.3f} s median, {min(times):.3f} s best,"
+        f" {1e9 * statistics.median(times) / count:.0f} ns each"
+    )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,15 @@
+"""Karetin (2020): kinematics of the imbalance of the bevel inertia module, equations 1 to 33.
+
+V. Karetin, Kinematic study of the standard layout circuit of the inertia module,
+Scientific Horizons 07 (92), 2020, 104-111, doi 10.33249/2663-2144-2020-92-7-104-111.
+
+``geometry`` and ``motion`` say which mechanism and how it turns, ``exact`` and ``projections`` what
+follows, ``complete`` all of it at once. ``as_printed`` and ``as_printed_dynamic`` are the equations of
+the page with their errors, ``equations`` and ``claims`` what was found of each.
+"""
+
+from .complete import Kinematics, kinematics
+from .geometry import Geometry
+from .motion import Motion, dynamic_mode, stop_mode
+
+__all__ = ["Geometry", "Kinematics", "Motion", "dynamic_mode", "kinematics", "stop_mode"]

@@ -1,0 +1,84 @@
+"""Law of motion of the driving wheel: rising sinusoidally, steady, falling sinusoidally, at rest."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .criteria import require
+
+Array = NDArray[np.float64]
+
+TWO_PI = 2.0 * np.pi
+# kappa_1 and kappa_3 of the paper: the lengths of phases I and III
+HALF = 0.5
+PHASES = ("I", "II", "III", "IV")
+
+
+def phase_starts(kappa2: float) -> Array:
+    """Where phases I to IV begin, in kappa, shape (4,).
+
+    Args:
+        kappa2: length of phase II.
+
+    Raises:
+        ValueError: kappa2 is below 0 or not finite.
+    """
+    dwell = require(kappa2, "kappa2", 0.0)
+    return np.array([0.0, HALF, HALF + dwell, HALF + dwell + HALF])
+
+
+def phase_of(kappa: ArrayLike, kappa2: float) -> NDArray[np.intp]:
+    """Number of the phase, 0 to 3, at each kappa (a boundary counts to the later phase).
+
+    Args:
+        kappa: relative time, any shape (n,). kappa2: length of phase II.
+
+    Returns:
+        Shape (n,).
+    """
+    return np.searchsorted(phase_starts(kappa2)[1:], np.asarray(kappa, dtype=np.float64), side="right")
+
+
+def law_of_motion(kappa: ArrayLike, kappa2: float) -> tuple[Array, Array, Array]:
+    """Angle of the driving wheel and its derivatives in kappa, as invariants.
+
+    Phase I: a = kappa - sin(2 pi kappa) / (2 pi); II: 0.5 + 2 kappa; III: mirrors I; IV: rest, kappa
+    counted from the beginning of the phase. Before kappa = 0 the wheel rests as well.
+
+    Args:
+        kappa: relative time t/T, any shape (n,). kappa2: length of phase II.
+
+    Returns:
+        (a_k, a_k', a_k''), each of shape (n,), without unit: angle in units of phi_engage.
+
+    Raises:
+        ValueError: kappa2 is below 0 or not finite.
+    """
+    time = np.asarray(kappa, dtype=np.float64)
+    starts = phase_starts(kappa2)
+    # each phase adds what it has run through, so that no phase has to be picked
+    up = np.clip(time, 0.0, starts[1])
+    steady = np.clip(time - starts[1], 0.0, kappa2)
+    down = np.clip(time - starts[2], 0.0, HALF)
+    angle = up - np.sin(TWO_PI * up) / TWO_PI + 2.0 * steady + down + np.sin(TWO_PI * down) / TWO_PI
+    # 1 - cos without cancellation; after the end both terms are 2 and their difference is rest
+    velocity = 2.0 * np.sin(np.pi * up) ** 2 - 2.0 * np.sin(np.pi * down) ** 2
+    return angle, velocity, driving_acceleration(time, kappa2)
+
+
+def driving_acceleration(kappa: ArrayLike, kappa2: float) -> Array:
+    """a_k'': the sinusoid S_k the paper compares with, 2 pi at its peaks.
+
+    Args:
+        kappa: relative time, any shape (n,). kappa2: length of phase II.
+
+    Returns:
+        Shape (n,).
+    """
+    time = np.asarray(kappa, dtype=np.float64)
+    starts = phase_starts(kappa2)
+    phase = phase_of(time, kappa2)
+    rising = TWO_PI * np.sin(TWO_PI * np.clip(time, 0.0, HALF))
+    falling = -TWO_PI * np.sin(TWO_PI * np.clip(time - starts[2], 0.0, HALF))
+    return np.where(phase == 0, rising, np.where(phase == 2, falling, 0.0))

@@ -1,0 +1,84 @@
+"""Free oscillation of the driven mass, with the paper's constants C1 and C2 put right."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .criteria import Criteria
+from .exact import forcing, twist_at_starts, twist_in_phase
+from .law import TWO_PI
+
+# phase IV has no end: it is watched for this many units of kappa
+WATCHED = 2.0
+POINTS = 20001
+
+
+def constants(criteria: Criteria, kappa2: float, beta: float = 1.0) -> list[tuple[float, float]]:
+    """C1 and C2 of phases I to IV: a = exp(-Pi kappa)(C1 sin nu1 kappa + C2 cos nu1 kappa) + R.
+
+    The motion itself needs none of them (see exact): as nu1 goes to zero C1 has no limit.
+
+    Args:
+        criteria: nu and Pi, Pi < nu. kappa2: length of phase II. beta: gain of the balancer.
+
+    Returns:
+        Four pairs (C1, C2), without unit.
+
+    Raises:
+        ValueError: Pi >= nu, or resonance (Pi = 0 and nu = 2 pi), where R does not exist.
+    """
+    nu, Pi = criteria.nu, criteria.Pi
+    stiffness = complex(nu * nu - TWO_PI**2, 2.0 * TWO_PI * Pi)
+    if nu <= Pi or stiffness == 0.0:
+        raise ValueError(f"nu = {nu}, Pi = {Pi} is refused: allowed is Pi < nu, and not Pi = 0, nu = 2 pi")
+    nu1 = np.sqrt((nu - Pi) * (nu + Pi))
+    pairs = []
+    for phase, (twist, rate) in enumerate(twist_at_starts(criteria, kappa2, beta)):
+        steady, wave = forcing(criteria, beta, phase)
+        answer = wave / stiffness
+        C2 = twist - steady / (nu * nu) - answer.real
+        C1 = (rate - (TWO_PI * 1j * answer).real + Pi * C2) / nu1
+        pairs.append((float(C1), float(C2)))
+    return pairs
+
+
+@dataclass(frozen=True)
+class FreeOscillation:
+    """What swings freely in phase II or IV, where a'' of the driving wheel is zero.
+
+    Attributes:
+        amplitude: of a'' at the beginning of the phase: of its envelope A exp(-Pi kappa), or, where
+            nothing oscillates (Pi >= nu), of a'' itself; without unit.
+        peak: largest |a''| in the phase, without unit.
+    """
+
+    amplitude: float
+    peak: float
+
+
+def free_oscillation(criteria: Criteria, kappa2: float, beta: float = 1.0, phase: int = 1) -> FreeOscillation:
+    """Amplitude of the free oscillation of a'' in phase II or IV.
+
+    Args:
+        criteria: nu and Pi. kappa2: length of phase II. beta: gain of the balancer, 0 for none.
+        phase: 1 for II or 3 for IV.
+
+    Raises:
+        ValueError: another phase, or phase II without length.
+    """
+    length = {1: kappa2, 3: WATCHED}.get(phase, 0.0)
+    if length <= 0.0:
+        raise ValueError(f"phase = {phase} is refused: allowed is 1 (if kappa2 > 0) or 3")
+    start = twist_at_starts(criteria, kappa2, beta)[phase]
+    local = np.linspace(0.0, length, POINTS)
+    _, _, acceleration = twist_in_phase(criteria, beta, phase, start, local)
+    peak = float(np.abs(acceleration).max())
+    nu, Pi = criteria.nu, criteria.Pi
+    if Pi >= nu:
+        return FreeOscillation(float(abs(acceleration[0])), peak)
+    nu1 = np.sqrt((nu - Pi) * (nu + Pi))
+    swing = start[0] - forcing(criteria, beta, phase)[0] / (nu * nu)
+    # differentiating exp(lambda kappa) twice multiplies its amplitude by |lambda|^2 = nu^2
+    return FreeOscillation(float(nu * nu * np.hypot(swing, (start[1] + Pi * swing) / nu1)), peak)

@@ -1,0 +1,140 @@
+"""Hard crossings: two in a step, grazing, rounding at rest, thousands in one communication step."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scenes import PLANAR, REFERENCE, SCENES, advanced, started
+
+from inertia_module.kernel import dormand_prince, slots
+
+PULSES = {
+    "reference": REFERENCE,
+    "planar": PLANAR,
+    "heavy shaft": {"output_inertia": 500.0, "load_torque": 1.0},
+    "light shaft": {"output_inertia": 0.003, "load_torque": 2.0},
+    "light link 2": {"link2_inertia": 1e-4},
+    "two satellites": {"satellites": 2, "epsilon": 0.3, "imbalance_mass": 0.5},
+    "fast satellite": {"z17": 120, "z6": 20, "load_torque": 5.0},
+    "offset imbalance": {"a": 0.6, "b": 1.3, "gamma": 0.7, "load_torque": 3.0},
+    "unloaded": {"load_torque": 0.0},
+}
+
+
+@pytest.fixture(scope="module", params=SCENES)
+def scene(request):
+    return SCENES[request.param]
+
+
+@pytest.mark.parametrize("pulses", PULSES)
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8])
+def test_long_steps_find_the_crossings_that_short_ones_find(compiled, pulses, tolerance):
+    values = {"omega1": 100.0, "load_torque": 10.0, **PULSES[pulses]}
+    found = advanced(started(compiled, values, tolerance=tolerance), 0.3)
+    expected = advanced(started(compiled, values, tolerance=1e-12, max_step=2e-5), 0.3)
+    assert found["contact_switches"] == expected["contact_switches"]
+    assert found["omega_out"] == pytest.approx(expected["omega_out"], abs=tolerance * 100.0)
+
+
+def first_pulse(kernel, scene, speed, tolerance=1e-10):
+    """The unloaded shaft at this speed while link 2 makes its first pulse."""
+    quiet = {"load_torque": 0.0, "drive_angle_start": 0.5, "omega_out_start": speed}
+    return advanced(started(kernel, scene, quiet, tolerance=tolerance), 0.045)
+
+
+def grazing_speed(kernel, scene):
+    """Speed of the shaft that the first pulse of link 2 just reaches, to the last bit: (touched, missed)."""
+    touched, missed = 0.0, 1e3
+    while touched < 0.5 * (touched + missed) < missed:
+        speed = 0.5 * (touched + missed)
+        if first_pulse(kernel, scene, speed)["omega_out"] > speed:
+            touched = speed
+        else:
+            missed = speed
+    return touched, missed
+
+
+def test_pulse_that_just_touches_the_shaft_is_no_trouble(compiled, scene):
+    touched, missed = grazing_speed(compiled, scene)
+    assert 1.0 < missed < 900.0
+    unhurt = first_pulse(compiled, scene, 2.0 * missed)
+    for parts in (0.0, 1e-15, 1e-13, 1e-10, 1e-7, 1e-4):
+        for speed in (touched * (1.0 - parts), missed * (1.0 + parts)):
+            module = first_pulse(compiled, scene, speed)
+            assert speed <= module["omega_out"] <= speed * (1.0 + parts) * (1.0 + 1e-9)
+            assert module["contact_switches"] <= 10
+            assert module["omega2"] == pytest.approx(unhurt["omega2"], abs=1e-6 + 1e3 * parts)
+            assert abs(module["energy_residual"]) < 1e-8 * module["energy_stored"]
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-9, 1e-12])
+@given(parts=st.floats(-1e-12, 1e-12))
+def test_grazing_is_no_trouble_at_any_tolerance(compiled, scene, tolerance, parts):
+    speed = grazing_speed(compiled, scene)[0] * (1.0 + parts)
+    module = first_pulse(compiled, scene, speed, tolerance)
+    assert module["omega_out"] == pytest.approx(speed, rel=10.0 * tolerance + 1e-9)
+
+
+def test_thousands_of_pulses_pass_in_one_communication_step(compiled, scene):
+    values = {"omega1": 1000.0, "load_torque": 2000.0, "tolerance": 1e-10}
+    one = advanced(started(compiled, scene, values), 10.0)
+    many = advanced(started(compiled, scene, values), *[0.01] * 1000)
+    assert one["contact_switches"] == many["contact_switches"] > 10000
+    assert one["omega_out"] == pytest.approx(many["omega_out"], rel=1e-6)
+    assert abs(one["energy_residual"]) < 1e-8 * one["energy_in"]
+
+
+@pytest.mark.parametrize("input_hold", [0, 1], ids=["constant", "linear"])
+def test_speed_creeping_up_from_rest_under_load_moves_the_shaft(kernel, scene, input_hold):
+    module = started(kernel, scene, input_hold=input_hold, omega1=0.0)
+    for n in range(1, 300):
+        advanced(module, 1e-3, omega1=0.3 * n)
+        assert module["omega_out"] >= module["omega2"] >= 0.0
+    assert module["energy_out"] > 0.0
+
+
+@given(
+    jumps=st.lists(st.floats(-1e-9, 1e-9), min_size=1, max_size=20), load=st.sampled_from([0.0, 8.0, 50.0])
+)
+def test_input_that_trembles_by_rounding_is_no_trouble(kernel, scene, jumps, load):
+    module = started(kernel, scene, load_torque=load)
+    for jump in jumps:
+        advanced(module, 2e-5, omega1=scene["omega1"] * (1.0 + 1e-6 * jump))
+        assert module["omega_out"] >= module["omega2"] >= 0.0
+
+
+@pytest.mark.parametrize("omega1", [1e-3, 1e-6, 1e-9, 1e-20, 1e-100, 1e-300, 5e-324])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("angle", [1.0, 4.0])
+@pytest.mark.parametrize("load", [0.0, 8.0, 1e4])
+def test_shaft_coasts_while_the_input_hardly_turns(compiled, scene, omega1, sign, angle, load):
+    start = {"omega1": 0.0, "load_torque": load, "omega_out_start": 1.0, "drive_angle_start": angle}
+    module = advanced(started(compiled, scene, start), 1e-5, omega1=sign * omega1)
+    assert module["omega_out"] == pytest.approx(1.0 - 1e-5 * load / module["output_inertia"], rel=1e-9)
+    assert module["rhs_evaluations"] < 1000
+
+
+@pytest.mark.parametrize("tolerance", [1e-11, 1e-12, 1e-13])
+@given(
+    duration=st.floats(1e-5, 0.05),
+    mass=st.floats(0.01, 1.0),
+    load=st.floats(1.0, 40.0),
+    inertia=st.sampled_from([0.5, 20.0]),
+)
+def test_smallest_tolerances_are_met_when_the_input_stops(
+    compiled, scene, tolerance, duration, mass, load, inertia
+):
+    values = {"imbalance_mass": mass, "output_inertia": inertia, "satellites": 1, "tolerance": tolerance}
+    module = advanced(started(compiled, scene, values, load_torque=-load), duration)
+    advanced(module, 0.1, omega1=0.0, load_torque=load)
+    assert module["omega_out"] >= module["omega2"] >= 0.0
+
+
+@pytest.mark.parametrize("size", [1e100, 1e150, 1e200, math.inf, math.nan])
+def test_step_that_leaves_the_range_of_doubles_has_no_small_error(size):
+    w = [0.0] * slots.W_SIZE
+    w[slots.W_STEP] = 0.1
+    for n in range(8):
+        w[slots.W_RATE_OMEGA2 + n] = size * (1.0 + 0.1 * n)
+    assert not dormand_prince.error_norm(w, 1e-7, 1e-5) <= 1.0

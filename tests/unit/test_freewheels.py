@@ -1,0 +1,127 @@
+"""The freewheels: what holds, what slips, and that nothing pulls where it cannot."""
+
+import pytest
+from scenes import SCENES, advanced, started
+
+DEAD = ["omega2", "omega_out", "input_torque", "mesh_torque", "energy_in", "energy_out", "energy_stored"]
+
+
+@pytest.fixture(params=SCENES)
+def scene(request):
+    return SCENES[request.param]
+
+
+@pytest.mark.parametrize("step", [1e-9, 1e-3, 1.0, 1e6])
+def test_loaded_shaft_stands_still_without_input(kernel, scene, step):
+    module = advanced(started(kernel, scene, omega1=0.0, load_torque=10.0), step, step)
+    assert [module[name] for name in DEAD] == [0.0] * len(DEAD)
+    assert module["contact_mode"] == 3
+    assert module["output_torque"] == module["housing_torque"] == module["output_torque_mean"] == 10.0
+    assert module["contact_switches"] == 0
+
+
+@pytest.mark.parametrize("step", [1e-9, 1e-3, 1.0, 1e6])
+def test_nothing_moves_without_input_and_load(kernel, scene, step):
+    module = advanced(started(kernel, scene, omega1=0.0, load_torque=0.0), step, step)
+    assert [module[name] for name in DEAD] == [0.0] * len(DEAD)
+    assert module["output_torque"] == module["housing_torque"] == 0.0
+    assert module["contact_switches"] <= 1
+
+
+@pytest.mark.parametrize("omega1", [0.0, 100.0])
+def test_standstill_can_be_left_and_come_back_to(kernel, scene, omega1):
+    module = advanced(started(kernel, scene, omega1=omega1), 0.01)
+    advanced(module, 0.05, omega1=100.0)
+    assert module["omega_out"] > 0.0
+    advanced(module, 10.0, omega1=0.0, load_torque=50.0)
+    assert module["omega2"] == module["omega_out"] == 0.0
+    assert module["contact_mode"] == 3
+
+
+@pytest.mark.parametrize("omega1", [-100.0, 100.0])
+def test_load_beyond_the_stall_torque_keeps_the_shaft_at_rest(kernel, scene, omega1):
+    module = started(kernel, scene, omega1=omega1, load_torque=1e4)
+    for _ in range(50):
+        module.advance(0.0123)
+        assert module["contact_mode"] == 3
+        assert module["omega2"] == module["omega_out"] == 0.0
+        assert module["output_torque"] == 1e4
+        assert module["housing_torque"] == pytest.approx(1e4 - module["mesh_torque"])
+    assert module["contact_switches"] == 0
+    assert module["energy_out"] == 0.0
+
+
+def test_load_below_the_stall_torque_moves_the_shaft(kernel, scene):
+    # the largest load that stalls the mechanism is the largest torque of link 2 held
+    held = started(kernel, scene, load_torque=1e4)
+    stall = 0.0
+    for _ in range(4000):
+        stall = max(stall, advanced(held, 2.5e-4)["mesh_torque"])
+    assert advanced(started(kernel, scene, load_torque=1.01 * stall), 1.0)["omega_out"] == 0.0
+    assert advanced(started(kernel, scene, load_torque=0.98 * stall), 1.0)["energy_out"] > 0.0
+
+
+def test_overhauling_load_pulls_the_shaft_ahead_of_link_2(kernel, scene):
+    module = advanced(started(kernel, scene, omega1=0.0, load_torque=-5.0), 0.3, 0.7)
+    inertia = module["output_inertia"]
+    assert module["omega_out"] == pytest.approx(5.0 / inertia, rel=1e-13)
+    assert module["energy_out"] == pytest.approx(-(5.0**2) / (2.0 * inertia), rel=1e-13)
+    assert module["omega2"] == module["output_torque"] == module["output_torque_mean"] == 0.0
+
+
+def test_overhauling_load_outruns_the_pulses_in_the_end(kernel, scene):
+    module = advanced(started(kernel, scene, load_torque=-50.0), 10.0)
+    assert module["omega_out"] > module["omega1"]
+    before = module["omega_out"]
+    advanced(module, 0.1)
+    assert module["output_torque_mean"] == 0.0
+    assert module["omega_out"] == pytest.approx(before + 5.0 / module["output_inertia"], rel=1e-12)
+
+
+def test_unloaded_shaft_never_slows_down(kernel, scene):
+    module = started(kernel, scene, load_torque=0.0)
+    speed = 0.0
+    for _ in range(300):
+        module.advance(1e-3)
+        assert module["omega_out"] >= speed
+        speed = module["omega_out"]
+    assert speed > 10.0
+    assert module["energy_out"] == 0.0
+
+
+def test_freewheels_only_push_and_never_slip_backwards(kernel, scene):
+    module = started(kernel, scene, tolerance=1e-9)
+    modes = set()
+    for _ in range(1500):
+        module.advance(2e-4)
+        modes.add(module["contact_mode"])
+        tiny = 1e-10 * (abs(module["mesh_torque"]) + abs(module["load_torque"]))
+        assert module["omega2"] >= 0.0
+        assert module["omega_out"] >= module["omega2"]
+        assert module["output_torque"] >= -tiny
+        assert module["housing_torque"] >= -tiny
+        assert module["omega2"] * module["housing_torque"] == 0.0
+        assert (module["omega_out"] - module["omega2"]) * module["output_torque"] == 0.0
+    assert modes == {0, 1, 2, 3}
+
+
+def test_link_2_without_housing_freewheel_turns_backwards_too(kernel, scene):
+    module = started(kernel, scene, housing_freewheel=False, load_torque=0.0)
+    lowest = 0.0
+    for _ in range(300):
+        module.advance(5e-4)
+        lowest = min(lowest, module["omega2"])
+        assert module["omega_out"] >= module["omega2"]
+        assert module["contact_mode"] in (1, 2)
+        assert module["housing_torque"] == 0.0
+    assert lowest < -1.0
+
+
+def test_shaft_without_output_freewheel_turns_with_link_2(kernel, scene):
+    module = started(kernel, scene, output_freewheel=False, housing_freewheel=False)
+    pulled = False
+    for _ in range(300):
+        module.advance(5e-4)
+        assert module["omega_out"] == module["omega2"]
+        pulled |= module["output_torque"] < 0.0
+    assert pulled

@@ -1,0 +1,46 @@
+"""Figures of Karetin: drawn without a window, with the numbers that were drawn."""
+
+import io
+
+import numpy as np
+import pytest
+
+from inertia_module.paper_figures import karetin
+from inertia_module.paper_figures.karetin_cones import pitch_cones
+from inertia_module.papers.karetin import Geometry
+
+
+@pytest.mark.parametrize("name", karetin.FIGURES)
+def test_figure_comes_with_columns_of_one_length(name):
+    figure, columns = karetin.FIGURES[name]()
+    assert len({values.shape for values in columns.values()}) == 1
+    assert all(np.isfinite(values).all() for values in columns.values())
+    for form in ("png", "svg"):
+        written = io.BytesIO()
+        figure.savefig(written, format=form)
+        assert written.tell() > 10_000
+
+
+def test_trajectories_close_after_a_period():
+    _, columns = karetin.trajectories()
+    for name, values in columns.items():
+        if name.startswith(("x", "y", "z")):
+            assert values[-1] == pytest.approx(values[0], abs=1e-12)
+
+
+def test_columns_of_figure_3_hold_moduli_and_their_components():
+    _, columns = karetin.velocity_and_acceleration()
+    for quantity, unit in (("V", "m/s"), ("a", "km/s2")):
+        for mode in ("stop", "dynamic"):
+            squares = sum(columns[f"{quantity}{axis} [{unit}], {mode}"] ** 2 for axis in "xyz")
+            np.testing.assert_allclose(columns[f"|{quantity}| [{unit}], {mode}"] ** 2, squares, atol=1e-12)
+
+
+def test_the_pitch_cones_touch_along_the_generatrix():
+    g = Geometry(z17=31, z6=19, shaft_angle=1.2, gamma=0.4)
+    apex, wheel, satellite = pitch_cones(g)
+    for rim in (wheel, satellite):
+        np.testing.assert_allclose(np.linalg.norm(rim.T - apex, axis=1), g.L, rtol=1e-14)
+    # rims come near each other only at the pole
+    pole = g.L * np.array([np.sin(g.psi) * np.cos(g.gamma), np.sin(g.psi) * np.sin(g.gamma), -np.cos(g.psi)])
+    assert np.linalg.norm(satellite.T - apex - pole, axis=1).min() < 1e-12

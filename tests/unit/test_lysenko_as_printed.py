@@ -1,0 +1,182 @@
+"""Each equation of Lysenko as printed against a number worked out by hand from the page.
+
+R = 2 m, r = 1 m, so b = 1/2 and R(1 + b) = 3 m; l = 1 m, m = 2 kg, sum of J = 4 kg m2, w = 10 rad/s.
+At alpha = 90 deg: rho = sqrt(10), sin b1 = 3/sqrt(10), cos b1 = 1/sqrt(10), b1 - delta = 45 deg.
+"""
+
+import math
+
+import numpy as np
+import pytest
+
+from inertia_module.papers.lysenko import as_printed, exact
+from inertia_module.papers.lysenko.mechanism import Mechanism
+
+MECHANISM = Mechanism(R0=2.0, r=1.0, arm=1.0, m=2.0, J_carrier=3.0, J_wheel=1.0)
+RIGHT_ANGLE = math.pi / 2
+OMEGA = 10.0
+ROOT_HALF = math.sqrt(0.5)
+
+
+def at_right_angle(function, *speed):
+    return float(function(MECHANISM, RIGHT_ANGLE, *speed))
+
+
+def test_equation_1():
+    # X = 3 cos 45 - cos 135 = 4/sqrt(2), Y = 3 sin 45 - sin 135 = 2/sqrt(2)
+    x, y = as_printed.epicycloid(MECHANISM, RIGHT_ANGLE)
+    assert (float(x), float(y)) == pytest.approx((4 * ROOT_HALF, 2 * ROOT_HALF))
+
+
+def test_equation_2():
+    # sqrt(9 + 1 - 6 cos 60)
+    assert float(as_printed.rho(MECHANISM, math.pi / 3)) == pytest.approx(math.sqrt(7.0))
+
+
+def test_note_on_equation_2():
+    assert float(as_printed.phi_of_note(MECHANISM, 0.6)) == pytest.approx(0.3)
+
+
+def test_equation_3():
+    assert as_printed.relative_force(MECHANISM, OMEGA) == pytest.approx(200.0)
+
+
+def test_equation_4():
+    # 2 sqrt(10) / 4 * 100
+    assert at_right_angle(as_printed.carrier_force, OMEGA) == pytest.approx(50 * math.sqrt(10.0))
+
+
+def test_equation_5():
+    # 2 * 2 * 10 sqrt(4.5) * 5, from the speed of (7)
+    assert at_right_angle(as_printed.coriolis_force, OMEGA) == pytest.approx(200 * math.sqrt(4.5))
+
+
+def test_equation_6():
+    # sqrt(9 + 16 - 24 cos 60)
+    assert float(as_printed.resultant_speed(3.0, 4.0, math.pi / 3)) == pytest.approx(math.sqrt(13.0))
+
+
+def test_equation_7():
+    # 10 sqrt(1 + 10/4 + 2 sqrt(10)/2 / sqrt(10))
+    assert at_right_angle(as_printed.speed, OMEGA) == pytest.approx(10 * math.sqrt(4.5))
+    # at the cusp l w + rho b w, as b1 comes out zero; the imbalance really stands still
+    assert float(as_printed.speed(MECHANISM, 0.0, OMEGA)) == pytest.approx(20.0)
+    assert float(exact.speed(MECHANISM, 0.0, OMEGA)) == 0.0
+
+
+def test_equation_8():
+    assert at_right_angle(as_printed.beta1) == pytest.approx(math.asin(3 / math.sqrt(10.0)))
+    # alpha = 60 deg: sin b1 = 3 sin 60 / sqrt(7), the angle itself is beyond 90 deg
+    printed = float(as_printed.beta1(MECHANISM, math.pi / 3))
+    assert printed == pytest.approx(math.asin(math.sqrt(27 / 28)))
+    assert float(exact.beta1(MECHANISM, math.pi / 3)) == pytest.approx(math.pi - printed)
+
+
+def test_equation_9():
+    # F2 n2 + Fk k1 = 150 + 300
+    assert at_right_angle(as_printed.wheel_moment_of_forces, OMEGA) == pytest.approx(450.0)
+
+
+def test_equation_10():
+    # -F1 n1 - F2 n2 - Fk k2 = -600 - 150 - 900
+    assert at_right_angle(as_printed.carrier_moment_of_forces, OMEGA) == pytest.approx(-1650.0)
+
+
+def test_equation_11():
+    assert at_right_angle(as_printed.n1) == pytest.approx(3.0)
+
+
+def test_equation_12():
+    assert at_right_angle(as_printed.n2) == pytest.approx(3 / math.sqrt(10.0))
+
+
+def test_equation_13():
+    # delta = arcsin(3 / (sqrt(10) sqrt(4.5))) = arctan(1/2), b1 = arctan 3: the difference is 45 deg
+    assert at_right_angle(as_printed.delta) == pytest.approx(math.atan(0.5))
+    assert at_right_angle(as_printed.k1) == pytest.approx(ROOT_HALF)
+
+
+def test_equation_14():
+    # 3 sin(90 + 45)
+    assert at_right_angle(as_printed.k2) == pytest.approx(3 * ROOT_HALF)
+
+
+def test_equation_15():
+    # 2 * 0.5 * 100 * (0.5 * 3 + 2 sqrt(4.5) sin 45): three times the exact 150
+    assert at_right_angle(as_printed.wheel_moment, OMEGA) == pytest.approx(450.0)
+    assert at_right_angle(exact.wheel_moment, OMEGA) == pytest.approx(150.0)
+
+
+def test_equation_16():
+    # -2 * 3 * 100 * (1.25 + sqrt(4.5) sin 135): exact are -1200
+    assert at_right_angle(as_printed.carrier_moment, OMEGA) == pytest.approx(-1650.0)
+    assert at_right_angle(exact.carrier_moment, OMEGA) == pytest.approx(-1200.0)
+
+
+def test_equation_17():
+    assert at_right_angle(as_printed.wheel_power, OMEGA) == pytest.approx(4500.0)
+
+
+def test_equation_18():
+    assert at_right_angle(as_printed.carrier_power, OMEGA) == pytest.approx(-8250.0)
+
+
+def test_equation_19():
+    assert at_right_angle(as_printed.moment_of_inertia) == pytest.approx(4 + 2 * 10)
+
+
+def test_equation_20():
+    assert as_printed.inertia_limits(MECHANISM) == pytest.approx((4 + 2 * 16, 4 + 2 * 4))
+
+
+def test_equation_21():
+    assert as_printed.omega_max(MECHANISM, 2.0) == pytest.approx(2.0 * 36 / 12)
+
+
+def test_equation_22():
+    assert as_printed.energy_farthest(MECHANISM, 2.0) == pytest.approx(72.0)
+
+
+def test_equation_23():
+    assert as_printed.energy_nearest(MECHANISM, 6.0) == pytest.approx(216.0)
+
+
+def test_equation_24():
+    assert as_printed.energy_nearest_of_farthest(MECHANISM, 72.0) == pytest.approx(216.0)
+
+
+def test_equations_15_and_16_follow_from_those_before_as_the_page_says():
+    angle = np.linspace(-3.0, 9.0, 101)
+    assert as_printed.wheel_moment(MECHANISM, angle, OMEGA) == pytest.approx(
+        as_printed.wheel_moment_of_forces(MECHANISM, angle, OMEGA), abs=1e-11
+    )
+    assert as_printed.carrier_moment(MECHANISM, angle, OMEGA) == pytest.approx(
+        as_printed.carrier_moment_of_forces(MECHANISM, angle, OMEGA), abs=1e-11
+    )
+
+
+def test_printed_moments_have_the_coriolis_force_of_the_absolute_speed():
+    angle = np.linspace(-3.0, 9.0, 101)
+    b = MECHANISM.b
+    assert as_printed.wheel_moment(MECHANISM, angle, OMEGA) == pytest.approx(
+        3.0 * exact.wheel_moment(MECHANISM, angle, OMEGA), abs=1e-10
+    )
+    acute = np.abs(exact.beta1(MECHANISM, angle)) < math.pi / 2
+    assert acute.any()
+    assert as_printed.carrier_moment(MECHANISM, angle[acute], OMEGA) == pytest.approx(
+        (1 + 3 * b**2 / (1 + 2 * b)) * exact.carrier_moment(MECHANISM, angle[acute], OMEGA), abs=1e-10
+    )
+
+
+def test_arm_14_lacks_a_term_even_for_the_direction_the_page_takes():
+    # the moment about O of a unit force at the imbalance, turned by b1 - delta from the arm of the wheel
+    along, across = (float(value) for value in exact.position(MECHANISM, RIGHT_ANGLE))
+    turned = at_right_angle(as_printed.beta1) - at_right_angle(as_printed.delta)
+    force = -np.exp(1j * (RIGHT_ANGLE + turned))
+    arm = -(along * force.imag - across * force.real)
+    assert arm == pytest.approx(at_right_angle(as_printed.k2) - math.sin(turned))
+
+
+def test_printed_form_refuses_an_imbalance_that_passes_through_the_centre():
+    with pytest.raises(ValueError, match=r"arm = 3\.0 is refused"):
+        as_printed.beta1(Mechanism(2.0, 1.0, 3.0, 1.0), np.array([0.0, 1.0]))
