@@ -30,7 +30,9 @@ def select_mode(d, q, omega1, alpha1, omega2, omega3, load):
     rate_q = k * (omega1 - omega2)
     free = free_torque(d, omega1, alpha1, rate_q, i1, b, g, g1)
     inertia = d[D_J2] + k * k * g
-    zero = TORQUE_ROUNDING * (torque_scale(d, omega1, alpha1, rate_q) + abs(load))
+    # the same zeros as in the search for events: the load counts only where it takes part
+    zero_free = TORQUE_ROUNDING * torque_scale(d, omega1, alpha1, rate_q)
+    zero = zero_free + TORQUE_ROUNDING * abs(load)
     shaft = d[D_J3]
     housing = d[D_HOUSING] != 0.0 and omega2 == 0.0
     output = d[D_OUTPUT] == 0.0 or omega3 == omega2
@@ -38,7 +40,7 @@ def select_mode(d, q, omega1, alpha1, omega2, omega3, load):
         if not housing:
             return FREE
         trend = free_torque_rate(d, omega1, alpha1, rate_q, k * alpha1, i1, i2, b1, g1, g2)
-        return FREE if sign_or_trend(free, trend, zero) else HELD
+        return FREE if sign_or_trend(free, trend, zero_free) else HELD
     if housing and (d[D_OUTPUT] == 0.0 or load >= 0.0):
         trend = free_torque_rate(d, omega1, alpha1, rate_q, k * alpha1, i1, i2, b1, g1, g2)
         return DRIVING if sign_or_trend(free - load, trend, zero) else HELD_DRIVING
@@ -46,7 +48,7 @@ def select_mode(d, q, omega1, alpha1, omega2, omega3, load):
         return DRIVING
     if housing:
         trend = free_torque_rate(d, omega1, alpha1, rate_q, k * alpha1, i1, i2, b1, g1, g2)
-        if not sign_or_trend(free, trend, zero):
+        if not sign_or_trend(free, trend, zero_free):
             return HELD  # the load itself pulls the shaft away
     alpha2 = free / inertia if inertia > 0.0 else 0.0
     trend = free_torque_rate(d, omega1, alpha1, rate_q, k * (alpha1 - alpha2), i1, i2, b1, g1, g2)

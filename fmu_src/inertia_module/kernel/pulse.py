@@ -43,6 +43,11 @@ def response(d, w):
     return own / (own + d[D_J2] + w[W_SHAFT_INERTIA]) if own > 0.0 else 1.0
 
 
+def inertia_scale(d):
+    """Upper bound of the inertia that takes part in P, kg m^2."""
+    return (d[D_ALPHA_SLOPE] + 0.5 * d[D_I_SLOPE]) / d[D_K] + d[D_J1] + d[D_J2]
+
+
 def try_steps(d, x, w, remaining, alpha2, momentum):
     """Make the longest step whose error is allowed; the stages are left in w, its length in W_STEP.
 
@@ -55,7 +60,7 @@ def try_steps(d, x, w, remaining, alpha2, momentum):
     omega2 = x[X_OMEGA2]
     carried = x[X_STEP_SIZE]
     limit = longest_step(d, w, omega2, remaining)
-    measure = d[D_TOLERANCE] * response(d, w)
+    share = response(d, w)
     h = min(limit, carried) if carried > 0.0 else 0.1 * limit
     for attempt in range(REJECTIONS):
         w[W_STEP] = h
@@ -65,7 +70,11 @@ def try_steps(d, x, w, remaining, alpha2, momentum):
         change2 = h * result(w, W_RATE_OMEGA2)
         ends = max(abs(omega1 + w[W_ALPHA1] * h), abs(omega2 + change2))
         fastest = max(ends, max(abs(omega1), abs(omega2)))
-        error = error_norm(w, d[D_TOLERANCE], measure * fastest) if fastest > 0.0 else 0.0
+        measure = max(share * fastest, abs(change2))  # the load may change the speed more than the mechanism
+        # alpha1 times the integral of P is work, to be compared with the energy at these speeds
+        ramp = inertia_scale(d) * fastest * fastest / abs(w[W_ALPHA1]) if w[W_ALPHA1] != 0.0 else 0.0
+        tolerance = d[D_TOLERANCE]
+        error = error_norm(w, tolerance, tolerance * measure, tolerance * ramp) if measure > 0.0 else 0.0
         factor = LARGEST_FACTOR
         if not error < 1e300:
             factor = SMALLEST_FACTOR

@@ -19,6 +19,8 @@ MAX_EVALUATIONS = 5e7
 # contact switches per turn of the highest harmonic: a pulse has about four
 SWITCHES_PER_PULSE = 64.0
 SWITCHES_ALLOWED = 1000.0
+# events in a row that leave the mode as it was
+STALLS_ALLOWED = 100
 
 START = 0
 STEP = 1
@@ -107,6 +109,7 @@ def run_rigid(d, x, w, h):
     time = 0.0
     low = 0.0
     travel = 0.0
+    stalls = 0
     choose_mode(d, x, omega1)
     while time < h:
         remaining = (h - time) - low
@@ -126,6 +129,9 @@ def run_rigid(d, x, w, h):
             time, low = later(time, low, passed)
         if event:
             choose_mode(d, x, omega1 + alpha1 * time)
+            stalls = stalls + 1 if x[X_MODE] == mode else 0
+            if stalls > STALLS_ALLOWED:
+                return TOO_MANY_SWITCHES
             if x[X_STEP_SWITCHES] > SWITCHES_ALLOWED + SWITCHES_PER_PULSE * d[D_HARMONIC] * travel:
                 return TOO_MANY_SWITCHES
         if x[X_STEP_EVALUATIONS] > MAX_EVALUATIONS:

@@ -1,0 +1,111 @@
+"""Angles are wrapped, whole turns counted apart: nothing is lost however far they have gone."""
+
+from fractions import Fraction
+
+import pytest
+from scenes import SCENES, advanced, drive_angle, started
+
+from inertia_module.kernel import slots
+from inertia_module.kernel.accumulate import wrap_drive_angle, wrap_input_angle
+
+# pi to 60 digits
+PI = Fraction(3141592653589793238462643383279502884197169399375105820974944, 10**60)
+TINY = 2.0**-16  # s: with speeds that are powers of two every increment is exact
+
+
+@pytest.fixture(scope="module", params=SCENES)
+def scene(request):
+    return SCENES[request.param]
+
+
+def wrapped(angle, period):
+    """(exact angle within one period, whole turns taken off)."""
+    periods = angle // period
+    return angle - periods * period, periods * round(period / (2 * PI))
+
+
+def distance(angle, exact, period):
+    """Distance of two angles on the circle."""
+    gap = (Fraction(angle) - exact) % period
+    return float(min(gap, period - gap))
+
+
+@pytest.mark.parametrize("teeth", [(34, 20), (20, 20), (13, 20), (36, 24)], ids=str)
+@pytest.mark.parametrize("ratio", [0.0, 0.5, -0.25, 2.0])
+@pytest.mark.parametrize("omega1", [4096.0, -4096.0])
+def test_angles_over_many_steps_are_exact_but_for_whole_turns(compiled, teeth, ratio, omega1):
+    z17, z6 = teeth
+    period = 2 * PI * (Fraction(z6, 1) / Fraction(z17, z6).numerator * Fraction(z17, z6).numerator)
+    period = 2 * PI * Fraction(z17, z6).denominator
+    module = started(compiled, fidelity=0, z17=z17, z6=z6, kinematic_ratio=ratio, omega1=omega1)
+    steps = 20_000
+    for _ in range(steps):
+        module.advance(TINY)
+    theta1 = steps * Fraction(TINY) * Fraction(omega1)
+    q = theta1 * (1 - Fraction(ratio))
+    for name, turns, exact, around in [
+        ("drive_angle", "drive_turns", q, period),
+        ("input_angle", "input_turns", theta1, 2 * PI),
+    ]:
+        expected, whole = wrapped(exact, around)
+        assert module[name] == pytest.approx(float(expected), rel=1e-15, abs=1e-14)
+        assert module[turns] == whole
+
+
+@pytest.mark.parametrize("step", [1e-3, 1.0])
+def test_fast_input_keeps_its_angles_over_long_steps(compiled, scene, step):
+    module = started(compiled, scene, fidelity=0, omega1=1e5)
+    for _ in range(round(1.0 / step)):
+        module.advance(step)
+    steps = round(1.0 / step)
+    theta1 = steps * Fraction(step) * Fraction(1e5)
+    k = Fraction(module["sun_radius"]) / Fraction(module["satellite_radius"]) if module["layout"] else 1
+    assert distance(module["input_angle"], theta1, 2 * PI) < 1e-16 * float(theta1)
+    period = 2 * PI * (1 if module["layout"] else 10)
+    assert distance(module["drive_angle"], k * theta1, period) < 3e-16 * float(k * theta1)
+
+
+def test_link_2_held_by_its_freewheel_keeps_the_same_angles(compiled, scene):
+    held = started(compiled, scene, load_torque=1e9, omega1=4096.0)
+    prescribed = started(compiled, scene, fidelity=0, omega1=4096.0)
+    for module in (held, prescribed):
+        advanced(module, 0.25, 1.0, 0.0625)
+    assert held["contact_mode"] == 3
+    assert drive_angle(held) == pytest.approx(drive_angle(prescribed), rel=1e-14)
+    assert held["input_turns"] == prescribed["input_turns"]
+
+
+@pytest.mark.parametrize("start", [1e6, -1e6, 123456.789, -0.001])
+def test_drive_started_many_turns_ahead_is_where_it_should_be(kernel, start):
+    module = started(kernel, drive_angle_start=start)
+    expected, turns = wrapped(Fraction(start), 20 * PI)
+    assert module["drive_angle"] == pytest.approx(float(expected), rel=1e-15, abs=1e-14)
+    assert module["drive_turns"] == turns
+
+
+@pytest.mark.parametrize("turns", [1e9, -1e9, 1e15])
+def test_motion_after_a_billion_turns_is_the_same_to_the_bit(compiled, scene, turns):
+    one, other = started(compiled, scene), started(compiled, scene)
+    other.state[slots.X_DRIVE_TURNS] += turns
+    other.state[slots.X_INPUT_TURNS] += turns
+    for module in (one, other):
+        advanced(module, 0.3, 0.3)
+    one.state[slots.X_DRIVE_TURNS] += turns
+    one.state[slots.X_INPUT_TURNS] += turns
+    assert one.state == other.state
+
+
+@pytest.mark.parametrize("turns", [-3, -1, 0, 1, 2, 7, 1000])
+@pytest.mark.parametrize("bit", [-1, 0, 1])
+def test_wrapped_angles_are_within_one_turn(turns, bit):
+    import math
+
+    angle = 2.0 * math.pi * turns
+    angle += bit * math.ulp(angle)
+    d = started("plain", layout=1).derived
+    x = [0.0] * slots.X_SIZE
+    x[slots.X_Q] = x[slots.X_THETA1] = angle
+    wrap_drive_angle(d, x)
+    wrap_input_angle(x)
+    assert 0.0 <= x[slots.X_Q] <= 2.0 * math.pi
+    assert 0.0 <= x[slots.X_THETA1] <= 2.0 * math.pi

@@ -1,0 +1,48 @@
+"""The plain and the compiled kernel are one source: they give the same results."""
+
+import math
+
+import pytest
+from scenes import FREEWHEELS, SCENES, advanced, started
+
+COUNTERS = {"contact_mode", "contact_switches", "rhs_evaluations", "drive_turns", "input_turns"}
+
+
+def driven(kernel, *settings, **values):
+    """A module through a drive with jumps, a reversal and a change of load."""
+    module = started(kernel, *settings, **values)
+    omega1 = module["omega1"]
+    for n in range(25):
+        advanced(module, 0.002 + 0.001 * (n % 3), omega1=omega1 * (1.0 + 0.4 * math.sin(0.7 * n)))
+    advanced(module, 0.02, omega1=-0.5 * omega1, load_torque=-3.0)
+    advanced(module, 0.02, 0.01, omega1=0.0)
+    return advanced(module, 0.03, omega1=omega1, load_torque=5.0)
+
+
+@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("fidelity", [0, 2], ids=["kinematic", "rigid"])
+@pytest.mark.parametrize("freewheels", FREEWHEELS)
+@pytest.mark.parametrize("input_hold", [0, 1], ids=["constant", "linear"])
+@pytest.mark.parametrize("satellites", [1, 2, 3])
+def test_both_kernels_give_the_same_results(compiled, scene, fidelity, freewheels, input_hold, satellites):
+    settings = (
+        SCENES[scene],
+        FREEWHEELS[freewheels],
+        {
+            "fidelity": fidelity,
+            "kinematic_ratio": 0.3,
+            "input_hold": input_hold,
+            "satellites": satellites,
+            "epsilon": 0.4,
+            "gamma": -0.9,
+            "drive_inertia": 1e-3,
+            "input_inertia": 0.02,
+            "tolerance": 1e-8,
+        },
+    )
+    plain, fast = (driven(kernel, *settings).snapshot() for kernel in ("plain", compiled))
+    assert {name: fast[name] for name in COUNTERS} == {name: plain[name] for name in COUNTERS}
+    largest = max(abs(value) for name, value in plain.items() if name.startswith("energy"))
+    for name, value in plain.items():
+        scale = largest if name.startswith("energy") else abs(value)
+        assert fast[name] == pytest.approx(value, abs=1e-12 * max(scale, 1.0)), name
