@@ -1,5 +1,6 @@
 """Angles are wrapped, whole turns counted apart: nothing is lost however far they have gone."""
 
+import math
 from fractions import Fraction
 
 import pytest
@@ -35,7 +36,6 @@ def distance(angle, exact, period):
 @pytest.mark.parametrize("omega1", [4096.0, -4096.0])
 def test_angles_over_many_steps_are_exact_but_for_whole_turns(compiled, teeth, ratio, omega1):
     z17, z6 = teeth
-    period = 2 * PI * (Fraction(z6, 1) / Fraction(z17, z6).numerator * Fraction(z17, z6).numerator)
     period = 2 * PI * Fraction(z17, z6).denominator
     module = started(compiled, fidelity=0, z17=z17, z6=z6, kinematic_ratio=ratio, omega1=omega1)
     steps = 20_000
@@ -95,11 +95,9 @@ def test_motion_after_a_billion_turns_is_the_same_to_the_bit(compiled, scene, tu
     assert one.state == other.state
 
 
-@pytest.mark.parametrize("turns", [-3, -1, 0, 1, 2, 7, 1000])
+@pytest.mark.parametrize("turns", [-1000, -3, -1, 1, 2, 7, 1000])
 @pytest.mark.parametrize("bit", [-1, 0, 1])
 def test_wrapped_angles_are_within_one_turn(turns, bit):
-    import math
-
     angle = 2.0 * math.pi * turns
     angle += bit * math.ulp(angle)
     d = started("plain", layout=1).derived

@@ -7,7 +7,7 @@ from scenes import SCENES, advanced, started
 
 from inertia_module.module import Module, Refused
 
-STEPS = st.lists(st.floats(1e-6, 0.02), min_size=1, max_size=8)
+STEPS = st.lists(st.floats(2e-3, 0.02), min_size=1, max_size=6)
 
 
 @pytest.fixture(scope="module", params=SCENES)
@@ -96,14 +96,10 @@ def test_refused_step_leaves_no_trace(kernel, scene, input_hold, step, before, a
     assert drive(module, after) == drive(undisturbed, after)
 
 
-@pytest.mark.parametrize("inputs", [{"omega1": 200.0}, {"load_torque": -4.0}, {}])
-def test_step_given_up_leaves_no_trace(compiled, inputs):
+def test_step_given_up_leaves_no_trace(compiled):
     module = advanced(started(compiled, omega1=1e5, load_torque=1e5), 1e-3)
-    module.set(**inputs)
     saved = module.save()
     with pytest.raises(Refused, match="given up"):
-        advanced(module, 1e4, omega1=1e5)
-    module.set(omega1=100.0)
-    module.restore(saved)
+        module.advance(1e4)
     assert module.save() == saved
-    module.advance(1e-4)
+    assert advanced(module, 1e-4)["energy_in"] > 0.0

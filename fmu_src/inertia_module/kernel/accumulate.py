@@ -29,17 +29,38 @@ def assign(x, slot, value):
     x[slot + 1] = 0.0
 
 
+def wrap(x, slot, period, period_low):
+    """Bring the angle x[slot] into [0, period), period in two doubles. Returns the periods taken off."""
+    angle = x[slot]
+    rest = angle % period if angle >= 0.0 else -(-angle % period)  # of the sign of angle: exact
+    periods = math.floor((angle - rest) / period + 0.5)
+    low = x[slot + 1] - periods * period_low
+    if rest < 0.0:
+        turned = rest + period
+        low += rest - (turned - period) + period_low
+        rest = turned
+        periods -= 1.0
+    if rest >= period:
+        rest -= period
+        low -= period_low
+        periods += 1.0
+    # what low has gathered belongs to the angle, unless that takes it below zero by rounding
+    total = rest + low
+    if total >= 0.0:
+        low -= total - rest
+        rest = total
+    x[slot] = rest
+    x[slot + 1] = low
+    return periods
+
+
 def wrap_drive_angle(d, x):
     """Keep q within [0, period); the whole turns taken off are counted in revolutions."""
-    periods = math.floor(x[X_Q] / d[D_PERIOD])
-    if periods != 0.0:
-        assign(x, X_Q, (x[X_Q] - periods * d[D_PERIOD]) + (x[X_Q_LOW] - periods * d[D_PERIOD_LOW]))
-        x[X_DRIVE_TURNS] += periods * d[D_PERIOD_TURNS]
+    if not 0.0 <= x[X_Q] < d[D_PERIOD]:
+        x[X_DRIVE_TURNS] += d[D_PERIOD_TURNS] * wrap(x, X_Q, d[D_PERIOD], d[D_PERIOD_LOW])
 
 
 def wrap_input_angle(x):
     """Keep theta1 within [0, 2 pi); whole turns are counted."""
-    turns = math.floor(x[X_THETA1] / TWO_PI)
-    if turns != 0.0:
-        assign(x, X_THETA1, (x[X_THETA1] - turns * TWO_PI) + (x[X_THETA1_LOW] - turns * TWO_PI_LOW))
-        x[X_INPUT_TURNS] += turns
+    if not 0.0 <= x[X_THETA1] < TWO_PI:
+        x[X_INPUT_TURNS] += wrap(x, X_THETA1, TWO_PI, TWO_PI_LOW)
