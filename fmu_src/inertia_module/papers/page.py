@@ -40,6 +40,9 @@ _INTRODUCTION = (
 )
 
 
+_VERDICTS = {True: "yes", False: "no", None: "not known"}
+
+
 def _cell(text: str) -> str:
     return text.replace("|", "\\|")
 
@@ -58,7 +61,7 @@ def _difference(equation: Equation) -> str:
 def _equation_rows(paper: str, equations: Iterable[Equation]) -> list[str]:
     return [
         f"| {equation.number} | {_cell(equation.subject)} | {_code(paper, equation.exact)} |"
-        f" {_code(paper, equation.printed)} | {'yes' if equation.right else 'no'} |"
+        f" {_code(paper, equation.printed)} | {_VERDICTS[equation.right]} |"
         f" {_cell(equation.correction)} | {_difference(equation)} |"
         for equation in equations
     ]

@@ -17,7 +17,8 @@ class Equation:
     Attributes:
         number: as printed, "(2)". subject: what it gives, in a few words.
         exact, printed: names of the functions that are its exact and its printed form ("" if none).
-        right: whether the printed form is right. correction: what has to be changed ("" if nothing).
+        right: whether the printed form is right (None: not known).
+        correction: what has to be changed ("" if nothing).
         difference: computes the worst difference of the printed from the exact form over a period,
             relative to the largest exact value (None where there is nothing to compare).
     """
@@ -26,7 +27,7 @@ class Equation:
     subject: str
     exact: str
     printed: str
-    right: bool
+    right: bool | None
     correction: str = ""
     difference: Callable[[], float] | None = None
 

@@ -78,7 +78,7 @@ def law_difference() -> float:
 
 
 EQUATIONS = (
-    Equation("(1)", "not known", "", "", right=True, correction="on the first page, which is missing"),
+    Equation("(1)", "not known", "", "", right=None, correction="on the first page, which is missing"),
     Equation(
         "(2)",
         "torque of the balancer",
