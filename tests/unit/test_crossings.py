@@ -116,9 +116,9 @@ def test_shaft_coasts_while_the_input_hardly_turns(compiled, scene, omega1, sign
 
 
 @pytest.mark.parametrize("load", [0.0, 8.0, -8.0])
-@pytest.mark.parametrize("omega1", [1e-290, 2e-313, -2e-313, 5e-324])
+@pytest.mark.parametrize("omega1", [1e-290, 1e-310, -1e-310, 5e-324])
 def test_input_may_be_among_the_smallest_doubles(kernel, scene, load, omega1):
-    module = started(kernel, scene, omega1=0.0, load_torque=load, tolerance=1e-12, drive_angle_start=1.0)
+    module = started(kernel, scene, omega1=0.0, load_torque=load, tolerance=1e-12)
     advanced(module, 1e-9, 1e-3, omega1=omega1)
     assert module["omega_out"] >= module["omega2"] >= 0.0
 
