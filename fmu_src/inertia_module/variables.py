@@ -227,6 +227,7 @@ VARIABLES: tuple[Variable, ...] = (
     _signal(LOCAL, "energy_lost", "J", 1e3, "energy lost since the start (ideal freewheels and rigid shafts lose none)", slots.Y_ENERGY_LOST),
     _signal(LOCAL, "energy_residual", "J", 1.0, "energy audit: in - out - lost - gain of stored, the error of the integration", slots.Y_ENERGY_RESIDUAL),
     _signal(LOCAL, "torque_ripple", "N.m", 100.0, "RMS of Tc about its mean over the last communication step, impulses apart", slots.Y_TORQUE_RIPPLE, 0.0),
+    _signal(LOCAL, "torque_peak", "N.m", 100.0, "largest magnitude of Tc over the last communication step, impulses apart", slots.Y_TORQUE_PEAK, 0.0),
     _counter("contact_switches", "changes of the contact mode since the start", slots.Y_CONTACT_SWITCHES),
     _counter("rhs_evaluations", "evaluations of the mechanism since the start: the cost", slots.Y_RHS_EVALUATIONS),
     _choice("layout", "Layout", 0, "layout of the differential", slots.P_LAYOUT),

@@ -149,6 +149,11 @@ def derive(p, d):
     d[D_J2] = p[P_J2]
     d[D_J3] = p[P_J3]
     d[D_J16] = p[P_J16]
+    d[D_J4] = p[P_J4]
+    d[D_STIFFNESS] = p[P_SHAFT_STIFFNESS]
+    d[D_DAMPING] = p[P_SHAFT_DAMPING]
+    d[D_FRICTION] = p[P_DRIVEN_FRICTION]
+    d[D_BALANCER] = p[P_BALANCER]
     d[D_HOUSING] = p[P_HOUSING_FREEWHEEL]
     d[D_OUTPUT] = p[P_OUTPUT_FREEWHEEL]
     # a tenth for each step, so that the error of the whole run is about the tolerance asked for

@@ -16,6 +16,8 @@ C11 = 0.8571428571428571
 C14 = 0.1
 C15 = 0.2
 C16 = 0.7777777777777778
+# nodes of the stages that are kept, in the order of the workspace
+STAGE_NODES = (0.0, C6, C7, C8, C9, C10, C11, 1.0, 1.0, C14, C15, C16)
 
 A2_1 = 0.05260015195876773
 

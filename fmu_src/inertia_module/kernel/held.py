@@ -160,6 +160,7 @@ def advance_held(d, x, mode, omega1, alpha1, load, remaining):
     if mode == HELD_DRIVING:
         x[X_OUTPUT_IMPULSE] += load * h
         x[X_OUTPUT_SQUARE] += load * load * h
+        x[X_TORQUE_PEAK] = max(x[X_TORQUE_PEAK], abs(load))
         return h, released
     coast(d, x, load, h)
     if stop >= 0.0 and h >= stop and not released:

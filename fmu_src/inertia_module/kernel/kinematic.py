@@ -25,6 +25,7 @@ def add_node(d, x, ratio, omega1, alpha1, rate, t, weight):
     x[X_INPUT_IMPULSE] += weight * drive
     x[X_OUTPUT_IMPULSE] += weight * output
     x[X_OUTPUT_SQUARE] += weight * output * output
+    x[X_TORQUE_PEAK] = max(x[X_TORQUE_PEAK], abs(output))
     add(x, X_ENERGY_IN, weight * drive * speed)
     add(x, X_ENERGY_OUT, weight * output * ratio * speed)
 

@@ -73,6 +73,7 @@ def write_outputs(p, d, x, y):
     y[Y_INPUT_TORQUE_MEAN] = x[X_INPUT_TORQUE_MEAN]
     y[Y_OUTPUT_TORQUE_MEAN] = x[X_OUTPUT_TORQUE_MEAN]
     y[Y_TORQUE_RIPPLE] = x[X_TORQUE_RIPPLE]
+    y[Y_TORQUE_PEAK] = x[X_TORQUE_PEAK]
     y[Y_DRIVE_ANGLE] = x[X_Q]
     y[Y_DRIVE_TURNS] = x[X_DRIVE_TURNS]
     y[Y_INPUT_ANGLE] = x[X_THETA1]

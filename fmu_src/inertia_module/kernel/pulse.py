@@ -2,6 +2,7 @@
 
 from .accumulate import add, assign, wrap_drive_angle
 from .dormand_prince import dense_change, error_norm, keep_end, quadrature, result, stages
+from .dormand_prince_table import STAGE_NODES
 from .dynamics import angular_momentum, motion_rates
 from .events import LINK2, NONE, OUTPUT, first_event, is_step_quiet
 from .held import coast
@@ -111,9 +112,12 @@ def commit(d, x, w, passed, change_q, change2, which):
 
 
 def add_square(d, x, w, sigma):
-    """Integral of Tc^2 over the step or its part sigma. Overwrites the stage rates."""
+    """Integral of Tc^2 over the step or its part sigma, and its peak. Overwrites the stage rates."""
+    share = sigma if sigma >= 0.0 else 1.0
     for n in range(8 if sigma < 0.0 else 12):
         torque = w[W_LOAD] + d[D_J3] * w[W_RATE_OMEGA2 + n]
+        if STAGE_NODES[n] <= share:
+            x[X_TORQUE_PEAK] = max(x[X_TORQUE_PEAK], abs(torque))
         w[W_RATE_OMEGA2 + n] = torque * torque
     x[X_OUTPUT_SQUARE] += quadrature(w, W_RATE_OMEGA2, sigma)
 

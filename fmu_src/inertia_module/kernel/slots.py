@@ -82,9 +82,10 @@ Y_ENERGY_STORED = 27
 Y_ENERGY_LOST = 28
 Y_ENERGY_RESIDUAL = 29
 Y_TORQUE_RIPPLE = 30
-Y_CONTACT_SWITCHES = 31
-Y_RHS_EVALUATIONS = 32
-Y_SIZE = 33
+Y_TORQUE_PEAK = 31
+Y_CONTACT_SWITCHES = 32
+Y_RHS_EVALUATIONS = 33
+Y_SIZE = 34
 
 # x: state. A ..._LOW slot is what the slot before it lost to rounding (compensated sums), so that
 # a billion tiny communication steps add up to the same motion as one long step.
@@ -121,7 +122,15 @@ X_OUTPUT_IMPULSE = 28
 X_OUTPUT_SQUARE = 29
 X_STEP_SWITCHES = 30
 X_STEP_EVALUATIONS = 31
-X_SIZE = 32
+X_TORQUE_PEAK = 32
+# elastic output
+X_TWIST = 33
+X_TWIST_LOW = 34
+X_OMEGA4 = 35
+X_OMEGA4_LOW = 36
+X_ENERGY_LOST = 37
+X_ENERGY_LOST_LOW = 38
+X_SIZE = 39
 
 # d: constants derived from the parameters
 D_K = 0
@@ -155,7 +164,12 @@ D_HOUSING = 27
 D_OUTPUT = 28
 D_TOLERANCE = 29
 D_MAX_STEP = 30
-D_SIZE = 31
+D_J4 = 31
+D_STIFFNESS = 32
+D_DAMPING = 33
+D_FRICTION = 34
+D_BALANCER = 35
+D_SIZE = 36
 
 # w: workspace of one call (nothing in it outlives the call)
 # stage blocks of the integrator: stages 1, 6 to 12, the end of the step, stages 14 to 16
@@ -181,10 +195,13 @@ FREE = 1
 DRIVING = 2
 HELD_DRIVING = 3
 
-# fidelities and methods that are built
+# fidelities and methods
 KINEMATIC = 0
+AVERAGED = 1
 RIGID = 2
+ELASTIC = 3
 EVENT = 0
+TIMESTEPPING = 1
 
 # status codes
 OK = 0

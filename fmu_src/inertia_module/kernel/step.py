@@ -88,6 +88,7 @@ def begin(p, u, x, h):
     x[X_INPUT_IMPULSE] = 0.0
     x[X_OUTPUT_IMPULSE] = 0.0
     x[X_OUTPUT_SQUARE] = 0.0
+    x[X_TORQUE_PEAK] = 0.0
     x[X_STEP_SWITCHES] = 0.0
     x[X_STEP_EVALUATIONS] = 0.0
     return jump
