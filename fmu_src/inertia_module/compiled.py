@@ -76,7 +76,7 @@ def cache_folder() -> Path:
     return Path(os.environ.get("XDG_CACHE_HOME", str(Path.home() / ".cache"))) / "inertia-module"
 
 
-def _jitted_kernel(name: str) -> types.ModuleType:
+def _jitted_kernel(entry_module: str) -> types.ModuleType:
     """A second copy of a kernel module and all it imports, every function of it wrapped by numba."""
     numba: Any = importlib.import_module("numba")
     package = types.ModuleType(f"{kernel.__name__}_for_numba")
@@ -84,7 +84,7 @@ def _jitted_kernel(name: str) -> types.ModuleType:
     prefix = package.__name__ + "."
     sys.modules[package.__name__] = package
     try:
-        entry = importlib.import_module(prefix + name)
+        entry = importlib.import_module(prefix + entry_module)
         modules = [module for name, module in sys.modules.items() if name.startswith(prefix)]
     finally:
         for name in [name for name in sys.modules if name.startswith(package.__name__)]:

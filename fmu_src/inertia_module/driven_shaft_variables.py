@@ -11,11 +11,11 @@ from .variables import OUTPUT, PARAMETER, REAL, Variable
 _LOST = "energy turned to heat by damping and friction since the start, less the work of the balancer"
 
 
-def _as_in_module(of_module: str, slot: int, description: str | None = None, **changes: str) -> Variable:
+def _as_in_module(of_module: str, slot: int, text: str = "", name: str = "") -> Variable:
     """A variable of the module in another slot; without "(elastic)", for here nothing else is."""
     known = OF_MODULE[of_module]
-    text = description or known.description.replace(" (elastic)", "")
-    return replace(known, slot=slot, description=text, **changes)
+    own = text or known.description.replace(" (elastic)", "")
+    return replace(known, slot=slot, description=own, name=name or known.name)
 
 
 def _output(name: str, unit: str, nominal: float, text: str, slot: int) -> Variable:

@@ -65,8 +65,8 @@ INERTIA_MODULE = Model(
     name="InertiaModule",
     title="Inertia module",
     description=(
-        "Inertia module: inertial torque transformer, unbalanced satellites on a bevel or planar differential,"
-        " rectified by freewheels"
+        "Inertia module: inertial torque transformer, unbalanced satellites on a bevel or planar"
+        " differential, rectified by freewheels"
     ),
     introduction=(
         "Outputs hold the values at the end of the last communication step. Pulses are usually shorter than a"
@@ -97,12 +97,12 @@ DRIVEN_SHAFT = Model(
     name="DrivenShaft",
     title="Driven shaft",
     description=(
-        "Driven shaft: hub of given speed, elastic shaft with damping, driven mass with friction and balancer;"
-        " the elastic output of the inertia module alone"
+        "Driven shaft: hub of given speed, elastic shaft with damping, driven mass with friction and"
+        " balancer; the elastic output of the inertia module alone"
     ),
     introduction=(
-        "Outputs hold the values at the end of the last communication step. The motion is exact for a hub speed"
-        " that is constant or linear over a step, however stiff the shaft and long the step. Couple it to an"
+        "Outputs hold the values at the end of the last communication step. The motion is exact for a hub"
+        " speed that is constant or linear over a step, however stiff the shaft and long the step. Couple it to an"
         " inertia module through omega_out of that to hub_speed of this, and shaft_torque_mean of this to"
         " load_torque of that. A jump of hub_speed at the beginning of a step acts through the balancer at"
         " once; the torque of the shaft stays finite, so its mean holds no impulse."

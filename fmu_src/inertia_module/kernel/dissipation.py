@@ -38,13 +38,9 @@ WEIGHTS = (
 
 def squares_at(d, w, t):
     """Squared slip and squared speed of the driven mass at t from the beginning of the step."""
-    step, slope, impulse, one, two, three, four = responses(
-        d[D_RATE], d[D_SQUARE], d[D_SWING], d[D_SLOW], d[D_FAST], t
-    )
+    _, slope, impulse, one, two, _, _ = responses(d[D_RATE], d[D_SQUARE], d[D_SWING], d[D_SLOW], d[D_FAST], t)
     slip = w[W_SLIP] * slope + w[W_SLIP_PULL] * impulse + w[W_SLIP_RAMP] * one
-    speed = w[W_OMEGA4] + (
-        w[W_SPEED_RATE] * impulse + w[W_SPEED_PULL] * one + w[W_SPEED_RAMP] * two
-    )
+    speed = w[W_OMEGA4] + (w[W_SPEED_RATE] * impulse + w[W_SPEED_PULL] * one + w[W_SPEED_RAMP] * two)
     return slip * slip, speed * speed
 
 

@@ -116,9 +116,7 @@ def describe_motion(p, d, x, w):
     turned = p[P_FRICTION] / inertia
     w[W_SLIP] = slip(x)
     # what pulls the twist at the beginning, the spring apart
-    w[W_STEADY_PUSH] = (
-        turned * x[X_HUB_SPEED] + x[X_LOAD_TORQUE] / inertia + (1.0 - p[P_BALANCER]) * slope
-    )
+    w[W_STEADY_PUSH] = turned * x[X_HUB_SPEED] + x[X_LOAD_TORQUE] / inertia + (1.0 - p[P_BALANCER]) * slope
     w[W_SLIP_PULL] = w[W_STEADY_PUSH] - d[D_SQUARE] * x[X_TWIST]
     w[W_SLIP_RAMP] = turned * slope
     w[W_OMEGA4] = x[X_OMEGA4]
@@ -190,9 +188,7 @@ def move(p, d, x, w, h):
     momentum = c * (twist * h + sum1) + p[P_DAMPING] * change
     # integral of the momentum passed so far: with it the torque is weighed by the time left
     moment = c * (0.5 * h * h * twist + sum2) + p[P_DAMPING] * sum1
-    angle = w[W_OMEGA4] * h + (
-        w[W_SPEED_RATE] * one + w[W_SPEED_PULL] * two + w[W_SPEED_RAMP] * three
-    )
+    angle = w[W_OMEGA4] * h + (w[W_SPEED_RATE] * one + w[W_SPEED_PULL] * two + w[W_SPEED_RAMP] * three)
     balanced = p[P_BALANCER] * p[P_DRIVEN_INERTIA] * ramp * angle
     lost = 0.0
     if p[P_DAMPING] > 0.0 or p[P_FRICTION] > 0.0:
