@@ -11,7 +11,7 @@ from .kernel import driven_shaft, step
 from .variables import INPUT, PARAMETER, Variable, with_causality
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Model:
     """One model: its variables, its kernel, and what it says.
 
@@ -102,8 +102,8 @@ DRIVEN_SHAFT = Model(
     ),
     introduction=(
         "Outputs hold the values at the end of the last communication step. The motion is exact for a hub"
-        " speed that is constant or linear over a step, however stiff the shaft and long the step. Couple it to an"
-        " inertia module through omega_out of that to hub_speed of this, and shaft_torque_mean of this to"
+        " speed that is constant or linear over a step, however stiff the shaft and long the step. Couple it"
+        " to an inertia module: omega_out of that is hub_speed of this, and shaft_torque_mean of this is"
         " load_torque of that. A jump of hub_speed at the beginning of a step acts through the balancer at"
         " once; the torque of the shaft stays finite, so its mean holds no impulse."
     ),
