@@ -40,7 +40,17 @@ def squares_at(d, w, t):
     """Squared slip and squared speed of the driven mass at t from the beginning of the step."""
     _, slope, impulse, one, two, _, _ = responses(d[D_RATE], d[D_SQUARE], d[D_SWING], d[D_SLOW], d[D_FAST], t)
     slip = w[W_SLIP] * slope + w[W_SLIP_PULL] * impulse + w[W_SLIP_RAMP] * one
-    speed = w[W_OMEGA4] + (w[W_SPEED_RATE] * impulse + w[W_SPEED_PULL] * one + w[W_SPEED_RAMP] * two)
+    kept = w[W_OMEGA4] * slope
+    fresh = w[W_FRESH_RATE] * impulse
+    pulled = w[W_FRESH_PULL] * one
+    changed = w[W_SPEED_RATE] * impulse
+    drawn = w[W_SPEED_PULL] * one
+    ramped = w[W_SPEED_RAMP] * two
+    # of two equal forms the one that rounds off less
+    if abs(kept) + abs(fresh) + abs(pulled) < abs(w[W_OMEGA4]) + abs(changed) + abs(drawn):
+        speed = kept + fresh + pulled + ramped
+    else:
+        speed = w[W_OMEGA4] + (changed + drawn + ramped)
     return slip * slip, speed * speed
 
 

@@ -12,6 +12,18 @@ leaves the twist; the torque of the shaft stays finite, so its mean holds no imp
 from .accumulate import add, assign
 from .dissipation import squares
 from .driven_shaft_slots import *
+from .driven_motion import (
+    describe_motion,
+    move_acceleration,
+    move_speed,
+    move_twist,
+    slip,
+    speed_rate,
+    torque_from_mass,
+    torque_sums,
+    turn_of_mass,
+    twist_sum,
+)
 from .propagator import characteristic, responses
 from .slots import BAD_LOAD_TORQUE, BAD_STEP, NOT_FINITE, OK
 from .step import LARGEST_SPEED, LARGEST_STEP, LARGEST_TORQUE, START
@@ -26,22 +38,10 @@ def check_inputs(u):
     return OK
 
 
-def slip(x):
-    """Speed of the hub over the driven mass, rad/s: no digit is lost where the two nearly agree."""
-    return ((x[X_HUB_SPEED] - x[X_OMEGA4]) - x[X_OMEGA4_LOW]) + x[X_HUB_SPEED_LOW]
-
-
 def stored_energy(p, x):
     """Kinetic energy of the driven mass and energy of the spring, J."""
     kinetic = p[P_DRIVEN_INERTIA] * x[X_OMEGA4] * x[X_OMEGA4]
     return 0.5 * (kinetic + p[P_STIFFNESS] * x[X_TWIST] * x[X_TWIST])
-
-
-def speed_rate(p, x):
-    """omega4' from the torques of this instant, rad/s^2."""
-    shaft = p[P_STIFFNESS] * x[X_TWIST] + p[P_DAMPING] * slip(x)
-    torque = shaft - p[P_FRICTION] * x[X_OMEGA4] - x[X_LOAD_TORQUE]
-    return torque / p[P_DRIVEN_INERTIA] + p[P_BALANCER] * x[X_HUB_SLOPE]
 
 
 def write_outputs(p, x, y):
@@ -109,98 +109,48 @@ def begin(p, u, x, h):
         add(x, X_ENERGY_LOST, -work)
 
 
-def describe_motion(p, d, x, w):
-    """Write into the workspace what drives slip and speed over the coming step."""
-    inertia = p[P_DRIVEN_INERTIA]
-    slope = x[X_HUB_SLOPE]
-    turned = p[P_FRICTION] / inertia
-    w[W_SLIP] = slip(x)
-    # what pulls the twist at the beginning, the spring apart
-    w[W_STEADY_PUSH] = turned * x[X_HUB_SPEED] + x[X_LOAD_TORQUE] / inertia + (1.0 - p[P_BALANCER]) * slope
-    w[W_SLIP_PULL] = w[W_STEADY_PUSH] - d[D_SQUARE] * x[X_TWIST]
-    w[W_SLIP_RAMP] = turned * slope
-    w[W_OMEGA4] = x[X_OMEGA4]
-    w[W_SPEED_RATE] = speed_rate(p, x)
-    w[W_SPEED_PULL] = d[D_SQUARE] * w[W_SLIP] + p[P_DAMPING] / inertia * slope
-    w[W_SPEED_RAMP] = d[D_SQUARE] * slope
-
-
-def move_twist(x, w, step, impulse, one, two):
-    """Twist at the end of the step: by its change or anew, whichever rounds off less."""
-    given = w[W_SLIP] * impulse
-    ramped = w[W_SLIP_RAMP] * two
-    changed = w[W_SLIP_PULL] * one
-    kept = step * x[X_TWIST]
-    pushed = w[W_STEADY_PUSH] * one
-    if abs(kept) + abs(pushed) < abs(changed):
-        assign(x, X_TWIST, given + kept + pushed + ramped)
-    else:
-        add(x, X_TWIST, given + changed + ramped)
-
-
-def move_speed(x, w, slope, impulse, one, two):
-    """Speed of the driven mass at the end: by its change or from the slip, whichever rounds off less."""
-    by_rate = w[W_SPEED_RATE] * impulse
-    by_pull = w[W_SPEED_PULL] * one
-    by_ramp = w[W_SPEED_RAMP] * two
-    kept = w[W_SLIP] * slope
-    pulled = w[W_SLIP_PULL] * impulse
-    ramped = w[W_SLIP_RAMP] * one
-    if abs(kept) + abs(pulled) + abs(ramped) < abs(by_rate) + abs(by_pull) + abs(by_ramp):
-        assign(x, X_OMEGA4, x[X_HUB_SPEED])
-        x[X_OMEGA4_LOW] = x[X_HUB_SPEED_LOW]
-        add(x, X_OMEGA4, -(kept + pulled + ramped))
-    else:
-        add(x, X_OMEGA4, by_rate + by_pull + by_ramp)
-
-
-def move_acceleration(p, x, w, slope, impulse, one):
-    """omega4' at the end: carried on or from the torques, whichever rounds off less."""
-    carried = w[W_SPEED_RATE] * slope
-    pulled = w[W_SPEED_PULL] * impulse
-    ramped = w[W_SPEED_RAMP] * one
-    torques = (
-        abs(p[P_STIFFNESS] * x[X_TWIST])
-        + abs(p[P_DAMPING] * slip(x))
-        + abs(p[P_FRICTION] * x[X_OMEGA4])
-        + abs(x[X_LOAD_TORQUE])
-    )
-    if abs(carried) + abs(pulled) + abs(ramped) < torques / p[P_DRIVEN_INERTIA]:
-        x[X_ACCELERATION] = carried + pulled + ramped
-    else:
-        x[X_ACCELERATION] = speed_rate(p, x)
-
-
 def move(p, d, x, w, h):
-    """Advance over the step, inputs taken: exact motion, mean torque and energies."""
+    """Advance over the step, inputs taken: exact motion, mean torque and energies.
+
+    The momentum the shaft passes is found from its twist or, where swings cancel in that, from the
+    momentum of the driven mass: whichever rounds off less. The energies do not balance by construction.
+    """
     describe_motion(p, d, x, w)
     hub = x[X_HUB_SPEED]
     ramp = x[X_HUB_SLOPE]
+    load = x[X_LOAD_TORQUE]
+    inertia = p[P_DRIVEN_INERTIA]
     step, slope, impulse, one, two, three, four = responses(
         d[D_RATE], d[D_SQUARE], d[D_SWING], d[D_SLOW], d[D_FAST], h
     )
-    # change of the twist, its integral and the integral of that
-    change = w[W_SLIP] * impulse + w[W_SLIP_PULL] * one + w[W_SLIP_RAMP] * two
-    sum1 = w[W_SLIP] * one + w[W_SLIP_PULL] * two + w[W_SLIP_RAMP] * three
-    sum2 = w[W_SLIP] * two + w[W_SLIP_PULL] * three + w[W_SLIP_RAMP] * four
-    c = p[P_STIFFNESS]
-    twist = x[X_TWIST]
-    momentum = c * (twist * h + sum1) + p[P_DAMPING] * change
-    # integral of the momentum passed so far: with it the torque is weighed by the time left
-    moment = c * (0.5 * h * h * twist + sum2) + p[P_DAMPING] * sum1
-    angle = w[W_OMEGA4] * h + (w[W_SPEED_RATE] * one + w[W_SPEED_PULL] * two + w[W_SPEED_RAMP] * three)
-    balanced = p[P_BALANCER] * p[P_DRIVEN_INERTIA] * ramp * angle
+    angle, turn = turn_of_mass(x, w, impulse, one, two, three, h)
+    momentum, momentum_size, moment, moment_size = torque_sums(p, x, w, impulse, one, two, three, four, h)
     lost = 0.0
     if p[P_DAMPING] > 0.0 or p[P_FRICTION] > 0.0:
         slips, speeds = squares(d, w, hub, ramp, h)
         lost = p[P_DAMPING] * slips + p[P_FRICTION] * speeds
-    add(x, X_ENERGY_IN, (hub + ramp * h) * momentum - ramp * moment)
-    add(x, X_ENERGY_OUT, x[X_LOAD_TORQUE] * angle)
-    add(x, X_ENERGY_LOST, lost - balanced)
+    before = x[X_OMEGA4]
+    before_low = x[X_OMEGA4_LOW]
     add(x, X_HUB_SPEED, ramp * h)
     move_twist(x, w, step, impulse, one, two)
-    move_speed(x, w, slope, impulse, one, two)
+    change_size = move_speed(x, w, slope, impulse, one, two)
+    change = (x[X_OMEGA4] - before) + (x[X_OMEGA4_LOW] - before_low)
     move_acceleration(p, x, w, slope, impulse, one)
+    passed, size = torque_from_mass(p, ramp, load, change, change_size, angle, turn, h)
+    if size < momentum_size:
+        momentum = passed
+    # integral of the angle: of the hub's less the twist
+    twisted, twisted_size = twist_sum(w, one, two, three)
+    swept = h * h * (0.5 * hub + ramp * h / 6.0) - twisted
+    swept_size = h * h * (0.5 * abs(hub) + abs(ramp) * h / 6.0) + twisted_size
+    passed, size = torque_from_mass(
+        p, 0.5 * ramp * h, 0.5 * load * h, angle - before * h, turn + abs(before) * h, swept, swept_size, h
+    )
+    if size < moment_size:
+        moment = passed
+    add(x, X_ENERGY_IN, (hub + ramp * h) * momentum - ramp * moment)
+    add(x, X_ENERGY_OUT, load * angle)
+    add(x, X_ENERGY_LOST, lost - p[P_BALANCER] * inertia * ramp * angle)
     x[X_SHAFT_TORQUE_MEAN] = momentum / h
 
 

@@ -63,9 +63,13 @@ D_SLOW = 3
 D_FAST = 4
 D_SIZE = 5
 
-# w: workspace of one call: the motion over the step in hand,
-#     slip'  = slip_pull - D_RATE slip + slip_ramp t - D_SQUARE (twist - twist at the start)
-#     omega4'' + D_RATE omega4' = speed_pull + speed_ramp t - D_SQUARE (omega4 - omega4 at the start)
+# w: workspace of one call: the motion over the step in hand. From impulse, its rate slope and its integrals
+# one, two ... of propagator.responses, both speeds are
+#     slip = W_SLIP slope + W_SLIP_PULL impulse + W_SLIP_RAMP one
+#     omega4 = W_OMEGA4 + W_SPEED_RATE impulse + W_SPEED_PULL one + W_SPEED_RAMP two
+#            = W_OMEGA4 slope + W_FRESH_RATE impulse + W_FRESH_PULL one + W_SPEED_RAMP two
+# and the twist follows as the integral of the slip, or anew from the twist at the beginning:
+#     twist = (twist) step + W_SLIP impulse + W_TWIST_PUSH one + W_SLIP_RAMP two
 W_SLIP = 0
 W_SLIP_PULL = 1
 W_SLIP_RAMP = 2
@@ -73,8 +77,10 @@ W_OMEGA4 = 3
 W_SPEED_RATE = 4
 W_SPEED_PULL = 5
 W_SPEED_RAMP = 6
-W_STEADY_PUSH = 7
-W_STATE = 8
+W_FRESH_RATE = 7
+W_FRESH_PULL = 8
+W_TWIST_PUSH = 9
+W_STATE = 10
 W_SIZE = W_STATE + X_SIZE
 
 # status codes of its own
