@@ -11,7 +11,6 @@ leaves the twist; the torque of the shaft stays finite, so its mean holds no imp
 
 from .accumulate import add, assign
 from .dissipation import squares
-from .driven_shaft_slots import *
 from .driven_motion import (
     describe_motion,
     move_acceleration,
@@ -24,6 +23,7 @@ from .driven_motion import (
     turn_of_mass,
     twist_sum,
 )
+from .driven_shaft_slots import *
 from .propagator import characteristic, responses
 from .slots import BAD_LOAD_TORQUE, BAD_STEP, NOT_FINITE, OK
 from .step import LARGEST_SPEED, LARGEST_STEP, LARGEST_TORQUE, START
