@@ -14,7 +14,7 @@ HUB = {"output_inertia": 0.02}
 SHAFT = {"driven_inertia": 0.5, "shaft_stiffness": 400.0, "shaft_damping": 0.05}
 # design, section 6: omega3, omega4 and delta at 1 s, found by a separate integration of the whole
 CHECKED = {"omega_hub": 3.908460340, "omega_out": 16.766411224, "shaft_twist": -1.550114589e-3}
-# a second scene, without freewheels: no event hides the order
+# without freewheels no event hides the order; a short run, for a torque that comes late feeds the swing
 SMOOTH = {"housing_freewheel": False, "output_freewheel": False}
 
 
@@ -41,9 +41,9 @@ def one_piece(stop=1.0, **settings):
     return np.array([module[name] for name in CHECKED])
 
 
-def assert_converges(reference, **settings):
+def assert_converges(reference, stop=1.0, **settings):
     """First order in the step, and what the two finest steps point to is the reference."""
-    coarse, middle, fine = (coupled(step, **settings)[0] for step in (8e-5, 2e-5, 1e-5))
+    coarse, middle, fine = (coupled(step, stop, **settings)[0] for step in (8e-5, 2e-5, 1e-5))
     order = np.log(np.abs(coarse - reference) / np.abs(fine - reference)) / np.log(8.0)
     assert (order > 0.8).all(), order
     scale = np.array([10.0, 10.0, 0.05])  # what hub, mass and twist swing by
@@ -54,9 +54,9 @@ def test_two_models_converge_to_the_check_values_at_first_order():
     assert_converges(np.array(list(CHECKED.values())))
 
 
-@pytest.mark.parametrize("settings", [{}, SMOOTH], ids=["freewheels", "no freewheels"])
-def test_two_models_converge_to_the_elastic_module_in_one_piece(settings):
-    assert_converges(one_piece(**settings), **settings)
+@pytest.mark.parametrize("settings, stop", [({}, 1.0), (SMOOTH, 0.1)], ids=["freewheels", "no freewheels"])
+def test_two_models_converge_to_the_elastic_module_in_one_piece(settings, stop):
+    assert_converges(one_piece(stop, **settings), stop, **settings)
 
 
 def test_what_leaves_the_module_arrives_at_the_shaft():
