@@ -70,7 +70,9 @@ def jitted_kernel() -> dict[str, types.ModuleType]:
     try:
         importlib.import_module(prefix + "step")
         modules = {
-            name.removeprefix(prefix): module for name, module in sys.modules.items() if name.startswith(prefix)
+            name.removeprefix(prefix): module
+            for name, module in sys.modules.items()
+            if name.startswith(prefix)
         }
     finally:
         for name in [name for name in sys.modules if name.startswith(package.__name__)]:

@@ -39,9 +39,7 @@ def leave(data: Array, state: Array, guard: int) -> None:
     mode = data[MODE]
     if mode == slots.HELD_DRIVING:
         data[MODE] = slots.DRIVING
-    elif mode == slots.HELD and guard == LINK2:
-        data[MODE] = slots.FREE
-    elif mode == slots.DRIVING and guard == OUTPUT:
+    elif (mode, guard) in ((slots.HELD, LINK2), (slots.DRIVING, OUTPUT)):
         data[MODE] = slots.FREE
     else:
         if mode == slots.HELD:
@@ -52,7 +50,9 @@ def leave(data: Array, state: Array, guard: int) -> None:
                 state[2] = 0.0
         else:
             state[2] = state[1]
-        data[MODE] = equations().select_mode(data, state[0], data[OMEGA1], 0.0, state[1], state[2], data[LOAD])
+        data[MODE] = equations().select_mode(
+            data, state[0], data[OMEGA1], 0.0, state[1], state[2], data[LOAD]
+        )
 
 
 class Audit:
@@ -111,7 +111,7 @@ def run(case: Case, data: Array, times: Array, integrate: Integrator, audit: Aud
     """
     time, state, evaluations = float(times[0]), start_of(case), 0
     data[MODE] = equations().select_mode(data, state[0], data[OMEGA1], 0.0, state[1], state[2], data[LOAD])
-    samples, switches = [state[None, :].copy()], []
+    samples, switches = [state[None, :].copy()], list[float]()
     times = times[1:]
     while len(switches) < EVENTS_ALLOWED:
         found = integrate(data, time, state, times)

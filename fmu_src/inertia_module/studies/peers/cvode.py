@@ -66,7 +66,7 @@ def _integrator(method: str, tolerance: float, step: float) -> Integrator:
         # the wrapper keeps and copies all events it has ever met
         for kept in (guards._i, guards._t, guards._y):  # type: ignore[attr-defined]
             kept.clear()
-        samples = []
+        samples: list[Array] = []
         for until in times:
             found = solver.step(until)
             if found.status == ROOT_FOUND:
@@ -110,9 +110,7 @@ def simulate_clutches(case: Case, stiffness: float, tolerance: float) -> Traject
     def rates(t: float, y: Array, values: Array) -> None:
         compiled(t, y, values, data)
 
-    solver = solver_class()(
-        rates, method="BDF", rtol=tolerance, atol=tolerance, max_num_steps=STEPS_ALLOWED
-    )
+    solver = solver_class()(rates, method="BDF", rtol=tolerance, atol=tolerance, max_num_steps=STEPS_ALLOWED)
 
     def solve(times: Array) -> tuple[Array, int]:
         # three times or more: the solver then gives back these and not its own

@@ -92,7 +92,7 @@ def equations() -> Equations:
     @jit  # type: ignore[untyped-decorator]
     def guard(t, y, data, which):  # type: ignore[no-untyped-def]
         mode, omega1, load = data[MODE], data[OMEGA1], data[LOAD]
-        if mode == free or mode == driving:
+        if mode in (free, driving):
             if which == LINK2:
                 return y[1] if data[housing_slot] != 0.0 else 1.0
             if data[output_slot] == 0.0:

@@ -11,7 +11,6 @@ from ..trajectory import Array, Case, Trajectory, Unavailable
 from .contact_run import Integrator, Segment, measure
 from .equations import LINK2, OUTPUT, equations, largest_step
 
-
 # phase of the fastest harmonic in a step, rad: at 1 two short pulses of R1 are missed
 PHASE = 0.5
 
