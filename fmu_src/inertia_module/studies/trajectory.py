@@ -60,6 +60,7 @@ class Trajectory:
             as output_inertia (omega_out - start) + load_torque time.
         energy_in: work of the input torque, J, or None.
         number_of_switches: where they are counted, else None.
+        acceleration: of the imbalance, m/s^2, or None if it follows from drive_angle and the speeds.
     """
 
     time: Array
@@ -73,6 +74,7 @@ class Trajectory:
     impulse: Array | None = None
     energy_in: float | None = None
     number_of_switches: int | None = None
+    acceleration: Array | None = None
 
 
 @dataclass(frozen=True)
