@@ -18,101 +18,24 @@ from dataclasses import dataclass
 import numpy as np
 
 from .collocation import Collocation, Extended
+from .fourier_inertia import REAL, Inertia
 from .trajectory import Case, Trajectory, Unavailable
 
 # a step turns the highest harmonic by at most this, rad: sixteenth order leaves less than rounding
 STEP_ANGLE = 2.0
 _LOCATING = 80
-REAL = np.longdouble
 
 HELD, FREE, DRIVING, REST = range(4)
-
-
-def _turn(axis: int, angle: Extended) -> Extended:
-    """Rotation matrices about a coordinate axis, shape (points, 3, 3)."""
-    u, v = (axis + 1) % 3, (axis + 2) % 3
-    matrix = np.zeros((angle.size, 3, 3), dtype=REAL)
-    matrix[:, axis, axis] = 1
-    matrix[:, u, u] = matrix[:, v, v] = np.cos(angle)
-    matrix[:, v, u] = np.sin(angle)
-    matrix[:, u, v] = -np.sin(angle)
-    return matrix
-
-
-class Inertia:
-    """I, B, G (and their derivatives) of the case's mechanism as Fourier series in q."""
-
-    def __init__(self, case: Case) -> None:
-        self.planar = case.parameter("layout") == 1.0
-        self._case = case
-        s, turns = self._satellite()
-        points = 2 * math.ceil(4 * (1 + s) * turns) + 16
-        full = 8 * np.arctan(REAL(1))  # 2 pi beyond double
-        angles = full * turns * np.arange(points, dtype=REAL) / points
-        orders = np.fft.fftfreq(points, 1 / points).astype(REAL) / turns
-        waves = np.exp(-1j * np.outer(orders, angles)) / points
-        back = np.exp(1j * np.outer(angles, orders))
-        sums = np.zeros((3, points), dtype=REAL)
-        for satellite in range(int(case.parameter("satellites"))):
-            r = self._positions(angles, satellite)
-            rate = (back @ (1j * orders[:, None] * (waves @ r))).real
-            sums[0] += r[:, 1] ** 2 + r[:, 2] ** 2
-            sums[1] += r[:, 1] * rate[:, 2] - r[:, 2] * rate[:, 1]
-            sums[2] += (rate**2).sum(axis=1)
-        sums *= REAL(case.parameter("imbalance_mass")) * int(case.parameter("modules"))
-        own = REAL(case.parameter("drive_inertia"))
-        sums += own * np.array([[self.planar], [self.planar], [1]], dtype=REAL)
-        coefficients = sums @ waves.T
-        size = np.abs(coefficients).max(axis=0)
-        kept = (size > 1e-16 * size.max()) & (orders >= 0)
-        self._orders = orders[kept]
-        self.highest = self._orders.max()
-        # a real series: twice the half with positive orders
-        self._terms = coefficients[:, kept] * np.where(self._orders > 0, 2, 1)
-
-    def _satellite(self) -> tuple[float, int]:
-        """Turns of the satellite per turn of the drive, and turns of the drive in one period."""
-        if self.planar:
-            return 1.0, 1
-        z17, z6 = int(self._case.parameter("z17")), int(self._case.parameter("z6"))
-        return z17 / z6, z6 // math.gcd(z17, z6)
-
-    def _positions(self, q: Extended, satellite: int) -> Extended:
-        """Imbalance of a satellite in the frame of link 1, m, shape (points, 3)."""
-        p = self._case.parameter
-        full = 8 * np.arctan(REAL(1))
-        place = np.full(q.size, full * satellite / int(p("satellites")))
-        if self.planar:
-            arm = np.array([0, 0, -p("eccentricity")], dtype=REAL)
-            centre = np.array([0, 0, REAL(p("sun_radius")) + REAL(p("satellite_radius"))])
-            return np.einsum("nij,nj->ni", _turn(0, place), centre + _turn(0, q) @ arm)
-        s = REAL(p("z17")) / REAL(p("z6"))
-        tilt = _turn(1, np.array([-REAL(p("shaft_angle"))]))[0]
-        # the satellite rolls about the line of the sum of both spins; its length from the pitch radius
-        line = np.array([0, 0, 1], dtype=REAL) + s * tilt[:, 2]
-        line /= np.sqrt(line @ line)
-        cone = REAL(p("wheel_radius")) / np.sqrt(line[0] ** 2 + line[1] ** 2)
-        along = line @ tilt[:, 2]
-        across = np.sqrt(1 - along * along)
-        place_on_satellite = np.array([-p("a") * cone * across, 0, -p("b") * cone * along], dtype=REAL)
-        spun = _turn(2, s * q + REAL(p("epsilon"))) @ place_on_satellite
-        turned = np.einsum("nij,nj->ni", _turn(2, q + REAL(p("gamma")) + place), spun @ tilt.T)
-        return turned + np.array([0, 0, p("c") * cone * line[2]], dtype=REAL)
-
-    def __call__(self, q: Extended) -> tuple[Extended, Extended]:
-        """(I, B, G) and their derivatives at the angles q, shape (3, points) each."""
-        waves = np.exp(1j * self._orders[:, None] * q[None, :])
-        return (self._terms @ waves).real, (self._terms @ (1j * self._orders[:, None] * waves)).real
 
 
 @dataclass
 class State:
     """Where the motion is: time, drive angle, speeds and contact mode."""
 
-    time: np.longdouble
-    q: np.longdouble
-    omega2: np.longdouble
-    omega3: np.longdouble
+    time: Extended
+    q: Extended
+    omega2: Extended
+    omega3: Extended
     mode: int
 
 
@@ -138,11 +61,11 @@ class Canonical:
         self.k = REAL(p(ratio[0])) / REAL(p(ratio[1]))
         self.j2, self.j3 = REAL(p("link2_inertia")), REAL(p("output_inertia"))
         self.omega1, self.load = REAL(case.omega1), REAL(case.load_torque)
-        self.switches: list[np.longdouble] = []
+        self.switches: list[Extended] = []
 
     # --- one mode ---
 
-    def _shaft(self, mode: int) -> tuple[np.longdouble, np.longdouble]:
+    def _shaft(self, mode: int) -> tuple[Extended, Extended]:
         """(inertia of link 2 and what it drives, torque against it)."""
         return (self.j2 + self.j3, self.load) if mode == DRIVING else (self.j2, REAL(0))
 
@@ -214,7 +137,7 @@ class Canonical:
             ]
         return [(lambda _, y: self.load - self._held_push(y[0]), DRIVING)]
 
-    def _flow(self, state: State, h: np.longdouble) -> tuple[Extended, Extended, Extended]:
+    def _flow(self, state: State, h: Extended) -> tuple[Extended, Extended, Extended]:
         """([q, p2] after h, [q, p2] at the points looked at, their times): the mode's own motion."""
         times = np.append(h * self.collocation.nodes, h)
         start = np.array([state.q, self._momentum(state.mode, state.q, state.omega2)[0]])
@@ -225,7 +148,7 @@ class Canonical:
         end, stages = self.collocation.step(self._rates(state.mode), start, h)
         return end, np.concatenate([stages, end[:, None]], axis=1), times
 
-    def _first_event(self, state: State, h: np.longdouble) -> tuple[np.longdouble, int] | None:
+    def _first_event(self, state: State, h: Extended) -> tuple[Extended, int] | None:
         """Time passed and next mode of the first guard that falls through zero within h, or None."""
         _, path, times = self._flow(state, h)
         found = None
@@ -243,12 +166,10 @@ class Canonical:
     def _start(self, state: State) -> Extended:
         return np.array([[state.q], self._momentum(state.mode, state.q, state.omega2)])
 
-    def _locate(
-        self, state: State, guard: Guard, low: np.longdouble, high: np.longdouble
-    ) -> np.longdouble:
+    def _locate(self, state: State, guard: Guard, low: Extended, high: Extended) -> Extended:
         """Root of a guard between two times by the Illinois method, a whole step of its own to each try."""
 
-        def value(t: np.longdouble) -> np.longdouble:
+        def value(t: Extended) -> Extended:
             end, _, _ = self._flow(state, t)
             return guard(np.array([t]), end[:, None])[0]
 
@@ -270,7 +191,7 @@ class Canonical:
                 low, high, first, last = high, low, last, first
         return high
 
-    def _moved(self, state: State, h: np.longdouble, follows: int | None) -> State:
+    def _moved(self, state: State, h: Extended, follows: int | None) -> State:
         """The state after h; at an event with the equality that it stands for, exactly."""
         end, _, _ = self._flow(state, h)
         mode = state.mode
@@ -289,7 +210,7 @@ class Canonical:
                 omega2 = omega3
         return State(state.time + h, end[0], omega2, omega3, mode)
 
-    def _to(self, state: State, time: np.longdouble) -> State:
+    def _to(self, state: State, time: Extended) -> State:
         while state.time < time:
             longest = STEP_ANGLE / (self.inertia.highest * self.k * (self.omega1 + abs(state.omega2)))
             h = min(REAL(longest), time - state.time)

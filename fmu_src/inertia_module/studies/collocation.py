@@ -6,11 +6,12 @@ Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, II.1.3: the s-s
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Extended = NDArray[np.longdouble]
+# arrays and numbers of np.longdouble
+Extended = Any
 Rates = Callable[[Extended], Extended]
 
 STAGES = 8

@@ -32,7 +32,8 @@ def impulse(case: Case, trajectory: Trajectory) -> Array:
     if trajectory.impulse is not None:
         return trajectory.impulse
     gained = trajectory.omega_out - trajectory.omega_out[0]
-    return case.parameter("output_inertia") * gained + case.load_torque * trajectory.time
+    total: Array = case.parameter("output_inertia") * gained + case.load_torque * trajectory.time
+    return total
 
 
 def pulses(impulses: Array) -> list[tuple[int, int]]:
@@ -80,6 +81,15 @@ def _impulse_error(case: Case, trajectory: Trajectory, reference: Reference) -> 
     return _worst(values[edges[:, 1]] - values[edges[:, 0]], exact[edges[:, 1]] - exact[edges[:, 0]])
 
 
+def _acceleration_error(trajectory: Trajectory, reference: Reference) -> float:
+    if np.isnan(trajectory.drive_angle).any():
+        return math.nan
+    ours, exact = (
+        acceleration(reference.case, found, reference.modes) for found in (trajectory, reference.trajectory)
+    )
+    return _worst(ours, exact)
+
+
 def _event_error(trajectory: Trajectory, reference: Reference) -> float:
     ours, exact = trajectory.switches, reference.trajectory.switches
     if ours is None or exact is None or ours.size != exact.size or not exact.size:
@@ -106,16 +116,11 @@ def errors(trajectory: Trajectory, reference: Reference) -> dict[str, float]:
             f" {exact.omega_out.size}"
         )
     final = exact.omega_out[-1]
-    phased = not np.isnan(trajectory.drive_angle).any()
     return {
         "omega_out_final": abs(float(trajectory.omega_out[-1] / final - 1.0)) if final else math.nan,
         "omega_out_worst": _worst(trajectory.omega_out, exact.omega_out),
         "impulse": _impulse_error(case, trajectory, reference),
-        "acceleration": (
-            _worst(acceleration(case, trajectory, reference.modes), acceleration(case, exact, reference.modes))
-            if phased
-            else math.nan
-        ),
+        "acceleration": _acceleration_error(trajectory, reference),
         "event_time": _event_error(trajectory, reference),
         "energy": _energy_error(trajectory, reference),
     }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Callable, Iterable, Sequence
 
@@ -45,7 +46,8 @@ def rung_row(rung: Rung, step: float, reference: Reference) -> Row:
         hints = reference.trajectory.switches
         return KernelRun(reference.case, rung.values, step).trajectory(hints=hints)[0]
 
-    return _row(rung.fidelity_name, rung.method_name, rung.setting, step, reference, run)
+    row = _row(rung.fidelity_name, rung.method_name, rung.setting, step, reference, run)
+    return dataclasses.replace(row, parameters=rung.values)
 
 
 def peer_rows(peer: Peer, reference: Reference) -> Iterable[Row]:

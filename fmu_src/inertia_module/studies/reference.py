@@ -55,7 +55,9 @@ def converged(case: Case) -> Reference:
         Refused: the module refuses the case.
     """
     fidelity = ELASTIC if is_elastic(case.parameters) else RIGID
-    run = KernelRun(case, {"fidelity": fidelity, "tolerance": TOLERANCE}, case.stop_time / min(case.points, _STEPS))
+    run = KernelRun(
+        case, {"fidelity": fidelity, "tolerance": TOLERANCE}, case.stop_time / min(case.points, _STEPS)
+    )
     trajectory, modes = run.trajectory(timed=False)
     return Reference(case, trajectory, modes, fidelity)
 
