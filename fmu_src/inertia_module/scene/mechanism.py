@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, create_model
 
-from ..variables import BOOLEAN, ENUMERATION, ENUMERATIONS, PARAMETER, Variable, with_causality
+from ..kernel.slots import ELASTIC
+from ..variables import BOOLEAN, BY_NAME, ENUMERATION, ENUMERATIONS, PARAMETER, Variable, with_causality
 from .tables import Strict
 from .units import to_si
 
@@ -78,3 +80,33 @@ def parameters(mechanism: BaseModel) -> dict[str, float]:
 def is_auto(mechanism: BaseModel) -> bool:
     """Whether the fidelity is to be chosen."""
     return getattr(mechanism, FIDELITY, None) == AUTO
+
+
+# the parameters that say there is an elastic output
+ELASTIC_PARAMETERS = (
+    "driven_inertia",
+    "shaft_stiffness",
+    "shaft_damping",
+    "driven_friction",
+    "balancer",
+)
+
+
+def is_elastic(values: Mapping[str, float]) -> bool:
+    """Whether parameters describe an elastic output."""
+    return any(name in values for name in ELASTIC_PARAMETERS)
+
+
+def at_fidelity(values: Mapping[str, float], fidelity: float) -> dict[str, float]:
+    """Parameters for another fidelity: where it has no elastic output, the driven mass is rigid with the hub.
+
+    Args:
+        values: parameters by name, those that differ from the defaults. fidelity: its number.
+    """
+    changed = {**values, FIDELITY: float(fidelity)}
+    if fidelity != ELASTIC and is_elastic(values):
+        inertia = (
+            values.get(name, BY_NAME[name].start or 0.0) for name in ("output_inertia", "driven_inertia")
+        )
+        changed["output_inertia"] = sum(inertia)
+    return changed

@@ -18,7 +18,7 @@ from .controllers import SPEED_UNITS, VEHICLE_SPEED, CycleReference, PiControlle
 from .drives import ControlledDrive, Drive
 from .errors import SceneError, one_line
 from .loads import Load
-from .mechanism import AUTO, Mechanism, is_auto, parameters
+from .mechanism import AUTO, FIDELITY, Mechanism, at_fidelity, is_auto, parameters
 from .tables import Duration, Strict
 from .units import quantity
 
@@ -137,16 +137,20 @@ class Scene(Strict):
     def with_fidelity(self, fidelity: str, error: float | None = None) -> Scene:
         """The scene at a named fidelity, or at one to be chosen for this error.
 
+        A scene that describes an elastic output has its driven mass rigid with the hub elsewhere.
+
         Raises:
             SceneError: there is no such fidelity, or it cannot be.
         """
-        accuracy = {} if error is None else {"error": error}
-        if fidelity != AUTO:
-            return self.replaced(mechanism={"fidelity": fidelity}, accuracy=accuracy)
-        chosen_too = {"method": None, "max_step": None}
-        return self.replaced(
-            mechanism={"fidelity": AUTO, **chosen_too}, accuracy={**accuracy, "tolerance": None}
-        )
+        asked = {} if error is None else {"error": error}
+        if fidelity == AUTO:
+            chosen_too = {"method": None, "max_step": None}
+            return self.replaced(
+                mechanism={FIDELITY: AUTO, **chosen_too}, accuracy={**asked, "tolerance": None}
+            )
+        scene = self.replaced(mechanism={FIDELITY: fidelity}, accuracy=asked)
+        values = parameters(scene.mechanism)
+        return scene.replaced(mechanism=at_fidelity(values, values[FIDELITY]))
 
     def _shaft_inertia(self) -> float:
         """Inertia of what the load hangs on without the load, kg.m2."""

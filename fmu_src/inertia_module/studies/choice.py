@@ -93,12 +93,8 @@ def _following(row: Row, candidates: Sequence[Row], error: float, wanted: Sequen
     """The cheapest of a higher fidelity that meets the error, else the cheapest that is much finer."""
     higher = [other for other in candidates if _NUMBER[other.rung] > _NUMBER[row.rung]]
     much = _FINER * min(error, row.worst(wanted))
-    finer = [other for other in candidates if other.worst(wanted) <= much and _cost(other) > _cost(row)]
+    finer = [other for other in candidates if other.worst(wanted) <= much and other.wall_time > row.wall_time]
     return _cheapest(higher) or _cheapest(finer)
-
-
-def _cost(row: Row) -> float:
-    return row.wall_time
 
 
 def _cheapest(rows: Sequence[Row]) -> Row | None:
@@ -108,7 +104,7 @@ def _cheapest(rows: Sequence[Row]) -> Row | None:
         kind = (row.rung, row.method, row.communication_step)
         if kind not in best or row.evaluations < best[kind].evaluations:
             best[kind] = row
-    return min(best.values(), key=_cost, default=None)
+    return min(best.values(), key=lambda row: row.wall_time, default=None)
 
 
 def recommend(rows: Sequence[Row], error: float, wanted: Sequence[str]) -> Choice:

@@ -10,7 +10,7 @@ from ..kernel.dynamics import motion
 from ..kernel.layout import imbalance_in_fixed_frame
 from ..kernel.slots import D_J3, D_K, DRIVING, FREE, RIGID
 from ..module import Module
-from .kernel_runs import rung_parameters
+from ..scene.mechanism import at_fidelity
 from .reference import Reference
 from .trajectory import Array, Case, Trajectory
 
@@ -52,7 +52,7 @@ def acceleration(case: Case, trajectory: Trajectory, modes: Array) -> Array:
     """
     if trajectory.acceleration is not None:
         return trajectory.acceleration
-    d = Module("plain").start(**rung_parameters(case.parameters, RIGID)).derived
+    d = Module("plain").start(**at_fidelity(case.parameters, RIGID)).derived
     k, omega1, found = d[D_K], case.omega1, []
     for q, omega2, mode in zip(trajectory.drive_angle, trajectory.omega2, modes, strict=True):
         alpha2 = 0.0

@@ -9,34 +9,12 @@ import numpy as np
 
 from ..kernel.slots import AVERAGED, ELASTIC, EVENT, RIGID
 from ..module import Module
+from ..scene.mechanism import at_fidelity
 from .trajectory import Array, Case, Trajectory, median_time
 
-# the parameters that say there is an elastic output
-ELASTIC_PARAMETERS = (
-    "driven_inertia",
-    "shaft_stiffness",
-    "shaft_damping",
-    "driven_friction",
-    "balancer",
-)
 _SAMPLED = ("omega2", "omega_out", "imbalance_acceleration", "contact_mode", "contact_switches")
 # the first distance at which a switch is looked for from where it is expected, s
 _NEAREST = 1e-13
-
-
-def is_elastic(parameters: Mapping[str, float]) -> bool:
-    """Whether parameters describe an elastic output."""
-    return any(name in parameters for name in ELASTIC_PARAMETERS)
-
-
-def rung_parameters(parameters: Mapping[str, float], fidelity: int) -> dict[str, float]:
-    """Parameters for a rung: where it has no elastic output, the driven mass is rigid with the hub."""
-    values = dict(parameters)
-    if fidelity != ELASTIC and is_elastic(parameters):
-        module = Module("plain")
-        inertia = {name: values.get(name, module[name]) for name in ("output_inertia", "driven_inertia")}
-        values["output_inertia"] = sum(inertia.values())
-    return values | {"fidelity": float(fidelity)}
 
 
 class KernelRun:
@@ -61,7 +39,7 @@ class KernelRun:
         self.case, self.steps, self.step = case, number, case.stop_time / number
         inputs = {"omega1": case.omega1, "load_torque": case.load_torque}
         self.fidelity = int(settings.get("fidelity", RIGID))
-        values = rung_parameters(case.parameters, self.fidelity) | dict(settings) | inputs
+        values = at_fidelity(case.parameters, self.fidelity) | dict(settings) | inputs
         self.module = Module("auto").start(**values)
         self.phased = self.fidelity != AVERAGED
         self.located = settings.get("method", EVENT) == EVENT and self.fidelity in (RIGID, ELASTIC)

@@ -7,8 +7,9 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 
 from ..drive import Progress
+from ..scene.mechanism import is_elastic
 from .errors import MEASURES, errors
-from .kernel_runs import KernelRun, is_elastic
+from .kernel_runs import KernelRun
 from .reference import Reference
 from .rungs import Rung, ladder
 from .trajectory import Case, Peer, Row, Trajectory

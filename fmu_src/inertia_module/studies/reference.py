@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..kernel.slots import ELASTIC, RIGID
+from ..scene.mechanism import is_elastic
 from .canonical import Canonical
-from .kernel_runs import KernelRun, is_elastic
+from .kernel_runs import KernelRun
 from .trajectory import Array, Case, Trajectory
 
 TOLERANCE = 1e-13

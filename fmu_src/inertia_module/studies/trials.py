@@ -15,9 +15,8 @@ from ..drive import Progress
 from ..kernel.slots import ELASTIC, RIGID
 from ..results import write_text
 from ..scene import Scene
-from ..scene.mechanism import parameters
+from ..scene.mechanism import at_fidelity, is_elastic, parameters
 from .choice import Choice, recommend
-from .kernel_runs import ELASTIC_PARAMETERS, is_elastic, rung_parameters
 from .report import as_dict
 from .rungs import FIDELITIES, Rung, event, ladder
 from .scene_run import SceneRun, run_in_process
@@ -39,13 +38,9 @@ def at_rung(scene: Scene, rung: Rung, communication_step: float | None = None) -
     Raises:
         SceneError: the scene is refused there.
     """
-    given = _given(scene)
-    elastic = {name: value for name, value in given.items() if name in ELASTIC_PARAMETERS}
-    inertia = {name: value for name, value in given.items() if name == "output_inertia"}
-    values: dict[str, float | None] = {
-        **rung_parameters({**elastic, **inertia}, rung.fidelity),
-        **rung.values,
-    }
+    rigid = at_fidelity(_given(scene), rung.fidelity)
+    inertia = {name: rigid[name] for name in ("output_inertia",) if name in rigid}
+    values: dict[str, float | None] = {**inertia, **rung.values}
     tolerance = values.pop("tolerance", None)
     values.setdefault("max_step", None)
     step = scene.run.communication_step if communication_step is None else communication_step
