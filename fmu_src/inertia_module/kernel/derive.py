@@ -2,6 +2,7 @@
 
 import math
 
+from .collocation import derive_collocation
 from .slots import *
 
 TWO_PI = 6.283185307179586
@@ -132,7 +133,7 @@ def derive(p, d):
     Returns:
         Status: OK, BAD_FIDELITY, BAD_METHOD, SINGULAR or a BAD_START code.
     """
-    if p[P_FIDELITY] != KINEMATIC and p[P_FIDELITY] != RIGID:
+    if p[P_FIDELITY] == AVERAGED:
         return BAD_FIDELITY
     if p[P_METHOD] != EVENT:
         return BAD_METHOD
@@ -149,6 +150,7 @@ def derive(p, d):
     d[D_J2] = p[P_J2]
     d[D_J3] = p[P_J3]
     d[D_J16] = p[P_J16]
+    derive_collocation(d)
     d[D_J4] = p[P_J4]
     d[D_STIFFNESS] = p[P_SHAFT_STIFFNESS]
     d[D_DAMPING] = p[P_SHAFT_DAMPING]

@@ -3,11 +3,11 @@
 from .accumulate import add, assign, later, wrap_drive_angle, wrap_input_angle
 from .contact import select_mode
 from .derive import derive
-from .dynamics import kinetic_energy
+from .elastic import advance_elastic
 from .held import advance_held
 from .impulse import jump_input, jump_kinematic
 from .kinematic import advance_kinematic
-from .outputs import shaft_in_energy, write_outputs
+from .outputs import shaft_load, stored_energy, write_outputs
 from .pulse import advance_moving
 from .slots import *
 
@@ -64,8 +64,8 @@ def start(p, d, u, x, y):
     else:
         x[X_OMEGA2] = p[P_OMEGA2_START]
         x[X_OMEGA3] = p[P_OMEGA_OUT_START]
-        x[X_MODE] = select_mode(d, x[X_Q], x[X_OMEGA1], 0.0, x[X_OMEGA2], x[X_OMEGA3], x[X_LOAD_TORQUE])
-    x[X_ENERGY_START] = kinetic_energy(d, x[X_Q], x[X_OMEGA1], x[X_OMEGA2], shaft_in_energy(p, x))
+        x[X_MODE] = present_mode(p, d, x, u[U_OMEGA1])
+    x[X_ENERGY_START] = stored_energy(p, d, x)
     write_outputs(p, d, x, y)
     return OK
 
@@ -94,15 +94,21 @@ def begin(p, u, x, h):
     return jump
 
 
-def choose_mode(d, x, omega1):
+def present_mode(p, d, x, omega1):
+    """Contact mode of the state in x."""
+    load, rate = shaft_load(p, d, x)
+    return select_mode(d, x[X_Q], omega1, x[X_ALPHA1], x[X_OMEGA2], x[X_OMEGA3], load, rate)
+
+
+def choose_mode(p, d, x, omega1):
     """Choose the contact mode anew and count a switch if it is another."""
-    mode = select_mode(d, x[X_Q], omega1, x[X_ALPHA1], x[X_OMEGA2], x[X_OMEGA3], x[X_LOAD_TORQUE])
+    mode = present_mode(p, d, x, omega1)
     if mode != x[X_MODE]:
         x[X_MODE] = mode
         x[X_STEP_SWITCHES] += 1.0
 
 
-def run_rigid(d, x, w, h):
+def run_events(p, d, x, w, h):
     """Advance link 2 and the output shaft by h from event to event. Returns a status."""
     omega1 = x[X_OMEGA1]
     alpha1 = x[X_ALPHA1]
@@ -111,12 +117,14 @@ def run_rigid(d, x, w, h):
     low = 0.0
     travel = 0.0
     stalls = 0
-    choose_mode(d, x, omega1)
+    choose_mode(p, d, x, omega1)
     while time < h:
         remaining = (h - time) - low
         mode = x[X_MODE]
         speed = omega1 + alpha1 * time
-        if mode == HELD or mode == HELD_DRIVING:
+        if p[P_FIDELITY] == ELASTIC:
+            passed, event = advance_elastic(d, x, w, speed, alpha1, load, remaining)
+        elif mode == HELD or mode == HELD_DRIVING:
             passed, event = advance_held(d, x, mode, speed, alpha1, load, remaining)
         else:
             passed, event = advance_moving(d, x, w, speed, alpha1, load, remaining)
@@ -129,7 +137,7 @@ def run_rigid(d, x, w, h):
         else:
             time, low = later(time, low, passed)
         if event:
-            choose_mode(d, x, omega1 + alpha1 * time)
+            choose_mode(p, d, x, omega1 + alpha1 * time)
             stalls = stalls + 1 if x[X_MODE] == mode else 0
             if stalls > STALLS_ALLOWED:
                 return TOO_MANY_SWITCHES
@@ -209,7 +217,7 @@ def advance(p, d, u, x, y, w, h):
     else:
         if jump != 0.0:
             input_jump, output_jump = jump_input(d, x, jump)
-        status = run_rigid(d, x, w, h)
+        status = run_events(p, d, x, w, h)
     if status == OK:
         end(x, h, input_jump, output_jump)
         if not is_finite(x):

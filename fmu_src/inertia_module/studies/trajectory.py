@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import statistics
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -60,6 +61,7 @@ class Trajectory:
             as output_inertia (omega_out - start) + load_torque time.
         energy_in: work of the input torque, J, or None.
         number_of_switches: where they are counted, else None.
+        acceleration: of the imbalance, m/s^2, or None if it follows from drive_angle and the speeds.
     """
 
     time: Array
@@ -73,6 +75,7 @@ class Trajectory:
     impulse: Array | None = None
     energy_in: float | None = None
     number_of_switches: int | None = None
+    acceleration: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -100,6 +103,8 @@ class Row:
         communication_step: s. errors: by name (see errors.py), NaN where there is none to tell.
         wall_time: s per simulated second. evaluations: of the right-hand side. switches: or None.
         failure: why there is nothing measured, else "".
+        parameters: that make the rung, for the module. loop_time: s per simulated second of the module with
+            what is around it, NaN where there is nothing.
     """
 
     rung: str
@@ -111,6 +116,20 @@ class Row:
     evaluations: float
     switches: float | None
     failure: str = ""
+    parameters: Mapping[str, float] = field(default_factory=dict)
+    loop_time: float = math.nan
+
+    @property
+    def label(self) -> str:
+        """Rung, method and setting in words."""
+        return ", ".join(word for word in (self.rung, self.method, self.setting) if word)
+
+    def worst(self, wanted: Sequence[str]) -> float:
+        """Largest error of the wanted ones; infinite where one is not to be had."""
+        if self.failure:
+            return math.inf
+        errors = [self.errors.get(name, math.nan) for name in wanted]
+        return max((math.inf if math.isnan(error) else error for error in errors), default=math.inf)
 
 
 def median_time(run: Callable[[], Any], repeats: int = 5, patience: float = 1.0) -> float:
