@@ -12,14 +12,14 @@ from . import cvode, mujoco_model, scipy_clutches, scipy_events
 STIFFNESSES = (1e2, 1e3, 1e4, 1e5, 1e6)  # of the clutches, N.m.s/rad
 
 
-def _tolerances(*exponents: int) -> dict[str, float]:
-    return {f"rtol 1e-{n:02d}": 10.0**-n for n in exponents}
+def _tolerances(*values: float) -> dict[str, float]:
+    return {f"rtol {value:.0e}": value for value in values}
 
 
-def _clutches(method: str, name: str, stiffness: float, *exponents: int) -> Peer:
+def _clutches(method: str, name: str, stiffness: float, *tolerances: float) -> Peer:
     return Peer(
         f"{name}, clutch {stiffness:.0e}",
-        _tolerances(*exponents),
+        _tolerances(*tolerances),
         lambda case, tolerance: scipy_clutches.simulate(case, method, stiffness, tolerance),
     )
 
@@ -27,15 +27,15 @@ def _clutches(method: str, name: str, stiffness: float, *exponents: int) -> Peer
 def _cvode_clutches(stiffness: float) -> Peer:
     return Peer(
         f"CVODE BDF, clutch {stiffness:.0e}",
-        _tolerances(6, 8, 10),
+        _tolerances(1e-6, 1e-8, 1e-10),
         lambda case, tolerance: cvode.simulate_clutches(case, stiffness, tolerance),
     )
 
 
-def _events(method: str, *exponents: int) -> Peer:
+def _events(method: str, *tolerances: float) -> Peer:
     return Peer(
         f"SciPy {method}, events",
-        _tolerances(*exponents),
+        _tolerances(*tolerances),
         lambda case, tolerance: scipy_events.simulate(case, method, tolerance),
     )
 
@@ -43,7 +43,7 @@ def _events(method: str, *exponents: int) -> Peer:
 def _cvode_events(method: str) -> Peer:
     return Peer(
         f"CVODE {method}, root finding",
-        _tolerances(4, 6, 8, 9, 10),
+        _tolerances(1e-4, 1e-6, 1e-8, 1e-9, 1e-10),
         lambda case, tolerance: cvode.simulate_events(case, method, tolerance),
     )
 
@@ -57,11 +57,14 @@ def _mujoco(integrator: str) -> Peer:
 
 
 PEERS: tuple[Peer, ...] = (
-    *(_clutches("odeint", "SciPy LSODA", stiffness, 5, 7, 8, 9) for stiffness in STIFFNESSES),
-    *(_clutches("Radau", "SciPy Radau", stiffness, 4, 5) for stiffness in (1e3, 1e4)),
-    _events("DOP853", 4, 6, 8, 10),
-    _events("RK45", 4, 6, 8),
-    _events("LSODA", 6, 8, 10),
+    *(
+        _clutches("odeint", "SciPy LSODA", stiffness, 1e-5, 1e-6, 1e-7, 3e-8, 1e-8, 1e-9)
+        for stiffness in STIFFNESSES
+    ),
+    *(_clutches("Radau", "SciPy Radau", stiffness, 1e-4, 1e-5) for stiffness in (1e3, 1e4)),
+    _events("DOP853", 1e-4, 1e-8, 1e-10),
+    _events("RK45", 1e-3, 1e-6, 1e-8),
+    _events("LSODA", 1e-6, 1e-8, 1e-10),
     *(_cvode_clutches(stiffness) for stiffness in (1e3, 1e4, 1e5)),
     *(_cvode_events(method) for method in ("Adams", "BDF")),
     *(_mujoco(integrator) for integrator in ("Euler", "RK4")),

@@ -30,6 +30,13 @@ class Segment(NamedTuple):
 Integrator = Callable[[Array, float, Array, Array], Segment]
 
 
+def chosen_mode(data: Array, state: Array) -> float:
+    """Contact mode of the complementarity problem at constant input speed and load."""
+    q, omega2, omega3 = state
+    mode: float = equations().select_mode(data, q, data[OMEGA1], 0.0, omega2, omega3, data[LOAD], 0.0)
+    return mode
+
+
 def leave(data: Array, state: Array, guard: int) -> None:
     """Put the state exactly on the guard that fell and set the contact mode that follows.
 
@@ -50,9 +57,7 @@ def leave(data: Array, state: Array, guard: int) -> None:
                 state[2] = 0.0
         else:
             state[2] = state[1]
-        data[MODE] = equations().select_mode(
-            data, state[0], data[OMEGA1], 0.0, state[1], state[2], data[LOAD]
-        )
+        data[MODE] = chosen_mode(data, state)
 
 
 class Audit:
@@ -110,7 +115,7 @@ def run(case: Case, data: Array, times: Array, integrate: Integrator, audit: Aud
         RuntimeError: the integrator gives up, or events without end.
     """
     time, state, evaluations = float(times[0]), start_of(case), 0
-    data[MODE] = equations().select_mode(data, state[0], data[OMEGA1], 0.0, state[1], state[2], data[LOAD])
+    data[MODE] = chosen_mode(data, state)
     samples, switches = [state[None, :].copy()], list[float]()
     times = times[1:]
     while len(switches) < EVENTS_ALLOWED:
