@@ -33,6 +33,7 @@ def measure_clutches(case: Case, solve: Callable[[Array], tuple[Array, int]]) ->
         solve: of the output times, shape (n,), the first the beginning: the states there, shape
             (n, 3), and the number of right-hand sides.
     """
+    solve(case.times[[0, 1]])  # numba compiles at the first call
     begun = time.perf_counter()
     states, evaluations = solve(case.times)
     wall_time = time.perf_counter() - begun
