@@ -76,27 +76,36 @@ def cache_folder() -> Path:
     return Path(os.environ.get("XDG_CACHE_HOME", str(Path.home() / ".cache"))) / "inertia-module"
 
 
-def _jitted_kernel(entry_module: str) -> types.ModuleType:
-    """A second copy of a kernel module and all it imports, every function of it wrapped by numba."""
+@functools.cache
+def jitted_kernel(entry: str = "step") -> dict[str, types.ModuleType]:
+    """A second copy of a kernel module and all it imports, by name, every function wrapped by numba.
+
+    Raises:
+        ImportError: numba is not installed.
+    """
     numba: Any = importlib.import_module("numba")
     package = types.ModuleType(f"{kernel.__name__}_for_numba")
     package.__path__ = [str(KERNEL_FOLDER)]
     prefix = package.__name__ + "."
     sys.modules[package.__name__] = package
     try:
-        entry = importlib.import_module(prefix + entry_module)
-        modules = [module for name, module in sys.modules.items() if name.startswith(prefix)]
+        importlib.import_module(prefix + entry)
+        modules = {
+            name.removeprefix(prefix): module
+            for name, module in sys.modules.items()
+            if name.startswith(prefix)
+        }
     finally:
         for name in [name for name in sys.modules if name.startswith(package.__name__)]:
             del sys.modules[name]
     wrapped: dict[int, Any] = {}
-    for module in modules:
+    for module in modules.values():
         for name, value in list(vars(module).items()):
             if isinstance(value, types.FunctionType):
                 if id(value) not in wrapped:
                     wrapped[id(value)] = numba.njit(error_model="numpy")(value)
                 setattr(module, name, wrapped[id(value)])
-    return entry
+    return modules
 
 
 def _compile_to_ir(which: Entry) -> str:
@@ -104,7 +113,7 @@ def _compile_to_ir(which: Entry) -> str:
     numba: Any = importlib.import_module("numba")
     nt = numba.types
     carray = numba.carray
-    call = _jitted_kernel(which.module).call
+    call = jitted_kernel(which.module)[which.module].call
     n_p, n_d, n_u, n_x, n_y, n_w = which.sizes
     pointer = nt.CPointer(nt.float64)
 

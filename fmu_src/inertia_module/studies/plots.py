@@ -1,0 +1,115 @@
+"""Work-precision plots: error against what it costs, on log-log axes, slopes marked."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from .trajectory import Array, Row
+
+# colours that the colour-blind tell apart: Okabe and Ito (2008), Color Universal Design
+_COLOURS = ("#D55E00", "#0072B2", "#009E73", "#E69F00", "#56B4E9", "#CC79A7", "#222222", "#8A8A8A")
+_MARKERS = "osD^vPX*<>hp"
+_DPI = 110
+# a slope is told of at least so many points
+_FITTED = 3
+
+Curve = list[Row]
+
+
+def curves(rows: Sequence[Row]) -> dict[str, Curve]:
+    """Rows that succeeded, by rung, method and communication step."""
+    steps = {row.communication_step for row in rows if row.rung != "peer"}
+    found: dict[str, Curve] = {}
+    for row in rows:
+        if row.failure:
+            continue
+        name = " ".join(word for word in (row.rung if row.rung != "peer" else "", row.method) if word)
+        if row.rung != "peer" and len(steps) > 1:
+            name += f", steps of {row.communication_step:g} s"
+        found.setdefault(name, []).append(row)
+    return found
+
+
+def slope(costs: Array, errors: Array) -> float:
+    """Exponent p of error ~ cost^p, fitted; NaN of fewer than three different points."""
+    if np.unique(costs).size < _FITTED:
+        return math.nan
+    return float(np.polyfit(np.log(costs), np.log(errors), 1)[0])
+
+
+def _cost(row: Row, cost: str) -> float:
+    return 1e3 * row.wall_time if cost == "wall_time" else row.evaluations
+
+
+_COSTS = {"wall_time": "ms per simulated second", "evaluations": "right-hand sides"}
+
+
+def _panel(axes: Axes, rows: Sequence[Row], error: str, cost: str, slopes: bool) -> None:
+    """One panel: a line a curve, dashed for the peers, the slope of each in the legend."""
+    for number, (name, curve) in enumerate(curves(rows).items()):
+        points = np.array([(_cost(row, cost), row.errors.get(error, math.nan)) for row in curve], dtype=float)
+        points = points[(points > 0.0).all(axis=1) & np.isfinite(points).all(axis=1)]
+        if not points.size:
+            continue
+        peer = curve[0].rung == "peer"
+        fitted = slope(points[:, 0], points[:, 1]) if slopes else math.nan
+        axes.loglog(
+            points[:, 0],
+            points[:, 1],
+            linestyle="--" if peer else "-",
+            color=_COLOURS[number % len(_COLOURS)],
+            marker=_MARKERS[number % len(_MARKERS)],
+            markersize=4,
+            linewidth=1.2,
+            label=name if math.isnan(fitted) else f"{name} (slope {fitted:.1f})",
+        )
+    axes.set_xlabel(_COSTS[cost])
+    axes.set_ylabel(error.replace("_", " "))
+    axes.grid(alpha=0.3, which="both", linewidth=0.4)
+
+
+def work_precision(rows: Sequence[Row], error: str, title: str) -> Figure:
+    """One error against wall time and against right-hand sides.
+
+    Args:
+        rows: measured. error: name in Row.errors. title: of the figure.
+    """
+    figure = Figure(figsize=(13.0, 6.0), dpi=_DPI, layout="constrained")
+    figure.suptitle(title, fontsize=12)
+    for axes, cost in zip(figure.subplots(1, 2, sharey=True), _COSTS, strict=True):
+        _panel(axes, rows, error, cost, slopes=True)
+        if axes.get_legend_handles_labels()[1]:
+            axes.legend(fontsize=6, loc="lower left", framealpha=0.8)
+    return figure
+
+
+def all_errors(rows: Sequence[Row], names: Sequence[str], title: str) -> Figure:
+    """Each error against wall time, a panel each."""
+    columns = min(3, len(names))
+    lines = math.ceil(len(names) / columns)
+    figure = Figure(figsize=(4.4 * columns, 3.4 * lines + 1.2), dpi=_DPI, layout="constrained")
+    figure.suptitle(title, fontsize=12)
+    grid = figure.subplots(lines, columns, squeeze=False).ravel()
+    labels: dict[str, Any] = {}
+    for axes, name in zip(grid, names, strict=False):
+        _panel(axes, rows, name, "wall_time", slopes=False)
+        handles, texts = axes.get_legend_handles_labels()
+        labels |= dict(zip(texts, handles, strict=True))
+    for axes in grid[len(names) :]:
+        axes.set_axis_off()
+    if labels:
+        figure.legend(
+            list(labels.values()),
+            list(labels),
+            loc="outside lower center",
+            ncols=3,
+            fontsize=7,
+            frameon=False,
+        )
+    return figure
