@@ -28,7 +28,7 @@ def input_speed(mechanism: Mechanism) -> Iterator[Extreme]:
 
 def speed_under_load(mechanism: Mechanism) -> Iterator[Extreme]:
     """Speeds under the ordinary load: too slow to move it, too fast to feel it."""
-    for omega1 in signed((*SPEEDS, 1e-150, 1e-200, 1e-313)):
+    for omega1 in signed((*SPEEDS, 2e-150, 1e-200, 1e-313)):
         duration = min(TRAVEL / abs(omega1), 1e3)
         segments = mechanism.turning(duration=duration, omega1=omega1)
         yield Extreme(f"{omega1:g} rad/s", mechanism.with_values(), segments)
@@ -42,14 +42,15 @@ def reversal(mechanism: Mechanism) -> Iterator[Extreme]:
         back = Segment(0.2 * speed / max(speed, abs(low)), low, load)
         yield Extreme(f"jumps {speed:g} to {low:g} rad/s", mechanism.with_values(), (there, back, there, back))
     for duration in (1e-6, 1e-3, 1.0, 100.0):
-        start = Segment(0.1, speed, load)
-        first = Segment(1e-7, speed, load)
-        # two points on the line tell the module the slope
         slope = -2.0 * speed / duration
-        line = Segment(duration, speed, load, slope, steps=2)
-        parameters = mechanism.with_values(input_hold=1)
-        segments = (start, first, line, Segment(0.1, -speed, load))
-        yield Extreme(f"ramp through zero in {duration:g} s", parameters, segments)
+        # the module takes the slope from two points of the line, so it has to see a first one
+        first = 1e-3 * duration
+        segments = (
+            Segment(0.1, speed, load),
+            Segment(first, speed, load, whole=True),
+            Segment(duration - first, speed + slope * first, load, slope),
+        )
+        yield Extreme(f"ramp through zero in {duration:g} s", mechanism.with_values(input_hold=1), segments)
 
 
 def load(mechanism: Mechanism) -> Iterator[Extreme]:

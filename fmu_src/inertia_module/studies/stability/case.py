@@ -34,6 +34,7 @@ class Segment:
     Attributes:
         duration: s. omega1: at its beginning, rad/s. load: N m. slope: of omega1, rad/s^2.
         steps: communication steps it takes at least (a step may be up to 1e6 s long).
+        whole: whether its steps stay as they are in the run of many short ones.
     """
 
     duration: float
@@ -41,6 +42,7 @@ class Segment:
     load: float
     slope: float = 0.0
     steps: int = 1
+    whole: bool = False
 
 
 @dataclass(frozen=True)

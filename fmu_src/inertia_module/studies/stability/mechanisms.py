@@ -10,6 +10,7 @@ from ...kernel import slots
 from ...kernel.dynamics import held_torque
 from ...module import Module
 from .case import Segment
+from .trial import imbalance_energy
 
 # rad that link 1 turns in a trial, where nothing else is said
 TRAVEL = 100.0
@@ -62,9 +63,7 @@ MECHANISMS = (BEVEL, PLANAR)
 @functools.cache
 def imbalance_inertia(mechanism: Mechanism) -> float:
     """Largest inertia of the imbalances behind link 2, k^2 G, kg m^2."""
-    d = Module("plain").start(**mechanism.with_values()).derived
-    far = d[slots.D_POLE_OFFSET] + 2.0 * d[slots.D_POLE_ARM]
-    return float(d[slots.D_MASS] * d[slots.D_K] ** 2 * (far * far + d[slots.D_SPIN]))
+    return 2.0 * imbalance_energy(Module("plain").start(**mechanism.with_values()).derived, 1.0)
 
 
 @functools.cache

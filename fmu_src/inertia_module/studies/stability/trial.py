@@ -9,10 +9,12 @@ from typing import Any, Protocol
 
 from ...kernel import slots
 from ...module import Module, Refused
-from ...variables import LARGEST_STEP
-from .case import Case, Segment
+from ...variables import BY_NAME, LARGEST_STEP
+from .case import EVENT, Case, Segment
 
-TIGHT = 1e-13
+# the run the others are measured against: tighter by this, down to what doubles allow
+TIGHTER = 1e-4
+TIGHTEST = 1e-13
 # what has to be finite is everything; what is compared at the end of a run is this
 SPEEDS = ("omega2", "omega_out")
 ENERGIES = ("energy_in", "energy_out")
@@ -24,6 +26,7 @@ class Plant(Protocol):
 
     outputs: Any
     derived: Any
+    state: Any
 
     def start(self, **values: float) -> Any:
         """Set values and take the initial state."""
@@ -33,9 +36,6 @@ class Plant(Protocol):
 
     def advance(self, step_size: float) -> None:
         """Advance by a communication step."""
-
-    def save(self) -> bytes:
-        """All of its state."""
 
     def __getitem__(self, name: str) -> float: ...
 
@@ -47,7 +47,8 @@ class Run:
     Attributes:
         end: values at the end: speeds, energies, drive angle gone through, impulses of the torques.
         finite: whether every output was, at every communication point.
-        residual: largest energy residual, J. energy, speed, torque: largest seen, J, rad/s, N m.
+        residual: largest energy residual, J. speed, torque: largest seen, rad/s, N m.
+        energy: largest of input, output, stored, and what the imbalances can have at the speeds seen, J.
         reversal: deepest breach of omega2 >= 0 or omega3 >= omega2, rad/s.
         pull: deepest breach of Tc >= 0 or Th >= 0, N m.
         phase: advance of the highest harmonic, rad. evaluations, steps: what it took.
@@ -70,6 +71,13 @@ class Run:
     broken: str = ""
 
 
+def imbalance_energy(derived: Any, speed: float) -> float:
+    """Largest kinetic energy of the imbalances behind link 2 at this speed, k^2 G speed^2 / 2, J."""
+    far = derived[slots.D_POLE_OFFSET] + 2.0 * derived[slots.D_POLE_ARM]
+    inertia = derived[slots.D_MASS] * derived[slots.D_K] ** 2 * (far * far + derived[slots.D_SPIN])
+    return float(0.5 * inertia * speed * speed)
+
+
 def _look(run: Run, plant: Plant, parameters: dict[str, float]) -> None:
     """Take note of what shows at a communication point."""
     values = {
@@ -79,6 +87,8 @@ def _look(run: Run, plant: Plant, parameters: dict[str, float]) -> None:
     run.finite = run.finite and all(map(math.isfinite, plant.outputs))
     run.residual = max(run.residual, abs(plant["energy_residual"]))
     run.energy = max(run.energy, *(abs(values[name]) for name in (*ENERGIES, "energy_stored")))
+    fastest = max(abs(plant["omega1"]), abs(values["omega2"]))
+    run.energy = max(run.energy, imbalance_energy(plant.derived, fastest))
     run.speed = max(run.speed, abs(plant["omega1"]), *(abs(values[name]) for name in SPEEDS))
     run.torque = max(run.torque, abs(plant["load_torque"]), *(abs(values[name]) for name in TORQUES))
     if parameters.get("fidelity", slots.RIGID) in (slots.RIGID, slots.ELASTIC):
@@ -90,13 +100,9 @@ def _look(run: Run, plant: Plant, parameters: dict[str, float]) -> None:
             run.pull = max(run.pull, -values["output_torque"])
 
 
-def _angle(plant: Plant) -> float:
-    return plant["drive_angle"] + 2.0 * math.pi * plant["drive_turns"]
-
-
 def _recovers(plant: Plant, before: bytes) -> str:
     """What is wrong with the module after a refused step, or ""."""
-    if plant.save() != before:
+    if plant.state.tobytes() != before:
         return "a refused step changed the state"
     plant.set(omega1=1.0, load_torque=1.0)
     try:
@@ -114,12 +120,12 @@ def _go(run: Run, plant: Plant, segment: Segment, split: int, parameters: dict[s
     for n in range(count):
         omega1 = segment.omega1 + segment.slope * n * step
         plant.set(omega1=omega1, load_torque=segment.load)
-        before = plant.save() if split == 1 else b""
+        before = plant.save()
         try:
             plant.advance(step)
         except Refused as error:
             run.refused = str(error)
-            run.broken = _recovers(plant, before) if before else ""
+            run.broken = _recovers(plant, before)
             return
         run.steps += 1
         slip = max(abs(omega1 - plant["omega2"]), abs(omega1))
@@ -147,13 +153,12 @@ def run_once(
         run.refused = str(error)
         return run
     if turns:
-        state: Any = plant.state  # type: ignore[attr-defined]
-        state[slots.X_DRIVE_TURNS] += turns
-        state[slots.X_INPUT_TURNS] += turns
-    begin = _angle(plant) if not turns else plant["drive_angle"]
+        plant.state[slots.X_DRIVE_TURNS] += turns
+        plant.state[slots.X_INPUT_TURNS] += turns
+    begin = plant["drive_angle"] + 2.0 * math.pi * plant["drive_turns"]
     _look(run, plant, parameters)
     for segment in segments:
-        _go(run, plant, segment, split, parameters)
+        _go(run, plant, segment, 1 if segment.whole else split, parameters)
         if run.refused:
             return run
     for name in (*SPEEDS, *ENERGIES):
@@ -190,7 +195,7 @@ class Trial:
 
     Attributes:
         case: what was tried. long, short: in long communication steps and in many short ones.
-        tight: at tolerance TIGHT, by events (None where it is refused).
+        tight: at a far tighter tolerance, by events (None where it is refused).
         aside: largest distance from tight that a relative change by the accuracy in the angle at the
             start, in the load or in the speed of link 1 makes: how sensitive the motion itself is.
         exception: an exception that is no refusal, or "".
@@ -242,7 +247,8 @@ def _runs(case: Case, accuracy: float, plant: Callable[[], Plant]) -> Trial:
     if long.refused:
         return Trial(case, long)
     short = run_once(plant(), parameters, extreme.segments, extreme.split, extreme.turns)
-    precise = parameters | {"tolerance": TIGHT, "method": 0}
+    tolerance = max(TIGHTER * parameters.get("tolerance", BY_NAME["tolerance"].start or 0.0), TIGHTEST)
+    precise = parameters | {"tolerance": tolerance, "method": EVENT}
     tight = run_once(plant(), precise, extreme.segments, 1)
     if tight.refused:
         return Trial(case, long, short)
