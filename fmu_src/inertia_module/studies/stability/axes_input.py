@@ -40,7 +40,9 @@ def reversal(mechanism: Mechanism) -> Iterator[Extreme]:
     for low in (0.0, -speed, -1e-9, -1e5):
         there = Segment(0.2, speed, load)
         back = Segment(0.2 * speed / max(speed, abs(low)), low, load)
-        yield Extreme(f"jumps {speed:g} to {low:g} rad/s", mechanism.with_values(), (there, back, there, back))
+        yield Extreme(
+            f"jumps {speed:g} to {low:g} rad/s", mechanism.with_values(), (there, back, there, back)
+        )
     for duration in (1e-6, 1e-3, 1.0, 100.0):
         slope = -2.0 * speed / duration
         # the module takes the slope from two points of the line, so it has to see a first one
@@ -80,7 +82,11 @@ def turns(mechanism: Mechanism) -> Iterator[Extreme]:
     """Counters that are far already, and link 1 turned very often past a drive that hardly turns."""
     for count in (1e6, 1e9, 1e15):
         yield Extreme(f"{count:g} turns before", mechanism.with_values(), mechanism.turning(), turns=count)
-    slow = {"z2": 1, "z16": 1000000} if mechanism.layout == "bevel" else {"sun_radius": 1e-6, "satellite_radius": 1.0}
+    slow = (
+        {"z2": 1, "z16": 1000000}
+        if mechanism.layout == "bevel"
+        else {"sun_radius": 1e-6, "satellite_radius": 1.0}
+    )
     duration = 2e9 * 3.141592653589793 / 1e5
     segments = (Segment(duration, 1e5, mechanism.load),)
     yield Extreme("1e+09 turns of link 1", mechanism.with_values(**slow), segments, slow=True)

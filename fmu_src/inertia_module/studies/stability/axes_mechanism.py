@@ -59,7 +59,9 @@ def teeth(mechanism: Mechanism) -> Iterator[Extreme]:
     if mechanism.layout == "planar":
         for ratio in (1 / 200, 1 / 20, 20.0, 200.0):
             parameters = mechanism.with_values(sun_radius=0.03 * ratio, satellite_radius=0.03)
-            yield Extreme(f"R0/r {ratio:g}", parameters, mechanism.turning(duration=TRAVEL / mechanism.omega1 / 4))
+            yield Extreme(
+                f"R0/r {ratio:g}", parameters, mechanism.turning(duration=TRAVEL / mechanism.omega1 / 4)
+            )
         return
     duration = TRAVEL / mechanism.omega1 / 4
     for z17, z6 in ((1, 200), (200, 1), (4999, 999983), (999983, 4999), (999983, 1000000), (1000000, 999983)):
@@ -110,4 +112,6 @@ def shaft(mechanism: Mechanism) -> Iterator[Extreme]:
         "balancer -10": {"balancer": -10.0},
     }
     for value, changes in others.items():
-        yield Extreme(value, mechanism.with_values(**(common | changes)), mechanism.turning(), rungs=ELASTIC_RUNGS)
+        yield Extreme(
+            value, mechanism.with_values(**(common | changes)), mechanism.turning(), rungs=ELASTIC_RUNGS
+        )

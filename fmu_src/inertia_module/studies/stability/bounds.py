@@ -49,7 +49,7 @@ def result_bound(accuracy: float, aside: float) -> float:
     Args:
         aside: distance that a change of the problem by the accuracy makes: how sensitive it is.
     """
-    return RESULT_ACCURACIES * (accuracy + aside) + ROUNDING
+    return min(1.0, RESULT_ACCURACIES * (accuracy + aside) + ROUNDING)
 
 
 def work_bound(tolerance: float, phase: float, steps: int) -> float:

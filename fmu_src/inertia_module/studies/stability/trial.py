@@ -10,11 +10,13 @@ from typing import Any, Protocol
 from ...kernel import slots
 from ...module import Module, Refused
 from ...variables import BY_NAME, LARGEST_STEP
-from .case import EVENT, Case, Segment
+from .case import EVENT, KINEMATIC, TIMESTEPPING, Case, Segment
 
 # the run the others are measured against: tighter by this, down to what doubles allow
 TIGHTER = 1e-4
 TIGHTEST = 1e-13
+# rad of the highest harmonic in a step of method timestepping
+FIXED_PHASE = 0.1
 # what has to be finite is everything; what is compared at the end of a run is this
 SPEEDS = ("omega2", "omega_out")
 ENERGIES = ("energy_in", "energy_out")
@@ -116,7 +118,7 @@ def _go(run: Run, plant: Plant, segment: Segment, split: int, parameters: dict[s
     """Advance through a segment, each of its steps split in so many."""
     count = max(segment.steps, math.ceil(segment.duration / LARGEST_STEP)) * split
     step = segment.duration / count
-    impulses = {name: 0.0 for name in ("input_torque_mean", "output_torque_mean")}
+    impulses = dict.fromkeys(("input_torque_mean", "output_torque_mean"), 0.0)
     for n in range(count):
         omega1 = segment.omega1 + segment.slope * n * step
         plant.set(omega1=omega1, load_torque=segment.load)
@@ -239,16 +241,26 @@ def try_case(case: Case, accuracy: float, plant: Callable[[], Plant] = Module) -
         return Trial(case, Run(), exception=f"{type(error).__name__}: {error}")
 
 
+def fixed_step(parameters: dict[str, float], segments: tuple[Segment, ...], plant: Plant) -> float:
+    """Step of method timestepping: FIXED_PHASE of the highest harmonic at the fastest input, s; 0 at rest."""
+    plant.start(**parameters | {"fidelity": KINEMATIC, "method": EVENT})
+    fastest = max(max(abs(s.omega1), abs(s.omega1 + s.slope * s.duration)) for s in segments)
+    rate = float(plant.derived[slots.D_HARMONIC] * plant.derived[slots.D_K]) * fastest
+    return min(FIXED_PHASE / rate, LARGEST_STEP) if rate > 1e-300 else 0.0
+
+
 def _runs(case: Case, accuracy: float, plant: Callable[[], Plant]) -> Trial:
     extreme = case.extreme
     rung = case.rung
     parameters = {**extreme.parameters, "fidelity": rung.fidelity, "method": rung.method}
+    if rung.method == TIMESTEPPING and "max_step" not in parameters:
+        parameters["max_step"] = fixed_step(parameters, extreme.segments, plant())
     long = run_once(plant(), parameters, extreme.segments, 1, extreme.turns)
     if long.refused:
         return Trial(case, long)
     short = run_once(plant(), parameters, extreme.segments, extreme.split, extreme.turns)
     tolerance = max(TIGHTER * parameters.get("tolerance", BY_NAME["tolerance"].start or 0.0), TIGHTEST)
-    precise = parameters | {"tolerance": tolerance, "method": EVENT}
+    precise = parameters | {"tolerance": tolerance, "method": EVENT, "max_step": 0.0}
     tight = run_once(plant(), precise, extreme.segments, 1)
     if tight.refused:
         return Trial(case, long, short)

@@ -15,6 +15,14 @@ DEGRADED = "degraded"
 REFUSED = "refused"
 BROKEN = "broken"
 WORDS = (EXACT, DEGRADED, REFUSED, BROKEN)
+# figures that are relative errors
+RELATIVE = (
+    "energy residual",
+    "energy residual, short steps",
+    "long against short steps",
+    "error",
+    "error, short steps",
+)
 
 
 @dataclass(frozen=True)
@@ -48,9 +56,6 @@ class Verdict:
     def error(self) -> float:
         """Largest relative error seen: energy residual, long against short, against the tight run."""
         return max((self.figures[name].value for name in RELATIVE if name in self.figures), default=0.0)
-
-
-RELATIVE = ("energy residual", "energy residual, short steps", "long against short steps", "error", "error, short steps")
 
 
 def cause(message: str) -> str:
