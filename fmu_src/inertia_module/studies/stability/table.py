@@ -101,10 +101,10 @@ def read_rows(path: Path) -> list[Row]:
     lines = list(csv.reader(io.StringIO(path.read_text())))
     if not lines or tuple(lines[0]) != HEADINGS:
         raise TableError(f"{path} is refused: allowed are the headings {', '.join(HEADINGS)}")
-    return [
-        Row(
-            *line[:3],
-            {name: _read_cell(text, n) for name, text in zip(HEADINGS[3:], line[3:], strict=True) if text},
+    rows = []
+    for number, (axis, value, layout, *texts) in enumerate(lines[1:], 2):
+        named = zip(HEADINGS[3:], texts, strict=True)
+        rows.append(
+            Row(axis, value, layout, {name: _read_cell(text, number) for name, text in named if text})
         )
-        for n, line in enumerate(lines[1:], 2)
-    ]
+    return rows

@@ -122,7 +122,7 @@ def _go(run: Run, plant: Plant, segment: Segment, split: int, parameters: dict[s
     for n in range(count):
         omega1 = segment.omega1 + segment.slope * n * step
         plant.set(omega1=omega1, load_torque=segment.load)
-        before = plant.save()
+        before = plant.state.tobytes()
         try:
             plant.advance(step)
         except Refused as error:
