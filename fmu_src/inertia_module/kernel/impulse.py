@@ -27,7 +27,7 @@ def push_driven_mass(d, x, change3):
     add(x, X_ENERGY_LOST, -d[D_J4] * change4 * (omega4 + 0.5 * change4))
 
 
-def jump_input(d, x, jump):
+def jump_input(p, d, x, jump):
     """Apply a jump of omega1, N m s.
 
     Returns:
@@ -61,7 +61,8 @@ def jump_input(d, x, jump):
     assign(x, X_OMEGA2, end2)
     if end2 > omega3 or d[D_OUTPUT] == 0.0:
         clutch = d[D_J3] * (end2 - omega3)
-        push_driven_mass(d, x, end2 - omega3)
+        if p[P_FIDELITY] == ELASTIC:
+            push_driven_mass(d, x, end2 - omega3)
         assign(x, X_OMEGA3, end2)
     return impulse, clutch
 

@@ -246,7 +246,7 @@ def advance(p, d, u, x, y, w, h):
         status = run_kinematic(p, d, x, h)
     else:
         if jump != 0.0:
-            input_jump, output_jump = jump_input(d, x, jump)
+            input_jump, output_jump = jump_input(p, d, x, jump)
         status = run_timestepping(p, d, x, w, h) if p[P_METHOD] == TIMESTEPPING else run_events(p, d, x, w, h)
     if status == OK:
         end(x, h, input_jump, output_jump)

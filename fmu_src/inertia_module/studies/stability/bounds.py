@@ -9,7 +9,7 @@ from .case import AVERAGED, TIMESTEPPING, Case
 ROUNDING = 1e-12
 # tolerances that the energy residual may come to, of the largest energy
 ENERGY_TOLERANCES = 100.0
-# accuracies, and effects of a change of the problem by one, that a result may be off
+# accuracies, and effects of a change of the problem by a tolerance, that a result may be off
 RESULT_ACCURACIES = 3.0
 # what the fixed steps of timestepping are trusted to, relative
 TIMESTEPPING_ACCURACY = 0.02
@@ -47,7 +47,7 @@ def result_bound(accuracy: float, aside: float) -> float:
     """Distance allowed between two runs of one motion, relative.
 
     Args:
-        aside: distance that a change of the problem by the accuracy makes: how sensitive it is.
+        aside: distance that a change of the problem by the tolerance makes: how sensitive it is.
     """
     return min(1.0, RESULT_ACCURACIES * (accuracy + aside) + ROUNDING)
 

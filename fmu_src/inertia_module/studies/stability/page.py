@@ -27,7 +27,7 @@ are `docs/stability.csv`, written by `make stability`; this page is made from it
 
 Each case runs five ways: in long communication steps, in many short ones over the same time with the same inputs, at
 a tolerance 1e4 times tighter (at least {tightest:g}), and a little aside: the angle at the start, the load and the
-speed of link 1 changed by the accuracy, to both sides. How far the last ones end from the tight run, `aside`, is how
+speed of link 1 changed by the tolerance, to both sides. How far the last ones end from the tight run, `aside`, is how
 sensitive the motion itself is: no method can do better than that. Accuracy is the tolerance for method `event`,
 {timestepping:g} for `timestepping`, {averaged:g} for `averaged`.
 

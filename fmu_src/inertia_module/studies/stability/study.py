@@ -10,7 +10,6 @@ from pathlib import Path
 from ...module import Module
 from ...results import write_text
 from .axes import AXES, cases
-from .bounds import accuracy_of
 from .case import Case
 from .trial import Plant, try_case
 from .verdict import Verdict, judge
@@ -46,7 +45,7 @@ def run_study(
     """
     verdicts = []
     for number, case in enumerate(chosen, 1):
-        verdicts.append(judge(try_case(case, accuracy_of(case), plant)))
+        verdicts.append(judge(try_case(case, plant)))
         report(number / len(chosen))
     return verdicts
 

@@ -9,8 +9,9 @@ from typing import Any, Protocol
 
 from ...kernel import slots
 from ...module import Module, Refused
-from ...variables import BY_NAME, LARGEST_STEP
-from .case import EVENT, KINEMATIC, TIMESTEPPING, Case, Segment
+from ...variables import LARGEST_STEP
+from .bounds import tolerance_of
+from .case import ELASTIC, EVENT, KINEMATIC, TIMESTEPPING, Case, Segment
 
 # the run the others are measured against: tighter by this, down to what doubles allow
 TIGHTER = 1e-4
@@ -53,7 +54,7 @@ class Run:
         energy: largest of input, output, stored, and what the imbalances can have at the speeds seen, J.
         reversal: deepest breach of omega2 >= 0 or omega3 >= omega2, rad/s.
         pull: deepest breach of Tc >= 0 or Th >= 0, N m.
-        phase: advance of the highest harmonic, rad. evaluations, steps: what it took.
+        phase: advance of what has to be followed, rad. evaluations, steps: what it took.
         refused: message of the refusal that ended it, or "".
         broken: what an error must not do and it did, or "".
     """
@@ -102,6 +103,22 @@ def _look(run: Run, plant: Plant, parameters: dict[str, float]) -> None:
             run.pull = max(run.pull, -values["output_torque"])
 
 
+def _rate(plant: Plant, parameters: dict[str, float], omega1: float) -> float:
+    """Rate of the phase that has to be followed, rad/s: of the highest harmonic and of an elastic shaft.
+
+    A shaft that oscillates faster than the pulses by more than 1 / sqrt(tolerance) is not followed.
+    """
+    harmonic = float(plant.derived[slots.D_HARMONIC] * plant.derived[slots.D_K])
+    pulses = harmonic * max(abs(omega1 - plant["omega2"]), abs(omega1))
+    if parameters["fidelity"] != ELASTIC or parameters["method"] != EVENT:
+        return pulses
+    inertias = 1.0 / plant["output_inertia"] + 1.0 / plant["driven_inertia"]
+    shaft = math.sqrt(plant["shaft_stiffness"] * inertias)
+    fastest = harmonic * max(abs(omega1), abs(plant["omega_hub"]), abs(plant["omega_out"]))
+    followed = shaft * math.sqrt(plant["tolerance"]) <= fastest
+    return pulses + (shaft if followed else 0.0)
+
+
 def _recovers(plant: Plant, before: bytes) -> str:
     """What is wrong with the module after a refused step, or ""."""
     if plant.state.tobytes() != before:
@@ -130,8 +147,7 @@ def _go(run: Run, plant: Plant, segment: Segment, split: int, parameters: dict[s
             run.broken = _recovers(plant, before)
             return
         run.steps += 1
-        slip = max(abs(omega1 - plant["omega2"]), abs(omega1))
-        run.phase += float(plant.derived[slots.D_HARMONIC] * plant.derived[slots.D_K]) * slip * step
+        run.phase += step * _rate(plant, parameters, omega1)
         for name in impulses:
             impulses[name] += plant[name] * step
         _look(run, plant, parameters)
@@ -198,7 +214,7 @@ class Trial:
     Attributes:
         case: what was tried. long, short: in long communication steps and in many short ones.
         tight: at a far tighter tolerance, by events (None where it is refused).
-        aside: largest distance from tight that a relative change by the accuracy in the angle at the
+        aside: largest distance from tight that a relative change by the tolerance in the angle at the
             start, in the load or in the speed of link 1 makes: how sensitive the motion itself is.
         exception: an exception that is no refusal, or "".
     """
@@ -229,14 +245,14 @@ def nudged(
     return beside
 
 
-def try_case(case: Case, accuracy: float, plant: Callable[[], Plant] = Module) -> Trial:
+def try_case(case: Case, plant: Callable[[], Plant] = Module) -> Trial:
     """All runs of a case. Never raises.
 
     Args:
-        accuracy: relative, by which the nudged runs differ. plant: makes a module not started yet.
+        plant: makes a module not started yet.
     """
     try:
-        return _runs(case, accuracy, plant)
+        return _runs(case, plant)
     except Exception as error:  # whatever it is, it is a finding
         return Trial(case, Run(), exception=f"{type(error).__name__}: {error}")
 
@@ -249,7 +265,7 @@ def fixed_step(parameters: dict[str, float], segments: tuple[Segment, ...], plan
     return min(FIXED_PHASE / rate, LARGEST_STEP) if rate > 1e-300 else 0.0
 
 
-def _runs(case: Case, accuracy: float, plant: Callable[[], Plant]) -> Trial:
+def _runs(case: Case, plant: Callable[[], Plant]) -> Trial:
     extreme = case.extreme
     rung = case.rung
     parameters = {**extreme.parameters, "fidelity": rung.fidelity, "method": rung.method}
@@ -259,13 +275,14 @@ def _runs(case: Case, accuracy: float, plant: Callable[[], Plant]) -> Trial:
     if long.refused:
         return Trial(case, long)
     short = run_once(plant(), parameters, extreme.segments, extreme.split, extreme.turns)
-    tolerance = max(TIGHTER * parameters.get("tolerance", BY_NAME["tolerance"].start or 0.0), TIGHTEST)
-    precise = parameters | {"tolerance": tolerance, "method": EVENT, "max_step": 0.0}
+    tolerance = tolerance_of(case)
+    tighter = max(TIGHTER * tolerance, TIGHTEST)
+    precise = parameters | {"tolerance": tighter, "method": EVENT, "max_step": 0.0}
     tight = run_once(plant(), precise, extreme.segments, 1)
     if tight.refused:
         return Trial(case, long, short)
     aside = 0.0
-    for values, segments in nudged(precise, extreme.segments, accuracy):
+    for values, segments in nudged(precise, extreme.segments, tolerance):
         run = run_once(plant(), values, segments, 1)
         if not run.refused:
             aside = max(aside, distance(run, tight))
