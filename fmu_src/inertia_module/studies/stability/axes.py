@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 from . import axes_input, axes_mechanism
-from .case import Case, Extreme
+from .case import RUNGS, Case, Extreme
 from .mechanisms import MECHANISMS, Mechanism
 
 AXES: dict[str, Callable[[Mechanism], Iterator[Extreme]]] = {
@@ -41,4 +41,5 @@ def cases(axis: str, quick: bool = False) -> list[Case]:
         for extreme in AXES[axis](mechanism)
         if not (quick and extreme.slow)
         for rung in extreme.rungs
+        if rung in RUNGS
     ]

@@ -22,7 +22,7 @@ def input_speed(mechanism: Mechanism) -> Iterator[Extreme]:
     """The same motion, faster and slower: the load goes with the square of the speed."""
     for omega1 in signed(SPEEDS):
         load = mechanism.load * (omega1 / mechanism.omega1) ** 2
-        segments = mechanism.turning(duration=min(TRAVEL / abs(omega1), 1e9), omega1=omega1, load=load)
+        segments = mechanism.turning(duration=min(TRAVEL / abs(omega1), 1e8), omega1=omega1, load=load)
         yield Extreme(f"{omega1:g} rad/s", mechanism.with_values(), segments, 1 if abs(omega1) < 1e-3 else 50)
 
 
@@ -52,7 +52,12 @@ def reversal(mechanism: Mechanism) -> Iterator[Extreme]:
             Segment(first, speed, load, whole=True),
             Segment(duration - first, speed + slope * first, load, slope),
         )
-        yield Extreme(f"ramp through zero in {duration:g} s", mechanism.with_values(input_hold=1), segments)
+        yield Extreme(
+            f"ramp through zero in {duration:g} s",
+            mechanism.with_values(input_hold=1),
+            segments,
+            slow=duration > 10.0,
+        )
 
 
 def load(mechanism: Mechanism) -> Iterator[Extreme]:

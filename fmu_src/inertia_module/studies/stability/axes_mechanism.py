@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from .case import ELASTIC, RUNGS, Extreme
+from .case import ELASTIC_RUNGS, Extreme
 from .mechanisms import TRAVEL, Mechanism, imbalance_inertia
 
 RATIOS = (1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e9)
-ELASTIC_RUNGS = tuple(rung for rung in RUNGS if rung.fidelity == ELASTIC)
 INERTIAS = {"J1": "input_inertia", "J2": "link2_inertia", "J3": "output_inertia", "J16": "drive_inertia"}
 
 

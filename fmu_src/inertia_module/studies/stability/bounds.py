@@ -21,6 +21,8 @@ BREACH = 1e-9
 STEP_WORK = 100.0
 PHASE_WORK = 20.0
 WORK_ORDER = 8.0
+# and for each internal step of method timestepping
+FIXED_STEP_WORK = 10.0
 
 
 def tolerance_of(case: Case) -> float:
@@ -52,6 +54,13 @@ def result_bound(accuracy: float, aside: float) -> float:
     return min(1.0, RESULT_ACCURACIES * (accuracy + aside) + ROUNDING)
 
 
-def work_bound(tolerance: float, phase: float, steps: int) -> float:
-    """Right-hand sides allowed: the eighth order of the method makes them grow slowly with digits."""
-    return STEP_WORK * steps + PHASE_WORK * float(tolerance ** (-1.0 / WORK_ORDER)) * (1.0 + phase)
+def work_bound(case: Case, phase: float, steps: int, fixed_steps: int) -> float:
+    """Right-hand sides allowed.
+
+    With method event the eighth order makes them grow slowly with the digits asked for; with method
+    timestepping each internal step costs the same.
+    """
+    if case.rung.method == TIMESTEPPING:
+        return STEP_WORK * steps + FIXED_STEP_WORK * fixed_steps
+    digits = float(tolerance_of(case) ** (-1.0 / WORK_ORDER))
+    return STEP_WORK * steps + PHASE_WORK * digits * (1.0 + phase)

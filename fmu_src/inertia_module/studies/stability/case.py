@@ -17,14 +17,17 @@ class Rung:
     method: int
 
 
-RUNGS = (
+RIGID_RUNGS = (
     Rung("kinematic", KINEMATIC, EVENT),
     Rung("averaged", AVERAGED, EVENT),
     Rung("rigid, event", RIGID, EVENT),
     Rung("rigid, timestepping", RIGID, TIMESTEPPING),
+)
+ELASTIC_RUNGS = (
     Rung("elastic, event", ELASTIC, EVENT),
     Rung("elastic, timestepping", ELASTIC, TIMESTEPPING),
 )
+RUNGS = RIGID_RUNGS
 
 
 @dataclass(frozen=True)

@@ -29,7 +29,8 @@ Each case runs five ways: in long communication steps, in many short ones over t
 a tolerance 1e4 times tighter (at least {tightest:g}), and a little aside: the angle at the start, the load and the
 speed of link 1 changed by the tolerance, to both sides. How far the last ones end from the tight run, `aside`, is how
 sensitive the motion itself is: no method can do better than that. Accuracy is the tolerance for method `event`,
-{timestepping:g} for `timestepping`, {averaged:g} for `averaged`.
+{timestepping:g} for `timestepping` (internal steps of {fixed_phase:g} rad of the highest harmonic), {averaged:g} for
+`averaged`.
 
 ## The bounds
 
@@ -39,7 +40,7 @@ sensitive the motion itself is: no method can do better than that. Accuracy is t
 | energy residual, in long and in short steps | {energy:g} accuracy + {rounding:g}, of the largest energy |
 | long against short steps, and both against the tight run | {result:g} (accuracy + aside) + {rounding:g}, at most 1, relative |
 | ω2 ≥ 0, ω3 ≥ ω2, Tc ≥ 0, Th ≥ 0 | to {breach:g} of the largest speed or torque |
-| right-hand sides | {step_work:g} for each communication step and {phase_work:g} tolerance^(-1/{order:g}) for each radian of the highest harmonic |
+| right-hand sides | {step_work:g} for each communication step and {phase_work:g} tolerance^(-1/{order:g}) for each radian of the highest harmonic; `timestepping`: {fixed_work:g} for each internal step |
 | one communication step | {most:g} right-hand sides, then a refusal; the state is untouched and a good step goes on |
 
 The largest energy is that of input, output and store in the run, or what the imbalances can have behind link 2 at the
@@ -68,8 +69,8 @@ FLOORS = """\
   2 has spikes of speed as narrow as the square root of that ratio; steps are kept short enough to see them.
 - **Communication steps**: sums are compensated, so steps of a nanosecond lose nothing. The longest steps are bounded by
   work, not by precision.
-- **Fast and long**: a step that takes more than the allowed right-hand sides is refused. At 1e5 rad/s that is a step of
-  some hundred seconds, not a billion turns at once.
+- **Fast and long**: a step that takes more than the allowed right-hand sides is refused, so a billion turns of the drive
+  take many steps.
 """
 
 
@@ -121,7 +122,7 @@ def stability_page(rows: Sequence[Row]) -> str:
     Args:
         rows: of read_rows, the committed verdicts.
     """
-    from .trial import TIGHTEST
+    from .trial import FIXED_PHASE, TIGHTEST
 
     counted = {rung.name: Counter[str]() for rung in RUNGS}
     for row in rows:
@@ -140,6 +141,8 @@ def stability_page(rows: Sequence[Row]) -> str:
             step_work=bounds.STEP_WORK,
             phase_work=bounds.PHASE_WORK,
             order=bounds.WORK_ORDER,
+            fixed_work=bounds.FIXED_STEP_WORK,
+            fixed_phase=FIXED_PHASE,
             most=step.MAX_EVALUATIONS,
         ),
         "## The verdicts, counted\n",

@@ -55,6 +55,7 @@ class Run:
         reversal: deepest breach of omega2 >= 0 or omega3 >= omega2, rad/s.
         pull: deepest breach of Tc >= 0 or Th >= 0, N m.
         phase: advance of what has to be followed, rad. evaluations, steps: what it took.
+        fixed_steps: internal steps of method timestepping.
         refused: message of the refusal that ended it, or "".
         broken: what an error must not do and it did, or "".
     """
@@ -68,6 +69,7 @@ class Run:
     reversal: float = 0.0
     pull: float = 0.0
     phase: float = 0.0
+    fixed_steps: int = 0
     evaluations: float = 0.0
     steps: int = 0
     refused: str = ""
@@ -147,6 +149,8 @@ def _go(run: Run, plant: Plant, segment: Segment, split: int, parameters: dict[s
             run.broken = _recovers(plant, before)
             return
         run.steps += 1
+        if plant["max_step"] > 0.0:
+            run.fixed_steps += math.ceil(step / plant["max_step"])
         run.phase += step * _rate(plant, parameters, omega1)
         for name in impulses:
             impulses[name] += plant[name] * step

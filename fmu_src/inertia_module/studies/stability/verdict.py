@@ -6,7 +6,7 @@ import math
 import re
 from dataclasses import dataclass, field
 
-from .bounds import BREACH, accuracy_of, energy_bound, result_bound, tolerance_of, work_bound
+from .bounds import BREACH, accuracy_of, energy_bound, result_bound, work_bound
 from .case import Case
 from .trial import Run, Trial, distance
 
@@ -97,7 +97,7 @@ def _worst(long: Run, short: Run, name: str, scale: str) -> float:
 
 
 def _work(case: Case, run: Run) -> Figure:
-    return Figure(run.evaluations, work_bound(tolerance_of(case), run.phase, run.steps))
+    return Figure(run.evaluations, work_bound(case, run.phase, run.steps, run.fixed_steps))
 
 
 def judge(trial: Trial) -> Verdict:
