@@ -17,6 +17,7 @@ AXES: dict[str, Callable[[Mechanism], Iterator[Extreme]]] = {
     "grazing": axes_input.grazing,
     "output locked": axes_input.locked,
     "communication step": axes_input.communication_step,
+    "fixed step": axes_input.fixed_steps,
     "turns": axes_input.turns,
     "tolerance": axes_input.tolerance,
     "inertia ratio": axes_mechanism.inertia_ratio,

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from .case import Extreme, Segment
-from .mechanisms import TRAVEL, Mechanism, grazing_speed, stall_torque
+from .case import TIMESTEPPING_RUNGS, Extreme, Segment
+from .mechanisms import TRAVEL, Mechanism, grazing_speed, pulse_rate, stall_torque
 
 
 def signed(sizes: tuple[float, ...]) -> Iterator[float]:
@@ -125,6 +125,13 @@ def grazing(mechanism: Mechanism) -> Iterator[Extreme]:
         value = f"peak x (1 {'-' if part < 0.0 else '+'} {abs(part):g})"
         parameters = mechanism.with_values(omega_out_start=peak * (1.0 + part))
         yield Extreme(value, parameters, mechanism.turning(load=0.0))
+
+
+def fixed_steps(mechanism: Mechanism) -> Iterator[Extreme]:
+    """Internal steps of method timestepping, from fine to many pulses in one."""
+    for phase in (0.01, 0.03, 0.1, 0.3, 1.0, 10.0, 100.0):
+        parameters = mechanism.with_values(max_step=phase / pulse_rate(mechanism))
+        yield Extreme(f"{phase:g} rad", parameters, mechanism.turning(), rungs=TIMESTEPPING_RUNGS)
 
 
 def locked(mechanism: Mechanism) -> Iterator[Extreme]:

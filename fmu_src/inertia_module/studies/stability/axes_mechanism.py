@@ -86,7 +86,8 @@ def freewheels(mechanism: Mechanism) -> Iterator[Extreme]:
         left_out = [name for name, there in (("housing", housing), ("output", output)) if not there]
         parameters = mechanism.with_values(housing_freewheel=housing, output_freewheel=output)
         for torque in (mechanism.load, 0.0, 1e3, -1e3):
-            value = f"no {', no '.join(left_out)}, {torque:g} N.m"
+            load = "ordinary load" if torque == mechanism.load else f"{torque:g} N.m"
+            value = f"no {', no '.join(left_out)}, {load}"
             yield Extreme(value, parameters, mechanism.turning(load=torque, duration=0.5))
 
 

@@ -28,6 +28,7 @@ ELASTIC_RUNGS = (
     Rung("elastic, timestepping", ELASTIC, TIMESTEPPING),
 )
 RUNGS = RIGID_RUNGS
+TIMESTEPPING_RUNGS = tuple(rung for rung in RIGID_RUNGS + ELASTIC_RUNGS if rung.method == TIMESTEPPING)
 
 
 @dataclass(frozen=True)

@@ -67,6 +67,13 @@ def imbalance_inertia(mechanism: Mechanism) -> float:
 
 
 @functools.cache
+def pulse_rate(mechanism: Mechanism) -> float:
+    """Rate of the highest harmonic with link 2 held at the ordinary speed, rad/s."""
+    d = Module("plain").start(**mechanism.with_values()).derived
+    return float(d[slots.D_HARMONIC] * d[slots.D_K]) * mechanism.omega1
+
+
+@functools.cache
 def stall_torque(mechanism: Mechanism) -> float:
     """Largest torque on link 2 while it is held at the ordinary speed, N m: a load above it is never moved.
 

@@ -69,6 +69,8 @@ FLOORS = """\
   2 has spikes of speed as narrow as the square root of that ratio; steps are kept short enough to see them.
 - **Communication steps**: sums are compensated, so steps of a nanosecond lose nothing. The longest steps are bounded by
   work, not by precision.
+- **Method `timestepping`** is of first order: its floor is its step, not the double. Where the motion itself multiplies
+  errors (heavy imbalances that throw a light link 2, hundreds of teeth) the fixed steps used here miss the bound.
 - **Fast and long**: a step that takes more than the allowed right-hand sides is refused, so a billion turns of the drive
   take many steps.
 """
