@@ -68,7 +68,7 @@ def test_input_that_can_be_squared_scales_exactly(compiled, power):
         assert slow[name] == speed**2 * ordinary[name] != 0.0
 
 
-@pytest.mark.parametrize("step", [1e3, 1e6])
+@pytest.mark.parametrize("step", [1e6])
 @pytest.mark.parametrize("fidelity", [0, 2])
 def test_work_of_a_step_is_bounded_and_a_step_given_up_leaves_no_trace(compiled, step, fidelity):
     module = advanced(started(compiled, fidelity=fidelity, omega1=1e5, load_torque=1e9), 1e-3)
