@@ -1,4 +1,4 @@
-"""The command ``inertia-module``: build the FMUs, run a scene, measure the trade, check an FMU."""
+"""The command ``inertia-module``: build the FMUs, run a scene, measure the trade, check, try the extremes."""
 
 from __future__ import annotations
 
@@ -247,6 +247,43 @@ def check(
             typer.echo(f"problem: {problem}")
         typer.echo("no problems found" if not report.problems else f"{len(report.problems)} problems found")
     if report.problems:
+        raise typer.Exit(1)
+
+
+@app.command()
+def stability(
+    output: OutputFolder = None,
+    as_json: Json = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Leave out the long runs.")] = False,
+    only: Annotated[str | None, typer.Option("--only", metavar="AXIS", help="One axis of the map.")] = None,
+) -> None:
+    """Try the extremes and give each a verdict (out/stability without -o); exit code 1 if one is broken."""
+    from .drive import progress_bar
+    from .results import write_figure
+    from .studies.stability import report
+    from .studies.stability.figure import verdict_map
+    from .studies.stability.study import chosen_cases, run_study, write_cases
+    from .studies.stability.table import rows_of, write_rows
+
+    folder = output or OUTPUT_FOLDER / "stability"
+    with one_line_errors():
+        chosen = chosen_cases(only, quick)
+        with progress_bar("trying the extremes") as progress:
+            verdicts = run_study(chosen, progress)
+        rows = rows_of(verdicts)
+        files = {
+            "verdicts": write_rows(folder / "stability.csv", rows),
+            "cases": write_cases(folder / "cases.csv", verdicts),
+            "map": write_figure(folder / "stability.png", verdict_map(rows)),
+        }
+    if as_json:
+        listed = {name: str(file) for name, file in files.items()}
+        typer.echo(json.dumps({"verdicts": report.as_records(verdicts), "files": listed}))
+    else:
+        report.print_rows(rows)
+        for name, file in files.items():
+            typer.echo(f"{name}: {file}")
+    if any(verdict.word == "broken" for verdict in verdicts):
         raise typer.Exit(1)
 
 

@@ -120,6 +120,29 @@ def test_papers_leaves_every_figure_as_png_svg_and_csv(tmp_path):
         assert all(file.stat().st_size > 1000 for file in drawn.values())
 
 
+def test_stability_leaves_the_map_as_tables_and_picture(tmp_path):
+    arguments = ("stability", "--only", "output locked", "--quick", "-o", tmp_path / "map")
+    done = command(*arguments, folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "output locked" in done.stdout
+    assert "0 broken" in done.stdout
+    assert {path.name for path in (tmp_path / "map").iterdir()} == {
+        "stability.csv",
+        "cases.csv",
+        "stability.png",
+    }
+    printed = json.loads(command(*arguments, "--json", folder=tmp_path).stdout)
+    assert {found["verdict"] for found in printed["verdicts"]} <= {"exact", "degraded", "refused"}
+    assert all(Path(path).is_file() for path in printed["files"].values())
+
+
+def test_stability_of_an_unknown_axis_is_refused_in_one_line(tmp_path):
+    done = command("stability", "--only", "weather", "-o", tmp_path / "map", folder=tmp_path)
+    assert done.returncode == 1
+    assert done.stderr.startswith("error: axis weather is refused: allowed is input speed")
+    assert not (tmp_path / "map").exists()
+
+
 @pytest.mark.parametrize("name", ["InertiaModulePy", "DrivenShaft"])
 def test_check_finds_no_problem_in_ours(workshop, name):
     done = command("check", f"build/{name}.fmu", folder=workshop)

@@ -1,7 +1,7 @@
 """The elastic output by SciPy: the reference mechanism with hub, shaft and driven mass, event by event."""
 
 import numpy as np
-from independent import J2, K, LOAD, OMEGA1, falling, push
+from independent import J2, LOAD, OMEGA1, K, falling, push
 from scipy.integrate import solve_ivp
 
 
@@ -38,39 +38,42 @@ class ElasticReference:
     def rest(self, _, y):
         return self.rates(y, 0.0, 0.0)
 
-    def clutch_torque(self, _, y):
+    def clutch_torque(self, y):
         return self.torque(y) + self.hub * self.driving(0.0, y)[1]
 
     def leaves(self, mode):
         """Guards of a mode, and what is exactly equal where one falls."""
-        link2_stops = (falling(lambda _, y: y[1]), "link 2 stops")
+        link2_stops = falling(lambda _, y: y[1])
         return {
             "held": [
                 (falling(lambda _, y: -push(y[0], 0.0)[1]), None),
                 (falling(lambda _, y: y[2]), "all stop"),
             ],
-            "free": [link2_stops, (falling(lambda _, y: y[2] - y[1]), "equal")],
-            "driving": [(falling(self.clutch_torque), None), link2_stops],
+            "free": [(link2_stops, "link 2 stops"), (falling(lambda _, y: y[2] - y[1]), "equal")],
+            "driving": [(falling(lambda _, y: self.clutch_torque(y)), None), (link2_stops, "all stop")],
             "rest": [
                 (falling(lambda _, y: self.torque(y) - push(y[0], 0.0)[1]), None),
                 (falling(lambda _, y: self.torque(y)), None),
             ],
         }[mode]
 
-    def mode(self, y):
-        """The mode whose torques and accelerations fit the state (no ties in the scenes tested)."""
-        own, torque = push(y[0], y[1])
+    def mode_after(self, mode, which, y):
+        """The mode that follows when guard number which has fallen (no ties in the scenes tested)."""
+        torque = push(y[0], y[1])[1]
         shaft = self.torque(y)
-        if y[1] == 0.0 and y[2] == 0.0 and shaft > 0.0:
-            return "driving" if torque > shaft else "rest"
-        if y[1] == 0.0 and torque <= 0.0:
-            return "held"
-        touching = y[1] == y[2] and torque / (J2 + own) > -shaft / self.hub
-        return "driving" if touching else "free"
+        if mode == "rest":
+            return "driving" if which == 0 else ("free" if torque > 0.0 else "held")
+        if mode == "held":
+            return "free" if which == 0 else ("rest" if shaft > 0.0 else "held")
+        if mode == "free":
+            return "held" if which == 0 else "driving"
+        if which == 0:
+            return "free"
+        return "rest" if shaft > 0.0 else ("free" if torque > 0.0 else "held")
 
     def state(self, duration):
         """(q, omega2, omega3, delta, omega4) after a while, from rest with the shaft untwisted."""
-        time, y, mode = 0.0, np.zeros(5), "held"  # the untwisted shaft cannot hold the load: it gives way
+        time, y, mode = 0.0, np.zeros(5), "rest"
         while True:
             guards = [guard for guard, _ in self.leaves(mode)]
             rates = getattr(self, mode)
@@ -82,9 +85,9 @@ class ElasticReference:
                 return y
             which = next(n for n, times in enumerate(found.t_events) if times.size)
             exact = self.leaves(mode)[which][1]
-            if exact == "equal" or (exact is not None and mode == "driving"):
-                y[1] = y[2] = 0.0 if exact == "link 2 stops" else y[2]
+            if exact == "equal":
+                y[1] = y[2]
             elif exact is not None:
                 y[1] = 0.0
                 y[2] = 0.0 if exact == "all stop" else y[2]
-            mode = self.mode(y) if exact is not None or mode == "rest" else {"held": "free"}.get(mode, "free")
+            mode = self.mode_after(mode, which, y)

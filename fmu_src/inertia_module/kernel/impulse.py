@@ -31,7 +31,7 @@ def push_driven_mass(d, x, change3, stiff):
     add(x, X_ENERGY_LOST, -d[D_BALANCER] * d[D_J4] * change3 * (omega4 + 0.5 * change4))
 
 
-def jump_input(d, x, jump, stiff):
+def jump_input(p, d, x, jump, stiff):
     """Apply a jump of omega1, N m s.
 
     Args:
@@ -69,7 +69,8 @@ def jump_input(d, x, jump, stiff):
     assign(x, X_OMEGA2, end2)
     if end2 > omega3 or d[D_OUTPUT] == 0.0:
         clutch = shaft * (end2 - omega3)
-        push_driven_mass(d, x, end2 - omega3, stiff)
+        if p[P_FIDELITY] == ELASTIC:
+            push_driven_mass(d, x, end2 - omega3, stiff)
         assign(x, X_OMEGA3, end2)
     return impulse, clutch
 
