@@ -59,6 +59,7 @@ def _panel(axes: Axes, rows: Sequence[Row], error: str, cost: str, slopes: bool)
             continue
         peer = curve[0].rung == "peer"
         fitted = slope(points[:, 0], points[:, 1]) if slopes else math.nan
+        told = name if not fitted < 0.0 else f"{name} (slope {fitted:.1f})"
         axes.loglog(
             points[:, 0],
             points[:, 1],
@@ -67,7 +68,7 @@ def _panel(axes: Axes, rows: Sequence[Row], error: str, cost: str, slopes: bool)
             marker=_MARKERS[number % len(_MARKERS)],
             markersize=4,
             linewidth=1.2,
-            label=name if math.isnan(fitted) else f"{name} (slope {fitted:.1f})",
+            label=told,
         )
     axes.set_xlabel(_COSTS[cost])
     axes.set_ylabel(error.replace("_", " "))

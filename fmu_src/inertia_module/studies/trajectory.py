@@ -132,7 +132,7 @@ class Row:
         return max((math.inf if math.isnan(error) else error for error in errors), default=math.inf)
 
 
-def median_time(run: Callable[[], Any], repeats: int = 5, patience: float = 1.0) -> float:
+def median_time(run: Callable[[], Any], repeats: int = 11, patience: float = 0.5) -> float:
     """Median wall time of some calls, s.
 
     Args:
