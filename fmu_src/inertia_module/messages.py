@@ -21,9 +21,7 @@ def explain_parameters(status: int, values: Sequence[float]) -> str | None:
     """Message for a status of the start, or None if it is not one of the parameters."""
     if status == slots.BAD_FIDELITY:
         number = int(values[slots.P_FIDELITY])
-        return _not_built("fidelity", "Fidelity", number, "0 (kinematic) or 2 (rigid)")
-    if status == slots.BAD_METHOD:
-        return _not_built("method", "Method", int(values[slots.P_METHOD]), "0 (event)")
+        return _not_built("fidelity", "Fidelity", number, "0 (kinematic), 2 (rigid) or 3 (elastic)")
     if status == slots.SINGULAR:
         names = "link2_inertia", "drive_inertia", "a", "b", "eccentricity", "imbalance_mass"
         return (

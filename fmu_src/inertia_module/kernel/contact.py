@@ -21,13 +21,13 @@ def sign_or_trend(value, rate, zero):
 def select_mode(d, q, omega1, alpha1, omega2, omega3, load, load_rate):
     """Contact mode of the 2 x 2 complementarity problem on accelerations.
 
-        A freewheel counts as touching where its relative velocity is exactly zero: the event search
-        and the impulses set it so. The matrix of the problem is a P-matrix, so the mode is unique but
-    but for ties, which the next derivative decides.
+    A freewheel counts as touching where its relative velocity is exactly zero: the event search
+    and the impulses set it so. The matrix of the problem is a P-matrix, so the mode is unique but
+    for ties, which the next derivative decides.
 
-        Args:
-            load, load_rate: torque on the output shaft behind the freewheel (the load, or that of an
-                elastic shaft), N m, and how it changes, N m/s.
+    Args:
+        load, load_rate: torque on the output shaft behind the freewheel (the load, or that of an
+            elastic shaft), N m, and how it changes, N m/s.
     """
     k = d[D_K]
     _, i1, i2, b, b1, g, g1, g2 = reduced_inertia(d, q)

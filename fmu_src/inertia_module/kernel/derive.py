@@ -135,8 +135,6 @@ def derive(p, d):
     """
     if p[P_FIDELITY] == AVERAGED:
         return BAD_FIDELITY
-    if p[P_METHOD] != EVENT:
-        return BAD_METHOD
     d[D_PLANAR] = p[P_LAYOUT]
     if p[P_LAYOUT] != 0.0:
         derive_planar(p, d)

@@ -40,7 +40,7 @@ CROSSING = 100.0 * TORQUE_ROUNDING
 
 def embedded_tolerance(tolerance):
     """Tolerance for the embedded formula of order 5 that leaves the method of order 9 this one (Hairer)."""
-    return 0.3 * tolerance**0.6
+    return 0.1 * tolerance**0.6
 
 
 def fastest_speed(x, w):
@@ -92,8 +92,7 @@ def step_error(d, x, w, start, compliance, followed, fastest):
     error3 = h * embedded_error(rate3, w, W_RATE3)
     relative = h * embedded_error(rate_relative, w, W_RATE_RELATIVE)
     twist = h * embedded_error(x[X_RELATIVE], w, W_STAGE_RELATIVE)
-    for _ in range(2):
-        twist, error3, relative = damp_error(d, GAMMA * h, compliance, twist, error3, relative)
+    twist, error3, relative = damp_error(d, GAMMA * h, compliance, twist, error3, relative)
     hub = 1.0 / compliance if compliance > 0.0 else 0.0
     common = error3 - relative if hub == 0.0 else error3 - relative * d[D_J4] / (hub + d[D_J4])
     share = own / (own + d[D_J2] + d[D_J3] + d[D_J4]) if own > 0.0 else 1.0
@@ -198,8 +197,8 @@ def is_clear(d, x, w, which, followed):
     return value0 >= 0.0 and stays_positive(value0, rate0, value1, rate1, 1.0)
 
 
-def first_event(d, x, w, rate, followed, fastest):
-    """Earliest fall of a guard in the step in hand: (fraction or -1, which)."""
+def first_event(d, x, w, rate, followed, fastest, cleared):
+    """Earliest fall of a guard, but of the one cleared, in the step in hand: (fraction or -1, which)."""
     put_polynomials(d, x, w)
     earliest = -1.0
     which = NONE
@@ -207,7 +206,7 @@ def first_event(d, x, w, rate, followed, fastest):
     shallow = 1.0 + INSIDE * embedded_tolerance(d[D_TOLERANCE]) / VELOCITY_ROUNDING
     looks = min(MOST_LOOKS, 1 + int(math.floor(rate * w[W_STEP] / LOOK_PHASE)))
     for guard in range(2):
-        if (guard == LINK2 and d[D_HOUSING] == 0.0) or (guard == OUTPUT and d[D_OUTPUT] == 0.0):
+        if guard == cleared or d[D_HOUSING if guard == LINK2 else D_OUTPUT] == 0.0:
             continue
         if looks == 1 and is_clear(d, x, w, guard, followed):
             continue
@@ -219,6 +218,19 @@ def first_event(d, x, w, rate, followed, fastest):
             earliest = sigma
             which = guard
     return earliest, which
+
+
+def end_at_event(d, x, w, rate, followed, fastest):
+    """Let the step end at the first event in it, if any. Returns the guard that falls there, or NONE."""
+    cleared = NONE
+    for _ in range(2):
+        sigma, which = first_event(d, x, w, rate, followed, fastest, cleared)
+        if sigma < 0.0:
+            return NONE
+        if land(d, x, w, which, zero_of(d, x, w, which, fastest), sigma):
+            return which
+        cleared = which  # a crossing of the polynomial alone: what of the other guard?
+    return NONE
 
 
 def commit(d, x, w, which):
@@ -259,11 +271,7 @@ def advance_elastic(d, x, w, omega1, alpha1, load, remaining):
     found, followed, rate = try_steps(d, x, w, remaining, fastest)
     if not found:
         return -1.0, False
-    sigma, which = first_event(d, x, w, rate, followed, fastest)
-    if sigma > 0.0 and not land(d, x, w, which, zero_of(d, x, w, which, fastest), sigma):
-        which = NONE
-    if sigma < 0.0:
-        which = NONE
+    which = end_at_event(d, x, w, rate, followed, fastest)
     h = w[W_STEP]
     held = x[X_MODE] == HELD or x[X_MODE] == HELD_DRIVING
     q = x[X_Q]

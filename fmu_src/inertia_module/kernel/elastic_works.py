@@ -9,7 +9,10 @@ from .slots import *
 
 
 def add_shaft_works(d, x, w, load):
-    """Impulse, square and peak of Tc, work on the load, losses of damping and friction less the balancer's work."""
+    """Impulse, square and peak of Tc, work on the load, and what damping and friction take.
+
+    The work of the balancer counts as negative loss.
+    """
     h = w[W_STEP]
     out = 0.0
     lost = 0.0

@@ -190,6 +190,11 @@ W_LOAD = 59
 W_STEP = 60
 W_SHAFT_INERTIA = 61
 W_SHAFT_TORQUE = 62
+# inertia at the beginning of a fixed step (in place of the stages)
+W_KEPT_I = 0
+W_KEPT_I1 = 1
+W_KEPT_B = 2
+W_KEPT_G = 3
 # the step in hand of the elastic output: matrices of the shaft, 5 x 5 each
 W_COLLOCATED = 63
 W_INVERSE = 64
@@ -237,7 +242,6 @@ TIMESTEPPING = 1
 # status codes
 OK = 0
 BAD_FIDELITY = 1
-BAD_METHOD = 2
 SINGULAR = 3
 BAD_START_HOUSING = 4
 BAD_START_OUTPUT = 5

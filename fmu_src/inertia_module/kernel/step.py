@@ -3,19 +3,22 @@
 from .accumulate import add, assign, later, wrap_drive_angle, wrap_input_angle
 from .contact import select_mode
 from .derive import derive
-from .elastic import advance_elastic
+from .elastic import advance_elastic, shaft_frequency
 from .held import advance_held
 from .impulse import jump_input, jump_kinematic
 from .kinematic import advance_kinematic
 from .outputs import shaft_load, stored_energy, write_outputs
 from .pulse import advance_moving
 from .slots import *
+from .timestepping import one_step, put_inertia, steps_in
 
 LARGEST_SPEED = 1e6
 LARGEST_TORQUE = 1e12
 LARGEST_STEP = 1e6
 # work one communication step may take before it is given up
 MAX_EVALUATIONS = 5e7
+# fixed steps one communication step may take
+MAX_STEPS = 1e7
 # contact switches per turn of the highest harmonic: a pulse has about four
 SWITCHES_PER_PULSE = 64.0
 SWITCHES_ALLOWED = 1000.0
@@ -124,6 +127,7 @@ def run_events(p, d, x, w, h):
         speed = omega1 + alpha1 * time
         if p[P_FIDELITY] == ELASTIC:
             passed, event = advance_elastic(d, x, w, speed, alpha1, load, remaining)
+            travel += passed * shaft_frequency(d, 1.0 / d[D_J3])
         elif mode == HELD or mode == HELD_DRIVING:
             passed, event = advance_held(d, x, mode, speed, alpha1, load, remaining)
         else:
@@ -145,6 +149,23 @@ def run_events(p, d, x, w, h):
                 return TOO_MANY_SWITCHES
         if x[X_STEP_EVALUATIONS] > MAX_EVALUATIONS:
             return TOO_MUCH_WORK
+    return OK
+
+
+def run_timestepping(p, d, x, w, h):
+    """Advance by h in equal steps. Returns a status."""
+    count = steps_in(d, h)
+    if count > MAX_STEPS:
+        return TOO_MUCH_WORK
+    omega1 = x[X_OMEGA1]
+    alpha1 = x[X_ALPHA1]
+    part = h / count
+    number = 0.0
+    put_inertia(d, x, w)
+    while number < count:
+        one_step(p, d, x, w, omega1 + alpha1 * part * number, alpha1, x[X_LOAD_TORQUE], part)
+        number += 1.0
+    x[X_MODE] = present_mode(p, d, x, omega1 + alpha1 * h)  # what the torques now follow from
     return OK
 
 
@@ -217,7 +238,7 @@ def advance(p, d, u, x, y, w, h):
     else:
         if jump != 0.0:
             input_jump, output_jump = jump_input(d, x, jump)
-        status = run_events(p, d, x, w, h)
+        status = run_timestepping(p, d, x, w, h) if p[P_METHOD] == TIMESTEPPING else run_events(p, d, x, w, h)
     if status == OK:
         end(x, h, input_jump, output_jump)
         if not is_finite(x):
