@@ -153,8 +153,19 @@ def test_tables_show_every_row(rows):
 
 
 def test_plots_are_drawn_even_where_some_runs_failed(reference, rows, tmp_path):
-    from inertia_module.studies.tradeoff import Study, write_study
+    from inertia_module.results import write_figure
+    from inertia_module.studies.plots import curves, work_precision
 
     failed = measure(reference, [Rung(2, 0, "tolerance 1", {"tolerance": 1.0})], steps=[0.1])
-    files = write_study(Study("some", [*rows, *failed], tuple(MEASURES), "omega_out_worst"), tmp_path)
-    assert all(file.stat().st_size > 500 for file in files.values())
+    drawn = [*rows, *failed]
+    assert {len(curve) for curve in curves(drawn).values()} == {3}
+    figure = work_precision(drawn, "omega_out_worst", "some rows")
+    assert write_figure(tmp_path / "plot.png", figure).stat().st_size > 10_000
+
+
+def test_slope_is_the_exponent_of_the_error():
+    from inertia_module.studies.plots import slope
+
+    costs = np.array([1.0, 3.0, 10.0])
+    assert slope(costs, 5.0 * costs**-2) == pytest.approx(-2.0)
+    assert math.isnan(slope(costs[:2], costs[:2]))
