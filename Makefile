@@ -45,6 +45,7 @@ docs: $(VENV)/.all ## build the documentation into site/
 
 bench: $(VENV)/.all ## measure speed and errors, write docs/performance.md
 	$(BIN)/python benchmarks/speed.py
+	$(BIN)/python benchmarks/trade.py
 
 clean: ## remove what was built
 	rm -rf $(VENV) out site build/*.fmu

@@ -17,6 +17,7 @@ from fmpy.fmi2 import FMU2Slave
 from peer import compiled_right_side, simulate
 from pythonfmu import FmuBuilder
 from rich.progress import track
+from trade import kept_part
 
 from inertia_module.fmu.builder import build
 from inertia_module.instance import Fmu
@@ -266,7 +267,7 @@ def main():
         empty = overhead(fmu, workshop)
         starts = start_times(fmu, workshop)
     text = page(tables, empty, starts)
-    PAGE.write_text(text)
+    PAGE.write_text(text + "\n" + kept_part(PAGE))
     print(text)
 
 

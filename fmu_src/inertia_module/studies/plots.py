@@ -92,7 +92,7 @@ def work_precision(rows: Sequence[Row], error: str, title: str) -> Figure:
 
 def all_errors(rows: Sequence[Row], names: Sequence[str], title: str) -> Figure:
     """Each error against wall time, a panel each."""
-    columns = min(3, len(names))
+    columns = min(4, len(names))
     lines = math.ceil(len(names) / columns)
     figure = Figure(figsize=(4.4 * columns, 3.4 * lines + 1.2), dpi=_DPI, layout="constrained")
     figure.suptitle(title, fontsize=12)
