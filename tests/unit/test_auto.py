@@ -160,7 +160,7 @@ def test_means_are_compared_over_windows_and_not_by_the_instant():
 def test_what_pulses_is_compared_by_its_rms_too():
     exact, flat = after_start(3.0, -1.0), after_start(1.0, 1.0)
     pulsing = window_errors(record(output_torque=flat), record(output_torque=exact), 0.2, 2)
-    assert pulsing["output_torque"] == pytest.approx(1.0 - 1.0 / np.sqrt(5.0))
+    assert pulsing["output_torque"] == pytest.approx((np.sqrt(5.0) - 1.0) / 3.0)
     mean = window_errors(record(output_torque_mean=flat), record(output_torque_mean=exact), 0.2, 2)
     assert mean["output_torque_mean"] == 0.0
 
