@@ -101,7 +101,8 @@ class Row:
     Attributes:
         rung: fidelity, or "peer". method: of integration. setting: such as "tolerance 1e-06".
         communication_step: s. errors: by name (see errors.py), NaN where there is none to tell.
-        wall_time: s per simulated second, of the integration alone. evaluations: of the right-hand side. switches: or None.
+        wall_time: s per simulated second, of the integration alone. evaluations: of the right-hand side.
+        switches: counted, or None.
         failure: why there is nothing measured, else "".
         parameters: that make the rung, for the module. loop_time: s per simulated second of the module with
             what is around it, NaN where there is nothing.
