@@ -99,6 +99,13 @@ def test_another_fidelity_can_be_asked_for():
         rigid.with_fidelity("ideal")
 
 
+def test_a_scene_is_not_run_before_its_fidelity_is_chosen(tmp_path):
+    from inertia_module.scene import run_scene
+
+    with pytest.raises(SceneError, match="to be chosen first"):
+        run_scene(scene(), tmp_path / "none.fmu")
+
+
 def test_a_scene_with_columns_from_a_file_can_be_replaced(tmp_path):
     (tmp_path / "drive.csv").write_text("time,omega1\n0,0\n1,100\n")
     text = changed('kind = "constant"\nomega1 = "100 rad/s"', 'kind = "table"\nfile = "drive.csv"')
