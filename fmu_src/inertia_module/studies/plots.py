@@ -81,12 +81,14 @@ def work_precision(rows: Sequence[Row], error: str, title: str) -> Figure:
     Args:
         rows: measured. error: name in Row.errors. title: of the figure.
     """
-    figure = Figure(figsize=(13.0, 6.0), dpi=_DPI, layout="constrained")
+    figure = Figure(figsize=(13.0, 8.0), dpi=_DPI, layout="constrained")
     figure.suptitle(title, fontsize=12)
-    for axes, cost in zip(figure.subplots(1, 2, sharey=True), _COSTS, strict=True):
+    panels = figure.subplots(1, 2, sharey=True)
+    for axes, cost in zip(panels, _COSTS, strict=True):
         _panel(axes, rows, error, cost, slopes=True)
+        axes.set_title(f"slopes against {_COSTS[cost]} below", fontsize=8, loc="left")
         if axes.get_legend_handles_labels()[1]:
-            axes.legend(fontsize=6, loc="lower left", framealpha=0.8)
+            axes.legend(fontsize=6, loc="upper center", bbox_to_anchor=(0.5, -0.1), ncols=3, frameon=False)
     return figure
 
 
