@@ -78,10 +78,10 @@ def build(output: OutputFolder = None, as_json: Json = False) -> None:
 
 def current_fmu() -> Path:
     """The Python FMU in build/, built anew if it is missing or of another state of the package."""
-    from .fmu.builder import IDENTIFIER, is_current
+    from .fmu.builder import MODULE_FMU, is_current
     from .fmu.builder import build as build_fmus
 
-    path = BUILD_FOLDER / f"{IDENTIFIER}.fmu"
+    path = BUILD_FOLDER / MODULE_FMU.file_name
     if not is_current(path):
         build_fmus(BUILD_FOLDER, lambda stage: typer.echo(stage, err=True))
     return path

@@ -50,12 +50,16 @@ def scene(tmp_path):
 
 
 def test_build_leaves_the_fmu_in_build(workshop):
-    assert (workshop / "build" / "InertiaModulePy.fmu").is_file()
+    for name in ("InertiaModulePy", "DrivenShaft"):
+        assert (workshop / "build" / f"{name}.fmu").is_file()
 
 
 def test_build_for_machines_prints_one_json_object(tmp_path):
     done = command("build", "-o", tmp_path / "there", "--json", folder=tmp_path)
-    assert [Path(path).name for path in json.loads(done.stdout)["fmus"]] == ["InertiaModulePy.fmu"]
+    assert [Path(path).name for path in json.loads(done.stdout)["fmus"]] == [
+        "InertiaModulePy.fmu",
+        "DrivenShaft.fmu",
+    ]
 
 
 def test_run_leaves_table_summary_and_plot(workshop, scene, tmp_path):
@@ -174,8 +178,9 @@ def test_papers_leaves_every_figure_as_png_svg_and_csv(tmp_path):
         assert all(file.stat().st_size > 1000 for file in drawn.values())
 
 
-def test_check_finds_no_problem_in_ours(workshop):
-    done = command("check", "build/InertiaModulePy.fmu", folder=workshop)
+@pytest.mark.parametrize("name", ["InertiaModulePy", "DrivenShaft"])
+def test_check_finds_no_problem_in_ours(workshop, name):
+    done = command("check", f"build/{name}.fmu", folder=workshop)
     assert done.returncode == 0
     assert "no problems found" in done.stdout
 

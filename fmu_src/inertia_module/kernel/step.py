@@ -3,7 +3,7 @@
 from .accumulate import add, assign, later, wrap_drive_angle, wrap_input_angle
 from .contact import select_mode
 from .derive import derive
-from .elastic import advance_elastic, shaft_frequency
+from .elastic import advance_elastic, is_stiff, shaft_frequency
 from .held import advance_held
 from .impulse import jump_input, jump_kinematic
 from .kinematic import advance_kinematic
@@ -237,7 +237,9 @@ def advance(p, d, u, x, y, w, h):
         status = run_kinematic(p, d, x, h)
     else:
         if jump != 0.0:
-            input_jump, output_jump = jump_input(d, x, jump)
+            input_jump, output_jump = jump_input(
+                d, x, jump, p[P_FIDELITY] == ELASTIC and is_stiff(d, x, u[U_OMEGA1])
+            )
         status = run_timestepping(p, d, x, w, h) if p[P_METHOD] == TIMESTEPPING else run_events(p, d, x, w, h)
     if status == OK:
         end(x, h, input_jump, output_jump)
