@@ -45,6 +45,7 @@ docs: $(VENV)/.all ## build the documentation into site/
 
 bench: $(VENV)/.all ## measure speed and errors, write docs/performance.md
 	$(BIN)/python benchmarks/speed.py
+	$(BIN)/python benchmarks/trade.py
 
 stability: $(VENV)/.all ## try the extremes, write docs/stability.csv, the picture and the page
 	$(BIN)/inertia-module stability -o out/stability

@@ -16,6 +16,7 @@ from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 from pythonfmu import FmuBuilder
 from rich.progress import track
+from trade import kept_part
 
 from inertia_module.fmu.builder import build
 from inertia_module.instance import Fmu
@@ -268,7 +269,7 @@ def main():
         empty = overhead(fmu, workshop)
         starts = start_times(fmu, workshop)
     text = page(tables, empty, starts)
-    PAGE.write_text(text)
+    PAGE.write_text(text + "\n" + kept_part(PAGE))
     print(text)
 
 

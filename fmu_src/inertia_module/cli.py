@@ -13,6 +13,8 @@ import typer
 
 BUILD_FOLDER = Path("build")
 OUTPUT_FOLDER = Path("out")
+# columns of a wide table: a narrower console wraps its lines
+TABLE_WIDTH = 160
 
 app = typer.Typer(
     help="Inertia module: an inertial torque transformer as an FMI 2.0 co-simulation FMU.",
@@ -202,7 +204,7 @@ def tradeoff(
         listed = {"files": {name: str(file) for name, file in files.items()}}
         typer.echo(json.dumps({**study.study_as_dict(found), **recommended, **listed}))
         return
-    Console(soft_wrap=True).print(rich_table(found.title, found.rows, found.names))
+    Console(width=TABLE_WIDTH).print(rich_table(found.title, found.rows, found.names))
     for line in study.closing_lines(found, choice):
         typer.echo(line)
     for name, file in files.items():

@@ -109,6 +109,64 @@ def test_bad_scene_is_one_line_and_leaves_nothing(workshop, tmp_path, change, wo
     assert not (tmp_path / "out").exists()
 
 
+def test_run_chooses_the_fidelity_and_says_why(workshop, scene, tmp_path):
+    auto = ("--fidelity", "auto", "--error", "5 %")
+    done = command("run", scene, *auto, "-o", tmp_path / "out", folder=workshop)
+    assert done.returncode == 0, done.stderr
+    for words in ("chosen: ", "where 0.05 was asked for", "next rung: "):
+        assert words in done.stdout
+    choice = json.loads((tmp_path / "out" / "summary.json").read_text())["fidelity_choice"]
+    assert choice["chosen"]["error"] <= 0.05
+    # every output of the module is wanted: only a rung with pulses has them
+    assert choice["chosen"]["rung"] == "rigid"
+
+
+@pytest.mark.parametrize(
+    "options, words",
+    [
+        (("--fidelity", "auto"), ("accuracy.error is missing",)),
+        (("--error", "1 %"), ("--error = 1 % is refused", "fidelity auto")),
+        (("--fidelity", "auto", "--error", "much"), ("--error = 'much' is refused", "allowed is a number")),
+        (("--fidelity", "exact"), ("mechanism.fidelity = 'exact' is refused", "or auto")),
+        (("--fidelity", "auto", "--error", "1e-15"), ("error = 1e-15", "no rung meets it")),
+    ],
+)
+def test_run_refuses_a_choice_that_cannot_be_made(workshop, scene, tmp_path, options, words):
+    done = command("run", scene, *options, "-o", tmp_path / "out", folder=workshop)
+    assert done.returncode == 1
+    assert done.stderr.count("\n") == 1
+    assert all(word in done.stderr for word in words)
+    assert not (tmp_path / "out").exists()
+
+
+def test_tradeoff_of_a_scene_for_machines(scene, tmp_path):
+    arguments = ("--recommend", "1 %", "--wanted", "omega_out", "--json")
+    done = command("tradeoff", scene, *arguments, "-o", tmp_path / "out", folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+    assert found["recommendation"]["chosen"]["error"] <= 0.01
+    assert found["recommendation"]["asked"] == {"error": 0.01, "wanted": ["omega_out"]}
+    settings = {(row["rung"], row["method"], row["setting"]) for row in found["rows"]}
+    assert {("rigid", "event", "tolerance 1e-05"), ("rigid", "timestepping", "step 1 ms")} <= settings
+    rows = (tmp_path / "out" / "tradeoff.csv").read_text().splitlines()
+    assert len(rows) == len(found["rows"]) + 1
+    assert all(Path(file).stat().st_size > 500 for file in found["files"].values())
+
+
+@pytest.mark.parametrize(
+    "arguments, words",
+    [
+        (("--recommend", "0"), ("--recommend = '0' is refused", "above 0")),
+        (("--wanted", "speed"), ("--wanted = 'speed' is refused", "omega_out_worst")),
+    ],
+)
+def test_tradeoff_refuses_in_one_line(tmp_path, arguments, words):
+    done = command("tradeoff", *arguments, "-o", tmp_path / "out", folder=tmp_path)
+    assert done.returncode == 1
+    assert all(word in done.stderr for word in words)
+    assert not (tmp_path / "out").exists()
+
+
 def test_papers_leaves_every_figure_as_png_svg_and_csv(tmp_path):
     done = command("papers", "-o", tmp_path / "papers", "--json", folder=tmp_path)
     assert done.returncode == 0, done.stderr

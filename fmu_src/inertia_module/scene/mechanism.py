@@ -98,7 +98,7 @@ def is_elastic(values: Mapping[str, float]) -> bool:
 
 
 def at_fidelity(values: Mapping[str, float], fidelity: float) -> dict[str, float]:
-    """Parameters for another fidelity: where it has no elastic output, the driven mass is rigid with the hub.
+    """Parameters for another fidelity: without an elastic output the driven mass is rigid with the hub.
 
     Args:
         values: parameters by name, those that differ from the defaults. fidelity: its number.

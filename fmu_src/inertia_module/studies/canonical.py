@@ -173,23 +173,24 @@ class Canonical:
             end, _, _ = self._flow(state, t)
             return guard(np.array([t]), end[:, None])[0]
 
-        first = value(low) if low > 0 else guard(np.zeros(1, REAL), self._start(state))[0]
-        last = value(high)
+        above = value(low) if low > 0 else guard(np.zeros(1, REAL), self._start(state))[0]
+        below, side, last, middle = value(high), 0, low, high
         for _ in range(_LOCATING):
-            middle = high - last * (high - low) / (last - first)
+            middle = (low * below - high * above) / (below - above)
             if not low < middle < high:
+                middle = (low + high) / 2
+            if abs(middle - last) <= 4 * np.finfo(REAL).eps * (state.time + high):
                 break
-            found = value(middle)
-            if found == 0 or high - low < 4 * np.finfo(REAL).eps * (state.time + high):
-                return middle
-            if (found > 0) == (last > 0):
-                first = first / 2
+            last, found = middle, value(middle)
+            if found > 0:
+                low, above = middle, found
+                below = below / 2 if side > 0 else below
+                side = 1
             else:
-                low, first = high, last
-            high, last = middle, found
-            if low > high:
-                low, high, first, last = high, low, last, first
-        return high
+                high, below = middle, found
+                above = above / 2 if side < 0 else above
+                side = -1
+        return middle
 
     def _moved(self, state: State, h: Extended, follows: int | None) -> State:
         """The state after h; at an event with the equality that it stands for, exactly."""

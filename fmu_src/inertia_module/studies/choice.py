@@ -71,7 +71,7 @@ class Choice:
 
 
 def _time(row: Row) -> str:
-    return f"{1e3 * row.wall_time:.3g} ms per simulated second in the module"
+    return f"{1e3 * row.wall_time:.3g} ms per simulated second in the kernel"
 
 
 def why_not(row: Row, error: float, wanted: Sequence[str]) -> str:

@@ -18,6 +18,7 @@ from .trajectory import Array, Case, Trajectory
 MEASURES: dict[str, tuple[str, str]] = {
     "omega_out_final": ("output speed at the end, relative", ""),
     "omega_out_worst": ("output speed, worst, relative to the largest", ""),
+    "torque_mean": ("mean output torque over the run, relative", ""),
     "impulse": ("impulse of the output torque in a pulse, worst, relative to the largest", ""),
     "acceleration": ("acceleration of the imbalance, worst, relative to the largest", ""),
     "event_time": ("time of a switch of the freewheels, worst", "s"),
@@ -71,6 +72,11 @@ def _worst(values: Array, exact: Array) -> float:
     return float(np.abs(values - exact).max()) / scale if scale > 0.0 else math.nan
 
 
+def _mean_error(case: Case, trajectory: Trajectory, reference: Reference) -> float:
+    exact = impulse(case, reference.trajectory)[-1]
+    return abs(float(impulse(case, trajectory)[-1] / exact - 1.0)) if exact else math.nan
+
+
 def _impulse_error(case: Case, trajectory: Trajectory, reference: Reference) -> float:
     exact = impulse(case, reference.trajectory)
     found = pulses(exact)
@@ -119,6 +125,7 @@ def errors(trajectory: Trajectory, reference: Reference) -> dict[str, float]:
     return {
         "omega_out_final": abs(float(trajectory.omega_out[-1] / final - 1.0)) if final else math.nan,
         "omega_out_worst": _worst(trajectory.omega_out, exact.omega_out),
+        "torque_mean": _mean_error(case, trajectory, reference),
         "impulse": _impulse_error(case, trajectory, reference),
         "acceleration": _acceleration_error(trajectory, reference),
         "event_time": _event_error(trajectory, reference),

@@ -10,7 +10,8 @@ import numpy as np
 from ..kernel.slots import AVERAGED, ELASTIC, EVENT, RIGID
 from ..module import Module
 from ..scene.mechanism import at_fidelity
-from .trajectory import Array, Case, Trajectory, median_time
+from .timing import kernel_time
+from .trajectory import Array, Case, Trajectory
 
 _SAMPLED = ("omega2", "omega_out", "imbalance_acceleration", "contact_mode", "contact_switches")
 # the first distance at which a switch is looked for from where it is expected, s
@@ -99,14 +100,9 @@ class KernelRun:
         return np.array(found)
 
     def _cost(self) -> float:
-        """Wall time of the whole run, s, median of repeats."""
-
-        def again() -> None:
-            self.module.restore(self._saved[0])
-            for _ in range(self.steps):
-                self.module.advance(self.step)
-
-        return median_time(again)
+        """Time of the kernel for the whole run, s, median of repeats."""
+        inputs = [(self.case.omega1, self.case.load_torque)] * self.steps
+        return kernel_time(self.module, self._saved[0], inputs, self.step)
 
     def trajectory(
         self, locate: bool = True, timed: bool = True, hints: Array | None = None

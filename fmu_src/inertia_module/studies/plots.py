@@ -50,66 +50,80 @@ def _cost(row: Row, cost: str) -> float:
 _COSTS = {"wall_time": "ms per simulated second", "evaluations": "right-hand sides"}
 
 
-def _panel(axes: Axes, rows: Sequence[Row], error: str, cost: str, slopes: bool) -> None:
-    """One panel: a line a curve, dashed for the peers, the slope of each in the legend."""
+def _points(curve: Curve, error: str, cost: str) -> Array:
+    """(cost, error) of the runs of a curve that have both, shape (n, 2)."""
+    pairs = [(_cost(row, cost), row.errors.get(error, math.nan)) for row in curve]
+    points = np.array(pairs, dtype=float)
+    kept: Array = points[(points > 0.0).all(axis=1) & np.isfinite(points).all(axis=1)]
+    return kept
+
+
+def _panel(axes: Axes, rows: Sequence[Row], error: str, cost: str) -> None:
+    """One panel: a line a curve, dashed for the peers."""
     for number, (name, curve) in enumerate(curves(rows).items()):
-        points = np.array([(_cost(row, cost), row.errors.get(error, math.nan)) for row in curve], dtype=float)
-        points = points[(points > 0.0).all(axis=1) & np.isfinite(points).all(axis=1)]
+        points = _points(curve, error, cost)
         if not points.size:
             continue
-        peer = curve[0].rung == "peer"
-        fitted = slope(points[:, 0], points[:, 1]) if slopes else math.nan
         axes.loglog(
             points[:, 0],
             points[:, 1],
-            linestyle="--" if peer else "-",
+            linestyle="--" if curve[0].rung == "peer" else "-",
             color=_COLOURS[number % len(_COLOURS)],
             marker=_MARKERS[number % len(_MARKERS)],
             markersize=4,
             linewidth=1.2,
-            label=name if math.isnan(fitted) else f"{name} (slope {fitted:.1f})",
+            label=name,
         )
     axes.set_xlabel(_COSTS[cost])
     axes.set_ylabel(error.replace("_", " "))
     axes.grid(alpha=0.3, which="both", linewidth=0.4)
 
 
+def _legend(figure: Figure, panels: Sequence[Axes], slopes: dict[str, str]) -> None:
+    """One legend of all panels below them, with what is to be told of a curve behind its name."""
+    labels: dict[str, Any] = {}
+    for axes in panels:
+        handles, texts = axes.get_legend_handles_labels()
+        labels |= dict(zip(texts, handles, strict=True))
+    texts = [name + slopes.get(name, "") for name in labels]
+    if labels:
+        figure.legend(
+            list(labels.values()), texts, loc="outside lower center", ncols=3, fontsize=7, frameon=False
+        )
+
+
+def _slopes(curve: Curve, error: str) -> str:
+    """Fitted slopes against both costs, in words; "" where there are too few points."""
+    points = [_points(curve, error, cost) for cost in _COSTS]
+    fitted = [slope(found[:, 0], found[:, 1]) if found.size else math.nan for found in points]
+    return "" if any(math.isnan(value) for value in fitted) else f" (slopes {fitted[0]:.1f}, {fitted[1]:.1f})"
+
+
 def work_precision(rows: Sequence[Row], error: str, title: str) -> Figure:
-    """One error against wall time and against right-hand sides.
+    """One error against wall time and against right-hand sides; the legend tells both slopes.
 
     Args:
         rows: measured. error: name in Row.errors. title: of the figure.
     """
-    figure = Figure(figsize=(13.0, 6.0), dpi=_DPI, layout="constrained")
+    figure = Figure(figsize=(13.0, 8.0), dpi=_DPI, layout="constrained")
     figure.suptitle(title, fontsize=12)
-    for axes, cost in zip(figure.subplots(1, 2, sharey=True), _COSTS, strict=True):
-        _panel(axes, rows, error, cost, slopes=True)
-        if axes.get_legend_handles_labels()[1]:
-            axes.legend(fontsize=6, loc="lower left", framealpha=0.8)
+    panels = figure.subplots(1, 2, sharey=True)
+    for axes, cost in zip(panels, _COSTS, strict=True):
+        _panel(axes, rows, error, cost)
+    _legend(figure, list(panels), {name: _slopes(curve, error) for name, curve in curves(rows).items()})
     return figure
 
 
 def all_errors(rows: Sequence[Row], names: Sequence[str], title: str) -> Figure:
     """Each error against wall time, a panel each."""
-    columns = min(3, len(names))
+    columns = min(4, len(names))
     lines = math.ceil(len(names) / columns)
-    figure = Figure(figsize=(4.4 * columns, 3.4 * lines + 1.2), dpi=_DPI, layout="constrained")
+    figure = Figure(figsize=(4.0 * columns, 3.4 * lines + 1.6), dpi=_DPI, layout="constrained")
     figure.suptitle(title, fontsize=12)
     grid = figure.subplots(lines, columns, squeeze=False).ravel()
-    labels: dict[str, Any] = {}
     for axes, name in zip(grid, names, strict=False):
-        _panel(axes, rows, name, "wall_time", slopes=False)
-        handles, texts = axes.get_legend_handles_labels()
-        labels |= dict(zip(texts, handles, strict=True))
+        _panel(axes, rows, name, "wall_time")
     for axes in grid[len(names) :]:
         axes.set_axis_off()
-    if labels:
-        figure.legend(
-            list(labels.values()),
-            list(labels),
-            loc="outside lower center",
-            ncols=3,
-            fontsize=7,
-            frameon=False,
-        )
+    _legend(figure, list(grid[: len(names)]), {})
     return figure

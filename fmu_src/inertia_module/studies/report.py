@@ -58,7 +58,7 @@ def write_rows(path: Path, rows: Sequence[Row]) -> Path:
 
 
 def cells(row: Row, names: Sequence[str]) -> list[str]:
-    """A row as text: what it is, its errors, its cost, or why it failed."""
+    """A row as text: what it is, its errors, its cost."""
 
     def number(value: float | None, form: str) -> str:
         return "-" if value is None or math.isnan(value) else format(value, form)
@@ -70,26 +70,36 @@ def cells(row: Row, names: Sequence[str]) -> list[str]:
         number(1e3 * row.wall_time, ".3g"),
         number(row.evaluations, ".0f"),
         number(row.switches, ".0f"),
-        row.failure,
     ]
 
 
 def headings(names: Sequence[str]) -> list[str]:
     """Headings of cells."""
-    return ["run", "step, s", *names, "ms per s", "right-hand sides", "switches", "failure"]
+    return ["run", "step, s", *names, "ms per s", "right-hand sides", "switches"]
 
 
 def rich_table(title: str, rows: Sequence[Row], names: Sequence[str]) -> Any:
-    """A table for a console; failures are folded below each other."""
+    """A table for a console; failures have a row without numbers (and a line in failure_lines)."""
     from rich.table import Table
 
     table = Table(title=title, title_justify="left")
     for number, heading in enumerate(headings(names)):
-        named = 0 < number < len(names) + 5
-        table.add_column(heading.replace("_", " "), justify="right" if named else "left", overflow="fold")
+        side: Any = "right" if number else "left"
+        table.add_column(heading.replace("_", " "), justify=side, no_wrap=number == 0)
     for row in rows:
         table.add_row(*cells(row, names))
     return table
+
+
+def failure_lines(rows: Sequence[Row]) -> list[str]:
+    """One line for each kind of run that failed, with its reason."""
+    reasons: dict[str, list[str]] = {}
+    for row in rows:
+        if row.failure:
+            labels = reasons.setdefault(row.failure, [])
+            if row.label not in labels:
+                labels.append(row.label)
+    return [f"failed: {'; '.join(labels)}: {reason}" for reason, labels in reasons.items()]
 
 
 def markdown_table(rows: Sequence[Row], names: Sequence[str]) -> list[str]:

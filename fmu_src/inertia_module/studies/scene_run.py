@@ -1,9 +1,8 @@
-"""A scene run with the module in this process, and the time the module itself takes for it."""
+"""A scene run with the module in this process, and the time the kernel takes for it."""
 
 from __future__ import annotations
 
 import time
-from array import array
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -13,7 +12,7 @@ from ..loops import ClosedLoop, connect, initial_inputs
 from ..module import Module
 from ..scene import Scene
 from ..variables import LOCAL, OUTPUT, with_causality
-from .trajectory import median_time
+from .timing import kernel_time
 
 READABLE = tuple(variable.name for variable in with_causality(OUTPUT, LOCAL))
 
@@ -31,7 +30,7 @@ class ModulePlant:
     def __init__(self, parameters: Mapping[str, float], inputs: Mapping[str, float]) -> None:
         self.module = Module("auto").start(**{**parameters, **inputs})
         self._begin = self.module.save()
-        self._given = array("d")
+        self._given: list[tuple[float, float]] = []
         self._step = 0.0
 
     def set(self, **values: float) -> None:
@@ -40,7 +39,8 @@ class ModulePlant:
 
     def advance(self, step: float) -> None:
         """Advance by a communication step, s."""
-        self._given.extend(self.module.inputs)
+        held = self.module.inputs
+        self._given.append((held[slots.U_OMEGA1], held[slots.U_LOAD_TORQUE]))
         self._step = step
         self.module.advance(step)
 
@@ -48,20 +48,9 @@ class ModulePlant:
         """Values by name."""
         return tuple([self.module[name] for name in names])
 
-    def replay_time(self) -> float:
-        """Wall time of the same steps with the same inputs, the module alone, s, median of repeats."""
-        module, given, step = self.module, self._given, self._step
-        omega1, load = given[slots.U_OMEGA1 :: slots.U_SIZE], given[slots.U_LOAD_TORQUE :: slots.U_SIZE]
-
-        def again() -> None:
-            module.restore(self._begin)
-            inputs, advance = module.inputs, module.advance
-            for n in range(len(omega1)):
-                inputs[slots.U_OMEGA1] = omega1[n]
-                inputs[slots.U_LOAD_TORQUE] = load[n]
-                advance(step)
-
-        return median_time(again, repeats=3)
+    def kernel_time(self) -> float:
+        """Time of the kernel for the same steps with the same inputs, s, median of repeats."""
+        return kernel_time(self.module, self._begin, self._given, self._step)
 
 
 @dataclass(frozen=True)
@@ -70,7 +59,7 @@ class SceneRun:
 
     Attributes:
         record: all variables of the module and all signals of the loop at each communication point.
-        module_time, loop_time: s per simulated second, of the module alone and of the whole loop.
+        module_time, loop_time: s per simulated second, of the kernel alone and of the whole loop.
     """
 
     record: Result
@@ -98,4 +87,4 @@ def run_in_process(scene: Scene, progress: Progress | None = None) -> SceneRun:
     record = loop.run(scene.run.stop_time, progress)
     loop_time = time.perf_counter() - began
     duration = scene.run.stop_time
-    return SceneRun(record, plant.replay_time() / duration, loop_time / duration)
+    return SceneRun(record, plant.kernel_time() / duration, loop_time / duration)

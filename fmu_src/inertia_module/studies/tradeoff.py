@@ -17,7 +17,7 @@ from .errors import MEASURES
 from .open_loop import communication_steps, measure
 from .plots import all_errors, work_precision
 from .reference import Agreement, agreement, converged
-from .report import as_dict, write_rows
+from .report import as_dict, failure_lines, write_rows
 from .rungs import ladder
 from .trajectory import Case, Peer, Row, Unavailable
 from .trials import measure_scene, trial_rows
@@ -130,8 +130,8 @@ def study_as_dict(study: Study) -> dict[str, Any]:
 
 
 def closing_lines(study: Study, choice: Choice | None) -> list[str]:
-    """How far the reference can be trusted, and what is recommended, in words."""
-    lines = []
+    """What failed, how far the reference can be trusted, and what is recommended, in words."""
+    lines = failure_lines(study.rows)
     if study.agreement is not None:
         lines.append(
             f"reference: two independent methods agree to {study.agreement.omega_out:.1e} in omega_out"

@@ -101,7 +101,8 @@ class Row:
     Attributes:
         rung: fidelity, or "peer". method: of integration. setting: such as "tolerance 1e-06".
         communication_step: s. errors: by name (see errors.py), NaN where there is none to tell.
-        wall_time: s per simulated second. evaluations: of the right-hand side. switches: or None.
+        wall_time: s per simulated second, of the integration alone. evaluations: of the right-hand side.
+        switches: counted, or None.
         failure: why there is nothing measured, else "".
         parameters: that make the rung, for the module. loop_time: s per simulated second of the module with
             what is around it, NaN where there is nothing.
@@ -132,7 +133,7 @@ class Row:
         return max((math.inf if math.isnan(error) else error for error in errors), default=math.inf)
 
 
-def median_time(run: Callable[[], Any], repeats: int = 5, patience: float = 1.0) -> float:
+def median_time(run: Callable[[], Any], repeats: int = 11, patience: float = 0.5) -> float:
     """Median wall time of some calls, s.
 
     Args:

@@ -49,8 +49,8 @@ def _relative(difference: float, scale: float) -> float:
 def window_errors(record: Result, exact: Result, window: float, fidelity: int) -> Mapping[str, float]:
     """Error of each recorded output, NaN where the rung does not model it.
 
-    Each is the largest difference over the windows, relative to the largest magnitude over the windows
-    of the reference; energies relative to the largest energy in.
+    Each is the largest difference over the windows, relative to the largest magnitude of the output in
+    the reference; energies relative to the largest energy in.
 
     Args:
         record, exact: of the run and of the reference, over the same time. window: s.
@@ -69,6 +69,6 @@ def window_errors(record: Result, exact: Result, window: float, fidelity: int) -
             continue
         pairs = list(zip(_features(record, name, window), _features(exact, name, window), strict=True))
         difference = max(float(np.abs(ours - theirs).max()) for ours, theirs in pairs)
-        scale = max(float(np.abs(theirs).max()) for _, theirs in pairs)
+        scale = float(np.abs(exact[name]).max())
         errors[name] = _relative(difference, largest_energy if name in _ENERGIES else scale)
     return errors
