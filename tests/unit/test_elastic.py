@@ -70,16 +70,16 @@ def test_error_follows_tolerance(compiled):
 @pytest.mark.parametrize("share", [1.0, 10.0], ids=["critical", "overdamped"])
 def test_a_stiff_shaft_tends_to_the_rigid_one_at_first_order_in_compliance(compiled, scene, share):
     whole = ELASTIC["output_inertia"] + ELASTIC["driven_inertia"]
-    rigid = started(compiled, SCENES[scene], output_inertia=whole, tolerance=1e-11)
+    rigid = started(compiled, SCENES[scene], output_inertia=whole, tolerance=1e-12)
     exact = advanced(rigid, 0.3)["omega_out"]
-    stiffnesses = [1e8, 1e9, 1e10]
+    stiffnesses = [1e5, 1e6, 1e7, 1e8, 1e9, 1e10]
     errors = []
     for stiffness in stiffnesses:
         shaft = {"shaft_stiffness": stiffness, "shaft_damping": damping(stiffness, share)}
-        module = started(compiled, SCENES[scene], ELASTIC, shaft, tolerance=1e-10)
+        module = started(compiled, SCENES[scene], ELASTIC, shaft, tolerance=1e-11)
         errors.append(abs(advanced(module, 0.3)["omega_out"] - exact))
     slope, _ = np.polyfit(np.log(stiffnesses), np.log(errors), 1)
-    assert -1.25 < slope < -0.8
+    assert -1.15 < slope < -0.85
 
 
 @pytest.mark.parametrize("scene", SCENES)
@@ -89,7 +89,7 @@ def test_a_stiff_shaft_costs_no_small_steps(compiled, scene, share, stiffness):
     soft = advanced(started(compiled, SCENES[scene], ELASTIC), 0.5)
     shaft = {"shaft_stiffness": stiffness, "shaft_damping": damping(stiffness, share)}
     stiff = advanced(started(compiled, SCENES[scene], ELASTIC, shaft), 0.5)
-    assert stiff["rhs_evaluations"] < 2.5 * soft["rhs_evaluations"]
+    assert stiff["rhs_evaluations"] < 4.0 * soft["rhs_evaluations"]
     whole = started(compiled, SCENES[scene], output_inertia=0.52)
     assert stiff["omega_out"] == pytest.approx(advanced(whole, 0.5)["omega_out"], rel=2e-5)
 
@@ -157,10 +157,11 @@ def test_means_of_the_step_are_the_momentum_they_give(compiled):
     module = started(compiled, REFERENCE, ELASTIC, tolerance=1e-10)
     for n in range(40):
         before = 0.02 * module["omega_hub"] + 0.5 * module["omega_out"]
-        advanced(module, 0.005, omega1=100.0 + 10.0 * (n % 3))
+        advanced(module, 0.005, omega1=100.0 + (10.0 * (n % 3) if n >= 20 else 0.0))
         gained = 0.02 * module["omega_hub"] + 0.5 * module["omega_out"] - before
         assert 0.005 * (module["output_torque_mean"] - 10.0) == pytest.approx(gained, abs=1e-9)
-        assert module["torque_peak"] >= module["output_torque_mean"] - module["torque_ripple"] - 1e-9
+        if n < 20:  # without jumps, whose impulses are in the mean alone
+            assert module["torque_peak"] >= module["output_torque_mean"] - 1e-9
 
 
 def test_the_load_pulls_an_untwisted_shaft_away_from_the_freewheel(kernel):
@@ -170,3 +171,9 @@ def test_the_load_pulls_an_untwisted_shaft_away_from_the_freewheel(kernel):
     assert module["output_torque"] == pytest.approx(
         400.0 * module["shaft_twist"] - 0.05 * module["omega_out"], rel=1e-12
     )
+
+
+def test_a_shaft_that_has_come_to_rest_costs_little(compiled):
+    module = advanced(started(compiled, REFERENCE, ELASTIC, omega1=0.0), 1000.0)
+    assert module["shaft_twist"] == pytest.approx(10.0 / 400.0, rel=1e-6)
+    assert module["rhs_evaluations"] < 1e5

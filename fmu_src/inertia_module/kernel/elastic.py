@@ -30,6 +30,8 @@ REJECTIONS = 100
 SAFETY = 0.9
 SMALLEST_FACTOR = 0.2
 LARGEST_FACTOR = 5.0
+# a twisted shaft at rest: speeds are measured by this share of what its energy could drive
+TWIST_SHARE = 1e-3
 # error of the inside of a step, as a fraction of the one allowed to the embedded formula
 INSIDE = 0.01
 # a velocity below this fraction of the fastest one is zero
@@ -109,7 +111,8 @@ def step_error(d, x, w, start, compliance, followed, fastest):
         start: (omega2', omega3', rate of omega3 - omega4) at the beginning.
     """
     h = w[W_STEP]
-    fastest = max(fastest, fastest_at_end(w))
+    static = TWIST_SHARE * shaft_frequency(d, compliance) * abs(x[X_TWIST])
+    fastest = max(max(fastest, static), fastest_at_end(w))
     rate2, rate3, rate_relative = start
     own = d[D_ALPHA_SLOPE]
     error_q = d[D_K] * h * embedded_error(x[X_OMEGA2], w, W_STAGE_OMEGA2)
