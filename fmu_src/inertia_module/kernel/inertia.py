@@ -1,7 +1,6 @@
 """Reduced inertia I, B, G of all imbalances and its exact derivatives in q (DESIGN section 2)."""
 
-import math
-
+from .circular import sine_cosine
 from .slots import *
 
 
@@ -25,15 +24,16 @@ def reduced_inertia(d, q):
         arm = d[D_RADIAL]
         centre = d[D_AXIAL]
         swing = mass * arm * centre
-        cosine = swing * math.cos(q)
-        sine = swing * math.sin(q)
+        sine, cosine = sine_cosine(q)
+        sine *= swing
+        cosine *= swing
         own = mass * arm * arm + d[D_J16]
         fixed = own + mass * centre * centre
         return fixed - 2.0 * cosine, 2.0 * sine, 2.0 * cosine, own - cosine, sine, own, 0.0, 0.0
     s = d[D_S]
     half = 0.5 * (s * q + d[D_PHASE_B])
-    sin_half = math.sin(half)
-    sin_b = 2.0 * sin_half * math.cos(half)
+    sin_half, cos_half = sine_cosine(half)
+    sin_b = 2.0 * sin_half * cos_half
     versed = 2.0 * sin_half * sin_half  # 1 - cos B, without cancellation at the rolling pole
     cos_b = 1.0 - versed
     pole_arm = d[D_POLE_ARM]
@@ -71,8 +71,7 @@ def reduced_inertia(d, q):
             + 2.0 * (z1 * z1 + z * z2)
         )
         return i, i1, i2, 0.0, 0.0, g, g1, g2
-    sin_a = math.sin(q + d[D_PHASE_A])
-    cos_a = math.cos(q + d[D_PHASE_A])
+    sin_a, cos_a = sine_cosine(q + d[D_PHASE_A])
     y = radial * sin_a + tangential * cos_a
     y1 = (radial1 - tangential) * sin_a + (tangential1 + radial) * cos_a
     y2 = (radial2 - 2.0 * tangential1 - radial) * sin_a + (tangential2 + 2.0 * radial1 - tangential) * cos_a
