@@ -21,9 +21,15 @@ def explain_parameters(status: int, values: Sequence[float]) -> str | None:
     """Message for a status of the start, or None if it is not one of the parameters."""
     if status == slots.BAD_FIDELITY:
         number = int(values[slots.P_FIDELITY])
-        return _not_built("fidelity", "Fidelity", number, "0 (kinematic) or 2 (rigid)")
+        return _not_built("fidelity", "Fidelity", number, "0 (kinematic), 1 (averaged) or 2 (rigid)")
     if status == slots.BAD_METHOD:
         return _not_built("method", "Method", int(values[slots.P_METHOD]), "0 (event)")
+    if status == slots.NO_RECTIFIER:
+        named = _named(values, "fidelity", "housing_freewheel", "output_freewheel")
+        return (
+            f"{named} are refused together: without both freewheels nothing rectifies the pulses and there is"
+            " no mean torque; allowed with fidelity = 1 (averaged) are both freewheels"
+        )
     if status == slots.SINGULAR:
         names = "link2_inertia", "drive_inertia", "a", "b", "eccentricity", "imbalance_mass"
         return (

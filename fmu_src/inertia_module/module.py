@@ -7,7 +7,7 @@ from array import array
 from collections.abc import Callable
 from typing import Any
 
-from . import compiled
+from . import compiled, maps
 from .kernel import slots, step
 from .messages import explain
 from .variables import (
@@ -91,7 +91,7 @@ class Module:
             self._entry, self.kernel = choose_kernel(self._wanted)
 
     def call(self, operation: int, step_size: float) -> int:
-        """Call the kernel (step.START or step.STEP) and return its status."""
+        """Call the kernel (step.START, STEP or CHECK) and return its status."""
         if self._entry is not None:
             return self._entry(operation, *self._addresses, step_size)
         return step.call(operation, *self._arrays, step_size)  # type: ignore[no-untyped-call, no-any-return]
@@ -126,14 +126,31 @@ class Module:
         Raises:
             Refused: with one line for each thing that is wrong.
         """
+        self._prepare(values)
+        averaged = self.parameters[slots.P_FIDELITY] == slots.AVERAGED
+        if averaged:
+            maps.recall(self.parameters, self.derived)
+        self._check(self.call(step.START, 0.0), 0.0)
+        if averaged:
+            maps.keep(self.parameters, self.derived)
+        self.started = True
+        return self
+
+    def check(self, **values: float) -> None:
+        """Set values and check the parameters, alone and together, without starting.
+
+        Raises:
+            Refused: as start.
+        """
+        self._prepare(values)
+        self._check(self.call(step.CHECK, 0.0), 0.0)
+
+    def _prepare(self, values: dict[str, float]) -> None:
         self.set(**values)
         refused = refused_parameters(list(self.parameters))
         if refused:
             raise Refused("; ".join(refused))
         self.load_kernel()
-        self._check(self.call(step.START, 0.0), 0.0)
-        self.started = True
-        return self
 
     def advance(self, step_size: float) -> None:
         """Advance by a communication step, s.

@@ -130,11 +130,11 @@ def derive(p, d):
         d: derived constants, D_SIZE doubles, written.
 
     Returns:
-        Status: OK, BAD_FIDELITY, BAD_METHOD, SINGULAR or a BAD_START code.
+        Status: OK, BAD_FIDELITY, BAD_METHOD, NO_RECTIFIER, SINGULAR or a BAD_START code.
     """
-    if p[P_FIDELITY] != KINEMATIC and p[P_FIDELITY] != RIGID:
+    if p[P_FIDELITY] != KINEMATIC and p[P_FIDELITY] != AVERAGED and p[P_FIDELITY] != RIGID:
         return BAD_FIDELITY
-    if p[P_METHOD] != EVENT:
+    if p[P_FIDELITY] == RIGID and p[P_METHOD] != EVENT:
         return BAD_METHOD
     d[D_PLANAR] = p[P_LAYOUT]
     if p[P_LAYOUT] != 0.0:
@@ -165,6 +165,8 @@ def derive(p, d):
     d[D_ALPHA_SLOPE] = scale * d[D_ALPHA_SLOPE] + d[D_K] * (1.0 + d[D_K]) * d[D_J16]
     if p[P_FIDELITY] == KINEMATIC:
         return OK
+    if p[P_FIDELITY] == AVERAGED and (d[D_HOUSING] == 0.0 or d[D_OUTPUT] == 0.0):
+        return NO_RECTIFIER
     if is_singular(d):
         return SINGULAR
     return check_start(p)

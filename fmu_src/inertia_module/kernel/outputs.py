@@ -1,5 +1,6 @@
 """Outputs and locals at the present instant, from the state and the inputs held in it."""
 
+from .average_outputs import averaged_energy, write_averaged
 from .dynamics import kinetic_energy, motion, prescribed_torques
 from .layout import imbalance_in_fixed_frame
 from .slots import *
@@ -8,6 +9,13 @@ from .slots import *
 def shaft_in_energy(p, x):
     """Speed with which J3 enters the energy: prescribed motion ends at the output, before J3."""
     return 0.0 if p[P_FIDELITY] == KINEMATIC else x[X_OMEGA3]
+
+
+def stored_energy(p, d, x):
+    """Kinetic energy of the mechanism now, J."""
+    if p[P_FIDELITY] == AVERAGED:
+        return averaged_energy(d, x)
+    return kinetic_energy(d, x[X_Q], x[X_OMEGA1], x[X_OMEGA2], shaft_in_energy(p, x))
 
 
 def write_torques(p, d, x, y):
@@ -20,6 +28,8 @@ def write_torques(p, d, x, y):
     load = x[X_LOAD_TORQUE]
     output = 0.0
     housing = 0.0
+    if p[P_FIDELITY] == AVERAGED:
+        return write_averaged(d, x, y)
     if p[P_FIDELITY] == KINEMATIC:
         alpha2 = p[P_KINEMATIC_RATIO] * alpha1
         drive, mesh = prescribed_torques(d, q, omega1, alpha1, omega2, alpha2)
@@ -81,7 +91,7 @@ def write_outputs(p, d, x, y):
     y[Y_CONTACT_MODE] = x[X_MODE]
     y[Y_CONTACT_SWITCHES] = x[X_SWITCHES]
     y[Y_RHS_EVALUATIONS] = x[X_EVALUATIONS]
-    stored = kinetic_energy(d, x[X_Q], x[X_OMEGA1], x[X_OMEGA2], shaft_in_energy(p, x))
+    stored = stored_energy(p, d, x)
     y[Y_ENERGY_IN] = x[X_ENERGY_IN]
     y[Y_ENERGY_OUT] = x[X_ENERGY_OUT]
     y[Y_ENERGY_STORED] = stored

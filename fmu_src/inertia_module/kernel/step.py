@@ -1,13 +1,14 @@
 """The three things a shell calls: start, advance by a communication step, and the one entry to both."""
 
 from .accumulate import add, assign, later, wrap_drive_angle, wrap_input_angle
+from .average import RESTING, jump_averaged, run_averaged, set_link2, takes_up_jump
+from .average_map import build_map
 from .contact import select_mode
 from .derive import derive
-from .dynamics import kinetic_energy
 from .held import advance_held
 from .impulse import jump_input, jump_kinematic
 from .kinematic import advance_kinematic
-from .outputs import shaft_in_energy, write_outputs
+from .outputs import stored_energy, write_outputs
 from .pulse import advance_moving
 from .slots import *
 
@@ -24,6 +25,8 @@ STALLS_ALLOWED = 100
 
 START = 0
 STEP = 1
+# only the checks of START: changes nothing but d
+CHECK = 2
 
 
 def check_inputs(u):
@@ -33,6 +36,12 @@ def check_inputs(u):
     if not abs(u[U_LOAD_TORQUE]) <= LARGEST_TORQUE:
         return BAD_LOAD_TORQUE
     return OK
+
+
+def check(p, d, u):
+    """Derive the constants and check parameters and inputs. Returns a status."""
+    status = derive(p, d)
+    return check_inputs(u) if status == OK else status
 
 
 def start(p, d, u, x, y):
@@ -45,11 +54,11 @@ def start(p, d, u, x, y):
     Returns:
         Status: OK, one of derive's, BAD_OMEGA1 or BAD_LOAD_TORQUE.
     """
-    status = derive(p, d)
-    if status == OK:
-        status = check_inputs(u)
+    status = check(p, d, u)
     if status != OK:
         return status
+    if p[P_FIDELITY] == AVERAGED:
+        build_map(p, d)
     for n in range(X_SIZE):
         x[n] = 0.0
     x[X_OMEGA1] = u[U_OMEGA1]
@@ -64,8 +73,14 @@ def start(p, d, u, x, y):
     else:
         x[X_OMEGA2] = p[P_OMEGA2_START]
         x[X_OMEGA3] = p[P_OMEGA_OUT_START]
-        x[X_MODE] = select_mode(d, x[X_Q], x[X_OMEGA1], 0.0, x[X_OMEGA2], x[X_OMEGA3], x[X_LOAD_TORQUE])
-    x[X_ENERGY_START] = kinetic_energy(d, x[X_Q], x[X_OMEGA1], x[X_OMEGA2], shaft_in_energy(p, x))
+        if p[P_FIDELITY] == AVERAGED:
+            set_link2(d, x, RESTING, -1.0, 0.0)
+            x[X_STEP_SWITCHES] = 0.0
+        else:
+            x[X_MODE] = select_mode(
+                d, x[X_Q], x[X_OMEGA1], 0.0, x[X_OMEGA2], x[X_OMEGA3], x[X_LOAD_TORQUE]
+            )
+    x[X_ENERGY_START] = stored_energy(p, d, x)
     write_outputs(p, d, x, y)
     return OK
 
@@ -206,6 +221,13 @@ def advance(p, d, u, x, y, w, h):
         if jump != 0.0:
             input_jump, output_jump = jump_kinematic(d, x, jump, p[P_KINEMATIC_RATIO])
         status = run_kinematic(p, d, x, h)
+    elif p[P_FIDELITY] == AVERAGED:
+        if jump != 0.0:
+            if takes_up_jump(d, x, jump, h):
+                x[X_ALPHA1] += jump / h
+            else:
+                input_jump = jump_averaged(d, x, jump)
+        status = run_averaged(d, x, w, h)
     else:
         if jump != 0.0:
             input_jump, output_jump = jump_input(d, x, jump)
@@ -223,7 +245,9 @@ def advance(p, d, u, x, y, w, h):
 
 
 def call(operation, p, d, u, x, y, w, h):
-    """The one entry of the compiled kernel: START or STEP."""
+    """The one entry of the compiled kernel: START, STEP or CHECK."""
     if operation == START:
         return start(p, d, u, x, y)
+    if operation == CHECK:
+        return check(p, d, u)
     return advance(p, d, u, x, y, w, h)
