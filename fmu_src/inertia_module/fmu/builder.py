@@ -27,6 +27,7 @@ PACKAGE_FOLDER = Path(__file__).parent.parent
 BUNDLED = (
     "__init__.py",
     "compiled.py",
+    "maps.py",
     "messages.py",
     "module.py",
     "variables.py",
