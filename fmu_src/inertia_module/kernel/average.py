@@ -154,7 +154,7 @@ def drive(d, x, w, header, omega1, alpha1, load, remaining):
     # a step cut short by the end of the communication step says little about longer ones
     x[X_STEP_SIZE] = max(factor * h, x[X_STEP_SIZE]) if h == wanted else factor * h
     past = overshoot(d, x, w, header, speed, speed_rate, h)
-    if past <= 0.0:
+    if past <= ROUNDING * fastest:
         return h, 0
     low = 0.0
     low_past = max(-omega3, omega3 - d[header + 1] * speed)

@@ -193,7 +193,9 @@ def travel(d, direction, speed, mode, c, start, length, counted):
                 value1, rate1 = guard_value(OUTPUT_GUARD, direction, driving, c, ei, ei1, ei2, eh, eh1, eh2)
             else:
                 value1, rate1 = guard_at(d, OUTPUT_GUARD, direction, driving, c, q + direction * reach)
-            other = fall_inside(d, OUTPUT_GUARD, direction, driving, c, q, value0, rate0, value1, rate1, reach)
+            other = fall_inside(
+                d, OUTPUT_GUARD, direction, driving, c, q, value0, rate0, value1, rate1, reach
+            )
             if other >= 0.0:
                 fall = other
                 fallen = OUTPUT_GUARD

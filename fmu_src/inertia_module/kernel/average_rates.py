@@ -3,6 +3,9 @@
 from .average_table import ROW_ENERGY, ROW_OMEGA2, ROW_PEAK, ROW_RIPPLE, ROW_TORQUE, first_row
 from .slots import *
 
+# a ratio beyond the end of the map by this fraction is at it
+ROUNDING = 1e-14
+
 
 def find_map_row(d, x, header, sigma):
     """Address of the last knot not above sigma; looked for from the one last used."""
@@ -35,7 +38,7 @@ def ratio(omega3, speed):
 
 
 def driving_rates(d, x, header, speed, speed_rate, omega3):
-    """Mean torque and mean omega2 below the end of the map.
+    """Mean torque and mean omega2 up to the end of the map; beyond, its last values go on.
 
     Args:
         speed, speed_rate: |omega1| and its rate. omega3: of the output shaft.
@@ -45,9 +48,11 @@ def driving_rates(d, x, header, speed, speed_rate, omega3):
     """
     sigma = ratio(omega3, speed)
     row = find_map_row(d, x, header, sigma)
+    if sigma > d[header + 1] * (1.0 + ROUNDING):
+        part = d[row + ROW_OMEGA2]
+        slope = speed * d[row + ROW_TORQUE]
+        return speed * slope, 0.0, 2.0 * speed_rate * slope, speed * part, 0.0, speed_rate * part
     t = sigma - d[row]
-    if sigma >= d[header + 1]:
-        t = 0.0
     torque, torque1 = column_at(d, row, ROW_TORQUE, t)
     part, part1 = column_at(d, row, ROW_OMEGA2, t)
     return (

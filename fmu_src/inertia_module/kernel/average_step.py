@@ -73,7 +73,7 @@ def gentle_step(d, x, w, header, speed, speed_rate, omega3, load, h, first, allo
 
 
 def is_one_way(d, x, header, speed, omega3, found, rate, load):
-    """Whether the torque left keeps the sign of rate at the knots between two speeds: no balance is skipped."""
+    """Whether the torque left keeps the sign of rate at the knots between: no balance is skipped."""
     row = first_row(header)
     low = min(omega3, found)
     high = max(omega3, found)

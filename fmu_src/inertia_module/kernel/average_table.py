@@ -152,4 +152,7 @@ def finish_table(d, header):
             d[here + column + 2] = c2
             d[here + column + 3] = c3
         d[here + ROW_ERROR] = 1.0 / (d[here + MAP_ROW] - d[here])
+    # at the last knot the slopes are those from below
+    for column in (ROW_TORQUE, ROW_ENERGY, ROW_OMEGA2):
+        d[base + last * MAP_ROW + column + 1] = slope_at(d, header, column, last)
     d[base + last * MAP_ROW + ROW_ERROR] = 0.0

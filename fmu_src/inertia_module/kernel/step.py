@@ -77,9 +77,7 @@ def start(p, d, u, x, y):
             set_link2(d, x, RESTING, -1.0, 0.0)
             x[X_STEP_SWITCHES] = 0.0
         else:
-            x[X_MODE] = select_mode(
-                d, x[X_Q], x[X_OMEGA1], 0.0, x[X_OMEGA2], x[X_OMEGA3], x[X_LOAD_TORQUE]
-            )
+            x[X_MODE] = select_mode(d, x[X_Q], x[X_OMEGA1], 0.0, x[X_OMEGA2], x[X_OMEGA3], x[X_LOAD_TORQUE])
     x[X_ENERGY_START] = stored_energy(p, d, x)
     write_outputs(p, d, x, y)
     return OK
