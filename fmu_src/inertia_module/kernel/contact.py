@@ -18,12 +18,16 @@ def sign_or_trend(value, rate, zero):
     return value >= -zero and rate > 0.0
 
 
-def select_mode(d, q, omega1, alpha1, omega2, omega3, load):
+def select_mode(d, q, omega1, alpha1, omega2, omega3, load, load_rate):
     """Contact mode of the 2 x 2 complementarity problem on accelerations.
 
     A freewheel counts as touching where its relative velocity is exactly zero: the event search
     and the impulses set it so. The matrix of the problem is a P-matrix, so the mode is unique but
     for ties, which the next derivative decides.
+
+    Args:
+        load, load_rate: torque on the output shaft behind the freewheel (the load, or that of an
+            elastic shaft), N m, and how it changes, N m/s.
     """
     k = d[D_K]
     _, i1, i2, b, b1, g, g1, g2 = reduced_inertia(d, q)
@@ -41,9 +45,9 @@ def select_mode(d, q, omega1, alpha1, omega2, omega3, load):
             return FREE
         trend = free_torque_rate(d, omega1, alpha1, rate_q, k * alpha1, i1, i2, b1, g1, g2)
         return FREE if sign_or_trend(free, trend, zero_free) else HELD
-    if housing and (d[D_OUTPUT] == 0.0 or load >= 0.0):
+    if housing and (d[D_OUTPUT] == 0.0 or (load > 0.0 or (load == 0.0 and load_rate >= 0.0))):
         trend = free_torque_rate(d, omega1, alpha1, rate_q, k * alpha1, i1, i2, b1, g1, g2)
-        return DRIVING if sign_or_trend(free - load, trend, zero) else HELD_DRIVING
+        return DRIVING if sign_or_trend(free - load, trend - load_rate, zero) else HELD_DRIVING
     if d[D_OUTPUT] == 0.0:
         return DRIVING
     if housing:
@@ -53,5 +57,5 @@ def select_mode(d, q, omega1, alpha1, omega2, omega3, load):
     alpha2 = free / inertia if inertia > 0.0 else 0.0
     trend = free_torque_rate(d, omega1, alpha1, rate_q, k * (alpha1 - alpha2), i1, i2, b1, g1, g2)
     closing = shaft * free + inertia * load
-    closing_rate = shaft * trend + k * k * g1 * rate_q * load
+    closing_rate = shaft * trend + k * k * g1 * rate_q * load + inertia * load_rate
     return DRIVING if sign_or_trend(closing, closing_rate, zero * (shaft + inertia)) else FREE

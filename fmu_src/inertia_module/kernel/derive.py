@@ -2,6 +2,7 @@
 
 import math
 
+from .collocation import derive_collocation
 from .slots import *
 
 TWO_PI = 6.283185307179586
@@ -130,12 +131,8 @@ def derive(p, d):
         d: derived constants, D_SIZE doubles, written.
 
     Returns:
-        Status: OK, BAD_FIDELITY, BAD_METHOD, NO_RECTIFIER, SINGULAR or a BAD_START code.
+        Status: OK, NO_RECTIFIER, SINGULAR or a BAD_START code.
     """
-    if p[P_FIDELITY] != KINEMATIC and p[P_FIDELITY] != AVERAGED and p[P_FIDELITY] != RIGID:
-        return BAD_FIDELITY
-    if p[P_FIDELITY] == RIGID and p[P_METHOD] != EVENT:
-        return BAD_METHOD
     d[D_PLANAR] = p[P_LAYOUT]
     if p[P_LAYOUT] != 0.0:
         derive_planar(p, d)
@@ -149,6 +146,7 @@ def derive(p, d):
     d[D_J2] = p[P_J2]
     d[D_J3] = p[P_J3]
     d[D_J16] = p[P_J16]
+    derive_collocation(d)
     d[D_J4] = p[P_J4]
     d[D_STIFFNESS] = p[P_SHAFT_STIFFNESS]
     d[D_DAMPING] = p[P_SHAFT_DAMPING]

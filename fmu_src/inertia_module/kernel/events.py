@@ -7,6 +7,7 @@ The beginning of a step never counts: what holds there was settled when the mode
 
 import math
 
+from .collocated_guards import collocated_guard
 from .contact import TORQUE_ROUNDING
 from .dormand_prince import dense_change, dense_coefficients, dense_rate, extra_stages
 from .dynamics import motion_rates, torque_scale
@@ -22,10 +23,6 @@ QUIET_PHASE = 2.0
 # looks for a dip between two looks at a guard
 DIP_LOOKS = 30
 
-NONE = -1
-LINK2 = 0
-OUTPUT = 1
-
 
 def output_guard(d, x, w, t, omega2, alpha2, jerk2):
     """Second guard and its rate, the time t into the step."""
@@ -39,8 +36,11 @@ def output_guard(d, x, w, t, omega2, alpha2, jerk2):
 def guard_inside(d, x, w, which, sigma):
     """A guard at the fraction sigma of the step and its rate per unit of sigma.
 
-    Velocities are those of the dense output; a torque is evaluated exactly at its state.
+    Velocities are those of the dense output (or of the collocation polynomials, with the elastic
+    output); a torque is evaluated exactly at its state.
     """
+    if w[W_COLLOCATED] != 0.0:
+        return collocated_guard(d, x, w, which, sigma)
     h = w[W_STEP]
     omega2 = x[X_OMEGA2] + dense_change(w, W_DENSE_OMEGA2, sigma)
     if which == OUTPUT and x[X_MODE] == DRIVING:

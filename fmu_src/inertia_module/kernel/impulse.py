@@ -19,6 +19,14 @@ def apply_part(d, x, i, b, g, jump, change2):
     return impulse
 
 
+def push_driven_mass(d, x, change3):
+    """A jump of the hub's speed: the balancer passes beta of it on to the driven mass (elastic output)."""
+    omega4 = x[X_OMEGA3] - x[X_RELATIVE]
+    change4 = d[D_BALANCER] * change3
+    add(x, X_RELATIVE, change3 - change4)
+    add(x, X_ENERGY_LOST, -d[D_J4] * change4 * (omega4 + 0.5 * change4))
+
+
 def jump_input(d, x, jump):
     """Apply a jump of omega1, N m s.
 
@@ -53,6 +61,7 @@ def jump_input(d, x, jump):
     assign(x, X_OMEGA2, end2)
     if end2 > omega3 or d[D_OUTPUT] == 0.0:
         clutch = d[D_J3] * (end2 - omega3)
+        push_driven_mass(d, x, end2 - omega3)
         assign(x, X_OMEGA3, end2)
     return impulse, clutch
 

@@ -3,6 +3,7 @@
 from .average_outputs import averaged_energy, write_averaged
 from .dynamics import kinetic_energy, motion, prescribed_torques
 from .layout import imbalance_in_fixed_frame
+from .shaft import shaft_torque, stored_in_shaft
 from .slots import *
 
 
@@ -11,11 +12,19 @@ def shaft_in_energy(p, x):
     return 0.0 if p[P_FIDELITY] == KINEMATIC else x[X_OMEGA3]
 
 
+def shaft_load(p, d, x):
+    """Torque on the hub behind the output freewheel, the load or that of the elastic shaft, and its rate."""
+    if p[P_FIDELITY] == ELASTIC:
+        return shaft_torque(d, x)
+    return x[X_LOAD_TORQUE], 0.0
+
+
 def stored_energy(p, d, x):
-    """Kinetic energy of the mechanism now, J."""
+    """Kinetic energy of the mechanism and the energy of an elastic output, J."""
     if p[P_FIDELITY] == AVERAGED:
         return averaged_energy(d, x)
-    return kinetic_energy(d, x[X_Q], x[X_OMEGA1], x[X_OMEGA2], shaft_in_energy(p, x))
+    stored = kinetic_energy(d, x[X_Q], x[X_OMEGA1], x[X_OMEGA2], shaft_in_energy(p, x))
+    return stored + stored_in_shaft(d, x) if p[P_FIDELITY] == ELASTIC else stored
 
 
 def write_torques(p, d, x, y):
@@ -25,7 +34,7 @@ def write_torques(p, d, x, y):
     omega1 = x[X_OMEGA1]
     alpha1 = x[X_ALPHA1]
     omega2 = x[X_OMEGA2]
-    load = x[X_LOAD_TORQUE]
+    load, _ = shaft_load(p, d, x)
     output = 0.0
     housing = 0.0
     if p[P_FIDELITY] == AVERAGED:
@@ -77,9 +86,9 @@ def write_imbalance(d, x, y, alpha2):
 def write_outputs(p, d, x, y):
     """Fill y (Y_SIZE doubles) from the state."""
     y[Y_OMEGA2] = x[X_OMEGA2]
-    y[Y_OMEGA_OUT] = x[X_OMEGA3]
+    y[Y_OMEGA_OUT] = x[X_OMEGA3] - x[X_RELATIVE]
     y[Y_OMEGA_HUB] = x[X_OMEGA3]
-    y[Y_SHAFT_TWIST] = 0.0
+    y[Y_SHAFT_TWIST] = x[X_TWIST]
     y[Y_INPUT_TORQUE_MEAN] = x[X_INPUT_TORQUE_MEAN]
     y[Y_OUTPUT_TORQUE_MEAN] = x[X_OUTPUT_TORQUE_MEAN]
     y[Y_TORQUE_RIPPLE] = x[X_TORQUE_RIPPLE]
@@ -92,9 +101,10 @@ def write_outputs(p, d, x, y):
     y[Y_CONTACT_SWITCHES] = x[X_SWITCHES]
     y[Y_RHS_EVALUATIONS] = x[X_EVALUATIONS]
     stored = stored_energy(p, d, x)
+    lost = x[X_ENERGY_LOST]
     y[Y_ENERGY_IN] = x[X_ENERGY_IN]
     y[Y_ENERGY_OUT] = x[X_ENERGY_OUT]
     y[Y_ENERGY_STORED] = stored
-    y[Y_ENERGY_LOST] = 0.0  # ideal freewheels close at zero relative speed
-    y[Y_ENERGY_RESIDUAL] = x[X_ENERGY_IN] - x[X_ENERGY_OUT] - (stored - x[X_ENERGY_START])
+    y[Y_ENERGY_LOST] = lost
+    y[Y_ENERGY_RESIDUAL] = x[X_ENERGY_IN] - x[X_ENERGY_OUT] - lost - (stored - x[X_ENERGY_START])
     write_imbalance(d, x, y, write_torques(p, d, x, y))

@@ -4,7 +4,7 @@ from .accumulate import add, assign, wrap_drive_angle
 from .dormand_prince import dense_change, error_norm, keep_end, quadrature, result, stages
 from .dormand_prince_table import STAGE_NODES
 from .dynamics import angular_momentum, motion_rates
-from .events import LINK2, NONE, OUTPUT, first_event, is_step_quiet
+from .events import first_event, is_step_quiet
 from .held import coast
 from .slots import *
 
@@ -195,6 +195,7 @@ def advance_moving(d, x, w, omega1, alpha1, load, remaining):
         (time passed or -1 if no step is small enough, whether the contact mode may change then).
     """
     driving = x[X_MODE] == DRIVING
+    w[W_COLLOCATED] = 0.0
     w[W_ALPHA1] = alpha1
     w[W_LOAD] = load
     w[W_SHAFT_INERTIA] = d[D_J3] if driving else 0.0

@@ -123,11 +123,11 @@ X_OUTPUT_SQUARE = 29
 X_STEP_SWITCHES = 30
 X_STEP_EVALUATIONS = 31
 X_TORQUE_PEAK = 32
-# elastic output
+# elastic output: twist, and omega3 - omega4, which would cancel if omega4 were kept instead
 X_TWIST = 33
 X_TWIST_LOW = 34
-X_OMEGA4 = 35
-X_OMEGA4_LOW = 36
+X_RELATIVE = 35
+X_RELATIVE_LOW = 36
 X_ENERGY_LOST = 37
 X_ENERGY_LOST_LOW = 38
 # averaged: the row of the map last used
@@ -171,8 +171,12 @@ D_STIFFNESS = 32
 D_DAMPING = 33
 D_FRICTION = 34
 D_BALANCER = 35
+# collocation of the elastic output: A, A A and the Lagrange polynomials, 5 x 5 each
+D_RADAU = 36
+D_RADAU_SQUARE = 61
+D_LAGRANGE = 86
 # averaged: the map of mean torque, its key, and sums while it is built (see average_map)
-D_AVERAGED = 36
+D_AVERAGED = 111
 D_MAP_KEY = D_AVERAGED
 D_SUM_TIME = D_MAP_KEY + 24
 D_SUM_TORQUE = D_SUM_TIME + 1
@@ -207,7 +211,34 @@ W_LOAD = 59
 W_STEP = 60
 W_SHAFT_INERTIA = 61
 W_SHAFT_TORQUE = 62
-W_STATE = 63
+# inertia at the beginning of a fixed step (in place of the stages)
+W_KEPT_I = 0
+W_KEPT_I1 = 1
+W_KEPT_B = 2
+W_KEPT_G = 3
+# the step in hand of the elastic output: matrices of the shaft, 5 x 5 each
+W_COLLOCATED = 63
+W_INVERSE = 64
+W_GAIN = 89
+W_SHAFT = 114
+W_JACOBIAN = 139
+# and numbers at its five stages
+W_RATE2 = 164
+W_RATE3 = 169
+W_RATE_RELATIVE = 174
+W_STAGE_Q = 179
+W_STAGE_OMEGA2 = 184
+W_STAGE_OMEGA3 = 189
+W_STAGE_RELATIVE = 194
+W_STAGE_SHAFT_TORQUE = 199
+W_STAGE_CLUTCH = 204
+W_RIGHT_SIDE = 209
+W_SHAFT_RIGHT_SIDE = 214
+# polynomials of omega2, omega3 and the torque that a guard looks at
+W_POLYNOMIAL_2 = 219
+W_POLYNOMIAL_3 = 225
+W_POLYNOMIAL_TORQUE = 231
+W_STATE = 236
 W_SIZE = W_STATE + X_SIZE
 
 # contact modes
@@ -215,6 +246,11 @@ HELD = 0
 FREE = 1
 DRIVING = 2
 HELD_DRIVING = 3
+
+# guards of a contact mode: of the speed of link 2 or its release, and of the output freewheel
+NONE = -1
+LINK2 = 0
+OUTPUT = 1
 
 # fidelities and methods
 KINEMATIC = 0
@@ -226,8 +262,6 @@ TIMESTEPPING = 1
 
 # status codes
 OK = 0
-BAD_FIDELITY = 1
-BAD_METHOD = 2
 SINGULAR = 3
 BAD_START_HOUSING = 4
 BAD_START_OUTPUT = 5

@@ -5,18 +5,22 @@ from .average import RESTING, jump_averaged, run_averaged, set_link2, takes_up_j
 from .average_map import build_map
 from .contact import select_mode
 from .derive import derive
+from .elastic import advance_elastic, shaft_frequency
 from .held import advance_held
 from .impulse import jump_input, jump_kinematic
 from .kinematic import advance_kinematic
-from .outputs import stored_energy, write_outputs
+from .outputs import shaft_load, stored_energy, write_outputs
 from .pulse import advance_moving
 from .slots import *
+from .timestepping import one_step, put_inertia, steps_in
 
 LARGEST_SPEED = 1e6
 LARGEST_TORQUE = 1e12
 LARGEST_STEP = 1e6
 # work one communication step may take before it is given up
 MAX_EVALUATIONS = 5e7
+# fixed steps one communication step may take
+MAX_STEPS = 1e7
 # contact switches per turn of the highest harmonic: a pulse has about four
 SWITCHES_PER_PULSE = 64.0
 SWITCHES_ALLOWED = 1000.0
@@ -77,7 +81,7 @@ def start(p, d, u, x, y):
             set_link2(d, x, RESTING, -1.0, 0.0)
             x[X_STEP_SWITCHES] = 0.0
         else:
-            x[X_MODE] = select_mode(d, x[X_Q], x[X_OMEGA1], 0.0, x[X_OMEGA2], x[X_OMEGA3], x[X_LOAD_TORQUE])
+            x[X_MODE] = present_mode(p, d, x, u[U_OMEGA1])
     x[X_ENERGY_START] = stored_energy(p, d, x)
     write_outputs(p, d, x, y)
     return OK
@@ -107,15 +111,21 @@ def begin(p, u, x, h):
     return jump
 
 
-def choose_mode(d, x, omega1):
+def present_mode(p, d, x, omega1):
+    """Contact mode of the state in x."""
+    load, rate = shaft_load(p, d, x)
+    return select_mode(d, x[X_Q], omega1, x[X_ALPHA1], x[X_OMEGA2], x[X_OMEGA3], load, rate)
+
+
+def choose_mode(p, d, x, omega1):
     """Choose the contact mode anew and count a switch if it is another."""
-    mode = select_mode(d, x[X_Q], omega1, x[X_ALPHA1], x[X_OMEGA2], x[X_OMEGA3], x[X_LOAD_TORQUE])
+    mode = present_mode(p, d, x, omega1)
     if mode != x[X_MODE]:
         x[X_MODE] = mode
         x[X_STEP_SWITCHES] += 1.0
 
 
-def run_rigid(d, x, w, h):
+def run_events(p, d, x, w, h):
     """Advance link 2 and the output shaft by h from event to event. Returns a status."""
     omega1 = x[X_OMEGA1]
     alpha1 = x[X_ALPHA1]
@@ -124,12 +134,15 @@ def run_rigid(d, x, w, h):
     low = 0.0
     travel = 0.0
     stalls = 0
-    choose_mode(d, x, omega1)
+    choose_mode(p, d, x, omega1)
     while time < h:
         remaining = (h - time) - low
         mode = x[X_MODE]
         speed = omega1 + alpha1 * time
-        if mode == HELD or mode == HELD_DRIVING:
+        if p[P_FIDELITY] == ELASTIC:
+            passed, event = advance_elastic(d, x, w, speed, alpha1, load, remaining)
+            travel += passed * shaft_frequency(d, 1.0 / d[D_J3])
+        elif mode == HELD or mode == HELD_DRIVING:
             passed, event = advance_held(d, x, mode, speed, alpha1, load, remaining)
         else:
             passed, event = advance_moving(d, x, w, speed, alpha1, load, remaining)
@@ -142,7 +155,7 @@ def run_rigid(d, x, w, h):
         else:
             time, low = later(time, low, passed)
         if event:
-            choose_mode(d, x, omega1 + alpha1 * time)
+            choose_mode(p, d, x, omega1 + alpha1 * time)
             stalls = stalls + 1 if x[X_MODE] == mode else 0
             if stalls > STALLS_ALLOWED:
                 return TOO_MANY_SWITCHES
@@ -150,6 +163,23 @@ def run_rigid(d, x, w, h):
                 return TOO_MANY_SWITCHES
         if x[X_STEP_EVALUATIONS] > MAX_EVALUATIONS:
             return TOO_MUCH_WORK
+    return OK
+
+
+def run_timestepping(p, d, x, w, h):
+    """Advance by h in equal steps. Returns a status."""
+    count = steps_in(d, h)
+    if count > MAX_STEPS:
+        return TOO_MUCH_WORK
+    omega1 = x[X_OMEGA1]
+    alpha1 = x[X_ALPHA1]
+    part = h / count
+    number = 0.0
+    put_inertia(d, x, w)
+    while number < count:
+        one_step(p, d, x, w, omega1 + alpha1 * part * number, alpha1, x[X_LOAD_TORQUE], part)
+        number += 1.0
+    x[X_MODE] = present_mode(p, d, x, omega1 + alpha1 * h)  # what the torques now follow from
     return OK
 
 
@@ -229,7 +259,7 @@ def advance(p, d, u, x, y, w, h):
     else:
         if jump != 0.0:
             input_jump, output_jump = jump_input(d, x, jump)
-        status = run_rigid(d, x, w, h)
+        status = run_timestepping(p, d, x, w, h) if p[P_METHOD] == TIMESTEPPING else run_events(p, d, x, w, h)
     if status == OK:
         end(x, h, input_jump, output_jump)
         if not is_finite(x):

@@ -1,0 +1,91 @@
+"""The guards of a contact mode inside a collocation step, and the step that ends where one falls."""
+
+from .collocation import fit, fit_integral, polynomial
+from .dynamics import held_torque
+from .elastic_stages import solve_stages
+from .held import held_angle
+from .radau_table import STAGES
+from .slots import *
+
+# attempts to make a step end at a crossing
+LANDINGS = 60
+
+
+def put_polynomials(d, x, w):
+    """Polynomials of the speeds and of the torque that the guards need, for the step in hand."""
+    h = w[W_STEP]
+    mode = x[X_MODE]
+    if mode == FREE or mode == DRIVING:
+        fit_integral(d, w, W_RATE2, x[X_OMEGA2], h, W_POLYNOMIAL_2)
+    if mode == FREE or mode == HELD:
+        fit_integral(d, w, W_RATE3, x[X_OMEGA3], h, W_POLYNOMIAL_3)
+    if mode == DRIVING or mode == HELD_DRIVING:
+        fit(d, w, W_STAGE_CLUTCH, W_POLYNOMIAL_TORQUE)
+
+
+def collocated_guard(d, x, w, which, sigma):
+    """A guard at the fraction sigma of the step and its rate per unit of sigma.
+
+    held: -F and omega3; free: omega2 and omega3 - omega2; driving: omega2 and Tc; held and driving:
+    Tc - F and Tc. F is exact, the rest comes from the collocation polynomials.
+    """
+    mode = x[X_MODE]
+    h = w[W_STEP]
+    if mode == FREE or mode == DRIVING:
+        if which == LINK2:
+            return polynomial(w, W_POLYNOMIAL_2, STAGES + 1, sigma)
+        if mode == DRIVING:
+            return polynomial(w, W_POLYNOMIAL_TORQUE, STAGES, sigma)
+        value3, rate3 = polynomial(w, W_POLYNOMIAL_3, STAGES + 1, sigma)
+        value2, rate2 = polynomial(w, W_POLYNOMIAL_2, STAGES + 1, sigma)
+        return value3 - value2, rate3 - rate2
+    if which == OUTPUT:
+        if mode == HELD:
+            return polynomial(w, W_POLYNOMIAL_3, STAGES + 1, sigma)
+        return polynomial(w, W_POLYNOMIAL_TORQUE, STAGES, sigma)
+    value = 0.0
+    rate = 0.0
+    if mode == HELD_DRIVING:
+        value, rate = polynomial(w, W_POLYNOMIAL_TORQUE, STAGES, sigma)
+    t = sigma * h
+    omega1 = w[W_OMEGA1]
+    alpha1 = w[W_ALPHA1]
+    torque, slope = held_torque(d, held_angle(d, x[X_Q], omega1, alpha1, t), omega1 + alpha1 * t, alpha1)
+    x[X_STEP_EVALUATIONS] += 1.0
+    return value - torque, rate - h * slope
+
+
+def land(d, x, w, which, zero, sigma):
+    """Make the step end where the guard falls below -zero, near the fraction sigma of the one in hand.
+
+    The end of a step is far more accurate than its inside, so the step is made anew until its end is there.
+
+    Returns:
+        Whether it ends with the guard below -zero (else the crossing was one of the polynomial alone).
+    """
+    low = 0.0
+    high = w[W_STEP]
+    t = sigma * high
+    crossed = False
+    for _ in range(LANDINGS):
+        if not solve_stages(d, x, w, t):
+            return False
+        put_polynomials(d, x, w)
+        value, rate = collocated_guard(d, x, w, which, 1.0)
+        if -4.0 * zero <= value < -zero:
+            return True
+        if value < -zero:
+            high = t
+            crossed = True
+        else:
+            low = t
+        move = t - t * (value + 2.0 * zero) / rate if rate < 0.0 else low
+        if not low < move < high:
+            move = 0.5 * (low + high)
+        if not low < move < high:
+            break
+        t = move
+    if crossed and t != high:
+        solve_stages(d, x, w, high)
+        put_polynomials(d, x, w)
+    return crossed
