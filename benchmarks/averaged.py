@@ -30,10 +30,9 @@ def recorded_inputs():
     return scene, record["omega1"][1:], record["load_torque"][1:]
 
 
-def player():
+def player(operation=step.STEP_ONLY):
     """Compiled loop: steps of h with the inputs given, from the state given."""
     entry = compiled.load()
-    operation = step.STEP
 
     @numba.njit
     def play(p, d, u, x, y, w, omega1, load, h):

@@ -62,10 +62,12 @@ def test_structure_lists_every_output_and_what_it_depends_on_at_first(descriptio
     assert {"omega1", "load_torque", "link2_inertia"} <= initial["output_torque"]
 
 
-def test_declared_initial_dependencies_are_all_there_are(instances, description):
+@pytest.mark.parametrize("fidelity", [1, 2])
+def test_declared_initial_dependencies_are_all_there_are(instances, description, fidelity):
     """Change one known at a time: no output changes that does not declare it."""
     initial = {u.variable.name: {d.name for d in u.dependencies} for u in description.initialUnknowns}
     base = {"omega1": 80.0, "load_torque": 5.0, "omega_out_start": 3.0, "omega2_start": 1.0}
+    base["fidelity"] = fidelity
 
     def outputs(**changes):
         instance = instances().start(**(base | changes))

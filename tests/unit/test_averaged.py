@@ -257,3 +257,34 @@ def test_checking_parameters_builds_no_map(layout):
     assert not module.started
     with pytest.raises(Refused, match="fidelity = 1"):
         module.check(housing_freewheel=False)
+
+
+@pytest.mark.parametrize("layout", SCENES)
+@pytest.mark.parametrize("input_hold", [0, 1])
+def test_both_kernels_give_the_same_mean_motion(compiled, layout, input_hold):
+    def driven(kernel):
+        module = averaged(kernel, layout, input_hold=input_hold)
+        omega1 = module["omega1"]
+        for n in range(25):
+            advanced(module, 0.02 + 0.01 * (n % 3), omega1=omega1 * (1.0 + 0.4 * math.sin(0.7 * n)))
+        advanced(module, 0.2, omega1=-0.5 * omega1, load_torque=-3.0)
+        return advanced(module, 0.2, 0.1, omega1=0.0).snapshot()
+
+    plain, fast = driven("plain"), driven(compiled)
+    for name, value in plain.items():
+        assert fast[name] == pytest.approx(value, rel=1e-9, abs=1e-9), name
+
+
+@pytest.mark.parametrize("fidelity", [0, 1, 2, 3])
+def test_a_step_without_the_imbalance_and_its_outputs_afterwards_are_a_whole_step(kernel, fidelity):
+    from inertia_module.kernel import step
+
+    whole, parts = (started(kernel, SCENES["planar"], fidelity=fidelity) for _ in range(2))
+    advanced(whole, 0.01, 0.01)
+    before = parts["imbalance_x"], parts["imbalance_y"], parts["imbalance_acceleration"]
+    for _ in range(2):
+        assert parts.call(step.STEP_ONLY, 0.01) == 0
+    assert (parts["imbalance_x"], parts["imbalance_y"], parts["imbalance_acceleration"]) == before
+    assert parts["omega_out"] == whole["omega_out"]
+    assert parts.call(step.OUTPUTS, 0.0) == 0
+    assert parts.save() == whole.save()

@@ -46,7 +46,6 @@ _NUMERICS = {"tolerance", "max_step", "method", "input_hold"}
 _ELASTIC = {"driven_inertia", "shaft_stiffness", "shaft_damping", "driven_friction", "balancer"}
 _MEANS = {"input_torque_mean", "output_torque_mean"}
 _SPEEDS = {
-    "omega2": {"omega1", "fidelity", "kinematic_ratio", "omega2_start"},
     "omega_out": {"omega1", "fidelity", "kinematic_ratio", "omega_out_start"},
 }
 

@@ -83,8 +83,8 @@ def write_imbalance(d, x, y, alpha2):
     y[Y_ACCELERATION_Z] = az
 
 
-def write_outputs(p, d, x, y):
-    """Fill y (Y_SIZE doubles) from the state."""
+def write_outputs(p, d, x, y, imbalance):
+    """Fill y (Y_SIZE doubles) from the state; the motion of the imbalance only if it is wanted."""
     y[Y_OMEGA2] = x[X_OMEGA2]
     y[Y_OMEGA_OUT] = x[X_OMEGA3] - x[X_RELATIVE]
     y[Y_OMEGA_HUB] = x[X_OMEGA3]
@@ -107,4 +107,6 @@ def write_outputs(p, d, x, y):
     y[Y_ENERGY_STORED] = stored
     y[Y_ENERGY_LOST] = lost
     y[Y_ENERGY_RESIDUAL] = x[X_ENERGY_IN] - x[X_ENERGY_OUT] - lost - (stored - x[X_ENERGY_START])
-    write_imbalance(d, x, y, write_torques(p, d, x, y))
+    alpha2 = write_torques(p, d, x, y)
+    if imbalance:
+        write_imbalance(d, x, y, alpha2)

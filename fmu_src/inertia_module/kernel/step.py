@@ -31,6 +31,10 @@ START = 0
 STEP = 1
 # only the checks of START: changes nothing but d
 CHECK = 2
+# STEP without the motion of the imbalance, which costs more than a step of fidelity averaged;
+# OUTPUTS fills it in, where a shell is asked for it
+STEP_ONLY = 3
+OUTPUTS = 4
 
 
 def check_inputs(u):
@@ -83,7 +87,7 @@ def start(p, d, u, x, y):
         else:
             x[X_MODE] = present_mode(p, d, x, u[U_OMEGA1])
     x[X_ENERGY_START] = stored_energy(p, d, x)
-    write_outputs(p, d, x, y)
+    write_outputs(p, d, x, y, True)
     return OK
 
 
@@ -226,7 +230,7 @@ def is_finite(x):
     return True
 
 
-def advance(p, d, u, x, y, w, h):
+def advance(p, d, u, x, y, w, h, imbalance):
     """Advance by the communication step h, s.
 
     A status other than OK leaves state and outputs as they were.
@@ -234,6 +238,7 @@ def advance(p, d, u, x, y, w, h):
     Args:
         p, d, u: parameters, derived constants, inputs (held or extrapolated over the step).
         x, y: state and outputs, written. w: workspace (W_SIZE).
+        imbalance: whether the outputs of the imbalance are wanted, else they stay as they were.
     """
     if not 0.0 < h <= LARGEST_STEP:
         return BAD_STEP
@@ -268,14 +273,17 @@ def advance(p, d, u, x, y, w, h):
         for n in range(X_SIZE):
             x[n] = w[W_STATE + n]
         return status
-    write_outputs(p, d, x, y)
+    write_outputs(p, d, x, y, imbalance)
     return OK
 
 
 def call(operation, p, d, u, x, y, w, h):
-    """The one entry of the compiled kernel: START, STEP or CHECK."""
+    """The one entry of the compiled kernel: START, STEP, CHECK, STEP_ONLY or OUTPUTS."""
     if operation == START:
         return start(p, d, u, x, y)
     if operation == CHECK:
         return check(p, d, u)
-    return advance(p, d, u, x, y, w, h)
+    if operation == OUTPUTS:
+        write_outputs(p, d, x, y, True)
+        return OK
+    return advance(p, d, u, x, y, w, h, operation == STEP)
