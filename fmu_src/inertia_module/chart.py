@@ -76,13 +76,14 @@ class TorqueConverterChart:
     @property
     def lowest_ratio(self) -> float:
         """Speed ratio with the least torque below the end."""
-        return float(self.speed_ratio[int(np.argmin(self.output_torque))])
+        lowest = int(np.argmin(self.output_torque))
+        return float(self.speed_ratio[lowest])
 
     def output_torque_at(self, speed_ratio: ArrayLike) -> Array:
         """Mean output torque over omega1 squared at any ratios from 0 up, N m s^2, linear between rows."""
-        return np.interp(
-            np.asarray(speed_ratio, dtype=float), self.speed_ratio, self.output_torque, right=0.0
-        )
+        ratios = np.asarray(speed_ratio, dtype=float)
+        torque: Array = np.interp(ratios, self.speed_ratio, self.output_torque, right=0.0)
+        return torque
 
     def summary(self) -> dict[str, float]:
         """The numbers to compare mechanisms by."""

@@ -18,7 +18,7 @@ def explain_parameters(status: int, values: Sequence[float]) -> str | None:
         named = _named(values, "fidelity", "housing_freewheel", "output_freewheel")
         return (
             f"{named} are refused together: without both freewheels nothing rectifies the pulses and there is"
-            " no mean torque; allowed with fidelity = 1 (averaged) are both freewheels"
+            " no mean torque; allowed is fidelity = 1 (averaged) with both freewheels"
         )
     if status == slots.SINGULAR:
         names = "link2_inertia", "drive_inertia", "a", "b", "eccentricity", "imbalance_mass"

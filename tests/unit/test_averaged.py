@@ -231,7 +231,7 @@ def test_saved_and_restored_module_goes_on_as_it_was(kernel, layout):
 @pytest.mark.parametrize("layout", SCENES)
 @pytest.mark.parametrize("freewheels", [name for name in FREEWHEELS if name != "both freewheels"])
 def test_without_both_freewheels_it_is_refused(kernel, layout, freewheels):
-    with pytest.raises(Refused, match=r"fidelity = 1, housing_freewheel = .*allowed with fidelity = 1"):
+    with pytest.raises(Refused, match=r"fidelity = 1, housing_freewheel = .*allowed is fidelity = 1"):
         averaged(kernel, layout, **FREEWHEELS[freewheels])
 
 

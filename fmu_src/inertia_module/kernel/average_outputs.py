@@ -1,6 +1,7 @@
 """Outputs of fidelity averaged: the means of the torques, their ripple and peak, the mean energy."""
 
-from .average import LOCKED, RESTING, choose_leg, header_at, torque_at
+from .average import torque_at
+from .average_legs import LOCKED, RESTING, choose_leg, header_at
 from .average_rates import energy_at, mean_input_torque, ripple_at
 from .slots import *
 

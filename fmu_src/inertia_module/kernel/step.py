@@ -1,7 +1,9 @@
 """The three things a shell calls: start, advance by a communication step, and the one entry to both."""
 
 from .accumulate import add, assign, later, wrap_drive_angle, wrap_input_angle
-from .average import RESTING, jump_averaged, run_averaged, set_link2, takes_up_jump
+from .average import run_averaged, set_link2
+from .average_jump import jump_averaged, takes_up_jump
+from .average_legs import RESTING
 from .average_map import build_map
 from .contact import select_mode
 from .derive import derive
