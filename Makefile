@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 QUIET ?= -q
 
-.PHONY: demo test lint docs build bench install clean help
+.PHONY: demo test lint docs build bench stability install clean help
 
 help: ## what there is to make
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
@@ -45,6 +45,12 @@ docs: $(VENV)/.all ## build the documentation into site/
 
 bench: $(VENV)/.all ## measure speed and errors, write docs/performance.md
 	$(BIN)/python benchmarks/speed.py
+	$(BIN)/python benchmarks/trade.py
+
+stability: $(VENV)/.all ## try the extremes, write docs/stability.csv, the picture and the page
+	$(BIN)/inertia-module stability -o out/stability
+	cp out/stability/stability.csv out/stability/stability.png docs/
+	$(BIN)/python docs/make_pages.py
 
 clean: ## remove what was built
 	rm -rf $(VENV) out site build/*.fmu

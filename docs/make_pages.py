@@ -6,6 +6,8 @@ from pathlib import Path
 
 from inertia_module.fmu.documentation import variables_page
 from inertia_module.papers.page import papers_page
+from inertia_module.studies.stability.page import stability_page
+from inertia_module.studies.stability.table import read_rows
 
 HERE = Path(__file__).parent
 README = HERE.parent / "README.md"
@@ -16,7 +18,17 @@ def start_page():
     return README.read_text().replace("](docs/", "](").replace('src="docs/', 'src="')
 
 
-PAGES = {"variables.md": variables_page, "papers.md": papers_page, "index.md": start_page}
+def extremes_page():
+    """The verdicts that are committed in stability.csv."""
+    return stability_page(read_rows(HERE / "stability.csv"))
+
+
+PAGES = {
+    "variables.md": variables_page,
+    "papers.md": papers_page,
+    "stability.md": extremes_page,
+    "index.md": start_page,
+}
 
 
 def is_current(path, text):

@@ -1,4 +1,4 @@
-"""The command ``inertia-module``: build the FMUs, run a scene, check an FMU."""
+"""The command ``inertia-module``: build the FMUs, run a scene, measure the trade, check, try the extremes."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ import typer
 
 BUILD_FOLDER = Path("build")
 OUTPUT_FOLDER = Path("out")
+# columns of a wide table: a narrower console wraps its lines
+TABLE_WIDTH = 160
 
 app = typer.Typer(
     help="Inertia module: an inertial torque transformer as an FMI 2.0 co-simulation FMU.",
@@ -76,19 +78,39 @@ def build(output: OutputFolder = None, as_json: Json = False) -> None:
 
 def current_fmu() -> Path:
     """The Python FMU in build/, built anew if it is missing or of another state of the package."""
-    from .fmu.builder import IDENTIFIER, is_current
+    from .fmu.builder import MODULE_FMU, is_current
     from .fmu.builder import build as build_fmus
 
-    path = BUILD_FOLDER / f"{IDENTIFIER}.fmu"
+    path = BUILD_FOLDER / MODULE_FMU.file_name
     if not is_current(path):
         build_fmus(BUILD_FOLDER, lambda stage: typer.echo(stage, err=True))
     return path
+
+
+def share(option: str, text: str | None) -> float | None:
+    """An error given on the command line, such as 0.01 or "1 %"."""
+    from .scene.units import checked
+
+    if text is None:
+        return None
+    try:
+        return checked(text, "1", maximum=1.0, above=0.0)
+    except ValueError as error:
+        raise ValueError(f"{option} = {text!r} is refused: {error}") from None
 
 
 @app.command()
 def run(
     scene: Annotated[Path, typer.Argument(metavar="SCENE.toml", help="Scene file.")],
     output: OutputFolder = None,
+    fidelity: Annotated[
+        str | None,
+        typer.Option(help="Instead of the scene's: kinematic, averaged, rigid, elastic, or auto to choose."),
+    ] = None,
+    error: Annotated[
+        str | None,
+        typer.Option(help='Error allowed in the outputs, such as 0.01 or "1 %", for fidelity auto.'),
+    ] = None,
     fmu: Annotated[
         Path | None, typer.Option(metavar="FILE.fmu", help="FMU to run (build/InertiaModulePy.fmu).")
     ] = None,
@@ -99,27 +121,92 @@ def run(
     from .figures import scene_figure
     from .results import write_figure, write_text
     from .scene import load_scene, run_scene
+    from .studies.trials import choose
 
+    choice = None
     with one_line_errors():
         read = load_scene(scene)
+        allowed = share("--error", error)
+        if fidelity is not None or (allowed is not None and read.chooses_fidelity):
+            read = read.with_fidelity(fidelity or "auto", allowed)
+        if allowed is not None and not read.chooses_fidelity:
+            raise ValueError(f"--error = {error} is refused: allowed is that only with fidelity auto")
+        if read.chooses_fidelity:
+            with progress_bar("measuring the rungs") as progress:
+                read, choice = choose(read, progress)
         path = fmu or current_fmu()
         with progress_bar(read.title) as progress:
             result = run_scene(read, path, progress)
+        chosen = {} if choice is None else {"fidelity_choice": choice.as_dict()}
+        summary = {**result.summary, **chosen}
         folder = output or OUTPUT_FOLDER / scene.stem
         files = {
             "table": result.table.to_csv(folder / "table.csv"),
-            "summary": write_text(folder / "summary.json", json.dumps(result.summary, indent=2) + "\n"),
+            "summary": write_text(folder / "summary.json", json.dumps(summary, indent=2) + "\n"),
             "plot": write_figure(folder / "plot.png", scene_figure(result)),
         }
     if as_json:
         listed = {name: str(file) for name, file in files.items()}
-        typer.echo(json.dumps({"scene": str(scene), "summary": result.summary, "files": listed}))
+        typer.echo(json.dumps({"scene": str(scene), "summary": summary, "files": listed}))
         return
     rows = {
         name.replace("_", " "): f"{value:.6g} {result.units[name]}".rstrip()
         for name, value in result.summary.items()
     }
     show_table(read.title, rows)
+    for line in choice.lines() if choice is not None else ():
+        typer.echo(line)
+    for name, file in files.items():
+        typer.echo(f"{name}: {file}")
+
+
+@app.command()
+def tradeoff(
+    scene: Annotated[
+        Path | None, typer.Argument(metavar="SCENE.toml", help="Scene file (without it: scene R1).")
+    ] = None,
+    output: OutputFolder = None,
+    recommend: Annotated[
+        str | None,
+        typer.Option(metavar="ERROR", help='Recommend the cheapest rung for an error: 1e-3, "1 %".'),
+    ] = None,
+    wanted: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME", help="Output (of R1: error) that counts; may be repeated."),
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Measure error against cost: fidelity, method, tolerance or step, communication step (out/tradeoff)."""
+    from rich.console import Console
+
+    from .drive import progress_bar
+    from .scene import load_scene
+    from .studies import tradeoff as study
+    from .studies.choice import recommend as choose_cheapest
+    from .studies.peers import PEERS
+    from .studies.report import rich_table
+
+    with one_line_errors(), progress_bar("measuring the trade") as progress:
+        allowed = share("--recommend", recommend)
+        if scene is None:
+            names = tuple(wanted or (study.R1_WANTED,))
+            study.check_wanted(names)
+            found = study.open_study(study.R1, "scene R1", () if allowed else PEERS, progress)
+        else:
+            read = load_scene(scene)
+            read = read.replaced(run={"outputs": wanted}) if wanted else read
+            names = tuple(read.run.outputs)
+            found = (study.scene_trials if allowed else study.scene_study)(read, progress)
+        choice = choose_cheapest(found.rows, allowed, names) if allowed else None
+        files = study.write_study(found, output or OUTPUT_FOLDER / "tradeoff")
+    if as_json:
+        recommended = {} if choice is None else {"recommendation": choice.as_dict()}
+        listed = {"files": {name: str(file) for name, file in files.items()}}
+        typer.echo(json.dumps({**study.study_as_dict(found), **recommended, **listed}))
+        return
+    Console(width=TABLE_WIDTH).print(rich_table(found.title, found.rows, found.names))
+    for line in study.closing_lines(found, choice):
+        typer.echo(line)
     for name, file in files.items():
         typer.echo(f"{name}: {file}")
 
@@ -194,6 +281,43 @@ def check(
             typer.echo(f"problem: {problem}")
         typer.echo("no problems found" if not report.problems else f"{len(report.problems)} problems found")
     if report.problems:
+        raise typer.Exit(1)
+
+
+@app.command()
+def stability(
+    output: OutputFolder = None,
+    as_json: Json = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Leave out the long runs.")] = False,
+    only: Annotated[str | None, typer.Option("--only", metavar="AXIS", help="One axis of the map.")] = None,
+) -> None:
+    """Try the extremes and give each a verdict (out/stability without -o); exit code 1 if one is broken."""
+    from .drive import progress_bar
+    from .results import write_figure
+    from .studies.stability import report
+    from .studies.stability.figure import verdict_map
+    from .studies.stability.study import chosen_cases, run_study, write_cases
+    from .studies.stability.table import rows_of, write_rows
+
+    folder = output or OUTPUT_FOLDER / "stability"
+    with one_line_errors():
+        chosen = chosen_cases(only, quick)
+        with progress_bar("trying the extremes") as progress:
+            verdicts = run_study(chosen, progress)
+        rows = rows_of(verdicts)
+        files = {
+            "verdicts": write_rows(folder / "stability.csv", rows),
+            "cases": write_cases(folder / "cases.csv", verdicts),
+            "map": write_figure(folder / "stability.png", verdict_map(rows)),
+        }
+    if as_json:
+        listed = {name: str(file) for name, file in files.items()}
+        typer.echo(json.dumps({"verdicts": report.as_records(verdicts), "files": listed}))
+    else:
+        report.print_rows(rows)
+        for name, file in files.items():
+            typer.echo(f"{name}: {file}")
+    if any(verdict.word == "broken" for verdict in verdicts):
         raise typer.Exit(1)
 
 

@@ -1,7 +1,7 @@
 """The kernel compiled from its Python source, once per source and processor, kept in a cache.
 
-Numba compiles the same files that run as plain Python into one object file; from then on only
-llvmlite is needed to load it, in milliseconds. The object holds one function, the kernel's entry
+Numba compiles the same files that run as plain Python into one object file an entry (a model); from
+then on only llvmlite is needed to load it, in milliseconds. The object holds one function, the entry's
 ``call``, working on the addresses of arrays of doubles.
 """
 
@@ -18,14 +18,35 @@ import tempfile
 import types
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from . import kernel
-from .kernel import slots
+from .kernel import driven_shaft_slots, slots
 
-ENTRY = "inertia_module_kernel"
 SIGNATURE = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64, *[ctypes.c_void_p] * 6, ctypes.c_double)
 KERNEL_FOLDER = Path(kernel.__file__).parent
+
+
+class Entry(NamedTuple):
+    """A kernel that can be called: the module of its call, and the module that sizes its arrays."""
+
+    module: str
+    slots: types.ModuleType
+
+    @property
+    def sizes(self) -> tuple[int, ...]:
+        """Sizes of p, d, u, x, y and w."""
+        return tuple(getattr(self.slots, f"{letter}_SIZE") for letter in "PDUXYW")
+
+    @property
+    def symbol(self) -> str:
+        """Name of the function in the object file."""
+        return f"inertia_module_{self.module}"
+
+
+MODULE = "module"
+DRIVEN_SHAFT = "driven_shaft"
+ENTRIES = {MODULE: Entry("step", slots), DRIVEN_SHAFT: Entry("driven_shaft", driven_shaft_slots)}
 
 _loaded: dict[str, Any] = {}
 
@@ -55,37 +76,45 @@ def cache_folder() -> Path:
     return Path(os.environ.get("XDG_CACHE_HOME", str(Path.home() / ".cache"))) / "inertia-module"
 
 
-def _jitted_kernel() -> types.ModuleType:
-    """A second copy of the kernel's modules, every function of it wrapped by numba."""
+@functools.cache
+def jitted_kernel(entry: str = "step") -> dict[str, types.ModuleType]:
+    """A second copy of a kernel module and all it imports, by name, every function wrapped by numba.
+
+    Raises:
+        ImportError: numba is not installed.
+    """
     numba: Any = importlib.import_module("numba")
     package = types.ModuleType(f"{kernel.__name__}_for_numba")
     package.__path__ = [str(KERNEL_FOLDER)]
     prefix = package.__name__ + "."
     sys.modules[package.__name__] = package
     try:
-        entry = importlib.import_module(prefix + "step")
-        modules = [module for name, module in sys.modules.items() if name.startswith(prefix)]
+        importlib.import_module(prefix + entry)
+        modules = {
+            name.removeprefix(prefix): module
+            for name, module in sys.modules.items()
+            if name.startswith(prefix)
+        }
     finally:
         for name in [name for name in sys.modules if name.startswith(package.__name__)]:
             del sys.modules[name]
     wrapped: dict[int, Any] = {}
-    for module in modules:
+    for module in modules.values():
         for name, value in list(vars(module).items()):
             if isinstance(value, types.FunctionType):
                 if id(value) not in wrapped:
                     wrapped[id(value)] = numba.njit(error_model="numpy")(value)
                 setattr(module, name, wrapped[id(value)])
-    return entry
+    return modules
 
 
-def _compile_to_ir() -> str:
-    """LLVM IR of the entry, as numba makes it from the kernel's source."""
+def _compile_to_ir(which: Entry) -> str:
+    """LLVM IR of an entry, as numba makes it from the kernel's source."""
     numba: Any = importlib.import_module("numba")
     nt = numba.types
     carray = numba.carray
-    call = _jitted_kernel().call
-    sizes = slots.P_SIZE, slots.D_SIZE, slots.U_SIZE, slots.X_SIZE, slots.Y_SIZE, slots.W_SIZE
-    n_p, n_d, n_u, n_x, n_y, n_w = sizes
+    call = jitted_kernel(which.module)[which.module].call
+    n_p, n_d, n_u, n_x, n_y, n_w = which.sizes
     pointer = nt.CPointer(nt.float64)
 
     def entry(operation, p, d, u, x, y, w, h):  # type: ignore[no-untyped-def]
@@ -103,7 +132,7 @@ def _compile_to_ir() -> str:
     signature = nt.int64(nt.int64, *[pointer] * 6, nt.float64)
     function = numba.cfunc(signature, error_model="numpy")(entry)
     text: str = function.inspect_llvm()
-    return text.replace(function.native_name, ENTRY)
+    return text.replace(function.native_name, which.symbol)
 
 
 def _without_error_path(ir: str) -> str:
@@ -130,11 +159,11 @@ def _target_machine(binding: Any) -> Any:
     )
 
 
-def _compile_to_object(binding: Any) -> bytes:
+def _compile_to_object(binding: Any, which: Entry) -> bytes:
     """Object file for this processor with the entry as its only visible function."""
-    module = binding.parse_assembly(_without_error_path(_compile_to_ir()))
+    module = binding.parse_assembly(_without_error_path(_compile_to_ir(which)))
     for function in module.functions:
-        if not function.is_declaration and function.name != ENTRY:
+        if not function.is_declaration and function.name != which.symbol:
             function.linkage = "internal"
     for variable in module.global_variables:
         if not variable.is_declaration:
@@ -159,20 +188,25 @@ def write_atomically(path: Path, content: bytes) -> None:
         raise
 
 
-def is_cached() -> bool:
-    """Whether the compiled kernel of this source is in the cache already."""
-    return "entry" in _loaded or bool(list(cache_folder().glob(f"kernel-{source_hash()}-*.o")))
+def is_cached(name: str = MODULE) -> bool:
+    """Whether the compiled kernel of this source and entry is in the cache already."""
+    return name in _loaded or bool(list(cache_folder().glob(f"{name}-{source_hash()}-*.o")))
 
 
-def load() -> Callable[..., int]:
-    """The compiled entry: entry(operation, p, d, u, x, y, w, h) with addresses of arrays of doubles.
+def load(name: str = MODULE) -> Callable[..., int]:
+    """A compiled entry: entry(operation, p, d, u, x, y, w, h) with addresses of arrays of doubles.
 
-    The first call ever on a machine compiles (about half a minute), later ones load from the cache.
+    The first call ever on a machine compiles (about half a minute for the module), later ones load
+    from the cache.
+
+    Args:
+        name: MODULE or DRIVEN_SHAFT.
 
     Raises:
         CompilationUnavailable: numba or llvmlite is not installed, or fails.
     """
-    if "entry" not in _loaded:
+    if name not in _loaded:
+        which = ENTRIES[name]
         try:
             import llvmlite
             from llvmlite import binding
@@ -180,16 +214,15 @@ def load() -> Callable[..., int]:
             machine = _target_machine(binding)
             processor = f"{binding.get_host_cpu_name()}-{binding.get_host_cpu_features().flatten()}"
             label = hashlib.sha256(f"{processor}-{llvmlite.__version__}".encode()).hexdigest()[:12]
-            path = cache_folder() / f"kernel-{source_hash()}-{label}.o"
+            path = cache_folder() / f"{name}-{source_hash()}-{label}.o"
             if not path.exists():
-                content = _compile_to_object(binding)
-                write_atomically(path, content)
+                write_atomically(path, _compile_to_object(binding, which))
             engine = binding.create_mcjit_compiler(binding.parse_assembly(""), machine)
             engine.add_object_file(binding.ObjectFileRef.from_data(path.read_bytes()))
             engine.finalize_object()
         except Exception as error:
             raise CompilationUnavailable(f"{type(error).__name__}: {error}") from error
-        _loaded["engine"] = engine  # owns the code
-        _loaded["entry"] = SIGNATURE(engine.get_function_address(ENTRY))
-    entry: Callable[..., int] = _loaded["entry"]
+        # the engine owns the code
+        _loaded[name] = SIGNATURE(engine.get_function_address(which.symbol)), engine
+    entry: Callable[..., int] = _loaded[name][0]
     return entry

@@ -40,6 +40,11 @@ def explain_parameters(status: int, values: Sequence[float]) -> str | None:
     return None
 
 
+def refused_step(step: float) -> str:
+    """Message for a communication step that is none."""
+    return f"communication step = {step:.16g} s is refused: allowed is above 0 up to {LARGEST_STEP:g} s"
+
+
 def explain_step(status: int, values: Sequence[float], inputs: Sequence[float], step: float) -> str:
     """Message for a status of a communication step."""
     if status == slots.BAD_OMEGA1:
@@ -48,7 +53,7 @@ def explain_step(status: int, values: Sequence[float], inputs: Sequence[float], 
         return refusal(BY_NAME["load_torque"], inputs[slots.U_LOAD_TORQUE])
     named = f"communication step = {step:.16g} s"
     if status == slots.BAD_STEP:
-        return f"{named} is refused: allowed is above 0 up to {LARGEST_STEP:g} s"
+        return refused_step(step)
     if status == slots.TOO_MANY_SWITCHES:
         allowed = "1000 switches and 64 more a pulse"
         return f"{named} is given up: the freewheels switch without end; allowed is {allowed}"

@@ -1,25 +1,16 @@
-"""One inertia module in memory: named values over the arrays of the kernel. The FMU is a shell of it."""
+"""Models in memory: named values over the arrays of the kernel. The FMUs are shells of them."""
 
 from __future__ import annotations
 
 import struct
 from array import array
 from collections.abc import Callable
-from typing import Any
+from typing import Any, ClassVar, Self
 
 from . import compiled, maps
 from .kernel import slots, step
-from .messages import explain
-from .variables import (
-    BY_NAME,
-    INPUT,
-    PARAMETER,
-    default_parameters,
-    refusal,
-    refused_parameters,
-)
-
-_MAGIC = b"InertiaModule"
+from .model import DRIVEN_SHAFT, INERTIA_MODULE, Model
+from .variables import INPUT, PARAMETER, default_parameters, refusal, refused_parameters
 
 
 class Refused(ValueError):
@@ -30,11 +21,12 @@ def _doubles(size: int) -> array[float]:
     return array("d", bytes(8 * size))
 
 
-def choose_kernel(kernel: str) -> tuple[Callable[..., int] | None, str]:
+def choose_kernel(kernel: str, name: str = compiled.MODULE) -> tuple[Callable[..., int] | None, str]:
     """The compiled entry, or None for the plain kernel, and a word on why.
 
     Args:
         kernel: "compiled", "plain", or "auto": compiled where numba or its cached result is there.
+        name: which of compiled.ENTRIES.
 
     Raises:
         CompilationUnavailable: "compiled" was asked for and cannot be had.
@@ -43,17 +35,17 @@ def choose_kernel(kernel: str) -> tuple[Callable[..., int] | None, str]:
     if kernel == "plain":
         return None, "plain Python, as asked for"
     if kernel == "compiled":
-        return compiled.load(), "compiled"
+        return compiled.load(name), "compiled"
     if kernel != "auto":
         raise Refused(f"kernel = {kernel!r} is refused: allowed is auto, compiled or plain")
     try:
-        return compiled.load(), "compiled"
+        return compiled.load(name), "compiled"
     except compiled.CompilationUnavailable as error:
         return None, f"plain Python, for there is no compiled one ({error})"
 
 
-class Module:
-    """An inertia module: set parameters and inputs, start, step, read.
+class ModelInstance:
+    """A model in memory: set parameters and inputs, start, step, read.
 
     Args:
         kernel: see choose_kernel.
@@ -63,16 +55,19 @@ class Module:
         started: whether start has been called with good parameters.
     """
 
+    model: ClassVar[Model]
+
     def __init__(self, kernel: str = "auto") -> None:
         self._wanted = kernel
         self._entry: Callable[..., int] | None = None
         self.kernel = ""
-        self.parameters = array("d", default_parameters())
-        self.derived = _doubles(slots.D_SIZE)
-        self.inputs = _doubles(slots.U_SIZE)
-        self.state = _doubles(slots.X_SIZE)
-        self.outputs = _doubles(slots.Y_SIZE)
-        self._workspace = _doubles(slots.W_SIZE)
+        _, derived, inputs, state, outputs, workspace = self.model.sizes
+        self.parameters = array("d", default_parameters(self.model.variables))
+        self.derived = _doubles(derived)
+        self.inputs = _doubles(inputs)
+        self.state = _doubles(state)
+        self.outputs = _doubles(outputs)
+        self._workspace = _doubles(workspace)
         self._arrays = (
             self.parameters,
             self.derived,
@@ -88,13 +83,13 @@ class Module:
     def load_kernel(self) -> None:
         """Load the kernel (and compile it, the first time ever) now instead of at the start."""
         if not self.kernel:
-            self._entry, self.kernel = choose_kernel(self._wanted)
+            self._entry, self.kernel = choose_kernel(self._wanted, self.model.entry)
 
     def call(self, operation: int, step_size: float) -> int:
-        """Call the kernel (step.START, STEP or CHECK) and return its status."""
+        """Call the kernel (an operation of kernel.step) and return its status."""
         if self._entry is not None:
             return self._entry(operation, *self._addresses, step_size)
-        return step.call(operation, *self._arrays, step_size)  # type: ignore[no-untyped-call, no-any-return]
+        return self.model.call(operation, *self._arrays, step_size)
 
     def set(self, **values: float) -> None:
         """Set parameters (before start) and inputs by name; all of them or, on an error, none.
@@ -103,10 +98,11 @@ class Module:
             Refused: an unknown name, a value out of its range, or a parameter after start.
         """
         places = []
+        known = self.model.by_name
         for name, value in values.items():
-            variable = BY_NAME.get(name)
+            variable = known.get(name)
             if variable is None or variable.causality not in (INPUT, PARAMETER):
-                settable = ", ".join(v.name for v in BY_NAME.values() if v.causality in (INPUT, PARAMETER))
+                settable = ", ".join(v.name for v in known.values() if v.causality in (INPUT, PARAMETER))
                 raise Refused(f"{name} is refused: no such parameter or input; allowed are {settable}")
             if variable.causality == PARAMETER and self.started:
                 raise Refused(
@@ -120,34 +116,23 @@ class Module:
         for values_of, slot, value in places:
             values_of[slot] = value
 
-    def start(self, **values: float) -> Module:
+    def start(self, **values: float) -> Self:
         """Set values, check the parameters alone and together, and take the initial state.
 
         Raises:
             Refused: with one line for each thing that is wrong.
         """
         self._prepare(values)
-        averaged = self.parameters[slots.P_FIDELITY] == slots.AVERAGED
-        if averaged:
-            maps.recall(self.parameters, self.derived)
-        self._check(self.call(step.START, 0.0), 0.0)
-        if averaged:
-            maps.keep(self.parameters, self.derived)
+        self._begin()
         self.started = True
         return self
 
-    def check(self, **values: float) -> None:
-        """Set values and check the parameters, alone and together, without starting.
-
-        Raises:
-            Refused: as start.
-        """
-        self._prepare(values)
-        self._check(self.call(step.CHECK, 0.0), 0.0)
+    def _begin(self) -> None:
+        self._check(self.call(step.START, 0.0), 0.0)
 
     def _prepare(self, values: dict[str, float]) -> None:
         self.set(**values)
-        refused = refused_parameters(list(self.parameters))
+        refused = refused_parameters(list(self.parameters), self.model.variables)
         if refused:
             raise Refused("; ".join(refused))
         self.load_kernel()
@@ -164,20 +149,24 @@ class Module:
 
     def _check(self, status: int, step_size: float) -> None:
         if status != slots.OK:
-            raise Refused(explain(status, list(self.parameters), list(self.inputs), step_size))
+            raise Refused(self.model.explain(status, list(self.parameters), list(self.inputs), step_size))
 
     def __getitem__(self, name: str) -> float:
         """Value of any variable by its name."""
-        variable = BY_NAME[name]
+        variable = self.model.by_name[name]
         if variable.causality == INPUT:
             return self.inputs[variable.slot]
         if variable.causality == PARAMETER:
             return self.parameters[variable.slot]
         return self.outputs[variable.slot]
 
+    @property
+    def _magic(self) -> bytes:
+        return self.model.name.encode()
+
     def save(self) -> bytes:
-        """Everything that makes up the module's state, bit for bit."""
-        head = _MAGIC + struct.pack("<?", self.started) + compiled.source_hash().encode()
+        """Everything that makes up the state, bit for bit."""
+        head = self._magic + struct.pack("<?", self.started) + compiled.source_hash().encode()
         return head + b"".join(values.tobytes() for values in self._arrays[:5])
 
     def restore(self, saved: bytes) -> None:
@@ -186,17 +175,17 @@ class Module:
         Raises:
             Refused: it is not one, or of another build; nothing is changed.
         """
-        head = len(_MAGIC) + 1
+        head = len(self._magic) + 1
         start = head + len(compiled.source_hash())
         size = start + sum(8 * len(values) for values in self._arrays[:5])
-        if len(saved) != size or saved[: len(_MAGIC)] != _MAGIC:
+        if len(saved) != size or saved[: len(self._magic)] != self._magic:
             raise Refused(
                 f"a state of {len(saved)} bytes is refused: allowed is one saved by this build ({size} bytes)"
             )
         if saved[head:start] != compiled.source_hash().encode():
             raise Refused("a state of another build is refused: allowed is one saved by this build")
         self.load_kernel()
-        self.started = bool(saved[len(_MAGIC)])
+        self.started = bool(saved[len(self._magic)])
         for values in self._arrays[:5]:
             end = start + 8 * len(values)
             memoryview(values).cast("B")[:] = saved[start:end]
@@ -204,4 +193,34 @@ class Module:
 
     def snapshot(self) -> dict[str, Any]:
         """All variables by name."""
-        return {name: self[name] for name in BY_NAME}
+        return {name: self[name] for name in self.model.by_name}
+
+
+class Module(ModelInstance):
+    """An inertia module."""
+
+    model = INERTIA_MODULE
+
+    def check(self, **values: float) -> None:
+        """Set values and check the parameters, alone and together, without starting.
+
+        Raises:
+            Refused: as start.
+        """
+        self._prepare(values)
+        self._check(self.call(step.CHECK, 0.0), 0.0)
+
+    def _begin(self) -> None:
+        """Start with the map of fidelity averaged that another instance has made, if there is one."""
+        averaged = self.parameters[slots.P_FIDELITY] == slots.AVERAGED
+        if averaged:
+            maps.recall(self.parameters, self.derived)
+        super()._begin()
+        if averaged:
+            maps.keep(self.parameters, self.derived)
+
+
+class DrivenShaft(ModelInstance):
+    """The elastic output alone: hub of given speed, shaft, driven mass."""
+
+    model = DRIVEN_SHAFT

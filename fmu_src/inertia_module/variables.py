@@ -1,12 +1,12 @@
-"""The one table of variables: the FMU description, the argument checks and docs/variables.md use it.
+"""The table of variables of the module, and what a variable is.
 
-Names and meanings are the contract of the module; slots are places in the arrays of the kernel.
+The FMU description, the argument checks and docs/variables.md use it. Names and meanings are the contract of the module; slots are places in the arrays of the kernel.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from .kernel import slots, step
@@ -31,6 +31,7 @@ UNITS: dict[str, dict[str, int]] = {
     "1": {},
     "rad": {"rad": 1},
     "rad/s": {"rad": 1, "s": -1},
+    "rad/s2": {"rad": 1, "s": -2},
     "m": {"m": 1},
     "m/s": {"m": 1, "s": -1},
     "m/s2": {"m": 1, "s": -2},
@@ -273,15 +274,16 @@ VARIABLES: tuple[Variable, ...] = (
 BY_NAME: dict[str, Variable] = {variable.name: variable for variable in VARIABLES}
 
 
-def with_causality(*causalities: str) -> Iterator[Variable]:
+def with_causality(*causalities: str, table: Iterable[Variable] = VARIABLES) -> Iterator[Variable]:
     """Variables of these causalities, in the order of the table."""
-    return (variable for variable in VARIABLES if variable.causality in causalities)
+    return (variable for variable in table if variable.causality in causalities)
 
 
-def default_parameters() -> list[float]:
-    """Start values of all parameters (scene R1), P_SIZE doubles by slot."""
-    values = [0.0] * slots.P_SIZE
-    for variable in with_causality(PARAMETER):
+def default_parameters(table: Iterable[Variable] = VARIABLES) -> list[float]:
+    """Start values of all parameters by slot (those of the module are scene R1)."""
+    parameters = list(with_causality(PARAMETER, table=table))
+    values = [0.0] * len(parameters)
+    for variable in parameters:
         assert variable.start is not None
         values[variable.slot] = float(variable.start)
     return values
@@ -292,10 +294,10 @@ def refusal(variable: Variable, value: float) -> str:
     return f"{variable.name} = {value:.16g} is refused: allowed is {variable.allowed}"
 
 
-def refused_parameters(values: list[float]) -> list[str]:
+def refused_parameters(values: list[float], table: Iterable[Variable] = VARIABLES) -> list[str]:
     """One message for each parameter that is out of its own range, by slot."""
     return [
         refusal(variable, values[variable.slot])
-        for variable in with_causality(PARAMETER)
+        for variable in with_causality(PARAMETER, table=table)
         if not variable.accepts(values[variable.slot])
     ]

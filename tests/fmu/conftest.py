@@ -7,7 +7,14 @@ from fmpy.fmi2 import FMU2Slave, fmi2Discard
 
 from inertia_module.fmu.builder import build
 
+# the FMUs a test runs with, unless its file says otherwise by a FLAVOURS of its own
 FLAVOURS = ("InertiaModulePy",)
+
+
+def pytest_generate_tests(metafunc):
+    if "fmu_path" in metafunc.fixturenames:
+        flavours = getattr(metafunc.module, "FLAVOURS", FLAVOURS)
+        metafunc.parametrize("fmu_path", flavours, indirect=True, scope="session")
 
 
 @pytest.fixture(scope="session")
@@ -18,7 +25,7 @@ def built(tmp_path_factory):
     return folder
 
 
-@pytest.fixture(scope="session", params=FLAVOURS)
+@pytest.fixture(scope="session")
 def fmu_path(request, built):
     return built / f"{request.param}.fmu"
 

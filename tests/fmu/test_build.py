@@ -7,12 +7,13 @@ import pytest
 from inertia_module import compiled
 from inertia_module.fmu import builder
 
+FLAVOURS = ("InertiaModulePy", "DrivenShaft")
 DRIVE = """
 import sys
 for name in {blocked!r}:
     sys.modules[name] = None
 from inertia_module.instance import Fmu
-with Fmu({path!r}, inputs={{"omega1": 100.0, "load_torque": 10.0}}, tolerance=1e-9) as fmu:
+with Fmu({path!r}, inputs={{{drive!r}: 100.0, "load_torque": 10.0}}, tolerance=1e-9) as fmu:
     fmu.advance(1.0)
     print(fmu.messages[0])
     print(fmu["omega_out"].hex())
@@ -20,7 +21,8 @@ with Fmu({path!r}, inputs={{"omega1": 100.0, "load_torque": 10.0}}, tolerance=1e
 
 
 def drive(path, blocked=(), **environment):
-    code = DRIVE.format(path=str(path), blocked=list(blocked))
+    drive = "hub_speed" if path.stem == "DrivenShaft" else "omega1"
+    code = DRIVE.format(path=str(path), blocked=list(blocked), drive=drive)
     done = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True, env=os.environ | environment
     )
@@ -42,8 +44,8 @@ def test_compiled_kernel_is_kept_in_a_cache(fmu_path):
 
 
 def test_interrupted_build_leaves_the_old_file_and_no_other(tmp_path, monkeypatch):
-    (path,) = builder.build(tmp_path)
-    before = path.read_bytes()
+    paths = builder.build(tmp_path)
+    before = [path.read_bytes() for path in paths]
 
     def interrupted(*_):
         raise KeyboardInterrupt
@@ -53,20 +55,20 @@ def test_interrupted_build_leaves_the_old_file_and_no_other(tmp_path, monkeypatc
             patched.setattr(where, interrupted)
             with pytest.raises(KeyboardInterrupt):
                 builder.build(tmp_path)
-        assert path.read_bytes() == before
-        assert [file.name for file in tmp_path.iterdir()] == [path.name]
+        assert [path.read_bytes() for path in paths] == before
+        assert sorted(tmp_path.iterdir()) == sorted(paths)
 
 
 def test_build_says_what_it_is_doing(tmp_path, monkeypatch):
-    monkeypatch.setattr(builder, "is_cached", lambda: False)
+    monkeypatch.setattr(builder, "is_cached", lambda name: False)
     stages = []
     builder.build(tmp_path / "new" / "folder", stages.append)
-    assert stages[0] == "packing InertiaModulePy.fmu"
-    assert "compiling the kernel" in stages[1]
+    assert stages[:2] == ["packing InertiaModulePy.fmu", "packing DrivenShaft.fmu"]
+    assert "compiling the kernel" in stages[2]
 
 
 def test_build_tells_when_there_is_no_compiler(tmp_path, monkeypatch):
-    def unavailable():
+    def unavailable(name):
         raise compiled.CompilationUnavailable("no numba here")
 
     monkeypatch.setattr(builder, "load", unavailable)

@@ -5,76 +5,17 @@ import zipfile
 import pytest
 from fmpy.validation import validate_fmu
 
-from inertia_module.fmu.builder import bundled_files, content_hash, python_fmu
-from inertia_module.variables import DISPLAY_UNITS, ENUMERATIONS, UNITS, VARIABLES
+from inertia_module.fmu.builder import FMUS, bundled_files, content_hash, python_fmu
+from inertia_module.model import DRIVEN_SHAFT, INERTIA_MODULE
+from inertia_module.variables import DISPLAY_UNITS, ENUMERATIONS, UNITS
 
-
-def test_fmpy_finds_nothing_to_say(fmu_path):
-    assert validate_fmu(str(fmu_path)) == []
-
-
-@pytest.mark.parametrize("reference", range(len(VARIABLES)), ids=lambda n: VARIABLES[n].name)
-def test_every_variable_is_described_as_in_the_table(description, reference):
-    expected = VARIABLES[reference]
-    found = description.modelVariables[reference]
-    assert (found.name, found.type, found.causality) == (expected.name, expected.kind, expected.causality)
-    assert (found.variability, found.description) == (expected.variability, expected.description)
-    assert found.valueReference == reference
-    if expected.kind == "Real":
-        assert found.unit == expected.unit != ""
-        for name, value in (
-            ("min", expected.minimum),
-            ("max", expected.maximum),
-            ("nominal", expected.nominal),
-        ):
-            text = getattr(found, name)
-            assert (text is None) == (value is None)
-            assert value is None or float(text) == value
-    if expected.start is not None:
-        text = {"true": "1", "false": "0"}.get(found.start, found.start)
-        assert float(text) == expected.start
-
-
-def test_units_have_their_base_unit_exponents(description):
-    found = {unit.name: unit for unit in description.unitDefinitions}
-    assert set(found) == set(UNITS)
-    for name, exponents in UNITS.items():
-        for base in ("kg", "m", "s", "rad"):
-            assert int(getattr(found[name].baseUnit, base)) == exponents.get(base, 0)
-    for name, (display, factor) in DISPLAY_UNITS.items():
-        assert [(unit.name, float(unit.factor)) for unit in found[name].displayUnits] == [(display, factor)]
-
-
-def test_choices_are_enumerations_with_their_numbers(description):
-    for name, items in ENUMERATIONS.items():
-        (found,) = [t for t in description.typeDefinitions if t.name == name]
-        assert [(item.name, int(item.value)) for item in found.items] == [(i, n) for i, n, _ in items]
-
-
-def test_structure_lists_every_output_and_what_it_depends_on_at_first(description):
-    outputs = [v.name for v in description.modelVariables if v.causality == "output"]
-    assert [unknown.variable.name for unknown in description.outputs] == outputs
-    assert all(unknown.dependencies == [] for unknown in description.outputs)
-    initial = {u.variable.name: {d.name for d in u.dependencies} for u in description.initialUnknowns}
-    assert list(initial) == outputs
-    assert initial["omega_out"] == {"omega1", "fidelity", "kinematic_ratio", "omega_out_start"}
-    assert initial["output_torque_mean"] == set()
-    assert {"omega1", "load_torque", "link2_inertia"} <= initial["output_torque"]
-
-
-@pytest.mark.parametrize("fidelity", [1, 2])
-def test_declared_initial_dependencies_are_all_there_are(instances, description, fidelity):
-    """Change one known at a time: no output changes that does not declare it."""
-    initial = {u.variable.name: {d.name for d in u.dependencies} for u in description.initialUnknowns}
-    base = {"omega1": 80.0, "load_torque": 5.0, "omega_out_start": 3.0, "omega2_start": 1.0}
-    base["fidelity"] = fidelity
-
-    def outputs(**changes):
-        instance = instances().start(**(base | changes))
-        return {name: instance.get(name) for name in initial}
-
-    reference = outputs()
-    changes = {
+FLAVOURS = tuple(fmu.identifier for fmu in FMUS)
+BASE = {
+    INERTIA_MODULE: {"omega1": 80.0, "load_torque": 5.0, "omega_out_start": 3.0, "omega2_start": 1.0},
+    DRIVEN_SHAFT: {"hub_speed": 80.0, "load_torque": 5.0, "omega_out_start": 3.0, "shaft_damping": 2.0},
+}
+CHANGES = {
+    INERTIA_MODULE: {
         "omega1": 90.0,
         "load_torque": 6.0,
         "wheel_radius": 0.1,
@@ -91,8 +32,107 @@ def test_declared_initial_dependencies_are_all_there_are(instances, description,
         "driven_inertia": 2.0,
         "satellites": 3,
         "fidelity": 0,
-    }
-    for known, value in changes.items():
+    },
+    DRIVEN_SHAFT: {
+        "hub_speed": 90.0,
+        "load_torque": 6.0,
+        "driven_inertia": 2.0,
+        "shaft_stiffness": 7e3,
+        "shaft_damping": 0.3,
+        "driven_friction": 0.2,
+        "balancer": 1.0,
+        "input_hold": 1,
+        "omega_out_start": 4.0,
+        "twist_start": 0.1,
+    },
+}
+
+
+@pytest.fixture
+def model(description):
+    """The model an FMU is made from."""
+    return {fmu.identifier: fmu.model for fmu in FMUS}[description.modelName]
+
+
+def test_fmpy_finds_nothing_to_say(fmu_path):
+    assert validate_fmu(str(fmu_path)) == []
+
+
+def test_every_variable_is_described_as_in_the_table(description, model):
+    assert len(description.modelVariables) == len(model.variables)
+    for reference, expected in enumerate(model.variables):
+        found = description.modelVariables[reference]
+        assert (found.name, found.type, found.causality) == (
+            expected.name,
+            expected.kind,
+            expected.causality,
+        )
+        assert (found.variability, found.description) == (expected.variability, expected.description)
+        assert found.valueReference == reference
+        if expected.kind == "Real":
+            assert found.unit == expected.unit != ""
+            for name, value in (
+                ("min", expected.minimum),
+                ("max", expected.maximum),
+                ("nominal", expected.nominal),
+            ):
+                text = getattr(found, name)
+                assert (text is None) == (value is None)
+                assert value is None or float(text) == value
+        if expected.start is not None:
+            text = {"true": "1", "false": "0"}.get(found.start, found.start)
+            assert float(text) == expected.start
+
+
+def test_units_have_their_base_unit_exponents(description, model):
+    found = {unit.name: unit for unit in description.unitDefinitions}
+    assert set(found) == {variable.unit for variable in model.variables} - {""}
+    for name, unit in found.items():
+        exponents = UNITS[name]
+        for base in ("kg", "m", "s", "rad"):
+            assert int(getattr(unit.baseUnit, base)) == exponents.get(base, 0)
+    for name, (display, factor) in DISPLAY_UNITS.items():
+        assert [(unit.name, float(unit.factor)) for unit in found[name].displayUnits] == [(display, factor)]
+
+
+def test_choices_are_enumerations_with_their_numbers(description, model):
+    used = {variable.enumeration for variable in model.variables} - {""}
+    assert {t.name for t in description.typeDefinitions} == used
+    for name in used:
+        items = ENUMERATIONS[name]
+        (found,) = [t for t in description.typeDefinitions if t.name == name]
+        assert [(item.name, int(item.value)) for item in found.items] == [(i, n) for i, n, _ in items]
+
+
+def test_structure_lists_every_output_and_what_it_depends_on_at_first(description):
+    outputs = [v.name for v in description.modelVariables if v.causality == "output"]
+    assert [unknown.variable.name for unknown in description.outputs] == outputs
+    assert all(unknown.dependencies == [] for unknown in description.outputs)
+    initial = {u.variable.name: {d.name for d in u.dependencies} for u in description.initialUnknowns}
+    assert list(initial) == outputs
+    if "omega1" in {v.name for v in description.modelVariables}:
+        assert initial["omega_out"] == {"omega1", "fidelity", "kinematic_ratio", "omega_out_start"}
+        assert initial["output_torque_mean"] == set()
+        assert {"omega1", "load_torque", "link2_inertia"} <= initial["output_torque"]
+    else:
+        assert initial["omega_out"] == {"omega_out_start"}
+        assert initial["shaft_torque_mean"] == set()
+        assert {"hub_speed", "shaft_stiffness", "twist_start"} <= initial["shaft_torque"]
+        assert {"load_torque", "driven_inertia"} <= initial["driven_acceleration"]
+
+
+@pytest.mark.parametrize("fidelity", [1, 2])
+def test_declared_initial_dependencies_are_all_there_are(instances, description, model, fidelity):
+    """Change one known at a time: no output changes that does not declare it."""
+    initial = {u.variable.name: {d.name for d in u.dependencies} for u in description.initialUnknowns}
+    base = BASE[model] | ({"fidelity": fidelity} if model is INERTIA_MODULE else {})
+
+    def outputs(**changes):
+        instance = instances().start(**(base | changes))
+        return {name: instance.get(name) for name in initial}
+
+    reference = outputs()
+    for known, value in CHANGES[model].items():
         changed = outputs(**{known: value})
         touched = {name for name in initial if changed[name] != reference[name]}
         assert touched <= {name for name in initial if known in initial[name]}, known
@@ -114,16 +154,17 @@ def test_date_is_utc_ending_in_z(description):
     assert moment.year >= 2026
 
 
-def test_documentation_and_picture_are_inside(fmu_path):
+def test_documentation_and_picture_are_inside(fmu_path, model):
     with zipfile.ZipFile(fmu_path) as archive:
         page = archive.read("documentation/index.html").decode()
-        assert all(variable.name in page for variable in VARIABLES)
+        assert all(variable.name in page for variable in model.variables)
         assert archive.read("model.png").startswith(b"\x89PNG")
 
 
-def test_guid_is_a_hash_of_the_content(monkeypatch, built):
+@pytest.mark.parametrize("fmu", FMUS, ids=FLAVOURS)
+def test_guid_is_a_hash_of_the_content(monkeypatch, fmu):
     def guid():
-        archive = python_fmu()
+        archive = python_fmu(fmu)
         found = re.search(rb'guid="([^"]+)"', _read(archive))
         return found.group(1), archive
 

@@ -50,12 +50,16 @@ def scene(tmp_path):
 
 
 def test_build_leaves_the_fmu_in_build(workshop):
-    assert (workshop / "build" / "InertiaModulePy.fmu").is_file()
+    for name in ("InertiaModulePy", "DrivenShaft"):
+        assert (workshop / "build" / f"{name}.fmu").is_file()
 
 
 def test_build_for_machines_prints_one_json_object(tmp_path):
     done = command("build", "-o", tmp_path / "there", "--json", folder=tmp_path)
-    assert [Path(path).name for path in json.loads(done.stdout)["fmus"]] == ["InertiaModulePy.fmu"]
+    assert [Path(path).name for path in json.loads(done.stdout)["fmus"]] == [
+        "InertiaModulePy.fmu",
+        "DrivenShaft.fmu",
+    ]
 
 
 def test_run_leaves_table_summary_and_plot(workshop, scene, tmp_path):
@@ -105,6 +109,64 @@ def test_bad_scene_is_one_line_and_leaves_nothing(workshop, tmp_path, change, wo
     assert not (tmp_path / "out").exists()
 
 
+def test_run_chooses_the_fidelity_and_says_why(workshop, scene, tmp_path):
+    auto = ("--fidelity", "auto", "--error", "5 %")
+    done = command("run", scene, *auto, "-o", tmp_path / "out", folder=workshop)
+    assert done.returncode == 0, done.stderr
+    for words in ("chosen: ", "where 0.05 was asked for", "next rung: "):
+        assert words in done.stdout
+    choice = json.loads((tmp_path / "out" / "summary.json").read_text())["fidelity_choice"]
+    assert choice["chosen"]["error"] <= 0.05
+    # every output of the module is wanted: only a rung with pulses has them
+    assert choice["chosen"]["rung"] == "rigid"
+
+
+@pytest.mark.parametrize(
+    "options, words",
+    [
+        (("--fidelity", "auto"), ("accuracy.error is missing",)),
+        (("--error", "1 %"), ("--error = 1 % is refused", "fidelity auto")),
+        (("--fidelity", "auto", "--error", "much"), ("--error = 'much' is refused", "allowed is a number")),
+        (("--fidelity", "exact"), ("mechanism.fidelity = 'exact' is refused", "or auto")),
+        (("--fidelity", "auto", "--error", "1e-15"), ("error = 1e-15", "no rung meets it")),
+    ],
+)
+def test_run_refuses_a_choice_that_cannot_be_made(workshop, scene, tmp_path, options, words):
+    done = command("run", scene, *options, "-o", tmp_path / "out", folder=workshop)
+    assert done.returncode == 1
+    assert done.stderr.count("\n") == 1
+    assert all(word in done.stderr for word in words)
+    assert not (tmp_path / "out").exists()
+
+
+def test_tradeoff_of_a_scene_for_machines(scene, tmp_path):
+    arguments = ("--recommend", "1 %", "--wanted", "omega_out", "--json")
+    done = command("tradeoff", scene, *arguments, "-o", tmp_path / "out", folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+    assert found["recommendation"]["chosen"]["error"] <= 0.01
+    assert found["recommendation"]["asked"] == {"error": 0.01, "wanted": ["omega_out"]}
+    settings = {(row["rung"], row["method"], row["setting"]) for row in found["rows"]}
+    assert {("rigid", "event", "tolerance 1e-05"), ("rigid", "timestepping", "step 1 ms")} <= settings
+    rows = (tmp_path / "out" / "tradeoff.csv").read_text().splitlines()
+    assert len(rows) == len(found["rows"]) + 1
+    assert all(Path(file).stat().st_size > 500 for file in found["files"].values())
+
+
+@pytest.mark.parametrize(
+    "arguments, words",
+    [
+        (("--recommend", "0"), ("--recommend = '0' is refused", "above 0")),
+        (("--wanted", "speed"), ("--wanted = 'speed' is refused", "omega_out_worst")),
+    ],
+)
+def test_tradeoff_refuses_in_one_line(tmp_path, arguments, words):
+    done = command("tradeoff", *arguments, "-o", tmp_path / "out", folder=tmp_path)
+    assert done.returncode == 1
+    assert all(word in done.stderr for word in words)
+    assert not (tmp_path / "out").exists()
+
+
 def test_papers_leaves_every_figure_as_png_svg_and_csv(tmp_path):
     done = command("papers", "-o", tmp_path / "papers", "--json", folder=tmp_path)
     assert done.returncode == 0, done.stderr
@@ -116,8 +178,32 @@ def test_papers_leaves_every_figure_as_png_svg_and_csv(tmp_path):
         assert all(file.stat().st_size > 1000 for file in drawn.values())
 
 
-def test_check_finds_no_problem_in_ours(workshop):
-    done = command("check", "build/InertiaModulePy.fmu", folder=workshop)
+def test_stability_leaves_the_map_as_tables_and_picture(tmp_path):
+    arguments = ("stability", "--only", "output locked", "--quick", "-o", tmp_path / "map")
+    done = command(*arguments, folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "output locked" in done.stdout
+    assert "0 broken" in done.stdout
+    assert {path.name for path in (tmp_path / "map").iterdir()} == {
+        "stability.csv",
+        "cases.csv",
+        "stability.png",
+    }
+    printed = json.loads(command(*arguments, "--json", folder=tmp_path).stdout)
+    assert {found["verdict"] for found in printed["verdicts"]} <= {"exact", "degraded", "refused"}
+    assert all(Path(path).is_file() for path in printed["files"].values())
+
+
+def test_stability_of_an_unknown_axis_is_refused_in_one_line(tmp_path):
+    done = command("stability", "--only", "weather", "-o", tmp_path / "map", folder=tmp_path)
+    assert done.returncode == 1
+    assert done.stderr.startswith("error: axis weather is refused: allowed is input speed")
+    assert not (tmp_path / "map").exists()
+
+
+@pytest.mark.parametrize("name", ["InertiaModulePy", "DrivenShaft"])
+def test_check_finds_no_problem_in_ours(workshop, name):
+    done = command("check", f"build/{name}.fmu", folder=workshop)
     assert done.returncode == 0
     assert "no problems found" in done.stdout
 

@@ -2,6 +2,10 @@
 
 import numpy as np
 
+from inertia_module.studies.peers.multibody import bevel_lengths, ratio, satellite_ratio
+
+__all__ = ["bevel_lengths", "ratio", "satellite_ratio"]
+
 EX, EY, EZ = np.eye(3)
 
 
@@ -18,26 +22,6 @@ def turn_y(angle):
 def turn_z(angle):
     c, s = np.cos(angle), np.sin(angle)
     return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
-
-
-def ratio(p):
-    """k: turns of the drive in link 1 per turn of link 1 against link 2."""
-    return p["sun_radius"] / p["satellite_radius"] if p["layout"] else p["z2"] / p["z16"]
-
-
-def satellite_ratio(p):
-    """s: turns of the satellite on the drive per turn of the drive."""
-    return 1.0 if p["layout"] else p["z17"] / p["z6"]
-
-
-def bevel_lengths(p):
-    """(AD, QA, OQ): the pitch cones touch on the line about which the satellite turns in link 1."""
-    satellite_axis = turn_y(-p["shaft_angle"]) @ EZ
-    line = EZ + satellite_ratio(p) * satellite_axis
-    line /= np.linalg.norm(line)
-    cone = p["wheel_radius"] / np.linalg.norm(np.cross(line, EZ))
-    radius = cone * np.linalg.norm(np.cross(line, satellite_axis))
-    return p["a"] * radius, p["b"] * cone * (line @ satellite_axis), p["c"] * cone * (line @ EZ)
 
 
 def position(p, q, satellite=0):

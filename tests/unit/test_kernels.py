@@ -20,16 +20,26 @@ def driven(kernel, *settings, **values):
 
 
 @pytest.mark.parametrize("scene", SCENES)
-@pytest.mark.parametrize("fidelity", [0, 2], ids=["kinematic", "rigid"])
+@pytest.mark.parametrize(
+    "fidelity, method",
+    [(0, 0), (2, 0), (3, 0), (2, 1), (3, 1)],
+    ids=["kinematic", "rigid", "elastic", "rigid steps", "elastic steps"],
+)
 @pytest.mark.parametrize("freewheels", FREEWHEELS)
 @pytest.mark.parametrize("input_hold", [0, 1], ids=["constant", "linear"])
 @pytest.mark.parametrize("satellites", [1, 2, 3])
-def test_both_kernels_give_the_same_results(compiled, scene, fidelity, freewheels, input_hold, satellites):
+def test_both_kernels_give_the_same_results(
+    compiled, scene, fidelity, method, freewheels, input_hold, satellites
+):
     settings = (
         SCENES[scene],
         FREEWHEELS[freewheels],
         {
             "fidelity": fidelity,
+            "method": method,
+            "max_step": 1e-3 if method else 0.0,
+            "shaft_damping": 0.5,
+            "balancer": 0.3,
             "kinematic_ratio": 0.3,
             "input_hold": input_hold,
             "satellites": satellites,

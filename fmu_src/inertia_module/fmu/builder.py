@@ -1,4 +1,4 @@
-"""Builds InertiaModulePy.fmu: pythonfmu packs the slave, the description comes from the table.
+"""Builds the Python FMUs: pythonfmu packs the slave, the description comes from the model.
 
 The script and the bundled package carry a hash of their content in their names, so that two
 different builds of the FMU live in one process; the GUID is a hash of everything in the archive.
@@ -15,28 +15,50 @@ import zipfile
 from collections.abc import Callable
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import NamedTuple
 
 from pythonfmu import FmuBuilder
 
 from ..compiled import CompilationUnavailable, is_cached, load, write_atomically
+from ..model import DRIVEN_SHAFT, INERTIA_MODULE, Model
 from .description import model_description
 from .documentation import index_page
 
-IDENTIFIER = "InertiaModulePy"
 PACKAGE_FOLDER = Path(__file__).parent.parent
 BUNDLED = (
     "__init__.py",
     "compiled.py",
+    "driven_shaft_messages.py",
+    "driven_shaft_variables.py",
     "maps.py",
     "messages.py",
+    "model.py",
     "module.py",
     "variables.py",
     "fmu/__init__.py",
     "fmu/slave.py",
+    "fmu/slaves.py",
 )
-PICTURE = Path(__file__).parent / "model.png"
 # the earliest time a zip archive can hold: archives of the same content are the same bytes
 _ZIP_TIME = (1980, 1, 1, 0, 0, 0)
+
+
+class PythonFmu(NamedTuple):
+    """An FMU to build: its model identifier (a class of slaves.py), its model, and its picture."""
+
+    identifier: str
+    model: Model
+    picture: str
+
+    @property
+    def file_name(self) -> str:
+        """Name of its file."""
+        return f"{self.identifier}.fmu"
+
+
+MODULE_FMU = PythonFmu("InertiaModulePy", INERTIA_MODULE, "model.png")
+SHAFT_FMU = PythonFmu("DrivenShaft", DRIVEN_SHAFT, "driven_shaft.png")
+FMUS = (MODULE_FMU, SHAFT_FMU)
 
 # the loader of pythonfmu 0.7 runs this script at every instantiation and then drops a reference to its
 # globals that it does not own: without one to spare, the second instance finds an empty module
@@ -44,7 +66,7 @@ SCRIPT = """import ctypes
 
 ctypes.pythonapi.Py_IncRef(ctypes.py_object(globals()))
 
-from {package}.fmu.slave import {identifier}
+from {package}.fmu.slaves import {identifier}
 """
 
 Progress = Callable[[str], None]
@@ -71,7 +93,7 @@ def generation_date() -> str:
     return moment.strftime("%Y-%m-%dT%H:%M:%SZ")
 
 
-def _pack(files: dict[str, bytes], label: str) -> dict[str, bytes]:
+def _pack(identifier: str, files: dict[str, bytes], label: str) -> dict[str, bytes]:
     """Let pythonfmu pack script and package; the archive's content by name."""
     with tempfile.TemporaryDirectory() as folder:
         package = Path(folder) / f"inertia_module_{label}"
@@ -79,8 +101,8 @@ def _pack(files: dict[str, bytes], label: str) -> dict[str, bytes]:
             path = package / name
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_bytes(content)
-        script = Path(folder) / f"{IDENTIFIER}_{label}.py"
-        script.write_text(SCRIPT.format(package=package.name, identifier=IDENTIFIER))
+        script = Path(folder) / f"{identifier}_{label}.py"
+        script.write_text(SCRIPT.format(package=package.name, identifier=identifier))
         search_path, modules = list(sys.path), set(sys.modules)
         try:
             packed = FmuBuilder.build_FMU(script, dest=Path(folder) / "out", project_files={package})
@@ -105,31 +127,33 @@ def _archive(content: dict[str, bytes]) -> bytes:
     return stream.getvalue()
 
 
-def _content() -> tuple[dict[str, bytes], str]:
-    """Everything in InertiaModulePy.fmu but its description, and the GUID, the hash of all."""
+def _content(fmu: PythonFmu) -> tuple[dict[str, bytes], str]:
+    """Everything in an FMU but its description, and the GUID, the hash of all."""
     files = bundled_files()
-    content = _pack(files, content_hash(files)[:12])
-    content["documentation/index.html"] = index_page().encode()
-    content["model.png"] = PICTURE.read_bytes()
-    blank = model_description(IDENTIFIER, "", "", True)
+    content = _pack(fmu.identifier, files, content_hash(files)[:12])
+    content["documentation/index.html"] = index_page(fmu.model).encode()
+    content["model.png"] = (Path(__file__).parent / fmu.picture).read_bytes()
+    blank = model_description(fmu.model, fmu.identifier, "", "", True)
     digits = content_hash(content | {"modelDescription.xml": blank})
     return content, "{" + "-".join(
         (digits[:8], digits[8:12], digits[12:16], digits[16:20], digits[20:])
     ) + "}"
 
 
-def python_fmu() -> bytes:
-    """The content of InertiaModulePy.fmu."""
-    content, guid = _content()
-    content["modelDescription.xml"] = model_description(IDENTIFIER, guid, generation_date(), True)
+def python_fmu(fmu: PythonFmu = MODULE_FMU) -> bytes:
+    """The content of an FMU's file."""
+    content, guid = _content(fmu)
+    content["modelDescription.xml"] = model_description(
+        fmu.model, fmu.identifier, guid, generation_date(), True
+    )
     return _archive(content)
 
 
-def is_current(path: Path) -> bool:
-    """Whether a file is InertiaModulePy.fmu as it would be built now."""
+def is_current(path: Path, fmu: PythonFmu = MODULE_FMU) -> bool:
+    """Whether a file is the FMU as it would be built now."""
     try:
         with zipfile.ZipFile(path) as archive:
-            return _content()[1].encode() in archive.read("modelDescription.xml")
+            return _content(fmu)[1].encode() in archive.read("modelDescription.xml")
     except (OSError, KeyError, zipfile.BadZipFile):
         return False
 
@@ -141,18 +165,22 @@ def build(folder: Path, progress: Progress = lambda stage: None) -> list[Path]:
         folder: where to; made if it is not there. progress: told each stage as it begins.
 
     Returns:
-        Paths of the FMUs.
+        Paths of the FMUs, in the order of FMUS.
 
     Raises:
         OSError: the folder cannot be written.
     """
-    progress(f"packing {IDENTIFIER}.fmu")
-    path = folder / f"{IDENTIFIER}.fmu"
-    write_atomically(path, python_fmu())
-    if not is_cached():
-        progress("compiling the kernel for this machine, once: about half a minute")
+    paths = []
+    for fmu in FMUS:
+        progress(f"packing {fmu.file_name}")
+        path = folder / fmu.file_name
+        write_atomically(path, python_fmu(fmu))
+        paths.append(path)
+    if not all(is_cached(fmu.model.entry) for fmu in FMUS):
+        progress("compiling the kernels for this machine, once: about half a minute")
     try:
-        load()
+        for fmu in FMUS:
+            load(fmu.model.entry)
     except CompilationUnavailable as reason:
-        progress(f"the FMU will run the plain Python kernel here: {reason}")
-    return [path]
+        progress(f"the FMUs will run the plain Python kernel here: {reason}")
+    return paths

@@ -1,10 +1,11 @@
-"""modelDescription.xml of FMI 2.0 from the table of variables."""
+"""modelDescription.xml of FMI 2.0 from a model and its table of variables."""
 
 from __future__ import annotations
 
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from .. import __version__
+from ..model import Model
 from ..variables import (
     BOOLEAN,
     DISPLAY_UNITS,
@@ -16,14 +17,9 @@ from ..variables import (
     PARAMETER,
     REAL,
     UNITS,
-    VARIABLES,
     Variable,
 )
 
-DESCRIPTION = (
-    "Inertia module: inertial torque transformer, unbalanced satellites on a bevel or planar differential,"
-    " rectified by freewheels"
-)
 LOG_CATEGORIES = {
     "logStatusWarning": "What the host should know but need not act on.",
     "logStatusDiscard": "A step that was refused: the state is as it was.",
@@ -41,14 +37,6 @@ CAPABILITIES = {
     "providesDirectionalDerivative": False,
 }
 
-# at initialisation the step means are zero and the turn counters depend on the start angle alone
-_NUMERICS = {"tolerance", "max_step", "method", "input_hold"}
-_ELASTIC = {"driven_inertia", "shaft_stiffness", "shaft_damping", "driven_friction", "balancer"}
-_MEANS = {"input_torque_mean", "output_torque_mean"}
-_SPEEDS = {
-    "omega_out": {"omega1", "fidelity", "kinematic_ratio", "omega_out_start"},
-}
-
 
 def _number(value: float) -> str:
     return f"{value:.17g}" if value != int(value) or abs(value) > 1e15 else f"{value:.1f}"
@@ -58,22 +46,18 @@ def _bool(value: bool) -> str:
     return "true" if value else "false"
 
 
-def initial_dependencies(variable: Variable) -> list[int]:
+def initial_dependencies(model: Model, output: str) -> list[int]:
     """Indices (from 1) of the inputs and parameters an output depends on at initialisation."""
-    if variable.name in _MEANS:
-        return []
-    chosen = _SPEEDS.get(variable.name)
-    return [
-        index
-        for index, known in enumerate(VARIABLES, 1)
-        if known.causality in (INPUT, PARAMETER)
-        and (known.name in chosen if chosen else known.name not in _NUMERICS | _ELASTIC)
-    ]
+    known = model.known_at_start(output)
+    return [index for index, variable in enumerate(model.variables, 1) if variable.name in known]
 
 
-def _add_units(root: Element) -> None:
+def _add_units(root: Element, model: Model) -> None:
+    used = {variable.unit for variable in model.variables}
     definitions = SubElement(root, "UnitDefinitions")
     for name, exponents in UNITS.items():
+        if name not in used:
+            continue
         unit = SubElement(definitions, "Unit", name=name)
         SubElement(unit, "BaseUnit", {base: str(power) for base, power in exponents.items()})
         if name in DISPLAY_UNITS:
@@ -81,9 +65,12 @@ def _add_units(root: Element) -> None:
             SubElement(unit, "DisplayUnit", name=display, factor=_number(factor))
 
 
-def _add_types(root: Element) -> None:
+def _add_types(root: Element, model: Model) -> None:
+    used = {variable.enumeration for variable in model.variables}
     definitions = SubElement(root, "TypeDefinitions")
     for name, items in ENUMERATIONS.items():
+        if name not in used:
+            continue
         enumeration = SubElement(SubElement(definitions, "SimpleType", name=name), "Enumeration")
         for item, value, description in items:
             SubElement(enumeration, "Item", name=item, value=str(value), description=description)
@@ -123,24 +110,26 @@ def _add_variable(parent: Element, reference: int, variable: Variable) -> None:
         SubElement(scalar, variable.kind, _discrete_attributes(variable))
 
 
-def _add_structure(root: Element) -> None:
+def _add_structure(root: Element, model: Model) -> None:
     """Outputs hold the end of the last step: at a communication point none depends on an input."""
     structure = SubElement(root, "ModelStructure")
     outputs = SubElement(structure, "Outputs")
     unknowns = SubElement(structure, "InitialUnknowns")
-    for index, variable in enumerate(VARIABLES, 1):
+    for index, variable in enumerate(model.variables, 1):
         if variable.causality == OUTPUT:
             SubElement(outputs, "Unknown", index=str(index), dependencies="")
-            known = " ".join(map(str, initial_dependencies(variable)))
+            known = " ".join(map(str, initial_dependencies(model, variable.name)))
             SubElement(unknowns, "Unknown", index=str(index), dependencies=known)
 
 
-def model_description(identifier: str, guid: str, date: str, needs_execution_tool: bool) -> bytes:
+def model_description(
+    model: Model, identifier: str, guid: str, date: str, needs_execution_tool: bool
+) -> bytes:
     """The XML of modelDescription.xml.
 
     Args:
-        identifier: model identifier, the name of the binaries. guid: hash of the content.
-        date: generation date and time, UTC, ending in Z.
+        model: what it describes. identifier: model identifier, the name of the binaries.
+        guid: hash of the content. date: generation date and time, UTC, ending in Z.
         needs_execution_tool: whether the host has to have Python.
     """
     root = Element(
@@ -148,7 +137,7 @@ def model_description(identifier: str, guid: str, date: str, needs_execution_too
         fmiVersion="2.0",
         modelName=identifier,
         guid=guid,
-        description=DESCRIPTION,
+        description=model.description,
         author="The inertia module developers",
         version=__version__,
         license="MIT",
@@ -162,8 +151,8 @@ def model_description(identifier: str, guid: str, date: str, needs_execution_too
         "CoSimulation",
         {"modelIdentifier": identifier, "needsExecutionTool": _bool(needs_execution_tool)} | flags,
     )
-    _add_units(root)
-    _add_types(root)
+    _add_units(root, model)
+    _add_types(root, model)
     categories = SubElement(root, "LogCategories")
     for name, description in LOG_CATEGORIES.items():
         SubElement(categories, "Category", name=name, description=description)
@@ -171,9 +160,9 @@ def model_description(identifier: str, guid: str, date: str, needs_execution_too
         root, "DefaultExperiment", startTime="0.0", stopTime="1.0", tolerance="1e-06", stepSize="0.001"
     )
     variables = SubElement(root, "ModelVariables")
-    for reference, variable in enumerate(VARIABLES):
+    for reference, variable in enumerate(model.variables):
         _add_variable(variables, reference, variable)
-    _add_structure(root)
+    _add_structure(root, model)
     indent(root)
     text: bytes = tostring(root, encoding="UTF-8", xml_declaration=True)
     return text + b"\n"

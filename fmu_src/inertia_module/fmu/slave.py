@@ -1,4 +1,4 @@
-"""The Python slave: FMI calls as pythonfmu passes them on, over one module in memory.
+"""The Python slave: FMI calls as pythonfmu passes them on, over one model in memory.
 
 Nothing may be raised out of a callback: pythonfmu turns it into fmi2Fatal and corrupts memory. What
 is refused is logged and kept in mind; the only status this shell can return is the fmi2Discard of a
@@ -10,15 +10,14 @@ from __future__ import annotations
 import math
 from array import array
 from collections.abc import Callable
-from typing import Any
+from typing import Any, ClassVar
 
 from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
 from ..kernel import slots, step
-from ..messages import explain
-from ..module import Module, Refused
-from ..variables import BOOLEAN, INPUT, PARAMETER, REAL, VARIABLES, Variable
+from ..module import ModelInstance, Refused
+from ..variables import BOOLEAN, INPUT, PARAMETER, REAL, Variable
 
 INSTANTIATED = "instantiated"
 INITIALIZING = "in initialization mode"
@@ -29,25 +28,28 @@ _PHASES = (INSTANTIATED, INITIALIZING, STEPPING, TERMINATED)
 _UNKNOWN = Variable("unknown", "", "", "", "", None, None, None, None, "", 0)
 
 
-class InertiaModulePy(Fmi2Slave):  # type: ignore[misc]
-    """The inertia module behind the FMI 2.0 interface of pythonfmu."""
+class PythonSlave(Fmi2Slave):  # type: ignore[misc]
+    """A model behind the FMI 2.0 interface of pythonfmu; subclasses say which."""
+
+    instance_type: ClassVar[type[ModelInstance]]
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
-        self._module = Module("auto")
+        self._instance = self.instance_type("auto")
+        self._variables = self._instance.model.variables
         self._phase = INSTANTIATED
         self._tolerance: float | None = None
         self._refusal = ""
-        module = self._module
-        arrays = {INPUT: module.inputs, PARAMETER: module.parameters}
+        instance = self._instance
+        arrays = {INPUT: instance.inputs, PARAMETER: instance.parameters}
         # value reference -> array and slot
         self._places: list[tuple[array[float], int]] = [
-            (arrays.get(variable.causality, module.outputs), variable.slot) for variable in VARIABLES
+            (arrays.get(variable.causality, instance.outputs), variable.slot) for variable in self._variables
         ]
         self._reals = {
             reference: place
             for reference, place in enumerate(self._places)
-            if VARIABLES[reference].kind == REAL
+            if self._variables[reference].kind == REAL
         }
 
     def _say(self, message: str, status: Fmi2Status) -> None:
@@ -71,7 +73,7 @@ class InertiaModulePy(Fmi2Slave):  # type: ignore[misc]
     # -- initialisation ------------------------------------------------------------------------------
 
     def setup_experiment(self, start_time: float, stop_time: float | None, tolerance: float | None) -> None:
-        """Take over the tolerance: it wins over the parameter."""
+        """Take over the tolerance: it wins over the parameter, where the model has one."""
         if self._phase != INSTANTIATED:
             self._say(
                 f"setupExperiment is refused: the instance is {self._phase}, allowed is before"
@@ -92,8 +94,8 @@ class InertiaModulePy(Fmi2Slave):  # type: ignore[misc]
         self._phase = INITIALIZING
 
         def load() -> None:
-            self._module.load_kernel()
-            self._say(f"the kernel is {self._module.kernel}", Fmi2Status.ok)
+            self._instance.load_kernel()
+            self._say(f"the kernel is {self._instance.kernel}", Fmi2Status.ok)
 
         self._guarded(load)
 
@@ -108,9 +110,10 @@ class InertiaModulePy(Fmi2Slave):  # type: ignore[misc]
         self._phase = STEPPING
 
         def start() -> None:
-            if self._tolerance is not None:
-                self._module.parameters[slots.P_TOLERANCE] = self._tolerance
-            self._module.start()
+            tolerance = self._instance.model.by_name.get("tolerance")
+            if self._tolerance is not None and tolerance is not None:
+                self._instance.parameters[tolerance.slot] = self._tolerance
+            self._instance.start()
 
         self._guarded(start)
 
@@ -126,14 +129,14 @@ class InertiaModulePy(Fmi2Slave):  # type: ignore[misc]
             if self._refusal or self._phase != STEPPING:
                 self._say(self._why_not(), Fmi2Status.discard)
                 return False
-            module = self._module
-            status = module.call(step.STEP, step_size) if math.isfinite(current_time) else slots.BAD_STEP
+            instance = self._instance
+            status = instance.call(step.STEP, step_size) if math.isfinite(current_time) else slots.BAD_STEP
             if status == slots.OK:
                 return True
             if status == slots.BAD_STEP and not math.isfinite(current_time):
                 message = f"communication point = {current_time} s is refused: allowed is a finite time"
             else:
-                message = explain(status, module.parameters, module.inputs, step_size)
+                message = instance.model.explain(status, instance.parameters, instance.inputs, step_size)
             self._say(message, Fmi2Status.discard)
         except Exception as error:
             self._refuse(f"internal error: {type(error).__name__}: {error}")
@@ -147,7 +150,7 @@ class InertiaModulePy(Fmi2Slave):  # type: ignore[misc]
     # -- values --------------------------------------------------------------------------------------
 
     def _variable(self, reference: int) -> Variable:
-        return VARIABLES[reference] if 0 <= reference < len(VARIABLES) else _UNKNOWN
+        return self._variables[reference] if 0 <= reference < len(self._variables) else _UNKNOWN
 
     def _get(self, references: list[int], kinds: tuple[str, ...], missing: float) -> list[float]:
         values = []
@@ -241,14 +244,14 @@ class InertiaModulePy(Fmi2Slave):  # type: ignore[misc]
         tolerance = math.nan if self._tolerance is None else self._tolerance
         head = bytes([_PHASES.index(self._phase)]) + array("d", [tolerance]).tobytes()
         refusal = self._refusal.encode()
-        return head + len(refusal).to_bytes(4, "little") + refusal + self._module.save()
+        return head + len(refusal).to_bytes(4, "little") + refusal + self._instance.save()
 
     def _set_fmu_state(self, state: bytes) -> None:
         def restore() -> None:
             end = 13 + int.from_bytes(state[9:13], "little")
             if len(state) < end or state[0] >= len(_PHASES):
                 raise Refused("the FMU state is refused: allowed is one of this FMU")
-            self._module.restore(state[end:])
+            self._instance.restore(state[end:])
             tolerance = array("d", state[1:9])[0]
             self._tolerance = None if math.isnan(tolerance) else tolerance
             self._phase = _PHASES[state[0]]

@@ -17,7 +17,7 @@ from .elastic_works import add_held_works, add_moving_works, add_shaft_works
 from .events import find_crossing, first_crossing
 from .guards import stays_positive
 from .inertia import reduced_inertia
-from .radau_table import GAMMA
+from .radau_table import GAMMA, STAGES
 from .shaft import damp_error, relative_rate, shaft_torque
 from .slots import *
 
@@ -44,10 +44,19 @@ def embedded_tolerance(tolerance):
 
 
 def fastest_speed(x, w):
-    """Largest of all speeds, rad/s."""
+    """Largest of all speeds at the beginning of the step, rad/s."""
     omega3 = x[X_OMEGA3]
     shaft = max(abs(omega3), abs(omega3 - x[X_RELATIVE]))
     return max(max(abs(w[W_OMEGA1]), abs(x[X_OMEGA2])), shaft)
+
+
+def fastest_at_end(w):
+    """Largest of all speeds at the end of the step in hand, rad/s."""
+    last = STAGES - 1
+    omega3 = w[W_STAGE_OMEGA3 + last]
+    shaft = max(abs(omega3), abs(omega3 - w[W_STAGE_RELATIVE + last]))
+    drive = abs(w[W_OMEGA1] + w[W_ALPHA1] * w[W_STEP])
+    return max(max(drive, abs(w[W_STAGE_OMEGA2 + last])), shaft)
 
 
 def hub_compliance(d, x, inertia2):
@@ -78,6 +87,21 @@ def is_followed(d, compliance, pulse_rate):
     return slowest_rate(d, compliance) ** 2 * d[D_TOLERANCE] <= pulse_rate * pulse_rate
 
 
+def is_stiff(d, x, omega1):
+    """Whether the shaft is too stiff for its own motion to be followed, omega1 jumping to this value."""
+    k = d[D_K]
+    _, _, _, _, _, g, _, _ = reduced_inertia(d, x[X_Q])
+    compliance = 1.0 / (d[D_J3] + d[D_J2] + k * k * g)
+    omega3 = x[X_OMEGA3]
+    speeds = max(max(abs(x[X_OMEGA1]), abs(omega1)), max(abs(omega3), abs(omega3 - x[X_RELATIVE])))
+    return not is_followed(d, compliance, widest_rate(d, x, speeds, compliance))
+
+
+def widest_rate(d, x, fastest, compliance):
+    """Rate of the pulses if their slip were the fastest speed around, rad/s."""
+    return d[D_HARMONIC] * d[D_K] * max(fastest, abs(x[X_TWIST]) * shaft_frequency(d, compliance))
+
+
 def step_error(d, x, w, start, compliance, followed, fastest):
     """Estimated error of the step in hand over the allowed one.
 
@@ -85,6 +109,7 @@ def step_error(d, x, w, start, compliance, followed, fastest):
         start: (omega2', omega3', rate of omega3 - omega4) at the beginning.
     """
     h = w[W_STEP]
+    fastest = max(fastest, fastest_at_end(w))
     rate2, rate3, rate_relative = start
     own = d[D_ALPHA_SLOPE]
     error_q = d[D_K] * h * embedded_error(x[X_OMEGA2], w, W_STAGE_OMEGA2)
@@ -103,11 +128,11 @@ def step_error(d, x, w, start, compliance, followed, fastest):
         if x[X_MODE] == FREE:
             share = own / (own + d[D_J2]) if own > 0.0 else 1.0
             error = max(error, abs(error2) / max(share * fastest, abs(change(d, w, W_RATE2))))
-    if followed:
+    if followed and fastest > 0.0:
         speed = max(abs(relative), shaft_frequency(d, compliance) * abs(twist))
         share = own / (own + d[D_J2] + d[D_J3]) if own > 0.0 else 1.0
         allowed = max(share * fastest, moved)
-        error = max(error, speed / allowed if speed > 0.0 else 0.0)
+        error = max(error, speed / allowed)
     return error / embedded_tolerance(d[D_TOLERANCE])
 
 
@@ -152,8 +177,7 @@ def try_steps(d, x, w, remaining, fastest):
     start, inertia2 = start_rates(d, x, w)
     compliance = hub_compliance(d, x, inertia2)
     pulse_rate = highest_rate(d, x, w, remaining)
-    widest = d[D_HARMONIC] * d[D_K] * max(fastest, abs(x[X_TWIST]) * shaft_frequency(d, compliance))
-    followed = is_followed(d, compliance, max(pulse_rate, widest))
+    followed = is_followed(d, compliance, max(pulse_rate, widest_rate(d, x, fastest, compliance)))
     limit = longest_step(d, x, w, remaining, pulse_rate)
     carried = x[X_STEP_SIZE]
     h = min(limit, carried) if carried > 0.0 else 0.1 * limit

@@ -14,7 +14,7 @@ from .dynamics import motion_rates, torque_scale
 from .guards import next_look, stays_positive
 from .slots import *
 
-# a velocity below this fraction of the fastest one is zero
+# a velocity below this fraction of the speeds that link 2 and the shaft take on is zero
 VELOCITY_ROUNDING = 1e-14
 # phase of the highest harmonic between two looks at a guard, rad
 LOOK_PHASE = 1.0
@@ -136,12 +136,14 @@ def is_step_quiet(d, x, w, phase, omega2_end, alpha2, jerk2, alpha2_end, jerk2_e
     return is_clear(value0, rate0, value1, rate1, h)
 
 
-def first_event(d, x, w, phase, fastest):
+def first_event(d, x, w, phase, fastest, taken):
     """Earliest event in the step just made.
 
     Args:
         phase: advance of the highest harmonic over the step, rad.
-        fastest: largest of the speeds, rad/s: what a velocity is to be called zero against.
+        fastest: largest of the speeds, rad/s: what a torque is to be called zero against.
+        taken: largest speed that link 2 and the shaft take on, rad/s: the same for a velocity. Behind
+            a heavy shaft it is far below fastest, and so are the errors of it.
 
     Returns:
         (fraction of the step or -1, which guard).
@@ -154,10 +156,10 @@ def first_event(d, x, w, phase, fastest):
     earliest = -1.0
     which = NONE
     if d[D_HOUSING] != 0.0:
-        earliest = first_crossing(d, x, w, LINK2, VELOCITY_ROUNDING * fastest, looks)
+        earliest = first_crossing(d, x, w, LINK2, VELOCITY_ROUNDING * taken, looks)
         which = LINK2
     if d[D_OUTPUT] != 0.0:
-        zero = VELOCITY_ROUNDING * fastest
+        zero = VELOCITY_ROUNDING * taken
         if x[X_MODE] == DRIVING:
             scale = torque_scale(d, w[W_OMEGA1], w[W_ALPHA1], 2.0 * d[D_K] * fastest)
             zero = TORQUE_ROUNDING * (scale + abs(w[W_LOAD]))

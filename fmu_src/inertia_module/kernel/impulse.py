@@ -19,22 +19,30 @@ def apply_part(d, x, i, b, g, jump, change2):
     return impulse
 
 
-def push_driven_mass(d, x, change3):
-    """A jump of the hub's speed: the balancer passes beta of it on to the driven mass (elastic output)."""
+def push_driven_mass(d, x, change3, stiff):
+    """A jump of the hub's speed with an elastic output: the balancer passes beta of it on.
+
+    A shaft that is too stiff for its motion to be followed takes the driven mass along: the jump is a
+    ramp that is steep for link 2 and slow for the shaft.
+    """
     omega4 = x[X_OMEGA3] - x[X_RELATIVE]
-    change4 = d[D_BALANCER] * change3
+    change4 = change3 if stiff else d[D_BALANCER] * change3
     add(x, X_RELATIVE, change3 - change4)
-    add(x, X_ENERGY_LOST, -d[D_J4] * change4 * (omega4 + 0.5 * change4))
+    add(x, X_ENERGY_LOST, -d[D_BALANCER] * d[D_J4] * change3 * (omega4 + 0.5 * change4))
 
 
-def jump_input(d, x, jump):
+def jump_input(p, d, x, jump, stiff):
     """Apply a jump of omega1, N m s.
+
+    Args:
+        stiff: whether an elastic output takes the jump with the driven mass.
 
     Returns:
         (P1, Pc): impulse of the input torque and of the output freewheel, N m s.
     """
     i, _, _, b, _, g, _, _ = reduced_inertia(d, x[X_Q])
     k = d[D_K]
+    shaft = d[D_J3] + (1.0 - d[D_BALANCER]) * d[D_J4] if stiff else d[D_J3]
     push = k * (b + k * g) * jump
     inertia = d[D_J2] + k * k * g
     omega2 = x[X_OMEGA2]
@@ -42,7 +50,7 @@ def jump_input(d, x, jump):
     target = x[X_OMEGA1] + jump
     joined = d[D_OUTPUT] == 0.0 or (omega3 == omega2 and push > 0.0)
     if joined:
-        inertia += d[D_J3]
+        inertia += shaft
     change = push / inertia if push != 0.0 else 0.0
     fraction = 1.0
     clutch = 0.0
@@ -52,7 +60,7 @@ def jump_input(d, x, jump):
         end2 = 0.0
     elif not joined and end2 > omega3:
         fraction = (omega3 - omega2) / change  # the rest of the way it drives the shaft
-        end2 = omega3 + (1.0 - fraction) * push / (inertia + d[D_J3])
+        end2 = omega3 + (1.0 - fraction) * push / (inertia + shaft)
     part = fraction * jump
     impulse = apply_part(d, x, i, b, g, part, fraction * change)
     if fraction < 1.0:
@@ -60,8 +68,9 @@ def jump_input(d, x, jump):
     x[X_OMEGA1] = target
     assign(x, X_OMEGA2, end2)
     if end2 > omega3 or d[D_OUTPUT] == 0.0:
-        clutch = d[D_J3] * (end2 - omega3)
-        push_driven_mass(d, x, end2 - omega3)
+        clutch = shaft * (end2 - omega3)
+        if p[P_FIDELITY] == ELASTIC:
+            push_driven_mass(d, x, end2 - omega3, stiff)
         assign(x, X_OMEGA3, end2)
     return impulse, clutch
 

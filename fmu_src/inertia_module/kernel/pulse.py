@@ -10,6 +10,10 @@ from .slots import *
 
 # phase of the highest harmonic within one step, rad
 STEP_PHASE = 12.0
+# the same where the inertia behind link 2 all but vanishes at an angle: its speed has a spike there,
+# which is not to be stepped over
+CUSP_PHASE = 1.0
+CUSP_RATIO = 1e-2
 # steps before the work is counted
 SEGMENT_STEPS = 64
 SAFETY = 0.9
@@ -25,12 +29,22 @@ def highest_rate(d, w, omega2, h):
     return d[D_HARMONIC] * d[D_K] * slip
 
 
+def has_cusp(d, w):
+    """Whether the inertia behind link 2 is far smaller where the imbalance rests in link 1 than elsewhere."""
+    moving = d[D_K] * d[D_K] * d[D_MASS]
+    offset = d[D_POLE_OFFSET]
+    far = offset + 2.0 * d[D_POLE_ARM]
+    least = d[D_J2] + d[D_K] * d[D_K] * d[D_J16] + w[W_SHAFT_INERTIA] + moving * offset * offset
+    return least < CUSP_RATIO * moving * (far * far + d[D_SPIN])
+
+
 def longest_step(d, w, omega2, remaining):
     """Longest step that can be searched for events: a bounded phase of the highest harmonic."""
     step = min(remaining, d[D_MAX_STEP])
     fastest = highest_rate(d, w, omega2, step)
-    if fastest * step > STEP_PHASE:
-        step = STEP_PHASE / fastest
+    phase = CUSP_PHASE if has_cusp(d, w) else STEP_PHASE
+    if fastest * step > phase:
+        step = phase / fastest
     return step
 
 
@@ -170,7 +184,8 @@ def one_step(d, x, w, remaining, alpha2, jerk2, momentum):
     sigma = -1.0
     which = NONE
     if not is_step_quiet(d, x, w, phase, end2, alpha2, jerk2, alpha2_end, jerk2_end):
-        sigma, which = first_event(d, x, w, phase, fastest)
+        taken = max(response(d, w) * fastest, max(abs(omega2), max(abs(end2), abs(x[X_OMEGA3]))))
+        sigma, which = first_event(d, x, w, phase, fastest, taken)
     if sigma < 0.0:
         which = NONE
         sigma = -1.0

@@ -216,6 +216,12 @@ W_KEPT_I = 0
 W_KEPT_I1 = 1
 W_KEPT_B = 2
 W_KEPT_G = 3
+W_SLOPE = 4
+W_IMPULSE = 5
+W_SUM = 6
+W_RELATIVE_GAIN = 7
+W_TWIST_GAIN = 8
+W_LAG = 9
 # the step in hand of the elastic output: matrices of the shaft, 5 x 5 each
 W_COLLOCATED = 63
 W_INVERSE = 64

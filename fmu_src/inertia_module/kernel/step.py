@@ -7,17 +7,19 @@ from .average_legs import RESTING
 from .average_map import build_map
 from .contact import select_mode
 from .derive import derive
-from .elastic import advance_elastic, shaft_frequency
+from .elastic import advance_elastic, is_stiff, shaft_frequency
 from .held import advance_held
 from .impulse import jump_input, jump_kinematic
 from .kinematic import advance_kinematic
 from .outputs import shaft_load, stored_energy, write_outputs
 from .pulse import advance_moving
 from .slots import *
-from .timestepping import one_step, put_inertia, steps_in
+from .timestepping import one_step, put_inertia, put_shaft, steps_in
 
 LARGEST_SPEED = 1e6
 LARGEST_TORQUE = 1e12
+# a slower input counts as none: its square is no normal double
+SMALLEST_SPEED = 1e-150
 LARGEST_STEP = 1e6
 # work one communication step may take before it is given up
 MAX_EVALUATIONS = 5e7
@@ -54,6 +56,12 @@ def check(p, d, u):
     return check_inputs(u) if status == OK else status
 
 
+def input_speed(u):
+    """omega1, rad/s, or zero where it is too slow to be squared."""
+    omega1 = u[U_OMEGA1]
+    return omega1 if abs(omega1) >= SMALLEST_SPEED else 0.0
+
+
 def start(p, d, u, x, y):
     """Derive the constants and set the state at the end of initialisation.
 
@@ -71,13 +79,13 @@ def start(p, d, u, x, y):
         build_map(p, d)
     for n in range(X_SIZE):
         x[n] = 0.0
-    x[X_OMEGA1] = u[U_OMEGA1]
-    x[X_HELD_INPUT] = u[U_OMEGA1]
+    x[X_OMEGA1] = input_speed(u)
+    x[X_HELD_INPUT] = x[X_OMEGA1]
     x[X_LOAD_TORQUE] = u[U_LOAD_TORQUE]
     x[X_Q] = p[P_DRIVE_ANGLE_START]
     wrap_drive_angle(d, x)
     if p[P_FIDELITY] == KINEMATIC:
-        x[X_OMEGA2] = p[P_KINEMATIC_RATIO] * u[U_OMEGA1]
+        x[X_OMEGA2] = p[P_KINEMATIC_RATIO] * x[X_OMEGA1]
         x[X_OMEGA3] = x[X_OMEGA2]
         x[X_MODE] = DRIVING
     else:
@@ -87,7 +95,7 @@ def start(p, d, u, x, y):
             set_link2(d, x, RESTING, -1.0, 0.0)
             x[X_STEP_SWITCHES] = 0.0
         else:
-            x[X_MODE] = present_mode(p, d, x, u[U_OMEGA1])
+            x[X_MODE] = present_mode(p, d, x, x[X_OMEGA1])
     x[X_ENERGY_START] = stored_energy(p, d, x)
     write_outputs(p, d, x, y, True)
     return OK
@@ -95,12 +103,13 @@ def start(p, d, u, x, y):
 
 def extrapolate_input(p, u, x, h):
     """Slope of omega1 over the coming step and the jump that is left at its beginning."""
+    omega1 = input_speed(u)
     alpha1 = 0.0
     if p[P_INPUT_HOLD] != 0.0 and x[X_HELD_STEP] > 0.0:
-        alpha1 = (u[U_OMEGA1] - x[X_HELD_INPUT]) / x[X_HELD_STEP]
-    x[X_HELD_INPUT] = u[U_OMEGA1]
+        alpha1 = (omega1 - x[X_HELD_INPUT]) / x[X_HELD_STEP]
+    x[X_HELD_INPUT] = omega1
     x[X_HELD_STEP] = h
-    return alpha1, u[U_OMEGA1] - x[X_OMEGA1]
+    return alpha1, omega1 - x[X_OMEGA1]
 
 
 def begin(p, u, x, h):
@@ -182,6 +191,7 @@ def run_timestepping(p, d, x, w, h):
     part = h / count
     number = 0.0
     put_inertia(d, x, w)
+    put_shaft(p, d, w, part)
     while number < count:
         one_step(p, d, x, w, omega1 + alpha1 * part * number, alpha1, x[X_LOAD_TORQUE], part)
         number += 1.0
@@ -265,7 +275,8 @@ def advance(p, d, u, x, y, w, h, imbalance):
         status = run_averaged(d, x, w, h)
     else:
         if jump != 0.0:
-            input_jump, output_jump = jump_input(d, x, jump)
+            stiff = p[P_FIDELITY] == ELASTIC and is_stiff(d, x, u[U_OMEGA1])
+            input_jump, output_jump = jump_input(p, d, x, jump, stiff)
         status = run_timestepping(p, d, x, w, h) if p[P_METHOD] == TIMESTEPPING else run_events(p, d, x, w, h)
     if status == OK:
         end(x, h, input_jump, output_jump)

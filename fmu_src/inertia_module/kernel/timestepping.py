@@ -7,17 +7,21 @@ N = G + J2/k^2 of q', link 2 obeys
 
 which is stepped with the differences of sqrt(N) and V over the step instead of their derivatives (a
 discrete gradient): without contact the kinetic energy changes by what V does, and no impulse exceeds
-what the differences allow, however coarse the step.
+what the differences allow, however coarse the step. An elastic shaft moves exactly behind a
+hub that accelerates uniformly over the step, or is damped out if the step cannot resolve it.
 """
 
 import math
 
 from .accumulate import add, assign, wrap_drive_angle
 from .inertia import reduced_inertia
+from .propagator import characteristic, responses
 from .slots import *
 
 # below this change of q, rad, the derivative of V is more exact than its difference
 SMALLEST_DIFFERENCE = 1e-5
+# phase of the shaft's own oscillation, rad, up to which a step resolves it
+RESOLVED = 0.5
 # corrections of q by the mean of the speeds at both ends
 CORRECTIONS = 2
 
@@ -63,25 +67,58 @@ def kept_momentum(d, w, omega1, omega2):
     return (d[D_J1] + w[W_KEPT_I]) * omega1 + w[W_KEPT_B] * d[D_K] * (omega1 - omega2) + d[D_J2] * omega2
 
 
-def shaft_step(p, d, x, load, h):
-    """Inertia of the hub over the step and its momentum without contact; the elastic shaft is implicit.
+def put_shaft(p, d, w, h):
+    """Answers of the elastic shaft over a step h, the hub accelerating uniformly: kept in w.
 
-    Returns:
-        (inertia, momentum, torque of the shaft at the end if the hub keeps its speed, its gain in
-        omega3'): omega3 at the end is (momentum + Pc) / inertia.
+    They are exact while the step resolves the shaft, and those of the implicit Euler method, which
+    damps whatever it does not resolve, where it does not.
     """
     if p[P_FIDELITY] != ELASTIC:
-        return d[D_J3], d[D_J3] * x[X_OMEGA3] - h * load, load, 0.0
-    friction = d[D_FRICTION] * h
-    stiff = d[D_STIFFNESS] * h * h + d[D_DAMPING] * h
+        return
+    friction = d[D_FRICTION]
+    free = 1.0 - d[D_BALANCER]
+    if d[D_STIFFNESS] * (1.0 / d[D_J3] + 1.0 / d[D_J4]) * h * h > RESOLVED * RESOLVED:
+        share = 1.0 / (d[D_J4] + (friction + d[D_DAMPING] + d[D_STIFFNESS] * h) * h)
+        w[W_SLOPE] = d[D_J4] * share
+        w[W_IMPULSE] = h * w[W_SLOPE]
+        w[W_SUM] = h * w[W_IMPULSE]
+        w[W_RELATIVE_GAIN] = (d[D_J4] * free + friction * h) * h * share
+        w[W_TWIST_GAIN] = h * w[W_RELATIVE_GAIN]
+        w[W_LAG] = h
+        return
+    rate = (d[D_DAMPING] + friction) / d[D_J4]
+    square = d[D_STIFFNESS] / d[D_J4]
+    swing, slow, fast = characteristic(rate, square)
+    _, w[W_SLOPE], w[W_IMPULSE], w[W_SUM], two, _, _ = responses(rate, square, swing, slow, fast, h)
+    w[W_RELATIVE_GAIN] = free * w[W_IMPULSE] + friction / d[D_J4] * w[W_SUM]
+    w[W_TWIST_GAIN] = free * w[W_SUM] + friction / d[D_J4] * two
+    w[W_LAG] = 0.5 * h
+
+
+def shaft_step(p, d, x, w, load, h):
+    """Inertia of the hub over the step and its momentum without contact, with the shaft behind it.
+
+    Returns:
+        (inertia, momentum): omega3 at the end is (momentum + Pc) / inertia.
+    """
+    omega3 = x[X_OMEGA3]
+    if p[P_FIDELITY] != ELASTIC:
+        return d[D_J3], d[D_J3] * omega3 - h * load
+    relative, twist = coasting_shaft(d, x, w, load)
+    friction = d[D_FRICTION]
+    # momentum that the shaft takes from a hub of constant speed, and more for each rad/s of it
+    taken = d[D_J4] * (x[X_RELATIVE] - relative) + friction * (h * omega3 - (twist - x[X_TWIST])) + load * h
+    own = d[D_J4] * ((1.0 - d[D_BALANCER]) * h - w[W_RELATIVE_GAIN])
+    gain = (own + friction * (w[W_LAG] * h - w[W_TWIST_GAIN])) / h
+    return d[D_J3] + gain, (d[D_J3] + gain) * omega3 - taken
+
+
+def coasting_shaft(d, x, w, load):
+    """Relative speed and twist at the end of the step if the hub keeps its speed."""
     relative = x[X_RELATIVE]
-    uniform = d[D_STIFFNESS] * (x[X_TWIST] + relative * h) + d[D_DAMPING] * relative
-    drag = d[D_FRICTION] * (x[X_OMEGA3] - relative) + load
-    share = stiff / (d[D_J4] + friction + stiff)
-    torque = uniform + share * (drag - uniform)
-    gain = share * (d[D_J4] * (1.0 - d[D_BALANCER]) + friction)
-    inertia = d[D_J3] + gain
-    return inertia, inertia * x[X_OMEGA3] - h * torque, torque, gain
+    push = (d[D_FRICTION] * x[X_OMEGA3] + load - d[D_STIFFNESS] * x[X_TWIST]) / d[D_J4]
+    end = relative * w[W_SLOPE] + push * w[W_IMPULSE]
+    return end, x[X_TWIST] + relative * w[W_IMPULSE] + push * w[W_SUM]
 
 
 def settle(d, inertia2, momentum2, inertia3, momentum3):
@@ -103,35 +140,33 @@ def settle(d, inertia2, momentum2, inertia3, momentum3):
     return 0.0, 0.0, -momentum3, -momentum3 - momentum2, HELD_DRIVING
 
 
-def follow_shaft(p, d, x, load, h, end3, torque, gain):
-    """Twist, driven mass and works of the shaft for the end speed of the hub; its state is taken over."""
+def follow_shaft(p, d, x, w, load, h, end3):
+    """Take over the end speed of the hub, with twist, driven mass and works of the shaft behind it."""
     begin3 = x[X_OMEGA3]
     begin4 = begin3 - x[X_RELATIVE]
-    end4 = end3
+    lag = w[W_LAG] if p[P_FIDELITY] == ELASTIC else 0.5 * h
+    turned4 = h * begin3 + lag * (end3 - begin3)
     if p[P_FIDELITY] == ELASTIC:
         change3 = end3 - begin3
-        shaft = torque + gain * change3 / h
-        friction = d[D_FRICTION] * h
-        stiff = d[D_STIFFNESS] * h * h + d[D_DAMPING] * h
-        uniform = d[D_STIFFNESS] * (x[X_TWIST] + x[X_RELATIVE] * h) + d[D_DAMPING] * x[X_RELATIVE]
-        drag = d[D_FRICTION] * begin4 + load
-        driven = d[D_J4] * (1.0 - d[D_BALANCER]) * change3 + friction * change3
-        change = (driven + h * (drag - uniform)) / (d[D_J4] + friction + stiff)
-        add(x, X_RELATIVE, change)
-        relative = x[X_RELATIVE]
-        add(x, X_TWIST, h * relative)
+        before = x[X_RELATIVE]
+        relative, twist = coasting_shaft(d, x, w, load)
+        relative += w[W_RELATIVE_GAIN] * change3 / h
+        twist += w[W_TWIST_GAIN] * change3 / h
+        turned4 -= twist - x[X_TWIST]
         end4 = end3 - relative
-        middle4 = 0.5 * (begin4 + end4)
-        damping = (shaft - d[D_STIFFNESS] * x[X_TWIST]) * relative
-        balancing = d[D_BALANCER] * d[D_J4] * change3 * middle4
-        add(x, X_ENERGY_LOST, h * (damping + d[D_FRICTION] * end4 * middle4) - balancing)
-    add(x, X_ENERGY_OUT, h * load * 0.5 * (begin4 + end4))
+        lost = 0.5 * h * d[D_DAMPING] * (before * before + relative * relative)
+        lost += 0.5 * h * d[D_FRICTION] * (begin4 * begin4 + end4 * end4)
+        lost -= d[D_BALANCER] * d[D_J4] * change3 * 0.5 * (begin4 + end4)
+        add(x, X_ENERGY_LOST, lost)
+        assign(x, X_RELATIVE, relative)
+        assign(x, X_TWIST, twist)
+    add(x, X_ENERGY_OUT, load * turned4)
     assign(x, X_OMEGA3, end3)
 
 
 def one_step(p, d, x, w, omega1, alpha1, load, h):
     """One fixed step; the inertia at its beginning is kept in w, that at its end is left there."""
-    inertia3, momentum3, torque, gain = shaft_step(p, d, x, load, h)
+    inertia3, momentum3 = shaft_step(p, d, x, w, load, h)
     begin2 = x[X_OMEGA2]
     end2 = begin2
     end3 = x[X_OMEGA3]
@@ -152,7 +187,7 @@ def one_step(p, d, x, w, omega1, alpha1, load, h):
     x[X_OUTPUT_IMPULSE] += clutch
     x[X_OUTPUT_SQUARE] += clutch * clutch / h
     x[X_TORQUE_PEAK] = max(x[X_TORQUE_PEAK], abs(clutch) / h)
-    follow_shaft(p, d, x, load, h, end3, torque, gain)
+    follow_shaft(p, d, x, w, load, h, end3)
     assign(x, X_OMEGA2, end2)
     if mode != x[X_MODE]:
         x[X_MODE] = mode

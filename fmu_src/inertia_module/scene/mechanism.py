@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, create_model
 
-from ..variables import BOOLEAN, ENUMERATION, ENUMERATIONS, PARAMETER, Variable, with_causality
+from ..kernel.slots import ELASTIC
+from ..variables import BOOLEAN, BY_NAME, ENUMERATION, ENUMERATIONS, PARAMETER, Variable, with_causality
 from .tables import Strict
 from .units import to_si
+
+FIDELITY = "fidelity"
+# the fidelity is to be chosen from measurements
+AUTO = "auto"
 
 
 def _number(variable: Variable, value: Any) -> float:
@@ -26,17 +32,30 @@ def _number(variable: Variable, value: Any) -> float:
     return to_si(value, variable.unit or "1")
 
 
+def _allowed(variable: Variable) -> str:
+    """The allowed values of a parameter of a scene, in words."""
+    return f"{variable.allowed}, or {AUTO}" if variable.name == FIDELITY else variable.allowed
+
+
 def _validator(variable: Variable) -> BeforeValidator:
-    def check(value: Any) -> float:
+    def check(value: Any) -> float | str:
+        if variable.name == FIDELITY and value == AUTO:
+            return AUTO
         try:
             number = _number(variable, value)
         except ValueError as error:
-            raise ValueError(f"{error}; allowed is {variable.allowed}") from None
+            raise ValueError(f"{error}; allowed is {_allowed(variable)}") from None
         if not (math.isfinite(number) and variable.accepts(number)):
-            raise ValueError(f"allowed is {variable.allowed}")
+            raise ValueError(f"allowed is {_allowed(variable)}")
         return number
 
     return BeforeValidator(check)
+
+
+def _type(variable: Variable) -> Any:
+    """What a key of the table may be."""
+    number: Any = float | None
+    return Annotated[number | Literal["auto"] if variable.name == FIDELITY else number, _validator(variable)]
 
 
 # tolerance has a table of its own: [accuracy]
@@ -45,7 +64,7 @@ Mechanism: type[BaseModel] = create_model(
     __base__=Strict,
     __doc__="Parameters of the module that differ from the defaults (scene R1).",
     **{
-        variable.name: (Annotated[float | None, _validator(variable)], None)
+        variable.name: (_type(variable), None)
         for variable in with_causality(PARAMETER)
         if variable.name != "tolerance"
     },
@@ -53,5 +72,41 @@ Mechanism: type[BaseModel] = create_model(
 
 
 def parameters(mechanism: BaseModel) -> dict[str, float]:
-    """The parameters that the scene gives, as numbers for the FMU."""
-    return mechanism.model_dump(exclude_none=True)
+    """The parameters that the scene gives, as numbers for the FMU, without a fidelity still to be chosen."""
+    given = mechanism.model_dump(exclude_none=True)
+    return {name: value for name, value in given.items() if value != AUTO}
+
+
+def is_auto(mechanism: BaseModel) -> bool:
+    """Whether the fidelity is to be chosen."""
+    return getattr(mechanism, FIDELITY, None) == AUTO
+
+
+# the parameters that say there is an elastic output
+ELASTIC_PARAMETERS = (
+    "driven_inertia",
+    "shaft_stiffness",
+    "shaft_damping",
+    "driven_friction",
+    "balancer",
+)
+
+
+def is_elastic(values: Mapping[str, float]) -> bool:
+    """Whether parameters describe an elastic output."""
+    return any(name in values for name in ELASTIC_PARAMETERS)
+
+
+def at_fidelity(values: Mapping[str, float], fidelity: float) -> dict[str, float]:
+    """Parameters for another fidelity: without an elastic output the driven mass is rigid with the hub.
+
+    Args:
+        values: parameters by name, those that differ from the defaults. fidelity: its number.
+    """
+    changed = {**values, FIDELITY: float(fidelity)}
+    if fidelity != ELASTIC and is_elastic(values):
+        inertia = (
+            values.get(name, BY_NAME[name].start or 0.0) for name in ("output_inertia", "driven_inertia")
+        )
+        changed["output_inertia"] = sum(inertia)
+    return changed

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from ..drive import Fmu, Progress, Result
 from ..loops import ClosedLoop, connect, initial_inputs
+from .errors import SceneError
 from .schema import Scene
 from .summary import SUMMARISED, Quantity, summarise
 
@@ -54,7 +55,12 @@ def run_scene(scene: Scene, fmu_path: Path | str, progress: Progress | None = No
 
     Raises:
         DriveError: the FMU cannot be loaded, or refuses a value or a step.
+        SceneError: its fidelity is still to be chosen.
     """
+    if scene.chooses_fidelity:
+        raise SceneError(
+            "mechanism.fidelity = 'auto' is refused here: it is to be chosen first (studies.trials.choose)"
+        )
     surroundings = connect(list(scene.systems()))
     values = scene.parameters()
     start = {"omega_out": values.get("omega_out_start", 0.0)}

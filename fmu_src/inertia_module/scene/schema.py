@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -11,13 +11,14 @@ from pydantic import Field, ValidationError, model_validator
 
 from .. import loops
 from ..cycles import Cycle
+from ..kernel.slots import ELASTIC
 from ..module import Module, Refused
 from ..variables import BY_NAME, LARGEST_STEP, LOCAL, OUTPUT, with_causality
 from .controllers import SPEED_UNITS, VEHICLE_SPEED, CycleReference, PiController, measured_speed
 from .drives import ControlledDrive, Drive
 from .errors import SceneError, one_line
 from .loads import Load
-from .mechanism import Mechanism, parameters
+from .mechanism import AUTO, FIDELITY, Mechanism, at_fidelity, is_auto, parameters
 from .tables import Duration, Strict
 from .units import quantity
 
@@ -27,9 +28,17 @@ _READABLE = tuple(variable.name for variable in with_causality(OUTPUT, LOCAL))
 
 
 class Accuracy(Strict):
-    """How accurate the integration has to be."""
+    """How accurate the integration has to be, or, where the fidelity is to be chosen, the outputs.
 
-    tolerance: Annotated[float, quantity("1", _TOLERANCE.minimum, _TOLERANCE.maximum)] = 1e-6
+    Attributes:
+        tolerance: of the integration; None for that of the module (1e-6).
+        error: allowed in the wanted outputs, relative to the largest magnitude of each.
+        window: s, over which outputs are averaged before they are compared.
+    """
+
+    tolerance: Annotated[float, quantity("1", _TOLERANCE.minimum, _TOLERANCE.maximum)] | None = None
+    error: Annotated[float, quantity("1", maximum=1.0, above=0.0)] | None = None
+    window: Duration = 1.0
 
 
 class Run(Strict):
@@ -73,6 +82,11 @@ class Scene(Strict):
         return measured_speed(self.load.kind)
 
     @property
+    def chooses_fidelity(self) -> bool:
+        """Whether the fidelity is still to be chosen from measurements."""
+        return is_auto(self.mechanism)
+
+    @property
     def cycle(self) -> Cycle | None:
         """The driving cycle that is to be followed, if any."""
         reference = self.controller.reference if self.controller else None
@@ -102,16 +116,58 @@ class Scene(Strict):
         if "brake_force" in load.input_labels and not braked:
             yield loops.source("brake_force", 0.0, step)
 
+    def replaced(self, **tables: Mapping[str, Any]) -> Scene:
+        """The scene with other keys, checked anew.
+
+        Args:
+            tables: keys by table, such as run={"stop_time": 2.0}; None takes a key away.
+
+        Raises:
+            SceneError: as read_scene.
+        """
+        data = _without_files(self.model_dump(exclude_none=True))
+        for name, changes in tables.items():
+            kept = {**data.get(name, {}), **changes}
+            data[name] = {key: value for key, value in kept.items() if value is not None}
+        try:
+            return Scene.model_validate(data, context={"measured": self.measured})
+        except ValidationError as failure:
+            raise SceneError(one_line(Scene, failure)) from None
+
+    def with_fidelity(self, fidelity: str, error: float | None = None) -> Scene:
+        """The scene at a named fidelity, or at one to be chosen for this error.
+
+        A scene that describes an elastic output has its driven mass rigid with the hub elsewhere.
+
+        Raises:
+            SceneError: there is no such fidelity, or it cannot be.
+        """
+        asked = {} if error is None else {"error": error}
+        if fidelity == AUTO:
+            chosen_too = {"method": None, "max_step": None}
+            return self.replaced(
+                mechanism={FIDELITY: AUTO, **chosen_too}, accuracy={**asked, "tolerance": None}
+            )
+        scene = self.replaced(mechanism={FIDELITY: fidelity}, accuracy=asked)
+        values = parameters(scene.mechanism)
+        return scene.replaced(mechanism=at_fidelity(values, values[FIDELITY]))
+
     def _shaft_inertia(self) -> float:
-        """Inertia of the output shaft without the load, kg.m2."""
-        default = BY_NAME["output_inertia"].start or 0.0
-        return parameters(self.mechanism).get("output_inertia", default)
+        """Inertia of what the load hangs on without the load, kg.m2."""
+        name = self._carrying
+        return parameters(self.mechanism).get(name, BY_NAME[name].start or 0.0)
+
+    @property
+    def _carrying(self) -> str:
+        """Parameter of the inertia that a load hangs on: the driven mass where the shaft is elastic."""
+        elastic = parameters(self.mechanism).get("fidelity") == ELASTIC
+        return "driven_inertia" if elastic else "output_inertia"
 
     def parameters(self) -> dict[str, float]:
-        """Parameters for the FMU; the inertia of a rigidly coupled load is in output_inertia."""
+        """Parameters for the FMU; the inertia of a rigidly coupled load is in that which it hangs on."""
         values = parameters(self.mechanism)
         rigid = self.build_load().rigid_inertia
-        return {**values, "output_inertia": self._shaft_inertia() + rigid} if rigid else values
+        return {**values, self._carrying: self._shaft_inertia() + rigid} if rigid else values
 
     @model_validator(mode="after")
     def _drive_and_controller(self) -> Scene:
@@ -122,6 +178,25 @@ class Scene(Strict):
             raise SceneError(
                 f"drive.kind = {self.drive.kind!r} is refused: allowed with a [controller] is 'controlled'"
             )
+        return self
+
+    @model_validator(mode="after")
+    def _accuracy_of_the_choice(self) -> Scene:
+        if not self.chooses_fidelity:
+            return self
+        if self.accuracy.error is None:
+            raise SceneError(
+                "accuracy.error is missing: it has to be given with mechanism.fidelity = 'auto',"
+                " such as '1 %'"
+            )
+        chosen = {f"mechanism.{name}": getattr(self.mechanism, name) for name in ("method", "max_step")}
+        chosen["accuracy.tolerance"] = self.accuracy.tolerance
+        for name, value in chosen.items():
+            if value is not None:
+                raise SceneError(
+                    f"{name} = {value:g} is refused with mechanism.fidelity = 'auto': it is chosen too;"
+                    " allowed is accuracy.error"
+                )
         return self
 
     @model_validator(mode="after")
@@ -161,6 +236,15 @@ class Scene(Strict):
         except Refused as error:
             raise SceneError(f"mechanism: {error}") from None
         return self
+
+
+def _without_files(data: dict[str, Any]) -> dict[str, Any]:
+    """Tables without the names of the CSV files whose columns they hold."""
+    return {
+        name: _without_files(value) if isinstance(value, dict) else value
+        for name, value in data.items()
+        if name != "file"
+    }
 
 
 def read_scene(text: str, folder: Path) -> Scene:

@@ -1,0 +1,120 @@
+"""The models of the package, each described once: module, FMUs and documentation are made from this."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from . import compiled, driven_shaft_messages, driven_shaft_variables, messages, variables
+from .kernel import driven_shaft, step
+from .variables import INPUT, PARAMETER, Variable, with_causality
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """One model: its variables, its kernel, and what it says.
+
+    Attributes:
+        name: name in saved states. title: for people. description: one sentence without its full stop.
+        introduction: how to use it, sentences. variables: its table.
+        entry: name of its kernel in compiled.ENTRIES. call: the same as plain Python.
+        explain: the message for a status of its kernel (status, parameters, inputs, step).
+        zero_at_start: outputs that are zero at initialisation.
+        given_at_start: outputs that depend at initialisation on these names alone. All other outputs
+            depend on all inputs and parameters but idle_at_start.
+    """
+
+    name: str
+    title: str
+    description: str
+    introduction: str
+    variables: tuple[Variable, ...]
+    entry: str
+    call: Callable[..., int]
+    explain: Callable[..., str]
+    idle_at_start: frozenset[str]
+    zero_at_start: frozenset[str]
+    given_at_start: Mapping[str, frozenset[str]] = field(default_factory=dict)
+
+    @cached_property
+    def by_name(self) -> dict[str, Variable]:
+        """The variables by their names."""
+        return {variable.name: variable for variable in self.variables}
+
+    @property
+    def sizes(self) -> tuple[int, ...]:
+        """Sizes of the kernel's arrays p, d, u, x, y and w."""
+        return compiled.ENTRIES[self.entry].sizes
+
+    def with_causality(self, *causalities: str) -> Iterator[Variable]:
+        """Variables of these causalities, in the order of the table."""
+        return with_causality(*causalities, table=self.variables)
+
+    def known_at_start(self, output: str) -> frozenset[str]:
+        """Inputs and parameters an output depends on at initialisation."""
+        if output in self.zero_at_start:
+            return frozenset()
+        if output in self.given_at_start:
+            return self.given_at_start[output]
+        known = {variable.name for variable in self.with_causality(INPUT, PARAMETER)}
+        return frozenset(known - self.idle_at_start)
+
+
+INERTIA_MODULE = Model(
+    name="InertiaModule",
+    title="Inertia module",
+    description=(
+        "Inertia module: inertial torque transformer, unbalanced satellites on a bevel or planar"
+        " differential, rectified by freewheels"
+    ),
+    introduction=(
+        "Outputs hold the values at the end of the last communication step. Pulses are usually shorter than a"
+        " step, so couple through the step means input_torque_mean and output_torque_mean, not through"
+        " instantaneous torques. Torques act so: M1 = input_torque drives link 1, M2 = mesh_torque link 2,"
+        " Tc = output_torque the output shaft, Th = housing_torque holds link 2."
+    ),
+    variables=variables.VARIABLES,
+    entry=compiled.MODULE,
+    call=step.call,
+    explain=messages.explain,
+    idle_at_start=frozenset(
+        {
+            *("tolerance", "max_step", "method", "input_hold"),
+            *("driven_inertia", "shaft_stiffness", "shaft_damping", "driven_friction", "balancer"),
+        }
+    ),
+    zero_at_start=frozenset({"input_torque_mean", "output_torque_mean"}),
+    given_at_start={
+        "omega_out": frozenset({"omega1", "fidelity", "kinematic_ratio", "omega_out_start"}),
+    },
+)
+
+_SHAFT = frozenset({"hub_speed", "shaft_stiffness", "shaft_damping", "omega_out_start", "twist_start"})
+
+DRIVEN_SHAFT = Model(
+    name="DrivenShaft",
+    title="Driven shaft",
+    description=(
+        "Driven shaft: hub of given speed, elastic shaft with damping, driven mass with friction and"
+        " balancer; the elastic output of the inertia module alone"
+    ),
+    introduction=(
+        "Outputs hold the values at the end of the last communication step. The motion is exact for a hub"
+        " speed that is constant or linear over a step, however stiff the shaft and long the step. Couple it"
+        " to an inertia module: omega_out of that is hub_speed of this, and shaft_torque_mean of this is"
+        " load_torque of that. A jump of hub_speed at the beginning of a step acts through the balancer at"
+        " once; the torque of the shaft stays finite, so its mean holds no impulse."
+    ),
+    variables=driven_shaft_variables.VARIABLES,
+    entry=compiled.DRIVEN_SHAFT,
+    call=driven_shaft.call,
+    explain=driven_shaft_messages.explain,
+    idle_at_start=frozenset({"balancer", "input_hold"}),
+    zero_at_start=frozenset({"shaft_torque_mean"}),
+    given_at_start={
+        "shaft_torque": _SHAFT,
+        "omega_out": frozenset({"omega_out_start"}),
+        "twist": frozenset({"twist_start"}),
+    },
+)

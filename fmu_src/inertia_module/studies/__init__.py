@@ -1,0 +1,1 @@
+"""Studies of the module: what accuracy costs, measured."""

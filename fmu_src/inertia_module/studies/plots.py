@@ -1,0 +1,129 @@
+"""Work-precision plots: error against what it costs, on log-log axes, slopes marked."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from .trajectory import Array, Row
+
+# colours that the colour-blind tell apart: Okabe and Ito (2008), Color Universal Design
+_COLOURS = ("#D55E00", "#0072B2", "#009E73", "#E69F00", "#56B4E9", "#CC79A7", "#222222", "#8A8A8A")
+_MARKERS = "osD^vPX*<>hp"
+_DPI = 110
+# a slope is told of at least so many points
+_FITTED = 3
+
+Curve = list[Row]
+
+
+def curves(rows: Sequence[Row]) -> dict[str, Curve]:
+    """Rows that succeeded, by rung, method and communication step."""
+    steps = {row.communication_step for row in rows if row.rung != "peer"}
+    found: dict[str, Curve] = {}
+    for row in rows:
+        if row.failure:
+            continue
+        name = " ".join(word for word in (row.rung if row.rung != "peer" else "", row.method) if word)
+        if row.rung != "peer" and len(steps) > 1:
+            name += f", steps of {row.communication_step:g} s"
+        found.setdefault(name, []).append(row)
+    return found
+
+
+def slope(costs: Array, errors: Array) -> float:
+    """Exponent p of error ~ cost^p, fitted; NaN of fewer than three different points."""
+    if np.unique(costs).size < _FITTED:
+        return math.nan
+    return float(np.polyfit(np.log(costs), np.log(errors), 1)[0])
+
+
+def _cost(row: Row, cost: str) -> float:
+    return 1e3 * row.wall_time if cost == "wall_time" else row.evaluations
+
+
+_COSTS = {"wall_time": "ms per simulated second", "evaluations": "right-hand sides"}
+
+
+def _points(curve: Curve, error: str, cost: str) -> Array:
+    """(cost, error) of the runs of a curve that have both, shape (n, 2)."""
+    pairs = [(_cost(row, cost), row.errors.get(error, math.nan)) for row in curve]
+    points = np.array(pairs, dtype=float)
+    kept: Array = points[(points > 0.0).all(axis=1) & np.isfinite(points).all(axis=1)]
+    return kept
+
+
+def _panel(axes: Axes, rows: Sequence[Row], error: str, cost: str) -> None:
+    """One panel: a line a curve, dashed for the peers."""
+    for number, (name, curve) in enumerate(curves(rows).items()):
+        points = _points(curve, error, cost)
+        if not points.size:
+            continue
+        axes.loglog(
+            points[:, 0],
+            points[:, 1],
+            linestyle="--" if curve[0].rung == "peer" else "-",
+            color=_COLOURS[number % len(_COLOURS)],
+            marker=_MARKERS[number % len(_MARKERS)],
+            markersize=4,
+            linewidth=1.2,
+            label=name,
+        )
+    axes.set_xlabel(_COSTS[cost])
+    axes.set_ylabel(error.replace("_", " "))
+    axes.grid(alpha=0.3, which="both", linewidth=0.4)
+
+
+def _legend(figure: Figure, panels: Sequence[Axes], slopes: dict[str, str]) -> None:
+    """One legend of all panels below them, with what is to be told of a curve behind its name."""
+    labels: dict[str, Any] = {}
+    for axes in panels:
+        handles, texts = axes.get_legend_handles_labels()
+        labels |= dict(zip(texts, handles, strict=True))
+    texts = [name + slopes.get(name, "") for name in labels]
+    if labels:
+        figure.legend(
+            list(labels.values()), texts, loc="outside lower center", ncols=3, fontsize=7, frameon=False
+        )
+
+
+def _slopes(curve: Curve, error: str) -> str:
+    """Fitted slopes against both costs, in words; "" where there are too few points."""
+    points = [_points(curve, error, cost) for cost in _COSTS]
+    fitted = [slope(found[:, 0], found[:, 1]) if found.size else math.nan for found in points]
+    return "" if any(math.isnan(value) for value in fitted) else f" (slopes {fitted[0]:.1f}, {fitted[1]:.1f})"
+
+
+def work_precision(rows: Sequence[Row], error: str, title: str) -> Figure:
+    """One error against wall time and against right-hand sides; the legend tells both slopes.
+
+    Args:
+        rows: measured. error: name in Row.errors. title: of the figure.
+    """
+    figure = Figure(figsize=(13.0, 8.0), dpi=_DPI, layout="constrained")
+    figure.suptitle(title, fontsize=12)
+    panels = figure.subplots(1, 2, sharey=True)
+    for axes, cost in zip(panels, _COSTS, strict=True):
+        _panel(axes, rows, error, cost)
+    _legend(figure, list(panels), {name: _slopes(curve, error) for name, curve in curves(rows).items()})
+    return figure
+
+
+def all_errors(rows: Sequence[Row], names: Sequence[str], title: str) -> Figure:
+    """Each error against wall time, a panel each."""
+    columns = min(4, len(names))
+    lines = math.ceil(len(names) / columns)
+    figure = Figure(figsize=(4.0 * columns, 3.4 * lines + 1.6), dpi=_DPI, layout="constrained")
+    figure.suptitle(title, fontsize=12)
+    grid = figure.subplots(lines, columns, squeeze=False).ravel()
+    for axes, name in zip(grid, names, strict=False):
+        _panel(axes, rows, name, "wall_time")
+    for axes in grid[len(names) :]:
+        axes.set_axis_off()
+    _legend(figure, list(grid[: len(names)]), {})
+    return figure

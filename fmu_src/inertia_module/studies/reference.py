@@ -1,0 +1,80 @@
+"""The converged reference of a case, and how well a second method agrees with it."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..kernel.slots import ELASTIC, RIGID
+from ..scene.mechanism import is_elastic
+from .canonical import Canonical
+from .kernel_runs import KernelRun
+from .trajectory import Array, Case, Trajectory
+
+TOLERANCE = 1e-13
+# communication steps: short ones make the switches quick to find
+_STEPS = 100
+# sampling intervals of the comparison with the second method
+_COMPARED = 20
+
+
+@dataclass(frozen=True)
+class Reference:
+    """The tightest run of a case.
+
+    Attributes:
+        case: what was run. trajectory: at its sampling times. modes: contact modes there, (points + 1,).
+        fidelity: elastic where the case gives an elastic output, else rigid.
+    """
+
+    case: Case
+    trajectory: Trajectory
+    modes: Array
+    fidelity: int
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """Largest difference between the reference and the second method.
+
+    Attributes:
+        omega_out: relative to the largest omega_out. events: of the times of the switches, s.
+        switches: number of them in the reference and in the second method.
+    """
+
+    omega_out: float
+    events: float
+    switches: tuple[int, int]
+
+
+def converged(case: Case) -> Reference:
+    """The reference: the kernel from event to event at tolerance 1e-13.
+
+    Raises:
+        Refused: the module refuses the case.
+    """
+    fidelity = ELASTIC if is_elastic(case.parameters) else RIGID
+    run = KernelRun(
+        case, {"fidelity": fidelity, "tolerance": TOLERANCE}, case.stop_time / min(case.points, _STEPS)
+    )
+    trajectory, modes = run.trajectory(timed=False)
+    return Reference(case, trajectory, modes, fidelity)
+
+
+def agreement(case: Case) -> Agreement:
+    """Compare the reference with the second method: other equations, other integrator, more digits.
+
+    Raises:
+        Unavailable: the second method does not take the case (see canonical.py).
+    """
+    coarse = dataclasses.replace(case, points=_COMPARED)
+    second = Canonical(coarse).run()
+    first = converged(coarse).trajectory
+    assert first.switches is not None
+    assert second.switches is not None
+    counts = first.switches.size, second.switches.size
+    events = float(np.abs(first.switches - second.switches).max()) if counts[0] == counts[1] else np.nan
+    scale = float(np.abs(second.omega_out).max())
+    return Agreement(float(np.abs(first.omega_out - second.omega_out).max()) / scale, events, counts)

@@ -1,0 +1,149 @@
+"""What a case is, what any integrator gives for it, and a row of what was measured of one run."""
+
+from __future__ import annotations
+
+import math
+import statistics
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..variables import BY_NAME
+
+Array = NDArray[np.float64]
+
+
+class Unavailable(RuntimeError):
+    """A method cannot run here (a library is not installed) or cannot take the case: why, in one line."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """An open-loop case: constant input speed and load, from the start values of the parameters.
+
+    Attributes:
+        parameters: of the module by name, those that differ from the defaults (scene R1).
+        omega1: rad/s. load_torque: N.m. stop_time: s. points: number of equal sampling intervals.
+    """
+
+    parameters: Mapping[str, float] = field(default_factory=dict)
+    omega1: float = 100.0
+    load_torque: float = 10.0
+    stop_time: float = 1.0
+    points: int = 1000
+
+    @property
+    def times(self) -> Array:
+        """Sampling times from 0 to stop_time, s, shape (points + 1,)."""
+        return np.linspace(0.0, self.stop_time, self.points + 1)
+
+    def parameter(self, name: str) -> float:
+        """Value of a parameter in this case."""
+        default = BY_NAME[name].start
+        return float(self.parameters.get(name, default if default is not None else 0.0))
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """What an integrator gives at the sampling times of a case; arrays of shape (points + 1,).
+
+    Attributes:
+        time: s. drive_angle: q, unwrapped, rad (NaN where the rung has no phase).
+        omega2, omega_out: speeds of link 2 and of the output shaft, rad/s.
+        switches: times of the switches of the freewheels, s, shape (n,), or None if they are not located.
+        evaluations: of the right-hand side. energy_residual: of its own energy audit, J, or None.
+        wall_time: of the integration alone, s: median of repeats (see median_time).
+        impulse: of the output torque Tc from the start, N.m.s, or None if it follows from omega_out
+            as output_inertia (omega_out - start) + load_torque time.
+        energy_in: work of the input torque, J, or None.
+        number_of_switches: where they are counted, else None.
+        acceleration: of the imbalance, m/s^2, or None if it follows from drive_angle and the speeds.
+    """
+
+    time: Array
+    drive_angle: Array
+    omega2: Array
+    omega_out: Array
+    switches: Array | None
+    evaluations: int
+    energy_residual: float | None
+    wall_time: float
+    impulse: Array | None = None
+    energy_in: float | None = None
+    number_of_switches: int | None = None
+    acceleration: Array | None = None
+
+
+@dataclass(frozen=True)
+class Peer:
+    """Another way to integrate a case, with the settings it is to be tried at.
+
+    Attributes:
+        name: one curve of the plots, such as "LSODA, clutch 1e4".
+        settings: what integrate takes, by its label, such as "rtol 1e-8"; from coarse to fine.
+        integrate: of (case, setting) the trajectory. May raise Unavailable, ValueError, RuntimeError
+            or ArithmeticError: it is then listed as a failure.
+    """
+
+    name: str
+    settings: Mapping[str, Any]
+    integrate: Callable[[Case, Any], Trajectory]
+
+
+@dataclass(frozen=True)
+class Row:
+    """What was measured of one run.
+
+    Attributes:
+        rung: fidelity, or "peer". method: of integration. setting: such as "tolerance 1e-06".
+        communication_step: s. errors: by name (see errors.py), NaN where there is none to tell.
+        wall_time: s per simulated second, of the integration alone. evaluations: of the right-hand side.
+        switches: counted, or None.
+        failure: why there is nothing measured, else "".
+        parameters: that make the rung, for the module. loop_time: s per simulated second of the module with
+            what is around it, NaN where there is nothing.
+    """
+
+    rung: str
+    method: str
+    setting: str
+    communication_step: float
+    errors: Mapping[str, float]
+    wall_time: float
+    evaluations: float
+    switches: float | None
+    failure: str = ""
+    parameters: Mapping[str, float] = field(default_factory=dict)
+    loop_time: float = math.nan
+
+    @property
+    def label(self) -> str:
+        """Rung, method and setting in words."""
+        return ", ".join(word for word in (self.rung, self.method, self.setting) if word)
+
+    def worst(self, wanted: Sequence[str]) -> float:
+        """Largest error of the wanted ones; infinite where one is not to be had."""
+        if self.failure:
+            return math.inf
+        errors = [self.errors.get(name, math.nan) for name in wanted]
+        return max((math.inf if math.isnan(error) else error for error in errors), default=math.inf)
+
+
+def median_time(run: Callable[[], Any], repeats: int = 11, patience: float = 0.5) -> float:
+    """Median wall time of some calls, s.
+
+    Args:
+        run: what is timed. repeats: at most so many calls; fewer (at least one) of what is slow.
+        patience: no further call once so much time has passed, s.
+    """
+    times: list[float] = []
+    begun = time.perf_counter()
+    while len(times) < repeats and (not times or time.perf_counter() - begun < patience):
+        begin = time.perf_counter()
+        run()
+        times.append(time.perf_counter() - begin)
+    return statistics.median(times)

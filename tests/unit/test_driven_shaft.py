@@ -1,0 +1,188 @@
+"""DrivenShaft against many digits, at ordinary and extreme parameters; jumps, limits, kernels."""
+
+import itertools
+import math
+
+import pytest
+from driven_shaft_reference import exact
+
+from inertia_module.module import DrivenShaft, Refused
+
+# J4, c, d, f: the corners of what is allowed, and ordinary shafts in each damping regime
+SHAFTS = {
+    "undamped": (0.5, 400.0, 0.0, 0.0),
+    "underdamped": (0.5, 400.0, 0.05, 0.1),
+    "nearly critical": (0.5, 400.0, 2.0 * math.sqrt(200.0) * (1.0 - 1e-13), 0.0),
+    "critical": (0.25, 400.0, 10.0, 10.0),
+    "overdamped": (0.5, 400.0, 30.0, 400.0),
+    "stiff": (0.5, 1e15, 1e3, 0.2),
+    "soft": (0.5, 1e-6, 1e-9, 0.0),
+    "soft and dragged": (0.5, 1e-6, 1e12, 0.0),
+    "braked": (0.5, 400.0, 0.05, 1e12),
+    "light": (1e-12, 400.0, 0.05, 0.1),
+    "heavy": (1e12, 400.0, 0.05, 0.1),
+    "light and dragged": (1e-12, 1e15, 1e12, 1e12),
+}
+TORQUES = ("shaft_torque", "shaft_torque_mean")
+STEPS = [1e-9, 1e-3, 0.1, 1000.0]
+
+
+def ramped(kernel, shaft, h, beta=0.4, hub=30.0, slope=7.0, load=12.0):
+    """The shaft after a step of given slope, the reference, and the energies before.
+
+    A step of 1 s of constant speed comes before, which gives the slope; what it leaves, the jump at the
+    beginning of the next included, the reference starts from.
+    """
+    J, c, d, f = shaft
+    model = DrivenShaft(kernel).start(
+        driven_inertia=J,
+        shaft_stiffness=c,
+        shaft_damping=d,
+        driven_friction=f,
+        balancer=beta,
+        input_hold=1,
+        hub_speed=hub - slope,
+        load_torque=load,
+        omega_out_start=29.0,
+        twist_start=0.01,
+    )
+    model.advance(1.0)
+    before = model["energy_in"], model["energy_out"], model["energy_lost"]
+    model.set(hub_speed=hub)
+    omega4 = model["omega_out"] + beta * slope
+    pushed = -J * beta * slope * (model["omega_out"] + 0.5 * beta * slope)
+    twist = model["twist"]
+    model.advance(h)
+    found = model.snapshot()
+    found["energy_in"] -= before[0]
+    found["energy_out"] -= before[1]
+    found["energy_lost"] -= before[2] + pushed
+    return found, exact(J, c, d, f, beta, hub, slope, load, twist, omega4, h), before
+
+
+@pytest.mark.parametrize("shaft", SHAFTS)
+@pytest.mark.parametrize("h", STEPS)
+def test_motion_torque_and_energies_are_exact(compiled, shaft, h):
+    J, c, d, f = SHAFTS[shaft]
+    if math.sqrt(c / J) * h > 1e6 and d + f < 1e-3 * math.sqrt(c * J):
+        h = 1e6 * math.sqrt(J / c)  # beyond, doubles do not know the phase
+    found, expected, before = ramped(compiled, SHAFTS[shaft], h)
+    phase = 1.0 + math.sqrt(c / J) * h * (d + f < 2.0 * math.sqrt(c * J))
+    # each is right to rounding of the largest it is made of: of its kind over this and the step before
+    speed = max(30.0 + 7.0 * h, abs(found["omega_out"]))
+    torque = max(abs(c * found["twist"]), *(abs(found[name]) for name in TORQUES), 12.0 + J)
+    energy = max(*(abs(found[name]) for name in found if name.startswith("energy")), *map(abs, before), 1e-9)
+    scales = {
+        "twist": max(abs(found["twist"]), 0.01 if c < 1e9 else 0.0),
+        "omega_out": speed,
+        "shaft_torque": torque,
+        "shaft_torque_mean": torque,
+        "driven_acceleration": (torque + f * speed) / J,
+        "energy_in": energy,
+        "energy_out": energy,
+        "energy_lost": energy,
+    }
+    for name, value in expected.items():
+        assert abs(found[name] - float(value)) <= 1e-14 * phase * scales[name], name
+    assert abs(found["energy_residual"]) <= 1e-14 * phase * energy
+
+
+@pytest.mark.parametrize("shaft", ["underdamped", "critical", "overdamped"])
+def test_plain_and_compiled_kernel_agree(compiled, shaft):
+    J, c, d, f = SHAFTS[shaft]
+    models = [
+        DrivenShaft(kernel).start(
+            driven_inertia=J,
+            shaft_stiffness=c,
+            shaft_damping=d,
+            driven_friction=f,
+            balancer=0.7,
+            input_hold=1,
+        )
+        for kernel in ("plain", compiled)
+    ]
+    for n, model in itertools.product(range(40), models):
+        model.set(hub_speed=20.0 * math.sin(0.4 * n), load_torque=n - 20.0)
+        model.advance((1e-4, 0.01, 0.3, 20.0)[n % 4])
+    plain, fast = (model.snapshot() for model in models)
+    for name, value in plain.items():
+        assert fast[name] == pytest.approx(value, rel=1e-12, abs=1e-12 * abs(plain["energy_in"])), name
+
+
+@pytest.mark.parametrize("beta", [0.0, 1.0, -0.5])
+def test_jump_of_the_hub_pushes_the_mass_by_beta_and_leaves_the_twist(compiled, beta):
+    shaft = DrivenShaft(compiled).start(balancer=beta, hub_speed=10.0, omega_out_start=10.0, twist_start=0.02)
+    before = shaft.snapshot()
+    shaft.set(hub_speed=14.0)
+    shaft.advance(1e-12)
+    assert shaft["omega_out"] - before["omega_out"] == pytest.approx(4.0 * beta, abs=1e-9)
+    assert shaft["twist"] == pytest.approx(before["twist"], abs=1e-10)
+    # the torque stays finite: its mean over a short step holds no impulse
+    assert shaft["shaft_torque_mean"] == pytest.approx(400.0 * 0.02 + 0.05 * 4.0 * (1.0 - beta), rel=1e-9)
+    # what the mass gains is the work of the balancer
+    gain = shaft["energy_stored"] - before["energy_stored"]
+    assert -shaft["energy_lost"] == pytest.approx(gain, abs=1e-9)
+
+
+def test_without_a_balancer_nothing_moves_while_the_hub_rests(compiled):
+    shaft = DrivenShaft(compiled).start()
+    shaft.advance(1000.0)
+    assert shaft["omega_out"] == shaft["twist"] == shaft["energy_in"] == shaft["energy_residual"] == 0.0
+
+
+@pytest.mark.parametrize("stiffness", [1e6, 1e9, 1e12, 1e15])
+def test_stiff_shaft_carries_the_load_as_a_rigid_one(compiled, stiffness):
+    shaft = DrivenShaft(compiled).start(
+        shaft_stiffness=stiffness, shaft_damping=1e3, driven_friction=0.3, input_hold=1, load_torque=5.0
+    )
+    for n in range(1, 200):
+        shaft.set(hub_speed=0.02 * n)
+        shaft.advance(0.01)
+    # at the end of the step the hub runs at 0.02 * 200 and gains 2 rad/s^2
+    torque = 5.0 + 0.3 * shaft["omega_out"] + 0.5 * 2.0
+    assert shaft["driven_acceleration"] == pytest.approx(2.0, rel=1e-9)
+    assert shaft["shaft_torque"] == pytest.approx(torque, rel=1e-10)
+    assert shaft["omega_out"] == pytest.approx(4.0, abs=2.0 * torque / stiffness + 1e-12)
+    # friction grows with the speed, and the twist with it
+    damped = 1e3 * 0.3 * 2.0 / stiffness
+    assert shaft["twist"] * stiffness == pytest.approx(torque - damped, rel=1e-10)
+
+
+def test_critical_damping_is_no_special_place(compiled):
+    critical = 2.0 * math.sqrt(400.0 * 0.5)
+
+    def end(damping):
+        shaft = DrivenShaft(compiled).start(shaft_damping=damping, hub_speed=5.0, load_torque=2.0)
+        for _ in range(10):
+            shaft.advance(0.02)
+        return shaft
+
+    at = end(critical)
+    for exponent in range(-15, -5):
+        for sign in (-1.0, 1.0):
+            near = end(critical * (1.0 + sign * 10.0**exponent))
+            for name in ("omega_out", "twist", "energy_lost", "shaft_torque_mean"):
+                assert near[name] == pytest.approx(at[name], rel=30.0 * 10.0**exponent + 1e-13)
+
+
+@pytest.mark.parametrize(
+    "values, words",
+    [
+        ({"shaft_stiffness": 0.0}, "shaft_stiffness = 0 is refused"),
+        ({"driven_inertia": 0.0}, "driven_inertia = 0 is refused"),
+        ({"hub_speed": math.nan}, "hub_speed = nan is refused"),
+        ({"omega1": 3.0}, "omega1 is refused: no such parameter or input"),
+    ],
+)
+def test_bad_values_are_refused_by_name(values, words):
+    with pytest.raises(Refused, match=words):
+        DrivenShaft("plain").start(**values)
+
+
+def test_bad_step_leaves_the_state_as_it_was(compiled):
+    shaft = DrivenShaft(compiled).start(hub_speed=3.0)
+    shaft.advance(0.1)
+    before = shaft.save()
+    with pytest.raises(Refused, match=r"communication step = -1 s is refused: allowed is above 0"):
+        shaft.advance(-1.0)
+    assert shaft.save() == before

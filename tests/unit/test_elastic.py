@@ -1,0 +1,172 @@
+"""Fidelity `elastic`: hub, shaft and driven mass behind the output freewheel."""
+
+import math
+
+import numpy as np
+import pytest
+from elastic_reference import ElasticReference
+from scenes import FREEWHEELS, REFERENCE, SCENES, advanced, drive_angle, started
+
+ELASTIC = {
+    "fidelity": 3,
+    "output_inertia": 0.02,
+    "driven_inertia": 0.5,
+    "shaft_stiffness": 400.0,
+    "shaft_damping": 0.05,
+}
+# damping over the critical one
+DAMPINGS = {"undamped": 0.0, "underdamped": 0.1, "critical": 1.0, "overdamped": 10.0}
+
+
+def damping(stiffness, share, hub=0.02, driven=0.5):
+    """Damping that is this share of the critical one, N m s/rad."""
+    return 2.0 * share * math.sqrt(stiffness / (1.0 / hub + 1.0 / driven))
+
+
+def test_check_values_of_the_design(kernel):
+    module = advanced(started(kernel, REFERENCE, ELASTIC, tolerance=1e-11), 1.0)
+    assert module["omega_hub"] == pytest.approx(3.908460340, abs=2e-8)
+    assert module["omega_out"] == pytest.approx(16.766411224, abs=2e-9)
+    assert module["shaft_twist"] == pytest.approx(-1.550114589e-3, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    "shaft",
+    [
+        {"stiffness": 400.0, "damping": 0.05},
+        {"stiffness": 3000.0, "damping": 0.5, "friction": 0.3},
+        {"stiffness": 800.0, "damping": 0.1, "friction": 0.1, "balancer": 0.6},
+    ],
+    ids=["damping", "friction", "balancer"],
+)
+def test_independent_integrator_gives_the_same_motion(compiled, shaft):
+    exact = ElasticReference(0.02, 0.5, **shaft).state(0.3)
+    names = {
+        "stiffness": "shaft_stiffness",
+        "damping": "shaft_damping",
+        "friction": "driven_friction",
+        "balancer": "balancer",
+    }
+    values = {names[name]: value for name, value in shaft.items()}
+    module = advanced(started(compiled, REFERENCE, ELASTIC, values, tolerance=1e-12), 0.3)
+    found = (
+        drive_angle(module),
+        *(module[name] for name in ("omega2", "omega_hub", "shaft_twist", "omega_out")),
+    )
+    assert found == pytest.approx(tuple(exact), rel=2e-9, abs=1e-10)
+
+
+def test_error_follows_tolerance(compiled):
+    def speed(tolerance):
+        return advanced(started(compiled, REFERENCE, ELASTIC, tolerance=tolerance), 1.0)["omega_out"]
+
+    exact = speed(1e-13)
+    errors = {tolerance: abs(speed(tolerance) / exact - 1.0) for tolerance in (1e-4, 1e-6, 1e-8, 1e-10)}
+    assert all(error < 3.0 * tolerance for tolerance, error in errors.items())
+    assert errors[1e-10] < 1e-3 * errors[1e-4]
+
+
+@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("share", [1.0, 10.0], ids=["critical", "overdamped"])
+def test_a_stiff_shaft_tends_to_the_rigid_one_at_first_order_in_compliance(compiled, scene, share):
+    whole = ELASTIC["output_inertia"] + ELASTIC["driven_inertia"]
+    rigid = started(compiled, SCENES[scene], output_inertia=whole, tolerance=1e-11)
+    exact = advanced(rigid, 0.3)["omega_out"]
+    stiffnesses = [1e8, 1e9, 1e10]
+    errors = []
+    for stiffness in stiffnesses:
+        shaft = {"shaft_stiffness": stiffness, "shaft_damping": damping(stiffness, share)}
+        module = started(compiled, SCENES[scene], ELASTIC, shaft, tolerance=1e-10)
+        errors.append(abs(advanced(module, 0.3)["omega_out"] - exact))
+    slope, _ = np.polyfit(np.log(stiffnesses), np.log(errors), 1)
+    assert -1.25 < slope < -0.8
+
+
+@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("share", DAMPINGS.values(), ids=DAMPINGS)
+@pytest.mark.parametrize("stiffness", [1e10, 1e12, 1e15])
+def test_a_stiff_shaft_costs_no_small_steps(compiled, scene, share, stiffness):
+    soft = advanced(started(compiled, SCENES[scene], ELASTIC), 0.5)
+    shaft = {"shaft_stiffness": stiffness, "shaft_damping": damping(stiffness, share)}
+    stiff = advanced(started(compiled, SCENES[scene], ELASTIC, shaft), 0.5)
+    assert stiff["rhs_evaluations"] < 2.5 * soft["rhs_evaluations"]
+    whole = started(compiled, SCENES[scene], output_inertia=0.52)
+    assert stiff["omega_out"] == pytest.approx(advanced(whole, 0.5)["omega_out"], rel=2e-5)
+
+
+@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("stiffness", [1e-3, 1.0, 1e4, 1e7])
+@pytest.mark.parametrize("share", DAMPINGS.values(), ids=DAMPINGS)
+@pytest.mark.parametrize("freewheels", FREEWHEELS)
+def test_energy_audit_closes_in_every_regime(compiled, scene, stiffness, share, freewheels):
+    shaft = {
+        "shaft_stiffness": stiffness,
+        "shaft_damping": damping(stiffness, share),
+        "driven_friction": 0.02,
+    }
+    module = started(
+        compiled, SCENES[scene], FREEWHEELS[freewheels], ELASTIC, shaft, tolerance=1e-8, input_hold=1
+    )
+    turnover = 0.0
+    for n in range(20):
+        advanced(module, 0.01, omega1=SCENES[scene]["omega1"] * (1.0 + 0.3 * math.sin(0.4 * n)))
+        turnover = max(turnover, *(abs(module[f"energy_{name}"]) for name in ("in", "out", "stored", "lost")))
+        assert abs(module["energy_residual"]) < 3e-6 * turnover
+        assert module["energy_lost"] >= 0.0
+    assert module["energy_lost"] > 0.0
+
+
+@pytest.mark.parametrize("balancer", [-0.5, 0.4, 0.9])
+def test_the_work_of_the_balancer_is_in_the_audit(compiled, balancer):
+    module = started(compiled, REFERENCE, ELASTIC, balancer=balancer, tolerance=1e-9)
+    for n in range(30):
+        advanced(module, 0.01, omega1=100.0 + 20.0 * (n % 2))  # jumps pass through it as well
+        assert abs(module["energy_residual"]) < 1e-6 * module["energy_in"]
+
+
+@pytest.mark.parametrize("light", ["output_inertia", "driven_inertia"])
+@pytest.mark.parametrize("inertia", [1e-3, 1e-6, 1e-12])
+@pytest.mark.parametrize("share", [0.1, 1.0, 10.0])
+def test_light_ends_of_the_shaft_are_finite_and_cost_no_small_steps(compiled, light, inertia, share):
+    ends = {"output_inertia": 0.3, "driven_inertia": 0.3, light: inertia}
+    critical = damping(400.0, share, ends["output_inertia"], ends["driven_inertia"])
+    module = started(compiled, REFERENCE, ELASTIC, ends, shaft_damping=critical)
+    advanced(module, 0.3)
+    assert all(math.isfinite(value) for value in module.snapshot().values())
+    assert module["rhs_evaluations"] < 6e4
+    assert abs(module["energy_residual"]) < 1e-4 * module["energy_in"]
+
+
+def test_a_soft_shaft_leaves_the_driven_mass_to_its_load(compiled):
+    module = started(compiled, REFERENCE, ELASTIC, shaft_stiffness=1e-6, shaft_damping=0.0)
+    assert advanced(module, 0.5)["omega_out"] == pytest.approx(-10.0 * 0.5 / 0.5, rel=1e-4)
+
+
+@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("stiffness", [400.0, 1e6, 1e12])
+def test_one_long_step_is_many_short_ones(compiled, scene, stiffness):
+    values = {"shaft_stiffness": stiffness, "shaft_damping": damping(stiffness, 0.3), "tolerance": 1e-10}
+    long = advanced(started(compiled, SCENES[scene], ELASTIC, values), 0.2)
+    short = advanced(started(compiled, SCENES[scene], ELASTIC, values), *[1e-4] * 2000)
+    for name in ("omega2", "omega_hub", "omega_out", "drive_angle"):
+        assert short[name] == pytest.approx(long[name], rel=3e-7, abs=1e-7), name
+    assert short["contact_switches"] == long["contact_switches"]
+
+
+def test_means_of_the_step_are_the_momentum_they_give(compiled):
+    module = started(compiled, REFERENCE, ELASTIC, tolerance=1e-10)
+    for n in range(40):
+        before = 0.02 * module["omega_hub"] + 0.5 * module["omega_out"]
+        advanced(module, 0.005, omega1=100.0 + 10.0 * (n % 3))
+        gained = 0.02 * module["omega_hub"] + 0.5 * module["omega_out"] - before
+        assert 0.005 * (module["output_torque_mean"] - 10.0) == pytest.approx(gained, abs=1e-9)
+        assert module["torque_peak"] >= module["output_torque_mean"] - module["torque_ripple"] - 1e-9
+
+
+def test_the_load_pulls_an_untwisted_shaft_away_from_the_freewheel(kernel):
+    module = advanced(started(kernel, REFERENCE, ELASTIC, omega1=0.0), 0.01)
+    assert module["omega_out"] < 0.0 < module["shaft_twist"]
+    assert module["omega_hub"] == 0.0
+    assert module["output_torque"] == pytest.approx(
+        400.0 * module["shaft_twist"] - 0.05 * module["omega_out"], rel=1e-12
+    )

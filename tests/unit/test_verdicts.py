@@ -1,0 +1,165 @@
+"""A broken module gets a bad verdict: whatever goes wrong at an extreme, the study sees it."""
+
+import csv
+import math
+from dataclasses import replace
+
+import pytest
+from scenes import REFERENCE
+
+from inertia_module.kernel import slots
+from inertia_module.module import Module, Refused
+from inertia_module.studies.stability.bounds import energy_bound, result_bound, work_bound
+from inertia_module.studies.stability.case import RUNGS, Case, Extreme, Segment
+from inertia_module.studies.stability.study import UnknownAxis, chosen_cases, run_study, write_cases
+from inertia_module.studies.stability.table import Cell, read_rows, rows_of, write_rows
+from inertia_module.studies.stability.trial import try_case
+from inertia_module.studies.stability.verdict import cause, judge
+
+RUNG = next(rung for rung in RUNGS if rung.name == "rigid, event")
+SEGMENT = Segment(0.05, REFERENCE["omega1"], REFERENCE["load_torque"])
+CASE = Case("ordinary", "bevel", RUNG, Extreme("R1", {}, (SEGMENT,), split=10))
+
+
+class Faulty(Module):
+    """A module with one fault, which shows in the outputs after each step."""
+
+    def __init__(self, fault):
+        super().__init__()
+        self.fault = fault
+
+    def advance(self, step_size):
+        super().advance(step_size)
+        self.fault(self, step_size)
+
+
+def output(slot, value):
+    def fault(module, _):
+        module.outputs[slot] = value
+
+    return fault
+
+
+def omega_out_by_step(module, step_size):
+    module.outputs[slots.Y_OMEGA_OUT] = step_size
+
+
+def raises(error):
+    def fault(module, _):
+        raise error
+
+    return fault
+
+
+def refuses_short_steps(module, step_size):
+    if step_size < 0.01:
+        raise Refused("communication step is refused: too short")
+
+
+def changes_the_state_and_refuses(module, _):
+    raise Refused("omega1 is refused: for no reason")
+
+
+def verdict(fault, case=CASE):
+    return judge(try_case(case, lambda: Faulty(fault)))
+
+
+def test_sound_module_at_ordinary_values_is_exact():
+    found = verdict(lambda module, step: None)
+    assert (found.word, found.reason) == ("exact", "")
+    assert 0.0 < found.error < 1e-4
+
+
+@pytest.mark.parametrize(
+    ("fault", "reason"),
+    [
+        (output(slots.Y_INPUT_TORQUE, math.nan), "not finite"),
+        (output(slots.Y_ACCELERATION_Z, math.inf), "not finite"),
+        (raises(ZeroDivisionError("float division by zero")), "ZeroDivisionError"),
+        (raises(OverflowError("too large")), "OverflowError"),
+        (refuses_short_steps, "short steps"),
+        (changes_the_state_and_refuses, "changed the state"),
+    ],
+)
+def test_what_is_neither_result_nor_clean_refusal_is_broken(fault, reason):
+    found = verdict(fault)
+    assert found.word == "broken"
+    assert reason in found.reason
+
+
+@pytest.mark.parametrize(
+    ("fault", "reason"),
+    [
+        (output(slots.Y_ENERGY_RESIDUAL, 1.0), "energy residual"),
+        (output(slots.Y_OMEGA2, -1e-3), "speed against a freewheel"),
+        (output(slots.Y_HOUSING_TORQUE, -1.0), "torque against a freewheel"),
+        (output(slots.Y_OUTPUT_TORQUE, -1.0), "torque against a freewheel"),
+        (output(slots.Y_RHS_EVALUATIONS, 1e7), "work"),
+        (omega_out_by_step, "long against short steps"),
+    ],
+)
+def test_missed_bound_degrades_and_is_named(fault, reason):
+    found = verdict(fault)
+    assert found.word == "degraded"
+    assert reason in found.reason
+
+
+def test_error_that_all_step_sizes_share_shows_against_the_tight_run():
+    def fault(module, _):
+        module.outputs[slots.Y_ENERGY_OUT] *= 1.0 + 1e5 * module["tolerance"]
+
+    found = verdict(fault)
+    assert found.word == "degraded"
+    assert "error" in found.reason
+
+
+def test_refusal_at_the_start_is_a_verdict_with_the_reason():
+    found = verdict(
+        lambda module, step: None,
+        replace(CASE, extreme=replace(CASE.extreme, parameters={"link2_inertia": 0.0})),
+    )
+    assert found.word == "refused"
+    assert "link2_inertia = 0" in found.reason
+    assert cause(found.reason).startswith("the inertia behind link 2 vanishes")
+
+
+def test_step_that_is_given_up_is_a_refusal_for_the_module_goes_on():
+    segments = (Segment(1e4, 1e6, 1e12),)
+    found = judge(try_case(replace(CASE, extreme=Extreme("too long", {}, segments))))
+    assert found.word == "refused"
+    assert "given up" in found.reason
+
+
+def test_bounds_follow_the_tolerance():
+    assert energy_bound(1e-8) < 1e-4 * energy_bound(1e-3)
+    assert result_bound(1e-9, 0.0) < 1e-4 * result_bound(1e-3, 0.0)
+    assert result_bound(1e-6, 1e-3) > 100.0 * result_bound(1e-6, 0.0)
+    assert result_bound(1.0, 1.0) == 1.0
+    assert work_bound(CASE, 200.0, 1, 0) < 2.1 * work_bound(CASE, 100.0, 1, 0)
+
+
+def test_table_reads_back_as_it_was_written(tmp_path):
+    chosen = chosen_cases("output locked")
+    rows = rows_of(run_study(chosen[:6]))
+    assert read_rows(write_rows(tmp_path / "table.csv", rows)) == rows
+
+
+def test_cells_agree_within_a_power_of_ten():
+    assert Cell("exact", -6).agrees_with(Cell("exact", -7))
+    assert not Cell("exact", -6).agrees_with(Cell("exact", -8))
+    assert not Cell("exact", -6).agrees_with(Cell("degraded", -6, "work"))
+    assert not Cell("refused", None, "one").agrees_with(Cell("refused", None, "another"))
+
+
+def test_every_figure_and_bound_is_written(tmp_path):
+    verdicts = run_study([CASE])
+    with write_cases(tmp_path / "cases.csv", verdicts).open() as stream:
+        (line,) = csv.DictReader(stream)
+    for name, figure in verdicts[0].figures.items():
+        assert float(line[name]) == figure.value
+        assert float(line[f"{name}, bound"]) == figure.bound
+
+
+def test_unknown_axis_is_refused_with_those_there_are():
+    with pytest.raises(UnknownAxis, match="axis weather is refused: allowed is input speed"):
+        chosen_cases("weather")
