@@ -231,6 +231,38 @@ def papers(output: OutputFolder = None, as_json: Json = False) -> None:
 
 
 @app.command()
+def chart(
+    scenes: Annotated[list[Path], typer.Argument(metavar="SCENE.toml...", help="Scenes to compare.")],
+    output: OutputFolder = None,
+    as_json: Json = False,
+) -> None:
+    """Torque converter charts of mechanisms: a CSV each and one figure (out/chart without -o)."""
+    from .chart import torque_converter_chart
+    from .chart_figure import chart_figure
+    from .results import write_figure
+    from .scene import load_scene
+
+    folder = output or OUTPUT_FOLDER / "chart"
+    with one_line_errors():
+        names = [scene.stem for scene in scenes]
+        if len(set(names)) < len(names):
+            raise ValueError(f"scenes {', '.join(names)} are refused: allowed are files of different names")
+        charts = {
+            name: torque_converter_chart(load_scene(scene).parameters())
+            for name, scene in zip(names, scenes, strict=True)
+        }
+        files = [str(found.save(folder / f"{name}.csv")) for name, found in charts.items()]
+        files.append(str(write_figure(folder / "chart.png", chart_figure(charts))))
+    if as_json:
+        summaries = {name: found.summary() for name, found in charts.items()}
+        typer.echo(json.dumps({"charts": summaries, "files": files}))
+        return
+    for name, found in charts.items():
+        show_table(name, {key.replace("_", " "): f"{value:.6g}" for key, value in found.summary().items()})
+    typer.echo("\n".join(files))
+
+
+@app.command()
 def check(
     fmu: Annotated[Path, typer.Argument(metavar="FILE.fmu", help="Any FMU file.")],
     as_json: Json = False,

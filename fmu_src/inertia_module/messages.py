@@ -5,23 +5,21 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from .kernel import slots
-from .variables import BY_NAME, ENUMERATIONS, LARGEST_STEP, refusal
+from .variables import BY_NAME, LARGEST_STEP, refusal
 
 
 def _named(values: Sequence[float], *names: str) -> str:
     return ", ".join(f"{name} = {values[BY_NAME[name].slot]:.16g}" for name in names)
 
 
-def _not_built(name: str, enumeration: str, number: int, allowed: str) -> str:
-    item = ENUMERATIONS[enumeration][number][0]
-    return f"{name} = {number} ({item}) is refused: it is not built yet; allowed is {allowed}"
-
-
 def explain_parameters(status: int, values: Sequence[float]) -> str | None:
     """Message for a status of the start, or None if it is not one of the parameters."""
-    if status == slots.BAD_FIDELITY:
-        number = int(values[slots.P_FIDELITY])
-        return _not_built("fidelity", "Fidelity", number, "0 (kinematic), 2 (rigid) or 3 (elastic)")
+    if status == slots.NO_RECTIFIER:
+        named = _named(values, "fidelity", "housing_freewheel", "output_freewheel")
+        return (
+            f"{named} are refused together: without both freewheels nothing rectifies the pulses and there is"
+            " no mean torque; allowed is fidelity = 1 (averaged) with both freewheels"
+        )
     if status == slots.SINGULAR:
         names = "link2_inertia", "drive_inertia", "a", "b", "eccentricity", "imbalance_mass"
         return (

@@ -86,7 +86,6 @@ INERTIA_MODULE = Model(
     ),
     zero_at_start=frozenset({"input_torque_mean", "output_torque_mean"}),
     given_at_start={
-        "omega2": frozenset({"omega1", "fidelity", "kinematic_ratio", "omega2_start"}),
         "omega_out": frozenset({"omega1", "fidelity", "kinematic_ratio", "omega_out_start"}),
     },
 )

@@ -7,7 +7,7 @@ from array import array
 from collections.abc import Callable
 from typing import Any, ClassVar, Self
 
-from . import compiled
+from . import compiled, maps
 from .kernel import slots, step
 from .model import DRIVEN_SHAFT, INERTIA_MODULE, Model
 from .variables import INPUT, PARAMETER, default_parameters, refusal, refused_parameters
@@ -86,7 +86,7 @@ class ModelInstance:
             self._entry, self.kernel = choose_kernel(self._wanted, self.model.entry)
 
     def call(self, operation: int, step_size: float) -> int:
-        """Call the kernel (step.START or step.STEP) and return its status."""
+        """Call the kernel (an operation of kernel.step) and return its status."""
         if self._entry is not None:
             return self._entry(operation, *self._addresses, step_size)
         return self.model.call(operation, *self._arrays, step_size)
@@ -122,14 +122,20 @@ class ModelInstance:
         Raises:
             Refused: with one line for each thing that is wrong.
         """
+        self._prepare(values)
+        self._begin()
+        self.started = True
+        return self
+
+    def _begin(self) -> None:
+        self._check(self.call(step.START, 0.0), 0.0)
+
+    def _prepare(self, values: dict[str, float]) -> None:
         self.set(**values)
         refused = refused_parameters(list(self.parameters), self.model.variables)
         if refused:
             raise Refused("; ".join(refused))
         self.load_kernel()
-        self._check(self.call(step.START, 0.0), 0.0)
-        self.started = True
-        return self
 
     def advance(self, step_size: float) -> None:
         """Advance by a communication step, s.
@@ -194,6 +200,24 @@ class Module(ModelInstance):
     """An inertia module."""
 
     model = INERTIA_MODULE
+
+    def check(self, **values: float) -> None:
+        """Set values and check the parameters, alone and together, without starting.
+
+        Raises:
+            Refused: as start.
+        """
+        self._prepare(values)
+        self._check(self.call(step.CHECK, 0.0), 0.0)
+
+    def _begin(self) -> None:
+        """Start with the map of fidelity averaged that another instance has made, if there is one."""
+        averaged = self.parameters[slots.P_FIDELITY] == slots.AVERAGED
+        if averaged:
+            maps.recall(self.parameters, self.derived)
+        super()._begin()
+        if averaged:
+            maps.keep(self.parameters, self.derived)
 
 
 class DrivenShaft(ModelInstance):

@@ -57,7 +57,7 @@ ENUMERATIONS: dict[str, tuple[tuple[str, int, str], ...]] = {
     ),
     "Fidelity": (
         ("kinematic", 0, "speed ratio prescribed, torques by inverse dynamics"),
-        ("averaged", 1, "mean torques and speeds (not built yet)"),
+        ("averaged", 1, "mean torques and speeds"),
         ("rigid", 2, "pulses and freewheels, rigid shafts"),
         ("elastic", 3, "rigid, with an elastic output shaft and a driven mass behind it"),
     ),

@@ -121,10 +121,11 @@ def test_structure_lists_every_output_and_what_it_depends_on_at_first(descriptio
         assert {"load_torque", "driven_inertia"} <= initial["driven_acceleration"]
 
 
-def test_declared_initial_dependencies_are_all_there_are(instances, description, model):
+@pytest.mark.parametrize("fidelity", [1, 2])
+def test_declared_initial_dependencies_are_all_there_are(instances, description, model, fidelity):
     """Change one known at a time: no output changes that does not declare it."""
     initial = {u.variable.name: {d.name for d in u.dependencies} for u in description.initialUnknowns}
-    base = BASE[model]
+    base = BASE[model] | ({"fidelity": fidelity} if model is INERTIA_MODULE else {})
 
     def outputs(**changes):
         instance = instances().start(**(base | changes))

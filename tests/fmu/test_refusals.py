@@ -25,7 +25,10 @@ TOGETHER = {
     "backwards": ({"omega2_start": -1.0}, ("omega2_start", ">= 0")),
     "ahead": ({"omega2_start": 2.0, "omega_out_start": 1.0}, ("omega_out_start >= omega2_start",)),
     "apart": ({"output_freewheel": False, "omega_out_start": 1.0}, ("omega_out_start = omega2_start",)),
-    "averaged": ({"fidelity": 1}, ("averaged", "not built yet")),
+    "averaged without rectifier": (
+        {"fidelity": 1, "housing_freewheel": False},
+        ("averaged", "housing_freewheel = 0"),
+    ),
 }
 
 

@@ -130,7 +130,11 @@ def test_unknown_kernel_is_refused():
         Module("fast").start()
 
 
-NOT_BUILT = [{"fidelity": 1}, {"fidelity": 3}, {"method": 1}]
+NO_RECTIFIER = [
+    {"fidelity": 1, "housing_freewheel": False},
+    {"fidelity": 1, "output_freewheel": False},
+    {"fidelity": 1, "housing_freewheel": False, "output_freewheel": False},
+]
 SINGULAR = [
     {"link2_inertia": 0.0},
     {"link2_inertia": 0.0, "a": 0.7, "b": 0.7, "epsilon": 1.0},
@@ -145,7 +149,7 @@ STARTS = [
 ]
 
 
-@pytest.mark.parametrize("values", NOT_BUILT + SINGULAR + STARTS, ids=str)
+@pytest.mark.parametrize("values", NO_RECTIFIER + SINGULAR + STARTS, ids=str)
 def test_combination_that_cannot_be_is_refused_by_name_value_and_what_is_allowed(kernel, values):
     module = Module(kernel)
     with pytest.raises(Refused, match="refused") as refused:

@@ -30,6 +30,7 @@ BUNDLED = (
     "compiled.py",
     "driven_shaft_messages.py",
     "driven_shaft_variables.py",
+    "maps.py",
     "messages.py",
     "model.py",
     "module.py",

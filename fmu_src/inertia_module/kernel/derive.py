@@ -131,10 +131,8 @@ def derive(p, d):
         d: derived constants, D_SIZE doubles, written.
 
     Returns:
-        Status: OK, BAD_FIDELITY, BAD_METHOD, SINGULAR or a BAD_START code.
+        Status: OK, NO_RECTIFIER, SINGULAR or a BAD_START code.
     """
-    if p[P_FIDELITY] == AVERAGED:
-        return BAD_FIDELITY
     d[D_PLANAR] = p[P_LAYOUT]
     if p[P_LAYOUT] != 0.0:
         derive_planar(p, d)
@@ -165,6 +163,8 @@ def derive(p, d):
     d[D_ALPHA_SLOPE] = scale * d[D_ALPHA_SLOPE] + d[D_K] * (1.0 + d[D_K]) * d[D_J16]
     if p[P_FIDELITY] == KINEMATIC:
         return OK
+    if p[P_FIDELITY] == AVERAGED and (d[D_HOUSING] == 0.0 or d[D_OUTPUT] == 0.0):
+        return NO_RECTIFIER
     if is_singular(d):
         return SINGULAR
     return check_start(p)

@@ -1,5 +1,6 @@
 """Outputs and locals at the present instant, from the state and the inputs held in it."""
 
+from .average_outputs import averaged_energy, write_averaged
 from .dynamics import kinetic_energy, motion, prescribed_torques
 from .layout import imbalance_in_fixed_frame
 from .shaft import shaft_torque, stored_in_shaft
@@ -20,6 +21,8 @@ def shaft_load(p, d, x):
 
 def stored_energy(p, d, x):
     """Kinetic energy of the mechanism and the energy of an elastic output, J."""
+    if p[P_FIDELITY] == AVERAGED:
+        return averaged_energy(d, x)
     stored = kinetic_energy(d, x[X_Q], x[X_OMEGA1], x[X_OMEGA2], shaft_in_energy(p, x))
     return stored + stored_in_shaft(d, x) if p[P_FIDELITY] == ELASTIC else stored
 
@@ -34,6 +37,8 @@ def write_torques(p, d, x, y):
     load, _ = shaft_load(p, d, x)
     output = 0.0
     housing = 0.0
+    if p[P_FIDELITY] == AVERAGED:
+        return write_averaged(d, x, y)
     if p[P_FIDELITY] == KINEMATIC:
         alpha2 = p[P_KINEMATIC_RATIO] * alpha1
         drive, mesh = prescribed_torques(d, q, omega1, alpha1, omega2, alpha2)
@@ -78,8 +83,8 @@ def write_imbalance(d, x, y, alpha2):
     y[Y_ACCELERATION_Z] = az
 
 
-def write_outputs(p, d, x, y):
-    """Fill y (Y_SIZE doubles) from the state."""
+def write_outputs(p, d, x, y, imbalance):
+    """Fill y (Y_SIZE doubles) from the state; the motion of the imbalance only if it is wanted."""
     y[Y_OMEGA2] = x[X_OMEGA2]
     y[Y_OMEGA_OUT] = x[X_OMEGA3] - x[X_RELATIVE]
     y[Y_OMEGA_HUB] = x[X_OMEGA3]
@@ -102,4 +107,6 @@ def write_outputs(p, d, x, y):
     y[Y_ENERGY_STORED] = stored
     y[Y_ENERGY_LOST] = lost
     y[Y_ENERGY_RESIDUAL] = x[X_ENERGY_IN] - x[X_ENERGY_OUT] - lost - (stored - x[X_ENERGY_START])
-    write_imbalance(d, x, y, write_torques(p, d, x, y))
+    alpha2 = write_torques(p, d, x, y)
+    if imbalance:
+        write_imbalance(d, x, y, alpha2)

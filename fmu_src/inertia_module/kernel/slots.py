@@ -130,7 +130,9 @@ X_RELATIVE = 35
 X_RELATIVE_LOW = 36
 X_ENERGY_LOST = 37
 X_ENERGY_LOST_LOW = 38
-X_SIZE = 39
+# averaged: the row of the map last used
+X_MAP_ROW = 39
+X_SIZE = 40
 
 # d: constants derived from the parameters
 D_K = 0
@@ -173,7 +175,26 @@ D_BALANCER = 35
 D_RADAU = 36
 D_RADAU_SQUARE = 61
 D_LAGRANGE = 86
-D_SIZE = 111
+# averaged: the map of mean torque, its key, and sums while it is built (see average_map)
+D_AVERAGED = 111
+D_MAP_KEY = D_AVERAGED
+D_SUM_TIME = D_MAP_KEY + 24
+D_SUM_TORQUE = D_SUM_TIME + 1
+D_SUM_SQUARE = D_SUM_TIME + 2
+D_SUM_ENERGY = D_SUM_TIME + 3
+D_SUM_ANGLE = D_SUM_TIME + 4
+D_SUM_PEAK = D_SUM_TIME + 5
+D_MAP_EVALUATIONS = D_SUM_TIME + 6
+# lock-up: largest torque over omega1^2
+D_MAP_LOCK = D_SUM_TIME + 7
+# one header a sign of omega1: knots, speed ratio where the torque ends, whether lock-up is reached
+D_MAP_FORWARD = D_SUM_TIME + 8
+D_MAP_BACKWARD = D_MAP_FORWARD + 8
+D_MAP_KNOTS = D_MAP_BACKWARD + 8
+# one row a knot
+MAP_ROWS = 64
+MAP_ROW = 16
+D_SIZE = D_MAP_KNOTS + 2 * MAP_ROWS * MAP_ROW
 
 # w: workspace of one call (nothing in it outlives the call)
 # stage blocks of the integrator: stages 1, 6 to 12, the end of the step, stages 14 to 16
@@ -247,11 +268,11 @@ TIMESTEPPING = 1
 
 # status codes
 OK = 0
-BAD_FIDELITY = 1
 SINGULAR = 3
 BAD_START_HOUSING = 4
 BAD_START_OUTPUT = 5
 BAD_START_RIGID = 6
+NO_RECTIFIER = 7
 BAD_OMEGA1 = 10
 BAD_LOAD_TORQUE = 11
 BAD_STEP = 12

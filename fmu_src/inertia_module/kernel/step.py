@@ -1,6 +1,10 @@
 """The three things a shell calls: start, advance by a communication step, and the one entry to both."""
 
 from .accumulate import add, assign, later, wrap_drive_angle, wrap_input_angle
+from .average import run_averaged, set_link2
+from .average_jump import jump_averaged, takes_up_jump
+from .average_legs import RESTING
+from .average_map import build_map
 from .contact import select_mode
 from .derive import derive
 from .elastic import advance_elastic, is_stiff, shaft_frequency
@@ -29,6 +33,12 @@ STALLS_ALLOWED = 100
 
 START = 0
 STEP = 1
+# only the checks of START: changes nothing but d
+CHECK = 2
+# STEP without the motion of the imbalance, which costs more than a step of fidelity averaged;
+# OUTPUTS fills it in, where a shell is asked for it
+STEP_ONLY = 3
+OUTPUTS = 4
 
 
 def check_inputs(u):
@@ -38,6 +48,12 @@ def check_inputs(u):
     if not abs(u[U_LOAD_TORQUE]) <= LARGEST_TORQUE:
         return BAD_LOAD_TORQUE
     return OK
+
+
+def check(p, d, u):
+    """Derive the constants and check parameters and inputs. Returns a status."""
+    status = derive(p, d)
+    return check_inputs(u) if status == OK else status
 
 
 def input_speed(u):
@@ -56,11 +72,11 @@ def start(p, d, u, x, y):
     Returns:
         Status: OK, one of derive's, BAD_OMEGA1 or BAD_LOAD_TORQUE.
     """
-    status = derive(p, d)
-    if status == OK:
-        status = check_inputs(u)
+    status = check(p, d, u)
     if status != OK:
         return status
+    if p[P_FIDELITY] == AVERAGED:
+        build_map(p, d)
     for n in range(X_SIZE):
         x[n] = 0.0
     x[X_OMEGA1] = input_speed(u)
@@ -75,9 +91,13 @@ def start(p, d, u, x, y):
     else:
         x[X_OMEGA2] = p[P_OMEGA2_START]
         x[X_OMEGA3] = p[P_OMEGA_OUT_START]
-        x[X_MODE] = present_mode(p, d, x, x[X_OMEGA1])
+        if p[P_FIDELITY] == AVERAGED:
+            set_link2(d, x, RESTING, -1.0, 0.0)
+            x[X_STEP_SWITCHES] = 0.0
+        else:
+            x[X_MODE] = present_mode(p, d, x, x[X_OMEGA1])
     x[X_ENERGY_START] = stored_energy(p, d, x)
-    write_outputs(p, d, x, y)
+    write_outputs(p, d, x, y, True)
     return OK
 
 
@@ -222,7 +242,7 @@ def is_finite(x):
     return True
 
 
-def advance(p, d, u, x, y, w, h):
+def advance(p, d, u, x, y, w, h, imbalance):
     """Advance by the communication step h, s.
 
     A status other than OK leaves state and outputs as they were.
@@ -230,6 +250,7 @@ def advance(p, d, u, x, y, w, h):
     Args:
         p, d, u: parameters, derived constants, inputs (held or extrapolated over the step).
         x, y: state and outputs, written. w: workspace (W_SIZE).
+        imbalance: whether the outputs of the imbalance are wanted, else they stay as they were.
     """
     if not 0.0 < h <= LARGEST_STEP:
         return BAD_STEP
@@ -245,6 +266,13 @@ def advance(p, d, u, x, y, w, h):
         if jump != 0.0:
             input_jump, output_jump = jump_kinematic(d, x, jump, p[P_KINEMATIC_RATIO])
         status = run_kinematic(p, d, x, h)
+    elif p[P_FIDELITY] == AVERAGED:
+        if jump != 0.0:
+            if takes_up_jump(d, x, jump, h):
+                x[X_ALPHA1] += jump / h
+            else:
+                input_jump = jump_averaged(d, x, jump)
+        status = run_averaged(d, x, w, h)
     else:
         if jump != 0.0:
             stiff = p[P_FIDELITY] == ELASTIC and is_stiff(d, x, u[U_OMEGA1])
@@ -258,12 +286,17 @@ def advance(p, d, u, x, y, w, h):
         for n in range(X_SIZE):
             x[n] = w[W_STATE + n]
         return status
-    write_outputs(p, d, x, y)
+    write_outputs(p, d, x, y, imbalance)
     return OK
 
 
 def call(operation, p, d, u, x, y, w, h):
-    """The one entry of the compiled kernel: START or STEP."""
+    """The one entry of the compiled kernel: START, STEP, CHECK, STEP_ONLY or OUTPUTS."""
     if operation == START:
         return start(p, d, u, x, y)
-    return advance(p, d, u, x, y, w, h)
+    if operation == CHECK:
+        return check(p, d, u)
+    if operation == OUTPUTS:
+        write_outputs(p, d, x, y, True)
+        return OK
+    return advance(p, d, u, x, y, w, h, operation == STEP)

@@ -232,7 +232,7 @@ class Scene(Strict):
     def _mechanism_possible(self) -> Scene:
         """Let the module itself look at all parameters together."""
         try:
-            Module("plain").start(**self.parameters())
+            Module("plain").check(**self.parameters())
         except Refused as error:
             raise SceneError(f"mechanism: {error}") from None
         return self

@@ -1,0 +1,149 @@
+"""The map of fidelity averaged against the rigid module with its output speed held."""
+
+import math
+
+import numpy as np
+import pytest
+from scenes import PLANAR, started
+
+from inertia_module import maps
+from inertia_module.kernel import slots
+from inertia_module.module import Module
+
+MECHANISMS = {
+    "bevel": {},
+    "bevel, offset imbalance": {"a": 0.7, "b": 1.3, "epsilon": 0.4, "gamma": -0.9, "drive_inertia": 1e-3},
+    "bevel, three satellites": {"satellites": 3},
+    "planar": {name: value for name, value in PLANAR.items() if name not in ("omega1", "load_torque")},
+}
+HELD = {"output_inertia": 1e12, "load_torque": 0.0, "tolerance": 1e-9}
+
+
+def at_ratio(kernel, mechanism, omega1, sigma, **values):
+    """Averaged module just started with its output at this ratio to omega1."""
+    speed = abs(omega1) * sigma
+    return started(kernel, mechanism, fidelity=1, omega1=omega1, omega_out_start=speed, **values)
+
+
+def rigid_mean(kernel, mechanism, omega1, sigma, time=40.0, parts=200):
+    """Mean output torque of the rigid module with its output held at this ratio, under a Hann window."""
+    module = started(kernel, mechanism, HELD, omega1=omega1, omega_out_start=abs(omega1) * sigma)
+    module.advance(2.0)
+    means = []
+    for _ in range(parts):
+        module.advance(time / parts)
+        means.append(module["output_torque_mean"])
+    return float(np.average(means, weights=np.hanning(parts + 2)[1:-1]))
+
+
+@pytest.mark.parametrize("mechanism", MECHANISMS)
+@pytest.mark.parametrize("omega1", [100.0, -100.0])
+@pytest.mark.parametrize("sigma", [0.0, 0.07, 0.31, 0.6, 0.93])
+def test_mean_torque_is_that_of_the_rigid_module_at_held_output_speed(compiled, mechanism, omega1, sigma):
+    settings = MECHANISMS[mechanism]
+    stall = at_ratio(compiled, settings, omega1, 0.0)["output_torque"]
+    mean = at_ratio(compiled, settings, omega1, sigma, output_inertia=1e12)["output_torque"]
+    assert mean == pytest.approx(rigid_mean(compiled, settings, omega1, sigma), abs=3e-4 * stall)
+
+
+@pytest.mark.parametrize("mechanism", MECHANISMS)
+def test_both_directions_of_the_input_have_the_same_stall_torque(compiled, mechanism):
+    settings = MECHANISMS[mechanism]
+    forward, backward = (at_ratio(compiled, settings, omega1, 0.0) for omega1 in (100.0, -100.0))
+    assert forward["output_torque"] > 0.0
+    assert backward["output_torque"] == pytest.approx(forward["output_torque"], rel=1e-6)
+
+
+@pytest.mark.parametrize("mechanism", MECHANISMS)
+@pytest.mark.parametrize("sigma", [0.0, 0.2, 0.9])
+def test_torque_goes_with_the_square_of_the_input_speed(compiled, mechanism, sigma):
+    settings = MECHANISMS[mechanism]
+    one = at_ratio(compiled, settings, 1.0, sigma, load_torque=0.0)["output_torque"]
+    for omega1 in (1e-9, 1e5):
+        module = at_ratio(compiled, settings, omega1, sigma, load_torque=0.0)
+        assert module["output_torque"] == pytest.approx(one * omega1**2, rel=1e-9)
+
+
+@pytest.mark.parametrize("mechanism", MECHANISMS)
+@pytest.mark.parametrize("omega1", [100.0, -100.0])
+def test_no_torque_is_passed_to_a_shaft_that_link_2_never_reaches(compiled, mechanism, omega1):
+    settings = MECHANISMS[mechanism]
+    end = 1.5 if omega1 > 0.0 else 10.0
+    assert at_ratio(compiled, settings, omega1, end)["output_torque"] == 0.0
+    assert rigid_mean(compiled, settings, omega1, end, time=5.0) == pytest.approx(0.0, abs=1e-3)
+
+
+@pytest.mark.parametrize("mechanism", MECHANISMS)
+@pytest.mark.parametrize("omega1", [100.0, -100.0])
+@pytest.mark.parametrize("sigma", [0.0, 0.2, 0.6, 0.93])
+def test_mean_housing_and_mesh_torques_share_the_output_torque_by_the_ratio(
+    compiled, mechanism, omega1, sigma
+):
+    settings = MECHANISMS[mechanism]
+    module = at_ratio(compiled, settings, omega1, sigma, output_inertia=1e12)
+    rigid = started(compiled, settings, HELD, omega1=omega1, omega_out_start=abs(omega1) * sigma)
+    rigid.advance(2.0)
+    works = []
+    for _ in range(200):
+        rigid.advance(0.2)
+        works.append(rigid["input_torque_mean"])
+    stall = at_ratio(compiled, settings, omega1, 0.0)["output_torque"]
+    measured = float(np.average(works, weights=np.hanning(202)[1:-1]))
+    # the mean input torque is what the mesh takes: M1 = M2 where no energy is stored
+    assert module["mesh_torque"] == pytest.approx(measured, abs=1e-3 * stall)
+    assert module["input_torque"] == pytest.approx(measured, abs=1e-3 * stall)
+    assert module["housing_torque"] + module["mesh_torque"] == pytest.approx(
+        module["output_torque"], rel=1e-12
+    )
+
+
+@pytest.mark.parametrize("mechanism", MECHANISMS)
+@pytest.mark.parametrize("sigma", [0.0, 0.3, 0.7])
+def test_ripple_and_mean_speed_and_energy_are_those_of_the_rigid_motion(compiled, mechanism, sigma):
+    settings = MECHANISMS[mechanism]
+    module = at_ratio(compiled, settings, 100.0, sigma, output_inertia=1e12)
+    rigid = started(compiled, settings, HELD, omega1=100.0, omega_out_start=100.0 * sigma)
+    rigid.advance(2.0)
+    angle = rigid["drive_angle"] + 2.0 * math.pi * rigid["drive_turns"]
+    rigid.advance(50.0)
+    turned = rigid["drive_angle"] + 2.0 * math.pi * rigid["drive_turns"] - angle
+    k = 1.0 if mechanism.startswith("bevel") else 5.0 / 3.0
+    assert module["omega2"] == pytest.approx(100.0 - turned / k / 50.0, abs=0.05)
+    ripple = rigid["torque_ripple"]
+    assert module["torque_ripple"] == pytest.approx(ripple, rel=0.02, abs=0.01 * module["torque_peak"])
+    assert module["torque_peak"] == pytest.approx(rigid["torque_peak"], rel=0.06, abs=0.05)
+
+
+def test_long_periods_of_coprime_teeth_are_averaged_too(compiled):
+    long = at_ratio(compiled, {"z17": 199, "z6": 200}, 100.0, 0.3, output_inertia=1e12)
+    assert long["output_torque"] == pytest.approx(
+        rigid_mean(compiled, {"z17": 199, "z6": 200}, 100.0, 0.3, time=100.0), rel=5e-3
+    )
+    longer = at_ratio(compiled, {"z17": 1999, "z6": 2003}, 100.0, 0.3)["output_torque"]
+    assert longer == pytest.approx(long["output_torque"], rel=0.05)
+
+
+def test_map_is_kept_between_instances_that_are_alike(compiled, monkeypatch):
+    kept = type(maps._maps)()
+    monkeypatch.setattr(maps, "_maps", kept)
+    first = Module(compiled).start(fidelity=1, omega1=100.0)
+    evaluations = first.derived[slots.D_MAP_EVALUATIONS]
+    assert evaluations > 0.0
+    assert len(kept) == 1
+    (key,) = kept
+    marked = first.derived[slots.D_AVERAGED :]
+    marked[slots.D_MAP_EVALUATIONS - slots.D_AVERAGED] = -1.0  # a map built anew counts from zero
+    kept[key] = marked.tobytes()
+    second = Module(compiled).start(fidelity=1, omega1=50.0, output_inertia=3.0, input_inertia=1.0)
+    assert second.derived[slots.D_MAP_EVALUATIONS] == -1.0
+    other = Module(compiled).start(fidelity=1, omega1=50.0, imbalance_mass=2.0)
+    assert other.derived[slots.D_MAP_EVALUATIONS] > 0.0
+    assert len(kept) == 2
+
+
+def test_only_so_many_maps_are_kept(compiled, monkeypatch):
+    monkeypatch.setattr(maps, "_maps", type(maps._maps)())
+    monkeypatch.setattr(maps, "MOST_MAPS", 3)
+    for mass in (1.0, 2.0, 3.0, 4.0, 5.0):
+        started(compiled, PLANAR, fidelity=1, imbalance_mass=mass)
+    assert len(maps._maps) == 3
