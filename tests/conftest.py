@@ -25,3 +25,13 @@ def kernel(request):
 def compiled():
     """The fast kernel, for what would take the plain one too long."""
     return _kernel("compiled")
+
+
+def pytest_configure(config):
+    """Compile the kernels once, before the workers start: each of them would do it for itself."""
+    if importlib.util.find_spec("numba") is None or hasattr(config, "workerinput"):
+        return
+    from inertia_module import compiled
+
+    for name in ("module", "driven_shaft"):
+        compiled.load(name)

@@ -6,6 +6,8 @@ end of the map, or is driven. Only the last takes an integration. The kinetic en
 is its mean E = omega1^2 epsilon / 2, so M1 omega1 = T omega3 + E'.
 """
 
+import math
+
 from .accumulate import add, assign, wrap_drive_angle
 from .average_drive import drive
 from .average_legs import COASTING, DRIVEN, LOCKED, RESTING, choose_leg, header_at
@@ -27,7 +29,7 @@ def rest(d, header, omega1, alpha1, load, remaining):
     stall = d[first_row(header) + ROW_TORQUE]
     if growing <= 0.0 or stall * (speed + growing * remaining) ** 2 <= load or stall <= 0.0:
         return remaining
-    return min(max(((load / stall) ** 0.5 - speed) / growing, 0.0), remaining)
+    return min(max((math.sqrt(load / stall) - speed) / growing, 0.0), remaining)
 
 
 def lock(d, omega1, alpha1, load, remaining):
@@ -35,7 +37,7 @@ def lock(d, omega1, alpha1, load, remaining):
     torque = load + d[D_J3] * alpha1
     if alpha1 >= 0.0 or torque <= 0.0 or d[D_MAP_LOCK] * (omega1 + alpha1 * remaining) ** 2 >= torque:
         return remaining
-    return min(max((omega1 - (torque / d[D_MAP_LOCK]) ** 0.5) / -alpha1, 0.0), remaining)
+    return min(max((omega1 - math.sqrt(torque / d[D_MAP_LOCK])) / -alpha1, 0.0), remaining)
 
 
 def coast(d, x, header, omega1, alpha1, load, remaining):

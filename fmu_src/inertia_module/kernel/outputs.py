@@ -1,5 +1,7 @@
 """Outputs and locals at the present instant, from the state and the inputs held in it."""
 
+import math
+
 from .average_outputs import averaged_energy, write_averaged
 from .dynamics import kinetic_energy, motion, prescribed_torques
 from .layout import imbalance_in_fixed_frame
@@ -77,7 +79,7 @@ def write_imbalance(d, x, y, alpha2):
     y[Y_VELOCITY_X] = vx
     y[Y_VELOCITY_Y] = vy
     y[Y_VELOCITY_Z] = vz
-    y[Y_ACCELERATION] = (ax * ax + ay * ay + az * az) ** 0.5
+    y[Y_ACCELERATION] = math.sqrt(ax * ax + ay * ay + az * az)
     y[Y_ACCELERATION_X] = ax
     y[Y_ACCELERATION_Y] = ay
     y[Y_ACCELERATION_Z] = az

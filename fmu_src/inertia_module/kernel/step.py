@@ -1,5 +1,7 @@
 """The three things a shell calls: start, advance by a communication step, and the one entry to both."""
 
+import math
+
 from .accumulate import add, assign, later, wrap_drive_angle, wrap_input_angle
 from .average import run_averaged, set_link2
 from .average_jump import jump_averaged, takes_up_jump
@@ -229,17 +231,18 @@ def end(x, h, input_jump, output_jump):
     x[X_OUTPUT_TORQUE_MEAN] = (output_jump + x[X_OUTPUT_IMPULSE]) / h
     mean = x[X_OUTPUT_IMPULSE] / h
     variance = x[X_OUTPUT_SQUARE] / h - mean * mean
-    x[X_TORQUE_RIPPLE] = variance**0.5 if variance > 0.0 else 0.0
+    x[X_TORQUE_RIPPLE] = math.sqrt(variance) if variance > 0.0 else 0.0
     x[X_SWITCHES] += x[X_STEP_SWITCHES]
     x[X_EVALUATIONS] += x[X_STEP_EVALUATIONS]
 
 
 def is_finite(x):
-    """Whether every number of the state is."""
-    for n in range(X_SIZE):
-        if not abs(x[n]) < 1e300:
-            return False
-    return True
+    """Whether the motion, its energies and its means are: all else follows from them."""
+    motion = (abs(x[X_Q]) + abs(x[X_THETA1])) + (abs(x[X_OMEGA2]) + abs(x[X_OMEGA3]))
+    shaft = abs(x[X_RELATIVE]) + abs(x[X_TWIST])
+    energies = (abs(x[X_ENERGY_IN]) + abs(x[X_ENERGY_OUT])) + abs(x[X_ENERGY_LOST])
+    means = abs(x[X_INPUT_TORQUE_MEAN]) + (abs(x[X_OUTPUT_TORQUE_MEAN]) + abs(x[X_TORQUE_RIPPLE]))
+    return (motion + shaft) + (energies + means) < 1e300
 
 
 def advance(p, d, u, x, y, w, h, imbalance):

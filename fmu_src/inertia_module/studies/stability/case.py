@@ -27,7 +27,7 @@ ELASTIC_RUNGS = (
     Rung("elastic, event", ELASTIC, EVENT),
     Rung("elastic, timestepping", ELASTIC, TIMESTEPPING),
 )
-RUNGS = RIGID_RUNGS
+RUNGS = RIGID_RUNGS + ELASTIC_RUNGS
 TIMESTEPPING_RUNGS = tuple(rung for rung in RIGID_RUNGS + ELASTIC_RUNGS if rung.method == TIMESTEPPING)
 
 
