@@ -98,6 +98,7 @@ def jitted_kernel(entry: str = "step") -> dict[str, types.ModuleType]:
     finally:
         for name in [name for name in sys.modules if name.startswith(package.__name__)]:
             del sys.modules[name]
+    int64: Any = importlib.import_module("numpy").int64
     wrapped: dict[int, Any] = {}
     for module in modules.values():
         for name, value in list(vars(module).items()):
@@ -105,6 +106,9 @@ def jitted_kernel(entry: str = "step") -> dict[str, types.ModuleType]:
                 if id(value) not in wrapped:
                     wrapped[id(value)] = numba.njit(error_model="numpy")(value)
                 setattr(module, name, wrapped[id(value)])
+            elif type(value) is int:
+                # numba compiles a function anew for each Python constant it is called with, not for these
+                setattr(module, name, int64(value))
     return modules
 
 
@@ -196,7 +200,7 @@ def is_cached(name: str = MODULE) -> bool:
 def load(name: str = MODULE) -> Callable[..., int]:
     """A compiled entry: entry(operation, p, d, u, x, y, w, h) with addresses of arrays of doubles.
 
-    The first call ever on a machine compiles (about half a minute for the module), later ones load
+    The first call ever on a machine compiles (a minute or two for the module), later ones load
     from the cache.
 
     Args:

@@ -177,7 +177,7 @@ def build(folder: Path, progress: Progress = lambda stage: None) -> list[Path]:
         write_atomically(path, python_fmu(fmu))
         paths.append(path)
     if not all(is_cached(fmu.model.entry) for fmu in FMUS):
-        progress("compiling the kernels for this machine, once: about half a minute")
+        progress("compiling the kernels for this machine, once: a minute or two")
     try:
         for fmu in FMUS:
             load(fmu.model.entry)

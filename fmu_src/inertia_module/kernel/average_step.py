@@ -13,6 +13,9 @@ from .slots import *
 # largest h |df/domega3| of the explicit step
 GENTLE = 0.4
 NEWTON_LOOKS = 12
+# a transient is resolved by steps up to this h |df/domega3|, until it has come down to so many errors
+RESOLVED = 2.0
+TRANSIENT = 10.0
 # work of one step: what is left in the workspace
 W_NEXT = 0  # omega3 at the end
 W_ERROR = 1  # estimated error over the allowed one
@@ -109,6 +112,10 @@ def stiff_step(d, x, w, header, speed, speed_rate, omega3, load, h, first, allow
             # where the slope is positive the balance repels: a damped step would be drawn to it
             if slope <= 0.0 and is_one_way(d, x, header, end, omega3, found, rate, load):
                 w[W_ERROR] = abs(h / 3.0 * (rate1 - rate - h * bend1) / steep) / allowed
+                # a transient that is damped out within the step would be wrong in the angle and the work
+                away = abs(rate / first[1]) * inertia
+                if h * abs(first[1]) > RESOLVED * inertia:
+                    w[W_ERROR] = max(w[W_ERROR], away / (TRANSIENT * allowed))
             break
     rate1 = (last[0] - load) / inertia
     keep(w, h, omega3, first, found, last, rate, rate1, True)

@@ -204,10 +204,13 @@ def try_steps(d, x, w, remaining, fastest):
 
 
 def zero_of(d, x, w, which, fastest):
-    """What a guard has to fall below to have fallen."""
+    """What a guard has to fall below to have fallen: velocities by what link 2 and the hub take on."""
     mode = x[X_MODE]
     if (mode == FREE) or (mode == DRIVING and which == LINK2) or (mode == HELD and which == OUTPUT):
-        return VELOCITY_ROUNDING * fastest
+        carried = d[D_J2] + (d[D_J3] if mode == DRIVING else 0.0)
+        own = d[D_ALPHA_SLOPE]
+        taken = max(abs(x[X_OMEGA2]), abs(x[X_OMEGA3]))
+        return VELOCITY_ROUNDING * max(taken, fastest * own / (own + carried) if own > 0.0 else 0.0)
     torque, _ = shaft_torque(d, x)
     scale = torque_scale(d, w[W_OMEGA1], w[W_ALPHA1], 2.0 * d[D_K] * fastest)
     return CROSSING * (scale + abs(torque) + abs(w[W_LOAD]))

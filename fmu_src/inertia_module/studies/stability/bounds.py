@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
+
 from ...variables import BY_NAME
-from .case import AVERAGED, TIMESTEPPING, Case
+from .case import AVERAGED, ELASTIC, TIMESTEPPING, Case
 
 # relative rounding that adds up over a run
 ROUNDING = 1e-12
@@ -21,6 +23,8 @@ BREACH = 1e-9
 STEP_WORK = 100.0
 PHASE_WORK = 20.0
 WORK_ORDER = 8.0
+# what makes the frequency of the elastic shaft
+SHAFT = ("shaft_stiffness", "output_inertia", "driven_inertia")
 # and for each internal step of method timestepping
 FIXED_STEP_WORK = 10.0
 
@@ -63,4 +67,13 @@ def work_bound(case: Case, phase: float, steps: int, fixed_steps: int) -> float:
     if case.rung.method == TIMESTEPPING:
         return STEP_WORK * steps + FIXED_STEP_WORK * fixed_steps
     digits = float(tolerance_of(case) ** (-1.0 / WORK_ORDER))
+    if case.rung.fidelity == ELASTIC:
+        phase += shaft_phase(case)
     return STEP_WORK * steps + PHASE_WORK * digits * (1.0 + phase)
+
+
+def shaft_phase(case: Case) -> float:
+    """Phase, rad, the elastic shaft can swing through in a case: what its oscillation may cost."""
+    values = {name: BY_NAME[name].start or 0.0 for name in SHAFT} | dict(case.extreme.parameters)
+    c, j3, j4 = (float(values[name]) for name in SHAFT)
+    return math.sqrt(c * (1.0 / j3 + 1.0 / j4)) * sum(part.duration for part in case.extreme.segments)

@@ -40,7 +40,7 @@ sensitive the motion itself is: no method can do better than that. Accuracy is t
 | energy residual, in long and in short steps | {energy:g} accuracy + {rounding:g}, of the largest energy |
 | long against short steps, and both against the tight run | {result:g} (accuracy + aside) + {rounding:g}, at most 1, relative |
 | ω2 ≥ 0, ω3 ≥ ω2, Tc ≥ 0, Th ≥ 0 | to {breach:g} of the largest speed or torque |
-| right-hand sides | {step_work:g} for each communication step and {phase_work:g} tolerance^(-1/{order:g}) for each radian of the highest harmonic; `timestepping`: {fixed_work:g} for each internal step |
+| right-hand sides | {step_work:g} for each communication step and {phase_work:g} tolerance^(-1/{order:g}) for each radian of the highest harmonic (`elastic`: and of the shaft); `timestepping`: {fixed_work:g} for each internal step |
 | one communication step | {most:g} right-hand sides, then a refusal; the state is untouched and a good step goes on |
 
 The largest energy is that of input, output and store in the run, or what the imbalances can have behind link 2 at the
