@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import atexit
 import json
+import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -322,5 +324,20 @@ def stability(
 
 
 def main() -> None:
-    """Entry of the console script."""
-    sys.exit(app())
+    """Entry of the console script.
+
+    A process that has loaded a Python FMU is ended without the destructors of its libraries: that of
+    pythonfmu 0.7 uses memory it has freed, and now and then aborts a run that has succeeded.
+    """
+    try:
+        app()
+        code: object = 0
+    except SystemExit as leave:
+        code = leave.code
+    if isinstance(code, str):
+        sys.stderr.write(code + "\n")
+        code = 1
+    atexit._run_exitfuncs()
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(code if isinstance(code, int) else 0)
