@@ -8,6 +8,8 @@ import os
 import platform
 from pathlib import Path
 
+import averaged
+
 from inertia_module.drive import progress_bar
 from inertia_module.results import write_figure, write_text
 from inertia_module.scene import load_scene
@@ -144,6 +146,11 @@ def trade_part():
         *case_part("Scene R1, the ladder and its peers", "tradeoff_r1", rigid),
         *case_part("Scene R1 behind an elastic output shaft", "tradeoff_elastic", elastic),
         *(line for name, asked in SCENES.items() for line in scene_part(name, *asked)),
+        "### Kernel time of averaged against rigid",
+        "",
+        "The drive and load of the urban scene, recorded, played to the compiled kernel in a compiled loop.",
+        "",
+        *averaged.lines(averaged.rows()),
     ]
 
 

@@ -61,6 +61,7 @@ PEERS: tuple[Peer, ...] = (
         _clutches("odeint", "SciPy LSODA", stiffness, 1e-5, 1e-6, 1e-7, 3e-8, 1e-8, 1e-9)
         for stiffness in STIFFNESSES
     ),
+    _clutches("odeint", "SciPy LSODA", 3e6, 3e-8, 1e-8, 5e-9, 1e-9),
     *(_clutches("Radau", "SciPy Radau", stiffness, 1e-4, 1e-5) for stiffness in (1e3, 1e4)),
     _events("DOP853", 1e-4, 1e-8, 1e-10),
     _events("RK45", 1e-3, 1e-6, 1e-8),
