@@ -2,21 +2,14 @@
 
 import numpy as np
 import pytest
+from scenes import SCENES
 
 from inertia_module.module import Module
 from inertia_module.studies.peers import PEERS, cvode, mujoco_model, scipy_clutches, scipy_events
 from inertia_module.studies.trajectory import Case, Unavailable
 
-PLANAR = {
-    "layout": 1,
-    "sun_radius": 0.05,
-    "satellite_radius": 0.03,
-    "eccentricity": 0.02,
-    "imbalance_mass": 0.8,
-    "satellites": 3,
-    "link2_inertia": 0.003,
-    "output_inertia": 0.4,
-}
+INPUTS = ("omega1", "load_torque")
+PLANAR = {name: value for name, value in SCENES["planar"].items() if name not in INPUTS}
 CASES = {
     "R1": Case(stop_time=0.1, points=20),
     "planar": Case(PLANAR, omega1=120.0, load_torque=8.0, stop_time=0.1, points=20),

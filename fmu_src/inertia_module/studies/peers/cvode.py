@@ -5,15 +5,13 @@ Source: Hindmarsh et al., SUNDIALS, ACM TOMS 31 (2005); the root finding is CVOD
 
 from __future__ import annotations
 
-import importlib
-from typing import Any
-
 import numpy as np
 
-from ..trajectory import Array, Case, Trajectory, Unavailable
+from ..trajectory import Array, Case, Trajectory
 from .clutches import clutch_data, measure_clutches
 from .contact_run import Integrator, Segment, measure
 from .equations import SIZE, equations, largest_step, start_of
+from .extras import library
 
 STEPS_ALLOWED = 10_000_000
 ROOT_FOUND = 2  # CV_ROOT_RETURN
@@ -21,20 +19,6 @@ ROOT_FOUND = 2  # CV_ROOT_RETURN
 
 # phase of the fastest harmonic in a step, rad
 PHASE = 1.0
-
-
-def solver_class() -> Any:
-    """The class CVODE.
-
-    Raises:
-        Unavailable: scikit-sundae is not installed.
-    """
-    try:
-        return importlib.import_module("sksundae.cvode").CVODE
-    except ImportError as error:
-        raise Unavailable(
-            f"scikit-sundae is not installed ({error}): pip install 'inertia-module[peers]'"
-        ) from None
 
 
 def _integrator(method: str, tolerance: float, step: float) -> Integrator:
@@ -49,7 +33,7 @@ def _integrator(method: str, tolerance: float, step: float) -> Integrator:
 
     guards.terminal = [True, True]  # type: ignore[attr-defined]
     guards.direction = [-1, -1]  # type: ignore[attr-defined]
-    solver = solver_class()(
+    solver = library("sksundae.cvode", "scikit-sundae").CVODE(
         rates,
         method=method,
         eventsfn=guards,
@@ -110,7 +94,9 @@ def simulate_clutches(case: Case, stiffness: float, tolerance: float) -> Traject
     def rates(t: float, y: Array, values: Array) -> None:
         compiled(t, y, values, data)
 
-    solver = solver_class()(rates, method="BDF", rtol=tolerance, atol=tolerance, max_num_steps=STEPS_ALLOWED)
+    solver = library("sksundae.cvode", "scikit-sundae").CVODE(
+        rates, method="BDF", rtol=tolerance, atol=tolerance, max_num_steps=STEPS_ALLOWED
+    )
 
     def solve(times: Array) -> tuple[Array, int]:
         # three times or more: the solver then gives back these and not its own

@@ -19,6 +19,7 @@ from ...kernel.derive import derive
 from ...messages import explain
 from ...variables import BY_NAME, default_parameters
 from ..trajectory import Array, Case, Unavailable
+from .extras import library
 
 OMEGA1 = slots.D_SIZE
 LOAD = slots.D_SIZE + 1
@@ -61,12 +62,7 @@ def equations() -> Equations:
     Raises:
         Unavailable: numba is not installed.
     """
-    try:
-        import numba
-
-        kernel = jitted_kernel()
-    except ImportError as error:
-        raise Unavailable(f"numba is not installed ({error}): pip install 'inertia-module[peers]'") from None
+    numba, kernel = library("numba"), jitted_kernel()
     jit = numba.njit(error_model="numpy")
     motion = kernel["dynamics"].motion
     held_torque = kernel["dynamics"].held_torque

@@ -11,16 +11,15 @@ Source: MuJoCo, "Computation": constraint model, reference acceleration and impe
 
 from __future__ import annotations
 
-import importlib
 import time
-from typing import Any
 
 import numpy as np
 
 from ...variables import BY_NAME, PARAMETER
-from ..trajectory import Case, Trajectory, Unavailable, median_time
+from ..trajectory import Case, Trajectory, median_time
 from .clutches import SLOW
 from .equations import data_of
+from .extras import library
 from .multibody import mechanism, ratio, satellite_ratio
 
 # MuJoCo allows no more: a constraint is softer than rigid by the part that is missing
@@ -32,18 +31,6 @@ INVERSE_INERTIA = 0.01
 ARMATURE = 1e-9
 # inertia of the flywheel on link 1 in units of those of the shafts
 FLYWHEEL = 1e7
-
-
-def load_mujoco() -> Any:
-    """The package mujoco.
-
-    Raises:
-        Unavailable: it is not installed.
-    """
-    try:
-        return importlib.import_module("mujoco")
-    except ImportError as error:
-        raise Unavailable(f"mujoco is not installed ({error}): pip install 'inertia-module[peers]'") from None
 
 
 def _model_text(
@@ -82,7 +69,7 @@ class ForwardModel:
     """
 
     def __init__(self, case: Case, step: float, integrator: str) -> None:
-        self.engine, self.case = load_mujoco(), case
+        self.engine, self.case = library("mujoco"), case
         p = {
             name: case.parameter(name)
             for name, variable in BY_NAME.items()

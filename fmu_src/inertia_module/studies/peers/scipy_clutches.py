@@ -2,26 +2,12 @@
 
 from __future__ import annotations
 
-import importlib
-from typing import Any
-
-from ..trajectory import Array, Case, Trajectory, Unavailable
+from ..trajectory import Array, Case, Trajectory
 from .clutches import clutch_data, measure_clutches
 from .equations import equations, start_of
+from .extras import library
 
 STEPS_ALLOWED = 10_000_000
-
-
-def scipy_integrate() -> Any:
-    """The package scipy.integrate.
-
-    Raises:
-        Unavailable: scipy is not installed.
-    """
-    try:
-        return importlib.import_module("scipy.integrate")
-    except ImportError as error:
-        raise Unavailable(f"scipy is not installed ({error}): pip install 'inertia-module[peers]'") from None
 
 
 def simulate(case: Case, method: str, stiffness: float, tolerance: float) -> Trajectory:
@@ -35,16 +21,16 @@ def simulate(case: Case, method: str, stiffness: float, tolerance: float) -> Tra
         Unavailable: a library is missing or the case is not for it.
         RuntimeError: the integrator gives up.
     """
-    data, start, rates, library = (
+    data, start, rates, scipy = (
         clutch_data(case, stiffness),
         start_of(case),
         equations().new_clutch_rates,
-        scipy_integrate(),
+        library("scipy.integrate"),
     )
     tolerances = {"rtol": tolerance, "atol": tolerance}
 
     def lsoda(times: Array) -> tuple[Array, int]:
-        states, found = library.odeint(
+        states, found = scipy.odeint(
             rates, start, times, (data,), tfirst=True, full_output=True, mxstep=STEPS_ALLOWED, **tolerances
         )
         if found["message"] != "Integration successful.":
@@ -52,7 +38,7 @@ def simulate(case: Case, method: str, stiffness: float, tolerance: float) -> Tra
         return states, int(found["nfe"][-1])
 
     def by_solve_ivp(times: Array) -> tuple[Array, int]:
-        found = library.solve_ivp(
+        found = scipy.solve_ivp(
             rates, times[[0, -1]], start, method, t_eval=times, args=(data,), **tolerances
         )
         if not found.success:

@@ -2,29 +2,17 @@
 
 from __future__ import annotations
 
-import importlib
 from typing import Any
 
 import numpy as np
 
-from ..trajectory import Array, Case, Trajectory, Unavailable
+from ..trajectory import Array, Case, Trajectory
 from .contact_run import Integrator, Segment, measure
 from .equations import LINK2, OUTPUT, equations, largest_step
+from .extras import library
 
 # phase of the fastest harmonic in a step, rad: at 1 two short pulses of R1 are missed
 PHASE = 0.5
-
-
-def solve_ivp() -> Any:
-    """SciPy's solve_ivp.
-
-    Raises:
-        Unavailable: scipy is not installed.
-    """
-    try:
-        return importlib.import_module("scipy.integrate").solve_ivp
-    except ImportError as error:
-        raise Unavailable(f"scipy is not installed ({error}): pip install 'inertia-module[peers]'") from None
 
 
 def _falling(which: int) -> Any:
@@ -40,7 +28,7 @@ def _falling(which: int) -> Any:
 
 
 def _integrator(method: str, tolerance: float, step: float) -> Integrator:
-    solve, rates = solve_ivp(), equations().new_contact_rates
+    solve, rates = library("scipy.integrate").solve_ivp, equations().new_contact_rates
     events = [_falling(LINK2), _falling(OUTPUT)]
 
     def integrate(data: Array, time: float, state: Array, times: Array) -> Segment:
