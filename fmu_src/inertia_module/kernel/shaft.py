@@ -95,13 +95,6 @@ def shaft_torque(d, x):
     return d[D_STIFFNESS] * x[X_TWIST] + d[D_DAMPING] * relative, d[D_STIFFNESS] * relative
 
 
-def shaft_rates(d, x, load, compliance):
-    """Rates now of omega3, if the hub has this compliance 1/J and only Ts on it, and of omega3 - omega4."""
-    torque, _ = shaft_torque(d, x)
-    rate3 = -torque * compliance
-    return rate3, relative_rate(d, x, load, torque, rate3)
-
-
 def relative_rate(d, x, load, torque, rate3):
     """Rate of omega3 - omega4 with the hub accelerating at rate3."""
     driven = torque - d[D_FRICTION] * (x[X_OMEGA3] - x[X_RELATIVE]) - load
