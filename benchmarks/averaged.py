@@ -15,7 +15,7 @@ import numpy as np
 
 from inertia_module import compiled
 from inertia_module.cli import current_fmu
-from inertia_module.kernel import slots, step
+from inertia_module.kernel import slots
 from inertia_module.module import Module
 from inertia_module.scene import load_scene, run_scene
 
@@ -30,7 +30,7 @@ def recorded_inputs():
     return scene, record["omega1"][1:], record["load_torque"][1:]
 
 
-def player(operation=step.STEP_ONLY):
+def player(operation=slots.STEP_ONLY):
     """Compiled loop: steps of h with the inputs given, from the state given."""
     entry = compiled.load()
 

@@ -63,8 +63,8 @@ def build(output: OutputFolder = None, as_json: Json = False) -> None:
     with one_line_errors():
         folder = output or BUILD_FOLDER
         if as_json:
-            paths = build_fmus(folder)
-            typer.echo(json.dumps({"fmus": [str(path) for path in paths]}))
+            built = build_fmus(folder)
+            typer.echo(json.dumps({"fmus": [str(path) for path in built.paths], "skipped": built.skipped}))
             return
         console = Console(soft_wrap=True, highlight=False)
         with console.status("building") as status:
@@ -73,20 +73,25 @@ def build(output: OutputFolder = None, as_json: Json = False) -> None:
                 status.update(text)
                 console.print(text)
 
-            paths = build_fmus(folder, stage)
-        for path in paths:
+            built = build_fmus(folder, stage)
+        for path in built.paths:
             console.print(f"built {path} ({path.stat().st_size / 1024:.0f} kB)")
+        for what, reason in built.skipped.items():
+            console.print(f"skipped {what}: {reason}")
 
 
 def current_fmu() -> Path:
-    """The Python FMU in build/, built anew if it is missing or of another state of the package."""
-    from .fmu.builder import MODULE_FMU, is_current
+    """The FMU of the module in build/, built anew if it is missing or of another state of the package.
+
+    It is the native one or, where that cannot be compiled, the Python one.
+    """
+    from .fmu.builder import MODULE_FMU, PYTHON_FMU, is_current
     from .fmu.builder import build as build_fmus
 
-    path = BUILD_FOLDER / MODULE_FMU.file_name
-    if not is_current(path):
-        build_fmus(BUILD_FOLDER, lambda stage: typer.echo(stage, err=True))
-    return path
+    for fmu in (MODULE_FMU, PYTHON_FMU):
+        if is_current(BUILD_FOLDER / fmu.file_name, fmu):
+            return BUILD_FOLDER / fmu.file_name
+    return build_fmus(BUILD_FOLDER, lambda stage: typer.echo(stage, err=True)).paths[0]
 
 
 def share(option: str, text: str | None) -> float | None:
@@ -114,7 +119,7 @@ def run(
         typer.Option(help='Error allowed in the outputs, such as 0.01 or "1 %", for fidelity auto.'),
     ] = None,
     fmu: Annotated[
-        Path | None, typer.Option(metavar="FILE.fmu", help="FMU to run (build/InertiaModulePy.fmu).")
+        Path | None, typer.Option(metavar="FILE.fmu", help="FMU to run (build/InertiaModule.fmu).")
     ] = None,
     as_json: Json = False,
 ) -> None:

@@ -1,84 +1,87 @@
-"""What a refusal by the kernel says to a person: names, values and what is allowed."""
+"""What refusals by the kernel of the module say to a person: names, values and what is allowed.
+
+Each status has a sentence; {name} in it stands for the value of that parameter or input, {omega1_rate}
+and {load_torque_rate} for the rates given, {step} for the communication step. Python and the native FMU
+fill them in.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 
 from .kernel import slots
-from .variables import BY_NAME, LARGEST_STEP, refusal
+from .variables import BY_NAME, LARGEST_STEP, Variable, refusal
 
 
-def _named(values: Sequence[float], *names: str) -> str:
-    return ", ".join(f"{name} = {values[BY_NAME[name].slot]:.16g}" for name in names)
+def named(*names: str) -> str:
+    """Names and values, separated by commas."""
+    return ", ".join(f"{name} = {{{name}}}" for name in names)
 
 
-def explain_parameters(status: int, values: Sequence[float]) -> str | None:
-    """Message for a status of the start, or None if it is not one of the parameters."""
-    if status == slots.NO_RECTIFIER:
-        named = _named(values, "fidelity", "housing_freewheel", "output_freewheel")
-        return (
-            f"{named} are refused together: without both freewheels nothing rectifies the pulses and there is"
-            " no mean torque; allowed is fidelity = 1 (averaged) with both freewheels"
-        )
-    if status == slots.SINGULAR:
-        names = "link2_inertia", "drive_inertia", "a", "b", "eccentricity", "imbalance_mass"
-        return (
-            f"{_named(values, *names)} are refused together: the inertia behind link 2 vanishes where the"
-            " imbalance rests in link 1 (a = b, or no eccentricity); allowed is link2_inertia > 0,"
-            " drive_inertia > 0, or a different from b"
-        )
-    if status == slots.BAD_START_HOUSING:
-        named = _named(values, "omega2_start")
-        return f"{named} is refused: with the housing freewheel allowed is omega2_start >= 0"
-    if status in (slots.BAD_START_OUTPUT, slots.BAD_START_RIGID):
-        named = _named(values, "omega_out_start", "omega2_start")
-        word, sign = ("with", ">=") if status == slots.BAD_START_OUTPUT else ("without", "=")
-        return (
-            f"{named} are refused together: {word} the output freewheel allowed is"
-            f" omega_out_start {sign} omega2_start"
-        )
-    return None
+def bad_input(variable: Variable) -> str:
+    """Sentence for an input that is not finite or absurd."""
+    return refusal(variable, f"{{{variable.name}}}")
 
 
-def refused_step(step: float) -> str:
-    """Message for a communication step that is none."""
-    return f"communication step = {step:.16g} s is refused: allowed is above 0 up to {LARGEST_STEP:g} s"
-
-
-def explain_step(status: int, values: Sequence[float], inputs: Sequence[float], step: float) -> str:
-    """Message for a status of a communication step."""
-    if status == slots.BAD_OMEGA1:
-        return refusal(BY_NAME["omega1"], inputs[slots.U_OMEGA1])
-    if status == slots.BAD_LOAD_TORQUE:
-        return refusal(BY_NAME["load_torque"], inputs[slots.U_LOAD_TORQUE])
-    named = f"communication step = {step:.16g} s"
-    if status == slots.BAD_STEP:
-        return refused_step(step)
-    if status == slots.TOO_MANY_SWITCHES:
-        allowed = "1000 switches and 64 more a pulse"
-        return f"{named} is given up: the freewheels switch without end; allowed is {allowed}"
-    if status == slots.TOO_MUCH_WORK:
-        return (
-            f"{named} is given up: it takes more than 5e7 evaluations of the mechanism; allowed is a shorter"
-            " communication step or a larger tolerance"
-        )
-    if status == slots.STEP_TOO_SMALL:
-        return (
-            f"{named} is given up: no internal step meets {_named(values, 'tolerance')};"
-            " allowed is a larger tolerance, or more link2_inertia"
-        )
+def bad_rate(variable: Variable) -> str:
+    """Sentence for a rate that makes an input absurd within the step."""
+    name = variable.name
     return (
-        f"{named} is given up: the motion leaves the range of doubles with omega1 ="
-        f" {inputs[slots.U_OMEGA1]:.16g} rad/s and load_torque = {inputs[slots.U_LOAD_TORQUE]:.16g} N.m;"
-        " allowed is what stays below 1e300"
+        f"the rate {{{name}_rate}} {variable.unit}/s of {name} is refused with {named(name)} over"
+        f" {{step}} s: allowed is what keeps {name} {variable.allowed}"
     )
 
 
-def explain(status: int, values: Sequence[float], inputs: Sequence[float], step: float) -> str:
-    """The message for a status of the kernel.
+BAD_STEP = f"communication step = {{step}} s is refused: allowed is above 0 up to {LARGEST_STEP:g} s"
+_GIVEN_UP = "communication step = {step} s is given up: "
 
-    Args:
-        status: status code of the kernel, not OK. values: parameters by slot.
-        inputs: inputs by slot. step: communication step, s.
-    """
-    return explain_parameters(status, values) or explain_step(status, values, inputs, step)
+
+def not_finite(*inputs: Variable) -> str:
+    """Sentence for a motion that overflows with these inputs."""
+    listed = " and ".join(f"{named(variable.name)} {variable.unit}" for variable in inputs)
+    return (
+        f"{_GIVEN_UP}the motion leaves the range of doubles with {listed}; allowed is what stays below 1e300"
+    )
+
+
+def _bad_start_output(word: str, sign: str) -> str:
+    return (
+        f"{named('omega_out_start', 'omega2_start')} are refused together: {word} the output freewheel"
+        f" allowed is omega_out_start {sign} omega2_start"
+    )
+
+
+MESSAGES: Mapping[int, str] = {
+    slots.NO_RECTIFIER: (
+        f"{named('fidelity', 'housing_freewheel', 'output_freewheel')} are refused together: without both"
+        " freewheels nothing rectifies the pulses and there is no mean torque; allowed is fidelity = 1"
+        " (averaged) with both freewheels"
+    ),
+    slots.SINGULAR: (
+        f"{named('link2_inertia', 'drive_inertia', 'a', 'b', 'eccentricity', 'imbalance_mass')} are refused"
+        " together: the inertia behind link 2 vanishes where the imbalance rests in link 1 (a = b, or no"
+        " eccentricity); allowed is link2_inertia > 0, drive_inertia > 0, or a different from b"
+    ),
+    slots.BAD_START_HOUSING: (
+        f"{named('omega2_start')} is refused: with the housing freewheel allowed is omega2_start >= 0"
+    ),
+    slots.BAD_START_OUTPUT: _bad_start_output("with", ">="),
+    slots.BAD_START_RIGID: _bad_start_output("without", "="),
+    slots.BAD_OMEGA1: bad_input(BY_NAME["omega1"]),
+    slots.BAD_LOAD_TORQUE: bad_input(BY_NAME["load_torque"]),
+    slots.BAD_OMEGA1_RATE: bad_rate(BY_NAME["omega1"]),
+    slots.BAD_LOAD_TORQUE_RATE: bad_rate(BY_NAME["load_torque"]),
+    slots.BAD_STEP: BAD_STEP,
+    slots.TOO_MANY_SWITCHES: (
+        f"{_GIVEN_UP}the freewheels switch without end; allowed is 1000 switches and 64 more a pulse"
+    ),
+    slots.TOO_MUCH_WORK: (
+        f"{_GIVEN_UP}it takes more than 5e7 evaluations of the mechanism; allowed is a shorter"
+        " communication step or a larger tolerance"
+    ),
+    slots.STEP_TOO_SMALL: (
+        f"{_GIVEN_UP}no internal step meets {named('tolerance')}; allowed is a larger tolerance, or more"
+        " link2_inertia"
+    ),
+    slots.NOT_FINITE: not_finite(BY_NAME["omega1"], BY_NAME["load_torque"]),
+}

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from . import compiled, driven_shaft_messages, driven_shaft_variables, messages, variables
-from .kernel import driven_shaft, step
+from . import driven_shaft_messages, driven_shaft_variables, messages, variables
+from .entries import DRIVEN_SHAFT as SHAFT_ENTRY
+from .entries import ENTRIES
+from .entries import MODULE as MODULE_ENTRY
+from .kernel import driven_shaft, entry
 from .variables import INPUT, PARAMETER, Variable, with_causality
 
 
@@ -18,11 +21,13 @@ class Model:
     Attributes:
         name: name in saved states. title: for people. description: one sentence without its full stop.
         introduction: how to use it, sentences. variables: its table.
-        entry: name of its kernel in compiled.ENTRIES. call: the same as plain Python.
-        explain: the message for a status of its kernel (status, parameters, inputs, step).
+        entry: name of its kernel in entries.ENTRIES. call: the same as plain Python.
+        messages: what it says for each status of its kernel but OK (see messages.MESSAGES).
         zero_at_start: outputs that are zero at initialisation.
         given_at_start: outputs that depend at initialisation on these names alone. All other outputs
             depend on all inputs and parameters but idle_at_start.
+        late: variables that the kernel's STEP_ONLY leaves aside and OUTPUTS fills in.
+        traced: variables that a log of every step shows.
     """
 
     name: str
@@ -32,10 +37,12 @@ class Model:
     variables: tuple[Variable, ...]
     entry: str
     call: Callable[..., int]
-    explain: Callable[..., str]
+    messages: Mapping[int, str]
     idle_at_start: frozenset[str]
     zero_at_start: frozenset[str]
     given_at_start: Mapping[str, frozenset[str]] = field(default_factory=dict)
+    late: frozenset[str] = frozenset()
+    traced: tuple[str, ...] = ()
 
     @cached_property
     def by_name(self) -> dict[str, Variable]:
@@ -45,11 +52,26 @@ class Model:
     @property
     def sizes(self) -> tuple[int, ...]:
         """Sizes of the kernel's arrays p, d, u, x, y and w."""
-        return compiled.ENTRIES[self.entry].sizes
+        return ENTRIES[self.entry].sizes
 
     def with_causality(self, *causalities: str) -> Iterator[Variable]:
         """Variables of these causalities, in the order of the table."""
         return with_causality(*causalities, table=self.variables)
+
+    def explain(self, status: int, parameters: Sequence[float], inputs: Sequence[float], step: float) -> str:
+        """The message for a status of the kernel, not OK.
+
+        Args:
+            status: what the kernel answered. parameters, inputs: by slot. step: communication step, s.
+        """
+        values = {"step": f"{step:.16g}"}
+        for variable in self.with_causality(PARAMETER):
+            values[variable.name] = f"{parameters[variable.slot]:.16g}"
+        given = list(self.with_causality(INPUT))
+        for variable in given:
+            values[variable.name] = f"{inputs[variable.slot]:.16g}"
+            values[f"{variable.name}_rate"] = f"{inputs[len(given) + variable.slot]:.16g}"
+        return self.messages[status].format_map(values)
 
     def known_at_start(self, output: str) -> frozenset[str]:
         """Inputs and parameters an output depends on at initialisation."""
@@ -75,9 +97,9 @@ INERTIA_MODULE = Model(
         " Tc = output_torque the output shaft, Th = housing_torque holds link 2."
     ),
     variables=variables.VARIABLES,
-    entry=compiled.MODULE,
-    call=step.call,
-    explain=messages.explain,
+    entry=MODULE_ENTRY,
+    call=entry.call,
+    messages=messages.MESSAGES,
     idle_at_start=frozenset(
         {
             *("tolerance", "max_step", "method", "input_hold"),
@@ -88,6 +110,11 @@ INERTIA_MODULE = Model(
     given_at_start={
         "omega_out": frozenset({"omega1", "fidelity", "kinematic_ratio", "omega_out_start"}),
     },
+    late=frozenset(
+        variable.name for variable in variables.VARIABLES if variable.name.startswith("imbalance_")
+    )
+    - {"imbalance_mass"},
+    traced=("contact_mode", "contact_switches", "rhs_evaluations", "omega2", "omega_out"),
 )
 
 _SHAFT = frozenset({"hub_speed", "shaft_stiffness", "shaft_damping", "omega_out_start", "twist_start"})
@@ -107,9 +134,9 @@ DRIVEN_SHAFT = Model(
         " once; the torque of the shaft stays finite, so its mean holds no impulse."
     ),
     variables=driven_shaft_variables.VARIABLES,
-    entry=compiled.DRIVEN_SHAFT,
+    entry=SHAFT_ENTRY,
     call=driven_shaft.call,
-    explain=driven_shaft_messages.explain,
+    messages=driven_shaft_messages.MESSAGES,
     idle_at_start=frozenset({"balancer", "input_hold"}),
     zero_at_start=frozenset({"shaft_torque_mean"}),
     given_at_start={
@@ -117,4 +144,5 @@ DRIVEN_SHAFT = Model(
         "omega_out": frozenset({"omega_out_start"}),
         "twist": frozenset({"twist_start"}),
     },
+    traced=("omega_out", "twist"),
 )

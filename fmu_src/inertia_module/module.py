@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import os
 import struct
 from array import array
 from collections.abc import Callable
 from typing import Any, ClassVar, Self
 
 from . import compiled, maps
-from .kernel import slots, step
+from .entries import MODULE, CompilationUnavailable, source_hash
+from .kernel import slots
 from .model import DRIVEN_SHAFT, INERTIA_MODULE, Model
-from .variables import INPUT, PARAMETER, default_parameters, refusal, refused_parameters
+from .variables import INPUT, OUTPUT, PARAMETER, default_parameters, refusal, refused_parameters
 
 
 class Refused(ValueError):
@@ -21,17 +23,20 @@ def _doubles(size: int) -> array[float]:
     return array("d", bytes(8 * size))
 
 
-def choose_kernel(kernel: str, name: str = compiled.MODULE) -> tuple[Callable[..., int] | None, str]:
+def choose_kernel(kernel: str, name: str = MODULE) -> tuple[Callable[..., int] | None, str]:
     """The compiled entry, or None for the plain kernel, and a word on why.
 
     Args:
-        kernel: "compiled", "plain", or "auto": compiled where numba or its cached result is there.
-        name: which of compiled.ENTRIES.
+        kernel: "compiled", "plain", or "auto": what the environment variable INERTIA_MODULE_KERNEL
+            says, else compiled where there is such a kernel.
+        name: which of entries.ENTRIES.
 
     Raises:
         CompilationUnavailable: "compiled" was asked for and cannot be had.
         Refused: another word.
     """
+    if kernel == "auto":
+        kernel = os.environ.get("INERTIA_MODULE_KERNEL", "auto")
     if kernel == "plain":
         return None, "plain Python, as asked for"
     if kernel == "compiled":
@@ -40,7 +45,7 @@ def choose_kernel(kernel: str, name: str = compiled.MODULE) -> tuple[Callable[..
         raise Refused(f"kernel = {kernel!r} is refused: allowed is auto, compiled or plain")
     try:
         return compiled.load(name), "compiled"
-    except compiled.CompilationUnavailable as error:
+    except CompilationUnavailable as error:
         return None, f"plain Python, for there is no compiled one ({error})"
 
 
@@ -86,7 +91,7 @@ class ModelInstance:
             self._entry, self.kernel = choose_kernel(self._wanted, self.model.entry)
 
     def call(self, operation: int, step_size: float) -> int:
-        """Call the kernel (an operation of kernel.step) and return its status."""
+        """Call the kernel (an operation of kernel.slots) and return its status."""
         if self._entry is not None:
             return self._entry(operation, *self._addresses, step_size)
         return self.model.call(operation, *self._arrays, step_size)
@@ -116,6 +121,37 @@ class ModelInstance:
         for values_of, slot, value in places:
             values_of[slot] = value
 
+    def set_rates(self, **rates: float) -> None:
+        """Give inputs a constant rate over the coming step, per second: they start it from their values.
+
+        Raises:
+            Refused: an unknown input; no rate is set.
+        """
+        inputs = {variable.name: variable.slot for variable in self.model.with_causality(INPUT)}
+        for name in rates:
+            if name not in inputs:
+                raise Refused(f"the rate of {name} is refused: allowed are those of {', '.join(inputs)}")
+        for name, rate in rates.items():
+            self.inputs[len(inputs) + inputs[name]] = rate
+            self.inputs[2 * len(inputs) + inputs[name]] = 1.0
+
+    def _forget_rates(self) -> None:
+        count = len(self.inputs) // 3
+        self.inputs[count:] = array("d", bytes(16 * count))
+
+    def rates(self) -> dict[str, float]:
+        """Rates of the outputs now, per second, inputs going on as they do; a step mean has rate 0.
+
+        Raises:
+            Refused: the instance has not been started, or a step from here is refused.
+        """
+        if not self.started:
+            raise Refused("rates are refused: the module has not been started")
+        copy = type(self)("plain" if self._entry is None else "compiled")
+        copy.restore(self.save())
+        self._check(copy.call(slots.RATES, 0.0), 0.0)
+        return {variable.name: copy[variable.name] for variable in self.model.with_causality(OUTPUT)}
+
     def start(self, **values: float) -> Self:
         """Set values, check the parameters alone and together, and take the initial state.
 
@@ -128,7 +164,7 @@ class ModelInstance:
         return self
 
     def _begin(self) -> None:
-        self._check(self.call(step.START, 0.0), 0.0)
+        self._check(self.call(slots.START, 0.0), 0.0)
 
     def _prepare(self, values: dict[str, float]) -> None:
         self.set(**values)
@@ -145,7 +181,8 @@ class ModelInstance:
         """
         if not self.started:
             raise Refused("a step is refused: the module has not been started")
-        self._check(self.call(step.STEP, step_size), step_size)
+        self._check(self.call(slots.STEP, step_size), step_size)
+        self._forget_rates()
 
     def _check(self, status: int, step_size: float) -> None:
         if status != slots.OK:
@@ -166,7 +203,7 @@ class ModelInstance:
 
     def save(self) -> bytes:
         """Everything that makes up the state, bit for bit."""
-        head = self._magic + struct.pack("<?", self.started) + compiled.source_hash().encode()
+        head = self._magic + struct.pack("<?", self.started) + source_hash().encode()
         return head + b"".join(values.tobytes() for values in self._arrays[:5])
 
     def restore(self, saved: bytes) -> None:
@@ -176,13 +213,13 @@ class ModelInstance:
             Refused: it is not one, or of another build; nothing is changed.
         """
         head = len(self._magic) + 1
-        start = head + len(compiled.source_hash())
+        start = head + len(source_hash())
         size = start + sum(8 * len(values) for values in self._arrays[:5])
         if len(saved) != size or saved[: len(self._magic)] != self._magic:
             raise Refused(
                 f"a state of {len(saved)} bytes is refused: allowed is one saved by this build ({size} bytes)"
             )
-        if saved[head:start] != compiled.source_hash().encode():
+        if saved[head:start] != source_hash().encode():
             raise Refused("a state of another build is refused: allowed is one saved by this build")
         self.load_kernel()
         self.started = bool(saved[len(self._magic)])
@@ -208,7 +245,7 @@ class Module(ModelInstance):
             Refused: as start.
         """
         self._prepare(values)
-        self._check(self.call(step.CHECK, 0.0), 0.0)
+        self._check(self.call(slots.CHECK, 0.0), 0.0)
 
     def _begin(self) -> None:
         """Start with the map of fidelity averaged that another instance has made, if there is one."""

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .compiled import write_atomically
+from .files import write_atomically
 
 TIME = "time"
 

@@ -289,9 +289,10 @@ def default_parameters(table: Iterable[Variable] = VARIABLES) -> list[float]:
     return values
 
 
-def refusal(variable: Variable, value: float) -> str:
-    """Why a value is refused: name, value, what is allowed."""
-    return f"{variable.name} = {value:.16g} is refused: allowed is {variable.allowed}"
+def refusal(variable: Variable, value: float | str) -> str:
+    """Why a value is refused: name, value (or what stands for it), what is allowed."""
+    text = value if isinstance(value, str) else f"{value:.16g}"
+    return f"{variable.name} = {text} is refused: allowed is {variable.allowed}"
 
 
 def refused_parameters(values: list[float], table: Iterable[Variable] = VARIABLES) -> list[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from .. import __version__
@@ -24,17 +25,28 @@ LOG_CATEGORIES = {
     "logStatusWarning": "What the host should know but need not act on.",
     "logStatusDiscard": "A step that was refused: the state is as it was.",
     "logStatusError": "Parameters or calls that were refused.",
+    "logSteps": "A line for every communication step.",
     "logAll": "All messages.",
 }
-CAPABILITIES = {
-    "canHandleVariableCommunicationStepSize": True,
-    "canInterpolateInputs": False,
-    "canRunAsynchronuously": False,  # spelt so in the standard
-    "canBeInstantiatedOnlyOncePerProcess": False,
-    "canNotUseMemoryManagementFunctions": True,
-    "canGetAndSetFMUstate": True,
-    "canSerializeFMUstate": True,
-    "providesDirectionalDerivative": False,
+NATIVE_CAPABILITIES = {
+    "needsExecutionTool": "false",
+    "canHandleVariableCommunicationStepSize": "true",
+    "canInterpolateInputs": "true",
+    "maxOutputDerivativeOrder": "1",
+    "canRunAsynchronuously": "false",  # spelt so in the standard
+    "canBeInstantiatedOnlyOncePerProcess": "false",
+    "canNotUseMemoryManagementFunctions": "false",
+    "canGetAndSetFMUstate": "true",
+    "canSerializeFMUstate": "true",
+    "providesDirectionalDerivative": "true",
+}
+# what pythonfmu passes on, and what it needs
+PYTHON_CAPABILITIES = NATIVE_CAPABILITIES | {
+    "needsExecutionTool": "true",
+    "canInterpolateInputs": "false",
+    "maxOutputDerivativeOrder": "0",
+    "canNotUseMemoryManagementFunctions": "true",
+    "providesDirectionalDerivative": "false",
 }
 
 
@@ -123,14 +135,14 @@ def _add_structure(root: Element, model: Model) -> None:
 
 
 def model_description(
-    model: Model, identifier: str, guid: str, date: str, needs_execution_tool: bool
+    model: Model, identifier: str, guid: str, date: str, capabilities: Mapping[str, str]
 ) -> bytes:
     """The XML of modelDescription.xml.
 
     Args:
         model: what it describes. identifier: model identifier, the name of the binaries.
         guid: hash of the content. date: generation date and time, UTC, ending in Z.
-        needs_execution_tool: whether the host has to have Python.
+        capabilities: attributes of the element CoSimulation.
     """
     root = Element(
         "fmiModelDescription",
@@ -145,16 +157,13 @@ def model_description(
         generationDateAndTime=date,
         variableNamingConvention="flat",
     )
-    flags = {name: _bool(value) for name, value in CAPABILITIES.items()}
-    SubElement(
-        root,
-        "CoSimulation",
-        {"modelIdentifier": identifier, "needsExecutionTool": _bool(needs_execution_tool)} | flags,
-    )
+    SubElement(root, "CoSimulation", {"modelIdentifier": identifier, **capabilities})
     _add_units(root, model)
     _add_types(root, model)
     categories = SubElement(root, "LogCategories")
     for name, description in LOG_CATEGORIES.items():
+        if name == "logSteps" and capabilities["needsExecutionTool"] == "true":
+            continue  # pythonfmu knows the others only
         SubElement(categories, "Category", name=name, description=description)
     SubElement(
         root, "DefaultExperiment", startTime="0.0", stopTime="1.0", tolerance="1e-06", stepSize="0.001"

@@ -15,7 +15,7 @@ from typing import Any, ClassVar
 from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
-from ..kernel import slots, step
+from ..kernel import slots
 from ..module import ModelInstance, Refused
 from ..variables import BOOLEAN, INPUT, PARAMETER, REAL, Variable
 
@@ -40,6 +40,8 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
         self._phase = INSTANTIATED
         self._tolerance: float | None = None
         self._refusal = ""
+        # in initialization mode: whether the outputs follow from the values set
+        self._calculated = False
         instance = self._instance
         arrays = {INPUT: instance.inputs, PARAMETER: instance.parameters}
         # value reference -> array and slot
@@ -109,13 +111,21 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
             return
         self._phase = STEPPING
 
-        def start() -> None:
-            tolerance = self._instance.model.by_name.get("tolerance")
-            if self._tolerance is not None and tolerance is not None:
-                self._instance.parameters[tolerance.slot] = self._tolerance
-            self._instance.start()
+        self._guarded(self._start)
 
-        self._guarded(start)
+    def _start(self) -> None:
+        tolerance = self._instance.model.by_name.get("tolerance")
+        if self._tolerance is not None and tolerance is not None:
+            self._instance.parameters[tolerance.slot] = self._tolerance
+        self._instance.start()
+
+    def _calculate(self) -> None:
+        """In initialization mode: let the outputs follow from the values set so far."""
+        self._calculated = True
+        try:
+            self._start()
+        except Exception as error:
+            self._say(str(error), Fmi2Status.discard)
 
     def terminate(self) -> None:
         """Outputs stay readable, steps are refused."""
@@ -130,7 +140,7 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
                 self._say(self._why_not(), Fmi2Status.discard)
                 return False
             instance = self._instance
-            status = instance.call(step.STEP, step_size) if math.isfinite(current_time) else slots.BAD_STEP
+            status = instance.call(slots.STEP, step_size) if math.isfinite(current_time) else slots.BAD_STEP
             if status == slots.OK:
                 return True
             if status == slots.BAD_STEP and not math.isfinite(current_time):
@@ -153,6 +163,8 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
         return self._variables[reference] if 0 <= reference < len(self._variables) else _UNKNOWN
 
     def _get(self, references: list[int], kinds: tuple[str, ...], missing: float) -> list[float]:
+        if self._phase is INITIALIZING and not self._calculated:
+            self._calculate()
         values = []
         for reference in references:
             variable = self._variable(reference)
@@ -171,6 +183,8 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
     def get_real(self, vrs: list[int]) -> list[float]:
         """Values of Real variables (NaN for a reference that is none)."""
         reals = self._reals
+        if self._phase is INITIALIZING and not self._calculated:
+            self._calculate()
         try:
             return [place[slot] for place, slot in [reals[reference] for reference in vrs]]
         except KeyError:
@@ -216,6 +230,7 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
                 if message:
                     self._say(message, Fmi2Status.error)
                     return
+            self._calculated = False
             for reference, value in zip(references, values, strict=True):
                 place, slot = self._places[reference]
                 place[slot] = value

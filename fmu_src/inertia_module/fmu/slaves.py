@@ -10,9 +10,3 @@ class InertiaModulePy(PythonSlave):
     """The inertia module."""
 
     instance_type = module.Module
-
-
-class DrivenShaft(PythonSlave):
-    """The elastic output alone."""
-
-    instance_type = module.DrivenShaft

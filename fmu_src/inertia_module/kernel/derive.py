@@ -156,6 +156,7 @@ def derive(p, d):
     d[D_OUTPUT] = p[P_OUTPUT_FREEWHEEL]
     # a tenth for each step, so that the error of the whole run is about the tolerance asked for
     d[D_TOLERANCE] = max(0.1 * p[P_TOLERANCE], 1e-14)
+    d[D_FOLLOWED] = 1.0 / d[D_TOLERANCE]
     d[D_MAX_STEP] = p[P_MAX_STEP] if p[P_MAX_STEP] > 0.0 else 1e300
     scale = d[D_MASS] * d[D_K]
     d[D_G_SLOPE] *= scale

@@ -25,8 +25,18 @@ from .driven_motion import (
 )
 from .driven_shaft_slots import *
 from .propagator import characteristic, responses
-from .slots import BAD_LOAD_TORQUE, BAD_STEP, NOT_FINITE, OK
-from .step import LARGEST_SPEED, LARGEST_STEP, LARGEST_TORQUE, START
+from .slots import (
+    BAD_LOAD_TORQUE,
+    BAD_LOAD_TORQUE_RATE,
+    BAD_STEP,
+    CHECK,
+    NOT_FINITE,
+    OK,
+    OUTPUTS,
+    RATES,
+    START,
+)
+from .step import LARGEST_SPEED, LARGEST_STEP, LARGEST_TORQUE
 
 
 def check_inputs(u):
@@ -35,6 +45,17 @@ def check_inputs(u):
         return BAD_HUB_SPEED
     if not abs(u[U_LOAD_TORQUE]) <= LARGEST_TORQUE:
         return BAD_LOAD_TORQUE
+    return OK
+
+
+def check_rates(u, h):
+    """Status of the rates of the inputs that are given: no input becomes absurd within the step h."""
+    if u[U_HUB_SPEED_RATE_GIVEN] != 0.0:
+        if not abs(u[U_HUB_SPEED] + u[U_HUB_SPEED_RATE] * h) <= LARGEST_SPEED:
+            return BAD_HUB_SPEED_RATE
+    if u[U_LOAD_TORQUE_RATE_GIVEN] != 0.0:
+        if not abs(u[U_LOAD_TORQUE] + u[U_LOAD_TORQUE_RATE] * h) <= LARGEST_TORQUE:
+            return BAD_LOAD_TORQUE_RATE
     return OK
 
 
@@ -95,12 +116,16 @@ def start(p, d, u, x, y):
 def begin(p, u, x, h):
     """Take the inputs of the coming step; a jump of the hub's speed pushes the driven mass."""
     slope = 0.0
-    if p[P_INPUT_HOLD] != 0.0 and x[X_HELD_STEP] > 0.0:
+    if u[U_HUB_SPEED_RATE_GIVEN] != 0.0:
+        slope = u[U_HUB_SPEED_RATE]
+    elif p[P_INPUT_HOLD] != 0.0 and x[X_HELD_STEP] > 0.0:
         slope = (u[U_HUB_SPEED] - x[X_HELD_INPUT]) / x[X_HELD_STEP]
     x[X_HUB_SLOPE] = slope
     x[X_HELD_INPUT] = u[U_HUB_SPEED]
     x[X_HELD_STEP] = h
     x[X_LOAD_TORQUE] = u[U_LOAD_TORQUE]
+    if u[U_LOAD_TORQUE_RATE_GIVEN] != 0.0:
+        x[X_LOAD_TORQUE] += 0.5 * h * u[U_LOAD_TORQUE_RATE]  # its mean over the step
     push = p[P_BALANCER] * ((u[U_HUB_SPEED] - x[X_HUB_SPEED]) - x[X_HUB_SPEED_LOW])
     assign(x, X_HUB_SPEED, u[U_HUB_SPEED])
     if push != 0.0:
@@ -166,6 +191,8 @@ def advance(p, d, u, x, y, w, h):
     if not 0.0 < h <= LARGEST_STEP:
         return BAD_STEP
     status = check_inputs(u)
+    if status == OK:
+        status = check_rates(u, h)
     if status != OK:
         return status
     for n in range(X_SIZE):
@@ -183,8 +210,28 @@ def advance(p, d, u, x, y, w, h):
     return OK
 
 
+def write_rates(p, x, y):
+    """Rate of each output, per second, in its place in y; the step mean holds for its step."""
+    acceleration = x[X_ACCELERATION]
+    relative = x[X_HUB_SLOPE] - acceleration
+    torque = p[P_STIFFNESS] * slip(x) + p[P_DAMPING] * relative
+    y[Y_SHAFT_TORQUE] = torque
+    y[Y_SHAFT_TORQUE_MEAN] = 0.0
+    y[Y_OMEGA_OUT] = acceleration
+    y[Y_ACCELERATION] = (torque - p[P_FRICTION] * acceleration) / p[P_DRIVEN_INERTIA]
+    y[Y_TWIST] = slip(x)
+
+
 def call(operation, p, d, u, x, y, w, h):
-    """The one entry of the compiled kernel: START or STEP, of :mod:`.step`."""
+    """The one entry of the compiled kernel: the operations of :mod:`.slots`. Returns a status."""
     if operation == START:
         return start(p, d, u, x, y)
+    if operation == CHECK:
+        return check_inputs(u)
+    if operation == OUTPUTS:
+        write_outputs(p, x, y)
+        return OK
+    if operation == RATES:
+        write_rates(p, x, y)
+        return OK
     return advance(p, d, u, x, y, w, h)

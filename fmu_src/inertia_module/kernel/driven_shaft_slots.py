@@ -14,10 +14,14 @@ P_OMEGA_OUT_START = 6
 P_TWIST_START = 7
 P_SIZE = 8
 
-# u: inputs
+# u: inputs, their rates over the coming step, and whether each rate is given
 U_HUB_SPEED = 0
 U_LOAD_TORQUE = 1
-U_SIZE = 2
+U_HUB_SPEED_RATE = 2
+U_LOAD_TORQUE_RATE = 3
+U_HUB_SPEED_RATE_GIVEN = 4
+U_LOAD_TORQUE_RATE_GIVEN = 5
+U_SIZE = 6
 
 # y: outputs, then locals, in the order of the table of variables
 Y_SHAFT_TORQUE = 0
@@ -85,3 +89,4 @@ W_SIZE = W_STATE + X_SIZE
 
 # status codes of its own
 BAD_HUB_SPEED = 30
+BAD_HUB_SPEED_RATE = 31

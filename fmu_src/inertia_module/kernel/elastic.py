@@ -86,7 +86,7 @@ def slowest_rate(d, compliance):
 
 def is_followed(d, compliance, pulse_rate):
     """Whether the shaft's own motion is resolved, not damped out."""
-    return slowest_rate(d, compliance) ** 2 * d[D_TOLERANCE] <= pulse_rate * pulse_rate
+    return slowest_rate(d, compliance) ** 2 <= d[D_FOLLOWED] * pulse_rate * pulse_rate
 
 
 def is_stiff(d, x, omega1):

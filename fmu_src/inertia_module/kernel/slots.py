@@ -45,10 +45,14 @@ P_OMEGA_OUT_START = 36
 P_DRIVE_ANGLE_START = 37
 P_SIZE = 38
 
-# u: inputs
+# u: inputs, their rates over the coming step, and whether each rate is given
 U_OMEGA1 = 0
 U_LOAD_TORQUE = 1
-U_SIZE = 2
+U_OMEGA1_RATE = 2
+U_LOAD_TORQUE_RATE = 3
+U_OMEGA1_RATE_GIVEN = 4
+U_LOAD_TORQUE_RATE_GIVEN = 5
+U_SIZE = 6
 
 # y: outputs, then locals, in the order of the table of variables
 Y_OMEGA2 = 0
@@ -171,12 +175,14 @@ D_STIFFNESS = 32
 D_DAMPING = 33
 D_FRICTION = 34
 D_BALANCER = 35
+# square of the slowest shaft whose own motion is followed, over that of the pulses
+D_FOLLOWED = 36
 # collocation of the elastic output: A, A A and the Lagrange polynomials, 5 x 5 each
-D_RADAU = 36
-D_RADAU_SQUARE = 61
-D_LAGRANGE = 86
+D_RADAU = 37
+D_RADAU_SQUARE = 62
+D_LAGRANGE = 87
 # averaged: the map of mean torque, its key, and sums while it is built (see average_map)
-D_AVERAGED = 111
+D_AVERAGED = 112
 D_MAP_KEY = D_AVERAGED
 D_SUM_TIME = D_MAP_KEY + 24
 D_SUM_TORQUE = D_SUM_TIME + 1
@@ -245,7 +251,11 @@ W_POLYNOMIAL_2 = 219
 W_POLYNOMIAL_3 = 225
 W_POLYNOMIAL_TORQUE = 231
 W_STATE = 236
-W_SIZE = W_STATE + X_SIZE
+# state and outputs at the beginning and after the first of the two short steps that rates are found from
+W_KEPT_STATE = W_STATE + X_SIZE
+W_OUTPUTS_0 = W_KEPT_STATE + X_SIZE
+W_OUTPUTS_1 = W_OUTPUTS_0 + Y_SIZE
+W_SIZE = W_OUTPUTS_1 + Y_SIZE
 
 # contact modes
 HELD = 0
@@ -266,6 +276,20 @@ ELASTIC = 3
 EVENT = 0
 TIMESTEPPING = 1
 
+# operations of the entry of a kernel
+START = 0
+STEP = 1
+# only the checks of START: changes nothing but d
+CHECK = 2
+# STEP without the motion of the imbalance, which costs more than a step of fidelity averaged;
+# OUTPUTS fills it in, where a shell is asked for it
+STEP_ONLY = 3
+OUTPUTS = 4
+# STEP with little noise in its results, for differences of them
+STEP_SMOOTHLY = 5
+# rates of the outputs in place of the outputs; u and x are left with no meaning
+RATES = 6
+
 # status codes
 OK = 0
 SINGULAR = 3
@@ -276,6 +300,8 @@ NO_RECTIFIER = 7
 BAD_OMEGA1 = 10
 BAD_LOAD_TORQUE = 11
 BAD_STEP = 12
+BAD_OMEGA1_RATE = 13
+BAD_LOAD_TORQUE_RATE = 14
 TOO_MANY_SWITCHES = 20
 TOO_MUCH_WORK = 21
 STEP_TOO_SMALL = 22

@@ -1,4 +1,4 @@
-"""The three things a shell calls: start, advance by a communication step, and the one entry to both."""
+"""Start, and advance by a communication step."""
 
 import math
 
@@ -33,15 +33,6 @@ SWITCHES_ALLOWED = 1000.0
 # events in a row that leave the mode as it was
 STALLS_ALLOWED = 100
 
-START = 0
-STEP = 1
-# only the checks of START: changes nothing but d
-CHECK = 2
-# STEP without the motion of the imbalance, which costs more than a step of fidelity averaged;
-# OUTPUTS fills it in, where a shell is asked for it
-STEP_ONLY = 3
-OUTPUTS = 4
-
 
 def check_inputs(u):
     """Status of the inputs: finite and within what a drivetrain can mean."""
@@ -49,6 +40,17 @@ def check_inputs(u):
         return BAD_OMEGA1
     if not abs(u[U_LOAD_TORQUE]) <= LARGEST_TORQUE:
         return BAD_LOAD_TORQUE
+    return OK
+
+
+def check_rates(u, h):
+    """Status of the rates of the inputs that are given: no input becomes absurd within the step h."""
+    if u[U_OMEGA1_RATE_GIVEN] != 0.0:
+        if not abs(u[U_OMEGA1] + u[U_OMEGA1_RATE] * h) <= LARGEST_SPEED:
+            return BAD_OMEGA1_RATE
+    if u[U_LOAD_TORQUE_RATE_GIVEN] != 0.0:
+        if not abs(u[U_LOAD_TORQUE] + u[U_LOAD_TORQUE_RATE] * h) <= LARGEST_TORQUE:
+            return BAD_LOAD_TORQUE_RATE
     return OK
 
 
@@ -107,18 +109,26 @@ def extrapolate_input(p, u, x, h):
     """Slope of omega1 over the coming step and the jump that is left at its beginning."""
     omega1 = input_speed(u)
     alpha1 = 0.0
-    if p[P_INPUT_HOLD] != 0.0 and x[X_HELD_STEP] > 0.0:
+    if u[U_OMEGA1_RATE_GIVEN] != 0.0:
+        alpha1 = u[U_OMEGA1_RATE]
+    elif p[P_INPUT_HOLD] != 0.0 and x[X_HELD_STEP] > 0.0:
         alpha1 = (omega1 - x[X_HELD_INPUT]) / x[X_HELD_STEP]
     x[X_HELD_INPUT] = omega1
     x[X_HELD_STEP] = h
     return alpha1, omega1 - x[X_OMEGA1]
 
 
+def mean_load(u, h):
+    """Mean of the load over the coming step: with its rate given, the load at the middle."""
+    load = u[U_LOAD_TORQUE]
+    return load + 0.5 * h * u[U_LOAD_TORQUE_RATE] if u[U_LOAD_TORQUE_RATE_GIVEN] != 0.0 else load
+
+
 def begin(p, u, x, h):
     """Take the inputs of the coming step and clear its sums. Returns the jump of omega1."""
     alpha1, jump = extrapolate_input(p, u, x, h)
     x[X_ALPHA1] = alpha1
-    x[X_LOAD_TORQUE] = u[U_LOAD_TORQUE]
+    x[X_LOAD_TORQUE] = mean_load(u, h)
     x[X_INPUT_IMPULSE] = 0.0
     x[X_OUTPUT_IMPULSE] = 0.0
     x[X_OUTPUT_SQUARE] = 0.0
@@ -258,6 +268,8 @@ def advance(p, d, u, x, y, w, h, imbalance):
     if not 0.0 < h <= LARGEST_STEP:
         return BAD_STEP
     status = check_inputs(u)
+    if status == OK:
+        status = check_rates(u, h)
     if status != OK:
         return status
     for n in range(X_SIZE):
@@ -291,15 +303,3 @@ def advance(p, d, u, x, y, w, h, imbalance):
         return status
     write_outputs(p, d, x, y, imbalance)
     return OK
-
-
-def call(operation, p, d, u, x, y, w, h):
-    """The one entry of the compiled kernel: START, STEP, CHECK, STEP_ONLY or OUTPUTS."""
-    if operation == START:
-        return start(p, d, u, x, y)
-    if operation == CHECK:
-        return check(p, d, u)
-    if operation == OUTPUTS:
-        write_outputs(p, d, x, y, True)
-        return OK
-    return advance(p, d, u, x, y, w, h, operation == STEP)

@@ -6,7 +6,7 @@ import statistics
 import time
 from collections.abc import Sequence
 
-from ..kernel import slots, step
+from ..kernel import slots
 from ..module import Module
 
 # a call that the kernel refuses at once costs what every call costs around it
@@ -37,7 +37,7 @@ def kernel_time(
         held, call = module.inputs, module.call
         start = time.perf_counter()
         for held[slots.U_OMEGA1], held[slots.U_LOAD_TORQUE] in inputs:
-            call(step.STEP, size)
+            call(slots.STEP, size)
         return time.perf_counter() - start
 
     runs: list[float] = []

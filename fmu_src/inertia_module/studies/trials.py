@@ -10,8 +10,10 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from .. import compiled, loops
+from .. import loops
 from ..drive import Progress
+from ..entries import source_hash
+from ..files import cache_folder
 from ..kernel.slots import ELASTIC, RIGID
 from ..results import write_text
 from ..scene import Scene
@@ -115,7 +117,7 @@ def measure_scene(
 @functools.cache
 def _code_hash() -> str:
     """Hash of the code that a measurement depends on: kernel, loops and this study."""
-    digest = hashlib.sha256(compiled.source_hash().encode())
+    digest = hashlib.sha256(source_hash().encode())
     for folder in (Path(loops.__file__).parent, Path(__file__).parent):
         for path in sorted(folder.glob("*.py")):
             digest.update(path.name.encode() + path.read_bytes())
@@ -136,7 +138,7 @@ def measurement_file(scene: Scene) -> Path:
     content["run"].pop("outputs")
     text = json.dumps(content, sort_keys=True) + _code_hash()
     name = hashlib.sha256(text.encode()).hexdigest()[:24]
-    return compiled.cache_folder() / f"trials-{name}.json"
+    return cache_folder() / f"trials-{name}.json"
 
 
 def _from_dict(data: dict[str, Any]) -> Row:

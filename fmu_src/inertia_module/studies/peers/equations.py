@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from ...compiled import jitted_kernel
 from ...kernel import slots
 from ...kernel.derive import derive
-from ...messages import explain
+from ...kernel_ir import jitted_kernel
+from ...model import INERTIA_MODULE
 from ...variables import BY_NAME, default_parameters
 from ..trajectory import Array, Case, Unavailable
 from .extras import library
@@ -152,7 +152,8 @@ def data_of(case: Case) -> Array:
         raise Unavailable("the peers know the rigid module only: fidelity = 2")
     status = derive(parameters, data)  # type: ignore[no-untyped-call]
     if status != slots.OK:
-        raise Unavailable(explain(status, parameters, [case.omega1, case.load_torque], 0.0))
+        inputs = [case.omega1, case.load_torque, 0.0, 0.0, 0.0, 0.0]
+        raise Unavailable(INERTIA_MODULE.explain(status, parameters, inputs, 0.0))
     data[OMEGA1] = case.omega1
     data[LOAD] = case.load_torque
     return np.array(data)

@@ -1,0 +1,52 @@
+"""The kernels that can be called: what each is called, and the sizes of its arrays."""
+
+from __future__ import annotations
+
+import ctypes
+import functools
+import hashlib
+import types
+from pathlib import Path
+from typing import NamedTuple
+
+from . import kernel
+from .kernel import driven_shaft_slots, slots
+
+# operation, addresses of p, d, u, x, y and w, communication step
+SIGNATURE = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64, *[ctypes.c_void_p] * 6, ctypes.c_double)
+KERNEL_FOLDER = Path(kernel.__file__).parent
+
+
+class CompilationUnavailable(RuntimeError):
+    """There is no compiled kernel here, and what it takes to make one is not installed or fails."""
+
+
+class Entry(NamedTuple):
+    """A kernel that can be called: the module of its call, and the module that sizes its arrays."""
+
+    module: str
+    slots: types.ModuleType
+
+    @property
+    def sizes(self) -> tuple[int, ...]:
+        """Sizes of p, d, u, x, y and w."""
+        return tuple(getattr(self.slots, f"{letter}_SIZE") for letter in "PDUXYW")
+
+    @property
+    def symbol(self) -> str:
+        """Name of the function in machine code."""
+        return f"inertia_module_{self.module}"
+
+
+MODULE = "module"
+DRIVEN_SHAFT = "driven_shaft"
+ENTRIES = {MODULE: Entry("entry", slots), DRIVEN_SHAFT: Entry("driven_shaft", driven_shaft_slots)}
+
+
+@functools.cache
+def source_hash() -> str:
+    """Hash of the kernel's source files."""
+    digest = hashlib.sha256()
+    for path in sorted(KERNEL_FOLDER.glob("*.py")):
+        digest.update(path.name.encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()[:16]

@@ -1,0 +1,50 @@
+"""FMU files: archives of the same content are the same bytes, and know themselves by a hash of it."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import os
+import zipfile
+from collections.abc import Mapping
+from datetime import UTC, datetime
+
+from .. import __date__
+
+DESCRIPTION = "modelDescription.xml"
+# the earliest time a zip archive can hold
+_ZIP_TIME = (1980, 1, 1, 0, 0, 0)
+
+
+def content_hash(files: Mapping[str, bytes]) -> str:
+    """Hash over names and contents, 32 hexadecimal digits."""
+    digest = hashlib.sha256()
+    for name, content in sorted(files.items()):
+        digest.update(name.encode() + b"\0" + len(content).to_bytes(8, "little") + content)
+    return digest.hexdigest()[:32]
+
+
+def guid_of(files: Mapping[str, bytes]) -> str:
+    """A GUID that is the hash of names and contents."""
+    digits = content_hash(files)
+    return "{" + "-".join((digits[:8], digits[8:12], digits[12:16], digits[16:20], digits[20:])) + "}"
+
+
+def generation_date() -> str:
+    """The day of this version, or SOURCE_DATE_EPOCH, in UTC: the same source gives the same bytes."""
+    epoch = os.environ.get("SOURCE_DATE_EPOCH")
+    moment = datetime.fromtimestamp(int(epoch), UTC) if epoch else datetime.fromisoformat(__date__)
+    return moment.strftime("%Y-%m-%dT%H:%M:%SZ")
+
+
+def archive(content: Mapping[str, bytes]) -> bytes:
+    """A zip archive that depends on nothing but its content."""
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as packed:
+        for name in sorted(content, key=lambda name: (name != DESCRIPTION, name)):
+            info = zipfile.ZipInfo(name, _ZIP_TIME)
+            info.compress_type = zipfile.ZIP_DEFLATED
+            info.create_system = 3  # whatever packs it: the permissions below are those of Unix
+            info.external_attr = 0o644 << 16
+            packed.writestr(info, content[name], compresslevel=9)
+    return stream.getvalue()

@@ -1,0 +1,136 @@
+"""Shared libraries of the native FMUs: the shell in C, compiled and linked with the kernel's machine code.
+
+The C compiler comes with the package ziglang and makes code for every platform on any of them.
+"""
+
+from __future__ import annotations
+
+import importlib.resources
+import importlib.util
+import os
+import struct
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+from ..entries import ENTRIES, CompilationUnavailable
+from ..files import cache_folder
+from ..machine_code import object_file, target_machine
+from ..model import Model
+from .tables import c_tables
+from .targets import Target
+
+SHELL_FOLDER = Path(__file__).parent / "shell"
+WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Werror")
+FLAGS = ("-std=c99", "-O2", "-g0", "-fvisibility=hidden", "-fno-sanitize=all", "-fno-ident")
+# functions of Windows' own C runtime, part of Windows 10 and later
+RUNTIME = (
+    *("calloc", "free", "memcmp", "memcpy", "memset", "strcmp", "strcpy", "strlen", "strncmp", "strncpy"),
+    *("__stdio_common_vsprintf", "atan2", "ceil", "cos", "exp", "expm1", "floor", "fmax", "fmod", "pow"),
+    *("sin", "sqrt"),
+)
+# a file of macOS for several processors: magic number, and by triple the number of the processor
+FAT_MAGIC = 0xCAFEBABE
+FAT_PROCESSORS = {"x86_64": (0x01000007, 3), "arm64": (0x0100000C, 0)}
+FAT_ALIGNMENT = 14
+
+
+def header_folder() -> Path:
+    """Where the headers of FMI 2.0 are: fmpy brings them.
+
+    Raises:
+        CompilationUnavailable: this fmpy has none.
+    """
+    folder = Path(str(importlib.resources.files("fmpy"))) / "c-code"
+    if not (folder / "fmi2Functions.h").is_file():
+        raise CompilationUnavailable("the installed fmpy brings no headers of FMI 2.0")
+    return folder
+
+
+def compiler() -> list[str]:
+    """Command of the C compiler.
+
+    Raises:
+        CompilationUnavailable: the package ziglang is not installed.
+    """
+    if importlib.util.find_spec("ziglang") is None:
+        raise CompilationUnavailable("ziglang is not installed; it comes with the extra inertia-module[fast]")
+    return [sys.executable, "-m", "ziglang"]
+
+
+def shell_sources() -> list[Path]:
+    """The C files of the shell."""
+    return sorted(SHELL_FOLDER.glob("*.c"))
+
+
+def run_tool(tool: str, arguments: Sequence[str], folder: Path) -> None:
+    """Run the C compiler, or another tool that comes with it, in a folder.
+
+    Raises:
+        CompilationUnavailable: it is not installed or fails, with what it says.
+    """
+    environment = os.environ | {
+        "ZIG_GLOBAL_CACHE_DIR": str(cache_folder() / "zig"),
+        "ZIG_LOCAL_CACHE_DIR": str(folder / "zig"),
+    }
+    command = [*compiler(), tool, *arguments]
+    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise CompilationUnavailable(f"{tool} fails: {done.stderr.strip()[-2000:]}")
+
+
+def windows_arguments(target: Target, folder: Path) -> list[str]:
+    """For Windows: no start-up code, its headers, and the functions that Windows itself brings along.
+
+    Without them the compiler would first build the whole of its C library for Windows: some minutes.
+    """
+    found = importlib.util.find_spec("ziglang")
+    assert found is not None  # compiler() has looked
+    assert found.origin is not None
+    headers = Path(found.origin).parent / "lib" / "libc" / "include" / "any-windows-any"
+    (folder / "runtime.def").write_text("\n".join(["LIBRARY ucrtbase.dll", "EXPORTS", *RUNTIME, ""]))
+    run_tool("dlltool", ["-m", target.import_machine, "-d", "runtime.def", "-l", "runtime.a"], folder)
+    return ["-nostdlib", "-mno-stack-arg-probe", "-isystem", str(headers), "runtime.a"]
+
+
+def link(model: Model, identifier: str, guid: str, target: Target) -> bytes:
+    """The shared library of a native FMU for one target.
+
+    Args:
+        model: what it computes. identifier: model identifier. guid: of modelDescription.xml.
+        target: for which platform.
+
+    Raises:
+        CompilationUnavailable: what it takes is not installed, or fails.
+    """
+    machine = target_machine(target.triple, target.processor)
+    label = f"{target.triple}-{target.processor}"
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / "kernel.o").write_bytes(object_file(model.entry, machine, label))
+        (folder / "tables.c").write_text(c_tables(model, guid))
+        for path in SHELL_FOLDER.iterdir():
+            (folder / path.name).write_bytes(path.read_bytes())
+        library = f"{identifier}{target.suffix}"
+        sources = [path.name for path in shell_sources()]
+        symbol = f"-DKERNEL={ENTRIES[model.entry].symbol}"
+        headers = ("-isystem", str(header_folder()))
+        given = ["-target", target.compiler, *FLAGS, *WARNINGS, *headers, symbol, "-shared", "-s"]
+        files = ["-o", library, "tables.c", *sources, "kernel.o"]
+        own = windows_arguments(target, folder) if target.import_machine else target.libraries
+        run_tool("cc", [*given, *files, *own], folder)
+        return (folder / library).read_bytes()
+
+
+def join_for_mac(libraries: Sequence[tuple[str, bytes]]) -> bytes:
+    """One file of macOS with code for several processors, from (triple, library) of each."""
+    offset = 1 << FAT_ALIGNMENT
+    head = struct.pack(">II", FAT_MAGIC, len(libraries))
+    body = b""
+    for triple, library in libraries:
+        kind, subkind = FAT_PROCESSORS[triple.split("-", 1)[0]]
+        head += struct.pack(">IIIII", kind, subkind, offset + len(body), len(library), FAT_ALIGNMENT)
+        body += library + bytes(-len(library) % (1 << FAT_ALIGNMENT))
+    return head.ljust(offset, b"\0") + body

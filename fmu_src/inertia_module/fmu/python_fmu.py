@@ -1,0 +1,131 @@
+"""The Python FMU: pythonfmu packs the slave, the description comes from the model.
+
+The script and the bundled package carry a hash of their content in their names, so that two
+different builds of the FMU live in one process; the GUID is a hash of everything in the archive.
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+from pythonfmu import FmuBuilder
+
+from ..compiled import SHIPPED, SHIPPED_NAMES
+from ..entries import CompilationUnavailable
+from ..model import Model
+from .archive import archive, content_hash, generation_date, guid_of
+from .description import PYTHON_CAPABILITIES, model_description
+from .documentation import index_page
+from .native_fmu import NativeFmu, library
+from .targets import TARGETS
+
+PACKAGE_FOLDER = Path(__file__).parent.parent
+BUNDLED = (
+    "__init__.py",
+    "compiled.py",
+    "driven_shaft_messages.py",
+    "driven_shaft_variables.py",
+    "entries.py",
+    "maps.py",
+    "messages.py",
+    "model.py",
+    "module.py",
+    "variables.py",
+    "fmu/__init__.py",
+    "fmu/slave.py",
+    "fmu/slaves.py",
+)
+
+Progress = Callable[[str], None]
+
+
+class PythonFmu(NamedTuple):
+    """A Python FMU to build: its model identifier (a class of slaves.py), its model, and its picture.
+
+    Attributes:
+        native: the native FMU whose libraries it brings along, for the compiled kernel in them.
+    """
+
+    identifier: str
+    model: Model
+    picture: str
+    native: NativeFmu
+
+    @property
+    def file_name(self) -> str:
+        """Name of its file."""
+        return f"{self.identifier}.fmu"
+
+
+# the loader of pythonfmu 0.7 runs this script at every instantiation and then drops a reference to its
+# globals that it does not own: without one to spare, the second instance finds an empty module
+SCRIPT = """import ctypes
+
+ctypes.pythonapi.Py_IncRef(ctypes.py_object(globals()))
+
+from {package}.fmu.slaves import {identifier}
+"""
+
+
+def bundled_files() -> dict[str, bytes]:
+    """Path within the package and content of every source file that goes into the FMU."""
+    names = [*BUNDLED, *(f"kernel/{path.name}" for path in sorted((PACKAGE_FOLDER / "kernel").glob("*.py")))]
+    return {name: (PACKAGE_FOLDER / name).read_bytes() for name in names}
+
+
+def shipped_libraries(fmu: PythonFmu, progress: Progress) -> tuple[dict[str, bytes], dict[str, str]]:
+    """Libraries with the compiled kernel, by path within the package, and those skipped, with the reason."""
+    files, skipped = {}, {}
+    for target in TARGETS:
+        name = f"{target.folder}{target.suffix}"
+        if name not in SHIPPED_NAMES.values():
+            continue
+        try:
+            files[f"{SHIPPED.name}/{name}"] = library(fmu.native, target, progress)
+        except CompilationUnavailable as reason:
+            skipped[f"compiled kernel in {fmu.identifier} for {target.label}"] = str(reason)
+    return files, skipped
+
+
+def _pack(identifier: str, files: dict[str, bytes], label: str) -> dict[str, bytes]:
+    """Let pythonfmu pack script and package; the archive's content by name."""
+    with tempfile.TemporaryDirectory() as folder:
+        package = Path(folder) / f"inertia_module_{label}"
+        for name, content in files.items():
+            path = package / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(content)
+        script = Path(folder) / f"{identifier}_{label}.py"
+        script.write_text(SCRIPT.format(package=package.name, identifier=identifier))
+        search_path, modules = list(sys.path), set(sys.modules)
+        try:
+            packed = FmuBuilder.build_FMU(script, dest=Path(folder) / "out", project_files={package})
+        finally:
+            sys.path[:] = search_path
+            for module in set(sys.modules) - modules:
+                if label in module:
+                    del sys.modules[module]
+        with zipfile.ZipFile(packed) as packed_archive:
+            return {name: packed_archive.read(name) for name in packed_archive.namelist()}
+
+
+def python_fmu(fmu: PythonFmu, progress: Progress = lambda stage: None) -> tuple[bytes, dict[str, str]]:
+    """The content of an FMU's file, and what was left out of it, with the reason."""
+    files = bundled_files()
+    shipped, skipped = shipped_libraries(fmu, progress)
+    files |= shipped
+    content = _pack(fmu.identifier, files, content_hash(files)[:12])
+    content["documentation/index.html"] = index_page(fmu.model).encode()
+    content["model.png"] = (Path(__file__).parent / fmu.picture).read_bytes()
+
+    def description(guid: str, date: str) -> bytes:
+        return model_description(fmu.model, fmu.identifier, guid, date, PYTHON_CAPABILITIES)
+
+    guid = guid_of(content | {"modelDescription.xml": description("", "")})
+    content["modelDescription.xml"] = description(guid, generation_date())
+    return archive(content), skipped

@@ -1,0 +1,145 @@
+/* What the instance says, and to whom. */
+#include "instance.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#define LONGEST_MESSAGE 1024
+
+static const char *const category_names[CATEGORIES] = {
+    "logStatusWarning", "logStatusDiscard", "logStatusError", "logSteps", "logAll"};
+
+fmi2Status fmi2SetDebugLogging(fmi2Component component, fmi2Boolean on, size_t count, const fmi2String categories[])
+{
+    struct instance *c = component;
+    int chosen[CATEGORIES] = {0};
+    if (!c)
+        return fmi2Error;
+    if (count > 0 && !categories)
+        return report(c, fmi2Error, "setDebugLogging is refused: allowed are names of categories");
+    for (size_t n = 0; n < count; n++) {
+        int found = 0;
+        while (found < CATEGORIES && (!categories[n] || strcmp(categories[n], category_names[found]) != 0))
+            found++;
+        if (found == CATEGORIES)
+            return report(c, fmi2Error, "log category %.64s is refused: allowed are logStatusWarning,"
+                          " logStatusDiscard, logStatusError, logSteps and logAll",
+                          categories[n] ? categories[n] : "(none)");
+        chosen[found] = 1;
+    }
+    for (int n = 0; n < CATEGORIES; n++)
+        if (count == 0 || chosen[n] || chosen[LOG_ALL])
+            c->logged[n] = on != 0;
+    return fmi2OK;
+}
+
+/* Hand a finished text over. The logger takes it for a printf format. */
+static void hand_over(struct instance *c, fmi2Status status, enum category category, const char *text)
+{
+    char escaped[2 * LONGEST_MESSAGE];
+    size_t length = 0;
+    for (; *text && length < sizeof escaped - 2; text++) {
+        escaped[length++] = *text;
+        if (*text == '%')
+            escaped[length++] = '%';
+    }
+    escaped[length] = '\0';
+    c->callbacks.logger(c->callbacks.componentEnvironment, c->name, status, category_names[category], escaped);
+}
+
+fmi2Status report(struct instance *c, fmi2Status status, const char *format, ...)
+{
+    const enum category category =
+        status == fmi2Warning ? LOG_WARNING : status == fmi2Discard ? LOG_DISCARD : LOG_ERROR;
+    char text[LONGEST_MESSAGE];
+    va_list arguments;
+    if (!c->callbacks.logger || !(category == LOG_ERROR || c->logged[category]))
+        return status;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    hand_over(c, status, category, text);
+    return status;
+}
+
+fmi2Status out_of_order(struct instance *c, const char *call, const char *allowed)
+{
+    return report(c, fmi2Error, "%s is refused: the instance is %s, allowed is %s", call,
+                  phase_names[phase_of(c)], allowed);
+}
+
+/* Add a number to a text, the same on every platform and in every country. */
+static size_t add_number(char *text, size_t length, double value)
+{
+    char number[32];
+    if (isnan(value))
+        strcpy(number, "nan");
+    else if (isinf(value))
+        strcpy(number, value > 0.0 ? "inf" : "-inf");
+    else
+        snprintf(number, sizeof number, "%.16g", value);
+    for (const char *digit = number; *digit && length < LONGEST_MESSAGE - 1; digit++)
+        text[length++] = *digit == ',' ? '.' : *digit;
+    return length;
+}
+
+static size_t add_text(char *text, size_t length, const char *added)
+{
+    while (*added && length < LONGEST_MESSAGE - 1)
+        text[length++] = *added++;
+    return length;
+}
+
+/* The model's sentence for a status. */
+static void compose(char *text, const struct instance *c, const struct piece *piece, const double *u, double step)
+{
+    size_t length = 0;
+    for (; piece->number != LAST_PIECE; piece++) {
+        length = add_text(text, length, piece->text);
+        if (piece->number == PARAMETER_NUMBER)
+            length = add_number(text, length, c->p[piece->slot]);
+        else if (piece->number == INPUT_NUMBER)
+            length = add_number(text, length, u[piece->slot]);
+        else if (piece->number == RATE_NUMBER)
+            length = add_number(text, length, u[model.input_count + (size_t)piece->slot]);
+        else if (piece->number == STEP_NUMBER)
+            length = add_number(text, length, step);
+    }
+    text[length] = '\0';
+}
+
+fmi2Status explain(struct instance *c, fmi2Status status, int64_t answer, const double *u, double step)
+{
+    char text[LONGEST_MESSAGE];
+    for (size_t n = 0; n < model.message_count; n++) {
+        if (model.messages[n].status != answer)
+            continue;
+        compose(text, c, model.messages[n].pieces, u, step);
+        return report(c, status, "%s", text);
+    }
+    return report(c, status, "internal error: the kernel answers %d", (int)answer);
+}
+
+void trace(struct instance *c, double step)
+{
+    char text[LONGEST_MESSAGE];
+    size_t length = 0;
+    if (!c->logged[LOG_STEPS] || !c->callbacks.logger)
+        return;
+    length = add_text(text, length, "step to ");
+    length = add_number(text, length, c->head[TIME]);
+    length = add_text(text, length, " s by ");
+    length = add_number(text, length, step);
+    length = add_text(text, length, " s");
+    for (size_t n = 0; n < model.traced_count; n++) {
+        const struct variable *variable = &model.variables[model.traced[n]];
+        length = add_text(text, length, ", ");
+        length = add_text(text, length, variable->name);
+        length = add_text(text, length, " = ");
+        length = add_number(text, length, c->values[variable->array][variable->slot]);
+    }
+    text[length] = '\0';
+    hand_over(c, fmi2OK, LOG_STEPS, text);
+}

@@ -1,0 +1,70 @@
+/* What the shell knows of a model: tables made from its table of variables, and the entry of its kernel. */
+#ifndef MODEL_H
+#define MODEL_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* the kernel's arrays that hold variables */
+enum array { PARAMETERS, INPUTS, OUTPUTS, ARRAYS };
+enum kind { REAL, INTEGER, BOOLEAN };
+
+/* the operations and the good status of a kernel (kernel/slots.py) */
+enum operation {
+    OPERATION_START = 0,
+    OPERATION_STEP_ONLY = 3,
+    OPERATION_OUTPUTS = 4,
+    OPERATION_STEP_SMOOTHLY = 5,
+    OPERATION_RATES = 6
+};
+#define STATUS_OK 0
+
+/* A variable; its value reference is its place in the table. */
+struct variable {
+    const char *name;
+    enum kind kind;
+    enum array array;
+    int slot;
+    int late;            /* filled in by OPERATION_OUTPUTS only, when it is read */
+    int output;          /* whether its causality is output */
+    double start;        /* of parameters and inputs */
+    double minimum;
+    double maximum;
+    double nominal;      /* of inputs: what a small change is measured by */
+    const char *allowed; /* in words, of parameters */
+};
+
+/* A sentence in pieces: each a text and then a number, or none. */
+enum number { NO_NUMBER, PARAMETER_NUMBER, INPUT_NUMBER, RATE_NUMBER, STEP_NUMBER, LAST_PIECE };
+struct piece {
+    const char *text;
+    enum number number;
+    int slot;
+};
+
+/* What the model says when its kernel answers a status. */
+struct message {
+    int status;
+    const struct piece *pieces;
+};
+
+struct model {
+    const char *name;
+    const char *guid;
+    const struct variable *variables;
+    size_t variable_count;
+    size_t input_count;
+    int tolerance_slot;  /* of the parameters, or -1 */
+    size_t p_size, d_size, u_size, x_size, y_size, w_size;
+    const struct message *messages;
+    size_t message_count;
+    const size_t *traced; /* value references shown of each step in the log category logSteps */
+    size_t traced_count;
+};
+
+extern const struct model model;
+
+/* The kernel (made from Python): works on the caller's arrays alone, and touches nothing else. */
+int64_t KERNEL(int64_t operation, double *p, double *d, double *u, double *x, double *y, double *w, double h);
+
+#endif

@@ -1,0 +1,174 @@
+/* Saved states: copies of the instance's block, kept in a list so that a state of no use is known as such. */
+#include "instance.h"
+
+#include <math.h>
+#include <string.h>
+
+#define MARK "IMFMU1"
+
+/* In front of the block in a serialized state. */
+struct wrapper {
+    char mark[8];
+    char guid[40];
+    uint64_t size;
+    uint64_t sum;
+};
+
+/* Whether a state is one of this instance that has not been freed. */
+static int is_saved(const struct instance *c, const void *state)
+{
+    for (const struct saved *saved = c->states; saved; saved = saved->next)
+        if (saved == state)
+            return 1;
+    return 0;
+}
+
+static fmi2Status refuse(struct instance *c, const char *call)
+{
+    return report(c, fmi2Error, "%s is refused: allowed is a state of this instance that has not been freed", call);
+}
+
+static struct saved *add_state(struct instance *c)
+{
+    struct saved *saved = allocate(&c->callbacks, sizeof *saved + block_size() * sizeof(double));
+    if (!saved) {
+        report(c, fmi2Error, "saving a state is refused: there is not enough memory");
+        return NULL;
+    }
+    saved->previous = NULL;
+    saved->next = c->states;
+    if (saved->next)
+        saved->next->previous = saved;
+    c->states = saved;
+    return saved;
+}
+
+static void remove_state(struct instance *c, struct saved *saved)
+{
+    if (saved->next)
+        saved->next->previous = saved->previous;
+    if (saved->previous)
+        saved->previous->next = saved->next;
+    else
+        c->states = saved->next;
+    release(&c->callbacks, saved);
+}
+
+void free_states(struct instance *c)
+{
+    while (c->states)
+        remove_state(c, c->states);
+}
+
+fmi2Status fmi2GetFMUstate(fmi2Component component, fmi2FMUstate *state)
+{
+    struct instance *c = component;
+    if (!c)
+        return fmi2Error;
+    if (!state)
+        return refuse(c, "getFMUstate");
+    if (*state && !is_saved(c, *state))
+        return refuse(c, "getFMUstate into this state");
+    struct saved *saved = *state ? *state : add_state(c);
+    if (!saved)
+        return fmi2Error;
+    memcpy(saved->block, c->block, block_size() * sizeof(double));
+    *state = saved;
+    return fmi2OK;
+}
+
+fmi2Status fmi2SetFMUstate(fmi2Component component, fmi2FMUstate state)
+{
+    struct instance *c = component;
+    if (!c)
+        return fmi2Error;
+    if (!is_saved(c, state))
+        return refuse(c, "setFMUstate");
+    memcpy(c->block, ((struct saved *)state)->block, block_size() * sizeof(double));
+    return fmi2OK;
+}
+
+fmi2Status fmi2FreeFMUstate(fmi2Component component, fmi2FMUstate *state)
+{
+    struct instance *c = component;
+    if (!c)
+        return fmi2Error;
+    if (!state || !*state)
+        return fmi2OK;
+    if (!is_saved(c, *state))
+        return refuse(c, "freeFMUstate");
+    remove_state(c, *state);
+    *state = NULL;
+    return fmi2OK;
+}
+
+/* Sum over the bytes that tells a damaged state (Fowler, Noll and Vo's). */
+static uint64_t sum_of(const unsigned char *bytes, size_t count)
+{
+    uint64_t sum = UINT64_C(14695981039346656037);
+    for (size_t n = 0; n < count; n++)
+        sum = (sum ^ bytes[n]) * UINT64_C(1099511628211);
+    return sum;
+}
+
+fmi2Status fmi2SerializedFMUstateSize(fmi2Component component, fmi2FMUstate state, size_t *size)
+{
+    struct instance *c = component;
+    if (!c)
+        return fmi2Error;
+    if (!size || !is_saved(c, state))
+        return refuse(c, "serializedFMUstateSize");
+    *size = sizeof(struct wrapper) + block_size() * sizeof(double);
+    return fmi2OK;
+}
+
+fmi2Status fmi2SerializeFMUstate(fmi2Component component, fmi2FMUstate state, fmi2Byte bytes[], size_t size)
+{
+    struct instance *c = component;
+    const size_t length = block_size() * sizeof(double);
+    struct wrapper wrapper;
+    if (!c)
+        return fmi2Error;
+    if (!bytes || !is_saved(c, state))
+        return refuse(c, "serializeFMUstate");
+    if (size < sizeof wrapper + length)
+        return report(c, fmi2Error, "serializeFMUstate into %lu bytes is refused: allowed is at least %lu",
+                      (unsigned long)size, (unsigned long)(sizeof wrapper + length));
+    const double *block = ((struct saved *)state)->block;
+    memset(&wrapper, 0, sizeof wrapper);
+    memcpy(wrapper.mark, MARK, sizeof MARK);
+    strncpy(wrapper.guid, model.guid, sizeof wrapper.guid - 1);
+    wrapper.size = length;
+    wrapper.sum = sum_of((const unsigned char *)block, length);
+    memcpy(bytes, &wrapper, sizeof wrapper);
+    memcpy(bytes + sizeof wrapper, block, length);
+    return fmi2OK;
+}
+
+fmi2Status fmi2DeSerializeFMUstate(fmi2Component component, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state)
+{
+    struct instance *c = component;
+    const size_t length = block_size() * sizeof(double);
+    struct wrapper wrapper;
+    if (!c)
+        return fmi2Error;
+    if (!bytes || !state)
+        return refuse(c, "deSerializeFMUstate");
+    if (size != sizeof wrapper + length)
+        return report(c, fmi2Error, "a state of %lu bytes is refused: allowed is one saved by this build (%lu bytes)",
+                      (unsigned long)size, (unsigned long)(sizeof wrapper + length));
+    memcpy(&wrapper, bytes, sizeof wrapper);
+    const uint64_t sum = sum_of((const unsigned char *)bytes + sizeof wrapper, length);
+    if (memcmp(wrapper.mark, MARK, sizeof MARK) != 0 || wrapper.size != length || wrapper.sum != sum ||
+        strncmp(wrapper.guid, model.guid, sizeof wrapper.guid) != 0)
+        return report(c, fmi2Error, "the state is refused: it is damaged or of another build; allowed is one saved"
+                      " by this build");
+    if (*state && !is_saved(c, *state))
+        return refuse(c, "deSerializeFMUstate into this state");
+    struct saved *saved = *state ? *state : add_state(c);
+    if (!saved)
+        return fmi2Error;
+    memcpy(saved->block, bytes + sizeof wrapper, length);
+    *state = saved;
+    return fmi2OK;
+}

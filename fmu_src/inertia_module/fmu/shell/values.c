@@ -1,0 +1,184 @@
+/* Values by their references: all of a call are read or set, or none. */
+#include "instance.h"
+
+#include <math.h>
+
+static const char *const kind_names[] = {"Real", "Integer", "Boolean"};
+
+fmi2Status fmi2SetString(fmi2Component component, const fmi2ValueReference references[], size_t count,
+                         const fmi2String values[])
+{
+    struct instance *c = component;
+    (void)references;
+    (void)values;
+    if (!c)
+        return fmi2Error;
+    return count == 0 ? fmi2OK : report(c, fmi2Error, "setting a String is refused: there is none");
+}
+
+fmi2Status fmi2GetString(fmi2Component component, const fmi2ValueReference references[], size_t count,
+                         fmi2String values[])
+{
+    struct instance *c = component;
+    (void)references;
+    (void)values;
+    if (!c)
+        return fmi2Error;
+    return count == 0 ? fmi2OK : report(c, fmi2Error, "reading a String is refused: there is none");
+}
+
+/* The variable of a reference, or NULL with a report. */
+static const struct variable *find(struct instance *c, fmi2ValueReference reference, enum kind kind)
+{
+    if (reference < model.variable_count && model.variables[reference].kind == kind)
+        return &model.variables[reference];
+    report(c, fmi2Error,
+           "value reference %u is refused: it is no %s, allowed are those of modelDescription.xml",
+           (unsigned)reference, kind_names[kind]);
+    return NULL;
+}
+
+/* Make sure that the values a call asks for are there. */
+static fmi2Status check_read(struct instance *c, const fmi2ValueReference references[], size_t count,
+                             const void *values, enum kind kind)
+{
+    int calculated = 0, late = 0;
+    if (count > 0 && (!references || !values))
+        return report(c, fmi2Error, "reading %s is refused: allowed are arrays that are there", kind_names[kind]);
+    for (size_t n = 0; n < count; n++) {
+        const struct variable *variable = find(c, references[n], kind);
+        if (!variable)
+            return fmi2Error;
+        calculated |= variable->array == OUTPUTS;
+        late |= variable->late;
+    }
+    if (calculated && phase_of(c) == INITIALIZING) {
+        const fmi2Status status = prepare(c, fmi2Discard);
+        if (status != fmi2OK)
+            return status;
+    } else if (calculated && !c->head[PREPARED]) {
+        return out_of_order(c, "reading a calculated variable", "from initialization mode on");
+    }
+    if (late && !c->head[COMPLETE]) {
+        KERNEL(OPERATION_OUTPUTS, c->p, c->d, c->u, c->x, c->y, c->w, 0.0);
+        c->head[COMPLETE] = 1.0;
+    }
+    return fmi2OK;
+}
+
+static double value_of(const struct instance *c, fmi2ValueReference reference)
+{
+    const struct variable *variable = &model.variables[reference];
+    return c->values[variable->array][variable->slot];
+}
+
+/* What an integer can hold of a parameter that has not been checked yet. */
+static fmi2Integer as_integer(double value)
+{
+    if (isnan(value))
+        return 0;
+    return value > 2147483647.0 ? 2147483647 : value < -2147483648.0 ? -2147483647 - 1 : (fmi2Integer)value;
+}
+
+fmi2Status fmi2GetReal(fmi2Component component, const fmi2ValueReference references[], size_t count,
+                       fmi2Real values[])
+{
+    struct instance *c = component;
+    if (!c)
+        return fmi2Error;
+    const fmi2Status status = check_read(c, references, count, values, REAL);
+    for (size_t n = 0; status == fmi2OK && n < count; n++)
+        values[n] = value_of(c, references[n]);
+    return status;
+}
+
+fmi2Status fmi2GetInteger(fmi2Component component, const fmi2ValueReference references[], size_t count,
+                          fmi2Integer values[])
+{
+    struct instance *c = component;
+    if (!c)
+        return fmi2Error;
+    const fmi2Status status = check_read(c, references, count, values, INTEGER);
+    for (size_t n = 0; status == fmi2OK && n < count; n++)
+        values[n] = as_integer(value_of(c, references[n]));
+    return status;
+}
+
+fmi2Status fmi2GetBoolean(fmi2Component component, const fmi2ValueReference references[], size_t count,
+                          fmi2Boolean values[])
+{
+    struct instance *c = component;
+    if (!c)
+        return fmi2Error;
+    const fmi2Status status = check_read(c, references, count, values, BOOLEAN);
+    for (size_t n = 0; status == fmi2OK && n < count; n++)
+        values[n] = value_of(c, references[n]) != 0.0;
+    return status;
+}
+
+/* Make sure that all the values of a call can be set, before the first is. */
+static fmi2Status check_write(struct instance *c, const fmi2ValueReference references[], size_t count,
+                              const void *values, enum kind kind)
+{
+    const enum phase phase = phase_of(c);
+    if (count > 0 && (!references || !values))
+        return report(c, fmi2Error, "setting %s is refused: allowed are arrays that are there", kind_names[kind]);
+    for (size_t n = 0; n < count; n++) {
+        const struct variable *variable = find(c, references[n], kind);
+        if (!variable)
+            return fmi2Error;
+        if (variable->array == OUTPUTS)
+            return report(c, fmi2Error, "setting %s is refused: it is calculated, allowed are inputs and parameters",
+                          variable->name);
+        if (variable->array == PARAMETERS && phase != INSTANTIATED && phase != INITIALIZING)
+            return report(c, fmi2Error, "setting %s is refused: parameters are fixed, allowed is before the end"
+                          " of initialization", variable->name);
+        if (phase == REFUSED || phase == TERMINATED)
+            return out_of_order(c, "setting an input", "before terminate");
+    }
+    if (phase == INITIALIZING)
+        c->head[PREPARED] = 0.0;
+    return fmi2OK;
+}
+
+static void assign(struct instance *c, fmi2ValueReference reference, double value)
+{
+    const struct variable *variable = &model.variables[reference];
+    c->values[variable->array][variable->slot] = value;
+}
+
+fmi2Status fmi2SetReal(fmi2Component component, const fmi2ValueReference references[], size_t count,
+                       const fmi2Real values[])
+{
+    struct instance *c = component;
+    if (!c)
+        return fmi2Error;
+    const fmi2Status status = check_write(c, references, count, values, REAL);
+    for (size_t n = 0; status == fmi2OK && n < count; n++)
+        assign(c, references[n], values[n]);
+    return status;
+}
+
+fmi2Status fmi2SetInteger(fmi2Component component, const fmi2ValueReference references[], size_t count,
+                          const fmi2Integer values[])
+{
+    struct instance *c = component;
+    if (!c)
+        return fmi2Error;
+    const fmi2Status status = check_write(c, references, count, values, INTEGER);
+    for (size_t n = 0; status == fmi2OK && n < count; n++)
+        assign(c, references[n], values[n]);
+    return status;
+}
+
+fmi2Status fmi2SetBoolean(fmi2Component component, const fmi2ValueReference references[], size_t count,
+                          const fmi2Boolean values[])
+{
+    struct instance *c = component;
+    if (!c)
+        return fmi2Error;
+    const fmi2Status status = check_write(c, references, count, values, BOOLEAN);
+    for (size_t n = 0; status == fmi2OK && n < count; n++)
+        assign(c, references[n], values[n] ? 1.0 : 0.0);
+    return status;
+}

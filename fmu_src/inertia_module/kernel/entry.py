@@ -1,0 +1,37 @@
+"""The one entry of the compiled kernel of the module: all its operations (see :mod:`.slots`)."""
+
+from .outputs import write_outputs
+from .rates import write_rates
+from .slots import *
+from .step import advance, check, start
+
+# tolerance of a step whose results are to be differenced
+SMOOTH = 1e-11
+
+
+def advance_smoothly(p, d, u, x, y, w, h):
+    """Advance with a tolerance so small that differences of results are free of its noise. Returns a status.
+
+    What is modelled stays: a shaft too stiff to be followed at the module's tolerance still is.
+    """
+    tolerance = d[D_TOLERANCE]
+    d[D_TOLERANCE] = min(tolerance, SMOOTH)
+    status = advance(p, d, u, x, y, w, h, True)
+    d[D_TOLERANCE] = tolerance
+    return status
+
+
+def call(operation, p, d, u, x, y, w, h):
+    """Carry out one of the operations START, STEP ... of :mod:`.slots`. Returns a status."""
+    if operation == START:
+        return start(p, d, u, x, y)
+    if operation == CHECK:
+        return check(p, d, u)
+    if operation == OUTPUTS:
+        write_outputs(p, d, x, y, True)
+        return OK
+    if operation == STEP_SMOOTHLY:
+        return advance_smoothly(p, d, u, x, y, w, h)
+    if operation == RATES:
+        return write_rates(p, d, u, x, y, w)
+    return advance(p, d, u, x, y, w, h, operation == STEP)

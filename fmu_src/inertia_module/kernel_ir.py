@@ -1,0 +1,168 @@
+"""A kernel as LLVM IR for no processor in particular: machine code for every platform is made from it.
+
+Numba translates the same files that run as plain Python. It does so in a process of its own, whose
+environment leaves nothing to chance: the same source gives the same text.
+"""
+
+from __future__ import annotations
+
+import functools
+import importlib
+import importlib.metadata
+import importlib.util
+import lzma
+import os
+import re
+import subprocess
+import sys
+import types
+from pathlib import Path
+from typing import Any
+
+from . import kernel
+from .entries import ENTRIES, KERNEL_FOLDER, CompilationUnavailable, Entry, source_hash
+from .files import cache_folder, write_atomically
+
+# order of numba's sets, and the processor it takes for the host: what the text would depend on
+ENVIRONMENT = {"PYTHONHASHSEED": "0", "NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
+NEEDED = ("numba", "llvmlite")
+
+
+@functools.cache
+def jitted_kernel(entry: str = "entry") -> dict[str, types.ModuleType]:
+    """A second copy of a kernel module and all it imports, by name, every function wrapped by numba.
+
+    Raises:
+        ImportError: numba is not installed.
+    """
+    numba: Any = importlib.import_module("numba")
+    package = types.ModuleType(f"{kernel.__name__}_for_numba")
+    package.__path__ = [str(KERNEL_FOLDER)]
+    prefix = package.__name__ + "."
+    sys.modules[package.__name__] = package
+    try:
+        importlib.import_module(prefix + entry)
+        modules = {
+            name.removeprefix(prefix): module
+            for name, module in sys.modules.items()
+            if name.startswith(prefix)
+        }
+    finally:
+        for name in [name for name in sys.modules if name.startswith(package.__name__)]:
+            del sys.modules[name]
+    int64: Any = importlib.import_module("numpy").int64
+    wrapped: dict[int, Any] = {}
+    for module in modules.values():
+        for name, value in list(vars(module).items()):
+            if isinstance(value, types.FunctionType):
+                if id(value) not in wrapped:
+                    wrapped[id(value)] = numba.njit(error_model="numpy")(value)
+                setattr(module, name, wrapped[id(value)])
+            elif type(value) is int:
+                # numba compiles a function anew for each Python constant it is called with, not for these
+                setattr(module, name, int64(value))
+    return modules
+
+
+def translate(which: Entry) -> str:
+    """LLVM IR of an entry, as numba makes it from the kernel's source."""
+    numba: Any = importlib.import_module("numba")
+    nt = numba.types
+    carray = numba.carray
+    call = jitted_kernel(which.module)[which.module].call
+    n_p, n_d, n_u, n_x, n_y, n_w = which.sizes
+    pointer = nt.CPointer(nt.float64)
+
+    def entry(operation, p, d, u, x, y, w, h):  # type: ignore[no-untyped-def]
+        return call(
+            operation,
+            carray(p, n_p),
+            carray(d, n_d),
+            carray(u, n_u),
+            carray(x, n_x),
+            carray(y, n_y),
+            carray(w, n_w),
+            h,
+        )
+
+    signature = nt.int64(nt.int64, *[pointer] * 6, nt.float64)
+    function = numba.cfunc(signature, error_model="numpy")(entry)
+    text: str = function.inspect_llvm()
+    return for_any_processor(text.replace(function.native_name, which.symbol))
+
+
+def for_any_processor(ir: str) -> str:
+    """Without the target, and with numba's error path trapping.
+
+    The kernel raises nothing and allocates nothing, so that path is never taken.
+    """
+    ir = re.sub(r"^target (datalayout|triple) = .*\n", "", ir, flags=re.M)
+    # the counting of references of arrays, of which there are none: they belong to the caller
+    ir = re.sub(r"@llvm\.x86\.atomic\.\w+(\.\w+)*", "@numba_atomic", ir)
+    ir = re.sub(
+        r"^declare ([^@\n]*)@((?:NRT|numba|Py|_Py)\w*)\(([^)]*)\)[^\n]*$",
+        lambda found: (
+            f"define internal {found[1]}@{found[2]}({found[3].replace('immarg', '')}) {{\n"
+            "  call void @llvm.trap()\n  unreachable\n}"
+        ),
+        ir,
+        flags=re.M,
+    )
+    ir = re.sub(r"^@(Py\w+) = external global i8.*$", r"@\1 = internal global i8 0", ir, flags=re.M)
+    return ir + "\ndeclare void @llvm.trap()\n"
+
+
+def _version(package: str) -> str:
+    try:
+        return importlib.metadata.version(package)
+    except importlib.metadata.PackageNotFoundError:
+        raise CompilationUnavailable(
+            f"{package} is not installed; it comes with the extra inertia-module[fast]"
+        ) from None
+
+
+def tool_versions() -> str:
+    """The versions of what the text depends on besides the source.
+
+    Raises:
+        CompilationUnavailable: one of them is not installed.
+    """
+    return "-".join(_version(package) for package in NEEDED)
+
+
+def _path(name: str) -> Path:
+    return cache_folder() / f"{name}-{source_hash()}-{tool_versions()}.ll.xz"
+
+
+def is_cached(name: str) -> bool:
+    """Whether kernel_ir will find the text of this source in the cache."""
+    return _path(name).exists()
+
+
+def kernel_ir(name: str) -> str:
+    """LLVM IR of an entry, from the cache or, the first time ever, translated: a minute or two.
+
+    Args:
+        name: one of ENTRIES.
+
+    Raises:
+        CompilationUnavailable: numba is not installed, or fails.
+    """
+    path = _path(name)
+    if not path.exists():
+        environment = {key: value for key, value in os.environ.items() if not key.startswith("NUMBA_")}
+        # the package of this file, wherever it lies
+        environment |= ENVIRONMENT | {"PYTHONPATH": str(Path(__file__).parent.parent)}
+        command = [sys.executable, "-m", __name__, name, str(path)]
+        done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+        if done.returncode != 0:
+            raise CompilationUnavailable(f"numba fails: {done.stderr.strip()[-2000:]}")
+    return lzma.decompress(path.read_bytes()).decode()
+
+
+def _main(name: str, path: str) -> None:
+    write_atomically(Path(path), lzma.compress(translate(ENTRIES[name]).encode()))
+
+
+if __name__ == "__main__":
+    _main(*sys.argv[1:])

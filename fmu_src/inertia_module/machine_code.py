@@ -1,0 +1,80 @@
+"""Machine code of a kernel for any processor and system, from its LLVM IR."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib
+from typing import Any
+
+from .entries import ENTRIES, CompilationUnavailable, Entry
+from .files import cache_folder, write_atomically
+from .kernel_ir import kernel_ir, tool_versions
+
+
+def binding() -> Any:
+    """The binding of llvmlite.
+
+    Raises:
+        CompilationUnavailable: llvmlite is not installed.
+    """
+    try:
+        found: Any = importlib.import_module("llvmlite.binding")
+    except ImportError as error:
+        raise CompilationUnavailable(f"{error}; it comes with the extra inertia-module[fast]") from None
+    return found
+
+
+def host_machine() -> tuple[Any, str]:
+    """Target machine of this processor, and a label of it."""
+    llvm = binding()
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    name, features = llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
+    target = llvm.Target.from_default_triple()
+    machine = target.create_target_machine(cpu=name, features=features, opt=3, reloc="pic", jit=True)
+    return machine, f"{target.triple}-{name}-{features}"
+
+
+def target_machine(triple: str, processor: str) -> Any:
+    """Target machine of any platform: an LLVM triple and the least of its processors that will do."""
+    llvm = binding()
+    llvm.initialize_all_targets()
+    llvm.initialize_all_asmprinters()
+    target = llvm.Target.from_triple(triple)
+    return target.create_target_machine(cpu=processor, features="", opt=3, reloc="pic")
+
+
+def compile_ir(ir: str, which: Entry, machine: Any) -> bytes:
+    """Object file with the entry as its only visible function."""
+    llvm = binding()
+    module = llvm.parse_assembly(ir)
+    module.triple = machine.triple
+    module.data_layout = str(machine.target_data)
+    for function in module.functions:
+        if function.name == which.symbol:
+            function.visibility = "hidden"  # no other library may put its own in its place
+        elif not function.is_declaration:
+            function.linkage = "internal"
+    for variable in module.global_variables:
+        if not variable.is_declaration:
+            variable.linkage = "internal"
+    builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=3))
+    builder.getModulePassManager().run(module, builder)
+    return bytes(machine.emit_object(module))
+
+
+def object_file(name: str, machine: Any, label: str) -> bytes:
+    """Object file of an entry, kept in the cache.
+
+    Args:
+        name: one of ENTRIES. machine: target machine. label: what the machine is, for the cache.
+
+    Raises:
+        CompilationUnavailable: numba or llvmlite is not installed, or fails.
+    """
+    ir = kernel_ir(name)
+    digest = hashlib.sha256(f"{ir}-{label}-{tool_versions()}".encode()).hexdigest()[:16]
+    path = cache_folder() / f"{name}-{digest}.o"
+    if not path.exists():
+        write_atomically(path, compile_ir(ir, ENTRIES[name], machine))
+    return path.read_bytes()
