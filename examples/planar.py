@@ -4,7 +4,7 @@ from pathlib import Path
 
 from inertia_module.drive import drive
 
-FMU = Path(__file__).parent.parent / "build" / "InertiaModulePy.fmu"
+FMU = Path(__file__).parent.parent / "build" / "InertiaModule.fmu"
 MECHANISM = {
     "layout": "planar",
     "sun_radius": 0.05,  # m

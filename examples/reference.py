@@ -7,7 +7,7 @@ import numpy as np
 from inertia_module.drive import Fmu, Result
 
 STEP = 0.0005  # s
-FMU = Path(__file__).parent.parent / "build" / "InertiaModulePy.fmu"
+FMU = Path(__file__).parent.parent / "build" / "InertiaModule.fmu"
 NAMES = ("omega2", "omega_out", "output_torque", "imbalance_acceleration")
 
 rows = []

@@ -24,7 +24,7 @@ ONE_PIECE = 3.908460340, 16.766411224  # rad/s, hub and driven mass
 def simulate(step, stop=1.0, folder=BUILD):
     """Speeds of hub and driven mass after stop seconds, rad/s."""
     with (
-        Fmu(folder / "InertiaModulePy.fmu", MODULE, {"omega1": 100.0}, tolerance=1e-9) as module,
+        Fmu(folder / "InertiaModule.fmu", MODULE, {"omega1": 100.0}, tolerance=1e-9) as module,
         Fmu(folder / "DrivenShaft.fmu", SHAFT, {"load_torque": LOAD}) as shaft,
     ):
         for _ in range(round(stop / step)):

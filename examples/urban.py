@@ -9,7 +9,7 @@ from inertia_module.cycles import ELEMENTARY_URBAN_CYCLE as CYCLE
 from inertia_module.drive import Fmu
 
 STEP = 0.01  # s
-FMU = Path(__file__).parent.parent / "build" / "InertiaModulePy.fmu"
+FMU = Path(__file__).parent.parent / "build" / "InertiaModule.fmu"
 MECHANISM = {"layout": "planar", "sun_radius": 0.1, "satellite_radius": 0.06, "eccentricity": 0.04}
 MECHANISM |= {"imbalance_mass": 0.3, "satellites": 3, "link2_inertia": 0.01, "input_hold": "linear"}
 

@@ -8,7 +8,7 @@ import math
 import shutil
 import weakref
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from ctypes import byref, c_double
+from ctypes import byref, c_char_p, c_double
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Protocol, Self
@@ -137,7 +137,8 @@ class Fmu:
         self._instance: Any = None
         try:
             instance = self._load()
-            instance.setupExperiment(tolerance=tolerance, startTime=start_time, stopTime=stop_time)
+            setup = functools.partial(instance.setupExperiment, tolerance, start_time, stop_time)
+            self._guard("setupExperiment", setup)
             self._assign(parameters or {})
             self._assign(inputs or {})
             self._guard("enterInitializationMode", instance.enterInitializationMode)
@@ -265,6 +266,16 @@ class Fmu:
 
     def __getitem__(self, name: str) -> float:
         return self.read((name,))[0]
+
+    def set_logging(self, on: bool, *categories: str) -> None:
+        """Switch log categories on or off; all of them if none is named.
+
+        Raises:
+            DriveError: an unknown category.
+        """
+        names = (c_char_p * len(categories))(*(category.encode() for category in categories))
+        call = functools.partial(self._instance.fmi2SetDebugLogging, self._instance.component, int(on))
+        self._guard("setDebugLogging", lambda: call(len(categories), names))
 
     def save(self) -> bytes:
         """The whole state of the instance, serialised."""

@@ -1,14 +1,17 @@
 """FMUs as an importer sees them: built once a session, driven through fmpy only."""
 
+import ctypes
+
 import pytest
 from fmpy import extract, read_model_description
 from fmpy.fmi1 import FMICallException
-from fmpy.fmi2 import FMU2Slave, fmi2Discard
+from fmpy.fmi2 import FMU2Slave, fmi2Discard, fmi2Error
 
 from inertia_module.fmu.builder import build
+from inertia_module.instance import messages_of_others
 
 # the FMUs a test runs with, unless its file says otherwise by a FLAVOURS of its own
-FLAVOURS = ("InertiaModulePy",)
+FLAVOURS = ("InertiaModule", "InertiaModulePy")
 
 
 def pytest_generate_tests(metafunc):
@@ -21,7 +24,7 @@ def pytest_generate_tests(metafunc):
 def built(tmp_path_factory):
     """Folder with all FMUs."""
     folder = tmp_path_factory.mktemp("build")
-    build(folder)
+    assert not build(folder).skipped
     return folder
 
 
@@ -46,6 +49,7 @@ class Instance:
     def __init__(self, description, folder):
         self.references = {v.name: v.valueReference for v in description.modelVariables}
         self.types = {v.name: v.type for v in description.modelVariables}
+        self.is_native = not description.coSimulation.needsExecutionTool
         self.fmu = FMU2Slave(
             guid=description.guid,
             unzipDirectory=str(folder),
@@ -78,15 +82,68 @@ class Instance:
         self.fmu.doStep(currentCommunicationPoint=self.time, communicationStepSize=h)
         self.time += h
 
+    def try_step(self, h):
+        self.fmu.fmi2DoStep(self.fmu.component, self.time, h, True)
+
     def is_discarded(self, h):
         """Whether the step is answered by fmi2Discard."""
         try:
-            self.fmu.fmi2DoStep(self.fmu.component, self.time, h, True)
+            self.try_step(h)
         except FMICallException as error:
             if error.status != fmi2Discard:
                 raise
             return True
         return False
+
+    def set_rates(self, order=1, **rates):
+        references = [self.references[name] for name in rates]
+        self.fmu.fmi2SetRealInputDerivatives(
+            self.fmu.component,
+            (ctypes.c_uint * len(rates))(*references),
+            len(rates),
+            (ctypes.c_int * len(rates))(*[order] * len(rates)),
+            (ctypes.c_double * len(rates))(*rates.values()),
+        )
+
+    def rates(self, *names, order=1):
+        values = (ctypes.c_double * len(names))()
+        self.fmu.fmi2GetRealOutputDerivatives(
+            self.fmu.component,
+            (ctypes.c_uint * len(names))(*[self.references[name] for name in names]),
+            len(names),
+            (ctypes.c_int * len(names))(*[order] * len(names)),
+            values,
+        )
+        return list(values)
+
+    def directional(self, unknowns, knowns, direction):
+        return self.fmu.getDirectionalDerivative(
+            [self.references[name] for name in unknowns],
+            [self.references[name] for name in knowns],
+            direction,
+        )
+
+    def real_status(self, kind):
+        value = ctypes.c_double()
+        self.fmu.fmi2GetRealStatus(self.fmu.component, kind, ctypes.byref(value))
+        return value.value
+
+    def boolean_status(self, kind):
+        value = ctypes.c_int(7)
+        self.fmu.fmi2GetBooleanStatus(self.fmu.component, kind, ctypes.byref(value))
+        return bool(value.value)
+
+    def refusal(self, action):
+        """What an action is refused with: an error and its message or, from pythonfmu, the message alone."""
+        status = None
+        with messages_of_others() as messages:
+            try:
+                action()
+            except FMICallException as error:
+                status = error.status
+        # pythonfmu can answer no error: only steps are discarded
+        assert status in ((fmi2Error,) if self.is_native else (None, fmi2Discard))
+        return "; ".join(messages)
 
     def close(self):
         self.fmu.fmi2FreeInstance(self.fmu.component)

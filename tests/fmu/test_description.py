@@ -1,11 +1,14 @@
 import datetime
+import io
 import re
 import zipfile
 
 import pytest
 from fmpy.validation import validate_fmu
 
-from inertia_module.fmu.builder import FMUS, bundled_files, content_hash, python_fmu
+from inertia_module.fmu import native_fmu, python_fmu
+from inertia_module.fmu.builder import FMUS, MODULE_FMU, PYTHON_FMU, content_of
+from inertia_module.fmu.targets import TARGETS
 from inertia_module.model import DRIVEN_SHAFT, INERTIA_MODULE
 from inertia_module.variables import DISPLAY_UNITS, ENUMERATIONS, UNITS
 
@@ -161,26 +164,45 @@ def test_documentation_and_picture_are_inside(fmu_path, model):
         assert archive.read("model.png").startswith(b"\x89PNG")
 
 
+def guid_in(content):
+    with zipfile.ZipFile(io.BytesIO(content)) as archive:
+        return re.search(r'guid="([^"]+)"', archive.read("modelDescription.xml").decode())[1]
+
+
 @pytest.mark.parametrize("fmu", FMUS, ids=FLAVOURS)
-def test_guid_is_a_hash_of_the_content(monkeypatch, fmu):
-    def guid():
-        archive = python_fmu(fmu)
-        found = re.search(rb'guid="([^"]+)"', _read(archive))
-        return found.group(1), archive
-
-    def _read(archive):
-        import io
-
-        with zipfile.ZipFile(io.BytesIO(archive)) as opened:
-            return opened.read("modelDescription.xml")
-
+def test_same_content_is_the_same_bytes_and_the_date_is_no_part_of_the_guid(monkeypatch, fmu):
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "1800000000")
-    first, first_bytes = guid()
+    first = content_of(fmu)[0]
+    assert content_of(fmu)[0] == first
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "1900000000")
-    assert guid()[0] == first
-    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1800000000")
-    assert guid()[1] == first_bytes
-    changed = bundled_files() | {"messages.py": b"# another build\n" + bundled_files()["messages.py"]}
-    assert content_hash(changed) != content_hash(bundled_files())
-    monkeypatch.setattr("inertia_module.fmu.builder.bundled_files", lambda: changed)
-    assert guid()[0] != first
+    other = content_of(fmu)[0]
+    assert other != first
+    assert guid_in(other) == guid_in(first)
+
+
+def test_another_source_has_another_guid(monkeypatch):
+    before = guid_in(content_of(PYTHON_FMU)[0]), native_fmu.guid(MODULE_FMU)
+    files = python_fmu.bundled_files()
+    changed = files | {"messages.py": b"# another build\n" + files["messages.py"]}
+    monkeypatch.setattr(python_fmu, "bundled_files", lambda: changed)
+    monkeypatch.setattr(native_fmu, "source_hash", lambda: "another kernel")
+    assert guid_in(content_of(PYTHON_FMU)[0]) != before[0]
+    assert native_fmu.guid(MODULE_FMU) != before[1]
+
+
+def test_native_fmus_say_what_they_can_and_the_python_one_no_more(description):
+    cs = description.coSimulation
+    native = description.modelName != "InertiaModulePy"
+    assert cs.needsExecutionTool != native
+    assert cs.canInterpolateInputs == native
+    assert cs.providesDirectionalDerivative == native
+    assert int(cs.maxOutputDerivativeOrder) == int(native)
+
+
+def test_native_fmus_have_a_binary_for_every_platform_and_less_than_a_megabyte(fmu_path):
+    if "Py" in fmu_path.stem:
+        pytest.skip("pythonfmu decides on its platforms")
+    with zipfile.ZipFile(fmu_path) as archive:
+        binaries = {name for name in archive.namelist() if name.startswith("binaries/")}
+    assert binaries == {f"binaries/{t.folder}/{fmu_path.stem}{t.suffix}" for t in TARGETS}
+    assert fmu_path.stat().st_size < 1_000_000

@@ -105,7 +105,7 @@ def test_restored_state_runs_on_with_the_same_bits(instances):
 
 def test_state_of_a_module_is_refused(instance, built):
     instance.start(**GOOD)
-    with Fmu(built / "InertiaModulePy.fmu", inputs={"omega1": 100.0}) as module:
+    with Fmu(built / "InertiaModule.fmu", inputs={"omega1": 100.0}) as module:
         foreign = module.save()
     instance.fmu.setFMUstate(instance.fmu.deSerializeFMUstate(foreign))
     assert instance.is_discarded(0.01)

@@ -321,7 +321,7 @@ def test_bad_scene_file_is_named(tmp_path):
 
 @pytest.fixture(scope="module")
 def fmu(tmp_path_factory):
-    return build(tmp_path_factory.mktemp("build"))[0]
+    return build(tmp_path_factory.mktemp("build")).paths[0]
 
 
 def test_run_leaves_the_wanted_columns_and_the_numbers(fmu):

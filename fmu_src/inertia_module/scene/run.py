@@ -50,7 +50,7 @@ def run_scene(scene: Scene, fmu_path: Path | str, progress: Progress | None = No
     """Run a scene with an FMU of the module.
 
     Args:
-        scene: of load_scene. fmu_path: InertiaModulePy.fmu, or another with its contract.
+        scene: of load_scene. fmu_path: InertiaModule.fmu, or another with its contract.
         progress: told how much of the run is done (0 to 1).
 
     Raises:

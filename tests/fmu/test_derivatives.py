@@ -1,0 +1,176 @@
+"""Derivatives of inputs and outputs of the native FMUs, against the motion itself."""
+
+import math
+
+import pytest
+
+FLAVOURS = ("InertiaModule",)
+START = {"omega1": 100.0, "load_torque": 10.0}
+ELASTIC = {"output_inertia": 0.02, "driven_inertia": 0.5, "shaft_stiffness": 400.0, "shaft_damping": 0.05}
+RUNGS = {
+    "kinematic": {"fidelity": 0, "kinematic_ratio": 0.3},
+    "averaged": {"fidelity": 1, "omega_out_start": 5.0, "omega2_start": 0.0},
+    "rigid": {"fidelity": 2},
+    "timestepping": {"fidelity": 2, "method": 1, "max_step": 1e-3},
+    "elastic": {"fidelity": 3, **ELASTIC},
+    "stiff": {"fidelity": 3, **ELASTIC, "shaft_stiffness": 1e9},
+}
+KNOWNS = ("omega1", "load_torque")
+UNKNOWNS = ("omega2", "omega_out", "input_torque_mean", "output_torque_mean")
+
+
+@pytest.fixture(params=RUNGS)
+def rung(request):
+    return RUNGS[request.param]
+
+
+def outputs_after(instances, settings, h, changes, names, tolerance=1e-12):
+    """Outputs after some steps, the inputs of the last one changed."""
+    instance = instances().start(tolerance=tolerance, **START, **settings)
+    for _ in range(4):
+        instance.step(0.01)
+    instance.set(**{name: START[name] + change for name, change in changes.items()})
+    instance.step(h)
+    return [instance.get(name) for name in names]
+
+
+@pytest.mark.parametrize("h", [1e-3, 0.05])
+@pytest.mark.parametrize("known", KNOWNS)
+def test_directional_derivative_is_that_of_the_last_step_by_its_inputs(instances, rung, known, h):
+    instance = instances().start(tolerance=1e-6, **START, **rung)
+    for _ in range(4):
+        instance.step(0.01)
+    instance.step(h)
+    found = instance.directional(UNKNOWNS, (known,), (1.0,))
+    delta = 1e-4 * START[known]
+    above = outputs_after(instances, rung, h, {known: delta}, UNKNOWNS)
+    below = outputs_after(instances, rung, h, {known: -delta}, UNKNOWNS)
+    for name, derivative, high, low in zip(UNKNOWNS, found, above, below, strict=True):
+        expected = (high - low) / (2.0 * delta)
+        scale = max(abs(expected), 1e-3 * abs(high) / START[known])
+        # the reference starts its last step from a state of another tolerance
+        assert derivative == pytest.approx(expected, abs=2e-3 * scale + 1e-9), name
+
+
+def test_directional_derivatives_are_linear_in_the_direction(instance):
+    instance.start(tolerance=1e-6, **START)
+    instance.step(0.02)
+    by_speed = instance.directional(UNKNOWNS, ("omega1",), (1.0,))
+    by_load = instance.directional(UNKNOWNS, ("load_torque",), (1.0,))
+    together = instance.directional(UNKNOWNS, KNOWNS, (3.0, -2.0))
+    for one, other, both in zip(by_speed, by_load, together, strict=True):
+        assert both == pytest.approx(3.0 * one - 2.0 * other, rel=1e-4, abs=1e-6 * (abs(one) + abs(other)))
+
+
+def test_taking_derivatives_changes_nothing(instances, rung):
+    watched, alone = (instances().start(tolerance=1e-6, **START, **rung) for _ in range(2))
+    for n in range(10):
+        for one in (watched, alone):
+            one.set(omega1=100.0 + n)
+            one.step(0.013)
+        watched.directional(UNKNOWNS, KNOWNS, (1.0, 1.0))
+        watched.rates("omega2", "input_torque")
+        assert watched.all_values() == alone.all_values()
+
+
+def test_derivatives_at_the_start_are_those_of_the_initial_values(instance, instances):
+    instance.fmu.setupExperiment()
+    instance.set(**START, omega2_start=2.0, omega_out_start=2.0)
+    instance.fmu.enterInitializationMode()
+    found = instance.directional(("mesh_torque",), ("omega1",), (1.0,))[0]
+    values = []
+    for change in (0.01, -0.01):
+        other = instances().start(
+            omega1=100.0 + change, load_torque=10.0, omega2_start=2.0, omega_out_start=2.0
+        )
+        values.append(other.get("mesh_torque"))
+    assert found == pytest.approx((values[0] - values[1]) / 0.02, rel=1e-5)
+
+
+def test_rates_of_outputs_are_those_of_the_motion_that_follows(instances, rung):
+    names = (
+        "omega2",
+        "omega_out",
+        "input_torque",
+        "mesh_torque",
+        "output_torque",
+        "imbalance_acceleration_y",
+    )
+    h = 2e-6
+    # somewhere in the middle of a pulse, far from a switch
+    instance, onwards = (instances().start(tolerance=1e-10, **START, **rung) for _ in range(2))
+    for one in (instance, onwards):
+        one.step(0.005)
+    found = instance.rates(*names)
+    rows = []
+    for _ in range(3):
+        rows.append([onwards.get(name) for name in names])
+        onwards.step(h)
+    for name, rate, first, second, third in zip(names, found, *rows, strict=True):
+        expected = (4.0 * second - 3.0 * first - third) / (2.0 * h)
+        assert rate == pytest.approx(expected, rel=2e-5, abs=1e-7 * (1.0 + abs(first)) / h), name
+
+
+def test_step_means_have_no_rate(instance):
+    instance.start(**START)
+    instance.step(0.01)
+    assert instance.rates("input_torque_mean", "output_torque_mean") == [0.0, 0.0]
+
+
+def test_given_rate_of_the_speed_beats_held_speed(instances):
+    def swept(h, with_rates):
+        instance = instances().start(tolerance=1e-9, omega1=50.0, load_torque=5.0)
+        for n in range(round(1.0 / h)):
+            instance.set(omega1=50.0 + 60.0 * n * h)
+            if with_rates:
+                instance.set_rates(omega1=60.0)
+            instance.step(h)
+        return instance.get("omega_out"), instance.get("energy_residual") / instance.get("energy_in")
+
+    fine, _ = swept(1e-3, True)
+    held, _ = swept(0.05, False)
+    sloped, residual = swept(0.05, True)
+    assert abs(sloped - fine) < 1e-6 * fine
+    assert abs(held - fine) > 1e3 * abs(sloped - fine)
+    assert abs(residual) < 1e-7
+
+
+def test_a_rate_holds_for_one_step(instances):
+    once, again = (instances().start(**START) for _ in range(2))
+    for one in (once, again):
+        one.set_rates(omega1=50.0)
+        one.step(0.01)
+        one.set(omega1=100.5)
+    again.set_rates(omega1=0.0)
+    for one in (once, again):
+        one.step(0.01)
+    assert once.all_values() == again.all_values()
+
+
+@pytest.mark.parametrize("rate", [math.nan, math.inf, 1e12])
+def test_absurd_rates_are_discarded_and_named(instance, rate):
+    instance.start(**START)
+    before = instance.all_values()
+    instance.set_rates(omega1=rate)
+    assert instance.is_discarded(0.01)
+    assert instance.all_values() == before
+    instance.set_rates(omega1=0.0)
+    assert not instance.is_discarded(0.01)
+
+
+@pytest.mark.parametrize(
+    "call, words",
+    [
+        (lambda i: i.directional(("omega1",), ("omega1",), (1.0,)), "allowed are those of outputs"),
+        (lambda i: i.directional(("omega2",), ("omega2",), (1.0,)), "allowed are those of inputs"),
+        (lambda i: i.directional(("omega2",), ("omega1",), (math.nan,)), "direction nan is refused"),
+        (lambda i: i.rates("omega2", order=2), "allowed is order 1"),
+        (lambda i: i.rates("energy_in"), "allowed are those of outputs"),
+        (lambda i: i.set_rates(omega2=1.0), "allowed are those of inputs"),
+        (lambda i: i.set_rates(order=2, omega1=1.0), "allowed is order 1"),
+    ],
+)
+def test_derivatives_that_are_not_there_are_refused(instance, call, words):
+    instance.start(**START)
+    instance.step(0.01)
+    assert words in instance.refusal(lambda: call(instance))

@@ -1,0 +1,124 @@
+"""Phases of an instance, what the host can ask about a step, and the log."""
+
+import ctypes
+import math
+
+import pytest
+from fmpy.fmi1 import FMICallException
+from fmpy.fmi2 import fmi2Discard, fmi2LastSuccessfulTime, fmi2Terminated
+
+from inertia_module.instance import Fmu, messages_of_others
+
+GOOD = {"omega1": 100.0, "load_torque": 10.0}
+
+
+def test_outputs_can_be_read_in_initialization_mode_and_follow_the_inputs(instance):
+    instance.fmu.setupExperiment()
+    instance.set(omega2_start=1.0, omega_out_start=1.0, drive_angle_start=0.7)
+    instance.fmu.enterInitializationMode()
+    torques = []
+    for speed in (50.0, 100.0):
+        instance.set(omega1=speed, load_torque=10.0)
+        torques.append(instance.get("mesh_torque"))
+    assert torques[0] != torques[1]
+    instance.fmu.exitInitializationMode()
+    assert instance.get("mesh_torque") == torques[1]
+    assert instance.get("omega_out") == 1.0
+
+
+def test_values_refused_in_initialization_mode_can_be_mended_there(instance):
+    instance.fmu.setupExperiment()
+    instance.set(omega1=100.0, imbalance_mass=-1.0)
+    instance.fmu.enterInitializationMode()
+    with messages_of_others() as messages:
+        if instance.is_native:
+            with pytest.raises(FMICallException) as caught:
+                instance.get("mesh_torque")
+            assert caught.value.status == fmi2Discard
+        else:
+            instance.get("mesh_torque")
+    assert "imbalance_mass = -1 is refused" in messages[0]
+    instance.set(imbalance_mass=1.0)
+    assert math.isfinite(instance.get("mesh_torque"))
+    instance.fmu.exitInitializationMode()
+    assert not instance.is_discarded(0.01)
+
+
+@pytest.mark.parametrize(
+    "call",
+    ["enterInitializationMode", "setupExperiment"],
+)
+def test_initialization_happens_once(instance, call):
+    instance.start(**GOOD)
+    action = getattr(instance.fmu, call)
+    assert f"{call} is refused: the instance is initialized" in instance.refusal(action)
+
+
+def test_last_successful_time_is_the_beginning_of_a_discarded_step(instance):
+    if not instance.is_native:
+        pytest.skip("pythonfmu does not ask the slave")
+    instance.start(**GOOD)
+    instance.step(0.25)
+    instance.set(omega1=math.nan)
+    assert instance.is_discarded(0.1)
+    assert instance.real_status(fmi2LastSuccessfulTime) == 0.25
+    assert instance.boolean_status(fmi2Terminated) is False
+    instance.set(omega1=100.0)
+    instance.step(0.1)
+    assert instance.real_status(fmi2LastSuccessfulTime) == pytest.approx(0.35)
+
+
+def test_a_host_whose_time_jumps_is_told_so_once(instance):
+    if not instance.is_native:
+        pytest.skip("the Python FMU does not look at the time")
+    instance.start(**GOOD)
+    with messages_of_others() as messages:
+        instance.step(0.1)
+        instance.time = 7.0
+        instance.step(0.1)
+        instance.step(0.1)
+        instance.time = 3.0
+        instance.step(0.1)
+    assert len(messages) == 1
+    assert "communication point = 7 s is not the time 0.1 s" in messages[0]
+
+
+def test_log_categories_choose_what_is_said(built):
+    with Fmu(built / "InertiaModule.fmu", inputs=GOOD) as fmu:
+        fmu.advance(0.01)
+        assert fmu.messages == []
+        fmu.set_logging(True, "logSteps")
+        fmu.advance(0.01)
+        assert fmu.messages[0].startswith("step to 0.02 s by 0.01 s, contact_mode = ")
+        fmu.set_logging(False)
+        fmu.advance(0.01)
+        assert len(fmu.messages) == 1
+
+
+def test_unknown_log_category_is_refused_and_changes_nothing(instance):
+    if not instance.is_native:
+        pytest.skip("pythonfmu does not look at the categories")
+    categories = (ctypes.c_char_p * 2)(b"logAll", b"logGossip")
+
+    def choose():
+        instance.fmu.fmi2SetDebugLogging(instance.fmu.component, 0, 2, categories)
+
+    assert "log category logGossip is refused" in instance.refusal(choose)
+
+
+@pytest.mark.parametrize("guid, name", [("{wrong}", "instance"), (None, "")])
+def test_instances_of_another_build_or_without_a_name_are_not_made(built, guid, name):
+    from fmpy import extract, read_model_description
+    from fmpy.fmi2 import FMU2Slave
+
+    path = str(built / "InertiaModule.fmu")
+    description = read_model_description(path)
+    fmu = FMU2Slave(
+        guid=guid or description.guid,
+        unzipDirectory=extract(path),
+        modelIdentifier="InertiaModule",
+        instanceName=name,
+    )
+    with messages_of_others() as messages, pytest.raises(Exception, match="nstantiate"):
+        fmu.instantiate()
+    assert "instantiation is refused" in messages[0]
