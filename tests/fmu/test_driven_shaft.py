@@ -107,5 +107,6 @@ def test_state_of_a_module_is_refused(instance, built):
     instance.start(**GOOD)
     with Fmu(built / "InertiaModule.fmu", inputs={"omega1": 100.0}) as module:
         foreign = module.save()
-    instance.fmu.setFMUstate(instance.fmu.deSerializeFMUstate(foreign))
-    assert instance.is_discarded(0.01)
+    message = instance.refusal(lambda: instance.fmu.deSerializeFMUstate(foreign))
+    assert "bytes is refused: allowed is one saved by this build" in message
+    assert not instance.is_discarded(0.01)
