@@ -111,9 +111,14 @@ INERTIA_MODULE = Model(
         "omega_out": frozenset({"omega1", "fidelity", "kinematic_ratio", "omega_out_start"}),
     },
     late=frozenset(
-        variable.name for variable in variables.VARIABLES if variable.name.startswith("imbalance_")
-    )
-    - {"imbalance_mass"},
+        {
+            *("input_torque", "mesh_torque", "output_torque", "housing_torque"),
+            *("torque_ripple", "torque_peak", "energy_stored", "energy_residual", "imbalance_acceleration"),
+            *(f"imbalance_{axis}" for axis in "xyz"),
+            *(f"imbalance_velocity_{axis}" for axis in "xyz"),
+            *(f"imbalance_acceleration_{axis}" for axis in "xyz"),
+        }
+    ),
     traced=("contact_mode", "contact_switches", "rhs_evaluations", "omega2", "omega_out"),
 )
 

@@ -1,6 +1,6 @@
 """The one entry of the compiled kernel of the module: all its operations (see :mod:`.slots`)."""
 
-from .outputs import write_outputs
+from .outputs import write_late_outputs
 from .rates import write_rates
 from .slots import *
 from .step import advance, check, start
@@ -28,7 +28,7 @@ def call(operation, p, d, u, x, y, w, h):
     if operation == CHECK:
         return check(p, d, u)
     if operation == OUTPUTS:
-        write_outputs(p, d, x, y, True)
+        write_late_outputs(p, d, x, y)
         return OK
     if operation == STEP_SMOOTHLY:
         return advance_smoothly(p, d, u, x, y, w, h)

@@ -105,6 +105,8 @@ def scan(d, x, omega1, alpha1, threshold, remaining):
     Returns:
         (time passed, whether link 2 is released then, integral of Phi if alpha1 is not zero).
     """
+    if omega1 == 0.0 and alpha1 == 0.0:
+        return remaining, False, 0.0  # nothing turns: the guard stays as it is
     q = x[X_Q]
     zero = TORQUE_ROUNDING * (torque_scale(d, omega1, alpha1, d[D_K] * omega1) + abs(threshold))
     interval = scan_interval(d, omega1, alpha1, remaining)
@@ -138,6 +140,18 @@ def scan(d, x, omega1, alpha1, threshold, remaining):
     return start, False, integral
 
 
+def turn(d, x, omega1, alpha1, h, integral):
+    """Turn the drive, with work and impulse of the input torque; integral: of Phi over the time."""
+    q = x[X_Q]
+    end = omega1 + alpha1 * h
+    before = held_inertia(d, q)
+    after = held_inertia(d, held_angle(d, q, omega1, alpha1, h))
+    x[X_STEP_EVALUATIONS] += 2.0
+    add(x, X_ENERGY_IN, 0.5 * (after * end * end - before * omega1 * omega1))
+    x[X_INPUT_IMPULSE] += 0.5 * (after * end - before * omega1 + alpha1 * integral)
+    add(x, X_Q, d[D_K] * h * (omega1 + 0.5 * alpha1 * h))
+
+
 def advance_held(d, x, mode, omega1, alpha1, load, remaining):
     """Advance some scan intervals, to the release of link 2 or to where the output shaft stops.
 
@@ -149,14 +163,8 @@ def advance_held(d, x, mode, omega1, alpha1, load, remaining):
         stop = d[D_J3] * x[X_OMEGA3] / load
         remaining = stop
     h, released, integral = scan(d, x, omega1, alpha1, load if mode == HELD_DRIVING else 0.0, remaining)
-    q = x[X_Q]
-    end = omega1 + alpha1 * h
-    before = held_inertia(d, q)
-    after = held_inertia(d, held_angle(d, q, omega1, alpha1, h))
-    x[X_STEP_EVALUATIONS] += 2.0
-    add(x, X_ENERGY_IN, 0.5 * (after * end * end - before * omega1 * omega1))
-    x[X_INPUT_IMPULSE] += 0.5 * (after * end - before * omega1 + alpha1 * integral)
-    add(x, X_Q, d[D_K] * h * (omega1 + 0.5 * alpha1 * h))
+    if omega1 != 0.0 or alpha1 != 0.0:
+        turn(d, x, omega1, alpha1, h, integral)
     if mode == HELD_DRIVING:
         x[X_OUTPUT_IMPULSE] += load * h
         x[X_OUTPUT_SQUARE] += load * load * h

@@ -1,4 +1,7 @@
-"""Outputs and locals at the present instant, from the state and the inputs held in it."""
+"""Outputs and locals at the present instant, from the state and the inputs held in it.
+
+A shell may leave the late ones until they are read.
+"""
 
 import math
 
@@ -85,16 +88,14 @@ def write_imbalance(d, x, y, alpha2):
     y[Y_ACCELERATION_Z] = az
 
 
-def write_outputs(p, d, x, y, imbalance):
-    """Fill y (Y_SIZE doubles) from the state; the motion of the imbalance only if it is wanted."""
+def write_outputs(x, y):
+    """Outputs and locals that stand in the state as they are."""
     y[Y_OMEGA2] = x[X_OMEGA2]
     y[Y_OMEGA_OUT] = x[X_OMEGA3] - x[X_RELATIVE]
     y[Y_OMEGA_HUB] = x[X_OMEGA3]
     y[Y_SHAFT_TWIST] = x[X_TWIST]
     y[Y_INPUT_TORQUE_MEAN] = x[X_INPUT_TORQUE_MEAN]
     y[Y_OUTPUT_TORQUE_MEAN] = x[X_OUTPUT_TORQUE_MEAN]
-    y[Y_TORQUE_RIPPLE] = x[X_TORQUE_RIPPLE]
-    y[Y_TORQUE_PEAK] = x[X_TORQUE_PEAK]
     y[Y_DRIVE_ANGLE] = x[X_Q]
     y[Y_DRIVE_TURNS] = x[X_DRIVE_TURNS]
     y[Y_INPUT_ANGLE] = x[X_THETA1]
@@ -102,13 +103,18 @@ def write_outputs(p, d, x, y, imbalance):
     y[Y_CONTACT_MODE] = x[X_MODE]
     y[Y_CONTACT_SWITCHES] = x[X_SWITCHES]
     y[Y_RHS_EVALUATIONS] = x[X_EVALUATIONS]
-    stored = stored_energy(p, d, x)
-    lost = x[X_ENERGY_LOST]
     y[Y_ENERGY_IN] = x[X_ENERGY_IN]
     y[Y_ENERGY_OUT] = x[X_ENERGY_OUT]
+    y[Y_ENERGY_LOST] = x[X_ENERGY_LOST]
+
+
+def write_late_outputs(p, d, x, y):
+    """Outputs and locals that take more work than some steps do: torques, audit, imbalance."""
+    y[Y_TORQUE_RIPPLE] = x[X_TORQUE_RIPPLE]
+    y[Y_TORQUE_PEAK] = x[X_TORQUE_PEAK]
+    stored = stored_energy(p, d, x)
+    passed = x[X_ENERGY_IN] - x[X_ENERGY_OUT] - x[X_ENERGY_LOST]
     y[Y_ENERGY_STORED] = stored
-    y[Y_ENERGY_LOST] = lost
-    y[Y_ENERGY_RESIDUAL] = x[X_ENERGY_IN] - x[X_ENERGY_OUT] - lost - (stored - x[X_ENERGY_START])
+    y[Y_ENERGY_RESIDUAL] = passed - (stored - x[X_ENERGY_START])
     alpha2 = write_torques(p, d, x, y)
-    if imbalance:
-        write_imbalance(d, x, y, alpha2)
+    write_imbalance(d, x, y, alpha2)

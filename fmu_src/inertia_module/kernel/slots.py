@@ -281,8 +281,8 @@ START = 0
 STEP = 1
 # only the checks of START: changes nothing but d
 CHECK = 2
-# STEP without the motion of the imbalance, which costs more than a step of fidelity averaged;
-# OUTPUTS fills it in, where a shell is asked for it
+# STEP without the late outputs, which cost more than a step of fidelity averaged; OUTPUTS fills them in,
+# where a shell is asked for one of them
 STEP_ONLY = 3
 OUTPUTS = 4
 # STEP with little noise in its results, for differences of them

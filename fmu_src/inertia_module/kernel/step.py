@@ -13,7 +13,7 @@ from .elastic import advance_elastic, is_stiff, shaft_frequency
 from .held import advance_held
 from .impulse import jump_input, jump_kinematic
 from .kinematic import advance_kinematic
-from .outputs import shaft_load, stored_energy, write_outputs
+from .outputs import shaft_load, stored_energy, write_late_outputs, write_outputs
 from .pulse import advance_moving
 from .slots import *
 from .timestepping import one_step, put_inertia, put_shaft, steps_in
@@ -101,7 +101,8 @@ def start(p, d, u, x, y):
         else:
             x[X_MODE] = present_mode(p, d, x, x[X_OMEGA1])
     x[X_ENERGY_START] = stored_energy(p, d, x)
-    write_outputs(p, d, x, y, True)
+    write_outputs(x, y)
+    write_late_outputs(p, d, x, y)
     return OK
 
 
@@ -255,7 +256,7 @@ def is_finite(x):
     return (motion + shaft) + (energies + means) < 1e300
 
 
-def advance(p, d, u, x, y, w, h, imbalance):
+def advance(p, d, u, x, y, w, h, late):
     """Advance by the communication step h, s.
 
     A status other than OK leaves state and outputs as they were.
@@ -263,7 +264,7 @@ def advance(p, d, u, x, y, w, h, imbalance):
     Args:
         p, d, u: parameters, derived constants, inputs (held or extrapolated over the step).
         x, y: state and outputs, written. w: workspace (W_SIZE).
-        imbalance: whether the outputs of the imbalance are wanted, else they stay as they were.
+        late: whether the late outputs are wanted, else they stay as they were.
     """
     if not 0.0 < h <= LARGEST_STEP:
         return BAD_STEP
@@ -301,5 +302,7 @@ def advance(p, d, u, x, y, w, h, imbalance):
         for n in range(X_SIZE):
             x[n] = w[W_STATE + n]
         return status
-    write_outputs(p, d, x, y, imbalance)
+    write_outputs(x, y)
+    if late:
+        write_late_outputs(p, d, x, y)
     return OK
