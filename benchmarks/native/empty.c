@@ -55,6 +55,22 @@ fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference references[], s
     return fmi2OK;
 }
 
+fmi2Status fmi2SetInteger(fmi2Component c, const fmi2ValueReference references[], size_t count,
+                          const fmi2Integer values[])
+{
+    (void)c;
+    (void)references;
+    (void)count;
+    (void)values;
+    return fmi2OK;
+}
+
+fmi2Status fmi2Reset(fmi2Component c)
+{
+    (void)c;
+    return fmi2OK;
+}
+
 fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference references[], size_t count, fmi2Real values[])
 {
     for (size_t n = 0; n < count; n++)

@@ -1,0 +1,171 @@
+"""Cost of the native FMUs: a part of docs/performance.md, printed by benchmarks/speed.py.
+
+A C host steps them in a loop (benchmarks/native/loop.c), next to the least a native FMU can be
+(benchmarks/native/empty.c), in turns; fmpy does the same.
+"""
+
+import statistics
+import subprocess
+import time
+from pathlib import Path
+from typing import NamedTuple
+
+from fmpy import extract, read_model_description
+from fmpy.fmi2 import FMU2Slave
+
+from inertia_module.fmu.linking import compiler, header_folder
+
+HERE = Path(__file__).parent / "native"
+ROUNDS = 5
+STEP = 1e-3
+R1 = {"omega1": 100.0, "load_torque": 10.0}
+STANDSTILL = {"omega1": 0.0, "load_torque": 10.0}
+SHAFT = {"hub_speed": 20.0, "load_torque": 3.0}
+
+
+class Library(NamedTuple):
+    """A native FMU unpacked: its library, GUID, references by name and folder."""
+
+    path: str
+    guid: str
+    references: dict[str, int]
+    folder: str
+    identifier: str
+
+
+class Timed(NamedTuple):
+    """Wall time of a step with two values set and two read, and the worst step, ns; both outputs."""
+
+    step: float
+    worst: float
+    outputs: tuple[float, ...]
+
+
+def compile_c(source, target, *options):
+    command = [*compiler(), "cc", "-std=gnu99", "-O2", "-fno-sanitize=all", "-Wall", "-Wextra", "-Werror"]
+    files = ["-isystem", str(header_folder()), "-o", str(target), str(source)]
+    subprocess.run([*command, *files, *options], check=True)
+
+
+def unpacked(path):
+    """A native FMU of ours as a Library."""
+    description = read_model_description(str(path))
+    folder = extract(str(path))
+    references = {v.name: v.valueReference for v in description.modelVariables}
+    library = f"{folder}/binaries/linux64/{description.modelName}.so"
+    return Library(library, description.guid, references, folder, description.modelName)
+
+
+def empty_fmu(workshop):
+    """The empty FMU as a Library."""
+    folder = workshop / "empty"
+    (folder / "binaries" / "linux64").mkdir(parents=True)
+    library = folder / "binaries" / "linux64" / "empty.so"
+    compile_c(HERE / "empty.c", library, str(HERE / "empty_rest.c"), "-shared", "-fPIC")
+    return Library(str(library), "", {"u": 0, "v": 1, "y": 2, "z": 3}, str(folder), "empty")
+
+
+def timed(
+    loop, library, values, outputs, step=STEP, steps=20000, tolerance=1e-6, batch=500, repeats=0, **whole
+):
+    """One run of the C host."""
+    numbers = library.references
+    given = [f"{numbers[name]}={value!r}" for name, value in values.items()]
+    given += [f"i{numbers[name]}={value}" for name, value in whole.items()]
+    read = [str(numbers[name]) for name in outputs]
+    counts = [str(number) for number in (step, steps, batch, repeats, tolerance)]
+    done = subprocess.run(
+        [str(loop), library.path, library.guid, *counts, *read, *given],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    *batches, found, worst = done.stdout.splitlines()
+    return Timed(
+        statistics.median(map(float, batches)), float(worst.split()[1]), tuple(map(float, found.split()[1:]))
+    )
+
+
+OUTPUTS = ("omega_out", "output_torque_mean")
+CASES = {
+    "module at a standstill": (STANDSTILL, {}),
+    "kinematic": (R1, {"fidelity": 0}),
+    "averaged": (R1, {"fidelity": 1}),
+    "rigid, timestepping": (R1, {"method": 1}),
+    "rigid, event": (R1, {}),
+    "elastic, event": (R1, {"fidelity": 3}),
+}
+
+
+def c_loop(loop, module, shaft, empty):
+    """Rows (case, ns per step, more than the empty FMU, worst step in us, real-time factor)."""
+    costs = {name: [] for name in ("empty native FMU", *CASES, "DrivenShaft")}
+    for _ in range(ROUNDS):
+        costs["empty native FMU"].append(timed(loop, empty, {"u": 1.0, "v": 2.0}, ("y", "z"), repeats=3))
+        for name, (values, whole) in CASES.items():
+            costs[name].append(timed(loop, module, values, OUTPUTS, repeats=3, **whole))
+        costs["DrivenShaft"].append(timed(loop, shaft, SHAFT, ("omega_out", "shaft_torque_mean"), repeats=3))
+    least = statistics.median(run.step for run in costs["empty native FMU"])
+    rows = []
+    for name, runs in costs.items():
+        step = statistics.median(run.step for run in runs)
+        worst = min(run.worst for run in runs)
+        rows.append((name, step, step - least, worst / 1e3, STEP * 1e9 / step))
+    return rows
+
+
+def fmpy_loop(library, values, outputs, steps=20000):
+    """Cost of a step and two reads through fmpy, us."""
+    fmu = FMU2Slave(
+        guid=library.guid,
+        unzipDirectory=library.folder,
+        modelIdentifier=library.identifier,
+        instanceName="bench",
+    )
+    fmu.instantiate()
+    fmu.setupExperiment()
+    fmu.setReal([library.references[name] for name in values], list(values.values()))
+    fmu.enterInitializationMode()
+    fmu.exitInitializationMode()
+    read = [library.references[name] for name in outputs]
+    begin = time.perf_counter()
+    for n in range(steps):
+        fmu.doStep(n * STEP, STEP)
+        fmu.getReal(read)
+    cost = (time.perf_counter() - begin) / steps * 1e6
+    fmu.terminate()
+    fmu.fmi2FreeInstance(fmu.component)
+    return cost
+
+
+def section(workshop, module_path, shaft_path):
+    """Markdown of this part of the page."""
+    loop = workshop / "loop"
+    compile_c(HERE / "loop.c", loop, "-ldl", "-lm")
+    module, shaft, empty = unpacked(module_path), unpacked(shaft_path), empty_fmu(workshop)
+    rows = c_loop(loop, module, shaft, empty)
+    pairs = [
+        (fmpy_loop(empty, {"u": 1.0}, ("y", "z")), fmpy_loop(module, STANDSTILL, OUTPUTS))
+        for _ in range(ROUNDS)
+    ]
+    through_fmpy = [statistics.median(column) for column in zip(*pairs, strict=True)]
+    return [
+        "## The native FMU",
+        "",
+        "A C host sets both inputs, steps by 1 ms and reads two outputs; medians of"
+        f" {ROUNDS} runs of 20,000 steps, all cases in turns. The worst step is the longest of the run, where"
+        " each step counts with its shortest time of three repeats (the machine has other things to do): what"
+        " a hardware-in-the-loop host at 1 kHz has to allow for the FMU, of its 1000 us.",
+        "",
+        "| FMU | ns per step | more than the empty FMU | worst step, us | real-time factor at 1 kHz |",
+        "|---|---|---|---|---|",
+        *(
+            f"| {name} | {step:.0f} | {more:.0f} | {worst:.2f} | {factor:,.0f} |"
+            for name, step, more, worst, factor in rows
+        ),
+        "",
+        f"Through fmpy, a step and two reads: {through_fmpy[0]:.2f} us of the empty native FMU,"
+        f" {through_fmpy[1]:.2f} us of the module at a standstill (ratio"
+        f" {through_fmpy[1] / through_fmpy[0]:.2f}): the loop in Python is the cost.",
+        "",
+    ]
