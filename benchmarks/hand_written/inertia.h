@@ -9,6 +9,8 @@
 #define HALF_PI_2 6.077100506303966e-11
 #define HALF_PI_3 2.0222662487959506e-21
 #define QUADRANTS 0.6366197723675814
+/* adding and subtracting it rounds to a whole number */
+#define ROUNDER 6755399441055744.0
 #define LARGEST_ANGLE 1e6
 
 struct circular {
@@ -21,7 +23,7 @@ static inline struct circular sine_cosine(double x)
 {
     if (!(fabs(x) < LARGEST_ANGLE))
         return (struct circular){sin(x), cos(x)};
-    double quadrant = floor(x * QUADRANTS + 0.5);
+    double quadrant = (x * QUADRANTS + ROUNDER) - ROUNDER;
     double r = ((x - quadrant * HALF_PI_1) - quadrant * HALF_PI_2) - quadrant * HALF_PI_3;
     double z = r * r;
     double z2 = z * z;

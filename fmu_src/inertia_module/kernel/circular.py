@@ -12,6 +12,8 @@ HALF_PI_1 = 1.5707963267341256
 HALF_PI_2 = 6.077100506303966e-11
 HALF_PI_3 = 2.0222662487959506e-21
 QUADRANTS = 0.6366197723675814  # per rad
+# adding and subtracting it rounds to a whole number, on any processor without a detour through integers
+ROUNDER = 6755399441055744.0
 # beyond this the multiples of the parts are no longer exact: left to the library
 LARGEST_ANGLE = 1e6
 
@@ -20,7 +22,7 @@ def sine_cosine(x):
     """(sin x, cos x), x in rad."""
     if not abs(x) < LARGEST_ANGLE:
         return math.sin(x), math.cos(x)
-    quadrant = math.floor(x * QUADRANTS + 0.5)
+    quadrant = (x * QUADRANTS + ROUNDER) - ROUNDER
     r = ((x - quadrant * HALF_PI_1) - quadrant * HALF_PI_2) - quadrant * HALF_PI_3
     z = r * r
     z2 = z * z
@@ -43,11 +45,8 @@ def sine_cosine(x):
     half = 0.5 * z
     whole = 1.0 - half
     cosine = whole + (((1.0 - whole) - half) + z2 * even)
-    turn = int(quadrant) & 3
-    if turn == 0:
-        return sine, cosine
-    if turn == 1:
-        return cosine, -sine
-    if turn == 2:
-        return -sine, -cosine
-    return -cosine, sine
+    # selections rather than branches: which quadrant comes next cannot be predicted
+    turn = int(quadrant)
+    first = cosine if turn & 1 else sine
+    second = sine if turn & 1 else cosine
+    return -first if turn & 2 else first, -second if (turn + 1) & 2 else second
