@@ -159,7 +159,8 @@ def _target_machine(binding: Any) -> Any:
         features=binding.get_host_cpu_features().flatten(),
         opt=3,
         reloc="pic",
-        jit=True,
+        # constants in reach of short addresses: the code for a compiler in memory would build long ones
+        codemodel="small",
     )
 
 
