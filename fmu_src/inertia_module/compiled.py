@@ -25,6 +25,9 @@ from .kernel import driven_shaft_slots, slots
 
 SIGNATURE = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64, *[ctypes.c_void_p] * 6, ctypes.c_double)
 KERNEL_FOLDER = Path(kernel.__file__).parent
+# what every evaluation of the equations of motion calls: made part of its callers, which then leave out
+# the derivatives they do not want. The compiler by itself finds them too long.
+INLINED = ("inertia.reduced_inertia", "circular.sine_cosine")
 
 
 class Entry(NamedTuple):
@@ -151,6 +154,21 @@ def _without_error_path(ir: str) -> str:
     return ir + "\ndeclare void @llvm.trap()\n"
 
 
+def _without_aliases(ir: str) -> str:
+    """Tell that no two of the arrays p, d, u, x, y, w overlap: a store to one leaves the others."""
+
+    def marked(head: re.Match[str]) -> str:
+        return re.sub(r"\bptr ((?:[\w()]+ )*%arg\.[pduxyw]\.4\b)", r"ptr noalias \1", head[0])
+
+    return re.sub(r"^define .*$", marked, ir, flags=re.M)
+
+
+def _is_inlined(symbol: str) -> bool:
+    """Whether numba's symbol, in which each word of a name follows its length, is one of INLINED."""
+    words = ("".join(f"{len(word)}{word}" for word in name.split(".")) for name in INLINED)
+    return any(f"{word}B" in symbol for word in words)
+
+
 def _target_machine(binding: Any) -> Any:
     binding.initialize_native_target()
     binding.initialize_native_asmprinter()
@@ -166,10 +184,12 @@ def _target_machine(binding: Any) -> Any:
 
 def _compile_to_object(binding: Any, which: Entry) -> bytes:
     """Object file for this processor with the entry as its only visible function."""
-    module = binding.parse_assembly(_without_error_path(_compile_to_ir(which)))
+    module = binding.parse_assembly(_without_aliases(_without_error_path(_compile_to_ir(which))))
     for function in module.functions:
         if not function.is_declaration and function.name != which.symbol:
             function.linkage = "internal"
+        if _is_inlined(function.name):
+            function.add_function_attribute("alwaysinline")
     for variable in module.global_variables:
         if not variable.is_declaration:
             variable.linkage = "internal"
