@@ -17,12 +17,10 @@ struct circular {
     double sine, cosine;
 };
 
-/* Both Taylor series on |r| <= pi/4, summed in pairs (Estrin) so that a processor works on several
-   terms at once: faster than two calls of the library. */
-static inline struct circular sine_cosine(double x)
+/* (sin x, cos x) where |x| < LARGEST_ANGLE: both Taylor series on |r| <= pi/4, summed in pairs (Estrin) so
+   that a processor works on several terms at once; faster than two calls of the library. */
+static inline struct circular reduced(double x)
 {
-    if (!(fabs(x) < LARGEST_ANGLE))
-        return (struct circular){sin(x), cos(x)};
     double quadrant = (x * QUADRANTS + ROUNDER) - ROUNDER;
     double r = ((x - quadrant * HALF_PI_1) - quadrant * HALF_PI_2) - quadrant * HALF_PI_3;
     double z = r * r;
@@ -32,10 +30,10 @@ static inline struct circular sine_cosine(double x)
                  z2 * (-0.0001984126984126984 + z * 2.7557319223985893e-06);
     odd += z4 * ((-2.505210838544172e-08 + z * 1.6059043836821613e-10) +
                  z2 * (-7.647163731819816e-13 + z * 2.8114572543455206e-15));
-    double even = (0.041666666666666664 - z * 0.001388888888888889) +
-                  z2 * (2.48015873015873e-05 - z * 2.755731922398589e-07);
-    even += z4 * ((2.08767569878681e-09 - z * 1.1470745597729725e-11) +
-                  z2 * (4.779477332387385e-14 - z * 1.5619206968586225e-16));
+    double even = (0.041666666666666664 + z * -0.001388888888888889) +
+                  z2 * (2.48015873015873e-05 + z * -2.755731922398589e-07);
+    even += z4 * ((2.08767569878681e-09 + z * -1.1470745597729725e-11) +
+                  z2 * (4.779477332387385e-14 + z * -1.5619206968586225e-16));
     double sine = r + r * z * odd;
     double half = 0.5 * z;
     double whole = 1.0 - half;
@@ -45,6 +43,23 @@ static inline struct circular sine_cosine(double x)
     double first = turn & 1 ? cosine : sine;
     double second = turn & 1 ? sine : cosine;
     return (struct circular){turn & 2 ? -first : first, (turn + 1) & 2 ? -second : second};
+}
+
+static inline struct circular sine_cosine(double x)
+{
+    return fabs(x) < LARGEST_ANGLE ? reduced(x) : (struct circular){sin(x), cos(x)};
+}
+
+/* Two angles at once: one look at their size. */
+static inline void sines_cosines(double x, double y, struct circular *of_x, struct circular *of_y)
+{
+    if (fabs(x) < LARGEST_ANGLE && fabs(y) < LARGEST_ANGLE) {
+        *of_x = reduced(x);
+        *of_y = reduced(y);
+    } else {
+        *of_x = (struct circular){sin(x), cos(x)};
+        *of_y = (struct circular){sin(y), cos(y)};
+    }
 }
 
 /* I, B, G and their derivatives in q. */
@@ -67,7 +82,12 @@ static inline struct inertia bevel_inertia(const struct mechanism *d, double q)
 {
     double mass = d->mass;
     double s = d->s;
-    struct circular half = sine_cosine(0.5 * (s * q + d->phase_b));
+    double half_b = 0.5 * (s * q + d->phase_b);
+    struct circular half, a = {0.0, 0.0};
+    if (d->paired)
+        sines_cosines(half_b, q + d->phase_a, &half, &a);
+    else
+        half = sine_cosine(half_b);
     double sin_b = 2.0 * half.sine * half.cosine;
     double versed = 2.0 * half.sine * half.sine; /* 1 - cos B, without cancellation at the rolling pole */
     double cos_b = 1.0 - versed;
@@ -97,7 +117,6 @@ static inline struct inertia bevel_inertia(const struct mechanism *d, double q)
                        tangential * tangential2 + 2.0 * (z1 * z1 + z * z2));
         return r;
     }
-    struct circular a = sine_cosine(q + d->phase_a);
     double y = radial * a.sine + tangential * a.cosine;
     double y1 = (radial1 - tangential) * a.sine + (tangential1 + radial) * a.cosine;
     double y2 = (radial2 - 2.0 * tangential1 - radial) * a.sine +

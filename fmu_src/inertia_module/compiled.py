@@ -27,7 +27,7 @@ SIGNATURE = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64, *[ctypes.c_void_p] 
 KERNEL_FOLDER = Path(kernel.__file__).parent
 # what every evaluation of the equations of motion calls: made part of its callers, which then leave out
 # the derivatives they do not want. The compiler by itself finds them too long.
-INLINED = ("inertia.reduced_inertia", "circular.sine_cosine")
+INLINED = ("inertia.reduced_inertia", "circular.sine_cosine", "circular.sines_cosines")
 
 
 class Entry(NamedTuple):
