@@ -38,7 +38,7 @@ static inline struct circular reduced(double x)
     double half = 0.5 * z;
     double whole = 1.0 - half;
     double cosine = whole + (((1.0 - whole) - half) + z2 * even);
-    /* selections, not branches: which quadrant comes next cannot be predicted */
+    /* two choices of two, which is faster than one of four */
     int turn = (int)quadrant;
     double first = turn & 1 ? cosine : sine;
     double second = turn & 1 ? sine : cosine;

@@ -43,7 +43,7 @@ def reduced(x):
     half = 0.5 * z
     whole = 1.0 - half
     cosine = whole + (((1.0 - whole) - half) + z2 * even)
-    # selections rather than branches: which quadrant comes next cannot be predicted
+    # two choices of two, which is faster than one of four
     turn = int(quadrant)
     first = cosine if turn & 1 else sine
     second = sine if turn & 1 else cosine
