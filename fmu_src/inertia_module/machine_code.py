@@ -10,6 +10,10 @@ from .entries import ENTRIES, CompilationUnavailable, Entry
 from .files import cache_folder, write_atomically
 from .kernel_ir import kernel_ir, tool_versions
 
+# what every evaluation of the equations of motion calls: made part of its callers, which then leave out
+# the derivatives they do not want. The compiler by itself finds them too long.
+INLINED = ("inertia.reduced_inertia", "circular.sine_cosine", "circular.sines_cosines")
+
 
 def binding() -> Any:
     """The binding of llvmlite.
@@ -31,7 +35,10 @@ def host_machine() -> tuple[Any, str]:
     llvm.initialize_native_asmprinter()
     name, features = llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
     target = llvm.Target.from_default_triple()
-    machine = target.create_target_machine(cpu=name, features=features, opt=3, reloc="pic", jit=True)
+    # constants in reach of short addresses: the code for a compiler in memory would build long ones
+    machine = target.create_target_machine(
+        cpu=name, features=features, opt=3, reloc="pic", codemodel="small"
+    )
     return machine, f"{target.triple}-{name}-{features}"
 
 
@@ -42,6 +49,12 @@ def target_machine(triple: str, processor: str) -> Any:
     llvm.initialize_all_asmprinters()
     target = llvm.Target.from_triple(triple)
     return target.create_target_machine(cpu=processor, features="", opt=3, reloc="pic")
+
+
+def _is_inlined(symbol: str) -> bool:
+    """Whether numba's symbol, in which each word of a name follows its length, is one of INLINED."""
+    words = ("".join(f"{len(word)}{word}" for word in name.split(".")) for name in INLINED)
+    return any(f"{word}B" in symbol for word in words)
 
 
 def compile_ir(ir: str, which: Entry, machine: Any) -> bytes:
@@ -55,6 +68,8 @@ def compile_ir(ir: str, which: Entry, machine: Any) -> bytes:
             function.visibility = "hidden"  # no other library may put its own in its place
         elif not function.is_declaration:
             function.linkage = "internal"
+        if _is_inlined(function.name):
+            function.add_function_attribute("alwaysinline")
     for variable in module.global_variables:
         if not variable.is_declaration:
             variable.linkage = "internal"

@@ -1,6 +1,6 @@
 """Reduced inertia I, B, G of all imbalances and its exact derivatives in q (DESIGN section 2)."""
 
-from .circular import sine_cosine
+from .circular import sine_cosine, sines_cosines
 from .slots import *
 
 
@@ -32,7 +32,12 @@ def reduced_inertia(d, q):
         return fixed - 2.0 * cosine, 2.0 * sine, 2.0 * cosine, own - cosine, sine, own, 0.0, 0.0
     s = d[D_S]
     half = 0.5 * (s * q + d[D_PHASE_B])
-    sin_half, cos_half = sine_cosine(half)
+    sin_a = 0.0
+    cos_a = 0.0
+    if d[D_PAIRED] == 0.0:
+        sin_half, cos_half = sine_cosine(half)
+    else:
+        sin_half, sin_a, cos_half, cos_a = sines_cosines(half, q + d[D_PHASE_A])
     sin_b = 2.0 * sin_half * cos_half
     versed = 2.0 * sin_half * sin_half  # 1 - cos B, without cancellation at the rolling pole
     cos_b = 1.0 - versed
@@ -71,7 +76,6 @@ def reduced_inertia(d, q):
             + 2.0 * (z1 * z1 + z * z2)
         )
         return i, i1, i2, 0.0, 0.0, g, g1, g2
-    sin_a, cos_a = sine_cosine(q + d[D_PHASE_A])
     y = radial * sin_a + tangential * cos_a
     y1 = (radial1 - tangential) * sin_a + (tangential1 + radial) * cos_a
     y2 = (radial2 - 2.0 * tangential1 - radial) * sin_a + (tangential2 + 2.0 * radial1 - tangential) * cos_a
