@@ -1,8 +1,8 @@
-"""Speed of the compiled kernel against the same algorithm written by hand in C (hand_written/).
+"""Speed of the native FMU's kernel against the same algorithm written by hand in C (hand_written/).
 
-Fidelity rigid, method event. The C is compiled with -O3 by each compiler found: for any processor, for this one, and
-for this one with products fused into sums, which rounds differently (the kernel does not fuse: it has to round as plain
-Python does). Results and counts are compared before anything is timed. Run: python benchmarks/hand_written.py
+Fidelity rigid, method event. The C is compiled with -O3 by each compiler found: for the processors the FMU is made for,
+and for this one with products fused into sums, which rounds differently (the kernel does not fuse: it has to round as
+plain Python does). Results and counts are compared before anything is timed. Run: python benchmarks/hand_written.py
 """
 
 import argparse
@@ -19,7 +19,10 @@ from pathlib import Path
 
 from rich.progress import track
 
-from inertia_module import compiled
+from inertia_module.entries import SIGNATURE
+from inertia_module.fmu.builder import MODULE_FMU
+from inertia_module.fmu.native_fmu import library
+from inertia_module.fmu.targets import LINUX64
 from inertia_module.kernel import slots, step
 from inertia_module.module import Module
 
@@ -29,10 +32,9 @@ COMPILERS = {"gcc": ["gcc"], "zig cc": ZIG}
 FLAGS = ["-O3", "-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-shared", "-fPIC"]
 UNFUSED = "-ffp-contract=off"
 FUSED = "-ffp-contract=fast"
-ANY, THIS, THIS_FUSED = "any processor", "this processor", "this processor, fused"
+SAME, THIS_FUSED = "C for the FMU's processors", "C for this processor, fused"
 TARGETS = {
-    ANY: {"gcc": [UNFUSED], "zig cc": ["-mcpu=baseline", UNFUSED]},
-    THIS: {"gcc": ["-march=native", UNFUSED], "zig cc": ["-mcpu=native", UNFUSED]},
+    SAME: {"gcc": ["-march=x86-64-v2", UNFUSED], "zig cc": ["-mcpu=x86_64_v2", UNFUSED]},
     THIS_FUSED: {"gcc": ["-march=native", FUSED], "zig cc": ["-mcpu=native", FUSED]},
 }
 R1 = {"omega1": 100.0, "load_torque": 10.0}
@@ -69,7 +71,7 @@ CASES = ((1.0, 1.0), (10.0, 10.0), (1.0, 1e-3), (10.0, 1e-3))  # simulated time 
 
 
 def build(folder):
-    """Compiled libraries of the hand-written C by compiler and target, and the loop that calls an entry many times."""
+    """Libraries of the hand-written C by compiler and target, the FMU's, and the loop that calls an entry."""
     numbers = (
         f"#define {name} {value}\n"
         for module in (slots, step)
@@ -88,26 +90,31 @@ def build(folder):
             libraries[compiler, target] = ctypes.CDLL(str(path))
     path = folder / "loop.so"
     subprocess.run([*command, *FLAGS, str(SOURCE / "loop.c"), "-o", str(path)], check=True)
+    fmu = folder / "fmu.so"
+    fmu.write_bytes(library(MODULE_FMU, LINUX64))
+    Kernel.entry_of_fmu = SIGNATURE(("inertia_module_kernel", ctypes.CDLL(str(fmu))))
     return libraries, ctypes.CDLL(str(path)).loop
 
 
 class Kernel:
-    """An instance stepped by one entry: the compiled kernel's or, given a library, the hand-written one."""
+    """An instance stepped by one entry: the FMU's or, given a library, the hand-written one."""
 
-    def __init__(self, loop, parameters, library=None):
+    entry_of_fmu = None
+
+    def __init__(self, loop, parameters, by_hand=None):
         self.loop = loop
         self.module = Module("compiled").start(**parameters)
         self.arrays = [array("d", values) for values in self.module._arrays]
-        if library is None:
-            self.entry = compiled.load()
+        if by_hand is None:
+            self.entry = self.entry_of_fmu
         else:
-            library.instance_size.restype = ctypes.c_int64
-            self.arrays[3] = array("d", bytes(8 * library.instance_size()))
-            self.entry = compiled.SIGNATURE(("call", library))
+            by_hand.instance_size.restype = ctypes.c_int64
+            self.arrays[3] = array("d", bytes(8 * by_hand.instance_size()))
+            self.entry = SIGNATURE(("call", by_hand))
         self.addresses = [ctypes.c_void_p(values.buffer_info()[0]) for values in self.arrays]
         self.pointer = ctypes.cast(self.entry, ctypes.c_void_p)
-        if library is not None:
-            self.entry(step.START, *self.addresses, 0.0)
+        if by_hand is not None:
+            self.entry(slots.START, *self.addresses, 0.0)
         self.begin = self.arrays[3].tobytes()
 
     def restore(self):
@@ -119,11 +126,11 @@ class Kernel:
 
     def advance(self, h, steps=1):
         if steps == 1:
-            status = self.entry(step.STEP, *self.addresses, h)
+            status = self.entry(slots.STEP, *self.addresses, h)
         else:
             status = self.loop(
                 self.pointer,
-                ctypes.c_int64(step.STEP),
+                ctypes.c_int64(slots.STEP),
                 *self.addresses,
                 ctypes.c_double(h),
                 ctypes.c_int64(steps),
@@ -176,17 +183,17 @@ def compare(name, ours, theirs):
 def check(libraries, loop):
     """Compare every library with the kernel in every scene. Returns rows for people."""
     rows = []
-    for (compiler, target), library in libraries.items():
+    for (compiler, target), by_hand in libraries.items():
         label = f"{compiler}, {target}"
         fused = target == THIS_FUSED
         for name, parameters in {"R1": R1}.items() if fused else SCENES.items():
             for h, steps in ((1.0, 1), (1e-3, 1000)):
-                pair = [Kernel(loop, parameters, which) for which in (None, library)]
+                pair = [Kernel(loop, parameters, which) for which in (None, by_hand)]
                 for kernel in pair:
                     kernel.advance(h, steps)
                 rows.append((f"{name}, {h:g} s, {label}", *compare(f"{name} ({label})", *pair)))
         for name, hold in {}.items() if fused else DRIVES.items():
-            pair = [Kernel(loop, {**R1, "input_hold": hold}, which) for which in (None, library)]
+            pair = [Kernel(loop, {**R1, "input_hold": hold}, which) for which in (None, by_hand)]
             for kernel in pair:
                 for n in range(100):
                     kernel.set(omega1=100.0 + (n % 7) - 0.2 * n)
@@ -199,7 +206,7 @@ def measure(libraries, loop, tolerance, simulated, h):
     """One case: medians of wall times, s per simulated second, and of the ratios of each round."""
     parameters = {**R1, "tolerance": tolerance}
     kernel = Kernel(loop, parameters)
-    by_hand = {name: Kernel(loop, parameters, library) for name, library in libraries.items()}
+    by_hand = {name: Kernel(loop, parameters, made) for name, made in libraries.items()}
     steps = round(simulated / h)
     calls = max(1, round(BATCH / kernel.batch(h, steps, 3)))
     rounds = []

@@ -36,9 +36,7 @@ def host_machine() -> tuple[Any, str]:
     name, features = llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
     target = llvm.Target.from_default_triple()
     # constants in reach of short addresses: the code for a compiler in memory would build long ones
-    machine = target.create_target_machine(
-        cpu=name, features=features, opt=3, reloc="pic", codemodel="small"
-    )
+    machine = target.create_target_machine(cpu=name, features=features, opt=3, reloc="pic", codemodel="small")
     return machine, f"{target.triple}-{name}-{features}"
 
 
