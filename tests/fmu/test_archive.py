@@ -1,0 +1,86 @@
+"""The files in the FMUs, as a host unpacks them."""
+
+import struct
+import zipfile
+from pathlib import PurePosixPath
+
+import pytest
+
+from inertia_module.compiled import SHIPPED, SHIPPED_NAMES
+from inertia_module.fmu.builder import MODULE_FMU, PYTHON_FMU, SHAFT_FMU
+from inertia_module.fmu.python_fmu import bundled_files
+from inertia_module.fmu.targets import TARGETS
+
+FLAVOURS = (MODULE_FMU.identifier, SHAFT_FMU.identifier, PYTHON_FMU.identifier)
+NATIVE = (MODULE_FMU.identifier, SHAFT_FMU.identifier)
+PAPERS = {"modelDescription.xml", "model.png", "documentation/index.html"}
+LARGEST = 1_000_000
+# how a library for a processor begins: ELF and PE tell the number of it
+ELF, PE = {"x86_64": 0x3E, "aarch64": 0xB7}, {"x86_64": 0x8664, "aarch64": 0xAA64}
+FUNCTIONS = (b"fmi2Instantiate", b"fmi2DoStep", b"fmi2GetReal", b"fmi2SetFMUstate")
+
+
+def content_of(path):
+    with zipfile.ZipFile(path) as archive:
+        assert archive.testzip() is None
+        return {name: archive.read(name) for name in archive.namelist()}
+
+
+def test_file_is_below_a_megabyte(fmu_path):
+    assert fmu_path.stat().st_size < LARGEST
+
+
+def test_description_comes_first_and_nothing_comes_twice(fmu_path):
+    with zipfile.ZipFile(fmu_path) as archive:
+        names = archive.namelist()
+    assert names[0] == "modelDescription.xml"
+    assert len(names) == len(set(names))
+    assert len(names) == len({name.lower() for name in names})
+
+
+def test_paths_stay_within_the_folder_they_are_unpacked_to(fmu_path):
+    for name in content_of(fmu_path):
+        path = PurePosixPath(name)
+        assert not path.is_absolute()
+        assert ".." not in path.parts
+        assert "\\" not in name
+        assert name.isascii()
+
+
+def test_files_are_readable_and_nothing_more(fmu_path):
+    with zipfile.ZipFile(fmu_path) as archive:
+        for info in archive.infolist():
+            assert info.external_attr >> 16 == 0o644
+            assert info.compress_type == zipfile.ZIP_DEFLATED
+
+
+@pytest.mark.parametrize("name", NATIVE)
+def test_native_fmu_holds_its_libraries_and_its_papers_and_nothing_else(name, built):
+    libraries = {f"binaries/{target.folder}/{name}{target.suffix}" for target in TARGETS}
+    assert content_of(built / f"{name}.fmu").keys() == PAPERS | libraries
+
+
+def test_python_fmu_holds_its_source_and_the_compiled_kernel(built):
+    content = content_of(built / PYTHON_FMU.file_name)
+    assert content.keys() > PAPERS
+    inside = {name.split("/", 2)[2] for name in content if name.startswith("resources/inertia_module_")}
+    assert inside == bundled_files().keys() | {f"{SHIPPED.name}/{name}" for name in SHIPPED_NAMES.values()}
+
+
+@pytest.mark.parametrize("target", TARGETS, ids=lambda target: target.label)
+@pytest.mark.parametrize("name", NATIVE)
+def test_native_library_is_of_its_platform(name, built, target):
+    library = content_of(built / f"{name}.fmu")[f"binaries/{target.folder}/{name}{target.suffix}"]
+    processor = target.compiler.split("-", 1)[0]
+    if target.suffix == ".so":
+        assert library[:4] == b"\x7fELF"
+        assert struct.unpack_from("<H", library, 18)[0] == ELF[processor]
+    elif target.suffix == ".dll":
+        assert library[:2] == b"MZ"
+        (head,) = struct.unpack_from("<I", library, 60)
+        assert library[head : head + 4] == b"PE\0\0"
+        assert struct.unpack_from("<H", library, head + 4)[0] == PE[processor]
+    else:
+        assert struct.unpack_from(">II", library) == (0xCAFEBABE, 2)  # one file for two processors
+    for function in FUNCTIONS:
+        assert function in library

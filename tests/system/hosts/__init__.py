@@ -1,0 +1,126 @@
+"""Scenes run by several FMI hosts, each run in a process of its own: one that crashes takes no other along.
+
+Every host couples its models by the same algorithm, Jacobi's with a fixed step: all step side by side with
+the inputs of the communication point, then the outputs are passed on. All set the values of a scene before
+the end of initialisation, so that there is no jump at the start.
+"""
+
+import dataclasses
+import importlib.metadata
+import json
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+
+# how a host counts time: by adding the step up, or in whole nanoseconds, of which it takes the differences
+ACCUMULATED, NANOSECONDS = "accumulated", "nanoseconds"
+FMPY = "fmpy"
+
+
+@dataclasses.dataclass(frozen=True)
+class Host:
+    """What there is to know about a host.
+
+    Attributes:
+        clock: how it counts time. packages: what it needs besides fmpy.
+        enumerations: whether it knows them; those that do not leave such variables out.
+        minds_errors: whether it stops when the FMU refuses something.
+    """
+
+    clock: str
+    packages: tuple[str, ...] = ()
+    enumerations: bool = False
+    minds_errors: bool = True
+
+    @property
+    def missing(self):
+        """Packages that it needs and that are not installed."""
+        return [name for name in self.packages if not _is_installed(name)]
+
+
+HOSTS = {
+    "libcosim": Host(NANOSECONDS, ("libcosimpy",)),
+    "ecos": Host(
+        ACCUMULATED, ("ecospy", "tbb") if sys.platform == "linux" else ("ecospy",), minds_errors=False
+    ),
+    "container": Host(ACCUMULATED, enumerations=True),
+}
+
+
+@dataclasses.dataclass(frozen=True)
+class Scene:
+    """Models to step side by side.
+
+    Attributes:
+        models: values (parameters and inputs) by name, by name of the instance, which is that of the FMU or
+            that and a number: Module_2.
+        step: communication step, s. steps: how many.
+        connections: (instance, output, instance, input).
+        changes: values of inputs by name, by instance, by the number of the step they are set before.
+    """
+
+    models: dict[str, dict[str, float]]
+    step: float
+    steps: int
+    connections: tuple[tuple[str, str, str, str], ...] = ()
+    changes: dict[int, dict[str, dict[str, float]]] = dataclasses.field(default_factory=dict)
+
+
+class HostFailed(RuntimeError):
+    """The host ended with an error: what it says."""
+
+
+def _is_installed(package):
+    try:
+        importlib.metadata.version(package)
+    except importlib.metadata.PackageNotFoundError:
+        return False
+    return True
+
+
+def run(host, scene, folder, work, clock=ACCUMULATED):
+    """Run a scene in a host: the outputs after each step, by 'instance.output'.
+
+    Args:
+        host: FMPY or one of HOSTS. folder: with the FMUs. work: folder for what the host leaves behind.
+        clock: how FMPY is to count time.
+
+    Raises:
+        HostFailed: the host ends with an error.
+    """
+    work.mkdir(parents=True)
+    task = dataclasses.asdict(scene) | {"folder": str(folder), "clock": clock}
+    (work / "task.json").write_text(json.dumps(task))
+    done = subprocess.run(
+        [sys.executable, str(Path(__file__).parent / f"with_{host}.py"), str(work)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        errors="replace",
+        check=False,
+        cwd=work,
+    )
+    if done.returncode != 0:
+        raise HostFailed(f"{host} ends with {done.returncode}: {done.stdout[-3000:]}")
+    names = json.loads((work / "names.json").read_text())
+    rows = np.load(work / "rows.npy")
+    assert rows.shape == (scene.steps, len(names))
+    return dict(zip(names, rows.T, strict=True))
+
+
+def with_integers(path, target):
+    """A copy of an FMU whose enumerations are described as Integers: to its library that is the same."""
+    with zipfile.ZipFile(path) as old, zipfile.ZipFile(target, "w") as new:
+        for name in old.namelist():
+            content = old.read(name)
+            if name == "modelDescription.xml":
+                root = ElementTree.fromstring(content)
+                for element in root.iterfind("ModelVariables/ScalarVariable/Enumeration"):
+                    element.tag = "Integer"
+                    del element.attrib["declaredType"]
+                content = ElementTree.tostring(root, xml_declaration=True, encoding="UTF-8")
+            new.writestr(name, content)
