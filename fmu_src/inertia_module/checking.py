@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from .instance import DriveError, messages_of_others
+from .instance import DriveError
+from .logs import messages_of_others
 
 STEPS = 100
 

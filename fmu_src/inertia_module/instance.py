@@ -6,12 +6,16 @@ import contextlib
 import functools
 import math
 import shutil
-import weakref
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from ctypes import byref, c_char_p, c_double
+from collections.abc import Callable, Mapping, Sequence
+from ctypes import c_char_p, c_double, c_int, c_void_p
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Protocol, Self
+from typing import Any, NamedTuple, Protocol, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .logs import callbacks_of
 
 
 class DriveError(RuntimeError):
@@ -31,73 +35,11 @@ class Plant(Protocol):
         """Values by name."""
 
 
-# instances by the environment their callbacks carry, and who hears the messages of all others
-_listeners: weakref.WeakValueDictionary[int, Fmu] = weakref.WeakValueDictionary()
-_others: list[list[str]] = []
+class Kept(NamedTuple):
+    """A state kept by an instance, and its time, s."""
 
-
-def _dispatch(environment: int | None, instance: bytes, status: int, category: bytes, message: bytes) -> None:
-    """Pass a log message on to the instance it is for; others are printed, as fmpy does."""
-    from fmpy.fmi1 import printLogMessage
-
-    listener = _listeners.get(environment or 0)
-    if listener is not None:
-        listener._log(status, message.decode("utf-8", "replace"))
-    elif _others and status > 0:
-        _others[-1].append(message.decode("utf-8", "replace"))
-    elif not _others:
-        printLogMessage(environment, instance, status, category, message)
-
-
-@functools.cache
-def _dispatcher() -> Any:
-    from fmpy.fmi2 import fmi2CallbackLoggerTYPE
-
-    return fmi2CallbackLoggerTYPE(_dispatch)
-
-
-def _logger() -> Any:
-    """The log callback of all instances, made anew the one that fmpy's proxy passes messages to.
-
-    The proxy, which formats the messages, knows one callback a process: whoever came last.
-    """
-    from fmpy.fmi2 import fmi2CallbackFunctions
-    from fmpy.logging import addLoggerProxy
-
-    callbacks = fmi2CallbackFunctions()
-    callbacks.logger = _dispatcher()
-    addLoggerProxy(byref(callbacks))
-    return callbacks.logger
-
-
-def _callbacks(listener: Fmu) -> Any:
-    """Callbacks of one instance, with its own environment."""
-    from fmpy.fmi1 import calloc, free
-    from fmpy.fmi2 import (
-        fmi2CallbackAllocateMemoryTYPE,
-        fmi2CallbackFreeMemoryTYPE,
-        fmi2CallbackFunctions,
-    )
-
-    callbacks = fmi2CallbackFunctions()
-    callbacks.logger = _logger()
-    callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
-    callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
-    callbacks.componentEnvironment = id(listener)
-    _listeners[id(listener)] = listener
-    return callbacks
-
-
-@contextlib.contextmanager
-def messages_of_others() -> Iterator[list[str]]:
-    """Collect warnings and errors of instances that fmpy makes itself."""
-    _logger()
-    messages: list[str] = []
-    _others.append(messages)
-    try:
-        yield messages
-    finally:
-        _others.remove(messages)
+    state: c_void_p
+    time: float
 
 
 class Fmu:
@@ -169,13 +111,14 @@ class Fmu:
             instanceName=self.path.stem,
         )
         try:
-            self._instance.instantiate(callbacks=_callbacks(self), loggingOn=True)
+            self._instance.instantiate(callbacks=callbacks_of(self), loggingOn=True)
         except Exception as error:
             reasons = "; ".join(self.messages) or str(error)
             raise DriveError(f"{self.path} cannot be instantiated: {reasons}") from error
         return self._instance
 
-    def _log(self, status: int, message: str) -> None:
+    def hear(self, status: int, message: str) -> None:
+        """Take a log message of the FMU; status as in FMI 2.0."""
         self.messages.append(message)
         if status > 0:
             self._errors.append(message)
@@ -276,6 +219,65 @@ class Fmu:
         names = (c_char_p * len(categories))(*(category.encode() for category in categories))
         call = functools.partial(self._instance.fmi2SetDebugLogging, self._instance.component, int(on))
         self._guard("setDebugLogging", lambda: call(len(categories), names))
+
+    def _references(self, names: Sequence[str]) -> Any:
+        from fmpy.fmi2 import fmi2ValueReference
+
+        return (fmi2ValueReference * len(names))(*(self._variable(name).valueReference for name in names))
+
+    def set_rates(self, **rates: float) -> None:
+        """Give inputs a rate over the coming step, per second (native FMUs; see docs/fmu.md).
+
+        Raises:
+            DriveError: an unknown name, no input, or an FMU that takes no derivatives of inputs.
+        """
+        count = len(rates)
+        orders, values = (c_int * count)(*[1] * count), (c_double * count)(*rates.values())
+        call = self._instance.fmi2SetRealInputDerivatives
+        arguments = self._instance.component, self._references(tuple(rates)), count, orders, values
+        self._guard("setRealInputDerivatives", functools.partial(call, *arguments))
+
+    def rates(self, names: Sequence[str]) -> tuple[float, ...]:
+        """Rates of outputs at the end of the last step, per second (native FMUs; see docs/fmu.md).
+
+        Raises:
+            DriveError: an unknown name, no output, or an FMU that gives no derivatives of outputs.
+        """
+        count = len(names)
+        orders, values = (c_int * count)(*[1] * count), (c_double * count)()
+        call = self._instance.fmi2GetRealOutputDerivatives
+        arguments = self._instance.component, self._references(names), count, orders, values
+        self._guard("getRealOutputDerivatives", functools.partial(call, *arguments))
+        return tuple(values)
+
+    def jacobian(self, outputs: Sequence[str], inputs: Sequence[str]) -> NDArray[np.float64]:
+        """How outputs after the last step change with the inputs over it (native FMUs; see docs/fmu.md).
+
+        Returns:
+            Shape (outputs, inputs), units of the output over those of the input.
+
+        Raises:
+            DriveError: an unknown name, or an FMU that gives no directional derivatives.
+        """
+        unknowns = list(self._references(outputs))
+        columns: list[list[float]] = []
+        for known in self._references(inputs):
+            call = functools.partial(self._instance.getDirectionalDerivative, unknowns, [known], [1.0])
+            self._guard("getDirectionalDerivative", lambda call=call: columns.append(call()))  # type: ignore[misc]
+        return np.array(columns, dtype=np.float64).reshape(len(inputs), len(outputs)).T
+
+    def keep(self) -> Kept:
+        """Keep the state to go back to; cheaper than save, and good for this instance only."""
+        return Kept(self._instance.getFMUstate(), self.time)
+
+    def go_back(self, kept: Kept) -> None:
+        """Take over a state of keep, and its time."""
+        self._guard("setFMUstate", lambda: self._instance.setFMUstate(kept.state))
+        self.time = kept.time
+
+    def forget(self, kept: Kept) -> None:
+        """Free a state of keep; closing the instance frees all."""
+        self._instance.freeFMUstate(kept.state)
 
     def save(self) -> bytes:
         """The whole state of the instance, serialised."""

@@ -8,7 +8,7 @@ from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave, fmi2Discard, fmi2Error
 
 from inertia_module.fmu.builder import build
-from inertia_module.instance import messages_of_others
+from inertia_module.logs import messages_of_others
 
 # the FMUs a test runs with, unless its file says otherwise by a FLAVOURS of its own
 FLAVOURS = ("InertiaModule", "InertiaModulePy")
