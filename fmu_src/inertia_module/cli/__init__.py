@@ -1,0 +1,32 @@
+"""The command ``inertia-module``: FMUs, scenes, what accuracy costs, the papers, the extremes."""
+
+from __future__ import annotations
+
+import atexit
+import os
+import sys
+
+from . import fmus, pages, scenes  # each adds its commands to app
+from .shared import app, current_fmu
+
+__all__ = ["app", "current_fmu", "fmus", "main", "pages", "scenes"]
+
+
+def main() -> None:
+    """Entry of the console script.
+
+    A process that has loaded a Python FMU is ended without the destructors of its libraries: that of
+    pythonfmu 0.7 uses memory it has freed, and now and then aborts a run that has succeeded.
+    """
+    try:
+        app()
+        code: object = 0
+    except SystemExit as leave:
+        code = leave.code
+    if isinstance(code, str):
+        sys.stderr.write(code + "\n")
+        code = 1
+    atexit._run_exitfuncs()
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(code if isinstance(code, int) else 0)

@@ -1,0 +1,94 @@
+"""Commands around FMU files: build them, check any, export systems of them."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .shared import (
+    BUILD_FOLDER,
+    OUTPUT_FOLDER,
+    Json,
+    OutputFolder,
+    app,
+    one_line_errors,
+    show_table,
+)
+
+
+@app.command()
+def build(output: OutputFolder = None, as_json: Json = False) -> None:
+    """Build the FMUs, each whole or not at all (into build/ without -o)."""
+    from rich.console import Console
+
+    from ..fmu.builder import build as build_fmus
+
+    with one_line_errors():
+        folder = output or BUILD_FOLDER
+        if as_json:
+            built = build_fmus(folder)
+            typer.echo(json.dumps({"fmus": [str(path) for path in built.paths], "skipped": built.skipped}))
+            return
+        console = Console(soft_wrap=True, highlight=False)
+        with console.status("building") as status:
+
+            def stage(text: str) -> None:
+                status.update(text)
+                console.print(text)
+
+            built = build_fmus(folder, stage)
+        for path in built.paths:
+            console.print(f"built {path} ({path.stat().st_size / 1024:.0f} kB)")
+        for what, reason in built.skipped.items():
+            console.print(f"skipped {what}: {reason}")
+
+
+@app.command()
+def check(
+    fmu: Annotated[Path, typer.Argument(metavar="FILE.fmu", help="Any FMU file.")],
+    as_json: Json = False,
+) -> None:
+    """Validate an FMU file with fmpy, then step it over its default experiment."""
+    from ..checking import check_fmu
+
+    with one_line_errors():
+        report = check_fmu(fmu)
+    if as_json:
+        found = {"facts": report.facts, "problems": report.problems, "outputs": report.outputs}
+        typer.echo(json.dumps({"fmu": str(fmu)} | found))
+    else:
+        show_table(str(fmu), report.facts)
+        for problem in report.problems:
+            typer.echo(f"problem: {problem}")
+        typer.echo("no problems found" if not report.problems else f"{len(report.problems)} problems found")
+    if report.problems:
+        raise typer.Exit(1)
+
+
+@app.command()
+def export(
+    scene: Annotated[Path, typer.Argument(metavar="SCENE.toml", help="Scene file.")],
+    output: OutputFolder = None,
+    as_json: Json = False,
+) -> None:
+    """Export the mechanism of a scene as SSP, OSP and one container FMU (out/export/SCENE without -o).
+
+    An elastic mechanism becomes two FMUs, the rigid module and its shaft. Drive, load and controller stay
+    here: their values at the start go along, and speed and load are inputs of what is exported.
+    """
+    from ..export.writing import export as write
+    from ..scene import load_scene
+    from ..scene.export import scene_plan
+
+    with one_line_errors():
+        folder = output or OUTPUT_FOLDER / "export" / scene.stem
+        plan = scene_plan(load_scene(scene))
+        paths = write(plan, folder, lambda stage: typer.echo(stage, err=True))
+    if as_json:
+        typer.echo(json.dumps({"files": [str(path) for path in paths]}))
+        return
+    for path in paths:
+        typer.echo(f"wrote {path} ({path.stat().st_size / 1024:.0f} kB)")

@@ -1,0 +1,72 @@
+"""Commands that reproduce pages of the documentation: the papers, the extremes."""
+
+from __future__ import annotations
+
+import json
+from typing import Annotated
+
+import typer
+
+from .shared import (
+    OUTPUT_FOLDER,
+    Json,
+    OutputFolder,
+    app,
+    one_line_errors,
+)
+
+
+@app.command()
+def papers(output: OutputFolder = None, as_json: Json = False) -> None:
+    """Draw the figures of the papers as PNG and SVG, their numbers as CSV (out/papers without -o)."""
+    from ..drive import progress_bar
+    from ..paper_figures import all_figures
+    from ..results import write_columns, write_figure
+
+    folder = output or OUTPUT_FOLDER / "papers"
+    figures = all_figures()
+    files: list[str] = []
+    with one_line_errors(), progress_bar("drawing the papers", len(figures)) as progress:
+        for number, (name, draw) in enumerate(figures.items(), 1):
+            figure, columns = draw()
+            files += [str(write_figure(folder / f"{name}.{kind}", figure)) for kind in ("png", "svg")]
+            files.append(str(write_columns(folder / f"{name}.csv", columns)))
+            progress(number)
+    typer.echo(json.dumps({"files": files}) if as_json else "\n".join(files))
+
+
+@app.command()
+def stability(
+    output: OutputFolder = None,
+    as_json: Json = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Leave out the long runs.")] = False,
+    only: Annotated[str | None, typer.Option("--only", metavar="AXIS", help="One axis of the map.")] = None,
+) -> None:
+    """Try the extremes and give each a verdict (out/stability without -o); exit code 1 if one is broken."""
+    from ..drive import progress_bar
+    from ..results import write_figure
+    from ..studies.stability import report
+    from ..studies.stability.figure import verdict_map
+    from ..studies.stability.study import chosen_cases, run_study, write_cases
+    from ..studies.stability.table import rows_of, write_rows
+
+    folder = output or OUTPUT_FOLDER / "stability"
+    with one_line_errors():
+        chosen = chosen_cases(only, quick)
+        with progress_bar("trying the extremes") as progress:
+            verdicts = run_study(chosen, progress)
+        rows = rows_of(verdicts)
+        files = {
+            "verdicts": write_rows(folder / "stability.csv", rows),
+            "cases": write_cases(folder / "cases.csv", verdicts),
+            "map": write_figure(folder / "stability.png", verdict_map(rows)),
+        }
+    if as_json:
+        listed = {name: str(file) for name, file in files.items()}
+        typer.echo(json.dumps({"verdicts": report.as_records(verdicts), "files": listed}))
+    else:
+        report.print_rows(rows)
+        for name, file in files.items():
+            typer.echo(f"{name}: {file}")
+    if any(verdict.word == "broken" for verdict in verdicts):
+        raise typer.Exit(1)

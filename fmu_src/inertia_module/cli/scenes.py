@@ -1,0 +1,165 @@
+"""Commands around scenes: run them, measure what accuracy costs, draw their charts."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .shared import (
+    OUTPUT_FOLDER,
+    TABLE_WIDTH,
+    Json,
+    OutputFolder,
+    app,
+    current_fmu,
+    one_line_errors,
+    share,
+    show_table,
+)
+
+
+@app.command()
+def run(
+    scene: Annotated[Path, typer.Argument(metavar="SCENE.toml", help="Scene file.")],
+    output: OutputFolder = None,
+    fidelity: Annotated[
+        str | None,
+        typer.Option(help="Instead of the scene's: kinematic, averaged, rigid, elastic, or auto to choose."),
+    ] = None,
+    error: Annotated[
+        str | None,
+        typer.Option(help='Error allowed in the outputs, such as 0.01 or "1 %", for fidelity auto.'),
+    ] = None,
+    fmu: Annotated[
+        Path | None, typer.Option(metavar="FILE.fmu", help="FMU to run (build/InertiaModule.fmu).")
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Run a scene: leaves table.csv, summary.json and plot.png in a folder (out/SCENE without -o)."""
+    from ..drive import progress_bar
+    from ..figures import scene_figure
+    from ..results import write_figure, write_text
+    from ..scene import load_scene, run_scene
+    from ..studies.trials import choose
+
+    choice = None
+    with one_line_errors():
+        read = load_scene(scene)
+        allowed = share("--error", error)
+        if fidelity is not None or (allowed is not None and read.chooses_fidelity):
+            read = read.with_fidelity(fidelity or "auto", allowed)
+        if allowed is not None and not read.chooses_fidelity:
+            raise ValueError(f"--error = {error} is refused: allowed is that only with fidelity auto")
+        if read.chooses_fidelity:
+            with progress_bar("measuring the rungs") as progress:
+                read, choice = choose(read, progress)
+        path = fmu or current_fmu()
+        with progress_bar(read.title) as progress:
+            result = run_scene(read, path, progress)
+        chosen = {} if choice is None else {"fidelity_choice": choice.as_dict()}
+        summary = {**result.summary, **chosen}
+        folder = output or OUTPUT_FOLDER / scene.stem
+        files = {
+            "table": result.table.to_csv(folder / "table.csv"),
+            "summary": write_text(folder / "summary.json", json.dumps(summary, indent=2) + "\n"),
+            "plot": write_figure(folder / "plot.png", scene_figure(result)),
+        }
+    if as_json:
+        listed = {name: str(file) for name, file in files.items()}
+        typer.echo(json.dumps({"scene": str(scene), "summary": summary, "files": listed}))
+        return
+    rows = {
+        name.replace("_", " "): f"{value:.6g} {result.units[name]}".rstrip()
+        for name, value in result.summary.items()
+    }
+    show_table(read.title, rows)
+    for line in choice.lines() if choice is not None else ():
+        typer.echo(line)
+    for name, file in files.items():
+        typer.echo(f"{name}: {file}")
+
+
+@app.command()
+def tradeoff(
+    scene: Annotated[
+        Path | None, typer.Argument(metavar="SCENE.toml", help="Scene file (without it: scene R1).")
+    ] = None,
+    output: OutputFolder = None,
+    recommend: Annotated[
+        str | None,
+        typer.Option(metavar="ERROR", help='Recommend the cheapest rung for an error: 1e-3, "1 %".'),
+    ] = None,
+    wanted: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME", help="Output (of R1: error) that counts; may be repeated."),
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Measure error against cost: fidelity, method, tolerance or step, communication step (out/tradeoff)."""
+    from rich.console import Console
+
+    from ..drive import progress_bar
+    from ..scene import load_scene
+    from ..studies import tradeoff as study
+    from ..studies.choice import recommend as choose_cheapest
+    from ..studies.peers import PEERS
+    from ..studies.report import rich_table
+
+    with one_line_errors(), progress_bar("measuring the trade") as progress:
+        allowed = share("--recommend", recommend)
+        if scene is None:
+            names = tuple(wanted or (study.R1_WANTED,))
+            study.check_wanted(names)
+            found = study.open_study(study.R1, "scene R1", () if allowed else PEERS, progress)
+        else:
+            read = load_scene(scene)
+            read = read.replaced(run={"outputs": wanted}) if wanted else read
+            names = tuple(read.run.outputs)
+            found = (study.scene_trials if allowed else study.scene_study)(read, progress)
+        choice = choose_cheapest(found.rows, allowed, names) if allowed else None
+        files = study.write_study(found, output or OUTPUT_FOLDER / "tradeoff")
+    if as_json:
+        recommended = {} if choice is None else {"recommendation": choice.as_dict()}
+        listed = {"files": {name: str(file) for name, file in files.items()}}
+        typer.echo(json.dumps({**study.study_as_dict(found), **recommended, **listed}))
+        return
+    Console(width=TABLE_WIDTH).print(rich_table(found.title, found.rows, found.names))
+    for line in study.closing_lines(found, choice):
+        typer.echo(line)
+    for name, file in files.items():
+        typer.echo(f"{name}: {file}")
+
+
+@app.command()
+def chart(
+    scenes: Annotated[list[Path], typer.Argument(metavar="SCENE.toml...", help="Scenes to compare.")],
+    output: OutputFolder = None,
+    as_json: Json = False,
+) -> None:
+    """Torque converter charts of mechanisms: a CSV each and one figure (out/chart without -o)."""
+    from ..chart import torque_converter_chart
+    from ..chart_figure import chart_figure
+    from ..results import write_figure
+    from ..scene import load_scene
+
+    folder = output or OUTPUT_FOLDER / "chart"
+    with one_line_errors():
+        names = [scene.stem for scene in scenes]
+        if len(set(names)) < len(names):
+            raise ValueError(f"scenes {', '.join(names)} are refused: allowed are files of different names")
+        charts = {
+            name: torque_converter_chart(load_scene(scene).parameters())
+            for name, scene in zip(names, scenes, strict=True)
+        }
+        files = [str(found.save(folder / f"{name}.csv")) for name, found in charts.items()]
+        files.append(str(write_figure(folder / "chart.png", chart_figure(charts))))
+    if as_json:
+        summaries = {name: found.summary() for name, found in charts.items()}
+        typer.echo(json.dumps({"charts": summaries, "files": files}))
+        return
+    for name, found in charts.items():
+        show_table(name, {key.replace("_", " "): f"{value:.6g}" for key, value in found.summary().items()})
+    typer.echo("\n".join(files))

@@ -1,0 +1,75 @@
+"""What the commands share: the application, options, errors in one line, tables."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+BUILD_FOLDER = Path("build")
+OUTPUT_FOLDER = Path("out")
+# columns of a wide table: a narrower console wraps its lines
+TABLE_WIDTH = 160
+
+app = typer.Typer(
+    help="Inertia module: an inertial torque transformer as an FMI 2.0 co-simulation FMU.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+OutputFolder = Annotated[
+    Path | None,
+    typer.Option("--output", "-o", metavar="DIR", help="Folder to write to; made if it is not there."),
+]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object for machines.")]
+
+
+@contextmanager
+def one_line_errors() -> Iterator[None]:
+    """Errors a user can cause leave with one clear line and exit code 1."""
+    try:
+        yield
+    except (ValueError, RuntimeError, OSError) as error:
+        typer.echo("error: " + " ".join(str(error).split()), err=True)
+        raise typer.Exit(1) from error
+
+
+def show_table(title: str, rows: dict[str, str]) -> None:
+    """Print headings and values as a table."""
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(title=title, title_justify="left", show_header=False)
+    for heading, value in rows.items():
+        table.add_row(heading, value)
+    Console(soft_wrap=True).print(table)
+
+
+def current_fmu() -> Path:
+    """The FMU of the module in build/, built anew if it is missing or of another state of the package.
+
+    It is the native one or, where that cannot be compiled, the Python one.
+    """
+    from ..fmu.builder import MODULE_FMU, PYTHON_FMU, is_current
+    from ..fmu.builder import build as build_fmus
+
+    for fmu in (MODULE_FMU, PYTHON_FMU):
+        if is_current(BUILD_FOLDER / fmu.file_name, fmu):
+            return BUILD_FOLDER / fmu.file_name
+    return build_fmus(BUILD_FOLDER, lambda stage: typer.echo(stage, err=True)).paths[0]
+
+
+def share(option: str, text: str | None) -> float | None:
+    """An error given on the command line, such as 0.01 or "1 %"."""
+    from ..scene.units import checked
+
+    if text is None:
+        return None
+    try:
+        return checked(text, "1", maximum=1.0, above=0.0)
+    except ValueError as error:
+        raise ValueError(f"{option} = {text!r} is refused: {error}") from None

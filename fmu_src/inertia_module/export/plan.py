@@ -1,0 +1,120 @@
+"""What is exported: module and elastic shaft as two FMUs, wired, with the values of a scene."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from ..fmu.builder import MODULE_FMU, SHAFT_FMU
+from ..fmu.native_fmu import NativeFmu
+from ..kernel.slots import ELASTIC, RIGID
+from ..model import DRIVEN_SHAFT, INERTIA_MODULE, Model
+from ..variables import PARAMETER, Variable
+from ..wiring import Wire
+
+MODULE, SHAFT = "module", "shaft"
+# outputs worth a connector of the whole system
+SHOWN = {
+    MODULE: ("omega2", "omega_out", "input_torque_mean", "output_torque_mean", "imbalance_acceleration"),
+    SHAFT: ("omega_out", "shaft_torque_mean", "twist", "driven_acceleration"),
+}
+
+
+class Part(NamedTuple):
+    """One FMU of a system: its values by name, those that differ from the start values."""
+
+    name: str
+    fmu: NativeFmu
+    values: dict[str, float]
+
+    @property
+    def model(self) -> Model:
+        """What the FMU computes."""
+        return self.fmu.model
+
+    def variable(self, name: str) -> Variable:
+        """One of its variables."""
+        return self.model.by_name[name]
+
+
+class Plan(NamedTuple):
+    """A system of FMUs to export.
+
+    Attributes:
+        title: of the system. parts: its FMUs. wires: between them.
+        inputs: inputs of the system (part, variable). outputs: likewise.
+        step: communication step, s. stop_time: s. tolerance: of the experiment.
+    """
+
+    title: str
+    parts: tuple[Part, ...]
+    wires: tuple[Wire, ...]
+    inputs: tuple[tuple[str, str], ...]
+    outputs: tuple[tuple[str, str], ...]
+    step: float
+    stop_time: float
+    tolerance: float
+
+    def part(self, name: str) -> Part:
+        """A part by its name."""
+        return next(part for part in self.parts if part.name == name)
+
+
+def _of(model: Model, values: Mapping[str, float]) -> dict[str, float]:
+    names = {variable.name for variable in model.with_causality(PARAMETER)}
+    return {name: float(value) for name, value in values.items() if name in names}
+
+
+def make_plan(
+    title: str,
+    values: Mapping[str, float],
+    inputs: Mapping[str, float],
+    step: float,
+    stop_time: float,
+    tolerance: float = 1e-6,
+) -> Plan:
+    """The system for a mechanism: the module alone or, if it is elastic, the rigid module and its shaft.
+
+    Args:
+        values: parameters of the module that differ from their start values.
+        inputs: omega1 and load_torque at the start. step: communication step, s. stop_time: s.
+        tolerance: of the module.
+    """
+    own = {**_of(INERTIA_MODULE, values), "tolerance": tolerance}
+    if values.get("fidelity") != ELASTIC:
+        module = Part(MODULE, MODULE_FMU, {**own, **inputs})
+        ends = tuple((MODULE, name) for name in ("omega1", "load_torque"))
+        return Plan(title, (module,), (), ends, _shown(MODULE), step, stop_time, tolerance)
+    rigid = {name: value for name, value in own.items() if name not in DRIVEN_SHAFT.by_name}
+    shared = {name: own[name] for name in ("omega_out_start", "input_hold") if name in own}
+    module_values: dict[str, float] = {
+        **rigid,
+        **shared,
+        "fidelity": float(RIGID),
+        "omega1": inputs["omega1"],
+        "load_torque": 0.0,
+    }
+    start = {"hub_speed": own.get("omega_out_start", 0.0), "load_torque": inputs["load_torque"]}
+    parts = (
+        Part(MODULE, MODULE_FMU, module_values),
+        Part(SHAFT, SHAFT_FMU, {**_of(DRIVEN_SHAFT, values), **start}),
+    )
+    wires = (
+        Wire(MODULE, "omega_out", SHAFT, "hub_speed"),
+        Wire(SHAFT, "shaft_torque_mean", MODULE, "load_torque"),
+    )
+    ends = ((MODULE, "omega1"), (SHAFT, "load_torque"))
+    return Plan(title, parts, wires, ends, _shown(MODULE, SHAFT), step, stop_time, tolerance)
+
+
+def _shown(*names: str) -> tuple[tuple[str, str], ...]:
+    return tuple((name, output) for name in names for output in SHOWN[name])
+
+
+def typed(variable: Variable, value: float) -> tuple[str, Any]:
+    """(kind, value as text) of a variable in files of other tools; enumerations as their numbers."""
+    if variable.kind == "Boolean":
+        return "Boolean", "true" if value else "false"
+    if variable.kind == "Real":
+        return "Real", repr(float(value))
+    return variable.kind, str(int(value))

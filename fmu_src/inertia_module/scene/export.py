@@ -1,0 +1,30 @@
+"""What of a scene can be exported to other tools: its mechanism and the values at its start."""
+
+from __future__ import annotations
+
+from ..export.plan import Plan, make_plan
+from ..loops import connect, initial_inputs
+from ..variables import BY_NAME
+from .errors import SceneError
+from .schema import Scene
+
+# of a scene that gives none
+DEFAULT_TOLERANCE = BY_NAME["tolerance"].start or 1e-6
+
+
+def scene_plan(scene: Scene) -> Plan:
+    """The system of FMUs for the mechanism of a scene.
+
+    Raises:
+        SceneError: its fidelity is still to be chosen.
+    """
+    if scene.chooses_fidelity:
+        raise SceneError(
+            "mechanism.fidelity = 'auto' is refused for an export: allowed is a fidelity by name"
+        )
+    surroundings = connect(list(scene.systems()))
+    values = scene.parameters()
+    inputs = initial_inputs(surroundings, {"omega_out": values.get("omega_out_start", 0.0)})
+    step = float(surroundings.dt)
+    tolerance = scene.accuracy.tolerance or DEFAULT_TOLERANCE
+    return make_plan(scene.title, values, inputs, step, scene.run.stop_time, tolerance)
