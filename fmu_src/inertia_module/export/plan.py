@@ -86,7 +86,7 @@ def make_plan(
         ends = tuple((MODULE, name) for name in ("omega1", "load_torque"))
         return Plan(title, (module,), (), ends, _shown(MODULE), step, stop_time, tolerance)
     rigid = {name: value for name, value in own.items() if name not in DRIVEN_SHAFT.by_name}
-    shared = {name: own[name] for name in ("omega_out_start", "input_hold") if name in own}
+    shared: dict[str, float] = {name: own[name] for name in ("omega_out_start", "input_hold") if name in own}
     module_values: dict[str, float] = {
         **rigid,
         **shared,
