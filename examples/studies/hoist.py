@@ -1,0 +1,75 @@
+"""Hoist: a load that pulls backwards, with and without the freewheel to the housing.
+
+A drum with a hanging load: its weight pulls the shaft backwards all the time. The module lifts it by pulses; between
+them, and when the input stands still, the freewheel of link 2 to the housing holds the load by itself. It cannot
+lower it: for that a brake on a second way is needed. Without that freewheel nothing holds it.
+
+Run: python examples/studies/hoist.py    (leaves out/hoist/table.csv and plot.png)
+"""
+
+from pathlib import Path
+
+import numpy as np
+from launch import FMU, MECHANISM, stall_torque
+
+from inertia_module.drive import drive
+from inertia_module.results import Result, write_figure
+
+LIFT = 0.01  # m a radian of the shaft: a drum of 0.2 m behind a gear of 20
+INERTIA = 0.2  # kg.m2, drum and load
+GRAVITY = 9.80665  # m/s2
+OMEGA1 = 150.0  # rad/s
+# the input runs, stands, runs again
+TIMES = (0.0, 3.0, 3.2, 7.0, 7.2, 10.0)  # s
+SPEEDS = (OMEGA1, OMEGA1, 0.0, 0.0, OMEGA1, OMEGA1)
+STEP = 2e-3  # s
+SHARES = (0.2, 0.5, 0.8, 1.2)  # of the stall torque
+OUTPUTS = ("omega_out", "output_torque_mean", "housing_torque", "energy_in", "energy_out")
+
+
+def run(weight_torque, housing_freewheel=True, fmu=FMU, stop=TIMES[-1]):
+    """The run with a load, N.m, as a table; height of the load, m, added."""
+    parameters = {**MECHANISM, "output_inertia": INERTIA, "housing_freewheel": housing_freewheel}
+    parameters["input_hold"] = "linear"
+    inputs = {"time": TIMES, "omega1": SPEEDS, "load_torque": np.full(len(TIMES), weight_torque)}
+    table = drive(fmu, inputs, stop, STEP, OUTPUTS, parameters)
+    # the work done on the load is its weight times the height
+    height = table["energy_out"] * LIFT / weight_torque
+    columns = {name: table[name] for name in table.names} | {"height": height}
+    return Result.from_columns(columns, {**table.units, "height": "m"})
+
+
+def study(fmu=FMU):
+    """Rows (load, mass, height lifted in the first run, lost until the second, speed of lifting) and tables."""
+    torque = stall_torque(OMEGA1, fmu)
+    rows, tables = [], {}
+    for share in SHARES:
+        load = share * torque
+        table = tables[share] = run(load, True, fmu)
+        standing = table.time < TIMES[3]
+        lifted, held = np.interp((TIMES[1], TIMES[3]), table.time, table["height"])
+        late = (table.time > 1.0) & (table.time < TIMES[1])
+        speed = np.ptp(table["height"][late]) / np.ptp(table.time[late])
+        rows.append((load, load / LIFT / GRAVITY, lifted, table["height"][standing].max() - held, speed))
+    return rows, tables
+
+
+def main():
+    rows, tables = study()
+    print("load, N.m   mass, kg   lifted in 3 s, m   sunk while standing, m   lifting, m/s")
+    for load, mass, lifted, sunk, speed in rows:
+        print(f"{load:<11.1f} {mass:<10.1f} {lifted:<18.3f} {sunk:<24.2e} {speed:.3f}")
+    load = SHARES[1] * rows[0][0] / SHARES[0]
+    falling = run(load, False, stop=1.0)
+    print(f"without the freewheel of link 2, {load:.1f} N.m: {falling['height'][-1]:.2f} m after 1 s")
+    columns = {"time": tables[SHARES[0]].time, "omega1": tables[SHARES[0]]["omega1"]}
+    columns |= {f"height_{share:g}": table["height"] for share, table in tables.items()}
+    units = {name: "rad/s" if name == "omega1" else "m" for name in columns if name != "time"}
+    result = Result.from_columns(columns, units)
+    folder = Path("out") / "hoist"
+    print(result.to_csv(folder / "table.csv"))
+    print(write_figure(folder / "plot.png", result.figure()))
+
+
+if __name__ == "__main__":
+    main()

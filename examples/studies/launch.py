@@ -1,0 +1,79 @@
+"""Launch from standstill: how hard does the module pull a shaft that stands, and how soon is it up to speed?
+
+A planar module with constant input speed starts a flywheel against a constant load. The stall torque is the
+mean torque on a shaft too heavy to move; without gravity it grows with the square of the input speed. The time to
+half and to nine tenths of the input speed follows, rigid (with its pulses) and averaged (without).
+
+Run: python examples/studies/launch.py    (leaves out/launch/table.csv and plot.png)
+"""
+
+from pathlib import Path
+
+import numpy as np
+
+from inertia_module.drive import drive
+from inertia_module.results import Result, write_figure
+
+FMU = Path(__file__).parents[2] / "build" / "InertiaModule.fmu"
+MECHANISM = {"layout": "planar", "sun_radius": 0.1, "satellite_radius": 0.06, "eccentricity": 0.04}
+MECHANISM |= {"imbalance_mass": 0.3, "satellites": 3, "link2_inertia": 0.01}
+FLYWHEEL = 2.0  # kg.m2
+LOAD = 20.0  # N.m
+SPEEDS = (100.0, 150.0, 200.0)  # rad/s
+STEP = 2e-3  # s
+STOP = 6.0  # s
+OUTPUTS = ("omega_out", "output_torque_mean", "input_torque_mean")
+
+
+def stall_torque(omega1, fmu=FMU):
+    """Mean torque on a shaft that stands, N.m: of a second, for it has some hundred pulses."""
+    held = {**MECHANISM, "output_inertia": 1e9}
+    table = drive(fmu, {"omega1": omega1, "load_torque": 0.0}, 1.0, 1.0, OUTPUTS, held)
+    return table["output_torque_mean"][-1]
+
+
+def launch(omega1, fidelity, fmu=FMU):
+    """The launch as a table over time."""
+    parameters = {**MECHANISM, "output_inertia": FLYWHEEL, "fidelity": fidelity}
+    return drive(fmu, {"omega1": omega1, "load_torque": LOAD}, STOP, STEP, OUTPUTS, parameters)
+
+
+def time_to(table, speed):
+    """First time the shaft has a speed, s; infinite if it never has."""
+    there = np.flatnonzero(table["omega_out"] >= speed)
+    return table.time[there[0]] if there.size else np.inf
+
+
+def study(fmu=FMU):
+    """Rows (omega1, stall torque, times to 50 % and 90 %, rigid; the same, averaged) and the launches."""
+    rows, launches = [], {}
+    for omega1 in SPEEDS:
+        times = []
+        for fidelity in ("rigid", "averaged"):
+            table = launches[omega1, fidelity] = launch(omega1, fidelity, fmu)
+            times += [time_to(table, 0.5 * omega1), time_to(table, 0.9 * omega1)]
+        rows.append((omega1, stall_torque(omega1, fmu), *times))
+    return rows, launches
+
+
+def main():
+    rows, launches = study()
+    print("omega1   stall torque   of omega1^2     rigid: 50 %    90 %   averaged: 50 %    90 %")
+    print("rad/s    N.m            N.m.s2/rad2            s       s                s       s")
+    for omega1, torque, *times in rows:
+        rigid_half, rigid_most, half, most = times
+        print(
+            f"{omega1:<8g} {torque:<14.1f} {torque / omega1**2:<15.5f} {rigid_half:11.3f} {rigid_most:7.3f}"
+            f" {half:16.3f} {most:7.3f}"
+        )
+    columns = {"time": launches[SPEEDS[0], "rigid"].time}
+    for (omega1, fidelity), table in launches.items():
+        columns[f"{fidelity}_{omega1:g}"] = table["omega_out"]
+    result = Result.from_columns(columns, {name: "rad/s" for name in columns if name != "time"})
+    folder = Path("out") / "launch"
+    print(result.to_csv(folder / "table.csv"))
+    print(write_figure(folder / "plot.png", result.figure()))
+
+
+if __name__ == "__main__":
+    main()

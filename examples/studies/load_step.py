@@ -1,0 +1,80 @@
+"""Climbing a step in load: what does the shaft do when the load grows, and when does it stop altogether?
+
+The module runs at constant input speed, locked up: link 2, shaft and link 1 turn as one, and more than the stall
+torque goes through without a pulse. The load on the shaft goes up in steps. Beyond what
+lock-up can hold the satellites begin to turn, and the module falls to where its mean torque meets the load; with a load above the stall torque that is rest, the shaft held by the freewheel of
+link 2. When the load goes back, the shaft starts again by itself.
+
+Run: python examples/studies/load_step.py    (leaves out/load_step/table.csv and plot.png)
+"""
+
+from pathlib import Path
+
+import numpy as np
+from launch import FMU, MECHANISM
+
+from inertia_module.chart import torque_converter_chart
+from inertia_module.drive import drive
+from inertia_module.results import write_figure
+
+OMEGA1 = 150.0  # rad/s
+INERTIA = 0.5  # kg.m2
+HOLD = 4.0  # s at each load
+STEP = 2e-3  # s
+# loads over the stall torque and, in the middle, over what lock-up can hold
+STALL_SHARES = (0.3, 0.8)
+LOCK_UP_SHARES = (0.5, 1.1)
+BACK_SHARES = (0.8, 0.3)
+OUTPUTS = ("omega_out", "output_torque_mean", "input_torque_mean")
+
+
+def loads_of_study():
+    """The loads, N.m, from the chart of the mechanism."""
+    known = torque_converter_chart({**MECHANISM, "layout": 1}).summary()  # planar
+    stall, lock_up = (known[name] * OMEGA1**2 for name in ("stall_torque", "lock_up_torque"))
+    return np.array(
+        [
+            *(share * stall for share in STALL_SHARES),
+            *(share * lock_up for share in LOCK_UP_SHARES),
+            *(share * stall for share in BACK_SHARES),
+        ]
+    )
+
+
+def run(loads, fmu=FMU):
+    """The whole run as a table."""
+    edges = HOLD * np.arange(len(loads) + 1)
+    # a step of the load is as steep as one communication step
+    time = np.sort(np.concatenate([edges[:-1], edges[1:] - STEP]))
+    inputs = {"time": time, "omega1": np.full(time.size, OMEGA1), "load_torque": np.repeat(loads, 2)}
+    parameters = {**MECHANISM, "output_inertia": INERTIA}
+    return drive(fmu, inputs, float(edges[-1]), STEP, OUTPUTS, parameters)
+
+
+def study(fmu=FMU):
+    """(rows of load, settled speed, lowest speed, input torque; the table)."""
+    loads = loads_of_study()
+    table = run(loads, fmu)
+    rows = []
+    for n, load in enumerate(loads):
+        held = (table.time >= n * HOLD) & (table.time < (n + 1) * HOLD)
+        last = held & (table.time >= (n + 0.75) * HOLD)
+        speed = table["omega_out"][last].mean()
+        torque = table["input_torque_mean"][last].mean()
+        rows.append((load, speed, table["omega_out"][held].min(), torque))
+    return rows, table
+
+
+def main():
+    rows, table = study()
+    print("load, N.m   settled, rad/s   of omega1   lowest, rad/s   mean input torque, N.m")
+    for load, speed, lowest, torque in rows:
+        print(f"{load:<11.1f} {speed:<16.2f} {speed / OMEGA1:<11.3f} {lowest:<15.2f} {torque:.2f}")
+    folder = Path("out") / "load_step"
+    print(table.to_csv(folder / "table.csv"))
+    shown = ("load_torque", "output_torque_mean", "input_torque_mean", "omega_out")
+    print(write_figure(folder / "plot.png", table.figure(shown)))
+
+
+if __name__ == "__main__":
+    main()

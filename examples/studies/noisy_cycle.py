@@ -1,0 +1,127 @@
+"""The urban cycle under noise: how well does the car follow when its speed sensor and the wind are noisy?
+
+The car of examples/urban.toml, once undisturbed and with noise on the measured speed (what a wheel sensor has) and gusts on
+the load. The controller sees the noisy speed; the error is that of the true one. The noise is the same in every
+run: numbers from a seeded generator, held for 50 ms, gusts smoothed over a second.
+
+Run: python examples/studies/noisy_cycle.py    (leaves out/noisy_cycle/table.csv and plot.png)
+"""
+
+from pathlib import Path
+
+import control as ct
+import numpy as np
+from launch import FMU, MECHANISM
+
+from inertia_module import loops
+from inertia_module.cycles import ELEMENTARY_URBAN_CYCLE as CYCLE
+from inertia_module.drive import Fmu
+from inertia_module.results import Result, write_figure
+
+STEP = 0.01  # s
+SEED = 2026
+HELD = 0.05  # s
+SENSOR = 0.05  # m/s, standard deviation
+GUST = 6.0  # N.m on the output shaft, standard deviation
+CASES = {
+    "undisturbed": (0.0, 0.0),
+    "noisy sensor": (SENSOR, 0.0),
+    "gusts": (0.0, GUST),
+    "both": (SENSOR, GUST),
+}
+
+
+def noise(deviation, smooth, rng):
+    """Noise over the cycle as a table: numbers held for HELD seconds or smoothed over a time, s."""
+    time = np.arange(0.0, CYCLE.duration + HELD, HELD)
+    values = rng.normal(0.0, 1.0, time.size)
+    if smooth:
+        width = round(smooth / HELD)
+        values = np.convolve(values, np.ones(width) / np.sqrt(width), mode="same")
+    return loops.Table(time, deviation * values)
+
+
+def disturbances(sensor, gust):
+    """Systems that add the noise: to the measured speed, and to the torque of the car."""
+    rng = np.random.default_rng(SEED)
+    wheel, wind = noise(sensor, 0.0, rng), noise(gust, 1.0, rng)
+    measured = ct.nlsys(
+        None,
+        lambda t, x, u, params: [u[0] + wheel(t)],
+        inputs=["vehicle_speed"],
+        outputs=["measured_speed"],
+        dt=STEP,
+        name="sensor",
+    )
+    return measured, wind
+
+
+def run(sensor, gust, fmu=FMU):
+    """The cycle as a table."""
+    measured, wind = disturbances(sensor, gust)
+    car = loops.vehicle_load(STEP, mass=900.0, wheel_radius=0.29, final_drive=4.0, drag_area=0.65)
+    torque = ct.nlsys(
+        None,
+        lambda t, x, u, params: [u[0] + wind(t) * min(1.0, u[1])],
+        inputs=["car_torque", "vehicle_speed"],
+        outputs=["load_torque"],
+        dt=STEP,
+        name="wind",
+    )
+    labels = ["car_torque" if label == "load_torque" else label for label in car.system.output_labels]
+    vehicle = car.system.copy()
+    vehicle.set_outputs(labels)
+    controller = loops.pi_speed_controller(
+        STEP, 500.0, 100.0, (0.0, 400.0), feedforward=13.8, measured="measured_speed"
+    )
+    surroundings = loops.connect(
+        [
+            loops.source("reference", loops.Table(CYCLE.time, CYCLE.speed), STEP),
+            measured,
+            controller,
+            loops.driver_brake(STEP, gain=8000.0, greatest=6000.0, margin=0.14),
+            vehicle,
+            torque,
+        ]
+    )
+    parameters = {**MECHANISM, "input_hold": "linear", "output_inertia": 0.05 + car.rigid_inertia}
+    with Fmu(fmu, parameters, loops.initial_inputs(surroundings), tolerance=1e-6) as instance:
+        loop = loops.ClosedLoop(instance, surroundings, outputs=("energy_in", "energy_residual"))
+        return loop.run(CYCLE.duration)
+
+
+def judge(table):
+    """(speed error, km/h rms; share of time out of the tolerance; input work, kJ; residual over it)."""
+    lower, upper = CYCLE.tolerance_band(table.time)
+    speed = table["vehicle_speed"]
+    outside = np.mean((speed < lower) | (speed > upper))
+    error = 3.6 * np.sqrt(np.mean((speed - table["reference"]) ** 2))
+    work = table["energy_in"][-1]
+    return error, outside, work / 1e3, abs(table["energy_residual"][-1]) / work
+
+
+def study(fmu=FMU):
+    """Tables of all cases by name."""
+    return {name: run(*deviations, fmu) for name, deviations in CASES.items()}
+
+
+def main():
+    tables = study()
+    print("case           error, km/h rms   out of tolerance   input work, kJ   energy residual")
+    for name, table in tables.items():
+        error, outside, work, residual = judge(table)
+        print(f"{name:<14} {error:<17.3f} {outside:<18.2%} {work:<16.1f} {residual:.1e}")
+    columns = {"time": tables["both"].time, "reference": tables["both"]["reference"]}
+    columns |= {name.replace(" ", "_"): table["vehicle_speed"] for name, table in tables.items()}
+    columns |= {
+        f"omega1_{name.replace(' ', '_')}": tables[name]["omega1"] for name in ("undisturbed", "both")
+    }
+    units = {name: "rad/s" if name.startswith("omega1") else "m/s" for name in columns if name != "time"}
+    result = Result.from_columns(columns, units)
+    folder = Path("out") / "noisy_cycle"
+    print(result.to_csv(folder / "table.csv"))
+    print(write_figure(folder / "plot.png", result.figure()))
+
+
+if __name__ == "__main__":
+    main()

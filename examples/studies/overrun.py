@@ -1,0 +1,77 @@
+"""Overrun and coasting: what happens when the engine slows down below the shaft?
+
+The output freewheel passes no torque backwards, so there is no engine braking: the shaft coasts against its load while
+the input slows down, and when the input comes back it has to overtake the shaft before it pulls again.
+Without the output freewheel link 2 and the shaft are one: then the shaft drags the mechanism along.
+
+Run: python examples/studies/overrun.py    (leaves out/overrun/table.csv and plot.png)
+"""
+
+from pathlib import Path
+
+import numpy as np
+from launch import FMU, MECHANISM
+
+from inertia_module.drive import drive
+from inertia_module.results import Result, write_figure
+
+INERTIA = 2.0  # kg.m2
+LOAD = 5.0  # N.m
+# input speed: full, down to a quarter, back up
+TIMES = (0.0, 4.0, 4.5, 7.0, 8.0, 12.0)  # s
+SPEEDS = (200.0, 200.0, 50.0, 50.0, 200.0, 200.0)  # rad/s
+STEP = 2e-3  # s
+OUTPUTS = ("omega_out", "omega2", "output_torque_mean", "input_torque_mean", "energy_in", "energy_out")
+
+
+def run(output_freewheel=True, fmu=FMU):
+    """The run as a table."""
+    parameters = {**MECHANISM, "output_inertia": INERTIA, "output_freewheel": output_freewheel}
+    parameters["input_hold"] = "linear"
+    inputs = {"time": TIMES, "omega1": SPEEDS, "load_torque": np.full(len(TIMES), LOAD)}
+    return drive(fmu, inputs, TIMES[-1], STEP, OUTPUTS, parameters)
+
+
+def phases(table):
+    """(decelerations of the shaft while it coasts, rad/s2: measured and load / inertia; time to pull again, s)."""
+    coasting = (table.time > TIMES[2]) & (table.time < TIMES[3])
+    speed = table["omega_out"][coasting]
+    slowed = (speed[0] - speed[-1]) / np.ptp(table.time[coasting])
+    back = table.time >= TIMES[3]
+    pulls = back & (table["output_torque_mean"] > LOAD)
+    again = table.time[np.flatnonzero(pulls)[0]] if pulls.any() else np.nan
+    return slowed, LOAD / INERTIA, again - TIMES[3]
+
+
+def study(fmu=FMU):
+    """Tables with and without the output freewheel."""
+    return {freewheel: run(freewheel, fmu) for freewheel in (True, False)}
+
+
+def main():
+    tables = study()
+    slowed, free, again = phases(tables[True])
+    print(f"shaft while it overruns: {slowed:.4f} rad/s2; load over inertia: {free:.4f} rad/s2")
+    print(f"pulls again {again:.3f} s after the input begins to speed up")
+    for freewheel, table in tables.items():
+        during = (table.time > TIMES[2]) & (table.time < TIMES[3])
+        work = table["energy_in"][during][-1] - table["energy_in"][during][0]
+        words = "with" if freewheel else "without"
+        lowest = table["omega_out"][during].min()
+        print(
+            f"{words} output freewheel: input work while slow {work:9.1f} J, lowest speed {lowest:7.2f} rad/s"
+        )
+    columns = {"time": tables[True].time, "omega1": tables[True]["omega1"]}
+    columns |= {
+        f"omega_out_{'free' if key else 'rigid'}": table["omega_out"] for key, table in tables.items()
+    }
+    columns["output_torque_mean"] = tables[True]["output_torque_mean"]
+    units = {name: "N.m" if "torque" in name else "rad/s" for name in columns if name != "time"}
+    result = Result.from_columns(columns, units)
+    folder = Path("out") / "overrun"
+    print(result.to_csv(folder / "table.csv"))
+    print(write_figure(folder / "plot.png", result.figure()))
+
+
+if __name__ == "__main__":
+    main()
