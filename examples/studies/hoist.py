@@ -1,8 +1,9 @@
 """Hoist: a load that pulls backwards, with and without the freewheel to the housing.
 
-A drum with a hanging load: its weight pulls the shaft backwards all the time. The module lifts it by pulses; between
-them, and when the input stands still, the freewheel of link 2 to the housing holds the load by itself. It cannot
-lower it: for that a brake on a second way is needed. Without that freewheel nothing holds it.
+A drum with a hanging load: its weight pulls the shaft backwards all the time. The module lifts it by
+pulses; between them, and when the input stands still, the freewheel of link 2 to the housing holds the load
+by itself. It cannot lower it: for that a brake on a second way is needed. Without that freewheel nothing
+holds it.
 
 Run: python examples/studies/hoist.py    (leaves out/hoist/table.csv and plot.png)
 """
@@ -40,7 +41,7 @@ def run(weight_torque, housing_freewheel=True, fmu=FMU, stop=TIMES[-1]):
 
 
 def study(fmu=FMU):
-    """Rows (load, mass, height lifted in the first run, lost until the second, speed of lifting) and tables."""
+    """Rows (load, mass, height lifted in the first run, lost after it, speed of lifting) and tables."""
     torque = stall_torque(OMEGA1, fmu)
     rows, tables = [], {}
     for share in SHARES:

@@ -1,8 +1,8 @@
 """Launch from standstill: how hard does the module pull a shaft that stands, and how soon is it up to speed?
 
 A planar module with constant input speed starts a flywheel against a constant load. The stall torque is the
-mean torque on a shaft too heavy to move; without gravity it grows with the square of the input speed. The time to
-half and to nine tenths of the input speed follows, rigid (with its pulses) and averaged (without).
+mean torque on a shaft too heavy to move; without gravity it grows with the square of the input speed. The
+time to half and to nine tenths of the input speed follows, rigid (with its pulses) and averaged (without).
 
 Run: python examples/studies/launch.py    (leaves out/launch/table.csv and plot.png)
 """

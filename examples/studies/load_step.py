@@ -1,9 +1,10 @@
 """Climbing a step in load: what does the shaft do when the load grows, and when does it stop altogether?
 
-The module runs at constant input speed, locked up: link 2, shaft and link 1 turn as one, and more than the stall
-torque goes through without a pulse. The load on the shaft goes up in steps. Beyond what
-lock-up can hold the satellites begin to turn, and the module falls to where its mean torque meets the load; with a load above the stall torque that is rest, the shaft held by the freewheel of
-link 2. When the load goes back, the shaft starts again by itself.
+The module runs at constant input speed, locked up: link 2, shaft and link 1 turn as one, and more than the
+stall torque goes through without a pulse. The load on the shaft goes up in steps. Beyond what lock-up can
+hold the satellites begin to turn, and the module falls to where its mean torque meets the load; with a load
+above the stall torque that is rest, the shaft held by the freewheel of link 2. When the load goes back, the
+shaft starts again by itself.
 
 Run: python examples/studies/load_step.py    (leaves out/load_step/table.csv and plot.png)
 """

@@ -1,8 +1,9 @@
 """The urban cycle under noise: how well does the car follow when its speed sensor and the wind are noisy?
 
-The car of examples/urban.toml, once undisturbed and with noise on the measured speed (what a wheel sensor has) and gusts on
-the load. The controller sees the noisy speed; the error is that of the true one. The noise is the same in every
-run: numbers from a seeded generator, held for 50 ms, gusts smoothed over a second.
+The car of examples/urban.toml, once undisturbed and with noise on the measured speed (what a wheel sensor
+has) and gusts on the load. The controller sees the noisy speed; the error is that of the true one. The
+noise is the same in every run: numbers from a seeded generator, held for 50 ms, gusts smoothed over a
+second.
 
 Run: python examples/studies/noisy_cycle.py    (leaves out/noisy_cycle/table.csv and plot.png)
 """

@@ -1,8 +1,8 @@
 """Overrun and coasting: what happens when the engine slows down below the shaft?
 
-The output freewheel passes no torque backwards, so there is no engine braking: the shaft coasts against its load while
-the input slows down, and when the input comes back it has to overtake the shaft before it pulls again.
-Without the output freewheel link 2 and the shaft are one: then the shaft drags the mechanism along.
+The output freewheel passes no torque backwards, so there is no engine braking: the shaft coasts against its
+load while the input slows down, and when the input comes back it has to overtake the shaft before it pulls
+again. Without the output freewheel link 2 and the shaft are one: then the shaft drags the mechanism along.
 
 Run: python examples/studies/overrun.py    (leaves out/overrun/table.csv and plot.png)
 """
@@ -33,7 +33,7 @@ def run(output_freewheel=True, fmu=FMU):
 
 
 def phases(table):
-    """(decelerations of the shaft while it coasts, rad/s2: measured and load / inertia; time to pull again, s)."""
+    """(deceleration while coasting and load / inertia, rad/s2; time until it pulls again, s)."""
     coasting = (table.time > TIMES[2]) & (table.time < TIMES[3])
     speed = table["omega_out"][coasting]
     slowed = (speed[0] - speed[-1]) / np.ptp(table.time[coasting])
