@@ -12,28 +12,30 @@ elastic module in one piece.
 
 from pathlib import Path
 
-from inertia_module.instance import Fmu
+from inertia_module.wired import JACOBI, Node, WiredFmus
+from inertia_module.wiring import Wire
 
 BUILD = Path(__file__).parent.parent / "build"
 MODULE = {"output_inertia": 0.02, "fidelity": "rigid"}
 SHAFT = {"driven_inertia": 0.5, "shaft_stiffness": 400.0, "shaft_damping": 0.05}
 LOAD = 10.0  # N.m
+WIRES = (
+    Wire("module", "omega_out", "shaft", "hub_speed"),
+    Wire("shaft", "shaft_torque_mean", "module", "load_torque"),
+)
 ONE_PIECE = 3.908460340, 16.766411224  # rad/s, hub and driven mass
 
 
-def simulate(step, stop=1.0, folder=BUILD):
+def simulate(step, stop=1.0, folder=BUILD, order=JACOBI):
     """Speeds of hub and driven mass after stop seconds, rad/s."""
-    with (
-        Fmu(folder / "InertiaModule.fmu", MODULE, {"omega1": 100.0}, tolerance=1e-9) as module,
-        Fmu(folder / "DrivenShaft.fmu", SHAFT, {"load_torque": LOAD}) as shaft,
-    ):
+    nodes = {
+        "module": Node(folder / "InertiaModule.fmu", MODULE, {"omega1": 100.0}, tolerance=1e-9),
+        "shaft": Node(folder / "DrivenShaft.fmu", SHAFT, {"load_torque": LOAD}),
+    }
+    with WiredFmus(nodes, WIRES, step, order) as system:
         for _ in range(round(stop / step)):
-            # both know of each other what was at the communication point
-            module.set(load_torque=shaft["shaft_torque_mean"])
-            shaft.set(hub_speed=module["omega_out"])
-            module.advance(step)
-            shaft.advance(step)
-        return module["omega_out"], shaft["omega_out"]
+            system.advance()
+        return system.fmus["module"]["omega_out"], system.fmus["shaft"]["omega_out"]
 
 
 if __name__ == "__main__":

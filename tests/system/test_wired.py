@@ -1,0 +1,83 @@
+"""Several FMUs as one system: wires are checked before anything starts, and steps are the plainest."""
+
+import pytest
+
+from inertia_module.fmu.builder import build
+from inertia_module.instance import DriveError
+from inertia_module.wired import GAUSS_SEIDEL, JACOBI, Node, WiredFmus
+from inertia_module.wiring import Wire, WiringError
+
+HUB = {"output_inertia": 0.02}
+DRIVEN = {"driven_inertia": 0.5, "shaft_stiffness": 400.0, "shaft_damping": 0.05}
+SPEED = Wire("module", "omega_out", "shaft", "hub_speed")
+TORQUE = Wire("shaft", "shaft_torque_mean", "module", "load_torque")
+ENDS = (("module", "omega_out"), ("shaft", "omega_out"))
+
+
+@pytest.fixture(scope="module")
+def nodes(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("build")
+    build(folder)
+    return {
+        "module": Node(folder / "InertiaModule.fmu", HUB, {"omega1": 100.0}, 1e-8),
+        "shaft": Node(folder / "DrivenShaft.fmu", DRIVEN, {"load_torque": 10.0}),
+    }
+
+
+def test_a_run_gives_a_table_with_units(nodes):
+    with WiredFmus(nodes, (SPEED, TORQUE), 1e-3) as system:
+        table = system.run(0.1, ENDS)
+        assert system.time == pytest.approx(0.1)
+    assert table.names == ["time", "module.omega_out", "shaft.omega_out"]
+    assert table.units["shaft.omega_out"] == "rad/s"
+    assert len(table.time) == 101
+    assert table["shaft.omega_out"][-1] > 1.0
+
+
+def test_jacobi_does_not_depend_on_the_order_of_the_fmus_and_gauss_seidel_does(nodes):
+    def ends(order, names):
+        chosen = {name: nodes[name] for name in names}
+        with WiredFmus(chosen, (SPEED, TORQUE), 1e-3, order) as system:
+            table = system.run(0.05, ENDS)
+        return [table[f"{name}.{output}"][-1] for name, output in ENDS]
+
+    forward, backward = ("module", "shaft"), ("shaft", "module")
+    assert ends(JACOBI, forward) == ends(JACOBI, backward)
+    assert ends(GAUSS_SEIDEL, forward) != ends(GAUSS_SEIDEL, backward)
+
+
+def test_bad_wires_are_refused_before_an_fmu_is_loaded(nodes, monkeypatch):
+    def loaded(*_, **__):
+        raise AssertionError("an FMU was loaded")
+
+    monkeypatch.setattr("inertia_module.wired.Fmu", loaded)
+    wrong_unit = SPEED._replace(output="output_torque_mean")
+    for wires, step, words in (
+        ((wrong_unit, TORQUE), 1e-3, "output_torque_mean is in N.m, hub_speed in rad/s"),
+        ((SPEED,), 1e-3, "module.load_torque is missing"),
+        ((SPEED, TORQUE, SPEED), 1e-3, "shaft.hub_speed is driven by"),
+        ((SPEED, TORQUE), -1.0, "a step of -1 s is refused"),
+    ):
+        with pytest.raises(WiringError, match=words):
+            WiredFmus(nodes, wires, step)
+    with pytest.raises(WiringError, match="order 'implicit' is refused"):
+        WiredFmus(nodes, (SPEED, TORQUE), 1e-3, "implicit")
+    with pytest.raises(DriveError, match="no such file"):
+        WiredFmus(nodes | {"shaft": Node("nothing.fmu")}, (SPEED, TORQUE), 1e-3)
+
+
+def test_inputs_are_set_by_wires_or_by_the_user_not_by_both(nodes):
+    with WiredFmus(nodes, (SPEED, TORQUE), 1e-3) as system:
+        with pytest.raises(
+            WiringError, match=r"module\.load_torque is refused: shaft\.shaft_torque_mean drives it"
+        ):
+            system.set("module", load_torque=3.0)
+        system.set("shaft", load_torque=3.0)
+        system.advance()
+
+
+def test_the_fmu_that_refuses_a_step_is_named(nodes):
+    with WiredFmus(nodes, (SPEED, TORQUE), 1e-3) as system:
+        system.set("module", omega1=1e9)
+        with pytest.raises(DriveError, match="module: .*omega1 = 1000000000 is refused"):
+            system.advance()
