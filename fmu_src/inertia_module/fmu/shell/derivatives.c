@@ -115,7 +115,7 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component component, const fmi2Value
         return fmi2Error;
     for (size_t n = 0; n < known_count; n++)
         if (!isfinite(direction[n]))
-            return report(c, fmi2Error, "direction %.16g is refused: allowed are finite numbers", direction[n]);
+            return report(c, fmi2Error, "direction %s is refused: allowed are finite numbers", SHOWN(direction[n]));
     if (phase_of(c) == INITIALIZING) {
         const fmi2Status status = prepare(c, fmi2Discard);
         if (status != fmi2OK)
