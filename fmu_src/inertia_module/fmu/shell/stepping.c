@@ -29,13 +29,11 @@ fmi2Status fmi2DoStep(fmi2Component component, fmi2Real time, fmi2Real step, fmi
         return out_of_order(c, "doStep", "after exitInitializationMode");
     if (!isfinite(time))
         return report(c, fmi2Discard, "communication point = %s s is refused: allowed is a finite time", SHOWN(time));
-    check_time(c, time, step);
     memcpy(c->x_trial, c->x, model.x_size * sizeof(double));
     const int64_t answer = KERNEL(OPERATION_STEP_ONLY, c->p, c->d, c->u, c->x, c->y, c->w, step);
-    if (answer != STATUS_OK) {
-        c->head[TIME] = time;
+    if (answer != STATUS_OK)
         return explain(c, fmi2Discard, answer, c->u, step);
-    }
+    check_time(c, time, step);
     memcpy(c->x_before, c->x_trial, model.x_size * sizeof(double));
     memcpy(c->u_before, c->u, model.u_size * sizeof(double));
     /* rates of inputs hold for one step */
