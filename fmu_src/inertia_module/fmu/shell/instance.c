@@ -151,6 +151,8 @@ fmi2Status fmi2EnterInitializationMode(fmi2Component component)
         return fmi2Error;
     if (phase_of(c) != INSTANTIATED)
         return out_of_order(c, "enterInitializationMode", "once, after instantiation or reset");
+    if (model.tolerance_slot >= 0 && !isnan(c->head[TOLERANCE]))
+        c->p[model.tolerance_slot] = c->head[TOLERANCE];
     c->head[PHASE] = INITIALIZING;
     return fmi2OK;
 }
@@ -168,8 +170,6 @@ fmi2Status prepare(struct instance *c, fmi2Status refused)
     fmi2Status status = fmi2OK;
     if (c->head[PREPARED])
         return fmi2OK;
-    if (model.tolerance_slot >= 0 && !isnan(c->head[TOLERANCE]))
-        c->p[model.tolerance_slot] = c->head[TOLERANCE];
     for (size_t n = 0; n < model.variable_count; n++) {
         const struct variable *variable = &model.variables[n];
         if (variable->array != PARAMETERS || is_allowed(variable, c->p[variable->slot]))
