@@ -25,7 +25,10 @@ def text_at(content, offset):
 def read_elf(content):
     """A library of Linux, 64-bit; versions are those of symbols it needs."""
     assert content[:6] == b"\x7fELF\x02\x01"
-    start, size, count = struct.unpack_from("<Q10xHH", content, 40)[0], *struct.unpack_from("<HH", content, 58)
+    start, size, count = (
+        struct.unpack_from("<Q10xHH", content, 40)[0],
+        *struct.unpack_from("<HH", content, 58),
+    )
     sections = [struct.unpack_from("<IIQQQQIIQQ", content, start + n * size) for n in range(count)]
     needs, offers, versions = set(), set(), set()
     for _, kind, _, _, offset, length, linked, info, _, _ in sections:

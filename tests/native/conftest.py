@@ -19,7 +19,7 @@ from inertia_module.fmu.linking import (
     windows_arguments,
 )
 from inertia_module.fmu.tables import c_tables
-from inertia_module.fmu.targets import LINUX64
+from inertia_module.fmu.targets import LINUX64, WIN64
 from inertia_module.machine_code import object_file, target_machine
 
 SOURCES = Path(__file__).parent
@@ -79,9 +79,7 @@ class Workshop:
         """Object file of the kernel for a target."""
         path = self.folder / f"kernel-{target.label}.o"
         machine = target_machine(target.triple, target.processor)
-        path.write_bytes(
-            object_file(self.fmu.model.entry, machine, f"{target.triple}-{target.processor}")
-        )
+        path.write_bytes(object_file(self.fmu.model.entry, machine, f"{target.triple}-{target.processor}"))
         return path
 
     def flags(self):
@@ -108,20 +106,32 @@ class Workshop:
         assert done.returncode == 0, done.stderr[-3000:]
         return self.folder / program
 
-    def build_for(self, target, program, *names, compiler="", flags=()):
+    def build_for(self, target, program, *names, flags=()):
         """A program for a target, by the C compiler that comes with ziglang."""
-        files = [*self.all_sources(*names), str(self.kernel(target)), "-o", program, *target.libraries]
-        triple = compiler or target.compiler
-        run_tool("cc", ["-target", triple, *self.flags(), "-fno-sanitize=all", *flags, *files], self.folder)
+        files = [*self.all_sources(*names), str(self.kernel(target)), *target.libraries]
+        return self._cross(target, program, *flags, *files)
+
+    def build_beside_library(self, target, program, library, *names):
+        """A program for a target that finds the library of the FMU beside itself."""
+        files = [str(SOURCES / name) for name in names]
+        return self._cross(
+            target, program, *files, "tables.c", library, "-Wl,-rpath,$ORIGIN", *target.libraries
+        )
+
+    def _cross(self, target, program, *arguments):
+        given = ["-target", target.compiler, *self.flags(), "-fno-sanitize=all"]
+        run_tool("cc", [*given, *arguments, "-o", program], self.folder)
         return self.folder / program
 
-    def windows_arguments(self, target):
-        """What a program for Windows takes that needs nothing but Windows itself."""
-        functions = ["LoadLibraryA", "GetProcAddress", "GetStdHandle", "WriteFile", "ExitProcess"]
-        (self.folder / "system.def").write_text("\n".join(["LIBRARY kernel32.dll", "EXPORTS", *functions, ""]))
-        definition = ["-m", target.import_machine, "-d", "system.def", "-l", "system.a"]
-        run_tool("dlltool", definition, self.folder)
-        return [*windows_arguments(target, self.folder), "system.a"]
+    def build_windows_program(self, program, *names):
+        """A program for Windows that begins at `begin`, loads an FMU, and needs nothing but Windows itself."""
+        functions = ("LoadLibraryA", "GetProcAddress", "GetStdHandle", "WriteFile", "ExitProcess")
+        definition = "\n".join(["LIBRARY kernel32.dll", "EXPORTS", *functions, ""])
+        (self.folder / "system.def").write_text(definition)
+        run_tool("dlltool", ["-m", WIN64.import_machine, "-d", "system.def", "-l", "system.a"], self.folder)
+        own = windows_arguments(WIN64, self.folder)
+        files = [*(str(SOURCES / name) for name in names), str(SHELL_FOLDER / "windows.c"), "tables.c"]
+        return self._cross(WIN64, program, "-Wl,-e,begin", *files, *own, "system.a")
 
 
 @pytest.fixture(scope="session")

@@ -14,5 +14,7 @@ def test_eight_threads_give_the_bits_of_one(workshop):
 
 def test_no_thread_touches_what_another_uses(workshop):
     flags = ("-fsanitize=thread", "-g")
-    program = workshop.build("races", "threads.c", "host.c", "snapshot.c", flags=flags, libraries=("-lpthread",))
+    program = workshop.build(
+        "races", "threads.c", "host.c", "snapshot.c", flags=flags, libraries=("-lpthread",)
+    )
     run([program, 8, 30], TSAN_OPTIONS="halt_on_error=1")
