@@ -96,7 +96,9 @@ static double length_of(const struct instance *c, const fmi2ValueReference known
     double length = 0.0;
     for (size_t n = 0; n < count; n++) {
         const struct variable *variable = &model.variables[knowns[n]];
-        length = fmax(length, fabs(direction[n]) / fmax(fabs(u[variable->slot]), variable->nominal));
+        const double input = u[variable->slot]; /* refused later if it is not finite */
+        const double size = isfinite(input) ? fmax(fabs(input), variable->nominal) : variable->nominal;
+        length = fmax(length, fabs(direction[n]) / size);
     }
     return length;
 }
