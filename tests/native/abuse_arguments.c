@@ -85,7 +85,7 @@ unsigned some_references(fmi2ValueReference *references, enum kind kind, enum ar
     for (unsigned n = 0; n < count; n++) {
         references[n] = below(&chance, (unsigned)model.variable_count);
         if (one_in(&chance, 100))
-            references[n] = one_in(&chance, 2) ? (fmi2ValueReference)draw(&chance) : (fmi2ValueReference)model.variable_count;
+            references[n] = (fmi2ValueReference)(one_in(&chance, 2) ? draw(&chance) : model.variable_count);
         else if (!one_in(&chance, 50))
             for (int tries = 0; tries < 200; tries++) {
                 const struct variable *variable = &model.variables[references[n]];

@@ -10,7 +10,8 @@ static struct answer setup(struct slot *slot, fmi2Component c)
     const double tolerance = bad ? any_number() : 1e-6, begin = bad ? any_number() : between(&chance, -1.0, 1.0);
     const fmi2Status status = fmi2SetupExperiment(c, one_in(&chance, 3), tolerance, begin, one_in(&chance, 3),
                                                   bad ? any_number() : begin + 10.0);
-    CHECK(!c || slot->stage == NEW || status == fmi2Error, "setupExperiment in stage %d answers %d", slot->stage, status);
+    CHECK(!c || slot->stage == NEW || status == fmi2Error, "setupExperiment in stage %d: %d", slot->stage,
+          status);
     if (status == fmi2OK)
         slot->time = begin;
     return CALLED(status);
@@ -19,7 +20,8 @@ static struct answer setup(struct slot *slot, fmi2Component c)
 static struct answer enter(struct slot *slot, fmi2Component c)
 {
     const fmi2Status status = fmi2EnterInitializationMode(c);
-    CHECK(!c || (status == fmi2OK) == (slot->stage == NEW), "enterInitializationMode in stage %d: %d", slot->stage, status);
+    CHECK(!c || (status == fmi2OK) == (slot->stage == NEW), "enterInitializationMode in stage %d: %d",
+          slot->stage, status);
     if (status == fmi2OK)
         slot->stage = STARTING;
     return CALLED(status);
@@ -30,7 +32,8 @@ static struct answer leave(struct slot *slot, fmi2Component c)
     const fmi2Status status = fmi2ExitInitializationMode(c);
     if (!c)
         return CALLED(status);
-    CHECK(slot->stage == STARTING || status == fmi2Error, "exitInitializationMode in stage %d: %d", slot->stage, status);
+    CHECK(slot->stage == STARTING || status == fmi2Error, "exitInitializationMode in stage %d: %d",
+          slot->stage, status);
     CHECK(status == fmi2OK || status == fmi2Error, "exitInitializationMode answers %d", status);
     if (slot->stage == STARTING)
         slot->stage = status == fmi2OK ? RUNNING : BROKEN;
@@ -72,21 +75,21 @@ static struct answer revive(struct slot *slot, fmi2Component c)
 
 static struct answer set_logging(struct slot *slot, fmi2Component c)
 {
-    static const char *const names[] = {"logStatusWarning", "logStatusDiscard", "logStatusError", "logSteps", "logAll",
-                                        "", "100%s%n%d", "a name much longer than any name of a category has a right"
-                                        " to be, and with a %s near its end %s %s %s %s %s %s %s %s %n", NULL};
+    static const char *const names[] = {
+        "logStatusWarning", "logStatusDiscard", "logStatusError", "logSteps", "logAll", "", "100%s%n%d",
+        "a name much longer than any name of a category has a right to be, and with %s near its end %s %s %s %s %n",
+        NULL};
     fmi2String categories[4] = {NULL, NULL, NULL, NULL};
     const unsigned count = below(&chance, 4);
     const int rare = one_in(&chance, 4);
     for (unsigned n = 0; n < count; n++)
         categories[n] = names[below(&chance, rare ? 9 : 5)];
     const unsigned long before = slot->journal.messages;
-    const fmi2Status status =
-        fmi2SetDebugLogging(c, one_in(&chance, 2), count, one_in(&chance, 50) ? NULL : categories);
+    const fmi2String *const given = one_in(&chance, 50) ? NULL : categories;
+    const fmi2Status status = fmi2SetDebugLogging(c, one_in(&chance, 2), count, given);
     CHECK(!c || status != fmi2Error || slot->journal.messages > before, "a refusal is not told");
-    if (status == fmi2Error && count == 1 && categories[0] == names[6] && slot->journal.messages > before)
-        CHECK(strstr(slot->journal.last, "100%s%n%d") || strstr(slot->journal.last, "NULL") ||
-              strstr(slot->journal.last, "names of categories"), "a message is not escaped: %s", slot->journal.last);
+    if (c && given && count > 0 && categories[0] == names[6])
+        CHECK(strstr(slot->journal.last, "100%s%n%d"), "a message is not escaped: %s", slot->journal.last);
     return CALLED(status);
 }
 
@@ -104,7 +107,8 @@ static struct answer instantiate_wrongly(struct slot *slot, fmi2Component c)
         break;
     case 1:
         journal.name = "";
-        made = fmi2Instantiate(one_in(&chance, 2) ? NULL : "", fmi2CoSimulation, model.guid, "", &callbacks, fmi2False, fmi2True);
+        made = fmi2Instantiate(one_in(&chance, 2) ? NULL : "", fmi2CoSimulation, model.guid, "", &callbacks,
+                               fmi2False, fmi2True);
         break;
     case 2:
         made = fmi2Instantiate("x", fmi2ModelExchange, model.guid, NULL, &callbacks, fmi2False, fmi2True);

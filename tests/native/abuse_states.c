@@ -135,7 +135,8 @@ static struct answer deserialize(struct slot *slot, fmi2Component c)
         return CALLED(status);
     }
     if (one_in(&chance, 20))
-        return CALLED(fmi2DeSerializeFMUstate(c, one_in(&chance, 2) ? NULL : serialized.bytes, serialized.size, NULL));
+        return CALLED(fmi2DeSerializeFMUstate(c, one_in(&chance, 2) ? NULL : serialized.bytes, serialized.size,
+                                              NULL));
     if (one_in(&chance, 20) && (state = foreign_state(slot)) != NULL) {
         status = fmi2DeSerializeFMUstate(c, serialized.bytes, serialized.size, &state);
         CHECK(status == fmi2Error, "a state is read into one that is foreign");

@@ -1,6 +1,6 @@
 """What shared libraries of ELF, PE and Mach-O files need and offer, read from their bytes.
 
-Cited layouts: System V ABI (gabi), Microsoft PE Format, Apple's mach-o/loader.h.
+Layouts: System V ABI, Microsoft's PE Format, Apple's mach-o/loader.h and kern/cs_blobs.h.
 """
 
 import struct
@@ -71,8 +71,7 @@ def read_pe(content):
 
     exported, _, imported, _ = struct.unpack_from("<IIII", content, optional + 112)
     needs, offers = set(), set()
-    names, table = struct.unpack_from("<I4xI", content, place(exported) + 24)[0], 0
-    table = struct.unpack_from("<I", content, place(exported) + 32)[0]
+    names, table = struct.unpack_from("<I4xI", content, place(exported) + 24)
     for n in range(names):
         offers.add(text_at(content, place(struct.unpack_from("<I", content, place(table) + 4 * n)[0])))
     entry = place(imported)

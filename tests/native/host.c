@@ -92,7 +92,8 @@ void checked_logger(fmi2ComponentEnvironment environment, fmi2String name, fmi2S
     for (size_t n = 0; n < sizeof categories / sizeof *categories; n++)
         known |= strcmp(category, categories[n]) == 0;
     CHECK(known, "a message comes in category %s", category);
-    CHECK((status == fmi2OK) == (strcmp(category, "logSteps") == 0), "a message with status %d in %s", status, category);
+    CHECK((status == fmi2OK) == (strcmp(category, "logSteps") == 0), "a message with status %d in %s", status,
+          category);
     CHECK(*message, "an empty message");
     va_start(arguments, message);
     const int length = vsnprintf(journal->last, sizeof journal->last, message, arguments);

@@ -20,3 +20,7 @@ def test_random_calls_are_survived_under_sanitizers_and_leave_no_trace(workshop,
     program = workshop.build("abuse", *FILES, flags=SANITIZERS)
     printed = run([program, seed, CALLS], ASAN_OPTIONS="detect_leaks=1")
     assert printed.startswith(f"{CALLS} calls")
+
+
+def test_refusals_that_random_calls_seldom_meet(workshop):
+    run([workshop.build("refusals", "refusals.c", "host.c", "snapshot.c", flags=SANITIZERS)])

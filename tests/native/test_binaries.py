@@ -1,4 +1,4 @@
-"""The libraries in the FMUs need nothing but what their systems bring, and offer all of FMI 2.0 for co-simulation."""
+"""The libraries in the FMUs need only what their systems bring, and offer all of FMI 2.0 co-simulation."""
 
 import re
 

@@ -9,8 +9,8 @@ import pytest
 from fmpy import read_model_description
 from fmpy.fmi2 import FMU2Slave
 
-from inertia_module.fmu.targets import LINUX_ARM, WIN64
-from inertia_module.variables import INPUT, REAL
+from inertia_module.fmu.targets import LINUX_ARM
+from inertia_module.variables import REAL
 
 from . import scenes
 from .conftest import FMUS, TIME_LIMIT, run
@@ -64,6 +64,10 @@ def printed_rows(text):
     return rows
 
 
+def transposed(rows):
+    return list(zip(*rows, strict=True))
+
+
 def deviations(identifier, folder, text):
     """Largest deviation of each scene from fmpy's values here, over the largest value of the output."""
     there = printed_rows(text)
@@ -72,7 +76,8 @@ def deviations(identifier, folder, text):
     for name, scene in scenes.SCENES[identifier].items():
         here = by_fmpy(folder, scene)
         assert len(there[name]) == len(here) == scene.steps + 1
-        for label, mine, other in zip(outputs(identifier), zip(*here), zip(*there[name]), strict=True):
+        pairs = zip(transposed(here), transposed(there[name]), strict=True)
+        for label, (mine, other) in zip(outputs(identifier), pairs, strict=True):
             if label == "energy_residual":  # the error of the integration: nothing but rounding
                 continue
             size = max(map(abs, mine))

@@ -25,7 +25,8 @@ static uint64_t run(unsigned long number)
     const struct setting module[] = {{"fidelity", parameters[0]}, {"method", parameters[1]},
                                      {"link2_inertia", parameters[2] * 50.0}, {NULL, 0.0}};
     const struct setting shaft[] = {{"shaft_damping", parameters[2]}, {NULL, 0.0}};
-    const fmi2Component c = fmi2Instantiate("instance", fmi2CoSimulation, model.guid, NULL, &callbacks, fmi2False, fmi2False);
+    const fmi2Component c =
+        fmi2Instantiate("instance", fmi2CoSimulation, model.guid, NULL, &callbacks, fmi2False, fmi2False);
     struct snapshot snapshot;
     uint64_t sum = 0;
     CHECK(c, "instantiation");
