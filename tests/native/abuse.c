@@ -125,7 +125,7 @@ int main(int count, char **arguments)
     }
     CHECK(memory.blocks == 0, "%zu blocks are left", memory.blocks);
     printf("%lu calls: %lu ok (%lu steps), %lu warning, %lu discard, %lu error;"
-           " %lu instances compared with fresh ones; slowest call %s %.3f s\n", made, statuses[0], steps, statuses[1], statuses[2], statuses[3], compared,
-           slowest_name, slowest);
+           " %lu instances compared with fresh ones; slowest call %s %.3f s\n",
+           made, statuses[0], steps, statuses[1], statuses[2], statuses[3], compared, slowest_name, slowest);
     return 0;
 }

@@ -6,7 +6,16 @@
 
 #define MUCH_WORK 1e5
 
-/* Real, Integer, Boolean and String calls have the same shape. */
+/* Whether all references are of a kind, and none of a calculated variable unless that will do. */
+static int are_all(const fmi2ValueReference *references, unsigned count, enum kind kind, int calculated_too)
+{
+    for (unsigned n = 0; n < count; n++)
+        if (references[n] >= model.variable_count || model.variables[references[n]].kind != kind ||
+            (!calculated_too && model.variables[references[n]].array == OUTPUTS))
+            return 0;
+    return 1;
+}
+
 static struct answer get(struct slot *slot, fmi2Component c)
 {
     fmi2ValueReference references[MOST_REFERENCES];
@@ -15,12 +24,28 @@ static struct answer get(struct slot *slot, fmi2Component c)
     const enum kind kind = one_in(&chance, 3) ? (enum kind)below(&chance, 3) : REAL;
     const unsigned count = some_references(references, kind, ARRAYS);
     const fmi2ValueReference *const given = one_in(&chance, 100) ? NULL : references;
-    const int nowhere = one_in(&chance, 100);
+    fmi2Real *const real_place = one_in(&chance, 100) ? NULL : reals;
+    fmi2Integer *const whole_place = real_place ? wholes : NULL;
+    const fmi2Status status = kind == REAL      ? fmi2GetReal(c, given, count, real_place)
+                              : kind == INTEGER ? fmi2GetInteger(c, given, count, whole_place)
+                                                : fmi2GetBoolean(c, given, count, whole_place);
     (void)slot;
-    if (kind == REAL)
-        return CALLED(fmi2GetReal(c, given, count, nowhere ? NULL : reals));
-    return CALLED(kind == INTEGER ? fmi2GetInteger(c, given, count, nowhere ? NULL : wholes)
-                                  : fmi2GetBoolean(c, given, count, nowhere ? NULL : wholes));
+    CHECK(status != fmi2OK || count == 0 || (given && real_place && are_all(references, count, kind, 1)),
+          "variables of another kind are read");
+    return CALLED(status);
+}
+
+/* What has been set is read with the same bits; a tolerance may be that of setupExperiment. */
+static void read_back(fmi2Component c, const fmi2ValueReference *references, unsigned count, const fmi2Real *set)
+{
+    fmi2Real values[MOST_REFERENCES];
+    CHECK(fmi2GetReal(c, references, count, values) == fmi2OK, "what has been set can be read");
+    for (unsigned n = 0; n < count; n++) {
+        int last = strcmp(model.variables[references[n]].name, "tolerance") != 0;
+        for (unsigned later = n + 1; later < count; later++)
+            last &= references[later] != references[n];
+        CHECK(!last || memcmp(&values[n], &set[n], sizeof *values) == 0, "%g is set, %g read", set[n], values[n]);
+    }
 }
 
 static struct answer set(struct slot *slot, fmi2Component c)
@@ -40,10 +65,15 @@ static struct answer set(struct slot *slot, fmi2Component c)
     }
     if (!inputs && !one_in(&chance, 10)) /* parameters are set by choose_parameters */
         return NO_CALL;
-    if (kind == REAL)
-        return CALLED(fmi2SetReal(c, given, count, nothing ? NULL : reals));
-    return CALLED(kind == INTEGER ? fmi2SetInteger(c, given, count, nothing ? NULL : wholes)
-                                  : fmi2SetBoolean(c, given, count, nothing ? NULL : wholes));
+    const fmi2Status status = kind == REAL      ? fmi2SetReal(c, given, count, nothing ? NULL : reals)
+                              : kind == INTEGER ? fmi2SetInteger(c, given, count, nothing ? NULL : wholes)
+                                                : fmi2SetBoolean(c, given, count, nothing ? NULL : wholes);
+    CHECK(status != fmi2OK || count == 0 || (given && !nothing && are_all(references, count, kind, 0)),
+          "variables that are calculated or of another kind are set");
+    CHECK(status != fmi2OK || count == 0 || (slot->stage != BROKEN && slot->stage != ENDED), "a value is set too late");
+    if (status == fmi2OK && kind == REAL)
+        read_back(c, references, count, reals);
+    return CALLED(status);
 }
 
 static struct answer strings(struct slot *slot, fmi2Component c)
