@@ -70,7 +70,7 @@ static struct answer set(struct slot *slot, fmi2Component c)
                                                 : fmi2SetBoolean(c, given, count, nothing ? NULL : wholes);
     CHECK(status != fmi2OK || count == 0 || (given && !nothing && are_all(references, count, kind, 0)),
           "variables that are calculated or of another kind are set");
-    CHECK(status != fmi2OK || count == 0 || (slot->stage != BROKEN && slot->stage != ENDED), "a value is set too late");
+    CHECK(status != fmi2OK || count == 0 || (slot->stage != BROKEN && slot->stage != ENDED), "it is set too late");
     if (status == fmi2OK && kind == REAL)
         read_back(c, references, count, reals);
     return CALLED(status);
