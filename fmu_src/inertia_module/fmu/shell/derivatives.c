@@ -96,7 +96,9 @@ static double length_of(const struct instance *c, const fmi2ValueReference known
     double length = 0.0;
     for (size_t n = 0; n < count; n++) {
         const struct variable *variable = &model.variables[knowns[n]];
-        length = fmax(length, fabs(direction[n]) / fmax(fabs(u[variable->slot]), variable->nominal));
+        const double input = u[variable->slot]; /* refused later if it is not finite */
+        const double size = isfinite(input) ? fmax(fabs(input), variable->nominal) : variable->nominal;
+        length = fmax(length, fabs(direction[n]) / size);
     }
     return length;
 }
@@ -115,7 +117,7 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component component, const fmi2Value
         return fmi2Error;
     for (size_t n = 0; n < known_count; n++)
         if (!isfinite(direction[n]))
-            return report(c, fmi2Error, "direction %.16g is refused: allowed are finite numbers", direction[n]);
+            return report(c, fmi2Error, "direction %s is refused: allowed are finite numbers", SHOWN(direction[n]));
     if (phase_of(c) == INITIALIZING) {
         const fmi2Status status = prepare(c, fmi2Discard);
         if (status != fmi2OK)

@@ -132,12 +132,13 @@ fmi2Status fmi2SetupExperiment(fmi2Component component, fmi2Boolean tolerance_de
     if (phase_of(c) != INSTANTIATED)
         return out_of_order(c, "setupExperiment", "before enterInitializationMode");
     if (!isfinite(start_time))
-        return report(c, fmi2Error, "start time = %.16g s is refused: allowed is a finite time", start_time);
+        return report(c, fmi2Error, "start time = %s s is refused: allowed is a finite time",
+                      SHOWN(start_time));
     if (stop_time_defined && !(stop_time >= start_time))
-        return report(c, fmi2Error, "stop time = %.16g s is refused: allowed is from the start time %.16g s on",
-                      stop_time, start_time);
+        return report(c, fmi2Error, "stop time = %s s is refused: allowed is from the start time %s s on",
+                      SHOWN(stop_time), SHOWN(start_time));
     if (tolerance_defined && !(tolerance > 0.0 && isfinite(tolerance)))
-        return report(c, fmi2Error, "tolerance = %.16g is refused: allowed is a positive number", tolerance);
+        return report(c, fmi2Error, "tolerance = %s is refused: allowed is a positive number", SHOWN(tolerance));
     c->head[TOLERANCE] = tolerance_defined ? tolerance : NAN;
     c->head[TIME] = start_time;
     return fmi2OK;
@@ -150,6 +151,8 @@ fmi2Status fmi2EnterInitializationMode(fmi2Component component)
         return fmi2Error;
     if (phase_of(c) != INSTANTIATED)
         return out_of_order(c, "enterInitializationMode", "once, after instantiation or reset");
+    if (model.tolerance_slot >= 0 && !isnan(c->head[TOLERANCE]))
+        c->p[model.tolerance_slot] = c->head[TOLERANCE];
     c->head[PHASE] = INITIALIZING;
     return fmi2OK;
 }
@@ -167,14 +170,12 @@ fmi2Status prepare(struct instance *c, fmi2Status refused)
     fmi2Status status = fmi2OK;
     if (c->head[PREPARED])
         return fmi2OK;
-    if (model.tolerance_slot >= 0 && !isnan(c->head[TOLERANCE]))
-        c->p[model.tolerance_slot] = c->head[TOLERANCE];
     for (size_t n = 0; n < model.variable_count; n++) {
         const struct variable *variable = &model.variables[n];
         if (variable->array != PARAMETERS || is_allowed(variable, c->p[variable->slot]))
             continue;
-        status = report(c, refused, "%s = %.16g is refused: allowed is %s", variable->name,
-                        c->p[variable->slot], variable->allowed);
+        status = report(c, refused, "%s = %s is refused: allowed is %s", variable->name,
+                        SHOWN(c->p[variable->slot]), variable->allowed);
     }
     if (status != fmi2OK)
         return status;

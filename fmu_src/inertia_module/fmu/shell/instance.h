@@ -41,7 +41,12 @@ extern const char *const phase_names[PHASES];
 
 enum phase phase_of(const struct instance *c);
 
-/* Log a message if its category is on (errors always are) and return the status. */
+/* A number as text, the same on every platform and in every country; SHOWN brings the memory for it. */
+#define NUMBER_SIZE 40
+#define SHOWN(value) show((char[NUMBER_SIZE]){0}, value)
+const char *show(char *text, double value);
+
+/* Log a message if its category is on (errors always are) and return the status. Numbers: see SHOWN. */
 fmi2Status report(struct instance *c, fmi2Status status, const char *format, ...)
 #if defined __GNUC__
     __attribute__((format(printf, 3, 4)))

@@ -70,19 +70,22 @@ fmi2Status out_of_order(struct instance *c, const char *call, const char *allowe
                   phase_names[phase_of(c)], allowed);
 }
 
-/* Add a number to a text, the same on every platform and in every country. */
-static size_t add_number(char *text, size_t length, double value)
+const char *show(char *text, double value)
 {
-    char number[32];
+    size_t length = 0;
     if (isnan(value))
-        strcpy(number, "nan");
-    else if (isinf(value))
-        strcpy(number, value > 0.0 ? "inf" : "-inf");
-    else
-        snprintf(number, sizeof number, "%.16g", value);
-    for (const char *digit = number; *digit && length < LONGEST_MESSAGE - 1; digit++)
-        text[length++] = *digit == ',' ? '.' : *digit;
-    return length;
+        return "nan";
+    if (isinf(value))
+        return value > 0.0 ? "inf" : "-inf";
+    snprintf(text, NUMBER_SIZE, "%.16g", value);
+    for (const char *from = text; *from; from++) {
+        if ((*from >= '0' && *from <= '9') || *from == '-' || *from == '+' || *from == 'e')
+            text[length++] = *from;
+        else if (length > 0 && text[length - 1] != '.') /* the host's locale may mark decimals by several bytes */
+            text[length++] = '.';
+    }
+    text[length] = '\0';
+    return text;
 }
 
 static size_t add_text(char *text, size_t length, const char *added)
@@ -90,6 +93,11 @@ static size_t add_text(char *text, size_t length, const char *added)
     while (*added && length < LONGEST_MESSAGE - 1)
         text[length++] = *added++;
     return length;
+}
+
+static size_t add_number(char *text, size_t length, double value)
+{
+    return add_text(text, length, SHOWN(value));
 }
 
 /* The model's sentence for a status. */

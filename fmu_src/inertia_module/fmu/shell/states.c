@@ -111,6 +111,18 @@ static uint64_t sum_of(const unsigned char *bytes, size_t count)
     return sum;
 }
 
+/* What belongs in front of a block of so many bytes; the same for the same block, unused bytes included. */
+static struct wrapper wrapper_of(const void *block, size_t length)
+{
+    struct wrapper wrapper;
+    memset(&wrapper, 0, sizeof wrapper);
+    memcpy(wrapper.mark, MARK, sizeof MARK);
+    strncpy(wrapper.guid, model.guid, sizeof wrapper.guid - 1);
+    wrapper.size = length;
+    wrapper.sum = sum_of(block, length);
+    return wrapper;
+}
+
 fmi2Status fmi2SerializedFMUstateSize(fmi2Component component, fmi2FMUstate state, size_t *size)
 {
     struct instance *c = component;
@@ -126,20 +138,15 @@ fmi2Status fmi2SerializeFMUstate(fmi2Component component, fmi2FMUstate state, fm
 {
     struct instance *c = component;
     const size_t length = block_size() * sizeof(double);
-    struct wrapper wrapper;
     if (!c)
         return fmi2Error;
     if (!bytes || !is_saved(c, state))
         return refuse(c, "serializeFMUstate");
-    if (size < sizeof wrapper + length)
+    if (size < sizeof(struct wrapper) + length)
         return report(c, fmi2Error, "serializeFMUstate into %lu bytes is refused: allowed is at least %lu",
-                      (unsigned long)size, (unsigned long)(sizeof wrapper + length));
+                      (unsigned long)size, (unsigned long)(sizeof(struct wrapper) + length));
     const double *block = ((struct saved *)state)->block;
-    memset(&wrapper, 0, sizeof wrapper);
-    memcpy(wrapper.mark, MARK, sizeof MARK);
-    strncpy(wrapper.guid, model.guid, sizeof wrapper.guid - 1);
-    wrapper.size = length;
-    wrapper.sum = sum_of((const unsigned char *)block, length);
+    const struct wrapper wrapper = wrapper_of(block, length);
     memcpy(bytes, &wrapper, sizeof wrapper);
     memcpy(bytes + sizeof wrapper, block, length);
     return fmi2OK;
@@ -149,18 +156,15 @@ fmi2Status fmi2DeSerializeFMUstate(fmi2Component component, const fmi2Byte bytes
 {
     struct instance *c = component;
     const size_t length = block_size() * sizeof(double);
-    struct wrapper wrapper;
     if (!c)
         return fmi2Error;
     if (!bytes || !state)
         return refuse(c, "deSerializeFMUstate");
-    if (size != sizeof wrapper + length)
+    if (size != sizeof(struct wrapper) + length)
         return report(c, fmi2Error, "a state of %lu bytes is refused: allowed is one saved by this build (%lu bytes)",
-                      (unsigned long)size, (unsigned long)(sizeof wrapper + length));
-    memcpy(&wrapper, bytes, sizeof wrapper);
-    const uint64_t sum = sum_of((const unsigned char *)bytes + sizeof wrapper, length);
-    if (memcmp(wrapper.mark, MARK, sizeof MARK) != 0 || wrapper.size != length || wrapper.sum != sum ||
-        strncmp(wrapper.guid, model.guid, sizeof wrapper.guid) != 0)
+                      (unsigned long)size, (unsigned long)(sizeof(struct wrapper) + length));
+    const struct wrapper wrapper = wrapper_of(bytes + sizeof wrapper, length);
+    if (memcmp(&wrapper, bytes, sizeof wrapper) != 0)
         return report(c, fmi2Error, "the state is refused: it is damaged or of another build; allowed is one saved"
                       " by this build");
     if (*state && !is_saved(c, *state))

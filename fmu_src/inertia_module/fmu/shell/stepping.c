@@ -14,8 +14,9 @@ static void check_time(struct instance *c, double time, double step)
     if (c->warned || fabs(time - c->head[TIME]) <= NEAR_STEP * step + NEAR_TIME * fabs(time))
         return;
     c->warned = 1;
-    report(c, fmi2Warning, "communication point = %.16g s is not the time %.16g s that was reached: allowed is to go"
-           " on from there, or from a state saved; the motion goes on from the state it is in", time, c->head[TIME]);
+    report(c, fmi2Warning, "communication point = %s s is not the time %s s that was reached: allowed is to go"
+           " on from there, or from a state saved; the motion goes on from the state it is in",
+           SHOWN(time), SHOWN(c->head[TIME]));
 }
 
 fmi2Status fmi2DoStep(fmi2Component component, fmi2Real time, fmi2Real step, fmi2Boolean no_state_prior)
@@ -27,14 +28,12 @@ fmi2Status fmi2DoStep(fmi2Component component, fmi2Real time, fmi2Real step, fmi
     if (phase_of(c) != STEPPING)
         return out_of_order(c, "doStep", "after exitInitializationMode");
     if (!isfinite(time))
-        return report(c, fmi2Discard, "communication point = %.16g s is refused: allowed is a finite time", time);
-    check_time(c, time, step);
+        return report(c, fmi2Discard, "communication point = %s s is refused: allowed is a finite time", SHOWN(time));
     memcpy(c->x_trial, c->x, model.x_size * sizeof(double));
     const int64_t answer = KERNEL(OPERATION_STEP_ONLY, c->p, c->d, c->u, c->x, c->y, c->w, step);
-    if (answer != STATUS_OK) {
-        c->head[TIME] = time;
+    if (answer != STATUS_OK)
         return explain(c, fmi2Discard, answer, c->u, step);
-    }
+    check_time(c, time, step);
     memcpy(c->x_before, c->x_trial, model.x_size * sizeof(double));
     memcpy(c->u_before, c->u, model.u_size * sizeof(double));
     /* rates of inputs hold for one step */

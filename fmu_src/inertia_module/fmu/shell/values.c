@@ -144,6 +144,10 @@ static fmi2Status check_write(struct instance *c, const fmi2ValueReference refer
 static void assign(struct instance *c, fmi2ValueReference reference, double value)
 {
     const struct variable *variable = &model.variables[reference];
+    /* a tolerance given to setupExperiment wins over the parameter */
+    if (variable->array == PARAMETERS && variable->slot == model.tolerance_slot && phase_of(c) == INITIALIZING &&
+        !isnan(c->head[TOLERANCE]))
+        return;
     c->values[variable->array][variable->slot] = value;
 }
 

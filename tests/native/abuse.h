@@ -1,0 +1,71 @@
+/* Random calls of an FMU: what the files of the program share. */
+#ifndef ABUSE_H
+#define ABUSE_H
+
+#include "snapshot.h"
+
+#define MOST_STATES 8
+#define MOST_REFERENCES 6
+#define MOST_BYTES 32768
+
+/* The phase an instance is in by the rules of FMI, kept here to know which calls belong to it. */
+enum stage { NEW, STARTING, RUNNING, BROKEN, ENDED };
+
+struct kept {
+    fmi2FMUstate state;
+    enum stage stage;
+};
+
+struct slot {
+    fmi2Component c;
+    enum stage stage;
+    struct journal journal;
+    struct kept kept[MOST_STATES];
+    unsigned states;
+    double time;
+    fmi2FMUstate freed; /* a state that is no more */
+};
+
+/* The last state serialized, of whichever instance. */
+struct serialized {
+    fmi2Byte bytes[MOST_BYTES];
+    size_t size;
+    enum stage stage;
+};
+
+extern struct chance chance;
+extern struct slot slots[];
+extern const unsigned slot_count;
+extern struct serialized serialized;
+
+/* Any number a host may send: good, extreme, or none. */
+double any_number(void);
+
+/* A value for a variable: mostly within its range, often an end of it. */
+double value_for(const struct variable *variable);
+
+/* A communication step that a test has the time for: short where the mechanism turns fast. */
+double some_step(struct slot *slot);
+
+/* References: mostly of the kind and array asked for, sometimes any, sometimes of nothing. */
+unsigned some_references(fmi2ValueReference *references, enum kind kind, enum array array);
+
+/* Parameters, extreme ones among them, before initialisation. */
+void choose_parameters(struct slot *slot);
+
+/* What an action answers: the status of its call, and whether no call of the FMU was made. */
+struct answer {
+    fmi2Status status;
+    int no_call;
+};
+#define NO_CALL ((struct answer){fmi2OK, 1})
+#define CALLED(status_) ((struct answer){(status_), 0})
+
+struct action {
+    const char *name;
+    unsigned weight;
+    struct answer (*run)(struct slot *slot, fmi2Component c); /* c is the slot's instance, or NULL */
+};
+extern const struct action value_actions[], state_actions[], life_actions[];
+
+#endif

@@ -1,0 +1,172 @@
+"""C programs built with the shell of the native FMUs, and the FMUs themselves."""
+
+import os
+import platform
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+from fmpy import extract
+
+from inertia_module.entries import ENTRIES, CompilationUnavailable
+from inertia_module.fmu import builder, native_fmu
+from inertia_module.fmu.linking import (
+    SHELL_FOLDER,
+    WARNINGS,
+    header_folder,
+    run_tool,
+    shell_sources,
+    windows_arguments,
+)
+from inertia_module.fmu.tables import c_tables
+from inertia_module.fmu.targets import LINUX64, WIN64
+from inertia_module.machine_code import object_file, target_machine
+
+SOURCES = Path(__file__).parent
+FMUS = {fmu.identifier: fmu for fmu in (builder.MODULE_FMU, builder.SHAFT_FMU)}
+SANITIZERS = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-fno-omit-frame-pointer")
+TIME_LIMIT = 900  # s, for programs that hang
+
+
+def system_compiler(flags=()):
+    """A C compiler of the system whose programs run with these flags, or None."""
+    for name in ("gcc", "clang", "cc"):
+        path = shutil.which(name)
+        if path and _works(path, tuple(flags)):
+            return path
+    return None
+
+
+def _works(compiler, flags):
+    command = [compiler, *flags, "-x", "c", "-", "-o", os.devnull]
+    program = "int main(void) { return 0; }"
+    done = subprocess.run(command, input=program, text=True, capture_output=True, check=False)
+    return done.returncode == 0
+
+
+def run(command, **environment):
+    """What a program prints.
+
+    Raises:
+        AssertionError: it fails; with what it says.
+    """
+    done = subprocess.run(
+        [str(word) for word in command],
+        capture_output=True,
+        text=True,
+        timeout=TIME_LIMIT,
+        env=os.environ | environment,
+        errors="replace",
+        check=False,
+    )
+    assert done.returncode == 0, f"status {done.returncode}: {(done.stdout + done.stderr)[-3000:]}"
+    return done.stdout
+
+
+class Workshop:
+    """Builds C programs together with the shell, the tables and the kernel of one FMU.
+
+    Attributes:
+        identifier: of the FMU. folder: where the programs are.
+    """
+
+    def __init__(self, identifier, folder):
+        self.identifier = identifier
+        self.fmu = FMUS[identifier]
+        self.folder = folder
+        self.guid = native_fmu.guid(self.fmu)
+        (folder / "tables.c").write_text(c_tables(self.fmu.model, self.guid))
+
+    def kernel(self, target):
+        """Object file of the kernel for a target."""
+        path = self.folder / f"kernel-{target.label}.o"
+        machine = target_machine(target.triple, target.processor)
+        path.write_bytes(object_file(self.fmu.model.entry, machine, f"{target.triple}-{target.processor}"))
+        return path
+
+    def flags(self):
+        """What every compilation takes: language, warnings as errors, headers, name of the kernel."""
+        headers = ["-I", str(SHELL_FOLDER), "-I", str(SOURCES), "-I", str(self.folder)]
+        symbol = f"-DKERNEL={ENTRIES[self.fmu.model.entry].symbol}"
+        return ["-std=c99", "-O1", *WARNINGS, *headers, "-isystem", str(header_folder()), symbol]
+
+    def all_sources(self, *names):
+        """Paths of C files of the tests, then those of the shell and the tables."""
+        return [*(str(SOURCES / name) for name in names), *map(str, shell_sources()), "tables.c"]
+
+    def build(self, program, *names, flags=(), libraries=()):
+        """A program for this machine, by a compiler of the system; names are of its C files.
+
+        The test is skipped where there is no such compiler.
+        """
+        compiler = system_compiler(flags)
+        if compiler is None:
+            pytest.skip(f"no C compiler of the system makes programs that run with {' '.join(flags) or '-'}")
+        files = [*self.all_sources(*names), str(self.kernel(LINUX64))]
+        command = [compiler, *self.flags(), *flags, *files, "-o", program, "-lm", *libraries]
+        done = subprocess.run(command, cwd=self.folder, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr[-3000:]
+        return self.folder / program
+
+    def build_for(self, target, program, *names, flags=()):
+        """A program for a target, by the C compiler that comes with ziglang."""
+        files = [*self.all_sources(*names), str(self.kernel(target)), *target.libraries]
+        return self._cross(target, program, *flags, *files)
+
+    def build_beside_library(self, target, program, library, *names):
+        """A program for a target that finds the library of the FMU beside itself."""
+        files = [str(SOURCES / name) for name in names]
+        return self._cross(
+            target, program, *files, "tables.c", library, "-Wl,-rpath,$ORIGIN", *target.libraries
+        )
+
+    def _cross(self, target, program, *arguments):
+        given = ["-target", target.compiler, *self.flags(), "-fno-sanitize=all"]
+        run_tool("cc", [*given, *arguments, "-o", program], self.folder)
+        return self.folder / program
+
+    def build_windows_program(self, program, *names):
+        """A program for Windows that begins at `begin` and needs nothing but Windows itself."""
+        functions = ("LoadLibraryA", "GetProcAddress", "GetStdHandle", "WriteFile", "ExitProcess")
+        definition = "\n".join(["LIBRARY kernel32.dll", "EXPORTS", *functions, ""])
+        (self.folder / "system.def").write_text(definition)
+        run_tool("dlltool", ["-m", WIN64.import_machine, "-d", "system.def", "-l", "system.a"], self.folder)
+        own = windows_arguments(WIN64, self.folder)
+        files = [*(str(SOURCES / name) for name in names), str(SHELL_FOLDER / "windows.c"), "tables.c"]
+        return self._cross(WIN64, program, "-Wl,-e,begin", *files, *own, "system.a")
+
+
+@pytest.fixture(scope="session")
+def workshops(tmp_path_factory):
+    """Makes the workshop of an FMU, or skips the test."""
+    if (platform.system(), platform.machine()) != ("Linux", "x86_64"):
+        pytest.skip("the test programs are made for Linux on x86-64")
+    made = {}
+
+    def of(identifier):
+        if identifier not in made:
+            try:
+                made[identifier] = Workshop(identifier, tmp_path_factory.mktemp(identifier))
+                made[identifier].kernel(LINUX64)
+            except CompilationUnavailable as reason:
+                pytest.skip(str(reason))
+        return made[identifier]
+
+    return of
+
+
+@pytest.fixture(scope="session", params=FMUS)
+def workshop(request, workshops):
+    """The workshops of both native FMUs in turn."""
+    return workshops(request.param)
+
+
+@pytest.fixture(scope="session")
+def unpacked(tmp_path_factory):
+    """Folders with the content of the native FMUs, by identifier."""
+    folder = tmp_path_factory.mktemp("build")
+    built = builder.build(folder)
+    if built.skipped:
+        pytest.skip("; ".join(f"{what}: {reason}" for what, reason in built.skipped.items()))
+    return {name: Path(extract(str(folder / f"{name}.fmu"), str(folder / name))) for name in FMUS}

@@ -1,0 +1,70 @@
+/* Refusals that random calls seldom meet. */
+#include "snapshot.h"
+
+#include <math.h>
+#include <string.h>
+
+static const struct setting none[] = {{NULL, 0.0}};
+
+static fmi2ValueReference first_output(void)
+{
+    for (fmi2ValueReference n = 0; n < model.variable_count; n++)
+        if (model.variables[n].output)
+            return n;
+    fail("first_output", "the model has no output");
+}
+
+/* No derivative where the input itself is none: it was answered by zero. */
+static void no_derivative_at_an_infinite_input(fmi2Component c)
+{
+    const fmi2ValueReference input = 0, output = first_output();
+    const fmi2Real bad[] = {INFINITY, -INFINITY, NAN}, direction = 1.0;
+    fmi2Real derivative;
+    for (int n = 0; n < 3; n++) {
+        CHECK(fmi2Reset(c) == fmi2OK, "reset");
+        start(c, none);
+        CHECK(fmi2SetReal(c, &input, 1, &bad[n]) == fmi2OK, "setting an input");
+        CHECK(fmi2GetDirectionalDerivative(c, &output, 1, &input, 1, &direction, &derivative) == fmi2Discard,
+              "a derivative at %g", bad[n]);
+    }
+}
+
+/* A refused step uses up neither the time reached nor the warning of a communication point that is another. */
+static void refused_steps_leave_time_and_warning(fmi2Component c, struct journal *journal)
+{
+    fmi2Real time;
+    CHECK(fmi2Reset(c) == fmi2OK, "reset");
+    start(c, none);
+    CHECK(fmi2DoStep(c, 0.0, -0.01, fmi2True) == fmi2Discard && journal->status == fmi2Discard, "a step backwards");
+    CHECK(fmi2DoStep(c, 7.0, NAN, fmi2True) == fmi2Discard && journal->status == fmi2Discard, "a step that is none");
+    CHECK(fmi2GetRealStatus(c, fmi2LastSuccessfulTime, &time) == fmi2OK && time == 0.0, "the time is %g", time);
+    const unsigned long messages = journal->messages;
+    CHECK(fmi2DoStep(c, 0.0, 0.01, fmi2True) == fmi2OK && journal->messages == messages, "a good step");
+    CHECK(fmi2DoStep(c, 5.0, 0.01, fmi2True) == fmi2OK && journal->status == fmi2Warning, "a step elsewhere");
+    CHECK(journal->messages == messages + 1, "one warning");
+}
+
+/* A tolerance of setupExperiment is there from the beginning of initialization on, whatever is set or read. */
+static void tolerance_of_the_experiment_wins(fmi2Component c)
+{
+    if (model.tolerance_slot < 0)
+        return;
+    CHECK(fmi2Reset(c) == fmi2OK, "reset");
+    CHECK(fmi2SetupExperiment(c, fmi2True, 1e-4, 0.0, fmi2False, 0.0) == fmi2OK, "setupExperiment");
+    CHECK(set_value(c, reference_of("tolerance"), 1e-5) == fmi2OK, "setting tolerance");
+    CHECK(fmi2EnterInitializationMode(c) == fmi2OK && real_value(c, "tolerance") == 1e-4, "the experiment's wins");
+    CHECK(set_value(c, reference_of("tolerance"), 1e-5) == fmi2OK, "setting tolerance");
+    CHECK(real_value(c, "tolerance") == 1e-4, "the experiment's still wins");
+    CHECK(fmi2ExitInitializationMode(c) == fmi2OK && real_value(c, "tolerance") == 1e-4, "the experiment's has won");
+}
+
+int main(void)
+{
+    static struct journal journal;
+    const fmi2Component c = instantiate(&journal, "instance");
+    no_derivative_at_an_infinite_input(c);
+    refused_steps_leave_time_and_warning(c, &journal);
+    tolerance_of_the_experiment_wins(c);
+    fmi2FreeInstance(c);
+    return 0;
+}

@@ -1,0 +1,26 @@
+"""Hosts that call in any order with anything: the shell survives them, and refuses without a trace."""
+
+import os
+
+import pytest
+
+from .conftest import SANITIZERS, run
+
+# a million calls a seed where the environment asks for them, else what a test has the time for
+CALLS = int(os.environ.get("INERTIA_MODULE_ABUSE_CALLS", "200000"))
+SEEDS = os.environ.get("INERTIA_MODULE_ABUSE_SEEDS", "1").split(",")
+FILES = (
+    *("abuse.c", "abuse_arguments.c", "abuse_life.c", "abuse_states.c", "abuse_values.c"),
+    *("host.c", "snapshot.c"),
+)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_random_calls_are_survived_under_sanitizers_and_leave_no_trace(workshop, seed):
+    program = workshop.build("abuse", *FILES, flags=SANITIZERS)
+    printed = run([program, seed, CALLS], ASAN_OPTIONS="detect_leaks=1")
+    assert printed.startswith(f"{CALLS} calls")
+
+
+def test_refusals_that_random_calls_seldom_meet(workshop):
+    run([workshop.build("refusals", "refusals.c", "host.c", "snapshot.c", flags=SANITIZERS)])

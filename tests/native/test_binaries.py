@@ -1,0 +1,70 @@
+"""The libraries in the FMUs need only what their systems bring, and offer all of FMI 2.0 co-simulation."""
+
+import re
+
+import pytest
+
+from inertia_module.fmu.linking import header_folder
+
+from . import binaries
+from .conftest import FMUS
+
+# of model exchange
+LEFT_OUT = {
+    *("EnterEventMode", "NewDiscreteStates", "EnterContinuousTimeMode", "CompletedIntegratorStep", "SetTime"),
+    *("SetContinuousStates", "GetDerivatives", "GetEventIndicators", "GetContinuousStates"),
+    "GetNominalsOfContinuousStates",
+}
+
+
+def required():
+    """Functions of FMI 2.0 for co-simulation, from its header."""
+    text = (header_folder() / "fmi2FunctionTypes.h").read_text()
+    names = set(re.findall(r"\bfmi2(\w+)TYPE\b", text)) - LEFT_OUT
+    return {f"fmi2{name}" for name in names}
+
+
+@pytest.fixture(params=FMUS)
+def content(request, unpacked):
+    """Reads a library of an FMU by its folder and suffix."""
+    folder = unpacked[request.param] / "binaries"
+    return lambda system, suffix: (folder / system / f"{request.param}{suffix}").read_bytes()
+
+
+def test_the_header_names_the_functions_of_co_simulation():
+    assert {"fmi2Instantiate", "fmi2DoStep", "fmi2GetBooleanStatus", "fmi2DeSerializeFMUstate"} <= required()
+    assert len(required()) == 34
+
+
+@pytest.mark.parametrize("system", ["linux64", "aarch64-linux"])
+def test_linux_library_needs_only_the_c_library_of_2012(content, system):
+    library = binaries.read_elf(content(system, ".so"))
+    assert required() <= library.offers
+    assert library.needs <= {"libc.so.6", "libm.so.6"}
+    versions = {tuple(map(int, name.removeprefix("GLIBC_").split("."))) for name in library.versions}
+    assert max(versions) <= (2, 17)
+
+
+@pytest.mark.parametrize("system", ["win64", "aarch64-windows"])
+def test_windows_library_needs_only_the_runtime_of_windows(content, system):
+    library = binaries.read_pe(content(system, ".dll"))
+    assert required() <= library.offers
+    assert library.needs == {"ucrtbase.dll"}
+
+
+def test_mac_library_is_one_file_for_both_processors(content):
+    parts = binaries.read_universal(content("darwin64", ".dylib"))
+    assert set(parts) == {"x86_64", "arm64"}
+    for library in parts.values():
+        assert {f"_{name}" for name in required()} <= library.offers
+        assert library.needs == {"/usr/lib/libSystem.B.dylib"}
+        assert library.minimum == "11.0"
+
+
+def test_mac_library_for_arm_is_signed(content):
+    assert binaries.read_universal(content("darwin64", ".dylib"))["arm64"].signed
+
+
+def test_libraries_offer_little_but_fmi(content):
+    offered = binaries.read_elf(content("linux64", ".so")).offers - required()
+    assert offered <= {"inertia_module_kernel", "_init", "_fini", "__bss_start", "_edata", "_end"}

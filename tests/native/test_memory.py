@@ -1,0 +1,33 @@
+"""Memory: nothing is lost, nothing is asked for while stepping, and an instance is small."""
+
+import shutil
+
+import pytest
+
+from .conftest import run
+
+MOST_BYTES = 65536  # of an instance with a saved state
+LIVES = 10000
+
+
+def test_ten_thousand_lives_leak_nothing(workshop):
+    valgrind = shutil.which("valgrind")
+    if valgrind is None:
+        pytest.skip("valgrind is not installed")
+    program = workshop.build("leaks", "leaks.c", "host.c", "snapshot.c", flags=("-g",))
+    checker = [valgrind, "--quiet", "--error-exitcode=9", "--leak-check=full", "--show-leak-kinds=all"]
+    assert run([*checker, program, LIVES]) == f"{LIVES} instances lived\n"
+
+
+def test_the_kernel_keeps_within_its_arrays(workshop):
+    valgrind = shutil.which("valgrind")
+    if valgrind is None:
+        pytest.skip("valgrind is not installed")
+    program = workshop.build("bounds", "bounds.c", "host.c", flags=("-g",))
+    run([valgrind, "--quiet", "--error-exitcode=9", program])
+
+
+def test_steps_and_values_ask_for_no_memory_and_an_instance_is_small(workshop):
+    program = workshop.build("memory", "memory.c", "host.c", "snapshot.c")
+    of_instance, with_state = map(int, run([program]).split())
+    assert 0 < of_instance < with_state < MOST_BYTES
