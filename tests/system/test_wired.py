@@ -79,5 +79,5 @@ def test_inputs_are_set_by_wires_or_by_the_user_not_by_both(nodes):
 def test_the_fmu_that_refuses_a_step_is_named(nodes):
     with WiredFmus(nodes, (SPEED, TORQUE), 1e-3) as system:
         system.set("module", omega1=1e9)
-        with pytest.raises(DriveError, match="module: .*omega1 = 1000000000 is refused"):
+        with pytest.raises(DriveError, match=r"module: .*omega1 = 1000000000 is refused"):
             system.advance()
