@@ -10,9 +10,7 @@ import importlib.metadata
 import json
 import subprocess
 import sys
-import zipfile
 from pathlib import Path
-from xml.etree import ElementTree
 
 import numpy as np
 
@@ -110,17 +108,3 @@ def run(host, scene, folder, work, clock=ACCUMULATED):
     rows = np.load(work / "rows.npy")
     assert rows.shape == (scene.steps, len(names))
     return dict(zip(names, rows.T, strict=True))
-
-
-def with_integers(path, target):
-    """A copy of an FMU whose enumerations are described as Integers: to its library that is the same."""
-    with zipfile.ZipFile(path) as old, zipfile.ZipFile(target, "w") as new:
-        for name in old.namelist():
-            content = old.read(name)
-            if name == "modelDescription.xml":
-                root = ElementTree.fromstring(content)
-                for element in root.iterfind("ModelVariables/ScalarVariable/Enumeration"):
-                    element.tag = "Integer"
-                    del element.attrib["declaredType"]
-                content = ElementTree.tostring(root, xml_declaration=True, encoding="UTF-8")
-            new.writestr(name, content)
