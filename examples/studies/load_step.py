@@ -16,7 +16,8 @@ from launch import FMU, MECHANISM
 
 from inertia_module.chart import torque_converter_chart
 from inertia_module.drive import drive
-from inertia_module.results import write_figure
+from inertia_module.figures import smooth
+from inertia_module.results import Result, write_figure
 
 OMEGA1 = 150.0  # rad/s
 INERTIA = 0.5  # kg.m2
@@ -26,6 +27,7 @@ STEP = 2e-3  # s
 STALL_SHARES = (0.3, 0.8)
 LOCK_UP_SHARES = (0.5, 1.1)
 BACK_SHARES = (0.8, 0.3)
+SMOOTHING = 0.1  # s
 OUTPUTS = ("omega_out", "output_torque_mean", "input_torque_mean")
 
 
@@ -71,10 +73,14 @@ def main():
     print("load, N.m   settled, rad/s   of omega1   lowest, rad/s   mean input torque, N.m")
     for load, speed, lowest, torque in rows:
         print(f"{load:<11.1f} {speed:<16.2f} {speed / OMEGA1:<11.3f} {lowest:<15.2f} {torque:.2f}")
+    # pulses blur a picture of half a minute: means over a tenth of a second
+    torques = ("output_torque_mean", "input_torque_mean")
+    shown = {"time": table.time, "load_torque": table["load_torque"]}
+    shown |= {name: smooth(table, name, SMOOTHING) for name in torques} | {"omega_out": table["omega_out"]}
+    units = {name: "rad/s" if name == "omega_out" else "N.m" for name in shown if name != "time"}
     folder = Path("out") / "load_step"
     print(table.to_csv(folder / "table.csv"))
-    shown = ("load_torque", "output_torque_mean", "input_torque_mean", "omega_out")
-    print(write_figure(folder / "plot.png", table.figure(shown)))
+    print(write_figure(folder / "plot.png", Result.from_columns(shown, units).figure()))
 
 
 if __name__ == "__main__":
