@@ -100,6 +100,7 @@ def start(p, d, u, x, y):
     d[D_SWING] = swing
     d[D_SLOW] = slow
     d[D_FAST] = fast
+    d[D_STEP] = 0.0
     for n in range(X_SIZE):
         x[n] = 0.0
     x[X_TWIST] = p[P_TWIST_START]
@@ -134,6 +135,31 @@ def begin(p, u, x, h):
         add(x, X_ENERGY_LOST, -work)
 
 
+def responses_to(d, h):
+    """What propagator.responses says for a step h, kept for the next one of the same length."""
+    if h != d[D_STEP]:
+        step, slope, impulse, one, two, three, four = responses(
+            d[D_RATE], d[D_SQUARE], d[D_SWING], d[D_SLOW], d[D_FAST], h
+        )
+        d[D_STEP] = h
+        d[D_RESPONSES] = step
+        d[D_RESPONSES + 1] = slope
+        d[D_RESPONSES + 2] = impulse
+        d[D_RESPONSES + 3] = one
+        d[D_RESPONSES + 4] = two
+        d[D_RESPONSES + 5] = three
+        d[D_RESPONSES + 6] = four
+    return (
+        d[D_RESPONSES],
+        d[D_RESPONSES + 1],
+        d[D_RESPONSES + 2],
+        d[D_RESPONSES + 3],
+        d[D_RESPONSES + 4],
+        d[D_RESPONSES + 5],
+        d[D_RESPONSES + 6],
+    )
+
+
 def move(p, d, x, w, h):
     """Advance over the step, inputs taken: exact motion, mean torque and energies.
 
@@ -145,9 +171,7 @@ def move(p, d, x, w, h):
     ramp = x[X_HUB_SLOPE]
     load = x[X_LOAD_TORQUE]
     inertia = p[P_DRIVEN_INERTIA]
-    step, slope, impulse, one, two, three, four = responses(
-        d[D_RATE], d[D_SQUARE], d[D_SWING], d[D_SLOW], d[D_FAST], h
-    )
+    step, slope, impulse, one, two, three, four = responses_to(d, h)
     angle, turn = turn_of_mass(x, w, impulse, one, two, three, h)
     momentum, momentum_size, moment, moment_size = torque_sums(p, x, w, impulse, one, two, three, four, h)
     lost = 0.0

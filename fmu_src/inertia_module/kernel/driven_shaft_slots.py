@@ -65,7 +65,10 @@ D_SQUARE = 1
 D_SWING = 2
 D_SLOW = 3
 D_FAST = 4
-D_SIZE = 5
+# the communication step last taken and the answers to it of propagator.responses: most steps are alike
+D_STEP = 5
+D_RESPONSES = 6
+D_SIZE = 13
 
 # w: workspace of one call: the motion over the step in hand. From impulse, its rate slope and its integrals
 # one, two ... of propagator.responses, both speeds are
