@@ -2,6 +2,7 @@
 
 from .averaged_system import TransientInertia, averaged_system
 from .fmu_system import FmuSystem, fmu_system
+from .margins import run_linear_loop, stability_limit, swings
 from .small_signal import SmallSignal, averaged_response, measured_response, operating_point
 from .transient import transient_inertia
 
@@ -14,5 +15,8 @@ __all__ = [
     "fmu_system",
     "measured_response",
     "operating_point",
+    "run_linear_loop",
+    "stability_limit",
+    "swings",
     "transient_inertia",
 ]

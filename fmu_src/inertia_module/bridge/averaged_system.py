@@ -2,10 +2,10 @@
 
     J3 omega_out' = omega1^2 F(omega_out / |omega1|) - load_torque
 
-State omega_out. Every torque is that of fidelity averaged at this instant, computed by the kernel's own functions.
-Two things a differential equation cannot say. At lock-up (omega_out = omega1) the FMU holds the two together; here
-the torque drops to zero above ratio 1, and a solver would chatter there: it is for ratios below. And at
-constant inputs no torque has a part in omega1': give `omega1_rate` as a third input for it.
+State omega_out. Every torque is that of fidelity averaged at this instant, computed by the kernel's own
+functions. Two things a differential equation cannot say. At lock-up (omega_out = omega1) the FMU holds the
+two together; here the torque drops to zero above ratio 1, and a solver would chatter there: it is for ratios
+below. And at constant inputs no torque has a part in omega1': give `omega1_rate` as a third input for it.
 """
 
 from __future__ import annotations
@@ -108,7 +108,8 @@ def averaged_system(
 
     Args:
         parameters: of the module by name, numbers (enumerations too); fidelity is averaged whatever they say.
-        inputs: omega1, rad/s, load_torque, N.m, and if wanted omega1_rate, rad/s2 (else 0); all that are wanted.
+        inputs: omega1, rad/s, load_torque, N.m, and if wanted omega1_rate, rad/s2 (else 0); all that are
+            wanted.
         outputs: of omega_out, omega2, rad/s, input_torque, mesh_torque, output_torque, housing_torque,
             torque_ripple (RMS), torque_peak, N.m.
         transient: what accelerations add to the mean torque while it is driven; nothing in fidelity averaged.

@@ -8,12 +8,12 @@ where the motion is now: they are part of the state. Two states are to be had.
 `omega2` and `omega_out`; for DrivenShaft `omega_out` and `twist`), the speed the input was left at
 (a new one is a jump, and a jump is an impulse), and the outputs of the last step. Every update starts the FMU
 anew from these, through its start parameters: nothing outside of them can matter. It is the state for
-find_operating_point and linearize. Against stepping on, a restart loses what rounding was carried along and the step
-size of the integration: results agree within the tolerance, not to the bit.
+find_operating_point and linearize. Against stepping on, a restart loses what rounding was carried along and
+the step size of the integration: results agree within the tolerance, not to the bit.
 
 **whole.** The serialised state of the FMU, some 3200 numbers. Exact to the bit and good for every FMU,
-fidelity `elastic` (which has no start parameters for its twist) and `input_hold` linear, but it can only be passed on:
-no part of it can be changed, so it cannot be linearised.
+fidelity `elastic` (which has no start parameters for its twist) and `input_hold` linear, but it can only be
+passed on: no part of it can be changed, so it cannot be linearised.
 """
 
 from __future__ import annotations
@@ -52,7 +52,6 @@ _SUMS = ("turns", "energy_", "contact_switches", "rhs_evaluations", "input_angle
 class _Stepper(Protocol):
     """What update and output of a system do with the FMU."""
 
-    fmu: Fmu
     names: list[str]
     start: Array
 
@@ -72,13 +71,13 @@ class _Motion:
         for name in outputs:
             if any(word in name for word in _SUMS) and name != "energy_stored":
                 raise DriveError(
-                    f"output {name} is refused with state = 'motion': it is a sum since the start; allowed are"
-                    " outputs that follow from the motion, or state = 'whole'"
+                    f"output {name} is refused with state = 'motion': it is a sum since the start; allowed"
+                    " are outputs that follow from the motion, or state = 'whole'"
                 )
-            if "drive_angle" not in self._motion and _is_angular(fmu, name):
+            if _is_angular(fmu, name, "drive_angle" in self._motion):
                 raise DriveError(
-                    f"output {name} is refused with state = 'motion': it depends on the drive angle, which is no"
-                    f" state here ({', '.join(self._motion)}); allowed is state = 'whole'"
+                    f"output {name} is refused with state = 'motion': it depends on an angle that is no state"
+                    f" here ({', '.join(self._motion)}); allowed is state = 'whole'"
                 )
         self._held = tuple(name for name in inputs if name in _SPEEDS)
         self._read = (*self._motion, *(name for name in outputs if name not in self._motion))
@@ -149,15 +148,21 @@ class FmuSystem:
     """An FMU as a system of python-control; a context manager, which closes the FMU.
 
     Attributes:
-        system: control.NonlinearIOSystem in discrete time. Copies of it share the FMU, which is safe: no result
-            depends on what was computed before (but one thread at a time).
+        system: control.NonlinearIOSystem in discrete time. Copies of it share the FMU, which is safe: no
+            result depends on what was computed before (but one thread at a time).
         start: state at the start, shape (states,): initial_state for input_output_response.
     """
 
     def __init__(
-        self, stepper: _Stepper, step: float, inputs: Sequence[str], outputs: Sequence[str], name: str
-    ):
-        self._fmu = stepper.fmu
+        self,
+        fmu: Fmu,
+        stepper: _Stepper,
+        step: float,
+        inputs: Sequence[str],
+        outputs: Sequence[str],
+        name: str,
+    ) -> None:
+        self._fmu = fmu
         self.start = stepper.start
 
         def update(_: float, x: Any, u: Any, __: Any) -> Any:
@@ -208,7 +213,8 @@ def fmu_system(
 
     Args:
         path: the .fmu file.
-        parameters: by name, enumerations by number or item name; `..._start` values make the start of the system.
+        parameters: by name, enumerations by number or item name; `..._start` values make the start of the
+            system.
         step: communication step and sampling time, s.
         inputs: inputs of the FMU that are inputs of the system; others stay at their start values.
         outputs: variables of the FMU that are outputs of the system.
@@ -237,7 +243,7 @@ def fmu_system(
             stepper = _Motion(fmu, step, inputs, outputs)
         else:
             stepper = _Whole(fmu, step, inputs, outputs)
-        return FmuSystem(stepper, step, inputs, outputs, name or fmu.path.stem)
+        return FmuSystem(fmu, stepper, step, inputs, outputs, name or fmu.path.stem)
     except BaseException:
         fmu.close()
         raise
@@ -250,9 +256,11 @@ def _check_inputs(fmu: Fmu, inputs: Sequence[str]) -> None:
             raise DriveError(f"input {name} is refused: allowed are {', '.join(known)}")
 
 
-def _is_angular(fmu: Fmu, name: str) -> bool:
-    """Whether an output of the module needs the drive angle."""
-    return "drive_turns" in fmu.variables and name.startswith(("imbalance_", "drive_"))
+def _is_angular(fmu: Fmu, name: str, knows_drive_angle: bool) -> bool:
+    """Whether an output of the module needs the angle of link 1, or that of the drive where it is not known."""
+    if "drive_turns" not in fmu.variables or not name.startswith(("imbalance_", "drive_")):
+        return False
+    return not knows_drive_angle or name.endswith(("_y", "_z"))
 
 
 def _motion_of(fmu: Fmu) -> tuple[str, ...]:
@@ -263,15 +271,15 @@ def _motion_of(fmu: Fmu) -> tuple[str, ...]:
     """
     if "input_hold" in fmu.variables and fmu["input_hold"] != 0.0:
         raise DriveError(
-            "input_hold = linear is refused with state = 'motion': it goes on from the last two inputs; allowed is"
-            " input_hold = constant, or state = 'whole'"
+            "input_hold = linear is refused with state = 'motion': it goes on from the last two inputs;"
+            " allowed is input_hold = constant, or state = 'whole'"
         )
     if "fidelity" not in fmu.variables:
         return _SHAFT_MOTION
     fidelity = _FIDELITIES[int(fmu["fidelity"])]
     if fidelity not in _MOTION:
         raise DriveError(
-            f"fidelity = {fidelity} is refused with state = 'motion': it has no start parameters for all of its"
-            f" motion; allowed are {', '.join(_MOTION)}, or state = 'whole'"
+            f"fidelity = {fidelity} is refused with state = 'motion': it has no start parameters for all of"
+            f" its motion; allowed are {', '.join(_MOTION)}, or state = 'whole'"
         )
     return _MOTION[fidelity]

@@ -1,13 +1,14 @@
 """A plant at constant inputs with a small sine on one of them, and the sine of its outputs.
 
-- **Input.** The load torque is held over a step at its value at the middle of the step; omega1 goes linearly from
-  sample to sample (by input derivatives: a native FMU is needed). Neither lags; the loss of amplitude, sinc(f h) or its
-  square, is divided out.
-- **Output.** A step mean belongs to the middle of its step and is fitted there; its sinc(f h) is divided out as well.
-- **Fit.** Least squares of mean, drift, sine and cosine, weighted by a Hann window over a whole number of periods. The
-  pulses are no multiple of the sine, but a record of N periods tells frequencies apart that differ by more than
-  2/N of it, and beyond that leakage falls with the cube of the distance. The step has to be so short that
-  pulses do not alias: some 20 steps to a pulse.
+- **Input.** The load torque is held over a step at its value at the middle of the step; omega1 goes linearly
+  from sample to sample (by input derivatives: a native FMU is needed). Neither lags; the loss of amplitude,
+  sinc(f h) or its square, is divided out.
+- **Output.** A step mean belongs to the middle of its step and is fitted there; its sinc(f h) is divided out
+  as well.
+- **Fit.** Least squares of mean, drift, sine and cosine, weighted by a Hann window over a whole number of
+  periods. The pulses are no multiple of the sine, but a record of N periods tells frequencies apart that
+  differ by more than 2/N of it, and beyond that leakage falls with the cube of the distance. The step has to
+  be so short that pulses do not alias: some 20 steps to a pulse.
 """
 
 from __future__ import annotations
@@ -108,19 +109,19 @@ class SineBench:
         periods = max(LEAST_PERIODS, math.ceil(record * frequency))
         count = round(periods / (frequency * self.step))
         rows = self.run(excited, amplitude, frequency, before, count)
-        ends = (np.arange(before, before + count) + 1.0) * self.step
+        ends: Array = np.arange(before + 1, before + count + 1, dtype=np.float64) * self.step
         sinc = float(np.sinc(frequency * self.step))
         held = amplitude * (sinc**2 if excited == SPEED else sinc)
         found, means = np.empty(len(self.outputs), dtype=complex), np.empty(len(self.outputs))
         for n, name in enumerate(self.outputs):
             is_mean = name.endswith("_mean")
-            time = ends - 0.5 * self.step if is_mean else ends
+            time: Array = ends - 0.5 * self.step if is_mean else ends
             sine, means[n] = fit_sine(time, rows[:, n], frequency)
             found[n] = sine / (held * sinc if is_mean else held)
         return found, means
 
     def settle(self, time: float) -> float:
-        """Run at constant inputs for a time, s. Returns torque pulses per second in its last half (0: not two)."""
+        """Run at constant inputs for a time, s; torque pulses per second in its last half (0: not two)."""
         count = math.ceil(time / self.step)
         torque = np.empty(count)
         for n in range(count):

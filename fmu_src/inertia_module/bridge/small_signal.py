@@ -1,4 +1,4 @@
-"""Small-signal frequency response of an FMU around an operating point, measured; and that of the averaged module.
+"""Small-signal frequency response: of an FMU, measured, and of the linearised averaged module.
 
 Measured as on a test bed: the FMU runs at constant inputs until it has settled, then a small sine is added to
 one input, and after the transient the sine of that frequency in the outputs is fitted (see sine_bench).
@@ -125,8 +125,8 @@ def operating_point(system: Any, omega1: float, load_torque: float, guess: float
     point = ct.find_operating_point(system, [first], given)
     if point.states is None or not 0.0 < point.states[0] < omega1:
         raise ValueError(
-            f"omega1 = {omega1:g} rad/s with load_torque = {load_torque:g} N.m is refused: no operating point was"
-            f" found from omega_out = {first:g} rad/s; allowed is a load that is carried below lock-up"
+            f"omega1 = {omega1:g} rad/s with load_torque = {load_torque:g} N.m is refused: no operating point"
+            f" was found from omega_out = {first:g} rad/s; allowed is a load that is carried below lock-up"
         )
     return float(point.states[0])
 

@@ -5,9 +5,9 @@ order in the accelerations, and because nothing but speeds and inertias enters, 
 
     T = omega1^2 F(sigma) + m1(sigma) omega1' - m3(sigma) omega_out'
 
-with two inertias that depend on the speed ratio alone. The rigid module in memory is run with an output so heavy
-that its speed is prescribed, once with a sine on omega1 and once with a sine of omega_out, at a twentieth of the pulse
-rate; the part of the torque in quadrature gives m1 and m3.
+with two inertias that depend on the speed ratio alone. The rigid module in memory is run with an output so
+heavy that its speed is prescribed, once with a sine on omega1 and once with a sine of omega_out, at a
+twentieth of the pulse rate; the part of the torque in quadrature gives m1 and m3.
 """
 
 from __future__ import annotations
@@ -45,7 +45,8 @@ def transient_inertia(
     """
     if not 0.0 < omega_out < omega1:
         raise ValueError(
-            f"omega_out = {omega_out:g} rad/s at omega1 = {omega1:g} rad/s is refused: allowed is 0 < omega_out < omega1"
+            f"omega_out = {omega_out:g} rad/s at omega1 = {omega1:g} rad/s is refused:"
+            " allowed is 0 < omega_out < omega1"
         )
     averaged = averaged_system(parameters, outputs=("output_torque",), kernel=kernel)
     torque = float(averaged.output(0.0, [omega_out], [omega1, 0.0])[0])
@@ -72,7 +73,8 @@ def _sine(
     rate = bench.settle(2.0 * _SETTLING_PULSES * _STEPS_PER_CYCLE * step)
     if rate == 0.0:
         raise ValueError(
-            f"omega_out = {omega_out:g} rad/s at omega1 = {omega1:g} rad/s is refused: no pulses come through there"
+            f"omega_out = {omega_out:g} rad/s at omega1 = {omega1:g} rad/s is refused:"
+            " no pulses come through there"
         )
     frequency = _SHARE_OF_RATE * rate
     swing = _SHARE_OF_SPEED * omega1

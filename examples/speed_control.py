@@ -1,0 +1,377 @@
+"""Speed control of a car on a hill: designed on the averaged module, verified on the rigid and elastic FMU.
+
+A car of 900 kg climbs through a planar module; a motor with a lag of 0.15 s sets omega1, a sensor with a lag of
+0.05 s measures the speed. The averaged module is linearised where it carries the hill, a PI controller is tuned
+for a phase margin, a state feedback with integral by LQR. Both then run on the full FMUs, and gain and delay are
+raised there until the loop no longer settles: the margins predicted against those the pulses leave.
+
+Run `inertia-module build` first. Writes out/speed_control/: responses.csv, speed_control.png.
+"""
+
+import argparse
+import math
+import warnings
+from pathlib import Path
+
+import control as ct
+import numpy as np
+from matplotlib.figure import Figure
+
+from inertia_module import bridge, loops
+from inertia_module.figures import BLACK, BLUE, VERMILION
+from inertia_module.instance import Fmu
+from inertia_module.results import Result, write_figure
+
+HERE = Path(__file__).parent.parent
+STEP = 0.01  # s, of communication and control
+MOTOR_LAG, SENSOR_LAG = 0.15, 0.05  # s
+SIGNALS = ["omega_out", "measured", "omega1"]
+LIMITS = (0.0, 400.0)  # rad/s
+KICK, KICK_PERIODS = (
+    0.5,
+    10.0,
+)  # state at the start that has to die away, and within how many crossover periods
+OMEGA1, HILL = 200.0, 100.0  # operating point, rad/s and N.m (a slope of 15 % at 17 km/h)
+MECHANISM = {"layout": 1, "sun_radius": 0.1, "satellite_radius": 0.06, "eccentricity": 0.04}
+MECHANISM |= {"imbalance_mass": 0.3, "satellites": 3, "link2_inertia": 0.01}
+CAR = 900.0 * (0.29 / 4.0) ** 2  # kg.m2 at the output shaft: wheels of 0.29 m behind a final drive of 4
+REFERENCE_STEP, HILL_STEP = 3.0, 20.0  # rad/s and N.m
+HUB = 0.5  # kg.m2 of gearbox and propeller shaft
+SHAFT = {"driven_inertia": CAR, "shaft_stiffness": 800.0, "shaft_damping": 2.0}
+PLANTS = {
+    "averaged": {**MECHANISM, "fidelity": 1, "output_inertia": HUB + CAR},
+    "rigid": {**MECHANISM, "fidelity": 2, "output_inertia": HUB + CAR},
+    "elastic": {**MECHANISM, "fidelity": 3, "output_inertia": HUB, **SHAFT},
+}
+
+
+def lag(time, given, output, name):
+    """First-order lag with its input held over a step, exact; its state is its output."""
+    left = math.exp(-STEP / time)
+    return ct.ss([[left]], [[1.0 - left]], [[1.0]], [[0.0]], STEP, inputs=given, outputs=output, name=name)
+
+
+def linear_plant(kind, operating):
+    """Linearised averaged module, sampled: inputs omega1, load_torque, output omega_out."""
+    inertia = PLANTS[kind]["output_inertia"]
+    averaged = bridge.averaged_system({**MECHANISM, "output_inertia": inertia}, outputs=("omega_out",))
+    module = ct.linearize(averaged, [operating], [OMEGA1, HILL])
+    if kind == "elastic":
+        c, d, car = SHAFT["shaft_stiffness"], SHAFT["shaft_damping"], CAR
+        (a, (b1, b2)) = module.A[0, 0], module.B[0]
+        # states: hub, car, twist; the shaft torque brakes the hub as load_torque would
+        shaft = np.array([d, -d, c])
+        rows = [np.array([a, 0.0, 0.0]) + b2 * shaft, shaft / car, [1.0, -1.0, 0.0]]
+        module = ct.ss(rows, [[b1, 0.0], [0.0, -1.0 / car], [0.0, 0.0]], [[0.0, 1.0, 0.0]], [[0.0, 0.0]])
+    return ct.ss(
+        ct.sample_system(module, STEP, "zoh"),
+        inputs=["omega1", "load_torque"],
+        outputs=["omega_out"],
+        name="module",
+    )
+
+
+def tune_pi(plant, crossover, phase_margin):
+    """Gains (proportional, integral) for a crossover, rad/s, and a phase margin, degrees."""
+    z = np.exp(1j * crossover * STEP)
+    response = complex(plant(z))
+    # forward Euler integral, as in loops.pi_speed_controller: Kp + Ki h / (z - 1)
+    wanted = np.exp(1j * math.radians(phase_margin - 180.0)) / response
+    integral = wanted.imag / (STEP / (z - 1.0)).imag
+    return wanted.real - integral * (STEP / (z - 1.0)).real, integral
+
+
+def pi_controller(gains):
+    """Sensor and PI controller in deviations: from late_speed to command."""
+    proportional, integral = gains
+    controller = ct.ss(
+        [[1.0]], [[-STEP * integral]], [[1.0]], [[-proportional]],
+        STEP, inputs="measured", outputs="command", name="controller",
+    )  # fmt: skip
+    return [lag(SENSOR_LAG, "late_speed", "measured", "sensor"), controller]
+
+
+def feedback_controller(gains):
+    """Sensor and state feedback in deviations: from late_speed, its sum, and omega1 to command."""
+    on_speed, on_motor, on_sum = gains
+    controller = ct.ss(
+        [[1.0]], [[1.0, 0.0]], [[-on_sum]], [[-on_speed, -on_motor]],
+        STEP, inputs=["measured", "omega1"], outputs="command", name="controller",
+    )  # fmt: skip
+    return [lag(SENSOR_LAG, "late_speed", "measured", "sensor"), controller]
+
+
+def surrounding(controller, factor=1.0, delay=0):
+    """Controller and motor, from omega_out to omega1; the speed arrives times a factor, whole steps late."""
+    first, last = np.eye(delay, 1), np.eye(1, delay, delay - 1) if delay else np.zeros((1, 0))
+    worse = ct.ss(
+        np.eye(delay, k=-1), factor * first, last, [[0.0 if delay else factor]],
+        STEP, inputs="omega_out", outputs="late_speed", name="worse", remove_useless_states=False,
+    )  # fmt: skip
+    motor = lag(MOTOR_LAG, "command", "omega1", "motor")
+    return ct.interconnect([*controller, motor, worse], inputs="omega_out", outputs="omega1")
+
+
+def open_loop(controller, plant):
+    """The loop, cut between module and sensor."""
+    return -ct.series(surrounding(controller), plant["omega_out", "omega1"])
+
+
+def predicted_margins(controller, plant):
+    """(gain margin, phase margin in degrees, crossover in rad/s, delay margin in s) by control.margin."""
+    frequency = np.geomspace(0.05, 0.999 * math.pi / STEP, 4000)
+    response = open_loop(controller, plant)(np.exp(1j * frequency * STEP))
+    gain, phase, _, crossover = ct.margin(ct.frd(response, frequency))
+    return gain, phase, crossover, math.radians(phase) / crossover
+
+
+def start_values(kind, operating):
+    """Parameters with the FMU at the operating point; the elastic shaft starts untwisted."""
+    return {**PLANTS[kind], "omega_out_start": operating}
+
+
+def measured_margins(fmu_path, kind, operating, controller, predicted):
+    """(gain margin, delay margin in s) of the full model: raised until a kick no longer dies away."""
+    point = {"omega1": OMEGA1, "omega_out": operating}
+    gain, _, crossover, delay = predicted
+    steps = round(KICK_PERIODS * 2.0 * math.pi / crossover / STEP)
+    with Fmu(fmu_path, start_values(kind, operating), {"omega1": OMEGA1, "load_torque": HILL}, 1e-6) as fmu:
+        begin = fmu.keep()
+
+        def swings(**worse):
+            fmu.go_back(begin)
+            around = surrounding(controller, **worse)
+            kick = np.zeros(around.nstates)
+            kick[0] = KICK
+            rows = bridge.run_linear_loop(fmu, around, point, kick, steps, LIMITS)
+            return bridge.swings(rows[:, 0]) if len(rows) > steps else (0.0, math.inf)
+
+        ripple = 2.0 * swings()[1]
+
+        def settles(**worse):
+            early, late = swings(**worse)
+            return late < max(early, ripple)
+
+        gain = bridge.stability_limit(lambda factor: settles(factor=factor), 0.5 * gain, 2.0 * gain, 0.02)
+        low, high = 0.5 * delay / STEP, 2.0 * delay / STEP
+        late = bridge.stability_limit(lambda n: settles(delay=round(n)), low, high, 0.02)
+    return gain, late * STEP
+
+
+def simulate(fmu_path, kind, operating, controllers, signals):
+    """Closed loop by control.input_output_response; rows SIGNALS.
+
+    controllers: discrete-time systems around motor and module, and their states at the operating point.
+    signals: reference and load_torque, shape (2, n).
+    """
+    start = {"omega1": OMEGA1, "load_torque": HILL}
+    with bridge.fmu_system(
+        fmu_path, start_values(kind, operating), step=STEP, start=start, tolerance=1e-6, name="module",
+        outputs=["omega_out"], state="whole" if kind == "elastic" else "motion",
+    ) as plant:  # fmt: skip
+        systems, states = controllers
+        motor = lag(MOTOR_LAG, "command", "omega1", "motor")
+        loop = ct.interconnect(
+            [*systems, motor, plant.system],
+            inputs=["reference", "load_torque"],
+            outputs=SIGNALS,
+        )
+        initial = np.concatenate([*states, [OMEGA1], plant.start])
+        time = STEP * np.arange(signals.shape[1])
+        return ct.input_output_response(loop, time, signals, initial).outputs
+
+
+def pi_in_full(gains, operating):
+    """Sensor and PI controller with limits, and their states at the operating point."""
+    sensor = lag(SENSOR_LAG, "omega_out", "measured", "sensor")
+    pi = loops.pi_speed_controller(STEP, *gains, LIMITS, measured="measured", command="command")
+    return [sensor, pi], [[operating], [OMEGA1]]
+
+
+def feedback_in_full(gains, operating):
+    """Sensor and state feedback with limits, and their states at the operating point."""
+    on_speed, on_motor, on_sum = gains
+
+    def output(_, x, u, __):
+        command = OMEGA1 - on_speed * (u[1] - operating) - on_motor * (u[2] - OMEGA1) - on_sum * x[0]
+        return [min(max(command, LIMITS[0]), LIMITS[1])]
+
+    feedback = ct.nlsys(
+        lambda _, x, u, __: [x[0] + u[1] - u[0]],
+        output,
+        inputs=["reference", "measured", "omega1"],
+        outputs=["command"],
+        states=["sum"],
+        dt=STEP,
+        name="controller",
+    )
+    sensor = lag(SENSOR_LAG, "omega_out", "measured", "sensor")
+    return [sensor, feedback], [[operating], [0.0]]
+
+
+def design(operating):
+    """Gains of both controllers, by linear design on the averaged module."""
+    plant = linear_plant("averaged", operating)
+    motor = lag(MOTOR_LAG, "command", "omega1", "motor")
+    sensor = lag(SENSOR_LAG, "omega_out", "measured", "sensor")
+    pi_gains = tune_pi(sensor * plant["omega_out", "omega1"] * motor, crossover=2.0, phase_margin=60.0)
+    both = ct.interconnect([plant, motor], inputs=["command", "load_torque"], outputs="omega_out")
+    state_weight = np.diag([1.0, 0.0, (2.0 * STEP) ** 2])  # omega_out, omega1, sum of the error
+    states = ct.ss(both.A, both.B[:, :1], np.eye(2), np.zeros((2, 1)), STEP)
+    gains, _, _ = ct.dlqr(states, state_weight, [[0.02]], integral_action=np.array([[1.0, 0.0]]))
+    return pi_gains, tuple(gains[0])
+
+
+def controllers_of(operating):
+    """Both controllers in deviations, by name, and their gains."""
+    pi_gains, feedback_gains = design(operating)
+    return {
+        "PI": (pi_controller(pi_gains), pi_gains),
+        "state feedback": (feedback_controller(feedback_gains), feedback_gains),
+    }
+
+
+def margins(fmu_path, operating, controllers):
+    """Rows (controller, plant, predicted margins, measured margins)."""
+    rows = []
+    for name, (controller, _) in controllers.items():
+        for kind in PLANTS:
+            predicted = predicted_margins(controller, linear_plant(kind, operating))
+            rows.append(
+                (name, kind, predicted, measured_margins(fmu_path, kind, operating, controller, predicted))
+            )
+    return rows
+
+
+def report(rows, progress=print):
+    """The margins as a table."""
+    progress("\ncontroller      plant      gain margin        phase margin, crossover   delay margin, s")
+    progress("                           predicted measured                           predicted measured")
+    for name, kind, (gain, phase, crossover, delay), (found_gain, found_delay) in rows:
+        progress(
+            f"{name:15s} {kind:10s} {gain:8.2f} {found_gain:8.2f}   {phase:6.1f} deg {crossover:5.2f} rad/s"
+            f"    {delay:8.3f} {found_delay:8.3f}"
+        )
+
+
+def responses(fmu_path, operating, gains):
+    """Speed and omega1 of both controllers on all plants: a step of the reference, then one of the hill."""
+    time = STEP * np.arange(round(14.0 / STEP))
+    reference = np.where(time < 1.0, operating, operating + REFERENCE_STEP)
+    hill = np.where(time < 7.0, HILL, HILL + HILL_STEP)
+    columns = {"time": time, "reference": reference, "load_torque": hill}
+    for name, in_full in (("PI", pi_in_full), ("state feedback", feedback_in_full)):
+        for kind in PLANTS:
+            run = simulate(
+                fmu_path, kind, operating, in_full(gains[name], operating), np.stack([reference, hill])
+            )
+            for signal, values in zip(SIGNALS, run, strict=True):
+                columns[f"{signal} {name} {kind}"] = values
+    units = {name: "N.m" if name == "load_torque" else "rad/s" for name in columns if name != "time"}
+    return Result.from_columns(columns, units)
+
+
+def step_numbers(table, progress=print):
+    """Of the measured speed: overshoot and settling after the reference step, dip after that of the hill."""
+    progress("\ncontroller      plant       overshoot  rise time  settling time  dip by the hill")
+    rows = slice(round(1.0 / STEP), round(7.0 / STEP))
+    for name in ("PI", "state feedback"):
+        for kind in PLANTS:
+            speed = table[f"measured {name} {kind}"]
+            start = table["reference"][0]
+            time = STEP * np.arange(rows.stop - rows.start)
+            info = ct.step_info(
+                speed[rows] - start, time, final_output=REFERENCE_STEP, SettlingTimeThreshold=0.1
+            )
+            dip = table["reference"][-1] - speed[rows.stop :].min()
+            progress(
+                f"{name:15s} {kind:10s} {info['Overshoot']:8.1f} % {info['RiseTime']:8.2f} s"
+                f" {info['SettlingTime']:12.2f} s {dip:10.2f} rad/s"
+            )
+
+
+def measured_loop(fmu_path, operating, controller, frequencies):
+    """The loop with the response of the rigid FMU, measured, in place of the averaged module."""
+    measured = bridge.measured_response(
+        fmu_path, start_values("rigid", operating), omega1=OMEGA1, load_torque=HILL, excited="omega1",
+        amplitude=0.005 * OMEGA1, frequencies=frequencies, outputs=["omega_out"], step=1e-3, settling=8.0,
+        record=10.0,
+    )  # fmt: skip
+    turn = 2j * math.pi * frequencies
+    # omega1 is held over a step of the loop: what that does to the sine
+    hold = (1.0 - np.exp(-turn * STEP)) / (turn * STEP)
+    around = surrounding(controller)(np.exp(turn * STEP))
+    return -around * hold * measured.response[0], measured.pulse_rate
+
+
+def figure_of(table, loops_drawn, pulse_rate):
+    """Left the loops of the PI controller as Bode plot, right the responses."""
+    figure = Figure(figsize=(12.0, 8.0), dpi=100, layout="constrained")
+    figure.suptitle("Car on a hill: designed on the averaged module, run on the FMUs", fontweight="bold")
+    axes = figure.subplots(2, 2)
+    for label, (frequency, loop), style in loops_drawn:
+        axes[0, 0].loglog(frequency, np.abs(loop), style, label=label)
+        axes[1, 0].semilogx(frequency, np.degrees(np.unwrap(np.angle(loop))), style, label=label)
+    axes[0, 0].set_ylabel("gain of the PI loop")
+    axes[1, 0].set_ylabel("phase, degrees")
+    axes[1, 0].set_xlabel("frequency, Hz")
+    for axis in axes[:, 0]:
+        axis.axvline(0.1 * pulse_rate, color=BLACK, linewidth=0.8, linestyle=":")
+    axes[0, 0].axhline(1.0, color=BLACK, linewidth=0.8)
+    axes[1, 0].axhline(-180.0, color=BLACK, linewidth=0.8)
+    for axis, name in zip(axes[:, 1], ("PI", "state feedback"), strict=True):
+        for kind, colour in zip(PLANTS, (BLACK, BLUE, VERMILION), strict=True):
+            axis.plot(table.time, table[f"omega_out {name} {kind}"], color=colour, linewidth=1.2, label=kind)
+        axis.plot(table.time, table["reference"], color=BLACK, linewidth=0.8, linestyle="--")
+        axis.set_ylabel(f"{name}: output speed, rad/s")
+    axes[1, 1].set_xlabel("time, s")
+    for axis in axes.flat:
+        axis.grid(alpha=0.25)
+    for axis in (axes[0, 0], axes[0, 1]):
+        axis.legend(frameon=False)
+    return figure
+
+
+def main(fmu_path, folder):
+    """The whole study; writes its table and figure into the folder."""
+    folder.mkdir(parents=True, exist_ok=True)
+    averaged = bridge.averaged_system(PLANTS["rigid"], outputs=("omega_out",))
+    operating = bridge.operating_point(averaged, OMEGA1, HILL, guess=60.0)
+    linear = ct.linearize(averaged, [operating], [OMEGA1, HILL])
+    controllers = controllers_of(operating)
+    print(f"operating point: omega_out {operating:.3f} rad/s, pole {linear.A[0, 0]:.4f} /s,")
+    print(f"  gain from omega1 {linear.B[0, 0]:.4f} /s, from the load {linear.B[0, 1]:.4f} /(kg.m2)")
+    for name, (_, gains) in controllers.items():
+        print(f"gains of {name}: {', '.join(f'{gain:.4g}' for gain in gains)}")
+    rows = margins(fmu_path, operating, controllers)
+    report(rows)
+    table = responses(fmu_path, operating, {name: gains for name, (_, gains) in controllers.items()})
+    step_numbers(table)
+    controller = controllers["PI"][0]
+    fine, coarse = np.geomspace(0.03, 10.0, 300), np.array([0.1, 0.3, 1.0, 2.0, 4.0])
+    loop, pulse_rate = measured_loop(fmu_path, operating, controller, coarse)
+    drawn = [("measured on the rigid FMU", (coarse, loop), "o")]
+    for kind, style in (("rigid", "-"), ("elastic", "--")):
+        response = open_loop(controller, linear_plant(kind, operating))(np.exp(2j * math.pi * fine * STEP))
+        drawn.append((f"averaged module, {kind} output", (fine, response), style))
+    ratio = loop / open_loop(controller, linear_plant("rigid", operating))(
+        np.exp(2j * math.pi * coarse * STEP)
+    )
+    print(f"\nrigid FMU against averaged module, linearised (pulses at {pulse_rate:.1f} Hz):")
+    for frequency, value in zip(coarse, ratio, strict=True):
+        print(
+            f"  {frequency:4.1f} Hz: gain {abs(value) - 1.0:+.2%},"
+            f" phase {np.degrees(np.angle(value)):+.2f} degrees"
+        )
+    table.to_csv(folder / "responses.csv")
+    write_figure(folder / "speed_control.png", figure_of(table, drawn, pulse_rate))
+    print(f"\nresponses.csv and speed_control.png are in {folder}")
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description="Speed control, designed on the averaged module.")
+    parser.add_argument("--fmu", type=Path, default=HERE / "build" / "InertiaModule.fmu")
+    parser.add_argument("-o", "--output", type=Path, default=HERE / "out" / "speed_control")
+    arguments = parser.parse_args()
+    warnings.filterwarnings("ignore", message="Unused (in|out)put", module="control")
+    main(arguments.fmu, arguments.output)
