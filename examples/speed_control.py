@@ -1,9 +1,9 @@
 """Speed control of a car on a hill: designed on the averaged module, verified on the rigid and elastic FMU.
 
-A car of 900 kg climbs through a planar module; a motor with a lag of 0.15 s sets omega1, a sensor with a lag of
-0.05 s measures the speed. The averaged module is linearised where it carries the hill, a PI controller is tuned
-for a phase margin, a state feedback with integral by LQR. Both then run on the full FMUs, and gain and delay are
-raised there until the loop no longer settles: the margins predicted against those the pulses leave.
+A car of 900 kg climbs through a planar module; a motor with a lag of 0.15 s sets omega1, a sensor with a lag
+of 0.05 s measures the speed. The averaged module is linearised where it carries the hill, a PI controller is
+tuned for a phase margin, a state feedback with integral by LQR. Both then run on the full FMUs, and gain and
+delay are raised there until the loop no longer settles: the margins predicted against those the pulses leave.
 
 Run `inertia-module build` first. Writes out/speed_control/: responses.csv, speed_control.png.
 """
@@ -15,10 +15,8 @@ from pathlib import Path
 
 import control as ct
 import numpy as np
-from matplotlib.figure import Figure
 
 from inertia_module import bridge, loops
-from inertia_module.figures import BLACK, BLUE, VERMILION
 from inertia_module.instance import Fmu
 from inertia_module.results import Result, write_figure
 
@@ -82,34 +80,29 @@ def tune_pi(plant, crossover, phase_margin):
 
 
 def pi_controller(gains):
-    """Sensor and PI controller in deviations: from late_speed to command."""
+    """Sensor and PI controller in deviations: from omega_out to command."""
     proportional, integral = gains
     controller = ct.ss(
         [[1.0]], [[-STEP * integral]], [[1.0]], [[-proportional]],
         STEP, inputs="measured", outputs="command", name="controller",
     )  # fmt: skip
-    return [lag(SENSOR_LAG, "late_speed", "measured", "sensor"), controller]
+    return [lag(SENSOR_LAG, "omega_out", "measured", "sensor"), controller]
 
 
 def feedback_controller(gains):
-    """Sensor and state feedback in deviations: from late_speed, its sum, and omega1 to command."""
+    """Sensor and state feedback in deviations: from omega_out, its sum, and omega1 to command."""
     on_speed, on_motor, on_sum = gains
     controller = ct.ss(
         [[1.0]], [[1.0, 0.0]], [[-on_sum]], [[-on_speed, -on_motor]],
         STEP, inputs=["measured", "omega1"], outputs="command", name="controller",
     )  # fmt: skip
-    return [lag(SENSOR_LAG, "late_speed", "measured", "sensor"), controller]
+    return [lag(SENSOR_LAG, "omega_out", "measured", "sensor"), controller]
 
 
-def surrounding(controller, factor=1.0, delay=0):
-    """Controller and motor, from omega_out to omega1; the speed arrives times a factor, whole steps late."""
-    first, last = np.eye(delay, 1), np.eye(1, delay, delay - 1) if delay else np.zeros((1, 0))
-    worse = ct.ss(
-        np.eye(delay, k=-1), factor * first, last, [[0.0 if delay else factor]],
-        STEP, inputs="omega_out", outputs="late_speed", name="worse", remove_useless_states=False,
-    )  # fmt: skip
+def surrounding(controller):
+    """Sensor, controller and motor as one linear system, from omega_out to omega1."""
     motor = lag(MOTOR_LAG, "command", "omega1", "motor")
-    return ct.interconnect([*controller, motor, worse], inputs="omega_out", outputs="omega1")
+    return ct.interconnect([*controller, motor], inputs="omega_out", outputs="omega1")
 
 
 def open_loop(controller, plant):
@@ -117,45 +110,26 @@ def open_loop(controller, plant):
     return -ct.series(surrounding(controller), plant["omega_out", "omega1"])
 
 
-def predicted_margins(controller, plant):
-    """(gain margin, phase margin in degrees, crossover in rad/s, delay margin in s) by control.margin."""
-    frequency = np.geomspace(0.05, 0.999 * math.pi / STEP, 4000)
-    response = open_loop(controller, plant)(np.exp(1j * frequency * STEP))
-    gain, phase, _, crossover = ct.margin(ct.frd(response, frequency))
-    return gain, phase, crossover, math.radians(phase) / crossover
+def plant_with_transient(operating):
+    """The rigid plant, linearised with what accelerations add to the mean torque: lead in omega1."""
+    parameters = PLANTS["rigid"]
+    averaged = bridge.averaged_system(
+        parameters,
+        inputs=("omega1", "load_torque", "omega1_rate"),
+        outputs=("omega_out",),
+        transient=bridge.transient_inertia(parameters, OMEGA1, operating),
+    )
+    module = ct.linearize(averaged, [operating], [OMEGA1, HILL, 0.0])
+    pole, (gain, load, lead) = module.A[0, 0], module.B[0]
+    # omega_out = z + lead * omega1 takes the rate out of the inputs
+    proper = ct.ss([[pole]], [[gain + pole * lead, load]], [[1.0]], [[lead, 0.0]])
+    sampled = ct.sample_system(proper, STEP, "zoh")
+    return ct.ss(sampled, inputs=["omega1", "load_torque"], outputs=["omega_out"], name="module")
 
 
 def start_values(kind, operating):
     """Parameters with the FMU at the operating point; the elastic shaft starts untwisted."""
     return {**PLANTS[kind], "omega_out_start": operating}
-
-
-def measured_margins(fmu_path, kind, operating, controller, predicted):
-    """(gain margin, delay margin in s) of the full model: raised until a kick no longer dies away."""
-    point = {"omega1": OMEGA1, "omega_out": operating}
-    gain, _, crossover, delay = predicted
-    steps = round(KICK_PERIODS * 2.0 * math.pi / crossover / STEP)
-    with Fmu(fmu_path, start_values(kind, operating), {"omega1": OMEGA1, "load_torque": HILL}, 1e-6) as fmu:
-        begin = fmu.keep()
-
-        def swings(**worse):
-            fmu.go_back(begin)
-            around = surrounding(controller, **worse)
-            kick = np.zeros(around.nstates)
-            kick[0] = KICK
-            rows = bridge.run_linear_loop(fmu, around, point, kick, steps, LIMITS)
-            return bridge.swings(rows[:, 0]) if len(rows) > steps else (0.0, math.inf)
-
-        ripple = 2.0 * swings()[1]
-
-        def settles(**worse):
-            early, late = swings(**worse)
-            return late < max(early, ripple)
-
-        gain = bridge.stability_limit(lambda factor: settles(factor=factor), 0.5 * gain, 2.0 * gain, 0.02)
-        low, high = 0.5 * delay / STEP, 2.0 * delay / STEP
-        late = bridge.stability_limit(lambda n: settles(delay=round(n)), low, high, 0.02)
-    return gain, late * STEP
 
 
 def simulate(fmu_path, kind, operating, controllers, signals):
@@ -234,24 +208,17 @@ def controllers_of(operating):
 def margins(fmu_path, operating, controllers):
     """Rows (controller, plant, predicted margins, measured margins)."""
     rows = []
+    point = {"omega1": OMEGA1, "omega_out": operating}
     for name, (controller, _) in controllers.items():
+        around = surrounding(controller)
+        kick = [KICK] + [0.0] * (around.nstates - 1)
         for kind in PLANTS:
-            predicted = predicted_margins(controller, linear_plant(kind, operating))
-            rows.append(
-                (name, kind, predicted, measured_margins(fmu_path, kind, operating, controller, predicted))
-            )
+            predicted = bridge.predicted_margins(open_loop(controller, linear_plant(kind, operating)))
+            start = {"omega1": OMEGA1, "load_torque": HILL}
+            with Fmu(fmu_path, start_values(kind, operating), start, 1e-6) as fmu:
+                measured = bridge.measured_margins(fmu, around, point, kick, predicted, limits=LIMITS)
+            rows.append((name, kind, predicted, measured))
     return rows
-
-
-def report(rows, progress=print):
-    """The margins as a table."""
-    progress("\ncontroller      plant      gain margin        phase margin, crossover   delay margin, s")
-    progress("                           predicted measured                           predicted measured")
-    for name, kind, (gain, phase, crossover, delay), (found_gain, found_delay) in rows:
-        progress(
-            f"{name:15s} {kind:10s} {gain:8.2f} {found_gain:8.2f}   {phase:6.1f} deg {crossover:5.2f} rad/s"
-            f"    {delay:8.3f} {found_delay:8.3f}"
-        )
 
 
 def responses(fmu_path, operating, gains):
@@ -271,25 +238,6 @@ def responses(fmu_path, operating, gains):
     return Result.from_columns(columns, units)
 
 
-def step_numbers(table, progress=print):
-    """Of the measured speed: overshoot and settling after the reference step, dip after that of the hill."""
-    progress("\ncontroller      plant       overshoot  rise time  settling time  dip by the hill")
-    rows = slice(round(1.0 / STEP), round(7.0 / STEP))
-    for name in ("PI", "state feedback"):
-        for kind in PLANTS:
-            speed = table[f"measured {name} {kind}"]
-            start = table["reference"][0]
-            time = STEP * np.arange(rows.stop - rows.start)
-            info = ct.step_info(
-                speed[rows] - start, time, final_output=REFERENCE_STEP, SettlingTimeThreshold=0.1
-            )
-            dip = table["reference"][-1] - speed[rows.stop :].min()
-            progress(
-                f"{name:15s} {kind:10s} {info['Overshoot']:8.1f} % {info['RiseTime']:8.2f} s"
-                f" {info['SettlingTime']:12.2f} s {dip:10.2f} rad/s"
-            )
-
-
 def measured_loop(fmu_path, operating, controller, frequencies):
     """The loop with the response of the rigid FMU, measured, in place of the averaged module."""
     measured = bridge.measured_response(
@@ -304,36 +252,10 @@ def measured_loop(fmu_path, operating, controller, frequencies):
     return -around * hold * measured.response[0], measured.pulse_rate
 
 
-def figure_of(table, loops_drawn, pulse_rate):
-    """Left the loops of the PI controller as Bode plot, right the responses."""
-    figure = Figure(figsize=(12.0, 8.0), dpi=100, layout="constrained")
-    figure.suptitle("Car on a hill: designed on the averaged module, run on the FMUs", fontweight="bold")
-    axes = figure.subplots(2, 2)
-    for label, (frequency, loop), style in loops_drawn:
-        axes[0, 0].loglog(frequency, np.abs(loop), style, label=label)
-        axes[1, 0].semilogx(frequency, np.degrees(np.unwrap(np.angle(loop))), style, label=label)
-    axes[0, 0].set_ylabel("gain of the PI loop")
-    axes[1, 0].set_ylabel("phase, degrees")
-    axes[1, 0].set_xlabel("frequency, Hz")
-    for axis in axes[:, 0]:
-        axis.axvline(0.1 * pulse_rate, color=BLACK, linewidth=0.8, linestyle=":")
-    axes[0, 0].axhline(1.0, color=BLACK, linewidth=0.8)
-    axes[1, 0].axhline(-180.0, color=BLACK, linewidth=0.8)
-    for axis, name in zip(axes[:, 1], ("PI", "state feedback"), strict=True):
-        for kind, colour in zip(PLANTS, (BLACK, BLUE, VERMILION), strict=True):
-            axis.plot(table.time, table[f"omega_out {name} {kind}"], color=colour, linewidth=1.2, label=kind)
-        axis.plot(table.time, table["reference"], color=BLACK, linewidth=0.8, linestyle="--")
-        axis.set_ylabel(f"{name}: output speed, rad/s")
-    axes[1, 1].set_xlabel("time, s")
-    for axis in axes.flat:
-        axis.grid(alpha=0.25)
-    for axis in (axes[0, 0], axes[0, 1]):
-        axis.legend(frameon=False)
-    return figure
-
-
 def main(fmu_path, folder):
     """The whole study; writes its table and figure into the folder."""
+    from speed_control_report import figure_of, report, step_numbers
+
     folder.mkdir(parents=True, exist_ok=True)
     averaged = bridge.averaged_system(PLANTS["rigid"], outputs=("omega_out",))
     operating = bridge.operating_point(averaged, OMEGA1, HILL, guess=60.0)
@@ -345,8 +267,12 @@ def main(fmu_path, folder):
         print(f"gains of {name}: {', '.join(f'{gain:.4g}' for gain in gains)}")
     rows = margins(fmu_path, operating, controllers)
     report(rows)
+    for name, (controller, _) in controllers.items():
+        with_transient = bridge.predicted_margins(open_loop(controller, plant_with_transient(operating)))
+        print(f"{name} with transient inertia: gain margin {with_transient.gain:.2f},"
+              f" phase margin {with_transient.phase:.1f} degrees")  # fmt: skip
     table = responses(fmu_path, operating, {name: gains for name, (_, gains) in controllers.items()})
-    step_numbers(table)
+    step_numbers(table, PLANTS)
     controller = controllers["PI"][0]
     fine, coarse = np.geomspace(0.03, 10.0, 300), np.array([0.1, 0.3, 1.0, 2.0, 4.0])
     loop, pulse_rate = measured_loop(fmu_path, operating, controller, coarse)
@@ -364,7 +290,7 @@ def main(fmu_path, folder):
             f" phase {np.degrees(np.angle(value)):+.2f} degrees"
         )
     table.to_csv(folder / "responses.csv")
-    write_figure(folder / "speed_control.png", figure_of(table, drawn, pulse_rate))
+    write_figure(folder / "speed_control.png", figure_of(table, PLANTS, drawn, pulse_rate))
     print(f"\nresponses.csv and speed_control.png are in {folder}")
 
 

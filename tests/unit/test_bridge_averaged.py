@@ -45,7 +45,7 @@ def test_run_from_standstill_is_that_of_the_averaged_module(compiled):
     run = ct.input_output_response(
         system, time, inputs, [0.0], solve_ivp_kwargs={"rtol": 1e-10, "atol": 1e-10}
     )
-    assert run.outputs[-1] == pytest.approx(module["omega_out"], rel=1e-8)
+    assert run.outputs[0, -1] == pytest.approx(module["omega_out"], rel=1e-8)
 
 
 def test_operating_point_carries_the_load_and_linearisation_has_the_slope_of_the_chart(compiled):
@@ -122,7 +122,7 @@ def test_bytes_survive_as_whole_numbers(size):
 
 def test_a_changed_word_is_refused():
     words = words_of(b"a state of an FMU")
-    words[2] += 1e-6
+    words[2] += 0.5
     with pytest.raises(ValueError, match="number 2 of a whole state"):
         bytes_of(words)
 
@@ -154,6 +154,29 @@ def test_linear_loop_around_an_integrator_settles_up_to_its_margin(gain, settles
     """x+ = x + u, u one step old: z^2 - z + gain/2 = 0, whose roots leave the circle at gain 2."""
     around = ct.ss([[0.0]], [[-0.5 * gain]], [[1.0]], [[0.0]], 1.0, inputs="omega_out", outputs="omega1")
     point = {"omega_out": 0.0, "omega1": 0.0}
-    rows = bridge.run_linear_loop(Integrator(), around, point, [1.0], 400, (-1e9, 1e9))
+    rows = bridge.run_linear_loop(Integrator(), around, point, [1.0], 400, limits=(-1e9, 1e9))
     early, late = bridge.swings(rows[:, 0])
     assert (len(rows) > 400 and late < early) == settles
+
+
+@pytest.mark.parametrize("delay, settles", [(1, True), (2, False)])
+def test_a_delay_in_the_loop_counts_in_steps(delay, settles):
+    """An integrator with gain 0.7 and d steps of delay is stable below 2 sin(pi / (4 d + 2)): 1, 0.618."""
+    around = ct.ss([[0.0]], [[-0.7]], [[1.0]], [[0.0]], 1.0, inputs="omega_out", outputs="omega1")
+    point = {"omega_out": 0.0, "omega1": 0.0}
+    # the surrounding itself is one step late
+    rows = bridge.run_linear_loop(
+        Integrator(), around, point, [1.0], 400, delay=delay - 1, limits=(-1e3, 1e3)
+    )
+    early, late = bridge.swings(rows[:, 0])
+    assert (len(rows) > 400 and late < early) == settles
+
+
+def test_margins_of_an_integrator_are_those_of_the_book():
+    """L = g z / (z (z - 1)): with one step of delay unstable from g = 1; the phase falls by half a step."""
+    loop = ct.tf([0.1], [1.0, -1.0, 0.0], 1.0)
+    margins = bridge.predicted_margins(loop)
+    assert margins.gain == pytest.approx(10.0, rel=1e-2)
+    crossover = 2.0 * np.arcsin(0.05)
+    assert margins.crossover == pytest.approx(crossover, rel=1e-3)
+    assert margins.phase == pytest.approx(90.0 - np.degrees(1.5 * crossover), abs=0.1)

@@ -257,7 +257,7 @@ def _check_inputs(fmu: Fmu, inputs: Sequence[str]) -> None:
 
 
 def _is_angular(fmu: Fmu, name: str, knows_drive_angle: bool) -> bool:
-    """Whether an output of the module needs the angle of link 1, or that of the drive where it is not known."""
+    """Whether an output of the module needs the angle of link 1, or one of the drive that is not known."""
     if "drive_turns" not in fmu.variables or not name.startswith(("imbalance_", "drive_")):
         return False
     return not knows_drive_angle or name.endswith(("_y", "_z"))
