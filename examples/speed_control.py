@@ -49,6 +49,12 @@ def lag(time, given, output, name):
     return ct.ss([[left]], [[1.0 - left]], [[1.0]], [[0.0]], STEP, inputs=given, outputs=output, name=name)
 
 
+def sampled_plant(continuous):
+    """A plant with its inputs held, and its signals named."""
+    sampled = ct.sample_system(continuous, STEP, "zoh")
+    return ct.ss(sampled, inputs=["omega1", "load_torque"], outputs=["omega_out"], name="module")
+
+
 def linear_plant(kind, operating):
     """Linearised averaged module, sampled: inputs omega1, load_torque, output omega_out."""
     inertia = PLANTS[kind]["output_inertia"]
@@ -61,12 +67,7 @@ def linear_plant(kind, operating):
         shaft = np.array([d, -d, c])
         rows = [np.array([a, 0.0, 0.0]) + b2 * shaft, shaft / car, [1.0, -1.0, 0.0]]
         module = ct.ss(rows, [[b1, 0.0], [0.0, -1.0 / car], [0.0, 0.0]], [[0.0, 1.0, 0.0]], [[0.0, 0.0]])
-    return ct.ss(
-        ct.sample_system(module, STEP, "zoh"),
-        inputs=["omega1", "load_torque"],
-        outputs=["omega_out"],
-        name="module",
-    )
+    return sampled_plant(module)
 
 
 def tune_pi(plant, crossover, phase_margin):
@@ -123,8 +124,7 @@ def plant_with_transient(operating):
     pole, (gain, load, lead) = module.A[0, 0], module.B[0]
     # omega_out = z + lead * omega1 takes the rate out of the inputs
     proper = ct.ss([[pole]], [[gain + pole * lead, load]], [[1.0]], [[lead, 0.0]])
-    sampled = ct.sample_system(proper, STEP, "zoh")
-    return ct.ss(sampled, inputs=["omega1", "load_torque"], outputs=["omega_out"], name="module")
+    return sampled_plant(proper)
 
 
 def start_values(kind, operating):
@@ -226,12 +226,11 @@ def responses(fmu_path, operating, gains):
     time = STEP * np.arange(round(14.0 / STEP))
     reference = np.where(time < 1.0, operating, operating + REFERENCE_STEP)
     hill = np.where(time < 7.0, HILL, HILL + HILL_STEP)
+    signals = np.stack([reference, hill])
     columns = {"time": time, "reference": reference, "load_torque": hill}
     for name, in_full in (("PI", pi_in_full), ("state feedback", feedback_in_full)):
         for kind in PLANTS:
-            run = simulate(
-                fmu_path, kind, operating, in_full(gains[name], operating), np.stack([reference, hill])
-            )
+            run = simulate(fmu_path, kind, operating, in_full(gains[name], operating), signals)
             for signal, values in zip(SIGNALS, run, strict=True):
                 columns[f"{signal} {name} {kind}"] = values
     units = {name: "N.m" if name == "load_torque" else "rad/s" for name in columns if name != "time"}
@@ -252,6 +251,23 @@ def measured_loop(fmu_path, operating, controller, frequencies):
     return -around * hold * measured.response[0], measured.pulse_rate
 
 
+def compare_loops(fmu_path, operating, controller):
+    """Print how the measured loop deviates; returns the curves of the Bode plot and the pulse rate, Hz."""
+    fine, coarse = np.geomspace(0.03, 10.0, 300), np.array([0.1, 0.3, 1.0, 2.0, 4.0])
+    loop, pulse_rate = measured_loop(fmu_path, operating, controller, coarse)
+    drawn = [("measured on the rigid FMU", (coarse, loop), "o")]
+    for kind, style in (("rigid", "-"), ("elastic", "--")):
+        predicted = open_loop(controller, linear_plant(kind, operating))
+        response = predicted(np.exp(2j * math.pi * fine * STEP))
+        drawn.append((f"averaged module, {kind} output", (fine, response), style))
+    predicted = open_loop(controller, linear_plant("rigid", operating))
+    print(f"\nrigid FMU against averaged module, linearised (pulses at {pulse_rate:.1f} Hz):")
+    for frequency, value in zip(coarse, loop / predicted(np.exp(2j * math.pi * coarse * STEP)), strict=True):
+        phase = np.degrees(np.angle(value))
+        print(f"  {frequency:4.1f} Hz: gain {abs(value) - 1.0:+.2%}, phase {phase:+.2f} degrees")
+    return drawn, pulse_rate
+
+
 def main(fmu_path, folder):
     """The whole study; writes its table and figure into the folder."""
     from speed_control_report import figure_of, report, step_numbers
@@ -265,30 +281,14 @@ def main(fmu_path, folder):
     print(f"  gain from omega1 {linear.B[0, 0]:.4f} /s, from the load {linear.B[0, 1]:.4f} /(kg.m2)")
     for name, (_, gains) in controllers.items():
         print(f"gains of {name}: {', '.join(f'{gain:.4g}' for gain in gains)}")
-    rows = margins(fmu_path, operating, controllers)
-    report(rows)
+    report(margins(fmu_path, operating, controllers))
+    exact = plant_with_transient(operating)
     for name, (controller, _) in controllers.items():
-        with_transient = bridge.predicted_margins(open_loop(controller, plant_with_transient(operating)))
-        print(f"{name} with transient inertia: gain margin {with_transient.gain:.2f},"
-              f" phase margin {with_transient.phase:.1f} degrees")  # fmt: skip
+        found = bridge.predicted_margins(open_loop(controller, exact))
+        print(f"{name} with transient inertia: gain {found.gain:.2f}, phase {found.phase:.1f} degrees")
     table = responses(fmu_path, operating, {name: gains for name, (_, gains) in controllers.items()})
     step_numbers(table, PLANTS)
-    controller = controllers["PI"][0]
-    fine, coarse = np.geomspace(0.03, 10.0, 300), np.array([0.1, 0.3, 1.0, 2.0, 4.0])
-    loop, pulse_rate = measured_loop(fmu_path, operating, controller, coarse)
-    drawn = [("measured on the rigid FMU", (coarse, loop), "o")]
-    for kind, style in (("rigid", "-"), ("elastic", "--")):
-        response = open_loop(controller, linear_plant(kind, operating))(np.exp(2j * math.pi * fine * STEP))
-        drawn.append((f"averaged module, {kind} output", (fine, response), style))
-    ratio = loop / open_loop(controller, linear_plant("rigid", operating))(
-        np.exp(2j * math.pi * coarse * STEP)
-    )
-    print(f"\nrigid FMU against averaged module, linearised (pulses at {pulse_rate:.1f} Hz):")
-    for frequency, value in zip(coarse, ratio, strict=True):
-        print(
-            f"  {frequency:4.1f} Hz: gain {abs(value) - 1.0:+.2%},"
-            f" phase {np.degrees(np.angle(value)):+.2f} degrees"
-        )
+    drawn, pulse_rate = compare_loops(fmu_path, operating, controllers["PI"][0])
     table.to_csv(folder / "responses.csv")
     write_figure(folder / "speed_control.png", figure_of(table, PLANTS, drawn, pulse_rate))
     print(f"\nresponses.csv and speed_control.png are in {folder}")

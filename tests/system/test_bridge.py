@@ -1,5 +1,6 @@
 """FMUs as systems of python-control."""
 
+import re
 import runpy
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from inertia_module import bridge, loops
 from inertia_module.fmu.builder import build
 from inertia_module.instance import DriveError, Fmu
 
+PAGE = Path(__file__).parents[2] / "docs" / "control.md"
 EXAMPLE = Path(__file__).parents[2] / "examples" / "speed_control.py"
 STEP = 0.01
 START = {"omega1": 100.0, "load_torque": 10.0}
@@ -72,6 +74,17 @@ def test_whole_state_gives_the_bits_of_a_plain_loop(native, parameters):
         from_zeros = run(plant.system, inputs, 0.0)
     assert (found == stepped(native, parameters, inputs)).all()
     assert (from_zeros == found).all()
+
+
+def test_whole_state_of_the_python_fmu_gives_the_bits_of_a_plain_loop(fmus):
+    path, inputs = fmus / "InertiaModulePy.fmu", inputs_over(30)
+    with bridge.fmu_system(path, step=STEP, start=START, tolerance=1e-9, state="whole") as plant:
+        found = run(plant.system, inputs, plant.start)
+        x, u = plant.system.dynamics(0.0, plant.start, [90.0, 5.0]), [100.0, 10.0]
+        after = plant.system.dynamics(STEP, x, u)
+        plant.system.dynamics(0.0, plant.start, u)
+        assert (plant.system.dynamics(STEP, x, u) == after).all()
+    assert (found == stepped(path, {}, inputs)).all()
 
 
 @pytest.mark.parametrize("name", ["InertiaModule.fmu", "InertiaModulePy.fmu"])
@@ -247,7 +260,18 @@ def test_bad_arguments_are_refused(native):
         bridge.fmu_system(native, step=STEP, inputs=["omega2"])
 
 
-# --- the study ---
+# --- the page and the study ---
+
+
+def test_python_of_the_page_runs(fmus, monkeypatch):
+    (fmus / "work" / "build").mkdir(parents=True)
+    (fmus / "work" / "build" / "InertiaModule.fmu").write_bytes((fmus / "InertiaModule.fmu").read_bytes())
+    (code,) = re.findall(r"```python\n(.*?)```", PAGE.read_text(), re.S)
+    monkeypatch.chdir(fmus / "work")
+    names = {}
+    exec(compile(code, PAGE.name, "exec"), names)
+    speed = names["run"].outputs[0]
+    assert speed[-50:] == pytest.approx(np.full(50, 20.0), abs=1.0)
 
 
 def test_margins_of_the_speed_control_are_those_of_the_full_model(native):
