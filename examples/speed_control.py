@@ -170,15 +170,11 @@ def feedback_in_full(gains, operating):
         command = OMEGA1 - on_speed * (u[1] - operating) - on_motor * (u[2] - OMEGA1) - on_sum * x[0]
         return [min(max(command, LIMITS[0]), LIMITS[1])]
 
-    feedback = ct.nlsys(
-        lambda _, x, u, __: [x[0] + u[1] - u[0]],
-        output,
-        inputs=["reference", "measured", "omega1"],
-        outputs=["command"],
-        states=["sum"],
-        dt=STEP,
-        name="controller",
-    )
+    def update(_, x, u, __):
+        return [x[0] + u[1] - u[0]]
+
+    given = ["reference", "measured", "omega1"]
+    feedback = ct.nlsys(update, output, inputs=given, outputs="command", states=1, dt=STEP, name="controller")
     sensor = lag(SENSOR_LAG, "omega_out", "measured", "sensor")
     return [sensor, feedback], [[operating], [0.0]]
 

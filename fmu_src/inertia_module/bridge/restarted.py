@@ -52,6 +52,7 @@ class RestartedFmu(Fmu):
         Raises:
             DriveError: a value is refused, alone or with others.
         """
+        self.messages.clear()  # a run restarts every step: only what concerns this start is kept
         self.go_back(self._blank)
         self._assign(values)
         self._guard("exitInitializationMode", self._instance.exitInitializationMode)
