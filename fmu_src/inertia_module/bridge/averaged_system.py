@@ -1,0 +1,147 @@
+"""The averaged module as a continuous system of python-control, on the map the kernel itself has found.
+
+    J3 omega_out' = omega1^2 F(omega_out / |omega1|) - load_torque
+
+State omega_out. Every torque is that of fidelity averaged at this instant, computed by the kernel's own
+functions. Two things a differential equation cannot say. At lock-up (omega_out = omega1) the FMU holds the
+two together; here the torque drops to zero above ratio 1, and a solver would chatter there: it is for ratios
+below. And at constant inputs no torque has a part in omega1': give `omega1_rate` as a third input for it.
+"""
+
+from __future__ import annotations
+
+from array import array
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import control as ct
+import numpy as np
+
+from ..kernel import average, average_legs, average_outputs, average_rates, slots
+from ..module import Module
+from ..variables import BY_NAME
+
+INPUTS = ("omega1", "load_torque")
+INPUT_RATE = "omega1_rate"
+OUTPUTS = (
+    "omega_out",
+    "omega2",
+    "input_torque",
+    "mesh_torque",
+    "output_torque",
+    "housing_torque",
+    "torque_ripple",
+    "torque_peak",
+)
+
+
+class TransientInertia(NamedTuple):
+    """What accelerations add to the mean output torque: + input * omega1' - output * omega_out'.
+
+    Attributes:
+        input, output: kg m2, at one speed ratio; transient_inertia finds them.
+    """
+
+    input: float
+    output: float
+
+
+QUASI_STEADY = TransientInertia(0.0, 0.0)
+
+
+class _AveragedModule:
+    """The kernel of fidelity averaged at one instant."""
+
+    def __init__(self, parameters: Mapping[str, float], kernel: str, transient: TransientInertia) -> None:
+        module = Module(kernel).start(**{**parameters, "fidelity": float(slots.AVERAGED)})
+        self._derived = module.derived
+        self._inertia = module["output_inertia"]
+        self._transient = transient
+
+    def _motion(
+        self, omega_out: float, omega1: float, load: float, rate: float
+    ) -> tuple[Any, int, float, float]:
+        """(state array, header of the map, mean output torque, acceleration of the output shaft)."""
+        d, x = self._derived, array("d", bytes(8 * slots.X_SIZE))
+        x[slots.X_OMEGA1], x[slots.X_ALPHA1] = omega1, rate
+        # the shaft does not turn backwards: what a solver leaves below 0 is rest
+        x[slots.X_OMEGA3], x[slots.X_LOAD_TORQUE] = max(omega_out, 0.0), load
+        header = average_legs.header_at(omega1, rate)  # type: ignore[no-untyped-call]
+        leg = average_legs.choose_leg(d, x, header, omega1, rate, load)  # type: ignore[no-untyped-call]
+        torque, acceleration, _ = average.torque_at(d, x, header, leg, omega1, rate, load)  # type: ignore[no-untyped-call]
+        if leg == average_legs.DRIVEN and self._transient != QUASI_STEADY:
+            driving = torque - load + self._transient.input * rate
+            acceleration = driving / (self._inertia + self._transient.output)
+            torque = load + self._inertia * acceleration
+        return x, header, torque, acceleration
+
+    def acceleration(self, omega_out: float, omega1: float, load: float, rate: float) -> float:
+        """Acceleration of the output shaft, rad/s2."""
+        return self._motion(omega_out, omega1, load, rate)[3]
+
+    def outputs(self, omega_out: float, omega1: float, load: float, rate: float) -> dict[str, float]:
+        """OUTPUTS by name."""
+        d = self._derived
+        x, header, torque, acceleration = self._motion(omega_out, omega1, load, rate)
+        y = array("d", bytes(8 * slots.Y_SIZE))
+        average.set_link2(d, x, average_legs.RESTING, -1.0, 0.0)  # type: ignore[no-untyped-call]
+        average_outputs.write_averaged(d, x, y)  # type: ignore[no-untyped-call]
+        values = {name: y[BY_NAME[name].slot] for name in OUTPUTS}
+        mesh = torque * x[slots.X_OMEGA3] / omega1 if omega1 != 0.0 else 0.0
+        taken = average_rates.mean_input_torque(  # type: ignore[no-untyped-call]
+            d, x, header, omega1, rate, x[slots.X_OMEGA3], acceleration, torque
+        )
+        values |= {"omega_out": omega_out, "omega2": x[slots.X_OMEGA2], "input_torque": taken}
+        return values | {"output_torque": torque, "mesh_torque": mesh, "housing_torque": torque - mesh}
+
+
+def averaged_system(
+    parameters: Mapping[str, float] | None = None,
+    *,
+    inputs: Sequence[str] = INPUTS,
+    outputs: Sequence[str] = ("omega_out", "input_torque", "output_torque"),
+    transient: TransientInertia = QUASI_STEADY,
+    name: str = "averaged",
+    kernel: str = "auto",
+) -> Any:
+    """The averaged module as a continuous-time NonlinearIOSystem.
+
+    Args:
+        parameters: of the module by name, numbers (enumerations too); fidelity is averaged whatever they say.
+        inputs: omega1, rad/s, load_torque, N.m, and if wanted omega1_rate, rad/s2 (else 0); all that are
+            wanted.
+        outputs: of omega_out, omega2, rad/s, input_torque, mesh_torque, output_torque, housing_torque,
+            torque_ripple (RMS), torque_peak, N.m.
+        transient: what accelerations add to the mean torque while it is driven; nothing in fidelity averaged.
+        name: of the system. kernel: as in Module.
+
+    Returns:
+        control.NonlinearIOSystem with the state omega_out, rad/s.
+
+    Raises:
+        Refused: the parameters cannot be, or there is no mean torque (a freewheel is missing).
+        ValueError: an unknown input or output, or omega1 or load_torque missing.
+    """
+    known = (*INPUTS, INPUT_RATE)
+    for kind, names, allowed in (("input", inputs, known), ("output", outputs, OUTPUTS)):
+        for wanted in names:
+            if wanted not in allowed:
+                raise ValueError(f"{kind} {wanted} is refused: allowed are {', '.join(allowed)}")
+    if not set(INPUTS) <= set(inputs):
+        raise ValueError(f"inputs {', '.join(inputs)} are refused: needed are {', '.join(INPUTS)}")
+    module = _AveragedModule(parameters or {}, kernel, transient)
+    places = [list(inputs).index(wanted) if wanted in inputs else -1 for wanted in known]
+
+    def values_of(u: Any) -> list[float]:
+        return [float(u[place]) if place >= 0 else 0.0 for place in places]
+
+    def update(_: float, x: Any, u: Any, __: Any) -> Any:
+        return np.array([module.acceleration(float(x[0]), *values_of(u))])
+
+    def output(_: float, x: Any, u: Any, __: Any) -> Any:
+        values = module.outputs(float(x[0]), *values_of(u))
+        return np.array([values[wanted] for wanted in outputs])
+
+    return ct.nlsys(
+        update, output, inputs=list(inputs), outputs=list(outputs), states=["omega_out"], name=name, dt=0
+    )

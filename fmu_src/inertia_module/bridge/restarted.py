@@ -1,0 +1,58 @@
+"""An FMU instance that can start anew from other start values, without the cost of a new instance."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Mapping
+from pathlib import Path
+
+from ..instance import Fmu
+
+
+class RestartedFmu(Fmu):
+    """As Fmu; restart takes it back to initialisation with other start values, as often as wanted.
+
+    It goes back to a state kept in initialisation mode, after everything that follows from the
+    parameters (the map of fidelity averaged) has been found.
+
+    Args: as Fmu.
+    """
+
+    def __init__(
+        self,
+        path: Path | str,
+        parameters: Mapping[str, float | bool | str] | None = None,
+        inputs: Mapping[str, float] | None = None,
+        tolerance: float | None = None,
+    ) -> None:
+        super().__init__(path, parameters, inputs, tolerance)
+        try:
+            instance = self._instance
+            self._guard("reset", instance.reset)
+            self._guard(
+                "setupExperiment", functools.partial(instance.setupExperiment, tolerance, self.time, None)
+            )
+            self._assign(parameters or {})
+            self._assign(inputs or {})
+            self._guard("enterInitializationMode", instance.enterInitializationMode)
+            # a value read here makes the native FMU derive its constants, for the state that is kept
+            self._read_one(next(name for name, v in self.variables.items() if v.causality == "output"))
+            self._blank = self.keep()
+            self._guard("exitInitializationMode", instance.exitInitializationMode)
+        except BaseException:
+            self.close()
+            raise
+
+    def restart(self, values: Mapping[str, float]) -> None:
+        """Start anew with these start parameters and inputs; all others are those of the first start.
+
+        Args:
+            values: by name.
+
+        Raises:
+            DriveError: a value is refused, alone or with others.
+        """
+        self.messages.clear()  # a run restarts every step: only what concerns this start is kept
+        self.go_back(self._blank)
+        self._assign(values)
+        self._guard("exitInitializationMode", self._instance.exitInitializationMode)

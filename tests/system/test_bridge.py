@@ -1,0 +1,286 @@
+"""FMUs as systems of python-control."""
+
+import re
+import runpy
+from pathlib import Path
+
+import control as ct
+import numpy as np
+import pytest
+
+from inertia_module import bridge, loops
+from inertia_module.fmu.builder import build
+from inertia_module.instance import DriveError, Fmu
+
+PAGE = Path(__file__).parents[2] / "docs" / "control.md"
+EXAMPLE = Path(__file__).parents[2] / "examples" / "speed_control.py"
+STEP = 0.01
+START = {"omega1": 100.0, "load_torque": 10.0}
+ELASTIC = {"fidelity": "elastic", "output_inertia": 0.02, "driven_inertia": 0.5, "shaft_stiffness": 400.0}
+ELASTIC |= {"shaft_damping": 0.05}
+OUTPUTS = ("omega_out", "input_torque_mean", "output_torque_mean")
+PLANAR = {"layout": 1, "sun_radius": 0.1, "satellite_radius": 0.06, "eccentricity": 0.04}
+PLANAR |= {"imbalance_mass": 0.3, "satellites": 3, "link2_inertia": 0.01, "output_inertia": 4.78}
+
+
+@pytest.fixture(scope="module")
+def fmus(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("build")
+    build(folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def native(fmus):
+    return fmus / "InertiaModule.fmu"
+
+
+def inputs_over(steps):
+    """Inputs that jump and change sign of slope, shape (2, steps)."""
+    time = STEP * np.arange(steps)
+    return np.stack([100.0 + 20.0 * np.sin(9.0 * time), 10.0 + 5.0 * (time > 0.5 * time[-1])])
+
+
+def stepped(path, parameters, inputs, outputs=OUTPUTS, **start):
+    """Outputs of a plain loop, shape (outputs, steps)."""
+    rows = []
+    with Fmu(path, parameters, {**START, **start}, 1e-9) as fmu:
+        for omega1, load in inputs.T:
+            rows.append(fmu.read(outputs))
+            fmu.set(omega1=omega1, load_torque=load)
+            fmu.advance(STEP)
+    return np.array(rows).T
+
+
+def run(system, inputs, start):
+    time = STEP * np.arange(inputs.shape[1])
+    return ct.input_output_response(system, time, inputs, start).outputs
+
+
+# --- the same as stepping ---
+
+
+@pytest.mark.parametrize(
+    "parameters",
+    [{"fidelity": "averaged"}, {}, {"input_hold": "linear"}, {"method": "timestepping"}, ELASTIC],
+    ids=["averaged", "rigid", "linear hold", "timestepping", "elastic"],
+)
+def test_whole_state_gives_the_bits_of_a_plain_loop(native, parameters):
+    inputs = inputs_over(100)
+    with bridge.fmu_system(
+        native, parameters, step=STEP, start=START, tolerance=1e-9, state="whole"
+    ) as plant:
+        found = run(plant.system, inputs, plant.start)
+        from_zeros = run(plant.system, inputs, 0.0)
+    assert (found == stepped(native, parameters, inputs)).all()
+    assert (from_zeros == found).all()
+
+
+def test_whole_state_of_the_python_fmu_gives_the_bits_of_a_plain_loop(fmus):
+    path, inputs = fmus / "InertiaModulePy.fmu", inputs_over(30)
+    with bridge.fmu_system(path, step=STEP, start=START, tolerance=1e-9, state="whole") as plant:
+        found = run(plant.system, inputs, plant.start)
+        x, u = plant.system.dynamics(0.0, plant.start, [90.0, 5.0]), [100.0, 10.0]
+        after = plant.system.dynamics(STEP, x, u)
+        plant.system.dynamics(0.0, plant.start, u)
+        assert (plant.system.dynamics(STEP, x, u) == after).all()
+    assert (found == stepped(path, {}, inputs)).all()
+
+
+@pytest.mark.parametrize("name", ["InertiaModule.fmu", "InertiaModulePy.fmu"])
+@pytest.mark.parametrize("fidelity, share", [("averaged", 1e-7), ("rigid", 1e-6)])
+def test_motion_state_agrees_with_a_plain_loop_within_the_tolerance(fmus, name, fidelity, share):
+    parameters, inputs = {"fidelity": fidelity}, inputs_over(100)
+    with bridge.fmu_system(fmus / name, parameters, step=STEP, start=START, tolerance=1e-9) as plant:
+        found = run(plant.system, inputs, plant.start)
+    expected = stepped(fmus / name, parameters, inputs)
+    scale = np.abs(expected).max(axis=1, keepdims=True)
+    assert (np.abs(found - expected) / scale).max() < share
+
+
+def test_driven_shaft_starts_anew_with_its_twist(fmus):
+    parameters = {"driven_inertia": 0.5, "shaft_stiffness": 400.0, "shaft_damping": 0.05}
+    outputs = ("omega_out", "shaft_torque_mean", "twist")
+    path, hub = fmus / "DrivenShaft.fmu", np.linspace(5.0, 15.0, 100)
+    with Fmu(path, parameters, {"load_torque": 10.0}) as fmu:
+        for speed in hub[:-1]:
+            fmu.set(hub_speed=speed)
+            fmu.advance(STEP)
+        expected = fmu.read(outputs)
+    with bridge.fmu_system(
+        path, parameters, step=STEP, inputs=["hub_speed"], outputs=outputs, start={"load_torque": 10.0}
+    ) as plant:
+        found = run(plant.system, hub[None, :], plant.start)
+    assert found[:, -1] == pytest.approx(expected, rel=1e-9)
+
+
+# --- pure ---
+
+
+@pytest.mark.parametrize(
+    "parameters, state",
+    [({}, "motion"), ({"fidelity": "averaged"}, "motion"), ({}, "whole"), (ELASTIC, "whole")],
+)
+def test_same_state_and_input_give_the_same_whatever_came_before(native, parameters, state):
+    keywords = {"step": STEP, "start": START, "tolerance": 1e-9, "state": state}
+    with (
+        bridge.fmu_system(native, parameters, **keywords) as one,
+        bridge.fmu_system(native, parameters, **keywords) as other,
+    ):
+        x, u = one.start, np.array([90.0, 12.0])
+        for _ in range(30):
+            x = one.system.dynamics(0.0, x, u)
+        first = one.system.dynamics(0.0, x, u)
+        shown = one.system.output(0.0, first, u)
+        # another place, a read, a refused step, and another instance in between
+        one.system.dynamics(0.0, one.start, [120.0, 0.0])
+        one.system.output(0.0, one.start, u)
+        with pytest.raises(DriveError, match="omega1"):
+            one.system.dynamics(0.0, x, [np.nan, 0.0])
+        assert (other.system.dynamics(5.0, x, u) == first).all()
+        assert (one.system.dynamics(7.0, x, u) == first).all()
+        assert (one.system.output(0.0, first, u) == shown).all()
+        assert (one.system.output(0.0, first, [0.0, 99.0]) == shown).all()  # no feedthrough
+
+
+def test_copies_that_interconnect_makes_share_the_fmu(native):
+    with bridge.fmu_system(native, {"fidelity": "averaged"}, step=STEP, start=START) as plant:
+        copy = plant.system.copy(name="copy")
+        u = [100.0, 10.0]
+        assert (copy.dynamics(0.0, plant.start, u) == plant.system.dynamics(0.0, plant.start, u)).all()
+
+
+# --- with the tools of control ---
+
+
+def test_pi_controller_closes_the_loop_by_interconnect_as_in_a_loop_by_hand(native):
+    steps, start = 300, {"omega1": 60.0, "load_torque": 10.0}
+    controller = loops.pi_speed_controller(STEP, 3.0, 2.0, (0.0, 300.0))
+    integral, by_hand = np.zeros(1), []
+    with Fmu(native, {}, start, 1e-9) as fmu:
+        for _ in range(steps):
+            by_hand.append(fmu["omega_out"])
+            seen = [20.0, by_hand[-1]]
+            fmu.set(omega1=float(controller.output(0.0, integral, seen)[0]), load_torque=10.0)
+            fmu.advance(STEP)
+            integral = controller.dynamics(0.0, integral, seen)
+    with bridge.fmu_system(
+        native, step=STEP, start=start, tolerance=1e-9, state="whole", outputs=["omega_out"], name="module"
+    ) as plant:
+        system = ct.interconnect(
+            [controller, plant.system], inputs=["reference", "load_torque"], outputs=["omega_out"]
+        )
+        given = np.array([[20.0], [10.0]]) * np.ones(steps)
+        found = run(system, given, np.concatenate([[0.0], plant.start]))
+    assert (found[0] == by_hand).all()
+
+
+def test_averaged_fmu_has_operating_point_and_linearisation_of_the_continuous_one(native):
+    continuous = bridge.averaged_system()
+    speed = bridge.operating_point(continuous, 100.0, 10.0)
+    exact = ct.sample_system(ct.linearize(continuous, [speed], [100.0, 10.0]), STEP, "zoh")
+    with bridge.fmu_system(
+        native, {"fidelity": "averaged"}, step=STEP, start=START, tolerance=1e-10
+    ) as plant:
+        guess = [20.0, 100.0, *plant.start[2:]]
+        point = ct.find_operating_point(plant.system, guess, [100.0, 10.0])
+        linear = ct.linearize(plant.system, point.states, point.inputs, eps=1e-3)
+    assert plant.system.state_labels == ["omega_out", "omega1_held", *OUTPUTS[1:]]
+    assert point.states[0] == pytest.approx(speed, rel=1e-8)
+    assert linear.A[0, 0] == pytest.approx(exact.A[0, 0], rel=1e-6)
+    assert linear.B[0] == pytest.approx(exact.B[0], rel=1e-4)
+    assert not linear.D.any()
+
+
+# --- small signals ---
+
+BOTH = ("omega_out", "output_torque_mean", "input_torque_mean")
+
+
+@pytest.mark.parametrize("excited, amplitude", [("load_torque", 2.0), ("omega1", 1.0)])
+def test_rigid_fmu_answers_a_small_sine_as_the_averaged_module_linearised(native, excited, amplitude):
+    """Up to a tenth of the pulse rate: gain within 5 %, phase within 5 degrees."""
+    omega1, load = 200.0, 100.0
+    speed = bridge.operating_point(bridge.averaged_system(PLANAR), omega1, load, 60.0)
+    point = {"omega1": omega1, "load_torque": load, "excited": excited, "frequencies": [0.2, 1.0, 4.4]}
+    measured = bridge.measured_response(
+        native, {**PLANAR, "omega_out_start": speed}, **point, amplitude=amplitude, outputs=BOTH,
+        step=1e-3, settling=8.0, record=10.0,
+    )  # fmt: skip
+    assert measured.pulse_rate == pytest.approx(44.0, abs=1.0)
+    transient = bridge.transient_inertia(PLANAR, omega1, speed)
+    corrected = bridge.averaged_response(PLANAR, **point, outputs=BOTH, guess=60.0, transient=transient)
+    gain, phase = measured.deviation_from(corrected)
+    assert np.abs(gain).max() < 0.03
+    assert np.abs(phase).max() < 1.5
+    # the output speed needs no correction at this inertia
+    plain = bridge.averaged_response(PLANAR, **point, outputs=BOTH, guess=60.0)
+    gain, phase = measured.deviation_from(plain)
+    assert np.abs(gain[0]).max() < 0.05
+    assert np.abs(phase[0]).max() < 5.0
+
+
+def test_measurement_refuses_what_it_cannot_measure(native):
+    keywords = {"omega1": 100.0, "load_torque": 10.0, "frequencies": [1.0], "settling": 1.0}
+    with pytest.raises(ValueError, match="excited = 'omega2' is refused: allowed are omega1, load_torque"):
+        bridge.measured_response(native, {}, excited="omega2", amplitude=1.0, step=1e-3, **keywords)
+    with pytest.raises(ValueError, match="frequency = 1 Hz is refused"):
+        bridge.measured_response(native, {}, excited="omega1", amplitude=1.0, step=0.5, **keywords)
+
+
+# --- refusals ---
+
+
+@pytest.mark.parametrize(
+    "parameters, outputs, message",
+    [
+        (ELASTIC, OUTPUTS, "fidelity = elastic is refused with state = 'motion'"),
+        ({"input_hold": "linear"}, OUTPUTS, "input_hold = linear is refused with state = 'motion'"),
+        ({}, ["energy_in"], "it is a sum since the start"),
+        ({}, ["imbalance_acceleration_y"], "it depends on an angle that is no state here"),
+        (
+            {"fidelity": "averaged"},
+            ["imbalance_acceleration"],
+            "it depends on an angle that is no state here",
+        ),
+        ({}, ["omega5"], "omega5 is refused: InertiaModule.fmu has no such variable"),
+    ],
+)
+def test_what_a_motion_cannot_give_is_refused_with_a_way_out(native, parameters, outputs, message):
+    with pytest.raises(DriveError, match=message):
+        bridge.fmu_system(native, parameters, step=STEP, outputs=outputs)
+
+
+def test_bad_arguments_are_refused(native):
+    with pytest.raises(ValueError, match="step = 0 is refused: allowed is a positive number"):
+        bridge.fmu_system(native, step=0)
+    with pytest.raises(ValueError, match="allowed are 'motion' and 'whole'"):
+        bridge.fmu_system(native, step=STEP, state="all")
+    with pytest.raises(DriveError, match="input omega2 is refused: allowed are omega1, load_torque"):
+        bridge.fmu_system(native, step=STEP, inputs=["omega2"])
+
+
+# --- the page and the study ---
+
+
+def test_python_of_the_page_runs(fmus, monkeypatch):
+    (fmus / "work" / "build").mkdir(parents=True)
+    (fmus / "work" / "build" / "InertiaModule.fmu").write_bytes((fmus / "InertiaModule.fmu").read_bytes())
+    (code,) = re.findall(r"```python\n(.*?)```", PAGE.read_text(), re.S)
+    monkeypatch.chdir(fmus / "work")
+    names = {}
+    exec(compile(code, PAGE.name, "exec"), names)
+    speed = names["run"].outputs[0]
+    assert speed[-50:] == pytest.approx(np.full(50, 20.0), abs=1.0)
+
+
+def test_margins_of_the_speed_control_are_those_of_the_full_model(native):
+    study = runpy.run_path(str(EXAMPLE))
+    operating = 60.6858
+    controllers = {"PI": study["controllers_of"](operating)["PI"]}
+    rows = study["margins"](native, operating, controllers)
+    assert [kind for _, kind, _, _ in rows] == ["averaged", "rigid", "elastic"]
+    for _, _, predicted, measured in rows:
+        assert measured.gain == pytest.approx(predicted.gain, rel=0.1)
+        assert measured.delay == pytest.approx(predicted.delay, rel=0.05)
+        assert measured.phase == pytest.approx(predicted.phase, abs=3.0)

@@ -1,0 +1,182 @@
+"""The averaged module as a continuous system, and what is found out without an FMU."""
+
+import control as ct
+import numpy as np
+import pytest
+
+from inertia_module import bridge
+from inertia_module.bridge.sine_bench import fit_sine
+from inertia_module.bridge.words import bytes_of, words_of
+from inertia_module.chart import torque_converter_chart
+from inertia_module.module import Module, Refused
+
+PLANAR = {"layout": 1, "sun_radius": 0.1, "satellite_radius": 0.06, "eccentricity": 0.04}
+PLANAR |= {"imbalance_mass": 0.3, "satellites": 3, "link2_inertia": 0.01, "output_inertia": 4.78}
+NAMES = ("omega_out", "omega2", "input_torque", "mesh_torque", "output_torque", "housing_torque")
+
+
+@pytest.mark.parametrize("omega1, load, speed", [(100.0, 10.0, 5.0), (100.0, 3.0, 60.0), (-80.0, 4.0, 2.0)])
+def test_every_output_is_that_of_the_module_at_this_instant(compiled, omega1, load, speed):
+    module = Module(compiled).start(fidelity=1, omega_out_start=speed, omega1=omega1, load_torque=load)
+    system = bridge.averaged_system(outputs=NAMES, kernel=compiled)
+    assert system.output(0.0, [speed], [omega1, load]) == pytest.approx([module[name] for name in NAMES])
+    rate = (module["output_torque"] - load) / module["output_inertia"]
+    assert system.dynamics(0.0, [speed], [omega1, load]) == pytest.approx([rate])
+
+
+def test_a_ramp_of_the_input_shows_in_the_input_torque_as_in_the_module(compiled):
+    module = Module(compiled).start(fidelity=1, omega_out_start=20.0, omega1=100.0, load_torque=10.0)
+    module.set_rates(omega1=50.0)
+    module.advance(1e-9)
+    system = bridge.averaged_system(
+        inputs=("omega1", "load_torque", "omega1_rate"), outputs=("input_torque",), kernel=compiled
+    )
+    ramped = system.output(0.0, [20.0], [100.0, 10.0, 50.0])
+    assert ramped == pytest.approx([module["input_torque"]], rel=1e-6)
+    assert ramped != pytest.approx(system.output(0.0, [20.0], [100.0, 10.0, 0.0]), rel=1e-2)
+
+
+def test_run_from_standstill_is_that_of_the_averaged_module(compiled):
+    module = Module(compiled).start(fidelity=1, omega1=100.0, load_torque=10.0, tolerance=1e-10)
+    module.advance(2.0)
+    system = bridge.averaged_system(outputs=("omega_out",), kernel=compiled)
+    time = np.linspace(0.0, 2.0, 21)
+    inputs = np.array([[100.0], [10.0]]) * np.ones(21)
+    run = ct.input_output_response(
+        system, time, inputs, [0.0], solve_ivp_kwargs={"rtol": 1e-10, "atol": 1e-10}
+    )
+    assert run.outputs[0, -1] == pytest.approx(module["omega_out"], rel=1e-8)
+
+
+def test_operating_point_carries_the_load_and_linearisation_has_the_slope_of_the_chart(compiled):
+    system = bridge.averaged_system(outputs=("omega_out", "output_torque"), kernel=compiled)
+    speed = bridge.operating_point(system, 100.0, 10.0)
+    assert system.output(0.0, [speed], [100.0, 10.0]) == pytest.approx([speed, 10.0])
+    linear = ct.linearize(system, [speed], [100.0, 10.0])
+    chart = torque_converter_chart({}, kernel=compiled)
+    low, high = chart.output_torque_at([speed / 100.0 - 5e-3, speed / 100.0 + 5e-3])
+    assert linear.A[0, 0] == pytest.approx(100.0 * (high - low) / 1e-2 / 0.5, rel=0.02)
+    assert linear.B[0, 1] == pytest.approx(-1.0 / 0.5, rel=1e-6)
+
+
+def test_a_load_beyond_stall_holds_the_shaft_at_rest_even_a_rounding_below(compiled):
+    system = bridge.averaged_system(kernel=compiled)
+    for speed in (0.0, -1e-12):
+        assert system.dynamics(0.0, [speed], [100.0, 1000.0])[0] == 0.0
+
+
+def test_a_load_beyond_stall_has_no_operating_point(compiled):
+    system = bridge.averaged_system(outputs=("omega_out",), kernel=compiled)
+    with pytest.raises(ValueError, match=r"load_torque = 1e\+06 N.m is refused: no operating point"):
+        bridge.operating_point(system, 100.0, 1e6)
+
+
+@pytest.mark.parametrize("parameters, omega1, load", [({}, 100.0, 10.0), (PLANAR, 200.0, 100.0)])
+def test_transient_inertias_depend_on_the_speed_ratio_alone(compiled, parameters, omega1, load):
+    system = bridge.averaged_system(parameters, outputs=("omega_out",), kernel=compiled)
+    speed = bridge.operating_point(system, omega1, load, 0.3 * omega1)
+    found = bridge.transient_inertia(parameters, omega1, speed, compiled)
+    assert found == pytest.approx(
+        bridge.transient_inertia(parameters, 2.0 * omega1, 2.0 * speed, compiled), rel=1e-6
+    )
+    # of the order of the moving inertias, and small against the output
+    assert 0.0 < found.input < 0.02
+    assert 0.0 < found.output < 0.02
+
+
+def test_transient_inertia_adds_to_that_of_the_output(compiled):
+    added = bridge.TransientInertia(0.0, 0.5)
+    plain = bridge.averaged_system(kernel=compiled)
+    heavier = bridge.averaged_system(kernel=compiled, transient=added)
+    at = 0.0, [10.0], [100.0, 10.0]
+    assert heavier.dynamics(*at) == pytest.approx(0.5 * plain.dynamics(*at))
+
+
+def test_refusals_name_what_is_allowed(compiled):
+    with pytest.raises(ValueError, match=r"output omega4 is refused: allowed are omega_out, omega2"):
+        bridge.averaged_system(outputs=("omega4",), kernel=compiled)
+    with pytest.raises(ValueError, match=r"inputs omega1 are refused: needed are omega1, load_torque"):
+        bridge.averaged_system(inputs=("omega1",), kernel=compiled)
+    with pytest.raises(Refused, match="freewheel"):
+        bridge.averaged_system({"housing_freewheel": 0.0}, kernel=compiled)
+    with pytest.raises(ValueError, match="allowed is 0 < omega_out < omega1"):
+        bridge.transient_inertia({}, 100.0, 120.0, compiled)
+
+
+def test_a_sine_is_found_among_pulses_and_drift():
+    time = np.arange(20000) * 1e-3
+    pulses = np.abs(np.sin(2.0 * np.pi * 17.3 * time)) * 50.0
+    values = 0.3 * np.sin(2.0 * np.pi * time + 0.5) + 2.0 + 0.1 * time + pulses
+    sine, _ = fit_sine(time, values, 1.0)
+    assert abs(sine) == pytest.approx(0.3, rel=1e-3)
+    assert np.angle(sine) == pytest.approx(0.5, abs=1e-3)
+
+
+@pytest.mark.parametrize("size", [0, 1, 5, 6, 7, 19088])
+def test_bytes_survive_as_whole_numbers(size):
+    data = np.random.default_rng(size).bytes(size)
+    words = words_of(data)
+    assert (words == np.floor(words)).all()
+    assert bytes_of(words) == data
+
+
+def test_a_changed_word_is_refused():
+    words = words_of(b"a state of an FMU")
+    words[2] += 0.5
+    with pytest.raises(ValueError, match="number 2 of a whole state"):
+        bytes_of(words)
+
+
+def test_stability_limit_is_found_by_bisection_and_bad_limits_are_refused():
+    assert bridge.stability_limit(lambda value: value < 7.0, 1.0, 100.0, 1e-4) == pytest.approx(7.0, rel=1e-4)
+    with pytest.raises(ValueError, match="8 is not stable"):
+        bridge.stability_limit(lambda value: value < 7.0, 8.0, 100.0, 1e-4)
+
+
+class Integrator:
+    """A plant whose speed is the sum of what it is given."""
+
+    def __init__(self):
+        self.speed, self.given = 0.0, 0.0
+
+    def set(self, **values):
+        self.given = values["omega1"]
+
+    def advance(self, step):
+        self.speed += step * self.given
+
+    def read(self, names):
+        return (self.speed,)
+
+
+@pytest.mark.parametrize("gain, settles", [(1.9, True), (2.1, False)])
+def test_linear_loop_around_an_integrator_settles_up_to_its_margin(gain, settles):
+    """x+ = x + u, u one step old: z^2 - z + gain/2 = 0, whose roots leave the circle at gain 2."""
+    around = ct.ss([[0.0]], [[-0.5 * gain]], [[1.0]], [[0.0]], 1.0, inputs="omega_out", outputs="omega1")
+    point = {"omega_out": 0.0, "omega1": 0.0}
+    rows = bridge.run_linear_loop(Integrator(), around, point, [1.0], 400, limits=(-1e9, 1e9))
+    early, late = bridge.swings(rows[:, 0])
+    assert (len(rows) > 400 and late < early) == settles
+
+
+@pytest.mark.parametrize("delay, settles", [(1, True), (2, False)])
+def test_a_delay_in_the_loop_counts_in_steps(delay, settles):
+    """An integrator with gain 0.7 and d steps of delay is stable below 2 sin(pi / (4 d + 2)): 1, 0.618."""
+    around = ct.ss([[0.0]], [[-0.7]], [[1.0]], [[0.0]], 1.0, inputs="omega_out", outputs="omega1")
+    point = {"omega_out": 0.0, "omega1": 0.0}
+    # the surrounding itself is one step late
+    rows = bridge.run_linear_loop(
+        Integrator(), around, point, [1.0], 400, delay=delay - 1, limits=(-1e3, 1e3)
+    )
+    early, late = bridge.swings(rows[:, 0])
+    assert (len(rows) > 400 and late < early) == settles
+
+
+def test_margins_of_an_integrator_are_those_of_the_book():
+    """L = g z / (z (z - 1)): with one step of delay unstable from g = 1; the phase falls by half a step."""
+    loop = ct.tf([0.1], [1.0, -1.0, 0.0], 1.0)
+    margins = bridge.predicted_margins(loop)
+    assert margins.gain == pytest.approx(10.0, rel=1e-2)
+    crossover = 2.0 * np.arcsin(0.05)
+    assert margins.crossover == pytest.approx(crossover, rel=1e-3)
+    assert margins.phase == pytest.approx(90.0 - np.degrees(1.5 * crossover), abs=0.1)
