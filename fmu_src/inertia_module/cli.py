@@ -328,6 +328,48 @@ def stability(
         raise typer.Exit(1)
 
 
+@app.command()
+def coupling(
+    scene: Annotated[
+        Path, typer.Argument(metavar="[SCENE.toml]", help="Scene of the car in the urban cycle.")
+    ] = Path("examples/urban.toml"),
+    output: OutputFolder = None,
+    as_json: Json = False,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="A corner of the map, without the long parts.")
+    ] = False,
+    only: Annotated[
+        str | None,
+        typer.Option("--only", metavar="PART", help="limits, map, adaptive, urban or shafts."),
+    ] = None,
+) -> None:
+    """Couple an engine and a shaft to the module in every way and measure what it costs (out/coupling)."""
+    from dataclasses import asdict
+
+    from .drive import progress_bar
+    from .studies.coupling.study import PARTS, Files, chosen_parts, print_rows, write_part
+
+    folder = output or OUTPUT_FOLDER / "coupling"
+    with one_line_errors():
+        chosen = chosen_parts(only, quick)
+        module = current_fmu()
+        files = Files(module, module.with_name("DrivenShaft.fmu"), scene)
+        found = {}
+        written: dict[str, str] = {}
+        for name in chosen:
+            with progress_bar(f"measuring: {name}") as progress:
+                found[name] = PARTS[name].run(files, quick, progress)
+            written.update(write_part(folder, name, found[name]))
+    if as_json:
+        rows = {name: [asdict(row) for row in part] for name, part in found.items()}
+        typer.echo(json.dumps({"rows": rows, "files": written}))
+        return
+    for name, part in found.items():
+        print_rows(name, part)
+    for name, file in written.items():
+        typer.echo(f"{name}: {file}")
+
+
 def main() -> None:
     """Entry of the console script.
 

@@ -1,8 +1,9 @@
 """The drive side as a partner: an engine coupled to the FMU through omega1 and the input torque.
 
-An engine (engine.py), the power bond between both (bond.py), schemes that couple them (schemes.py, master.py),
-their limits of stability from theory (amplification.py), and a communication step driven by the residual of
-the bond (adaptive.py). What the numbers are is measured in studies/coupling and told in docs/coupling.md.
+An engine (engine.py), the power bond between both (bond.py), schemes that couple them (schemes.py,
+master.py), their limits of stability from theory (amplification.py), and a communication step driven by the
+residual of the bond (adaptive.py). What the numbers are is measured in studies/coupling and told in
+docs/coupling.md.
 """
 
 from .adaptive import ErrorControl, run_adaptive

@@ -5,9 +5,9 @@ controller makes the next step longer or shorter:
 
     h_(n+1) = safety h_n eps_n^-(k_I + k_P) eps_(n-1)^k_P        eps = |residual| / (tolerance scale)
 
-Sources: Sadjina et al. (2017), see bond.py; Gustafsson, Control theoretic techniques for stepsize selection in
-explicit Runge-Kutta methods. ACM Transactions on Mathematical Software 17 (1991) 533-554, for k_I = 0.3/p and
-k_P = 0.4/p with p the order of the residual of a step, here 2.
+Sources: Sadjina et al. (2017), see bond.py; Gustafsson, Control theoretic techniques for stepsize selection
+in explicit Runge-Kutta methods. ACM Transactions on Mathematical Software 17 (1991) 533-554, for k_I = 0.3/p
+and k_P = 0.4/p with p the order of the residual of a step, here 2.
 """
 
 from __future__ import annotations
@@ -18,6 +18,9 @@ from dataclasses import dataclass
 
 from .bond import Exchange
 from .master import CoupledEngine
+
+# an error below it counts as this
+_LEAST_ERROR = 1e-12
 
 
 @dataclass(frozen=True)
@@ -48,10 +51,12 @@ class ErrorControl:
             if not (math.isfinite(value) and value > 0.0):
                 raise ValueError(f"{name} = {value} is refused: allowed is a positive number")
         if not self.shortest <= self.longest:
-            raise ValueError(f"shortest = {self.shortest:g} s is refused: allowed is up to longest = {self.longest:g} s")
+            raise ValueError(
+                f"shortest = {self.shortest:g} s is refused: allowed is up to longest = {self.longest:g} s"
+            )
         if not self.slowest < 1.0 < self.fastest:
             raise ValueError(
-                f"slowest, fastest = {self.slowest:g}, {self.fastest:g} are refused: allowed is 1 between them"
+                f"slowest = {self.slowest:g}, fastest = {self.fastest:g} are refused: allowed is 1 between"
             )
 
     def next_step(self, step: float, error: float, last_error: float) -> float:
@@ -60,13 +65,10 @@ class ErrorControl:
         Args:
             error, last_error: eps of this step and of the one before.
         """
-        tiny = 1e-12
-        factor = (
-            self.safety
-            * max(error, tiny) ** -(self.integral + self.proportional)
-            * max(last_error, tiny) ** self.proportional
-        )
-        return min(max(step * min(max(factor, self.slowest), self.fastest), self.shortest), self.longest)
+        now, before = max(error, _LEAST_ERROR), max(last_error, _LEAST_ERROR)
+        growth = math.pow(now, -self.integral) * math.pow(before / now, self.proportional)
+        factor = min(max(self.safety * growth, self.slowest), self.fastest)
+        return min(max(step * factor, self.shortest), self.longest)
 
 
 def run_adaptive(coupled: CoupledEngine, stop_time: float, control: ErrorControl) -> Iterator[Exchange]:

@@ -2,22 +2,22 @@
 
 Let the module be the interface inertia Phi, r = Phi/J_E, u_n the change of the engine's speed over step n and
 m_n that of the module's, the jump at the beginning of the step included. The step mean holds all impulses, so
-h T_n = Phi m_n: **the step cancels out**, and what one side gives back to the other is an exchange of momentum,
+h T_n = Phi m_n: **the step cancels out**, and what passes is an exchange of momentum,
 
     (1 + rho) u_n = (rho - r) m_(n-1)  for an engine that knows the torque of the step before
     (1 + rho) u_n = (rho - r) m_n      for an engine that steps after the module
 
-with rho the interface inertia the engine reckons with, over J_E (0 without that correction). With what the module
-is given of the speed,
+with rho the interface inertia the engine reckons with, over J_E (0 without that correction). With what the
+module is given of the speed,
 
     held, engine first          m_n = u_n            ramp, engine first     m_n = u_n
     held, beside or before      m_n = u_(n-1)        ramp, extrapolated     m_n = 2 u_(n-1) - u_(n-2)
     average                     m_n = (u_n + u_(n-1))/2
 
-each scheme has a characteristic polynomial. Its largest root is the growth of a disturbance in a step of any length:
-shorter steps do not help. Instantaneous torque of a held speed does not contain the jump at all: nothing is
-amplified, and the engine never feels the inertia of the module. With a ramp the instantaneous torque is Phi times
-the rate given.
+each scheme has a characteristic polynomial. Its largest root is the growth of a disturbance in a step of any
+length: shorter steps do not help. Instantaneous torque of a held speed does not contain the jump at all:
+nothing is amplified, and the engine never feels the inertia of the module. With a ramp the instantaneous
+torque is Phi times the rate given.
 """
 
 from __future__ import annotations
@@ -79,5 +79,3 @@ def inertia_limit(scheme: Scheme, share: float = 0.0) -> float:
         else:
             high = middle
     return low
-
-

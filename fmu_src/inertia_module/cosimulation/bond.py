@@ -1,9 +1,9 @@
 """The power bond between engine and module: speed one way, torque the other, and the energy lost on it.
 
-Over a step the engine does the work W_E = integral of T_E omega_E, the module takes W_M = integral of M1 omega1.
-Each side is exact for the torque and speed it was given, so the defect of a coupling is W_E - W_M and nothing
-else. From what is exchanged alone (means over the step) it is estimated as h (T_E omega_E - T_M omega_M): the
-residual of the bond, which needs no audit in the FMU.
+Over a step the engine does the work W_E = integral of T_E omega_E, the module takes W_M = integral of M1
+omega1. Each side is exact for the torque and speed it was given, so the defect of a coupling is W_E - W_M
+and nothing else. From what is exchanged alone (means over the step) it is estimated as h (T_E omega_E - T_M
+omega_M): the residual of the bond, which needs no audit in the FMU.
 
 Source: Sadjina, Kyllingstad, Skjong and Pedersen, Energy conservation and power bonds in co-simulations:
 non-iterative adaptive step size control and error estimation. Engineering with Computers 33 (2017) 607-620.

@@ -1,7 +1,7 @@
 """The master: one engine, one module, one scheme; a communication step at a time.
 
-Conventions: n numbers the communication points, omega_E and omega_M are the speeds of engine and module, T the
-torque the module gave back. Whatever is left between omega_E and omega_M at a communication point is made
+Conventions: n numbers the communication points, omega_E and omega_M are the speeds of engine and module, T
+the torque the module gave back. Whatever is left between omega_E and omega_M at a communication point is made
 up for by a jump at the beginning of the module's next step, whose impulse is in the next step mean.
 """
 
@@ -53,7 +53,9 @@ class CoupledEngine:
         self, fmu: Fmu, engine: Engine, scheme: Scheme, inertia: float | None = None, substeps: int = 1
     ) -> None:
         if scheme.correction == INERTIA and (inertia is None or not inertia > 0.0):
-            raise ValueError(f"inertia = {inertia} is refused: allowed is a positive interface inertia, kg.m2")
+            raise ValueError(
+                f"inertia = {inertia} is refused: allowed is a positive interface inertia, kg.m2"
+            )
         if substeps < 1:
             raise ValueError(f"substeps = {substeps} is refused: allowed is a whole number from 1")
         speed, hold = fmu.read(("omega1", "input_hold"))
@@ -62,7 +64,9 @@ class CoupledEngine:
                 f"omega1 = {speed:g} rad/s of the FMU is refused: allowed is the engine's {engine.speed:g}"
             )
         if hold != 0.0:
-            raise ValueError("input_hold = linear is refused: allowed is constant, the scheme gives the derivative")
+            raise ValueError(
+                "input_hold = linear is refused: allowed is constant, the scheme gives the derivative"
+            )
         self.fmu, self.engine, self.scheme, self.substeps = fmu, engine, scheme, substeps
         self.ledger = Ledger()
         self.exchange: Exchange | None = None

@@ -1,4 +1,4 @@
-"""Schemes that couple an engine and a module: who goes first, what is exchanged, what corrects the exchange."""
+"""Schemes that couple an engine and a module: who goes first, what is exchanged, what corrects it."""
 
 from __future__ import annotations
 
@@ -26,8 +26,9 @@ class Scheme:
         order: jacobi (both step with what was at the communication point), engine first or module first
             (Gauss-Seidel: the second one has what the first one did in this step).
         torque: what the engine gets, the step mean of the input torque or its value at an instant.
-        speed: what the module gets. held: the newest speed known, constant. ramp: with its derivative, from the
-            speed now to the newest one known, else extrapolated. average: the mean over the engine's step, held.
+        speed: what the module gets. held: the newest speed known, constant. ramp: with its derivative, from
+            the speed now to the newest one known, else extrapolated. average: the mean over the engine's
+            step, held.
         correction: none; inertia: the engine reckons with the interface inertia for what its own speed
             changes in the torque; implicit: the step is tried, taken back and made again with the
             torque that its directional derivative says the engine's answer will lead to.
@@ -51,7 +52,9 @@ class Scheme:
         if self.iterations < 1:
             raise ValueError(f"iterations = {self.iterations} is refused: allowed is a whole number from 1")
         if self.speed == AVERAGE and self.order != ENGINE_FIRST:
-            raise ValueError(f"speed = 'average' is refused with order = {self.order!r}: allowed is engine first")
+            raise ValueError(
+                f"speed = 'average' is refused with order = {self.order!r}: allowed is engine first"
+            )
         if self.torque == INSTANTANEOUS and self.correction != NONE:
             raise ValueError(
                 f"correction = {self.correction!r} is refused with instantaneous torque: allowed is the mean"

@@ -1,8 +1,8 @@
 """Two FMUs instead of one: the module and the driven shaft, coupled through the hub.
 
-The module drives the hub (its output shaft, J3) against the torque of the shaft; the shaft is turned at the hub's
-speed. Unlike the input side nothing impulsive passes: a spring's torque follows the speed by an integral, so what
-limits the step is the swing of the hub on the spring, z = h^2 c/J3.
+The module drives the hub (its output shaft, J3) against the torque of the shaft; the shaft is turned at the
+hub's speed. Unlike the input side nothing impulsive passes: a spring's torque follows the speed by an
+integral, so what limits the step is the swing of the hub on the spring, z = h^2 c/J3.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ class ShaftScheme:
     Attributes:
         order: jacobi, module first or shaft first.
         mean: whether the module gets the step mean of the shaft's torque, else its value at an instant.
-        derivatives: whether speed and torque go on with their derivatives (of outputs, extrapolated; between two
-            known speeds, the ramp between them).
-        implicit: the module's step is tried, taken back and made again with the mean torque that its directional
-            derivative and the shaft's linear answer lead to.
+        derivatives: whether speed and torque go on with their derivatives (of outputs, extrapolated; between
+            two known speeds, the ramp between them).
+        implicit: the module's step is tried, taken back and made again with the mean torque that its
+            directional derivative and the shaft's linear answer lead to.
 
     Raises:
         ValueError: an unknown order, or one that makes no sense.
@@ -50,7 +50,9 @@ class ShaftScheme:
                 "an implicit shaft coupling is refused: allowed is module first, with means and derivatives"
             )
         if self.order == SHAFT_FIRST and not self.mean:
-            raise ValueError("mean = False is refused with shaft first: allowed is the mean of the step just made")
+            raise ValueError(
+                "mean = False is refused with shaft first: allowed is the mean of the step just made"
+            )
 
 
 SHAFT_SCHEMES: Mapping[str, ShaftScheme] = MappingProxyType(
@@ -72,8 +74,8 @@ class CoupledShaft:
     """A module and a driven shaft behind it.
 
     Args:
-        module: a started FMU of the module, rigid. shaft: a started FMU of the driven shaft, whose hub turns at
-            omega_out of the module and whose input_hold is constant. scheme: of coupling.
+        module: a started FMU of the module, rigid. shaft: a started FMU of the driven shaft, whose hub turns
+            at omega_out of the module and whose input_hold is constant. scheme: of coupling.
 
     Attributes:
         steps: steps of the module, those taken back included. derivatives: directional derivatives.
@@ -85,7 +87,9 @@ class CoupledShaft:
     def __init__(self, module: Fmu, shaft: Fmu, scheme: ShaftScheme) -> None:
         speed, hub = module["omega_out"], shaft["hub_speed"]
         if abs(speed - hub) > 1e-9 * max(1.0, abs(speed)):
-            raise ValueError(f"hub_speed = {hub:g} rad/s is refused: allowed is the module's omega_out = {speed:g}")
+            raise ValueError(
+                f"hub_speed = {hub:g} rad/s is refused: allowed is the module's omega_out = {speed:g}"
+            )
         self.module, self.shaft, self.scheme = module, shaft, scheme
         self.steps = self.derivatives = 0
         self._torque = shaft["shaft_torque"]
@@ -179,8 +183,8 @@ class CoupledShaft:
 def growth(scheme: ShaftScheme, z: float, damping: float = 0.0) -> float:
     """Growth in a step of the swing of a free hub against a heavy driven mass, from theory.
 
-    The hub's step is exact for the torque given and the shaft's for the speed given, so a step is a linear map of
-    (omega, twist c h/J3, last torque h/J3), found here column by column.
+    The hub's step is exact for the torque given and the shaft's for the speed given, so a step is a linear
+    map of (omega, twist c h/J3, last torque h/J3), found here column by column.
 
     Args:
         scheme: of coupling. z: h^2 c/J3. damping: h d/J3.

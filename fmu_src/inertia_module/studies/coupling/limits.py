@@ -1,13 +1,15 @@
 """The added-mass limit: theory against measurement, on a module that is an inertia and little else.
 
-An engine without a governor gets a step of torque. Where the speeds settle to the common acceleration the scheme
-is stable; the limit is found by bisection of Phi/J_E, at communication steps that differ by a factor of fifty.
+An engine without a governor gets a step of torque. Where the speeds settle to the common acceleration the
+scheme is stable; the limit is found by bisection of Phi/J_E, at communication steps that differ by a factor
+of fifty.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 from ...cosimulation import SCHEMES, CoupledEngine, Engine, EngineMap, Governor, Scheme, inertia_limit
@@ -17,8 +19,8 @@ from ...instance import Fmu
 
 # interface inertia, kg.m2: nearly all of it on link 1, so that it does not change with the angle
 INTERFACE = 0.1
-_PARAMETERS = {"input_inertia": INTERFACE, "imbalance_mass": 1e-6}
-_SPEED, _TORQUE = 100.0, 10.0
+_PARAMETERS = {"input_inertia": INTERFACE, "imbalance_mass": 1e-9}
+_SPEED, _TORQUE = 100.0, 1.0
 STEPS = (1e-4, 5e-3)
 # beyond it a scheme counts as free of a limit
 GREATEST_RATIO = 50.0
@@ -71,8 +73,8 @@ def is_stable(scheme: Scheme, ratio: float, step: float, fmu_path: Path) -> bool
     changes = _changes(scheme, ratio, step, fmu_path)
     if len(changes) < _COUNT:
         return False
-    unrest = [abs(b - a) for a, b in zip(changes, changes[1:], strict=False)]
-    return max(unrest[-20:]) < max(max(unrest[20:40]), 1e-3 * abs(changes[-1]))
+    unrest = [abs(b - a) for a, b in pairwise(changes)]
+    return max(unrest[-20:]) < max(*unrest[20:40], 1e-3 * abs(changes[-1]))
 
 
 def felt_inertia(scheme: Scheme, fmu_path: Path) -> float:

@@ -2,15 +2,16 @@
 
 Nothing of the kernel or of the FMU takes part. The kinetic energy is 1/2 w' M(q) w with w = (omega1, omega2),
 
-    M11 = J_E + J1 + I + 2kB + k^2 G    M12 = -k (B + k G)    M22 = J2 + k^2 G (+ J3 while the shaft is driven)
+    M11 = J_E + J1 + I + 2kB + k^2 G    M12 = -k (B + k G)    M22 = J2 + k^2 G (+ J3 while the shaft is
+    driven)
 
-q' = k (omega1 - omega2), so d/dt(M w) = Q + k (1, -1) dT/dq. I, B and G come from positions by rotation matrices
-(fourier_inertia.py). The engine's torque is that of its governor, sample by sample.
+q' = k (omega1 - omega2), so d/dt(M w) = Q + k (1, -1) dT/dq. I, B and G come from positions by rotation
+matrices (fourier_inertia.py). The engine's torque is that of its governor, sample by sample.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -111,7 +112,7 @@ class Monolith:
 
         return rates
 
-    def _guards(self, mode: int) -> list[tuple[Callable[[float, Array], float], int]]:
+    def _guards(self, mode: int) -> Sequence[tuple[Callable[[float, Array], float], int]]:
         """Functions that end a mode where they fall through zero, and the mode behind each."""
 
         def contact(_: float, y: Array) -> float:
@@ -126,12 +127,13 @@ class Monolith:
         def shaft(_: float, y: Array) -> float:
             return float(y[3])
 
-        return {
+        found: dict[int, list[tuple[Callable[[float, Array], float], int]]] = {
             HELD: [(contact, FREE), (shaft, REST)],
             FREE: [(link2, HELD), (slip, DRIVING)],
             DRIVING: [(contact, FREE), (link2, REST)],
             REST: [(contact, DRIVING)],
-        }[mode]
+        }
+        return found[mode]
 
     # --- from event to event ---
 

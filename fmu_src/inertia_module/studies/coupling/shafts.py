@@ -30,8 +30,8 @@ class ShaftTrial:
     Attributes:
         stiffness: N.m/rad. scheme: name. step: s. stable: whether the speeds stay finite and below ten times
             omega1. swing: h sqrt(c/J3). growth: in a step, from theory.
-        hub_error, driven_error: rms over the course. bond_error: work that leaves the module and does not arrive
-            at the shaft, over that which leaves.
+        hub_error, driven_error: rms over the course. bond_error: work that leaves the module and does not
+            arrive at the shaft, over that which leaves.
     """
 
     stiffness: float

@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from ...cosimulation import SCHEMES, ErrorControl
 from ...drive import Progress
+from ...results import write_figure
 from .case import CASES, URBAN_MODULE, CoupledCase
+from .figure import map_figure, shafts_figure
 from .limits import Limit, limits
 from .monolithic import Monolith
+from .rows import write_rows
 from .shafts import ShaftTrial, shaft_trials
 from .trial import Trial, adaptive, fixed, trial
 from .urban import SCENE, UrbanRun, urban_runs
 
 RATIOS = (0.1, 0.3, 0.5, 1.0, 2.0, 5.0)
-STEPS = (5e-4, 1e-3, 2e-3, 5e-3, 1e-2, 2e-2)
+STEPS = (2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 1e-2, 2e-2)
 QUICK_RATIOS, QUICK_STEPS, QUICK_CASES = (0.3,), (1e-3, 1e-2), ("planar",)
 
 # the adaptive step: launch, lock-up and cruise, so that the pulses cease on the way
@@ -45,9 +49,7 @@ def coupling_map(files: Files, quick: bool, progress: Progress | None = None) ->
             reference = Monolith(case).run()
             for scheme_name, scheme in SCHEMES.items():
                 for step in steps:
-                    rows.append(
-                        trial(case, scheme_name, scheme, step, fixed(step), reference, files.module)
-                    )
+                    rows.append(trial(case, scheme_name, scheme, step, fixed(step), reference, files.module))
                 if progress is not None:
                     progress(len(rows) / len(steps) / total)
     return rows
@@ -103,3 +105,29 @@ def chosen_parts(only: str | None, quick: bool) -> list[str]:
     if only is not None:
         return [only]
     return [name for name in PARTS if not (quick and name in LONG_PARTS)]
+
+
+def write_part(folder: Path, name: str, rows: Sequence[Any]) -> dict[str, str]:
+    """Write the rows of a part, and its picture if it has one; paths by what they are."""
+    written = {name: str(write_rows(folder / f"coupling_{name}.csv", rows))}
+    if name == "map":
+        written["picture of the map"] = str(write_figure(folder / "coupling.png", map_figure(rows)))
+    if name == "shafts":
+        written["picture of the shafts"] = str(
+            write_figure(folder / "coupling_shafts.png", shafts_figure(rows))
+        )
+    return written
+
+
+def print_rows(name: str, rows: Sequence[Any]) -> None:
+    """Print rows as a table."""
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(title=name, title_justify="left")
+    for field in dataclasses.fields(rows[0]):
+        table.add_column(field.name.replace("_", " "), no_wrap=True)
+    for row in rows:
+        values = dataclasses.astuple(row)
+        table.add_row(*(f"{value:.3g}" if isinstance(value, float) else str(value) for value in values))
+    Console(width=200).print(table)

@@ -96,7 +96,13 @@ def course(
 
 
 def trial(
-    case: CoupledCase, name: str, scheme: Scheme, step: float, stepper: Stepper, reference: Course, fmu_path: Path
+    case: CoupledCase,
+    name: str,
+    scheme: Scheme,
+    step: float,
+    stepper: Stepper,
+    reference: Course,
+    fmu_path: Path,
 ) -> Trial:
     """Run a case and compare it.
 

@@ -1,4 +1,4 @@
-"""Where the energy goes over the urban cycle: an engine in front of the module, the car behind, closed loop."""
+"""Where the energy goes over the urban cycle: engine, module and car in closed loop."""
 
 from __future__ import annotations
 
@@ -50,10 +50,12 @@ class UrbanRun:
     """Energies of a run, J, but for the shares.
 
     Attributes:
-        scheme: name. step: communication step between engine and module, s. engine: work of the engine's torque.
-            output: work on the load. stored: gain of kinetic energy of engine, module and car. lost: in the module.
-        residual: engine - output - stored - lost, over engine. gross: sum of the magnitudes of what is lost on
-            the bond in each step, over engine. outside: share of the time out of the tolerance of the cycle.
+        scheme: name. step: communication step between engine and module, s.
+        engine: work of the engine's torque. output: work on the load. lost: in the module.
+        stored: gain of kinetic energy of engine, module and car.
+        residual: engine - output - stored - lost, over engine.
+        gross: sum of the magnitudes of what is lost on the bond in each step, over engine.
+        outside: share of the time out of the tolerance of the cycle.
         speed_error: rms of the car's speed against the cycle, m/s. cost: see Ledger.cost, for a second.
     """
 
@@ -91,7 +93,8 @@ def urban_run(
     """Drive the cycle.
 
     Args:
-        scene: of urban_scene. fmu_path: of the module. name: of the scheme. substeps: in each step of the scene.
+        scene: of urban_scene. fmu_path: of the module. name: of the scheme. substeps: in each step of the
+            scene.
         stop_time: s, by default that of the scene. progress: told how much is done (0 to 1).
     """
     surroundings = connect(list(scene.systems()))
@@ -130,9 +133,7 @@ def _outside(cycle: Cycle | None, time: np.ndarray, speed: np.ndarray) -> float:
     return float(np.mean((speed < lower) | (speed > upper)))
 
 
-def urban_runs(
-    fmu_path: Path, scene_path: Path = SCENE, progress: Progress | None = None
-) -> list[UrbanRun]:
+def urban_runs(fmu_path: Path, scene_path: Path = SCENE, progress: Progress | None = None) -> list[UrbanRun]:
     """All of RUNS."""
     scene = urban_scene(scene_path)
     found = []
