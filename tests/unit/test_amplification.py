@@ -68,7 +68,8 @@ def test_mean_torque_needs_damping_of_half_the_stiffness_times_the_step():
 
 
 @pytest.mark.parametrize(
-    "scheme, limit", [(ShaftScheme(), 4.0), (ShaftScheme(derivatives=True), 4.0), (SHAFT_SCHEMES["implicit"], 12.0)]
+    "scheme, limit",
+    [(ShaftScheme(), 4.0), (ShaftScheme(derivatives=True), 4.0), (SHAFT_SCHEMES["implicit"], 12.0)],
 )
 def test_instantaneous_torque_module_first_neither_grows_nor_shrinks_up_to_its_limit(scheme, limit):
     for z in np.linspace(0.01, 0.99, 9) * limit:
@@ -83,7 +84,7 @@ def test_step_shrinks_with_the_error_and_keeps_within_its_limits():
     assert control.next_step(1e-3, 1e-9, 1e-9) == pytest.approx(1.5e-3)
     assert control.next_step(1e-4, 1e9, 1e9) == 1e-4
     assert control.next_step(1e-2, 0.0, 0.0) == 1e-2
-    with pytest.raises(ValueError, match="tolerance = 0.0 is refused"):
+    with pytest.raises(ValueError, match=r"tolerance = 0\.0 is refused"):
         ErrorControl(0.0)
-    with pytest.raises(ValueError, match="shortest = 1 s is refused"):
+    with pytest.raises(ValueError, match=r"shortest = 1 s is refused"):
         ErrorControl(1e-3, shortest=1.0)

@@ -67,7 +67,7 @@ def test_torque_keeps_within_the_map_and_the_integral_does_not_wind_up():
     one = engine(Governor(4.0, 20.0), reference=290.0)
     for _ in range(300):
         one.advance(0.01, LoadTorque(200.0 if one.speed > 100.0 else 0.0))
-        low, high = MAP.limits(one.speed)
+        low, _ = MAP.limits(one.speed)
         assert low - 30.0 <= one.state.torque <= 150.0
     assert abs(one.state.integral) < 4.0 * 290.0 + 150.0
     one.reference = 50.0
