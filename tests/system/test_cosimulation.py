@@ -1,6 +1,8 @@
-"""An engine in front of the FMU, a shaft behind it: limits, orders, energy, against independent references."""
+"""An engine in front of the FMU, a shaft behind it: limits, orders, energy, independent references."""
 
 import math
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -23,9 +25,11 @@ from inertia_module.instance import Fmu
 from inertia_module.scene import load_scene
 from inertia_module.studies.coupling import limits, shafts
 from inertia_module.studies.coupling.case import URBAN_MODULE, bevel, planar
+from inertia_module.studies.coupling.figure import worst
 from inertia_module.studies.coupling.monolithic import Monolith
-from inertia_module.studies.coupling.study import CRUISE
-from inertia_module.studies.coupling.trial import adaptive, course, fixed, trial
+from inertia_module.studies.coupling.rows import read_rows
+from inertia_module.studies.coupling.study import CRUISE, Files, coupling_map, write_part
+from inertia_module.studies.coupling.trial import Trial, adaptive, course, fixed, trial
 from inertia_module.studies.coupling.urban import SCENE, urban_run, urban_scene
 
 CONVERGED = Scheme(correction="implicit", iterations=6)
@@ -66,7 +70,7 @@ def test_changes_of_speed_follow_the_characteristic_polynomial(fmu_path, name, r
     scheme = SCHEMES[name]
     assumed = ratio if scheme.correction == "inertia" else 0.0
     polynomial = np.array(characteristic(scheme, ratio, assumed))
-    changes = np.array(limits._changes(scheme, ratio, 1e-3, fmu_path)[:12])
+    changes = np.array(limits.speed_changes(scheme, ratio, 1e-3, fmu_path)[:12])
     unrest, rounding = np.diff(changes), 1e-5 * np.abs(changes).min()
     for n in range(4, unrest.size - polynomial.size):
         window = unrest[n : n + polynomial.size][::-1]
@@ -181,6 +185,31 @@ def test_cost_counts_steps_that_were_taken_back(fmu_path):
         assert coupled.ledger.steps == 10
         assert coupled.ledger.fmu_steps == 20
         assert coupled.ledger.cost == 40
+
+
+def test_quick_map_finds_the_recommended_scheme_best_and_comes_back_from_csv(folder, tmp_path):
+    files = Files(folder / "InertiaModule.fmu", folder / "DrivenShaft.fmu")
+    rows = coupling_map(files, quick=True)
+    fine = [row for row in rows if row.step < 2e-3]
+    assert len(fine) == len(SCHEMES)
+    assert min(fine, key=worst).scheme == "implicit ramp"
+    assert max(fine, key=lambda row: abs(row.energy_error)).scheme == "instantaneous jacobi ramp"
+    written = write_part(tmp_path, "map", rows)
+    assert all(Path(file).stat().st_size > 1000 for file in written.values())
+    again = read_rows(tmp_path / "coupling_map.csv", Trial)
+    assert [row.scheme for row in again] == [row.scheme for row in rows]
+    assert [row.cost for row in again] == pytest.approx([row.cost for row in rows], rel=1e-5)
+
+
+def test_python_of_the_page_runs(folder, tmp_path, monkeypatch, capsys):
+    (tmp_path / "build").symlink_to(folder)
+    page = Path(__file__).parents[2] / "docs" / "coupling.md"
+    (code,) = re.findall(r"```python\n(.*?)```", page.read_text(), re.S)
+    monkeypatch.chdir(tmp_path)
+    exec(compile(code, "coupling.md", "exec"), {})
+    speed, _, defect = map(float, capsys.readouterr().out.split())
+    assert speed == pytest.approx(200.0, rel=0.2)
+    assert abs(defect) < 10.0
 
 
 # --- the adaptive step ---

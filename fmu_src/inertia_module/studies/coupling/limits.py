@@ -48,7 +48,7 @@ class Limit:
     felt: float
 
 
-def _changes(scheme: Scheme, ratio: float, step: float, fmu_path: Path) -> list[float]:
+def speed_changes(scheme: Scheme, ratio: float, step: float, fmu_path: Path) -> list[float]:
     """Changes of the engine's speed, step by step, after a step of torque; cut off where they are absurd."""
     inertia = INTERFACE / ratio
     still = Governor(0.0, 0.0, 1e9)
@@ -70,7 +70,7 @@ def is_stable(scheme: Scheme, ratio: float, step: float, fmu_path: Path) -> bool
     Args:
         scheme: of coupling. ratio: Phi/J_E. step: s. fmu_path: of the module.
     """
-    changes = _changes(scheme, ratio, step, fmu_path)
+    changes = speed_changes(scheme, ratio, step, fmu_path)
     if len(changes) < _COUNT:
         return False
     unrest = [abs(b - a) for a, b in pairwise(changes)]
@@ -80,7 +80,7 @@ def is_stable(scheme: Scheme, ratio: float, step: float, fmu_path: Path) -> bool
 def felt_inertia(scheme: Scheme, fmu_path: Path) -> float:
     """Share of the interface inertia that slows the engine down in the end."""
     step = STEPS[0]
-    acceleration = _changes(scheme, _GENTLE_RATIO, step, fmu_path)[-1] / step
+    acceleration = speed_changes(scheme, _GENTLE_RATIO, step, fmu_path)[-1] / step
     return (_TORQUE / acceleration - INTERFACE / _GENTLE_RATIO) / INTERFACE
 
 

@@ -62,8 +62,7 @@ class Monolith:
         if not (p("housing_freewheel") and p("output_freewheel")):
             raise Unavailable("the one-piece reference is refused: allowed are modules with both freewheels")
         series = Inertia(open_case)
-        self._orders = series._orders.astype(float)
-        self._terms = series._terms.astype(complex)
+        self._orders, self._terms = series.series
         ratio = ("sun_radius", "satellite_radius") if series.planar else ("z2", "z16")
         self.k = p(ratio[0]) / p(ratio[1])
         self.j1 = case.engine_inertia + p("input_inertia")

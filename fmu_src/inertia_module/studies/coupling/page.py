@@ -6,12 +6,14 @@ import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+import numpy as np
+
 from .figure import worst
 from .limits import GREATEST_RATIO, STEPS, Limit
 from .rows import read_rows
 from .shafts import ShaftTrial
 from .study import CRUISE
-from .text import ADAPTIVE, HEAD, LIMITS, MAP, RECOMMENDED, SHAFTS, URBAN, VARIANT
+from .text import ADAPTIVE, HEAD, INDICATOR, LIMITS, MAP, RECOMMENDED, SHAFTS, URBAN, VARIANT
 from .trial import STABLE, Trial
 from .urban import UrbanRun
 
@@ -33,6 +35,8 @@ def _ratio(value: float) -> str:
 def _percent(value: float) -> str:
     if math.isnan(value):
         return "–"
+    if abs(value) >= 1.0:
+        return f"{100 * value:.0f}"
     return f"{100 * value:.3f}" if abs(value) < 1e-3 else f"{100 * value:.2g}"
 
 
@@ -40,7 +44,7 @@ def limits_table(rows: Sequence[Limit]) -> Iterator[str]:
     """Limits of Phi/J_E by theory and as measured."""
     heads = ("scheme", "theory", *(f"measured, {1e3 * step:g} ms" for step in STEPS), "inertia felt")
     cells = [
-        (row.scheme, _ratio(row.theory), _ratio(row.short), _ratio(row.long), f"{100 * row.felt:.0f} %")
+        (row.scheme, _ratio(row.theory), _ratio(row.short), _ratio(row.long), f"{round(100 * row.felt)} %")
         for row in rows
     ]
     yield from _table(heads, cells)
@@ -51,7 +55,8 @@ def longest_steps(rows: Sequence[Trial]) -> Iterator[str]:
     for case in dict.fromkeys(row.case for row in rows):
         here = [row for row in rows if row.case == case]
         ratios = sorted({row.ratio for row in here})
-        yield f"**{case}**, longest step with all errors below {100 * GOOD:g} %, ms, at Φ/J_E =\n"
+        yield f"**{case}**, longest step with all errors below {100 * GOOD:g} %, ms, over Φ/J_E (–: none of"
+        yield "those tried; unstable: the shortest is):\n"
         cells = []
         for name in dict.fromkeys(row.scheme for row in here):
             line = [name]
@@ -62,7 +67,7 @@ def longest_steps(rows: Sequence[Trial]) -> Iterator[str]:
                     if not worst(row) < GOOD:
                         break
                     steps.append(row.step)
-                unstable = any(row.word != STABLE for row in good)
+                unstable = min(good, key=lambda row: row.step).word != STABLE
                 line.append(f"{1e3 * steps[-1]:g}" if steps else ("unstable" if unstable else "–"))
             cells.append(line)
         yield from _table(("scheme", *(f"{ratio:g}" for ratio in ratios)), cells)
@@ -107,6 +112,33 @@ def adaptive_table(rows: Sequence[Trial]) -> Iterator[str]:
             ]
         )
     heads = ("scheme", "tolerance", "steps a second", "ω1, %", "ω_out, %", "energy, %")
+    yield from _table(heads, cells)
+
+
+def indicator_table(rows: Sequence[Trial]) -> Iterator[str]:
+    """How closely the residual of the bond goes with the errors, over steps, ratios and cases."""
+    cells = []
+    for name in dict.fromkeys(row.scheme for row in rows):
+        known = [row for row in rows if row.scheme == name and row.word == STABLE and row.residual > 0.0]
+        residuals = np.log([row.residual for row in known])
+        errors = np.log([max(row.speed_error, row.output_error) for row in known])
+        energy = np.log([max(abs(row.energy_error), 1e-9) for row in known])
+        cells.append(
+            (
+                name,
+                f"{len(known)}",
+                f"{np.corrcoef(residuals, errors)[0, 1]:.2f}",
+                f"{np.corrcoef(residuals, energy)[0, 1]:.2f}",
+                f"{math.exp(float(np.median(residuals - errors))):.2g}",
+            )
+        )
+    heads = (
+        "scheme",
+        "stable runs",
+        "correlation with speed errors",
+        "with energy lost",
+        "residual / error, median",
+    )
     yield from _table(heads, cells)
 
 
@@ -181,6 +213,8 @@ def coupling_page(folder: Path) -> str:
         *errors_table(trials, "planar", 0.3),
         "**planar**, Φ/J_E = 1\n",
         *errors_table(trials, "planar", 1.0),
+        INDICATOR,
+        *indicator_table(trials),
         ADAPTIVE.format(ratio=CRUISE.ratio, stop=CRUISE.stop_time),
         *adaptive_table(rows("adaptive", Trial)),
         URBAN,

@@ -45,7 +45,7 @@ RECOMMENDED = """\
 - **Step means always**, never `input_torque`: an instantaneous torque of a held speed does not contain the inertia of the
   module at all, at any step, and with steps over a tenth of a pulse it aliases.
 - **Derivatives only with the right order.** A ramp is worth an order with the module first. With Jacobi it costs stability and
-  gains nothing.
+  gains little.
 - **Engine first is no better than module first** without a correction: the torque then is a step old.
 - Watch `ledger.defect` (both accounts) or the residual of the bond (exchanged values): they tell the error without a reference.
 - **Behind the module** it is the other way round: towards an elastic shaft take the instantaneous `shaft_torque` with its
@@ -101,6 +101,15 @@ FMU coupled by `implicit ramp` with six corrections tends to it with the square 
 8e-7 of the engine's speed and 3e-7 of the output speed. The launch lasts 1 s; the governor is sampled every 5 ms.
 """
 
+INDICATOR = """\
+## The residual of the bond as an indicator
+
+Sum of |h (T_E ω_E − T_M ω_M)|, of exchanged means, over the engine's work, against the errors in ω1 and ω_out and the energy
+lost, on logarithmic scales over all stable runs of the map. It needs no reference and no audit in the FMU. It tells most
+where both sides have the torque of the same step, with the module first or implicit; where the engine has that of the step
+before, what only goes to and fro outweighs what is lost.
+"""
+
 ADAPTIVE = """\
 ## An adaptive step (ECCO)
 
@@ -129,7 +138,8 @@ of the hub on the spring, z = h² c/J3 (`cosimulation.shaft.growth` is the theor
   mean a free hub is unstable unless d > h c/2; Jacobi is worse.
 - **Instantaneous torque, module first** is the symplectic Euler method: stable up to h √(c/J3) = 2, undamped too. With the
   derivative of `shaft_torque` for the load and the hub's known ramp it is of second order, and loses next to no energy.
-- **Implicit** (the module tried, taken back; the shaft is linear) is stable up to h √(c/J3) = √12 for a free hub.
+- **Implicit** (the module tried, taken back; the shaft is linear) is stable up to h √(c/J3) = √12 for a free hub. In the module
+  a freewheel may switch between the trial and the step, and above 2 it fails too: not worth its cost.
 
 The reference scene, hub 0.02 and driven mass 0.5 kg·m², over 0.5 s; rms errors of hub / driven mass / energy lost between
 both, %. Heading: step, h √(c/J3).
