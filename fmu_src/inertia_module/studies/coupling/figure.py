@@ -79,7 +79,7 @@ def shafts_figure(rows: Sequence[ShaftTrial]) -> Figure:
         rows: of the part shafts.
     """
     stiffnesses = list(dict.fromkeys(row.stiffness for row in rows))
-    figure = Figure(figsize=(11, 3.6), dpi=110, layout="constrained")
+    figure = Figure(figsize=(11, 4.0), dpi=110, layout="constrained")
     panels = figure.subplots(1, len(stiffnesses), sharey=True, squeeze=False)[0]
     for axes, stiffness in zip(panels, stiffnesses, strict=True):
         for number, name in enumerate(dict.fromkeys(row.scheme for row in rows)):
@@ -95,8 +95,10 @@ def shafts_figure(rows: Sequence[ShaftTrial]) -> Figure:
         axes.set_title(f"c = {stiffness:g} N·m/rad", fontsize=8)
         axes.set_xlabel("communication step, s", fontsize=8)
         axes.tick_params(labelsize=7)
+        axes.set_xlim(1e-5, 1e-2)
         axes.set_ylim(1e-7, 1.0)
         axes.grid(alpha=0.3)
     panels[0].set_ylabel("error of the driven mass, rms", fontsize=8)
-    panels[0].legend(fontsize=5.5, loc="lower right")
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=5, fontsize=7, frameon=False)
     return figure
