@@ -21,7 +21,7 @@ from inertia_module.cosimulation import (
 from inertia_module.cosimulation.amplification import characteristic
 from inertia_module.cosimulation.shaft import SHAFT_SCHEMES, CoupledShaft
 from inertia_module.fmu.builder import build
-from inertia_module.instance import Fmu
+from inertia_module.instance import DriveError, Fmu
 from inertia_module.scene import load_scene
 from inertia_module.studies.coupling import limits, shafts
 from inertia_module.studies.coupling.case import URBAN_MODULE, bevel, planar
@@ -282,6 +282,25 @@ def test_engine_and_module_at_different_speeds_are_refused(fmu_path):
         pytest.raises(ValueError, match="input_hold = linear is refused"),
     ):
         CoupledEngine(fmu, engine, SCHEMES["implicit ramp"])
+
+
+@pytest.mark.parametrize("name", ["mean jacobi held", "inertia module first ramp", "implicit ramp"])
+def test_after_a_refused_step_a_good_one_goes_on_as_if_nothing_had_been(fmu_path, name):
+    case = planar(0.3)
+    ends = []
+    for load in (8.0, 1e300):
+        with Fmu(fmu_path, case.parameters, {"omega1": case.speed, "load_torque": 8.0}, 1e-8) as fmu:
+            coupled = coupled_engine(fmu, name, case)
+            for n in range(40):
+                if n == 20 and load != 8.0:
+                    coupled.set(load_torque=load)
+                    with pytest.raises(DriveError, match="load_torque"):
+                        coupled.step(1e-3)
+                    coupled.set(load_torque=8.0)
+                coupled.step(1e-3)
+            ends.append((coupled.engine.state, *fmu.read(("omega_out", "energy_in"))))
+            assert coupled.ledger.steps == 40
+    assert ends[0] == ends[1]
 
 
 # --- module and shaft ---

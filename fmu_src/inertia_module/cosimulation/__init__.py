@@ -11,10 +11,11 @@ from .amplification import amplification, inertia_limit
 from .bond import Exchange, Ledger
 from .engine import Engine, EngineMap, EngineState, Governor
 from .interface import InterfaceInertia, interface_inertia
-from .master import CoupledEngine
+from .master import ENGINE_READINGS, CoupledEngine
 from .schemes import SCHEMES, Scheme
 
 __all__ = [
+    "ENGINE_READINGS",
     "SCHEMES",
     "CoupledEngine",
     "Engine",

@@ -75,7 +75,7 @@ class Ledger:
 
     @property
     def cost(self) -> int:
-        """In steps of the FMU; a directional derivative takes two."""
+        """In steps of the FMU; a directional derivative takes two, those of outputs are not counted."""
         return self.fmu_steps + 2 * self.derivatives
 
     def add(self, exchange: Exchange) -> None:

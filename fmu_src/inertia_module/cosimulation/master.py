@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from ..instance import Fmu
+from ..instance import DriveError, Fmu
 from .bond import Exchange, Ledger
 from .engine import Engine, EngineState, LoadTorque
 from .schemes import HELD, IMPLICIT, INERTIA, INSTANTANEOUS, JACOBI, MODULE_FIRST, RAMP, Scheme
@@ -19,6 +19,18 @@ _TORQUES = ("input_torque_mean", "input_torque", "energy_in")
 _AGREEMENT = 1e-11
 # least of the inertia that a directional derivative may stand for, in engine inertias
 _LEAST_SLOPE = -0.5
+
+# what a step leaves for the next one
+_MEMORY = (
+    "_slope",
+    "_torque",
+    "_torque_rate",
+    "_mean_torque",
+    "_energy_now",
+    "_module_end",
+    "_module_acceleration",
+    "_acceleration",
+)
 
 # what can be read besides the variables of the FMU
 ENGINE_READINGS = {
@@ -123,9 +135,22 @@ class CoupledEngine:
         """Advance both by one communication step, s.
 
         Raises:
-            DriveError: the FMU refused the step.
+            DriveError: the FMU refused the step; both are where they were, and a good step goes on.
         """
-        before, torque_before, acceleration = self.engine.state, self._torque, self._acceleration
+        memory = {name: getattr(self, name) for name in _MEMORY}
+        before = self.engine.state
+        try:
+            mean_speed = self._exchange(before, h)
+        except DriveError:
+            self.engine.state = before
+            for name, value in memory.items():
+                setattr(self, name, value)
+            raise
+        return self._book(before, mean_speed, h)
+
+    def _exchange(self, before: EngineState, h: float) -> float:
+        """Step both in the order of the scheme. Returns the mean of the module's speed."""
+        torque_before, acceleration = self._torque, self._acceleration
         if self.scheme.correction == IMPLICIT:
             mean_speed = self._implicit(before, h)
         elif self.scheme.order == MODULE_FIRST:
@@ -137,7 +162,7 @@ class CoupledEngine:
         else:
             self._move_engine(h, self._load_ahead())
             mean_speed = self._module_follows(before, h)
-        return self._book(before, mean_speed, h)
+        return mean_speed
 
     def _move_engine(self, h: float, load: LoadTorque) -> None:
         start = self.engine.speed
@@ -181,7 +206,8 @@ class CoupledEngine:
         self.ledger.fmu_steps += 1
         self._mean_torque, instant, self._energy_now = self.fmu.read(_TORQUES)
         self._torque = instant if self.scheme.torque == INSTANTANEOUS else self._mean_torque
-        if self.scheme.torque == INSTANTANEOUS and self.scheme.speed == RAMP:
+        extrapolates = self.scheme.order != MODULE_FIRST and self.scheme.speed == RAMP
+        if self.scheme.torque == INSTANTANEOUS and extrapolates:
             (self._torque_rate,) = self.fmu.rates(("input_torque",))
         end = speed + rate * h
         self._module_end = end
