@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 QUIET ?= -q
 
-.PHONY: demo test lint docs build bench stability install clean help
+.PHONY: demo test lint docs build bench stability coupling install clean help
 
 help: ## what there is to make
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
@@ -50,6 +50,11 @@ bench: $(VENV)/.all ## measure speed and errors, write docs/performance.md
 stability: $(VENV)/.all ## try the extremes, write docs/stability.csv, the picture and the page
 	$(BIN)/inertia-module stability -o out/stability
 	cp out/stability/stability.csv out/stability/stability.png docs/
+	$(BIN)/python docs/make_pages.py
+
+coupling: $(VENV)/.all ## couple an engine in every way, write docs/coupling*.csv, the pictures and the page
+	$(BIN)/inertia-module coupling -o out/coupling
+	cp out/coupling/*.csv out/coupling/*.png docs/
 	$(BIN)/python docs/make_pages.py
 
 clean: ## remove what was built

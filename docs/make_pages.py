@@ -6,6 +6,7 @@ from pathlib import Path
 
 from inertia_module.fmu.documentation import variables_page
 from inertia_module.papers.page import papers_page
+from inertia_module.studies.coupling.page import coupling_page
 from inertia_module.studies.stability.page import stability_page
 from inertia_module.studies.stability.table import read_rows
 
@@ -23,10 +24,16 @@ def extremes_page():
     return stability_page(read_rows(HERE / "stability.csv"))
 
 
+def measured_coupling():
+    """The rows that are committed in coupling_*.csv."""
+    return coupling_page(HERE)
+
+
 PAGES = {
     "variables.md": variables_page,
     "papers.md": papers_page,
     "stability.md": extremes_page,
+    "coupling.md": measured_coupling,
     "index.md": start_page,
 }
 

@@ -233,3 +233,17 @@ def test_missing_files_are_named(tmp_path, arguments):
     assert done.returncode == 1
     assert done.stderr.startswith("error: ")
     assert arguments[1] in done.stderr
+
+
+def test_coupling_measures_a_part_and_leaves_its_rows(workshop, tmp_path):
+    done = command("coupling", "--only", "limits", "-o", tmp_path, "--json", folder=workshop)
+    assert done.returncode == 0, done.stderr
+    found = {row["scheme"]: row for row in json.loads(done.stdout)["rows"]["limits"]}
+    assert found["mean module first held"]["long"] == pytest.approx(1.0, rel=0.02)
+    assert (tmp_path / "coupling_limits.csv").read_text().startswith("scheme,theory,")
+
+
+def test_coupling_refuses_a_part_that_there_is_not(workshop):
+    done = command("coupling", "--only", "limit", folder=workshop)
+    assert done.returncode == 1
+    assert "--only = limit is refused: allowed is limits, map, adaptive, urban, shafts" in done.stderr

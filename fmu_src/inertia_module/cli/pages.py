@@ -1,8 +1,9 @@
-"""Commands that reproduce pages of the documentation: the papers, the extremes."""
+"""Commands that reproduce pages of the documentation: the papers, the extremes, couplings."""
 
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -12,8 +13,11 @@ from .shared import (
     Json,
     OutputFolder,
     app,
+    native_fmus,
     one_line_errors,
 )
+
+CAR_SCENE = Path("examples/urban.toml")
 
 
 @app.command()
@@ -70,3 +74,44 @@ def stability(
             typer.echo(f"{name}: {file}")
     if any(verdict.word == "broken" for verdict in verdicts):
         raise typer.Exit(1)
+
+
+@app.command()
+def coupling(
+    scene: Annotated[
+        Path, typer.Argument(metavar="[SCENE.toml]", help="Scene of the car in the urban cycle.")
+    ] = CAR_SCENE,
+    output: OutputFolder = None,
+    as_json: Json = False,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="A corner of the map, without the long parts.")
+    ] = False,
+    only: Annotated[
+        str | None,
+        typer.Option("--only", metavar="PART", help="limits, map, adaptive, urban or shafts."),
+    ] = None,
+) -> None:
+    """Couple an engine and a shaft to the module in every way and measure what it costs (out/coupling)."""
+    from dataclasses import asdict
+
+    from ..drive import progress_bar
+    from ..studies.coupling.study import PARTS, Files, chosen_parts, print_rows, write_part
+
+    folder = output or OUTPUT_FOLDER / "coupling"
+    with one_line_errors():
+        chosen = chosen_parts(only, quick)
+        files = Files(*native_fmus(), scene)
+        found = {}
+        written: dict[str, str] = {}
+        for name in chosen:
+            with progress_bar(f"measuring: {name}") as progress:
+                found[name] = PARTS[name].run(files, quick, progress)
+            written.update(write_part(folder, name, found[name]))
+    if as_json:
+        rows = {name: [asdict(row) for row in part] for name, part in found.items()}
+        typer.echo(json.dumps({"rows": rows, "files": written}))
+        return
+    for name, part in found.items():
+        print_rows(name, part)
+    for name, file in written.items():
+        typer.echo(f"{name}: {file}")

@@ -63,6 +63,24 @@ def current_fmu() -> Path:
     return build_fmus(BUILD_FOLDER, lambda stage: typer.echo(stage, err=True)).paths[0]
 
 
+def native_fmus() -> tuple[Path, Path]:
+    """The native FMUs of module and driven shaft in build/, built anew where they are not current.
+
+    Raises:
+        RuntimeError: they cannot be compiled here.
+    """
+    from ..fmu.builder import MODULE_FMU, SHAFT_FMU, is_current
+    from ..fmu.builder import build as build_fmus
+
+    module, shaft = (BUILD_FOLDER / fmu.file_name for fmu in (MODULE_FMU, SHAFT_FMU))
+    if not (is_current(module, MODULE_FMU) and is_current(shaft, SHAFT_FMU)):
+        skipped = build_fmus(BUILD_FOLDER, lambda stage: typer.echo(stage, err=True)).skipped
+        for path in (module, shaft):
+            if path.name in skipped:
+                raise RuntimeError(f"{path.name} cannot be built: {skipped[path.name]}")
+    return module, shaft
+
+
 def share(option: str, text: str | None) -> float | None:
     """An error given on the command line, such as 0.01 or "1 %"."""
     from ..scene.units import checked

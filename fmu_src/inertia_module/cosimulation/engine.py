@@ -1,0 +1,233 @@
+"""An engine or motor: rotor with inertia, limits of torque over speed, and a sampled speed governor.
+
+    J_E omega' = tau - T        -drag(omega) <= tau <= greatest(omega)
+
+The governor is a control unit: it samples the speed, sets tau and holds it until the next sample. So between
+samples omega is linear under a constant load T and quadratic under a linear one, and a step of any length is
+exact, works and impulses included.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+# of a sample time: the end of a step this close to a sample is at the sample
+_ROUNDING = 1e-9
+
+
+def _positive(name: str, value: float, unit: str) -> None:
+    if not (math.isfinite(value) and value > 0.0):
+        raise ValueError(f"{name} = {value} is refused: allowed is a positive number of {unit}")
+
+
+@dataclass(frozen=True)
+class EngineMap:
+    """Limits of the torque over the speed, linear between breakpoints, constant beyond them.
+
+    Attributes:
+        speed: breakpoints, rad/s, rising.
+        greatest: torque at full load, N.m, at each of them, from 0.
+        drag: torque against the motion without fuel, N.m, from 0.
+
+    Raises:
+        ValueError: breakpoints that do not rise, or torques that are negative or of another number.
+    """
+
+    speed: tuple[float, ...]
+    greatest: tuple[float, ...]
+    drag: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        rising = all(a < b for a, b in zip(self.speed, self.speed[1:], strict=False))
+        if not self.speed or not rising or not all(math.isfinite(value) for value in self.speed):
+            raise ValueError(f"speed = {self.speed} is refused: allowed are finite breakpoints that rise")
+        for name, torques in (("greatest", self.greatest), ("drag", self.drag)):
+            if len(torques) != len(self.speed):
+                raise ValueError(
+                    f"{name} has {len(torques)} torques: allowed are {len(self.speed)}, one for each speed"
+                )
+            for torque in torques:
+                if not (math.isfinite(torque) and torque >= 0.0):
+                    raise ValueError(f"{name} = {torque} is refused: allowed are finite torques from 0, N.m")
+
+    def limits(self, speed: float) -> tuple[float, float]:
+        """Least and greatest torque at a speed, N.m. The drag acts on a turning engine only."""
+        greatest = float(np.interp(speed, self.speed, self.greatest))
+        return (-float(np.interp(speed, self.speed, self.drag)) if speed > 0.0 else 0.0), greatest
+
+
+@dataclass(frozen=True)
+class Governor:
+    """PI speed governor, sampled, with anti-windup by back-calculation against the limits of the moment.
+
+    Where the torque is cut off, the integral is led back with the time constant of the governor,
+    proportional_gain / integral_gain, but not faster than the sample time.
+    Source: Åström and Murray, Feedback Systems (2nd edition 2021), section 11.4.
+
+    Attributes:
+        proportional_gain: N.m per rad/s. integral_gain: N.m per rad. sample_time: s.
+
+    Raises:
+        ValueError: a gain is negative or not finite, or the sample time is not positive.
+    """
+
+    proportional_gain: float
+    integral_gain: float
+    sample_time: float = 0.005
+
+    def __post_init__(self) -> None:
+        _positive("sample_time", self.sample_time, "seconds")
+        for name in ("proportional_gain", "integral_gain"):
+            gain = getattr(self, name)
+            if not (math.isfinite(gain) and gain >= 0.0):
+                raise ValueError(f"{name} = {gain} is refused: allowed is a finite number from 0")
+
+    def sample(
+        self, integral: float, reference: float, speed: float, limits: tuple[float, float]
+    ) -> tuple[float, float]:
+        """One sample.
+
+        Args:
+            integral: N.m. reference, speed: rad/s. limits: least and greatest torque, N.m.
+
+        Returns:
+            (torque, integral for the next sample), N.m.
+        """
+        error = reference - speed
+        wanted = self.proportional_gain * error + integral
+        torque = min(max(wanted, limits[0]), limits[1])
+        grown = integral + self.sample_time * self.integral_gain * error
+        if self.integral_gain > 0.0:
+            tracking = max(self.sample_time, self.proportional_gain / self.integral_gain)
+            grown -= self.sample_time / tracking * (wanted - torque)
+        return torque, grown
+
+
+class EngineState(NamedTuple):
+    """All that makes up the state of an engine; the old one can be taken over again.
+
+    Attributes:
+        speed: rad/s. angle: rad. integral: of the governor, N.m. torque: held until the next sample, N.m.
+        wait: time to the next sample, s. work_in: of the torque of the engine since the start, J.
+        work_out: done on the load, J. impulse_out: of the load, N.m.s.
+    """
+
+    speed: float
+    angle: float = 0.0
+    integral: float = 0.0
+    torque: float = 0.0
+    wait: float = 0.0
+    work_in: float = 0.0
+    work_out: float = 0.0
+    impulse_out: float = 0.0
+
+
+class LoadTorque(NamedTuple):
+    """Load of the coming step: T = value + rate t + inertia omega'.
+
+    Attributes:
+        value: at its beginning, N.m. rate: N.m/s. inertia: what it takes with the engine, kg.m2.
+    """
+
+    value: float
+    rate: float = 0.0
+    inertia: float = 0.0
+
+
+class Engine:
+    """An engine with governor.
+
+    Args:
+        inertia: of rotor and all that turns with it, kg.m2. limits: of the torque. governor: of the speed.
+        reference: speed the governor is asked for, rad/s; may be set at any time.
+        speed: at the start, rad/s. torque: held by the governor's integral at the start, N.m.
+
+    Attributes:
+        state: all that changes in a step. inertia, limits, governor, reference: as given.
+    """
+
+    def __init__(
+        self,
+        inertia: float,
+        limits: EngineMap,
+        governor: Governor,
+        reference: float,
+        speed: float,
+        torque: float = 0.0,
+    ) -> None:
+        _positive("inertia", inertia, "kg.m2")
+        for name, value in (("reference", reference), ("speed", speed), ("torque", torque)):
+            if not math.isfinite(value):
+                raise ValueError(f"{name} = {value} is refused: allowed is a finite number")
+        self.inertia, self.limits, self.governor = inertia, limits, governor
+        self.reference = reference
+        self.state = EngineState(speed, integral=torque)
+
+    @property
+    def speed(self) -> float:
+        """Speed now, rad/s."""
+        return self.state.speed
+
+    @property
+    def energy_stored(self) -> float:
+        """Kinetic energy, J."""
+        return 0.5 * self.inertia * self.state.speed**2
+
+    def advance(self, step: float, load: LoadTorque) -> None:
+        """Advance by a step, s, of any length."""
+        self.state = self.after(step, load)
+
+    def after(self, step: float, load: LoadTorque) -> EngineState:
+        """The state after a step, s, of any length; the engine stays where it is.
+
+        Raises:
+            ValueError: the step is not positive.
+        """
+        _positive("step", step, "seconds")
+        state, passed = self.state, 0.0
+        sample_time = self.governor.sample_time
+        while True:
+            if state.wait <= _ROUNDING * sample_time:
+                state = self._sampled(state)
+            part = min(state.wait, step - passed)
+            state = self._moved(state, part, load._replace(value=load.value + load.rate * passed))
+            passed += part
+            if step - passed <= _ROUNDING * min(sample_time, step):
+                return state
+
+    def _sampled(self, state: EngineState) -> EngineState:
+        limits = self.limits.limits(state.speed)
+        torque, integral = self.governor.sample(state.integral, self.reference, state.speed, limits)
+        return state._replace(torque=torque, integral=integral, wait=state.wait + self.governor.sample_time)
+
+    def _moved(self, state: EngineState, h: float, load: LoadTorque) -> EngineState:
+        """Between samples: the speed is a parabola, works are exact by Simpson's rule (a cubic)."""
+        inertia = self.inertia + load.inertia
+        start = (state.torque - load.value) / inertia
+        bend = -load.rate / inertia
+        speed, mean = state.speed, state.speed + 0.5 * h * start + h * h * bend / 6.0
+        end = speed + h * start + 0.5 * h * h * bend
+        middle = speed + 0.5 * h * start + 0.125 * h * h * bend
+        own = self.inertia
+        torques = [state.torque - own * (start + bend * t) for t in (0.0, 0.5 * h, h)]
+        work = h / 6.0 * (torques[0] * speed + 4.0 * torques[1] * middle + torques[2] * end)
+        return EngineState(
+            end,
+            state.angle + h * mean,
+            state.integral,
+            state.torque,
+            state.wait - h,
+            state.work_in + state.torque * h * mean,
+            state.work_out + work,
+            state.impulse_out + h * torques[1],
+        )
+
+
+def constant_map(greatest: float, drag: float = 0.0, speed: Sequence[float] = (0.0,)) -> EngineMap:
+    """A map with the same limits at every speed, N.m."""
+    return EngineMap(tuple(speed), (greatest,) * len(speed), (drag,) * len(speed))

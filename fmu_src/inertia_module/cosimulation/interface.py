@@ -1,0 +1,52 @@
+"""What the input shaft feels of the module when its speed changes suddenly: the interface inertia.
+
+With link 2 held, omega1 turns everything: Phi = J1 + I + 2 k B + k^2 G. Where link 2 is free to follow, or
+drives the shaft, less of it answers a jump: Phi - k^2 (B + k G)^2 / (J + k^2 G), with J = J2 or J2 + J3. So
+Phi is the most an engine can meet.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from ..kernel.dynamics import held_inertia
+from ..module import Module
+
+# points over a period of the motion, for each tooth ratio's turn of the drive
+_POINTS_A_TURN = 180
+
+
+class InterfaceInertia(NamedTuple):
+    """Phi over the angle of the drive, kg.m2: the least, mean and greatest; midway between the extremes."""
+
+    least: float
+    mean: float
+    greatest: float
+
+    @property
+    def middle(self) -> float:
+        """Midway between the least and the greatest."""
+        return 0.5 * (self.least + self.greatest)
+
+
+def interface_inertia(parameters: Mapping[str, float]) -> InterfaceInertia:
+    """The interface inertia of a module.
+
+    Args:
+        parameters: those that differ from the defaults.
+
+    Raises:
+        Refused: the module refuses the parameters.
+    """
+    module = Module("plain")
+    module.check(**{**parameters, "fidelity": 2.0})
+    turns = 1
+    if module["layout"] == 0.0:
+        turns = int(module["z6"]) // math.gcd(int(module["z17"]), int(module["z6"]))
+    angles = np.linspace(0.0, 2.0 * math.pi * turns, _POINTS_A_TURN * turns, endpoint=False)
+    values = [float(held_inertia(module.derived, float(q))) for q in angles]  # type: ignore[no-untyped-call]
+    return InterfaceInertia(min(values), sum(values) / len(values), max(values))

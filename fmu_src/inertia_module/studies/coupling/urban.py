@@ -1,0 +1,147 @@
+"""Where the energy goes over the urban cycle: engine, module and car in closed loop."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ...cosimulation import (
+    SCHEMES,
+    CoupledEngine,
+    Engine,
+    EngineMap,
+    Governor,
+    interface_inertia,
+)
+from ...cycles import Cycle
+from ...drive import Progress
+from ...instance import Fmu
+from ...loops import ClosedLoop, connect, initial_inputs
+from ...scene import Scene, load_scene
+
+SCENE = Path("examples") / "urban.toml"
+# a small car's engine, kg.m2, with its flywheel
+ENGINE_INERTIA = 0.15
+IDLE_SPEED = 80.0
+ENGINE_MAP = EngineMap(
+    (0.0, 100.0, 200.0, 300.0, 400.0), (120.0, 150.0, 170.0, 160.0, 140.0), (10.0, 12.0, 15.0, 20.0, 25.0)
+)
+_BANDWIDTH = 20.0
+# scheme, and substeps of the scene's communication step
+RUNS = (
+    ("implicit ramp", 1),
+    ("implicit ramp", 5),
+    ("inertia module first ramp", 10),
+    ("mean module first held", 10),
+    ("mean jacobi held", 10),
+    ("mean module first held", 1),
+    ("mean jacobi held", 1),
+    ("instantaneous module first held", 10),
+    ("instantaneous module first held", 1),
+    ("instantaneous jacobi held", 10),
+    ("instantaneous jacobi held", 1),
+)
+
+
+@dataclass(frozen=True)
+class UrbanRun:
+    """Energies of a run, J, but for the shares.
+
+    Attributes:
+        scheme: name. step: communication step between engine and module, s.
+        engine: work of the engine's torque. output: work on the load. lost: in the module.
+        stored: gain of kinetic energy of engine, module and car.
+        residual: engine - output - stored - lost, over engine.
+        gross: sum of the magnitudes of what is lost on the bond in each step, over engine.
+        outside: share of the time out of the tolerance of the cycle.
+        speed_error: rms of the car's speed against the cycle, m/s. cost: see Ledger.cost, for a second.
+    """
+
+    scheme: str
+    step: float
+    engine: float
+    output: float
+    stored: float
+    lost: float
+    residual: float
+    gross: float
+    outside: float
+    speed_error: float
+    cost: float
+
+
+def urban_scene(path: Path = SCENE) -> Scene:
+    """The scene of the car in the urban cycle, its engine idling where it would stop."""
+    return load_scene(path).replaced(controller={"minimum": f"{IDLE_SPEED} rad/s"})
+
+
+def _engine(interface: float, speed: float) -> Engine:
+    gain = _BANDWIDTH * (ENGINE_INERTIA + interface)
+    return Engine(ENGINE_INERTIA, ENGINE_MAP, Governor(gain, 0.25 * _BANDWIDTH * gain), speed, speed)
+
+
+def urban_run(
+    scene: Scene,
+    fmu_path: Path,
+    name: str,
+    substeps: int,
+    stop_time: float | None = None,
+    progress: Progress | None = None,
+) -> UrbanRun:
+    """Drive the cycle.
+
+    Args:
+        scene: of urban_scene. fmu_path: of the module. name: of the scheme. substeps: in each step of the
+            scene.
+        stop_time: s, by default that of the scene. progress: told how much is done (0 to 1).
+    """
+    surroundings = connect(list(scene.systems()))
+    parameters = {**scene.parameters(), "input_hold": 0.0}
+    start = initial_inputs(surroundings)
+    interface = interface_inertia(parameters)
+    engine = _engine(interface.mean, start["omega1"])
+    before = engine.energy_stored
+    with Fmu(fmu_path, parameters, start, scene.accuracy.tolerance) as fmu:
+        before += fmu["energy_stored"]
+        coupled = CoupledEngine(fmu, engine, SCHEMES[name], interface.middle, substeps)
+        loop = ClosedLoop(coupled, surroundings, ("omega_out",), scene.signal_units)
+        table = loop.run(stop_time or scene.run.stop_time, progress)
+        output, lost, kept = fmu.read(("energy_out", "energy_lost", "energy_stored"))
+    worked, stored = engine.state.work_in, kept + engine.energy_stored - before
+    speed = table["vehicle_speed"]
+    return UrbanRun(
+        name,
+        scene.run.communication_step / substeps,
+        worked,
+        output,
+        stored,
+        lost,
+        (worked - output - stored - lost) / worked,
+        coupled.ledger.defect_magnitude / worked,
+        _outside(scene.cycle, table.time, speed),
+        float(np.sqrt(np.mean((speed - table["reference"]) ** 2))),
+        coupled.ledger.cost / coupled.ledger.time,
+    )
+
+
+def _outside(cycle: Cycle | None, time: np.ndarray, speed: np.ndarray) -> float:
+    if cycle is None:
+        return 0.0
+    lower, upper = cycle.tolerance_band(time)
+    return float(np.mean((speed < lower) | (speed > upper)))
+
+
+def urban_runs(fmu_path: Path, scene_path: Path = SCENE, progress: Progress | None = None) -> list[UrbanRun]:
+    """All of RUNS."""
+    scene = urban_scene(scene_path)
+    found = []
+    for number, (name, substeps) in enumerate(RUNS):
+
+        def report(done: float, number: int = number) -> None:
+            if progress is not None:
+                progress((number + done) / len(RUNS))
+
+        found.append(urban_run(scene, fmu_path, name, substeps, progress=report))
+    return found

@@ -1,0 +1,104 @@
+"""The engine: exact steps, limits, governor, energy."""
+
+import math
+
+import pytest
+from scipy.integrate import solve_ivp
+
+from inertia_module.cosimulation import Engine, EngineMap, Governor
+from inertia_module.cosimulation.engine import LoadTorque
+
+MAP = EngineMap((0.0, 100.0, 300.0), (80.0, 150.0, 120.0), (5.0, 10.0, 30.0))
+STILL = Governor(0.0, 0.0, 1e6)
+
+
+def engine(governor=STILL, **values):
+    given = {"inertia": 0.2, "reference": 150.0, "speed": 100.0, "torque": 20.0} | values
+    return Engine(limits=MAP, governor=governor, **given)
+
+
+def test_speed_and_energy_under_a_linear_load_are_those_of_a_fine_integration():
+    one = engine()
+    load = LoadTorque(5.0, rate=300.0, inertia=0.07)
+    one.advance(0.3, load)
+
+    def rates(t, y):
+        torque = 20.0 - 5.0 - 300.0 * t
+        acceleration = torque / 0.27
+        on_load = 20.0 - 0.2 * acceleration
+        return [acceleration, y[0], 20.0 * y[0], on_load * y[0], on_load]
+
+    end = solve_ivp(rates, (0.0, 0.3), [100.0, 0.0, 0.0, 0.0, 0.0], "DOP853", rtol=1e-12, atol=1e-12).y[:, -1]
+    state = one.state
+    assert (state.speed, state.angle, state.work_in, state.work_out, state.impulse_out) == pytest.approx(
+        tuple(end), rel=1e-10
+    )
+
+
+@pytest.mark.parametrize("step", [0.0007, 0.003, 0.005, 0.0125, 0.15])
+def test_how_a_time_is_cut_into_steps_makes_no_difference(step):
+    governor = Governor(3.0, 20.0, 0.005)
+    whole, cut = engine(governor), engine(governor)
+    whole.advance(0.3, LoadTorque(30.0))
+    count = round(0.3 / step)
+    for _ in range(count):
+        cut.advance(0.3 / count, LoadTorque(30.0))
+    assert cut.state[:4] == pytest.approx(whole.state[:4], rel=1e-9)
+    assert cut.state[5:] == pytest.approx(whole.state[5:], rel=1e-9)
+
+
+def test_what_the_torque_does_is_stored_or_passed_on():
+    one = engine(Governor(3.0, 20.0))
+    before = one.energy_stored
+    for n in range(200):
+        one.advance(0.007, LoadTorque(40.0 * math.sin(n), 100.0, 0.05))
+    assert one.state.work_in - one.state.work_out == pytest.approx(one.energy_stored - before, rel=1e-10)
+
+
+def test_governor_holds_the_speed_against_a_load_without_error():
+    one = engine(Governor(4.0, 20.0))
+    for _ in range(400):
+        one.advance(0.01, LoadTorque(60.0))
+    assert one.speed == pytest.approx(150.0, abs=1e-6)
+    assert one.state.torque == pytest.approx(60.0, abs=1e-4)
+
+
+def test_torque_keeps_within_the_map_and_the_integral_does_not_wind_up():
+    one = engine(Governor(4.0, 20.0), reference=290.0)
+    for _ in range(300):
+        one.advance(0.01, LoadTorque(200.0 if one.speed > 100.0 else 0.0))
+        low, _ = MAP.limits(one.speed)
+        assert low - 30.0 <= one.state.torque <= 150.0
+    assert abs(one.state.integral) < 4.0 * 290.0 + 150.0
+    one.reference = 50.0
+    one.advance(0.01, LoadTorque(0.0))
+    assert one.state.torque < 0.0  # it drags at once
+
+
+def test_an_old_state_can_be_taken_over_again():
+    one = engine(Governor(4.0, 20.0))
+    one.advance(0.013, LoadTorque(10.0))
+    kept = one.state
+    first = one.after(0.02, LoadTorque(10.0))
+    one.advance(0.5, LoadTorque(-3.0))
+    one.state = kept
+    one.advance(0.02, LoadTorque(10.0))
+    assert one.state == first
+
+
+@pytest.mark.parametrize(
+    "make, words",
+    [
+        (lambda: engine(inertia=0.0), "inertia = 0.0 is refused: allowed is a positive"),
+        (lambda: engine(speed=math.nan), "speed = nan is refused"),
+        (lambda: Governor(-1.0, 0.0), "proportional_gain = -1.0 is refused"),
+        (lambda: Governor(1.0, 0.0, 0.0), "sample_time = 0.0 is refused"),
+        (lambda: EngineMap((0.0, 0.0), (1.0, 1.0), (0.0, 0.0)), "breakpoints that rise"),
+        (lambda: EngineMap((0.0,), (1.0, 1.0), (0.0,)), "greatest has 2 torques: allowed are 1"),
+        (lambda: EngineMap((0.0,), (1.0,), (-1.0,)), "drag = -1.0 is refused"),
+        (lambda: engine().after(0.0, LoadTorque(0.0)), "step = 0.0 is refused"),
+    ],
+)
+def test_bad_values_are_refused_by_name(make, words):
+    with pytest.raises(ValueError, match=words.replace("(", r"\(")):
+        make()
