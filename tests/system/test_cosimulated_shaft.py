@@ -1,4 +1,4 @@
-"""Module and shaft as two FMUs, coupled by the schemes of cosimulation, against the elastic module in one piece."""
+"""Module and shaft as two FMUs, coupled by schemes, against the elastic module in one piece."""
 
 import math
 
