@@ -136,8 +136,8 @@ DRIVEN_SHAFT = Model(
         " speed that is constant or linear over a step, however stiff the shaft and long the step. Couple it"
         " to an inertia module: omega_out of that is hub_speed of this, and the torque of this is load_torque"
         " of that: shaft_torque_mean where both step side by side, better shaft_torque with its derivative"
-        " where the module steps first. A jump of hub_speed at the beginning of a step acts through the balancer at"
-        " once; the torque of the shaft stays finite, so its mean holds no impulse."
+        " where the module steps first. A jump of hub_speed at the beginning of a step acts through the"
+        " balancer at once; the torque of the shaft stays finite, so its mean holds no impulse."
     ),
     variables=driven_shaft_variables.VARIABLES,
     entry=SHAFT_ENTRY,
