@@ -10,6 +10,7 @@ import math
 
 from .accumulate import later
 from .driven_shaft_slots import *
+from .kept_responses import NODES, is_short
 from .propagator import SHORT, responses
 
 # a mode that has faded by exp(-42) is gone: 6e-19
@@ -17,15 +18,7 @@ GONE = 42.0
 # swings of less than this part of the natural frequency have died away before they matter
 SLOW_SWING = 0.25
 
-# Gauss-Legendre rule of order 24 on [-1, 1] (Abramowitz and Stegun, table 25.4)
-NODES = (
-    0.1252334085114689,
-    0.3678314989981802,
-    0.5873179542866175,
-    0.7699026741943047,
-    0.9041172563704749,
-    0.9815606342467192,
-)
+# of Gauss's rule, for the nodes of kept_responses
 WEIGHTS = (
     0.2491470458134028,
     0.2334925365383548,
@@ -36,9 +29,8 @@ WEIGHTS = (
 )
 
 
-def squares_at(d, w, t):
-    """Squared slip and squared speed of the driven mass at t from the beginning of the step."""
-    _, slope, impulse, one, two, _, _ = responses(d[D_RATE], d[D_SQUARE], d[D_SWING], d[D_SLOW], d[D_FAST], t)
+def squares_from(w, slope, impulse, one, two):
+    """Squared slip and squared speed of the driven mass from the answers at some time of the step."""
     slip = w[W_SLIP] * slope + w[W_SLIP_PULL] * impulse + w[W_SLIP_RAMP] * one
     kept = w[W_OMEGA4] * slope
     fresh = w[W_FRESH_RATE] * impulse
@@ -52,6 +44,24 @@ def squares_at(d, w, t):
     else:
         speed = w[W_OMEGA4] + (changed + drawn + ramped)
     return slip * slip, speed * speed
+
+
+def squares_at(d, w, t):
+    """Squared slip and squared speed of the driven mass at t from the beginning of the step."""
+    _, slope, impulse, one, two, _, _ = responses(d[D_RATE], d[D_SQUARE], d[D_SWING], d[D_SLOW], d[D_FAST], t)
+    return squares_from(w, slope, impulse, one, two)
+
+
+def gauss_over_step(d, w, h):
+    """Integrals of both squares over a short step, from the answers kept."""
+    slips = 0.0
+    speeds = 0.0
+    for n in range(12):
+        place = D_NODES + 4 * n
+        slip, speed = squares_from(w, d[place], d[place + 1], d[place + 2], d[place + 3])
+        slips += WEIGHTS[n // 2] * slip
+        speeds += WEIGHTS[n // 2] * speed
+    return 0.5 * h * slips, 0.5 * h * speeds
 
 
 def gauss(d, w, begin, length):
@@ -143,14 +153,14 @@ def squares(d, w, hub, slope, h):
     """Integrals over the step of the squared slip and of the squared speed of the driven mass.
 
     Args:
-        d: derived constants. w: workspace, the motion over the step. hub, slope: speed of the hub at the
-        beginning, rad/s, and its rate, rad/s^2. h: step, s.
+        d: derived constants, with the answers to this step kept. w: workspace, the motion over the step.
+        hub, slope: speed of the hub at the beginning, rad/s, and its rate, rad/s^2. h: step, s.
 
     Returns:
         (slips, speeds), rad^2/s each.
     """
-    if d[D_FAST] * h < SHORT:
-        return gauss(d, w, 0.0, h)
+    if is_short(d, h):
+        return gauss_over_step(d, w, h)
     if d[D_SWING] > SLOW_SWING * d[D_FAST]:
         return by_swings(d, w, hub, slope, h)
     return by_intervals(d, w, h)

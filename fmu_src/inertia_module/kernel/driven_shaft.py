@@ -24,7 +24,8 @@ from .driven_motion import (
     twist_sum,
 )
 from .driven_shaft_slots import *
-from .propagator import characteristic, responses
+from .kept_responses import keep_responses
+from .propagator import characteristic
 from .slots import (
     BAD_LOAD_TORQUE,
     BAD_LOAD_TORQUE_RATE,
@@ -135,31 +136,6 @@ def begin(p, u, x, h):
         add(x, X_ENERGY_LOST, -work)
 
 
-def responses_to(d, h):
-    """What propagator.responses says for a step h, kept for the next one of the same length."""
-    if h != d[D_STEP]:
-        step, slope, impulse, one, two, three, four = responses(
-            d[D_RATE], d[D_SQUARE], d[D_SWING], d[D_SLOW], d[D_FAST], h
-        )
-        d[D_STEP] = h
-        d[D_RESPONSES] = step
-        d[D_RESPONSES + 1] = slope
-        d[D_RESPONSES + 2] = impulse
-        d[D_RESPONSES + 3] = one
-        d[D_RESPONSES + 4] = two
-        d[D_RESPONSES + 5] = three
-        d[D_RESPONSES + 6] = four
-    return (
-        d[D_RESPONSES],
-        d[D_RESPONSES + 1],
-        d[D_RESPONSES + 2],
-        d[D_RESPONSES + 3],
-        d[D_RESPONSES + 4],
-        d[D_RESPONSES + 5],
-        d[D_RESPONSES + 6],
-    )
-
-
 def move(p, d, x, w, h):
     """Advance over the step, inputs taken: exact motion, mean torque and energies.
 
@@ -171,7 +147,14 @@ def move(p, d, x, w, h):
     ramp = x[X_HUB_SLOPE]
     load = x[X_LOAD_TORQUE]
     inertia = p[P_DRIVEN_INERTIA]
-    step, slope, impulse, one, two, three, four = responses_to(d, h)
+    keep_responses(d, h)
+    step = d[D_RESPONSES]
+    slope = d[D_RESPONSES + 1]
+    impulse = d[D_RESPONSES + 2]
+    one = d[D_RESPONSES + 3]
+    two = d[D_RESPONSES + 4]
+    three = d[D_RESPONSES + 5]
+    four = d[D_RESPONSES + 6]
     angle, turn = turn_of_mass(x, w, impulse, one, two, three, h)
     momentum, momentum_size, moment, moment_size = torque_sums(p, x, w, impulse, one, two, three, four, h)
     lost = 0.0

@@ -65,10 +65,11 @@ D_SQUARE = 1
 D_SWING = 2
 D_SLOW = 3
 D_FAST = 4
-# the communication step last taken and the answers to it of propagator.responses: most steps are alike
+# the communication step last taken, the answers to it and at the nodes within it (kept_responses)
 D_STEP = 5
 D_RESPONSES = 6
-D_SIZE = 13
+D_NODES = 13
+D_SIZE = D_NODES + 48
 
 # w: workspace of one call: the motion over the step in hand. From impulse, its rate slope and its integrals
 # one, two ... of propagator.responses, both speeds are
