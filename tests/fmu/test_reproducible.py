@@ -95,7 +95,14 @@ def test_library_is_the_same_wherever_it_is_linked_and_tells_no_path_and_no_user
     elsewhere(tmp_path / "user", "-c", LINK, str(number), str(other))
     library = here.read_bytes()
     assert other.read_bytes() == library
-    for word in (str(tmp_path), str(PACKAGE_FOLDER), os.path.expanduser("~") + os.sep, "somebody", "kernel.o", "tables.o"):
+    for word in (
+        str(tmp_path),
+        str(PACKAGE_FOLDER),
+        os.path.expanduser("~") + os.sep,
+        "somebody",
+        "kernel.o",
+        "tables.o",
+    ):
         assert word.encode() not in library
 
 
