@@ -27,6 +27,16 @@ def compiled():
     return _kernel("compiled")
 
 
+@pytest.fixture(scope="session")
+def built(tmp_path_factory):
+    """Folder with all FMUs."""
+    from inertia_module.fmu.builder import build
+
+    folder = tmp_path_factory.mktemp("build")
+    assert not build(folder).skipped
+    return folder
+
+
 def pytest_configure(config):
     """Compile the kernels once, before the workers start: each of them would do it for itself."""
     if importlib.util.find_spec("numba") is None or hasattr(config, "workerinput"):

@@ -35,6 +35,22 @@ class Plant(Protocol):
         """Values by name."""
 
 
+def read_description(path: Path) -> Any:
+    """The description of an FMU file, as fmpy reads it.
+
+    Raises:
+        DriveError: there is no such file, or it is no FMU.
+    """
+    from fmpy import read_model_description
+
+    if not path.is_file():
+        raise DriveError(f"{path} is refused: no such file; allowed is an FMU")
+    try:
+        return read_model_description(str(path))
+    except Exception as error:
+        raise DriveError(f"{path} is refused: it is no FMU ({error})") from error
+
+
 class Kept(NamedTuple):
     """A state kept by an instance, and its time, s."""
 
@@ -90,13 +106,11 @@ class Fmu:
             raise
 
     def _load(self) -> Any:
-        from fmpy import extract, read_model_description
+        from fmpy import extract
         from fmpy.fmi2 import FMU2Slave
 
-        if not self.path.is_file():
-            raise DriveError(f"{self.path} is refused: no such file; allowed is an FMU")
+        description = read_description(self.path)
         try:
-            description = read_model_description(str(self.path))
             self._folder = extract(str(self.path))
         except Exception as error:
             raise DriveError(f"{self.path} is refused: it is no FMU ({error})") from error

@@ -11,7 +11,7 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from .drive import communication_points
-from .instance import DriveError, Fmu
+from .instance import DriveError, Fmu, read_description
 from .results import TIME, Result
 from .wiring import Wire, WiringError, check_wiring
 
@@ -61,7 +61,9 @@ class WiredFmus:
             name: [known for known in node.inputs if (name, known) not in driven]
             for name, node in nodes.items()
         }
-        check_wiring({name: _description(node.path) for name, node in nodes.items()}, wires, given, step)
+        check_wiring(
+            {name: read_description(Path(node.path)) for name, node in nodes.items()}, wires, given, step
+        )
         self.step = step
         self.order = order
         self.time = 0.0
@@ -148,14 +150,3 @@ class WiredFmus:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
-
-
-def _description(path: Path | str) -> object:
-    from fmpy import read_model_description
-
-    if not Path(path).is_file():
-        raise DriveError(f"{path} is refused: no such file; allowed is an FMU")
-    try:
-        return read_model_description(str(path))
-    except Exception as error:
-        raise DriveError(f"{path} is refused: it is no FMU ({error})") from error

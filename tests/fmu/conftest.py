@@ -7,7 +7,6 @@ from fmpy import extract, read_model_description
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave, fmi2Discard, fmi2Error
 
-from inertia_module.fmu.builder import build
 from inertia_module.logs import messages_of_others
 
 # the FMUs a test runs with, unless its file says otherwise by a FLAVOURS of its own
@@ -18,14 +17,6 @@ def pytest_generate_tests(metafunc):
     if "fmu_path" in metafunc.fixturenames:
         flavours = getattr(metafunc.module, "FLAVOURS", FLAVOURS)
         metafunc.parametrize("fmu_path", flavours, indirect=True, scope="session")
-
-
-@pytest.fixture(scope="session")
-def built(tmp_path_factory):
-    """Folder with all FMUs."""
-    folder = tmp_path_factory.mktemp("build")
-    assert not build(folder).skipped
-    return folder
 
 
 @pytest.fixture(scope="session")

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from inertia_module import bridge, loops
-from inertia_module.fmu.builder import build
 from inertia_module.instance import DriveError, Fmu
 
 PAGE = Path(__file__).parents[2] / "docs" / "control.md"
@@ -24,15 +23,8 @@ PLANAR |= {"imbalance_mass": 0.3, "satellites": 3, "link2_inertia": 0.01, "outpu
 
 
 @pytest.fixture(scope="module")
-def fmus(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("build")
-    build(folder)
-    return folder
-
-
-@pytest.fixture(scope="module")
-def native(fmus):
-    return fmus / "InertiaModule.fmu"
+def native(built):
+    return built / "InertiaModule.fmu"
 
 
 def inputs_over(steps):
@@ -76,8 +68,8 @@ def test_whole_state_gives_the_bits_of_a_plain_loop(native, parameters):
     assert (from_zeros == found).all()
 
 
-def test_whole_state_of_the_python_fmu_gives_the_bits_of_a_plain_loop(fmus):
-    path, inputs = fmus / "InertiaModulePy.fmu", inputs_over(30)
+def test_whole_state_of_the_python_fmu_gives_the_bits_of_a_plain_loop(built):
+    path, inputs = built / "InertiaModulePy.fmu", inputs_over(30)
     with bridge.fmu_system(path, step=STEP, start=START, tolerance=1e-9, state="whole") as plant:
         found = run(plant.system, inputs, plant.start)
         x, u = plant.system.dynamics(0.0, plant.start, [90.0, 5.0]), [100.0, 10.0]
@@ -89,19 +81,19 @@ def test_whole_state_of_the_python_fmu_gives_the_bits_of_a_plain_loop(fmus):
 
 @pytest.mark.parametrize("name", ["InertiaModule.fmu", "InertiaModulePy.fmu"])
 @pytest.mark.parametrize("fidelity, share", [("averaged", 1e-7), ("rigid", 1e-6)])
-def test_motion_state_agrees_with_a_plain_loop_within_the_tolerance(fmus, name, fidelity, share):
+def test_motion_state_agrees_with_a_plain_loop_within_the_tolerance(built, name, fidelity, share):
     parameters, inputs = {"fidelity": fidelity}, inputs_over(100)
-    with bridge.fmu_system(fmus / name, parameters, step=STEP, start=START, tolerance=1e-9) as plant:
+    with bridge.fmu_system(built / name, parameters, step=STEP, start=START, tolerance=1e-9) as plant:
         found = run(plant.system, inputs, plant.start)
-    expected = stepped(fmus / name, parameters, inputs)
+    expected = stepped(built / name, parameters, inputs)
     scale = np.abs(expected).max(axis=1, keepdims=True)
     assert (np.abs(found - expected) / scale).max() < share
 
 
-def test_driven_shaft_starts_anew_with_its_twist(fmus):
+def test_driven_shaft_starts_anew_with_its_twist(built):
     parameters = {"driven_inertia": 0.5, "shaft_stiffness": 400.0, "shaft_damping": 0.05}
     outputs = ("omega_out", "shaft_torque_mean", "twist")
-    path, hub = fmus / "DrivenShaft.fmu", np.linspace(5.0, 15.0, 100)
+    path, hub = built / "DrivenShaft.fmu", np.linspace(5.0, 15.0, 100)
     with Fmu(path, parameters, {"load_torque": 10.0}) as fmu:
         for speed in hub[:-1]:
             fmu.set(hub_speed=speed)
@@ -263,11 +255,11 @@ def test_bad_arguments_are_refused(native):
 # --- the page and the study ---
 
 
-def test_python_of_the_page_runs(fmus, monkeypatch):
-    (fmus / "work" / "build").mkdir(parents=True)
-    (fmus / "work" / "build" / "InertiaModule.fmu").write_bytes((fmus / "InertiaModule.fmu").read_bytes())
+def test_python_of_the_page_runs(built, monkeypatch):
+    (built / "work" / "build").mkdir(parents=True)
+    (built / "work" / "build" / "InertiaModule.fmu").write_bytes((built / "InertiaModule.fmu").read_bytes())
     (code,) = re.findall(r"```python\n(.*?)```", PAGE.read_text(), re.S)
-    monkeypatch.chdir(fmus / "work")
+    monkeypatch.chdir(built / "work")
     names = {}
     exec(compile(code, PAGE.name, "exec"), names)
     speed = names["run"].outputs[0]

@@ -5,16 +5,8 @@ import math
 import pytest
 
 from inertia_module.cosimulation.shaft import SHAFT_SCHEMES, CoupledShaft
-from inertia_module.fmu.builder import build
 from inertia_module.instance import Fmu
 from inertia_module.studies.coupling import shafts
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    built = tmp_path_factory.mktemp("build")
-    build(built)
-    return built
 
 
 @pytest.mark.parametrize(
@@ -26,8 +18,8 @@ def folder(tmp_path_factory):
         ("implicit", 2.0),
     ],
 )
-def test_two_fmus_tend_to_the_elastic_module_with_the_order_of_the_scheme(folder, name, order):
-    paths = folder / "InertiaModule.fmu", folder / "DrivenShaft.fmu"
+def test_two_fmus_tend_to_the_elastic_module_with_the_order_of_the_scheme(built, name, order):
+    paths = built / "InertiaModule.fmu", built / "DrivenShaft.fmu"
     expected = shafts.one_piece(400.0, paths[0], 0.3)
     errors = [
         shafts.shaft_trial(400.0, name, SHAFT_SCHEMES[name], step, expected, paths).driven_error
@@ -36,8 +28,8 @@ def test_two_fmus_tend_to_the_elastic_module_with_the_order_of_the_scheme(folder
     assert math.log(errors[0] / errors[1]) / math.log(5.0) > 0.8 * order
 
 
-def test_recommended_shaft_coupling_loses_no_energy_where_the_mean_torque_makes_some(folder):
-    paths = folder / "InertiaModule.fmu", folder / "DrivenShaft.fmu"
+def test_recommended_shaft_coupling_loses_no_energy_where_the_mean_torque_makes_some(built):
+    paths = built / "InertiaModule.fmu", built / "DrivenShaft.fmu"
     expected = shafts.one_piece(400.0, paths[0], 0.3)
     found = {
         name: shafts.shaft_trial(400.0, name, SHAFT_SCHEMES[name], 1e-3, expected, paths)
@@ -48,10 +40,10 @@ def test_recommended_shaft_coupling_loses_no_energy_where_the_mean_torque_makes_
     assert found["instant, module first, derivatives"].driven_error < 2e-3
 
 
-def test_hub_and_shaft_at_different_speeds_are_refused(folder):
+def test_hub_and_shaft_at_different_speeds_are_refused(built):
     with (
-        Fmu(folder / "InertiaModule.fmu", {"omega_out_start": 5.0}, {"omega1": 100.0}) as module,
-        Fmu(folder / "DrivenShaft.fmu", {}, {"hub_speed": 0.0}) as shaft,
+        Fmu(built / "InertiaModule.fmu", {"omega_out_start": 5.0}, {"omega1": 100.0}) as module,
+        Fmu(built / "DrivenShaft.fmu", {}, {"hub_speed": 0.0}) as shaft,
         pytest.raises(
             ValueError, match="hub_speed = 0 rad/s is refused: allowed is the module's omega_out = 5"
         ),

@@ -19,7 +19,6 @@ from inertia_module.cosimulation import (
     run_adaptive,
 )
 from inertia_module.cosimulation.amplification import characteristic
-from inertia_module.fmu.builder import build
 from inertia_module.instance import DriveError, Fmu
 from inertia_module.scene import load_scene
 from inertia_module.studies.coupling import limits
@@ -35,15 +34,8 @@ CONVERGED = Scheme(correction="implicit", iterations=6)
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    built = tmp_path_factory.mktemp("build")
-    build(built)
-    return built
-
-
-@pytest.fixture(scope="module")
-def fmu_path(folder):
-    return folder / "InertiaModule.fmu"
+def fmu_path(built):
+    return built / "InertiaModule.fmu"
 
 
 @pytest.fixture(scope="module")
@@ -186,8 +178,8 @@ def test_cost_counts_steps_that_were_taken_back(fmu_path):
         assert coupled.ledger.cost == 40
 
 
-def test_quick_map_finds_the_recommended_scheme_best_and_comes_back_from_csv(folder, tmp_path):
-    files = Files(folder / "InertiaModule.fmu", folder / "DrivenShaft.fmu")
+def test_quick_map_finds_the_recommended_scheme_best_and_comes_back_from_csv(built, tmp_path):
+    files = Files(built / "InertiaModule.fmu", built / "DrivenShaft.fmu")
     rows = coupling_map(files, quick=True)
     fine = [row for row in rows if row.step < 2e-3]
     assert len(fine) == len(SCHEMES)
@@ -200,8 +192,8 @@ def test_quick_map_finds_the_recommended_scheme_best_and_comes_back_from_csv(fol
     assert [row.cost for row in again] == pytest.approx([row.cost for row in rows], rel=1e-5)
 
 
-def test_python_of_the_page_runs(folder, tmp_path, monkeypatch, capsys):
-    (tmp_path / "build").symlink_to(folder)
+def test_python_of_the_page_runs(built, tmp_path, monkeypatch, capsys):
+    (tmp_path / "build").symlink_to(built)
     page = Path(__file__).parents[2] / "docs" / "coupling.md"
     (code,) = re.findall(r"```python\n(.*?)```", page.read_text(), re.S)
     monkeypatch.chdir(tmp_path)

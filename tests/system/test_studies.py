@@ -6,16 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from inertia_module.fmu.builder import MODULE_FMU, build
+from inertia_module.fmu.builder import MODULE_FMU
 
 STUDIES = Path(__file__).parents[2] / "examples" / "studies"
 
 
 @pytest.fixture(scope="module")
-def fmu(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("build")
-    build(folder)
-    return folder / MODULE_FMU.file_name
+def fmu(built):
+    return built / MODULE_FMU.file_name
 
 
 @pytest.fixture(scope="module", autouse=True)

@@ -2,7 +2,6 @@
 
 import pytest
 
-from inertia_module.fmu.builder import build
 from inertia_module.instance import DriveError
 from inertia_module.wired import GAUSS_SEIDEL, JACOBI, Node, WiredFmus
 from inertia_module.wiring import Wire, WiringError
@@ -15,12 +14,10 @@ ENDS = (("module", "omega_out"), ("shaft", "omega_out"))
 
 
 @pytest.fixture(scope="module")
-def nodes(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("build")
-    build(folder)
+def nodes(built):
     return {
-        "module": Node(folder / "InertiaModule.fmu", HUB, {"omega1": 100.0}, 1e-8),
-        "shaft": Node(folder / "DrivenShaft.fmu", DRIVEN, {"load_torque": 10.0}),
+        "module": Node(built / "InertiaModule.fmu", HUB, {"omega1": 100.0}, 1e-8),
+        "shaft": Node(built / "DrivenShaft.fmu", DRIVEN, {"load_torque": 10.0}),
     }
 
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from ..export.plan import Plan, make_plan
-from ..loops import connect, initial_inputs
 from ..variables import BY_NAME
 from .errors import SceneError
+from .run import start_of
 from .schema import Scene
 
 # of a scene that gives none
@@ -22,9 +22,7 @@ def scene_plan(scene: Scene) -> Plan:
         raise SceneError(
             "mechanism.fidelity = 'auto' is refused for an export: allowed is a fidelity by name"
         )
-    surroundings = connect(list(scene.systems()))
-    values = scene.parameters()
-    inputs = initial_inputs(surroundings, {"omega_out": values.get("omega_out_start", 0.0)})
+    surroundings, values, inputs = start_of(scene)
     step = float(surroundings.dt)
     tolerance = scene.accuracy.tolerance or DEFAULT_TOLERANCE
     return make_plan(scene.title, values, inputs, step, scene.run.stop_time, tolerance)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from ..drive import Fmu, Progress, Result
 from ..loops import ClosedLoop, connect, initial_inputs
@@ -46,6 +47,17 @@ class SceneResult:
         return Result.from_columns({name: self.record[name] for name in names}, units)
 
 
+def start_of(scene: Scene) -> tuple[Any, dict[str, float], dict[str, float]]:
+    """What a scene starts from: its surroundings, connected; parameters and inputs of the FMU by name."""
+    surroundings = connect(list(scene.systems()))
+    values = scene.parameters()
+    return (
+        surroundings,
+        values,
+        initial_inputs(surroundings, {"omega_out": values.get("omega_out_start", 0.0)}),
+    )
+
+
 def run_scene(scene: Scene, fmu_path: Path | str, progress: Progress | None = None) -> SceneResult:
     """Run a scene with an FMU of the module.
 
@@ -61,14 +73,12 @@ def run_scene(scene: Scene, fmu_path: Path | str, progress: Progress | None = No
         raise SceneError(
             "mechanism.fidelity = 'auto' is refused here: it is to be chosen first (studies.trials.choose)"
         )
-    surroundings = connect(list(scene.systems()))
-    values = scene.parameters()
-    start = {"omega_out": values.get("omega_out_start", 0.0)}
+    surroundings, values, inputs = start_of(scene)
     outputs = [*scene.run.outputs, *SUMMARISED]
     fmu = Fmu(
         fmu_path,
         parameters=values,
-        inputs=initial_inputs(surroundings, start),
+        inputs=inputs,
         tolerance=scene.accuracy.tolerance,
         stop_time=scene.run.stop_time,
     )

@@ -62,10 +62,7 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component component, const fmi2Value
     const fmi2Status status = check_references(c, references, count, order, 0);
     if (status != fmi2OK || count == 0)
         return status;
-    if (!c->head[COMPLETE]) {
-        KERNEL(OPERATION_OUTPUTS, c->p, c->d, c->u, c->x, c->y, c->w, 0.0);
-        c->head[COMPLETE] = 1.0;
-    }
+    complete(c);
     try_from(c, c->x, c->u);
     memcpy(c->y_trial, c->y, model.y_size * sizeof(double));
     const int64_t answer = KERNEL(OPERATION_RATES, c->p, c->d, c->u_trial, c->x_trial, c->y_trial, c->w, 0.0);

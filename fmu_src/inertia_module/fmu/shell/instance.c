@@ -187,6 +187,14 @@ fmi2Status prepare(struct instance *c, fmi2Status refused)
     return fmi2OK;
 }
 
+void complete(struct instance *c)
+{
+    if (c->head[COMPLETE])
+        return;
+    KERNEL(OPERATION_OUTPUTS, c->p, c->d, c->u, c->x, c->y, c->w, 0.0);
+    c->head[COMPLETE] = 1.0;
+}
+
 fmi2Status fmi2ExitInitializationMode(fmi2Component component)
 {
     struct instance *c = component;

@@ -65,6 +65,9 @@ void trace(struct instance *c, double step);
 /* Check the parameters and let the kernel start, unless that has been done since the last change. */
 fmi2Status prepare(struct instance *c, fmi2Status refused);
 
+/* Have the late outputs filled in, if they are not. */
+void complete(struct instance *c);
+
 /* Start values, as after instantiation. */
 void set_start_values(struct instance *c);
 

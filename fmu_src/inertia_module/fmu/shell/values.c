@@ -59,10 +59,8 @@ static fmi2Status check_read(struct instance *c, const fmi2ValueReference refere
     } else if (calculated && !c->head[PREPARED]) {
         return out_of_order(c, "reading a calculated variable", "from initialization mode on");
     }
-    if (late && !c->head[COMPLETE]) {
-        KERNEL(OPERATION_OUTPUTS, c->p, c->d, c->u, c->x, c->y, c->w, 0.0);
-        c->head[COMPLETE] = 1.0;
-    }
+    if (late)
+        complete(c);
     return fmi2OK;
 }
 
