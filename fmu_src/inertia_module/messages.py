@@ -1,7 +1,7 @@
 """What refusals by the kernel of the module say to a person: names, values and what is allowed.
 
 Each status has a sentence; {name} in it stands for the value of that parameter or input, {omega1_rate}
-and {load_torque_rate} for the rates given, {step} for the communication step. Python and the native FMU
+and the like for the rates given, {step} for the communication step. Python and the native FMU
 fill them in.
 """
 
@@ -67,10 +67,21 @@ MESSAGES: Mapping[int, str] = {
     ),
     slots.BAD_START_OUTPUT: _bad_start_output("with", ">="),
     slots.BAD_START_RIGID: _bad_start_output("without", "="),
+    slots.NO_INPUT_INERTIA: (
+        f"{named('input_inertia', 'drive')} are refused together: the speed of link 1 follows from a torque only"
+        " where it has inertia; allowed is drive = 0 (speed), or input_inertia > 0 with that of the engine or"
+        " motor"
+    ),
+    slots.PRESCRIBED: (
+        f"{named('fidelity', 'drive')} are refused together: the motion is prescribed, so no torque can make"
+        " it; allowed is drive = 0 (speed), or fidelity = 1 (averaged), 2 (rigid) or 3 (elastic)"
+    ),
     slots.BAD_OMEGA1: bad_input(BY_NAME["omega1"]),
     slots.BAD_LOAD_TORQUE: bad_input(BY_NAME["load_torque"]),
     slots.BAD_OMEGA1_RATE: bad_rate(BY_NAME["omega1"]),
     slots.BAD_LOAD_TORQUE_RATE: bad_rate(BY_NAME["load_torque"]),
+    slots.BAD_DRIVE_TORQUE: bad_input(BY_NAME["drive_torque"]),
+    slots.BAD_DRIVE_TORQUE_RATE: bad_rate(BY_NAME["drive_torque"]),
     slots.BAD_STEP: BAD_STEP,
     slots.TOO_MANY_SWITCHES: (
         f"{_GIVEN_UP}the freewheels switch without end; allowed is 1000 switches and 64 more a pulse"
@@ -83,5 +94,5 @@ MESSAGES: Mapping[int, str] = {
         f"{_GIVEN_UP}no internal step meets {named('tolerance')}; allowed is a larger tolerance, or more"
         " link2_inertia"
     ),
-    slots.NOT_FINITE: not_finite(BY_NAME["omega1"], BY_NAME["load_torque"]),
+    slots.NOT_FINITE: not_finite(BY_NAME["omega1"], BY_NAME["load_torque"], BY_NAME["drive_torque"]),
 }

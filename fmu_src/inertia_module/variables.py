@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-from .kernel import slots, step
+from .kernel import limits, slots
 
 REAL = "Real"
 INTEGER = "Integer"
@@ -22,9 +22,9 @@ LOCAL = "local"
 PARAMETER = "parameter"
 
 # what the kernel takes for absurd
-LARGEST_SPEED: float = step.LARGEST_SPEED
-LARGEST_TORQUE: float = step.LARGEST_TORQUE
-LARGEST_STEP: float = step.LARGEST_STEP
+LARGEST_SPEED: float = limits.LARGEST_SPEED
+LARGEST_TORQUE: float = limits.LARGEST_TORQUE
+LARGEST_STEP: float = limits.LARGEST_STEP
 
 # FMI base units: exponents of kg, m, s, rad
 UNITS: dict[str, dict[str, int]] = {
@@ -64,6 +64,10 @@ ENUMERATIONS: dict[str, tuple[tuple[str, int, str], ...]] = {
     "Method": (
         ("event", 0, "high order between located events"),
         ("timestepping", 1, "fixed steps of max_step, complementarity on impulses"),
+    ),
+    "Drive": (
+        ("speed", 0, "omega1 is given, the input torque follows"),
+        ("torque", 1, "drive_torque is given, the speed of link 1 follows"),
     ),
     "InputHold": (
         ("constant", 0, "omega1 constant between communication points"),
@@ -195,8 +199,9 @@ _INERTIA_LIMIT = 1e12
 _SPEED_START_LIMIT = 1e6
 
 VARIABLES: tuple[Variable, ...] = (
-    _input("omega1", "rad/s", LARGEST_SPEED, 100.0, "speed of link 1 (input)", slots.U_OMEGA1),
+    _input("omega1", "rad/s", LARGEST_SPEED, 100.0, "speed of link 1 (with drive = torque only that at the start)", slots.U_OMEGA1),
     _input("load_torque", "N.m", LARGEST_TORQUE, 10.0, "torque of the load on the output shaft, positive against the motion", slots.U_LOAD_TORQUE),
+    _input("drive_torque", "N.m", LARGEST_TORQUE, 10.0, "torque on link 1 (with drive = torque, else without effect)", slots.U_DRIVE_TORQUE),
     _signal(OUTPUT, "omega2", "rad/s", 100.0, "speed of link 2, the output link of the differential", slots.Y_OMEGA2),
     _signal(OUTPUT, "omega_out", "rad/s", 100.0, "speed of the output shaft (driven mass if elastic)", slots.Y_OMEGA_OUT),
     _signal(OUTPUT, "input_torque", "N.m", 100.0, "torque M1 on link 1 at this instant", slots.Y_INPUT_TORQUE),
@@ -209,6 +214,7 @@ VARIABLES: tuple[Variable, ...] = (
     _signal(OUTPUT, "imbalance_acceleration_x", "m/s2", 1e3, "its component along the central axis Ox (fixed frame)", slots.Y_ACCELERATION_X),
     _signal(OUTPUT, "imbalance_acceleration_y", "m/s2", 1e3, "its component along Oy (fixed frame)", slots.Y_ACCELERATION_Y),
     _signal(OUTPUT, "imbalance_acceleration_z", "m/s2", 1e3, "its component along Oz (fixed frame)", slots.Y_ACCELERATION_Z),
+    _signal(OUTPUT, "input_speed", "rad/s", 100.0, "speed of link 1 at this instant: what omega1 has come to, or drive_torque has made of it", slots.Y_INPUT_SPEED),
     _signal(LOCAL, "drive_angle", "rad", 1.0, "drive angle q without drive_turns whole turns: q = drive_angle + 2 pi drive_turns", slots.Y_DRIVE_ANGLE, 0.0),
     _counter("drive_turns", "whole turns of the drive taken off drive_angle (a multiple of the turns in one period of the motion)", slots.Y_DRIVE_TURNS, None),
     _signal(LOCAL, "input_angle", "rad", 1.0, "angle theta1 of link 1 without input_turns whole turns", slots.Y_INPUT_ANGLE, 0.0),
@@ -250,7 +256,7 @@ VARIABLES: tuple[Variable, ...] = (
     _whole("modules", 1, 1, 1000, "modules, alike, about the central axis", slots.P_MODULES),
     _whole("satellites", 1, 1, 1000, "satellites (imbalances) in one module, evenly spread", slots.P_SATELLITES),
     _real("drive_inertia", "kg.m2", 0.0, 0.0, _INERTIA_LIMIT, "inertia J16 of all drives about their axes", slots.P_J16),
-    _real("input_inertia", "kg.m2", 0.0, 0.0, _INERTIA_LIMIT, "inertia J1 of link 1", slots.P_J1),
+    _real("input_inertia", "kg.m2", 0.0, 0.0, _INERTIA_LIMIT, "inertia J1 of link 1 (with drive = torque that of the engine or motor too)", slots.P_J1),
     _real("link2_inertia", "kg.m2", 0.005, 0.0, _INERTIA_LIMIT, "inertia J2 of link 2", slots.P_J2),
     _real("output_inertia", "kg.m2", 0.5, 1e-12, _INERTIA_LIMIT, "inertia J3 of the output shaft (hub if elastic)", slots.P_J3),
     _real("driven_inertia", "kg.m2", 0.5, 1e-12, _INERTIA_LIMIT, "inertia J4 of the driven mass (elastic)", slots.P_J4),
@@ -262,6 +268,7 @@ VARIABLES: tuple[Variable, ...] = (
     _switch("output_freewheel", True, "whether link 2 has a freewheel to the output shaft, else it is rigid with it", slots.P_OUTPUT_FREEWHEEL),
     _choice("fidelity", "Fidelity", 2, "what is modelled", slots.P_FIDELITY),
     _choice("method", "Method", 0, "how it is integrated", slots.P_METHOD),
+    _choice("drive", "Drive", 0, "what is given at link 1", slots.P_DRIVE),
     _choice("input_hold", "InputHold", 0, "omega1 between communication points", slots.P_INPUT_HOLD),
     _real("tolerance", "1", 1e-6, 1e-13, 0.1, "relative tolerance; one given to setupExperiment wins", slots.P_TOLERANCE, 1e-6),
     _real("max_step", "s", 0.0, 0.0, LARGEST_STEP, "longest internal step, 0 for no limit (timestepping: the communication step)", slots.P_MAX_STEP),

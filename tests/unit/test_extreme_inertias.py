@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from scenes import SCENES, advanced, started
 
 from inertia_module.kernel import slots
-from inertia_module.kernel.step import SMALLEST_SPEED
+from inertia_module.kernel.limits import SMALLEST_SPEED
 from inertia_module.module import Refused
 
 

@@ -131,7 +131,7 @@ def derive(p, d):
         d: derived constants, D_SIZE doubles, written.
 
     Returns:
-        Status: OK, NO_RECTIFIER, SINGULAR or a BAD_START code.
+        Status: OK, PRESCRIBED, NO_INPUT_INERTIA, NO_RECTIFIER, SINGULAR or a BAD_START code.
     """
     d[D_PLANAR] = p[P_LAYOUT]
     if p[P_LAYOUT] != 0.0:
@@ -162,6 +162,11 @@ def derive(p, d):
     d[D_G_SLOPE] *= scale
     d[D_I_SLOPE] *= scale
     d[D_ALPHA_SLOPE] = scale * d[D_ALPHA_SLOPE] + d[D_K] * (1.0 + d[D_K]) * d[D_J16]
+    if p[P_DRIVE] == DRIVE_TORQUE:
+        if p[P_FIDELITY] == KINEMATIC:
+            return PRESCRIBED
+        if not d[D_J1] > SINGULAR_RATIO * d[D_ALPHA_SLOPE]:
+            return NO_INPUT_INERTIA
     if p[P_FIDELITY] == KINEMATIC:
         return OK
     if p[P_FIDELITY] == AVERAGED and (d[D_HOUSING] == 0.0 or d[D_OUTPUT] == 0.0):

@@ -169,10 +169,11 @@ def stages(d, w, q, omega2, rate1, momentum1):
     store(w, W_MOMENTUM, m1, m6, m7, m8, m9, m10, m11, m12)
 
 
-def error_norm(w, scale_q, scale_omega2, scale_momentum):
+def error_norm(w, scale_q, scale_omega2, third, scale_third):
     """Estimated error of the step over the allowed one (Hairer's mix of orders 5 and 3).
 
-    scale_momentum allows an error of the integral of P, which counts only with a ramp of omega1 (else 0).
+    third: one more block of rates, whose integral counts where an error scale_third of it is allowed (else 0):
+    P with a ramp of omega1, or omega1' where that is a state.
     """
     e5 = (ERR5_1, ERR5_6, ERR5_7, ERR5_8, ERR5_9, ERR5_10, ERR5_11, ERR5_12)
     e3 = (ERR3_1, ERR3_6, ERR3_7, ERR3_8, ERR3_9, ERR3_10, ERR3_11, ERR3_12)
@@ -182,9 +183,9 @@ def error_norm(w, scale_q, scale_omega2, scale_momentum):
     v3 = weigh(w, W_RATE_OMEGA2, *e3) / scale_omega2
     sum5 = q5 * q5 + v5 * v5
     sum3 = q3 * q3 + v3 * v3
-    if scale_momentum > 0.0:
-        p5 = weigh(w, W_MOMENTUM, *e5) / scale_momentum
-        p3 = weigh(w, W_MOMENTUM, *e3) / scale_momentum
+    if scale_third > 0.0:
+        p5 = weigh(w, third, *e5) / scale_third
+        p3 = weigh(w, third, *e3) / scale_third
         sum5 += p5 * p5
         sum3 += p3 * p3
     mix = sum5 + 0.01 * sum3

@@ -13,6 +13,7 @@ from .dormand_prince import dense_change, dense_coefficients, dense_rate, extra_
 from .dynamics import motion_rates, torque_scale
 from .guards import next_look, stays_positive
 from .slots import *
+from .torque_guards import driven_guard_inside
 
 # a velocity below this fraction of the speeds that link 2 and the shaft take on is zero
 VELOCITY_ROUNDING = 1e-14
@@ -37,10 +38,12 @@ def guard_inside(d, x, w, which, sigma):
     """A guard at the fraction sigma of the step and its rate per unit of sigma.
 
     Velocities are those of the dense output (or of the collocation polynomials, with the elastic
-    output); a torque is evaluated exactly at its state.
+    output); a torque is evaluated exactly at its state. The sign of W_COLLOCATED says which step it is.
     """
-    if w[W_COLLOCATED] != 0.0:
+    if w[W_COLLOCATED] > 0.0:
         return collocated_guard(d, x, w, which, sigma)
+    if w[W_COLLOCATED] < 0.0:
+        return driven_guard_inside(d, x, w, which, sigma)
     h = w[W_STEP]
     omega2 = x[X_OMEGA2] + dense_change(w, W_DENSE_OMEGA2, sigma)
     if which == OUTPUT and x[X_MODE] == DRIVING:

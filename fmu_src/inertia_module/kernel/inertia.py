@@ -85,3 +85,31 @@ def reduced_inertia(d, q):
     if d[D_SINGLE] == 0.0:
         return i, i1, i2, 0.0, 0.0, g, g1, g2
     return i, i1, i2, mass * (y * z1 - z * y1), mass * (y * z2 - z * y2), g, g1, g2
+
+
+def coupling_bend(d, q):
+    """B'', kg m^2: only the rates of the accelerations of both links need it."""
+    if d[D_PLANAR] != 0.0:
+        _, cosine = sine_cosine(q)
+        return d[D_MASS] * d[D_RADIAL] * d[D_AXIAL] * cosine
+    if d[D_SINGLE] == 0.0:
+        return 0.0
+    s = d[D_S]
+    sin_b, sin_a, cos_b, cos_a = sines_cosines(s * q + d[D_PHASE_B], q + d[D_PHASE_A])
+    # y = R sin A + T cos A, z and their derivatives in q
+    radial = d[D_RADIAL] - d[D_RADIAL_COS] * cos_b
+    radial1 = s * d[D_RADIAL_COS] * sin_b
+    radial2 = s * s * d[D_RADIAL_COS] * cos_b
+    tangential = -d[D_ARM] * sin_b
+    tangential1 = -s * d[D_ARM] * cos_b
+    tangential2 = -s * s * tangential
+    y = radial * sin_a + tangential * cos_a
+    y1 = (radial1 - tangential) * sin_a + (tangential1 + radial) * cos_a
+    y2 = (radial2 - 2.0 * tangential1 - radial) * sin_a + (tangential2 + 2.0 * radial1 - tangential) * cos_a
+    y3 = (tangential - 3.0 * tangential2 - (s * s + 3.0) * radial1) * sin_a + (
+        3.0 * radial2 - (s * s + 3.0) * tangential1 - radial
+    ) * cos_a
+    z = d[D_AXIAL] - d[D_AXIAL_COS] * cos_b
+    z1 = s * d[D_AXIAL_COS] * sin_b
+    z2 = s * s * d[D_AXIAL_COS] * cos_b
+    return d[D_MASS] * (y1 * z2 - y * s * s * z1 - z1 * y2 - z * y3)

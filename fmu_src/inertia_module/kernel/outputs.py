@@ -92,6 +92,7 @@ def write_outputs(x, y):
     """Outputs and locals that stand in the state as they are."""
     y[Y_OMEGA2] = x[X_OMEGA2]
     y[Y_OMEGA_OUT] = x[X_OMEGA3] - x[X_RELATIVE]
+    y[Y_INPUT_SPEED] = x[X_OMEGA1]
     y[Y_OMEGA_HUB] = x[X_OMEGA3]
     y[Y_SHAFT_TWIST] = x[X_TWIST]
     y[Y_INPUT_TORQUE_MEAN] = x[X_INPUT_TORQUE_MEAN]

@@ -89,7 +89,7 @@ def try_steps(d, x, w, remaining, alpha2, momentum):
         # alpha1 times the integral of P is work, to be compared with the energy at these speeds
         ramp = inertia_scale(d) * fastest * fastest / abs(w[W_ALPHA1]) if w[W_ALPHA1] != 0.0 else 0.0
         tolerance = d[D_TOLERANCE]
-        error = error_norm(w, tolerance, tolerance * measure, tolerance * ramp) if measure > 0.0 else 0.0
+        error = error_norm(w, tolerance, tolerance * measure, W_MOMENTUM, tolerance * ramp) if measure > 0.0 else 0.0
         factor = LARGEST_FACTOR
         if not error < 1e300:
             factor = SMALLEST_FACTOR
@@ -101,6 +101,18 @@ def try_steps(d, x, w, remaining, alpha2, momentum):
             return change_q, change2, fastest
         h *= factor
     return 0.0, 0.0, -1.0
+
+
+def meet(d, x, which):
+    """Set the speeds exactly equal where free link 2 has met the output shaft."""
+    if which == LINK2:
+        if x[X_OMEGA3] < 0.0:
+            assign(x, X_OMEGA3, 0.0)
+    elif which == OUTPUT or x[X_OMEGA3] < x[X_OMEGA2]:
+        if d[D_HOUSING] != 0.0 and x[X_OMEGA3] < 0.0:
+            assign(x, X_OMEGA3, 0.0)
+        x[X_OMEGA2] = x[X_OMEGA3]
+        x[X_OMEGA2_LOW] = x[X_OMEGA3_LOW]
 
 
 def commit(d, x, w, passed, change_q, change2, which):
@@ -115,14 +127,7 @@ def commit(d, x, w, passed, change_q, change2, which):
         x[X_OMEGA3_LOW] = x[X_OMEGA2_LOW]
         return
     coast(d, x, w[W_LOAD], passed)
-    if which == LINK2:
-        if x[X_OMEGA3] < 0.0:
-            assign(x, X_OMEGA3, 0.0)
-    elif which == OUTPUT or x[X_OMEGA3] < x[X_OMEGA2]:
-        if d[D_HOUSING] != 0.0 and x[X_OMEGA3] < 0.0:
-            assign(x, X_OMEGA3, 0.0)
-        x[X_OMEGA2] = x[X_OMEGA3]
-        x[X_OMEGA2_LOW] = x[X_OMEGA3_LOW]
+    meet(d, x, which)
 
 
 def add_square(d, x, w, sigma):

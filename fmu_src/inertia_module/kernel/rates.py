@@ -20,12 +20,14 @@ def fastest_rate(p, d, x):
 
 
 def go_on(u, x):
-    """Inputs that go on from the end of the last step: no jump of the speed, the same slope and load."""
+    """Inputs that go on from the end of the last step: no jump of the speed, the same slope and torques."""
     u[U_OMEGA1] = x[X_OMEGA1]
     u[U_OMEGA1_RATE] = x[X_ALPHA1]
     u[U_OMEGA1_RATE_GIVEN] = 1.0
     u[U_LOAD_TORQUE] = x[X_LOAD_TORQUE]
     u[U_LOAD_TORQUE_RATE_GIVEN] = 0.0
+    u[U_DRIVE_TORQUE] = x[X_DRIVE_TORQUE]
+    u[U_DRIVE_TORQUE_RATE_GIVEN] = 0.0
 
 
 def copy(source, begin, target, to, size):

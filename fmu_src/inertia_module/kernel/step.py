@@ -13,26 +13,22 @@ from .elastic import advance_elastic, is_stiff, shaft_frequency
 from .held import advance_held
 from .impulse import jump_input, jump_kinematic
 from .kinematic import advance_kinematic
+from .limits import (
+    LARGEST_SPEED,
+    LARGEST_STEP,
+    LARGEST_TORQUE,
+    MAX_EVALUATIONS,
+    MAX_STEPS,
+    SMALLEST_SPEED,
+    STALLS_ALLOWED,
+    SWITCHES_ALLOWED,
+    SWITCHES_PER_PULSE,
+)
 from .outputs import shaft_load, stored_energy, write_late_outputs, write_outputs
 from .pulse import advance_moving
 from .slots import *
 from .timestepping import one_step, put_inertia, put_shaft, steps_in
-
-LARGEST_SPEED = 1e6
-LARGEST_TORQUE = 1e12
-# a slower input counts as none: its square is no normal double
-SMALLEST_SPEED = 1e-150
-LARGEST_STEP = 1e6
-# work one communication step may take before it is given up
-MAX_EVALUATIONS = 5e7
-# fixed steps one communication step may take
-MAX_STEPS = 1e7
-# contact switches per turn of the highest harmonic: a pulse has about four
-SWITCHES_PER_PULSE = 64.0
-SWITCHES_ALLOWED = 1000.0
-# events in a row that leave the mode as it was
-STALLS_ALLOWED = 100
-
+from .torque_drive import driven_mode, put_acceleration, run_driven
 
 def check_inputs(u):
     """Status of the inputs: finite and within what a drivetrain can mean."""
@@ -40,6 +36,8 @@ def check_inputs(u):
         return BAD_OMEGA1
     if not abs(u[U_LOAD_TORQUE]) <= LARGEST_TORQUE:
         return BAD_LOAD_TORQUE
+    if not abs(u[U_DRIVE_TORQUE]) <= LARGEST_TORQUE:
+        return BAD_DRIVE_TORQUE
     return OK
 
 
@@ -51,6 +49,9 @@ def check_rates(u, h):
     if u[U_LOAD_TORQUE_RATE_GIVEN] != 0.0:
         if not abs(u[U_LOAD_TORQUE] + u[U_LOAD_TORQUE_RATE] * h) <= LARGEST_TORQUE:
             return BAD_LOAD_TORQUE_RATE
+    if u[U_DRIVE_TORQUE_RATE_GIVEN] != 0.0:
+        if not abs(u[U_DRIVE_TORQUE] + u[U_DRIVE_TORQUE_RATE] * h) <= LARGEST_TORQUE:
+            return BAD_DRIVE_TORQUE_RATE
     return OK
 
 
@@ -74,7 +75,7 @@ def start(p, d, u, x, y):
         d: derived constants (D_SIZE), x: state (X_SIZE), y: outputs (Y_SIZE), all written.
 
     Returns:
-        Status: OK, one of derive's, BAD_OMEGA1 or BAD_LOAD_TORQUE.
+        Status: OK, one of derive's or of check_inputs.
     """
     status = check(p, d, u)
     if status != OK:
@@ -86,6 +87,7 @@ def start(p, d, u, x, y):
     x[X_OMEGA1] = input_speed(u)
     x[X_HELD_INPUT] = x[X_OMEGA1]
     x[X_LOAD_TORQUE] = u[U_LOAD_TORQUE]
+    x[X_DRIVE_TORQUE] = u[U_DRIVE_TORQUE]
     x[X_Q] = p[P_DRIVE_ANGLE_START]
     wrap_drive_angle(d, x)
     if p[P_FIDELITY] == KINEMATIC:
@@ -98,6 +100,9 @@ def start(p, d, u, x, y):
         if p[P_FIDELITY] == AVERAGED:
             set_link2(d, x, RESTING, -1.0, 0.0)
             x[X_STEP_SWITCHES] = 0.0
+        elif p[P_DRIVE] == DRIVE_TORQUE:
+            x[X_MODE] = driven_mode(p, d, x)
+            put_acceleration(p, d, x)
         else:
             x[X_MODE] = present_mode(p, d, x, x[X_OMEGA1])
     x[X_ENERGY_START] = stored_energy(p, d, x)
@@ -119,17 +124,21 @@ def extrapolate_input(p, u, x, h):
     return alpha1, omega1 - x[X_OMEGA1]
 
 
-def mean_load(u, h):
-    """Mean of the load over the coming step: with its rate given, the load at the middle."""
-    load = u[U_LOAD_TORQUE]
-    return load + 0.5 * h * u[U_LOAD_TORQUE_RATE] if u[U_LOAD_TORQUE_RATE_GIVEN] != 0.0 else load
-
-
 def begin(p, u, x, h):
-    """Take the inputs of the coming step and clear its sums. Returns the jump of omega1."""
-    alpha1, jump = extrapolate_input(p, u, x, h)
-    x[X_ALPHA1] = alpha1
-    x[X_LOAD_TORQUE] = mean_load(u, h)
+    """Take the inputs of the coming step and clear its sums. Returns the jump of omega1.
+
+    A torque counts by its mean over the step: with its rate given, that at the middle.
+    """
+    jump = 0.0
+    if p[P_DRIVE] == DRIVE_SPEED:
+        alpha1, jump = extrapolate_input(p, u, x, h)
+        x[X_ALPHA1] = alpha1
+    x[X_LOAD_TORQUE] = u[U_LOAD_TORQUE]
+    if u[U_LOAD_TORQUE_RATE_GIVEN] != 0.0:
+        x[X_LOAD_TORQUE] += 0.5 * h * u[U_LOAD_TORQUE_RATE]
+    x[X_DRIVE_TORQUE] = u[U_DRIVE_TORQUE]
+    if u[U_DRIVE_TORQUE_RATE_GIVEN] != 0.0:
+        x[X_DRIVE_TORQUE] += 0.5 * h * u[U_DRIVE_TORQUE_RATE]
     x[X_INPUT_IMPULSE] = 0.0
     x[X_OUTPUT_IMPULSE] = 0.0
     x[X_OUTPUT_SQUARE] = 0.0
@@ -233,11 +242,15 @@ def run_kinematic(p, d, x, h):
     return OK
 
 
-def end(x, h, input_jump, output_jump):
-    """Means over the step, all impulses included, and the angle of link 1."""
+def turn_input(x, h):
+    """Angle and speed of link 1 at the end of the step, its speed given."""
     add(x, X_THETA1, h * (x[X_OMEGA1] + 0.5 * x[X_ALPHA1] * h))
     wrap_input_angle(x)
     x[X_OMEGA1] += x[X_ALPHA1] * h
+
+
+def end(x, h, input_jump, output_jump):
+    """Means over the step, all impulses included."""
     x[X_INPUT_TORQUE_MEAN] = (input_jump + x[X_INPUT_IMPULSE]) / h
     x[X_OUTPUT_TORQUE_MEAN] = (output_jump + x[X_OUTPUT_IMPULSE]) / h
     mean = x[X_OUTPUT_IMPULSE] / h
@@ -250,10 +263,44 @@ def end(x, h, input_jump, output_jump):
 def is_finite(x):
     """Whether the motion, its energies and its means are: all else follows from them."""
     motion = (abs(x[X_Q]) + abs(x[X_THETA1])) + (abs(x[X_OMEGA2]) + abs(x[X_OMEGA3]))
-    shaft = abs(x[X_RELATIVE]) + abs(x[X_TWIST])
+    shaft = (abs(x[X_RELATIVE]) + abs(x[X_TWIST])) + abs(x[X_OMEGA1])
     energies = (abs(x[X_ENERGY_IN]) + abs(x[X_ENERGY_OUT])) + abs(x[X_ENERGY_LOST])
     means = abs(x[X_INPUT_TORQUE_MEAN]) + (abs(x[X_OUTPUT_TORQUE_MEAN]) + abs(x[X_TORQUE_RIPPLE]))
     return (motion + shaft) + (energies + means) < 1e300
+
+
+def run_at_speed(p, d, u, x, w, h, jump):
+    """Advance by h with the speed of link 1 given, after a jump of it. Returns a status."""
+    input_jump = 0.0
+    output_jump = 0.0
+    if p[P_FIDELITY] == KINEMATIC:
+        if jump != 0.0:
+            input_jump, output_jump = jump_kinematic(d, x, jump, p[P_KINEMATIC_RATIO])
+        status = run_kinematic(p, d, x, h)
+    elif p[P_FIDELITY] == AVERAGED:
+        if jump != 0.0:
+            if takes_up_jump(d, x, jump, h):
+                x[X_ALPHA1] += jump / h
+            else:
+                input_jump = jump_averaged(d, x, jump)
+        status = run_averaged(d, x, w, h)
+    else:
+        if jump != 0.0:
+            stiff = p[P_FIDELITY] == ELASTIC and is_stiff(d, x, u[U_OMEGA1])
+            input_jump, output_jump = jump_input(p, d, x, jump, stiff)
+        status = run_timestepping(p, d, x, w, h) if p[P_METHOD] == TIMESTEPPING else run_events(p, d, x, w, h)
+    if status == OK:
+        turn_input(x, h)
+        end(x, h, input_jump, output_jump)
+    return status
+
+
+def run_by_torque(p, d, x, w, h):
+    """Advance by h with the torque on link 1 given. Returns a status."""
+    status = run_driven(p, d, x, w, h)
+    if status == OK:
+        end(x, h, 0.0, 0.0)
+    return status
 
 
 def advance(p, d, u, x, y, w, h, late):
@@ -276,28 +323,12 @@ def advance(p, d, u, x, y, w, h, late):
     for n in range(X_SIZE):
         w[W_STATE + n] = x[n]
     jump = begin(p, u, x, h)
-    input_jump = 0.0
-    output_jump = 0.0
-    if p[P_FIDELITY] == KINEMATIC:
-        if jump != 0.0:
-            input_jump, output_jump = jump_kinematic(d, x, jump, p[P_KINEMATIC_RATIO])
-        status = run_kinematic(p, d, x, h)
-    elif p[P_FIDELITY] == AVERAGED:
-        if jump != 0.0:
-            if takes_up_jump(d, x, jump, h):
-                x[X_ALPHA1] += jump / h
-            else:
-                input_jump = jump_averaged(d, x, jump)
-        status = run_averaged(d, x, w, h)
+    if p[P_DRIVE] == DRIVE_SPEED:
+        status = run_at_speed(p, d, u, x, w, h, jump)
     else:
-        if jump != 0.0:
-            stiff = p[P_FIDELITY] == ELASTIC and is_stiff(d, x, u[U_OMEGA1])
-            input_jump, output_jump = jump_input(p, d, x, jump, stiff)
-        status = run_timestepping(p, d, x, w, h) if p[P_METHOD] == TIMESTEPPING else run_events(p, d, x, w, h)
-    if status == OK:
-        end(x, h, input_jump, output_jump)
-        if not is_finite(x):
-            status = NOT_FINITE
+        status = run_by_torque(p, d, x, w, h)
+    if status == OK and not is_finite(x):
+        status = NOT_FINITE
     if status != OK:
         for n in range(X_SIZE):
             x[n] = w[W_STATE + n]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Sequence
 
-from ...kernel import step
+from ...kernel import limits
 from . import bounds
 from .axes import AXES
 from .case import RUNGS
@@ -145,7 +145,7 @@ def stability_page(rows: Sequence[Row]) -> str:
             order=bounds.WORK_ORDER,
             fixed_work=bounds.FIXED_STEP_WORK,
             fixed_phase=FIXED_PHASE,
-            most=step.MAX_EVALUATIONS,
+            most=limits.MAX_EVALUATIONS,
         ),
         "## The verdicts, counted\n",
         f"| rung | {' | '.join(words)} |",

@@ -1,0 +1,70 @@
+"""A step with the input torque given: omega1 is a state, so link 1 carries the inertia of what drives it."""
+
+from .accumulate import later, wrap_drive_angle
+from .limits import MAX_EVALUATIONS, STALLS_ALLOWED, SWITCHES_ALLOWED, SWITCHES_PER_PULSE
+from .outputs import shaft_load
+from .slots import *
+from .torque_contact import select_driven_mode
+from .torque_dynamics import acceleration
+from .torque_pulse import advance_driven
+from .torque_stages import is_held
+
+
+def driven_mode(p, d, x):
+    """Contact mode of the state in x."""
+    load, rate = shaft_load(p, d, x)
+    omega1, omega2, omega3 = x[X_OMEGA1], x[X_OMEGA2], x[X_OMEGA3]
+    return select_driven_mode(d, x[X_Q], omega1, omega2, omega3, x[X_DRIVE_TORQUE], load, rate)
+
+
+def put_acceleration(p, d, x):
+    """Acceleration of link 1 in the present mode: the torques follow from it."""
+    load, _ = shaft_load(p, d, x)
+    driving = x[X_MODE] == DRIVING
+    inertia = d[D_J3] if driving else 0.0
+    omega1, omega2, torque = x[X_OMEGA1], x[X_OMEGA2], x[X_DRIVE_TORQUE]
+    x[X_ALPHA1], _ = acceleration(
+        d, x[X_Q], omega1, omega2, torque, is_held(x), inertia, load if driving else 0.0
+    )
+
+
+def choose_mode(p, d, x):
+    """Choose the contact mode anew and count a switch if it is another."""
+    mode = driven_mode(p, d, x)
+    if mode != x[X_MODE]:
+        x[X_MODE] = mode
+        x[X_STEP_SWITCHES] += 1.0
+
+
+def run_driven(p, d, x, w, h):
+    """Advance all by h from event to event. Returns a status."""
+    w[W_DRIVE_TORQUE] = x[X_DRIVE_TORQUE]
+    time = 0.0
+    low = 0.0
+    travel = 0.0
+    stalls = 0
+    choose_mode(p, d, x)
+    while time < h:
+        remaining = (h - time) - low
+        mode = x[X_MODE]
+        slip = abs(x[X_OMEGA1]) + abs(x[X_OMEGA2])
+        passed, event = advance_driven(d, x, w, x[X_LOAD_TORQUE], remaining)
+        if passed < 0.0:
+            return STEP_TOO_SMALL
+        travel += passed * d[D_K] * (slip + abs(x[X_OMEGA1]) + abs(x[X_OMEGA2]))
+        wrap_drive_angle(d, x)
+        if passed >= remaining:
+            time = h
+        else:
+            time, low = later(time, low, passed)
+        if event:
+            choose_mode(p, d, x)
+            stalls = stalls + 1 if x[X_MODE] == mode else 0
+            if stalls > STALLS_ALLOWED:
+                return TOO_MANY_SWITCHES
+            if x[X_STEP_SWITCHES] > SWITCHES_ALLOWED + SWITCHES_PER_PULSE * d[D_HARMONIC] * travel:
+                return TOO_MANY_SWITCHES
+        if x[X_STEP_EVALUATIONS] > MAX_EVALUATIONS:
+            return TOO_MUCH_WORK
+    put_acceleration(p, d, x)
+    return OK
