@@ -28,7 +28,9 @@ from .outputs import shaft_load, stored_energy, write_late_outputs, write_output
 from .pulse import advance_moving
 from .slots import *
 from .timestepping import one_step, put_inertia, put_shaft, steps_in
-from .torque_drive import driven_mode, put_acceleration, run_driven
+from .torque_average import driven_mean, run_driven_averaged
+from .torque_drive import driven_mode, put_acceleration, run_driven, run_driven_timestepping
+
 
 def check_inputs(u):
     """Status of the inputs: finite and within what a drivetrain can mean."""
@@ -99,6 +101,8 @@ def start(p, d, u, x, y):
         x[X_OMEGA3] = p[P_OMEGA_OUT_START]
         if p[P_FIDELITY] == AVERAGED:
             set_link2(d, x, RESTING, -1.0, 0.0)
+            if p[P_DRIVE] == DRIVE_TORQUE:
+                x[X_ALPHA1], _ = driven_mean(d, x)
             x[X_STEP_SWITCHES] = 0.0
         elif p[P_DRIVE] == DRIVE_TORQUE:
             x[X_MODE] = driven_mode(p, d, x)
@@ -297,7 +301,12 @@ def run_at_speed(p, d, u, x, w, h, jump):
 
 def run_by_torque(p, d, x, w, h):
     """Advance by h with the torque on link 1 given. Returns a status."""
-    status = run_driven(p, d, x, w, h)
+    if p[P_FIDELITY] == AVERAGED:
+        status = run_driven_averaged(d, x, w, h)
+    elif p[P_METHOD] == TIMESTEPPING:
+        status = run_driven_timestepping(p, d, x, w, h)
+    else:
+        status = run_driven(p, d, x, w, h)
     if status == OK:
         end(x, h, 0.0, 0.0)
     return status
