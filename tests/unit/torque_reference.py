@@ -1,4 +1,4 @@
-"""Links 1, 2 and the output shaft by SciPy with the input torque given: Lagrange, contacts as constraints.
+"""All links by SciPy with the input torque given: Lagrange, contacts as constraints, the shaft rigid or elastic.
 
 The masses come from positions by rotation matrices, the contact torques as multipliers; nothing of the
 kernel takes part.
@@ -12,8 +12,12 @@ from scenes import parameters
 from scipy.integrate import solve_ivp
 
 POINTS = 256
-# relative velocity of each freewheel, of (omega1, omega2, omega3): it is never negative
-GAPS = np.array([[0.0, 1.0, 0.0], [0.0, -1.0, 1.0]])
+ELASTIC = 3
+# relative velocity of each freewheel, of (omega1, omega2, omega3, omega4): it is never negative
+GAPS = np.array([[0.0, 1.0, 0.0, 0.0], [0.0, -1.0, 1.0, 0.0]])
+# where the speeds begin
+SPEEDS = 3
+LINK2, SHAFT = SPEEDS + 1, SPEEDS + 2
 HOUSING, OUTPUT = 0, 1
 
 
@@ -21,7 +25,7 @@ class TorqueDriven:
     """A module with constant torques at both ends.
 
     Attributes:
-        y: q, omega1, omega2, omega3 and the angle of link 1, none of them wrapped.
+        y: q, the angle of link 1, the twist of the shaft, omega1 to omega3 and, elastic, omega4.
         closed: freewheels that hold now.
     """
 
@@ -30,7 +34,13 @@ class TorqueDriven:
         self.torque, self.load = p.pop("drive_torque"), p.pop("load_torque")
         self.tolerance = tolerance
         self.k = ratio(p)
-        self.rigid = np.diag([p["input_inertia"], p["link2_inertia"], p["output_inertia"]])
+        self.elastic = p["fidelity"] == ELASTIC
+        links = ["input_inertia", "link2_inertia", "output_inertia", "driven_inertia"]
+        self.links = len(links) if self.elastic else len(links) - 1
+        self.rigid = np.diag([p[name] for name in links[: self.links]])
+        self.gaps = GAPS[:, : self.links]
+        if self.elastic:
+            self.rigid[3, 2] = -p["balancer"] * p["driven_inertia"]
         turns = 1 if p["layout"] else p["z6"] // math.gcd(p["z17"], p["z6"])
         samples = np.array(
             [direct_sums(p, 2.0 * np.pi * turns * n / POINTS)[[0, 3, 5]] for n in range(POINTS)]
@@ -39,36 +49,43 @@ class TorqueDriven:
         orders = np.fft.fftfreq(POINTS, 1.0 / POINTS) / turns
         large = np.abs(terms).max(axis=1) > 1e-15 * np.abs(terms).max()
         self.orders, self.terms = orders[large], terms[large].T
-        self.y = np.array(
-            [p["drive_angle_start"], p.pop("omega1"), p["omega2_start"], p["omega_out_start"], 0.0]
-        )
+        speeds = [p.pop("omega1"), p["omega2_start"], p["omega_out_start"], p["omega_out_start"]]
+        self.y = np.array([p["drive_angle_start"], 0.0, 0.0, *speeds[: self.links]])
         self.there = [p["housing_freewheel"], p["output_freewheel"]]
         self.closed = self.first_contacts()
 
     def masses(self, q):
-        """Mass matrix of (omega1, omega2, omega3) without the inertias of the links, and its slope in q."""
+        """Mass matrix of links 1 and 2 without their own inertias, and its slope in q."""
         k = self.k
         waves = np.exp(1j * self.orders * q)
         found = []
         for i, b, g in ((self.terms @ waves).real, (self.terms @ (1j * self.orders * waves)).real):
             coupling = -k * (b + k * g)
-            found.append(
-                np.array([[i + 2.0 * k * b + k * k * g, coupling, 0], [coupling, k * k * g, 0], [0] * 3])
-            )
+            found.append(np.array([[i + 2.0 * k * b + k * k * g, coupling], [coupling, k * k * g]]))
         return found
 
+    def outer_torques(self, y):
+        """Torques on all links that the freewheels do not give."""
+        if not self.elastic:
+            return np.array([self.torque, 0.0, -self.load])
+        p, (hub, driven) = self.p, y[-2:]
+        shaft = p["shaft_stiffness"] * y[2] + p["shaft_damping"] * (hub - driven)
+        return np.array([self.torque, 0.0, -shaft, shaft - p["driven_friction"] * driven - self.load])
+
     def solve(self, y, closed):
-        """(accelerations of links 1, 2 and the shaft, torques of the closed contacts)."""
-        w = y[1:4]
-        mass, slope = self.masses(y[0])
-        rate = self.k * (w[0] - w[1])
-        force = 0.5 * self.k * (w @ slope @ w) * np.array([1.0, -1.0, 0.0]) - rate * slope @ w
-        force += [self.torque, 0.0, -self.load]
-        held = GAPS[list(closed)]
+        """(accelerations of all links, torques of the closed contacts)."""
+        w = y[SPEEDS : SPEEDS + 2]
+        own, slope = self.masses(y[0])
+        mass, force = self.rigid.copy(), self.outer_torques(y)
+        mass[:2, :2] += own
+        force[:2] += (
+            0.5 * self.k * (w @ slope @ w) * np.array([1.0, -1.0]) - self.k * (w[0] - w[1]) * slope @ w
+        )
+        held = self.gaps[list(closed)]
         count = len(held)
-        matrix = np.block([[self.rigid + mass, -held.T], [held, np.zeros((count, count))]])
+        matrix = np.block([[mass, -held.T], [held, np.zeros((count, count))]])
         found = np.linalg.solve(matrix, [*force, *[0.0] * count])
-        return found[:3], dict(zip(closed, found[3:], strict=True))
+        return found[: self.links], dict(zip(closed, found[self.links :], strict=True))
 
     def first_contacts(self):
         """What touches at the start and is pushed together."""
@@ -83,10 +100,12 @@ class TorqueDriven:
     def is_open(self, n):
         if n == OUTPUT and not self.there[n]:
             return False
-        return not self.there[n] or GAPS[n] @ self.y[1:4] != 0.0
+        return not self.there[n] or self.gaps[n] @ self.y[SPEEDS:] != 0.0
 
     def rates(self, _, y):
-        return [self.k * (y[1] - y[2]), *self.solve(y, self.closed)[0], y[1]]
+        w = y[SPEEDS:]
+        twisting = w[2] - w[3] if self.elastic else 0.0
+        return [self.k * (w[0] - w[1]), w[0], twisting, *self.solve(y, self.closed)[0]]
 
     def guards(self):
         """For each freewheel what falls through zero when it opens or closes."""
@@ -96,7 +115,7 @@ class TorqueDriven:
             def falls(_, y, n=n):
                 if not self.there[n]:
                     return 1.0
-                return self.solve(y, self.closed)[1][n] if n in self.closed else GAPS[n] @ y[1:4]
+                return self.solve(y, self.closed)[1][n] if n in self.closed else self.gaps[n] @ y[SPEEDS:]
 
             falls.terminal, falls.direction = True, -1
             found.append(falls)
@@ -126,7 +145,7 @@ class TorqueDriven:
                 continue
             self.closed = sorted([*self.closed, which])
             if HOUSING in self.closed:
-                self.y[2] = 0.0
+                self.y[LINK2] = 0.0
             if OUTPUT in self.closed:
-                self.y[3] = self.y[2] if HOUSING in self.closed else self.y[3]
-                self.y[2] = self.y[3]
+                slower = LINK2 if HOUSING in self.closed else SHAFT
+                self.y[[LINK2, SHAFT]] = self.y[slower]
