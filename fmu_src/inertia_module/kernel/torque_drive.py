@@ -6,6 +6,7 @@ from .limits import MAX_EVALUATIONS, MAX_STEPS, STALLS_ALLOWED, SWITCHES_ALLOWED
 from .outputs import shaft_load
 from .slots import *
 from .timestepping import put_shaft, steps_in
+from .torque_average import run_driven_averaged
 from .torque_contact import select_driven_mode
 from .torque_dynamics import acceleration
 from .torque_elastic import advance_driven_elastic
@@ -93,3 +94,12 @@ def run_driven(p, d, x, w, h):
             return TOO_MUCH_WORK
     put_acceleration(p, d, x)
     return OK
+
+
+def run_by_torque(p, d, x, w, h):
+    """Advance by h with the torque on link 1 given. Returns a status."""
+    if p[P_FIDELITY] == AVERAGED:
+        return run_driven_averaged(d, x, w, h)
+    if p[P_METHOD] == TIMESTEPPING:
+        return run_driven_timestepping(p, d, x, w, h)
+    return run_driven(p, d, x, w, h)

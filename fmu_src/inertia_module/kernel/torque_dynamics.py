@@ -93,7 +93,7 @@ def acceleration_and_jerk(d, q, omega1, omega2, torque, held, shaft_inertia, sha
 
 
 def seen_inertia(d, q):
-    """J2 + k^2 G - N^2 / Phi: what link 2 turns besides itself while link 1 is free under its torque, kg m^2."""
+    """J2 + k^2 G - N^2 / Phi: inertia of link 2 while link 1 is free under its torque, kg m^2."""
     i, _, _, b, _, g, _, _ = reduced_inertia(d, q)
     k = d[D_K]
     link1 = d[D_J1] + i

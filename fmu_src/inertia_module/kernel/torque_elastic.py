@@ -1,4 +1,4 @@
-"""Fidelity `elastic` where the input torque is given: link 1 takes part in the collocation of :mod:`.elastic`."""
+"""Fidelity `elastic` where the input torque is given: link 1 is in the collocation of :mod:`.elastic`."""
 
 from .accumulate import add, wrap_input_angle
 from .elastic import commit, end_at_event, fastest_speed, try_steps

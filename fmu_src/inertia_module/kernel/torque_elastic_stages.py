@@ -86,7 +86,7 @@ def put_link_equations(d, w, h, i, carried):
 
 
 def put_updates(w, held):
-    """Solve the linear equations: the update of the rates of omega2 at W_RIGHT_SIDE, of omega1 at W_LINK_UPDATE."""
+    """Solve for the updates of the rates: of omega2 at W_RIGHT_SIDE, of omega1 at W_LINK_UPDATE."""
     eliminate(w, W_JACOBIAN, STAGES + 1, W_LINK_COLUMNS)
     if held:
         for i in range(STAGES):
@@ -121,7 +121,7 @@ def put_release(d, x, w):
 
 
 def solve_links(d, x, w, h, carried):
-    """Newton's method for the rates of both speeds, link 2 carrying the inertia carried. Whether it converged."""
+    """Newton's method for the rates of both speeds, link 2 carrying an inertia. Whether it converged."""
     held = is_held(x)
     fastest = max(abs(x[X_OMEGA1]), abs(x[X_OMEGA2]))
     natural = d[D_HARMONIC] * d[D_K] * fastest * fastest

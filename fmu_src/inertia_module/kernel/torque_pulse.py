@@ -138,7 +138,7 @@ def first_event(d, x, w, phase, fastest, motion, motion_end):
 
 
 def commit(d, x, w, passed, sigma, which):
-    """Take the step or its part sigma over, with its works; a velocity that has met its limit is set there."""
+    """Take the step or its part sigma over, with its works; a velocity that met its limit is set there."""
     torque = w[W_DRIVE_TORQUE]
     load = w[W_LOAD]
     start2 = x[X_OMEGA2]
