@@ -59,16 +59,16 @@ def driven_step(p, d, x, w, torque, load, h):
         square = (momentum * momentum + momentum * end_momentum + end_momentum * end_momentum) / 3.0
         middle = 0.5 * (root + end_root)
         push = h * (torque * (1.0 - 0.5 * (share + end_share)) - 0.5 * square * slope)
-        free_slip = (root * slip + push / middle) / end_root
-        # what an impulse on link 2 takes from the slip and gives to omega2
-        lead = end_share / (middle * end_root)
-        compliance = 1.0 / end_total + end_share * lead
-        free2 = free_momentum / end_total - end_share * free_slip
+        # middle end_root slip = free_push - c (Ph - Pc), and not divided by mu, which may vanish
+        free_push = middle * root * slip + push
+        own = middle * end_root
+        weight = own + end_share * end_share * end_total
+        lead = end_share * end_total / weight
         end2, end3, clutch, housing, mode = settle(
-            d, 1.0 / compliance, free2 / compliance, inertia3, momentum3
+            d, own * end_total / weight, own * free_momentum / weight - lead * free_push, inertia3, momentum3
         )
         end_momentum = free_momentum + housing - clutch
-        end_slip = free_slip - lead * (housing - clutch)
+        end_slip = (free_push + end_share * (free_momentum - end_total * end2)) / weight
     end1 = end2 + end_slip
     turned1 = 0.5 * h * (begin1 + end1)
     add(x, X_Q, 0.5 * k * h * (slip + end_slip))
@@ -76,7 +76,6 @@ def driven_step(p, d, x, w, torque, load, h):
     add(x, X_THETA1, turned1)
     wrap_input_angle(x)
     put_slip_inertia(d, x, w)
-    x[X_INPUT_IMPULSE] += torque * h
     add(x, X_ENERGY_IN, torque * turned1)
     x[X_OUTPUT_IMPULSE] += clutch
     x[X_OUTPUT_SQUARE] += clutch * clutch / h
