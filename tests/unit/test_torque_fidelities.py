@@ -1,4 +1,4 @@
-"""A torque drives link 1 in every fidelity and method: each against a reference, and what all have in common."""
+"""A torque drives link 1 in every fidelity and method: each against a reference, and what they share."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""All links by SciPy with the input torque given: Lagrange, contacts as constraints, the shaft rigid or elastic.
+"""All links by SciPy under a given input torque: Lagrange, contacts as constraints, shaft rigid or elastic.
 
 The masses come from positions by rotation matrices, the contact torques as multipliers; nothing of the
 kernel takes part.

@@ -95,7 +95,7 @@ def run_driven(p, d, x, w, h):
         if event:
             choose_mode(p, d, x, TORQUE_ROUNDING)
             if x[X_MODE] == mode:
-                # a rate too slow to be waited for, then the sign alone decides; or the inside of a coarse step
+                # a rate too slow to be waited for: the sign alone decides; or a coarse step: a shorter one
                 choose_mode(p, d, x, 0.0)
                 x[X_STEP_SIZE] *= STALLED
             stalls = stalls + 1 if x[X_MODE] == mode else 0
