@@ -38,7 +38,8 @@ _GIVEN_UP = "communication step = {step} s is given up: "
 
 def not_finite(*inputs: Variable) -> str:
     """Sentence for a motion that overflows with these inputs."""
-    listed = " and ".join(f"{named(variable.name)} {variable.unit}" for variable in inputs)
+    *others, last = (f"{named(variable.name)} {variable.unit}" for variable in inputs)
+    listed = f"{', '.join(others)} and {last}"
     return (
         f"{_GIVEN_UP}the motion leaves the range of doubles with {listed}; allowed is what stays below 1e300"
     )
