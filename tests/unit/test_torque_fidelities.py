@@ -82,8 +82,10 @@ def test_timestepping_comes_to_the_course_between_events_as_its_steps_shrink(sce
     for step in (1e-3, 2.5e-4, 6.25e-5):
         module = advanced(started("auto", values, method=1, max_step=step), 0.1)
         errors.append(max(abs(module[name] - exact[name]) for name in ("input_speed", "omega_out")))
-    assert errors[1] < 0.5 * errors[0]
-    assert errors[2] < 0.5 * errors[1]
+    # of order 2; of order 1 in single speeds, where the moment of a switch counts
+    falls = 0.5 if freewheels == "both freewheels" else 0.08
+    assert errors[1] < falls * errors[0]
+    assert errors[2] < falls * errors[1]
     assert errors[2] < 1e-3 * exact["input_speed"]
 
 

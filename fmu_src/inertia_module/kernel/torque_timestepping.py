@@ -59,16 +59,20 @@ def driven_step(p, d, x, w, torque, load, h):
         square = (momentum * momentum + momentum * end_momentum + end_momentum * end_momentum) / 3.0
         middle = 0.5 * (root + end_root)
         push = h * (torque * (1.0 - 0.5 * (share + end_share)) - 0.5 * square * slope)
-        # middle end_root slip = free_push - c (Ph - Pc), and not divided by mu, which may vanish
+        # middle end_root slip = free_push - c (Ph - Pc), c of the middle, and not divided by mu, which may vanish
         free_push = middle * root * slip + push
         own = middle * end_root
-        weight = own + end_share * end_share * end_total
+        # impulses act in the middle of the step, unless c changes its sign on the way
+        mean_share = 0.5 * (share + end_share)
+        if mean_share * end_share < 0.0:
+            mean_share = end_share
+        weight = own + mean_share * end_share * end_total
         lead = end_share * end_total / weight
         end2, end3, clutch, housing, mode = settle(
             d, own * end_total / weight, own * free_momentum / weight - lead * free_push, inertia3, momentum3
         )
         end_momentum = free_momentum + housing - clutch
-        end_slip = (free_push + end_share * (free_momentum - end_total * end2)) / weight
+        end_slip = (free_push + mean_share * (free_momentum - end_total * end2)) / weight
     end1 = end2 + end_slip
     turned1 = 0.5 * h * (begin1 + end1)
     add(x, X_Q, 0.5 * k * h * (slip + end_slip))
