@@ -105,7 +105,7 @@ def test_interface_inertia_is_that_of_a_rolling_satellite():
 def test_the_converged_coupling_and_the_one_piece_reference_agree(fmu_path, reference, make):
     case = make(1.0)
     expected = reference(case)
-    found, ledger, word = course(case, CONVERGED, fixed(1e-4), fmu_path, 1e-10)
+    found, ledger, word, _ = course(case, CONVERGED, fixed(1e-4), fmu_path, 1e-10)
     assert word == "stable"
     assert np.abs(found.omega1 - expected.omega1).max() < 3e-5 * case.speed
     assert np.abs(found.omega_out - expected.omega_out).max() < 3e-5 * expected.omega_out.max()
