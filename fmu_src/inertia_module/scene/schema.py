@@ -15,10 +15,10 @@ from ..kernel.slots import ELASTIC
 from ..module import Module, Refused
 from ..variables import BY_NAME, LARGEST_STEP, LOCAL, OUTPUT, with_causality
 from .controllers import SPEED_UNITS, VEHICLE_SPEED, CycleReference, PiController, measured_speed
-from .drives import ControlledDrive, Drive
+from .drives import ControlledDrive, Drive, check_drive, drive_parameter
 from .errors import SceneError, one_line
 from .loads import Load
-from .mechanism import AUTO, FIDELITY, Mechanism, at_fidelity, is_auto, parameters
+from .mechanism import AUTO, DRIVE, FIDELITY, Mechanism, at_fidelity, is_auto, parameters
 from .tables import Duration, Strict
 from .units import quantity
 
@@ -110,8 +110,7 @@ class Scene(Strict):
         yield load
         if self.controller is not None:
             yield from self.controller.build(step, self.measured)
-        elif not isinstance(self.drive, ControlledDrive):
-            yield loops.source("omega1", self.drive.signal(), step)
+        yield from self.drive.systems(step)
         braked = self.controller is not None and self.controller.brake is not None
         if "brake_force" in load.input_labels and not braked:
             yield loops.source("brake_force", 0.0, step)
@@ -164,8 +163,8 @@ class Scene(Strict):
         return "driven_inertia" if elastic else "output_inertia"
 
     def parameters(self) -> dict[str, float]:
-        """Parameters for the FMU; the inertia of a rigidly coupled load is in that which it hangs on."""
-        values = parameters(self.mechanism)
+        """Parameters for the FMU, that of the drive too; a load coupled rigidly is in what it hangs on."""
+        values = {**parameters(self.mechanism), **drive_parameter(self.drive)}
         rigid = self.build_load().rigid_inertia
         return {**values, self._carrying: self._shaft_inertia() + rigid} if rigid else values
 
@@ -178,6 +177,11 @@ class Scene(Strict):
             raise SceneError(
                 f"drive.kind = {self.drive.kind!r} is refused: allowed with a [controller] is 'controlled'"
             )
+        return self
+
+    @model_validator(mode="after")
+    def _drive_of_the_mechanism(self) -> Scene:
+        check_drive(self.drive, parameters(self.mechanism).get(DRIVE))
         return self
 
     @model_validator(mode="after")

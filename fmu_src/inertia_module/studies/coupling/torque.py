@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 import statistics
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,7 +12,7 @@ from ...cosimulation import SCHEMES
 from ...drive import Progress
 from .case import CASES, CoupledCase
 from .monolithic import Course, Monolith
-from .trial import Run, Trial, compared, course, fixed
+from .trial import STABLE, Run, Trial, compared, course, fixed
 
 TORQUE = "torque-driven"
 RATIOS = (0.1, 0.3, 0.5, 1.0, 2.0, 5.0)
@@ -29,6 +30,7 @@ class TorqueTrial(Trial):
     """A trial, and what Trial does not tell of it.
 
     Attributes:
+        All are NaN where the run is unstable.
         work_error: of the work of the engine, relative to that of the reference.
         milliseconds: that a simulated second takes, median over the repeats.
         cost_ratio: median over the repeats of that time over the time of the module driven by torque with a
@@ -53,11 +55,12 @@ def _row(case: CoupledCase, key: Key, runs: dict[Key, list[Run]], reference: Cou
     mine, basic = ([run.seconds for run in runs[which]] for which in (key, base))
     ratios = [a / b for a, b in zip(mine, basic, strict=True)]
     run = runs[key][0]
+    stable = run.word == STABLE
     return TorqueTrial(
         **dataclasses.asdict(compared(case, *key, run, reference)),
-        work_error=run.course.work / reference.work - 1.0,
-        milliseconds=1e3 * statistics.median(mine) / case.stop_time,
-        cost_ratio=statistics.median(ratios),
+        work_error=run.course.work / reference.work - 1.0 if stable else math.nan,
+        milliseconds=1e3 * statistics.median(mine) / case.stop_time if stable else math.nan,
+        cost_ratio=statistics.median(ratios) if stable else math.nan,
     )
 
 
