@@ -104,7 +104,7 @@ def test_what_cannot_be_is_one_line(old, new, words):
 def test_a_drive_of_speed_refuses_a_module_that_takes_torque():
     text = SCENE.replace(DRIVE, 'kind = "constant"\nomega1 = 10')
     with pytest.raises(
-        SceneError, match="'torque' is refused with drive.kind = 'constant': allowed is 'speed'"
+        SceneError, match=r"'torque' is refused with drive.kind = 'constant': allowed is 'speed'"
     ):
         read(text.replace("input_inertia = 0.2", 'drive = "torque"'))
 
