@@ -21,6 +21,7 @@ RUNGS = {
     "kinematic": {"fidelity": 0, "kinematic_ratio": 0.3},
     "averaged": {"fidelity": 1},
     "rigid event": {"fidelity": 2},
+    "rigid event, by torque": {"fidelity": 2, "drive": 1, "input_inertia": 0.3},
     "rigid timestepping": {"fidelity": 2, "method": 1, "max_step": 1e-3},
     "elastic event": {"fidelity": 3, **ELASTIC},
     "elastic timestepping": {"fidelity": 3, "method": 1, "max_step": 1e-3, **ELASTIC},
@@ -35,11 +36,13 @@ def python_twin(built, tmp_path_factory):
 
 
 def driven(instance, settings):
-    """All values at the start and after each of some uneven steps, with speed and load that change."""
-    instance.start(tolerance=1e-8, omega1=100.0, load_torque=10.0, **settings)
+    """All values at the start and after each of some uneven steps, with inputs that change."""
+    instance.start(tolerance=1e-8, omega1=100.0, load_torque=10.0, drive_torque=30.0, **settings)
     rows = [instance.all_values()]
     for n in range(12):
-        instance.set(omega1=100.0 + 6.0 * (n % 4), load_torque=10.0 - 1.5 * n)
+        instance.set(
+            omega1=100.0 + 6.0 * (n % 4), load_torque=10.0 - 1.5 * n, drive_torque=30.0 - 25.0 * (n % 3)
+        )
         instance.step(0.004 + 0.007 * (n % 3))
         rows.append(instance.all_values())
     return rows
