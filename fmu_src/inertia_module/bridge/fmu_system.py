@@ -7,8 +7,8 @@ where the motion is now: they are part of the state. Two states are to be had.
 **motion.** A few named numbers: what the motion is (`omega_out`; for fidelity rigid `drive_angle`,
 `omega2` and `omega_out`; for DrivenShaft `omega_out` and `twist`), the speed the input was left at
 (a new one is a jump, and a jump is an impulse), and the outputs of the last step. Every update starts the FMU
-anew from these, through its start parameters: nothing outside of them can matter. A module driven by torque has
-`input_speed` among its motion in the place of the speed the input was left at. It is the state for
+anew from these, through its start parameters: nothing outside of them can matter. A module driven by torque
+has `input_speed` among its motion in the place of the speed the input was left at. It is the state for
 find_operating_point and linearize. Against stepping on, a restart loses what rounding was carried along and
 the step size of the integration: results agree within the tolerance, not to the bit.
 
