@@ -19,6 +19,7 @@ HERE = Path(__file__).parent / "native"
 ROUNDS = 5
 STEP = 1e-3
 R1 = {"omega1": 100.0, "load_torque": 10.0}
+TORQUE = {"drive_torque": 15.0, "load_torque": 10.0, "omega1": 100.0, "input_inertia": 0.2}
 STANDSTILL = {"omega1": 0.0, "load_torque": 10.0}
 SHAFT = {"hub_speed": 20.0, "load_torque": 3.0}
 
@@ -94,6 +95,10 @@ CASES = {
     "rigid, timestepping": (R1, {"method": 1}),
     "rigid, event": (R1, {}),
     "elastic, event": (R1, {"fidelity": 3}),
+    "averaged, driven by torque": (TORQUE, {"drive": 1, "fidelity": 1}),
+    "rigid, timestepping, driven by torque": (TORQUE, {"drive": 1, "method": 1}),
+    "rigid, event, driven by torque": (TORQUE, {"drive": 1}),
+    "elastic, event, driven by torque": (TORQUE, {"drive": 1, "fidelity": 3}),
 }
 
 

@@ -38,7 +38,8 @@ _GIVEN_UP = "communication step = {step} s is given up: "
 
 def not_finite(*inputs: Variable) -> str:
     """Sentence for a motion that overflows with these inputs."""
-    listed = " and ".join(f"{named(variable.name)} {variable.unit}" for variable in inputs)
+    *others, last = (f"{named(variable.name)} {variable.unit}" for variable in inputs)
+    listed = f"{', '.join(others)} and {last}"
     return (
         f"{_GIVEN_UP}the motion leaves the range of doubles with {listed}; allowed is what stays below 1e300"
     )
@@ -68,9 +69,9 @@ MESSAGES: Mapping[int, str] = {
     slots.BAD_START_OUTPUT: _bad_start_output("with", ">="),
     slots.BAD_START_RIGID: _bad_start_output("without", "="),
     slots.NO_INPUT_INERTIA: (
-        f"{named('input_inertia', 'drive')} are refused together: the speed of link 1 follows from a torque only"
-        " where it has inertia; allowed is drive = 0 (speed), or input_inertia > 0 with that of the engine or"
-        " motor"
+        f"{named('input_inertia', 'drive')} are refused together: the speed of link 1 follows from a torque"
+        " only where it has inertia; allowed is drive = 0 (speed), or input_inertia > 0 with that of the"
+        " engine or motor"
     ),
     slots.PRESCRIBED: (
         f"{named('fidelity', 'drive')} are refused together: the motion is prescribed, so no torque can make"

@@ -94,9 +94,9 @@ INERTIA_MODULE = Model(
         "Outputs hold the values at the end of the last communication step. Pulses are usually shorter than a"
         " step, so couple through the step means input_torque_mean and output_torque_mean, not through"
         " instantaneous torques. Torques act so: M1 = input_torque drives link 1, M2 = mesh_torque link 2,"
-        " Tc = output_torque the output shaft, Th = housing_torque holds link 2. With drive = torque the input is"
-        " drive_torque in the place of omega1, input_inertia holds the engine or motor too, and input_speed"
-        " answers."
+        " Tc = output_torque the output shaft, Th = housing_torque holds link 2. With drive = torque the"
+        " input is drive_torque in the place of omega1, input_inertia holds the engine or motor too, and"
+        " input_speed answers."
     ),
     variables=variables.VARIABLES,
     entry=MODULE_ENTRY,

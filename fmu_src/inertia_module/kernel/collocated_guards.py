@@ -17,6 +17,10 @@ def put_polynomials(d, x, w):
     mode = x[X_MODE]
     if mode == FREE or mode == DRIVING:
         fit_integral(d, w, W_RATE2, x[X_OMEGA2], h, W_POLYNOMIAL_2)
+    elif w[W_COLLOCATED] == DRIVEN_COLLOCATED:
+        for n in range(STAGES):
+            w[W_RIGHT_SIDE + n] = w[W_STAGE_CLUTCH + n] - w[W_STAGE_RELEASE + n]
+        fit(d, w, W_RIGHT_SIDE, W_POLYNOMIAL_2)
     if mode == FREE or mode == HELD:
         fit_integral(d, w, W_RATE3, x[X_OMEGA3], h, W_POLYNOMIAL_3)
     if mode == DRIVING or mode == HELD_DRIVING:
@@ -27,7 +31,7 @@ def collocated_guard(d, x, w, which, sigma):
     """A guard at the fraction sigma of the step and its rate per unit of sigma.
 
     held: -F and omega3; free: omega2 and omega3 - omega2; driving: omega2 and Tc; held and driving:
-    Tc - F and Tc. F is exact, the rest comes from the collocation polynomials.
+    Tc - F and Tc. F is exact where omega1 is given, the rest comes from the collocation polynomials.
     """
     mode = x[X_MODE]
     h = w[W_STEP]
@@ -43,6 +47,8 @@ def collocated_guard(d, x, w, which, sigma):
         if mode == HELD:
             return polynomial(w, W_POLYNOMIAL_3, STAGES + 1, sigma)
         return polynomial(w, W_POLYNOMIAL_TORQUE, STAGES, sigma)
+    if w[W_COLLOCATED] == DRIVEN_COLLOCATED:
+        return polynomial(w, W_POLYNOMIAL_2, STAGES, sigma)
     value = 0.0
     rate = 0.0
     if mode == HELD_DRIVING:

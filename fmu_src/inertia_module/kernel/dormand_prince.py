@@ -172,8 +172,8 @@ def stages(d, w, q, omega2, rate1, momentum1):
 def error_norm(w, scale_q, scale_omega2, third, scale_third):
     """Estimated error of the step over the allowed one (Hairer's mix of orders 5 and 3).
 
-    third: one more block of rates, whose integral counts where an error scale_third of it is allowed (else 0):
-    P with a ramp of omega1, or omega1' where that is a state.
+    third: one more block of rates, whose integral counts where an error scale_third of it is allowed (else
+    0): P with a ramp of omega1, or omega1' where that is a state.
     """
     e5 = (ERR5_1, ERR5_6, ERR5_7, ERR5_8, ERR5_9, ERR5_10, ERR5_11, ERR5_12)
     e3 = (ERR3_1, ERR3_6, ERR3_7, ERR3_8, ERR3_9, ERR3_10, ERR3_11, ERR3_12)

@@ -25,6 +25,7 @@ from .driven_motion import (
 )
 from .driven_shaft_slots import *
 from .kept_responses import keep_responses
+from .limits import LARGEST_SPEED, LARGEST_STEP, LARGEST_TORQUE
 from .propagator import characteristic
 from .slots import (
     BAD_LOAD_TORQUE,
@@ -37,7 +38,6 @@ from .slots import (
     RATES,
     START,
 )
-from .step import LARGEST_SPEED, LARGEST_STEP, LARGEST_TORQUE
 
 
 def check_inputs(u):

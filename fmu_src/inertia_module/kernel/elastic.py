@@ -20,6 +20,7 @@ from .inertia import reduced_inertia
 from .radau_table import GAMMA, STAGES
 from .shaft import damp_error, relative_rate, shaft_torque
 from .slots import *
+from .torque_elastic_stages import driven_horizon, put_driven_start
 
 # phase of the highest harmonic within one step, rad
 STEP_PHASE = 2.0
@@ -108,14 +109,17 @@ def step_error(d, x, w, start, compliance, followed, fastest):
     """Estimated error of the step in hand over the allowed one.
 
     Args:
-        start: (omega2', omega3', rate of omega3 - omega4) at the beginning.
+        start: (alpha1, omega2', omega3', rate of omega3 - omega4) at the beginning.
     """
     h = w[W_STEP]
+    driven = w[W_COLLOCATED] == DRIVEN_COLLOCATED
     static = TWIST_SHARE * shaft_frequency(d, compliance) * abs(x[X_TWIST])
     fastest = max(max(fastest, static), fastest_at_end(w))
-    rate2, rate3, rate_relative = start
+    rate1, rate2, rate3, rate_relative = start
     own = d[D_ALPHA_SLOPE]
     error_q = d[D_K] * h * embedded_error(x[X_OMEGA2], w, W_STAGE_OMEGA2)
+    if driven:
+        error_q -= d[D_K] * h * embedded_error(x[X_OMEGA1], w, W_STAGE_OMEGA1)
     error2 = h * embedded_error(rate2, w, W_RATE2)
     error3 = h * embedded_error(rate3, w, W_RATE3)
     relative = h * embedded_error(rate_relative, w, W_RATE_RELATIVE)
@@ -131,6 +135,10 @@ def step_error(d, x, w, start, compliance, followed, fastest):
         if x[X_MODE] == FREE:
             share = own / (own + d[D_J2]) if own > 0.0 else 1.0
             error = max(error, abs(error2) / max(share * fastest, abs(change(d, w, W_RATE2))))
+    if driven and fastest > 0.0:
+        share = own / (own + d[D_J1])
+        error1 = h * embedded_error(rate1, w, W_RATE1)
+        error = max(error, abs(error1) / max(share * fastest, abs(change(d, w, W_RATE1))))
     if followed and fastest > 0.0:
         speed = max(abs(relative), shaft_frequency(d, compliance) * abs(twist))
         share = own / (own + d[D_J2] + d[D_J3]) if own > 0.0 else 1.0
@@ -140,13 +148,15 @@ def step_error(d, x, w, start, compliance, followed, fastest):
 
 
 def start_rates(d, x, w):
-    """omega2', omega3' and the rate of omega3 - omega4 at the beginning, and the inertia behind link 2."""
+    """(alpha1, omega2', omega3', rate of omega3 - omega4) at the beginning, and the inertia behind link 2."""
     mode = x[X_MODE]
     torque, _ = shaft_torque(d, x)
     driving = mode == DRIVING
     rate2 = 0.0
     inertia2 = 0.0
-    if driving or mode == FREE:
+    if w[W_COLLOCATED] == DRIVEN_COLLOCATED:
+        w[W_ALPHA1], rate2, inertia2 = put_driven_start(d, x, w, torque)
+    elif driving or mode == FREE:
         k = d[D_K]
         _, i1, _, b, _, g, g1, _ = reduced_inertia(d, x[X_Q])
         x[X_STEP_EVALUATIONS] += 1.0
@@ -155,7 +165,7 @@ def start_rates(d, x, w):
         free = free_torque(d, w[W_OMEGA1], w[W_ALPHA1], rate_q, i1, b, g, g1)
         rate2 = (free - torque) / (inertia2 + d[D_J3]) if driving else free / inertia2
     rate3 = rate2 if driving else (0.0 if mode == HELD_DRIVING else -torque / d[D_J3])
-    return (rate2, rate3, relative_rate(d, x, w[W_LOAD], torque, rate3)), inertia2
+    return (w[W_ALPHA1], rate2, rate3, relative_rate(d, x, w[W_LOAD], torque, rate3)), inertia2
 
 
 def longest_step(d, x, w, remaining, pulse_rate):
@@ -179,7 +189,10 @@ def try_steps(d, x, w, remaining, fastest):
     """
     start, inertia2 = start_rates(d, x, w)
     compliance = hub_compliance(d, x, inertia2)
-    pulse_rate = highest_rate(d, x, w, remaining)
+    horizon = remaining
+    if w[W_COLLOCATED] == DRIVEN_COLLOCATED:
+        horizon = driven_horizon(d, w, remaining, STEP_PHASE)
+    pulse_rate = highest_rate(d, x, w, horizon)
     followed = is_followed(d, compliance, max(pulse_rate, widest_rate(d, x, fastest, compliance)))
     limit = longest_step(d, x, w, remaining, pulse_rate)
     carried = x[X_STEP_SIZE]
@@ -213,7 +226,7 @@ def zero_of(d, x, w, which, fastest):
         return VELOCITY_ROUNDING * max(taken, fastest * own / (own + carried) if own > 0.0 else 0.0)
     torque, _ = shaft_torque(d, x)
     scale = torque_scale(d, w[W_OMEGA1], w[W_ALPHA1], 2.0 * d[D_K] * fastest)
-    return CROSSING * (scale + abs(torque) + abs(w[W_LOAD]))
+    return CROSSING * (scale + abs(torque) + abs(w[W_LOAD]) + abs(w[W_DRIVE_TORQUE]))
 
 
 def is_clear(d, x, w, which, followed):
@@ -270,7 +283,10 @@ def commit(d, x, w, which):
     omega1 = w[W_OMEGA1] + 0.5 * w[W_ALPHA1] * h
     add(x, X_TWIST, change(d, w, W_STAGE_RELATIVE))
     add(x, X_RELATIVE, change(d, w, W_RATE_RELATIVE))
-    add(x, X_Q, d[D_K] * (h * omega1 - change(d, w, W_STAGE_OMEGA2)))
+    turned1 = h * omega1
+    if w[W_COLLOCATED] == DRIVEN_COLLOCATED:
+        turned1 = change(d, w, W_STAGE_OMEGA1)
+    add(x, X_Q, d[D_K] * (turned1 - change(d, w, W_STAGE_OMEGA2)))
     wrap_drive_angle(d, x)
     add(x, X_OMEGA2, change(d, w, W_RATE2))
     add(x, X_OMEGA3, change(d, w, W_RATE3))
@@ -296,7 +312,8 @@ def advance_elastic(d, x, w, omega1, alpha1, load, remaining):
     w[W_OMEGA1] = omega1
     w[W_ALPHA1] = alpha1
     w[W_LOAD] = load
-    w[W_COLLOCATED] = 1.0
+    w[W_DRIVE_TORQUE] = 0.0
+    w[W_COLLOCATED] = COLLOCATED
     fastest = fastest_speed(x, w)
     found, followed, rate = try_steps(d, x, w, remaining, fastest)
     if not found:

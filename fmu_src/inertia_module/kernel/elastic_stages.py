@@ -10,6 +10,7 @@ from .inertia import reduced_inertia
 from .radau_table import NODES, STAGES
 from .shaft import follow_hub, prepare_shaft, put_start_torque
 from .slots import *
+from .torque_elastic_stages import solve_links
 
 # Newton converges quadratically: with an update this small relative to the rates the next is rounding
 LAST_UPDATE = 1e-7
@@ -100,7 +101,11 @@ def solve_stages(d, x, w, h):
     put_start_torque(d, x, w, h, load)
     for n in range(STAGES):
         w[W_RATE3 + n] = 0.0
-    if mode == HELD or mode == HELD_DRIVING:
+    if w[W_COLLOCATED] == DRIVEN_COLLOCATED:
+        if not solve_links(d, x, w, h, d[D_J3] if mode == DRIVING else 0.0):
+            return False
+        w[W_ALPHA1] = mean(d, w, W_RATE1)
+    elif mode == HELD or mode == HELD_DRIVING:
         for n in range(STAGES):
             w[W_RATE2 + n] = 0.0
         put_link2_stages(d, x, w, h)

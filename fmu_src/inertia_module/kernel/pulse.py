@@ -89,7 +89,11 @@ def try_steps(d, x, w, remaining, alpha2, momentum):
         # alpha1 times the integral of P is work, to be compared with the energy at these speeds
         ramp = inertia_scale(d) * fastest * fastest / abs(w[W_ALPHA1]) if w[W_ALPHA1] != 0.0 else 0.0
         tolerance = d[D_TOLERANCE]
-        error = error_norm(w, tolerance, tolerance * measure, W_MOMENTUM, tolerance * ramp) if measure > 0.0 else 0.0
+        error = (
+            error_norm(w, tolerance, tolerance * measure, W_MOMENTUM, tolerance * ramp)
+            if measure > 0.0
+            else 0.0
+        )
         factor = LARGEST_FACTOR
         if not error < 1e300:
             factor = SMALLEST_FACTOR
@@ -215,7 +219,7 @@ def advance_moving(d, x, w, omega1, alpha1, load, remaining):
         (time passed or -1 if no step is small enough, whether the contact mode may change then).
     """
     driving = x[X_MODE] == DRIVING
-    w[W_COLLOCATED] = 0.0
+    w[W_COLLOCATED] = PULSE
     w[W_ALPHA1] = alpha1
     w[W_LOAD] = load
     w[W_SHAFT_INERTIA] = d[D_J3] if driving else 0.0

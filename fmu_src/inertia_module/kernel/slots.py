@@ -224,18 +224,22 @@ W_LOAD = 59
 W_STEP = 60
 W_SHAFT_INERTIA = 61
 W_SHAFT_TORQUE = 62
-# inertia at the beginning of a fixed step (in place of the stages)
+# inertia at the beginning of a fixed step, omega1 given or the torque (in place of the stages)
 W_KEPT_I = 0
 W_KEPT_I1 = 1
 W_KEPT_B = 2
 W_KEPT_G = 3
+W_KEPT_TOTAL = 0
+W_KEPT_SHARE = 1
+W_KEPT_ROOT = 2
+W_KEPT_BEND = 3
 W_SLOPE = 4
 W_IMPULSE = 5
 W_SUM = 6
 W_RELATIVE_GAIN = 7
 W_TWIST_GAIN = 8
 W_LAG = 9
-# whose guards: 0 those of a pulse, 1 of a step of the elastic output, -1 of a pulse with given torque
+# which step is in hand: of a pulse 0, of the elastic output 1, the same with given torque -1 and 2
 W_COLLOCATED = 63
 # the step in hand of the elastic output: matrices of the shaft, 5 x 5 each
 W_INVERSE = 64
@@ -269,18 +273,33 @@ W_ALL_INPUT = 292
 # rates and speeds of link 1 at the five stages of the elastic output
 W_RATE1 = 304
 W_STAGE_OMEGA1 = 309
-W_STATE = 314
+W_STAGE_RELEASE = 314
+# equations of both links, 5 x 5 each: of the first by the rates of omega2 with its right side (5 x 6), of the
+# second by those of omega1 and of omega2, and the update of the rates of omega1
+W_LINK_COLUMNS = 319
+W_LINK_LOWER = 349
+W_LINK_CORNER = 374
+W_LINK_UPDATE = 399
+W_STATE = 404
 # state and outputs at the beginning and after the first of the two short steps that rates are found from
 W_KEPT_STATE = W_STATE + X_SIZE
 W_OUTPUTS_0 = W_KEPT_STATE + X_SIZE
 W_OUTPUTS_1 = W_OUTPUTS_0 + Y_SIZE
-W_SIZE = W_OUTPUTS_1 + Y_SIZE
+# state at the beginning of a part of a step, averaged and with given torque
+W_PART_STATE = W_OUTPUTS_1 + Y_SIZE
+W_SIZE = W_PART_STATE + X_SIZE
 
 # contact modes
 HELD = 0
 FREE = 1
 DRIVING = 2
 HELD_DRIVING = 3
+
+# values of W_COLLOCATED
+PULSE = 0.0
+COLLOCATED = 1.0
+DRIVEN_PULSE = -1.0
+DRIVEN_COLLOCATED = 2.0
 
 # guards of a contact mode: of the speed of link 2 or its release, and of the output freewheel
 NONE = -1

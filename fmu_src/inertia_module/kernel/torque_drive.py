@@ -1,13 +1,18 @@
 """A step with the input torque given: omega1 is a state, so link 1 carries the inertia of what drives it."""
 
 from .accumulate import later, wrap_drive_angle
-from .limits import MAX_EVALUATIONS, STALLS_ALLOWED, SWITCHES_ALLOWED, SWITCHES_PER_PULSE
+from .elastic import shaft_frequency
+from .limits import MAX_EVALUATIONS, MAX_STEPS, STALLS_ALLOWED, SWITCHES_ALLOWED, SWITCHES_PER_PULSE
 from .outputs import shaft_load
 from .slots import *
+from .timestepping import put_shaft, steps_in
+from .torque_average import run_driven_averaged
 from .torque_contact import select_driven_mode
 from .torque_dynamics import acceleration
+from .torque_elastic import advance_driven_elastic
 from .torque_pulse import advance_driven
 from .torque_stages import is_held
+from .torque_timestepping import driven_step, put_slip_inertia
 
 
 def driven_mode(p, d, x):
@@ -36,6 +41,23 @@ def choose_mode(p, d, x):
         x[X_STEP_SWITCHES] += 1.0
 
 
+def run_driven_timestepping(p, d, x, w, h):
+    """Advance all by h in equal steps. Returns a status."""
+    count = steps_in(d, h)
+    if count > MAX_STEPS:
+        return TOO_MUCH_WORK
+    part = h / count
+    number = 0.0
+    put_slip_inertia(d, x, w)
+    put_shaft(p, d, w, part)
+    while number < count:
+        driven_step(p, d, x, w, x[X_DRIVE_TORQUE], x[X_LOAD_TORQUE], part)
+        number += 1.0
+    x[X_MODE] = driven_mode(p, d, x)  # what the torques now follow from
+    put_acceleration(p, d, x)
+    return OK
+
+
 def run_driven(p, d, x, w, h):
     """Advance all by h from event to event. Returns a status."""
     w[W_DRIVE_TORQUE] = x[X_DRIVE_TORQUE]
@@ -48,7 +70,11 @@ def run_driven(p, d, x, w, h):
         remaining = (h - time) - low
         mode = x[X_MODE]
         slip = abs(x[X_OMEGA1]) + abs(x[X_OMEGA2])
-        passed, event = advance_driven(d, x, w, x[X_LOAD_TORQUE], remaining)
+        if p[P_FIDELITY] == ELASTIC:
+            passed, event = advance_driven_elastic(d, x, w, x[X_LOAD_TORQUE], remaining)
+            travel += passed * shaft_frequency(d, 1.0 / d[D_J3])
+        else:
+            passed, event = advance_driven(d, x, w, x[X_LOAD_TORQUE], remaining)
         if passed < 0.0:
             return STEP_TOO_SMALL
         travel += passed * d[D_K] * (slip + abs(x[X_OMEGA1]) + abs(x[X_OMEGA2]))
@@ -68,3 +94,12 @@ def run_driven(p, d, x, w, h):
             return TOO_MUCH_WORK
     put_acceleration(p, d, x)
     return OK
+
+
+def run_by_torque(p, d, x, w, h):
+    """Advance by h with the torque on link 1 given. Returns a status."""
+    if p[P_FIDELITY] == AVERAGED:
+        return run_driven_averaged(d, x, w, h)
+    if p[P_METHOD] == TIMESTEPPING:
+        return run_driven_timestepping(p, d, x, w, h)
+    return run_driven(p, d, x, w, h)

@@ -92,6 +92,14 @@ def acceleration_and_jerk(d, q, omega1, omega2, torque, held, shaft_inertia, sha
     return alpha1, alpha2, (phi * push_rate + coupling * drive_rate) / determinant, 0.0, 0.0
 
 
+def seen_inertia(d, q):
+    """J2 + k^2 G - N^2 / Phi: inertia of link 2 while link 1 is free under its torque, kg m^2."""
+    i, _, _, b, _, g, _, _ = reduced_inertia(d, q)
+    k = d[D_K]
+    link1 = d[D_J1] + i
+    return d[D_J2] + k * k * (link1 * g - b * b) / (link1 + k * (2.0 * b + k * g))
+
+
 def driven_torque_scale(d, omega1, alpha1, rate_q, torque):
     """Upper bound of F at these speeds: what a torque is to be called zero against."""
     reach = d[D_ALPHA_SLOPE]

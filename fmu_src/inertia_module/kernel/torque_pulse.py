@@ -105,7 +105,9 @@ def zero_of(d, x, w, which, fastest, motion):
             rate_q *= 2.0
         scale = driven_torque_scale(d, fastest, motion[0], rate_q, w[W_DRIVE_TORQUE])
         return TORQUE_ROUNDING * (scale + abs(w[W_LOAD]))
-    taken = max(abs(x[X_OMEGA2]), max(abs(x[X_OMEGA2] + w[W_STEP] * result(w, W_RATE_OMEGA2)), abs(x[X_OMEGA3])))
+    taken = max(
+        abs(x[X_OMEGA2]), max(abs(x[X_OMEGA2] + w[W_STEP] * result(w, W_RATE_OMEGA2)), abs(x[X_OMEGA3]))
+    )
     return VELOCITY_ROUNDING * max(response(d, w) * fastest, taken)
 
 
@@ -136,7 +138,7 @@ def first_event(d, x, w, phase, fastest, motion, motion_end):
 
 
 def commit(d, x, w, passed, sigma, which):
-    """Take the step or its part sigma over, with its works; a velocity that has met its limit is set there."""
+    """Take the step or its part sigma over, with its works; a velocity that met its limit is set there."""
     torque = w[W_DRIVE_TORQUE]
     load = w[W_LOAD]
     start2 = x[X_OMEGA2]
@@ -207,7 +209,7 @@ def advance_driven(d, x, w, load, remaining):
         (time passed or -1 if no step is small enough, whether the contact mode may change then).
     """
     driving = x[X_MODE] == DRIVING
-    w[W_COLLOCATED] = -1.0
+    w[W_COLLOCATED] = DRIVEN_PULSE
     w[W_LOAD] = load
     w[W_SHAFT_INERTIA] = d[D_J3] if driving else 0.0
     w[W_SHAFT_TORQUE] = load if driving else 0.0

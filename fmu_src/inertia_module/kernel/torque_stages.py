@@ -63,9 +63,7 @@ def torque_stages(d, x, w, alpha1, alpha2):
             change2 += weight * w[W_ALL_OMEGA2 + m]
         o = omega1 + change1
         y = omega2 + change2
-        a1, a2 = acceleration(
-            d, x[X_Q] + change_q, o, y, torque, held, w[W_SHAFT_INERTIA], w[W_SHAFT_TORQUE]
-        )
+        a1, a2 = acceleration(d, x[X_Q] + change_q, o, y, torque, held, w[W_SHAFT_INERTIA], w[W_SHAFT_TORQUE])
         w[W_ALL_Q + n] = d[D_K] * (o - y)
         w[W_ALL_OMEGA1 + n] = a1
         w[W_ALL_OMEGA2 + n] = a2
