@@ -146,3 +146,68 @@ def test_the_same_in_process_and_on_the_rungs_it_can_have(fmu):
     (row,) = measure_scene(scene, [kinematic])
     assert "fidelity = 0" in row.failure
     assert "drive = 1" in row.failure
+
+
+# --- under control ---
+
+CONTROLLED = """
+[mechanism]
+input_inertia = 0.2
+satellites = 3
+[drive]
+kind = "controlled_torque"
+omega1 = 80
+[load]
+kind = "vehicle"
+mass = 100
+wheel_radius = 0.3
+final_drive = 3
+[controller]
+kind = "pi_torque"
+proportional_gain = "20 N.m.s/m"
+integral_gain = 2
+minimum = "-10 N.m"
+maximum = "20 N.m"
+reference = { kind = "constant", speed = "36 km/h" }
+[run]
+stop_time = 25
+communication_step = 0.01
+"""
+
+
+def test_a_controller_commands_the_torque_within_its_limits(fmu, tmp_path):
+    scene = read(CONTROLLED)
+    assert scene.parameters()["drive"] == 1.0
+    assert start_of(scene)[2]["omega1"] == 80.0
+    result = run_scene(scene, fmu)
+    torque = result.table["drive_torque"]
+    assert torque.max() == 20.0
+    assert torque.min() >= -10.0
+    assert np.abs(result.table["vehicle_speed"][-500:] - 10.0).max() < 0.15
+    assert result.summary["energy_residual_relative"] < 1e-5
+    path = tmp_path / "plot.png"
+    scene_figure(result).savefig(path)
+    assert path.stat().st_size > 10_000
+
+
+@pytest.mark.parametrize(
+    "old, new, words",
+    [
+        ('minimum = "-10 N.m"', "", ["controller.minimum", "missing"]),
+        ('"20 N.m"', '"20 rad/s"', ["controller.maximum", "'20 rad/s'", "N.m"]),
+        ('"20 N.m"', '"-30 N.m"', ["minimum = -10, maximum = -30 are refused"]),
+        ('"20 N.m.s/m"', '"20 rad/m"', ["controller.proportional_gain", "'20 rad/m'", "N.s"]),
+        (
+            'kind = "controlled_torque"\nomega1 = 80',
+            'kind = "controlled"',
+            ["'controlled' is refused", "controller.kind = 'pi_torque' is 'controlled_torque'"],
+        ),
+        ('kind = "pi_torque"', 'kind = "pid"', ["controller.kind = 'pid' is refused", "'pi', 'pi_torque'"]),
+    ],
+)
+def test_a_controller_of_the_torque_that_cannot_be_is_one_line(old, new, words):
+    assert old in CONTROLLED
+    with pytest.raises(SceneError) as refused:
+        read(CONTROLLED.replace(old, new))
+    for word in words:
+        assert word in str(refused.value)

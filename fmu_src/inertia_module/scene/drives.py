@@ -80,6 +80,21 @@ class ControlledDrive(Strict):
         return []
 
 
+class ControlledTorque(Strict):
+    """The torque on link 1 is what [controller] commands.
+
+    Attributes:
+        omega1: speed of link 1 at the start, rad/s.
+    """
+
+    kind: Literal["controlled_torque"]
+    omega1: AngularSpeed = 0.0
+
+    def systems(self, _: float) -> list[Any]:
+        """None: the command is that of the controller."""
+        return []
+
+
 class ConstantTorque(Strict):
     """A constant torque on link 1, whose speed follows from it.
 
@@ -117,10 +132,18 @@ class TorqueTable(Tabulated):
 
 
 # drives that take the module's drive = torque
-TORQUE_DRIVES = (ConstantTorque, TorqueTable)
+TORQUE_DRIVES = (ConstantTorque, TorqueTable, ControlledTorque)
+# drives that leave it to [controller]
+CONTROLLED_DRIVES = (ControlledDrive, ControlledTorque)
 
 Drive = Annotated[
-    ConstantDrive | RampDrive | TableDrive | ControlledDrive | ConstantTorque | TorqueTable,
+    ConstantDrive
+    | RampDrive
+    | TableDrive
+    | ControlledDrive
+    | ConstantTorque
+    | TorqueTable
+    | ControlledTorque,
     Field(discriminator="kind"),
 ]
 
@@ -141,7 +164,7 @@ def check_drive(drive: Any, given: float | None) -> None:
     if given is None or given == needed:
         return
     names = {number: name for name, number, _ in ENUMERATIONS["Drive"]}
-    others = "a drive.kind that gives a speed" if torque else "drive.kind = 'torque' or 'torque_table'"
+    others = "a drive.kind that gives a speed" if torque else "a drive.kind that gives a torque"
     raise SceneError(
         f"mechanism.drive = {names[int(given)]!r} is refused with drive.kind = {drive.kind!r}:"
         f" allowed is {names[needed]!r}, which the scene sets itself, or {others}"

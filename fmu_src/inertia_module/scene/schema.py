@@ -14,8 +14,8 @@ from ..cycles import Cycle
 from ..kernel.slots import ELASTIC
 from ..module import Module, Refused
 from ..variables import BY_NAME, LARGEST_STEP, LOCAL, OUTPUT, with_causality
-from .controllers import SPEED_UNITS, VEHICLE_SPEED, CycleReference, PiController, measured_speed
-from .drives import ControlledDrive, Drive, check_drive, drive_parameter
+from .controllers import SPEED_UNITS, VEHICLE_SPEED, Controller, CycleReference, measured_speed
+from .drives import CONTROLLED_DRIVES, Drive, check_drive, drive_parameter
 from .errors import SceneError, one_line
 from .loads import Load
 from .mechanism import AUTO, DRIVE, FIDELITY, Mechanism, at_fidelity, is_auto, parameters
@@ -72,7 +72,7 @@ class Scene(Strict):
     mechanism: Mechanism = Field(default_factory=Mechanism)  # type: ignore[valid-type]
     drive: Drive
     load: Load
-    controller: PiController | None = None
+    controller: Controller | None = None
     accuracy: Accuracy = Accuracy()
     run: Run
 
@@ -170,12 +170,13 @@ class Scene(Strict):
 
     @model_validator(mode="after")
     def _drive_and_controller(self) -> Scene:
-        controlled = isinstance(self.drive, ControlledDrive)
-        if controlled and self.controller is None:
-            raise SceneError("drive.kind = 'controlled' is refused: allowed is that only with a [controller]")
-        if self.controller is not None and not controlled:
+        kind = self.drive.kind
+        if self.controller is None and isinstance(self.drive, CONTROLLED_DRIVES):
+            raise SceneError(f"drive.kind = {kind!r} is refused: allowed is that only with a [controller]")
+        if self.controller is not None and kind != self.controller.DRIVE:
             raise SceneError(
-                f"drive.kind = {self.drive.kind!r} is refused: allowed with a [controller] is 'controlled'"
+                f"drive.kind = {kind!r} is refused: allowed with controller.kind ="
+                f" {self.controller.kind!r} is {self.controller.DRIVE!r}"
             )
         return self
 
