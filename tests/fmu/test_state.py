@@ -14,6 +14,9 @@ SCENES = {
     "planar": {"layout": 1, "omega1": 120.0, "load_torque": 8.0, "satellites": 3},
     "kinematic": {"fidelity": 0, "kinematic_ratio": 0.4, "omega1": 90.0},
     "by torque": {"drive": 1, "input_inertia": 0.3, "omega1": 100.0, "drive_torque": 30.0},
+    "averaged by torque": {"fidelity": 1, "drive": 1, "input_inertia": 0.3, "omega1": 100.0},
+    "elastic by torque": {"fidelity": 3, "drive": 1, "input_inertia": 0.3, "omega1": 100.0},
+    "timestepping by torque": {"method": 1, "drive": 1, "input_inertia": 0.3, "omega1": 100.0},
     "no freewheels": {"housing_freewheel": False, "output_freewheel": False, "omega1": 60.0},
 }
 
