@@ -139,7 +139,9 @@ def torque_converter_chart(
     Raises:
         Refused: the parameters cannot be, or there is no mean torque (a freewheel is missing).
     """
-    module = Module(kernel).start(**{**parameters, "fidelity": float(slots.AVERAGED)})
+    # torques at given speeds, whatever drives the module
+    given = {"fidelity": float(slots.AVERAGED), "drive": float(slots.DRIVE_SPEED)}
+    module = Module(kernel).start(**{**parameters, **given})
     d: Any = module.derived
     header = slots.D_MAP_BACKWARD if backward else slots.D_MAP_FORWARD
     first = slots.D_MAP_KNOTS + (slots.MAP_ROWS * slots.MAP_ROW if backward else 0)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from .cycles import KILOMETRE_PER_HOUR, Cycle
 from .drive import Result
 from .scene import SceneResult
-from .scene.summary import work
+from .scene.summary import input_speed, work
 
 # colours that the colour-blind tell apart: Okabe and Ito (2008), Color Universal Design
 BLACK, ORANGE, SKY, GREEN = "#222222", "#E69F00", "#56B4E9", "#009E73"
@@ -114,7 +114,7 @@ def _speeds(axes: Axes, table: Result, rows: slice, zoomed: bool) -> None:
     """Close up without the input, which would press the others flat."""
     time = table.time[rows]
     if not zoomed:
-        axes.plot(time, table["omega1"][rows], color=BLACK, linewidth=1.2, label="input ω1")
+        axes.plot(time, input_speed(table)[rows], color=BLACK, linewidth=1.2, label="input ω1")
     axes.plot(time, table["omega2"][rows], color=SKY, linewidth=1.0, label="link 2 ω2")
     axes.plot(time, table["omega_out"][rows], color=VERMILION, linewidth=2.0, label="output shaft")
     if "reference" in table and table.units["reference"] == "rad/s":
@@ -150,6 +150,8 @@ def _torques(axes: Axes, table: Result, rows: slice, zoomed: bool) -> None:
     if means.size and not zoomed:
         axes.stairs(means, edges, baseline=None, color=BLACK, linewidth=1.8, label="mean from pulse to pulse")
     axes.plot(time, table["load_torque"][rows], "--", color=GREEN, linewidth=1.5, label="load")
+    if "drive_torque" in table:
+        axes.plot(time, table["drive_torque"][rows], color=BLUE, linewidth=1.5, label="drive")
     _dress(axes, "torque [N·m]")
 
 
@@ -211,7 +213,8 @@ def _followed_speed(axes: Axes, table: Result, cycle: Cycle | None) -> None:
 
 
 def _module_speeds(axes: Axes, table: Result) -> None:
-    axes.plot(table.time, table["omega1"], color=BLACK, linewidth=1.2, label="input ω1 (commanded)")
+    label = "input ω1 (commanded)" if "omega1" in table else "input ω1"
+    axes.plot(table.time, input_speed(table), color=BLACK, linewidth=1.2, label=label)
     axes.plot(table.time, table["omega_out"], color=VERMILION, linewidth=1.6, label="output shaft")
     axes.set_ylim(bottom=0.0)
     _dress(axes, "speed [rad/s]")

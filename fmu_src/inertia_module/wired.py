@@ -62,7 +62,11 @@ class WiredFmus:
             for name, node in nodes.items()
         }
         check_wiring(
-            {name: read_description(Path(node.path)) for name, node in nodes.items()}, wires, given, step
+            {name: read_description(Path(node.path)) for name, node in nodes.items()},
+            wires,
+            given,
+            step,
+            parameters={name: node.parameters for name, node in nodes.items()},
         )
         self.step = step
         self.order = order

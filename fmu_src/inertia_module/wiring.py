@@ -7,6 +7,12 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
+from .kernel.slots import DRIVE_SPEED, DRIVE_TORQUE
+from .variables import ENUMERATIONS
+
+# inputs of the module without effect once it runs, by its parameter drive
+_IDLE = {DRIVE_SPEED: "drive_torque", DRIVE_TORQUE: "omega1"}
+_DRIVES: Mapping[Any, int] = {name: number for name, number, _ in ENUMERATIONS["Drive"]}
 # a step is a multiple of another within this share of it
 SAME_STEP = 1e-9
 
@@ -65,11 +71,32 @@ def _check_wire(descriptions: Mapping[str, Any], wire: Wire) -> None:
         )
 
 
+def idle_input(description: Any, parameters: Mapping[str, Any]) -> str | None:
+    """The input of a module that has no effect with its drive; None of any other FMU.
+
+    Args:
+        description: fmpy's. parameters: by name, those that differ from their start values.
+    """
+    known = _by_name(description)
+    if not {"drive", *_IDLE.values()} <= known.keys():
+        return None
+    drive = parameters.get("drive", known["drive"].start)
+    return _IDLE.get(_DRIVES[drive] if drive in _DRIVES else int(drive))
+
+
 def _check_driven(
-    descriptions: Mapping[str, Any], wires: Sequence[Wire], given: Mapping[str, Sequence[str]]
+    descriptions: Mapping[str, Any],
+    wires: Sequence[Wire],
+    given: Mapping[str, Sequence[str]],
+    parameters: Mapping[str, Mapping[str, Any]],
 ) -> list[str]:
-    """Every input is driven once: by a wire, or given by the user."""
+    """Every input is driven once: by a wire, or given by the user; one without effect by no wire."""
     problems = []
+    idle = {name: idle_input(found, parameters.get(name, {})) for name, found in descriptions.items()}
+    for wire in wires:
+        if wire.input == idle[wire.sink]:
+            other = next(name for name in _IDLE.values() if name != wire.input)
+            problems.append(f"{wire} is refused: it has no effect with that drive; allowed is {other}")
     drivers: dict[tuple[str, str], list[str]] = {}
     for wire in wires:
         drivers.setdefault((wire.sink, wire.input), []).append(f"{wire.source}.{wire.output}")
@@ -83,7 +110,8 @@ def _check_driven(
             )
     for instance, description in descriptions.items():
         for variable in description.modelVariables:
-            if variable.causality == "input" and (instance, variable.name) not in drivers:
+            needed = variable.causality == "input" and variable.name != idle[instance]
+            if needed and (instance, variable.name) not in drivers:
                 problems.append(
                     f"{instance}.{variable.name} is missing: nothing drives it;"
                     " allowed is a wire or a given value"
@@ -141,6 +169,7 @@ def check_wiring(
     given: Mapping[str, Sequence[str]],
     step: float,
     steps: Mapping[str, float] | None = None,
+    parameters: Mapping[str, Mapping[str, Any]] | None = None,
 ) -> None:
     """Refuse wires that cannot work, before anything runs.
 
@@ -148,6 +177,7 @@ def check_wiring(
         descriptions: fmpy's model description of each FMU instance by its name.
         wires: between them. given: names of the inputs that the user gives, by instance.
         step: at which values are exchanged, s. steps: own steps of instances, s, where they differ.
+        parameters: by name, by instance; what drives a module is one of them.
 
     Raises:
         WiringError: an unknown name, another kind or unit, an input driven twice or not at all, an algebraic
@@ -161,7 +191,7 @@ def check_wiring(
         for name in names:
             _end(descriptions, Wire("given", name, instance, name), instance, name, "input")
     problems = [
-        *_check_driven(descriptions, wires, given),
+        *_check_driven(descriptions, wires, given, parameters or {}),
         *_check_steps(descriptions, steps or {}, step),
     ]
     if problems:

@@ -13,13 +13,23 @@ from inertia_module.variables import DISPLAY_UNITS, ENUMERATIONS, UNITS
 
 FLAVOURS = tuple(fmu.identifier for fmu in FMUS)
 BASE = {
-    INERTIA_MODULE: {"omega1": 80.0, "load_torque": 5.0, "omega_out_start": 3.0, "omega2_start": 1.0},
+    INERTIA_MODULE: {
+        "omega1": 80.0,
+        "load_torque": 5.0,
+        "drive_torque": 7.0,
+        "input_inertia": 0.1,
+        "omega_out_start": 3.0,
+        "omega2_start": 1.0,
+    },
     DRIVEN_SHAFT: {"hub_speed": 80.0, "load_torque": 5.0, "omega_out_start": 3.0, "shaft_damping": 2.0},
 }
 CHANGES = {
     INERTIA_MODULE: {
         "omega1": 90.0,
         "load_torque": 6.0,
+        "drive_torque": 9.0,
+        "drive": 1,
+        "input_inertia": 0.2,
         "wheel_radius": 0.1,
         "z17": 30,
         "epsilon": 0.2,
@@ -115,6 +125,8 @@ def test_structure_lists_every_output_and_what_it_depends_on_at_first(descriptio
     if "omega1" in {v.name for v in description.modelVariables}:
         assert initial["omega_out"] == {"omega1", "fidelity", "kinematic_ratio", "omega_out_start"}
         assert initial["output_torque_mean"] == set()
+        assert initial["input_speed"] == {"omega1"}
+        assert {"drive", "drive_torque", "input_inertia"} <= initial["input_torque"]
         assert {"omega1", "load_torque", "link2_inertia"} <= initial["output_torque"]
     else:
         assert initial["omega_out"] == {"omega_out_start"}
@@ -123,11 +135,11 @@ def test_structure_lists_every_output_and_what_it_depends_on_at_first(descriptio
         assert {"load_torque", "driven_inertia"} <= initial["driven_acceleration"]
 
 
-@pytest.mark.parametrize("fidelity", [1, 2])
-def test_declared_initial_dependencies_are_all_there_are(instances, description, model, fidelity):
+@pytest.mark.parametrize("fidelity, drive", [(1, 0), (2, 0), (1, 1), (2, 1), (3, 1)])
+def test_declared_initial_dependencies_are_all_there_are(instances, description, model, fidelity, drive):
     """Change one known at a time: no output changes that does not declare it."""
     initial = {u.variable.name: {d.name for d in u.dependencies} for u in description.initialUnknowns}
-    base = BASE[model] | ({"fidelity": fidelity} if model is INERTIA_MODULE else {})
+    base = BASE[model] | ({"fidelity": fidelity, "drive": drive} if model is INERTIA_MODULE else {})
 
     def outputs(**changes):
         instance = instances().start(**(base | changes))
@@ -135,6 +147,8 @@ def test_declared_initial_dependencies_are_all_there_are(instances, description,
 
     reference = outputs()
     for known, value in CHANGES[model].items():
+        if drive == 1 and known == "fidelity":
+            continue  # no torque makes a prescribed motion
         changed = outputs(**{known: value})
         touched = {name for name in initial if changed[name] != reference[name]}
         assert touched <= {name for name in initial if known in initial[name]}, known

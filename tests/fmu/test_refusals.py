@@ -25,6 +25,11 @@ TOGETHER = {
     "backwards": ({"omega2_start": -1.0}, ("omega2_start", ">= 0")),
     "ahead": ({"omega2_start": 2.0, "omega_out_start": 1.0}, ("omega_out_start >= omega2_start",)),
     "apart": ({"output_freewheel": False, "omega_out_start": 1.0}, ("omega_out_start = omega2_start",)),
+    "torque on link 1 without inertia": ({"drive": 1}, ("input_inertia = 0", "drive = 1")),
+    "torque and prescribed motion": (
+        {"drive": 1, "fidelity": 0, "input_inertia": 1.0},
+        ("fidelity = 0", "drive = 1"),
+    ),
     "averaged without rectifier": (
         {"fidelity": 1, "housing_freewheel": False},
         ("averaged", "housing_freewheel = 0"),
@@ -72,6 +77,8 @@ BAD_INPUTS = [
     ({"omega1": 1e9}, 0.01, "omega1 = 1000000000"),
     ({"load_torque": math.nan}, 0.01, "load_torque = nan"),
     ({"load_torque": 1e13}, 0.01, "load_torque = "),
+    ({"drive_torque": math.nan}, 0.01, "drive_torque = nan"),
+    ({"drive_torque": -1e13}, 0.01, "drive_torque = -"),
     ({}, 0.0, "communication step = 0 s"),
     ({}, -0.01, "communication step = -0.01 s"),
     ({}, math.nan, "communication step = nan s"),
@@ -80,11 +87,13 @@ BAD_INPUTS = [
 ]
 
 
+@pytest.mark.parametrize("drive", [0, 1])
 @pytest.mark.parametrize("inputs, h, words", BAD_INPUTS)
-def test_bad_input_or_step_is_discarded_and_nothing_is_lost(instances, inputs, h, words, capfd):
-    good = {"omega1": 100.0, "load_torque": 10.0}
-    instance = instances().start(**good)
-    undisturbed = instances().start(**good)
+def test_bad_input_or_step_is_discarded_and_nothing_is_lost(instances, inputs, h, words, drive, capfd):
+    good = {"omega1": 100.0, "load_torque": 10.0, "drive_torque": 20.0}
+    driven = {"drive": drive, "input_inertia": 0.2}
+    instance = instances().start(**good, **driven)
+    undisturbed = instances().start(**good, **driven)
     instance.step(0.1)
     undisturbed.step(0.1)
     before = instance.all_values()

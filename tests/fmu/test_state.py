@@ -13,13 +13,17 @@ SCENES = {
     "ramp": {"omega1": 100.0, "load_torque": 10.0, "input_hold": 1},
     "planar": {"layout": 1, "omega1": 120.0, "load_torque": 8.0, "satellites": 3},
     "kinematic": {"fidelity": 0, "kinematic_ratio": 0.4, "omega1": 90.0},
+    "by torque": {"drive": 1, "input_inertia": 0.3, "omega1": 100.0, "drive_torque": 30.0},
+    "averaged by torque": {"fidelity": 1, "drive": 1, "input_inertia": 0.3, "omega1": 100.0},
+    "elastic by torque": {"fidelity": 3, "drive": 1, "input_inertia": 0.3, "omega1": 100.0},
+    "timestepping by torque": {"method": 1, "drive": 1, "input_inertia": 0.3, "omega1": 100.0},
     "no freewheels": {"housing_freewheel": False, "output_freewheel": False, "omega1": 60.0},
 }
 
 
 def run(instance, n, h=0.013):
     for i in range(n):
-        instance.set(omega1=100.0 + 7.0 * (i % 3))
+        instance.set(omega1=100.0 + 7.0 * (i % 3), drive_torque=30.0 - 20.0 * (i % 3))
         instance.step(h)
 
 

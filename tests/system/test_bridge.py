@@ -90,6 +90,63 @@ def test_motion_state_agrees_with_a_plain_loop_within_the_tolerance(built, name,
     assert (np.abs(found - expected) / scale).max() < share
 
 
+BY_TORQUE = {"drive": "torque", "input_inertia": 0.3}
+TORQUES = ("drive_torque", "load_torque")
+
+
+def by_torque(path, parameters, inputs, outputs):
+    """Outputs of a plain loop of a module driven by torque, shape (outputs, steps)."""
+    rows = []
+    with Fmu(path, parameters, START, 1e-9) as fmu:
+        for torque, load in inputs.T:
+            rows.append(fmu.read(outputs))
+            fmu.set(drive_torque=torque, load_torque=load)
+            fmu.advance(STEP)
+    return np.array(rows).T
+
+
+@pytest.mark.parametrize("name", ["InertiaModule.fmu", "InertiaModulePy.fmu"])
+def test_a_module_driven_by_torque_is_a_plain_loop_too(built, name):
+    inputs = inputs_over(60) * np.array([[0.3], [1.0]])
+    outputs = ("input_speed", *OUTPUTS)
+    keywords = {"step": STEP, "start": START, "tolerance": 1e-9, "inputs": TORQUES, "outputs": outputs}
+    expected = by_torque(built / name, BY_TORQUE, inputs, outputs)
+    with bridge.fmu_system(built / name, BY_TORQUE, state="whole", **keywords) as plant:
+        assert (run(plant.system, inputs, plant.start) == expected).all()
+    with bridge.fmu_system(built / name, BY_TORQUE, **keywords) as plant:
+        assert plant.system.state_labels[:4] == ["drive_angle", "omega2", "omega_out", "input_speed"]
+        found = run(plant.system, inputs, plant.start)
+    scale = np.abs(expected).max(axis=1, keepdims=True)
+    assert (np.abs(found - expected) / scale).max() < 1e-6
+    assert np.ptp(expected[0]) > 1.0
+
+
+def test_inputs_without_effect_are_refused(native):
+    keywords = {"step": STEP, "start": START}
+    with pytest.raises(
+        DriveError, match=r"omega1 is refused with drive = torque: .* allowed is drive_torque"
+    ):
+        bridge.fmu_system(native, BY_TORQUE, **keywords)
+    with pytest.raises(DriveError, match=r"drive_torque is refused .* speed: .* allowed is omega1"):
+        bridge.fmu_system(native, {}, inputs=TORQUES, **keywords)
+
+
+def test_what_needs_the_speed_for_an_input_refuses_a_torque(native):
+    with pytest.raises(ValueError, match=r"drive = 1 \(torque\) is refused: .* allowed is 0 \(speed\)"):
+        bridge.averaged_system({"drive": 1.0, "input_inertia": 0.3})
+    with pytest.raises(ValueError, match=r"drive = 1 \(torque\) is refused"):
+        bridge.measured_response(
+            native,
+            BY_TORQUE,
+            **START,
+            excited="omega1",
+            amplitude=1.0,
+            frequencies=1.0,
+            step=STEP,
+            settling=0.1,
+        )
+
+
 def test_driven_shaft_starts_anew_with_its_twist(built):
     parameters = {"driven_inertia": 0.5, "shaft_stiffness": 400.0, "shaft_damping": 0.05}
     outputs = ("omega_out", "shaft_torque_mean", "twist")

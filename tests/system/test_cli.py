@@ -246,4 +246,5 @@ def test_coupling_measures_a_part_and_leaves_its_rows(workshop, tmp_path):
 def test_coupling_refuses_a_part_that_there_is_not(workshop):
     done = command("coupling", "--only", "limit", folder=workshop)
     assert done.returncode == 1
-    assert "--only = limit is refused: allowed is limits, map, adaptive, urban, shafts" in done.stderr
+    parts = "limits, map, torque, adaptive, urban, torque_urban, shafts"
+    assert f"--only = limit is refused: allowed is {parts}" in done.stderr

@@ -80,13 +80,18 @@ def stepped(folder):
         return module["omega_out"], shaft["omega_out"]
 
 
-def test_osp_structure_runs_in_libcosim_to_the_numbers_of_a_plain_loop(folder, stepped):
-    if importlib.util.find_spec("libcosimpy") is None:
-        pytest.skip("libcosimpy is not installed; it comes with the extra inertia-module[hosts]")
+def in_libcosim(folder):
+    """Speeds of hub and driven mass after the OSP structure has run."""
     command = [sys.executable, "-c", LIBCOSIM, str(folder / "osp"), str(round(STOP / STEP))]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     found = json.loads(done.stdout.splitlines()[-1])
-    assert (found["module"], found["shaft"]) == pytest.approx(stepped, rel=1e-9)
+    return found["module"], found["shaft"]
+
+
+def test_osp_structure_runs_in_libcosim_to_the_numbers_of_a_plain_loop(folder, stepped):
+    if importlib.util.find_spec("libcosimpy") is None:
+        pytest.skip("libcosimpy is not installed; it comes with the extra inertia-module[hosts]")
+    assert in_libcosim(folder) == pytest.approx(stepped, rel=1e-9)
 
 
 def test_container_runs_to_the_numbers_of_a_plain_loop(folder, stepped):
@@ -153,6 +158,69 @@ def test_a_mechanism_without_a_shaft_is_one_fmu(tmp_path):
         for _ in range(100):
             module.advance(STEP)
         assert result["module.omega_out"][-1] == pytest.approx(module["omega_out"], rel=1e-9)
+
+
+# --- driven by torque ---
+
+BY_TORQUE = {"drive": 1.0, "input_inertia": 0.3}
+TORQUE_START = {"omega1": 100.0, "drive_torque": 25.0, "load_torque": 10.0}
+
+
+@pytest.fixture(scope="module")
+def by_torque(tmp_path_factory):
+    plan = make_plan("by torque", {**ELASTIC, **BY_TORQUE}, TORQUE_START, STEP, STOP)
+    folder = tmp_path_factory.mktemp("torque")
+    export(plan, folder)
+    return plan, folder
+
+
+def test_a_system_driven_by_torque_has_the_torque_for_its_input(by_torque):
+    plan, folder = by_torque
+    assert plan.inputs == (("module", "drive_torque"), ("shaft", "load_torque"))
+    path = str(folder / "system.ssp")
+    system = read_ssd(path).system
+    assert {c.name for c in system.connectors if c.kind == "input"} == {"drive_torque", "load_torque"}
+    into = {
+        (c.startConnector, c.endElement, c.endConnector) for c in system.connections if not c.startElement
+    }
+    assert into == {("drive_torque", "module", "drive_torque"), ("load_torque", "shaft", "load_torque")}
+    values = {p.name: p for p in read_ssv(path, "resources/values.ssv").parameters}
+    assert float(values["module.drive_torque"].value) == 25.0
+    assert values["module.drive_torque"].unit == "N.m"
+    assert float(values["module.omega1"].value) == 100.0
+    assert values["module.drive"].value == "1"
+
+
+def test_its_container_and_its_osp_structure_run_to_the_numbers_of_a_plain_loop(by_torque):
+    _, folder = by_torque
+    module_values = {"fidelity": 2, "output_inertia": 0.02, "tolerance": 1e-6, **BY_TORQUE}
+    module_start = {"omega1": 100.0, "drive_torque": 25.0}
+    shaft_values = {name: ELASTIC[name] for name in ("driven_inertia", "shaft_stiffness", "shaft_damping")}
+    with (
+        Fmu(folder / "osp" / "InertiaModule.fmu", module_values, module_start) as module,
+        Fmu(folder / "osp" / "DrivenShaft.fmu", shaft_values, {"load_torque": 10.0}) as shaft,
+    ):
+        for _ in range(round(STOP / STEP)):
+            torque, speed = shaft["shaft_torque_mean"], module["omega_out"]
+            module.set(load_torque=torque)
+            shaft.set(hub_speed=speed)
+            module.advance(STEP)
+            shaft.advance(STEP)
+        expected = module["omega_out"], shaft["omega_out"]
+        speed = module["input_speed"]
+    last = simulate_fmu(str(folder / "container.fmu"), stop_time=STOP, output_interval=STEP)[-1]
+    assert (last["module.omega_out"], last["shaft.omega_out"]) == pytest.approx(expected, rel=1e-9)
+    assert last["module.input_speed"] == pytest.approx(speed, rel=1e-9)
+    assert abs(speed - 100.0) > 1.0
+    if importlib.util.find_spec("libcosimpy") is not None:
+        assert in_libcosim(folder) == pytest.approx(expected, rel=1e-9)
+
+
+def test_a_scene_driven_by_torque_is_exported_with_its_torque():
+    plan = scene_plan(load_scene(Path(__file__).parents[2] / "examples" / "engine.toml"))
+    values = plan.part("module").values
+    assert (values["drive"], values["omega1"], values["drive_torque"]) == (1.0, 200.0, 0.0)
+    assert plan.inputs == (("module", "drive_torque"), ("module", "load_torque"))
 
 
 def test_the_copies_for_osp_describe_choices_as_integers(folder):

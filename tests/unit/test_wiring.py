@@ -63,6 +63,25 @@ def test_wires_that_cannot_work_are_named(both, wires, given, words):
     assert all(word in str(caught.value) for word in words)
 
 
+@pytest.mark.parametrize("drive", [1.0, 1, "torque"])
+def test_a_module_driven_by_torque_needs_its_torque_and_not_its_speed(both, drive):
+    by_torque = {"parameters": {"module": {"drive": drive, "input_inertia": 0.1}}}
+    given = {**GIVEN, "module": ["drive_torque"]}
+    check_wiring(both, [SPEED, TORQUE], given, 1e-3, **by_torque)
+    check_wiring(both, [SPEED, TORQUE], {**given, "module": ["drive_torque", "omega1"]}, 1e-3, **by_torque)
+    with pytest.raises(WiringError, match=r"module\.drive_torque is missing"):
+        check_wiring(both, [SPEED, TORQUE], GIVEN, 1e-3, **by_torque)
+    idle = Wire("module", "omega_out", "module", "omega1")
+    with pytest.raises(WiringError, match=r"omega1 is refused: it has no effect .* allowed is drive_torque"):
+        check_wiring(both, [SPEED, TORQUE, idle], given, 1e-3, **by_torque)
+
+
+def test_a_wire_to_the_torque_of_a_module_driven_by_speed_is_refused(both):
+    idle = Wire("shaft", "shaft_torque_mean", "module", "drive_torque")
+    with pytest.raises(WiringError, match=r"drive_torque is refused: it has no effect .* allowed is omega1"):
+        check_wiring(both, [SPEED, TORQUE, idle], GIVEN, 1e-3)
+
+
 @pytest.mark.parametrize("own", [3e-4, 2e-3, 0.0, -1e-3, float("nan"), float("inf")])
 def test_steps_that_do_not_fit_are_refused(both, own):
     with pytest.raises(WiringError, match=r"of shaft is refused: allowed is 0\.001 s"):

@@ -6,6 +6,9 @@ State omega_out. Every torque is that of fidelity averaged at this instant, comp
 functions. Two things a differential equation cannot say. At lock-up (omega_out = omega1) the FMU holds the
 two together; here the torque drops to zero above ratio 1, and a solver would chatter there: it is for ratios
 below. And at constant inputs no torque has a part in omega1': give `omega1_rate` as a third input for it.
+
+omega1 is an input here. What a torque makes of it is one more equation around this system, with its input
+torque; of a module driven by torque there is the FMU itself (fmu_system).
 """
 
 from __future__ import annotations
@@ -120,8 +123,12 @@ def averaged_system(
 
     Raises:
         Refused: the parameters cannot be, or there is no mean torque (a freewheel is missing).
-        ValueError: an unknown input or output, or omega1 or load_torque missing.
+        ValueError: an unknown input or output, omega1 or load_torque missing, or drive = torque.
     """
+    if (parameters or {}).get("drive", slots.DRIVE_SPEED) != slots.DRIVE_SPEED:
+        raise ValueError(
+            "drive = 1 (torque) is refused: omega1 is an input of the averaged system; allowed is 0 (speed)"
+        )
     known = (*INPUTS, INPUT_RATE)
     for kind, names, allowed in (("input", inputs, known), ("output", outputs, OUTPUTS)):
         for wanted in names:

@@ -7,7 +7,8 @@ where the motion is now: they are part of the state. Two states are to be had.
 **motion.** A few named numbers: what the motion is (`omega_out`; for fidelity rigid `drive_angle`,
 `omega2` and `omega_out`; for DrivenShaft `omega_out` and `twist`), the speed the input was left at
 (a new one is a jump, and a jump is an impulse), and the outputs of the last step. Every update starts the FMU
-anew from these, through its start parameters: nothing outside of them can matter. It is the state for
+anew from these, through its start parameters: nothing outside of them can matter. A module driven by torque
+has `input_speed` among its motion in the place of the speed the input was left at. It is the state for
 find_operating_point and linearize. Against stepping on, a restart loses what rounding was carried along and
 the step size of the integration: results agree within the tolerance, not to the bit.
 
@@ -29,20 +30,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..instance import DriveError, Fmu
+from .motion import check_inputs, is_angular, motion_of, start_name
 from .restarted import RestartedFmu
 from .words import bytes_of, words_of
 
 Array = NDArray[np.float64]
 StateKind = Literal["motion", "whole"]
 
-# what of the motion has a start parameter, by fidelity
-_MOTION = {
-    "kinematic": ("drive_angle",),
-    "averaged": ("omega_out",),
-    "rigid": ("drive_angle", "omega2", "omega_out"),
-}
-_FIDELITIES = ("kinematic", "averaged", "rigid", "elastic")
-_SHAFT_MOTION = ("omega_out", "twist")
 # inputs whose jumps act impulsively
 _SPEEDS = ("omega1", "hub_speed")
 # sums since the start: a restart begins them anew
@@ -67,21 +61,21 @@ class _Motion:
 
     def __init__(self, fmu: RestartedFmu, step: float, inputs: Sequence[str], outputs: Sequence[str]) -> None:
         self.fmu, self._step, self._inputs = fmu, step, tuple(inputs)
-        self._motion = _motion_of(fmu)
+        self._motion = motion_of(fmu)
         for name in outputs:
             if any(word in name for word in _SUMS) and name != "energy_stored":
                 raise DriveError(
                     f"output {name} is refused with state = 'motion': it is a sum since the start; allowed"
                     " are outputs that follow from the motion, or state = 'whole'"
                 )
-            if _is_angular(fmu, name, "drive_angle" in self._motion):
+            if is_angular(fmu, name, "drive_angle" in self._motion):
                 raise DriveError(
                     f"output {name} is refused with state = 'motion': it depends on an angle that is no state"
                     f" here ({', '.join(self._motion)}); allowed is state = 'whole'"
                 )
         self._held = tuple(name for name in inputs if name in _SPEEDS)
         self._read = (*self._motion, *(name for name in outputs if name not in self._motion))
-        self._start_names = tuple(f"{name}_start" for name in self._motion)
+        self._start_names = tuple(start_name(name) for name in self._motion)
         carried = self._read[len(self._motion) :]
         self.names = [*self._motion, *(f"{name}_held" for name in self._held), *carried]
         places = [self.names.index(name) for name in outputs]
@@ -216,7 +210,8 @@ def fmu_system(
         parameters: by name, enumerations by number or item name; `..._start` values make the start of the
             system.
         step: communication step and sampling time, s.
-        inputs: inputs of the FMU that are inputs of the system; others stay at their start values.
+        inputs: inputs of the FMU that are inputs of the system; others stay at their start values. With the
+            parameter drive = torque drive_torque takes the place of omega1, which is only the start then.
         outputs: variables of the FMU that are outputs of the system.
         start: values of inputs at the start.
         tolerance: relative tolerance, or None for that of the parameters.
@@ -237,7 +232,7 @@ def fmu_system(
     kind = RestartedFmu if state == "motion" else Fmu
     fmu = kind(path, parameters, start, tolerance)
     try:
-        _check_inputs(fmu, inputs)
+        check_inputs(fmu, inputs)
         stepper: _Stepper
         if isinstance(fmu, RestartedFmu):
             stepper = _Motion(fmu, step, inputs, outputs)
@@ -247,39 +242,3 @@ def fmu_system(
     except BaseException:
         fmu.close()
         raise
-
-
-def _check_inputs(fmu: Fmu, inputs: Sequence[str]) -> None:
-    known = [name for name, variable in fmu.variables.items() if variable.causality == "input"]
-    for name in inputs:
-        if name not in known:
-            raise DriveError(f"input {name} is refused: allowed are {', '.join(known)}")
-
-
-def _is_angular(fmu: Fmu, name: str, knows_drive_angle: bool) -> bool:
-    """Whether an output of the module needs the angle of link 1, or one of the drive that is not known."""
-    if "drive_turns" not in fmu.variables or not name.startswith(("imbalance_", "drive_")):
-        return False
-    return not knows_drive_angle or name.endswith(("_y", "_z"))
-
-
-def _motion_of(fmu: Fmu) -> tuple[str, ...]:
-    """Names of the motion that the FMU has start parameters for.
-
-    Raises:
-        DriveError: these are not all of its motion.
-    """
-    if "input_hold" in fmu.variables and fmu["input_hold"] != 0.0:
-        raise DriveError(
-            "input_hold = linear is refused with state = 'motion': it goes on from the last two inputs;"
-            " allowed is input_hold = constant, or state = 'whole'"
-        )
-    if "fidelity" not in fmu.variables:
-        return _SHAFT_MOTION
-    fidelity = _FIDELITIES[int(fmu["fidelity"])]
-    if fidelity not in _MOTION:
-        raise DriveError(
-            f"fidelity = {fidelity} is refused with state = 'motion': it has no start parameters for all of"
-            f" its motion; allowed are {', '.join(_MOTION)}, or state = 'whole'"
-        )
-    return _MOTION[fidelity]

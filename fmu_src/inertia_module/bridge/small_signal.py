@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..instance import Fmu
+from ..kernel.slots import DRIVE_SPEED
 from .averaged_system import INPUT_RATE, INPUTS, QUASI_STEADY, TransientInertia, averaged_system
 from .sine_bench import SineBench
 
@@ -80,7 +81,8 @@ def measured_response(
         The measured response.
 
     Raises:
-        ValueError: excited is no input, a number is not positive, or a frequency is above 1 / (4 step).
+        ValueError: excited is no input, a number is not positive, a frequency is above 1 / (4 step), or the
+            FMU is driven by torque.
         DriveError: the FMU refuses something.
     """
     _check_excited(excited)
@@ -96,6 +98,8 @@ def measured_response(
             )
     point = {"omega1": omega1, "load_torque": load_torque}
     with Fmu(path, parameters, point, tolerance) as fmu:
+        if fmu["drive"] != DRIVE_SPEED:
+            raise ValueError("drive = 1 (torque) is refused: omega1 is made to swing; allowed is 0 (speed)")
         bench = SineBench(fmu, point, tuple(outputs), step)
         rate = bench.settle(settling)
         settled = fmu.keep()

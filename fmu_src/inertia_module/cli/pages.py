@@ -88,7 +88,9 @@ def coupling(
     ] = False,
     only: Annotated[
         str | None,
-        typer.Option("--only", metavar="PART", help="limits, map, adaptive, urban or shafts."),
+        typer.Option(
+            "--only", metavar="PART", help="limits, map, torque, adaptive, urban, torque_urban or shafts."
+        ),
     ] = None,
 ) -> None:
     """Couple an engine and a shaft to the module in every way and measure what it costs (out/coupling)."""

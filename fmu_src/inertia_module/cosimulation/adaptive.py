@@ -17,7 +17,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from .bond import Exchange
-from .master import CoupledEngine
+from .plant import EnginePlant
 
 # an error below it counts as this
 _LEAST_ERROR = 1e-12
@@ -71,7 +71,7 @@ class ErrorControl:
         return min(max(step * factor, self.shortest), self.longest)
 
 
-def run_adaptive(coupled: CoupledEngine, stop_time: float, control: ErrorControl) -> Iterator[Exchange]:
+def run_adaptive(coupled: EnginePlant, stop_time: float, control: ErrorControl) -> Iterator[Exchange]:
     """Step to the stop time, s, the step driven by the residual; gives each exchange.
 
     The first step is the shortest. The last one ends at the stop time.

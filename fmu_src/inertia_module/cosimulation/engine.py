@@ -10,7 +10,7 @@ exact, works and impulses included.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -188,6 +188,38 @@ class Engine:
         Raises:
             ValueError: the step is not positive.
         """
+
+        def move(state: EngineState, part: float, passed: float) -> EngineState:
+            return self._moved(state, part, load._replace(value=load.value + load.rate * passed))
+
+        return self._sample_by_sample(step, move)
+
+    def at_held_speed(self, step: float) -> EngineState:
+        """The state after a step, s, in which the speed stays as it is: all torque goes on to the load.
+
+        That of an engine whose rotor is simulated elsewhere, and which knows its speed at the beginning of a
+        step only.
+
+        Raises:
+            ValueError: the step is not positive.
+        """
+
+        def move(state: EngineState, part: float, _: float) -> EngineState:
+            turned, impulse = part * state.speed, part * state.torque
+            return state._replace(
+                angle=state.angle + turned,
+                wait=state.wait - part,
+                work_in=state.work_in + state.torque * turned,
+                work_out=state.work_out + state.torque * turned,
+                impulse_out=state.impulse_out + impulse,
+            )
+
+        return self._sample_by_sample(step, move)
+
+    def _sample_by_sample(
+        self, step: float, move: Callable[[EngineState, float, float], EngineState]
+    ) -> EngineState:
+        """The state after a step, s; move takes a state, a part of the step and what of it has passed."""
         _positive("step", step, "seconds")
         state, passed = self.state, 0.0
         sample_time = self.governor.sample_time
@@ -195,7 +227,7 @@ class Engine:
             if state.wait <= _ROUNDING * sample_time:
                 state = self._sampled(state)
             part = min(state.wait, step - passed)
-            state = self._moved(state, part, load._replace(value=load.value + load.rate * passed))
+            state = move(state, part, passed)
             passed += part
             if step - passed <= _ROUNDING * min(sample_time, step):
                 return state

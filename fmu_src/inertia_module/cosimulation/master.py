@@ -7,11 +7,11 @@ up for by a jump at the beginning of the module's next step, whose impulse is in
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-
 from ..instance import DriveError, Fmu
-from .bond import Exchange, Ledger
+from ..kernel.slots import DRIVE_SPEED
+from .bond import Exchange
 from .engine import Engine, EngineState, LoadTorque
+from .plant import EnginePlant
 from .schemes import HELD, IMPLICIT, INERTIA, INSTANTANEOUS, JACOBI, MODULE_FIRST, RAMP, Scheme
 
 _TORQUES = ("input_torque_mean", "input_torque", "energy_in")
@@ -32,24 +32,13 @@ _MEMORY = (
     "_acceleration",
 )
 
-# what can be read besides the variables of the FMU
-ENGINE_READINGS = {
-    "engine_speed": "rad/s",
-    "engine_torque": "N.m",
-    "engine_angle": "rad",
-    "engine_work_in": "J",
-    "engine_work_out": "J",
-    "engine_energy": "J",
-    "bond_defect": "J",
-}
 
-
-class CoupledEngine:
+class CoupledEngine(EnginePlant):
     """An engine in front of a module; seen from outside it is a plant whose omega1 is the speed asked for.
 
     Args:
-        fmu: a started native FMU of the module with omega1 = speed of the engine, whose input_hold is
-            constant.
+        fmu: a started native FMU of the module with omega1 = speed of the engine, whose drive is speed and
+            whose input_hold is constant.
         engine: at the same speed. scheme: of coupling.
         inertia: interface inertia the engine reckons with (correction inertia), kg.m2; see interface.py.
         substeps: equal communication steps between engine and module in each step of the plant.
@@ -58,7 +47,8 @@ class CoupledEngine:
         ledger: sums over the run. exchange: of the last communication step, or None.
 
     Raises:
-        ValueError: the speeds differ, no inertia for a correction that needs one, or no substeps.
+        ValueError: the speeds differ, no inertia for a correction that needs one, a module driven by torque,
+            or no substeps.
     """
 
     def __init__(
@@ -68,9 +58,12 @@ class CoupledEngine:
             raise ValueError(
                 f"inertia = {inertia} is refused: allowed is a positive interface inertia, kg.m2"
             )
-        if substeps < 1:
-            raise ValueError(f"substeps = {substeps} is refused: allowed is a whole number from 1")
-        speed, hold = fmu.read(("omega1", "input_hold"))
+        super().__init__(fmu, engine, substeps)
+        speed, hold, drive = fmu.read(("omega1", "input_hold", "drive"))
+        if drive != DRIVE_SPEED:
+            raise ValueError(
+                "drive = torque of the FMU is refused: allowed is speed here, TorqueDrivenEngine takes torque"
+            )
         if abs(speed - engine.speed) > 1e-9 * max(1.0, abs(speed)):
             raise ValueError(
                 f"omega1 = {speed:g} rad/s of the FMU is refused: allowed is the engine's {engine.speed:g}"
@@ -79,9 +72,7 @@ class CoupledEngine:
             raise ValueError(
                 "input_hold = linear is refused: allowed is constant, the scheme gives the derivative"
             )
-        self.fmu, self.engine, self.scheme, self.substeps = fmu, engine, scheme, substeps
-        self.ledger = Ledger()
-        self.exchange: Exchange | None = None
+        self.scheme = scheme
         self._inertia = inertia if inertia is not None else 0.0
         self._slope = 0.0  # interface inertia an implicit step found last
         self._torque, self._energy = fmu.read(("input_torque", "energy_in"))
@@ -91,43 +82,10 @@ class CoupledEngine:
         self._module_acceleration = 0.0  # of its last step, jump included
         self._acceleration = 0.0  # of the engine in its last step, mean
 
-    # --- seen as a plant ---
-
-    def set(self, **values: float) -> None:
-        """Set inputs of the FMU by name; omega1 is the speed the governor is asked for."""
-        given: Mapping[str, float] = values
-        if "omega1" in given:
-            self.engine.reference = given["omega1"]
-            given = {name: value for name, value in given.items() if name != "omega1"}
-        self.fmu.set(**given)
-
-    def advance(self, step: float) -> None:
-        """Advance engine and module by a step, s, in substeps.
-
-        Raises:
-            DriveError: the FMU refused the step.
-        """
-        for _ in range(self.substeps):
-            self.step(step / self.substeps)
-
-    def read(self, names: Sequence[str]) -> tuple[float, ...]:
-        """Values by name: variables of the FMU, and ENGINE_READINGS."""
-        own = self._readings()
-        others = iter(self.fmu.read([name for name in names if name not in own]))
-        return tuple(own[name] if name in own else next(others) for name in names)
-
-    def _readings(self) -> dict[str, float]:
-        state = self.engine.state
-        values = (
-            state.speed,
-            state.torque,
-            state.angle,
-            state.work_in,
-            state.work_out,
-            self.engine.energy_stored,
-            self.ledger.defect,
-        )
-        return dict(zip(ENGINE_READINGS, values, strict=True))
+    @property
+    def energy_stored(self) -> float:
+        """Kinetic energy of engine and module together, J."""
+        return self.engine.energy_stored + self.fmu["energy_stored"]
 
     # --- one communication step ---
 

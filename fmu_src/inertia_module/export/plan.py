@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from ..fmu.builder import MODULE_FMU, SHAFT_FMU
 from ..fmu.native_fmu import NativeFmu
-from ..kernel.slots import ELASTIC, RIGID
+from ..kernel.slots import DRIVE_TORQUE, ELASTIC, RIGID
 from ..model import DRIVEN_SHAFT, INERTIA_MODULE, Model
 from ..variables import PARAMETER, Variable
 from ..wiring import Wire
@@ -15,7 +15,14 @@ from ..wiring import Wire
 MODULE, SHAFT = "module", "shaft"
 # outputs worth a connector of the whole system
 SHOWN = {
-    MODULE: ("omega2", "omega_out", "input_torque_mean", "output_torque_mean", "imbalance_acceleration"),
+    MODULE: (
+        "input_speed",
+        "omega2",
+        "omega_out",
+        "input_torque_mean",
+        "output_torque_mean",
+        "imbalance_acceleration",
+    ),
     SHAFT: ("omega_out", "shaft_torque_mean", "twist", "driven_acceleration"),
 }
 
@@ -77,21 +84,22 @@ def make_plan(
 
     Args:
         values: parameters of the module that differ from their start values.
-        inputs: omega1 and load_torque at the start. step: communication step, s. stop_time: s.
-        tolerance: of the module.
+        inputs: omega1, load_torque and, of a module driven by torque, drive_torque at the start.
+        step: communication step, s. stop_time: s. tolerance: of the module.
     """
+    drive = "drive_torque" if values.get("drive") == DRIVE_TORQUE else "omega1"
     own = {**_of(INERTIA_MODULE, values), "tolerance": tolerance}
     if values.get("fidelity") != ELASTIC:
         module = Part(MODULE, MODULE_FMU, {**own, **inputs})
-        ends = tuple((MODULE, name) for name in ("omega1", "load_torque"))
+        ends = tuple((MODULE, name) for name in (drive, "load_torque"))
         return Plan(title, (module,), (), ends, _shown(MODULE), step, stop_time, tolerance)
     rigid = {name: value for name, value in own.items() if name not in DRIVEN_SHAFT.by_name}
     shared: dict[str, float] = {name: own[name] for name in ("omega_out_start", "input_hold") if name in own}
     module_values: dict[str, float] = {
         **rigid,
         **shared,
+        **inputs,
         "fidelity": float(RIGID),
-        "omega1": inputs["omega1"],
         "load_torque": 0.0,
     }
     start = {"hub_speed": own.get("omega_out_start", 0.0), "load_torque": inputs["load_torque"]}
@@ -103,7 +111,7 @@ def make_plan(
         Wire(MODULE, "omega_out", SHAFT, "hub_speed"),
         Wire(SHAFT, "shaft_torque_mean", MODULE, "load_torque"),
     )
-    ends = ((MODULE, "omega1"), (SHAFT, "load_torque"))
+    ends = ((MODULE, drive), (SHAFT, "load_torque"))
     return Plan(title, parts, wires, ends, _shown(MODULE, SHAFT), step, stop_time, tolerance)
 
 

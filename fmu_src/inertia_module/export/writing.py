@@ -31,7 +31,8 @@ def _check(plan: Plan, fmus: dict[str, bytes]) -> None:
     given: dict[str, list[str]] = {}
     for owner, name in plan.inputs:
         given.setdefault(owner, []).append(name)
-    check_wiring(descriptions, plan.wires, given, plan.step)
+    values = {part.name: part.values for part in plan.parts}
+    check_wiring(descriptions, plan.wires, given, plan.step, parameters=values)
 
 
 def export(plan: Plan, folder: Path, progress: Progress = lambda stage: None) -> list[Path]:

@@ -11,7 +11,7 @@ import numpy as np
 from ..drive import Plant, Progress, Result
 from ..variables import BY_NAME
 
-PLANT_INPUTS = ("omega1", "load_torque")
+PLANT_INPUTS = ("omega1", "load_torque", "drive_torque")
 _PROGRESS_CALLS = 200
 
 # units of the signals that sources, controllers and loads bring along

@@ -14,6 +14,7 @@ from .. import loops
 from ..cycles import CYCLES, Cycle
 from ..variables import LARGEST_SPEED
 from .drives import AngularSpeed
+from .loads import Torque
 from .tables import Strict, Tabulated, Times
 from .units import checked, quantity
 
@@ -103,20 +104,27 @@ class Brake(Strict):
     margin: Annotated[float, quantity("m/s", 0.0)] = 0.0
 
 
-class PiController(Strict):
-    """PI controller of the speed that commands omega1, with limits and anti-windup."""
+class Pi(Strict):
+    """PI controller of the speed, with limits and anti-windup.
 
-    kind: Literal["pi"]
-    proportional_gain: Annotated[float, _by_measured("rad/m", "1", 0.0)]
-    integral_gain: Annotated[float, _by_measured("rad/m/s", "1/s", 0.0)] = 0.0
-    feedforward: Annotated[float, _by_measured("rad/m", "1")] = 0.0
-    minimum: AngularSpeed = 0.0
-    maximum: AngularSpeed = LARGEST_SPEED
+    Attributes:
+        COMMAND: the input of the module that it commands. DRIVE: kind of [drive] that leaves it to it.
+    """
+
+    COMMAND: ClassVar[str]
+    DRIVE: ClassVar[str]
+
+    kind: str
+    proportional_gain: float
+    integral_gain: float
+    feedforward: float
+    minimum: float
+    maximum: float
     reference: Annotated[ConstantReference | TableReference | CycleReference, Field(discriminator="kind")]
     brake: Brake | None = None
 
     @model_validator(mode="after")
-    def _limits_in_order(self) -> PiController:
+    def _limits_in_order(self) -> Pi:
         if not self.minimum < self.maximum:
             raise ValueError(
                 f"minimum = {self.minimum:g}, maximum = {self.maximum:g} are refused:"
@@ -135,8 +143,40 @@ class PiController(Strict):
                 (self.minimum, self.maximum),
                 feedforward=self.feedforward,
                 measured=measured,
+                command=self.COMMAND,
             ),
         ]
         if self.brake is not None:
             systems.append(loops.driver_brake(step, self.brake.gain, self.brake.maximum, self.brake.margin))
         return systems
+
+
+class PiController(Pi):
+    """PI controller of the speed that commands omega1."""
+
+    COMMAND: ClassVar[str] = "omega1"
+    DRIVE: ClassVar[str] = "controlled"
+
+    kind: Literal["pi"]
+    proportional_gain: Annotated[float, _by_measured("rad/m", "1", 0.0)]
+    integral_gain: Annotated[float, _by_measured("rad/m/s", "1/s", 0.0)] = 0.0
+    feedforward: Annotated[float, _by_measured("rad/m", "1")] = 0.0
+    minimum: AngularSpeed = 0.0
+    maximum: AngularSpeed = LARGEST_SPEED
+
+
+class PiTorqueController(Pi):
+    """PI controller of the speed that commands drive_torque, within the limits of an engine or motor."""
+
+    COMMAND: ClassVar[str] = "drive_torque"
+    DRIVE: ClassVar[str] = "controlled_torque"
+
+    kind: Literal["pi_torque"]
+    proportional_gain: Annotated[float, _by_measured("N.s", "N.m.s/rad", 0.0)]
+    integral_gain: Annotated[float, _by_measured("N", "N.m/rad", 0.0)] = 0.0
+    feedforward: Annotated[float, _by_measured("N.s", "N.m.s/rad")] = 0.0
+    minimum: Torque
+    maximum: Torque
+
+
+Controller = Annotated[PiController | PiTorqueController, Field(discriminator="kind")]

@@ -2,19 +2,35 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Field
+from pydantic import BaseModel, Field
 
+from .. import loops
+from ..kernel.slots import DRIVE_SPEED, DRIVE_TORQUE
 from ..loops import Table
-from ..variables import LARGEST_SPEED
+from ..variables import ENUMERATIONS, LARGEST_SPEED
+from .errors import SceneError
+from .loads import Torque
 from .tables import Duration, Strict, Tabulated, Time, Times
 from .units import quantities, quantity
 
 AngularSpeed = Annotated[float, quantity("rad/s", -LARGEST_SPEED, LARGEST_SPEED)]
 
 
-class ConstantDrive(Strict):
+class SpeedDrive(Strict):
+    """Link 1 turns at a given speed."""
+
+    def signal(self) -> float | Table:
+        """Speed of link 1, constant or over time, rad/s."""
+        raise NotImplementedError
+
+    def systems(self, step: float) -> list[Any]:
+        """The system that gives omega1, of this step, s."""
+        return [loops.source("omega1", self.signal(), step)]
+
+
+class ConstantDrive(SpeedDrive):
     """Link 1 turns at constant speed."""
 
     kind: Literal["constant"]
@@ -25,7 +41,7 @@ class ConstantDrive(Strict):
         return self.omega1
 
 
-class RampDrive(Strict):
+class RampDrive(SpeedDrive):
     """The speed of link 1 changes linearly between two values and is held before and after."""
 
     kind: Literal["ramp"]
@@ -39,7 +55,7 @@ class RampDrive(Strict):
         return Table([self.start, self.start + self.duration], [self.initial, self.final])
 
 
-class TableDrive(Tabulated):
+class TableDrive(Tabulated, SpeedDrive):
     """The speed of link 1 over time."""
 
     VALUES: ClassVar[str] = "omega1"
@@ -59,5 +75,97 @@ class ControlledDrive(Strict):
 
     kind: Literal["controlled"]
 
+    def systems(self, _: float) -> list[Any]:
+        """None: the command is that of the controller."""
+        return []
 
-Drive = Annotated[ConstantDrive | RampDrive | TableDrive | ControlledDrive, Field(discriminator="kind")]
+
+class ControlledTorque(Strict):
+    """The torque on link 1 is what [controller] commands.
+
+    Attributes:
+        omega1: speed of link 1 at the start, rad/s.
+    """
+
+    kind: Literal["controlled_torque"]
+    omega1: AngularSpeed = 0.0
+
+    def systems(self, _: float) -> list[Any]:
+        """None: the command is that of the controller."""
+        return []
+
+
+class ConstantTorque(Strict):
+    """A constant torque on link 1, whose speed follows from it.
+
+    Attributes:
+        drive_torque: N.m. omega1: speed of link 1 at the start, rad/s.
+    """
+
+    kind: Literal["torque"]
+    drive_torque: Torque
+    omega1: AngularSpeed = 0.0
+
+    def systems(self, step: float) -> list[Any]:
+        """The system that gives drive_torque, of this step, s."""
+        return [loops.source("drive_torque", self.drive_torque, step)]
+
+
+class TorqueTable(Tabulated):
+    """A torque on link 1 over time, whose speed follows from it.
+
+    Attributes:
+        time, drive_torque: s, N.m. omega1: speed of link 1 at the start, rad/s.
+    """
+
+    VALUES: ClassVar[str] = "drive_torque"
+    UNITS: ClassVar[tuple[str, str]] = ("s", "N.m")
+
+    kind: Literal["torque_table"]
+    time: Times
+    drive_torque: Annotated[list[float], quantities("N.m")]
+    omega1: AngularSpeed = 0.0
+
+    def systems(self, step: float) -> list[Any]:
+        """The system that gives drive_torque, of this step, s."""
+        return [loops.source("drive_torque", self.table(), step)]
+
+
+# drives that take the module's drive = torque
+TORQUE_DRIVES = (ConstantTorque, TorqueTable, ControlledTorque)
+# drives that leave it to [controller]
+CONTROLLED_DRIVES = (ControlledDrive, ControlledTorque)
+
+Drive = Annotated[
+    ConstantDrive
+    | RampDrive
+    | TableDrive
+    | ControlledDrive
+    | ConstantTorque
+    | TorqueTable
+    | ControlledTorque,
+    Field(discriminator="kind"),
+]
+
+
+def drive_parameter(drive: BaseModel) -> dict[str, float]:
+    """The parameter drive of the module, where it is not its default."""
+    return {"drive": float(DRIVE_TORQUE)} if isinstance(drive, TORQUE_DRIVES) else {}
+
+
+def check_drive(drive: Any, given: float | None) -> None:
+    """Refuse a mechanism.drive that contradicts the drive of the scene.
+
+    Raises:
+        SceneError: what is given, and what is allowed.
+    """
+    torque = isinstance(drive, TORQUE_DRIVES)
+    needed = DRIVE_TORQUE if torque else DRIVE_SPEED
+    if given is None or given == needed:
+        return
+    names = {number: name for name, number, _ in ENUMERATIONS["Drive"]}
+    others = "a drive.kind that gives a speed" if torque else "a drive.kind that gives a torque"
+    raise SceneError(
+        f"mechanism.drive = {names[int(given)]!r} is refused with drive.kind = {drive.kind!r}:"
+        f" allowed is {names[needed]!r}, which the scene sets itself, or {others}"
+    )

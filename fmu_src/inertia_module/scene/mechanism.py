@@ -14,6 +14,7 @@ from .tables import Strict
 from .units import to_si
 
 FIDELITY = "fidelity"
+DRIVE = "drive"
 # the fidelity is to be chosen from measurements
 AUTO = "auto"
 

@@ -9,6 +9,7 @@ from typing import Any
 
 from ..drive import Fmu, Progress, Result
 from ..loops import ClosedLoop, connect, initial_inputs
+from .drives import TORQUE_DRIVES
 from .errors import SceneError
 from .schema import Scene
 from .summary import SUMMARISED, Quantity, summarise
@@ -51,11 +52,10 @@ def start_of(scene: Scene) -> tuple[Any, dict[str, float], dict[str, float]]:
     """What a scene starts from: its surroundings, connected; parameters and inputs of the FMU by name."""
     surroundings = connect(list(scene.systems()))
     values = scene.parameters()
-    return (
-        surroundings,
-        values,
-        initial_inputs(surroundings, {"omega_out": values.get("omega_out_start", 0.0)}),
-    )
+    inputs = initial_inputs(surroundings, {"omega_out": values.get("omega_out_start", 0.0)})
+    if isinstance(scene.drive, TORQUE_DRIVES):
+        inputs["omega1"] = scene.drive.omega1
+    return surroundings, values, inputs
 
 
 def run_scene(scene: Scene, fmu_path: Path | str, progress: Progress | None = None) -> SceneResult:

@@ -14,11 +14,11 @@ from ..cycles import Cycle
 from ..kernel.slots import ELASTIC
 from ..module import Module, Refused
 from ..variables import BY_NAME, LARGEST_STEP, LOCAL, OUTPUT, with_causality
-from .controllers import SPEED_UNITS, VEHICLE_SPEED, CycleReference, PiController, measured_speed
-from .drives import ControlledDrive, Drive
+from .controllers import SPEED_UNITS, VEHICLE_SPEED, Controller, CycleReference, measured_speed
+from .drives import CONTROLLED_DRIVES, Drive, check_drive, drive_parameter
 from .errors import SceneError, one_line
 from .loads import Load
-from .mechanism import AUTO, FIDELITY, Mechanism, at_fidelity, is_auto, parameters
+from .mechanism import AUTO, DRIVE, FIDELITY, Mechanism, at_fidelity, is_auto, parameters
 from .tables import Duration, Strict
 from .units import quantity
 
@@ -72,7 +72,7 @@ class Scene(Strict):
     mechanism: Mechanism = Field(default_factory=Mechanism)  # type: ignore[valid-type]
     drive: Drive
     load: Load
-    controller: PiController | None = None
+    controller: Controller | None = None
     accuracy: Accuracy = Accuracy()
     run: Run
 
@@ -110,8 +110,7 @@ class Scene(Strict):
         yield load
         if self.controller is not None:
             yield from self.controller.build(step, self.measured)
-        elif not isinstance(self.drive, ControlledDrive):
-            yield loops.source("omega1", self.drive.signal(), step)
+        yield from self.drive.systems(step)
         braked = self.controller is not None and self.controller.brake is not None
         if "brake_force" in load.input_labels and not braked:
             yield loops.source("brake_force", 0.0, step)
@@ -164,20 +163,26 @@ class Scene(Strict):
         return "driven_inertia" if elastic else "output_inertia"
 
     def parameters(self) -> dict[str, float]:
-        """Parameters for the FMU; the inertia of a rigidly coupled load is in that which it hangs on."""
-        values = parameters(self.mechanism)
+        """Parameters for the FMU, that of the drive too; a load coupled rigidly is in what it hangs on."""
+        values = {**parameters(self.mechanism), **drive_parameter(self.drive)}
         rigid = self.build_load().rigid_inertia
         return {**values, self._carrying: self._shaft_inertia() + rigid} if rigid else values
 
     @model_validator(mode="after")
     def _drive_and_controller(self) -> Scene:
-        controlled = isinstance(self.drive, ControlledDrive)
-        if controlled and self.controller is None:
-            raise SceneError("drive.kind = 'controlled' is refused: allowed is that only with a [controller]")
-        if self.controller is not None and not controlled:
+        kind = self.drive.kind
+        if self.controller is None and isinstance(self.drive, CONTROLLED_DRIVES):
+            raise SceneError(f"drive.kind = {kind!r} is refused: allowed is that only with a [controller]")
+        if self.controller is not None and kind != self.controller.DRIVE:
             raise SceneError(
-                f"drive.kind = {self.drive.kind!r} is refused: allowed with a [controller] is 'controlled'"
+                f"drive.kind = {kind!r} is refused: allowed with controller.kind ="
+                f" {self.controller.kind!r} is {self.controller.DRIVE!r}"
             )
+        return self
+
+    @model_validator(mode="after")
+    def _drive_of_the_mechanism(self) -> Scene:
+        check_drive(self.drive, parameters(self.mechanism).get(DRIVE))
         return self
 
     @model_validator(mode="after")

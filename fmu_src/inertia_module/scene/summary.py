@@ -14,6 +14,7 @@ from ..drive import Result
 SUMMARISED = (
     "omega2",
     "omega_out",
+    "input_speed",
     "input_torque_mean",
     "output_torque_mean",
     "energy_in",
@@ -42,9 +43,14 @@ def _time_mean(table: Result, name: str) -> float:
     return float(np.average(table[name][1:], weights=np.diff(table.time)))
 
 
+def input_speed(table: Result) -> NDArray[np.float64]:
+    """Speed of link 1, rad/s: as the drive gives it, else what the drive's torque has made of it."""
+    return table["omega1"] if "omega1" in table else table["input_speed"]
+
+
 def _speeds_and_torques(table: Result) -> dict[str, Quantity]:
     return {
-        "omega1_maximum": Quantity(float(table["omega1"].max()), "rad/s"),
+        "omega1_maximum": Quantity(float(input_speed(table).max()), "rad/s"),
         "omega_out_maximum": Quantity(float(table["omega_out"].max()), "rad/s"),
         "omega_out_final": Quantity(float(table["omega_out"][-1]), "rad/s"),
         "input_torque_mean": Quantity(_time_mean(table, "input_torque_mean"), "N.m"),

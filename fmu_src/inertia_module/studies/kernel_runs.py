@@ -101,7 +101,7 @@ class KernelRun:
 
     def _cost(self) -> float:
         """Time of the kernel for the whole run, s, median of repeats."""
-        inputs = [(self.case.omega1, self.case.load_torque)] * self.steps
+        inputs = [(self.case.omega1, self.case.load_torque, 0.0)] * self.steps
         return kernel_time(self.module, self._saved[0], inputs, self.step)
 
     def trajectory(

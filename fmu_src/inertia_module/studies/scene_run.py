@@ -8,9 +8,10 @@ from dataclasses import dataclass
 
 from ..drive import Progress, Result
 from ..kernel import slots
-from ..loops import ClosedLoop, connect, initial_inputs
+from ..loops import ClosedLoop
 from ..module import Module
 from ..scene import Scene
+from ..scene.run import start_of
 from ..variables import LOCAL, OUTPUT, with_causality
 from .timing import kernel_time
 
@@ -30,7 +31,7 @@ class ModulePlant:
     def __init__(self, parameters: Mapping[str, float], inputs: Mapping[str, float]) -> None:
         self.module = Module("auto").start(**{**parameters, **inputs})
         self._begin = self.module.save()
-        self._given: list[tuple[float, float]] = []
+        self._given: list[tuple[float, float, float]] = []
         self._step = 0.0
 
     def set(self, **values: float) -> None:
@@ -40,7 +41,7 @@ class ModulePlant:
     def advance(self, step: float) -> None:
         """Advance by a communication step, s."""
         held = self.module.inputs
-        self._given.append((held[slots.U_OMEGA1], held[slots.U_LOAD_TORQUE]))
+        self._given.append((held[slots.U_OMEGA1], held[slots.U_LOAD_TORQUE], held[slots.U_DRIVE_TORQUE]))
         self._step = step
         self.module.advance(step)
 
@@ -76,12 +77,10 @@ def run_in_process(scene: Scene, progress: Progress | None = None) -> SceneRun:
     Raises:
         Refused: the module refuses its parameters, an input or a step.
     """
-    surroundings = connect(list(scene.systems()))
-    values = scene.parameters()
+    surroundings, values, inputs = start_of(scene)
     if scene.accuracy.tolerance is not None:
         values["tolerance"] = scene.accuracy.tolerance
-    start = {"omega_out": values.get("omega_out_start", 0.0)}
-    plant = ModulePlant(values, initial_inputs(surroundings, start))
+    plant = ModulePlant(values, inputs)
     loop = ClosedLoop(plant, surroundings, READABLE, scene.signal_units)
     began = time.perf_counter()
     record = loop.run(scene.run.stop_time, progress)

@@ -18,7 +18,7 @@ _RESOLUTION = 1e-8
 def kernel_time(
     module: Module,
     begin: bytes,
-    inputs: Sequence[tuple[float, float]],
+    inputs: Sequence[tuple[float, float, float]],
     communication_step: float,
     repeats: int = 31,
     patience: float = 0.5,
@@ -29,14 +29,15 @@ def kernel_time(
 
     Args:
         module: that ran it. begin: its state before (Module.save). communication_step: s.
-        inputs: (omega1, load_torque) of each step. repeats: at most. patience: no further one after it, s.
+        inputs: (omega1, load_torque, drive_torque) of each step. repeats: at most.
+        patience: no further one after it, s.
     """
 
     def calls(size: float) -> float:
         module.restore(begin)
         held, call = module.inputs, module.call
         start = time.perf_counter()
-        for held[slots.U_OMEGA1], held[slots.U_LOAD_TORQUE] in inputs:
+        for held[slots.U_OMEGA1], held[slots.U_LOAD_TORQUE], held[slots.U_DRIVE_TORQUE] in inputs:
             call(slots.STEP, size)
         return time.perf_counter() - start
 

@@ -24,8 +24,11 @@ from .case import Array, CoupledCase
 
 HELD, FREE, DRIVING, REST = range(4)
 _TOLERANCE = 1e-10
-# longest step: no pulse is stepped over, rad of the highest harmonic
+# longest step, rad of the highest harmonic: no pulse is stepped over
 _PHASE = 0.5
+# and for a while after a sample of the governor, where the new torque may close a contact for a moment
+_FINE_PHASE = 0.05
+_FINE_SHARE = 0.2
 _EVENTS_ALLOWED = 100_000
 
 
@@ -147,8 +150,8 @@ class Monolith:
             y[2] = y[3]
         return y
 
-    def _advance(self, mode: int, y: Array, time: float, end: float) -> tuple[int, Array]:
-        """Integrate to a time, the engine's torque being constant."""
+    def _advance(self, mode: int, y: Array, time: float, end: float, phase: float) -> tuple[int, Array]:
+        """Integrate to a time, the engine's torque being constant; phase: longest step, see _PHASE."""
         for _ in range(_EVENTS_ALLOWED):
             # a torque that has jumped may have opened a contact
             for guard, behind in self._guards(mode):
@@ -164,7 +167,7 @@ class Monolith:
 
                 falls.terminal, falls.direction = True, -1.0  # type: ignore[attr-defined]
                 events.append(falls)
-            longest = _PHASE / (self.highest * self.k * max(abs(y[1]), 1.0))
+            longest = phase / (self.highest * self.k * max(abs(y[1]), 1.0))
             found = self._solve(
                 self._rates(mode),
                 (time, end),
@@ -198,8 +201,10 @@ class Monolith:
                 limits = engine.limits.limits(y[1])
                 self.torque, integral = governor.sample(integral, case.speed, y[1], limits)
                 angle = y[4]
-                mode, y = self._advance(mode, y, time, time + governor.sample_time)
-                time += governor.sample_time
+                begun, time = time, time + governor.sample_time
+                middle = begun + _FINE_SHARE * governor.sample_time
+                mode, y = self._advance(mode, y, begun, middle, _FINE_PHASE)
+                mode, y = self._advance(mode, y, middle, time, _PHASE)
                 work += self.torque * (y[4] - angle)
             omega1.append((y[4] - began) / case.window)
             omega_out.append(y[3])

@@ -13,31 +13,18 @@ from .limits import GREATEST_RATIO, STEPS, Limit
 from .rows import read_rows
 from .shafts import ShaftTrial
 from .study import CRUISE
-from .text import ADAPTIVE, HEAD, INDICATOR, LIMITS, MAP, RECOMMENDED, SHAFTS, URBAN, VARIANT
+from .tables import percent, table
+from .text import ADAPTIVE, HEAD, INDICATOR, LIMITS, MAP, RECOMMENDED, SHAFTS, URBAN
+from .torque import TorqueTrial
+from .torque_page import torque_section
 from .trial import STABLE, Trial
 from .urban import UrbanRun
 
 GOOD = 0.01
 
 
-def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:
-    yield f"| {' | '.join(heads)} |"
-    yield f"|{'---|' * len(heads)}"
-    for row in rows:
-        yield f"| {' | '.join(row)} |"
-    yield ""
-
-
 def _ratio(value: float) -> str:
     return "none" if math.isinf(value) else f"{value:.2f}"
-
-
-def _percent(value: float) -> str:
-    if math.isnan(value):
-        return "–"
-    if abs(value) >= 1.0:
-        return f"{100 * value:.0f}"
-    return f"{100 * value:.3f}" if abs(value) < 1e-3 else f"{100 * value:.2g}"
 
 
 def limits_table(rows: Sequence[Limit]) -> Iterator[str]:
@@ -47,7 +34,7 @@ def limits_table(rows: Sequence[Limit]) -> Iterator[str]:
         (row.scheme, _ratio(row.theory), _ratio(row.short), _ratio(row.long), f"{round(100 * row.felt)} %")
         for row in rows
     ]
-    yield from _table(heads, cells)
+    yield from table(heads, cells)
 
 
 def longest_steps(rows: Sequence[Trial]) -> Iterator[str]:
@@ -70,7 +57,7 @@ def longest_steps(rows: Sequence[Trial]) -> Iterator[str]:
                 unstable = min(good, key=lambda row: row.step).word != STABLE
                 line.append(f"{1e3 * steps[-1]:g}" if steps else ("unstable" if unstable else "–"))
             cells.append(line)
-        yield from _table(("scheme", *(f"{ratio:g}" for ratio in ratios)), cells)
+        yield from table(("scheme", *(f"{ratio:g}" for ratio in ratios)), cells)
 
 
 def errors_table(rows: Sequence[Trial], case: str, ratio: float) -> Iterator[str]:
@@ -86,9 +73,9 @@ def errors_table(rows: Sequence[Trial], case: str, ratio: float) -> Iterator[str
                 line.append("unstable")
             else:
                 errors = (row.speed_error, row.output_error, row.energy_error)
-                line.append(" / ".join(_percent(error) for error in errors))
+                line.append(" / ".join(percent(error) for error in errors))
         cells.append(line)
-    yield from _table(("scheme", *(f"{1e3 * step:g} ms" for step in steps)), cells)
+    yield from table(("scheme", *(f"{1e3 * step:g} ms" for step in steps)), cells)
 
 
 def adaptive_table(rows: Sequence[Trial]) -> Iterator[str]:
@@ -102,7 +89,7 @@ def adaptive_table(rows: Sequence[Trial]) -> Iterator[str]:
                 tolerance,
                 f"{found.cost:.0f}",
                 *(
-                    f"{_percent(a)} / {_percent(b)}"
+                    f"{percent(a)} / {percent(b)}"
                     for a, b in (
                         (found.speed_error, equal.speed_error),
                         (found.output_error, equal.output_error),
@@ -112,7 +99,7 @@ def adaptive_table(rows: Sequence[Trial]) -> Iterator[str]:
             ]
         )
     heads = ("scheme", "tolerance", "steps a second", "ω1, %", "ω_out, %", "energy, %")
-    yield from _table(heads, cells)
+    yield from table(heads, cells)
 
 
 def indicator_table(rows: Sequence[Trial]) -> Iterator[str]:
@@ -139,7 +126,12 @@ def indicator_table(rows: Sequence[Trial]) -> Iterator[str]:
         "with energy lost",
         "residual / error, median",
     )
-    yield from _table(heads, cells)
+    yield from table(heads, cells)
+
+
+def _share(value: float) -> str:
+    """In percent; what is rounding has no sign."""
+    return f"{round(100 * value, 3) + 0.0:.3f}" if abs(value) < 0.01 else f"{100 * value:.1f}"
 
 
 def urban_table(rows: Sequence[UrbanRun]) -> Iterator[str]:
@@ -151,7 +143,7 @@ def urban_table(rows: Sequence[UrbanRun]) -> Iterator[str]:
             f"{row.engine / 1e3:.1f}",
             f"{row.output / 1e3:.1f}",
             f"{row.stored / 1e3:.2f}",
-            f"{100 * row.residual:.3f}" if abs(row.residual) < 0.01 else f"{100 * row.residual:.1f}",
+            _share(row.residual),
             f"{100 * row.gross:.1f}",
             f"{3.6 * row.speed_error:.2f}",
             f"{row.cost:.0f}",
@@ -169,7 +161,7 @@ def urban_table(rows: Sequence[UrbanRun]) -> Iterator[str]:
         "car, km/h rms",
         "cost a second",
     )
-    yield from _table(heads, cells)
+    yield from table(heads, cells)
 
 
 def shafts_table(rows: Sequence[ShaftTrial]) -> Iterator[str]:
@@ -185,9 +177,9 @@ def shafts_table(rows: Sequence[ShaftTrial]) -> Iterator[str]:
             for step in steps:
                 row = next(row for row in here if row.scheme == name and row.step == step)
                 errors = (row.hub_error, row.driven_error, row.bond_error)
-                line.append(" / ".join(_percent(error) for error in errors) if row.stable else "unstable")
+                line.append(" / ".join(percent(error) for error in errors) if row.stable else "unstable")
             cells.append(line)
-        yield from _table(("scheme", *(f"{step:g} s, {swings[step]:.2g}" for step in steps)), cells)
+        yield from table(("scheme", *(f"{step:g} s, {swings[step]:.2g}" for step in steps)), cells)
 
 
 def coupling_page(folder: Path) -> str:
@@ -204,7 +196,7 @@ def coupling_page(folder: Path) -> str:
     lines = [
         HEAD,
         RECOMMENDED,
-        VARIANT,
+        *torque_section(rows("torque", TorqueTrial)),
         LIMITS.format(greatest=GREATEST_RATIO),
         *limits_table(rows("limits", Limit)),
         MAP,
@@ -218,7 +210,7 @@ def coupling_page(folder: Path) -> str:
         ADAPTIVE.format(ratio=CRUISE.ratio, stop=CRUISE.stop_time),
         *adaptive_table(rows("adaptive", Trial)),
         URBAN,
-        *urban_table(rows("urban", UrbanRun)),
+        *urban_table([*rows("urban", UrbanRun), *rows("torque_urban", UrbanRun)]),
         SHAFTS,
         *shafts_table(rows("shafts", ShaftTrial)),
     ]

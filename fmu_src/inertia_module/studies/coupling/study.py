@@ -16,8 +16,9 @@ from .limits import Limit, limits
 from .monolithic import Monolith
 from .rows import write_rows
 from .shafts import ShaftTrial, shaft_trials
+from .torque import TorqueTrial, torque_trials
 from .trial import Trial, adaptive, fixed, trial
-from .urban import SCENE, UrbanRun, urban_runs
+from .urban import SCENE, TORQUE_RUNS, UrbanRun, urban_runs
 
 RATIOS = (0.1, 0.3, 0.5, 1.0, 2.0, 5.0)
 STEPS = (2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 1e-2, 2e-2)
@@ -90,14 +91,19 @@ class Part(NamedTuple):
 PARTS = {
     "limits": Part(Limit, lambda files, quick, progress: limits(files.module, progress)),
     "map": Part(Trial, coupling_map),
+    "torque": Part(TorqueTrial, lambda files, quick, progress: torque_trials(files.module, quick, progress)),
     "adaptive": Part(Trial, adaptive_steps),
     "urban": Part(UrbanRun, lambda files, quick, progress: urban_runs(files.module, files.scene, progress)),
+    "torque_urban": Part(
+        UrbanRun,
+        lambda files, quick, progress: urban_runs(files.module, files.scene, progress, TORQUE_RUNS),
+    ),
     "shafts": Part(
         ShaftTrial, lambda files, quick, progress: shaft_trials((files.module, files.shaft), progress)
     ),
 }
 # left out of a quick study
-LONG_PARTS = ("urban", "shafts")
+LONG_PARTS = ("urban", "torque_urban", "shafts")
 
 
 def chosen_parts(only: str | None, quick: bool) -> list[str]:

@@ -3,13 +3,25 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
-from ...cosimulation import CoupledEngine, ErrorControl, Ledger, Scheme, run_adaptive
+from ...cosimulation import (
+    CoupledEngine,
+    EnginePlant,
+    ErrorControl,
+    Ledger,
+    Scheme,
+    TorqueDrivenEngine,
+    run_adaptive,
+    torque_driven,
+)
 from ...cosimulation.schemes import INERTIA
 from ...instance import DriveError, Fmu
 from .case import CoupledCase
@@ -20,7 +32,7 @@ TOLERANCE = 1e-8
 OFF = 0.9
 STABLE, UNSTABLE, REFUSED = "stable", "unstable", "refused"
 
-Stepper = Callable[[CoupledEngine, float], None]
+Stepper = Callable[[EnginePlant, float], None]
 
 
 @dataclass(frozen=True)
@@ -50,7 +62,7 @@ class Trial:
 def fixed(step: float) -> Stepper:
     """Equal steps, s (a window is made of a whole number of them, or the step of whole windows)."""
 
-    def to(coupled: CoupledEngine, end: float) -> None:
+    def to(coupled: EnginePlant, end: float) -> None:
         count = max(1, round((end - coupled.ledger.time) / step))
         length = (end - coupled.ledger.time) / count
         for _ in range(count):
@@ -62,24 +74,51 @@ def fixed(step: float) -> Stepper:
 def adaptive(control: ErrorControl) -> Stepper:
     """Steps driven by the residual; a window's end ends a step."""
 
-    def to(coupled: CoupledEngine, end: float) -> None:
+    def to(coupled: EnginePlant, end: float) -> None:
         for _ in run_adaptive(coupled, end - coupled.ledger.time, control):
             pass
 
     return to
 
 
-def course(
-    case: CoupledCase, scheme: Scheme, stepper: Stepper, fmu_path: Path, tolerance: float = TOLERANCE
-) -> tuple[Course, Ledger, str]:
-    """Run a case. Returns its course, its ledger, and stable or unstable; what is not reached is NaN."""
-    omega1, omega_out = np.full(case.windows, math.nan), np.full(case.windows, math.nan)
+class Run(NamedTuple):
+    """A run of a case.
+
+    Attributes:
+        course: what is not reached is NaN. ledger: of the bond. word: stable or unstable.
+        seconds: that it took, without loading the FMU.
+    """
+
+    course: Course
+    ledger: Ledger
+    word: str
+    seconds: float
+
+
+@contextmanager
+def coupled_engine(
+    case: CoupledCase, scheme: Scheme | None, fmu_path: Path, tolerance: float = TOLERANCE
+) -> Iterator[EnginePlant]:
+    """Engine and module at the start of a case; without a scheme the module is driven by torque."""
     engine = case.engine()
     start = {"omega1": case.speed, "load_torque": case.load_torque}
-    with Fmu(fmu_path, case.parameters, start, tolerance) as fmu:
+    if scheme is None:
+        with Fmu(fmu_path, torque_driven(case.parameters, engine.inertia), start, tolerance) as fmu:
+            yield TorqueDrivenEngine(fmu, engine)
+    else:
         inertia = case.interface.middle if scheme.correction == INERTIA else None
-        coupled = CoupledEngine(fmu, engine, scheme, inertia)
-        word = STABLE
+        with Fmu(fmu_path, case.parameters, start, tolerance) as fmu:
+            yield CoupledEngine(fmu, engine, scheme, inertia)
+
+
+def course(
+    case: CoupledCase, scheme: Scheme | None, stepper: Stepper, fmu_path: Path, tolerance: float = TOLERANCE
+) -> Run:
+    """Run a case; without a scheme the module is driven by torque."""
+    omega1, omega_out = np.full(case.windows, math.nan), np.full(case.windows, math.nan)
+    with coupled_engine(case, scheme, fmu_path, tolerance) as coupled:
+        engine, word = coupled.engine, STABLE
+        began = time.perf_counter()
         for n in range(case.windows):
             angle = engine.state.angle
             try:
@@ -88,17 +127,18 @@ def course(
                 word = UNSTABLE
                 break
             omega1[n] = (engine.state.angle - angle) / case.window
-            (omega_out[n],) = fmu.read(("omega_out",))
+            (omega_out[n],) = coupled.read(("omega_out",))
             if not abs(engine.speed - case.speed) < OFF * case.speed:
                 word = UNSTABLE
                 break
-        return Course(omega1, omega_out, engine.state.work_in), coupled.ledger, word
+        seconds = time.perf_counter() - began
+        return Run(Course(omega1, omega_out, engine.state.work_in), coupled.ledger, word, seconds)
 
 
 def trial(
     case: CoupledCase,
     name: str,
-    scheme: Scheme,
+    scheme: Scheme | None,
     step: float,
     stepper: Stepper,
     reference: Course,
@@ -107,10 +147,16 @@ def trial(
     """Run a case and compare it.
 
     Args:
-        case: what is run. name, scheme: of coupling. step: s, for the record. stepper: how it steps.
+        case: what is run. name, scheme: of coupling, None for a module driven by torque.
+        step: s, for the record. stepper: how it steps.
         reference: course of the same case. fmu_path: of the module.
     """
-    found, ledger, word = course(case, scheme, stepper, fmu_path)
+    return compared(case, name, step, course(case, scheme, stepper, fmu_path), reference)
+
+
+def compared(case: CoupledCase, name: str, step: float, run: Run, reference: Course) -> Trial:
+    """A run against the reference (arguments of trial)."""
+    found, ledger, word, _ = run
     stable = word == STABLE
     return Trial(
         case.name,

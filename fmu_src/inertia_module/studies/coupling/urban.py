@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,14 +13,18 @@ from ...cosimulation import (
     CoupledEngine,
     Engine,
     EngineMap,
+    EnginePlant,
     Governor,
+    TorqueDrivenEngine,
     interface_inertia,
+    torque_driven,
 )
 from ...cycles import Cycle
 from ...drive import Progress
 from ...instance import Fmu
 from ...loops import ClosedLoop, connect, initial_inputs
 from ...scene import Scene, load_scene
+from .torque import TORQUE
 
 SCENE = Path("examples") / "urban.toml"
 # a small car's engine, kg.m2, with its flywheel
@@ -43,6 +48,8 @@ RUNS = (
     ("instantaneous jacobi held", 10),
     ("instantaneous jacobi held", 1),
 )
+# steps of half a sample of the governor, of one, and of two
+TORQUE_RUNS = ((TORQUE, 4), (TORQUE, 2), (TORQUE, 1))
 
 
 @dataclass(frozen=True)
@@ -50,7 +57,7 @@ class UrbanRun:
     """Energies of a run, J, but for the shares.
 
     Attributes:
-        scheme: name. step: communication step between engine and module, s.
+        scheme: name, or torque-driven. step: communication step between engine and module, s.
         engine: work of the engine's torque. output: work on the load. lost: in the module.
         stored: gain of kinetic energy of engine, module and car.
         residual: engine - output - stored - lost, over engine.
@@ -93,8 +100,8 @@ def urban_run(
     """Drive the cycle.
 
     Args:
-        scene: of urban_scene. fmu_path: of the module. name: of the scheme. substeps: in each step of the
-            scene.
+        scene: of urban_scene. fmu_path: of the module. name: of the scheme, or torque-driven.
+        substeps: in each step of the scene.
         stop_time: s, by default that of the scene. progress: told how much is done (0 to 1).
     """
     surroundings = connect(list(scene.systems()))
@@ -102,14 +109,19 @@ def urban_run(
     start = initial_inputs(surroundings)
     interface = interface_inertia(parameters)
     engine = _engine(interface.mean, start["omega1"])
-    before = engine.energy_stored
+    if name == TORQUE:
+        parameters = torque_driven(parameters, engine.inertia)
     with Fmu(fmu_path, parameters, start, scene.accuracy.tolerance) as fmu:
-        before += fmu["energy_stored"]
-        coupled = CoupledEngine(fmu, engine, SCHEMES[name], interface.middle, substeps)
+        coupled: EnginePlant = (
+            TorqueDrivenEngine(fmu, engine, substeps)
+            if name == TORQUE
+            else CoupledEngine(fmu, engine, SCHEMES[name], interface.middle, substeps)
+        )
+        before = coupled.energy_stored
         loop = ClosedLoop(coupled, surroundings, ("omega_out",), scene.signal_units)
         table = loop.run(stop_time or scene.run.stop_time, progress)
-        output, lost, kept = fmu.read(("energy_out", "energy_lost", "energy_stored"))
-    worked, stored = engine.state.work_in, kept + engine.energy_stored - before
+        output, lost = fmu.read(("energy_out", "energy_lost"))
+        worked, stored = engine.state.work_in, coupled.energy_stored - before
     speed = table["vehicle_speed"]
     return UrbanRun(
         name,
@@ -133,15 +145,20 @@ def _outside(cycle: Cycle | None, time: np.ndarray, speed: np.ndarray) -> float:
     return float(np.mean((speed < lower) | (speed > upper)))
 
 
-def urban_runs(fmu_path: Path, scene_path: Path = SCENE, progress: Progress | None = None) -> list[UrbanRun]:
-    """All of RUNS."""
+def urban_runs(
+    fmu_path: Path,
+    scene_path: Path = SCENE,
+    progress: Progress | None = None,
+    runs: Sequence[tuple[str, int]] = RUNS,
+) -> list[UrbanRun]:
+    """All of some runs: scheme, and substeps of the scene's communication step."""
     scene = urban_scene(scene_path)
     found = []
-    for number, (name, substeps) in enumerate(RUNS):
+    for number, (name, substeps) in enumerate(runs):
 
         def report(done: float, number: int = number) -> None:
             if progress is not None:
-                progress((number + done) / len(RUNS))
+                progress((number + done) / len(runs))
 
         found.append(urban_run(scene, fmu_path, name, substeps, progress=report))
     return found

@@ -1,0 +1,80 @@
+"""What the motion of an FMU is, that a system of python-control can start anew from."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..instance import DriveError, Fmu
+from ..kernel.slots import DRIVE_TORQUE
+
+# what of the motion has a start parameter, by fidelity
+_MOTION = {
+    "kinematic": ("drive_angle",),
+    "averaged": ("omega_out",),
+    "rigid": ("drive_angle", "omega2", "omega_out"),
+}
+_FIDELITIES = ("kinematic", "averaged", "rigid", "elastic")
+_SHAFT_MOTION = ("omega_out", "twist")
+# speed of link 1 where a torque drives the module, which starts at omega1
+_INPUT_SPEED = "input_speed"
+
+
+def start_name(name: str) -> str:
+    """Parameter or input that a number of the motion starts from."""
+    return "omega1" if name == _INPUT_SPEED else f"{name}_start"
+
+
+def check_inputs(fmu: Fmu, inputs: Sequence[str]) -> None:
+    """Refuse inputs of a system that are none of the FMU, or that have no effect with its drive.
+
+    Raises:
+        DriveError: the input, and what is allowed.
+    """
+    known = [name for name, variable in fmu.variables.items() if variable.causality == "input"]
+    for name in inputs:
+        if name not in known:
+            raise DriveError(f"input {name} is refused: allowed are {', '.join(known)}")
+    if "drive" not in fmu.variables:
+        return
+    by_torque = _is_driven_by_torque(fmu)
+    idle, given, drive = (
+        ("omega1", "drive_torque", "torque") if by_torque else ("drive_torque", "omega1", "speed")
+    )
+    if idle in inputs:
+        raise DriveError(
+            f"input {idle} is refused with drive = {drive}: it has no effect after the start;"
+            f" allowed is {given} in its place"
+        )
+
+
+def _is_driven_by_torque(fmu: Fmu) -> bool:
+    return "drive" in fmu.variables and fmu["drive"] == DRIVE_TORQUE
+
+
+def is_angular(fmu: Fmu, name: str, knows_drive_angle: bool) -> bool:
+    """Whether an output of the module needs the angle of link 1, or one of the drive that is not known."""
+    if "drive_turns" not in fmu.variables or not name.startswith(("imbalance_", "drive_")):
+        return False
+    return not knows_drive_angle or name.endswith(("_y", "_z"))
+
+
+def motion_of(fmu: Fmu) -> tuple[str, ...]:
+    """Names of the motion that the FMU has start parameters for.
+
+    Raises:
+        DriveError: these are not all of its motion.
+    """
+    if "input_hold" in fmu.variables and fmu["input_hold"] != 0.0:
+        raise DriveError(
+            "input_hold = linear is refused with state = 'motion': it goes on from the last two inputs;"
+            " allowed is input_hold = constant, or state = 'whole'"
+        )
+    if "fidelity" not in fmu.variables:
+        return _SHAFT_MOTION
+    fidelity = _FIDELITIES[int(fmu["fidelity"])]
+    if fidelity not in _MOTION:
+        raise DriveError(
+            f"fidelity = {fidelity} is refused with state = 'motion': it has no start parameters for all of"
+            f" its motion; allowed are {', '.join(_MOTION)}, or state = 'whole'"
+        )
+    return (*_MOTION[fidelity], _INPUT_SPEED) if _is_driven_by_torque(fmu) else _MOTION[fidelity]
