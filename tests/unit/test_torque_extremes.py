@@ -96,7 +96,7 @@ def audited(module, *steps, **inputs):
         speed = max(abs(module[name]) for name in ("omega2", "omega_out"))
         energies = [abs(module[name]) for name in ("energy_in", "energy_out", "energy_stored")]
         heavy = max(heavy, *energies, module["output_inertia"] * speed**2)
-        assert abs(module["energy_residual"]) <= (300.0 * module["tolerance"] + 1e-12) * heavy
+        assert abs(module["energy_residual"]) <= (300.0 * module["tolerance"] + 1e-12) * heavy + 1e-300
         assert module["input_torque_mean"] == pytest.approx(module["drive_torque"], rel=1e-15)
     return module
 
@@ -126,7 +126,7 @@ def test_any_tolerance_and_step(scene, freewheels, tolerance, steps):
         {"imbalance_mass": 0.0},
         {"satellite_radius": 0.02, "eccentricity": 0.02},
         {"omega1": 1e5, "tolerance": 1e-9},
-        {"drive_torque": 1e9, "omega1": 0.0},
+        {"drive_torque": 1e9, "input_inertia": 1e3, "omega1": 0.0},
         {"load_torque": 1e9},
         {"load_torque": -1e6},
         {"output_inertia": 1e-9},
@@ -200,8 +200,8 @@ def test_timestepping_where_link_2_and_the_imbalances_rest(satellites, output):
     ],
     ids=["braked at once", "backwards behind a light shaft", "nothing drives"],
 )
-def test_mean_motion_from_standstill_with_the_shaft_ahead(scene, values):
-    module = started("auto", scene, values, fidelity=1, omega1=0.0, tolerance=1e-6)
+def test_mean_motion_from_standstill_with_the_shaft_ahead(compiled, scene, values):
+    module = started(compiled, scene, values, fidelity=1, omega1=0.0, tolerance=1e-6)
     for step in (1e-7, 1e-3, 0.01):
         module.advance(step)
         energies = abs(module["energy_in"]) + abs(module["energy_out"]) + module["energy_stored"]
