@@ -42,8 +42,8 @@ def assert_same(one, other, names, rel):
 def test_course_is_that_of_lagranges_equations_under_scipy(scene, freewheels, sign):
     values = {**scene, **freewheels, "omega1": sign * 100.0, "drive_torque": sign * scene["drive_torque"]}
     reference = TorqueDriven(values)
-    events = reference.run(0.08)
-    module = advanced(started("auto", values, tolerance=1e-12), 0.08)
+    events = reference.run(0.05)
+    module = advanced(started("auto", values, tolerance=1e-12), 0.05)
     found = [drive_angle(module), input_angle(module), 0.0, *(module[name] for name in MOTION[:3])]
     assert found == pytest.approx(reference.y, rel=1e-9, abs=1e-9)
     assert module["contact_switches"] == events

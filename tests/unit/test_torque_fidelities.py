@@ -47,8 +47,8 @@ def input_angle(module):
 def test_course_with_an_elastic_shaft_is_that_of_lagranges_equations_under_scipy(scene, freewheels):
     values = {**scene, **ELASTIC, **FREEWHEELS[freewheels]}
     reference = TorqueDriven(values)
-    reference.run(0.06)
-    module = advanced(started("auto", values, tolerance=1e-12), 0.06)
+    reference.run(0.04)
+    module = advanced(started("auto", values, tolerance=1e-12), 0.04)
     speeds = [module[name] for name in ("input_speed", "omega2", "omega_hub", "omega_out")]
     found = [drive_angle(module), input_angle(module), module["shaft_twist"], *speeds]
     assert found == pytest.approx(reference.y, rel=1e-9, abs=1e-9)
