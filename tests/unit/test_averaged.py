@@ -290,3 +290,12 @@ def test_a_step_without_late_outputs_and_those_afterwards_are_a_whole_step(kerne
         assert parts[name] == whole[name], name
     assert parts.call(slots.OUTPUTS, 0.0) == 0
     assert parts.save() == whole.save()
+
+
+def test_shaft_that_starts_at_the_end_of_the_map_comes_to_rest_within_one_step(kernel):
+    values = {"fidelity": 1, "a": 0.3, "b": 0.7, "omega1": 0.0, "load_torque": 1e4, "omega_out_start": 1.58}
+    module = started(kernel, values)
+    module.set_rates(omega1=76.0)
+    module.advance(0.013)
+    assert module["omega_out"] == 0.0
+    assert module["rhs_evaluations"] < 1e4

@@ -60,6 +60,8 @@ def drive(d, x, w, header, omega1, alpha1, load, remaining):
         return h, 0
     low = 0.0
     low_past = max(-omega3, omega3 - d[header + 1] * speed)
+    if low_past > -ROUNDING * fastest:
+        low_past = -past  # it begins where the map ends: that is not where it is to stop
     high = h
     high_past = past
     # Illinois: a secant that never leaves the bracket

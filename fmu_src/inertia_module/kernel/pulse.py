@@ -89,11 +89,9 @@ def try_steps(d, x, w, remaining, alpha2, momentum):
         # alpha1 times the integral of P is work, to be compared with the energy at these speeds
         ramp = inertia_scale(d) * fastest * fastest / abs(w[W_ALPHA1]) if w[W_ALPHA1] != 0.0 else 0.0
         tolerance = d[D_TOLERANCE]
-        error = (
-            error_norm(w, tolerance, tolerance * measure, W_MOMENTUM, tolerance * ramp)
-            if measure > 0.0
-            else 0.0
-        )
+        error = 0.0 if measure == 0.0 else 1e300
+        if 0.0 < measure < 1e300:
+            error = error_norm(w, tolerance, tolerance * measure, W_MOMENTUM, tolerance * ramp)
         factor = LARGEST_FACTOR
         if not error < 1e300:
             factor = SMALLEST_FACTOR
