@@ -9,6 +9,7 @@ import platform
 from pathlib import Path
 
 import averaged
+import averaged_by_torque
 
 from inertia_module.drive import progress_bar
 from inertia_module.results import write_figure, write_text
@@ -151,6 +152,10 @@ def trade_part():
         "The drive and load of the urban scene, recorded, played to the compiled kernel in a compiled loop.",
         "",
         *averaged.lines(averaged.rows()),
+        "",
+        "### Averaged against rigid, driven by torque",
+        "",
+        *averaged_by_torque.lines(),
     ]
 
 
