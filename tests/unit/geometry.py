@@ -59,8 +59,8 @@ def derivatives(series):
     return series[0], series[1], 2.0 * series[2]
 
 
-def direct_sums(p, q):
-    """(I, I', I'', B, B', G, G', G'') summed over the imbalances, the drives with them."""
+def direct_derivatives(p, q):
+    """I, B and G (rows) and their first two derivatives, summed over the imbalances, the drives with them."""
     sums = np.zeros((3, 3))
     for satellite in range(p["satellites"]):
         r = taylor(lambda q, satellite=satellite: position(p, q, satellite), q, terms=5)
@@ -82,4 +82,10 @@ def direct_sums(p, q):
     if p["layout"]:  # the satellite's axis is parallel to the central one: J16 (omega1 + q')^2 / 2
         sums[0, 0] += own
         sums[1, 0] += own
+    return sums
+
+
+def direct_sums(p, q):
+    """(I, I', I'', B, B', G, G', G'') summed over the imbalances, the drives with them."""
+    sums = direct_derivatives(p, q)
     return np.array([*sums[0], *sums[1, :2], *sums[2]])

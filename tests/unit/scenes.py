@@ -19,6 +19,29 @@ PLANAR = {
     "load_torque": 8.0,
 }
 SCENES = {"bevel": REFERENCE, "planar": PLANAR}
+# the same two with an engine of this inertia that gives a torque
+ENGINE = {"drive": 1, "input_inertia": 0.2}
+DRIVEN = {
+    "bevel": {**REFERENCE, **ENGINE, "drive_torque": 15.0},
+    "planar": {**PLANAR, **ENGINE, "drive_torque": 12.0},
+}
+# mechanisms for the equations of motion alone
+LAYOUTS = {
+    "bevel": {"layout": 0},
+    "bevel, askew": {
+        "layout": 0,
+        "z2": 24,
+        "z16": 18,
+        "z17": 26,
+        "shaft_angle": 1.1,
+        "a": 0.7,
+        "b": 1.4,
+        "c": 0.5,
+        "epsilon": 0.4,
+        "gamma": -1.3,
+    },
+    "planar": {"layout": 1},
+}
 FREEWHEELS = {
     "both freewheels": {},
     "no housing freewheel": {"housing_freewheel": False},

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 from geometry import ratio
-from scenes import parameters, started
+from scenes import LAYOUTS, parameters, started
 
 from inertia_module.kernel.dynamics import kinetic_energy, motion, prescribed_torques
 from inertia_module.kernel.layout import imbalance_in_fixed_frame
@@ -10,22 +10,6 @@ pytest.importorskip("mujoco")
 from multibody import Multibody
 
 STATES = 20
-LAYOUTS = {
-    "bevel": {"layout": 0},
-    "bevel, askew": {
-        "layout": 0,
-        "z2": 24,
-        "z16": 18,
-        "z17": 26,
-        "shaft_angle": 1.1,
-        "a": 0.7,
-        "b": 1.4,
-        "c": 0.5,
-        "epsilon": 0.4,
-        "gamma": -1.3,
-    },
-    "planar": {"layout": 1},
-}
 
 
 @pytest.fixture(params=LAYOUTS)

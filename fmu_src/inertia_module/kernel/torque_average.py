@@ -8,6 +8,7 @@ an implicit step of order 2 for omega1, the output shaft within being as accurat
 from .accumulate import add, wrap_input_angle
 from .average import run_averaged, torque_on_input
 from .average_legs import choose_leg, header_at
+from .limits import MAX_EVALUATIONS
 from .slots import *
 
 # rounds in which the leg and the acceleration it leads to agree
@@ -50,9 +51,11 @@ def driven_mean(d, x):
 
 
 def take_back(x, w):
-    """The state at the beginning of the part."""
+    """The state at the beginning of the part; the work done is not undone."""
+    evaluations = x[X_STEP_EVALUATIONS]
     for n in range(X_SIZE):
         x[n] = w[W_PART_STATE + n]
+    x[X_STEP_EVALUATIONS] = evaluations
 
 
 def try_part(d, x, w, h, alpha1, inertia):
@@ -60,7 +63,8 @@ def try_part(d, x, w, h, alpha1, inertia):
     wanted = x[X_DRIVE_TORQUE] * h
     slope = inertia * h
     # the impulse is a difference of energies and momenta: nothing below their rounding can be met
-    unmet = MET * (abs(wanted) + abs(slope * alpha1)) + ROUNDING * inertia * abs(x[X_OMEGA1])
+    moving = inertia * abs(x[X_OMEGA1]) + d[D_J3] * abs(x[X_OMEGA3])
+    unmet = MET * (abs(wanted) + abs(slope * alpha1)) + ROUNDING * moving
     last = alpha1
     missed_last = 0.0
     for attempt in range(TRIES):
@@ -91,6 +95,8 @@ def part_error(d, x, w, h, begin, mean, end):
     size = abs(begin) + abs(end)
     drifted = (end - begin) * (end - begin) / (12.0 * size) if size > 0.0 else 0.0
     fastest = max(abs(w[W_PART_STATE + X_OMEGA1]), abs(x[X_OMEGA1]))
+    # a shaft that is far faster acts on link 1 by its inertia
+    fastest = max(fastest, min(1.0, d[D_J3] / d[D_J1]) * abs(w[W_PART_STATE + X_OMEGA3]))
     return h * (bent + drifted) / (d[D_TOLERANCE] * fastest + 1e-300)
 
 
@@ -101,7 +107,6 @@ def finish_part(x, w, h, alpha1, begin, end):
     turned = h * (speed + 0.5 * alpha1 * h - (end - begin) * h / 12.0)
     add(x, X_THETA1, turned)
     wrap_input_angle(x)
-    x[X_INPUT_IMPULSE] = w[W_PART_STATE + X_INPUT_IMPULSE] + torque * h
     x[X_ENERGY_IN] = w[W_PART_STATE + X_ENERGY_IN]
     x[X_ENERGY_IN_LOW] = w[W_PART_STATE + X_ENERGY_IN_LOW]
     add(x, X_ENERGY_IN, torque * turned)
@@ -118,8 +123,14 @@ def run_driven_averaged(d, x, w, h):
         remaining = h - time
         part = min(part, remaining)
         status, alpha1, met = try_part(d, x, w, part, begin, inertia)
+        if x[X_STEP_EVALUATIONS] > MAX_EVALUATIONS:
+            return TOO_MUCH_WORK
         if status != OK:
-            return status
+            if part <= SHORTEST * h:
+                return status
+            take_back(x, w)
+            part *= SMALLEST_FACTOR
+            continue
         x[X_OMEGA1] += alpha1 * part
         end, inertia_end = driven_mean(d, x)
         error = part_error(d, x, w, part, begin, alpha1, end) if met else 1e300

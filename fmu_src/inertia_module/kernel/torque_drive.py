@@ -1,6 +1,7 @@
 """A step with the input torque given: omega1 is a state, so link 1 carries the inertia of what drives it."""
 
 from .accumulate import later, wrap_drive_angle
+from .contact import TORQUE_ROUNDING
 from .elastic import shaft_frequency
 from .limits import MAX_EVALUATIONS, MAX_STEPS, STALLS_ALLOWED, SWITCHES_ALLOWED, SWITCHES_PER_PULSE
 from .outputs import shaft_load
@@ -14,12 +15,20 @@ from .torque_pulse import advance_driven
 from .torque_stages import is_held
 from .torque_timestepping import driven_step, put_slip_inertia
 
+# share of its size that a step keeps after an event that was none
+STALLED = 0.25
+
 
 def driven_mode(p, d, x):
     """Contact mode of the state in x."""
+    return driven_mode_within(p, d, x, TORQUE_ROUNDING)
+
+
+def driven_mode_within(p, d, x, rounding):
+    """The same, rounding as for select_driven_mode."""
     load, rate = shaft_load(p, d, x)
     omega1, omega2, omega3 = x[X_OMEGA1], x[X_OMEGA2], x[X_OMEGA3]
-    return select_driven_mode(d, x[X_Q], omega1, omega2, omega3, x[X_DRIVE_TORQUE], load, rate)
+    return select_driven_mode(d, x[X_Q], omega1, omega2, omega3, x[X_DRIVE_TORQUE], load, rate, rounding)
 
 
 def put_acceleration(p, d, x):
@@ -33,9 +42,9 @@ def put_acceleration(p, d, x):
     )
 
 
-def choose_mode(p, d, x):
+def choose_mode(p, d, x, rounding):
     """Choose the contact mode anew and count a switch if it is another."""
-    mode = driven_mode(p, d, x)
+    mode = driven_mode_within(p, d, x, rounding)
     if mode != x[X_MODE]:
         x[X_MODE] = mode
         x[X_STEP_SWITCHES] += 1.0
@@ -65,7 +74,7 @@ def run_driven(p, d, x, w, h):
     low = 0.0
     travel = 0.0
     stalls = 0
-    choose_mode(p, d, x)
+    choose_mode(p, d, x, TORQUE_ROUNDING)
     while time < h:
         remaining = (h - time) - low
         mode = x[X_MODE]
@@ -84,7 +93,11 @@ def run_driven(p, d, x, w, h):
         else:
             time, low = later(time, low, passed)
         if event:
-            choose_mode(p, d, x)
+            choose_mode(p, d, x, TORQUE_ROUNDING)
+            if x[X_MODE] == mode:
+                # a rate too slow to be waited for: the sign alone decides; or a coarse step: a shorter one
+                choose_mode(p, d, x, 0.0)
+                x[X_STEP_SIZE] *= STALLED
             stalls = stalls + 1 if x[X_MODE] == mode else 0
             if stalls > STALLS_ALLOWED:
                 return TOO_MANY_SWITCHES
@@ -99,7 +112,10 @@ def run_driven(p, d, x, w, h):
 def run_by_torque(p, d, x, w, h):
     """Advance by h with the torque on link 1 given. Returns a status."""
     if p[P_FIDELITY] == AVERAGED:
-        return run_driven_averaged(d, x, w, h)
-    if p[P_METHOD] == TIMESTEPPING:
-        return run_driven_timestepping(p, d, x, w, h)
-    return run_driven(p, d, x, w, h)
+        status = run_driven_averaged(d, x, w, h)
+    elif p[P_METHOD] == TIMESTEPPING:
+        status = run_driven_timestepping(p, d, x, w, h)
+    else:
+        status = run_driven(p, d, x, w, h)
+    x[X_INPUT_IMPULSE] = x[X_DRIVE_TORQUE] * h
+    return status

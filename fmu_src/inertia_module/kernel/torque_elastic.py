@@ -29,6 +29,5 @@ def advance_driven_elastic(d, x, w, load, remaining):
     add(x, X_OMEGA1, change(d, w, W_RATE1))
     add(x, X_THETA1, turned1)
     wrap_input_angle(x)
-    x[X_INPUT_IMPULSE] += w[W_DRIVE_TORQUE] * h
     add(x, X_ENERGY_IN, w[W_DRIVE_TORQUE] * turned1)
     return h, which != NONE

@@ -78,8 +78,8 @@ def try_steps(d, x, w, remaining, motion):
         change2 = h * result(w, W_RATE_OMEGA2)
         ends = max(abs(omega1 + change1), abs(omega2 + change2))
         fastest = max(ends, max(abs(omega1), abs(omega2)))
-        error = 0.0
-        if fastest > 0.0:
+        error = 0.0 if fastest < 1e300 else 1e300
+        if 0.0 < fastest < 1e300:
             # a torque may change a speed more than the mechanism
             allowed1 = tolerance * max(share1 * fastest, abs(change1))
             allowed2 = tolerance * max(share * fastest, abs(change2))
@@ -158,7 +158,6 @@ def commit(d, x, w, passed, sigma, which):
     wrap_input_angle(x)
     add(x, X_OMEGA1, change1)
     add(x, X_ENERGY_IN, torque * turned1)
-    x[X_INPUT_IMPULSE] += torque * passed
     if x[X_MODE] == HELD_DRIVING:
         x[X_OUTPUT_IMPULSE] += load * passed
         x[X_OUTPUT_SQUARE] += load * load * passed

@@ -15,7 +15,10 @@ import math
 from .accumulate import add, assign, wrap_drive_angle, wrap_input_angle
 from .inertia import reduced_inertia
 from .slots import *
-from .timestepping import CORRECTIONS, SMALLEST_DIFFERENCE, follow_shaft, settle, shaft_step
+from .timestepping import SMALLEST_DIFFERENCE, follow_shaft, settle, shaft_step
+
+# corrections of the slip angle by the mean of the speeds at both ends
+CORRECTIONS = 3
 
 
 def slip_inertia(d, x, q):
@@ -50,6 +53,8 @@ def driven_step(p, d, x, w, torque, load, h):
     end3 = x[X_OMEGA3]
     clutch = 0.0
     mode = x[X_MODE]
+    turned = 0.0
+    end_total, end_share, end_root, end_bend = total, share, root, bend
     for _ in range(CORRECTIONS):
         turned = 0.5 * h * (slip + end_slip)
         end_total, end_share, end_root, end_bend = slip_inertia(d, x, x[X_Q] + k * turned)
@@ -59,24 +64,29 @@ def driven_step(p, d, x, w, torque, load, h):
         square = (momentum * momentum + momentum * end_momentum + end_momentum * end_momentum) / 3.0
         middle = 0.5 * (root + end_root)
         push = h * (torque * (1.0 - 0.5 * (share + end_share)) - 0.5 * square * slope)
-        free_slip = (root * slip + push / middle) / end_root
-        # what an impulse on link 2 takes from the slip and gives to omega2
-        lead = end_share / (middle * end_root)
-        compliance = 1.0 / end_total + end_share * lead
-        free2 = free_momentum / end_total - end_share * free_slip
+        # middle end_root slip = free_push - c (Ph - Pc): not divided by mu, which may vanish
+        free_push = middle * root * slip + push
+        own = middle * end_root
+        # impulses act in the middle of the step, unless c changes its sign on the way
+        mean_share = 0.5 * (share + end_share)
+        if mean_share * end_share < 0.0:
+            mean_share = end_share
+        weight = own + mean_share * end_share * end_total
+        lead = end_share * end_total / weight
         end2, end3, clutch, housing, mode = settle(
-            d, 1.0 / compliance, free2 / compliance, inertia3, momentum3
+            d, own * end_total / weight, own * free_momentum / weight - lead * free_push, inertia3, momentum3
         )
         end_momentum = free_momentum + housing - clutch
-        end_slip = free_slip - lead * (housing - clutch)
+        end_slip = (free_push + mean_share * (free_momentum - end_total * end2)) / weight
     end1 = end2 + end_slip
-    turned1 = 0.5 * h * (begin1 + end1)
-    add(x, X_Q, 0.5 * k * h * (slip + end_slip))
+    # on to just where the inertia at the end is that of: with another the energy would not be what it was
+    turned1 = turned + 0.5 * h * (begin2 + end2)
+    add(x, X_Q, k * turned)
     wrap_drive_angle(d, x)
     add(x, X_THETA1, turned1)
     wrap_input_angle(x)
-    put_slip_inertia(d, x, w)
-    x[X_INPUT_IMPULSE] += torque * h
+    w[W_KEPT_TOTAL], w[W_KEPT_SHARE] = end_total, end_share
+    w[W_KEPT_ROOT], w[W_KEPT_BEND] = end_root, end_bend
     add(x, X_ENERGY_IN, torque * turned1)
     x[X_OUTPUT_IMPULSE] += clutch
     x[X_OUTPUT_SQUARE] += clutch * clutch / h

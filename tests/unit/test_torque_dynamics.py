@@ -1,0 +1,142 @@
+"""The input torque given: both accelerations, their rates and the contact mode that follows from them."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+from geometry import direct_derivatives, ratio
+from scenes import FREEWHEELS, LAYOUTS, parameters, started
+
+from inertia_module.kernel.inertia import coupling_bend
+from inertia_module.kernel.slots import X_ALPHA1
+from inertia_module.kernel.torque_dynamics import acceleration, acceleration_and_jerk
+
+pytest.importorskip("mujoco")
+from multibody import Multibody
+
+STATES = 10
+# inertia and torque of what link 2 carries, and whether it is held
+CARRIED = {"held": (0.0, 0.0, True), "free": (0.0, 0.0, False), "driving": (0.5, 30.0, False)}
+
+
+@pytest.fixture(params=product(LAYOUTS, [1, 2, 3], [1, 2], [0.0, 0.004]), ids=str)
+def mechanism(request):
+    layout, satellites, modules, own = request.param
+    return parameters(
+        **LAYOUTS[layout],
+        satellites=satellites,
+        modules=modules,
+        imbalance_mass=0.8,
+        drive_inertia=own,
+        input_inertia=0.02,
+        link2_inertia=0.006,
+        drive=1,
+    )
+
+
+@pytest.fixture
+def states():
+    """Random (q, theta1, omega1, omega2, M1)."""
+    scale = np.array([10.0, 10.0, 100.0, 100.0, 200.0])
+    return scale * np.random.default_rng(2020).uniform(-1.0, 1.0, (STATES, 5))
+
+
+@pytest.fixture(params=CARRIED)
+def carried(request):
+    return CARRIED[request.param]
+
+
+def test_accelerations_take_the_drive_torque_by_inverse_dynamics(mechanism, states, carried):
+    engine = Multibody(mechanism)
+    d = started("plain", mechanism).derived
+    inertia, load, held = carried
+    for q, theta1, omega1, omega2, torque in states:
+        speed2 = 0.0 if held else omega2
+        alpha1, alpha2 = acceleration(d, q, omega1, speed2, torque, held, inertia, load)
+        drive, mesh = engine.prescribe(q, theta1, omega1, alpha1, speed2, alpha2)
+        scale = abs(torque) + abs(mesh) + abs(load)
+        assert drive == pytest.approx(torque, abs=1e-8 * scale)
+        if held:
+            assert alpha2 == 0.0
+            held_torque = acceleration_and_jerk(d, q, omega1, 0.0, torque, held, inertia, load, 0.0)[3]
+            assert held_torque == pytest.approx(mesh, abs=1e-8 * scale)
+        else:
+            taken = (mechanism["link2_inertia"] + inertia) * alpha2 + load
+            assert mesh == pytest.approx(taken, abs=1e-8 * scale)
+
+
+def test_rates_of_acceleration_and_of_held_torque_are_those_along_the_motion(mechanism, states, carried):
+    d = started("plain", mechanism).derived
+    inertia, load, held = carried
+    load_rate = 0.0 if held else 40.0
+    k = ratio(mechanism)
+    for q, _, omega1, omega2, torque in states:
+        motion = np.array([q, omega1, 0.0 if held else omega2, load])
+
+        def at(time, torque=torque, motion=motion):
+            """(omega2', F) on the tangent of the motion."""
+            alpha1, alpha2 = acceleration(d, *motion[:3], torque, held, inertia, load)
+            slope = [k * (motion[1] - motion[2]), alpha1, alpha2, load_rate]
+            q, *speeds, carried = motion + time * np.array(slope)
+            found = acceleration_and_jerk(d, q, *speeds, torque, held, inertia, carried, load_rate)
+            return np.array([found[1], found[3]])
+
+        short = 1e-3 / (k * (abs(omega1) + abs(omega2)))
+        coarse, fine = ((at(step) - at(-step)) / (2.0 * step) for step in (short, 0.5 * short))
+        expected = (4.0 * fine - coarse) / 3.0
+        found = acceleration_and_jerk(d, *motion[:3], torque, held, inertia, load, load_rate)
+        scale = np.abs(expected) + np.abs(at(0.0)) * k * (abs(omega1) + abs(omega2))
+        assert np.all(np.abs(np.array([found[2], found[4]]) - expected) <= 1e-6 * scale)
+        assert found[:2] == acceleration(d, *motion[:3], torque, held, inertia, load)
+
+
+def test_second_derivative_of_the_coupling_is_that_of_the_positions(mechanism, states):
+    d = started("plain", mechanism).derived
+    for q in states[:, 0]:
+        i, b, _ = direct_derivatives(mechanism, q)
+        assert coupling_bend(d, q) == pytest.approx(b[2], abs=1e-10 * max(abs(i)))
+
+
+@pytest.mark.parametrize("freewheels", FREEWHEELS)
+@pytest.mark.parametrize("resting", [False, True], ids=["moving", "link 2 at rest"])
+def test_contact_mode_fulfils_all_conditions_on_velocities_accelerations_and_torques(
+    mechanism, states, freewheels, resting
+):
+    engine = Multibody(mechanism)
+    for n, (q, _, omega1, omega2, torque) in enumerate(states):
+        speed2 = 0.0 if resting else abs(omega2)
+        touching = n % 2 == 0 or not FREEWHEELS[freewheels].get("output_freewheel", True)
+        module = started(
+            "plain",
+            mechanism,
+            FREEWHEELS[freewheels],
+            omega1=omega1,
+            omega2_start=speed2,
+            omega_out_start=speed2 + (0.0 if touching else 7.0),
+            drive_angle_start=q,
+            drive_torque=torque,
+            load_torque=30.0 - 12.0 * n,
+        )
+        house, clutch, mesh = (module[f"{name}_torque"] for name in ("housing", "output", "mesh"))
+        alpha1, alpha2 = module.state[X_ALPHA1], (mesh - clutch + house) / module["link2_inertia"]
+        alpha3 = (clutch - module["load_torque"]) / module["output_inertia"]
+        drive, expected = engine.prescribe(q, 0.0, omega1, alpha1, speed2, alpha2)
+        scale = abs(torque) + abs(mesh) + abs(clutch) + abs(house)
+        tiny = 1e-8 * scale / module["link2_inertia"]
+        assert (drive, expected) == pytest.approx((torque, mesh), abs=1e-8 * scale)
+        assert module["input_torque"] == pytest.approx(torque, abs=1e-10 * scale)
+        # a freewheel that is there and touches pushes or opens, any other one has no torque
+        if module["housing_freewheel"] and speed2 == 0.0:
+            assert house >= 0.0
+            assert alpha2 >= -tiny
+            assert house * alpha2 <= tiny * scale
+        else:
+            assert house == 0.0
+        if not module["output_freewheel"]:
+            assert alpha3 == pytest.approx(alpha2, abs=tiny)
+        elif touching:
+            assert clutch >= 0.0
+            assert alpha3 >= alpha2 - tiny
+            assert clutch * (alpha3 - alpha2) <= tiny * scale
+        else:
+            assert clutch == 0.0
