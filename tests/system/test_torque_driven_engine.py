@@ -1,5 +1,6 @@
 """An engine whose rotor is in the FMU: exact where steps meet the governor's samples, no energy lost."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -88,6 +89,31 @@ def test_no_energy_is_lost_whatever_the_step(fmu_path, case, step):
         assert abs(residual) < 1e-7 * worked
         assert out + lost + coupled.energy_stored - before == pytest.approx(worked, rel=1e-7)
         assert abs(defect) < 1e-12 * worked
+
+
+@pytest.mark.parametrize("name", ["InertiaModule.fmu", "InertiaModulePy.fmu"])
+@pytest.mark.parametrize(
+    "rung",
+    [
+        {"fidelity": 1},
+        {"method": 1, "max_step": 1e-3},
+        {"fidelity": 3, "driven_inertia": 0.5, "shaft_stiffness": 4e3, "shaft_damping": 0.5},
+    ],
+    ids=["averaged", "timestepping", "elastic"],
+)
+def test_it_drives_every_rung_of_either_flavour(built, case, rung, name):
+    case = dataclasses.replace(case, parameters={**case.parameters, **rung})
+    with by_torque(built / name, case) as coupled:
+        for _ in range(100):
+            coupled.advance(SAMPLE)
+        worked, given, residual, defect, speed = coupled.read(
+            ("engine_work_in", "energy_in", "energy_residual", "bond_defect", "omega_out")
+        )
+        assert worked == pytest.approx(given, rel=1e-9)
+        assert abs(defect) < 1e-9 * worked
+        assert abs(residual) < (0.02 if "method" in rung else 1e-4) * worked
+        assert coupled.engine.speed == pytest.approx(case.speed, rel=0.2)
+        assert speed > 10.0
 
 
 def test_angle_and_speed_of_the_engine_are_those_of_link_1(fmu_path, case):

@@ -86,7 +86,7 @@ def torque_section(rows: Sequence[TorqueTrial]) -> Iterator[str]:
         exact=f"{100 * 10.0 ** math.ceil(math.log10(exact)):g}".replace("e-0", "e-"),
         sample=1e3 * SAMPLE_TIME,
         ratio=COMPARED_RATIO,
-        cheaper=" to ".join(f"{100 * share:.0f} %" for share in (shares[0], shares[-1])),
+        cheaper=" to ".join(dict.fromkeys(f"{100 * share:.0f} %" for share in shares)),
         implicit=" to ".join(percent(error) for error in sorted(map(worst, implicit))),
         miss=percent(max(worst(row) for row in mine if row.step == 2e-3)),
         late=percent(max(worst(row) for row in mine if row.step == 1e-2)),
