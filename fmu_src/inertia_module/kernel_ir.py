@@ -149,7 +149,7 @@ def is_cached(name: str) -> bool:
 
 
 def kernel_ir(name: str) -> str:
-    """LLVM IR of an entry, from the cache or, the first time ever, translated: a minute or two.
+    """LLVM IR of an entry, from the cache or, the first time ever, translated: two minutes or three.
 
     Args:
         name: one of ENTRIES.

@@ -242,7 +242,7 @@ def test_urban_module_is_that_of_the_scene():
 
 @pytest.mark.slow
 def test_energy_over_the_urban_cycle_adds_up_with_step_means(fmu_path):
-    found = urban_run(urban_scene(), fmu_path, "implicit ramp", 5)
+    found = urban_run(urban_scene(), fmu_path, "implicit ramp", 3)
     assert abs(found.residual) < 1e-3
     assert found.outside == 0.0
     assert found.engine > 2e5

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import NamedTuple
 
 from ..entries import CompilationUnavailable
 from ..files import write_atomically
-from ..kernel_ir import is_cached
+from ..kernel_ir import is_cached, kernel_ir
 from ..model import DRIVEN_SHAFT, INERTIA_MODULE
 from .native_fmu import NativeFmu, native_fmu
 from .python_fmu import PythonFmu, python_fmu
@@ -47,11 +48,14 @@ def is_current(path: Path, fmu: NativeFmu | PythonFmu) -> bool:
         return False
 
 
-def _announce(progress: Progress) -> None:
-    """Say so where the kernels have yet to be translated."""
+def _translate(progress: Progress) -> None:
+    """Translate the kernels that have yet to be, side by side: each does so in a process of its own."""
     try:
-        if not all(is_cached(fmu.model.entry) for fmu in FMUS):
-            progress("translating the kernels for compilation, once: about two minutes")
+        missing = {fmu.model.entry for fmu in FMUS if not is_cached(fmu.model.entry)}
+        if missing:
+            progress("translating the kernels for compilation, once: two minutes or three")
+            with ThreadPoolExecutor(len(missing)) as pool:
+                list(pool.map(kernel_ir, sorted(missing)))
     except CompilationUnavailable:
         pass  # each FMU will say what is missing
 
@@ -66,7 +70,7 @@ def build(folder: Path, progress: Progress = lambda stage: None) -> Built:
         OSError: the folder cannot be written.
     """
     built = Built([], {})
-    _announce(progress)
+    _translate(progress)
     for fmu in FMUS:
         progress(f"building {fmu.file_name}")
         try:

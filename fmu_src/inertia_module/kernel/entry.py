@@ -16,7 +16,7 @@ def advance_smoothly(p, d, u, x, y, w, h):
     """
     tolerance = d[D_TOLERANCE]
     d[D_TOLERANCE] = min(tolerance, SMOOTH)
-    status = advance(p, d, u, x, y, w, h, True)
+    status = advance(p, d, u, x, y, w, h, STEP_SMOOTHLY)
     d[D_TOLERANCE] = tolerance
     return status
 
@@ -34,4 +34,4 @@ def call(operation, p, d, u, x, y, w, h):
         return advance_smoothly(p, d, u, x, y, w, h)
     if operation == RATES:
         return write_rates(p, d, u, x, y, w)
-    return advance(p, d, u, x, y, w, h, operation == STEP)
+    return advance(p, d, u, x, y, w, h, operation)

@@ -47,11 +47,11 @@ def write_rates(p, d, u, x, y, w):
     copy(y, 0, w, W_OUTPUTS_0, Y_SIZE)
     for _ in range(CUTS):
         go_on(u, x)
-        status = advance(p, d, u, x, y, w, h, True)
+        status = advance(p, d, u, x, y, w, h, RATES)
         copy(y, 0, w, W_OUTPUTS_1, Y_SIZE)
         if status == OK:
             go_on(u, x)
-            status = advance(p, d, u, x, y, w, h, True)
+            status = advance(p, d, u, x, y, w, h, RATES)
         if status != OK:
             return status
         if x[X_SWITCHES] == w[W_KEPT_STATE + X_SWITCHES]:

@@ -88,7 +88,7 @@ def is_finite(x):
     return (motion + shaft) + (energies + means) < 1e300
 
 
-def advance(p, d, u, x, y, w, h, late):
+def advance(p, d, u, x, y, w, h, operation):
     """Advance by the communication step h, s.
 
     A status other than OK leaves state and outputs as they were.
@@ -96,7 +96,7 @@ def advance(p, d, u, x, y, w, h, late):
     Args:
         p, d, u: parameters, derived constants, inputs (held or extrapolated over the step).
         x, y: state and outputs, written. w: workspace (W_SIZE).
-        late: whether the late outputs are wanted, else they stay as they were.
+        operation: that asks for it; with STEP_ONLY the late outputs stay as they were.
     """
     if not 0.0 < h <= LARGEST_STEP:
         return BAD_STEP
@@ -123,6 +123,6 @@ def advance(p, d, u, x, y, w, h, late):
             x[n] = w[W_STATE + n]
         return status
     write_outputs(x, y)
-    if late:
+    if operation != STEP_ONLY:
         write_late_outputs(p, d, x, y)
     return OK
