@@ -110,6 +110,7 @@ static void write_outputs(const struct mechanism *d, const struct state *x, doub
 {
     y[Y_OMEGA2] = x->omega2.value;
     y[Y_OMEGA_OUT] = x->omega3.value;
+    y[Y_INPUT_SPEED] = x->omega1;
     y[Y_OMEGA_HUB] = x->omega3.value;
     y[Y_SHAFT_TWIST] = 0.0;
     y[Y_INPUT_TORQUE_MEAN] = x->input_torque_mean;

@@ -59,6 +59,8 @@ static int check_inputs(const double *u)
         return BAD_OMEGA1;
     if (!(fabs(u[U_LOAD_TORQUE]) <= LARGEST_TORQUE))
         return BAD_LOAD_TORQUE;
+    if (!(fabs(u[U_DRIVE_TORQUE]) <= LARGEST_TORQUE))
+        return BAD_DRIVE_TORQUE;
     return OK;
 }
 
