@@ -120,14 +120,22 @@ def put_release(d, x, w):
     x[X_STEP_EVALUATIONS] += STAGES
 
 
+def guess_rates(w, rate1, rate2):
+    """Rates of both speeds that Newton's method begins from, the same at all stages."""
+    for n in range(STAGES):
+        w[W_RATE1 + n] = rate1
+        w[W_RATE2 + n] = rate2
+
+
 def solve_links(d, x, w, h, carried):
-    """Newton's method for the rates of both speeds, link 2 carrying an inertia. Whether it converged."""
+    """Newton's method for the rates of both speeds, link 2 carrying an inertia. Whether it converged.
+
+    It begins from the rates that are there, those at the beginning of the step or of the same step tried
+    before at another length.
+    """
     held = is_held(x)
     fastest = max(abs(x[X_OMEGA1]), abs(x[X_OMEGA2]))
     natural = d[D_HARMONIC] * d[D_K] * fastest * fastest
-    for n in range(STAGES):
-        w[W_RATE1 + n] = 0.0
-        w[W_RATE2 + n] = 0.0
     for _ in range(ITERATIONS):
         put_link_stages(d, x, w, h)
         for i in range(STAGES):
@@ -142,23 +150,25 @@ def solve_links(d, x, w, h, carried):
             w[W_RATE2 + i] -= w[W_RIGHT_SIDE + i]
             largest = max(largest, max(abs(w[W_RATE1 + i]), abs(w[W_RATE2 + i])))
         if not largest < 1e300:
-            return False
+            break
         if update <= LAST_UPDATE * largest:
             put_link_stages(d, x, w, h)
             if held:
                 put_release(d, x, w)
             return True
+    guess_rates(w, 0.0, 0.0)
     return False
 
 
 def put_driven_start(d, x, w, torque):
-    """Accelerations of both links at the beginning of the step, and the inertia link 2 shows the shaft.
+    """Accelerations of both links at the beginning of the step, the guess for its stages, and an inertia.
 
     Args:
         torque: of the shaft, N m.
 
     Returns:
-        (alpha1, omega2', inertia): inertia without J3, link 1 being free under its torque, kg m^2.
+        (alpha1, omega2', inertia): what link 2 shows the shaft, without J3 and with link 1 free under its
+        torque, kg m^2.
     """
     mode = x[X_MODE]
     driving = mode == DRIVING
@@ -167,6 +177,7 @@ def put_driven_start(d, x, w, torque):
     alpha1, alpha2 = acceleration(
         d, x[X_Q], omega1, omega2, given, is_held(x), d[D_J3] if driving else 0.0, torque if driving else 0.0
     )
+    guess_rates(w, alpha1, alpha2)
     return alpha1, alpha2, 0.0 if is_held(x) else seen_inertia(d, x[X_Q])
 
 
