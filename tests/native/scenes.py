@@ -18,12 +18,17 @@ _ELASTIC = {
     "shaft_damping": 0.05,
 }
 _R1 = {"omega1": 100.0, "load_torque": 10.0}
+# the size of a step follows the last digits of pow, which differ: with a small tolerance little comes of it
+_TORQUE = {"drive": 1, "input_inertia": 0.2, "drive_torque": 15.0, "tolerance": 1e-10}
 SCENES = {
     "InertiaModule": {
         "R1": Scene(_R1, _STEP, _STEPS),
         "elastic": Scene(_R1 | _ELASTIC, _STEP, _STEPS),
         "timestepping": Scene(_R1 | {"method": 1, "max_step": 1e-4}, _STEP, _STEPS),
         "averaged": Scene(_R1 | {"fidelity": 1}, _STEP, _STEPS),
+        "by_torque": Scene(_R1 | _TORQUE, _STEP, _STEPS),
+        "elastic_by_torque": Scene(_R1 | _ELASTIC | _TORQUE, _STEP, _STEPS),
+        "averaged_by_torque": Scene(_R1 | _TORQUE | {"fidelity": 1}, _STEP, _STEPS),
         "planar": Scene({"layout": 1, "satellites": 3, "omega1": 120.0, "load_torque": 8.0}, _STEP, _STEPS),
     },
     "DrivenShaft": {

@@ -45,6 +45,15 @@ SCENES = {
         50,
         changes={7: {MODULE: {"omega1": 104.0}}, 30: {MODULE: {"load_torque": -3.0, "omega1": 90.0}}},
     ),
+    "driven by torque": Scene(
+        {MODULE: R1 | {"drive": 1, "input_inertia": 0.2, "drive_torque": 15.0}},
+        0.01,
+        50,
+        changes={
+            7: {MODULE: {"drive_torque": 40.0}},
+            30: {MODULE: {"load_torque": -3.0, "drive_torque": -9.0}},
+        },
+    ),
     "driven shaft": Scene({SHAFT: DRIVEN | {"hub_speed": 20.0, "load_torque": 3.0}}, 0.01, 100),
     "module and shaft": Scene(
         {MODULE: HUB | {"omega1": 100.0}, SHAFT: DRIVEN | {"load_torque": 10.0}}, 0.001, 300, SEAM
