@@ -15,7 +15,7 @@ import numpy as np
 
 from inertia_module import compiled
 from inertia_module.cli import current_fmu
-from inertia_module.kernel import slots
+from inertia_module.kernel import codes
 from inertia_module.module import Module
 from inertia_module.scene import load_scene, run_scene
 
@@ -30,7 +30,7 @@ def recorded_inputs():
     return scene, record["omega1"][1:], record["load_torque"][1:]
 
 
-def player(operation=slots.STEP_ONLY):
+def player(operation=codes.STEP_ONLY):
     """Compiled loop: steps of h with the inputs given, from the state given."""
     entry = compiled.load()
 
@@ -50,18 +50,18 @@ def player(operation=slots.STEP_ONLY):
 def measure(play, parameters, omega1, load, h):
     """(median kernel time per simulated second, s; output speed at the end)."""
     module = Module("compiled").start(omega1=float(omega1[0]), load_torque=float(load[0]), **parameters)
-    sizes = (slots.P_SIZE, slots.D_SIZE, slots.U_SIZE, slots.X_SIZE, slots.Y_SIZE)
+    sizes = (codes.P_SIZE, codes.D_SIZE, codes.U_SIZE, codes.X_SIZE, codes.Y_SIZE)
     begin = [np.array(values) for values in module._arrays[: len(sizes)]]
     times = []
     for _ in range(REPEATS + 1):
         arrays = [values.copy() for values in begin]
-        workspace = np.zeros(slots.W_SIZE)
+        workspace = np.zeros(codes.W_SIZE)
         start = time.perf_counter()
         done, status = play(*arrays, workspace, omega1, load, h)
         times.append(time.perf_counter() - start)
         if status:
             raise RuntimeError(f"step {done} is refused with status {status}")
-    return statistics.median(times[1:]) / (omega1.size * h), arrays[4][slots.Y_OMEGA_OUT]
+    return statistics.median(times[1:]) / (omega1.size * h), arrays[4].omega_out
 
 
 def difference_of_means():
@@ -70,11 +70,11 @@ def difference_of_means():
     fastest = 0.0
     scene = load_scene(SCENE)
     whole = round(1.0 / scene.run.communication_step)
-    for fidelity in (slots.RIGID, slots.AVERAGED):
+    for fidelity in (codes.RIGID, codes.AVERAGED):
         record = run_scene(scene.replaced(mechanism={"fidelity": fidelity}), current_fmu()).record
         means[fidelity] = record["omega_out"][1:].reshape(-1, whole).mean(axis=1)
         fastest = max(fastest, float(record["omega1"].max()))
-    return float(np.abs(means[slots.RIGID] - means[slots.AVERAGED]).max()) / fastest
+    return float(np.abs(means[codes.RIGID] - means[codes.AVERAGED]).max()) / fastest
 
 
 def rows():
@@ -91,7 +91,7 @@ def rows():
     ):
         series = [np.ascontiguousarray(values) for values in inputs]
         costs = {}
-        for name, fidelity in (("rigid", slots.RIGID), ("averaged", slots.AVERAGED)):
+        for name, fidelity in (("rigid", codes.RIGID), ("averaged", codes.AVERAGED)):
             parameters = {**scene.parameters(), "fidelity": fidelity, "tolerance": scene.accuracy.tolerance}
             costs[name], speed = measure(play, parameters, *series, step_size)
             found.append(

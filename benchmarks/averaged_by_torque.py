@@ -7,7 +7,7 @@ Run: python benchmarks/averaged_by_torque.py
 import math
 
 from inertia_module.cosimulation.interface import interface_inertia
-from inertia_module.kernel import slots
+from inertia_module.kernel import codes
 from inertia_module.module import Module
 
 PLANAR = {
@@ -22,7 +22,7 @@ PLANAR = {
 }
 LAYOUTS = {"bevel (R1)": {}, "planar": PLANAR}
 SHARES = (0.5, 1.0, 2.0, 5.0, 10.0, 50.0)  # J1 over the greatest inertia the module has at its input
-START = {"drive": slots.DRIVE_TORQUE, "omega1": 100.0, "drive_torque": 4.0, "load_torque": 5.0}
+START = {"drive": codes.DRIVE_TORQUE, "omega1": 100.0, "drive_torque": 4.0, "load_torque": 5.0}
 STEP = 0.01
 BEGIN, END = 2.0, 4.0  # s, of the means
 
@@ -56,8 +56,8 @@ def lines():
         greatest = interface_inertia(layout).greatest
         for share in SHARES:
             parameters = {**layout, "input_inertia": share * greatest}
-            rigid = mean_speeds(slots.RIGID, parameters)
-            averaged = mean_speeds(slots.AVERAGED, parameters)
+            rigid = mean_speeds(codes.RIGID, parameters)
+            averaged = mean_speeds(codes.AVERAGED, parameters)
             cells = [
                 f"{a:.4g} | {b:.4g} | {100.0 * (b / a - 1.0):+.1f}"
                 for a, b in zip(rigid, averaged, strict=True)

@@ -21,7 +21,7 @@ from inertia_module.entries import SIGNATURE
 from inertia_module.fmu.builder import MODULE_FMU
 from inertia_module.fmu.native_fmu import library
 from inertia_module.fmu.targets import LINUX64
-from inertia_module.kernel import slots, step
+from inertia_module.kernel import codes, step
 from inertia_module.module import Module
 
 SOURCE = Path(__file__).parent / "hand_written"
@@ -112,7 +112,7 @@ class Kernel:
         self.addresses = [ctypes.c_void_p(values.buffer_info()[0]) for values in self.arrays]
         self.pointer = ctypes.cast(self.entry, ctypes.c_void_p)
         if by_hand is not None:
-            self.entry(slots.START, *self.addresses, 0.0)
+            self.entry(codes.START, *self.addresses, 0.0)
         self.begin = self.arrays[3].tobytes()
 
     def restore(self):
@@ -124,16 +124,16 @@ class Kernel:
 
     def advance(self, h, steps=1):
         if steps == 1:
-            status = self.entry(slots.STEP, *self.addresses, h)
+            status = self.entry(codes.STEP, *self.addresses, h)
         else:
             status = self.loop(
                 self.pointer,
-                ctypes.c_int64(slots.STEP),
+                ctypes.c_int64(codes.STEP),
                 *self.addresses,
                 ctypes.c_double(h),
                 ctypes.c_int64(steps),
             )
-        if status != slots.OK:
+        if status != codes.OK:
             raise RuntimeError(f"a step of {h} s is refused with status {status}")
 
     def __getitem__(self, name):

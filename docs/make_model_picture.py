@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from inertia_module.kernel import derive, layout, slots
-from inertia_module.variables import default_parameters
+from inertia_module.kernel import layout
+from inertia_module.module import Module
 
 TARGET = Path(__file__).parent.parent / "fmu_src" / "inertia_module" / "fmu" / "model.png"
 
@@ -25,15 +25,14 @@ def cone(axis_point, direction, radius, height, n=60):
 
 
 def main():
-    parameters = default_parameters()
-    d = [0.0] * slots.D_SIZE
-    derive.derive(parameters, d)
-    q = np.linspace(0, d[slots.D_PERIOD], 3000)
+    module = Module("plain").start()
+    parameters, d = module.parameters, module.derived
+    q = np.linspace(0, d.period, 3000)
     path = np.array([layout.imbalance(d, angle)[:3] for angle in q])
-    ratio = parameters[slots.P_Z17] / parameters[slots.P_Z6]
+    ratio = parameters.z17 / parameters.z6
     phi = math.atan2(1.0, ratio)
     psi = math.pi / 2 - phi
-    pitch = parameters[slots.P_WHEEL_RADIUS] / math.sin(psi)
+    pitch = parameters.wheel_radius / math.sin(psi)
     tip = np.array([0.0, 0.0, 0.0])
     figure = Figure(figsize=(4, 4), dpi=100)
     axes = figure.add_subplot(projection="3d")

@@ -13,12 +13,11 @@ import io
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .kernel import average_rates, slots
+from .kernel import average_rates, codes
 from .module import Module
 from .results import TableError, write_columns
 
@@ -114,15 +113,15 @@ class TorqueConverterChart:
         try:
             rows = list(csv.reader(io.StringIO(Path(path).read_text(encoding="utf-8"))))
         except OSError as error:
-            raise TableError(f"{path} is refused: {error.strerror}; allowed is a saved chart") from None
+            raise TableError(f"{path} must be a saved chart: {error.strerror}") from None
         names = [heading.partition(" [")[0] for heading in rows[0]] if rows else []
         wanted = [field.name for field in fields(cls)]
         if names != wanted or len(rows) < 2:
-            raise TableError(f"{path} is refused: allowed is a chart with the columns {', '.join(wanted)}")
+            raise TableError(f"{path} must be a chart with the columns {', '.join(wanted)}")
         try:
             values = np.array([[float(cell) for cell in row] for row in rows[1:]])
         except ValueError as error:
-            raise TableError(f"{path} is refused: {error}; allowed are rows of numbers") from None
+            raise TableError(f"{path} must hold rows of numbers: {error}") from None
         return cls(*values.T)
 
 
@@ -140,25 +139,23 @@ def torque_converter_chart(
         Refused: the parameters cannot be, or there is no mean torque (a freewheel is missing).
     """
     # torques at given speeds, whatever drives the module
-    given = {"fidelity": float(slots.AVERAGED), "drive": float(slots.DRIVE_SPEED)}
+    given = {"fidelity": float(codes.AVERAGED), "drive": float(codes.DRIVE_SPEED)}
     module = Module(kernel).start(**{**parameters, **given})
-    d: Any = module.derived
-    header = slots.D_MAP_BACKWARD if backward else slots.D_MAP_FORWARD
-    first = slots.D_MAP_KNOTS + (slots.MAP_ROWS * slots.MAP_ROW if backward else 0)
-    knots = [d[first + n * slots.MAP_ROW] for n in range(int(d[header]))]
+    d, x = module.derived, module.state
+    side = d.backward if backward else d.forward
+    knots = [side.knots[n].ratio for n in range(int(side.count))]
     ratios = np.unique(np.concatenate([knots, np.linspace(0.0, knots[-1], POINTS + 1)]))
-    place = [0.0] * slots.X_SIZE
-    sign = -1.0 if backward else 1.0
     torque, link2, ripple, peak = np.zeros((4, ratios.size))
     for n, ratio in enumerate(ratios):
-        rates = average_rates.driving_rates(d, place, header, 1.0, 0.0, float(ratio))  # type: ignore[no-untyped-call]
+        x.omega3 = ratio
+        rates = average_rates.mean_rates(side, x, 1.0, 0.0, x.omega3)  # type: ignore[no-untyped-call]
         torque[n], link2[n] = rates[0], rates[3]
-        ripple[n], peak[n] = average_rates.ripple_at(d, place, header, sign, float(ratio))  # type: ignore[no-untyped-call]
+        ripple[n], peak[n] = average_rates.ripple_at(side, x, side.direction)  # type: ignore[no-untyped-call]
     taken = ratios * torque
     with np.errstate(divide="ignore"):
         torque_ratio = 1.0 / ratios
         capacity = 1.0 / np.sqrt(taken)
-    lock = d[slots.D_MAP_LOCK] if d[header + 2] else 0.0
+    lock = d.map_lock if side.locks else 0.0
     one = np.ones(ratios.size)
     return TorqueConverterChart(
         ratios, torque, taken, torque_ratio, one, capacity, link2, ripple, peak, lock * one

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from .driven_shaft_variables import BY_NAME
-from .kernel import driven_shaft_slots, slots
+from .kernel import codes
 from .messages import BAD_STEP, bad_input, bad_rate, not_finite
 
 MESSAGES: Mapping[int, str] = {
-    driven_shaft_slots.BAD_HUB_SPEED: bad_input(BY_NAME["hub_speed"]),
-    slots.BAD_LOAD_TORQUE: bad_input(BY_NAME["load_torque"]),
-    driven_shaft_slots.BAD_HUB_SPEED_RATE: bad_rate(BY_NAME["hub_speed"]),
-    slots.BAD_LOAD_TORQUE_RATE: bad_rate(BY_NAME["load_torque"]),
-    slots.BAD_STEP: BAD_STEP,
-    slots.NOT_FINITE: not_finite(BY_NAME["hub_speed"], BY_NAME["load_torque"]),
+    codes.BAD_HUB_SPEED: bad_input(BY_NAME["hub_speed"]),
+    codes.BAD_LOAD_TORQUE: bad_input(BY_NAME["load_torque"]),
+    codes.BAD_HUB_SPEED_RATE: bad_rate(BY_NAME["hub_speed"]),
+    codes.BAD_LOAD_TORQUE_RATE: bad_rate(BY_NAME["load_torque"]),
+    codes.BAD_STEP: BAD_STEP,
+    codes.NOT_FINITE: not_finite(BY_NAME["hub_speed"], BY_NAME["load_torque"]),
 }

@@ -10,10 +10,13 @@ from pathlib import Path
 from typing import NamedTuple
 
 from . import kernel
-from .kernel import driven_shaft_slots, slots
+from .kernel import driven_shaft_fields, fields
+from .records import Field, size
 
 # operation, addresses of p, d, u, x, y and w, communication step
 SIGNATURE = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64, *[ctypes.c_void_p] * 6, ctypes.c_double)
+# the lists of fields of p, d, u, x, y and w
+RECORDS = ("PARAMETERS", "CONSTANTS", "INPUTS", "STATE", "OUTPUTS", "WORKSPACE")
 KERNEL_FOLDER = Path(kernel.__file__).parent
 
 
@@ -22,15 +25,20 @@ class CompilationUnavailable(RuntimeError):
 
 
 class Entry(NamedTuple):
-    """A kernel that can be called: the module of its call, and the module that sizes its arrays."""
+    """A kernel that can be called: the module of its call, and that of the fields of its records."""
 
     module: str
-    slots: types.ModuleType
+    fields: types.ModuleType
+
+    @property
+    def records(self) -> tuple[tuple[Field, ...], ...]:
+        """Fields of the records p, d, u, x, y and w."""
+        return tuple(getattr(self.fields, name) for name in RECORDS)
 
     @property
     def sizes(self) -> tuple[int, ...]:
-        """Sizes of p, d, u, x, y and w."""
-        return tuple(getattr(self.slots, f"{letter}_SIZE") for letter in "PDUXYW")
+        """Doubles in p, d, u, x, y and w."""
+        return tuple(size(record) for record in self.records)
 
     @property
     def symbol(self) -> str:
@@ -40,13 +48,13 @@ class Entry(NamedTuple):
 
 MODULE = "module"
 DRIVEN_SHAFT = "driven_shaft"
-ENTRIES = {MODULE: Entry("entry", slots), DRIVEN_SHAFT: Entry("driven_shaft", driven_shaft_slots)}
+ENTRIES = {MODULE: Entry("entry", fields), DRIVEN_SHAFT: Entry("driven_shaft", driven_shaft_fields)}
 
 
 @functools.cache
 def source_hash() -> str:
     """Hash of the kernel's source files."""
     digest = hashlib.sha256()
-    for path in sorted(KERNEL_FOLDER.glob("*.py")):
-        digest.update(path.name.encode() + b"\0" + path.read_bytes())
+    for path in sorted(KERNEL_FOLDER.rglob("*.py")):
+        digest.update(path.relative_to(KERNEL_FOLDER).as_posix().encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()[:16]

@@ -22,6 +22,7 @@ from typing import Any
 from . import kernel
 from .entries import ENTRIES, KERNEL_FOLDER, CompilationUnavailable, Entry, source_hash
 from .files import cache_folder, write_atomically
+from .records import Field, place, size
 
 # order of numba's sets, and the processor it takes for the host: what the text would depend on
 ENVIRONMENT = {"PYTHONHASHSEED": "0", "NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
@@ -50,7 +51,7 @@ def jitted_kernel(entry: str = "entry") -> dict[str, types.ModuleType]:
     finally:
         for name in [name for name in sys.modules if name.startswith(package.__name__)]:
             del sys.modules[name]
-    int64: Any = importlib.import_module("numpy").int64
+    numpy: Any = importlib.import_module("numpy")
     wrapped: dict[int, Any] = {}
     for module in modules.values():
         for name, value in list(vars(module).items()):
@@ -60,8 +61,31 @@ def jitted_kernel(entry: str = "entry") -> dict[str, types.ModuleType]:
                 setattr(module, name, wrapped[id(value)])
             elif type(value) is int:
                 # numba compiles a function anew for each Python constant it is called with, not for these
-                setattr(module, name, int64(value))
+                setattr(module, name, numpy.int64(value))
+            elif type(value) is tuple and value and all(type(number) in (int, float) for number in value):
+                setattr(module, name, numpy.array(value))  # a table: a constant in the code, indexed at run time
     return modules
+
+
+def data_type(fields: tuple[Field, ...]) -> Any:
+    """NumPy's type of a record (see records.record_type), which numba takes."""
+    numpy: Any = importlib.import_module("numpy")
+    names, formats, offsets = [], [], []
+    for field in fields:
+        name, kind, *count = (field, 1) if isinstance(field, str) else field
+        inner = (numpy.float64, (kind,)) if isinstance(kind, int) else data_type(kind)
+        names.append(name)
+        formats.append(numpy.float64 if isinstance(field, str) else (inner, tuple(count)) if count else inner)
+        offsets.append(8 * place(fields, name))
+    numbers = size(fields)
+    return numpy.dtype(
+        {
+            "names": [*names, "numbers"],
+            "formats": [*formats, (numpy.float64, (numbers,))],
+            "offsets": [*offsets, 0],
+            "itemsize": 8 * numbers,
+        }
+    )
 
 
 def translate(which: Entry) -> str:
@@ -70,22 +94,21 @@ def translate(which: Entry) -> str:
     nt = numba.types
     carray = numba.carray
     call = jitted_kernel(which.module)[which.module].call
-    n_p, n_d, n_u, n_x, n_y, n_w = which.sizes
-    pointer = nt.CPointer(nt.float64)
 
     def entry(operation, p, d, u, x, y, w, h):  # type: ignore[no-untyped-def]
         return call(
             operation,
-            carray(p, n_p),
-            carray(d, n_d),
-            carray(u, n_u),
-            carray(x, n_x),
-            carray(y, n_y),
-            carray(w, n_w),
+            carray(p, 1)[0],
+            carray(d, 1)[0],
+            carray(u, 1)[0],
+            carray(x, 1)[0],
+            carray(y, 1)[0],
+            carray(w, 1)[0],
             h,
         )
 
-    signature = nt.int64(nt.int64, *[pointer] * 6, nt.float64)
+    pointers = [nt.CPointer(numba.from_dtype(data_type(fields))) for fields in which.records]
+    signature = nt.int64(nt.int64, *pointers, nt.float64)
     function = numba.cfunc(signature, error_model="numpy")(entry)
     text: str = function.inspect_llvm()
     return for_any_processor(text.replace(function.native_name, which.symbol))
@@ -116,7 +139,7 @@ def without_aliases(ir: str) -> str:
     """Tell that no two of the arrays p, d, u, x, y, w overlap: a store to one leaves the others."""
 
     def marked(head: re.Match[str]) -> str:
-        return re.sub(r"\bptr ((?:[\w()]+ )*%arg\.[pduxyw]\.4\b)", r"ptr noalias \1", head[0])
+        return re.sub(r"\bptr ((?:[\w()]+ )*%arg\.[pduxyw]\b)", r"ptr noalias \1", head[0])
 
     return re.sub(r"^define .*$", marked, ir, flags=re.M)
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from .kernel import slots
+from .kernel import codes
 from .variables import BY_NAME, LARGEST_STEP, Variable, refusal
 
 
@@ -53,47 +53,47 @@ def _bad_start_output(word: str, sign: str) -> str:
 
 
 MESSAGES: Mapping[int, str] = {
-    slots.NO_RECTIFIER: (
+    codes.NO_RECTIFIER: (
         f"{named('fidelity', 'housing_freewheel', 'output_freewheel')} are refused together: without both"
         " freewheels nothing rectifies the pulses and there is no mean torque; allowed is fidelity = 1"
         " (averaged) with both freewheels"
     ),
-    slots.SINGULAR: (
+    codes.SINGULAR: (
         f"{named('link2_inertia', 'drive_inertia', 'a', 'b', 'eccentricity', 'imbalance_mass')} are refused"
         " together: the inertia behind link 2 vanishes where the imbalance rests in link 1 (a = b, or no"
         " eccentricity); allowed is link2_inertia > 0, drive_inertia > 0, or a different from b"
     ),
-    slots.BAD_START_HOUSING: (
+    codes.BAD_START_HOUSING: (
         f"{named('omega2_start')} is refused: with the housing freewheel allowed is omega2_start >= 0"
     ),
-    slots.BAD_START_OUTPUT: _bad_start_output("with", ">="),
-    slots.BAD_START_RIGID: _bad_start_output("without", "="),
-    slots.NO_INPUT_INERTIA: (
+    codes.BAD_START_OUTPUT: _bad_start_output("with", ">="),
+    codes.BAD_START_RIGID: _bad_start_output("without", "="),
+    codes.NO_INPUT_INERTIA: (
         f"{named('input_inertia', 'drive')} are refused together: the speed of link 1 follows from a torque"
         " only where it has inertia; allowed is drive = 0 (speed), or input_inertia > 0 with that of the"
         " engine or motor"
     ),
-    slots.PRESCRIBED: (
+    codes.PRESCRIBED: (
         f"{named('fidelity', 'drive')} are refused together: the motion is prescribed, so no torque can make"
         " it; allowed is drive = 0 (speed), or fidelity = 1 (averaged), 2 (rigid) or 3 (elastic)"
     ),
-    slots.BAD_OMEGA1: bad_input(BY_NAME["omega1"]),
-    slots.BAD_LOAD_TORQUE: bad_input(BY_NAME["load_torque"]),
-    slots.BAD_OMEGA1_RATE: bad_rate(BY_NAME["omega1"]),
-    slots.BAD_LOAD_TORQUE_RATE: bad_rate(BY_NAME["load_torque"]),
-    slots.BAD_DRIVE_TORQUE: bad_input(BY_NAME["drive_torque"]),
-    slots.BAD_DRIVE_TORQUE_RATE: bad_rate(BY_NAME["drive_torque"]),
-    slots.BAD_STEP: BAD_STEP,
-    slots.TOO_MANY_SWITCHES: (
+    codes.BAD_OMEGA1: bad_input(BY_NAME["omega1"]),
+    codes.BAD_LOAD_TORQUE: bad_input(BY_NAME["load_torque"]),
+    codes.BAD_OMEGA1_RATE: bad_rate(BY_NAME["omega1"]),
+    codes.BAD_LOAD_TORQUE_RATE: bad_rate(BY_NAME["load_torque"]),
+    codes.BAD_DRIVE_TORQUE: bad_input(BY_NAME["drive_torque"]),
+    codes.BAD_DRIVE_TORQUE_RATE: bad_rate(BY_NAME["drive_torque"]),
+    codes.BAD_STEP: BAD_STEP,
+    codes.TOO_MANY_SWITCHES: (
         f"{_GIVEN_UP}the freewheels switch without end; allowed is 1000 switches and 64 more a pulse"
     ),
-    slots.TOO_MUCH_WORK: (
+    codes.TOO_MUCH_WORK: (
         f"{_GIVEN_UP}it takes more than 5e7 evaluations of the mechanism; allowed is a shorter"
         " communication step or a larger tolerance"
     ),
-    slots.STEP_TOO_SMALL: (
+    codes.STEP_TOO_SMALL: (
         f"{_GIVEN_UP}no internal step meets {named('tolerance')}; allowed is a larger tolerance, or more"
         " link2_inertia"
     ),
-    slots.NOT_FINITE: not_finite(BY_NAME["omega1"], BY_NAME["load_torque"], BY_NAME["drive_torque"]),
+    codes.NOT_FINITE: not_finite(BY_NAME["omega1"], BY_NAME["load_torque"], BY_NAME["drive_torque"]),
 }

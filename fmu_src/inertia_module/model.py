@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 from . import driven_shaft_messages, driven_shaft_variables, messages, variables
 from .entries import DRIVEN_SHAFT as SHAFT_ENTRY
 from .entries import ENTRIES
 from .entries import MODULE as MODULE_ENTRY
 from .kernel import driven_shaft, entry
-from .variables import INPUT, PARAMETER, Variable, with_causality
+from .records import Field, place
+from .variables import INPUT, LOCAL, OUTPUT, PARAMETER, Variable, with_causality
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,27 +52,29 @@ class Model:
         return {variable.name: variable for variable in self.variables}
 
     @property
-    def sizes(self) -> tuple[int, ...]:
-        """Sizes of the kernel's arrays p, d, u, x, y and w."""
-        return ENTRIES[self.entry].sizes
+    def records(self) -> tuple[tuple[Field, ...], ...]:
+        """Fields of the kernel's records p, d, u, x, y and w."""
+        return ENTRIES[self.entry].records
+
+    def place(self, name: str) -> int:
+        """Place of a variable, of the rate of an input or of whether that is given in its record."""
+        of = self.by_name.get(name)
+        record = {PARAMETER: 0, OUTPUT: 4, LOCAL: 4}.get(of.causality if of else INPUT, 2)
+        return place(self.records[record], name)
 
     def with_causality(self, *causalities: str) -> Iterator[Variable]:
         """Variables of these causalities, in the order of the table."""
         return with_causality(*causalities, table=self.variables)
 
-    def explain(self, status: int, parameters: Sequence[float], inputs: Sequence[float], step: float) -> str:
+    def explain(self, status: int, parameters: Any, inputs: Any, step: float) -> str:
         """The message for a status of the kernel, not OK.
 
         Args:
-            status: what the kernel answered. parameters, inputs: by slot. step: communication step, s.
+            status: what the kernel answered. parameters, inputs: records. step: communication step, s.
         """
         values = {"step": f"{step:.16g}"}
-        for variable in self.with_causality(PARAMETER):
-            values[variable.name] = f"{parameters[variable.slot]:.16g}"
-        given = list(self.with_causality(INPUT))
-        for variable in given:
-            values[variable.name] = f"{inputs[variable.slot]:.16g}"
-            values[f"{variable.name}_rate"] = f"{inputs[len(given) + variable.slot]:.16g}"
+        for record, fields in ((parameters, self.records[0]), (inputs, self.records[2])):
+            values |= {name: f"{getattr(record, name):.16g}" for name in fields}
         return self.messages[status].format_map(values)
 
     def known_at_start(self, output: str) -> frozenset[str]:

@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
 import struct
-from array import array
 from collections.abc import Callable
 from typing import Any, ClassVar, Self
 
 from . import compiled, maps
 from .entries import MODULE, CompilationUnavailable, source_hash
-from .kernel import slots
+from .kernel import codes
 from .model import DRIVEN_SHAFT, INERTIA_MODULE, Model
+from .records import record_type
 from .variables import INPUT, OUTPUT, PARAMETER, default_parameters, refusal, refused_parameters
 
 
 class Refused(ValueError):
     """Bad parameters, inputs or steps: the message names them and what is allowed. Nothing has changed."""
-
-
-def _doubles(size: int) -> array[float]:
-    return array("d", bytes(8 * size))
 
 
 def choose_kernel(kernel: str, name: str = MODULE) -> tuple[Callable[..., int] | None, str]:
@@ -66,23 +63,11 @@ class ModelInstance:
         self._wanted = kernel
         self._entry: Callable[..., int] | None = None
         self.kernel = ""
-        _, derived, inputs, state, outputs, workspace = self.model.sizes
-        self.parameters = array("d", default_parameters(self.model.variables))
-        self.derived = _doubles(derived)
-        self.inputs = _doubles(inputs)
-        self.state = _doubles(state)
-        self.outputs = _doubles(outputs)
-        self._workspace = _doubles(workspace)
-        self._arrays = (
-            self.parameters,
-            self.derived,
-            self.inputs,
-            self.state,
-            self.outputs,
-            self._workspace,
-        )
-        # addresses stay good: no array is ever resized
-        self._addresses = tuple(values.buffer_info()[0] for values in self._arrays)
+        self._records = tuple(record_type(fields)() for fields in self.model.records)
+        self.parameters, self.derived, self.inputs, self.state, self.outputs, _ = self._records
+        for name, value in default_parameters(self.model.variables).items():
+            setattr(self.parameters, name, value)
+        self._addresses = tuple(ctypes.addressof(record) for record in self._records)
         self.started = False
 
     def load_kernel(self) -> None:
@@ -91,10 +76,10 @@ class ModelInstance:
             self._entry, self.kernel = choose_kernel(self._wanted, self.model.entry)
 
     def call(self, operation: int, step_size: float) -> int:
-        """Call the kernel (an operation of kernel.slots) and return its status."""
+        """Call the kernel (an operation of kernel.codes) and return its status."""
         if self._entry is not None:
             return self._entry(operation, *self._addresses, step_size)
-        return self.model.call(operation, *self._arrays, step_size)
+        return self.model.call(operation, *self._records, step_size)
 
     def set(self, **values: float) -> None:
         """Set parameters (before start) and inputs by name; all of them or, on an error, none.
@@ -116,10 +101,10 @@ class ModelInstance:
             if not variable.accepts(float(value)):
                 raise Refused(refusal(variable, float(value)))
             places.append(
-                (self.inputs if variable.causality == INPUT else self.parameters, variable.slot, value)
+                (self.inputs if variable.causality == INPUT else self.parameters, name, float(value))
             )
-        for values_of, slot, value in places:
-            values_of[slot] = value
+        for record, name, value in places:
+            setattr(record, name, value)
 
     def set_rates(self, **rates: float) -> None:
         """Give inputs a constant rate over the coming step, per second: they start it from their values.
@@ -127,17 +112,18 @@ class ModelInstance:
         Raises:
             Refused: an unknown input; no rate is set.
         """
-        inputs = {variable.name: variable.slot for variable in self.model.with_causality(INPUT)}
+        inputs = [variable.name for variable in self.model.with_causality(INPUT)]
         for name in rates:
             if name not in inputs:
                 raise Refused(f"the rate of {name} is refused: allowed are those of {', '.join(inputs)}")
         for name, rate in rates.items():
-            self.inputs[len(inputs) + inputs[name]] = rate
-            self.inputs[2 * len(inputs) + inputs[name]] = 1.0
+            setattr(self.inputs, f"{name}_rate", rate)
+            setattr(self.inputs, f"{name}_rate_given", 1.0)
 
     def _forget_rates(self) -> None:
-        count = len(self.inputs) // 3
-        self.inputs[count:] = array("d", bytes(16 * count))
+        for variable in self.model.with_causality(INPUT):
+            setattr(self.inputs, f"{variable.name}_rate", 0.0)
+            setattr(self.inputs, f"{variable.name}_rate_given", 0.0)
 
     def rates(self) -> dict[str, float]:
         """Rates of the outputs now, per second, inputs going on as they do; a step mean has rate 0.
@@ -149,7 +135,7 @@ class ModelInstance:
             raise Refused("rates are refused: the module has not been started")
         copy = type(self)("plain" if self._entry is None else "compiled")
         copy.restore(self.save())
-        self._check(copy.call(slots.RATES, 0.0), 0.0)
+        self._check(copy.call(codes.RATES, 0.0), 0.0)
         return {variable.name: copy[variable.name] for variable in self.model.with_causality(OUTPUT)}
 
     def start(self, **values: float) -> Self:
@@ -164,11 +150,13 @@ class ModelInstance:
         return self
 
     def _begin(self) -> None:
-        self._check(self.call(slots.START, 0.0), 0.0)
+        self._check(self.call(codes.START, 0.0), 0.0)
 
     def _prepare(self, values: dict[str, float]) -> None:
         self.set(**values)
-        refused = refused_parameters(list(self.parameters), self.model.variables)
+        refused = refused_parameters(
+            {name: self[name] for name in self.model.records[0]}, self.model.variables
+        )
         if refused:
             raise Refused("; ".join(refused))
         self.load_kernel()
@@ -181,21 +169,24 @@ class ModelInstance:
         """
         if not self.started:
             raise Refused("a step is refused: the module has not been started")
-        self._check(self.call(slots.STEP, step_size), step_size)
+        self._check(self.call(codes.STEP, step_size), step_size)
         self._forget_rates()
 
     def _check(self, status: int, step_size: float) -> None:
-        if status != slots.OK:
-            raise Refused(self.model.explain(status, list(self.parameters), list(self.inputs), step_size))
+        if status != codes.OK:
+            raise Refused(self.model.explain(status, self.parameters, self.inputs, step_size))
 
     def __getitem__(self, name: str) -> float:
         """Value of any variable by its name."""
         variable = self.model.by_name[name]
         if variable.causality == INPUT:
-            return self.inputs[variable.slot]
-        if variable.causality == PARAMETER:
-            return self.parameters[variable.slot]
-        return self.outputs[variable.slot]
+            record = self.inputs
+        elif variable.causality == PARAMETER:
+            record = self.parameters
+        else:
+            record = self.outputs
+        value: float = getattr(record, name)
+        return value
 
     @property
     def _magic(self) -> bytes:
@@ -204,7 +195,7 @@ class ModelInstance:
     def save(self) -> bytes:
         """Everything that makes up the state, bit for bit."""
         head = self._magic + struct.pack("<?", self.started) + source_hash().encode()
-        return head + b"".join(values.tobytes() for values in self._arrays[:5])
+        return head + b"".join(bytes(record) for record in self._records[:5])
 
     def restore(self, saved: bytes) -> None:
         """Take over a state of save.
@@ -214,7 +205,7 @@ class ModelInstance:
         """
         head = len(self._magic) + 1
         start = head + len(source_hash())
-        size = start + sum(8 * len(values) for values in self._arrays[:5])
+        size = start + sum(ctypes.sizeof(record) for record in self._records[:5])
         if len(saved) != size or saved[: len(self._magic)] != self._magic:
             raise Refused(
                 f"a state of {len(saved)} bytes is refused: allowed is one saved by this build ({size} bytes)"
@@ -223,10 +214,9 @@ class ModelInstance:
             raise Refused("a state of another build is refused: allowed is one saved by this build")
         self.load_kernel()
         self.started = bool(saved[len(self._magic)])
-        for values in self._arrays[:5]:
-            end = start + 8 * len(values)
-            memoryview(values).cast("B")[:] = saved[start:end]
-            start = end
+        for record in self._records[:5]:
+            ctypes.memmove(ctypes.addressof(record), saved[start:], ctypes.sizeof(record))
+            start += ctypes.sizeof(record)
 
     def snapshot(self) -> dict[str, Any]:
         """All variables by name."""
@@ -245,11 +235,11 @@ class Module(ModelInstance):
             Refused: as start.
         """
         self._prepare(values)
-        self._check(self.call(slots.CHECK, 0.0), 0.0)
+        self._check(self.call(codes.CHECK, 0.0), 0.0)
 
     def _begin(self) -> None:
         """Start with the map of fidelity averaged that another instance has made, if there is one."""
-        averaged = self.parameters[slots.P_FIDELITY] == slots.AVERAGED
+        averaged = self.parameters.fidelity == codes.AVERAGED
         if averaged:
             maps.recall(self.parameters, self.derived)
         super()._begin()

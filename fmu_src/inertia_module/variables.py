@@ -1,15 +1,16 @@
 """The table of variables of the module, and what a variable is.
 
-The FMU description, the argument checks and docs/variables.md use it. Names and meanings are the contract of the module; slots are places in the arrays of the kernel.
+The FMU description, the argument checks and docs/variables.md use it. Names and meanings are the contract of the module; the kernel's records have fields of
+these names.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
-from .kernel import limits, slots
+from .kernel import limits
 
 REAL = "Real"
 INTEGER = "Integer"
@@ -90,8 +91,7 @@ class Variable:
         name: name in the FMU. kind: Real, Integer, Boolean or Enumeration.
         causality, variability: as in FMI 2.0. unit: of UNITS ("" where it has none).
         start: start value (None: calculated). minimum, maximum, nominal: or None.
-        description: one sentence. slot: place in the array of its causality (p, u or y).
-        enumeration: name in ENUMERATIONS, or "".
+        description: one sentence. enumeration: name in ENUMERATIONS, or "".
     """
 
     name: str
@@ -104,7 +104,6 @@ class Variable:
     maximum: float | None
     nominal: float | None
     description: str
-    slot: int
     enumeration: str = ""
 
     @property
@@ -136,8 +135,8 @@ class Variable:
         )
 
 
-def _input(name: str, unit: str, limit: float, nominal: float, text: str, slot: int) -> Variable:
-    return Variable(name, REAL, INPUT, "continuous", unit, 0.0, -limit, limit, nominal, text, slot)
+def _input(name: str, unit: str, limit: float, nominal: float, text: str) -> Variable:
+    return Variable(name, REAL, INPUT, "continuous", unit, 0.0, -limit, limit, nominal, text)
 
 
 def _signal(
@@ -146,14 +145,13 @@ def _signal(
     unit: str,
     nominal: float | None,
     text: str,
-    slot: int,
     minimum: float | None = None,
 ) -> Variable:
-    return Variable(name, REAL, causality, "continuous", unit, None, minimum, None, nominal, text, slot)
+    return Variable(name, REAL, causality, "continuous", unit, None, minimum, None, nominal, text)
 
 
-def _counter(name: str, text: str, slot: int, minimum: float | None = 0.0) -> Variable:
-    return Variable(name, REAL, LOCAL, "discrete", "1", None, minimum, None, None, text, slot)
+def _counter(name: str, text: str, minimum: float | None = 0.0) -> Variable:
+    return Variable(name, REAL, LOCAL, "discrete", "1", None, minimum, None, None, text)
 
 
 def _real(
@@ -163,17 +161,16 @@ def _real(
     low: float,
     high: float,
     text: str,
-    slot: int,
     nominal: float | None = None,
 ) -> Variable:
-    return Variable(name, REAL, PARAMETER, "fixed", unit, start, low, high, nominal, text, slot)
+    return Variable(name, REAL, PARAMETER, "fixed", unit, start, low, high, nominal, text)
 
 
-def _whole(name: str, start: int, low: int, high: int, text: str, slot: int) -> Variable:
-    return Variable(name, INTEGER, PARAMETER, "fixed", "", start, low, high, None, text, slot)
+def _whole(name: str, start: int, low: int, high: int, text: str) -> Variable:
+    return Variable(name, INTEGER, PARAMETER, "fixed", "", start, low, high, None, text)
 
 
-def _choice(name: str, enumeration: str, start: int, text: str, slot: int) -> Variable:
+def _choice(name: str, enumeration: str, start: int, text: str) -> Variable:
     items = ENUMERATIONS[enumeration]
     return Variable(
         name,
@@ -186,96 +183,95 @@ def _choice(name: str, enumeration: str, start: int, text: str, slot: int) -> Va
         items[-1][1],
         None,
         text,
-        slot,
         enumeration,
     )
 
 
-def _switch(name: str, start: bool, text: str, slot: int) -> Variable:
-    return Variable(name, BOOLEAN, PARAMETER, "fixed", "", float(start), None, None, None, text, slot)
+def _switch(name: str, start: bool, text: str) -> Variable:
+    return Variable(name, BOOLEAN, PARAMETER, "fixed", "", float(start), None, None, None, text)
 
 
 _INERTIA_LIMIT = 1e12
 _SPEED_START_LIMIT = 1e6
 
 VARIABLES: tuple[Variable, ...] = (
-    _input("omega1", "rad/s", LARGEST_SPEED, 100.0, "speed of link 1 (with drive = torque only that at the start)", slots.U_OMEGA1),
-    _input("load_torque", "N.m", LARGEST_TORQUE, 10.0, "torque of the load on the output shaft, positive against the motion", slots.U_LOAD_TORQUE),
-    _input("drive_torque", "N.m", LARGEST_TORQUE, 10.0, "torque on link 1 (with drive = torque, else without effect)", slots.U_DRIVE_TORQUE),
-    _signal(OUTPUT, "omega2", "rad/s", 100.0, "speed of link 2, the output link of the differential", slots.Y_OMEGA2),
-    _signal(OUTPUT, "omega_out", "rad/s", 100.0, "speed of the output shaft (driven mass if elastic)", slots.Y_OMEGA_OUT),
-    _signal(OUTPUT, "input_torque", "N.m", 100.0, "torque M1 on link 1 at this instant", slots.Y_INPUT_TORQUE),
-    _signal(OUTPUT, "mesh_torque", "N.m", 100.0, "torque M2 of the mesh on link 2 at this instant", slots.Y_MESH_TORQUE),
-    _signal(OUTPUT, "output_torque", "N.m", 100.0, "torque Tc in the output freewheel at this instant", slots.Y_OUTPUT_TORQUE),
-    _signal(OUTPUT, "housing_torque", "N.m", 100.0, "torque Th in the housing freewheel at this instant", slots.Y_HOUSING_TORQUE),
-    _signal(OUTPUT, "input_torque_mean", "N.m", 100.0, "mean of M1 over the last communication step, impulses included", slots.Y_INPUT_TORQUE_MEAN),
-    _signal(OUTPUT, "output_torque_mean", "N.m", 100.0, "mean of Tc over the last communication step, impulses included", slots.Y_OUTPUT_TORQUE_MEAN),
-    _signal(OUTPUT, "imbalance_acceleration", "m/s2", 1e3, "magnitude of the absolute acceleration of imbalance 0 of module 0", slots.Y_ACCELERATION, 0.0),
-    _signal(OUTPUT, "imbalance_acceleration_x", "m/s2", 1e3, "its component along the central axis Ox (fixed frame)", slots.Y_ACCELERATION_X),
-    _signal(OUTPUT, "imbalance_acceleration_y", "m/s2", 1e3, "its component along Oy (fixed frame)", slots.Y_ACCELERATION_Y),
-    _signal(OUTPUT, "imbalance_acceleration_z", "m/s2", 1e3, "its component along Oz (fixed frame)", slots.Y_ACCELERATION_Z),
-    _signal(OUTPUT, "input_speed", "rad/s", 100.0, "speed of link 1 at this instant: what omega1 has come to, or drive_torque has made of it", slots.Y_INPUT_SPEED),
-    _signal(LOCAL, "drive_angle", "rad", 1.0, "drive angle q without drive_turns whole turns: q = drive_angle + 2 pi drive_turns", slots.Y_DRIVE_ANGLE, 0.0),
-    _counter("drive_turns", "whole turns of the drive taken off drive_angle (a multiple of the turns in one period of the motion)", slots.Y_DRIVE_TURNS, None),
-    _signal(LOCAL, "input_angle", "rad", 1.0, "angle theta1 of link 1 without input_turns whole turns", slots.Y_INPUT_ANGLE, 0.0),
-    _counter("input_turns", "whole turns of link 1 taken off input_angle", slots.Y_INPUT_TURNS, None),
-    Variable("contact_mode", ENUMERATION, LOCAL, "discrete", "", None, 0, 3, None, "which freewheels are engaged", slots.Y_CONTACT_MODE, "ContactMode"),
-    _signal(LOCAL, "omega_hub", "rad/s", 100.0, "speed omega3 of the output shaft behind the freewheel", slots.Y_OMEGA_HUB),
-    _signal(LOCAL, "shaft_twist", "rad", 1e-2, "twist of the elastic output shaft (0 if rigid)", slots.Y_SHAFT_TWIST),
-    _signal(LOCAL, "imbalance_x", "m", 0.1, "position of imbalance 0 of module 0 along the central axis Ox (fixed frame)", slots.Y_POSITION_X),
-    _signal(LOCAL, "imbalance_y", "m", 0.1, "its position along Oy", slots.Y_POSITION_Y),
-    _signal(LOCAL, "imbalance_z", "m", 0.1, "its position along Oz", slots.Y_POSITION_Z),
-    _signal(LOCAL, "imbalance_velocity_x", "m/s", 10.0, "absolute velocity of imbalance 0 of module 0 along Ox", slots.Y_VELOCITY_X),
-    _signal(LOCAL, "imbalance_velocity_y", "m/s", 10.0, "its velocity along Oy", slots.Y_VELOCITY_Y),
-    _signal(LOCAL, "imbalance_velocity_z", "m/s", 10.0, "its velocity along Oz", slots.Y_VELOCITY_Z),
-    _signal(LOCAL, "energy_in", "J", 1e3, "work of the input torque since the start", slots.Y_ENERGY_IN),
-    _signal(LOCAL, "energy_out", "J", 1e3, "work done on the load since the start", slots.Y_ENERGY_OUT),
-    _signal(LOCAL, "energy_stored", "J", 1e3, "kinetic energy of the mechanism now, and the energy of a twisted shaft", slots.Y_ENERGY_STORED),
-    _signal(LOCAL, "energy_lost", "J", 1e3, "energy lost since the start to damping and friction, less the work of the balancer (ideal freewheels and rigid shafts lose none)", slots.Y_ENERGY_LOST),
-    _signal(LOCAL, "energy_residual", "J", 1.0, "energy audit: in - out - lost - gain of stored, the error of the integration", slots.Y_ENERGY_RESIDUAL),
-    _signal(LOCAL, "torque_ripple", "N.m", 100.0, "RMS of Tc about its mean over the last communication step, impulses apart", slots.Y_TORQUE_RIPPLE, 0.0),
-    _signal(LOCAL, "torque_peak", "N.m", 100.0, "largest magnitude of Tc over the last communication step, impulses apart", slots.Y_TORQUE_PEAK, 0.0),
-    _counter("contact_switches", "changes of the contact mode since the start", slots.Y_CONTACT_SWITCHES),
-    _counter("rhs_evaluations", "evaluations of the mechanism since the start: the cost", slots.Y_RHS_EVALUATIONS),
-    _choice("layout", "Layout", 0, "layout of the differential", slots.P_LAYOUT),
-    _whole("z2", 20, 1, 1000000, "teeth of wheel 2, fixed to link 2 (bevel)", slots.P_Z2),
-    _whole("z16", 20, 1, 1000000, "teeth of the wheel of drive 16 (bevel)", slots.P_Z16),
-    _whole("z17", 34, 1, 1000000, "teeth of the reactive wheel 17 (bevel)", slots.P_Z17),
-    _whole("z6", 20, 1, 1000000, "teeth of satellite 6 (bevel)", slots.P_Z6),
-    _real("shaft_angle", "rad", math.pi / 2, 1e-6, 3.141591, "angle Sigma between the axes of satellite 6 and drive 16 (bevel)", slots.P_SHAFT_ANGLE),
-    _real("wheel_radius", "m", 0.08, 1e-6, 1e3, "pitch radius r17 of wheel 17 (bevel)", slots.P_WHEEL_RADIUS),
-    _real("a", "1", 1.0, 0.0, 100.0, "AD over the pitch radius of the satellite (bevel)", slots.P_A),
-    _real("b", "1", 1.0, 0.0, 100.0, "QA over the height of the pitch cone of the satellite (bevel)", slots.P_B),
-    _real("c", "1", 1.0, 0.0, 100.0, "OQ over the height of the pitch cone of wheel 17 (bevel)", slots.P_C),
-    _real("epsilon", "rad", 0.0, -1e3, 1e3, "offset of the imbalance about the axis of the satellite (bevel)", slots.P_EPSILON),
-    _real("gamma", "rad", 0.0, -1e3, 1e3, "offset of the imbalance about the axis of the drive (bevel)", slots.P_GAMMA),
-    _real("sun_radius", "m", 0.05, 1e-6, 1e3, "radius R0 of the sun wheel, link 2 (planar)", slots.P_SUN_RADIUS),
-    _real("satellite_radius", "m", 0.03, 1e-6, 1e3, "radius r of a satellite (planar)", slots.P_SATELLITE_RADIUS),
-    _real("eccentricity", "m", 0.02, 0.0, 1e3, "distance l of the imbalance from the axis of its satellite (planar)", slots.P_ECCENTRICITY),
-    _real("imbalance_mass", "kg", 1.0, 0.0, 1e9, "mass m of one imbalance", slots.P_IMBALANCE_MASS),
-    _whole("modules", 1, 1, 1000, "modules, alike, about the central axis", slots.P_MODULES),
-    _whole("satellites", 1, 1, 1000, "satellites (imbalances) in one module, evenly spread", slots.P_SATELLITES),
-    _real("drive_inertia", "kg.m2", 0.0, 0.0, _INERTIA_LIMIT, "inertia J16 of all drives about their axes", slots.P_J16),
-    _real("input_inertia", "kg.m2", 0.0, 0.0, _INERTIA_LIMIT, "inertia J1 of link 1 (with drive = torque that of the engine or motor too)", slots.P_J1),
-    _real("link2_inertia", "kg.m2", 0.005, 0.0, _INERTIA_LIMIT, "inertia J2 of link 2", slots.P_J2),
-    _real("output_inertia", "kg.m2", 0.5, 1e-12, _INERTIA_LIMIT, "inertia J3 of the output shaft (hub if elastic)", slots.P_J3),
-    _real("driven_inertia", "kg.m2", 0.5, 1e-12, _INERTIA_LIMIT, "inertia J4 of the driven mass (elastic)", slots.P_J4),
-    _real("shaft_stiffness", "N.m/rad", 400.0, 1e-6, 1e15, "stiffness c of the output shaft (elastic)", slots.P_SHAFT_STIFFNESS),
-    _real("shaft_damping", "N.m.s/rad", 0.05, 0.0, 1e12, "damping d of the output shaft (elastic)", slots.P_SHAFT_DAMPING),
-    _real("driven_friction", "N.m.s/rad", 0.0, 0.0, 1e12, "viscous friction f of the driven mass (elastic)", slots.P_DRIVEN_FRICTION),
-    _real("balancer", "1", 0.0, -10.0, 10.0, "gain beta of the balancer (elastic)", slots.P_BALANCER),
-    _switch("housing_freewheel", True, "whether link 2 has a freewheel to the housing", slots.P_HOUSING_FREEWHEEL),
-    _switch("output_freewheel", True, "whether link 2 has a freewheel to the output shaft, else it is rigid with it", slots.P_OUTPUT_FREEWHEEL),
-    _choice("fidelity", "Fidelity", 2, "what is modelled", slots.P_FIDELITY),
-    _choice("method", "Method", 0, "how it is integrated", slots.P_METHOD),
-    _choice("drive", "Drive", 0, "what is given at link 1", slots.P_DRIVE),
-    _choice("input_hold", "InputHold", 0, "omega1 between communication points", slots.P_INPUT_HOLD),
-    _real("tolerance", "1", 1e-6, 1e-13, 0.1, "relative tolerance; one given to setupExperiment wins", slots.P_TOLERANCE, 1e-6),
-    _real("max_step", "s", 0.0, 0.0, LARGEST_STEP, "longest internal step, 0 for no limit (timestepping: the communication step)", slots.P_MAX_STEP),
-    _real("kinematic_ratio", "1", 0.0, -10.0, 10.0, "prescribed omega2/omega1 (kinematic)", slots.P_KINEMATIC_RATIO),
-    _real("omega2_start", "rad/s", 0.0, -_SPEED_START_LIMIT, _SPEED_START_LIMIT, "speed of link 2 at the start", slots.P_OMEGA2_START),
-    _real("omega_out_start", "rad/s", 0.0, -_SPEED_START_LIMIT, _SPEED_START_LIMIT, "speed of the output shaft at the start", slots.P_OMEGA_OUT_START),
-    _real("drive_angle_start", "rad", 0.0, -1e6, 1e6, "drive angle q at the start", slots.P_DRIVE_ANGLE_START),
+    _input("omega1", "rad/s", LARGEST_SPEED, 100.0, "speed of link 1 (with drive = torque only that at the start)"),
+    _input("load_torque", "N.m", LARGEST_TORQUE, 10.0, "torque of the load on the output shaft, positive against the motion"),
+    _input("drive_torque", "N.m", LARGEST_TORQUE, 10.0, "torque on link 1 (with drive = torque, else without effect)"),
+    _signal(OUTPUT, "omega2", "rad/s", 100.0, "speed of link 2, the output link of the differential"),
+    _signal(OUTPUT, "omega_out", "rad/s", 100.0, "speed of the output shaft (driven mass if elastic)"),
+    _signal(OUTPUT, "input_torque", "N.m", 100.0, "torque M1 on link 1 at this instant"),
+    _signal(OUTPUT, "mesh_torque", "N.m", 100.0, "torque M2 of the mesh on link 2 at this instant"),
+    _signal(OUTPUT, "output_torque", "N.m", 100.0, "torque Tc in the output freewheel at this instant"),
+    _signal(OUTPUT, "housing_torque", "N.m", 100.0, "torque Th in the housing freewheel at this instant"),
+    _signal(OUTPUT, "input_torque_mean", "N.m", 100.0, "mean of M1 over the last communication step, impulses included"),
+    _signal(OUTPUT, "output_torque_mean", "N.m", 100.0, "mean of Tc over the last communication step, impulses included"),
+    _signal(OUTPUT, "imbalance_acceleration", "m/s2", 1e3, "magnitude of the absolute acceleration of imbalance 0 of module 0", 0.0),
+    _signal(OUTPUT, "imbalance_acceleration_x", "m/s2", 1e3, "its component along the central axis Ox (fixed frame)"),
+    _signal(OUTPUT, "imbalance_acceleration_y", "m/s2", 1e3, "its component along Oy (fixed frame)"),
+    _signal(OUTPUT, "imbalance_acceleration_z", "m/s2", 1e3, "its component along Oz (fixed frame)"),
+    _signal(OUTPUT, "input_speed", "rad/s", 100.0, "speed of link 1 at this instant: what omega1 has come to, or drive_torque has made of it"),
+    _signal(LOCAL, "drive_angle", "rad", 1.0, "drive angle q without drive_turns whole turns: q = drive_angle + 2 pi drive_turns", 0.0),
+    _counter("drive_turns", "whole turns of the drive taken off drive_angle (a multiple of the turns in one period of the motion)", None),
+    _signal(LOCAL, "input_angle", "rad", 1.0, "angle theta1 of link 1 without input_turns whole turns", 0.0),
+    _counter("input_turns", "whole turns of link 1 taken off input_angle", None),
+    Variable("contact_mode", ENUMERATION, LOCAL, "discrete", "", None, 0, 3, None, "which freewheels are engaged", "ContactMode"),
+    _signal(LOCAL, "omega_hub", "rad/s", 100.0, "speed omega3 of the output shaft behind the freewheel"),
+    _signal(LOCAL, "shaft_twist", "rad", 1e-2, "twist of the elastic output shaft (0 if rigid)"),
+    _signal(LOCAL, "imbalance_x", "m", 0.1, "position of imbalance 0 of module 0 along the central axis Ox (fixed frame)"),
+    _signal(LOCAL, "imbalance_y", "m", 0.1, "its position along Oy"),
+    _signal(LOCAL, "imbalance_z", "m", 0.1, "its position along Oz"),
+    _signal(LOCAL, "imbalance_velocity_x", "m/s", 10.0, "absolute velocity of imbalance 0 of module 0 along Ox"),
+    _signal(LOCAL, "imbalance_velocity_y", "m/s", 10.0, "its velocity along Oy"),
+    _signal(LOCAL, "imbalance_velocity_z", "m/s", 10.0, "its velocity along Oz"),
+    _signal(LOCAL, "energy_in", "J", 1e3, "work of the input torque since the start"),
+    _signal(LOCAL, "energy_out", "J", 1e3, "work done on the load since the start"),
+    _signal(LOCAL, "energy_stored", "J", 1e3, "kinetic energy of the mechanism now, and the energy of a twisted shaft"),
+    _signal(LOCAL, "energy_lost", "J", 1e3, "energy lost since the start to damping and friction, less the work of the balancer (ideal freewheels and rigid shafts lose none)"),
+    _signal(LOCAL, "energy_residual", "J", 1.0, "energy audit: in - out - lost - gain of stored, the error of the integration"),
+    _signal(LOCAL, "torque_ripple", "N.m", 100.0, "RMS of Tc about its mean over the last communication step, impulses apart", 0.0),
+    _signal(LOCAL, "torque_peak", "N.m", 100.0, "largest magnitude of Tc over the last communication step, impulses apart", 0.0),
+    _counter("contact_switches", "changes of the contact mode since the start"),
+    _counter("rhs_evaluations", "evaluations of the mechanism since the start: the cost"),
+    _choice("layout", "Layout", 0, "layout of the differential"),
+    _whole("z2", 20, 1, 1000000, "teeth of wheel 2, fixed to link 2 (bevel)"),
+    _whole("z16", 20, 1, 1000000, "teeth of the wheel of drive 16 (bevel)"),
+    _whole("z17", 34, 1, 1000000, "teeth of the reactive wheel 17 (bevel)"),
+    _whole("z6", 20, 1, 1000000, "teeth of satellite 6 (bevel)"),
+    _real("shaft_angle", "rad", math.pi / 2, 1e-6, 3.141591, "angle Sigma between the axes of satellite 6 and drive 16 (bevel)"),
+    _real("wheel_radius", "m", 0.08, 1e-6, 1e3, "pitch radius r17 of wheel 17 (bevel)"),
+    _real("a", "1", 1.0, 0.0, 100.0, "AD over the pitch radius of the satellite (bevel)"),
+    _real("b", "1", 1.0, 0.0, 100.0, "QA over the height of the pitch cone of the satellite (bevel)"),
+    _real("c", "1", 1.0, 0.0, 100.0, "OQ over the height of the pitch cone of wheel 17 (bevel)"),
+    _real("epsilon", "rad", 0.0, -1e3, 1e3, "offset of the imbalance about the axis of the satellite (bevel)"),
+    _real("gamma", "rad", 0.0, -1e3, 1e3, "offset of the imbalance about the axis of the drive (bevel)"),
+    _real("sun_radius", "m", 0.05, 1e-6, 1e3, "radius R0 of the sun wheel, link 2 (planar)"),
+    _real("satellite_radius", "m", 0.03, 1e-6, 1e3, "radius r of a satellite (planar)"),
+    _real("eccentricity", "m", 0.02, 0.0, 1e3, "distance l of the imbalance from the axis of its satellite (planar)"),
+    _real("imbalance_mass", "kg", 1.0, 0.0, 1e9, "mass m of one imbalance"),
+    _whole("modules", 1, 1, 1000, "modules, alike, about the central axis"),
+    _whole("satellites", 1, 1, 1000, "satellites (imbalances) in one module, evenly spread"),
+    _real("drive_inertia", "kg.m2", 0.0, 0.0, _INERTIA_LIMIT, "inertia J16 of all drives about their axes"),
+    _real("input_inertia", "kg.m2", 0.0, 0.0, _INERTIA_LIMIT, "inertia J1 of link 1 (with drive = torque that of the engine or motor too)"),
+    _real("link2_inertia", "kg.m2", 0.005, 0.0, _INERTIA_LIMIT, "inertia J2 of link 2"),
+    _real("output_inertia", "kg.m2", 0.5, 1e-12, _INERTIA_LIMIT, "inertia J3 of the output shaft (hub if elastic)"),
+    _real("driven_inertia", "kg.m2", 0.5, 1e-12, _INERTIA_LIMIT, "inertia J4 of the driven mass (elastic)"),
+    _real("shaft_stiffness", "N.m/rad", 400.0, 1e-6, 1e15, "stiffness c of the output shaft (elastic)"),
+    _real("shaft_damping", "N.m.s/rad", 0.05, 0.0, 1e12, "damping d of the output shaft (elastic)"),
+    _real("driven_friction", "N.m.s/rad", 0.0, 0.0, 1e12, "viscous friction f of the driven mass (elastic)"),
+    _real("balancer", "1", 0.0, -10.0, 10.0, "gain beta of the balancer (elastic)"),
+    _switch("housing_freewheel", True, "whether link 2 has a freewheel to the housing"),
+    _switch("output_freewheel", True, "whether link 2 has a freewheel to the output shaft, else it is rigid with it"),
+    _choice("fidelity", "Fidelity", 2, "what is modelled"),
+    _choice("method", "Method", 0, "how it is integrated"),
+    _choice("drive", "Drive", 0, "what is given at link 1"),
+    _choice("input_hold", "InputHold", 0, "omega1 between communication points"),
+    _real("tolerance", "1", 1e-6, 1e-13, 0.1, "relative tolerance; one given to setupExperiment wins", 1e-6),
+    _real("max_step", "s", 0.0, 0.0, LARGEST_STEP, "longest internal step, 0 for no limit (timestepping: the communication step)"),
+    _real("kinematic_ratio", "1", 0.0, -10.0, 10.0, "prescribed omega2/omega1 (kinematic)"),
+    _real("omega2_start", "rad/s", 0.0, -_SPEED_START_LIMIT, _SPEED_START_LIMIT, "speed of link 2 at the start"),
+    _real("omega_out_start", "rad/s", 0.0, -_SPEED_START_LIMIT, _SPEED_START_LIMIT, "speed of the output shaft at the start"),
+    _real("drive_angle_start", "rad", 0.0, -1e6, 1e6, "drive angle q at the start"),
 )  # fmt: skip
 
 BY_NAME: dict[str, Variable] = {variable.name: variable for variable in VARIABLES}
@@ -286,14 +282,11 @@ def with_causality(*causalities: str, table: Iterable[Variable] = VARIABLES) -> 
     return (variable for variable in table if variable.causality in causalities)
 
 
-def default_parameters(table: Iterable[Variable] = VARIABLES) -> list[float]:
-    """Start values of all parameters by slot (those of the module are scene R1)."""
-    parameters = list(with_causality(PARAMETER, table=table))
-    values = [0.0] * len(parameters)
-    for variable in parameters:
-        assert variable.start is not None
-        values[variable.slot] = float(variable.start)
-    return values
+def default_parameters(table: Iterable[Variable] = VARIABLES) -> dict[str, float]:
+    """Start values of all parameters by name (those of the module are scene R1)."""
+    return {
+        variable.name: float(variable.start or 0.0) for variable in with_causality(PARAMETER, table=table)
+    }
 
 
 def refusal(variable: Variable, value: float | str) -> str:
@@ -302,10 +295,10 @@ def refusal(variable: Variable, value: float | str) -> str:
     return f"{variable.name} = {text} is refused: allowed is {variable.allowed}"
 
 
-def refused_parameters(values: list[float], table: Iterable[Variable] = VARIABLES) -> list[str]:
-    """One message for each parameter that is out of its own range, by slot."""
+def refused_parameters(values: Mapping[str, float], table: Iterable[Variable] = VARIABLES) -> list[str]:
+    """One message for each parameter that is out of its own range."""
     return [
-        refusal(variable, values[variable.slot])
+        refusal(variable, values[variable.name])
         for variable in with_causality(PARAMETER, table=table)
-        if not variable.accepts(values[variable.slot])
+        if not variable.accepts(values[variable.name])
     ]

@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-from .kernel.slots import DRIVE_SPEED, DRIVE_TORQUE
+from .kernel.codes import DRIVE_SPEED, DRIVE_TORQUE
 from .variables import ENUMERATIONS
 
 # inputs of the module without effect once it runs, by its parameter drive

@@ -6,8 +6,9 @@ from fractions import Fraction
 import pytest
 from scenes import SCENES, advanced, drive_angle, started
 
-from inertia_module.kernel import slots
+from inertia_module.kernel import fields
 from inertia_module.kernel.accumulate import wrap_drive_angle, wrap_input_angle
+from inertia_module.records import record_type
 
 # pi to 60 digits
 PI = Fraction(3141592653589793238462643383279502884197169399375105820974944, 10**60)
@@ -86,13 +87,13 @@ def test_drive_started_many_turns_ahead_is_where_it_should_be(kernel, start):
 @pytest.mark.parametrize("turns", [1e9, -1e9, 1e15])
 def test_motion_after_a_billion_turns_is_the_same_to_the_bit(compiled, scene, turns):
     one, other = started(compiled, scene), started(compiled, scene)
-    other.state[slots.X_DRIVE_TURNS] += turns
-    other.state[slots.X_INPUT_TURNS] += turns
+    other.state.drive_turns += turns
+    other.state.input_turns += turns
     for module in (one, other):
         advanced(module, 0.3, 0.3)
-    one.state[slots.X_DRIVE_TURNS] += turns
-    one.state[slots.X_INPUT_TURNS] += turns
-    assert one.state == other.state
+    one.state.drive_turns += turns
+    one.state.input_turns += turns
+    assert bytes(one.state) == bytes(other.state)
 
 
 @pytest.mark.parametrize("turns", [-1000, -3, -1, 1, 2, 7, 1000])
@@ -101,9 +102,9 @@ def test_wrapped_angles_are_within_one_turn(turns, bit):
     angle = 2.0 * math.pi * turns
     angle += bit * math.ulp(angle)
     d = started("plain", layout=1).derived
-    x = [0.0] * slots.X_SIZE
-    x[slots.X_Q] = x[slots.X_THETA1] = angle
+    x = record_type(fields.STATE)()
+    x.q = x.theta1 = angle
     wrap_drive_angle(d, x)
     wrap_input_angle(x)
-    assert 0.0 <= x[slots.X_Q] <= 2.0 * math.pi
-    assert 0.0 <= x[slots.X_THETA1] <= 2.0 * math.pi
+    assert 0.0 <= x.q <= 2.0 * math.pi
+    assert 0.0 <= x.theta1 <= 2.0 * math.pi

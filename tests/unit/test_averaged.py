@@ -5,7 +5,8 @@ import math
 import pytest
 from scenes import FREEWHEELS, SCENES, advanced, started
 
-from inertia_module.module import Refused
+from inertia_module.kernel import codes
+from inertia_module.module import Module, Refused
 
 AVERAGED = {"fidelity": 1}
 LIGHT = 1e-9
@@ -246,14 +247,18 @@ def test_no_imbalance_gives_no_torque(compiled):
     assert module["output_torque"] == 0.0
 
 
+@pytest.mark.parametrize("load", [5.0, 0.0, -5.0])
+def test_no_imbalance_takes_no_input_torque_while_link_1_rests(kernel, load):
+    module = averaged(kernel, "bevel", imbalance_mass=0.0, omega1=0.0, load_torque=load)
+    assert module["input_torque"] == 0.0
+    assert advanced(module, 0.1)["input_torque"] == 0.0
+
+
 @pytest.mark.parametrize("layout", SCENES)
 def test_checking_parameters_builds_no_map(layout):
-    from inertia_module.kernel import slots
-    from inertia_module.module import Module
-
     module = Module("plain")
     module.check(**SCENES[layout], fidelity=1)
-    assert module.derived[slots.D_MAP_FORWARD] == 0.0
+    assert module.derived.map_ready == module.derived.forward.count == 0.0
     assert not module.started
     with pytest.raises(Refused, match="fidelity = 1"):
         module.check(housing_freewheel=False)
@@ -277,18 +282,16 @@ def test_both_kernels_give_the_same_mean_motion(compiled, layout, input_hold):
 
 @pytest.mark.parametrize("fidelity", [0, 1, 2, 3])
 def test_a_step_without_late_outputs_and_those_afterwards_are_a_whole_step(kernel, fidelity):
-    from inertia_module.kernel import slots
-
     whole, parts = (started(kernel, SCENES["planar"], fidelity=fidelity) for _ in range(2))
     advanced(whole, 0.01, 0.01)
     late = sorted(parts.model.late)
     before = [parts[name] for name in late]
     for _ in range(2):
-        assert parts.call(slots.STEP_ONLY, 0.01) == 0
+        assert parts.call(codes.STEP_ONLY, 0.01) == 0
     assert [parts[name] for name in late] == before
     for name in set(parts.model.by_name) - parts.model.late:
         assert parts[name] == whole[name], name
-    assert parts.call(slots.OUTPUTS, 0.0) == 0
+    assert parts.call(codes.OUTPUTS, 0.0) == 0
     assert parts.save() == whole.save()
 
 

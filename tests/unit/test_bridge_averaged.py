@@ -93,13 +93,15 @@ def test_transient_inertia_adds_to_that_of_the_output(compiled):
 
 
 def test_refusals_name_what_is_allowed(compiled):
-    with pytest.raises(ValueError, match=r"output omega4 is refused: allowed are omega_out, omega2"):
+    with pytest.raises(ValueError, match=r"output must be one of omega_out, omega2, .*, is omega4"):
         bridge.averaged_system(outputs=("omega4",), kernel=compiled)
-    with pytest.raises(ValueError, match=r"inputs omega1 are refused: needed are omega1, load_torque"):
+    with pytest.raises(ValueError, match=r"inputs must contain omega1 and load_torque, are omega1"):
         bridge.averaged_system(inputs=("omega1",), kernel=compiled)
     with pytest.raises(Refused, match="freewheel"):
         bridge.averaged_system({"housing_freewheel": 0.0}, kernel=compiled)
-    with pytest.raises(ValueError, match="allowed is 0 < omega_out < omega1"):
+    with pytest.raises(
+        ValueError, match=r"omega_out must be above 0 and below omega1 = 100 rad/s, is 120 rad/s"
+    ):
         bridge.transient_inertia({}, 100.0, 120.0, compiled)
 
 

@@ -7,7 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scenes import PLANAR, REFERENCE, SCENES, advanced, started
 
-from inertia_module.kernel import dormand_prince, slots
+from inertia_module.kernel import fields
+from inertia_module.kernel.solvers.interpolant import error_norm
+from inertia_module.records import record_type
 
 PULSES = {
     "reference": REFERENCE,
@@ -141,8 +143,8 @@ def test_smallest_tolerances_are_met_when_the_input_stops(
 
 @pytest.mark.parametrize("size", [1e100, 1e150, 1e200, math.inf, math.nan])
 def test_step_that_leaves_the_range_of_doubles_has_no_small_error(size):
-    w = [0.0] * slots.W_SIZE
-    w[slots.W_STEP] = 0.1
+    w = record_type(fields.WORKSPACE)()
+    w.step = 0.1
     for n in range(8):
-        w[slots.W_RATE_OMEGA2 + n] = size * (1.0 + 0.1 * n)
-    assert not dormand_prince.error_norm(w, 1e-7, 1e-5, slots.W_MOMENTUM, 0.0) <= 1.0
+        w.rate_omega2[n] = size * (1.0 + 0.1 * n)
+    assert not error_norm(w, 1e-7, 1e-5, w.integrand, 0.0) <= 1.0

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scenes import SCENES, advanced, started
 
-from inertia_module.kernel import slots
+from inertia_module.kernel import codes
 from inertia_module.kernel.limits import SMALLEST_SPEED
 from inertia_module.module import Refused
 
@@ -81,4 +81,4 @@ def test_work_of_a_step_is_bounded_and_a_step_given_up_leaves_no_trace(compiled,
     twin = advanced(started(compiled, fidelity=fidelity, omega1=1e5, load_torque=1e9), 1e-3, 1e-3)
     assert bytes(module.state) == bytes(twin.state)
     assert 0.0 < module["rhs_evaluations"] - before < 1e4
-    assert module.state[slots.X_STEP_EVALUATIONS] < 1e4
+    assert module.state.step_evaluations < 1e4

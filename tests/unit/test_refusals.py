@@ -75,17 +75,17 @@ def test_input_out_of_its_range_is_refused_and_the_next_good_step_works(name, va
 def test_kernel_itself_refuses_inputs_that_come_past_the_checks(kernel, name, value):
     module = advanced(started(kernel, omega1=100.0, load_torque=10.0), 0.01)
     good = module.save()
-    module.inputs[BY_NAME[name].slot] = value
+    setattr(module.inputs, name, value)
     state, outputs = bytes(module.state), bytes(module.outputs)
     with pytest.raises(Refused, match=message(name, value)):
         module.advance(0.01)
     assert (bytes(module.state), bytes(module.outputs)) == (state, outputs)
     fresh = started(kernel)
     fresh.restore(good)
-    module.inputs[BY_NAME[name].slot] = fresh[name]
+    setattr(module.inputs, name, fresh[name])
     assert advanced(module, 0.01).save() == advanced(fresh, 0.01).save()
     unstarted = Module(kernel)
-    unstarted.inputs[BY_NAME[name].slot] = value
+    setattr(unstarted.inputs, name, value)
     with pytest.raises(Refused, match=message(name, value)):
         unstarted.start()
 

@@ -1,4 +1,4 @@
-"""The input torque given: both accelerations, their rates and the contact mode that follows from them."""
+"""The torque (or the acceleration) of link 1 given: accelerations, their rates, and the contact mode that follows."""
 
 from itertools import product
 
@@ -7,9 +7,8 @@ import pytest
 from geometry import direct_derivatives, ratio
 from scenes import FREEWHEELS, LAYOUTS, parameters, started
 
-from inertia_module.kernel.inertia import coupling_bend
-from inertia_module.kernel.slots import X_ALPHA1
-from inertia_module.kernel.torque_dynamics import acceleration, acceleration_and_jerk
+from inertia_module.kernel.inertia import B_second_derivative
+from inertia_module.kernel.links import accelerations, motion
 
 pytest.importorskip("mujoco")
 from multibody import Multibody
@@ -52,49 +51,53 @@ def test_accelerations_take_the_drive_torque_by_inverse_dynamics(mechanism, stat
     inertia, load, held = carried
     for q, theta1, omega1, omega2, torque in states:
         speed2 = 0.0 if held else omega2
-        alpha1, alpha2 = acceleration(d, q, omega1, speed2, torque, held, inertia, load)
+        alpha1, alpha2, _ = accelerations(d, q, omega1, speed2, torque, held, inertia, load)
         drive, mesh = engine.prescribe(q, theta1, omega1, alpha1, speed2, alpha2)
         scale = abs(torque) + abs(mesh) + abs(load)
         assert drive == pytest.approx(torque, abs=1e-8 * scale)
         if held:
             assert alpha2 == 0.0
-            held_torque = acceleration_and_jerk(d, q, omega1, 0.0, torque, held, inertia, load, 0.0)[3]
+            held_torque = motion(d, q, omega1, 0.0, torque, held, inertia, load, 0.0)[3]
             assert held_torque == pytest.approx(mesh, abs=1e-8 * scale)
         else:
             taken = (mechanism["link2_inertia"] + inertia) * alpha2 + load
             assert mesh == pytest.approx(taken, abs=1e-8 * scale)
 
 
-def test_rates_of_acceleration_and_of_held_torque_are_those_along_the_motion(mechanism, states, carried):
-    d = started("plain", mechanism).derived
+@pytest.mark.parametrize("drive", [0, 1], ids=["speed given", "torque given"])
+def test_rates_of_acceleration_and_of_held_torque_are_those_along_the_motion(
+    mechanism, states, carried, drive
+):
+    d = started("plain", mechanism, drive=drive).derived
     inertia, load, held = carried
     load_rate = 0.0 if held else 40.0
     k = ratio(mechanism)
-    for q, _, omega1, omega2, torque in states:
-        motion = np.array([q, omega1, 0.0 if held else omega2, load])
+    for q, _, omega1, omega2, given in states:
+        state = np.array([q, omega1, 0.0 if held else omega2, load])
 
-        def at(time, torque=torque, motion=motion):
+        def at(time, given=given, state=state):
             """(omega2', F) on the tangent of the motion."""
-            alpha1, alpha2 = acceleration(d, *motion[:3], torque, held, inertia, load)
-            slope = [k * (motion[1] - motion[2]), alpha1, alpha2, load_rate]
-            q, *speeds, carried = motion + time * np.array(slope)
-            found = acceleration_and_jerk(d, q, *speeds, torque, held, inertia, carried, load_rate)
+            alpha1, alpha2, _ = accelerations(d, *state[:3], given, held, inertia, load)
+            slope = [k * (state[1] - state[2]), alpha1, alpha2, load_rate]
+            q, *speeds, carried = state + time * np.array(slope)
+            found = motion(d, q, *speeds, given, held, inertia, carried, load_rate)
             return np.array([found[1], found[3]])
 
         short = 1e-3 / (k * (abs(omega1) + abs(omega2)))
         coarse, fine = ((at(step) - at(-step)) / (2.0 * step) for step in (short, 0.5 * short))
         expected = (4.0 * fine - coarse) / 3.0
-        found = acceleration_and_jerk(d, *motion[:3], torque, held, inertia, load, load_rate)
+        found = motion(d, *state[:3], given, held, inertia, load, load_rate)
         scale = np.abs(expected) + np.abs(at(0.0)) * k * (abs(omega1) + abs(omega2))
         assert np.all(np.abs(np.array([found[2], found[4]]) - expected) <= 1e-6 * scale)
-        assert found[:2] == acceleration(d, *motion[:3], torque, held, inertia, load)
+        same = accelerations(d, *state[:3], given, held, inertia, load)
+        assert (*found[:2], found[5]) == pytest.approx(same, rel=1e-12, abs=1e-12 * abs(load))
 
 
 def test_second_derivative_of_the_coupling_is_that_of_the_positions(mechanism, states):
     d = started("plain", mechanism).derived
     for q in states[:, 0]:
         i, b, _ = direct_derivatives(mechanism, q)
-        assert coupling_bend(d, q) == pytest.approx(b[2], abs=1e-10 * max(abs(i)))
+        assert B_second_derivative(d, q) == pytest.approx(b[2], abs=1e-10 * max(abs(i)))
 
 
 @pytest.mark.parametrize("freewheels", FREEWHEELS)
@@ -118,7 +121,7 @@ def test_contact_mode_fulfils_all_conditions_on_velocities_accelerations_and_tor
             load_torque=30.0 - 12.0 * n,
         )
         house, clutch, mesh = (module[f"{name}_torque"] for name in ("housing", "output", "mesh"))
-        alpha1, alpha2 = module.state[X_ALPHA1], (mesh - clutch + house) / module["link2_inertia"]
+        alpha1, alpha2 = module.state.alpha1, (mesh - clutch + house) / module["link2_inertia"]
         alpha3 = (clutch - module["load_torque"]) / module["output_inertia"]
         drive, expected = engine.prescribe(q, 0.0, omega1, alpha1, speed2, alpha2)
         scale = abs(torque) + abs(mesh) + abs(clutch) + abs(house)

@@ -187,7 +187,7 @@ def test_drive_torque_past_the_checks_is_refused_and_the_next_good_step_works(ke
     allowed = re.escape(
         f"drive_torque = {torque:.16g} is refused: allowed is {BY_NAME['drive_torque'].allowed}"
     )
-    module.inputs[BY_NAME["drive_torque"].slot] = torque
+    module.inputs.drive_torque = torque
     with pytest.raises(Refused, match=f"^{allowed}$"):
         module.advance(0.01)
     assert (bytes(module.state), bytes(module.outputs)) == state

@@ -13,16 +13,14 @@ torque; of a module driven by torque there is the FMU itself (fmu_system).
 
 from __future__ import annotations
 
-from array import array
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import control as ct
 import numpy as np
 
-from ..kernel import average, average_legs, average_outputs, average_rates, slots
+from ..kernel import average, average_legs, average_outputs, average_rates, codes
 from ..module import Module
-from ..variables import BY_NAME
 
 INPUTS = ("omega1", "load_torque")
 INPUT_RATE = "omega1_rate"
@@ -56,27 +54,25 @@ class _AveragedModule:
     """The kernel of fidelity averaged at one instant."""
 
     def __init__(self, parameters: Mapping[str, float], kernel: str, transient: TransientInertia) -> None:
-        module = Module(kernel).start(**{**parameters, "fidelity": float(slots.AVERAGED)})
-        self._derived = module.derived
-        self._inertia = module["output_inertia"]
+        self._module = Module(kernel).start(**{**parameters, "fidelity": float(codes.AVERAGED)})
         self._transient = transient
 
     def _motion(
         self, omega_out: float, omega1: float, load: float, rate: float
-    ) -> tuple[Any, int, float, float]:
-        """(state array, header of the map, mean output torque, acceleration of the output shaft)."""
-        d, x = self._derived, array("d", bytes(8 * slots.X_SIZE))
-        x[slots.X_OMEGA1], x[slots.X_ALPHA1] = omega1, rate
+    ) -> tuple[Any, Any, float, float]:
+        """(state, side of the map, mean output torque, acceleration of the output shaft)."""
+        d, x = self._module.derived, type(self._module.state)()
+        x.omega1, x.alpha1 = omega1, rate
         # the shaft does not turn backwards: what a solver leaves below 0 is rest
-        x[slots.X_OMEGA3], x[slots.X_LOAD_TORQUE] = max(omega_out, 0.0), load
-        header = average_legs.header_at(omega1, rate)  # type: ignore[no-untyped-call]
-        leg = average_legs.choose_leg(d, x, header, omega1, rate, load)  # type: ignore[no-untyped-call]
-        torque, acceleration, _ = average.torque_at(d, x, header, leg, omega1, rate, load)  # type: ignore[no-untyped-call]
-        if leg == average_legs.DRIVEN and self._transient != QUASI_STEADY:
+        x.omega3, x.load_torque = max(omega_out, 0.0), load
+        side = average_rates.side_at(d, omega1, rate)  # type: ignore[no-untyped-call]
+        leg = average_legs.choose_leg(d, side, x, omega1, rate)  # type: ignore[no-untyped-call]
+        torque, acceleration, _ = average.torque_at(d, side, x, leg, omega1, rate)  # type: ignore[no-untyped-call]
+        if leg == average_legs.SLIPPING and self._transient != QUASI_STEADY:
             driving = torque - load + self._transient.input * rate
-            acceleration = driving / (self._inertia + self._transient.output)
-            torque = load + self._inertia * acceleration
-        return x, header, torque, acceleration
+            acceleration = driving / (d.J3 + self._transient.output)
+            torque = load + d.J3 * acceleration
+        return x, side, torque, acceleration
 
     def acceleration(self, omega_out: float, omega1: float, load: float, rate: float) -> float:
         """Acceleration of the output shaft, rad/s2."""
@@ -84,17 +80,14 @@ class _AveragedModule:
 
     def outputs(self, omega_out: float, omega1: float, load: float, rate: float) -> dict[str, float]:
         """OUTPUTS by name."""
-        d = self._derived
-        x, header, torque, acceleration = self._motion(omega_out, omega1, load, rate)
-        y = array("d", bytes(8 * slots.Y_SIZE))
+        d, y = self._module.derived, type(self._module.outputs)()
+        x, side, torque, acceleration = self._motion(omega_out, omega1, load, rate)
         average.set_link2(d, x, average_legs.RESTING, -1.0, 0.0)  # type: ignore[no-untyped-call]
         average_outputs.write_averaged(d, x, y)  # type: ignore[no-untyped-call]
-        values = {name: y[BY_NAME[name].slot] for name in OUTPUTS}
-        mesh = torque * x[slots.X_OMEGA3] / omega1 if omega1 != 0.0 else 0.0
-        taken = average_rates.mean_input_torque(  # type: ignore[no-untyped-call]
-            d, x, header, omega1, rate, x[slots.X_OMEGA3], acceleration, torque
-        )
-        values |= {"omega_out": omega_out, "omega2": x[slots.X_OMEGA2], "input_torque": taken}
+        values = {name: getattr(y, name) for name in OUTPUTS}
+        mesh = average_rates.mesh_share(x, omega1, torque)  # type: ignore[no-untyped-call]
+        taken = average_rates.mean_input_torque(d, side, x, omega1, rate, acceleration, torque)  # type: ignore[no-untyped-call]
+        values |= {"omega_out": omega_out, "omega2": x.omega2, "input_torque": taken}
         return values | {"output_torque": torque, "mesh_torque": mesh, "housing_torque": torque - mesh}
 
 
@@ -125,17 +118,15 @@ def averaged_system(
         Refused: the parameters cannot be, or there is no mean torque (a freewheel is missing).
         ValueError: an unknown input or output, omega1 or load_torque missing, or drive = torque.
     """
-    if (parameters or {}).get("drive", slots.DRIVE_SPEED) != slots.DRIVE_SPEED:
-        raise ValueError(
-            "drive = 1 (torque) is refused: omega1 is an input of the averaged system; allowed is 0 (speed)"
-        )
+    if (parameters or {}).get("drive", codes.DRIVE_SPEED) != codes.DRIVE_SPEED:
+        raise ValueError("drive must be 0 (speed), is 1 (torque): omega1 is an input of the averaged system")
     known = (*INPUTS, INPUT_RATE)
     for kind, names, allowed in (("input", inputs, known), ("output", outputs, OUTPUTS)):
         for wanted in names:
             if wanted not in allowed:
-                raise ValueError(f"{kind} {wanted} is refused: allowed are {', '.join(allowed)}")
+                raise ValueError(f"{kind} must be one of {', '.join(allowed)}, is {wanted}")
     if not set(INPUTS) <= set(inputs):
-        raise ValueError(f"inputs {', '.join(inputs)} are refused: needed are {', '.join(INPUTS)}")
+        raise ValueError(f"inputs must contain {' and '.join(INPUTS)}, are {', '.join(inputs)}")
     module = _AveragedModule(parameters or {}, kernel, transient)
     places = [list(inputs).index(wanted) if wanted in inputs else -1 for wanted in known]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ..instance import DriveError, Fmu
-from ..kernel.slots import DRIVE_TORQUE
+from ..kernel.codes import DRIVE_TORQUE
 
 # what of the motion has a start parameter, by fidelity
 _MOTION = {

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..instance import Fmu
-from ..kernel.slots import DRIVE_SPEED
+from ..kernel.codes import DRIVE_SPEED
 from .averaged_system import INPUT_RATE, INPUTS, QUASI_STEADY, TransientInertia, averaged_system
 from .sine_bench import SineBench
 

@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from ..kernel import slots
+from ..kernel import codes
 from ..module import Module
 from .averaged_system import TransientInertia, averaged_system
 from .sine_bench import LOAD, PULSES, SPEED, ModulePlant, SineBench
@@ -45,8 +45,7 @@ def transient_inertia(
     """
     if not 0.0 < omega_out < omega1:
         raise ValueError(
-            f"omega_out = {omega_out:g} rad/s at omega1 = {omega1:g} rad/s is refused:"
-            " allowed is 0 < omega_out < omega1"
+            f"omega_out must be above 0 and below omega1 = {omega1:g} rad/s, is {omega_out:g} rad/s"
         )
     averaged = averaged_system(parameters, outputs=("output_torque",), kernel=kernel)
     torque = float(averaged.output(0.0, [omega_out], [omega1, 0.0])[0])
@@ -60,21 +59,20 @@ def _sine(
 ) -> float:
     """Torque per acceleration of the speed that is made to swing, kg m2."""
     start = {
-        "fidelity": float(slots.RIGID),
+        "fidelity": float(codes.RIGID),
         "output_inertia": _HEAVY,
         "omega_out_start": omega_out,
         "tolerance": 1e-8,
     }
     module = Module(kernel).start(**{**parameters, **start}, omega1=omega1, load_torque=load)
     d = module.derived
-    step = 2.0 * math.pi / (_STEPS_PER_CYCLE * d[slots.D_HARMONIC] * d[slots.D_K] * omega1)
+    step = 2.0 * math.pi / (_STEPS_PER_CYCLE * d.harmonic * d.k * omega1)
     point = {SPEED: omega1, LOAD: load}
     bench = SineBench(ModulePlant(module), point, ("omega_out", PULSES), step)
     rate = bench.settle(2.0 * _SETTLING_PULSES * _STEPS_PER_CYCLE * step)
     if rate == 0.0:
         raise ValueError(
-            f"omega_out = {omega_out:g} rad/s at omega1 = {omega1:g} rad/s is refused:"
-            " no pulses come through there"
+            f"no pulses come through at omega_out = {omega_out:g} rad/s and omega1 = {omega1:g} rad/s"
         )
     frequency = _SHARE_OF_RATE * rate
     swing = _SHARE_OF_SPEED * omega1

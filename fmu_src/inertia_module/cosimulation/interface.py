@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..kernel.dynamics import held_inertia
+from ..kernel.links import inertia_at_input
 from ..module import Module
 
 # points over a period of the motion, for each tooth ratio's turn of the drive
@@ -48,5 +48,5 @@ def interface_inertia(parameters: Mapping[str, float]) -> InterfaceInertia:
     if module["layout"] == 0.0:
         turns = int(module["z6"]) // math.gcd(int(module["z17"]), int(module["z6"]))
     angles = np.linspace(0.0, 2.0 * math.pi * turns, _POINTS_A_TURN * turns, endpoint=False)
-    values = [float(held_inertia(module.derived, float(q))) for q in angles]  # type: ignore[no-untyped-call]
+    values = [float(inertia_at_input(module.derived, float(q))) for q in angles]  # type: ignore[no-untyped-call]
     return InterfaceInertia(min(values), sum(values) / len(values), max(values))

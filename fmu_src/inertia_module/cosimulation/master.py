@@ -8,7 +8,7 @@ up for by a jump at the beginning of the module's next step, whose impulse is in
 from __future__ import annotations
 
 from ..instance import DriveError, Fmu
-from ..kernel.slots import DRIVE_SPEED
+from ..kernel.codes import DRIVE_SPEED
 from .bond import Exchange
 from .engine import Engine, EngineState, LoadTorque
 from .plant import EnginePlant

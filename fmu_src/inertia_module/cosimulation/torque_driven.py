@@ -13,7 +13,7 @@ import math
 from collections.abc import Mapping
 
 from ..instance import Fmu
-from ..kernel.slots import DRIVE_TORQUE
+from ..kernel.codes import DRIVE_TORQUE
 from .bond import Exchange
 from .engine import Engine
 from .plant import EnginePlant

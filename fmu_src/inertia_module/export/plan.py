@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from ..fmu.builder import MODULE_FMU, SHAFT_FMU
 from ..fmu.native_fmu import NativeFmu
-from ..kernel.slots import DRIVE_TORQUE, ELASTIC, RIGID
+from ..kernel.codes import DRIVE_TORQUE, ELASTIC, RIGID
 from ..model import DRIVEN_SHAFT, INERTIA_MODULE, Model
 from ..variables import PARAMETER, Variable
 from ..wiring import Wire

@@ -35,6 +35,7 @@ BUNDLED = (
     "messages.py",
     "model.py",
     "module.py",
+    "records.py",
     "variables.py",
     "fmu/__init__.py",
     "fmu/slave.py",
@@ -74,7 +75,8 @@ from {package}.fmu.slaves import {identifier}
 
 def bundled_files() -> dict[str, bytes]:
     """Path within the package and content of every source file that goes into the FMU."""
-    names = [*BUNDLED, *(f"kernel/{path.name}" for path in sorted((PACKAGE_FOLDER / "kernel").glob("*.py")))]
+    kernel = sorted((PACKAGE_FOLDER / "kernel").rglob("*.py"))
+    names = [*BUNDLED, *(path.relative_to(PACKAGE_FOLDER).as_posix() for path in kernel)]
     return {name: (PACKAGE_FOLDER / name).read_bytes() for name in names}
 
 

@@ -15,7 +15,7 @@ from typing import Any, ClassVar
 from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
-from ..kernel import slots
+from ..kernel import codes
 from ..module import ModelInstance, Refused
 from ..variables import BOOLEAN, INPUT, PARAMETER, REAL, Variable
 
@@ -44,9 +44,10 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
         self._calculated = False
         instance = self._instance
         arrays = {INPUT: instance.inputs, PARAMETER: instance.parameters}
-        # value reference -> array and slot
-        self._places: list[tuple[array[float], int]] = [
-            (arrays.get(variable.causality, instance.outputs), variable.slot) for variable in self._variables
+        # value reference -> numbers of its record, and place there
+        self._places: list[tuple[Any, int]] = [
+            (arrays.get(variable.causality, instance.outputs).numbers, instance.model.place(variable.name))
+            for variable in self._variables
         ]
         self._reals = {
             reference: place
@@ -116,7 +117,7 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
     def _start(self) -> None:
         tolerance = self._instance.model.by_name.get("tolerance")
         if self._tolerance is not None and tolerance is not None:
-            self._instance.parameters[tolerance.slot] = self._tolerance
+            self._instance.parameters.tolerance = self._tolerance
         self._instance.start()
 
     def _calculate(self) -> None:
@@ -140,10 +141,10 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
                 self._say(self._why_not(), Fmi2Status.discard)
                 return False
             instance = self._instance
-            status = instance.call(slots.STEP, step_size) if math.isfinite(current_time) else slots.BAD_STEP
-            if status == slots.OK:
+            status = instance.call(codes.STEP, step_size) if math.isfinite(current_time) else codes.BAD_STEP
+            if status == codes.OK:
                 return True
-            if status == slots.BAD_STEP and not math.isfinite(current_time):
+            if status == codes.BAD_STEP and not math.isfinite(current_time):
                 message = f"communication point = {current_time} s is refused: allowed is a finite time"
             else:
                 message = instance.model.explain(status, instance.parameters, instance.inputs, step_size)

@@ -39,13 +39,21 @@ def _range(variable: Variable) -> tuple[float, float]:
     return low, high
 
 
+def _rate_places(variable: Variable, model: Model) -> tuple[str, str]:
+    """Places of the rate of an input and of whether it is given."""
+    if variable.causality != INPUT:
+        return "-1", "-1"
+    return str(model.place(f"{variable.name}_rate")), str(model.place(f"{variable.name}_rate_given"))
+
+
 def _variable(variable: Variable, model: Model) -> str:
     low, high = _range(variable)
     cells = (
         quoted(variable.name),
         _kind(variable),
         _ARRAYS.get(variable.causality, "OUTPUTS"),
-        str(variable.slot),
+        str(model.place(variable.name)),
+        *_rate_places(variable, model),
         str(int(variable.name in model.late)),
         str(int(variable.causality == OUTPUT)),
         number(variable.start or 0.0),
@@ -65,8 +73,8 @@ def _number_of(field: str | None, model: Model) -> tuple[str, int]:
         return "STEP_NUMBER", 0
     variable = model.by_name.get(field)
     if variable is None:
-        return "RATE_NUMBER", model.by_name[field.removesuffix("_rate")].slot
-    return ("INPUT_NUMBER" if variable.causality == INPUT else "PARAMETER_NUMBER"), variable.slot
+        return "INPUT_NUMBER", model.place(field)
+    return ("INPUT_NUMBER" if variable.causality == INPUT else "PARAMETER_NUMBER"), model.place(field)
 
 
 def _message(status: int, text: str, model: Model) -> list[str]:
@@ -86,8 +94,7 @@ def c_tables(model: Model, guid: str) -> str:
     n_p, n_d, n_u, n_x, n_y, n_w = ENTRIES[model.entry].sizes
     references = {variable.name: n for n, variable in enumerate(model.variables)}
     traced = ", ".join(str(references[name]) for name in model.traced)
-    inputs = len(list(model.with_causality(INPUT)))
-    tolerance = model.by_name["tolerance"].slot if "tolerance" in model.by_name else -1
+    tolerance = model.place("tolerance") if "tolerance" in model.by_name else -1
     lines = [
         f"/* Tables of {model.name}, made from its table of variables. */",
         '#include "model.h"',
@@ -109,7 +116,7 @@ def c_tables(model: Model, guid: str) -> str:
         f"static const size_t traced[] = {{{traced}}};",
         "",
         "const struct model model = {",
-        f"    {quoted(model.name)}, {quoted(guid)}, variables, {len(references)}, {inputs}, {tolerance},",
+        f"    {quoted(model.name)}, {quoted(guid)}, variables, {len(references)}, {tolerance},",
         f"    {n_p}, {n_d}, {n_u}, {n_x}, {n_y}, {n_w},",
         f"    messages, {len(model.messages)}, traced, {len(model.traced)},",
         "};",

@@ -3,17 +3,14 @@
 import math
 
 from .derive import TWO_PI, TWO_PI_LOW
-from .slots import *
 
 
-def add(x, slot, value):
-    """Add value to x[slot]; what rounding loses is kept in x[slot + 1] (Neumaier's sum)."""
-    value += x[slot + 1]
-    old = x[slot]
-    new = old + value
-    shift = new - old
-    x[slot + 1] = (old - (new - shift)) + (value - shift)
-    x[slot] = new
+def add(value, low, change):
+    """Compensated sum of Neumaier: value + low + change as (value, low), low being what rounding lost."""
+    change += low
+    new = value + change
+    shift = new - value
+    return new, (value - (new - shift)) + (change - shift)
 
 
 def later(time, low, passed):
@@ -23,18 +20,21 @@ def later(time, low, passed):
     return new, passed - (new - time)
 
 
-def assign(x, slot, value):
-    """Set x[slot] exactly."""
-    x[slot] = value
-    x[slot + 1] = 0.0
+def copy(target, source):
+    """Copy all numbers of one array to another as long."""
+    for n in range(len(source)):
+        target[n] = source[n]
 
 
-def wrap(x, slot, period, period_low):
-    """Bring the angle x[slot] into [0, period), period in two doubles. Returns the periods taken off."""
-    angle = x[slot]
+def wrap(angle, angle_low, period, period_low):
+    """Bring an angle in two doubles into [0, period), period in two doubles.
+
+    Returns:
+        (angle, its low part, periods taken off).
+    """
     rest = angle % period if angle >= 0.0 else -(-angle % period)  # of the sign of angle: exact
     periods = math.floor((angle - rest) / period + 0.5)
-    low = x[slot + 1] - periods * period_low
+    low = angle_low - periods * period_low
     if rest < 0.0:
         turned = rest + period
         low += rest - (turned - period) + period_low
@@ -49,18 +49,18 @@ def wrap(x, slot, period, period_low):
     if total >= 0.0:
         low -= total - rest
         rest = total
-    x[slot] = rest
-    x[slot + 1] = low
-    return periods
+    return rest, low, periods
 
 
 def wrap_drive_angle(d, x):
     """Keep q within [0, period); the whole turns taken off are counted in revolutions."""
-    if not 0.0 <= x[X_Q] < d[D_PERIOD]:
-        x[X_DRIVE_TURNS] += d[D_PERIOD_TURNS] * wrap(x, X_Q, d[D_PERIOD], d[D_PERIOD_LOW])
+    if not 0.0 <= x.q < d.period:
+        x.q, x.q_low, periods = wrap(x.q, x.q_low, d.period, d.period_low)
+        x.drive_turns += d.period_turns * periods
 
 
 def wrap_input_angle(x):
     """Keep theta1 within [0, 2 pi); whole turns are counted."""
-    if not 0.0 <= x[X_THETA1] < TWO_PI:
-        x[X_INPUT_TURNS] += wrap(x, X_THETA1, TWO_PI, TWO_PI_LOW)
+    if not 0.0 <= x.theta1 < TWO_PI:
+        x.theta1, x.theta1_low, periods = wrap(x.theta1, x.theta1_low, TWO_PI, TWO_PI_LOW)
+        x.input_turns += periods

@@ -1,4 +1,4 @@
-"""Mean torque over speed ratio, found once: the map of fidelity averaged (DESIGN section 5).
+"""Mean torque over speed ratio, found once: the map of fidelity averaged (docs/mechanics.md).
 
 Without gravity the mean output torque at constant omega1 and output speed is omega1^2 F(sigma),
 sigma = omega3 / |omega1|, with one F for either sign of omega1. The steady motion is found by
@@ -12,9 +12,9 @@ torque is Tc (1 - sigma).
 import math
 
 from .average_motion import drive_inertia, travel
-from .average_table import finish_table, knot, predict, put_knot, worst_interval
+from .average_table import UNKNOWN_ERROR, finish_table, insert_knot, table_error, worst_interval
+from .codes import DRIVING, FREE
 from .derive import TWO_PI
-from .slots import *
 
 # cycles of the highest harmonic that one mean is taken over at most
 LARGEST_CYCLES = 800.0
@@ -31,38 +31,36 @@ LARGEST_SPEED_SQUARE = 2  # (C + I) / H
 
 # the map is refined until its error, in stall torques, is below this at the middle of each interval
 MAP_ERROR = 1e-4
+# three or more
 FIRST_KNOTS = 9
 # the last ratio below lock-up
 LAST_SLIP = 1e-6
-# ... and of energy and speed of link 2, which matter less
-OTHER_SHARE = 0.2
 # evaluations of the mechanism after which one sign of omega1 is refined no more
 MOST_EVALUATIONS = 8e5
 
 
-def map_key(p, n):
-    """The parameter that the map depends on, number n of it, or -1 after the last."""
-    if n <= P_J16 - P_LAYOUT:
-        return p[P_LAYOUT + n]
-    if n == P_J16 - P_LAYOUT + 1:
-        return p[P_J2]
-    if n == P_J16 - P_LAYOUT + 2:
-        return 1.0  # a map is there
-    return -1.0
-
-
 def is_map_of(p, d):
-    """Whether the map in d is that of these parameters."""
-    for n in range(P_J16 - P_LAYOUT + 3):
-        if d[D_MAP_KEY + n] != map_key(p, n):
+    """Whether the map in d is that of these parameters (fields.MAP_KEY)."""
+    last = len(d.map_key) - 1
+    for n in range(last):
+        if d.map_key[n] != p.numbers[n]:
             return False
-    return True
+    return d.map_ready == 1.0 and d.map_key[last] == p.link2_inertia
+
+
+def mark_map(p, d):
+    """Mark the map in d as that of these parameters."""
+    last = len(d.map_key) - 1
+    for n in range(last):
+        d.map_key[n] = p.numbers[n]
+    d.map_key[last] = p.link2_inertia
+    d.map_ready = 1.0
 
 
 def extreme_value(d, which, sign, c, q):
     """What is to be largest at q."""
     i, i1, _, _, h, _, _ = drive_inertia(d, q)
-    d[D_MAP_EVALUATIONS] += 1.0
+    d.map_evaluations += 1.0
     if which == LARGEST_HELD:
         return sign * (h - i)
     if which == LARGEST_LOCK:
@@ -72,7 +70,7 @@ def extreme_value(d, which, sign, c, q):
 
 def find_largest(d, which, sign, c, start, length):
     """Drive angle in start to start + length where it is largest, and how large."""
-    looks = int(math.ceil(length * d[D_HARMONIC] / TWO_PI * LOOKS_PER_CYCLE)) + 2
+    looks = int(math.ceil(length * d.harmonic / TWO_PI * LOOKS_PER_CYCLE)) + 2
     width = length / looks
     best_q = start
     best = extreme_value(d, which, sign, c, start)
@@ -126,23 +124,23 @@ def parts_of_period(d, cycles):
     The satellite meets the drive at every relative phase, evenly, so turns of the drive at evenly
     spread phases are as good as all turns of the period. Where a turn itself is long, parts of it.
     """
-    part = min(TWO_PI, cycles / PARTS * TWO_PI / d[D_HARMONIC])
-    return part, int(cycles * TWO_PI / (d[D_HARMONIC] * part))
+    part = min(TWO_PI, cycles / PARTS * TWO_PI / d.harmonic)
+    return part, int(cycles * TWO_PI / (d.harmonic * part))
 
 
 def go_to_part(d, phase, part, parts, n):
     """Set the relative phase of part n. Returns the drive angle where it begins."""
-    d[D_PHASE_B] = phase + n * (TWO_PI / parts)
+    d.phase_b = phase + n * (TWO_PI / parts)
     return n * (TWO_PI / parts) if part < TWO_PI else 0.0
 
 
 def find_largest_anywhere(d, which, sign, c):
     """Drive angle where it is largest in the whole period (or its parts), and how large."""
     period = period_of_map(d)
-    if period * d[D_HARMONIC] <= TWO_PI * LARGEST_CYCLES:
+    if period * d.harmonic <= TWO_PI * LARGEST_CYCLES:
         return find_largest(d, which, sign, c, 0.0, period)
     part, parts = parts_of_period(d, LARGEST_CYCLES)
-    phase = d[D_PHASE_B]
+    phase = d.phase_b
     best_q = 0.0
     best = -1e300
     for n in range(parts):
@@ -150,14 +148,14 @@ def find_largest_anywhere(d, which, sign, c):
         if value > best:
             best = value
             best_q = q
-    d[D_PHASE_B] = phase
+    d.phase_b = phase
     return best_q, best
 
 
 def period_of_map(d):
     """Angle of the drive in which everything comes back, rad."""
     # with three or more satellites the drive's own turn leaves nothing in the reduced inertia
-    return TWO_PI / d[D_S] if d[D_PAIRED] == 0.0 and d[D_PLANAR] == 0.0 else d[D_PERIOD]
+    return TWO_PI / d.s if d.paired == 0.0 and d.planar == 0.0 else d.period
 
 
 def add_part(d, direction, speed, start, warm, length):
@@ -170,97 +168,102 @@ def add_part(d, direction, speed, start, warm, length):
     travel(d, direction, speed, mode, c, start + direction * warm, length, True)
 
 
-def find_means(d, direction, speed):
-    """Sums over the steady motion at v = |omega1 - omega3| / |omega1|, left in d."""
-    for n in range(6):
-        d[D_SUM_TIME + n] = 0.0
-    header = D_MAP_FORWARD if direction > 0.0 else D_MAP_BACKWARD
+def clear_sums(d):
+    """Set the sums over the steady motion to zero."""
+    d.sum_time = 0.0
+    d.sum_torque = 0.0
+    d.sum_square = 0.0
+    d.sum_energy = 0.0
+    d.sum_angle = 0.0
+    d.sum_peak = 0.0
+
+
+def add_period(d, side, speed):
+    """Add the steady motion at v = |omega1 - omega3| / |omega1| to the sums."""
+    direction = side.direction
     period = period_of_map(d)
-    if period * d[D_HARMONIC] <= TWO_PI * LARGEST_CYCLES:
-        add_part(d, direction, speed, d[header + 3], 0.0, period)
+    if period * d.harmonic <= TWO_PI * LARGEST_CYCLES:
+        add_part(d, direction, speed, side.start, 0.0, period)
         return
     # half of the angle allowed goes to reach the steady motion
     part, parts = parts_of_period(d, 0.5 * LARGEST_CYCLES)
-    phase = d[D_PHASE_B]
+    phase = d.phase_b
     for n in range(parts):
         begin = go_to_part(d, phase, part, parts, n)
         low = begin - part if direction > 0.0 else begin
         start, _ = find_largest(d, LARGEST_HELD, -direction, 0.0, low, part)
         add_part(d, direction, speed, start, direction * (begin - start), part)
-    d[D_PHASE_B] = phase
+    d.phase_b = phase
 
 
-def find_knot(d, direction, sigma, slip):
-    """Means at one ratio, slip = 1 - sigma: (F, energy, omega2, ripple, peak) over powers of omega1."""
-    find_means(d, direction, slip if direction > 0.0 else 1.0 + sigma)
-    time = d[D_SUM_TIME]
-    torque = d[D_SUM_TORQUE] / time
-    turned = d[D_SUM_ANGLE] / d[D_K]
-    energy = d[D_J2] + (d[D_SUM_ENERGY] - 2.0 * d[D_J2] * turned) / time
-    omega2 = max(0.0, direction * (1.0 - turned / time) if direction > 0.0 else turned / time - 1.0)
-    variance = d[D_SUM_SQUARE] / time - torque * torque
-    return torque, energy, min(omega2, sigma), math.sqrt(max(variance, 0.0)), d[D_SUM_PEAK]
+def find_means(d, side, sigma):
+    """Means at one ratio: (F, energy, omega2, ripple, peak) over powers of omega1."""
+    forward = side.direction > 0.0
+    clear_sums(d)
+    add_period(d, side, max(1.0 - sigma, LAST_SLIP) if forward else 1.0 + sigma)
+    time = d.sum_time
+    torque = d.sum_torque / time
+    turned = d.sum_angle / d.k
+    energy = d.J2 + (d.sum_energy - 2.0 * d.J2 * turned) / time
+    omega2 = max(0.0, 1.0 - turned / time if forward else turned / time - 1.0)
+    variance = d.sum_square / time - torque * torque
+    return torque, energy, min(omega2, sigma), math.sqrt(max(variance, 0.0)), d.sum_peak
 
 
-def find_ends(d):
-    """Where torque ends for either sign of omega1, where the motion begins, the lock-up torque."""
-    _, lock = find_largest_anywhere(d, LARGEST_LOCK, 1.0, 0.0)
-    d[D_MAP_LOCK] = max(0.5 * d[D_K] * lock, 0.0)
-    for n in range(2):
-        direction = 1.0 - 2.0 * n
-        header = D_MAP_FORWARD if n == 0 else D_MAP_BACKWARD
-        start, value = find_largest_anywhere(d, LARGEST_HELD, -direction, 0.0)
-        d[header + 3] = start
-        c = -direction * value
-        _, square = find_largest_anywhere(d, LARGEST_SPEED_SQUARE, -direction, c)
-        if n == 0:
-            least = math.sqrt(max(-square, 0.0))
-            d[header + 2] = 1.0 if least < LAST_SLIP else 0.0
-            d[header + 1] = 1.0 - least if least >= LAST_SLIP else 1.0
-        else:
-            d[header + 2] = 0.0
-            d[header + 1] = max(math.sqrt(max(square, 1.0)) - 1.0, 0.0)
+def find_end(d, side):
+    """Where the torque ends, and where the steady motion begins."""
+    direction = side.direction
+    start, value = find_largest_anywhere(d, LARGEST_HELD, -direction, 0.0)
+    side.start = start
+    _, square = find_largest_anywhere(d, LARGEST_SPEED_SQUARE, -direction, -direction * value)
+    if direction > 0.0:
+        least = math.sqrt(max(-square, 0.0))
+        side.locks = 1.0 if least < LAST_SLIP else 0.0
+        side.end = 1.0 if least < LAST_SLIP else 1.0 - least
+    else:
+        side.end = max(math.sqrt(max(square, 1.0)) - 1.0, 0.0)
 
 
-def add_knot(d, direction, sigma):
-    """Find one knot and put it in its place. Returns the error of the table there before."""
-    header = D_MAP_FORWARD if direction > 0.0 else D_MAP_BACKWARD
-    end = d[header + 1]
-    torque, energy, omega2, ripple, peak = find_knot(d, direction, sigma, max(1.0 - sigma, LAST_SLIP))
-    if sigma >= end and d[header + 2] == 0.0:
+def add_knot(d, side, n, sigma):
+    """Find the knot at sigma and insert it as number n."""
+    torque, energy, omega2, ripple, peak = find_means(d, side, sigma)
+    if sigma >= side.end and side.locks == 0.0:
         torque = 0.0
         ripple = 0.0
         peak = 0.0
-    error = predict(d, header, sigma, torque, energy, omega2, OTHER_SHARE)
-    put_knot(d, header, sigma, torque, energy, omega2, ripple, peak, error)
-    return error
+    error = UNKNOWN_ERROR
+    if n < int(side.count):
+        error = table_error(side, n - 1, sigma, torque, energy, omega2)
+    insert_knot(side, n, sigma, torque, energy, omega2, ripple, peak, error)
 
 
-def build_side(d, direction):
+def build_side(d, side, direction):
     """Knots for one sign of omega1, refined where the table is worst."""
-    header = D_MAP_FORWARD if direction > 0.0 else D_MAP_BACKWARD
-    d[header] = 0.0
-    end = d[header + 1]
-    first = FIRST_KNOTS if end > 0.0 else 1
-    for n in range(first):
-        add_knot(d, direction, end if n == first - 1 else n * end / (first - 1))
-    d[D_MAP_EVALUATIONS] = 0.0
-    while d[header] < MAP_ROWS and end > 0.0 and d[D_MAP_EVALUATIONS] < MOST_EVALUATIONS:
-        row, error = worst_interval(d, header)
+    for n in range(len(side.numbers)):
+        side.numbers[n] = 0.0
+    side.direction = direction
+    find_end(d, side)
+    end = side.end
+    last = FIRST_KNOTS - 1 if end > 0.0 else 0
+    for n in range(last):
+        add_knot(d, side, n, n * end / last)
+    add_knot(d, side, last, end)
+    d.map_evaluations = 0.0
+    while side.count < len(side.knots) and end > 0.0 and d.map_evaluations < MOST_EVALUATIONS:
+        n, error = worst_interval(side)
         if error < MAP_ERROR:
             break
-        add_knot(d, direction, 0.5 * (knot(d, header, row) + knot(d, header, row + 1)))
-    finish_table(d, header)
+        add_knot(d, side, n + 1, 0.5 * (side.knots[n].ratio + side.knots[n + 1].ratio))
+    finish_table(side)
 
 
 def build_map(p, d):
     """Fill d with the map of these parameters, unless it is there."""
     if is_map_of(p, d):
         return
-    for n in range(D_MAP_KEY, D_SIZE):
-        d[n] = 0.0
-    find_ends(d)
-    build_side(d, 1.0)
-    build_side(d, -1.0)
-    for n in range(P_J16 - P_LAYOUT + 3):
-        d[D_MAP_KEY + n] = map_key(p, n)
+    d.map_ready = 0.0
+    _, lock = find_largest_anywhere(d, LARGEST_LOCK, 1.0, 0.0)
+    d.map_lock = max(0.5 * d.k * lock, 0.0)
+    build_side(d, d.forward, 1.0)
+    build_side(d, d.backward, -1.0)
+    mark_map(p, d)

@@ -10,9 +10,9 @@ Source: DESIGN section 3; Arnold, Mathematical Methods of Classical Mechanics, o
 
 import math
 
-from .guards import next_look, stays_positive
+from .codes import DRIVING, FREE, HELD
 from .inertia import reduced_inertia
-from .slots import *
+from .search import next_look, stays_positive
 
 # phase of the highest harmonic within one interval, rad
 INTERVAL_PHASE = 1.0
@@ -38,12 +38,13 @@ DRIVING_GUARD = 3  # F > 0
 def drive_inertia(d, q):
     """(I, I', I'', B, H, H', H'') with H = J2 + k^2 G, kg m^2."""
     i, i1, i2, b, _, g, g1, g2 = reduced_inertia(d, q)
-    square = d[D_K] * d[D_K]
-    return i, i1, i2, b, d[D_J2] + square * g, square * g1, square * g2
+    square = d.k * d.k
+    return i, i1, i2, b, d.J2 + square * g, square * g1, square * g2
 
 
-def guard_value(which, direction, r, c, i, i1, i2, h, h1, h2):
+def guard_value(which, direction, r, c, inertia):
     """One guard and its rate per angle travelled; r is that of the driving link 2."""
+    i, i1, i2, _, h, h1, h2 = inertia
     if which == LINK2_GUARD:
         return direction * (h - i - c), h1 - i1
     if which == OUTPUT_GUARD:
@@ -55,9 +56,8 @@ def guard_value(which, direction, r, c, i, i1, i2, h, h1, h2):
 
 def guard_at(d, which, direction, r, c, q):
     """One guard and its rate at the drive angle q."""
-    d[D_MAP_EVALUATIONS] += 1.0
-    i, i1, i2, _, h, h1, h2 = drive_inertia(d, q)
-    return guard_value(which, direction, r, c, i, i1, i2, h, h1, h2)
+    d.map_evaluations += 1.0
+    return guard_value(which, direction, r, c, drive_inertia(d, q))
 
 
 def find_dip(d, which, direction, r, c, q, value0, rate0, value1, rate1, length):
@@ -109,42 +109,72 @@ def find_fall(d, which, direction, r, c, q, length):
 def fall_inside(d, which, direction, r, c, q, value0, rate0, value1, rate1, length):
     """Angle travelled to the first fall of a guard within length, or -1."""
     if value1 >= 0.0:
-        dip = find_dip(d, which, direction, r, c, q, max(value0, 0.0), rate0, value1, rate1, length)
-        if dip < 0.0:
+        length = find_dip(d, which, direction, r, c, q, max(value0, 0.0), rate0, value1, rate1, length)
+        if length < 0.0:
             return -1.0
-        return find_fall(d, which, direction, r, c, q, dip)
     return find_fall(d, which, direction, r, c, q, length)
 
 
-def add_node(d, mode, speed, r, c, weight, i, i1, b, h, h1):
+def first_fall(d, mode, direction, r, c, q, begin, end, length):
+    """First fall of a guard of the mode between two angles with this inertia.
+
+    Returns:
+        (angle travelled from q or -1, which guard).
+    """
+    which = HELD_GUARD if mode == HELD else (DRIVING_GUARD if mode == DRIVING else LINK2_GUARD)
+    value0, rate0 = guard_value(which, direction, r, c, begin)
+    value1, rate1 = guard_value(which, direction, r, c, end)
+    fall = fall_inside(d, which, direction, r, c, q, value0, rate0, value1, rate1, length)
+    if mode != FREE:
+        return fall, which
+    # the other guard is looked at up to the fall of the first
+    value0, rate0 = guard_value(OUTPUT_GUARD, direction, r, c, begin)
+    if fall < 0.0:
+        value1, rate1 = guard_value(OUTPUT_GUARD, direction, r, c, end)
+    else:
+        length = fall
+        value1, rate1 = guard_at(d, OUTPUT_GUARD, direction, r, c, q + direction * length)
+    other = fall_inside(d, OUTPUT_GUARD, direction, r, c, q, value0, rate0, value1, rate1, length)
+    if other >= 0.0:
+        return other, OUTPUT_GUARD
+    return fall, which
+
+
+def add_node(d, mode, speed, c, weight, inertia):
     """Add one node of the quadrature, of so much angle, to the sums."""
+    i, i1, _, b, h, h1, _ = inertia
+    r = 1.0
     torque = 0.0
     if mode == FREE:
         r = max((c + i) / h, 0.0)
         if speed < 1.0:
             r = max(r, speed * speed)
     elif mode == DRIVING:
-        torque = max(0.5 * d[D_K] * (h1 * r - i1), 0.0)
-    time = weight / (d[D_K] * math.sqrt(r)) if r > 0.0 else 0.0
-    d[D_SUM_TIME] += time
-    d[D_SUM_TORQUE] += time * torque
-    d[D_SUM_SQUARE] += time * torque * torque
-    d[D_SUM_ENERGY] += time * (i + h * r) + 2.0 * weight * b
-    d[D_SUM_ANGLE] += weight
-    d[D_SUM_PEAK] = max(d[D_SUM_PEAK], torque)
+        r = speed * speed
+        torque = max(0.5 * d.k * (h1 * r - i1), 0.0)
+    time = weight / (d.k * math.sqrt(r)) if r > 0.0 else 0.0
+    d.sum_time += time
+    d.sum_torque += time * torque
+    d.sum_square += time * torque * torque
+    d.sum_energy += time * (i + h * r) + 2.0 * weight * b
+    d.sum_angle += weight
+    d.sum_peak = max(d.sum_peak, torque)
 
 
-def add_inner_nodes(d, mode, direction, speed, r, c, q, length):
-    """Add the inner nodes of Lobatto's rule over an interval from q."""
+def add_interval(d, mode, direction, speed, c, q, begin, end, length):
+    """Add an interval from q to the sums by Lobatto's rule, begin and end being the inertia there."""
+    add_node(d, mode, speed, c, LOBATTO_END * length, begin)
     for n in range(2):
         node = LOBATTO_NODE if n == 0 else 1.0 - LOBATTO_NODE
-        i, i1, _, b, h, h1, _ = drive_inertia(d, q + direction * node * length)
-        add_node(d, mode, speed, r, c, LOBATTO_INNER * length, i, i1, b, h, h1)
-    d[D_MAP_EVALUATIONS] += 2.0
+        inside = drive_inertia(d, q + direction * node * length)
+        add_node(d, mode, speed, c, LOBATTO_INNER * length, inside)
+    d.map_evaluations += 2.0
+    add_node(d, mode, speed, c, LOBATTO_END * length, end)
 
 
-def smooth_length(c, i, i1, i2, h, h1, h2):
+def smooth_length(c, inertia):
     """How far 1/q' stays smooth while link 2 is free: where q' is least it has poles next to the angle."""
+    i, i1, i2, _, h, h1, h2 = inertia
     r = (c + i) / h
     if not r > 0.0:
         r = 1e-300
@@ -153,6 +183,15 @@ def smooth_length(c, i, i1, i2, h, h1, h2):
     root = math.sqrt(r)
     rate = math.sqrt(0.5 * abs(bend)) + 0.5 * abs(slope) / root
     return SINGULAR_SHARE * root / rate if rate > 0.0 else 1e300
+
+
+def next_mode(mode, fallen, at_rest):
+    """Contact mode after the fall of a guard; with the output at rest there is no free motion."""
+    if mode == FREE:
+        return HELD if fallen == LINK2_GUARD else DRIVING
+    if not at_rest:
+        return FREE
+    return DRIVING if mode == HELD else HELD
 
 
 def travel(d, direction, speed, mode, c, start, length, counted):
@@ -169,55 +208,29 @@ def travel(d, direction, speed, mode, c, start, length, counted):
         (mode, c) at the end.
     """
     driving = speed * speed
-    longest = INTERVAL_PHASE / d[D_HARMONIC]
+    longest = INTERVAL_PHASE / d.harmonic
     least = 1e-12 * length
-    at_rest = speed == 1.0  # the output stands still: there is no free motion
     done = 0.0
-    i, i1, i2, b, h, h1, h2 = drive_inertia(d, start)
+    begin = drive_inertia(d, start)
     while done < length:
         q = start + direction * done
         step = min(longest, length - done)
         if mode == FREE:
-            step = min(step, max(smooth_length(c, i, i1, i2, h, h1, h2), 1e-6 * longest))
-        ei, ei1, ei2, eb, eh, eh1, eh2 = drive_inertia(d, q + direction * step)
-        d[D_MAP_EVALUATIONS] += 1.0
-        first = HELD_GUARD if mode == HELD else (DRIVING_GUARD if mode == DRIVING else LINK2_GUARD)
-        value0, rate0 = guard_value(first, direction, driving, c, i, i1, i2, h, h1, h2)
-        value1, rate1 = guard_value(first, direction, driving, c, ei, ei1, ei2, eh, eh1, eh2)
-        fall = fall_inside(d, first, direction, driving, c, q, value0, rate0, value1, rate1, step)
-        fallen = first
-        if mode == FREE:
-            reach = fall if fall >= 0.0 else step
-            value0, rate0 = guard_value(OUTPUT_GUARD, direction, driving, c, i, i1, i2, h, h1, h2)
-            if fall < 0.0:
-                value1, rate1 = guard_value(OUTPUT_GUARD, direction, driving, c, ei, ei1, ei2, eh, eh1, eh2)
-            else:
-                value1, rate1 = guard_at(d, OUTPUT_GUARD, direction, driving, c, q + direction * reach)
-            other = fall_inside(
-                d, OUTPUT_GUARD, direction, driving, c, q, value0, rate0, value1, rate1, reach
-            )
-            if other >= 0.0:
-                fall = other
-                fallen = OUTPUT_GUARD
+            step = min(step, max(smooth_length(c, begin), 1e-6 * longest))
+        end = drive_inertia(d, q + direction * step)
+        d.map_evaluations += 1.0
+        fall, fallen = first_fall(d, mode, direction, driving, c, q, begin, end, step)
         if fall >= 0.0:
             step = max(fall, least)
-            ei, ei1, ei2, eb, eh, eh1, eh2 = drive_inertia(d, q + direction * step)
-            d[D_MAP_EVALUATIONS] += 1.0
+            end = drive_inertia(d, q + direction * step)
+            d.map_evaluations += 1.0
         if counted:
-            r = 1.0 if mode == HELD else driving
-            add_node(d, mode, speed, r, c, LOBATTO_END * step, i, i1, b, h, h1)
-            add_inner_nodes(d, mode, direction, speed, r, c, q, step)
-            add_node(d, mode, speed, r, c, LOBATTO_END * step, ei, ei1, eb, eh, eh1)
+            add_interval(d, mode, direction, speed, c, q, begin, end, step)
         done += step
-        i, i1, i2, b, h, h1, h2 = ei, ei1, ei2, eb, eh, eh1, eh2
-        if fall < 0.0:
-            continue
-        if mode == FREE:
-            mode = HELD if fallen == LINK2_GUARD else DRIVING
-        elif mode == HELD:
-            c = h - i
-            mode = DRIVING if at_rest else FREE
-        else:
-            c = h * driving - i
-            mode = HELD if at_rest else FREE
+        begin = end
+        if fall >= 0.0:
+            if mode != FREE:
+                i, _, _, _, h, _, _ = end
+                c = h - i if mode == HELD else h * driving - i
+            mode = next_mode(mode, fallen, speed == 1.0)
     return mode, c

@@ -1,28 +1,28 @@
 """Internal steps of the averaged speed: J3 omega3' = T(omega1, omega3) - load, one scalar equation.
 
-Gentle steps use Hermite's corrected trapezoid (order 4) as predictor and corrector, with both
-derivatives. Stiff ones (a light shaft follows the mean torque at once) use the two-derivative method
+Explicit steps use Hermite's corrected trapezoid (order 4) as predictor and corrector, with both
+derivatives. Implicit ones (a light shaft follows the mean torque at once) use the two-derivative method
 of stability function Pade(1, 2): order 3, L-stable, so a transient costs no small steps.
 Source: Hairer and Wanner, Solving Ordinary Differential Equations II, sections IV.3 and IV.5.
+
+A step leaves in the workspace w.next, omega3 at its end, w.error, its error over the allowed one, and
+w.turned3, w.work and w.turned2, the integrals of omega3, T omega3 and omega2.
 """
 
-from .average_rates import driving_rates
-from .average_table import ROW_TORQUE, first_row
-from .slots import *
+from .accumulate import add
+from .average_rates import mean_rates
 
-# largest h |df/domega3| of the explicit step
-GENTLE = 0.4
-NEWTON_LOOKS = 12
+# largest h |df/domega3| of an explicit step
+LARGEST_EXPLICIT = 0.4
+NEWTON_STEPS = 12
 # a transient is resolved by steps up to this h |df/domega3|, until it has come down to so many errors
 RESOLVED = 2.0
 TRANSIENT = 10.0
-# work of one step: what is left in the workspace
-W_NEXT = 0  # omega3 at the end
-W_ERROR = 1  # estimated error over the allowed one
-W_TURNED3 = 2  # integral of omega3
-W_WORK = 3  # integral of T omega3
-W_TURNED2 = 4  # integral of omega2
-W_TORQUE = 5  # T at the end
+# steps tried before the tolerance is given up, and to stop where the shaft rests or the map ends
+TRIES = 80
+CUTS = 60
+# a speed within this fraction of another is at it
+ROUNDING = 1e-12
 
 
 def hermite(h, y0, d0, y1, d1):
@@ -35,87 +35,178 @@ def damped(h, y0, y1, d1):
     return h * (y0 / 3.0 + y1 / 1.5 - h * d1 / 6.0)
 
 
-def keep(w, h, omega3, first, last_omega3, last, rate0, rate1, stiff):
-    """Quadratures of the step, first and last being what driving_rates returns at its ends."""
+def integrate(w, h, omega3, first, last_omega3, last, rate0, rate1, implicit):
+    """Integrals over the step, first and last being what mean_rates returns at its ends."""
     t0, slope0, time0, y0, part0, partial0 = first
     t1, slope1, time1, y1, part1, partial1 = last
     g0 = t0 * omega3
     g1 = t1 * last_omega3
     dg1 = (time1 + slope1 * rate1) * last_omega3 + t1 * rate1
     dy1 = partial1 + part1 * rate1
-    w[W_NEXT] = last_omega3
-    w[W_TORQUE] = t1
-    if stiff:
-        w[W_TURNED3] = damped(h, omega3, last_omega3, rate1)
-        w[W_WORK] = damped(h, g0, g1, dg1)
-        w[W_TURNED2] = damped(h, y0, y1, dy1)
+    w.next = last_omega3
+    if implicit:
+        w.turned3 = damped(h, omega3, last_omega3, rate1)
+        w.work = damped(h, g0, g1, dg1)
+        w.turned2 = damped(h, y0, y1, dy1)
         return
     dg0 = (time0 + slope0 * rate0) * omega3 + t0 * rate0
-    w[W_TURNED3] = hermite(h, omega3, rate0, last_omega3, rate1)
-    w[W_WORK] = hermite(h, g0, dg0, g1, dg1)
-    w[W_TURNED2] = hermite(h, y0, partial0 + part0 * rate0, y1, dy1)
+    w.turned3 = hermite(h, omega3, rate0, last_omega3, rate1)
+    w.work = hermite(h, g0, dg0, g1, dg1)
+    w.turned2 = hermite(h, y0, partial0 + part0 * rate0, y1, dy1)
 
 
-def gentle_step(d, x, w, header, speed, speed_rate, omega3, load, h, first, allowed):
-    """One explicit step into the workspace."""
-    inertia = d[D_J3]
-    rate = (first[0] - load) / inertia
+def explicit_step(d, side, x, w, speed, speed_rate, h, first, allowed):
+    """One explicit step."""
+    inertia = d.J3
+    omega3 = x.omega3
+    rate = (first[0] - x.load_torque) / inertia
     bend = (first[2] + first[1] * rate) / inertia
-    row = x[X_MAP_ROW]
-    end = speed + speed_rate * h
+    knot = x.map_knot
     guess = omega3 + h * (rate + 0.5 * h * bend)
-    last = driving_rates(d, x, header, end, speed_rate, guess)
-    rate1 = (last[0] - load) / inertia
+    last = mean_rates(side, x, speed + speed_rate * h, speed_rate, guess)
+    rate1 = (last[0] - x.load_torque) / inertia
     bend1 = (last[2] + last[1] * rate1) / inertia
     found = omega3 + hermite(h, rate, bend, rate1, bend1)
     # the corrector leaves h |lambda| / 2 of the predictor's error; across a knot T" jumps
-    share = 0.2 if x[X_MAP_ROW] != row else 0.5 * h * (abs(first[1]) + abs(last[1])) / inertia
-    w[W_ERROR] = share * abs(found - guess) / allowed
-    keep(w, h, omega3, first, found, last, rate, rate1, False)
-    w[W_TORQUE] = last[0] + last[1] * (found - guess)
+    share = 0.2 if x.map_knot != knot else 0.5 * h * (abs(first[1]) + abs(last[1])) / inertia
+    w.error = share * abs(found - guess) / allowed
+    integrate(w, h, omega3, first, found, last, rate, rate1, False)
 
 
-def is_one_way(d, x, header, speed, omega3, found, rate, load):
+def is_one_way(side, x, speed, found, rate):
     """Whether the torque left keeps the sign of rate at the knots between: no balance is skipped."""
-    row = first_row(header)
-    low = min(omega3, found)
-    high = max(omega3, found)
-    for _ in range(int(d[header])):
-        here = d[row] * speed
+    low = min(x.omega3, found)
+    high = max(x.omega3, found)
+    for n in range(int(side.count)):
+        knot = side.knots[n]
+        here = knot.ratio * speed
         if here >= high:
             break
-        if here > low and (speed * speed * d[row + ROW_TORQUE] - load) * rate < 0.0:
+        if here > low and (speed * speed * knot.torque[0] - x.load_torque) * rate < 0.0:
             return False
-        row += MAP_ROW
     return True
 
 
-def stiff_step(d, x, w, header, speed, speed_rate, omega3, load, h, first, allowed):
-    """One implicit step into the workspace; an error without bound if it is not found."""
-    inertia = d[D_J3]
-    rate = (first[0] - load) / inertia
+def implicit_step(d, side, x, w, speed, speed_rate, h, first, allowed):
+    """One implicit step; an error without bound if it is not found."""
+    inertia = d.J3
+    omega3 = x.omega3
+    rate = (first[0] - x.load_torque) / inertia
     end = speed + speed_rate * h
     found = omega3
-    w[W_ERROR] = 1e300
+    w.error = 1e300
     last = first
-    for _ in range(NEWTON_LOOKS):
-        last = driving_rates(d, x, header, end, speed_rate, found)
-        rate1 = (last[0] - load) / inertia
+    for _ in range(NEWTON_STEPS):
+        last = mean_rates(side, x, end, speed_rate, found)
+        rate1 = (last[0] - x.load_torque) / inertia
         slope = last[1] / inertia
         bend1 = last[2] / inertia + slope * rate1
-        x[X_STEP_EVALUATIONS] += 1.0
+        x.step_evaluations += 1.0
         left = found - omega3 - h * (rate / 3.0 + rate1 / 1.5 - h * bend1 / 6.0)
         steep = 1.0 - h * slope / 1.5 + h * h * slope * slope / 6.0
         move = -left / steep
         found += move
         if abs(move) <= 1e-3 * allowed or abs(move) <= 1e-15 * abs(found):
             # where the slope is positive the balance repels: a damped step would be drawn to it
-            if slope <= 0.0 and is_one_way(d, x, header, end, omega3, found, rate, load):
-                w[W_ERROR] = abs(h / 3.0 * (rate1 - rate - h * bend1) / steep) / allowed
+            if slope <= 0.0 and is_one_way(side, x, end, found, rate):
+                w.error = abs(h / 3.0 * (rate1 - rate - h * bend1) / steep) / allowed
                 # a transient that is damped out within the step would be wrong in the angle and the work
                 away = abs(rate / first[1]) * inertia
                 if h * abs(first[1]) > RESOLVED * inertia:
-                    w[W_ERROR] = max(w[W_ERROR], away / (TRANSIENT * allowed))
+                    w.error = max(w.error, away / (TRANSIENT * allowed))
             break
-    rate1 = (last[0] - load) / inertia
-    keep(w, h, omega3, first, found, last, rate, rate1, True)
+    rate1 = (last[0] - x.load_torque) / inertia
+    integrate(w, h, omega3, first, found, last, rate, rate1, True)
+
+
+def take_step(d, side, x, w, speed, speed_rate, h, first, allowed):
+    """One step from x.omega3, explicit if it can be; x is left as it is."""
+    if h * abs(first[1]) <= LARGEST_EXPLICIT * d.J3:
+        explicit_step(d, side, x, w, speed, speed_rate, h, first, allowed)
+    else:
+        implicit_step(d, side, x, w, speed, speed_rate, h, first, allowed)
+    x.step_evaluations += 1.0
+
+
+def take_accurate_step(d, side, x, w, speed, speed_rate, h, first, allowed):
+    """One step, no longer than h, as long as the error allows. Returns its length or -1."""
+    wanted = h
+    for _ in range(TRIES):
+        take_step(d, side, x, w, speed, speed_rate, h, first, allowed)
+        if w.error <= 1.0:
+            factor = min(5.0, 0.8 * w.error**-0.25) if w.error > 1e-4 else 5.0
+            # a step cut short by the end of the communication step says little about longer ones
+            x.step_size = max(factor * h, x.step_size) if h == wanted else factor * h
+            return h
+        h *= max(0.1, 0.8 * w.error**-0.25) if w.error < 1e4 else 0.1
+    return -1.0
+
+
+def past_end(side, w, end_speed):
+    """How far the step went past rest or the end of the map, rad/s."""
+    return max(w.next - side.end * end_speed, -w.next)
+
+
+def cut_step(d, side, x, w, speed, speed_rate, h, first, allowed, zero):
+    """Cut a step that went past rest or the end of the map where it gets there. Returns its length."""
+    high = h
+    high_past = past_end(side, w, speed + speed_rate * h)
+    low = 0.0
+    low_past = max(-x.omega3, x.omega3 - side.end * speed)
+    if low_past > -zero:
+        low_past = -high_past  # it begins where the map ends: that is not where it is to stop
+    # Illinois: a secant that never leaves the bracket
+    for _ in range(CUTS):
+        h = high - high_past * (high - low) / (high_past - low_past)
+        if not low < h < high:
+            h = 0.5 * (low + high)
+        if not low < h < high:
+            return high
+        take_step(d, side, x, w, speed, speed_rate, h, first, allowed)
+        past = past_end(side, w, speed + speed_rate * h)
+        if abs(past) <= zero:
+            break
+        if past > 0.0:
+            high = h
+            high_past = past
+            low_past *= 0.5
+        else:
+            low = h
+            low_past = past
+            high_past *= 0.5
+    return h
+
+
+def slip(d, side, x, w, omega1, alpha1, remaining):
+    """Advance the shaft under the mean torque by one accurate step; where it rests or the map ends, it stops.
+
+    Returns:
+        (time passed or -1, impulse of the output torque).
+    """
+    speed = abs(omega1)
+    speed_rate = side.direction * alpha1
+    omega3 = x.omega3
+    first = mean_rates(side, x, speed, speed_rate, omega3)
+    x.step_evaluations += 1.0
+    h = min(remaining, d.max_step)
+    if x.step_size > 0.0:
+        h = min(h, x.step_size)
+    fastest = max(omega3, max(speed, speed + speed_rate * h))
+    allowed = d.tolerance * fastest + 1e-300
+    h = take_accurate_step(d, side, x, w, speed, speed_rate, h, first, allowed)
+    if h < 0.0:
+        return -1.0, 0.0
+    zero = ROUNDING * fastest
+    cut = past_end(side, w, speed + speed_rate * h) > zero
+    if cut:
+        h = cut_step(d, side, x, w, speed, speed_rate, h, first, allowed, zero)
+    rests = cut and -w.next > w.next - side.end * (speed + speed_rate * h)
+    x.omega3, x.omega3_low = add(omega3, x.omega3_low, w.next - omega3)
+    end = side.end * abs(omega1 + alpha1 * h)
+    if rests or x.omega3 < 0.0:
+        x.omega3 = 0.0
+        x.omega3_low = 0.0
+    elif cut or x.omega3 > end:
+        x.omega3 = end
+        x.omega3_low = 0.0
+    return h, d.J3 * (w.next - omega3) + x.load_torque * h

@@ -1,58 +1,32 @@
-"""Knots of the averaged map: kept sorted, interpolated without overshoot.
+"""Knots of the averaged map: interpolated without overshoot, added where the table is worst.
 
 Slopes are those of Fritsch and Butland (1984), SIAM J. Sci. Stat. Comput. 5, 300, as in SciPy's
 PchipInterpolator: between knots no value leaves the range of its neighbours.
+A cubic is its four coefficients in the distance from its knot: value, slope, and two that bend it.
 """
 
-from .slots import *
-
-# a row: ratio; cubics in the distance from it of torque, energy and speed of link 2; ripple, peak
-ROW_TORQUE = 1
-ROW_ENERGY = 5
-ROW_OMEGA2 = 9
-ROW_RIPPLE = 13
-ROW_PEAK = 14
-# while the map is built the error of the interval that follows, then one over its width
-ROW_ERROR = 15
+# error of an interval that has not been looked at
 UNKNOWN_ERROR = 1e300
+# energy and speed of link 2 matter less than the torque
+OTHER_SHARE = 0.2
 
 
-def first_row(header):
-    """Where the rows of one sign of omega1 begin."""
-    return D_MAP_KNOTS + (MAP_ROWS * MAP_ROW if header == D_MAP_BACKWARD else 0)
-
-
-def knot(d, header, n):
-    """Speed ratio of knot n."""
-    return d[first_row(header) + n * MAP_ROW]
-
-
-def slope_at(d, header, column, n):
-    """Slope at knot n of the quantity in this column."""
-    last = int(d[header]) - 1
-    base = first_row(header)
-    if last < 1:
+def inner_slope(left, right, before, here, after):
+    """Slope at a knot by the values there and at its neighbours, which are left and right away."""
+    s0 = (here - before) / left
+    s1 = (after - here) / right
+    if s0 * s1 <= 0.0:
         return 0.0
-    if 0 < n < last:
-        here = base + n * MAP_ROW
-        h0 = d[here] - d[here - MAP_ROW]
-        h1 = d[here + MAP_ROW] - d[here]
-        s0 = (d[here + column] - d[here - MAP_ROW + column]) / h0
-        s1 = (d[here + MAP_ROW + column] - d[here + column]) / h1
-        if s0 * s1 <= 0.0:
-            return 0.0
-        w0 = 2.0 * h1 + h0
-        w1 = h1 + 2.0 * h0
-        return (w0 + w1) / (w0 / s0 + w1 / s1)
-    step = MAP_ROW if n == 0 else -MAP_ROW
-    here = base + n * MAP_ROW
-    h0 = d[here + step] - d[here]
-    s0 = (d[here + step + column] - d[here + column]) / h0
-    if last < 2:
-        return s0
-    h1 = d[here + 2 * step] - d[here + step]
-    s1 = (d[here + 2 * step + column] - d[here + step + column]) / h1
-    slope = ((2.0 * h0 + h1) * s0 - h0 * s1) / (h0 + h1)
+    w0 = 2.0 * right + left
+    w1 = right + 2.0 * left
+    return (w0 + w1) / (w0 / s0 + w1 / s1)
+
+
+def end_slope(near, far, here, following, beyond):
+    """Slope at the first or last knot by the values there and at the two next, near and then far further."""
+    s0 = (following - here) / near
+    s1 = (beyond - following) / far
+    slope = ((2.0 * near + far) * s0 - near * s1) / (near + far)
     if slope * s0 <= 0.0:
         return 0.0
     if s0 * s1 <= 0.0 and abs(slope) > 3.0 * abs(s0):
@@ -60,99 +34,105 @@ def slope_at(d, header, column, n):
     return slope
 
 
-def cubic(d, header, column, n):
-    """Coefficients of the cubic in the distance from knot n, up to knot n + 1."""
-    here = first_row(header) + n * MAP_ROW
-    h = d[here + MAP_ROW] - d[here]
-    m0 = slope_at(d, header, column, n)
-    m1 = slope_at(d, header, column, n + 1)
-    s = (d[here + MAP_ROW + column] - d[here + column]) / h
-    return d[here + column], m0, (3.0 * s - 2.0 * m0 - m1) / h, (m0 + m1 - 2.0 * s) / (h * h)
+def set_slopes(side, n):
+    """Write the slopes at knot n of three or more."""
+    last = int(side.count) - 1
+    here = side.knots[n]
+    if 0 < n < last:
+        a = side.knots[n - 1]
+        b = side.knots[n + 1]
+        left = here.ratio - a.ratio
+        right = b.ratio - here.ratio
+        here.torque[1] = inner_slope(left, right, a.torque[0], here.torque[0], b.torque[0])
+        here.energy[1] = inner_slope(left, right, a.energy[0], here.energy[0], b.energy[0])
+        here.omega2[1] = inner_slope(left, right, a.omega2[0], here.omega2[0], b.omega2[0])
+        return
+    step = 1 if n == 0 else -1
+    a = side.knots[n + step]
+    b = side.knots[n + 2 * step]
+    near = a.ratio - here.ratio
+    far = b.ratio - a.ratio
+    here.torque[1] = end_slope(near, far, here.torque[0], a.torque[0], b.torque[0])
+    here.energy[1] = end_slope(near, far, here.energy[0], a.energy[0], b.energy[0])
+    here.omega2[1] = end_slope(near, far, here.omega2[0], a.omega2[0], b.omega2[0])
 
 
-def interpolate(d, header, column, n, sigma):
-    """Value at sigma, between knots n and n + 1, while the map is built."""
-    c0, c1, c2, c3 = cubic(d, header, column, n)
-    t = sigma - knot(d, header, n)
-    return c0 + t * (c1 + t * (c2 + t * c3))
+def bends(here, after, h):
+    """The other two coefficients of a cubic that ends, h further, with the value and slope of the next."""
+    m0 = here[1]
+    m1 = after[1]
+    s = (after[0] - here[0]) / h
+    return (3.0 * s - 2.0 * m0 - m1) / h, (m0 + m1 - 2.0 * s) / (h * h)
 
 
-def find_row(d, header, sigma):
-    """Number of the last knot not above sigma."""
-    n = int(d[header]) - 1
-    while n > 0 and knot(d, header, n) > sigma:
-        n -= 1
-    return n
+def interpolate(here, after, h, t):
+    """Value t above a knot, while the map is built."""
+    c2, c3 = bends(here, after, h)
+    return here[0] + t * (here[1] + t * (c2 + t * c3))
 
 
-def predict(d, header, sigma, torque, energy, omega2, other_share):
-    """Error of the table at sigma, in units of the first knot's values."""
-    count = int(d[header])
-    if count < 2 or sigma > knot(d, header, count - 1):
-        return UNKNOWN_ERROR
-    n = find_row(d, header, sigma)
-    base = first_row(header)
-    error = abs(interpolate(d, header, ROW_TORQUE, n, sigma) - torque)
-    scale = d[base + ROW_TORQUE]
-    error = error / scale if scale > 0.0 else 0.0
-    error2 = other_share * abs(interpolate(d, header, ROW_OMEGA2, n, sigma) - omega2)
-    scale = d[base + ROW_ENERGY]
-    error3 = other_share * abs(interpolate(d, header, ROW_ENERGY, n, sigma) - energy)
-    error3 = error3 / scale if scale > 0.0 else 0.0
+def table_error(side, n, sigma, torque, energy, omega2):
+    """Error of the table at sigma, between knots n and n + 1, in units of the first knot's values."""
+    set_slopes(side, n)
+    set_slopes(side, n + 1)
+    first = side.knots[0]
+    a = side.knots[n]
+    b = side.knots[n + 1]
+    h = b.ratio - a.ratio
+    t = sigma - a.ratio
+    error = abs(interpolate(a.torque, b.torque, h, t) - torque)
+    error = error / first.torque[0] if first.torque[0] > 0.0 else 0.0
+    error2 = OTHER_SHARE * abs(interpolate(a.omega2, b.omega2, h, t) - omega2)
+    error3 = OTHER_SHARE * abs(interpolate(a.energy, b.energy, h, t) - energy)
+    error3 = error3 / first.energy[0] if first.energy[0] > 0.0 else 0.0
     return max(error, max(error2, error3))
 
 
-def put_knot(d, header, sigma, torque, energy, omega2, ripple, peak, error):
-    """Put a knot in its place; error is that of the table there before it."""
-    count = int(d[header])
-    base = first_row(header)
-    n = count
-    while n > 0 and knot(d, header, n - 1) > sigma:
-        for column in range(MAP_ROW):
-            d[base + n * MAP_ROW + column] = d[base + (n - 1) * MAP_ROW + column]
-        n -= 1
-    here = base + n * MAP_ROW
-    for column in range(MAP_ROW):
-        d[here + column] = 0.0
-    d[here] = sigma
-    d[here + ROW_TORQUE] = torque
-    d[here + ROW_ENERGY] = energy
-    d[here + ROW_OMEGA2] = omega2
-    d[here + ROW_RIPPLE] = ripple
-    d[here + ROW_PEAK] = peak
+def insert_knot(side, n, sigma, torque, energy, omega2, ripple, peak, error):
+    """Insert a knot as number n; error is that of the table there before it."""
+    count = int(side.count)
+    for m in range(count, n, -1):
+        side.knots[m] = side.knots[m - 1]
+    knot = side.knots[n]
+    knot.ratio = sigma
+    knot.torque[0] = torque
+    knot.energy[0] = energy
+    knot.omega2[0] = omega2
+    knot.ripple = ripple
+    knot.peak = peak
     # halving an interval at least halves its error
-    half = 0.5 * error
-    d[here + ROW_ERROR] = half
+    knot.error = 0.5 * error
     if n > 0:
-        d[here - MAP_ROW + ROW_ERROR] = half
-    d[header] = count + 1.0
+        side.knots[n - 1].error = knot.error
+    side.count = count + 1.0
 
 
-def worst_interval(d, header):
+def worst_interval(side):
     """(number of the knot before the worst interval, its error)."""
     worst = 0
     error = 0.0
-    base = first_row(header)
-    for n in range(int(d[header]) - 1):
-        if d[base + n * MAP_ROW + ROW_ERROR] > error:
+    for n in range(int(side.count) - 1):
+        if side.knots[n].error > error:
             worst = n
-            error = d[base + n * MAP_ROW + ROW_ERROR]
+            error = side.knots[n].error
     return worst, error
 
 
-def finish_table(d, header):
+def set_bends(here, after, h):
+    """Write the last two coefficients of a cubic."""
+    here[2], here[3] = bends(here, after, h)
+
+
+def finish_table(side):
     """Write the coefficients of all cubics; beyond the last knot there is no torque."""
-    base = first_row(header)
-    last = int(d[header]) - 1
-    for n in range(last):
-        here = base + n * MAP_ROW
-        for column in (ROW_TORQUE, ROW_ENERGY, ROW_OMEGA2):
-            _, c1, c2, c3 = cubic(d, header, column, n)
-            d[here + column + 1] = c1
-            d[here + column + 2] = c2
-            d[here + column + 3] = c3
-        d[here + ROW_ERROR] = 1.0 / (d[here + MAP_ROW] - d[here])
-    # at the last knot the slopes are those from below
-    for column in (ROW_TORQUE, ROW_ENERGY, ROW_OMEGA2):
-        d[base + last * MAP_ROW + column + 1] = slope_at(d, header, column, last)
-    d[base + last * MAP_ROW + ROW_ERROR] = 0.0
+    count = int(side.count)
+    if count > 1:
+        for n in range(count):
+            set_slopes(side, n)
+    for n in range(count - 1):
+        here = side.knots[n]
+        after = side.knots[n + 1]
+        h = after.ratio - here.ratio
+        set_bends(here.torque, after.torque, h)
+        set_bends(here.energy, after.energy, h)
+        set_bends(here.omega2, after.omega2, h)

@@ -1,14 +1,19 @@
-"""Ideal freewheels as complementarity conditions: which contact mode holds (DESIGN section 3).
+"""Ideal freewheels as complementarity conditions: which contact mode holds (docs/mechanics.md).
 
 0 <= omega2 _|_ Th >= 0  (housing)        0 <= omega3 - omega2 _|_ Tc >= 0  (output)
 """
 
-from .dynamics import free_torque, free_torque_rate, torque_scale
-from .inertia import reduced_inertia
-from .slots import *
+from .codes import DRIVING, FREE, HELD, HELD_DRIVING
+from .links import given_at_input, motion, torque_scale
+from .shaft import load_behind_freewheel
 
 # a torque below this fraction of its scale is zero: the sign of its rate decides
 TORQUE_ROUNDING = 1e-13
+
+
+def is_held(x):
+    """Whether the housing freewheel holds link 2 in the present mode."""
+    return x.mode == HELD or x.mode == HELD_DRIVING
 
 
 def sign_or_trend(value, rate, zero):
@@ -18,20 +23,7 @@ def sign_or_trend(value, rate, zero):
     return value >= -zero and rate > 0.0
 
 
-def mode_at_rest(d, touches, load, load_rate):
-    """Contact mode where nothing turns the drive, with the housing freewheel: the mesh has no torque.
-
-    Args:
-        touches: whether link 2 and the output shaft touch. load, load_rate: as for select_mode.
-    """
-    if not touches:
-        return HELD
-    if load < 0.0 or (load == 0.0 and load_rate < 0.0):
-        return DRIVING if d[D_OUTPUT] == 0.0 else HELD  # the load itself pulls the shaft away
-    return HELD_DRIVING
-
-
-def select_mode(d, q, omega1, alpha1, omega2, omega3, load, load_rate):
+def select_mode(d, q, omega1, omega2, omega3, given, load, load_rate, rounding):
     """Contact mode of the 2 x 2 complementarity problem on accelerations.
 
     A freewheel counts as touching where its relative velocity is exactly zero: the event search
@@ -39,38 +31,41 @@ def select_mode(d, q, omega1, alpha1, omega2, omega3, load, load_rate):
     for ties, which the next derivative decides.
 
     Args:
+        given: see links.given_at_input.
         load, load_rate: torque on the output shaft behind the freewheel (the load, or that of an
             elastic shaft), N m, and how it changes, N m/s.
+        rounding: fraction of its scale below which a torque is zero, so that its rate decides.
     """
-    k = d[D_K]
-    housing = d[D_HOUSING] != 0.0 and omega2 == 0.0
-    output = d[D_OUTPUT] == 0.0 or omega3 == omega2
-    if housing and omega1 == 0.0 and alpha1 == 0.0:
-        return mode_at_rest(d, output, load, load_rate)
-    _, i1, i2, b, b1, g, g1, g2 = reduced_inertia(d, q)
-    rate_q = k * (omega1 - omega2)
-    free = free_torque(d, omega1, alpha1, rate_q, i1, b, g, g1)
-    inertia = d[D_J2] + k * k * g
+    housing = d.housing != 0.0 and omega2 == 0.0
+    output = d.output == 0.0 or omega3 == omega2
+    if not output and not housing:
+        return FREE
+    alpha1, _, _, free, trend, _ = motion(d, q, omega1, omega2, given, True, 0.0, 0.0, 0.0)
     # the same zeros as in the search for events: the load counts only where it takes part
-    zero_free = TORQUE_ROUNDING * torque_scale(d, omega1, alpha1, rate_q)
-    zero = zero_free + TORQUE_ROUNDING * abs(load)
-    shaft = d[D_J3]
+    zero_free = rounding * torque_scale(d, omega1, alpha1, d.k * (omega1 - omega2), given)
+    zero = zero_free + rounding * abs(load)
     if not output:
-        if not housing:
-            return FREE
-        trend = free_torque_rate(d, omega1, alpha1, rate_q, k * alpha1, i1, i2, b1, g1, g2)
         return FREE if sign_or_trend(free, trend, zero_free) else HELD
-    if housing and (d[D_OUTPUT] == 0.0 or (load > 0.0 or (load == 0.0 and load_rate >= 0.0))):
-        trend = free_torque_rate(d, omega1, alpha1, rate_q, k * alpha1, i1, i2, b1, g1, g2)
+    if housing and (d.output == 0.0 or (load > 0.0 or (load == 0.0 and load_rate >= 0.0))):
         return DRIVING if sign_or_trend(free - load, trend - load_rate, zero) else HELD_DRIVING
-    if d[D_OUTPUT] == 0.0:
+    if d.output == 0.0:
         return DRIVING
-    if housing:
-        trend = free_torque_rate(d, omega1, alpha1, rate_q, k * alpha1, i1, i2, b1, g1, g2)
-        if not sign_or_trend(free, trend, zero_free):
-            return HELD  # the load itself pulls the shaft away
-    alpha2 = free / inertia if inertia > 0.0 else 0.0
-    trend = free_torque_rate(d, omega1, alpha1, rate_q, k * (alpha1 - alpha2), i1, i2, b1, g1, g2)
-    closing = shaft * free + inertia * load
-    closing_rate = shaft * trend + k * k * g1 * rate_q * load + inertia * load_rate
-    return DRIVING if sign_or_trend(closing, closing_rate, zero * (shaft + inertia)) else FREE
+    if housing and not sign_or_trend(free, trend, zero_free):
+        return HELD  # the load itself pulls the shaft away
+    _, alpha2, jerk2, _, _, _ = motion(d, q, omega1, omega2, given, False, d.J3, load, load_rate)
+    return DRIVING if sign_or_trend(load + d.J3 * alpha2, load_rate + d.J3 * jerk2, zero) else FREE
+
+
+def present_mode(d, x, rounding):
+    """Contact mode of the state in x."""
+    load, rate = load_behind_freewheel(d, x)
+    given = given_at_input(d, x)
+    return select_mode(d, x.q, x.omega1, x.omega2, x.omega3, given, load, rate, rounding)
+
+
+def choose_mode(d, x, rounding):
+    """Choose the contact mode anew and count a switch if it is another."""
+    mode = present_mode(d, x, rounding)
+    if mode != x.mode:
+        x.mode = mode
+        x.step_switches += 1.0

@@ -2,8 +2,20 @@
 
 import math
 
-from .collocation import derive_collocation
-from .slots import *
+from .codes import (
+    AVERAGED,
+    BAD_START_HOUSING,
+    BAD_START_OUTPUT,
+    BAD_START_RIGID,
+    DRIVE_TORQUE,
+    ELASTIC,
+    KINEMATIC,
+    NO_INPUT_INERTIA,
+    NO_RECTIFIER,
+    OK,
+    PRESCRIBED,
+    SINGULAR,
+)
 
 TWO_PI = 6.283185307179586
 TWO_PI_LOW = 2.4492935982947064e-16
@@ -23,74 +35,74 @@ def derive_period(turns, d):
     """Period of the motion in q, 2 pi times whole turns of the drive, in two doubles."""
     period = turns * TWO_PI
     rest = turns * (TWO_PI - TWO_PI_LEADING) + turns * TWO_PI_LOW
-    d[D_PERIOD] = period
-    d[D_PERIOD_LOW] = (turns * TWO_PI_LEADING - period) + rest
-    d[D_PERIOD_TURNS] = turns
+    d.period = period
+    d.period_low = (turns * TWO_PI_LEADING - period) + rest
+    d.period_turns = turns
 
 
 def derive_bevel(p, d):
     """Karetin's standard layout: the lengths of figure 1 from teeth, shaft angle and a, b, c."""
-    s = p[P_Z17] / p[P_Z6]
-    shaft_angle = p[P_SHAFT_ANGLE]
+    s = p.z17 / p.z6
+    shaft_angle = p.shaft_angle
     sine = math.sin(shaft_angle)
     cosine = math.cos(shaft_angle)
     # half angle of the satellite's pitch cone: rolling without slip makes s = sin psi / sin phi
     phi = math.atan2(sine, s + cosine)
-    pitch = p[P_WHEEL_RADIUS] / (s * math.sin(phi))
-    arm = p[P_A] * pitch * math.sin(phi)  # AD
-    satellite_axis = p[P_B] * pitch * math.cos(phi)  # QA
-    d[D_K] = p[P_Z2] / p[P_Z16]
-    d[D_S] = s
-    d[D_PHASE_A] = p[P_GAMMA]
-    d[D_PHASE_B] = p[P_EPSILON]
-    d[D_RADIAL] = satellite_axis * sine
-    d[D_RADIAL_COS] = arm * cosine
-    d[D_ARM] = arm
+    pitch = p.wheel_radius / (s * math.sin(phi))
+    arm = p.a * pitch * math.sin(phi)  # AD
+    satellite_axis = p.b * pitch * math.cos(phi)  # QA
+    d.k = p.z2 / p.z16
+    d.s = s
+    d.phase_a = p.gamma
+    d.phase_b = p.epsilon
+    d.radial = satellite_axis * sine
+    d.radial_cos = arm * cosine
+    d.arm = arm
     # OQ - QA cos Sigma with OQ = c L cos psi, written out so that nothing cancels for small Sigma
-    d[D_AXIAL] = pitch * ((p[P_C] - p[P_B]) * math.cos(phi) * cosine + p[P_C] * math.sin(phi) * sine)
-    d[D_AXIAL_COS] = arm * sine
+    d.axial = pitch * ((p.c - p.b) * math.cos(phi) * cosine + p.c * math.sin(phi) * sine)
+    d.axial_cos = arm * sine
     # |r'|^2 = spin sin^2 B + (pole_offset + pole_arm (1 - cos B))^2: exact also where it vanishes
-    d[D_POLE_OFFSET] = (p[P_B] - p[P_A]) * pitch * sine * math.cos(phi)
-    d[D_POLE_ARM] = p[P_A] * pitch * sine * math.cos(phi)
-    d[D_SPIN] = arm * arm * (1.0 + 2.0 * s * cosine + s * s)
-    derive_period(p[P_Z6] / greatest_common_divisor(p[P_Z17], p[P_Z6]), d)
-    reach = abs(d[D_RADIAL]) + abs(d[D_AXIAL]) + 2.0 * arm
+    d.pole_offset = (p.b - p.a) * pitch * sine * math.cos(phi)
+    d.pole_arm = p.a * pitch * sine * math.cos(phi)
+    d.spin = arm * arm * (1.0 + 2.0 * s * cosine + s * s)
+    derive_period(p.z6 / greatest_common_divisor(p.z17, p.z6), d)
+    reach = abs(d.radial) + abs(d.axial) + 2.0 * arm
     rate = reach + 2.0 * s * arm
-    d[D_G_SLOPE] = s * (d[D_SPIN] + 2.0 * d[D_POLE_ARM] * (abs(d[D_POLE_OFFSET]) + 2.0 * d[D_POLE_ARM]))
-    d[D_I_SLOPE] = 2.0 * reach * rate
-    d[D_ALPHA_SLOPE] = d[D_K] * rate * rate + reach * rate
+    d.g_slope = s * (d.spin + 2.0 * d.pole_arm * (abs(d.pole_offset) + 2.0 * d.pole_arm))
+    d.i_slope = 2.0 * reach * rate
+    d.alpha_slope = d.k * rate * rate + reach * rate
 
 
 def derive_planar(p, d):
     """Lysenko's layout: link 1 is the carrier, link 2 the sun wheel the satellites roll on."""
-    arm = p[P_ECCENTRICITY]
-    centre = p[P_SUN_RADIUS] + p[P_SATELLITE_RADIUS]
-    d[D_K] = p[P_SUN_RADIUS] / p[P_SATELLITE_RADIUS]
-    d[D_S] = 1.0
-    d[D_PHASE_A] = 0.0
-    d[D_PHASE_B] = 0.0
-    d[D_RADIAL] = arm
-    d[D_RADIAL_COS] = 0.0
-    d[D_ARM] = 0.0
-    d[D_AXIAL] = centre
-    d[D_AXIAL_COS] = 0.0
-    d[D_POLE_OFFSET] = arm
-    d[D_POLE_ARM] = 0.0
-    d[D_SPIN] = 0.0
+    arm = p.eccentricity
+    centre = p.sun_radius + p.satellite_radius
+    d.k = p.sun_radius / p.satellite_radius
+    d.s = 1.0
+    d.phase_a = 0.0
+    d.phase_b = 0.0
+    d.radial = arm
+    d.radial_cos = 0.0
+    d.arm = 0.0
+    d.axial = centre
+    d.axial_cos = 0.0
+    d.pole_offset = arm
+    d.pole_arm = 0.0
+    d.spin = 0.0
     derive_period(1.0, d)
-    d[D_G_SLOPE] = 0.0
-    d[D_I_SLOPE] = 2.0 * arm * centre
-    d[D_ALPHA_SLOPE] = d[D_K] * arm * arm + arm * (arm + centre)
+    d.g_slope = 0.0
+    d.i_slope = 2.0 * arm * centre
+    d.alpha_slope = d.k * arm * arm + arm * (arm + centre)
 
 
 def derive_harmonic(p, d):
     """Highest harmonic of q in the reduced inertia: how finely a guard has to be sampled."""
-    if d[D_PLANAR] != 0.0:
-        d[D_HARMONIC] = 1.0
-    elif p[P_SATELLITES] <= 2.0:
-        d[D_HARMONIC] = 2.0 + 2.0 * d[D_S]
+    if d.planar != 0.0:
+        d.harmonic = 1.0
+    elif p.satellites <= 2.0:
+        d.harmonic = 2.0 + 2.0 * d.s
     else:
-        d[D_HARMONIC] = 2.0 * d[D_S]
+        d.harmonic = 2.0 * d.s
 
 
 def is_singular(d):
@@ -99,23 +111,23 @@ def is_singular(d):
     G is least where B = 0: there |r'| is pole_offset, zero where a = b (DESIGN section 2). Without
     the output freewheel link 2 always carries the output shaft.
     """
-    offset = d[D_POLE_OFFSET]
-    far = offset + 2.0 * d[D_POLE_ARM]
-    fixed = d[D_J2] + d[D_K] * d[D_K] * d[D_J16]
-    if d[D_OUTPUT] == 0.0:
-        fixed += d[D_J3]
-    moving = d[D_K] * d[D_K] * d[D_MASS]
+    offset = d.pole_offset
+    far = offset + 2.0 * d.pole_arm
+    fixed = d.J2 + d.k * d.k * d.J16
+    if d.output == 0.0:
+        fixed += d.J3
+    moving = d.k * d.k * d.mass
     least = fixed + moving * offset * offset
-    return not least > SINGULAR_RATIO * (fixed + moving * (far * far + d[D_SPIN]))
+    return not least > SINGULAR_RATIO * (fixed + moving * (far * far + d.spin))
 
 
 def check_start(p):
     """Status of the starting speeds against the freewheels that are there."""
-    omega2 = p[P_OMEGA2_START]
-    omega_out = p[P_OMEGA_OUT_START]
-    if p[P_HOUSING_FREEWHEEL] != 0.0 and omega2 < 0.0:
+    omega2 = p.omega2_start
+    omega_out = p.omega_out_start
+    if p.housing_freewheel != 0.0 and omega2 < 0.0:
         return BAD_START_HOUSING
-    if p[P_OUTPUT_FREEWHEEL] == 0.0:
+    if p.output_freewheel == 0.0:
         if omega2 != omega_out:
             return BAD_START_RIGID
     elif omega_out < omega2:
@@ -127,49 +139,50 @@ def derive(p, d):
     """Fill d from p and check what only shows in combination.
 
     Args:
-        p: parameters, P_SIZE doubles, each already within the range of the table of variables.
-        d: derived constants, D_SIZE doubles, written.
+        p: parameters, each already within the range of the table of variables.
+        d: derived constants, written.
 
     Returns:
         Status: OK, PRESCRIBED, NO_INPUT_INERTIA, NO_RECTIFIER, SINGULAR or a BAD_START code.
     """
-    d[D_PLANAR] = p[P_LAYOUT]
-    if p[P_LAYOUT] != 0.0:
+    d.planar = p.layout
+    if p.layout != 0.0:
         derive_planar(p, d)
     else:
         derive_bevel(p, d)
-    d[D_SINGLE] = 1.0 if p[P_SATELLITES] == 1.0 else 0.0
-    d[D_PAIRED] = 1.0 if p[P_SATELLITES] <= 2.0 else 0.0
-    d[D_MASS] = p[P_IMBALANCE_MASS] * p[P_MODULES] * p[P_SATELLITES]
+    d.single = 1.0 if p.satellites == 1.0 else 0.0
+    d.paired = 1.0 if p.satellites <= 2.0 else 0.0
+    d.mass = p.imbalance_mass * p.modules * p.satellites
     derive_harmonic(p, d)
-    d[D_J1] = p[P_J1]
-    d[D_J2] = p[P_J2]
-    d[D_J3] = p[P_J3]
-    d[D_J16] = p[P_J16]
-    derive_collocation(d)
-    d[D_J4] = p[P_J4]
-    d[D_STIFFNESS] = p[P_SHAFT_STIFFNESS]
-    d[D_DAMPING] = p[P_SHAFT_DAMPING]
-    d[D_FRICTION] = p[P_DRIVEN_FRICTION]
-    d[D_BALANCER] = p[P_BALANCER]
-    d[D_HOUSING] = p[P_HOUSING_FREEWHEEL]
-    d[D_OUTPUT] = p[P_OUTPUT_FREEWHEEL]
+    d.J1 = p.input_inertia
+    d.J2 = p.link2_inertia
+    d.J3 = p.output_inertia
+    d.J16 = p.drive_inertia
+    d.by_torque = 1.0 if p.drive == DRIVE_TORQUE else 0.0
+    d.elastic = 1.0 if p.fidelity == ELASTIC else 0.0
+    d.J4 = p.driven_inertia
+    d.stiffness = p.shaft_stiffness
+    d.damping = p.shaft_damping
+    d.friction = p.driven_friction
+    d.balancer = p.balancer
+    d.housing = p.housing_freewheel
+    d.output = p.output_freewheel
     # a tenth for each step, so that the error of the whole run is about the tolerance asked for
-    d[D_TOLERANCE] = max(0.1 * p[P_TOLERANCE], 1e-14)
-    d[D_FOLLOWED] = 1.0 / d[D_TOLERANCE]
-    d[D_MAX_STEP] = p[P_MAX_STEP] if p[P_MAX_STEP] > 0.0 else 1e300
-    scale = d[D_MASS] * d[D_K]
-    d[D_G_SLOPE] *= scale
-    d[D_I_SLOPE] *= scale
-    d[D_ALPHA_SLOPE] = scale * d[D_ALPHA_SLOPE] + d[D_K] * (1.0 + d[D_K]) * d[D_J16]
-    if p[P_DRIVE] == DRIVE_TORQUE:
-        if p[P_FIDELITY] == KINEMATIC:
+    d.tolerance = max(0.1 * p.tolerance, 1e-14)
+    d.followed = 1.0 / d.tolerance
+    d.max_step = p.max_step if p.max_step > 0.0 else 1e300
+    scale = d.mass * d.k
+    d.g_slope *= scale
+    d.i_slope *= scale
+    d.alpha_slope = scale * d.alpha_slope + d.k * (1.0 + d.k) * d.J16
+    if p.drive == DRIVE_TORQUE:
+        if p.fidelity == KINEMATIC:
             return PRESCRIBED
-        if not d[D_J1] > SINGULAR_RATIO * d[D_ALPHA_SLOPE]:
+        if not d.J1 > SINGULAR_RATIO * d.alpha_slope:
             return NO_INPUT_INERTIA
-    if p[P_FIDELITY] == KINEMATIC:
+    if p.fidelity == KINEMATIC:
         return OK
-    if p[P_FIDELITY] == AVERAGED and (d[D_HOUSING] == 0.0 or d[D_OUTPUT] == 0.0):
+    if p.fidelity == AVERAGED and (d.housing == 0.0 or d.output == 0.0):
         return NO_RECTIFIER
     if is_singular(d):
         return SINGULAR

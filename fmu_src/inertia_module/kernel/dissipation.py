@@ -9,7 +9,6 @@ exact to rounding, the rule is of order 24. Swinging motion: closed form, for an
 import math
 
 from .accumulate import later
-from .driven_shaft_slots import *
 from .kept_responses import NODES, is_short
 from .propagator import SHORT, responses
 
@@ -31,24 +30,24 @@ WEIGHTS = (
 
 def squares_from(w, slope, impulse, one, two):
     """Squared slip and squared speed of the driven mass from the answers at some time of the step."""
-    slip = w[W_SLIP] * slope + w[W_SLIP_PULL] * impulse + w[W_SLIP_RAMP] * one
-    kept = w[W_OMEGA4] * slope
-    fresh = w[W_FRESH_RATE] * impulse
-    pulled = w[W_FRESH_PULL] * one
-    changed = w[W_SPEED_RATE] * impulse
-    drawn = w[W_SPEED_PULL] * one
-    ramped = w[W_SPEED_RAMP] * two
+    slip = w.slip * slope + w.slip_pull * impulse + w.slip_ramp * one
+    kept = w.omega4 * slope
+    fresh = w.fresh_rate * impulse
+    pulled = w.fresh_pull * one
+    changed = w.speed_rate * impulse
+    drawn = w.speed_pull * one
+    ramped = w.speed_ramp * two
     # of two equal forms the one that rounds off less
-    if abs(kept) + abs(fresh) + abs(pulled) < abs(w[W_OMEGA4]) + abs(changed) + abs(drawn):
+    if abs(kept) + abs(fresh) + abs(pulled) < abs(w.omega4) + abs(changed) + abs(drawn):
         speed = kept + fresh + pulled + ramped
     else:
-        speed = w[W_OMEGA4] + (changed + drawn + ramped)
+        speed = w.omega4 + (changed + drawn + ramped)
     return slip * slip, speed * speed
 
 
 def squares_at(d, w, t):
     """Squared slip and squared speed of the driven mass at t from the beginning of the step."""
-    _, slope, impulse, one, two, _, _ = responses(d[D_RATE], d[D_SQUARE], d[D_SWING], d[D_SLOW], d[D_FAST], t)
+    _, slope, impulse, one, two, _, _ = responses(d.rate, d.square, d.swing, d.slow, d.fast, t)
     return squares_from(w, slope, impulse, one, two)
 
 
@@ -57,8 +56,10 @@ def gauss_over_step(d, w, h):
     slips = 0.0
     speeds = 0.0
     for n in range(12):
-        place = D_NODES + 4 * n
-        slip, speed = squares_from(w, d[place], d[place + 1], d[place + 2], d[place + 3])
+        place = 4 * n
+        slip, speed = squares_from(
+            w, d.nodes[place], d.nodes[place + 1], d.nodes[place + 2], d.nodes[place + 3]
+        )
         slips += WEIGHTS[n // 2] * slip
         speeds += WEIGHTS[n // 2] * speed
     return 0.5 * h * slips, 0.5 * h * speeds
@@ -85,8 +86,8 @@ def by_intervals(d, w, h):
     speeds = 0.0
     speeds_low = 0.0
     begin = 0.0
-    fast = d[D_FAST]
-    slow = d[D_SLOW]
+    fast = d.fast
+    slow = d.slow
     while begin < h:
         length = h - begin
         if begin * fast < GONE:
@@ -103,11 +104,11 @@ def by_intervals(d, w, h):
 def swing_square(steady, ramp, real, imaginary, d, h):
     """Integral over h of the square of steady + ramp t + Re((real + i imaginary) exp(lambda t)).
 
-    lambda = -D_SLOW + i D_SWING, both sums of its powers over h in closed form; for D_FAST h above SHORT.
+    lambda = -d.slow + i d.swing, both sums of its powers over h in closed form; for d.fast h above SHORT.
     """
-    slow = d[D_SLOW]
-    swing = d[D_SWING]
-    magnitude = d[D_SQUARE]
+    slow = d.slow
+    swing = d.swing
+    magnitude = d.square
     fading = math.exp(-slow * h)
     end_real = fading * math.cos(swing * h)
     end_imaginary = fading * math.sin(swing * h)
@@ -142,9 +143,9 @@ def swing_square(steady, ramp, real, imaginary, d, h):
 
 def by_swings(d, w, hub, slope, h):
     """Both integrals over a step of many swings: the slip is a steady part and a swing about it."""
-    steady = w[W_SLIP_RAMP] / d[D_SQUARE]
-    real = w[W_SLIP] - steady
-    imaginary = (d[D_SLOW] * (real + 2.0 * steady) - w[W_SLIP_PULL]) / d[D_SWING]
+    steady = w.slip_ramp / d.square
+    real = w.slip - steady
+    imaginary = (d.slow * (real + 2.0 * steady) - w.slip_pull) / d.swing
     slips = swing_square(steady, 0.0, real, imaginary, d, h)
     return slips, swing_square(hub - steady, slope, -real, -imaginary, d, h)
 
@@ -161,6 +162,6 @@ def squares(d, w, hub, slope, h):
     """
     if is_short(d, h):
         return gauss_over_step(d, w, h)
-    if d[D_SWING] > SLOW_SWING * d[D_FAST]:
+    if d.swing > SLOW_SWING * d.fast:
         return by_swings(d, w, hub, slope, h)
     return by_intervals(d, w, h)

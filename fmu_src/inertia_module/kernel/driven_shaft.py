@@ -9,7 +9,20 @@ speed at the beginning of a step changes the speed of the driven mass by beta ti
 leaves the twist; the torque of the shaft stays finite, so its mean holds no impulse.
 """
 
-from .accumulate import add, assign
+from .accumulate import add, copy
+from .codes import (
+    BAD_HUB_SPEED,
+    BAD_HUB_SPEED_RATE,
+    BAD_LOAD_TORQUE,
+    BAD_LOAD_TORQUE_RATE,
+    BAD_STEP,
+    CHECK,
+    NOT_FINITE,
+    OK,
+    OUTPUTS,
+    RATES,
+    START,
+)
 from .dissipation import squares
 from .driven_motion import (
     describe_motion,
@@ -23,71 +36,59 @@ from .driven_motion import (
     turn_of_mass,
     twist_sum,
 )
-from .driven_shaft_slots import *
 from .kept_responses import keep_responses
 from .limits import LARGEST_SPEED, LARGEST_STEP, LARGEST_TORQUE
 from .propagator import characteristic
-from .slots import (
-    BAD_LOAD_TORQUE,
-    BAD_LOAD_TORQUE_RATE,
-    BAD_STEP,
-    CHECK,
-    NOT_FINITE,
-    OK,
-    OUTPUTS,
-    RATES,
-    START,
-)
 
 
 def check_inputs(u):
     """Status of the inputs: finite and within what a drivetrain can mean."""
-    if not abs(u[U_HUB_SPEED]) <= LARGEST_SPEED:
+    if not abs(u.hub_speed) <= LARGEST_SPEED:
         return BAD_HUB_SPEED
-    if not abs(u[U_LOAD_TORQUE]) <= LARGEST_TORQUE:
+    if not abs(u.load_torque) <= LARGEST_TORQUE:
         return BAD_LOAD_TORQUE
     return OK
 
 
 def check_rates(u, h):
     """Status of the rates of the inputs that are given: no input becomes absurd within the step h."""
-    if u[U_HUB_SPEED_RATE_GIVEN] != 0.0:
-        if not abs(u[U_HUB_SPEED] + u[U_HUB_SPEED_RATE] * h) <= LARGEST_SPEED:
+    if u.hub_speed_rate_given != 0.0:
+        if not abs(u.hub_speed + u.hub_speed_rate * h) <= LARGEST_SPEED:
             return BAD_HUB_SPEED_RATE
-    if u[U_LOAD_TORQUE_RATE_GIVEN] != 0.0:
-        if not abs(u[U_LOAD_TORQUE] + u[U_LOAD_TORQUE_RATE] * h) <= LARGEST_TORQUE:
+    if u.load_torque_rate_given != 0.0:
+        if not abs(u.load_torque + u.load_torque_rate * h) <= LARGEST_TORQUE:
             return BAD_LOAD_TORQUE_RATE
     return OK
 
 
 def stored_energy(p, x):
     """Kinetic energy of the driven mass and energy of the spring, J."""
-    kinetic = p[P_DRIVEN_INERTIA] * x[X_OMEGA4] * x[X_OMEGA4]
-    return 0.5 * (kinetic + p[P_STIFFNESS] * x[X_TWIST] * x[X_TWIST])
+    kinetic = p.driven_inertia * x.omega4 * x.omega4
+    return 0.5 * (kinetic + p.shaft_stiffness * x.twist * x.twist)
 
 
 def write_outputs(p, x, y):
     """All outputs and locals from the state."""
-    y[Y_SHAFT_TORQUE] = p[P_STIFFNESS] * x[X_TWIST] + p[P_DAMPING] * slip(x)
-    y[Y_SHAFT_TORQUE_MEAN] = x[X_SHAFT_TORQUE_MEAN]
-    y[Y_OMEGA_OUT] = x[X_OMEGA4]
-    y[Y_ACCELERATION] = x[X_ACCELERATION]
-    y[Y_TWIST] = x[X_TWIST]
+    y.shaft_torque = p.shaft_stiffness * x.twist + p.shaft_damping * slip(x)
+    y.shaft_torque_mean = x.shaft_torque_mean
+    y.omega_out = x.omega4
+    y.driven_acceleration = x.acceleration
+    y.twist = x.twist
     stored = stored_energy(p, x)
-    y[Y_ENERGY_IN] = x[X_ENERGY_IN]
-    y[Y_ENERGY_OUT] = x[X_ENERGY_OUT]
-    y[Y_ENERGY_STORED] = stored
-    y[Y_ENERGY_LOST] = x[X_ENERGY_LOST]
-    passed = (x[X_ENERGY_IN] - x[X_ENERGY_OUT]) - x[X_ENERGY_LOST]
-    y[Y_ENERGY_RESIDUAL] = passed - (stored - x[X_ENERGY_START])
+    y.energy_in = x.energy_in
+    y.energy_out = x.energy_out
+    y.energy_stored = stored
+    y.energy_lost = x.energy_lost
+    passed = (x.energy_in - x.energy_out) - x.energy_lost
+    y.energy_residual = passed - (stored - x.energy_start)
 
 
 def start(p, d, u, x, y):
     """Derive the constants and set the state at the end of initialisation.
 
     Args:
-        p: parameters (P_SIZE), each within its range. u: inputs (U_SIZE).
-        d: derived constants (D_SIZE), x: state (X_SIZE), y: outputs (Y_SIZE), all written.
+        p: parameters, each within its range. u: inputs.
+        d: derived constants, x: state, y: outputs, all written.
 
     Returns:
         Status: OK, BAD_HUB_SPEED or BAD_LOAD_TORQUE.
@@ -95,22 +96,22 @@ def start(p, d, u, x, y):
     status = check_inputs(u)
     if status != OK:
         return status
-    d[D_RATE] = (p[P_DAMPING] + p[P_FRICTION]) / p[P_DRIVEN_INERTIA]
-    d[D_SQUARE] = p[P_STIFFNESS] / p[P_DRIVEN_INERTIA]
-    swing, slow, fast = characteristic(d[D_RATE], d[D_SQUARE])
-    d[D_SWING] = swing
-    d[D_SLOW] = slow
-    d[D_FAST] = fast
-    d[D_STEP] = 0.0
-    for n in range(X_SIZE):
-        x[n] = 0.0
-    x[X_TWIST] = p[P_TWIST_START]
-    x[X_OMEGA4] = p[P_OMEGA_OUT_START]
-    x[X_HUB_SPEED] = u[U_HUB_SPEED]
-    x[X_HELD_INPUT] = u[U_HUB_SPEED]
-    x[X_LOAD_TORQUE] = u[U_LOAD_TORQUE]
-    x[X_ACCELERATION] = speed_rate(p, x)
-    x[X_ENERGY_START] = stored_energy(p, x)
+    d.rate = (p.shaft_damping + p.driven_friction) / p.driven_inertia
+    d.square = p.shaft_stiffness / p.driven_inertia
+    swing, slow, fast = characteristic(d.rate, d.square)
+    d.swing = swing
+    d.slow = slow
+    d.fast = fast
+    d.step = 0.0
+    for n in range(len(x.numbers)):
+        x.numbers[n] = 0.0
+    x.twist = p.twist_start
+    x.omega4 = p.omega_out_start
+    x.hub_speed = u.hub_speed
+    x.held_input = u.hub_speed
+    x.load_torque = u.load_torque
+    x.acceleration = speed_rate(p, x)
+    x.energy_start = stored_energy(p, x)
     write_outputs(p, x, y)
     return OK
 
@@ -118,22 +119,23 @@ def start(p, d, u, x, y):
 def begin(p, u, x, h):
     """Take the inputs of the coming step; a jump of the hub's speed pushes the driven mass."""
     slope = 0.0
-    if u[U_HUB_SPEED_RATE_GIVEN] != 0.0:
-        slope = u[U_HUB_SPEED_RATE]
-    elif p[P_INPUT_HOLD] != 0.0 and x[X_HELD_STEP] > 0.0:
-        slope = (u[U_HUB_SPEED] - x[X_HELD_INPUT]) / x[X_HELD_STEP]
-    x[X_HUB_SLOPE] = slope
-    x[X_HELD_INPUT] = u[U_HUB_SPEED]
-    x[X_HELD_STEP] = h
-    x[X_LOAD_TORQUE] = u[U_LOAD_TORQUE]
-    if u[U_LOAD_TORQUE_RATE_GIVEN] != 0.0:
-        x[X_LOAD_TORQUE] += 0.5 * h * u[U_LOAD_TORQUE_RATE]  # its mean over the step
-    push = p[P_BALANCER] * ((u[U_HUB_SPEED] - x[X_HUB_SPEED]) - x[X_HUB_SPEED_LOW])
-    assign(x, X_HUB_SPEED, u[U_HUB_SPEED])
+    if u.hub_speed_rate_given != 0.0:
+        slope = u.hub_speed_rate
+    elif p.input_hold != 0.0 and x.held_step > 0.0:
+        slope = (u.hub_speed - x.held_input) / x.held_step
+    x.hub_slope = slope
+    x.held_input = u.hub_speed
+    x.held_step = h
+    x.load_torque = u.load_torque
+    if u.load_torque_rate_given != 0.0:
+        x.load_torque += 0.5 * h * u.load_torque_rate  # its mean over the step
+    push = p.balancer * ((u.hub_speed - x.hub_speed) - x.hub_speed_low)
+    x.hub_speed = u.hub_speed
+    x.hub_speed_low = 0.0
     if push != 0.0:
-        work = p[P_DRIVEN_INERTIA] * push * (x[X_OMEGA4] + 0.5 * push)
-        add(x, X_OMEGA4, push)
-        add(x, X_ENERGY_LOST, -work)
+        work = p.driven_inertia * push * (x.omega4 + 0.5 * push)
+        x.omega4, x.omega4_low = add(x.omega4, x.omega4_low, push)
+        x.energy_lost, x.energy_lost_low = add(x.energy_lost, x.energy_lost_low, -work)
 
 
 def move(p, d, x, w, h):
@@ -143,30 +145,30 @@ def move(p, d, x, w, h):
     momentum of the driven mass: whichever rounds off less. The energies do not balance by construction.
     """
     describe_motion(p, d, x, w)
-    hub = x[X_HUB_SPEED]
-    ramp = x[X_HUB_SLOPE]
-    load = x[X_LOAD_TORQUE]
-    inertia = p[P_DRIVEN_INERTIA]
+    hub = x.hub_speed
+    ramp = x.hub_slope
+    load = x.load_torque
+    inertia = p.driven_inertia
     keep_responses(d, h)
-    step = d[D_RESPONSES]
-    slope = d[D_RESPONSES + 1]
-    impulse = d[D_RESPONSES + 2]
-    one = d[D_RESPONSES + 3]
-    two = d[D_RESPONSES + 4]
-    three = d[D_RESPONSES + 5]
-    four = d[D_RESPONSES + 6]
+    step = d.responses[0]
+    slope = d.responses[1]
+    impulse = d.responses[2]
+    one = d.responses[3]
+    two = d.responses[4]
+    three = d.responses[5]
+    four = d.responses[6]
     angle, turn = turn_of_mass(x, w, impulse, one, two, three, h)
     momentum, momentum_size, moment, moment_size = torque_sums(p, x, w, impulse, one, two, three, four, h)
     lost = 0.0
-    if p[P_DAMPING] > 0.0 or p[P_FRICTION] > 0.0:
+    if p.shaft_damping > 0.0 or p.driven_friction > 0.0:
         slips, speeds = squares(d, w, hub, ramp, h)
-        lost = p[P_DAMPING] * slips + p[P_FRICTION] * speeds
-    before = x[X_OMEGA4]
-    before_low = x[X_OMEGA4_LOW]
-    add(x, X_HUB_SPEED, ramp * h)
+        lost = p.shaft_damping * slips + p.driven_friction * speeds
+    before = x.omega4
+    before_low = x.omega4_low
+    x.hub_speed, x.hub_speed_low = add(x.hub_speed, x.hub_speed_low, ramp * h)
     move_twist(x, w, step, impulse, one, two)
     change_size = move_speed(x, w, slope, impulse, one, two)
-    change = (x[X_OMEGA4] - before) + (x[X_OMEGA4_LOW] - before_low)
+    change = (x.omega4 - before) + (x.omega4_low - before_low)
     move_acceleration(p, x, w, slope, impulse, one)
     passed, size = torque_from_mass(p, ramp, load, change, change_size, angle, turn, h)
     if size < momentum_size:
@@ -180,10 +182,14 @@ def move(p, d, x, w, h):
     )
     if size < moment_size:
         moment = passed
-    add(x, X_ENERGY_IN, (hub + ramp * h) * momentum - ramp * moment)
-    add(x, X_ENERGY_OUT, load * angle)
-    add(x, X_ENERGY_LOST, lost - p[P_BALANCER] * inertia * ramp * angle)
-    x[X_SHAFT_TORQUE_MEAN] = momentum / h
+    x.energy_in, x.energy_in_low = add(
+        x.energy_in, x.energy_in_low, (hub + ramp * h) * momentum - ramp * moment
+    )
+    x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, load * angle)
+    x.energy_lost, x.energy_lost_low = add(
+        x.energy_lost, x.energy_lost_low, lost - p.balancer * inertia * ramp * angle
+    )
+    x.shaft_torque_mean = momentum / h
 
 
 def advance(p, d, u, x, y, w, h):
@@ -193,7 +199,7 @@ def advance(p, d, u, x, y, w, h):
 
     Args:
         p, d, u: parameters, derived constants, inputs (held or extrapolated over the step).
-        x, y: state and outputs, written. w: workspace (W_SIZE).
+        x, y: state and outputs, written. w: workspace.
     """
     if not 0.0 < h <= LARGEST_STEP:
         return BAD_STEP
@@ -202,16 +208,14 @@ def advance(p, d, u, x, y, w, h):
         status = check_rates(u, h)
     if status != OK:
         return status
-    for n in range(X_SIZE):
-        w[W_STATE + n] = x[n]
+    copy(w.before.numbers, x.numbers)
     begin(p, u, x, h)
     move(p, d, x, w, h)
-    for n in range(X_SIZE):
-        if not abs(x[n]) < 1e300:
+    for n in range(len(x.numbers)):
+        if not abs(x.numbers[n]) < 1e300:
             status = NOT_FINITE
     if status != OK:
-        for n in range(X_SIZE):
-            x[n] = w[W_STATE + n]
+        copy(x.numbers, w.before.numbers)
         return status
     write_outputs(p, x, y)
     return OK
@@ -219,18 +223,18 @@ def advance(p, d, u, x, y, w, h):
 
 def write_rates(p, x, y):
     """Rate of each output, per second, in its place in y; the step mean holds for its step."""
-    acceleration = x[X_ACCELERATION]
-    relative = x[X_HUB_SLOPE] - acceleration
-    torque = p[P_STIFFNESS] * slip(x) + p[P_DAMPING] * relative
-    y[Y_SHAFT_TORQUE] = torque
-    y[Y_SHAFT_TORQUE_MEAN] = 0.0
-    y[Y_OMEGA_OUT] = acceleration
-    y[Y_ACCELERATION] = (torque - p[P_FRICTION] * acceleration) / p[P_DRIVEN_INERTIA]
-    y[Y_TWIST] = slip(x)
+    acceleration = x.acceleration
+    relative = x.hub_slope - acceleration
+    torque = p.shaft_stiffness * slip(x) + p.shaft_damping * relative
+    y.shaft_torque = torque
+    y.shaft_torque_mean = 0.0
+    y.omega_out = acceleration
+    y.driven_acceleration = (torque - p.driven_friction * acceleration) / p.driven_inertia
+    y.twist = slip(x)
 
 
 def call(operation, p, d, u, x, y, w, h):
-    """The one entry of the compiled kernel: the operations of :mod:`.slots`. Returns a status."""
+    """The one entry of the compiled kernel: the operations of :mod:`.codes`. Returns a status."""
     if operation == START:
         return start(p, d, u, x, y)
     if operation == CHECK:

@@ -1,8 +1,8 @@
-"""The one entry of the compiled kernel of the module: all its operations (see :mod:`.slots`)."""
+"""The one entry of the compiled kernel of the module: all its operations (see :mod:`.codes`)."""
 
+from .codes import CHECK, OK, OUTPUTS, RATES, START, STEP_SMOOTHLY
 from .outputs import write_late_outputs
 from .rates import write_rates
-from .slots import *
 from .step import advance, check, start
 
 # tolerance of a step whose results are to be differenced
@@ -14,15 +14,15 @@ def advance_smoothly(p, d, u, x, y, w, h):
 
     What is modelled stays: a shaft too stiff to be followed at the module's tolerance still is.
     """
-    tolerance = d[D_TOLERANCE]
-    d[D_TOLERANCE] = min(tolerance, SMOOTH)
+    tolerance = d.tolerance
+    d.tolerance = min(tolerance, SMOOTH)
     status = advance(p, d, u, x, y, w, h, STEP_SMOOTHLY)
-    d[D_TOLERANCE] = tolerance
+    d.tolerance = tolerance
     return status
 
 
 def call(operation, p, d, u, x, y, w, h):
-    """Carry out one of the operations START, STEP ... of :mod:`.slots`. Returns a status."""
+    """Carry out one of the operations START, STEP ... of :mod:`.codes`. Returns a status."""
     if operation == START:
         return start(p, d, u, x, y)
     if operation == CHECK:

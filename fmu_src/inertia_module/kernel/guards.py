@@ -1,19 +1,70 @@
-"""Whether a guard can have dipped below zero between two looks, by its values and rates there."""
+"""The guards of a contact mode, positive while it goes on, at an instant of the step in hand; rates are exact.
 
-# A cubic with these values and rates is positive if its Bernstein coefficients are: value + h rate / 3
-# from either end. The larger share is the margin for a guard that is no cubic.
-SHARE = 0.4
+held: what is left of the torque that F has to pass, Tc - F; free: omega2 and omega3 - omega2; driving: omega2 and
+the torque Tc. With an elastic output the hub or its shaft torque stands for the load.
+"""
+
+from .codes import CLOSED_FORM, COLLOCATED, DRIVING, HELD_DRIVING, LINK2, OUTPUT
+from .solvers.collocated_guards import collocated_guard
+from .contact import is_held
+from .links import held_torque, motion
+from .solvers.interpolant import dense_change, dense_rate
 
 
-def stays_positive(value0, rate0, value1, rate1, h):
-    """Whether a guard that is not negative at both ends of a short interval h stays so inside."""
-    return value0 + SHARE * h * rate0 >= 0.0 and value1 - SHARE * h * rate1 >= 0.0
+def is_guarded(d, x, which):
+    """Whether this guard can end the present mode of a rigid output."""
+    if which == LINK2:
+        return d.housing != 0.0
+    return d.output != 0.0 and not is_held(x)
 
 
-def next_look(low, rate_low, high, rate_high):
-    """Where to look for the lowest point: where the rate passes zero, if it does, else the middle."""
-    if rate_low < 0.0 < rate_high:
-        middle = low - rate_low * (high - low) / (rate_high - rate_low)
-        if low < middle < high:
-            return middle
-    return 0.5 * (low + high)
+def threshold(x, w):
+    """Torque that F has to pass to release link 2: that of the load where the output shaft rests too, N m."""
+    return w.load if x.mode == HELD_DRIVING else 0.0
+
+
+def guard(d, x, w, which, t, omega2, alpha2, jerk2, free, free_rate):
+    """A guard and its rate, the time t into the step, where links.motion gives this of link 2."""
+    if is_held(x):
+        return threshold(x, w) - free, -free_rate
+    if which == LINK2:
+        return omega2, alpha2
+    if x.mode == DRIVING:
+        return w.load + d.J3 * alpha2, d.J3 * jerk2
+    slowing = w.load / d.J3
+    return x.omega3 - slowing * t - omega2, -slowing - alpha2
+
+
+def instant(d, x, w, q, omega1, omega2):
+    """links.motion in the step in hand."""
+    x.step_evaluations += 1.0
+    return motion(d, q, omega1, omega2, w.given, is_held(x), w.carried, w.carried_torque, 0.0)
+
+
+def guard_inside(d, x, w, which, sigma):
+    """A guard at the fraction sigma of the step and its rate per unit of sigma.
+
+    Velocities are those of the dense output (or of the collocation polynomials, with the elastic output); a
+    torque is evaluated exactly at its state.
+    """
+    if w.solver == COLLOCATED:
+        return collocated_guard(d, x, w, which, sigma)
+    h = w.step
+    t = sigma * h
+    if w.solver == CLOSED_FORM:
+        x.step_evaluations += 1.0
+        q = x.q + d.k * t * (x.omega1 + 0.5 * w.given * t)
+        torque, rate = held_torque(d, q, x.omega1 + w.given * t, w.given)
+        return threshold(x, w) - torque, -h * rate
+    omega2 = x.omega2
+    if not is_held(x):
+        omega2 += dense_change(w.dense_omega2, sigma)
+    if is_held(x) or (which == OUTPUT and x.mode == DRIVING):
+        omega1 = x.omega1 + (dense_change(w.dense_omega1, sigma) if d.by_torque != 0.0 else w.given * t)
+        q = x.q + dense_change(w.dense_q, sigma)
+        _, alpha2, jerk2, free, free_rate, _ = instant(d, x, w, q, omega1, omega2)
+        value, rate = guard(d, x, w, which, t, omega2, alpha2, jerk2, free, free_rate)
+        return value, h * rate
+    alpha2 = dense_rate(w.dense_omega2, sigma) / h
+    value, rate = guard(d, x, w, which, t, omega2, alpha2, 0.0, 0.0, 0.0)
+    return value, h * rate

@@ -5,17 +5,17 @@ link 2 moves freely; after, with what it has met. The end velocities are those o
 of DESIGN section 3, and as ideal contacts close at zero relative speed no energy is lost.
 """
 
-from .accumulate import add, assign
+from .accumulate import add
+from .codes import ELASTIC
 from .inertia import reduced_inertia
-from .slots import *
 
 
 def apply_part(d, x, i, b, g, jump, change2):
     """One linear part of the jump: omega1 by jump, link 2 by change2. Returns the input impulse."""
-    rate_change = d[D_K] * (jump - change2)
-    impulse = (d[D_J1] + i) * jump + b * rate_change + d[D_K] * (b * jump + g * rate_change)
-    add(x, X_ENERGY_IN, impulse * (x[X_OMEGA1] + 0.5 * jump))
-    x[X_OMEGA1] += jump
+    rate_change = d.k * (jump - change2)
+    impulse = (d.J1 + i) * jump + b * rate_change + d.k * (b * jump + g * rate_change)
+    x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, impulse * (x.omega1 + 0.5 * jump))
+    x.omega1 += jump
     return impulse
 
 
@@ -25,10 +25,12 @@ def push_driven_mass(d, x, change3, stiff):
     A shaft that is too stiff for its motion to be followed takes the driven mass along: the jump is a
     ramp that is steep for link 2 and slow for the shaft.
     """
-    omega4 = x[X_OMEGA3] - x[X_RELATIVE]
-    change4 = change3 if stiff else d[D_BALANCER] * change3
-    add(x, X_RELATIVE, change3 - change4)
-    add(x, X_ENERGY_LOST, -d[D_BALANCER] * d[D_J4] * change3 * (omega4 + 0.5 * change4))
+    omega4 = x.omega3 - x.relative
+    change4 = change3 if stiff else d.balancer * change3
+    x.relative, x.relative_low = add(x.relative, x.relative_low, change3 - change4)
+    x.energy_lost, x.energy_lost_low = add(
+        x.energy_lost, x.energy_lost_low, -d.balancer * d.J4 * change3 * (omega4 + 0.5 * change4)
+    )
 
 
 def jump_input(p, d, x, jump, stiff):
@@ -40,22 +42,22 @@ def jump_input(p, d, x, jump, stiff):
     Returns:
         (P1, Pc): impulse of the input torque and of the output freewheel, N m s.
     """
-    i, _, _, b, _, g, _, _ = reduced_inertia(d, x[X_Q])
-    k = d[D_K]
-    shaft = d[D_J3] + (1.0 - d[D_BALANCER]) * d[D_J4] if stiff else d[D_J3]
+    i, _, _, b, _, g, _, _ = reduced_inertia(d, x.q)
+    k = d.k
+    shaft = d.J3 + (1.0 - d.balancer) * d.J4 if stiff else d.J3
     push = k * (b + k * g) * jump
-    inertia = d[D_J2] + k * k * g
-    omega2 = x[X_OMEGA2]
-    omega3 = x[X_OMEGA3]
-    target = x[X_OMEGA1] + jump
-    joined = d[D_OUTPUT] == 0.0 or (omega3 == omega2 and push > 0.0)
+    inertia = d.J2 + k * k * g
+    omega2 = x.omega2
+    omega3 = x.omega3
+    target = x.omega1 + jump
+    joined = d.output == 0.0 or (omega3 == omega2 and push > 0.0)
     if joined:
         inertia += shaft
     change = push / inertia if push != 0.0 else 0.0
     fraction = 1.0
     clutch = 0.0
     end2 = omega2 + change
-    if d[D_HOUSING] != 0.0 and end2 < 0.0:
+    if d.housing != 0.0 and end2 < 0.0:
         fraction = omega2 / -change  # the rest of the way link 2 is held
         end2 = 0.0
     elif not joined and end2 > omega3:
@@ -65,13 +67,15 @@ def jump_input(p, d, x, jump, stiff):
     impulse = apply_part(d, x, i, b, g, part, fraction * change)
     if fraction < 1.0:
         impulse += apply_part(d, x, i, b, g, jump - part, end2 - (omega2 + fraction * change))
-    x[X_OMEGA1] = target
-    assign(x, X_OMEGA2, end2)
-    if end2 > omega3 or d[D_OUTPUT] == 0.0:
+    x.omega1 = target
+    x.omega2 = end2
+    x.omega2_low = 0.0
+    if end2 > omega3 or d.output == 0.0:
         clutch = shaft * (end2 - omega3)
-        if p[P_FIDELITY] == ELASTIC:
+        if p.fidelity == ELASTIC:
             push_driven_mass(d, x, end2 - omega3, stiff)
-        assign(x, X_OMEGA3, end2)
+        x.omega3 = end2
+        x.omega3_low = 0.0
     return impulse, clutch
 
 
@@ -81,10 +85,10 @@ def jump_kinematic(d, x, jump, ratio):
     Returns:
         (P1, Pc): impulses at the input and at the output that keeps the ratio, N m s.
     """
-    i, _, _, b, _, g, _, _ = reduced_inertia(d, x[X_Q])
+    i, _, _, b, _, g, _, _ = reduced_inertia(d, x.q)
     change2 = ratio * jump
-    clutch = d[D_K] * (b * jump + g * d[D_K] * (jump - change2)) - d[D_J2] * change2
-    mean2 = ratio * (x[X_OMEGA1] + 0.5 * jump)
+    clutch = d.k * (b * jump + g * d.k * (jump - change2)) - d.J2 * change2
+    mean2 = ratio * (x.omega1 + 0.5 * jump)
     impulse = apply_part(d, x, i, b, g, jump, change2)
-    add(x, X_ENERGY_OUT, clutch * mean2)
+    x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, clutch * mean2)
     return impulse, clutch

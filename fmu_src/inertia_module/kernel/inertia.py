@@ -1,7 +1,6 @@
 """Reduced inertia I, B, G of all imbalances and its exact derivatives in q (DESIGN section 2)."""
 
 from .circular import sine_cosine, sines_cosines
-from .slots import *
 
 
 def reduced_inertia(d, q):
@@ -19,32 +18,32 @@ def reduced_inertia(d, q):
     Returns:
         (I, I', I'', B, B', G, G', G''), kg m^2 and kg m^2 per rad of q to the power 1 and 2.
     """
-    mass = d[D_MASS]
-    if d[D_PLANAR] != 0.0:
-        arm = d[D_RADIAL]
-        centre = d[D_AXIAL]
+    mass = d.mass
+    if d.planar != 0.0:
+        arm = d.radial
+        centre = d.axial
         swing = mass * arm * centre
         sine, cosine = sine_cosine(q)
         sine *= swing
         cosine *= swing
-        own = mass * arm * arm + d[D_J16]
+        own = mass * arm * arm + d.J16
         fixed = own + mass * centre * centre
         return fixed - 2.0 * cosine, 2.0 * sine, 2.0 * cosine, own - cosine, sine, own, 0.0, 0.0
-    s = d[D_S]
-    half = 0.5 * (s * q + d[D_PHASE_B])
+    s = d.s
+    half = 0.5 * (s * q + d.phase_b)
     sin_a = 0.0
     cos_a = 0.0
-    if d[D_PAIRED] == 0.0:
+    if d.paired == 0.0:
         sin_half, cos_half = sine_cosine(half)
     else:
-        sin_half, sin_a, cos_half, cos_a = sines_cosines(half, q + d[D_PHASE_A])
+        sin_half, sin_a, cos_half, cos_a = sines_cosines(half, q + d.phase_a)
     sin_b = 2.0 * sin_half * cos_half
     versed = 2.0 * sin_half * sin_half  # 1 - cos B, without cancellation at the rolling pole
     cos_b = 1.0 - versed
-    pole_arm = d[D_POLE_ARM]
-    pole = d[D_POLE_OFFSET] + pole_arm * versed
-    spin = d[D_SPIN]
-    g = mass * (spin * sin_b * sin_b + pole * pole) + d[D_J16]
+    pole_arm = d.pole_arm
+    pole = d.pole_offset + pole_arm * versed
+    spin = d.spin
+    g = mass * (spin * sin_b * sin_b + pole * pole) + d.J16
     g1 = 2.0 * mass * s * sin_b * (spin * cos_b + pole * pole_arm)
     swing = pole_arm * sin_b
     g2 = (
@@ -55,17 +54,17 @@ def reduced_inertia(d, q):
         * (spin * (cos_b * cos_b - sin_b * sin_b) + swing * swing + pole * pole_arm * cos_b)
     )
 
-    arm = d[D_ARM]
-    z = d[D_AXIAL] - d[D_AXIAL_COS] * cos_b
-    z1 = s * d[D_AXIAL_COS] * sin_b
-    z2 = s * s * d[D_AXIAL_COS] * cos_b
-    radial = d[D_RADIAL] - d[D_RADIAL_COS] * cos_b
+    arm = d.arm
+    z = d.axial - d.axial_cos * cos_b
+    z1 = s * d.axial_cos * sin_b
+    z2 = s * s * d.axial_cos * cos_b
+    radial = d.radial - d.radial_cos * cos_b
     tangential = -arm * sin_b
-    radial1 = s * d[D_RADIAL_COS] * sin_b
+    radial1 = s * d.radial_cos * sin_b
     tangential1 = -s * arm * cos_b
-    radial2 = s * s * d[D_RADIAL_COS] * cos_b
+    radial2 = s * s * d.radial_cos * cos_b
     tangential2 = s * s * arm * sin_b
-    if d[D_PAIRED] == 0.0:
+    if d.paired == 0.0:
         i = mass * (0.5 * (radial * radial + tangential * tangential) + z * z)
         i1 = mass * (radial * radial1 + tangential * tangential1 + 2.0 * z * z1)
         i2 = mass * (
@@ -82,26 +81,26 @@ def reduced_inertia(d, q):
     i = mass * (y * y + z * z)
     i1 = 2.0 * mass * (y * y1 + z * z1)
     i2 = 2.0 * mass * (y1 * y1 + y * y2 + z1 * z1 + z * z2)
-    if d[D_SINGLE] == 0.0:
+    if d.single == 0.0:
         return i, i1, i2, 0.0, 0.0, g, g1, g2
     return i, i1, i2, mass * (y * z1 - z * y1), mass * (y * z2 - z * y2), g, g1, g2
 
 
-def coupling_bend(d, q):
+def B_second_derivative(d, q):
     """B'', kg m^2: only the rates of the accelerations of both links need it."""
-    if d[D_PLANAR] != 0.0:
+    if d.planar != 0.0:
         _, cosine = sine_cosine(q)
-        return d[D_MASS] * d[D_RADIAL] * d[D_AXIAL] * cosine
-    if d[D_SINGLE] == 0.0:
+        return d.mass * d.radial * d.axial * cosine
+    if d.single == 0.0:
         return 0.0
-    s = d[D_S]
-    sin_b, sin_a, cos_b, cos_a = sines_cosines(s * q + d[D_PHASE_B], q + d[D_PHASE_A])
+    s = d.s
+    sin_b, sin_a, cos_b, cos_a = sines_cosines(s * q + d.phase_b, q + d.phase_a)
     # y = R sin A + T cos A, z and their derivatives in q
-    radial = d[D_RADIAL] - d[D_RADIAL_COS] * cos_b
-    radial1 = s * d[D_RADIAL_COS] * sin_b
-    radial2 = s * s * d[D_RADIAL_COS] * cos_b
-    tangential = -d[D_ARM] * sin_b
-    tangential1 = -s * d[D_ARM] * cos_b
+    radial = d.radial - d.radial_cos * cos_b
+    radial1 = s * d.radial_cos * sin_b
+    radial2 = s * s * d.radial_cos * cos_b
+    tangential = -d.arm * sin_b
+    tangential1 = -s * d.arm * cos_b
     tangential2 = -s * s * tangential
     y = radial * sin_a + tangential * cos_a
     y1 = (radial1 - tangential) * sin_a + (tangential1 + radial) * cos_a
@@ -109,7 +108,7 @@ def coupling_bend(d, q):
     y3 = (tangential - 3.0 * tangential2 - (s * s + 3.0) * radial1) * sin_a + (
         3.0 * radial2 - (s * s + 3.0) * tangential1 - radial
     ) * cos_a
-    z = d[D_AXIAL] - d[D_AXIAL_COS] * cos_b
-    z1 = s * d[D_AXIAL_COS] * sin_b
-    z2 = s * s * d[D_AXIAL_COS] * cos_b
-    return d[D_MASS] * (y1 * z2 - y * s * s * z1 - z1 * y2 - z * y3)
+    z = d.axial - d.axial_cos * cos_b
+    z1 = s * d.axial_cos * sin_b
+    z2 = s * s * d.axial_cos * cos_b
+    return d.mass * (y1 * z2 - y * s * s * z1 - z1 * y2 - z * y3)

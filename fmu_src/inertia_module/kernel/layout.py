@@ -5,8 +5,6 @@ Source: Karetin (2020), equation 2, with U5 U4 put right to U3 cos(phi + psi); L
 
 import math
 
-from .slots import *
-
 
 def imbalance(d, q):
     """Imbalance 0 of module 0 in the frame of link 1.
@@ -18,22 +16,22 @@ def imbalance(d, q):
     Returns:
         (x, y, z, x', y', z', x'', y'', z''), m and m per rad of q to the power 1 and 2.
     """
-    s = d[D_S]
-    sin_a = math.sin(q + d[D_PHASE_A])
-    cos_a = math.cos(q + d[D_PHASE_A])
-    if d[D_PLANAR] != 0.0:
-        arm = d[D_RADIAL]
+    s = d.s
+    sin_a = math.sin(q + d.phase_a)
+    cos_a = math.cos(q + d.phase_a)
+    if d.planar != 0.0:
+        arm = d.radial
         y = arm * sin_a
         z = arm * cos_a
-        return 0.0, y, d[D_AXIAL] - z, 0.0, z, y, 0.0, -y, z
-    sin_b = math.sin(s * q + d[D_PHASE_B])
-    cos_b = math.cos(s * q + d[D_PHASE_B])
-    radial = d[D_RADIAL] - d[D_RADIAL_COS] * cos_b
-    tangential = -d[D_ARM] * sin_b
-    radial1 = s * d[D_RADIAL_COS] * sin_b
-    tangential1 = -s * d[D_ARM] * cos_b
-    radial2 = s * s * d[D_RADIAL_COS] * cos_b
-    tangential2 = s * s * d[D_ARM] * sin_b
+        return 0.0, y, d.axial - z, 0.0, z, y, 0.0, -y, z
+    sin_b = math.sin(s * q + d.phase_b)
+    cos_b = math.cos(s * q + d.phase_b)
+    radial = d.radial - d.radial_cos * cos_b
+    tangential = -d.arm * sin_b
+    radial1 = s * d.radial_cos * sin_b
+    tangential1 = -s * d.arm * cos_b
+    radial2 = s * s * d.radial_cos * cos_b
+    tangential2 = s * s * d.arm * sin_b
     # components along and across the turning drive, differentiated with it
     along1 = radial1 - tangential
     across1 = tangential1 + radial
@@ -42,13 +40,13 @@ def imbalance(d, q):
     return (
         radial * cos_a - tangential * sin_a,
         radial * sin_a + tangential * cos_a,
-        d[D_AXIAL] - d[D_AXIAL_COS] * cos_b,
+        d.axial - d.axial_cos * cos_b,
         along1 * cos_a - across1 * sin_a,
         along1 * sin_a + across1 * cos_a,
-        s * d[D_AXIAL_COS] * sin_b,
+        s * d.axial_cos * sin_b,
         along2 * cos_a - across2 * sin_a,
         along2 * sin_a + across2 * cos_a,
-        s * s * d[D_AXIAL_COS] * cos_b,
+        s * s * d.axial_cos * cos_b,
     )
 
 

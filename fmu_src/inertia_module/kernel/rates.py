@@ -1,39 +1,34 @@
 """Rates of the outputs, from two short steps onwards from the present state, inputs going on as they do."""
 
-from .elastic import hub_compliance, shaft_frequency
-from .slots import *
+from .accumulate import copy
+from .codes import ELASTIC, OK, RATES
+from .solvers.elastic import hub_compliance, shaft_frequency
 from .step import advance
 
 # a short step over the time in which the fastest of the motion turns by a radian
 SHARE = 1e-4
 # how often the short steps are cut down where a freewheel switches within them, and to what share
-CUTS = 4
+CUTS = 3
 CUT = 0.01
 
 
 def fastest_rate(p, d, x):
     """Angular frequency of the fastest motion there is, rad/s; 1 where nothing moves."""
-    rate = d[D_HARMONIC] * d[D_K] * (abs(x[X_OMEGA1]) + abs(x[X_OMEGA2]))
-    if p[P_FIDELITY] == ELASTIC:
-        rate += shaft_frequency(d, hub_compliance(d, x, d[D_J2]))
+    rate = d.harmonic * d.k * (abs(x.omega1) + abs(x.omega2))
+    if p.fidelity == ELASTIC:
+        rate += shaft_frequency(d, hub_compliance(d, x, d.J2))
     return rate if rate > 1.0 else 1.0
 
 
 def go_on(u, x):
     """Inputs that go on from the end of the last step: no jump of the speed, the same slope and torques."""
-    u[U_OMEGA1] = x[X_OMEGA1]
-    u[U_OMEGA1_RATE] = x[X_ALPHA1]
-    u[U_OMEGA1_RATE_GIVEN] = 1.0
-    u[U_LOAD_TORQUE] = x[X_LOAD_TORQUE]
-    u[U_LOAD_TORQUE_RATE_GIVEN] = 0.0
-    u[U_DRIVE_TORQUE] = x[X_DRIVE_TORQUE]
-    u[U_DRIVE_TORQUE_RATE_GIVEN] = 0.0
-
-
-def copy(source, begin, target, to, size):
-    """Copy some numbers from one array to another."""
-    for n in range(size):
-        target[to + n] = source[begin + n]
+    u.omega1 = x.omega1
+    u.omega1_rate = x.alpha1
+    u.omega1_rate_given = 1.0
+    u.load_torque = x.load_torque
+    u.load_torque_rate_given = 0.0
+    u.drive_torque = x.drive_torque
+    u.drive_torque_rate_given = 0.0
 
 
 def write_rates(p, d, u, x, y, w):
@@ -43,23 +38,25 @@ def write_rates(p, d, u, x, y, w):
     Returns a status.
     """
     h = SHARE / fastest_rate(p, d, x)
-    copy(x, 0, w, W_KEPT_STATE, X_SIZE)
-    copy(y, 0, w, W_OUTPUTS_0, Y_SIZE)
-    for _ in range(CUTS):
+    copy(w.kept.numbers, x.numbers)
+    copy(w.outputs_0.numbers, y.numbers)
+    for cut in range(CUTS):
+        if cut > 0:
+            copy(x.numbers, w.kept.numbers)
+            h *= CUT
         go_on(u, x)
         status = advance(p, d, u, x, y, w, h, RATES)
-        copy(y, 0, w, W_OUTPUTS_1, Y_SIZE)
+        copy(w.outputs_1.numbers, y.numbers)
         if status == OK:
             go_on(u, x)
             status = advance(p, d, u, x, y, w, h, RATES)
         if status != OK:
             return status
-        if x[X_SWITCHES] == w[W_KEPT_STATE + X_SWITCHES]:
+        if x.switches == w.kept.switches:
             break
-        copy(w, W_KEPT_STATE, x, 0, X_SIZE)
-        h *= CUT
-    for n in range(Y_SIZE):
-        y[n] = ((w[W_OUTPUTS_1 + n] - w[W_OUTPUTS_0 + n]) * 4.0 - (y[n] - w[W_OUTPUTS_0 + n])) / (2.0 * h)
-    y[Y_INPUT_TORQUE_MEAN] = 0.0
-    y[Y_OUTPUT_TORQUE_MEAN] = 0.0
+    for n in range(len(y.numbers)):
+        begin = w.outputs_0.numbers[n]
+        y.numbers[n] = ((w.outputs_1.numbers[n] - begin) * 4.0 - (y.numbers[n] - begin)) / (2.0 * h)
+    y.input_torque_mean = 0.0
+    y.output_torque_mean = 0.0
     return OK

@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import BaseModel, Field
 
 from .. import loops
-from ..kernel.slots import DRIVE_SPEED, DRIVE_TORQUE
+from ..kernel.codes import DRIVE_SPEED, DRIVE_TORQUE
 from ..loops import Table
 from ..variables import ENUMERATIONS, LARGEST_SPEED
 from .errors import SceneError

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, create_model
 
-from ..kernel.slots import ELASTIC
+from ..kernel.codes import ELASTIC
 from ..variables import BOOLEAN, BY_NAME, ENUMERATION, ENUMERATIONS, PARAMETER, Variable, with_causality
 from .tables import Strict
 from .units import to_si

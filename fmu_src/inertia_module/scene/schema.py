@@ -11,7 +11,7 @@ from pydantic import Field, ValidationError, model_validator
 
 from .. import loops
 from ..cycles import Cycle
-from ..kernel.slots import ELASTIC
+from ..kernel.codes import ELASTIC
 from ..module import Module, Refused
 from ..variables import BY_NAME, LARGEST_STEP, LOCAL, OUTPUT, with_causality
 from .controllers import SPEED_UNITS, VEHICLE_SPEED, Controller, CycleReference, measured_speed

@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
-from ..kernel.dynamics import motion
+from ..kernel.codes import DRIVING, FREE, RIGID
 from ..kernel.layout import imbalance_in_fixed_frame
-from ..kernel.slots import D_J3, D_K, DRIVING, FREE, RIGID
+from ..kernel.links import accelerations
 from ..module import Module
 from ..scene.mechanism import at_fidelity
 from .reference import Reference
@@ -54,13 +54,11 @@ def acceleration(case: Case, trajectory: Trajectory, modes: Array) -> Array:
     if trajectory.acceleration is not None:
         return trajectory.acceleration
     d = Module("plain").start(**at_fidelity(case.parameters, RIGID)).derived
-    k, omega1, found = d[D_K], case.omega1, []
+    k, omega1, found = d.k, case.omega1, []
     for q, omega2, mode in zip(trajectory.drive_angle, trajectory.omega2, modes, strict=True):
-        alpha2 = 0.0
-        if mode == DRIVING:
-            alpha2 = motion(d, q, omega1, 0.0, omega2, d[D_J3], case.load_torque)[0]  # type: ignore[no-untyped-call]
-        elif mode == FREE:
-            alpha2 = motion(d, q, omega1, 0.0, omega2, 0.0, 0.0)[0]  # type: ignore[no-untyped-call]
+        carried = (d.J3, case.load_torque) if mode == DRIVING else (0.0, 0.0)
+        held = mode not in (DRIVING, FREE)
+        _, alpha2, _ = accelerations(d, q, omega1, omega2, 0.0, held, *carried)  # type: ignore[no-untyped-call]
         place = (d, q, 0.0, omega1, 0.0, k * (omega1 - omega2), -k * alpha2)
         found.append(np.linalg.norm(imbalance_in_fixed_frame(*place)[6:]))  # type: ignore[no-untyped-call]
     return np.array(found)

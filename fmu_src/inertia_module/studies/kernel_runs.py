@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ..kernel.slots import AVERAGED, ELASTIC, EVENT, RIGID
+from ..kernel.codes import AVERAGED, ELASTIC, EVENT, RIGID
 from ..module import Module
 from ..scene.mechanism import at_fidelity
 from .timing import kernel_time

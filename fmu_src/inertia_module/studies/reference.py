@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..kernel.slots import ELASTIC, RIGID
+from ..kernel.codes import ELASTIC, RIGID
 from ..scene.mechanism import is_elastic
 from .canonical import Canonical
 from .kernel_runs import KernelRun

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
-from ..kernel.slots import AVERAGED, ELASTIC, EVENT, KINEMATIC, RIGID, TIMESTEPPING
+from ..kernel.codes import AVERAGED, ELASTIC, EVENT, KINEMATIC, RIGID, TIMESTEPPING
 from ..variables import ENUMERATIONS
 
 FIDELITIES = {number: name for name, number, _ in ENUMERATIONS["Fidelity"]}

@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from ..drive import Progress, Result
-from ..kernel import slots
 from ..loops import ClosedLoop
 from ..module import Module
 from ..scene import Scene
@@ -41,7 +40,7 @@ class ModulePlant:
     def advance(self, step: float) -> None:
         """Advance by a communication step, s."""
         held = self.module.inputs
-        self._given.append((held[slots.U_OMEGA1], held[slots.U_LOAD_TORQUE], held[slots.U_DRIVE_TORQUE]))
+        self._given.append((held.omega1, held.load_torque, held.drive_torque))
         self._step = step
         self.module.advance(step)
 

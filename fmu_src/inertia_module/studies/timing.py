@@ -6,7 +6,7 @@ import statistics
 import time
 from collections.abc import Sequence
 
-from ..kernel import slots
+from ..kernel import codes
 from ..module import Module
 
 # a call that the kernel refuses at once costs what every call costs around it
@@ -37,8 +37,8 @@ def kernel_time(
         module.restore(begin)
         held, call = module.inputs, module.call
         start = time.perf_counter()
-        for held[slots.U_OMEGA1], held[slots.U_LOAD_TORQUE], held[slots.U_DRIVE_TORQUE] in inputs:
-            call(slots.STEP, size)
+        for held.omega1, held.load_torque, held.drive_torque in inputs:
+            call(codes.STEP, size)
         return time.perf_counter() - start
 
     runs: list[float] = []

@@ -14,7 +14,7 @@ from .. import loops
 from ..drive import Progress
 from ..entries import source_hash
 from ..files import cache_folder
-from ..kernel.slots import ELASTIC, RIGID
+from ..kernel.codes import ELASTIC, RIGID
 from ..results import write_text
 from ..scene import Scene
 from ..scene.mechanism import at_fidelity, is_elastic, parameters

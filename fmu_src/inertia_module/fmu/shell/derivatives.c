@@ -36,9 +36,9 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component component, const fmi2ValueR
         return report(c, fmi2Error, "setRealInputDerivatives is refused: allowed are arrays that are there");
     const fmi2Status status = check_references(c, references, count, order, 1);
     for (size_t n = 0; status == fmi2OK && n < count; n++) {
-        const size_t slot = (size_t)model.variables[references[n]].slot;
-        c->u[model.input_count + slot] = values[n];
-        c->u[2 * model.input_count + slot] = 1.0;
+        const struct variable *input = &model.variables[references[n]];
+        c->u[input->rate_slot] = values[n];
+        c->u[input->given_slot] = 1.0;
     }
     return status;
 }

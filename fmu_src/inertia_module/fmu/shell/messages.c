@@ -110,8 +110,6 @@ static void compose(char *text, const struct instance *c, const struct piece *pi
             length = add_number(text, length, c->p[piece->slot]);
         else if (piece->number == INPUT_NUMBER)
             length = add_number(text, length, u[piece->slot]);
-        else if (piece->number == RATE_NUMBER)
-            length = add_number(text, length, u[model.input_count + (size_t)piece->slot]);
         else if (piece->number == STEP_NUMBER)
             length = add_number(text, length, step);
     }

@@ -25,6 +25,8 @@ struct variable {
     enum kind kind;
     enum array array;
     int slot;
+    int rate_slot;       /* of inputs: of the rate, and of whether it is given */
+    int given_slot;
     int late;            /* filled in by OPERATION_OUTPUTS only, when it is read */
     int output;          /* whether its causality is output */
     double start;        /* of parameters and inputs */
@@ -35,7 +37,7 @@ struct variable {
 };
 
 /* A sentence in pieces: each a text and then a number, or none. */
-enum number { NO_NUMBER, PARAMETER_NUMBER, INPUT_NUMBER, RATE_NUMBER, STEP_NUMBER, LAST_PIECE };
+enum number { NO_NUMBER, PARAMETER_NUMBER, INPUT_NUMBER, STEP_NUMBER, LAST_PIECE };
 struct piece {
     const char *text;
     enum number number;
@@ -53,7 +55,6 @@ struct model {
     const char *guid;
     const struct variable *variables;
     size_t variable_count;
-    size_t input_count;
     int tolerance_slot;  /* of the parameters, or -1 */
     size_t p_size, d_size, u_size, x_size, y_size, w_size;
     const struct message *messages;

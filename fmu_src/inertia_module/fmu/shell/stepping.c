@@ -37,8 +37,10 @@ fmi2Status fmi2DoStep(fmi2Component component, fmi2Real time, fmi2Real step, fmi
     memcpy(c->x_before, c->x_trial, model.x_size * sizeof(double));
     memcpy(c->u_before, c->u, model.u_size * sizeof(double));
     /* rates of inputs hold for one step */
-    for (size_t n = model.input_count; n < model.u_size; n++)
-        c->u[n] = 0.0;
+    for (const struct variable *input = model.variables; input < model.variables + model.variable_count; input++) {
+        if (input->array == INPUTS)
+            c->u[input->rate_slot] = c->u[input->given_slot] = 0.0;
+    }
     c->head[COMPLETE] = 0.0;
     c->head[TIME] = time + step;
     c->head[LAST_STEP] = step;

@@ -4,25 +4,25 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from typing import Any
 
-from ...kernel import slots
 from ..trajectory import Array, Case, Trajectory, Unavailable, median_time
-from .equations import STIFFNESS, data_of
+from .equations import data_of, in_array
 
 SLOW = 5.0  # s: a run that takes longer is not repeated for the clock
 
 
-def clutch_data(case: Case, stiffness: float) -> Array:
-    """What the equations need, with the stiffness of the clutches, N.m.s/rad.
+def clutch_data(case: Case, stiffness: float) -> Any:
+    """What the equations need, in an array, with the stiffness of the clutches, N.m.s/rad.
 
     Raises:
         Unavailable: the case is not for it.
     """
     data = data_of(case)
-    if data[slots.D_HOUSING] == 0.0 or data[slots.D_OUTPUT] == 0.0:
+    if data.d.housing == 0.0 or data.d.output == 0.0:
         raise Unavailable("viscous clutches stand for both freewheels: the case leaves one out")
-    data[STIFFNESS] = stiffness
-    return data
+    data.stiffness = stiffness
+    return in_array(data)
 
 
 def measure_clutches(case: Case, solve: Callable[[Array], tuple[Array, int]]) -> Trajectory:

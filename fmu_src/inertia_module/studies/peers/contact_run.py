@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...kernel import slots
-from ...kernel.dynamics import angular_momentum, kinetic_energy
+from ...kernel import codes
+from ...kernel.links import angular_momentum, kinetic_energy
 from ..trajectory import Array, Case, Trajectory, median_time
-from .equations import LINK2, LOAD, MODE, OMEGA1, OUTPUT, data_of, equations, start_of
+from .equations import LINK2, OUTPUT, data_of, equations, in_array, start_of
 
 # events a run may have: bounds a run that goes nowhere
 EVENTS_ALLOWED = 100_000
@@ -27,37 +27,36 @@ class Segment(NamedTuple):
 
 
 # integrates (data, time, state, output times not before time, the last of them the end)
-Integrator = Callable[[Array, float, Array, Array], Segment]
+Integrator = Callable[[Any, float, Array, Array], Segment]
 
 
-def chosen_mode(data: Array, state: Array) -> float:
+def chosen_mode(data: Any, state: Array) -> float:
     """Contact mode of the complementarity problem at constant input speed and load."""
-    q, omega2, omega3 = state
-    mode: float = equations().select_mode(data, q, data[OMEGA1], 0.0, omega2, omega3, data[LOAD], 0.0)
+    mode: float = equations().select_mode(state, in_array(data))
     return mode
 
 
-def leave(data: Array, state: Array, guard: int) -> None:
+def leave(data: Any, state: Array, guard: int) -> None:
     """Put the state exactly on the guard that fell and set the contact mode that follows.
 
     A torque that falls through zero opens its freewheel. A speed that does is set to zero, and the
     complementarity problem says what follows.
     """
-    mode = data[MODE]
-    if mode == slots.HELD_DRIVING:
-        data[MODE] = slots.DRIVING
-    elif (mode, guard) in ((slots.HELD, LINK2), (slots.DRIVING, OUTPUT)):
-        data[MODE] = slots.FREE
+    mode = data.mode
+    if mode == codes.HELD_DRIVING:
+        data.mode = codes.DRIVING
+    elif (mode, guard) in ((codes.HELD, LINK2), (codes.DRIVING, OUTPUT)):
+        data.mode = codes.FREE
     else:
-        if mode == slots.HELD:
+        if mode == codes.HELD:
             state[2] = 0.0
         elif guard == LINK2:
             state[1] = 0.0
-            if mode == slots.DRIVING:
+            if mode == codes.DRIVING:
                 state[2] = 0.0
         else:
             state[2] = state[1]
-        data[MODE] = chosen_mode(data, state)
+        data.mode = chosen_mode(data, state)
 
 
 class Audit:
@@ -70,32 +69,32 @@ class Audit:
     def __init__(self) -> None:
         self.residual = 0.0
 
-    def add(self, data: Array, begin: tuple[float, Array], end: tuple[float, Array]) -> None:
+    def add(self, data: Any, begin: tuple[float, Array], end: tuple[float, Array]) -> None:
         """Count one segment from (time, state) to (time, state)."""
-        d, omega1, load = list(data), float(data[OMEGA1]), float(data[LOAD])
+        d, omega1, load = data.d, data.omega1, data.load
         (t0, y0), (t1, y1) = begin, end
         stored = _energy(d, omega1, y1) - _energy(d, omega1, y0)
         time = t1 - t0
-        mode = data[MODE]
-        if mode in (slots.HELD, slots.HELD_DRIVING):
+        mode = data.mode
+        if mode in (codes.HELD, codes.HELD_DRIVING):
             work = _energy(d, omega1, y1, shaft=0.0) - _energy(d, omega1, y0, shaft=0.0)
         else:
             work = omega1 * (_momentum(d, omega1, y1) - _momentum(d, omega1, y0))
-        if mode == slots.DRIVING:
-            work += omega1 * (d[slots.D_J3] * (y1[2] - y0[2]) + load * time)
-            turned = omega1 * time - (y1[0] - y0[0]) / d[slots.D_K]
+        if mode == codes.DRIVING:
+            work += omega1 * (d.J3 * (y1[2] - y0[2]) + load * time)
+            turned = omega1 * time - (y1[0] - y0[0]) / d.k
         else:
             turned = 0.5 * (y0[2] + y1[2]) * time
         self.residual += work - load * turned - stored
 
 
-def _energy(d: list[float], omega1: float, y: Array, shaft: float | None = None) -> float:
+def _energy(d: Any, omega1: float, y: Array, shaft: float | None = None) -> float:
     """Kinetic energy, J."""
     energy: float = kinetic_energy(d, y[0], omega1, y[1], y[2] if shaft is None else shaft)  # type: ignore[no-untyped-call]
     return energy
 
 
-def _momentum(d: list[float], omega1: float, y: Array) -> float:
+def _momentum(d: Any, omega1: float, y: Array) -> float:
     momentum: float = angular_momentum(d, y[0], omega1, y[1])  # type: ignore[no-untyped-call]
     return momentum
 
@@ -108,14 +107,14 @@ class Motion(NamedTuple):
     evaluations: int
 
 
-def run(case: Case, data: Array, times: Array, integrate: Integrator, audit: Audit | None = None) -> Motion:
+def run(case: Case, data: Any, times: Array, integrate: Integrator, audit: Audit | None = None) -> Motion:
     """One run through the output times; the first of them is the beginning.
 
     Raises:
         RuntimeError: the integrator gives up, or events without end.
     """
     time, state, evaluations = float(times[0]), start_of(case), 0
-    data[MODE] = chosen_mode(data, state)
+    data.mode = chosen_mode(data, state)
     samples, switches = [state[None, :].copy()], list[float]()
     times = times[1:]
     while len(switches) < EVENTS_ALLOWED:

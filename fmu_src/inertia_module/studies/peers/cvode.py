@@ -5,12 +5,14 @@ Source: Hindmarsh et al., SUNDIALS, ACM TOMS 31 (2005); the root finding is CVOD
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ..trajectory import Array, Case, Trajectory
 from .clutches import clutch_data, measure_clutches
 from .contact_run import Integrator, Segment, measure
-from .equations import SIZE, equations, largest_step, start_of
+from .equations import equations, in_array, largest_step, start_of
 from .extras import library
 
 STEPS_ALLOWED = 10_000_000
@@ -23,7 +25,7 @@ PHASE = 1.0
 
 def _integrator(method: str, tolerance: float, step: float) -> Integrator:
     compiled = equations()
-    shared = np.zeros(SIZE)
+    shared: Any = None
 
     def rates(t: float, y: Array, values: Array) -> None:
         compiled.contact_rates(t, y, values, shared)
@@ -44,8 +46,9 @@ def _integrator(method: str, tolerance: float, step: float) -> Integrator:
         max_num_steps=STEPS_ALLOWED,
     )
 
-    def integrate(data: Array, time: float, state: Array, times: Array) -> Segment:
-        shared[:] = data
+    def integrate(data: Any, time: float, state: Array, times: Array) -> Segment:
+        nonlocal shared
+        shared = in_array(data)
         solver.init_step(time, state)
         # the wrapper keeps and copies all events it has ever met
         for kept in (guards._i, guards._t, guards._y):  # type: ignore[attr-defined]

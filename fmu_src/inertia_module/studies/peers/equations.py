@@ -1,8 +1,7 @@
 """The module's equations as a peer's user would write them, compiled by numba: generous to the peers.
 
-The state is y = (q, omega2, omega3): rad and rad/s. Everything else goes in one array of doubles,
-the cheapest thing to hand to a compiled function: the kernel's derived constants, then omega1, the
-load torque and the contact mode or the stiffness of the clutches.
+The state is y = (q, omega2, omega3): rad and rad/s. Everything else is one record (see FIELDS), which plain Python
+reads as a ctypes record and compiled functions as an array of it (see in_array).
 """
 
 from __future__ import annotations
@@ -13,19 +12,17 @@ from typing import Any
 
 import numpy as np
 
-from ...kernel import slots
-from ...kernel.derive import derive
-from ...kernel_ir import jitted_kernel
-from ...model import INERTIA_MODULE
-from ...variables import BY_NAME, default_parameters
+from ...kernel import codes
+from ...kernel.contact import TORQUE_ROUNDING
+from ...kernel.fields import CONSTANTS
+from ...kernel_ir import data_type, jitted_kernel
+from ...module import Module, Refused
+from ...records import record_type
 from ..trajectory import Array, Case, Unavailable
 from .extras import library
 
-OMEGA1 = slots.D_SIZE
-LOAD = slots.D_SIZE + 1
-MODE = slots.D_SIZE + 2
-STIFFNESS = slots.D_SIZE + 3
-SIZE = slots.D_SIZE + 4
+# the kernel's constants, then rad/s, N.m, the contact mode, and the stiffness of the clutches, N.m.s/rad
+FIELDS = (("d", CONSTANTS), "omega1", "load", "mode", "stiffness")
 
 # guards of a contact mode: the speed of link 2 or the housing torque, the output freewheel
 LINK2 = 0
@@ -34,16 +31,16 @@ OUTPUT = 1
 
 @dataclass(frozen=True)
 class Equations:
-    """Compiled functions of (t, y, data); those with a third array write their result there.
+    """Compiled functions of (t, y, data), data from in_array; those with a third array write their result there.
 
     Attributes:
-        contact_rates: (t, y, rates, data), motion in the contact mode data[MODE].
+        contact_rates: (t, y, rates, data), motion in the contact mode of the data.
         contact_guards: (t, y, guards, data), two numbers that are positive while the mode goes on.
         clutch_rates: (t, y, rates, data), motion with a viscous clutch for each freewheel:
-            Tc = c max(0, omega2 - omega3), Th = c max(0, -omega2), c = data[STIFFNESS].
+            Tc = c max(0, omega2 - omega3), Th = c max(0, -omega2), c their stiffness.
         new_contact_rates, new_clutch_rates: (t, y, data), the same in a new array.
         guard: (t, y, data, which), one guard.
-        select_mode: the kernel's choice of the contact mode.
+        select_mode: (y, data), the kernel's choice of the contact mode.
     """
 
     contact_rates: Any
@@ -64,42 +61,44 @@ def equations() -> Equations:
     """
     numba, kernel = library("numba"), jitted_kernel()
     jit = numba.njit(error_model="numpy")
-    motion = kernel["dynamics"].motion
-    held_torque = kernel["dynamics"].held_torque
-    k_slot, j3_slot = slots.D_K, slots.D_J3
-    housing_slot, output_slot = slots.D_HOUSING, slots.D_OUTPUT
-    held, free, driving = slots.HELD, slots.FREE, slots.DRIVING
+    accelerations, held_torque = kernel["links"].accelerations, kernel["links"].held_torque
+    kernel_mode = kernel["contact"].select_mode
+    held, free, driving = codes.HELD, codes.FREE, codes.DRIVING
 
     @jit  # type: ignore[untyped-decorator]
-    def contact_rates(t, y, rates, data):  # type: ignore[no-untyped-def]
-        mode, omega1, load = data[MODE], data[OMEGA1], data[LOAD]
-        rates[0] = data[k_slot] * (omega1 - y[1])
+    def alpha2(y, data, carried, torque):  # type: ignore[no-untyped-def]
+        return accelerations(data.d, y[0], data.omega1, y[1], 0.0, False, carried, torque)[1]
+
+    @jit  # type: ignore[untyped-decorator]
+    def contact_rates(t, y, rates, array):  # type: ignore[no-untyped-def]
+        data = array[0]
+        rates[0] = data.d.k * (data.omega1 - y[1])
         rates[1] = 0.0
         rates[2] = 0.0
-        if mode == held:
-            rates[2] = -load / data[j3_slot]
-        elif mode == free:
-            rates[1] = motion(data, y[0], omega1, 0.0, y[1], 0.0, 0.0)[0]
-            rates[2] = -load / data[j3_slot]
-        elif mode == driving:
-            rates[1] = motion(data, y[0], omega1, 0.0, y[1], data[j3_slot], load)[0]
+        if data.mode == held:
+            rates[2] = -data.load / data.d.J3
+        elif data.mode == free:
+            rates[1] = alpha2(y, data, 0.0, 0.0)
+            rates[2] = -data.load / data.d.J3
+        elif data.mode == driving:
+            rates[1] = alpha2(y, data, data.d.J3, data.load)
             rates[2] = rates[1]
 
     @jit  # type: ignore[untyped-decorator]
-    def guard(t, y, data, which):  # type: ignore[no-untyped-def]
-        mode, omega1, load = data[MODE], data[OMEGA1], data[LOAD]
-        if mode in (free, driving):
+    def guard(t, y, array, which):  # type: ignore[no-untyped-def]
+        data = array[0]
+        if data.mode in (free, driving):
             if which == LINK2:
-                return y[1] if data[housing_slot] != 0.0 else 1.0
-            if data[output_slot] == 0.0:
+                return y[1] if data.d.housing != 0.0 else 1.0
+            if data.d.output == 0.0:
                 return 1.0
-            if mode == free:
+            if data.mode == free:
                 return y[2] - y[1]
-            return motion(data, y[0], omega1, 0.0, y[1], data[j3_slot], load)[2]
+            return data.load + data.d.J3 * alpha2(y, data, data.d.J3, data.load)
         if which == LINK2:
-            carried = 0.0 if mode == held else load
-            return carried - held_torque(data, y[0], omega1, 0.0)[0]
-        return y[2] if mode == held and load > 0.0 else 1.0
+            carried = 0.0 if data.mode == held else data.load
+            return carried - held_torque(data.d, y[0], data.omega1, 0.0)[0]
+        return y[2] if data.mode == held and data.load > 0.0 else 1.0
 
     @jit  # type: ignore[untyped-decorator]
     def contact_guards(t, y, guards, data):  # type: ignore[no-untyped-def]
@@ -107,13 +106,20 @@ def equations() -> Equations:
         guards[1] = guard(t, y, data, OUTPUT)
 
     @jit  # type: ignore[untyped-decorator]
-    def clutch_rates(t, y, rates, data):  # type: ignore[no-untyped-def]
-        omega1, stiffness = data[OMEGA1], data[STIFFNESS]
-        clutch = stiffness * max(0.0, y[1] - y[2])
-        housing = stiffness * max(0.0, -y[1])
-        rates[0] = data[k_slot] * (omega1 - y[1])
-        rates[1] = motion(data, y[0], omega1, 0.0, y[1], 0.0, clutch - housing)[0]
-        rates[2] = (clutch - data[LOAD]) / data[j3_slot]
+    def clutch_rates(t, y, rates, array):  # type: ignore[no-untyped-def]
+        data = array[0]
+        clutch = data.stiffness * max(0.0, y[1] - y[2])
+        housing = data.stiffness * max(0.0, -y[1])
+        rates[0] = data.d.k * (data.omega1 - y[1])
+        rates[1] = alpha2(y, data, 0.0, clutch - housing)
+        rates[2] = (clutch - data.load) / data.d.J3
+
+    @jit  # type: ignore[untyped-decorator]
+    def select_mode(y, array):  # type: ignore[no-untyped-def]
+        data = array[0]
+        return kernel_mode(
+            data.d, y[0], data.omega1, y[1], y[2], 0.0, data.load, 0.0, TORQUE_ROUNDING
+        )
 
     @jit  # type: ignore[untyped-decorator]
     def new_contact_rates(t, y, data):  # type: ignore[no-untyped-def]
@@ -128,35 +134,29 @@ def equations() -> Equations:
         return rates
 
     return Equations(
-        contact_rates,
-        contact_guards,
-        clutch_rates,
-        new_contact_rates,
-        new_clutch_rates,
-        guard,
-        kernel["contact"].select_mode,
+        contact_rates, contact_guards, clutch_rates, new_contact_rates, new_clutch_rates, guard, select_mode
     )
 
 
-def data_of(case: Case) -> Array:
-    """What the equations need of a case, shape (SIZE,); contact mode and stiffness are yet to be set.
+def data_of(case: Case) -> Any:
+    """What the equations need of a case, a record of FIELDS; contact mode and stiffness are yet to be set.
 
     Raises:
         Unavailable: the module refuses the parameters, or the case is not of the rigid module.
     """
-    parameters = default_parameters()
-    for name, value in case.parameters.items():
-        parameters[BY_NAME[name].slot] = float(value)
-    data = [0.0] * SIZE
-    if parameters[slots.P_FIDELITY] != slots.RIGID:
+    if case.parameter("fidelity") != codes.RIGID:
         raise Unavailable("the peers know the rigid module only: fidelity = 2")
-    status = derive(parameters, data)  # type: ignore[no-untyped-call]
-    if status != slots.OK:
-        inputs = [case.omega1, case.load_torque, 0.0, 0.0, 0.0, 0.0]
-        raise Unavailable(INERTIA_MODULE.explain(status, parameters, inputs, 0.0))
-    data[OMEGA1] = case.omega1
-    data[LOAD] = case.load_torque
-    return np.array(data)
+    module = Module("plain")
+    try:
+        module.check(**case.parameters)
+    except Refused as error:
+        raise Unavailable(str(error)) from None
+    return record_type(FIELDS)(d=module.derived, omega1=case.omega1, load=case.load_torque)
+
+
+def in_array(data: Any) -> Any:
+    """The same memory for compiled functions: a NumPy array of one record."""
+    return np.frombuffer(data, dtype=data_type(FIELDS))
 
 
 def largest_step(case: Case, phase: float) -> float:
@@ -166,7 +166,7 @@ def largest_step(case: Case, phase: float) -> float:
     smooth that their steps would jump over whole pulses.
     """
     data = data_of(case)
-    rate = data[slots.D_HARMONIC] * data[slots.D_K] * abs(case.omega1)
+    rate = data.d.harmonic * data.d.k * abs(case.omega1)
     return float(phase / rate) if rate > 0.0 else np.inf
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..trajectory import Array, Case, Trajectory
 from .contact_run import Integrator, Segment, measure
-from .equations import LINK2, OUTPUT, equations, largest_step
+from .equations import LINK2, OUTPUT, equations, in_array, largest_step
 from .extras import library
 
 # phase of the fastest harmonic in a step, rad: at 1 two short pulses of R1 are missed
@@ -18,7 +18,7 @@ PHASE = 0.5
 def _falling(which: int) -> Any:
     guard = equations().guard
 
-    def event(t: float, y: Array, data: Array) -> float:
+    def event(t: float, y: Array, data: Any) -> float:
         value: float = guard(t, y, data, which)
         return value
 
@@ -31,7 +31,7 @@ def _integrator(method: str, tolerance: float, step: float) -> Integrator:
     solve, rates = library("scipy.integrate").solve_ivp, equations().new_contact_rates
     events = [_falling(LINK2), _falling(OUTPUT)]
 
-    def integrate(data: Array, time: float, state: Array, times: Array) -> Segment:
+    def integrate(data: Any, time: float, state: Array, times: Array) -> Segment:
         sampled = len(times) > 1
         found = solve(
             rates,
@@ -40,7 +40,7 @@ def _integrator(method: str, tolerance: float, step: float) -> Integrator:
             method=method,
             t_eval=times if sampled else None,
             events=events,
-            args=(data,),
+            args=(in_array(data),),
             rtol=tolerance,
             atol=tolerance,
             max_step=step,

@@ -6,8 +6,7 @@ import functools
 import math
 from dataclasses import dataclass
 
-from ...kernel import slots
-from ...kernel.dynamics import held_torque
+from ...kernel.links import held_torque
 from ...module import Module
 from .case import Segment
 from .trial import imbalance_energy
@@ -70,7 +69,7 @@ def imbalance_inertia(mechanism: Mechanism) -> float:
 def pulse_rate(mechanism: Mechanism) -> float:
     """Rate of the highest harmonic with link 2 held at the ordinary speed, rad/s."""
     d = Module("plain").start(**mechanism.with_values()).derived
-    return float(d[slots.D_HARMONIC] * d[slots.D_K]) * mechanism.omega1
+    return float(d.harmonic * d.k) * mechanism.omega1
 
 
 @functools.cache
@@ -84,8 +83,8 @@ def stall_torque(mechanism: Mechanism) -> float:
     def torque(q: float) -> float:
         return float(held_torque(d, q, mechanism.omega1, 0.0)[0])  # type: ignore[no-untyped-call]
 
-    count = 200 * int(d[slots.D_PERIOD_TURNS])
-    grid = [d[slots.D_PERIOD] * n / count for n in range(count)]
+    count = 200 * int(d.period_turns)
+    grid = [d.period * n / count for n in range(count)]
     low = max(grid, key=torque) - grid[1]
     high = low + 2.0 * grid[1]
     share = 0.5 * (math.sqrt(5.0) - 1.0)

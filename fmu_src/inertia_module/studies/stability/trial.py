@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any, Protocol
 
-from ...kernel import slots
+from ...kernel import codes
 from ...module import Module, Refused
 from ...variables import LARGEST_STEP
 from .bounds import tolerance_of
@@ -78,8 +78,8 @@ class Run:
 
 def imbalance_energy(derived: Any, speed: float) -> float:
     """Largest kinetic energy of the imbalances behind link 2 at this speed, k^2 G speed^2 / 2, J."""
-    far = derived[slots.D_POLE_OFFSET] + 2.0 * derived[slots.D_POLE_ARM]
-    inertia = derived[slots.D_MASS] * derived[slots.D_K] ** 2 * (far * far + derived[slots.D_SPIN])
+    far = derived.pole_offset + 2.0 * derived.pole_arm
+    inertia = derived.mass * derived.k**2 * (far * far + derived.spin)
     return float(0.5 * inertia * speed * speed)
 
 
@@ -89,14 +89,14 @@ def _look(run: Run, plant: Plant, parameters: dict[str, float]) -> None:
         name: plant[name]
         for name in (*SPEEDS, *ENERGIES, *TORQUES, "omega_hub", "energy_stored", "housing_torque")
     }
-    run.finite = run.finite and all(map(math.isfinite, plant.outputs))
+    run.finite = run.finite and all(map(math.isfinite, plant.outputs.numbers))
     run.residual = max(run.residual, abs(plant["energy_residual"]))
     run.energy = max(run.energy, *(abs(values[name]) for name in (*ENERGIES, "energy_stored")))
     fastest = max(abs(plant["omega1"]), abs(values["omega2"]))
     run.energy = max(run.energy, imbalance_energy(plant.derived, fastest))
     run.speed = max(run.speed, abs(plant["omega1"]), *(abs(values[name]) for name in SPEEDS))
     run.torque = max(run.torque, abs(plant["load_torque"]), *(abs(values[name]) for name in TORQUES))
-    if parameters.get("fidelity", slots.RIGID) in (slots.RIGID, slots.ELASTIC):
+    if parameters.get("fidelity", codes.RIGID) in (codes.RIGID, codes.ELASTIC):
         if parameters.get("housing_freewheel", True):
             run.reversal = max(run.reversal, -values["omega2"])
             run.pull = max(run.pull, -values["housing_torque"])
@@ -110,7 +110,7 @@ def _rate(plant: Plant, parameters: dict[str, float], omega1: float) -> float:
 
     A shaft that oscillates faster than the pulses by more than 1 / sqrt(tolerance) is not followed.
     """
-    harmonic = float(plant.derived[slots.D_HARMONIC] * plant.derived[slots.D_K])
+    harmonic = float(plant.derived.harmonic * plant.derived.k)
     pulses = harmonic * max(abs(omega1 - plant["omega2"]), abs(omega1))
     if parameters["fidelity"] != ELASTIC or parameters["method"] != EVENT:
         return pulses
@@ -123,7 +123,7 @@ def _rate(plant: Plant, parameters: dict[str, float], omega1: float) -> float:
 
 def _recovers(plant: Plant, before: bytes) -> str:
     """What is wrong with the module after a refused step, or ""."""
-    if plant.state.tobytes() != before:
+    if bytes(plant.state) != before:
         return "a refused step changed the state"
     plant.set(omega1=1.0, load_torque=1.0)
     try:
@@ -141,7 +141,7 @@ def _go(run: Run, plant: Plant, segment: Segment, split: int, parameters: dict[s
     for n in range(count):
         omega1 = segment.omega1 + segment.slope * n * step
         plant.set(omega1=omega1, load_torque=segment.load)
-        before = plant.state.tobytes()
+        before = bytes(plant.state)
         try:
             plant.advance(step)
         except Refused as error:
@@ -175,8 +175,8 @@ def run_once(
         run.refused = str(error)
         return run
     if turns:
-        plant.state[slots.X_DRIVE_TURNS] += turns
-        plant.state[slots.X_INPUT_TURNS] += turns
+        plant.state.drive_turns += turns
+        plant.state.input_turns += turns
     begin = plant["drive_angle"] + 2.0 * math.pi * plant["drive_turns"]
     _look(run, plant, parameters)
     for segment in segments:
@@ -265,7 +265,7 @@ def fixed_step(parameters: dict[str, float], segments: tuple[Segment, ...], plan
     """Step of method timestepping: FIXED_PHASE of the highest harmonic at the fastest input, s; 0 at rest."""
     plant.start(**parameters | {"fidelity": KINEMATIC, "method": EVENT})
     fastest = max(max(abs(s.omega1), abs(s.omega1 + s.slope * s.duration)) for s in segments)
-    rate = float(plant.derived[slots.D_HARMONIC] * plant.derived[slots.D_K]) * fastest
+    rate = float(plant.derived.harmonic * plant.derived.k) * fastest
     return min(FIXED_PHASE / rate, LARGEST_STEP) if rate > 1e-300 else 0.0
 
 

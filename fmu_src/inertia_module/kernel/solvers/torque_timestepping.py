@@ -12,9 +12,8 @@ stand for their derivatives, so no impulse exceeds what the differences allow, h
 
 import math
 
-from .accumulate import add, assign, wrap_drive_angle, wrap_input_angle
-from .inertia import reduced_inertia
-from .slots import *
+from ..accumulate import add, wrap_drive_angle, wrap_input_angle
+from ..inertia import reduced_inertia
 from .timestepping import SMALLEST_DIFFERENCE, follow_shaft, settle, shaft_step
 
 # corrections of the slip angle by the mean of the speeds at both ends
@@ -24,40 +23,40 @@ CORRECTIONS = 3
 def slip_inertia(d, x, q):
     """(J, c, sqrt(mu), derivative of 1/J by the slip angle)."""
     i, i1, _, b, _, g, _, _ = reduced_inertia(d, q)
-    x[X_STEP_EVALUATIONS] += 1.0
-    k = d[D_K]
-    link1 = d[D_J1] + i
-    total = link1 + d[D_J2]
-    determinant = d[D_J2] * (link1 + k * (2.0 * b + k * g)) + k * k * (link1 * g - b * b)
+    x.step_evaluations += 1.0
+    k = d.k
+    link1 = d.J1 + i
+    total = link1 + d.J2
+    determinant = d.J2 * (link1 + k * (2.0 * b + k * g)) + k * k * (link1 * g - b * b)
     return total, (link1 + k * b) / total, math.sqrt(determinant / total), -k * i1 / (total * total)
 
 
 def put_slip_inertia(d, x, w):
     """Keep what the step that begins at the present q starts from."""
-    w[W_KEPT_TOTAL], w[W_KEPT_SHARE], w[W_KEPT_ROOT], w[W_KEPT_BEND] = slip_inertia(d, x, x[X_Q])
+    w.kept_total, w.kept_share, w.kept_root, w.kept_bend = slip_inertia(d, x, x.q)
 
 
 def driven_step(p, d, x, w, torque, load, h):
     """One fixed step; the inertia at its beginning is kept in w, that at its end is left there."""
     inertia3, momentum3 = shaft_step(p, d, x, w, load, h)
-    total, share, root, bend = w[W_KEPT_TOTAL], w[W_KEPT_SHARE], w[W_KEPT_ROOT], w[W_KEPT_BEND]
-    k = d[D_K]
-    begin1 = x[X_OMEGA1]
-    begin2 = x[X_OMEGA2]
+    total, share, root, bend = w.kept_total, w.kept_share, w.kept_root, w.kept_bend
+    k = d.k
+    begin1 = x.omega1
+    begin2 = x.omega2
     slip = begin1 - begin2
     momentum = total * (begin2 + share * slip)
     free_momentum = momentum + torque * h
     end_momentum = free_momentum
     end_slip = slip
     end2 = begin2
-    end3 = x[X_OMEGA3]
+    end3 = x.omega3
     clutch = 0.0
-    mode = x[X_MODE]
+    mode = x.mode
     turned = 0.0
     end_total, end_share, end_root, end_bend = total, share, root, bend
     for _ in range(CORRECTIONS):
         turned = 0.5 * h * (slip + end_slip)
-        end_total, end_share, end_root, end_bend = slip_inertia(d, x, x[X_Q] + k * turned)
+        end_total, end_share, end_root, end_bend = slip_inertia(d, x, x.q + k * turned)
         slope = 0.5 * (bend + end_bend)
         if abs(k * turned) > SMALLEST_DIFFERENCE:
             slope = (1.0 / end_total - 1.0 / total) / turned
@@ -81,19 +80,21 @@ def driven_step(p, d, x, w, torque, load, h):
     end1 = end2 + end_slip
     # on to just where the inertia at the end is that of: with another the energy would not be what it was
     turned1 = turned + 0.5 * h * (begin2 + end2)
-    add(x, X_Q, k * turned)
+    x.q, x.q_low = add(x.q, x.q_low, k * turned)
     wrap_drive_angle(d, x)
-    add(x, X_THETA1, turned1)
+    x.theta1, x.theta1_low = add(x.theta1, x.theta1_low, turned1)
     wrap_input_angle(x)
-    w[W_KEPT_TOTAL], w[W_KEPT_SHARE] = end_total, end_share
-    w[W_KEPT_ROOT], w[W_KEPT_BEND] = end_root, end_bend
-    add(x, X_ENERGY_IN, torque * turned1)
-    x[X_OUTPUT_IMPULSE] += clutch
-    x[X_OUTPUT_SQUARE] += clutch * clutch / h
-    x[X_TORQUE_PEAK] = max(x[X_TORQUE_PEAK], abs(clutch) / h)
+    w.kept_total, w.kept_share = end_total, end_share
+    w.kept_root, w.kept_bend = end_root, end_bend
+    x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, torque * turned1)
+    x.output_impulse += clutch
+    x.output_square += clutch * clutch / h
+    x.torque_peak = max(x.torque_peak, abs(clutch) / h)
     follow_shaft(p, d, x, w, load, h, end3)
-    assign(x, X_OMEGA1, end1)
-    assign(x, X_OMEGA2, end2)
-    if mode != x[X_MODE]:
-        x[X_MODE] = mode
-        x[X_STEP_SWITCHES] += 1.0
+    x.omega1 = end1
+    x.omega1_low = 0.0
+    x.omega2 = end2
+    x.omega2_low = 0.0
+    if mode != x.mode:
+        x.mode = mode
+        x.step_switches += 1.0

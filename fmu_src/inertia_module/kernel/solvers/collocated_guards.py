@@ -1,11 +1,10 @@
 """The guards of a contact mode inside a collocation step, and the step that ends where one falls."""
 
+from ..codes import DRIVING, FREE, HELD, HELD_DRIVING, LINK2, OUTPUT
+from ..links import held_torque
 from .collocation import fit, fit_integral, polynomial
-from .dynamics import held_torque
 from .elastic_stages import solve_stages
-from .held import held_angle
-from .radau_table import STAGES
-from .slots import *
+from .radau import STAGES
 
 # attempts to make a step end at a crossing
 LANDINGS = 60
@@ -13,18 +12,18 @@ LANDINGS = 60
 
 def put_polynomials(d, x, w):
     """Polynomials of the speeds and of the torque that the guards need, for the step in hand."""
-    h = w[W_STEP]
-    mode = x[X_MODE]
+    h = w.step
+    mode = x.mode
     if mode == FREE or mode == DRIVING:
-        fit_integral(d, w, W_RATE2, x[X_OMEGA2], h, W_POLYNOMIAL_2)
-    elif w[W_COLLOCATED] == DRIVEN_COLLOCATED:
+        fit_integral(w.rate2, x.omega2, h, w.polynomial_2)
+    elif d.by_torque != 0.0:
         for n in range(STAGES):
-            w[W_RIGHT_SIDE + n] = w[W_STAGE_CLUTCH + n] - w[W_STAGE_RELEASE + n]
-        fit(d, w, W_RIGHT_SIDE, W_POLYNOMIAL_2)
+            w.right_side[n] = w.stage_clutch[n] - w.stage_release[n]
+        fit(w.right_side, w.polynomial_2)
     if mode == FREE or mode == HELD:
-        fit_integral(d, w, W_RATE3, x[X_OMEGA3], h, W_POLYNOMIAL_3)
+        fit_integral(w.rate3, x.omega3, h, w.polynomial_3)
     if mode == DRIVING or mode == HELD_DRIVING:
-        fit(d, w, W_STAGE_CLUTCH, W_POLYNOMIAL_TORQUE)
+        fit(w.stage_clutch, w.polynomial_torque)
 
 
 def collocated_guard(d, x, w, which, sigma):
@@ -33,31 +32,31 @@ def collocated_guard(d, x, w, which, sigma):
     held: -F and omega3; free: omega2 and omega3 - omega2; driving: omega2 and Tc; held and driving:
     Tc - F and Tc. F is exact where omega1 is given, the rest comes from the collocation polynomials.
     """
-    mode = x[X_MODE]
-    h = w[W_STEP]
+    mode = x.mode
+    h = w.step
     if mode == FREE or mode == DRIVING:
         if which == LINK2:
-            return polynomial(w, W_POLYNOMIAL_2, STAGES + 1, sigma)
+            return polynomial(w.polynomial_2, STAGES + 1, sigma)
         if mode == DRIVING:
-            return polynomial(w, W_POLYNOMIAL_TORQUE, STAGES, sigma)
-        value3, rate3 = polynomial(w, W_POLYNOMIAL_3, STAGES + 1, sigma)
-        value2, rate2 = polynomial(w, W_POLYNOMIAL_2, STAGES + 1, sigma)
+            return polynomial(w.polynomial_torque, STAGES, sigma)
+        value3, rate3 = polynomial(w.polynomial_3, STAGES + 1, sigma)
+        value2, rate2 = polynomial(w.polynomial_2, STAGES + 1, sigma)
         return value3 - value2, rate3 - rate2
     if which == OUTPUT:
         if mode == HELD:
-            return polynomial(w, W_POLYNOMIAL_3, STAGES + 1, sigma)
-        return polynomial(w, W_POLYNOMIAL_TORQUE, STAGES, sigma)
-    if w[W_COLLOCATED] == DRIVEN_COLLOCATED:
-        return polynomial(w, W_POLYNOMIAL_2, STAGES, sigma)
+            return polynomial(w.polynomial_3, STAGES + 1, sigma)
+        return polynomial(w.polynomial_torque, STAGES, sigma)
+    if d.by_torque != 0.0:
+        return polynomial(w.polynomial_2, STAGES, sigma)
     value = 0.0
     rate = 0.0
     if mode == HELD_DRIVING:
-        value, rate = polynomial(w, W_POLYNOMIAL_TORQUE, STAGES, sigma)
+        value, rate = polynomial(w.polynomial_torque, STAGES, sigma)
     t = sigma * h
-    omega1 = w[W_OMEGA1]
-    alpha1 = w[W_ALPHA1]
-    torque, slope = held_torque(d, held_angle(d, x[X_Q], omega1, alpha1, t), omega1 + alpha1 * t, alpha1)
-    x[X_STEP_EVALUATIONS] += 1.0
+    omega1 = x.omega1 + w.given * t
+    q = x.q + d.k * t * (x.omega1 + 0.5 * w.given * t)
+    torque, slope = held_torque(d, q, omega1, w.given)
+    x.step_evaluations += 1.0
     return value - torque, rate - h * slope
 
 
@@ -70,7 +69,7 @@ def land(d, x, w, which, zero, sigma):
         Whether it ends with the guard below -zero (else the crossing was one of the polynomial alone).
     """
     low = 0.0
-    high = w[W_STEP]
+    high = w.step
     t = sigma * high
     crossed = False
     for _ in range(LANDINGS):

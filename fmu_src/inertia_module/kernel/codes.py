@@ -1,0 +1,68 @@
+"""What numbers of the kernel stand for: contact modes, levels of fidelity, operations, statuses."""
+
+# contact modes
+HELD = 0
+FREE = 1
+DRIVING = 2
+HELD_DRIVING = 3
+
+# values of w.solver: of which solver a step is in hand
+EXPLICIT = 0.0
+CLOSED_FORM = 1.0
+COLLOCATED = 2.0
+
+# guards of a contact mode: of the speed of link 2 or its release, and of the output freewheel
+NONE = -1
+LINK2 = 0
+OUTPUT = 1
+
+# fidelities and methods
+KINEMATIC = 0
+AVERAGED = 1
+RIGID = 2
+ELASTIC = 3
+EVENT = 0
+TIMESTEPPING = 1
+
+# what drives link 1
+DRIVE_SPEED = 0
+DRIVE_TORQUE = 1
+
+# operations of the entry of a kernel
+START = 0
+STEP = 1
+# only the checks of START: changes nothing but d
+CHECK = 2
+# STEP without the late outputs, which cost more than a step of fidelity averaged; OUTPUTS fills them in,
+# where a shell is asked for one of them
+STEP_ONLY = 3
+OUTPUTS = 4
+# STEP with little noise in its results, for differences of them
+STEP_SMOOTHLY = 5
+# rates of the outputs in place of the outputs; u and x are left with no meaning
+RATES = 6
+
+# status codes
+OK = 0
+SINGULAR = 3
+BAD_START_HOUSING = 4
+BAD_START_OUTPUT = 5
+BAD_START_RIGID = 6
+NO_RECTIFIER = 7
+NO_INPUT_INERTIA = 8
+PRESCRIBED = 9
+BAD_OMEGA1 = 10
+BAD_LOAD_TORQUE = 11
+BAD_STEP = 12
+BAD_OMEGA1_RATE = 13
+BAD_LOAD_TORQUE_RATE = 14
+BAD_DRIVE_TORQUE = 15
+BAD_DRIVE_TORQUE_RATE = 16
+TOO_MANY_SWITCHES = 20
+TOO_MUCH_WORK = 21
+STEP_TOO_SMALL = 22
+NOT_FINITE = 23
+
+# statuses of DrivenShaft alone
+BAD_HUB_SPEED = 30
+BAD_HUB_SPEED_RATE = 31

@@ -1,0 +1,72 @@
+"""A communication step of the module with its pulses, from event to event: the contact mode is chosen, a solver follows
+it to the next event or to the end of the step, and so on."""
+
+from .accumulate import later
+from .codes import OK, STEP_TOO_SMALL, TOO_MANY_SWITCHES, TOO_MUCH_WORK
+from .contact import TORQUE_ROUNDING, choose_mode, is_held
+from .limits import MAX_EVALUATIONS, STALLS_ALLOWED, SWITCHES_ALLOWED, SWITCHES_PER_PULSE
+from .links import given_at_input
+from .solvers.elastic import advance_elastic, shaft_frequency
+from .solvers.explicit import advance_explicit
+from .solvers.held import advance_held
+
+# share of its size that a step keeps after an event that was none
+STALLED = 0.25
+
+
+def advance_mode(d, x, w, remaining):
+    """Advance in the present contact mode, at most to its end: (time passed or -1, whether it may change then)."""
+    if d.elastic != 0.0:
+        return advance_elastic(d, x, w, remaining)
+    if d.by_torque == 0.0 and is_held(x):
+        return advance_held(d, x, w, remaining)
+    return advance_explicit(d, x, w, remaining)
+
+
+def choose_next_mode(d, x):
+    """Choose the contact mode after an event. Returns whether it has changed."""
+    before = x.mode
+    choose_mode(d, x, TORQUE_ROUNDING)
+    if x.mode == before:
+        # a rate too slow to be waited for: the sign alone decides; or a coarse step: a shorter one
+        choose_mode(d, x, 0.0)
+        x.step_size *= STALLED
+    return x.mode != before
+
+
+def run_events(d, x, w, h):
+    """Advance the links and the output by h from event to event. Returns a status."""
+    start1 = x.omega1
+    w.given = given_at_input(d, x)
+    w.load = x.load_torque
+    w.known = 0.0
+    time = 0.0
+    low = 0.0
+    travel = 0.0
+    stalls = 0
+    choose_mode(d, x, TORQUE_ROUNDING)
+    while time < h:
+        remaining = (h - time) - low
+        speeds = abs(x.omega1) + abs(x.omega2)
+        passed, event = advance_mode(d, x, w, remaining)
+        if passed < 0.0:
+            return STEP_TOO_SMALL
+        if passed >= remaining:
+            time = h
+        else:
+            time, low = later(time, low, passed)
+        if d.by_torque == 0.0:
+            x.omega1 = start1 + w.given * time
+            x.omega1_low = 0.0
+        travel += passed * d.k * (speeds + abs(x.omega1) + abs(x.omega2))
+        if d.elastic != 0.0:
+            travel += passed * shaft_frequency(d, 1.0 / d.J3)
+        if event:
+            stalls = 0 if choose_next_mode(d, x) else stalls + 1
+            if stalls > STALLS_ALLOWED:
+                return TOO_MANY_SWITCHES
+            if x.step_switches > SWITCHES_ALLOWED + SWITCHES_PER_PULSE * d.harmonic * travel:
+                return TOO_MANY_SWITCHES
+        if x.step_evaluations > MAX_EVALUATIONS:
+            return TOO_MUCH_WORK
+    return OK

@@ -1,0 +1,113 @@
+"""The records the module's kernel reads and writes, by the names of their fields.
+
+p parameters, u inputs, y outputs and locals carry the names of the table of variables; x is the state,
+d what is derived from the parameters, w the workspace of one call. A field is a name (one double), a name
+with a length (an array of doubles), or a name with a list of fields (a record within) and maybe a number (so many).
+Every record has its doubles in one row besides, as `numbers`: so a state is copied whole.
+"""
+
+# stages of the collocation and of the explicit pair, with those for the inside of a step; its interpolants
+COLLOCATED = 5
+STAGES = 16
+DENSE = 7
+MATRIX = COLLOCATED * COLLOCATED
+# knots of the averaged map at most, for one sign of omega1
+KNOTS = 64
+
+PARAMETERS = (
+    *("layout", "z2", "z16", "z17", "z6", "shaft_angle", "wheel_radius", "a", "b", "c", "epsilon", "gamma"),
+    *("sun_radius", "satellite_radius", "eccentricity", "imbalance_mass", "modules", "satellites"),
+    *("drive_inertia", "input_inertia", "link2_inertia", "output_inertia", "driven_inertia"),
+    *("shaft_stiffness", "shaft_damping", "driven_friction", "balancer"),
+    *("housing_freewheel", "output_freewheel", "fidelity", "method", "drive", "input_hold", "tolerance"),
+    *("max_step", "kinematic_ratio", "omega2_start", "omega_out_start", "drive_angle_start"),
+)
+# the parameters that the map of fidelity averaged depends on
+MAP_KEY = (*PARAMETERS[: PARAMETERS.index("drive_inertia") + 1], "link2_inertia")
+
+# inputs, their rates over the coming step, and whether each rate is given
+INPUTS = (
+    *("omega1", "load_torque", "drive_torque"),
+    *("omega1_rate", "load_torque_rate", "drive_torque_rate"),
+    *("omega1_rate_given", "load_torque_rate_given", "drive_torque_rate_given"),
+)
+
+OUTPUTS = (
+    *("omega2", "omega_out", "input_torque", "mesh_torque", "output_torque", "housing_torque"),
+    *("input_torque_mean", "output_torque_mean", "imbalance_acceleration"),
+    *("imbalance_acceleration_x", "imbalance_acceleration_y", "imbalance_acceleration_z", "input_speed"),
+    *("drive_angle", "drive_turns", "input_angle", "input_turns", "contact_mode", "omega_hub", "shaft_twist"),
+    *("imbalance_x", "imbalance_y", "imbalance_z"),
+    *("imbalance_velocity_x", "imbalance_velocity_y", "imbalance_velocity_z"),
+    *("energy_in", "energy_out", "energy_stored", "energy_lost", "energy_residual"),
+    *("torque_ripple", "torque_peak", "contact_switches", "rhs_evaluations"),
+)
+
+# a ..._low is what the field before it lost to rounding (compensated sums), so that a billion tiny
+# communication steps add up to the same motion as one long step
+STATE = (
+    *("q", "q_low", "drive_turns", "theta1", "theta1_low", "input_turns"),
+    *("omega1", "omega1_low", "omega2", "omega2_low", "omega3", "omega3_low", "mode"),
+    *("alpha1", "held_input", "held_step", "load_torque", "drive_torque", "step_size"),
+    *("energy_in", "energy_in_low", "energy_out", "energy_out_low", "energy_lost", "energy_lost_low"),
+    *("energy_start", "input_torque_mean", "output_torque_mean", "torque_ripple", "torque_peak"),
+    *("switches", "evaluations"),
+    # sums over the communication step in hand
+    *("input_impulse", "output_impulse", "output_square", "step_switches", "step_evaluations"),
+    # elastic output: twist, and omega3 - omega4, which would cancel if omega4 were kept instead
+    *("twist", "twist_low", "relative", "relative_low"),
+    # averaged: the knot of the map last used
+    "map_knot",
+)
+
+# averaged: mean torque, energy and speed of link 2 over the speed ratio (see averaged.table): cubics from one
+# knot to the next, and while the map is built the error of the interval that follows, then one over its width
+KNOT = ("ratio", ("torque", 4), ("energy", 4), ("omega2", 4), "ripple", "peak", "error")
+# one side of the map for each sign of omega1: where the torque ends, whether lock-up is reached there
+SIDE = ("direction", "count", "end", "locks", "start", ("knots", KNOT, KNOTS))
+
+CONSTANTS = (
+    *("k", "s", "mass", "planar", "single", "paired", "phase_a", "phase_b"),
+    *("radial", "radial_cos", "arm", "axial", "axial_cos", "pole_offset", "pole_arm", "spin"),
+    *("period", "period_low", "period_turns", "harmonic", "g_slope", "i_slope", "alpha_slope"),
+    *("J1", "J2", "J3", "J4", "J16", "housing", "output", "by_torque", "elastic", "tolerance", "max_step"),
+    *("stiffness", "damping", "friction", "balancer"),
+    # square of the slowest shaft whose own motion is followed, over that of the pulses
+    "followed",
+    # averaged: the map, the parameters it is of, and sums while it is built
+    *("map_ready", ("map_key", len(MAP_KEY)), "map_lock", "map_evaluations"),
+    *("sum_time", "sum_torque", "sum_square", "sum_energy", "sum_angle", "sum_peak"),
+    *(("forward", SIDE), ("backward", SIDE)),
+)
+
+# nothing in it outlives the call
+WORKSPACE = (
+    # what the solvers share: torque or acceleration given at link 1, load, step in hand, inertia and torque that
+    # link 2 carries; at its beginning (if known from the step before) the accelerations and P, and P at its end
+    *("solver", "given", "load", "step", "carried", "carried_torque"),
+    *("known", "alpha1", "alpha2", "jerk2", "free", "free_rate", "momentum", "momentum_end"),
+    *("change_q", "change1", "change2"),
+    # rates at the stages of the explicit pair, what is integrated besides, and the inside of the step
+    *(("rate_q", STAGES), ("rate_omega1", STAGES), ("rate_omega2", STAGES), ("integrand", STAGES)),
+    *(("dense_q", DENSE), ("dense_omega1", DENSE), ("dense_omega2", DENSE), ("dense_other", DENSE)),
+    # collocation: matrices of the shaft, and numbers at the stages
+    *(("inverse", MATRIX), ("gain", MATRIX), ("shaft", MATRIX), ("jacobian", MATRIX)),
+    *(("rate1", COLLOCATED), ("rate2", COLLOCATED), ("rate3", COLLOCATED), ("rate_relative", COLLOCATED)),
+    *(("stage_q", COLLOCATED), ("stage_omega1", COLLOCATED), ("stage_omega2", COLLOCATED)),
+    *(("stage_omega3", COLLOCATED), ("stage_relative", COLLOCATED), ("stage_shaft_torque", COLLOCATED)),
+    *(("stage_clutch", COLLOCATED), ("stage_release", COLLOCATED)),
+    *(("right_side", COLLOCATED), ("shaft_right_side", COLLOCATED), ("update1", COLLOCATED)),
+    # ... equations of both links: of the first by the rates of omega2 with its right side, of the second by those
+    # of omega1 and of omega2
+    *(("columns", MATRIX + COLLOCATED), ("lower", MATRIX), ("corner", MATRIX)),
+    # ... polynomials of omega2, omega3 and the torque that a guard looks at
+    *(("polynomial_2", COLLOCATED + 1), ("polynomial_3", COLLOCATED + 1), ("polynomial_torque", COLLOCATED + 1)),
+    # fixed steps: inertia at the beginning, omega1 given or the torque, and the shaft's answers
+    *("kept_i", "kept_i1", "kept_b", "kept_g", "kept_total", "kept_share", "kept_root", "kept_bend"),
+    *("slope", "impulse", "sum", "relative_gain", "twist_gain", "lag"),
+    # internal step of the averaged shaft: omega3 and T at its end, its error, integrals of omega3, T omega3, omega2
+    *("next", "torque", "error", "turned3", "work", "turned2"),
+    # state at the beginning of the call, of two short steps for rates, of a part of a step; outputs there
+    *(("before", STATE), ("kept", STATE), ("part", STATE)),
+    *(("outputs_0", OUTPUTS), ("outputs_1", OUTPUTS)),
+)

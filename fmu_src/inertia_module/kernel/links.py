@@ -1,0 +1,175 @@
+"""Equations of motion of links 1 and 2: one solver, the speed or the torque of link 1 given (docs/mechanics.md).
+
+    Phi alpha1 - N omega2' = M1 - R1                    Phi = J1 + I + 2 k B + k^2 G     N = k (B + k G)
+    (J2 + k^2 G) omega2' - N alpha1 = R2 - Tc + Th      R1 = I' q' omega1 + B' q'^2 + R2
+    R2 = k (G' q'^2 - I' omega1^2) / 2
+
+Of alpha1 and M1 one is given; omega2' = 0 while the housing freewheel holds link 2.
+"""
+
+from .inertia import B_second_derivative, reduced_inertia
+
+
+def given_at_input(d, x):
+    """What is given at link 1: its torque M1, N m, or its acceleration alpha1, rad/s^2."""
+    return x.drive_torque if d.by_torque != 0.0 else x.alpha1
+
+
+def accelerations(d, q, omega1, omega2, given, held, carried, torque):
+    """Accelerations of both links, and their angular momentum.
+
+    Args:
+        given: see given_at_input. held: whether link 2 is held.
+        carried, torque: inertia that link 2 carries while it moves, kg m^2, and torque against it, N m.
+
+    Returns:
+        (alpha1, omega2', P): rad/s^2 and N m s, P = (J1 + I) omega1 + B q' + J2 omega2.
+    """
+    i, i1, _, b, b1, g, g1, _ = reduced_inertia(d, q)
+    k = d.k
+    rate_q = k * (omega1 - omega2)
+    link1 = d.J1 + i
+    momentum = link1 * omega1 + b * rate_q + d.J2 * omega2
+    coupling = k * (b + k * g)
+    demand2 = 0.5 * k * (g1 * rate_q * rate_q - i1 * omega1 * omega1)
+    own = d.J2 + carried
+    if d.by_torque == 0.0:
+        if held:
+            return given, 0.0, momentum
+        return given, (demand2 + coupling * given - torque) / (own + k * k * g), momentum
+    drive = given - (i1 * omega1 + b1 * rate_q) * rate_q - demand2
+    phi = link1 + k * (2.0 * b + k * g)
+    if held:
+        return drive / phi, 0.0, momentum
+    push = demand2 - torque
+    # Phi (own + k^2 G) - N^2 without its cancellation: I G >= B^2
+    determinant = own * phi + k * k * (link1 * g - b * b)
+    alpha1 = ((own + k * k * g) * drive + coupling * push) / determinant
+    return alpha1, (phi * push + coupling * drive) / determinant, momentum
+
+
+def motion(d, q, omega1, omega2, given, held, carried, torque, torque_rate):
+    """Accelerations of both links and their rates, what is given being constant.
+
+    Args:
+        torque_rate: rate of torque, N m/s. The others as for accelerations.
+
+    Returns:
+        (alpha1, omega2', omega2'', F, F', P): F is the mesh torque while link 2 is held, N m, else 0.
+    """
+    i, i1, i2, b, b1, g, g1, g2 = reduced_inertia(d, q)
+    k = d.k
+    rate_q = k * (omega1 - omega2)
+    link1 = d.J1 + i
+    momentum = link1 * omega1 + b * rate_q + d.J2 * omega2
+    coupling = k * (b + k * g)
+    demand2 = 0.5 * k * (g1 * rate_q * rate_q - i1 * omega1 * omega1)
+    push = demand2 - torque
+    own = d.J2 + carried
+    inertia = own + k * k * g
+    alpha1 = given
+    alpha2 = 0.0
+    phi = 0.0
+    determinant = 0.0
+    if d.by_torque != 0.0:
+        drive = given - (i1 * omega1 + b1 * rate_q) * rate_q - demand2
+        phi = link1 + k * (2.0 * b + k * g)
+        determinant = own * phi + k * k * (link1 * g - b * b)
+        alpha1 = drive / phi
+        if not held:
+            alpha1 = (inertia * drive + coupling * push) / determinant
+            alpha2 = (phi * push + coupling * drive) / determinant
+    elif not held:
+        alpha2 = (push + coupling * alpha1) / inertia
+    # the time derivative of both equations
+    rate2_q = k * (alpha1 - alpha2)
+    coupling_rate = k * (b1 + k * g1) * rate_q
+    demand2_rate = k * (
+        0.5 * g2 * rate_q * rate_q * rate_q
+        + g1 * rate_q * rate2_q
+        - 0.5 * i2 * rate_q * omega1 * omega1
+        - i1 * omega1 * alpha1
+    )
+    push_rate = demand2_rate + coupling_rate * alpha1
+    drive_rate = 0.0
+    if d.by_torque != 0.0:
+        drive_rate = coupling_rate * alpha2 - (i1 + k * (2.0 * b1 + k * g1)) * rate_q * alpha1 - demand2_rate
+        drive_rate -= i2 * rate_q * rate_q * omega1 + i1 * (rate2_q * omega1 + rate_q * alpha1)
+        drive_rate -= (B_second_derivative(d, q) * rate_q * rate_q + 2.0 * b1 * rate2_q) * rate_q
+    if held:
+        jerk1 = drive_rate / phi if d.by_torque != 0.0 else 0.0
+        return alpha1, 0.0, 0.0, demand2 + coupling * alpha1, push_rate + coupling * jerk1, momentum
+    push_rate -= k * k * g1 * rate_q * alpha2 + torque_rate
+    if d.by_torque != 0.0:
+        return alpha1, alpha2, (phi * push_rate + coupling * drive_rate) / determinant, 0.0, 0.0, momentum
+    return alpha1, alpha2, push_rate / inertia, 0.0, 0.0, momentum
+
+
+def held_torque(d, q, omega1, alpha1):
+    """F, the mesh torque while link 2 is held and the speed of link 1 given, and its rate, N m and N m/s."""
+    _, i1, i2, b, b1, g, g1, g2 = reduced_inertia(d, q)
+    k = d.k
+    rate_q = k * omega1
+    square = omega1 * omega1
+    torque = k * (b + k * g) * alpha1 + 0.5 * k * (k * k * g1 - i1) * square
+    rate = k * (b1 + 2.0 * k * g1) * rate_q * alpha1 - k * i1 * omega1 * alpha1
+    return torque, rate + 0.5 * k * (k * k * g2 - i2) * square * rate_q
+
+
+def torques(d, q, omega1, alpha1, omega2, alpha2):
+    """Inverse dynamics: the input torque M1 and the mesh torque M2 of a motion of links 1 and 2, N m."""
+    i, i1, _, b, b1, g, g1, _ = reduced_inertia(d, q)
+    k = d.k
+    rate_q = k * (omega1 - omega2)
+    rate2_q = k * (alpha1 - alpha2)
+    mesh = k * (g * rate2_q + 0.5 * g1 * rate_q * rate_q + b * alpha1 - 0.5 * i1 * omega1 * omega1)
+    drive = (d.J1 + i) * alpha1 + i1 * rate_q * omega1 + b * rate2_q + b1 * rate_q * rate_q + mesh
+    return drive, mesh
+
+
+def torque_scale(d, omega1, alpha1, rate_q, given):
+    """Upper bound of |F| at these speeds, N m: what a torque is to be called zero against."""
+    reach = d.alpha_slope
+    scale = 0.5 * (d.g_slope * rate_q * rate_q + d.i_slope * omega1 * omega1) + reach * abs(alpha1)
+    if d.by_torque != 0.0 and reach > 0.0:
+        scale += abs(given) * reach / (reach + d.J1)
+    return scale
+
+
+def angular_momentum(d, q, omega1, omega2):
+    """P = (J1 + I) omega1 + B q' + J2 omega2 of links 1, 2 and the imbalances, N m s."""
+    i, _, _, b, _, _, _, _ = reduced_inertia(d, q)
+    return (d.J1 + i) * omega1 + b * d.k * (omega1 - omega2) + d.J2 * omega2
+
+
+def inertia_at_input(d, q):
+    """Phi = J1 + I + 2 k B + k^2 G: what the input shaft turns while link 2 is held, kg m^2."""
+    i, _, _, b, _, g, _, _ = reduced_inertia(d, q)
+    k = d.k
+    return d.J1 + i + 2.0 * k * b + k * k * g
+
+
+def inertia_at_output(d, q):
+    """Inertia of link 2 with what moves behind it, link 1 as it is given, kg m^2.
+
+    J2 + k^2 G where the speed of link 1 is given, J2 + k^2 G - N^2 / Phi where it is free under its torque.
+    """
+    i, _, _, b, _, g, _, _ = reduced_inertia(d, q)
+    k = d.k
+    if d.by_torque == 0.0:
+        return d.J2 + k * k * g
+    link1 = d.J1 + i
+    return d.J2 + k * k * (link1 * g - b * b) / (link1 + k * (2.0 * b + k * g))
+
+
+def kinetic_energy(d, q, omega1, omega2, omega3):
+    """Kinetic energy T of links 1 and 2, the imbalances and J3, J."""
+    i, _, _, b, _, g, _, _ = reduced_inertia(d, q)
+    rate_q = d.k * (omega1 - omega2)
+    return (
+        0.5 * (d.J1 + i) * omega1 * omega1
+        + b * omega1 * rate_q
+        + 0.5 * g * rate_q * rate_q
+        + 0.5 * d.J2 * omega2 * omega2
+        + 0.5 * d.J3 * omega3 * omega3
+    )

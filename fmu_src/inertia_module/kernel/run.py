@@ -1,0 +1,133 @@
+"""A communication step by fidelity and method, with the speed or the torque of link 1 given."""
+
+from .accumulate import add, later, wrap_drive_angle, wrap_input_angle
+from .average import run_averaged
+from .average_jump import jump_averaged, takes_up_jump
+from .codes import AVERAGED, DRIVING, ELASTIC, KINEMATIC, OK, TIMESTEPPING, TOO_MUCH_WORK
+from .contact import TORQUE_ROUNDING, choose_mode, is_held
+from .engine import run_events
+from .impulse import jump_input, jump_kinematic
+from .limits import MAX_EVALUATIONS, MAX_STEPS
+from .links import accelerations, given_at_input
+from .shaft import load_behind_freewheel
+from .solvers.elastic import is_stiff
+from .solvers.kinematic import advance_kinematic
+from .solvers.timestepping import one_step, put_inertia, put_shaft, steps_in
+from .solvers.torque_timestepping import driven_step, put_slip_inertia
+from .torque_average import run_driven_averaged
+
+
+def accelerations_now(d, x):
+    """Accelerations of links 1 and 2 in the present mode, rad/s^2."""
+    driving = x.mode == DRIVING
+    load, _ = load_behind_freewheel(d, x)
+    carried, torque = (d.J3, load) if driving else (0.0, 0.0)
+    alpha1, alpha2, _ = accelerations(
+        d, x.q, x.omega1, x.omega2, given_at_input(d, x), is_held(x), carried, torque
+    )
+    return alpha1, alpha2
+
+
+def run_timestepping(p, d, x, w, h):
+    """Advance by h in equal steps. Returns a status."""
+    count = steps_in(d, h)
+    if count > MAX_STEPS:
+        return TOO_MUCH_WORK
+    start1 = x.omega1
+    part = h / count
+    number = 0.0
+    put_shaft(p, d, w, part)
+    if d.by_torque != 0.0:
+        put_slip_inertia(d, x, w)
+        while number < count:
+            driven_step(p, d, x, w, x.drive_torque, x.load_torque, part)
+            number += 1.0
+    else:
+        put_inertia(d, x, w)
+        while number < count:
+            one_step(p, d, x, w, start1 + x.alpha1 * part * number, x.alpha1, x.load_torque, part)
+            number += 1.0
+        x.omega1 = start1 + x.alpha1 * h
+    choose_mode(d, x, TORQUE_ROUNDING)  # what the torques now follow from
+    return OK
+
+
+def run_kinematic(p, d, x, h):
+    """Advance the prescribed motion by h. Returns a status."""
+    time = 0.0
+    low = 0.0
+    while time < h:
+        remaining = (h - time) - low
+        speed = x.omega1 + x.alpha1 * time
+        passed = advance_kinematic(d, x, p.kinematic_ratio, speed, x.alpha1, remaining)
+        wrap_drive_angle(d, x)
+        if passed >= remaining:
+            time = h
+        else:
+            time, low = later(time, low, passed)
+        if x.step_evaluations > MAX_EVALUATIONS:
+            return TOO_MUCH_WORK
+    speed = p.kinematic_ratio * (x.omega1 + x.alpha1 * h)
+    x.omega2 = speed
+    x.omega2_low = 0.0
+    x.omega3 = speed
+    x.omega3_low = 0.0
+    return OK
+
+
+def run_pulses(p, d, x, w, h):
+    """Advance the rigid or elastic module by h. Returns a status."""
+    if p.method == TIMESTEPPING:
+        return run_timestepping(p, d, x, w, h)
+    return run_events(d, x, w, h)
+
+
+def turn_input(x, start1, h):
+    """Angle and speed of link 1 at the end of the step, its speed given from start1 on."""
+    x.theta1, x.theta1_low = add(x.theta1, x.theta1_low, h * (start1 + 0.5 * x.alpha1 * h))
+    wrap_input_angle(x)
+    x.omega1 = start1 + x.alpha1 * h
+    x.omega1_low = 0.0
+
+
+def run_at_speed(p, d, u, x, w, h, jump):
+    """Advance by h with the speed of link 1 given, after a jump of it.
+
+    Returns:
+        (status, impulses of the input torque and of the output freewheel in the jump, N m s).
+    """
+    input_jump = 0.0
+    output_jump = 0.0
+    if jump != 0.0:
+        if p.fidelity == KINEMATIC:
+            input_jump, output_jump = jump_kinematic(d, x, jump, p.kinematic_ratio)
+        elif p.fidelity == AVERAGED:
+            if takes_up_jump(d, x, jump, h):
+                x.alpha1 += jump / h
+            else:
+                input_jump = jump_averaged(d, x, jump)
+        else:
+            stiff = p.fidelity == ELASTIC and is_stiff(d, x, u.omega1)
+            input_jump, output_jump = jump_input(p, d, x, jump, stiff)
+    start1 = x.omega1
+    if p.fidelity == KINEMATIC:
+        status = run_kinematic(p, d, x, h)
+    elif p.fidelity == AVERAGED:
+        status = run_averaged(d, x, w, h)
+    else:
+        status = run_pulses(p, d, x, w, h)
+    if status == OK:
+        turn_input(x, start1, h)
+    return status, input_jump, output_jump
+
+
+def run_by_torque(p, d, x, w, h):
+    """Advance by h with the torque on link 1 given. Returns a status."""
+    if p.fidelity == AVERAGED:
+        status = run_driven_averaged(d, x, w, h)
+    else:
+        status = run_pulses(p, d, x, w, h)
+        if status == OK:
+            x.alpha1, _ = accelerations_now(d, x)
+    x.input_impulse = x.drive_torque * h
+    return status

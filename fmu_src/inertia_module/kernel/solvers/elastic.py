@@ -1,0 +1,323 @@
+"""Fidelity `elastic`: both links, hub, shaft and driven mass from event to event by Radau collocation.
+
+The method is L-stable: oscillations of the shaft that are too fast to matter are damped out within a
+step, all others are followed. An oscillation of rate Omega holds about (pulse rate / Omega)^2 of the
+energy of a pulse, so one is followed up to Omega = pulse rate / sqrt(tolerance).
+"""
+
+import math
+
+from ..accumulate import add, wrap_drive_angle, wrap_input_angle
+from ..codes import COLLOCATED, DRIVING, FREE, HELD, HELD_DRIVING, LINK2, NONE, OUTPUT
+from ..contact import TORQUE_ROUNDING, is_held
+from ..links import accelerations, angular_momentum, inertia_at_output, torque_scale
+from ..search import find_crossing, first_crossing, stays_positive
+from ..shaft import relative_rate, shaft_torque
+from ..works import add_held_works, add_moving_works, add_shaft_works, add_work_in, inertia_integral
+from .collocated_guards import collocated_guard, land, put_polynomials
+from .collocation import change, embedded_error
+from .elastic_stages import guess_rates, solve_stages
+from .radau import GAMMA, STAGES
+from .shaft_stages import damp_error
+
+# phase of the highest harmonic within one step, rad
+STEP_PHASE = 2.0
+# phase between two looks at a guard, rad
+LOOK_PHASE = 0.7
+MOST_LOOKS = 12
+REJECTIONS = 100
+SAFETY = 0.9
+SMALLEST_FACTOR = 0.2
+LARGEST_FACTOR = 5.0
+# a twisted shaft at rest: speeds are measured by this share of what its energy could drive
+TWIST_SHARE = 1e-3
+# error of the inside of a step, as a fraction of the one allowed to the embedded formula
+INSIDE = 0.01
+# a velocity below this fraction of the fastest one is zero
+VELOCITY_ROUNDING = 1e-13
+# a torque below this fraction of its scale is zero: more than where the mode is chosen, so that it sees it
+CROSSING = 100.0 * TORQUE_ROUNDING
+
+
+def embedded_tolerance(tolerance):
+    """Tolerance for the embedded formula of order 5 that leaves the method of order 9 this one (Hairer)."""
+    return 0.1 * tolerance**0.6
+
+
+def response(d, inertia):
+    """How much of its own speed the mechanism can impart to what has this inertia, 0 to 1."""
+    own = d.alpha_slope
+    return own / (own + inertia) if own > 0.0 else 1.0
+
+
+def fastest_speed(x):
+    """Largest of all speeds at the beginning of the step, rad/s."""
+    shaft = max(abs(x.omega3), abs(x.omega3 - x.relative))
+    return max(max(abs(x.omega1), abs(x.omega2)), shaft)
+
+
+def fastest_at_end(w):
+    """Largest of all speeds at the end of the step in hand, rad/s."""
+    last = STAGES - 1
+    omega3 = w.stage_omega3[last]
+    shaft = max(abs(omega3), abs(omega3 - w.stage_relative[last]))
+    return max(max(abs(w.stage_omega1[last]), abs(w.stage_omega2[last])), shaft)
+
+
+def hub_compliance(d, x, inertia2):
+    """1/J of what the shaft torque accelerates: the hub, link 2 with it, or nothing."""
+    if x.mode == HELD_DRIVING:
+        return 0.0
+    return 1.0 / (d.J3 + inertia2) if x.mode == DRIVING else 1.0 / d.J3
+
+
+def shaft_frequency(d, compliance):
+    """Angular frequency of the shaft between hub and driven mass, without damping, rad/s."""
+    return math.sqrt(d.stiffness * (compliance + 1.0 / d.J4))
+
+
+def slowest_rate(d, compliance):
+    """Modulus of the slowest eigenvalue of the shaft, rad/s: a damped one may be slow though stiff."""
+    mobility = compliance + 1.0 / d.J4
+    half = 0.5 * d.damping * mobility
+    square = d.stiffness * mobility
+    if half * half <= square:
+        return math.sqrt(square)
+    return square / (half + math.sqrt(half * half - square))
+
+
+def is_followed(d, compliance, pulse_rate):
+    """Whether the shaft's own motion is resolved, not damped out."""
+    return slowest_rate(d, compliance) ** 2 <= d.followed * pulse_rate * pulse_rate
+
+
+def is_stiff(d, x, omega1):
+    """Whether the shaft is too stiff for its own motion to be followed, omega1 jumping to this value."""
+    compliance = 1.0 / (d.J3 + inertia_at_output(d, x.q))
+    shaft = max(abs(x.omega3), abs(x.omega3 - x.relative))
+    speeds = max(max(abs(x.omega1), abs(omega1)), shaft)
+    return not is_followed(d, compliance, widest_rate(d, x, speeds, compliance))
+
+
+def widest_rate(d, x, fastest, compliance):
+    """Rate of the pulses if their slip were the fastest speed around, rad/s."""
+    return d.harmonic * d.k * max(fastest, abs(x.twist) * shaft_frequency(d, compliance))
+
+
+def step_error(d, x, w, rates, compliance, followed, fastest):
+    """Estimated error of the step in hand over the allowed one.
+
+    Args:
+        rates: (alpha1, omega2', omega3', rate of omega3 - omega4) at the beginning.
+    """
+    h = w.step
+    static = TWIST_SHARE * shaft_frequency(d, compliance) * abs(x.twist)
+    fastest = max(max(fastest, static), fastest_at_end(w))
+    rate1, rate2, rate3, rate_relative = rates
+    error_q = d.k * h * embedded_error(x.omega2, w.stage_omega2)
+    if d.by_torque != 0.0:
+        error_q -= d.k * h * embedded_error(x.omega1, w.stage_omega1)
+    error3 = h * embedded_error(rate3, w.rate3)
+    relative = h * embedded_error(rate_relative, w.rate_relative)
+    twist = h * embedded_error(x.relative, w.stage_relative)
+    twist, error3, relative = damp_error(d, GAMMA * h, compliance, twist, error3, relative)
+    hub = 1.0 / compliance if compliance > 0.0 else 0.0
+    common = error3 - relative if hub == 0.0 else error3 - relative * d.J4 / (hub + d.J4)
+    moved = abs(change(w, w.rate3))
+    error = abs(error_q)
+    if fastest > 0.0:
+        share = response(d, d.J2 + d.J3 + d.J4)
+        error = max(error, abs(common) / max(share * fastest, moved))
+        if x.mode == FREE:
+            error2 = h * embedded_error(rate2, w.rate2)
+            share = response(d, d.J2)
+            error = max(error, abs(error2) / max(share * fastest, abs(change(w, w.rate2))))
+        if d.by_torque != 0.0:
+            error1 = h * embedded_error(rate1, w.rate1)
+            share = response(d, d.J1)
+            error = max(error, abs(error1) / max(share * fastest, abs(change(w, w.rate1))))
+        if followed:
+            speed = max(abs(relative), shaft_frequency(d, compliance) * abs(twist))
+            error = max(error, speed / max(response(d, d.J2 + d.J3) * fastest, moved))
+    return error / embedded_tolerance(d.tolerance)
+
+
+def start_rates(d, x, w):
+    """(alpha1, omega2', omega3', rate of omega3 - omega4) at the beginning, and the inertia behind link 2."""
+    torque = shaft_torque(d, x)
+    held = is_held(x)
+    driving = x.mode == DRIVING
+    x.step_evaluations += 1.0
+    rate1, rate2, _ = accelerations(
+        d, x.q, x.omega1, x.omega2, w.given, held, d.J3 if driving else 0.0, torque if driving else 0.0
+    )
+    guess_rates(w, rate1, rate2)
+    w.alpha1 = rate1
+    rate3 = rate2 if driving else (0.0 if x.mode == HELD_DRIVING else -torque / d.J3)
+    rates = (rate1, rate2, rate3, relative_rate(d, x, w.load, torque, rate3))
+    return rates, 0.0 if held else inertia_at_output(d, x.q)
+
+
+def highest_rate(d, x, w, remaining):
+    """Fastest rate of the highest harmonic of the pulses from now on, rad/s."""
+    horizon = remaining
+    if d.by_torque != 0.0:
+        # what its torque makes of link 1 counts for the pulses of one step
+        growth = d.harmonic * d.k * abs(w.alpha1)
+        if 0.5 * growth * remaining * remaining > STEP_PHASE:
+            horizon = math.sqrt(2.0 * STEP_PHASE / growth)
+    end1 = x.omega1 + w.alpha1 * horizon
+    slip = max(abs(x.omega1 - x.omega2), abs(end1 - x.omega2))
+    return d.harmonic * d.k * slip
+
+
+def try_steps(d, x, w, remaining, fastest):
+    """Make the longest step whose error is allowed; its stages are left in w.
+
+    Returns:
+        (whether there is one, whether the shaft's own motion is followed, rate of the fastest phase).
+    """
+    rates, inertia2 = start_rates(d, x, w)
+    compliance = hub_compliance(d, x, inertia2)
+    pulse_rate = highest_rate(d, x, w, remaining)
+    followed = is_followed(d, compliance, max(pulse_rate, widest_rate(d, x, fastest, compliance)))
+    limit = min(remaining, d.max_step)
+    if pulse_rate * limit > STEP_PHASE:  # else its guards cannot be searched
+        limit = STEP_PHASE / pulse_rate
+    carried = x.step_size
+    h = min(limit, carried) if carried > 0.0 else 0.1 * limit
+    for attempt in range(REJECTIONS):
+        if solve_stages(d, x, w, h):
+            error = step_error(d, x, w, rates, compliance, followed, fastest)
+            factor = LARGEST_FACTOR
+            if not error < 1e300:
+                factor = SMALLEST_FACTOR
+            elif error > 0.0:
+                factor = min(LARGEST_FACTOR, max(SMALLEST_FACTOR, SAFETY * error ** (-1.0 / 6.0)))
+            if error <= 1.0:
+                # a step cut short by the end of the communication step says little about longer ones
+                x.step_size = max(factor * h, carried) if attempt == 0 and h < carried else factor * h
+                rate = max(pulse_rate, shaft_frequency(d, compliance)) if followed else pulse_rate
+                return True, followed, rate
+            h *= factor
+        else:
+            h *= 0.5
+    return False, False, 0.0
+
+
+def zero_of(d, x, w, which, fastest):
+    """What a guard has to fall below to have fallen: velocities by what link 2 and the hub take on."""
+    mode = x.mode
+    if (mode == FREE) or (mode == DRIVING and which == LINK2) or (mode == HELD and which == OUTPUT):
+        taken = max(abs(x.omega2), abs(x.omega3))
+        share = response(d, d.J2 + (d.J3 if mode == DRIVING else 0.0)) if d.alpha_slope > 0.0 else 0.0
+        return VELOCITY_ROUNDING * max(taken, fastest * share)
+    torque = shaft_torque(d, x)
+    scale = torque_scale(d, x.omega1, w.alpha1, 2.0 * d.k * fastest, 0.0)
+    if d.by_torque != 0.0:
+        scale += abs(w.given)
+    return CROSSING * (scale + abs(torque) + abs(w.load))
+
+
+def is_clear(d, x, w, which, followed):
+    """Whether a guard stays positive in the step, by its ends (its end alone if stiffness is damped out)."""
+    value1, rate1 = collocated_guard(d, x, w, which, 1.0)
+    if value1 < 0.0:
+        return False
+    if not followed and x.mode != HELD and x.mode != FREE:
+        return True
+    value0, rate0 = collocated_guard(d, x, w, which, 0.0)
+    return value0 >= 0.0 and stays_positive(value0, rate0, value1, rate1, 1.0)
+
+
+def first_event(d, x, w, rate, followed, fastest, cleared):
+    """Earliest fall of a guard, but of the one cleared, in the step in hand: (fraction or -1, which)."""
+    put_polynomials(d, x, w)
+    earliest = -1.0
+    which = NONE
+    # the inside of a step is less accurate than its end: a dip that is shallower than its error is none
+    shallow = 1.0 + INSIDE * embedded_tolerance(d.tolerance) / VELOCITY_ROUNDING
+    looks = min(MOST_LOOKS, 1 + int(math.floor(rate * w.step / LOOK_PHASE)))
+    for guard in range(2):
+        if guard == cleared or (d.housing if guard == LINK2 else d.output) == 0.0:
+            continue
+        if looks == 1 and is_clear(d, x, w, guard, followed):
+            continue
+        zero = zero_of(d, x, w, guard, fastest)
+        sigma = first_crossing(d, x, w, guard, zero * shallow, 0.0, 1.0, looks)
+        if sigma < 0.0 and collocated_guard(d, x, w, guard, 1.0)[0] < -zero:
+            sigma = find_crossing(d, x, w, guard, zero, 0.0, 1.0)
+        if sigma > 0.0 and (earliest < 0.0 or sigma < earliest):
+            earliest = sigma
+            which = guard
+    return earliest, which
+
+
+def end_at_event(d, x, w, rate, followed, fastest):
+    """Let the step end at the first event in it, if any. Returns the guard that falls there, or NONE."""
+    cleared = NONE
+    for _ in range(2):
+        sigma, which = first_event(d, x, w, rate, followed, fastest, cleared)
+        if sigma < 0.0:
+            return NONE
+        if land(d, x, w, which, zero_of(d, x, w, which, fastest), sigma):
+            return which
+        cleared = which  # a crossing of the polynomial alone: what of the other guard?
+    return NONE
+
+
+def commit(d, x, w, which, turned1):
+    """Take the end of the step over; where a velocity has met its limit it is set there."""
+    mode = x.mode
+    x.twist, x.twist_low = add(x.twist, x.twist_low, change(w, w.stage_relative))
+    x.relative, x.relative_low = add(x.relative, x.relative_low, change(w, w.rate_relative))
+    x.q, x.q_low = add(x.q, x.q_low, d.k * (turned1 - change(w, w.stage_omega2)))
+    wrap_drive_angle(d, x)
+    x.omega1, x.omega1_low = add(x.omega1, x.omega1_low, change(w, w.rate1))
+    x.omega2, x.omega2_low = add(x.omega2, x.omega2_low, change(w, w.rate2))
+    x.omega3, x.omega3_low = add(x.omega3, x.omega3_low, change(w, w.rate3))
+    if d.housing != 0.0 and not is_held(x) and (which == LINK2 or x.omega2 < 0.0):
+        x.omega2 = 0.0
+        x.omega2_low = 0.0
+    if mode == DRIVING:
+        x.omega3 = x.omega2
+        x.omega3_low = x.omega2_low
+    elif mode != HELD_DRIVING and (which == OUTPUT or x.omega3 < x.omega2):
+        if d.housing != 0.0 and (mode == HELD or x.omega3 < 0.0):
+            x.omega3 = 0.0
+            x.omega3_low = 0.0
+        x.omega2 = x.omega3
+        x.omega2_low = x.omega3_low
+
+
+def advance_elastic(d, x, w, remaining):
+    """Advance by one step, or to the first event in it.
+
+    Returns:
+        (time passed or -1 if no step is small enough, whether the contact mode may change then).
+    """
+    w.solver = COLLOCATED
+    fastest = fastest_speed(x)
+    found, followed, rate = try_steps(d, x, w, remaining, fastest)
+    if not found:
+        return -1.0, False
+    which = end_at_event(d, x, w, rate, followed, fastest)
+    h = w.step
+    q = x.q
+    start1 = x.omega1
+    momentum = angular_momentum(d, q, start1, x.omega2) if d.by_torque == 0.0 else 0.0
+    add_shaft_works(d, x, w)
+    turned1 = h * (start1 + 0.5 * w.given * h)
+    if d.by_torque != 0.0:
+        turned1 = change(w, w.stage_omega1)
+    commit(d, x, w, which, turned1)
+    if d.by_torque != 0.0:
+        x.theta1, x.theta1_low = add(x.theta1, x.theta1_low, turned1)
+        wrap_input_angle(x)
+        add_work_in(x, w.given * turned1)
+    elif is_held(x):
+        phi = inertia_integral(d, x, q, start1, w.given, 0.0, h) if w.given != 0.0 else 0.0
+        add_held_works(d, x, q, start1, w.given, h, phi)
+    else:
+        add_moving_works(d, x, w, start1, momentum)
+    return h, which != NONE

@@ -1,0 +1,210 @@
+"""One collocation step with the elastic output: the stages in each contact mode.
+
+Unknown are the rates of omega1, omega2 and omega3 at the five stages; q follows from both links, the twist and the
+driven mass from omega3 (:mod:`.shaft_stages`). The equations are those of :mod:`..links`, by Newton's method,
+
+    Phi alpha1 - N omega2' + R1 - M1 = 0        (J2 + k^2 G + carried) omega2' - N alpha1 - R2 + Ts = 0
+
+the first of them only where M1 is given. While link 2 drives, omega2 and omega3 have the same rates.
+"""
+
+from ..codes import DRIVING, HELD_DRIVING
+from ..contact import is_held
+from ..inertia import B_second_derivative, reduced_inertia
+from .collocation import eliminate, mean, row
+from .radau import MATRIX, SQUARE, STAGES
+from .shaft_stages import follow_hub, prepare_shaft, put_start_torque
+
+# Newton converges quadratically: with an update this small relative to the rates the next is rounding
+LAST_UPDATE = 1e-7
+ITERATIONS = 12
+
+
+def put_speeds(d, x, w, h):
+    """Speeds of both links and q at the stages from the rates of the speeds."""
+    for i in range(STAGES):
+        w.stage_omega1[i] = x.omega1 + h * row(MATRIX, i, w.rate1)
+        w.stage_omega2[i] = x.omega2 + h * row(MATRIX, i, w.rate2)
+    for i in range(STAGES):
+        turned1 = row(MATRIX, i, w.stage_omega1)
+        turned2 = row(MATRIX, i, w.stage_omega2)
+        w.stage_q[i] = x.q + d.k * h * (turned1 - turned2)
+
+
+def put_equations(d, w, h, i, carried):
+    """Row i of the equations of motion and of their derivatives in the rates of both speeds.
+
+    Args:
+        carried: inertia that link 2 carries besides the shaft, J3 or 0, kg m^2.
+    """
+    k = d.k
+    omega1 = w.stage_omega1[i]
+    rate1 = w.rate1[i]
+    rate2 = w.rate2[i]
+    inertia, i1, i2, b, b1, g, g1, g2 = reduced_inertia(d, w.stage_q[i])
+    rate_q = k * (omega1 - w.stage_omega2[i])
+    coupling = k * (b + k * g)
+    own = d.J2 + carried + k * k * g
+    demand2 = 0.5 * k * (g1 * rate_q * rate_q - i1 * omega1 * omega1)
+    # derivatives of the demands by q, by q' and by omega1
+    demand2_q = 0.5 * k * (g2 * rate_q * rate_q - i2 * omega1 * omega1)
+    demand2_rate = k * g1 * rate_q
+    coupling_q = k * (b1 + k * g1)
+    second_q = k * h * h * (k * k * g1 * rate2 - coupling_q * rate1 - demand2_q)
+    second_rate = -k * h * demand2_rate
+    base = STAGES * i
+    for j in range(STAGES):
+        w.corner[base + j] = -second_q * SQUARE[base + j] - second_rate * MATRIX[base + j]
+    w.corner[base + i] += own
+    w.right_side[i] = own * rate2 - coupling * rate1 - demand2
+    if carried > 0.0:
+        w.right_side[i] += w.stage_shaft_torque[i] + row(w.shaft, i, w.rate2)
+        for j in range(STAGES):
+            w.corner[base + j] += w.shaft[base + j]
+    if d.by_torque == 0.0:
+        return
+    bend = B_second_derivative(d, w.stage_q[i])
+    phi = d.J1 + inertia + k * (2.0 * b + k * g)
+    demand1 = (i1 * omega1 + b1 * rate_q) * rate_q + demand2
+    demand1_q = (i2 * omega1 + bend * rate_q) * rate_q + demand2_q
+    demand1_rate = i1 * omega1 + 2.0 * b1 * rate_q + demand2_rate
+    demand2_speed = -k * i1 * omega1
+    demand1_speed = i1 * rate_q + demand2_speed
+    phi_q = i1 + k * (2.0 * b1 + k * g1)
+    first_q = k * h * h * (phi_q * rate1 - coupling_q * rate2 + demand1_q)
+    first_rate = k * h * demand1_rate
+    columns = (STAGES + 1) * i
+    for j in range(STAGES):
+        once = MATRIX[base + j]
+        twice = SQUARE[base + j]
+        w.jacobian[base + j] = first_q * twice + (first_rate + h * demand1_speed) * once
+        w.columns[columns + j] = -first_q * twice - first_rate * once
+        w.lower[base + j] = second_q * twice + (second_rate - h * demand2_speed) * once
+    w.jacobian[base + i] += phi
+    w.columns[columns + i] -= coupling
+    w.lower[base + i] -= coupling
+    w.columns[columns + STAGES] = phi * rate1 - coupling * rate2 - w.given + demand1
+
+
+def eliminate_link1(w):
+    """Eliminate the rates of omega1 from the equations of link 2."""
+    for i in range(STAGES):
+        for n in range(STAGES):
+            lower = w.lower[STAGES * i + n]
+            columns = (STAGES + 1) * n
+            for j in range(STAGES):
+                w.corner[STAGES * i + j] -= lower * w.columns[columns + j]
+            w.right_side[i] -= lower * w.columns[columns + STAGES]
+
+
+def put_updates(d, w, held):
+    """Solve for the updates of the rates: of omega2 in w.right_side, of omega1 in w.update1."""
+    if d.by_torque != 0.0:
+        eliminate(w.jacobian, STAGES + 1, w.columns)
+        if not held:
+            eliminate_link1(w)
+    if held:
+        for i in range(STAGES):
+            w.right_side[i] = 0.0
+    else:
+        eliminate(w.corner, 1, w.right_side)
+    for i in range(STAGES):
+        w.update1[i] = 0.0
+        if d.by_torque != 0.0:
+            columns = (STAGES + 1) * i
+            value = w.columns[columns + STAGES]
+            for j in range(STAGES):
+                value -= w.columns[columns + j] * w.right_side[j]
+            w.update1[i] = value
+
+
+def guess_rates(w, rate1, rate2):
+    """Rates of both speeds that Newton's method begins from, the same at all stages."""
+    for n in range(STAGES):
+        w.rate1[n] = rate1
+        w.rate2[n] = rate2
+
+
+def solve_links(d, x, w, h, carried):
+    """Newton's method for the rates of both speeds, link 2 carrying an inertia. Whether it converged.
+
+    It begins from the rates that are there, those at the beginning of the step or of the same step tried
+    before at another length.
+    """
+    held = is_held(x)
+    if held and d.by_torque == 0.0:
+        put_speeds(d, x, w, h)
+        return True
+    fastest = max(abs(x.omega1), abs(x.omega2))
+    natural = d.harmonic * d.k * fastest * fastest
+    for _ in range(ITERATIONS):
+        put_speeds(d, x, w, h)
+        for i in range(STAGES):
+            put_equations(d, w, h, i, carried)
+        x.step_evaluations += STAGES
+        put_updates(d, w, held)
+        update = 0.0
+        largest = natural
+        for i in range(STAGES):
+            update = max(update, max(abs(w.update1[i]), abs(w.right_side[i])))
+            w.rate1[i] -= w.update1[i]
+            w.rate2[i] -= w.right_side[i]
+            largest = max(largest, max(abs(w.rate1[i]), abs(w.rate2[i])))
+        if not largest < 1e300:
+            break
+        if update <= LAST_UPDATE * largest:
+            put_speeds(d, x, w, h)
+            return True
+    guess_rates(w, w.given if d.by_torque == 0.0 else 0.0, 0.0)
+    return False
+
+
+def put_release(d, x, w):
+    """F at the stages while link 2 is held, N m."""
+    k = d.k
+    for i in range(STAGES):
+        omega1 = w.stage_omega1[i]
+        _, i1, _, b, _, g, g1, _ = reduced_inertia(d, w.stage_q[i])
+        demand2 = 0.5 * k * (g1 * k * k - i1) * omega1 * omega1
+        w.stage_release[i] = demand2 + k * (b + k * g) * w.rate1[i]
+    x.step_evaluations += STAGES
+
+
+def solve_hub(d, w):
+    """Rates of the hub while nothing but the shaft acts on it: J3 v + Ts = 0."""
+    for n in range(STAGES * STAGES):
+        w.jacobian[n] = w.shaft[n]
+    for i in range(STAGES):
+        w.jacobian[(STAGES + 1) * i] += d.J3
+        w.rate3[i] = -w.stage_shaft_torque[i]
+    eliminate(w.jacobian, 1, w.rate3)
+
+
+def solve_stages(d, x, w, h):
+    """All stages of a step h from the state in x, in its contact mode. Returns whether they converged."""
+    mode = x.mode
+    w.step = h
+    prepare_shaft(d, w, h)
+    put_start_torque(d, x, w, h, w.load)
+    for n in range(STAGES):
+        w.rate3[n] = 0.0
+    if not solve_links(d, x, w, h, d.J3 if mode == DRIVING else 0.0):
+        return False
+    if d.by_torque != 0.0:
+        w.alpha1 = mean(w.rate1)
+        if is_held(x):
+            put_release(d, x, w)
+    if mode == DRIVING:
+        for n in range(STAGES):
+            w.rate3[n] = w.rate2[n]
+    elif mode != HELD_DRIVING:
+        solve_hub(d, w)
+    follow_hub(d, x, w, h, w.load)
+    for n in range(STAGES):
+        clutch = 0.0
+        if mode == DRIVING:
+            clutch = d.J3 * w.rate3[n] + w.stage_shaft_torque[n]
+        elif mode == HELD_DRIVING:
+            clutch = w.stage_shaft_torque[n]
+        w.stage_clutch[n] = clutch
+    return True

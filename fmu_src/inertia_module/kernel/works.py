@@ -1,0 +1,141 @@
+"""Impulses and works of the torques over a step, its mean square and peak: in one place for all solvers.
+
+With the torque given its impulse is the torque times the time and its work the torque times the angle of link 1.
+With the speed given M1 - Tc + Th is the rate of the angular momentum P and Tc = J3 omega3' + load, so the impulses are
+exact in the end values, and so is the work while omega1 is constant. With a ramp alpha1 of it the work takes the
+integral of P as well: that of omega1 dP is omega1 P less alpha1 times it.
+"""
+
+from .accumulate import add
+from .codes import DRIVING
+from .links import angular_momentum, inertia_at_input
+from .solvers.dormand_prince import END, NODES, STAGES
+from .solvers.interpolant import integral
+from .solvers.radau import MATRIX
+from .solvers.radau import NODES as RADAU_NODES
+from .solvers.radau import STAGES as RADAU_STAGES
+
+# five-point Gauss-Legendre rule on [0, 1]
+GAUSS_NODE_1 = 0.04691007703066802
+GAUSS_NODE_2 = 0.23076534494715845
+GAUSS_WEIGHT_1 = 0.11846344252809454
+GAUSS_WEIGHT_2 = 0.23931433524968324
+GAUSS_WEIGHT_3 = 0.28444444444444444
+
+
+def add_work_in(x, work):
+    """Add work of the input torque, J."""
+    x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, work)
+
+
+def add_clutch_square(d, x, w, sigma):
+    """Integral of Tc^2 over the explicit step or its part sigma, and its peak. Overwrites the rates of omega2."""
+    end = sigma if sigma >= 0.0 else 1.0
+    for n in range(END if sigma < 0.0 else STAGES):
+        torque = w.load + d.J3 * w.rate_omega2[n]
+        if NODES[n] <= end:
+            x.torque_peak = max(x.torque_peak, abs(torque))
+        w.rate_omega2[n] = torque * torque
+    x.output_square += integral(w, w.rate_omega2, sigma)
+
+
+def add_explicit_works(d, x, w, start1, start2, passed, turned1, turned2, integrated):
+    """Impulses and works of the explicit step over the time passed since links 1 and 2 had start1 and start2.
+
+    Args:
+        turned1, turned2: angles of the links, rad. integrated: P over the time, with the speed given.
+        w.momentum: P at the beginning; w.momentum_end: at the end.
+    """
+    load = w.load
+    end1 = x.omega1
+    clutch = 0.0
+    if x.mode == DRIVING:
+        clutch = d.J3 * (x.omega2 - start2) + load * passed
+        x.output_impulse += clutch
+        x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, load * turned2)
+    if d.by_torque != 0.0:
+        add_work_in(x, w.given * turned1)
+        return
+    alpha1 = w.given
+    x.input_impulse += w.momentum_end - w.momentum + clutch
+    if alpha1 == 0.0:
+        add_work_in(x, start1 * (w.momentum_end - w.momentum + clutch))
+        return
+    work = end1 * w.momentum_end - start1 * w.momentum - alpha1 * integrated
+    if x.mode == DRIVING:
+        work += d.J3 * (end1 * x.omega2 - start1 * start2 - alpha1 * turned2)
+        work += load * passed * (start1 + 0.5 * alpha1 * passed)
+    add_work_in(x, work)
+
+
+def held_angle(d, q, omega1, alpha1, t):
+    """Drive angle after the time t with link 2 held and the speed of link 1 given."""
+    return q + d.k * t * (omega1 + 0.5 * alpha1 * t)
+
+
+def inertia_integral(d, x, q, omega1, alpha1, start, end):
+    """Integral of Phi over the time from start to end while link 2 is held (five-point Gauss rule)."""
+    h = end - start
+    near = inertia_at_input(d, held_angle(d, q, omega1, alpha1, start + GAUSS_NODE_1 * h))
+    near += inertia_at_input(d, held_angle(d, q, omega1, alpha1, end - GAUSS_NODE_1 * h))
+    mid = inertia_at_input(d, held_angle(d, q, omega1, alpha1, start + GAUSS_NODE_2 * h))
+    mid += inertia_at_input(d, held_angle(d, q, omega1, alpha1, end - GAUSS_NODE_2 * h))
+    centre = inertia_at_input(d, held_angle(d, q, omega1, alpha1, start + 0.5 * h))
+    x.step_evaluations += 5.0
+    return h * (GAUSS_WEIGHT_1 * near + GAUSS_WEIGHT_2 * mid + GAUSS_WEIGHT_3 * centre)
+
+
+def add_held_works(d, x, q, omega1, alpha1, h, integral_of_phi):
+    """Impulse and work of M1 over h while link 2 is held and the speed given: link 1 alone turns, with Phi(q)."""
+    end = omega1 + alpha1 * h
+    before = inertia_at_input(d, q)
+    after = inertia_at_input(d, held_angle(d, q, omega1, alpha1, h))
+    x.step_evaluations += 2.0
+    add_work_in(x, 0.5 * (after * end * end - before * omega1 * omega1))
+    x.input_impulse += 0.5 * (after * end - before * omega1 + alpha1 * integral_of_phi)
+
+
+def add_shaft_works(d, x, w):
+    """Collocation step: impulse, square and peak of Tc, work on the load, and what damping and friction take.
+
+    The work of the balancer counts as negative loss. Order 9.
+    """
+    h = w.step
+    out = 0.0
+    lost = 0.0
+    for n in range(RADAU_STAGES):
+        relative = w.stage_relative[n]
+        omega4 = w.stage_omega3[n] - relative
+        clutch = w.stage_clutch[n]
+        weight = h * MATRIX[RADAU_STAGES * (RADAU_STAGES - 1) + n]
+        balancing = d.balancer * d.J4 * w.rate3[n]
+        out += weight * omega4
+        lost += weight * (d.damping * relative * relative + (d.friction * omega4 - balancing) * omega4)
+        x.output_square += weight * clutch * clutch
+        x.output_impulse += weight * clutch
+        x.torque_peak = max(x.torque_peak, abs(clutch))
+    x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, w.load * out)
+    x.energy_lost, x.energy_lost_low = add(x.energy_lost, x.energy_lost_low, lost)
+
+
+def add_moving_works(d, x, w, start1, momentum):
+    """Collocation step with link 2 in motion and the speed given: impulse and work of M1; momentum: P before."""
+    h = w.step
+    alpha1 = w.given
+    momentum_end = angular_momentum(d, x.q, x.omega1, x.omega2)
+    x.step_evaluations += 2.0
+    clutch = 0.0
+    moment = 0.0
+    for n in range(RADAU_STAGES):
+        weight = h * MATRIX[RADAU_STAGES * (RADAU_STAGES - 1) + n]
+        clutch += weight * w.stage_clutch[n]
+        if alpha1 != 0.0:
+            inside = angular_momentum(d, w.stage_q[n], w.stage_omega1[n], w.stage_omega2[n])
+            moment += weight * (h * RADAU_NODES[n] * w.stage_clutch[n] - inside)
+            x.step_evaluations += 1.0
+    impulse = momentum_end - momentum + clutch
+    x.input_impulse += impulse
+    if alpha1 == 0.0:
+        add_work_in(x, start1 * impulse)
+    else:
+        add_work_in(x, x.omega1 * momentum_end - start1 * (momentum - clutch) + alpha1 * moment)
