@@ -16,6 +16,7 @@ import numpy as np
 from inertia_module import compiled
 from inertia_module.cli import current_fmu
 from inertia_module.kernel import codes
+from inertia_module.model import INERTIA_MODULE
 from inertia_module.module import Module
 from inertia_module.scene import load_scene, run_scene
 
@@ -33,12 +34,13 @@ def recorded_inputs():
 def player(operation=codes.STEP_ONLY):
     """Compiled loop: steps of h with the inputs given, from the state given."""
     entry = compiled.load()
+    omega1_place, load_place = INERTIA_MODULE.place("omega1"), INERTIA_MODULE.place("load_torque")
 
     @numba.njit
     def play(p, d, u, x, y, w, omega1, load, h):
         for n in range(omega1.size):
-            u[0] = omega1[n]
-            u[1] = load[n]
+            u[omega1_place] = omega1[n]
+            u[load_place] = load[n]
             status = entry(operation, p.ctypes, d.ctypes, u.ctypes, x.ctypes, y.ctypes, w.ctypes, h)
             if status != 0:
                 return n, status
@@ -50,18 +52,16 @@ def player(operation=codes.STEP_ONLY):
 def measure(play, parameters, omega1, load, h):
     """(median kernel time per simulated second, s; output speed at the end)."""
     module = Module("compiled").start(omega1=float(omega1[0]), load_torque=float(load[0]), **parameters)
-    sizes = (codes.P_SIZE, codes.D_SIZE, codes.U_SIZE, codes.X_SIZE, codes.Y_SIZE)
-    begin = [np.array(values) for values in module._arrays[: len(sizes)]]
+    begin = [np.array(record.numbers[:]) for record in module._records]
     times = []
     for _ in range(REPEATS + 1):
         arrays = [values.copy() for values in begin]
-        workspace = np.zeros(codes.W_SIZE)
         start = time.perf_counter()
-        done, status = play(*arrays, workspace, omega1, load, h)
+        done, status = play(*arrays, omega1, load, h)
         times.append(time.perf_counter() - start)
         if status:
             raise RuntimeError(f"step {done} is refused with status {status}")
-    return statistics.median(times[1:]) / (omega1.size * h), arrays[4].omega_out
+    return statistics.median(times[1:]) / (omega1.size * h), arrays[4][INERTIA_MODULE.place("omega_out")]
 
 
 def difference_of_means():

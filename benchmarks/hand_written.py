@@ -17,12 +17,13 @@ from pathlib import Path
 
 from rich.progress import track
 
-from inertia_module.entries import SIGNATURE
+from inertia_module.entries import ENTRIES, MODULE, SIGNATURE
 from inertia_module.fmu.builder import MODULE_FMU
 from inertia_module.fmu.native_fmu import library
 from inertia_module.fmu.targets import LINUX64
-from inertia_module.kernel import codes, step
+from inertia_module.kernel import codes
 from inertia_module.module import Module
+from inertia_module.records import place
 
 SOURCE = Path(__file__).parent / "hand_written"
 ZIG = [sys.executable, "-m", "ziglang", "cc", "-fno-sanitize=undefined"]
@@ -70,13 +71,11 @@ CASES = ((1.0, 1.0), (10.0, 10.0), (1.0, 1e-3), (10.0, 1e-3))  # simulated time 
 
 def build(folder):
     """Libraries of the hand-written C by compiler and target, the FMU's, and the loop that calls an entry."""
-    numbers = (
-        f"#define {name} {value}\n"
-        for module in (slots, step)
-        for name, value in vars(module).items()
-        if type(value) is int and name.isupper()
-    )
-    (folder / "slots.h").write_text("".join(sorted(set(numbers))))
+    numbers = {name: value for name, value in vars(codes).items() if type(value) is int}
+    for letter, record in zip("PDUXY", ENTRIES[MODULE].records, strict=False):
+        names = [field if isinstance(field, str) else field[0] for field in record]
+        numbers |= {f"{letter}_{name.upper()}": place(record, name) for name in names}
+    (folder / "slots.h").write_text("".join(f"#define {name} {value}\n" for name, value in numbers.items()))
     libraries = {}
     for compiler, command in COMPILERS.items():
         if shutil.which(command[0]) is None:
@@ -102,7 +101,7 @@ class Kernel:
     def __init__(self, loop, parameters, by_hand=None):
         self.loop = loop
         self.module = Module("compiled").start(**parameters)
-        self.arrays = [array("d", values) for values in self.module._arrays]
+        self.arrays = [array("d", bytes(record)) for record in self.module._records]
         if by_hand is None:
             self.entry = self.entry_of_fmu
         else:
@@ -120,7 +119,7 @@ class Kernel:
 
     def set(self, **values):
         for name, value in values.items():
-            self.arrays[2][self.module.model.by_name[name].slot] = value
+            self.arrays[2][self.module.model.place(name)] = value
 
     def advance(self, h, steps=1):
         if steps == 1:
@@ -137,7 +136,7 @@ class Kernel:
             raise RuntimeError(f"a step of {h} s is refused with status {status}")
 
     def __getitem__(self, name):
-        return self.arrays[4][self.module.model.by_name[name].slot]
+        return self.arrays[4][self.module.model.place(name)]
 
     def outputs(self):
         return list(self.arrays[4])

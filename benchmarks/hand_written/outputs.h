@@ -61,21 +61,21 @@ static void write_imbalance(const struct mechanism *d, const struct state *x, do
     double sine = sin(x->theta1.value);
     double cosine = cos(x->theta1.value);
     struct imbalance m = imbalance(d, x->q.value);
-    write_in_fixed_frame(y + Y_POSITION_X, sine, cosine, m.r);
-    write_in_fixed_frame(y + Y_VELOCITY_X, sine, cosine,
+    write_in_fixed_frame(y + Y_IMBALANCE_X, sine, cosine, m.r);
+    write_in_fixed_frame(y + Y_IMBALANCE_VELOCITY_X, sine, cosine,
                          (struct vector){m.r1.x * rate_q, m.r1.y * rate_q - omega1 * m.r.z,
                                          m.r1.z * rate_q + omega1 * m.r.y});
     double square = rate_q * rate_q;
     double coriolis = 2.0 * omega1 * rate_q;
     double central = omega1 * omega1;
-    double *a = y + Y_ACCELERATION_X;
+    double *a = y + Y_IMBALANCE_ACCELERATION_X;
     write_in_fixed_frame(a, sine, cosine,
                          (struct vector){m.r2.x * square + m.r1.x * rate2_q,
                                          m.r2.y * square + m.r1.y * rate2_q - coriolis * m.r1.z -
                                              alpha1 * m.r.z - central * m.r.y,
                                          m.r2.z * square + m.r1.z * rate2_q + coriolis * m.r1.y +
                                              alpha1 * m.r.y - central * m.r.z});
-    y[Y_ACCELERATION] = sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
+    y[Y_IMBALANCE_ACCELERATION] = sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
 }
 
 /* Instantaneous torques in the present mode. Returns the acceleration of link 2. */

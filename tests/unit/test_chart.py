@@ -50,11 +50,11 @@ def test_chart_saved_is_the_chart_read(compiled, tmp_path):
 
 
 def test_a_file_that_is_no_chart_is_refused(tmp_path):
-    with pytest.raises(TableError, match="none.csv must be a saved chart: No such file"):
+    with pytest.raises(TableError, match=r"none\.csv must be a saved chart: No such file"):
         TorqueConverterChart.load(tmp_path / "none.csv")
     other = tmp_path / "other.csv"
     other.write_text("time,x\n0,1\n")
-    with pytest.raises(TableError, match="other.csv must be a chart with the columns speed_ratio"):
+    with pytest.raises(TableError, match=r"other\.csv must be a chart with the columns speed_ratio"):
         TorqueConverterChart.load(other)
 
 

@@ -5,7 +5,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scenes import SCENES, advanced, started
 
-from inertia_module.kernel import codes
 from inertia_module.kernel.limits import SMALLEST_SPEED
 from inertia_module.module import Refused
 

@@ -1,4 +1,4 @@
-"""The torque (or the acceleration) of link 1 given: accelerations, their rates, and the contact mode that follows."""
+"""Torque or acceleration of link 1 given: accelerations, their rates, and the contact mode that follows."""
 
 from itertools import product
 
@@ -90,7 +90,8 @@ def test_rates_of_acceleration_and_of_held_torque_are_those_along_the_motion(
         scale = np.abs(expected) + np.abs(at(0.0)) * k * (abs(omega1) + abs(omega2))
         assert np.all(np.abs(np.array([found[2], found[4]]) - expected) <= 1e-6 * scale)
         same = accelerations(d, *state[:3], given, held, inertia, load)
-        assert (*found[:2], found[5]) == pytest.approx(same, rel=1e-12, abs=1e-12 * abs(load))
+        # with the speed given the two sum in another order
+        assert (*found[:2], found[5]) == (same if drive else pytest.approx(same, rel=1e-12))
 
 
 def test_second_derivative_of_the_coupling_is_that_of_the_positions(mechanism, states):

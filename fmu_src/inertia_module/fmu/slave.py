@@ -25,7 +25,7 @@ STEPPING = "initialized"
 TERMINATED = "terminated"
 
 _PHASES = (INSTANTIATED, INITIALIZING, STEPPING, TERMINATED)
-_UNKNOWN = Variable("unknown", "", "", "", "", None, None, None, None, "", 0)
+_UNKNOWN = Variable("unknown", "", "", "", "", None, None, None, None, "")
 
 
 class PythonSlave(Fmi2Slave):  # type: ignore[misc]

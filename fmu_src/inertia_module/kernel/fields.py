@@ -101,7 +101,11 @@ WORKSPACE = (
     # of omega1 and of omega2
     *(("columns", MATRIX + COLLOCATED), ("lower", MATRIX), ("corner", MATRIX)),
     # ... polynomials of omega2, omega3 and the torque that a guard looks at
-    *(("polynomial_2", COLLOCATED + 1), ("polynomial_3", COLLOCATED + 1), ("polynomial_torque", COLLOCATED + 1)),
+    *(
+        ("polynomial_2", COLLOCATED + 1),
+        ("polynomial_3", COLLOCATED + 1),
+        ("polynomial_torque", COLLOCATED + 1),
+    ),
     # fixed steps: inertia at the beginning, omega1 given or the torque, and the shaft's answers
     *("kept_i", "kept_i1", "kept_b", "kept_g", "kept_total", "kept_share", "kept_root", "kept_bend"),
     *("slope", "impulse", "sum", "relative_gain", "twist_gain", "lag"),

@@ -25,6 +25,21 @@ def accelerations(d, q, omega1, omega2, given, held, carried, torque):
     Returns:
         (alpha1, omega2', P): rad/s^2 and N m s, P = (J1 + I) omega1 + B q' + J2 omega2.
     """
+    if d.by_torque != 0.0:
+        return accelerations_by_torque(d, q, omega1, omega2, given, held, carried, torque)
+    i, i1, _, b, _, g, g1, _ = reduced_inertia(d, q)
+    k = d.k
+    rate_q = k * (omega1 - omega2)
+    momentum = (d.J1 + i) * omega1 + b * rate_q + d.J2 * omega2
+    if held:
+        return given, 0.0, momentum
+    demand2 = 0.5 * k * (g1 * rate_q * rate_q - i1 * omega1 * omega1)
+    push = demand2 + k * (b + k * g) * given - torque
+    return given, push / (d.J2 + carried + k * k * g), momentum
+
+
+def accelerations_by_torque(d, q, omega1, omega2, given, held, carried, torque):
+    """The same where the torque of link 1 is given: both equations."""
     i, i1, _, b, b1, g, g1, _ = reduced_inertia(d, q)
     k = d.k
     rate_q = k * (omega1 - omega2)
@@ -33,10 +48,6 @@ def accelerations(d, q, omega1, omega2, given, held, carried, torque):
     coupling = k * (b + k * g)
     demand2 = 0.5 * k * (g1 * rate_q * rate_q - i1 * omega1 * omega1)
     own = d.J2 + carried
-    if d.by_torque == 0.0:
-        if held:
-            return given, 0.0, momentum
-        return given, (demand2 + coupling * given - torque) / (own + k * k * g), momentum
     drive = given - (i1 * omega1 + b1 * rate_q) * rate_q - demand2
     phi = link1 + k * (2.0 * b + k * g)
     if held:

@@ -1,6 +1,6 @@
 """The elastic shaft behind the output freewheel, and the driven mass at its end (docs/mechanics.md).
 
-    Ts = c delta + d (omega3 - omega4)        J4 omega4' = Ts - f omega4 - T_load + beta J4 omega3'
+Ts = c delta + d (omega3 - omega4)        J4 omega4' = Ts - f omega4 - T_load + beta J4 omega3'
 """
 
 

@@ -9,7 +9,7 @@
 enum array { PARAMETERS, INPUTS, OUTPUTS, ARRAYS };
 enum kind { REAL, INTEGER, BOOLEAN };
 
-/* the operations and the good status of a kernel (kernel/slots.py) */
+/* the operations and the good status of a kernel (kernel/codes.py) */
 enum operation {
     OPERATION_START = 0,
     OPERATION_STEP_ONLY = 3,

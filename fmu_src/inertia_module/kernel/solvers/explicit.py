@@ -13,7 +13,24 @@ from ..links import accelerations, angular_momentum, torque_scale
 from ..search import first_crossing, is_clear
 from ..output_shaft import coast, meet, pass_while_held, stop, time_to_stop
 from ..works import add_clutch_square, add_explicit_works
-from .dormand_prince import END, FIRST, NODES, STAGES, WEIGHTS
+from .dormand_prince import (
+    END,
+    NODES,
+    sum_1,
+    sum_2,
+    sum_3,
+    sum_4,
+    sum_5,
+    sum_6,
+    sum_7,
+    sum_8,
+    sum_9,
+    sum_10,
+    sum_11,
+    sum_13,
+    sum_14,
+    sum_15,
+)
 from .interpolant import dense_change, error_norm, fit_dense, integral, result
 
 # phase of the highest harmonic within one step, rad
@@ -41,32 +58,38 @@ def keep_stage(d, w, n, omega1, omega2, alpha1, alpha2, momentum):
     w.integrand[n] = omega1 if d.by_torque != 0.0 else momentum
 
 
-def evaluate(d, x, w, n):
-    """Rates at stage n of the step in hand, from those of the stages before."""
+def evaluate(d, x, w, n, weighted):
+    """Rates at stage n of the step in hand, from the weighted rates of the stages before."""
     h = w.step
-    row = STAGES * n
-    change_q = WEIGHTS[row] * w.rate_q[0]
-    change2 = WEIGHTS[row] * w.rate_omega2[0]
-    for m in range(FIRST[n], n):
-        change_q += WEIGHTS[row + m] * w.rate_q[m]
-        change2 += WEIGHTS[row + m] * w.rate_omega2[m]
-    omega1 = x.omega1 + h * NODES[n] * w.given
-    if d.by_torque != 0.0:
-        change1 = WEIGHTS[row] * w.rate_omega1[0]
-        for m in range(FIRST[n], n):
-            change1 += WEIGHTS[row + m] * w.rate_omega1[m]
-        omega1 = x.omega1 + h * change1
-    omega2 = x.omega2 + h * change2
+    omega1 = x.omega1 + h * (weighted(w.rate_omega1) if d.by_torque != 0.0 else NODES[n] * w.given)
+    omega2 = x.omega2 + h * weighted(w.rate_omega2)
     alpha1, alpha2, momentum = accelerations(
-        d, x.q + h * change_q, omega1, omega2, w.given, is_held(x), w.carried, w.carried_torque
+        d, x.q + h * weighted(w.rate_q), omega1, omega2, w.given, is_held(x), w.carried, w.carried_torque
     )
     keep_stage(d, w, n, omega1, omega2, alpha1, alpha2, momentum)
 
 
+def evaluate_stages(d, x, w):
+    """The stages of the step in hand, but for its beginning."""
+    evaluate(d, x, w, 1, sum_1)
+    evaluate(d, x, w, 2, sum_2)
+    evaluate(d, x, w, 3, sum_3)
+    evaluate(d, x, w, 4, sum_4)
+    evaluate(d, x, w, 5, sum_5)
+    evaluate(d, x, w, 6, sum_6)
+    evaluate(d, x, w, 7, sum_7)
+    evaluate(d, x, w, 8, sum_8)
+    evaluate(d, x, w, 9, sum_9)
+    evaluate(d, x, w, 10, sum_10)
+    evaluate(d, x, w, 11, sum_11)
+    x.step_evaluations += 11.0
+
+
 def fit_inside(d, x, w):
     """The extra stages and the interpolants of q and both speeds: the inside of the step in hand."""
-    for n in range(END + 1, STAGES):
-        evaluate(d, x, w, n)
+    evaluate(d, x, w, 13, sum_13)
+    evaluate(d, x, w, 14, sum_14)
+    evaluate(d, x, w, 15, sum_15)
     x.step_evaluations += 3.0
     fit_dense(w.step, w.rate_q, w.dense_q)
     fit_dense(w.step, w.rate_omega2, w.dense_omega2)
@@ -143,9 +166,7 @@ def try_steps(d, x, w, remaining):
     h = min(limit, carried) if carried > 0.0 else 0.1 * limit
     for attempt in range(REJECTIONS):
         w.step = h
-        for n in range(1, END):
-            evaluate(d, x, w, n)
-        x.step_evaluations += 11.0
+        evaluate_stages(d, x, w)
         w.change1 = h * (result(w.rate_omega1) if d.by_torque != 0.0 else w.given)
         w.change2 = h * result(w.rate_omega2)
         ends = max(abs(x.omega1 + w.change1), abs(x.omega2 + w.change2))

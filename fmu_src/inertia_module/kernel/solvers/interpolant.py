@@ -2,40 +2,26 @@
 
 import math
 
-from .dormand_prince import DENSE, END, FIFTH, FIRST, STAGES, THIRD, WEIGHTS
+from .dormand_prince import END, dense_3, dense_4, dense_5, dense_6, fifth, third
+from .dormand_prince import sum_12 as result
 
 
-def result(rates):
-    """Mean over the step, of order 8, of the quantity with these rates at the stages."""
-    total = WEIGHTS[STAGES * END] * rates[0]
-    for n in range(FIRST[END], END):
-        total += WEIGHTS[STAGES * END + n] * rates[n]
-    return total
-
-
-def embedded_errors(rates, scale):
-    """Errors of orders 5 and 3 over the step size and the error allowed."""
-    fifth = FIFTH[0] * rates[0]
-    third = THIRD[0] * rates[0]
-    for n in range(FIRST[END], END):
-        fifth += FIFTH[n] * rates[n]
-        third += THIRD[n] * rates[n]
-    return fifth / scale, third / scale
-
-
-def error_norm(w, scale_q, scale_omega2, third, scale_third):
+def error_norm(w, scale_q, scale_omega2, others, scale_others):
     """Estimated error of the step over the allowed one (Hairer's mix of orders 5 and 3).
 
     Args:
-        third: one more block of rates, whose integral counts where an error scale_third of it is allowed (else
+        others: one more block of rates, whose integral counts where an error scale_others of it is allowed (else
             0): P with a ramp of omega1, or omega1' where that is a state.
     """
-    q5, q3 = embedded_errors(w.rate_q, scale_q)
-    v5, v3 = embedded_errors(w.rate_omega2, scale_omega2)
+    q5 = fifth(w.rate_q) / scale_q
+    q3 = third(w.rate_q) / scale_q
+    v5 = fifth(w.rate_omega2) / scale_omega2
+    v3 = third(w.rate_omega2) / scale_omega2
     sum5 = q5 * q5 + v5 * v5
     sum3 = q3 * q3 + v3 * v3
-    if scale_third > 0.0:
-        p5, p3 = embedded_errors(third, scale_third)
+    if scale_others > 0.0:
+        p5 = fifth(others) / scale_others
+        p3 = third(others) / scale_others
         sum5 += p5 * p5
         sum3 += p3 * p3
     mix = sum5 + 0.01 * sum3
@@ -50,11 +36,10 @@ def fit_dense(h, rates, dense):
     dense[0] = change
     dense[1] = h * rates[0] - change
     dense[2] = 2.0 * change - h * (rates[0] + rates[END])
-    for m in range(4):
-        total = DENSE[STAGES * m] * rates[0]
-        for n in range(FIRST[END], STAGES):
-            total += DENSE[STAGES * m + n] * rates[n]
-        dense[3 + m] = h * total
+    dense[3] = h * dense_3(rates)
+    dense[4] = h * dense_4(rates)
+    dense[5] = h * dense_5(rates)
+    dense[6] = h * dense_6(rates)
 
 
 def dense_change(dense, sigma):

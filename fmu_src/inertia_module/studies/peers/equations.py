@@ -1,7 +1,7 @@
 """The module's equations as a peer's user would write them, compiled by numba: generous to the peers.
 
-The state is y = (q, omega2, omega3): rad and rad/s. Everything else is one record (see FIELDS), which plain Python
-reads as a ctypes record and compiled functions as an array of it (see in_array).
+The state is y = (q, omega2, omega3): rad and rad/s. Everything else is one record (see FIELDS): plain Python
+takes it as it is, compiled functions in an array (see in_array).
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ OUTPUT = 1
 
 @dataclass(frozen=True)
 class Equations:
-    """Compiled functions of (t, y, data), data from in_array; those with a third array write their result there.
+    """Compiled functions of (t, y, data), data in_array; those with a third array write their result there.
 
     Attributes:
         contact_rates: (t, y, rates, data), motion in the contact mode of the data.
@@ -117,9 +117,7 @@ def equations() -> Equations:
     @jit  # type: ignore[untyped-decorator]
     def select_mode(y, array):  # type: ignore[no-untyped-def]
         data = array[0]
-        return kernel_mode(
-            data.d, y[0], data.omega1, y[1], y[2], 0.0, data.load, 0.0, TORQUE_ROUNDING
-        )
+        return kernel_mode(data.d, y[0], data.omega1, y[1], y[2], 0.0, data.load, 0.0, TORQUE_ROUNDING)
 
     @jit  # type: ignore[untyped-decorator]
     def new_contact_rates(t, y, data):  # type: ignore[no-untyped-def]
