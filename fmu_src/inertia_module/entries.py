@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import ctypes
 import functools
-import hashlib
 import types
-from pathlib import Path
 from typing import NamedTuple
 
-from . import kernel
+from .files import content_hash, sources
 from .kernel import driven_shaft_slots, slots
 
 # operation, addresses of p, d, u, x, y and w, communication step
 SIGNATURE = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64, *[ctypes.c_void_p] * 6, ctypes.c_double)
-KERNEL_FOLDER = Path(kernel.__file__).parent
 
 
 class CompilationUnavailable(RuntimeError):
@@ -45,8 +42,5 @@ ENTRIES = {MODULE: Entry("entry", slots), DRIVEN_SHAFT: Entry("driven_shaft", dr
 
 @functools.cache
 def source_hash() -> str:
-    """Hash of the kernel's source files."""
-    digest = hashlib.sha256()
-    for path in sorted(KERNEL_FOLDER.glob("*.py")):
-        digest.update(path.name.encode() + b"\0" + path.read_bytes())
-    return digest.hexdigest()[:16]
+    """Hash of the kernel's source files: by it a saved state knows its build."""
+    return content_hash(sources("kernel/*.py"))[:16]

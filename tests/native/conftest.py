@@ -82,7 +82,7 @@ class Workshop:
         """Object file of the kernel for a target."""
         path = self.folder / f"kernel-{target.label}.o"
         machine = target_machine(target.triple, target.processor)
-        path.write_bytes(object_file(self.fmu.model.entry, machine, f"{target.triple}-{target.processor}"))
+        path.write_bytes(object_file(self.fmu.model.entry, *machine))
         return path
 
     def flags(self):

@@ -105,8 +105,7 @@ def link(model: Model, identifier: str, guid: str, target: Target) -> bytes:
     Raises:
         CompilationUnavailable: what it takes is not installed, or fails.
     """
-    machine = target_machine(target.triple, target.processor)
-    label = f"{target.triple}-{target.processor}"
+    machine, label = target_machine(target.triple, target.processor)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         (folder / "kernel.o").write_bytes(object_file(model.entry, machine, label))
