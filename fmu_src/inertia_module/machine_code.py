@@ -34,9 +34,7 @@ def host_machine() -> tuple[Any, str]:
     llvm.initialize_native_asmprinter()
     name, features = llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
     target = llvm.Target.from_default_triple()
-    # constants in reach of short addresses: the code for a compiler in memory would build long ones
-    machine = target.create_target_machine(cpu=name, features=features, opt=3, reloc="pic", codemodel="small")
-    return machine, f"{target.triple}-{name}-{features}"
+    return _machine(target, name, features), f"{target.triple}-{name}-{features}"
 
 
 def target_machine(triple: str, processor: str) -> tuple[Any, str]:
@@ -45,8 +43,15 @@ def target_machine(triple: str, processor: str) -> tuple[Any, str]:
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
     target = llvm.Target.from_triple(triple)
-    machine = target.create_target_machine(cpu=processor, features="", opt=3, reloc="pic")
-    return machine, f"{triple}-{processor}"
+    return _machine(target, processor, ""), f"{triple}-{processor}"
+
+
+def _machine(target: Any, processor: str, features: str) -> Any:
+    # Code finds all by its distance from itself, within 2 GB. llvmlite's own choice writes whole addresses
+    # into the code: the loader of macOS lets no one do that.
+    return target.create_target_machine(
+        cpu=processor, features=features, opt=3, reloc="pic", codemodel="small"
+    )
 
 
 def _is_inlined(symbol: str) -> bool:
