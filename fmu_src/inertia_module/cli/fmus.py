@@ -77,7 +77,7 @@ def export(
     """Export the mechanism of a scene as SSP, OSP and one container FMU (out/export/SCENE without -o).
 
     An elastic mechanism becomes two FMUs, the rigid module and its shaft. Drive, load and controller stay
-    here: their values at the start go along, and speed (or torque) and load are inputs of what is exported.
+    here: their values at the start go along, as inputs of the module and its shaft.
     """
     from ..export.writing import export as write
     from ..scene import load_scene
