@@ -127,12 +127,12 @@ class TorqueConverterChart:
 
 
 def torque_converter_chart(
-    parameters: Mapping[str, float], backward: bool = False, kernel: str = "auto"
+    parameters: Mapping[str, float | str], backward: bool = False, kernel: str = "auto"
 ) -> TorqueConverterChart:
     """The chart of a mechanism.
 
     Args:
-        parameters: of the module by name, those that differ from the defaults.
+        parameters: of the module by name, those that differ from the defaults; as in Module.set.
         backward: for omega1 < 0, where the drive turns the other way; the torque is another.
         kernel: as in Module.
 

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from .instance import DriveError
+from .descriptions import existing_fmu
+from .errors import DriveError
 from .logs import messages_of_others
 
 STEPS = 100
@@ -71,9 +72,7 @@ def check_fmu(path: Path) -> Report:
     from fmpy import platform_tuple, read_model_description, supported_platforms
     from fmpy.validation import validate_fmu
 
-    if not path.is_file():
-        raise DriveError(f"{path} is refused: no such file; allowed is an FMU")
-    report = Report(path)
+    report = Report(existing_fmu(path))
     try:
         description = read_model_description(str(path), validate=False)
         platforms = list(supported_platforms(str(path)))

@@ -50,9 +50,39 @@ def content_hash(files: Mapping[str, bytes]) -> str:
     return digest.hexdigest()[:32]
 
 
+def _is_there(path: Path) -> bool:
+    try:
+        path.lstat()
+    except (FileNotFoundError, NotADirectoryError):
+        return False
+    return True
+
+
+def writable_folder(folder: Path) -> Path:
+    """The folder, if files can be written to it or it can be made; it is not made yet.
+
+    Raises:
+        OSError: they cannot; why, in a sentence.
+    """
+    demand = f"{folder} must be a folder that can be written to"
+    try:
+        place = next(place for place in (folder, *folder.absolute().parents) if _is_there(place))
+        if not place.is_dir():
+            raise OSError(f"{demand}: {place} is not a folder")
+        with tempfile.TemporaryFile(dir=place):
+            pass
+    except OSError as error:
+        raise error if error.errno is None else OSError(f"{demand}: {error.strerror}") from error
+    return folder
+
+
 def write_atomically(path: Path, content: bytes) -> None:
-    """Write a file so that it is either whole or not there, whoever else writes it."""
-    path.parent.mkdir(parents=True, exist_ok=True)
+    """Write a file so that it is either whole or not there, whoever else writes it.
+
+    Raises:
+        OSError: its folder cannot be written to.
+    """
+    writable_folder(path.parent).mkdir(parents=True, exist_ok=True)
     handle, name = tempfile.mkstemp(dir=path.parent, prefix=path.name)
     try:
         with os.fdopen(handle, "wb") as stream:

@@ -5,18 +5,15 @@ from __future__ import annotations
 import os
 import struct
 from array import array
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, ClassVar, Self
 
 from . import compiled, maps
 from .entries import MODULE, CompilationUnavailable, source_hash
+from .errors import Refused
 from .kernel import slots
 from .model import DRIVEN_SHAFT, INERTIA_MODULE, Model
-from .variables import INPUT, OUTPUT, PARAMETER, default_parameters, refusal, refused_parameters
-
-
-class Refused(ValueError):
-    """Bad parameters, inputs or steps: the message names them and what is allowed. Nothing has changed."""
+from .variables import INPUT, OUTPUT, PARAMETER, default_parameters, refused_parameters
 
 
 def _doubles(size: int) -> array[float]:
@@ -96,8 +93,11 @@ class ModelInstance:
             return self._entry(operation, *self._addresses, step_size)
         return self.model.call(operation, *self._arrays, step_size)
 
-    def set(self, **values: float) -> None:
+    def set(self, **values: float | str) -> None:
         """Set parameters (before start) and inputs by name; all of them or, on an error, none.
+
+        Args:
+            values: numbers, strings with a unit, names of items of enumerations.
 
         Raises:
             Refused: an unknown name, a value out of its range, or a parameter after start.
@@ -113,13 +113,10 @@ class ModelInstance:
                 raise Refused(
                     f"{name} = {value} is refused: parameters are fixed once the module has started"
                 )
-            if not variable.accepts(float(value)):
-                raise Refused(refusal(variable, float(value)))
-            places.append(
-                (self.inputs if variable.causality == INPUT else self.parameters, variable.slot, value)
-            )
-        for values_of, slot, value in places:
-            values_of[slot] = value
+            values_of = self.inputs if variable.causality == INPUT else self.parameters
+            places.append((values_of, variable.slot, variable.number(value)))
+        for values_of, slot, number in places:
+            values_of[slot] = number
 
     def set_rates(self, **rates: float) -> None:
         """Give inputs a constant rate over the coming step, per second: they start it from their values.
@@ -152,7 +149,7 @@ class ModelInstance:
         self._check(copy.call(slots.RATES, 0.0), 0.0)
         return {variable.name: copy[variable.name] for variable in self.model.with_causality(OUTPUT)}
 
-    def start(self, **values: float) -> Self:
+    def start(self, **values: float | str) -> Self:
         """Set values, check the parameters alone and together, and take the initial state.
 
         Raises:
@@ -166,7 +163,7 @@ class ModelInstance:
     def _begin(self) -> None:
         self._check(self.call(slots.START, 0.0), 0.0)
 
-    def _prepare(self, values: dict[str, float]) -> None:
+    def _prepare(self, values: Mapping[str, float | str]) -> None:
         self.set(**values)
         refused = refused_parameters(list(self.parameters), self.model.variables)
         if refused:
@@ -238,7 +235,7 @@ class Module(ModelInstance):
 
     model = INERTIA_MODULE
 
-    def check(self, **values: float) -> None:
+    def check(self, **values: float | str) -> None:
         """Set values and check the parameters, alone and together, without starting.
 
         Raises:

@@ -10,8 +10,9 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
+from .descriptions import read_description
 from .drive import communication_points
-from .instance import DriveError, Fmu, read_description
+from .instance import DriveError, Fmu
 from .results import TIME, Result
 from .wiring import Wire, WiringError, check_wiring
 

@@ -58,6 +58,17 @@ def test_a_file_that_is_no_chart_is_refused(tmp_path):
         TorqueConverterChart.load(other)
 
 
+def test_a_mechanism_may_be_given_by_names_and_units(compiled):
+    named = torque_converter_chart({"layout": "planar", "sun_radius": "60 mm", "imbalance_mass": "800 g"})
+    numbers = torque_converter_chart(
+        {"layout": 1, "sun_radius": 0.06, "imbalance_mass": 0.8}, kernel=compiled
+    )
+    assert np.array_equal(named.output_torque, numbers.output_torque)
+    for bad in ({"layout": "flat"}, {"sun_radius": "60 kg"}, {"sun_radius": None}, {"satellites": [3]}):
+        with pytest.raises(Refused, match=f"^{next(iter(bad))} = .* is refused: allowed is"):
+            torque_converter_chart(bad)
+
+
 def test_without_a_freewheel_there_is_no_chart(compiled):
     with pytest.raises(Refused, match="output_freewheel = 0"):
         torque_converter_chart({"output_freewheel": 0}, kernel=compiled)

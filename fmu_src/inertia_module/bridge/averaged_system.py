@@ -20,6 +20,7 @@ from typing import Any, NamedTuple
 import control as ct
 import numpy as np
 
+from ..instance import as_names
 from ..kernel import average, average_legs, average_outputs, average_rates, slots
 from ..module import Module
 from ..variables import BY_NAME
@@ -55,7 +56,9 @@ QUASI_STEADY = TransientInertia(0.0, 0.0)
 class _AveragedModule:
     """The kernel of fidelity averaged at one instant."""
 
-    def __init__(self, parameters: Mapping[str, float], kernel: str, transient: TransientInertia) -> None:
+    def __init__(
+        self, parameters: Mapping[str, float | str], kernel: str, transient: TransientInertia
+    ) -> None:
         module = Module(kernel).start(**{**parameters, "fidelity": float(slots.AVERAGED)})
         self._derived = module.derived
         self._inertia = module["output_inertia"]
@@ -99,10 +102,10 @@ class _AveragedModule:
 
 
 def averaged_system(
-    parameters: Mapping[str, float] | None = None,
+    parameters: Mapping[str, float | str] | None = None,
     *,
-    inputs: Sequence[str] = INPUTS,
-    outputs: Sequence[str] = ("omega_out", "input_torque", "output_torque"),
+    inputs: str | Sequence[str] = INPUTS,
+    outputs: str | Sequence[str] = ("omega_out", "input_torque", "output_torque"),
     transient: TransientInertia = QUASI_STEADY,
     name: str = "averaged",
     kernel: str = "auto",
@@ -110,7 +113,7 @@ def averaged_system(
     """The averaged module as a continuous-time NonlinearIOSystem.
 
     Args:
-        parameters: of the module by name, numbers (enumerations too); fidelity is averaged whatever they say.
+        parameters: of the module by name, as in Module.set; fidelity is averaged whatever they say.
         inputs: omega1, rad/s, load_torque, N.m, and if wanted omega1_rate, rad/s2 (else 0); all that are
             wanted.
         outputs: of omega_out, omega2, rad/s, input_torque, mesh_torque, output_torque, housing_torque,
@@ -125,10 +128,11 @@ def averaged_system(
         Refused: the parameters cannot be, or there is no mean torque (a freewheel is missing).
         ValueError: an unknown input or output, omega1 or load_torque missing, or drive = torque.
     """
-    if (parameters or {}).get("drive", slots.DRIVE_SPEED) != slots.DRIVE_SPEED:
+    if BY_NAME["drive"].number((parameters or {}).get("drive", slots.DRIVE_SPEED)) != slots.DRIVE_SPEED:
         raise ValueError(
             "drive = 1 (torque) is refused: omega1 is an input of the averaged system; allowed is 0 (speed)"
         )
+    inputs, outputs = as_names(inputs), as_names(outputs)
     known = (*INPUTS, INPUT_RATE)
     for kind, names, allowed in (("input", inputs, known), ("output", outputs, OUTPUTS)):
         for wanted in names:

@@ -10,10 +10,10 @@ import typer
 
 from .shared import (
     BUILD_FOLDER,
-    OUTPUT_FOLDER,
     Json,
     OutputFolder,
     app,
+    folder_for,
     one_line_errors,
     show_table,
 )
@@ -84,7 +84,7 @@ def export(
     from ..scene.export import scene_plan
 
     with one_line_errors():
-        folder = output or OUTPUT_FOLDER / "export" / scene.stem
+        folder = folder_for(output, "export", scene.stem)
         plan = scene_plan(load_scene(scene))
         paths = write(plan, folder, lambda stage: typer.echo(stage, err=True))
     if as_json:

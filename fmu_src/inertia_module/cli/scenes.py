@@ -9,12 +9,12 @@ from typing import Annotated
 import typer
 
 from .shared import (
-    OUTPUT_FOLDER,
     TABLE_WIDTH,
     Json,
     OutputFolder,
     app,
     current_fmu,
+    folder_for,
     one_line_errors,
     share,
     show_table,
@@ -47,6 +47,7 @@ def run(
 
     choice = None
     with one_line_errors():
+        folder = folder_for(output, scene.stem)
         read = load_scene(scene)
         allowed = share("--error", error)
         if fidelity is not None or (allowed is not None and read.chooses_fidelity):
@@ -61,7 +62,6 @@ def run(
             result = run_scene(read, path, progress)
         chosen = {} if choice is None else {"fidelity_choice": choice.as_dict()}
         summary = {**result.summary, **chosen}
-        folder = output or OUTPUT_FOLDER / scene.stem
         files = {
             "table": result.table.to_csv(folder / "table.csv"),
             "summary": write_text(folder / "summary.json", json.dumps(summary, indent=2) + "\n"),
@@ -109,6 +109,7 @@ def tradeoff(
     from ..studies.report import rich_table
 
     with one_line_errors(), progress_bar("measuring the trade") as progress:
+        folder = folder_for(output, "tradeoff")
         allowed = share("--recommend", recommend)
         if scene is None:
             names = tuple(wanted or (study.R1_WANTED,))
@@ -120,7 +121,7 @@ def tradeoff(
             names = tuple(read.run.outputs)
             found = (study.scene_trials if allowed else study.scene_study)(read, progress)
         choice = choose_cheapest(found.rows, allowed, names) if allowed else None
-        files = study.write_study(found, output or OUTPUT_FOLDER / "tradeoff")
+        files = study.write_study(found, folder)
     if as_json:
         recommended = {} if choice is None else {"recommendation": choice.as_dict()}
         listed = {"files": {name: str(file) for name, file in files.items()}}
@@ -145,8 +146,8 @@ def chart(
     from ..results import write_figure
     from ..scene import load_scene
 
-    folder = output or OUTPUT_FOLDER / "chart"
     with one_line_errors():
+        folder = folder_for(output, "chart")
         names = [scene.stem for scene in scenes]
         if len(set(names)) < len(names):
             raise ValueError(f"scenes {', '.join(names)} are refused: allowed are files of different names")

@@ -38,6 +38,20 @@ def one_line_errors() -> Iterator[None]:
         raise typer.Exit(1) from error
 
 
+def folder_for(output: Path | None, *default: str) -> Path:
+    """The folder that a command writes to, looked at before its work begins.
+
+    Args:
+        output: as given by -o. default: its place in out/ without that.
+
+    Raises:
+        OSError: it cannot be written to.
+    """
+    from ..files import writable_folder
+
+    return writable_folder(output or OUTPUT_FOLDER.joinpath(*default))
+
+
 def show_table(title: str, rows: dict[str, str]) -> None:
     """Print headings and values as a table."""
     from rich.console import Console

@@ -10,7 +10,7 @@ from typing import NamedTuple
 from xml.etree import ElementTree
 
 from ..entries import CompilationUnavailable
-from ..files import write_atomically
+from ..files import writable_folder, write_atomically
 from ..kernel_ir import is_cached, kernel_ir
 from ..model import DRIVEN_SHAFT, INERTIA_MODULE
 from .archive import DESCRIPTION
@@ -81,6 +81,7 @@ def build(folder: Path, progress: Progress = lambda stage: None) -> Built:
         OSError: the folder cannot be written.
     """
     built = Built([], {})
+    writable_folder(folder)
     _translate(progress)
     for fmu in FMUS:
         progress(f"building {fmu.file_name}")

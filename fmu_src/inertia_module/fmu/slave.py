@@ -15,8 +15,9 @@ from typing import Any, ClassVar
 from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
+from ..errors import Refused
 from ..kernel import slots
-from ..module import ModelInstance, Refused
+from ..module import ModelInstance
 from ..variables import BOOLEAN, INPUT, PARAMETER, REAL, Variable
 
 INSTANTIATED = "instantiated"

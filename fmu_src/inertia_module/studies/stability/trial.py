@@ -7,8 +7,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any, Protocol
 
+from ...errors import Refused
 from ...kernel import slots
-from ...module import Module, Refused
+from ...module import Module
 from ...variables import LARGEST_STEP
 from .bounds import tolerance_of
 from .case import ELASTIC, EVENT, KINEMATIC, TIMESTEPPING, Case, Segment
