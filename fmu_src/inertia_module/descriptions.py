@@ -60,6 +60,8 @@ def number_for(variable: Any, value: Any) -> float:
         DriveError: the variable, the value, and what is allowed.
     """
     if variable.type == "Real":
+        if isinstance(value, float):
+            return value
         items, allowed = None, in_words(variable.unit or "1")
     else:
         items = _items(variable)

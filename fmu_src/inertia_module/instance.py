@@ -86,9 +86,8 @@ class Fmu(Instance):
 
     def _assign(self, values: Mapping[str, float | bool | str]) -> None:
         """Set variables by name: all of them or, on an unknown name or value, none."""
-        variables = [self._variable(name) for name in values]
-        numbers = [number_for(*pair) for pair in zip(variables, values.values(), strict=True)]
-        for variable, number in zip(variables, numbers, strict=True):
+        found = [(self._variable(name), value) for name, value in values.items()]
+        for variable, number in [(variable, number_for(variable, value)) for variable, value in found]:
             reference = [variable.valueReference]
             if variable.type == "Real":
                 self._call("setReal", reference, [number])

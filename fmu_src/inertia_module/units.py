@@ -147,7 +147,7 @@ def number_of(value: Any, unit: str = "1", items: Mapping[str, float] | None = N
         if value not in items:
             raise ValueError(f"there is no {value!r}")
         return float(items[value])
-    if isinstance(value, bool) and (items is None or items.keys() != BOOLEANS.keys()):
+    if isinstance(value, bool) and items is not BOOLEANS:
         raise ValueError("it is no number")
     try:
         return float(value)
