@@ -18,19 +18,6 @@ def sign_or_trend(value, rate, zero):
     return value >= -zero and rate > 0.0
 
 
-def mode_at_rest(d, touches, load, load_rate):
-    """Contact mode where nothing turns the drive, with the housing freewheel: the mesh has no torque.
-
-    Args:
-        touches: whether link 2 and the output shaft touch. load, load_rate: as for select_mode.
-    """
-    if not touches:
-        return HELD
-    if load < 0.0 or (load == 0.0 and load_rate < 0.0):
-        return DRIVING if d[D_OUTPUT] == 0.0 else HELD  # the load itself pulls the shaft away
-    return HELD_DRIVING
-
-
 def select_mode(d, q, omega1, alpha1, omega2, omega3, load, load_rate):
     """Contact mode of the 2 x 2 complementarity problem on accelerations.
 
@@ -45,8 +32,6 @@ def select_mode(d, q, omega1, alpha1, omega2, omega3, load, load_rate):
     k = d[D_K]
     housing = d[D_HOUSING] != 0.0 and omega2 == 0.0
     output = d[D_OUTPUT] == 0.0 or omega3 == omega2
-    if housing and omega1 == 0.0 and alpha1 == 0.0:
-        return mode_at_rest(d, output, load, load_rate)
     _, i1, i2, b, b1, g, g1, g2 = reduced_inertia(d, q)
     rate_q = k * (omega1 - omega2)
     free = free_torque(d, omega1, alpha1, rate_q, i1, b, g, g1)

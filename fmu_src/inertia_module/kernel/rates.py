@@ -45,7 +45,10 @@ def write_rates(p, d, u, x, y, w):
     h = SHARE / fastest_rate(p, d, x)
     copy(x, 0, w, W_KEPT_STATE, X_SIZE)
     copy(y, 0, w, W_OUTPUTS_0, Y_SIZE)
-    for _ in range(CUTS):
+    for cut in range(CUTS):
+        if cut > 0:
+            copy(w, W_KEPT_STATE, x, 0, X_SIZE)
+            h *= CUT
         go_on(u, x)
         status = advance(p, d, u, x, y, w, h, RATES)
         copy(y, 0, w, W_OUTPUTS_1, Y_SIZE)
@@ -56,8 +59,6 @@ def write_rates(p, d, u, x, y, w):
             return status
         if x[X_SWITCHES] == w[W_KEPT_STATE + X_SWITCHES]:
             break
-        copy(w, W_KEPT_STATE, x, 0, X_SIZE)
-        h *= CUT
     for n in range(Y_SIZE):
         y[n] = ((w[W_OUTPUTS_1 + n] - w[W_OUTPUTS_0 + n]) * 4.0 - (y[n] - w[W_OUTPUTS_0 + n])) / (2.0 * h)
     y[Y_INPUT_TORQUE_MEAN] = 0.0

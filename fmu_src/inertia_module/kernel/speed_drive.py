@@ -84,7 +84,7 @@ def run_timestepping(p, d, x, w, h):
     while number < count:
         one_step(p, d, x, w, omega1 + alpha1 * part * number, alpha1, x[X_LOAD_TORQUE], part)
         number += 1.0
-    x[X_MODE] = present_mode(p, d, x, omega1 + alpha1 * h)  # what the torques now follow from
+    choose_mode(p, d, x, omega1 + alpha1 * h)  # what the torques now follow from
     return OK
 
 

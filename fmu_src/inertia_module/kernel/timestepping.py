@@ -129,11 +129,13 @@ def settle(d, inertia2, momentum2, inertia3, momentum3):
     """
     free2 = momentum2 / inertia2 if inertia2 > 0.0 else 0.0
     free3 = momentum3 / inertia3
+    # ties as in contact.select_mode: link 2 stays held, and a shaft that nothing pulls away touches it
+    held = d[D_HOUSING] != 0.0 and momentum2 <= 0.0
     if d[D_OUTPUT] != 0.0:
-        if free2 <= free3 and (free2 >= 0.0 or d[D_HOUSING] == 0.0):
-            return free2, free3, 0.0, 0.0, FREE
-        if d[D_HOUSING] != 0.0 and momentum2 <= 0.0 and free3 >= 0.0:
+        if held and free3 > 0.0:
             return 0.0, free3, 0.0, -momentum2, HELD
+        if not held and free2 <= free3:
+            return free2, free3, 0.0, 0.0, FREE
     together = (momentum2 + momentum3) / (inertia2 + inertia3)
     if d[D_HOUSING] == 0.0 or together > 0.0:
         return together, together, inertia3 * together - momentum3, 0.0, DRIVING

@@ -1,6 +1,6 @@
 """Which contact mode holds where the input torque is given: :mod:`.contact` with alpha1 a result."""
 
-from .contact import mode_at_rest, sign_or_trend
+from .contact import sign_or_trend
 from .slots import *
 from .torque_dynamics import acceleration_and_jerk, driven_torque_scale
 
@@ -14,8 +14,6 @@ def select_driven_mode(d, q, omega1, omega2, omega3, torque, load, load_rate, ro
     """
     housing = d[D_HOUSING] != 0.0 and omega2 == 0.0
     output = d[D_OUTPUT] == 0.0 or omega3 == omega2
-    if housing and omega1 == 0.0 and torque == 0.0:
-        return mode_at_rest(d, output, load, load_rate)
     alpha1, _, _, free, trend = acceleration_and_jerk(d, q, omega1, omega2, torque, True, 0.0, 0.0, 0.0)
     scale = driven_torque_scale(d, omega1, alpha1, d[D_K] * (omega1 - omega2), torque)
     zero = rounding * (scale + abs(load))

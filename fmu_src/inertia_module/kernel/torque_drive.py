@@ -62,7 +62,7 @@ def run_driven_timestepping(p, d, x, w, h):
     while number < count:
         driven_step(p, d, x, w, x[X_DRIVE_TORQUE], x[X_LOAD_TORQUE], part)
         number += 1.0
-    x[X_MODE] = driven_mode(p, d, x)  # what the torques now follow from
+    choose_mode(p, d, x, TORQUE_ROUNDING)  # what the torques now follow from
     put_acceleration(p, d, x)
     return OK
 
