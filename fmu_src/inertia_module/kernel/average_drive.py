@@ -19,7 +19,7 @@ def one_step(d, x, w, header, speed, speed_rate, load, h, first, allowed):
     return w[W_ERROR] <= 1.0
 
 
-def overshoot(d, x, w, header, speed, speed_rate, h):
+def overshoot(d, w, header, speed, speed_rate, h):
     """How far the step in the workspace went past rest (negative speed) or the end of the map, 1/s."""
     found = w[W_NEXT]
     past_end = found - d[header + 1] * (speed + speed_rate * h)
@@ -55,7 +55,7 @@ def drive(d, x, w, header, omega1, alpha1, load, remaining):
     factor = min(5.0, 0.8 * error**-0.25) if error > 1e-4 else 5.0
     # a step cut short by the end of the communication step says little about longer ones
     x[X_STEP_SIZE] = max(factor * h, x[X_STEP_SIZE]) if h == wanted else factor * h
-    past = overshoot(d, x, w, header, speed, speed_rate, h)
+    past = overshoot(d, w, header, speed, speed_rate, h)
     if past <= ROUNDING * fastest:
         return h, 0
     low = 0.0
@@ -73,7 +73,7 @@ def drive(d, x, w, header, omega1, alpha1, load, remaining):
             h = high
             break
         one_step(d, x, w, header, speed, speed_rate, load, h, first, allowed)
-        past = overshoot(d, x, w, header, speed, speed_rate, h)
+        past = overshoot(d, w, header, speed, speed_rate, h)
         if abs(past) <= ROUNDING * fastest:
             break
         if past > 0.0:

@@ -22,7 +22,6 @@ W_ERROR = 1  # estimated error over the allowed one
 W_TURNED3 = 2  # integral of omega3
 W_WORK = 3  # integral of T omega3
 W_TURNED2 = 4  # integral of omega2
-W_TORQUE = 5  # T at the end
 
 
 def hermite(h, y0, d0, y1, d1):
@@ -44,7 +43,6 @@ def keep(w, h, omega3, first, last_omega3, last, rate0, rate1, stiff):
     dg1 = (time1 + slope1 * rate1) * last_omega3 + t1 * rate1
     dy1 = partial1 + part1 * rate1
     w[W_NEXT] = last_omega3
-    w[W_TORQUE] = t1
     if stiff:
         w[W_TURNED3] = damped(h, omega3, last_omega3, rate1)
         w[W_WORK] = damped(h, g0, g1, dg1)
@@ -72,10 +70,9 @@ def gentle_step(d, x, w, header, speed, speed_rate, omega3, load, h, first, allo
     share = 0.2 if x[X_MAP_ROW] != row else 0.5 * h * (abs(first[1]) + abs(last[1])) / inertia
     w[W_ERROR] = share * abs(found - guess) / allowed
     keep(w, h, omega3, first, found, last, rate, rate1, False)
-    w[W_TORQUE] = last[0] + last[1] * (found - guess)
 
 
-def is_one_way(d, x, header, speed, omega3, found, rate, load):
+def is_one_way(d, header, speed, omega3, found, rate, load):
     """Whether the torque left keeps the sign of rate at the knots between: no balance is skipped."""
     row = first_row(header)
     low = min(omega3, found)
@@ -110,7 +107,7 @@ def stiff_step(d, x, w, header, speed, speed_rate, omega3, load, h, first, allow
         found += move
         if abs(move) <= 1e-3 * allowed or abs(move) <= 1e-15 * abs(found):
             # where the slope is positive the balance repels: a damped step would be drawn to it
-            if slope <= 0.0 and is_one_way(d, x, header, end, omega3, found, rate, load):
+            if slope <= 0.0 and is_one_way(d, header, end, omega3, found, rate, load):
                 w[W_ERROR] = abs(h / 3.0 * (rate1 - rate - h * bend1) / steep) / allowed
                 # a transient that is damped out within the step would be wrong in the angle and the work
                 away = abs(rate / first[1]) * inertia

@@ -30,7 +30,7 @@ def put_link2_stages(d, x, w, h):
         w[W_STAGE_Q + i] = x[X_Q] + k * (t * (omega1 + 0.5 * alpha1 * t) - turned2)
 
 
-def put_equation(d, x, w, h, i, carried):
+def put_equation(d, w, h, i, carried):
     """Row i of the equations of motion of link 2 and of their derivatives in its rates."""
     k = d[D_K]
     alpha1 = w[W_ALPHA1]
@@ -65,7 +65,7 @@ def solve_link2(d, x, w, h, carried):
     for _ in range(ITERATIONS):
         put_link2_stages(d, x, w, h)
         for i in range(STAGES):
-            put_equation(d, x, w, h, i, carried)
+            put_equation(d, w, h, i, carried)
         x[X_STEP_EVALUATIONS] += STAGES
         eliminate(w, W_JACOBIAN, 1, W_RIGHT_SIDE)
         update = 0.0

@@ -269,18 +269,17 @@ W_DRIVE_TORQUE = 255
 W_ALL_Q = 256
 W_ALL_OMEGA1 = 268
 W_ALL_OMEGA2 = 280
-W_ALL_INPUT = 292
 # rates and speeds of link 1 at the five stages of the elastic output
-W_RATE1 = 304
-W_STAGE_OMEGA1 = 309
-W_STAGE_RELEASE = 314
+W_RATE1 = 292
+W_STAGE_OMEGA1 = 297
+W_STAGE_RELEASE = 302
 # equations of both links, 5 x 5 each: of the first by the rates of omega2 with its right side (5 x 6), of the
 # second by those of omega1 and of omega2, and the update of the rates of omega1
-W_LINK_COLUMNS = 319
-W_LINK_LOWER = 349
-W_LINK_CORNER = 374
-W_LINK_UPDATE = 399
-W_STATE = 404
+W_LINK_COLUMNS = 307
+W_LINK_LOWER = 337
+W_LINK_CORNER = 362
+W_LINK_UPDATE = 387
+W_STATE = 392
 # state and outputs at the beginning and after the first of the two short steps that rates are found from
 W_KEPT_STATE = W_STATE + X_SIZE
 W_OUTPUTS_0 = W_KEPT_STATE + X_SIZE
