@@ -20,6 +20,8 @@ from .slots import *
 MOST_STEPS = 20000
 # a change of omega1 up to this fraction of it is small
 SMALL_CHANGE = 0.2
+# speed of a shaft that is just pulled away, rad/s
+STARTING = 1e-300
 
 
 def rest(d, header, omega1, alpha1, load, remaining):
@@ -193,6 +195,11 @@ def set_link2(d, x, leg, speed, h):
         assign(x, X_OMEGA2, rates[3])
 
 
+def leg_speed(x, leg):
+    """omega3 to look up in the map: a coasting shaft is beyond it, though both shafts may yet be at rest."""
+    return max(x[X_OMEGA3], STARTING) if leg == COASTING else x[X_OMEGA3]
+
+
 def torque_at(d, x, header, leg, omega1, alpha1, load):
     """Mean output torque now, the acceleration of the output shaft and that of link 2."""
     if leg == RESTING:
@@ -200,7 +207,7 @@ def torque_at(d, x, header, leg, omega1, alpha1, load):
     if leg == LOCKED:
         return load + d[D_J3] * alpha1, alpha1, alpha1
     growing = alpha1 if header == D_MAP_FORWARD else -alpha1
-    torque, _, _, _, part, partial = driving_rates(d, x, header, abs(omega1), growing, x[X_OMEGA3])
+    torque, _, _, _, part, partial = driving_rates(d, x, header, abs(omega1), growing, leg_speed(x, leg))
     if leg == COASTING:
         torque = 0.0
     alpha3 = (torque - load) / d[D_J3]
@@ -210,4 +217,4 @@ def torque_at(d, x, header, leg, omega1, alpha1, load):
 def torque_on_input(d, x, header, leg, omega1, alpha1, load):
     """Mean input torque now."""
     torque, alpha3, _ = torque_at(d, x, header, leg, omega1, alpha1, load)
-    return mean_input_torque(d, x, header, omega1, alpha1, x[X_OMEGA3], alpha3, torque)
+    return mean_input_torque(d, x, header, omega1, alpha1, leg_speed(x, leg), alpha3, torque)

@@ -1,6 +1,6 @@
 """Outputs of fidelity averaged: the means of the torques, their ripple and peak, the mean energy."""
 
-from .average import torque_at
+from .average import leg_speed, torque_at
 from .average_legs import LOCKED, RESTING, choose_leg, header_at
 from .average_rates import energy_at, mean_input_torque, ripple_at
 from .slots import *
@@ -26,14 +26,14 @@ def write_averaged(d, x, y):
     leg = choose_leg(d, x, header, omega1, alpha1, x[X_LOAD_TORQUE])
     torque, alpha3, alpha2 = torque_at(d, x, header, leg, omega1, alpha1, x[X_LOAD_TORQUE])
     mesh = torque * omega3 / omega1 if torque != 0.0 and omega1 != 0.0 else 0.0
-    y[Y_INPUT_TORQUE] = mean_input_torque(d, x, header, omega1, alpha1, omega3, alpha3, torque)
+    y[Y_INPUT_TORQUE] = mean_input_torque(d, x, header, omega1, alpha1, leg_speed(x, leg), alpha3, torque)
     y[Y_MESH_TORQUE] = mesh
     y[Y_OUTPUT_TORQUE] = torque
     y[Y_HOUSING_TORQUE] = torque - mesh
     ripple = 0.0
     peak = abs(torque)
     if leg != LOCKED and leg != RESTING:
-        ripple, peak = ripple_at(d, x, header, omega1, omega3)
+        ripple, peak = ripple_at(d, x, header, omega1, leg_speed(x, leg))
     y[Y_TORQUE_RIPPLE] = ripple
     y[Y_TORQUE_PEAK] = peak
     return alpha2

@@ -150,7 +150,7 @@ def step_error(d, x, w, start, compliance, followed, fastest):
 def start_rates(d, x, w):
     """(alpha1, omega2', omega3', rate of omega3 - omega4) at the beginning, and the inertia behind link 2."""
     mode = x[X_MODE]
-    torque, _ = shaft_torque(d, x)
+    torque = shaft_torque(d, x)
     driving = mode == DRIVING
     rate2 = 0.0
     inertia2 = 0.0
@@ -168,7 +168,7 @@ def start_rates(d, x, w):
     return (w[W_ALPHA1], rate2, rate3, relative_rate(d, x, w[W_LOAD], torque, rate3)), inertia2
 
 
-def longest_step(d, x, w, remaining, pulse_rate):
+def longest_step(d, remaining, pulse_rate):
     """Longest step whose guards can be searched."""
     step = min(remaining, d[D_MAX_STEP])
     return STEP_PHASE / pulse_rate if pulse_rate * step > STEP_PHASE else step
@@ -194,7 +194,7 @@ def try_steps(d, x, w, remaining, fastest):
         horizon = driven_horizon(d, w, remaining, STEP_PHASE)
     pulse_rate = highest_rate(d, x, w, horizon)
     followed = is_followed(d, compliance, max(pulse_rate, widest_rate(d, x, fastest, compliance)))
-    limit = longest_step(d, x, w, remaining, pulse_rate)
+    limit = longest_step(d, remaining, pulse_rate)
     carried = x[X_STEP_SIZE]
     h = min(limit, carried) if carried > 0.0 else 0.1 * limit
     for attempt in range(REJECTIONS):
@@ -224,7 +224,7 @@ def zero_of(d, x, w, which, fastest):
         own = d[D_ALPHA_SLOPE]
         taken = max(abs(x[X_OMEGA2]), abs(x[X_OMEGA3]))
         return VELOCITY_ROUNDING * max(taken, fastest * own / (own + carried) if own > 0.0 else 0.0)
-    torque, _ = shaft_torque(d, x)
+    torque = shaft_torque(d, x)
     scale = torque_scale(d, w[W_OMEGA1], w[W_ALPHA1], 2.0 * d[D_K] * fastest)
     return CROSSING * (scale + abs(torque) + abs(w[W_LOAD]) + abs(w[W_DRIVE_TORQUE]))
 

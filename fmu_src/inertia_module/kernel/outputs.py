@@ -8,7 +8,7 @@ import math
 from .average_outputs import averaged_energy, write_averaged
 from .dynamics import kinetic_energy, motion, prescribed_torques
 from .layout import imbalance_in_fixed_frame
-from .shaft import shaft_torque, stored_in_shaft
+from .shaft import relative_rate, shaft_torque, stored_in_shaft
 from .slots import *
 
 
@@ -18,10 +18,16 @@ def shaft_in_energy(p, x):
 
 
 def shaft_load(p, d, x):
-    """Torque on the hub behind the output freewheel, the load or that of the elastic shaft, and its rate."""
-    if p[P_FIDELITY] == ELASTIC:
-        return shaft_torque(d, x)
-    return x[X_LOAD_TORQUE], 0.0
+    """Torque on the hub behind the output freewheel, the load or that of the elastic shaft, and its rate.
+
+    The rate is that behind a hub of constant speed.
+    """
+    load = x[X_LOAD_TORQUE]
+    if p[P_FIDELITY] != ELASTIC:
+        return load, 0.0
+    torque = shaft_torque(d, x)
+    rate = d[D_STIFFNESS] * x[X_RELATIVE] + d[D_DAMPING] * relative_rate(d, x, load, torque, 0.0)
+    return torque, rate
 
 
 def stored_energy(p, d, x):

@@ -7,7 +7,7 @@ from .step import advance
 # a short step over the time in which the fastest of the motion turns by a radian
 SHARE = 1e-4
 # how often the short steps are cut down where a freewheel switches within them, and to what share
-CUTS = 4
+CUTS = 3
 CUT = 0.01
 
 

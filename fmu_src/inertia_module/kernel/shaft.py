@@ -90,9 +90,8 @@ def follow_hub(d, x, w, h, load):
 
 
 def shaft_torque(d, x):
-    """Ts now, and its rate if neither speed changed."""
-    relative = x[X_RELATIVE]
-    return d[D_STIFFNESS] * x[X_TWIST] + d[D_DAMPING] * relative, d[D_STIFFNESS] * relative
+    """Ts now."""
+    return d[D_STIFFNESS] * x[X_TWIST] + d[D_DAMPING] * x[X_RELATIVE]
 
 
 def relative_rate(d, x, load, torque, rate3):

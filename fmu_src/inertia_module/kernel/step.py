@@ -56,6 +56,7 @@ def start(p, d, u, x, y):
             set_link2(d, x, RESTING, -1.0, 0.0)
             if p[P_DRIVE] == DRIVE_TORQUE:
                 x[X_ALPHA1], _ = driven_mean(d, x)
+                set_link2(d, x, RESTING, -1.0, 0.0)  # link 1 may be about to move
             x[X_STEP_SWITCHES] = 0.0
         elif p[P_DRIVE] == DRIVE_TORQUE:
             x[X_MODE] = driven_mode(p, d, x)
