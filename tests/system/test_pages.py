@@ -1,9 +1,12 @@
 """What is generated, and what the README promises."""
 
 import re
+import runpy
 import subprocess
 import sys
 from pathlib import Path
+
+import pytest
 
 from inertia_module.model import DRIVEN_SHAFT, INERTIA_MODULE
 
@@ -18,6 +21,22 @@ def test_generated_pages_are_up_to_date():
         check=False,
     )
     assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize(
+    ("shown", "now", "same"),
+    [
+        ("off by 0.55 (12 %)", "off by 0.55 (12 %)", True),
+        ("off by 0.55 (12 %)", "off by 0.56 (12 %)", True),
+        ("off by 0.55 (12 %)", "off by 0.57 (12 %)", False),
+        ("| 1.2e+02 |", "| 1.5e+02 |", False),
+        ("| yes | rounding |", "| no | 0.2 |", False),
+        ("**holds**", "**holds partly**", False),
+    ],
+)
+def test_a_page_of_figures_is_stale_once_a_figure_or_a_word_has_changed(shown, now, same):
+    make_pages = runpy.run_path(str(ROOT / "docs" / "make_pages.py"))
+    assert make_pages["same_figures"](shown, now) == same
 
 
 def test_every_variable_is_in_the_documentation():

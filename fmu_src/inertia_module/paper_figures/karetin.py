@@ -16,8 +16,8 @@ from matplotlib.ticker import MultipleLocator
 from numpy.typing import NDArray
 
 from ..papers.karetin import Kinematics, Motion, asymmetry, kinematics
+from ..papers.karetin.as_printed import printed
 from ..papers.karetin.cases import DYNAMIC, PAPER, STOP, period
-from ..papers.karetin.printed_chain import printed
 from ..papers.karetin.projections import continuous
 from .karetin_cones import layout
 from .style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION, dress, sheet

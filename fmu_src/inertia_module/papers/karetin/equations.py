@@ -1,301 +1,182 @@
-"""Every numbered equation of Karetin (2020), what was found of it, and how to measure it."""
+"""The numbered equations of Karetin over a period of the general case: printed form, exact form.
+
+Each printed form is fed with exact values of all it takes; (1) to (18) in the stop mode, (19) to (33) in
+the dynamic mode.
+"""
 
 from __future__ import annotations
 
-from ..report import Equation
-from . import differences, differences_dynamic
+from typing import Any
 
-_AT_POLE = "Right, but divides by zero where {} = 0: take the foot as n (n r) with n across V."
+import numpy as np
 
-EQUATIONS: list[Equation] = [
-    Equation(
-        "(1)",
-        "speeds of link 2, drive and satellite",
-        "motion.transmission_ratios",
-        "as_printed.transmission_ratios",
-        True,
-        difference=differences.ratios,
+from ..report import Equations
+from ..series import Series
+from . import as_printed as page
+from . import exact
+from .cases import DYNAMIC, GENERAL, STOP, Case, over_period
+from .motion import transmission_ratios
+
+G = GENERAL
+W1 = DYNAMIC.omega1
+# U1 to U6, and with U5 U4 put right
+FACTORS = page.factors(G.wheel_radius, G.phi, G.psi, G.chi, G.a, G.b, G.c)
+RIGHT_FACTORS = FACTORS._replace(U4=FACTORS.U3 * np.cos(G.chi) / FACTORS.U5)
+
+
+def stop() -> Case:
+    """The general case in the stop mode."""
+    return over_period(G, STOP)
+
+
+def dynamic() -> Case:
+    """The general case in the dynamic mode."""
+    return over_period(G, DYNAMIC)
+
+
+def xyz(v: Any) -> Any:
+    """Components of vectors of shape (n, 3)."""
+    return tuple(v.T)
+
+
+def position_series(case: Case) -> tuple[Series, Series, Series]:
+    """(2) put right and turned by omega1 t, as series."""
+    t, at = Series([case.t, 1.0, 0.0]), case.at
+    x, y, z = page.position(RIGHT_FACTORS, at.omega16 * t, at.omega6 * t, G.epsilon, G.gamma)
+    sine, cosine = np.sin(at.motion.carrier * t), np.cos(at.motion.carrier * t)
+    return x, y * cosine - z * sine, y * sine + z * cosine
+
+
+def angle_series(case: Case) -> tuple[Series, Series, Series]:
+    """(5) put right, as series."""
+    x, y, z = position_series(case)
+    return np.arctan2(y, x), np.arctan2(y, z), np.arctan2(z, x)  # type: ignore[call-overload, no-any-return]
+
+
+def swing_rate() -> Any:
+    """Exact omega_P of D in link 1 in the dynamic mode, rad/s, shape (n,)."""
+    y, z = dynamic().at.y, dynamic().at.z
+    _, vy, vz = dynamic().k.velocity_in_link1.T
+    return (z * vy - y * vz) / (y * y + z * z)
+
+
+def _values(series: Any) -> tuple[Any, ...]:
+    return tuple(u.value for u in series)
+
+
+def _mu() -> Any:
+    A = exact.centre_of_satellite(stop().at)
+    return page.coefficient_mu(stop().at.omega6, exact.modulus(A), A[:, 2], G.OQ)
+
+
+def _centre() -> Any:
+    return xyz(exact.centre_of_satellite(stop().at))
+
+
+def _arm() -> Any:
+    return xyz(exact.arm_of_imbalance(stop().at))
+
+
+def _ratio_of_drive() -> Any:
+    """The exact lambda, omega16/OQ."""
+    return np.full_like(stop().t, stop().at.omega16 / G.OQ)
+
+
+def _sum_in_link1() -> tuple[Any, Any]:
+    """The sum of (7) and (17), and the rate of the position."""
+    total = page.sum_of_velocities(xyz(stop().k.about_satellite), xyz(stop().k.about_drive))
+    return total, _values(page.rates(position_series(stop())))
+
+
+def _sum_of_three() -> tuple[Any, Any]:
+    """The sum of (23), in the fixed frame, and the rate of the position."""
+    k = dynamic().k
+    total = np.stack(page.sum_of_velocities(xyz(k.velocity_in_link1), xyz(k.about_centre)), axis=1)
+    return xyz(exact.turned(dynamic().at, total)), _values(page.rates(position_series(dynamic())))
+
+
+def _foot(number: int) -> tuple[Any, Any]:
+    """Feet L, M, N printed and exact, in the order of the coordinates of their planes."""
+    (u, v) = ((0, 1), (2, 1), (2, 0))[number]
+    r, V = dynamic().k.position.T, dynamic().k.velocity.T
+    # k1 = -V_x/V_y, k2 = -V_z/V_y, k3 = -V_z/V_x
+    first, second = page.foot(r[u], r[v], page.slope(V[u], V[v]))
+    right = dynamic().k.feet[:, 2 * number : 2 * number + 2].T
+    return (first, second), (tuple(right) if number == 0 else tuple(right[::-1]))
+
+
+def _foot_to_the_letter() -> tuple[Any, Any]:
+    """N at (0, k3 z_N, z_N)."""
+    (z, y), (right_z, right_x) = _foot(2)
+    return (0.0, y, z), (right_x, 0.0, right_z)
+
+
+EQUATIONS: Equations = {
+    "(1)": lambda: (
+        page.transmission_ratios(W1, 2.0, G.z2, G.z16, G.z17, G.z6),
+        transmission_ratios(G, DYNAMIC),
     ),
-    Equation(
-        "(2)",
-        "position of D in the stop mode",
-        "exact.position_in_link1",
-        "as_printed.position",
-        False,
-        "U5 U4 must be U3 cos(chi), with chi = phi + psi: printed, lengths and areas are added and AD is "
-        "not constant. O_r Pi in U1 is the radius of wheel 17, which the text calls Q_r Pi.",
-        differences.position,
+    "(2)": lambda: (
+        page.position(FACTORS, stop().at.omega16 * stop().t, stop().at.omega6 * stop().t, G.epsilon, G.gamma),
+        xyz(stop().k.position),
     ),
-    Equation(
-        "(3)", "length of r_D", "exact.modulus", "as_printed.radius", True, difference=differences.radius
+    "(3)": lambda: (page.modulus(xyz(stop().k.position)), stop().k.radius),
+    "(4)": lambda: (page.projections(*stop().k.position.T), xyz(stop().k.projections)),
+    "(5)": lambda: (
+        page.angles(*stop().k.position.T[:2], *stop().k.projections.T[1:]),
+        xyz(stop().k.angles),
     ),
-    Equation(
-        "(4)",
-        "projections OH, OP, OF",
-        "projections.projections",
-        "as_printed.projections",
-        True,
-        difference=differences.projections,
+    "(6)": lambda: (_values(page.rates(angle_series(stop()))), xyz(stop().k.angular_velocities)),
+    "(7)": _sum_in_link1,
+    "(8)": lambda: (page.arm_of_imbalance(xyz(stop().k.position), _centre()), _arm()),
+    "(9)": lambda: (page.spin_of_satellite(_mu(), _centre()), xyz(exact.spin_of_satellite(stop().at))),
+    "(10)": lambda: (_mu(), stop().at.omega6 / G.QA),
+    "(11)": lambda: (
+        page.velocity_about_satellite(_mu(), _arm(), _centre(), G.OQ),
+        xyz(stop().k.about_satellite),
     ),
-    Equation(
-        "(5)",
-        "angles beta_H, beta_P, beta_F",
-        "projections.angles",
-        "as_printed.angles",
-        False,
-        "arctan and arccos lose the quadrant: atan2(y, x), atan2(y, z), atan2(z, x).",
-        differences.angles,
+    "(12)": lambda: (page.modulus(xyz(stop().k.about_satellite)), abs(stop().at.omega6) * G.AD),
+    "(13)": lambda: (page.spin_of_drive(_ratio_of_drive(), G.OQ), (0.0, 0.0, stop().at.omega16)),
+    "(14)": lambda: (
+        page.coefficient_lambda(stop().k.angular_velocities[:, 0], G.OQ),
+        _ratio_of_drive(),
     ),
-    Equation(
-        "(6)",
-        "angular velocities omega_H, omega_P, omega_F",
-        "projections.angular_velocities",
-        "as_printed.angular_velocities",
-        False,
-        "The rate is right, that of (5) has the wrong sign in omega_P and omega_F where z < 0. They turn "
-        "about Oz, Ox, Oy, not Ox, Oy, Oz, and omega_P, omega_F against the right hand.",
-        differences.angular_velocities,
+    "(15)": lambda: (
+        page.velocity_about_drive(_ratio_of_drive(), xyz(stop().k.position), G.OQ),
+        xyz(stop().k.about_drive),
     ),
-    Equation(
-        "(7)",
-        "velocity in the stop mode as a sum",
-        "exact.velocity_in_link1",
-        "as_printed.sum_of_velocities",
-        True,
-        difference=differences.sum_in_link1,
+    "(16)": lambda: (page.length(*stop().k.about_drive.T[:2]), stop().k.speed_about_drive),
+    "(17)": _sum_in_link1,
+    "(18)": lambda: (page.modulus(xyz(stop().k.velocity_in_link1)), stop().k.speed),
+    "(19)": lambda: (page.angle_of_turn(W1, swing_rate(), dynamic().t), W1 * dynamic().t),
+    "(20)": lambda: (page.spin_of_turn(W1 / dynamic().at.x, dynamic().at.x), (W1, 0.0, 0.0)),
+    # as v x_D, which (20) and (22) use: v itself has no largest value
+    "(21)": lambda: (
+        page.coefficient_v(W1 + swing_rate(), swing_rate(), dynamic().at.x) * dynamic().at.x,
+        W1,
     ),
-    Equation(
-        "(8)",
-        "vector AD",
-        "exact.arm_of_imbalance",
-        "as_printed.arm_of_imbalance",
-        True,
-        difference=differences.arm_of_imbalance,
+    "(22)": lambda: (
+        page.velocity_about_centre(W1 / dynamic().at.x, *xyz(exact.position_in_link1(dynamic().at))),
+        xyz(dynamic().k.about_centre),
     ),
-    Equation(
-        "(9)",
-        "vector omega6",
-        "exact.spin_of_satellite",
-        "as_printed.spin_of_satellite",
-        False,
-        "The third component lacks -OQ, and the sign of all is that of the opposite turn: "
-        "omega6 = -mu (A - Q) for the satellite to roll as in (2).",
-        differences.spin_of_satellite,
+    "(23)": _sum_of_three,
+    "(24)": lambda: (
+        page.turned_velocity(xyz(dynamic().k.velocity_in_link1 + dynamic().k.about_centre), W1 * dynamic().t),
+        xyz(dynamic().k.velocity),
     ),
-    Equation(
-        "(10)",
-        "coefficient mu",
-        "exact.spin_of_satellite",
-        "as_printed.coefficient_mu",
-        True,
-        "Right for QA > 0; infinite at QA = 0, and with the wrong sign for an internal satellite (QA < 0).",
-        differences.coefficient_mu,
+    "(25)": lambda: (page.modulus(xyz(dynamic().k.velocity)), dynamic().k.speed),
+    "(26)": lambda: _foot(0),
+    "(27)": lambda: (
+        np.arctan(page.slope(*dynamic().k.velocity.T[:2])),
+        np.arctan(dynamic().k.feet[:, 1] / dynamic().k.feet[:, 0]),
     ),
-    Equation(
-        "(11)",
-        "velocity V_QA about the axis of the satellite",
-        "exact.velocity_about_satellite",
-        "as_printed.velocity_about_satellite",
-        False,
-        "Second row: -mu (x_AD (z_A - z_Q) - z_AD x_A), z_Q and a bracket are missing. Third row: mu "
-        "multiplies both products. It is AD x omega6, right only with the wrong sign of (9).",
-        differences.velocity_about_satellite,
+    "(28)": lambda: (page.length(*dynamic().k.feet.T[:2]), dynamic().k.arms[:, 0]),
+    "(29)": lambda: (page.length(*dynamic().k.velocity.T[:2]), dynamic().k.plane_speeds[:, 0]),
+    "(30)": lambda: _foot(1),
+    "(31)": _foot_to_the_letter,
+    "(32)": lambda: (
+        _values(page.rates(page.rates(position_series(dynamic())))),
+        xyz(dynamic().k.acceleration),
     ),
-    Equation(
-        "(12)",
-        "modulus of V_QA",
-        "exact.modulus",
-        "as_printed.modulus",
-        True,
-        "Right, and constant: omega6 AD.",
-        differences.speed_about_satellite,
-    ),
-    Equation(
-        "(13)",
-        "vector of the turn about OQ",
-        "exact.velocity_about_drive",
-        "as_printed.spin_of_drive",
-        False,
-        "omega16, not omega_H, which already contains the part of the satellite.",
-        differences.spin_of_drive,
-    ),
-    Equation(
-        "(14)",
-        "coefficient lambda",
-        "exact.velocity_about_drive",
-        "as_printed.coefficient_lambda",
-        False,
-        "omega16/OQ; not needed, and infinite at c = 0.",
-        differences.coefficient_lambda,
-    ),
-    Equation(
-        "(15)",
-        "velocity V_Oz about the axis of the drive",
-        "exact.velocity_about_drive",
-        "as_printed.velocity_about_drive",
-        False,
-        "Both signs: this is r x omega, omega x r is (-y, x, 0) omega16. Unlike in (11) nothing makes up "
-        "for it, so that in (17) the two parts have opposite senses.",
-        differences.velocity_about_drive,
-    ),
-    Equation(
-        "(16)",
-        "modulus of V_Oz",
-        "exact.modulus",
-        "as_printed.modulus_about_drive",
-        True,
-        difference=differences.speed_about_drive,
-    ),
-    Equation(
-        "(17)",
-        "velocity in the stop mode by components",
-        "exact.velocity_in_link1",
-        "as_printed.sum_of_velocities",
-        True,
-        "Right as a sum; absolute only if OQ is at rest, else the velocity against link 1.",
-        differences.sum_in_link1,
-    ),
-    Equation(
-        "(18)",
-        "modulus of the velocity in the stop mode",
-        "exact.modulus",
-        "as_printed.modulus",
-        True,
-        difference=differences.speed_in_link1,
-    ),
-    Equation(
-        "(19)",
-        "angle alpha of the turn about Ox",
-        "exact.turnings",
-        "as_printed_dynamic.angle_of_turn",
-        False,
-        "alpha is the integral of omega1; omega_P t is no angle. From Oz to Oy, the sense of beta_P, the "
-        "angle of D is beta_P - omega1 t.",
-        differences_dynamic.angle_of_turn,
-    ),
-    Equation(
-        "(20)",
-        "vector of the turn about Ox",
-        "exact.velocity_about_centre",
-        "as_printed_dynamic.spin_of_turn",
-        True,
-        "Right with v = omega1/x_D, infinite at x_D = 0 for no need: it is (omega1, 0, 0).",
-        differences_dynamic.spin_of_turn,
-    ),
-    Equation(
-        "(21)",
-        "coefficient v",
-        "exact.velocity_about_centre",
-        "as_printed_dynamic.coefficient_v",
-        False,
-        "omega1/x_D: omega_P is counted twice here, and not to be counted at all. omega_alpha is not "
-        "defined; taken as omega1 + omega_P.",
-        differences_dynamic.coefficient_v,
-    ),
-    Equation(
-        "(22)",
-        "velocity V_Ox about the central axis",
-        "exact.velocity_about_centre",
-        "as_printed_dynamic.velocity_about_centre",
-        False,
-        "(0, -z, y) omega1: the sign of y is that of r x omega, the sign of z that of omega x r.",
-        differences_dynamic.velocity_about_centre,
-    ),
-    Equation(
-        "(23)",
-        "sum of the three velocities",
-        "exact.velocity",
-        "as_printed.sum_of_velocities",
-        True,
-        difference=differences_dynamic.sum_with_centre,
-    ),
-    Equation(
-        "(24)",
-        "absolute velocity in the dynamic mode",
-        "exact.velocity",
-        "as_printed_dynamic.turned_velocity",
-        False,
-        "To multiply by sin and cos is no rotation: (Vx, Vy cos - Vz sin, Vy sin + Vz cos).",
-        differences_dynamic.turned_velocity,
-    ),
-    Equation(
-        "(25)",
-        "modulus of the absolute velocity",
-        "exact.modulus",
-        "as_printed.modulus",
-        True,
-        "Right, and with (24) put right the same as the modulus of (23).",
-        differences_dynamic.speed,
-    ),
-    Equation(
-        "(26)",
-        "foot L in xOy",
-        "projections.feet",
-        "as_printed_dynamic.foot_L",
-        True,
-        _AT_POLE.format("V_y"),
-        differences_dynamic.foot_L,
-    ),
-    Equation(
-        "(27)",
-        "slope k1",
-        "projections.feet",
-        "as_printed_dynamic.slope_k1",
-        True,
-        _AT_POLE.format("V_y"),
-        differences_dynamic.foot_L,
-    ),
-    Equation(
-        "(28)",
-        "arm OL",
-        "projections.arms",
-        "as_printed_dynamic.arm_OL",
-        True,
-        "Right; named V_OL, modulus of a vector, it is the arm OL, a length.",
-        differences_dynamic.arm_OL,
-    ),
-    Equation(
-        "(29)",
-        "speed on xOy",
-        "projections.projections",
-        "as_printed_dynamic.speed_on_xy",
-        True,
-        difference=differences_dynamic.speed_on_xy,
-    ),
-    Equation(
-        "(30)",
-        "foot M, arm OM and speed on yOz",
-        "projections.feet",
-        "as_printed_dynamic.plane_yz",
-        True,
-        _AT_POLE.format("V_y"),
-        differences_dynamic.foot_M,
-    ),
-    Equation(
-        "(31)",
-        "foot N, arm ON and speed on xOz",
-        "projections.feet",
-        "as_printed_dynamic.plane_xz",
-        False,
-        "What is named y_N is x_N (difference to the letter; with the name put right there is none). "
-        "Divides by zero where V_x = 0.",
-        differences_dynamic.foot_N,
-    ),
-    Equation(
-        "(32)",
-        "absolute acceleration",
-        "exact.acceleration",
-        "as_printed_dynamic.acceleration",
-        True,
-        "Right as the rate of a right velocity; closed form in its place.",
-        differences_dynamic.acceleration,
-    ),
-    Equation(
-        "(33)",
-        "modulus of the absolute acceleration",
-        "exact.modulus",
-        "as_printed.modulus",
-        True,
-        difference=differences_dynamic.acceleration_modulus,
-    ),
-]
+    "(33)": lambda: (page.modulus(xyz(dynamic().k.acceleration)), dynamic().k.acceleration_modulus),
+}

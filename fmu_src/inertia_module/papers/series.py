@@ -18,8 +18,8 @@ Array = NDArray[np.float64]
 class Series(NDArrayOperatorsMixin):
     """f(t + h) = c0 + c1 h + c2 h^2 + ... at n times t.
 
-    Sums, products, quotients, np.sqrt, np.sin, np.cos, np.arctan and np.arccos of series are series, as
-    long as the shortest of them; plain numbers and arrays are constant in time.
+    Sums, products, quotients, np.sqrt, np.sin, np.cos, np.arctan, np.arctan2 and np.arccos of series are
+    series, as long as the shortest of them; plain numbers and arrays are constant in time.
 
     Args:
         coefficients: c0, c1, ..., each of shape (n,).
@@ -95,6 +95,11 @@ def _arctan(u: Series) -> Series:
     return Series((u.rate() / (1.0 + u * u)).c).integral(np.arctan(u.value))
 
 
+def _arctan2(v: Series, u: Series) -> Series:
+    rate = (u * v.rate() - v * u.rate()) / (u * u + v * v)
+    return Series(rate.c).integral(np.arctan2(v.value, u.value))
+
+
 def _arccos(u: Series) -> Series:
     return Series((-u.rate() / np.sqrt(1.0 - u * u)).c).integral(np.arccos(u.value))
 
@@ -109,5 +114,6 @@ _RULES: dict[Any, Any] = {
     np.sin: lambda u: _sine_and_cosine(u)[0],
     np.cos: lambda u: _sine_and_cosine(u)[1],
     np.arctan: _arctan,
+    np.arctan2: _arctan2,
     np.arccos: _arccos,
 }
