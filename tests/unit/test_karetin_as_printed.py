@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from karetin_cases import geometry
 
+from inertia_module.papers.karetin import Kinematics, stop_mode
 from inertia_module.papers.karetin import as_printed as page
-from inertia_module.papers.karetin import exact, stop_mode
 from inertia_module.papers.karetin import projections as right
 from inertia_module.papers.karetin.as_printed import printed
 from inertia_module.papers.series import Series
@@ -42,16 +42,16 @@ def test_equation_2():
     angle = pi / 3
     assert page.position(cones(1.0), angle, angle, 0.0, 0.0) == close((1.0, 0.0, 0.5))
     # exact: x = cos + sin sin = 5/4, y = sin - sin cos = sqrt(3)/4
-    at = exact.configuration(geometry(), stop_mode(1.0), [angle])
-    assert exact.position(at)[0] == close((1.25, sqrt(3) / 4, 0.5))
+    at = Kinematics(geometry(), stop_mode(1.0), [angle])
+    assert at.position[0] == close((1.25, sqrt(3) / 4, 0.5))
 
 
 def test_equation_2_does_not_scale_with_the_size_of_the_mechanism():
     # wheel radius 2: U5 = 2, so U2 - U5 U4/2 = 0 and x = 2 sqrt 2 (3/4)/sqrt 2 = 3/2, not 2 times 1
     angle = pi / 3
     assert page.position(cones(2.0), angle, angle, 0.0, 0.0) == close((1.5, -sqrt(3) / 2, 1.0))
-    at = exact.configuration(geometry(wheel_radius=2.0), stop_mode(1.0), [angle])
-    assert exact.position(at)[0] == close((2.5, sqrt(3) / 2, 1.0))
+    at = Kinematics(geometry(wheel_radius=2.0), stop_mode(1.0), [angle])
+    assert at.position[0] == close((2.5, sqrt(3) / 2, 1.0))
 
 
 def test_equation_2_offsets():
@@ -97,8 +97,8 @@ def test_equation_8():
 def test_equation_9():
     assert page.spin_of_satellite(2.0, (1.0, 2.0, 3.0)) == (2.0, 4.0, 6.0)
     # exact at the start: from A = (1, 0, 1) to Q = (0, 0, 1), not from O to A
-    at = exact.configuration(geometry(), stop_mode(7.0), [0.0])
-    assert exact.spin_of_satellite(at)[0] == close((-7.0, 0.0, 0.0))
+    at = Kinematics(geometry(), stop_mode(7.0), [0.0])
+    assert at.spin_of_satellite[0] == close((-7.0, 0.0, 0.0))
     assert page.spin_of_satellite(7.0, (1.0, 0.0, 1.0)) == close((7.0, 0.0, 7.0))
 
 

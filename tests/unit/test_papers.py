@@ -1,6 +1,7 @@
 """What was found of the equations and claims of the papers, and that docs/papers.md says it of each."""
 
 import importlib
+import operator
 import re
 from importlib.resources import files
 
@@ -83,9 +84,11 @@ def test_the_forms_that_the_page_names_are_there_and_say_of_which_equation_they_
     assert len(rows) == len(PAPERS[name].EQUATIONS)
     for number, *forms in rows:
         for form in filter(None, forms):
-            module, function = form.strip("`").rsplit(".", 1)
-            code = getattr(importlib.import_module(f"inertia_module.papers.{module}"), function)
-            if "as_printed" in module and number.startswith("("):
+            paper, module, names = form.strip("`").split(".", 2)
+            code = operator.attrgetter(names)(
+                importlib.import_module(f"inertia_module.papers.{paper}.{module}")
+            )
+            if module == "as_printed" and number.startswith("("):
                 assert number.partition(",")[0] in code.__doc__
 
 

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 from numpy.typing import NDArray
 
-from ..papers.karetin import Kinematics, Motion, asymmetry, kinematics
+from ..papers.karetin import Kinematics, Motion, conclusions
 from ..papers.karetin.as_printed import printed
 from ..papers.karetin.cases import DYNAMIC, PAPER, STOP, period
 from ..papers.karetin.projections import continuous
@@ -36,7 +36,7 @@ _TURNS = "turns of the drive, $ω_{16}t\\,/\\,2π$"
 def _over_a_period(motion: Motion, points: int = POINTS) -> tuple[Array, Kinematics]:
     """Turns of the drive from 0 to 1 and the exact set there."""
     turns = np.linspace(0.0, 1.0, points)
-    return turns, kinematics(PAPER, motion, turns * period(PAPER, motion))
+    return turns, Kinematics(PAPER, motion, turns * period(PAPER, motion))
 
 
 def trajectories() -> tuple[Figure, Columns]:
@@ -114,8 +114,8 @@ def offsets() -> tuple[Figure, Columns]:
             panel = panels[n, m]
             turns = np.linspace(0.0, 1.0, POINTS)
             span = period(geometry, motion)
-            speed = asymmetry.speed(geometry, motion)
-            found = asymmetry.best_mirror(speed, span)
+            speed = conclusions.quantity("speed", geometry, motion)
+            found = conclusions.best_mirror(speed, span)
             mirrored = speed(2.0 * found.instant - turns * span)
             panel.plot(turns, speed(turns * span), color=colour, linewidth=2.0)
             panel.plot(turns, mirrored, color=BLACK, linewidth=1.0, linestyle=(0, (3, 2)))
@@ -147,13 +147,15 @@ def effective_offset() -> tuple[Figure, Columns]:
     panel = figure.subplots()
     half = np.linspace(0.0, 0.25 * np.pi, 13)
     columns: Columns = {}
-    quantities = (("|V|", asymmetry.speed, "o"), ("|a|", asymmetry.acceleration_modulus, "s"))
+    quantities = (("|V|", "speed", "o"), ("|a|", "acceleration_modulus", "s"))
     for (name, motion, title), colour in zip(MODES, (BLUE, VERMILION), strict=True):
         span = period(PAPER, motion)
-        for symbol, quantity, marker in quantities:
+        for symbol, name_of, marker in quantities:
             values = [
-                asymmetry.best_mirror(
-                    quantity(replace(PAPER, gamma=float(gamma)), motion), span, samples=400
+                conclusions.best_mirror(
+                    conclusions.quantity(name_of, replace(PAPER, gamma=float(gamma)), motion),
+                    span,
+                    samples=400,
                 ).asymmetry
                 for gamma in half
             ]
@@ -190,7 +192,7 @@ def swing() -> tuple[Figure, Columns]:
     for n, (name, motion, title) in enumerate(MODES):
         # between the instants at which D is on an axis
         turns = (np.arange(4 * POINTS - 4) + 0.5) / (4 * POINTS - 4)
-        k = kinematics(PAPER, motion, turns * period(PAPER, motion))
+        k = Kinematics(PAPER, motion, turns * period(PAPER, motion))
         beta = continuous(k.angles)
         columns |= {"turns of the drive": turns}
         for index, axis, column, colour in styles:
@@ -229,7 +231,7 @@ def as_printed() -> tuple[Figure, Columns]:
     for n, (name, motion, title) in enumerate(MODES):
         turns = (np.arange(POINTS - 1) + 0.5) / (POINTS - 1)
         t = turns * period(PAPER, motion)
-        k, page = kinematics(PAPER, motion, t), printed(PAPER, motion, t)
+        k, page = Kinematics(PAPER, motion, t), printed(PAPER, motion, t)
         velocity, acceleration = (
             (page.stop_velocity, page.stop_acceleration) if n == 0 else (page.velocity, page.acceleration)
         )

@@ -9,24 +9,23 @@ from typing import Any
 import numpy as np
 
 from ..report import ROUNDING, Finding, shown, worst
-from . import as_printed, asymmetry, exact
-from .cases import DYNAMIC, GENERAL, PAPER, STANDARD, STOP, over_period, period
-from .complete import kinematics
-from .equations import EQUATIONS, angle_series, dynamic, stop, swing_rate, xyz
+from . import as_printed, conclusions
+from .cases import DYNAMIC, GENERAL, PAPER, STANDARD, STOP, over_period
+from .equations import EQUATIONS, MOVING, STOPPED, angle_series, swing_rate, xyz
+from .exact import Kinematics
 from .geometry import Geometry
 from .motion import Motion, dynamic_mode, transmission_ratios
 from .projections import arms, feet, projections
-from .swing import swings
 
 OFFSET = 0.5
 
 
 def layout() -> Finding:
     """What a, b and c change, and what the layout cannot be."""
-    place = stop().k.position
+    place = STOPPED.position
     others = (replace(GENERAL, a=0.5), replace(GENERAL, b=0.5), replace(GENERAL, c=0.5))
-    moved = [np.abs(kinematics(other, STOP, stop().t).position - place).max() for other in others]
-    across = float(np.ptp(over_period(STANDARD, STOP).k.position[:, 0]))
+    moved = [np.abs(Kinematics(other, STOP, STOPPED.t).position - place).max() for other in others]
+    across = float(np.ptp(over_period(STANDARD, STOP).position[:, 0]))
     longest = Geometry(shaft_angle=1e-6).L
     return Finding(*(move > 0.01 for move in moved), across < ROUNDING, across=across, longest=longest)
 
@@ -39,8 +38,8 @@ def superposition() -> Finding:
 
 def base_plane() -> Finding:
     """V_QA against the axis of the satellite, and out of the base plane of wheel 17."""
-    v, largest = stop().k.about_satellite, stop().k.speed_about_satellite.max()
-    axis = exact.spin_of_satellite(stop().at) / stop().at.omega6
+    v, largest = STOPPED.about_satellite, STOPPED.speed_about_satellite.max()
+    axis = STOPPED.spin_of_satellite / STOPPED.omega6
     along = float(np.abs((v * axis).sum(axis=1)).max() / largest)
     off = abs(1.0 - 1.0 / GENERAL.b) * GENERAL.QA
     through = 100 * float(np.abs(v[:, 2]).max() / largest)
@@ -51,15 +50,15 @@ def base_plane() -> Finding:
 
 def drive_velocity_in_plane() -> Finding:
     """The z component of V_Oz in both modes."""
-    k = dynamic().k
-    rest = np.abs(stop().k.about_drive[:, 2]).max()
-    share = np.abs(exact.turned(dynamic().at, k.about_drive)[:, 2]).max() / k.speed_about_drive.max()
+    k = MOVING
+    rest = np.abs(STOPPED.about_drive[:, 2]).max()
+    share = np.abs(MOVING.turned(k.about_drive)[:, 2]).max() / k.speed_about_drive.max()
     return Finding(rest < ROUNDING, share < ROUNDING, share=100 * share)
 
 
 def central_velocity_in_plane() -> Finding:
     """The x component of V_Ox."""
-    along = np.abs(exact.turned(dynamic().at, dynamic().k.about_centre)[:, 0]).max()
+    along = np.abs(MOVING.turned(MOVING.about_centre)[:, 0]).max()
     return Finding(along < ROUNDING)
 
 
@@ -79,7 +78,7 @@ def _moment(k: Any, v: Any) -> Any:
 
 def moments_from_arms() -> Finding:
     """Arm times projection of V against r x V."""
-    k = dynamic().k
+    k = MOVING
     moment = _moment(k, k.velocity)
     agreed = worst(xyz(k.arms * k.plane_speeds), xyz(np.abs(moment)))
     negative = float((moment < 0.0).mean())
@@ -88,7 +87,7 @@ def moments_from_arms() -> Finding:
 
 def arms_of_acceleration() -> Finding:
     """The arms given, those of V, with a; and those of a by the same formulas."""
-    k = dynamic().k
+    k = MOVING
     moment, planes = np.abs(_moment(k, k.acceleration)), projections(k.acceleration)
     off = worst(xyz(k.arms * planes), xyz(moment))
     agreed = worst(xyz(arms(feet(k.position, k.acceleration)) * planes), xyz(moment))
@@ -98,8 +97,8 @@ def arms_of_acceleration() -> Finding:
 def angular_accelerations() -> Finding:
     """Which of the four the page has, and how large the fourth is in the stop mode, 1e3 rad/s^2."""
     names = ("velocity", "angular_velocities", "acceleration", "angular_accelerations")
-    about_drive = 1e-3 * np.abs(angle_series(stop())[0].rate().rate().value).max()
-    body = 1e-3 * stop().at.omega16 * stop().at.omega6 * math.sin(GENERAL.shaft_angle)
+    about_drive = 1e-3 * np.abs(angle_series(STOPPED)[0].rate().rate().value).max()
+    body = 1e-3 * STOPPED.omega16 * STOPPED.omega6 * math.sin(GENERAL.shaft_angle)
     return Finding(
         *(name in as_printed.Printed._fields for name in names), about_drive=about_drive, body=body
     )
@@ -107,9 +106,9 @@ def angular_accelerations() -> Finding:
 
 def carrier() -> Finding:
     """Which link carries wheel 17 and the drive: |V| of (23) with it on link 1 and on link 2."""
-    k = dynamic().k
+    k = MOVING
     page = as_printed.modulus(as_printed.sum_of_velocities(xyz(k.velocity_in_link1), xyz(k.about_centre)))
-    on_link2 = kinematics(GENERAL, Motion(DYNAMIC.omega1, DYNAMIC.omega2, DYNAMIC.omega2), dynamic().t)
+    on_link2 = Kinematics(GENERAL, Motion(DYNAMIC.omega1, DYNAMIC.omega2, DYNAMIC.omega2), MOVING.t)
     change = np.abs(on_link2.speed - k.speed).max() / k.speed.max()
     return Finding(
         worst(page, k.speed) < ROUNDING, worst(page, on_link2.speed) < ROUNDING, change=100 * change
@@ -130,7 +129,7 @@ def dynamic_range() -> Finding:
 
 def differentiable_angles() -> Finding:
     """Jumps of beta_H, folds of beta_P and beta_F, and the rates of the right angles."""
-    k = stop().k
+    k = STOPPED
     beta = as_printed.angles(*k.position.T[:2], *k.projections.T[1:])
     jumps = int(np.count_nonzero(np.abs(np.diff(beta[0])) > 3.0))
     return Finding(
@@ -146,33 +145,33 @@ def differentiable_angles() -> Finding:
 def axes_of_the_angles() -> Finding:
     """omega_H, omega_P, omega_F where D only turns about Oz: with a = 0 in the stop mode."""
     case = over_period(replace(GENERAL, a=0.0), STOP)
-    about, turns = case.k.angular_velocities.T, (0.0, 0.0, case.at.omega16)
+    about, turns = case.angular_velocities.T, (0.0, 0.0, case.omega16)
     says = [np.abs(omega - turn).max() < 1e-9 for omega, turn in zip(about, turns, strict=True)]
-    steady = shown(float(np.ptp(about[0]) / case.at.omega16))
+    steady = shown(float(np.ptp(about[0]) / case.omega16))
     return Finding(
-        *says, drive=case.at.omega16, mean=about[0].mean(), steady=steady, varies=np.ptp(about[1:], axis=1)
+        *says, drive=case.omega16, mean=about[0].mean(), steady=steady, varies=np.ptp(about[1:], axis=1)
     )
 
 
 def height_of_A() -> Finding:  # noqa: N802
     """How z_A changes in the stop and in the dynamic mode."""
-    A = exact.centre_of_satellite(dynamic().at)
-    rest, moving = np.ptp(A[:, 2]), np.ptp(exact.turned(dynamic().at, A)[:, 2])
+    A = MOVING.centre_of_satellite
+    rest, moving = np.ptp(A[:, 2]), np.ptp(MOVING.turned(A)[:, 2])
     return Finding(rest < ROUNDING, moving=moving)
 
 
 def absolute_in_stop_mode() -> Finding:
     """|V| with OQ at rest, and with OQ on link 1 while link 2 is held, against (18)."""
-    page = stop().k.speed_in_link1
-    turning = kinematics(GENERAL, dynamic_mode(100.0, math.inf), stop().t).speed
+    page = STOPPED.speed_in_link1
+    turning = Kinematics(GENERAL, dynamic_mode(100.0, math.inf), STOPPED.t).speed
     off = np.abs(turning - page).max() / turning.max()
-    return Finding(worst(page, stop().k.speed) < ROUNDING, off < ROUNDING, off=100 * off)
+    return Finding(worst(page, STOPPED.speed) < ROUNDING, off < ROUNDING, off=100 * off)
 
 
 def only_modulus() -> Finding:
     """The angle between the velocities of both modes, apart from the turn by alpha."""
-    k = dynamic().k
-    before = exact.turned(dynamic().at, k.velocity_in_link1)
+    k = MOVING
+    before = MOVING.turned(k.velocity_in_link1)
     cosine = (before * k.velocity).sum(axis=1) / (k.speed_in_link1 * k.speed)
     angle = np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0)))
     return Finding(angle.max() < 1e-3, mean=angle.mean(), most=angle.max())
@@ -180,8 +179,8 @@ def only_modulus() -> Finding:
 
 def angle_of_turn() -> Finding:
     """The swing in the turn of D and in that of V; alpha of (19) with the exact and the printed omega_P."""
-    at, k, t = dynamic().at, dynamic().k, dynamic().t
-    total = np.arctan2(at.y, at.z) - DYNAMIC.omega1 * t
+    k, t = MOVING, MOVING.t
+    total = np.arctan2(*k.position_in_link1.T[1:]) - DYNAMIC.omega1 * t
     OP = k.projections[:, 1]
     of_place = worst((OP * np.sin(total), OP * np.cos(total)), xyz(k.position[:, 1:]))
     alone = (
@@ -194,7 +193,7 @@ def angle_of_turn() -> Finding:
 
 def abscissa() -> Finding:
     """Where D is along Ox before and after the turn about Ox."""
-    return Finding(np.abs(dynamic().k.position[:, 0] - dynamic().at.x).max() < ROUNDING)
+    return Finding(np.abs(MOVING.position[:, 0] - MOVING.position_in_link1[:, 0]).max() < ROUNDING)
 
 
 def period_of_a_turn() -> Finding:
@@ -203,7 +202,7 @@ def period_of_a_turn() -> Finding:
     def change(geometry: Geometry) -> float:
         t = over_period(geometry, STOP).t
         first, following = (
-            kinematics(geometry, STOP, t + shift).speed for shift in (0.0, 2.0 * math.pi / STOP.omega1)
+            Kinematics(geometry, STOP, t + shift).speed for shift in (0.0, 2.0 * math.pi / STOP.omega1)
         )
         return float(np.abs(first - following).max() / first.max())
 
@@ -219,7 +218,7 @@ def period_of_a_turn() -> Finding:
 
 def continuous_functions() -> Finding:
     """The largest step of exact quantities between neighbouring times, and the poles of the printed ones."""
-    k = dynamic().k
+    k = MOVING
     x, vx, vy = k.position[:, 0], k.velocity[:, 0], k.velocity[:, 1]
     poles = [int(np.count_nonzero(np.diff(np.sign(u)))) for u in (x, vy, vx)]
     steps = [
@@ -233,10 +232,10 @@ def asymmetry_from_offsets() -> Finding:
 
     def of_speed(epsilon: float, gamma: float) -> list[float]:
         geometry = replace(PAPER, epsilon=epsilon, gamma=gamma)
-        return [100 * asymmetry.of_speed(geometry, motion) for motion in (STOP, DYNAMIC)]
+        return [100 * conclusions.asymmetry("speed", geometry, motion) for motion in (STOP, DYNAMIC)]
 
     epsilon, gamma = of_speed(OFFSET, 0.0), of_speed(0.0, OFFSET)
-    components = asymmetry.of_components(replace(PAPER, gamma=OFFSET), STOP)
+    components = conclusions.asymmetry_of_components(replace(PAPER, gamma=OFFSET), STOP)
     return Finding(
         *(value > 1.0 for value in (*epsilon, *gamma)),
         epsilon=epsilon,
@@ -249,7 +248,7 @@ def asymmetry_from_offsets() -> Finding:
 def swing_about_axes() -> Finding:
     """Whole turns of D about each axis in a period, in both modes, in the standard and the general case."""
     cases = [(g, motion) for motion in (STOP, DYNAMIC) for g in (PAPER, GENERAL)]
-    found = [swings(g, motion, period(g, motion)) for g, motion in cases]
+    found = [conclusions.swings(g, motion) for g, motion in cases]
     turns = [", ".join(f"{axis} {swing[axis].turns:+d}" for axis in ("Ox", "Oy", "Oz")) for swing in found]
     return Finding(
         *(swing[axis].turns == 0 for swing in found for axis in ("Ox", "Oy")),
@@ -261,7 +260,7 @@ def swing_about_axes() -> Finding:
 def planes_of_the_swing() -> Finding:
     """Peaks of |r x V| and |r x a| about Ox, Oy, Oz in both modes: are those in yOz and xOy the largest?"""
     peaks = []
-    for k in (stop().k, dynamic().k):
+    for k in (STOPPED, MOVING):
         for v in (k.velocity, k.acceleration):
             about = np.abs(np.cross(k.position, v)).max(axis=0)
             peaks.append(about / about.max())
