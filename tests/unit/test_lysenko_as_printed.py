@@ -9,40 +9,39 @@ import math
 import numpy as np
 import pytest
 
-from inertia_module.papers.lysenko import as_printed, exact
+from inertia_module.papers.lysenko import exact
+from inertia_module.papers.lysenko.as_printed import Printed
 from inertia_module.papers.lysenko.mechanism import Mechanism
 
 MECHANISM = Mechanism(R0=2.0, r=1.0, arm=1.0, m=2.0, J_carrier=3.0, J_wheel=1.0)
 RIGHT_ANGLE = math.pi / 2
 OMEGA = 10.0
 ROOT_HALF = math.sqrt(0.5)
-# of the moment about O: forces and their arms
-ARMS = ("F1", "n1", "F2", "n2", "Fk", "k2")
 
 
 @pytest.fixture
 def page():
     """Everything the page computes at the right angle."""
-    return as_printed.printed(MECHANISM, RIGHT_ANGLE, OMEGA)
+    return Printed(MECHANISM, RIGHT_ANGLE, OMEGA)
 
 
 def test_equation_1():
     # X = 3 cos 45 - cos 135 = 4/sqrt(2), Y = 3 sin 45 - sin 135 = 2/sqrt(2)
-    x, y = as_printed.epicycloid(MECHANISM, RIGHT_ANGLE)
+    x, y = Printed(MECHANISM, RIGHT_ANGLE, OMEGA).epicycloid
     assert (float(x), float(y)) == pytest.approx((4 * ROOT_HALF, 2 * ROOT_HALF))
 
 
 def test_equation_2():
     # sqrt(9 + 1 - 6 cos 60)
-    assert float(as_printed.rho(MECHANISM, math.pi / 3)) == pytest.approx(math.sqrt(7.0))
+    assert Printed(MECHANISM, math.pi / 3, OMEGA).rho == pytest.approx(math.sqrt(7.0))
 
 
 def test_note_on_equation_2():
-    assert float(as_printed.phi_of_note(MECHANISM, 0.6)) == pytest.approx(0.3)
+    assert Printed(MECHANISM, 2 * math.pi / 3, OMEGA).rho_of_note == pytest.approx(math.sqrt(7.0))
 
 
 def test_equation_3():
-    assert as_printed.relative_force(MECHANISM, OMEGA) == pytest.approx(200.0)
+    assert pytest.approx(200.0) == Printed(MECHANISM, 0.0, OMEGA).F1
 
 
 def test_equation_4(page):
@@ -56,36 +55,36 @@ def test_equation_5(page):
 
 
 def test_equation_6():
-    # sqrt(9 + 16 - 24 cos 60)
-    assert float(as_printed.resultant_speed(3.0, 4.0, math.pi / 3)) == pytest.approx(math.sqrt(13.0))
+    # V1 = l w = 3, V2 = rho b w = 4, beta = 60 deg: sqrt(9 + 16 - 24 cos 60)
+    assert Printed(MECHANISM, 0.0, 3.0, rho=8 / 3, beta1=2 * math.pi / 3).resultant == pytest.approx(
+        math.sqrt(13.0)
+    )
 
 
 def test_equation_7(page):
     # 10 sqrt(1 + 10/4 + 2 sqrt(10)/2 / sqrt(10))
     assert pytest.approx(10 * math.sqrt(4.5)) == page.V
     # at the cusp l w + rho b w, as b1 comes out zero; the imbalance really stands still
-    assert pytest.approx(20.0) == as_printed.printed(MECHANISM, 0.0, OMEGA).V
+    assert pytest.approx(20.0) == Printed(MECHANISM, 0.0, OMEGA).V
     assert float(exact.speed(MECHANISM, 0.0, OMEGA)) == 0.0
 
 
 def test_equation_8(page):
     assert page.beta1 == pytest.approx(math.asin(3 / math.sqrt(10.0)))
     # alpha = 60 deg: sin b1 = 3 sin 60 / sqrt(7), the angle itself is beyond 90 deg
-    printed = as_printed.printed(MECHANISM, math.pi / 3, OMEGA).beta1
+    printed = Printed(MECHANISM, math.pi / 3, OMEGA).beta1
     assert printed == pytest.approx(math.asin(math.sqrt(27 / 28)))
     assert float(exact.beta1(MECHANISM, math.pi / 3)) == pytest.approx(math.pi - printed)
 
 
 def test_equation_9(page):
     # F2 n2 + Fk k1 = 150 + 300
-    assert as_printed.wheel_moment_of_forces(page.F2, page.n2, page.Fk, page.k1) == pytest.approx(450.0)
+    assert page.M1_of_forces == pytest.approx(450.0)
 
 
 def test_equation_10(page):
     # -F1 n1 - F2 n2 - Fk k2 = -600 - 150 - 900
-    assert as_printed.carrier_moment_of_forces(*(getattr(page, name) for name in ARMS)) == pytest.approx(
-        -1650.0
-    )
+    assert page.M_of_forces == pytest.approx(-1650.0)
 
 
 def test_equation_11(page):
@@ -128,42 +127,38 @@ def test_equation_18(page):
 
 
 def test_equation_19(page):
-    assert as_printed.moment_of_inertia(MECHANISM, page.rho) == pytest.approx(4 + 2 * 10)
+    assert pytest.approx(4 + 2 * 10) == page.J
 
 
 def test_equation_20():
-    assert as_printed.inertia_limits(MECHANISM) == pytest.approx((4 + 2 * 16, 4 + 2 * 4))
+    assert Printed(MECHANISM, 0.0, 1.0).J_limits == pytest.approx((4 + 2 * 16, 4 + 2 * 4))
 
 
 def test_equation_21():
-    assert as_printed.omega_max(MECHANISM, 2.0) == pytest.approx(2.0 * 36 / 12)
+    assert Printed(MECHANISM, 0.0, 2.0).omega_max == pytest.approx(2.0 * 36 / 12)
 
 
 def test_equation_22():
-    assert as_printed.energy_farthest(MECHANISM, 2.0) == pytest.approx(72.0)
+    assert pytest.approx(72.0) == Printed(MECHANISM, 0.0, 2.0).T1
 
 
 def test_equation_23():
-    assert as_printed.energy_nearest(MECHANISM, 6.0) == pytest.approx(216.0)
+    assert pytest.approx(216.0) == Printed(MECHANISM, 0.0, 2.0).T2
 
 
 def test_equation_24():
-    assert as_printed.energy_nearest_of_farthest(MECHANISM, 72.0) == pytest.approx(216.0)
+    assert Printed(MECHANISM, 0.0, 2.0).T2_of_T1 == pytest.approx(216.0)
 
 
 def test_equations_15_and_16_follow_from_those_before_as_the_page_says():
-    page = as_printed.printed(MECHANISM, np.linspace(-3.0, 9.0, 101), OMEGA)
-    assert (
-        pytest.approx(as_printed.wheel_moment_of_forces(page.F2, page.n2, page.Fk, page.k1), abs=1e-11)
-        == page.M1
-    )
-    about_centre = as_printed.carrier_moment_of_forces(*(getattr(page, name) for name in ARMS))
-    assert pytest.approx(about_centre, abs=1e-11) == page.M
+    page = Printed(MECHANISM, np.linspace(-3.0, 9.0, 101), OMEGA)
+    assert pytest.approx(page.M1_of_forces, abs=1e-11) == page.M1
+    assert pytest.approx(page.M_of_forces, abs=1e-11) == page.M
 
 
 def test_printed_moments_have_the_coriolis_force_of_the_absolute_speed():
     angle = np.linspace(-3.0, 9.0, 101)
-    b, page = MECHANISM.b, as_printed.printed(MECHANISM, angle, OMEGA)
+    b, page = MECHANISM.b, Printed(MECHANISM, angle, OMEGA)
     assert pytest.approx(3.0 * exact.wheel_moment(MECHANISM, angle, OMEGA), abs=1e-10) == page.M1
     acute = np.abs(exact.beta1(MECHANISM, angle)) < math.pi / 2
     assert acute.any()
@@ -182,4 +177,4 @@ def test_arm_14_lacks_a_term_even_for_the_direction_the_page_takes(page):
 
 def test_printed_form_refuses_an_imbalance_that_passes_through_the_centre():
     with pytest.raises(ValueError, match=r"^arm must not be R0 \+ r, is 3\.0"):
-        as_printed.printed(Mechanism(2.0, 1.0, 3.0, 1.0), np.array([0.0, 1.0]), OMEGA)
+        _ = Printed(Mechanism(2.0, 1.0, 3.0, 1.0), np.array([0.0, 1.0]), OMEGA).beta1

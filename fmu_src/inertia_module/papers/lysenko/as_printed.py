@@ -1,20 +1,19 @@
 """Equations (1) to (24) as the page has them, errors kept: for comparison only, use exact for numbers.
 
 The paper writes R for R0 and uses phi and alpha for one angle, that of wheel 1 on the carrier: (1) and (2)
-with phi, the rest with alpha. omega is its rate. Every function takes what its equation takes, so that it
-can be judged alone; ``printed`` feeds each with the printed results before it.
-
-Angles in rad, lengths in m, speeds in rad/s and m/s, forces in N, moments in N m, powers in W, inertias in
-kg m^2, energies in J; numbers or arrays of shape (n,).
+with phi, the rest with alpha. omega is its rate.
 """
+
+# symbols of the page
+# ruff: noqa: N802
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
-from . import exact
 from .mechanism import Mechanism
 
 # a number or an array of shape (n,)
@@ -26,198 +25,169 @@ def _arcsin(sine: Value) -> Value:
     return np.arcsin(np.clip(sine, -1.0, 1.0))
 
 
-def epicycloid(m: Mechanism, phi: Value) -> tuple[Value, Value]:
-    """Equation (1): X, Y of the imbalance."""
-    return exact.epicycloid(m, phi)
+class Printed:
+    """What the page makes of an angle and a speed: each equation is fed with the printed ones before it.
 
+    Args:
+        m: dimensions. alpha: rad, a number or of shape (n,), as the results. omega: rad/s; for (21) to
+            (24) the lowest speed.
+        given: quantities by name that stand in place of the printed ones, to judge an equation alone.
 
-def rho(m: Mechanism, phi: Value) -> Value:
-    """Equation (2): distance of the imbalance from O."""
-    D = m.centre_distance
-    # rounding alone can make the square negative
-    return np.sqrt(np.maximum(D**2 + m.arm**2 - 2.0 * D * m.arm * np.cos(phi), 0.0))
-
-
-def phi_of_note(m: Mechanism, alpha: Value) -> Value:
-    """The note under (2), phi = b alpha; it contradicts (1), (2) and (8) and is used nowhere here."""
-    return m.b * alpha
-
-
-def relative_force(m: Mechanism, omega: Value) -> Value:
-    """Equation (3): force of inertia F1 from the turning about O1."""
-    return exact.relative_force(m, omega)
-
-
-def carrier_force(m: Mechanism, omega: Value, rho: Value) -> Value:
-    """Equation (4): force of inertia F2 from the turning about O."""
-    return m.m * rho * m.b**2 * omega**2
-
-
-def coriolis_force(m: Mechanism, omega: Value, V: Value) -> Value:
-    """Equation (5): Coriolis force Fk with the speed V of the imbalance."""
-    return 2.0 * m.m * V * m.b * omega
-
-
-def resultant_speed(V1: Value, V2: Value, beta: Value) -> Value:
-    """Equation (6): resultant of two speeds that make the angle pi - beta."""
-    return np.sqrt(V1**2 + V2**2 - 2.0 * V1 * V2 * np.cos(beta))
-
-
-def speed(m: Mechanism, omega: Value, rho: Value, beta1: Value) -> Value:
-    """Equation (7): speed V of the imbalance."""
-    reach = rho * m.b
-    return omega * np.sqrt(m.arm**2 + reach**2 + 2.0 * m.arm * reach * np.cos(beta1))
-
-
-def beta1(m: Mechanism, alpha: Value, rho: Value) -> Value:
-    """Equation (8): angle at the imbalance by arcsin, never beyond pi/2.
-
-    Raises:
-        ValueError: rho = 0 somewhere: l = R0 + r, and the imbalance at O.
+    Results in m, rad, N, N m, W, m/s, kg m^2 and J.
     """
-    if not np.all(rho > 0.0):
-        raise ValueError(f"arm must not be R0 + r, is {m.arm}: (8) divides by rho, which is 0 then")
-    return _arcsin(m.centre_distance * np.sin(alpha) / rho)
 
+    def __init__(self, m: Mechanism, alpha: Value, omega: Value, **given: Value) -> None:
+        self.m, self.alpha, self.omega = m, alpha, omega
+        self.D, self.sine = m.centre_distance, np.sin(alpha)
+        # a cached property looks here first
+        self.__dict__.update(given)
 
-def wheel_moment_of_forces(F2: Value, n2: Value, Fk: Value, k1: Value) -> Value:
-    """Equation (9): moment M1 about O1 from forces and arms."""
-    return F2 * n2 + Fk * k1
+    @cached_property
+    def epicycloid(self) -> tuple[Value, Value]:
+        """Equation (1): X, Y of the imbalance."""
+        carrier, wheel = self.m.b * self.alpha, (1.0 + self.m.b) * self.alpha
+        x = self.D * np.cos(carrier) - self.m.arm * np.cos(wheel)
+        return x, self.D * np.sin(carrier) - self.m.arm * np.sin(wheel)
 
+    @cached_property
+    def rho(self) -> Value:
+        """Equation (2): distance of the imbalance from O."""
+        square = self.D**2 + self.m.arm**2 - 2.0 * self.D * self.m.arm * np.cos(self.alpha)
+        # rounding alone can make the square negative
+        return np.sqrt(np.maximum(square, 0.0))
 
-def carrier_moment_of_forces(F1: Value, n1: Value, F2: Value, n2: Value, Fk: Value, k2: Value) -> Value:
-    """Equation (10): moment M about O from forces and arms."""
-    return -F1 * n1 - F2 * n2 - Fk * k2
+    @cached_property
+    def rho_of_note(self) -> Value:
+        """Equation (2) with the note under it, phi = b alpha, which is used nowhere else here."""
+        return Printed(self.m, self.m.b * self.alpha, self.omega).rho
 
+    @cached_property
+    def F1(self) -> Value:
+        """Equation (3): force of inertia from the turning about O1."""
+        return self.m.m * self.m.arm * self.omega**2
 
-def n1(m: Mechanism, alpha: Value) -> Value:
-    """Equation (11): arm of F1 about O."""
-    return m.centre_distance * np.sin(alpha)
+    @cached_property
+    def F2(self) -> Value:
+        """Equation (4): force of inertia from the turning about O."""
+        return self.m.m * self.rho * self.m.b**2 * self.omega**2
 
+    @cached_property
+    def Fk(self) -> Value:
+        """Equation (5): Coriolis force with the speed V of the imbalance."""
+        return 2.0 * self.m.m * self.V * self.m.b * self.omega
 
-def n2(m: Mechanism, alpha: Value, rho: Value) -> Value:
-    """Equation (12): arm of F2 about O1, in (10) about O as well."""
-    return m.centre_distance * m.arm * np.sin(alpha) / rho
+    @cached_property
+    def resultant(self) -> Value:
+        """Equation (6): resultant of the speeds V1 and V2, at the angle pi - beta."""
+        one, two = self.m.arm * self.omega, self.rho * self.m.b * self.omega
+        return np.sqrt(one**2 + two**2 - 2.0 * one * two * np.cos(np.pi - self.beta1))
 
+    @cached_property
+    def root(self) -> Value:
+        """The root of (7), V / omega."""
+        arm, reach = self.m.arm, self.rho * self.m.b
+        return np.sqrt(arm**2 + reach**2 + 2.0 * arm * reach * np.cos(self.beta1))
 
-def delta(m: Mechanism, alpha: Value, rho: Value, beta1: Value) -> Value:
-    """The angle of (13), between V and V2 by arcsin."""
-    return _arcsin(m.arm * m.centre_distance * np.sin(alpha) / (rho * speed(m, 1.0, rho, beta1)))
+    @cached_property
+    def V(self) -> Value:
+        """Equation (7): speed of the imbalance."""
+        return self.omega * self.root
 
+    @cached_property
+    def beta1(self) -> Value:
+        """Equation (8): angle at the imbalance by arcsin, never beyond pi/2.
 
-def k1(m: Mechanism, beta1: Value, delta: Value) -> Value:
-    """Equation (13): arm of the Coriolis force about O1."""
-    return m.arm * np.sin(beta1 - delta)
+        Raises:
+            ValueError: rho = 0 somewhere: l = R0 + r, and the imbalance at O.
+        """
+        if not np.all(self.rho > 0.0):
+            raise ValueError(f"arm must not be R0 + r, is {self.m.arm}: (8) divides by rho, which is 0 then")
+        return _arcsin(self.D * self.sine / self.rho)
 
+    @cached_property
+    def M1_of_forces(self) -> Value:
+        """Equation (9): moment about O1 from forces and arms."""
+        return self.F2 * self.n2 + self.Fk * self.k1
 
-def k2(m: Mechanism, alpha: Value, beta1: Value, delta: Value) -> Value:
-    """Equation (14): arm of the Coriolis force about O."""
-    return m.centre_distance * np.sin(alpha + beta1 - delta)
+    @cached_property
+    def M_of_forces(self) -> Value:
+        """Equation (10): moment about O from forces and arms."""
+        return -self.F1 * self.n1 - self.F2 * self.n2 - self.Fk * self.k2
 
+    @cached_property
+    def n1(self) -> Value:
+        """Equation (11): arm of F1 about O."""
+        return self.D * self.sine
 
-def wheel_moment(m: Mechanism, alpha: Value, omega: Value, rho: Value, beta1: Value, delta: Value) -> Value:
-    """Equation (15): moment M1 about O1 on wheel 1."""
-    bracket = m.b * m.centre_distance * np.sin(alpha)
-    bracket = bracket + 2.0 * speed(m, 1.0, rho, beta1) * np.sin(beta1 - delta)
-    return m.m * m.b * m.arm * omega**2 * bracket
+    @cached_property
+    def n2(self) -> Value:
+        """Equation (12): arm of F2 about O1, in (10) about O as well."""
+        return self.D * self.m.arm * self.sine / self.rho
 
+    @cached_property
+    def delta(self) -> Value:
+        """The angle of (13), between V and V2 by arcsin."""
+        return _arcsin(self.m.arm * self.D * self.sine / (self.rho * self.root))
 
-def carrier_moment(m: Mechanism, alpha: Value, omega: Value, rho: Value, beta1: Value, delta: Value) -> Value:
-    """Equation (16): moment M about O on the carrier."""
-    bracket = m.arm * (1.0 + m.b**2) * np.sin(alpha)
-    bracket = bracket + 2.0 * m.b * speed(m, 1.0, rho, beta1) * np.sin(alpha + beta1 - delta)
-    return -m.m * m.centre_distance * omega**2 * bracket
+    @cached_property
+    def k1(self) -> Value:
+        """Equation (13): arm of the Coriolis force about O1."""
+        return self.m.arm * np.sin(self.beta1 - self.delta)
 
+    @cached_property
+    def k2(self) -> Value:
+        """Equation (14): arm of the Coriolis force about O."""
+        return self.D * np.sin(self.alpha + self.beta1 - self.delta)
 
-def wheel_power(omega: Value, M1: Value) -> Value:
-    """Equation (17): power N1 on wheel 1."""
-    return M1 * omega
+    @cached_property
+    def M1(self) -> Value:
+        """Equation (15): moment about O1 on wheel 1."""
+        bracket = self.m.b * self.D * self.sine + 2.0 * self.root * np.sin(self.beta1 - self.delta)
+        return self.m.m * self.m.b * self.m.arm * self.omega**2 * bracket
 
+    @cached_property
+    def M(self) -> Value:
+        """Equation (16): moment about O on the carrier."""
+        turned = np.sin(self.alpha + self.beta1 - self.delta)
+        bracket = self.m.arm * (1.0 + self.m.b**2) * self.sine + 2.0 * self.m.b * self.root * turned
+        return -self.m.m * self.D * self.omega**2 * bracket
 
-def carrier_power(m: Mechanism, omega: Value, M: Value) -> Value:
-    """Equation (18): power N on the carrier."""
-    return M * m.b * omega
+    @cached_property
+    def N1(self) -> Value:
+        """Equation (17): power on wheel 1."""
+        return self.M1 * self.omega
 
+    @cached_property
+    def N(self) -> Value:
+        """Equation (18): power on the carrier."""
+        return self.M * self.m.b * self.omega
 
-def moment_of_inertia(m: Mechanism, rho: Value) -> Value:
-    """Equation (19): moment of inertia J about O."""
-    return m.constant_inertia + m.m * rho**2
+    @cached_property
+    def J(self) -> Value:
+        """Equation (19): moment of inertia about O."""
+        return self.m.constant_inertia + self.m.m * self.rho**2
 
+    @cached_property
+    def J_limits(self) -> Any:
+        """Equation (20): J_max and J_min, shape (2,)."""
+        return self.m.constant_inertia + self.m.m * (self.D + self.m.arm * np.array([1.0, -1.0])) ** 2
 
-def inertia_limits(m: Mechanism) -> tuple[float, float]:
-    """Equation (20): J_max and J_min."""
-    D = m.centre_distance
-    return m.constant_inertia + m.m * (D + m.arm) ** 2, m.constant_inertia + m.m * (D - m.arm) ** 2
+    @cached_property
+    def omega_max(self) -> Value:
+        """Equation (21): highest from lowest speed by conservation of angular momentum."""
+        return self.omega * self.J_limits[0] / self.J_limits[1]
 
+    @cached_property
+    def T1(self) -> Value:
+        """Equation (22): kinetic energy at the largest rho."""
+        return 0.5 * self.J_limits[0] * self.omega**2
 
-def omega_max(m: Mechanism, omega_min: float) -> float:
-    """Equation (21): highest from lowest speed by conservation of angular momentum."""
-    largest, smallest = inertia_limits(m)
-    return omega_min * largest / smallest
+    @cached_property
+    def T2(self) -> Value:
+        """Equation (23): kinetic energy at the smallest rho."""
+        return 0.5 * self.J_limits[1] * self.omega_max**2
 
-
-def energy_farthest(m: Mechanism, omega_min: float) -> float:
-    """Equation (22): kinetic energy T1 at the largest rho."""
-    return 0.5 * inertia_limits(m)[0] * omega_min**2
-
-
-def energy_nearest(m: Mechanism, omega_max: float) -> float:
-    """Equation (23): kinetic energy T2 at the smallest rho."""
-    return 0.5 * inertia_limits(m)[1] * omega_max**2
-
-
-def energy_nearest_of_farthest(m: Mechanism, T1: float) -> float:
-    """Equation (24): T2 from T1."""
-    largest, smallest = inertia_limits(m)
-    return T1 * largest / smallest
-
-
-class Printed(NamedTuple):
-    """What the page makes of an angle and a speed, each equation fed with the printed ones before it."""
-
-    rho: Value
-    beta1: Value
-    V: Value
-    F1: Value
-    F2: Value
-    Fk: Value
-    delta: Value
-    n1: Value
-    n2: Value
-    k1: Value
-    k2: Value
-    M1: Value
-    M: Value
-    N1: Value
-    N: Value
-
-
-def printed(m: Mechanism, alpha: Value, omega: Value) -> Printed:
-    """Equations (2) to (18) in a row.
-
-    Raises:
-        ValueError: see beta1.
-    """
-    distance = rho(m, alpha)
-    angle = beta1(m, alpha, distance)
-    V = speed(m, omega, distance, angle)
-    turned = delta(m, alpha, distance, angle)
-    M1 = wheel_moment(m, alpha, omega, distance, angle, turned)
-    M = carrier_moment(m, alpha, omega, distance, angle, turned)
-    return Printed(
-        rho=distance,
-        beta1=angle,
-        V=V,
-        F1=relative_force(m, omega),
-        F2=carrier_force(m, omega, distance),
-        Fk=coriolis_force(m, omega, V),
-        delta=turned,
-        n1=n1(m, alpha),
-        n2=n2(m, alpha, distance),
-        k1=k1(m, angle, turned),
-        k2=k2(m, alpha, angle, turned),
-        M1=M1,
-        M=M,
-        N1=wheel_power(omega, M1),
-        N=carrier_power(m, omega, M),
-    )
+    @cached_property
+    def T2_of_T1(self) -> Value:
+        """Equation (24): T2 from T1."""
+        return self.T1 * self.J_limits[0] / self.J_limits[1]

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from ..report import ROUNDING, Finding, shown, worst
-from . import as_printed, exact, motion
-from .equations import ALPHA, ALPHA_INSIDE
+from . import exact, motion
+from .as_printed import Printed
+from .equations import ALPHA, INSIDE
 from .exact import Value
 from .mechanism import EXAMPLE as M
 from .mechanism import EXAMPLE_SPEED as W
@@ -26,7 +27,7 @@ def cusp() -> Finding:
 
 def modulus() -> Finding:
     """Speeds by (1), differentiated with a complex step, and by rolling."""
-    rates = [u.imag / 1e-30 * W for u in as_printed.epicycloid(M, ALPHA + 1e-30j)]
+    rates = [u.imag / 1e-30 * W for u in Printed(M, ALPHA + 1e-30j, W).epicycloid]
     agreed = worst(np.hypot(*rates), exact.speed(M, ALPHA, W))
     return Finding(agreed < ROUNDING, agreed=shown(agreed))
 
@@ -40,7 +41,7 @@ def cycles() -> Finding:
 
 def note() -> Finding:
     """What (8) and (2) make of phi = b alpha."""
-    printed = as_printed.rho(M, as_printed.phi_of_note(M, ALPHA))
+    printed = Printed(M, ALPHA, W).rho_of_note
     sine = np.abs(M.centre_distance * np.sin(ALPHA) / printed).max()
     off = worst(printed, exact.rho(M, ALPHA))
     return Finding(off < ROUNDING, sine=sine, off=100 * off)
@@ -48,8 +49,8 @@ def note() -> Finding:
 
 def _defect(coriolis: Value, turned: Value) -> float:
     """Worst difference of F1 + F2 + Fk from -m a, over the largest m a; Fk at the angle turned from e."""
-    along, across = exact.position(M, ALPHA_INSIDE)
-    outward = -np.exp(1j * ALPHA_INSIDE)
+    along, across = exact.position(M, INSIDE)
+    outward = -np.exp(1j * INSIDE)
     forces = exact.relative_force(M, W) * outward + coriolis * outward * np.exp(1j * turned)
     forces = forces + M.m * (M.b * W) ** 2 * (along + 1j * across)
     force = -M.m * _acceleration()
@@ -58,20 +59,20 @@ def _defect(coriolis: Value, turned: Value) -> float:
 
 def _acceleration() -> Value:
     """(1) differentiated twice, seen from the carrier, m/s^2."""
-    wheel = M.arm * (1.0 + M.b) ** 2 * np.exp(1j * ALPHA_INSIDE)
+    wheel = M.arm * (1.0 + M.b) ** 2 * np.exp(1j * INSIDE)
     return W**2 * (wheel - M.centre_distance * M.b**2)
 
 
 def forces() -> Finding:
     """The sum of the inertia forces against -m a."""
-    page = as_printed.printed(M, ALPHA_INSIDE, W)
+    page = Printed(M, INSIDE, W)
     right, off = _defect(exact.coriolis_force(M, W), 0.0), _defect(page.Fk, page.beta1 - page.delta)
     return Finding(right < ROUNDING, off < ROUNDING, right=shown(right), off=100 * off)
 
 
 def speed() -> Finding:
     """Where V with the printed beta1 is right."""
-    printed, right = as_printed.printed(M, ALPHA, W).V, exact.speed(M, ALPHA, W)
+    printed, right = Printed(M, ALPHA, W).V, exact.speed(M, ALPHA, W)
     wrong = np.abs(printed - right) > 1e-9 * right.max()
     acute = np.abs(exact.beta1(M, ALPHA)) < np.pi / 2
     return Finding(
@@ -85,11 +86,10 @@ def speed() -> Finding:
 
 def moments() -> Finding:
     """(15) and (16) against the exact moments, over the modulus."""
-    page = as_printed.printed(M, ALPHA_INSIDE, W)
-    triple = worst(page.M1, 3.0 * exact.wheel_moment(M, ALPHA_INSIDE, W))
+    page = Printed(M, INSIDE, W)
+    triple = worst(page.M1, 3.0 * exact.wheel_moment(M, INSIDE, W))
     off = [
-        worst(as_printed.printed(m, ALPHA_INSIDE, W).M, exact.carrier_moment(m, ALPHA_INSIDE, W))
-        for m in map(with_modulus, MODULI)
+        worst(Printed(m, INSIDE, W).M, exact.carrier_moment(m, INSIDE, W)) for m in map(with_modulus, MODULI)
     ]
     each = ", ".join(f"{100 * error:.0f} % (b = {b:.2g})" for error, b in zip(off, MODULI, strict=True))
     return Finding(triple > 1.0, max(off) < ROUNDING, triple=shown(triple), off=each)
@@ -98,7 +98,7 @@ def moments() -> Finding:
 def vibration() -> Finding:
     """The force on the frame, which vibration comes from."""
     force = np.abs(M.m * _acceleration())
-    page = as_printed.printed(M, ALPHA_INSIDE, W)
+    page = Printed(M, INSIDE, W)
     off = _defect(page.Fk, page.beta1 - page.delta)
     parts = [M.m * M.centre_distance * (M.b * W) ** 2, M.m * M.arm * ((1.0 + M.b) * W) ** 2]
     return Finding(
@@ -123,16 +123,16 @@ def optimisation() -> Finding:
 
 def equations_of_motion() -> Finding:
     """The torque of Lagrange's equation from M1 and M."""
-    page, drive = as_printed.printed(M, ALPHA_INSIDE, W), motion.drive_torque(M, ALPHA_INSIDE, W)
-    right = -exact.carrier_moment(M, ALPHA_INSIDE, W) - exact.wheel_moment(M, ALPHA_INSIDE, W) / M.b
+    page, drive = Printed(M, INSIDE, W), motion.drive_torque(M, INSIDE, W)
+    right = -exact.carrier_moment(M, INSIDE, W) - exact.wheel_moment(M, INSIDE, W) / M.b
     off = worst(-page.M - page.M1 / M.b, drive)
     return Finding(off < ROUNDING, right=shown(worst(right, drive)), off=100 * off)
 
 
 def zones() -> Finding:
     """Where the inertia forces resist the drive and where they unload it."""
-    power = motion.drive_power(M, ALPHA_INSIDE, W)
-    page = as_printed.printed(M, ALPHA_INSIDE, W)
+    power = motion.drive_power(M, INSIDE, W)
+    page = Printed(M, INSIDE, W)
     half = power.size // 2
     out, back = np.mean(power[:half] > 0.0), np.mean(power[half + 1 :] < 0.0)
     same = np.mean(-(page.N1 + page.N) * power >= 0.0)
@@ -150,7 +150,7 @@ def limits() -> Finding:
     """The limits of rho and of J, and of the inertia that governs the motion."""
     distance, D = exact.rho(M, ALPHA), M.centre_distance
     error = max(abs(distance.min() / (D - M.arm) - 1.0), abs(distance.max() / (D + M.arm) - 1.0))
-    (largest, smallest), reduced = as_printed.inertia_limits(M), motion.reduced_inertia_limits(M)
+    (largest, smallest), reduced = Printed(M, 0.0, 1.0).J_limits, motion.reduced_inertia_limits(M)
     return Finding(
         error < ROUNDING, error=shown(error), printed=largest / smallest, reduced=reduced[0] / reduced[1]
     )
@@ -170,10 +170,10 @@ def places() -> Finding:
 
 def ratio() -> Finding:
     """The ratio of the speeds in free motion."""
-    others = [worst(as_printed.omega_max(m, 1.0), motion.speed_ratio(m)) for m in map(with_modulus, MODULI)]
+    others = [worst(Printed(m, 0.0, 1.0).omega_max, motion.speed_ratio(m)) for m in map(with_modulus, MODULI)]
     return Finding(
         min(others) < ROUNDING,
-        printed=as_printed.omega_max(M, 1.0),
+        printed=Printed(M, 0.0, 1.0).omega_max,
         exact=motion.speed_ratio(M),
         least=100 * min(others),
         most=100 * max(others),
@@ -192,7 +192,7 @@ def impulse() -> Finding:
 
 def energy() -> Finding:
     """The ratio of the kinetic energies."""
-    printed = as_printed.energy_nearest_of_farthest(M, 1.0)
+    printed = Printed(M, 0.0, 1.0, T1=1.0).T2_of_T1
     free = motion.kinetic_energy(M, ALPHA, motion.free_omega(M, ALPHA, 1.0))
     largest, smallest = motion.reduced_inertia_limits(M)
     steady, changed = smallest / largest, np.ptp(free) / free.max()
@@ -207,7 +207,7 @@ def energy() -> Finding:
 
 def impulsive_drive() -> Finding:
     """What a drive that enforced (21) would do."""
-    free, page = motion.speed_ratio(M), as_printed.omega_max(M, 1.0)
+    free, page = motion.speed_ratio(M), Printed(M, 0.0, 1.0).omega_max
     largest, smallest = motion.reduced_inertia_limits(M)
     left = smallest / largest * page**2
     return Finding(left > 1.0, free=free, page=page, left=left)
@@ -231,6 +231,6 @@ def cyclic_energy() -> Finding:
 
 def no_gain() -> Finding:
     """The mean power over a cycle, exact and as printed."""
-    exact_power, page = motion.drive_power(M, ALPHA, W), as_printed.printed(M, ALPHA, W)
+    exact_power, page = motion.drive_power(M, ALPHA, W), Printed(M, ALPHA, W)
     gains = [abs(p[:-1].mean()) / np.abs(p).max() for p in (exact_power, page.N1 + page.N)]
     return Finding(gains[0] > ROUNDING, gain=shown(gains[0]), printed=shown(gains[1]))

@@ -5,66 +5,79 @@ Each printed form is fed with exact values of all it takes.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ..report import Equations
-from . import as_printed as page
 from . import exact, motion
+from .as_printed import Printed
 from .mechanism import EXAMPLE as M
 from .mechanism import EXAMPLE_SPEED as W
 
 # even: the cycle is met at 0 and pi, where the quadrants of arcsin change
 ALPHA = np.linspace(0.0, 2.0 * np.pi, 3601)
-# between them where the page divides by the speed, which is 0 at the cusp
-ALPHA_INSIDE = ALPHA[1:-1]
+# between the cusps, where the speed is 0 and the page divides by it
+INSIDE = ALPHA[1:-1]
+FASTEST = W * motion.speed_ratio(M)
 
-RHO, BETA1, DELTA = (form(M, ALPHA_INSIDE) for form in (exact.rho, exact.beta1, exact.delta))
-INSIDE = (M, ALPHA_INSIDE)
-ALONG, ACROSS = exact.position(M, ALPHA)
-F1, F2, FK = exact.relative_force(M, W), exact.carrier_force(M, ALPHA, W), exact.coriolis_force(M, W)
-ARM1, ARM2 = exact.n1(M, ALPHA), exact.n2(M, ALPHA)
-MOMENT1, MOMENT = exact.wheel_moment(M, ALPHA, W), exact.carrier_moment(M, ALPHA, W)
-FREE = motion.speed_ratio(M)
-ENERGY = float(motion.kinetic_energy(M, np.pi, 1.0 / M.b))
+RIGHT: dict[str, Any] = {
+    "rho": exact.rho(M, INSIDE),
+    "F1": exact.relative_force(M, W),
+    "F2": exact.carrier_force(M, INSIDE, W),
+    "Fk": exact.coriolis_force(M, W),
+    "V": exact.speed(M, INSIDE, W),
+    "beta1": exact.beta1(M, INSIDE),
+    "n1": exact.n1(M, INSIDE),
+    "n2": exact.n2(M, INSIDE),
+    "delta": exact.delta(M, INSIDE),
+    "k1": 0.0 * INSIDE,
+    "k2": exact.n1(M, INSIDE),
+    "M1": exact.wheel_moment(M, INSIDE, W),
+    "M": exact.carrier_moment(M, INSIDE, W),
+    "omega_max": FASTEST,
+    "T1": motion.kinetic_energy(M, np.pi, W / M.b),
+}
+ALONG, ACROSS = exact.position(M, INSIDE)
+INERTIA = M.constant_inertia + M.m * np.hypot(*exact.position(M, ALPHA)) ** 2
 
 
-def _in_frame() -> tuple[np.ndarray, np.ndarray]:
+def alone(*names: str) -> Any:
+    """The first quantity as printed, of exact values of all it takes but the further ones."""
+    return getattr(Printed(M, INSIDE, W, **{k: v for k, v in RIGHT.items() if k not in names}), names[0])
+
+
+def _in_frame() -> tuple[Any, Any]:
     """S in the fixed frame by turning it with the carrier."""
-    place = (ALONG + 1j * ACROSS) * np.exp(1j * M.b * ALPHA)
+    place = (ALONG + 1j * ACROSS) * np.exp(1j * M.b * INSIDE)
     return place.real, place.imag
 
 
 EQUATIONS: Equations = {
-    "(1)": lambda: (page.epicycloid(M, ALPHA), _in_frame()),
-    "(2)": lambda: (page.rho(M, ALPHA), exact.rho(M, ALPHA)),
-    "(2), note": lambda: (page.rho(M, page.phi_of_note(M, ALPHA)), exact.rho(M, ALPHA)),
+    "(1)": lambda: (alone("epicycloid"), _in_frame()),
+    "(2)": lambda: (alone("rho"), np.hypot(ALONG, ACROSS)),
+    "(2), note": lambda: (alone("rho_of_note"), RIGHT["rho"]),
     # centripetal, on the circle about O1
-    "(3)": lambda: (page.relative_force(M, W), M.m * W**2 * np.hypot(ALONG - M.centre_distance, ACROSS)),
-    "(4)": lambda: (page.carrier_force(M, W, exact.rho(M, ALPHA)), F2),
-    "(5)": lambda: (page.coriolis_force(M, W, exact.speed(M, ALPHA, W)), FK),
-    "(6)": lambda: (page.resultant_speed(M.arm * W, RHO * M.b * W, np.pi - BETA1), exact.speed(*INSIDE, W)),
-    "(7)": lambda: (page.speed(M, W, RHO, BETA1), exact.speed(*INSIDE, W)),
-    "(8)": lambda: (page.beta1(*INSIDE, RHO), BETA1),
-    "(9)": lambda: (page.wheel_moment_of_forces(F2, ARM2, FK, 0.0), MOMENT1),
-    "(10)": lambda: (page.carrier_moment_of_forces(F1, ARM1, F2, ARM2, FK, ARM1), MOMENT),
-    "(11)": lambda: (page.n1(M, ALPHA), ARM1),
-    "(12)": lambda: (page.n2(M, ALPHA, exact.rho(M, ALPHA)), ARM2),
-    "(13)": lambda: (page.k1(M, BETA1, page.delta(*INSIDE, RHO, BETA1)), 0.0 * RHO, M.arm),
-    "(14)": lambda: (page.k2(*INSIDE, BETA1, DELTA), exact.n1(*INSIDE)),
-    "(15)": lambda: (page.wheel_moment(*INSIDE, W, RHO, BETA1, DELTA), exact.wheel_moment(*INSIDE, W)),
-    "(16)": lambda: (page.carrier_moment(*INSIDE, W, RHO, BETA1, DELTA), exact.carrier_moment(*INSIDE, W)),
-    "(17)": lambda: (page.wheel_power(W, MOMENT1), exact.wheel_power(M, ALPHA, W)),
-    "(18)": lambda: (page.carrier_power(M, W, MOMENT), exact.carrier_power(M, ALPHA, W)),
-    "(19)": lambda: (
-        page.moment_of_inertia(M, exact.rho(M, ALPHA)),
-        M.constant_inertia + M.m * (ALONG**2 + ACROSS**2),
-    ),
-    "(20)": lambda: (
-        np.array(page.inertia_limits(M)),
-        M.constant_inertia + M.m * (ALONG**2 + ACROSS**2)[[len(ALPHA) // 2, 0]],
-    ),
-    "(21)": lambda: (page.omega_max(M, 1.0), FREE),
-    "(22)": lambda: (page.energy_farthest(M, 1.0), ENERGY),
-    "(23)": lambda: (page.energy_nearest(M, FREE), float(motion.kinetic_energy(M, 0.0, FREE / M.b))),
-    "(24)": lambda: (page.energy_nearest_of_farthest(M, ENERGY), ENERGY),
+    "(3)": lambda: (alone("F1"), M.m * W**2 * np.hypot(ALONG - M.centre_distance, ACROSS)),
+    "(4)": lambda: (alone("F2"), RIGHT["F2"]),
+    "(5)": lambda: (alone("Fk"), RIGHT["Fk"]),
+    "(6)": lambda: (alone("resultant"), RIGHT["V"]),
+    "(7)": lambda: (alone("V"), RIGHT["V"]),
+    "(8)": lambda: (alone("beta1"), RIGHT["beta1"]),
+    "(9)": lambda: (alone("M1_of_forces"), RIGHT["M1"]),
+    "(10)": lambda: (alone("M_of_forces"), RIGHT["M"]),
+    "(11)": lambda: (alone("n1"), RIGHT["n1"]),
+    "(12)": lambda: (alone("n2"), RIGHT["n2"]),
+    "(13)": lambda: (alone("k1", "delta"), RIGHT["k1"], M.arm),
+    "(14)": lambda: (alone("k2"), RIGHT["k2"]),
+    "(15)": lambda: (alone("M1"), RIGHT["M1"]),
+    "(16)": lambda: (alone("M"), RIGHT["M"]),
+    "(17)": lambda: (alone("N1"), exact.wheel_power(M, INSIDE, W)),
+    "(18)": lambda: (alone("N"), exact.carrier_power(M, INSIDE, W)),
+    "(19)": lambda: (alone("J"), INERTIA[1:-1]),
+    "(20)": lambda: (alone("J_limits"), INERTIA[[len(ALPHA) // 2, 0]]),
+    "(21)": lambda: (alone("omega_max"), FASTEST),
+    "(22)": lambda: (alone("T1"), RIGHT["T1"]),
+    "(23)": lambda: (alone("T2"), motion.kinetic_energy(M, 0.0, FASTEST / M.b)),
+    "(24)": lambda: (alone("T2_of_T1"), RIGHT["T1"]),
 }
