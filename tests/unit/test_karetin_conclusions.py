@@ -44,6 +44,8 @@ def test_the_best_mirror_of_a_known_function_is_found():
     assert math.remainder(found.instant - 1.0, math.pi) == pytest.approx(0.0, abs=1e-5)
     skewed = conclusions.best_mirror(lambda t: np.sin(t) + 0.3 * np.sin(2.0 * t), math.tau)
     assert skewed.asymmetry > 0.1
+    odd = conclusions.best_mirror(lambda t: np.sin(t) + 0.3 * np.sin(2.0 * t), math.tau, sign=-1.0)
+    assert odd.asymmetry < SEARCH
 
 
 def test_conclusion_3_the_swing_of_the_stop_mode_and_the_turn_of_the_dynamic_mode():

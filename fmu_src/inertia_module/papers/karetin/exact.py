@@ -27,6 +27,10 @@ def modulus(v: Array) -> Array:
     return result
 
 
+def _modulus_of(name: str) -> cached_property[Array]:
+    return cached_property(lambda self: modulus(getattr(self, name)))
+
+
 def turnings(geometry: Geometry, motion: Motion) -> tuple[Turning, Turning, Turning]:
     """Angles A of the drive, B of the satellite and theta of the frame that carries OQ."""
     drive = motion.drive_rate(geometry)
@@ -212,42 +216,15 @@ class Kinematics:
         """V on xOy, yOz and xOz, m/s: (29), (30), (31)."""
         return projections.projections(self.velocity)
 
-    # --- moduli ---
+    # --- lengths, SI units: (3), (12), (16), of V_Ox, (18), (25) and (33) ---
 
-    @cached_property
-    def radius(self) -> Array:
-        """Length of r_D, m: (3)."""
-        return modulus(self.position)
-
-    @cached_property
-    def speed_about_satellite(self) -> Array:
-        """|V_QA|, m/s: (12)."""
-        return modulus(self.about_satellite)
-
-    @cached_property
-    def speed_about_drive(self) -> Array:
-        """|V_Oz|, m/s: (16)."""
-        return modulus(self.about_drive)
-
-    @cached_property
-    def speed_about_centre(self) -> Array:
-        """|V_Ox|, m/s."""
-        return modulus(self.about_centre)
-
-    @cached_property
-    def speed_in_link1(self) -> Array:
-        """|V_D Sigma|, m/s: (18)."""
-        return modulus(self.velocity_in_link1)
-
-    @cached_property
-    def speed(self) -> Array:
-        """|V|, m/s: (25)."""
-        return modulus(self.velocity)
-
-    @cached_property
-    def acceleration_modulus(self) -> Array:
-        """|a|, m/s^2: (33)."""
-        return modulus(self.acceleration)
+    radius = _modulus_of("position")
+    speed_about_satellite = _modulus_of("about_satellite")
+    speed_about_drive = _modulus_of("about_drive")
+    speed_about_centre = _modulus_of("about_centre")
+    speed_in_link1 = _modulus_of("velocity_in_link1")
+    speed = _modulus_of("velocity")
+    acceleration_modulus = _modulus_of("acceleration")
 
 
 # all of the set
