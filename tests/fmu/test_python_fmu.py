@@ -1,0 +1,121 @@
+"""The Python FMU in folders of any name and in other hosts, where pythonfmu alone crashes."""
+
+import ctypes
+import os
+import subprocess
+import sys
+
+import pytest
+from fmpy.fmi2 import FMU2Slave, fmi2Discard
+
+from inertia_module.instance import Fmu
+from inertia_module.logs import callbacks_of
+
+FLAVOURS = ("InertiaModulePy",)
+FOLDERS = ["Jürgen Müller", "日本", "100%", "a%41b", "module #3", "100%25", "ends in %"]
+DRIVE = """
+import os, sys
+from inertia_module.instance import DriveError, Fmu
+try:
+    fmu = Fmu({path!r}, inputs={{"omega1": 100.0, "load_torque": 10.0}})
+    fmu.advance(0.1)
+    print(fmu["omega_out"].hex(), flush=True)
+except DriveError as error:
+    print(error, flush=True)
+os._exit(0)
+"""
+
+
+def drive_in(folder, path):
+    """What a process prints that unpacks the FMU into a folder and runs it; a crash fails the test."""
+    folder.mkdir(exist_ok=True)
+    done = subprocess.run(
+        [sys.executable, "-c", DRIVE.format(path=str(path))],
+        capture_output=True,
+        text=True,
+        check=False,
+        env=os.environ | {"TMPDIR": str(folder)},
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout.strip()
+
+
+@pytest.mark.parametrize("name", FOLDERS)
+def test_it_runs_in_a_folder_of_any_name(fmu_path, tmp_path, name):
+    assert drive_in(tmp_path / name, fmu_path) == drive_in(tmp_path / "plain", fmu_path)
+    assert float.fromhex(drive_in(tmp_path / "plain", fmu_path)) > 0.0
+
+
+def test_a_folder_that_pythonfmu_cannot_read_is_refused_by_a_sentence(fmu_path, tmp_path):
+    message = drive_in(tmp_path / "50%20off", fmu_path)
+    assert "the resource location must be the URI of this FMU's resources" in message
+    assert "50%2520off" in message
+
+
+class Host:
+    """A host that gives the location of the resources as a test wants it."""
+
+    def __init__(self, description, folder):
+        self.messages = []
+        self.fmu = FMU2Slave(
+            guid=description.guid,
+            unzipDirectory=str(folder),
+            modelIdentifier=description.modelName,
+            instanceName="host",
+        )
+
+    def hear(self, status, message):
+        self.messages.append(message)
+
+    def instantiate(self, location):
+        callbacks = callbacks_of(self)
+        arguments = (b"host", 1, self.fmu.guid.encode(), location, ctypes.byref(callbacks), 0, 1)
+        component = self.fmu.fmi2Instantiate(*arguments)
+        if component:
+            self.fmu.fmi2FreeInstance(component)
+        return bool(component)
+
+
+@pytest.fixture(params=["plain", "Jürgen 100%"])
+def moved(request, unpacked, tmp_path):
+    """The FMU unpacked, by way of a link from a folder of another name."""
+    link = tmp_path / request.param
+    link.symlink_to(unpacked, target_is_directory=True)
+    return link
+
+
+@pytest.mark.parametrize(
+    "form",
+    [
+        lambda folder: folder.as_uri(),
+        lambda folder: folder.as_uri().replace("file://", "file:"),
+        lambda folder: folder.as_uri().replace("file://", "file://localhost"),
+        lambda folder: f"file://{folder}",
+        str,
+    ],
+    ids=["uri", "no authority", "localhost", "not encoded", "path"],
+)
+def test_hosts_may_write_the_location_of_the_resources_as_they_do(description, moved, form):
+    host = Host(description, moved)
+    assert host.instantiate(form(moved / "resources").encode()), host.messages
+
+
+@pytest.mark.parametrize(
+    "location", [None, b"", b"file:///no/such/folder", b"http://example.org/%zz", b"%", b"file:" * 2000]
+)
+def test_a_location_that_is_none_is_refused_by_a_sentence(description, unpacked, location):
+    host = Host(description, unpacked)
+    assert not host.instantiate(location)
+    assert len(host.messages) == 1
+    assert host.messages[0].startswith("the resource location must be the URI of")
+
+
+def test_the_log_is_what_was_asked_for(fmu_path):
+    with Fmu(fmu_path, inputs={"omega1": 100.0}) as fmu:
+        assert fmu.messages == ["the kernel is compiled"]
+        fmu.set_logging(False, "logStatusDiscard")
+        fmu.messages.clear()
+        fmu.set(omega1=float("nan"))
+        with pytest.raises(Exception, match=f"status {fmi2Discard}"):
+            fmu.advance(0.1)
+        assert fmu.messages == []
