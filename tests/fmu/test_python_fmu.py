@@ -1,7 +1,9 @@
 """The Python FMU in folders of any name and in other hosts, where pythonfmu alone crashes."""
 
 import ctypes
+import math
 import os
+import struct
 import subprocess
 import sys
 
@@ -9,7 +11,9 @@ import pytest
 from fmpy.fmi2 import FMU2Slave, fmi2Discard
 
 from inertia_module.instance import Fmu
+from inertia_module.kernel import slots
 from inertia_module.logs import callbacks_of
+from inertia_module.model import INERTIA_MODULE
 
 FLAVOURS = ("InertiaModulePy",)
 FOLDERS = ["Jürgen Müller", "日本", "100%", "a%41b", "module #3", "100%25", "ends in %"]
@@ -119,3 +123,68 @@ def test_the_log_is_what_was_asked_for(fmu_path):
         with pytest.raises(Exception, match=f"status {fmi2Discard}"):
             fmu.advance(0.1)
         assert fmu.messages == []
+
+
+def place_of(size, array, slot):
+    """Where a number of one of the kernel's arrays is in a serialised state: they are its end."""
+    sizes = dict(zip("pduxy", INERTIA_MODULE.sizes, strict=False))
+    numbers = "".join(name * count for name, count in sizes.items())
+    return size - 8 * (len(numbers) - numbers.index(array) - slot)
+
+
+@pytest.mark.parametrize("value", [-1.0, 0.5, 65.0, 1e9, -1e9, 1e300, math.nan, math.inf])
+@pytest.mark.parametrize(
+    "array, slot",
+    [
+        ("p", slots.P_FIDELITY),
+        ("p", slots.P_LAYOUT),
+        ("p", slots.P_METHOD),
+        ("d", slots.D_MAP_FORWARD),
+        ("d", slots.D_MAP_BACKWARD),
+        ("x", slots.X_MODE),
+        ("x", slots.X_MAP_ROW),
+    ],
+)
+def test_a_forged_number_of_a_state_is_no_index_and_no_choice(instance, array, slot, value):
+    instance.start(omega1=100.0, fidelity=1, load_torque=10.0)
+    instance.step(0.1)
+    before = instance.all_values()
+    state = bytearray(instance.fmu.serializeFMUstate(instance.fmu.getFMUstate()))
+    place = place_of(len(state), array, slot)
+    struct.pack_into("<d", state, place, value)
+    refusal = instance.refusal(
+        lambda: instance.fmu.setFMUstate(instance.fmu.deSerializeFMUstate(bytes(state)))
+    )
+    assert "damaged state" in refusal
+    assert instance.all_values() == before
+    assert not instance.is_discarded(0.1)
+
+
+@pytest.mark.parametrize("byte, value", [(0, 4), (0, 255), (9, 200), (12, 255)])
+def test_a_forged_head_of_a_state_is_refused_and_nothing_is_lost(instance, byte, value):
+    instance.start(omega1=100.0)
+    state = bytearray(instance.fmu.serializeFMUstate(instance.fmu.getFMUstate()))
+    state[byte] = value
+    take = instance.fmu.deSerializeFMUstate(bytes(state))
+    assert "state" in instance.refusal(lambda: instance.fmu.setFMUstate(take))
+    assert not instance.is_discarded(0.1)
+
+
+def test_a_state_from_before_the_start_does_not_step(instances):
+    fresh, running = instances(), instances().start(omega1=100.0)
+    early = bytearray(fresh.fmu.serializeFMUstate(fresh.fmu.getFMUstate()))
+    early[0] = 2  # as if it were initialised
+    take = running.fmu.deSerializeFMUstate(bytes(early))
+    assert "saved before the start" in running.refusal(lambda: running.fmu.setFMUstate(take))
+    assert not running.is_discarded(0.1)
+
+
+def test_a_state_of_initialization_mode_is_calculated_anew_where_it_is_restored(instance):
+    instance.fmu.setupExperiment()
+    instance.set(omega1=50.0)
+    instance.fmu.enterInitializationMode()
+    early = instance.fmu.getFMUstate()
+    instance.set(omega1=80.0)
+    assert instance.get("input_speed") == 80.0
+    instance.fmu.setFMUstate(early)
+    assert instance.get("input_speed") == 50.0
