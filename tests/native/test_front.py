@@ -57,8 +57,8 @@ def test_a_python_that_pythonfmu_cannot_use_is_told_of_too(binary_folder, tmp_pa
 
 
 def test_the_front_offers_all_of_fmi_and_needs_little(binary_folder):
-    linux = binaries.read_elf((binary_folder / "linux64" / "InertiaModulePy.so").read_bytes())
-    windows = binaries.read_pe((binary_folder / "win64" / "InertiaModulePy.dll").read_bytes())
+    linux = binaries.read_elf(binary_folder / "linux64" / "InertiaModulePy.so")
+    windows = binaries.read_pe(binary_folder / "win64" / "InertiaModulePy.dll")
     assert required() <= linux.offers
     assert required() <= windows.offers
     assert linux.needs <= {"libc.so.6", "libdl.so.2"}
@@ -67,7 +67,7 @@ def test_the_front_offers_all_of_fmi_and_needs_little(binary_folder):
 
 def test_docs_name_the_c_library_that_pythonfmu_needs(binary_folder):
     """The Python FMU runs where both libraries of C are at least as new as docs/fmu.md says."""
-    needed = binaries.read_elf((binary_folder / LINUX64.folder / "pythonfmu-export.so").read_bytes()).versions
+    needed = binaries.read_elf(binary_folder / LINUX64.folder / "pythonfmu-export.so").versions
     text = (SOURCES.parents[1] / "docs" / "fmu.md").read_text()
     for family in ("GLIBC_", "GLIBCXX_"):
         numbers = [name.removeprefix(family) for name in needed if name.startswith(family)]
