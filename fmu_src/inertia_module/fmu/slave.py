@@ -1,8 +1,7 @@
 """The Python slave: FMI calls as pythonfmu passes them on, over one model in memory.
 
 Nothing may be raised out of a callback: pythonfmu turns it into fmi2Fatal and corrupts memory. What
-is refused is logged and kept in mind; the only status this shell can return is the fmi2Discard of a
-step, so a bad instance answers every step with it.
+is refused is logged: the library in front (front/front.c) answers a call by the worst status logged in it.
 """
 
 from __future__ import annotations
@@ -64,13 +63,13 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
         """The phase, for messages."""
         return "refused at the end of initialization" if self._refusal else self._phase
 
-    def _out_of_order(self, call: str, allowed: str) -> None:
+    def _out_of_order(self, call: str, when: str) -> None:
         self._say(
-            f"{call} is refused: the instance is {self._condition}, allowed is {allowed}", Fmi2Status.error
+            f"{call} is refused: the instance is {self._condition}, allowed is {when}", Fmi2Status.error
         )
 
     def _refuse(self, message: str) -> None:
-        """Log a refusal and answer every step with fmi2Discard from now on."""
+        """Log a refusal and refuse every step from now on."""
         self._refusal = message
         self._say(message, Fmi2Status.error)
 
@@ -279,11 +278,9 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
             self._instance.restore(
                 state[end:], must_be_started=phase in (STEPPING, TERMINATED) and not refusal
             )
-        except Refused as error:
-            self._say(str(error), Fmi2Status.error)
-            return
         except Exception as error:
-            self._say(f"a damaged state is refused: {error}", Fmi2Status.error)
+            reason = str(error) if isinstance(error, Refused) else f"a damaged state is refused: {error}"
+            self._say(reason, Fmi2Status.error)
             return
         tolerance = array("d", state[1:9])[0]
         self._tolerance = None if math.isnan(tolerance) else tolerance
