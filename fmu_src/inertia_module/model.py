@@ -5,13 +5,32 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import NamedTuple
 
 from . import driven_shaft_messages, driven_shaft_variables, messages, variables
 from .entries import DRIVEN_SHAFT as SHAFT_ENTRY
 from .entries import ENTRIES
 from .entries import MODULE as MODULE_ENTRY
-from .kernel import driven_shaft, entry
+from .kernel import driven_shaft, entry, slots
 from .variables import INPUT, PARAMETER, Variable, with_causality
+
+
+class Bound(NamedTuple):
+    """A number of a state that the kernel takes for an index or a choice.
+
+    Attributes:
+        array: "d", the constants, or "x", the state. slot: its place there.
+        most: allowed are the whole multiples of `multiple` from 0 to this.
+    """
+
+    array: str
+    slot: int
+    most: int
+    multiple: int = 1
+
+    def accepts(self, value: float) -> bool:
+        """Whether it may have this value."""
+        return 0.0 <= value <= self.most and value % self.multiple == 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,6 +47,7 @@ class Model:
             depend on all inputs and parameters but idle_at_start.
         late: variables that the kernel's STEP_ONLY leaves aside and OUTPUTS fills in.
         traced: variables that a log of every step shows.
+        bounds: of the numbers in d and x that are used as an index or a choice.
     """
 
     name: str
@@ -43,6 +63,7 @@ class Model:
     given_at_start: Mapping[str, frozenset[str]] = field(default_factory=dict)
     late: frozenset[str] = frozenset()
     traced: tuple[str, ...] = ()
+    bounds: tuple[Bound, ...] = ()
 
     @cached_property
     def by_name(self) -> dict[str, Variable]:
@@ -123,6 +144,12 @@ INERTIA_MODULE = Model(
         }
     ),
     traced=("contact_mode", "contact_switches", "rhs_evaluations", "omega2", "omega_out"),
+    bounds=(
+        Bound("d", slots.D_MAP_FORWARD, slots.MAP_ROWS),
+        Bound("d", slots.D_MAP_BACKWARD, slots.MAP_ROWS),
+        Bound("x", slots.X_MODE, slots.HELD_DRIVING),
+        Bound("x", slots.X_MAP_ROW, slots.D_SIZE - slots.MAP_ROW, slots.MAP_ROW),
+    ),
 )
 
 _SHAFT = frozenset({"hub_speed", "shaft_stiffness", "shaft_damping", "omega_out_start", "twist_start"})

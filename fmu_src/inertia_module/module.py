@@ -203,11 +203,14 @@ class ModelInstance:
         head = self._magic + struct.pack("<?", self.started) + source_hash().encode()
         return head + b"".join(values.tobytes() for values in self._arrays[:5])
 
-    def restore(self, saved: bytes) -> None:
+    def restore(self, saved: bytes, must_be_started: bool = False) -> None:
         """Take over a state of save.
 
+        Args:
+            saved: the state. must_be_started: refuse one that was saved before the start.
+
         Raises:
-            Refused: it is not one, or of another build; nothing is changed.
+            Refused: it is not one, is damaged or of another build; nothing is changed.
         """
         head = len(self._magic) + 1
         start = head + len(source_hash())
@@ -218,12 +221,25 @@ class ModelInstance:
             )
         if saved[head:start] != source_hash().encode():
             raise Refused("a state of another build is refused: allowed is one saved by this build")
-        self.load_kernel()
-        self.started = bool(saved[len(self._magic)])
+        started = saved[head - 1] != 0
+        parts = []
         for values in self._arrays[:5]:
             end = start + 8 * len(values)
-            memoryview(values).cast("B")[:] = saved[start:end]
+            parts.append(array("d", saved[start:end]))
             start = end
+        if must_be_started and not started:
+            raise Refused("a state saved before the start is refused: it must be one that can step")
+        self._check_sound(started, dict(zip("pduxy", parts, strict=True)))
+        self.load_kernel()
+        self.started = started
+        for values, part in zip(self._arrays, parts, strict=False):
+            memoryview(values)[:] = part
+
+    def _check_sound(self, started: bool, parts: dict[str, array[float]]) -> None:
+        """Refuse a state in which a number used as an index or a choice is none."""
+        sound = all(bound.accepts(parts[bound.array][bound.slot]) for bound in self.model.bounds)
+        if not sound or (started and refused_parameters(list(parts["p"]), self.model.variables)):
+            raise Refused("a damaged state is refused: allowed is one saved by this build")
 
     def snapshot(self) -> dict[str, Any]:
         """All variables by name."""

@@ -22,6 +22,7 @@ from ..kernel_ir import tool_versions
 from ..model import Model
 from .archive import DESCRIPTION, archive, generation_date, guid_of
 from .description import PYTHON_CAPABILITIES, model_description
+from .linking import link_front
 from .native_fmu import NativeFmu, library, papers
 from .targets import TARGETS
 
@@ -44,6 +45,9 @@ BUNDLED = (
     "fmu/slaves.py",
     "kernel/*.py",
 )
+
+# pythonfmu's library beside our own, which has the name a host looks for
+BEHIND = "pythonfmu-export"
 
 Progress = Callable[[str], None]
 
@@ -95,6 +99,21 @@ def shipped_libraries(fmu: PythonFmu, progress: Progress) -> tuple[dict[str, byt
     return files, skipped
 
 
+def fronts(fmu: PythonFmu) -> tuple[dict[str, bytes], dict[str, str]]:
+    """Our libraries in front of pythonfmu's, by path in the FMU, and those skipped, with the reason."""
+    files, skipped = {}, {}
+    for target in TARGETS:
+        if f"{target.folder}{target.suffix}" not in SHIPPED_NAMES.values():
+            continue
+        try:
+            front = link_front(target, f"{BEHIND}{target.suffix}")
+        except CompilationUnavailable as reason:
+            skipped[f"front of {fmu.identifier} for {target.label} (see docs/fmu.md)"] = str(reason)
+            continue
+        files[f"binaries/{target.folder}/{fmu.identifier}{target.suffix}"] = front
+    return files, skipped
+
+
 def _pack(identifier: str, files: dict[str, bytes], label: str) -> dict[str, bytes]:
     """Let pythonfmu pack script and package; the archive's content by name."""
     with tempfile.TemporaryDirectory() as folder:
@@ -117,9 +136,9 @@ def _pack(identifier: str, files: dict[str, bytes], label: str) -> dict[str, byt
             return {name: packed_archive.read(name) for name in packed_archive.namelist()}
 
 
-def _guid(fmu: PythonFmu, package: Mapping[str, bytes]) -> str:
+def _guid(fmu: PythonFmu, files: Mapping[str, bytes]) -> str:
     made_from = (
-        dict(package)
+        dict(files)
         | papers(fmu.model, fmu.picture)
         | sources("fmu/python_fmu.py")
         | tool_versions("pythonfmu")
@@ -130,15 +149,20 @@ def _guid(fmu: PythonFmu, package: Mapping[str, bytes]) -> str:
 
 def guid(fmu: PythonFmu) -> str:
     """Hash of all that the FMU is made from: the package it brings along, and what packs it."""
-    return _guid(fmu, bundled_files() | shipped_libraries(fmu, lambda stage: None)[0])
+    return _guid(fmu, bundled_files() | shipped_libraries(fmu, lambda stage: None)[0] | fronts(fmu)[0])
 
 
 def python_fmu(fmu: PythonFmu, progress: Progress = lambda stage: None) -> tuple[bytes, dict[str, str]]:
     """The content of an FMU's file, and what was left out of it, with the reason."""
     shipped, skipped = shipped_libraries(fmu, progress)
     package = bundled_files() | shipped
+    in_front, without = fronts(fmu)
+    made_for = _guid(fmu, package | in_front)
     description = model_description(
-        fmu.model, fmu.identifier, _guid(fmu, package), generation_date(), PYTHON_CAPABILITIES
+        fmu.model, fmu.identifier, made_for, generation_date(), PYTHON_CAPABILITIES
     )
     content = _pack(fmu.identifier, package, content_hash(package)[:12]) | papers(fmu.model, fmu.picture)
-    return archive(content | {DESCRIPTION: description}), skipped
+    for path, front in in_front.items():
+        content[path.replace(fmu.identifier, BEHIND)] = content[path]
+        content[path] = front
+    return archive(content | {DESCRIPTION: description}), skipped | without

@@ -6,7 +6,7 @@ import math
 from string import Formatter
 
 from ..entries import ENTRIES
-from ..model import Model
+from ..model import Bound, Model
 from ..variables import BOOLEAN, ENUMERATION, ENUMERATIONS, INPUT, OUTPUT, PARAMETER, REAL, Variable
 
 _ARRAYS = {PARAMETER: "PARAMETERS", INPUT: "INPUTS"}
@@ -77,6 +77,11 @@ def _message(status: int, text: str, model: Model) -> list[str]:
     return [*lines, '    {"", LAST_PIECE, 0},', "};"]
 
 
+def _bound(bound: Bound) -> str:
+    array = {"d": "CONSTANTS", "x": "STATE"}[bound.array]
+    return f"{{{array}, {bound.slot}, {number(bound.most)}, {number(bound.multiple)}}}"
+
+
 def c_tables(model: Model, guid: str) -> str:
     """C source of the model's tables.
 
@@ -108,10 +113,15 @@ def c_tables(model: Model, guid: str) -> str:
         "",
         f"static const size_t traced[] = {{{traced}}};",
         "",
+        "static const struct bound bounds[] = {",
+        *(f"    {_bound(bound)}," for bound in model.bounds or (Bound("d", 0, 0),)),
+        "};",
+        "",
         "const struct model model = {",
         f"    {quoted(model.name)}, {quoted(guid)}, variables, {len(references)}, {inputs}, {tolerance},",
         f"    {n_p}, {n_d}, {n_u}, {n_x}, {n_y}, {n_w},",
         f"    messages, {len(model.messages)}, traced, {len(model.traced)},",
+        f"    bounds, {len(model.bounds)},",
         "};",
         "",
     ]

@@ -48,6 +48,14 @@ struct message {
     const struct piece *pieces;
 };
 
+/* A number of the constants d or the state x that the kernel takes for an index or a choice. */
+struct bound {
+    enum { CONSTANTS, STATE } of;
+    size_t slot;
+    double most;     /* allowed are the whole multiples from 0 to this */
+    double multiple;
+};
+
 struct model {
     const char *name;
     const char *guid;
@@ -60,6 +68,8 @@ struct model {
     size_t message_count;
     const size_t *traced; /* value references shown of each step in the log category logSteps */
     size_t traced_count;
+    const struct bound *bounds;
+    size_t bound_count;
 };
 
 extern const struct model model;
