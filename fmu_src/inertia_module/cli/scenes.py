@@ -9,7 +9,6 @@ from typing import Annotated
 import typer
 
 from .shared import (
-    TABLE_WIDTH,
     Json,
     OutputFolder,
     app,
@@ -99,14 +98,12 @@ def tradeoff(
     as_json: Json = False,
 ) -> None:
     """Measure error against cost: fidelity, method, tolerance or step, communication step (out/tradeoff)."""
-    from rich.console import Console
-
     from ..drive import progress_bar
     from ..scene import load_scene
     from ..studies import tradeoff as study
     from ..studies.choice import recommend as choose_cheapest
+    from ..studies.levels import print_levels
     from ..studies.peers import PEERS
-    from ..studies.report import rich_table
 
     with one_line_errors(), progress_bar("measuring the trade") as progress:
         folder = folder_for(output, "tradeoff")
@@ -127,7 +124,9 @@ def tradeoff(
         listed = {"files": {name: str(file) for name, file in files.items()}}
         typer.echo(json.dumps({**study.study_as_dict(found), **recommended, **listed}))
         return
-    Console(width=TABLE_WIDTH).print(rich_table(found.title, found.rows, found.names))
+    step = (found.rows[0] if choice is None else choice.row).communication_step
+    shown = [row for row in found.rows if row.communication_step == step]
+    print_levels(found.title, shown, names, allowed)
     for line in study.closing_lines(found, choice):
         typer.echo(line)
     for name, file in files.items():

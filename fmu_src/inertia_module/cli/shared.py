@@ -11,8 +11,6 @@ import typer
 
 BUILD_FOLDER = Path("build")
 OUTPUT_FOLDER = Path("out")
-# columns of a wide table: a narrower console wraps its lines
-TABLE_WIDTH = 160
 
 app = typer.Typer(
     help="Inertia module: an inertial torque transformer as an FMI 2.0 co-simulation FMU.",
@@ -54,13 +52,14 @@ def folder_for(output: Path | None, *default: str) -> Path:
 
 def show_table(title: str, rows: dict[str, str]) -> None:
     """Print headings and values as a table."""
-    from rich.console import Console
     from rich.table import Table
+
+    from ..terminal import terminal
 
     table = Table(title=title, title_justify="left", show_header=False)
     for heading, value in rows.items():
         table.add_row(heading, value)
-    Console(soft_wrap=True).print(table)
+    terminal().print(table)
 
 
 def current_fmu() -> Path:
