@@ -17,6 +17,7 @@ from .shared import (
     one_line_errors,
     share,
     show_table,
+    turning,
 )
 
 
@@ -137,12 +138,16 @@ def tradeoff(
 def chart(
     scenes: Annotated[list[Path], typer.Argument(metavar="SCENE.toml...", help="Scenes to compare.")],
     output: OutputFolder = None,
+    speed: Annotated[
+        str | None,
+        typer.Option(metavar="SPEED", help="Torques at this input speed, and a converter table: '3000 rpm'."),
+    ] = None,
     as_json: Json = False,
 ) -> None:
     """Torque converter charts of mechanisms: a CSV each and one figure (out/chart without -o)."""
     from ..chart import torque_converter_chart
     from ..chart_figure import chart_figure
-    from ..results import write_figure
+    from ..results import write_columns, write_figure
     from ..scene import load_scene
 
     with one_line_errors():
@@ -150,16 +155,22 @@ def chart(
         names = [scene.stem for scene in scenes]
         if len(set(names)) < len(names):
             raise ValueError(f"scenes {', '.join(names)} are refused: allowed are files of different names")
+        omega1 = None if speed is None else turning(speed)
         charts = {
-            name: torque_converter_chart(load_scene(scene).parameters())
+            name: torque_converter_chart(load_scene(scene).parameters(), (omega1 or 0.0) < 0.0)
             for name, scene in zip(names, scenes, strict=True)
         }
         files = [str(found.save(folder / f"{name}.csv")) for name, found in charts.items()]
+        for name, found in charts.items() if omega1 is not None else ():
+            columns = found.converter_table(omega1)
+            files.append(str(write_columns(folder / f"{name}_converter.csv", columns)))
         files.append(str(write_figure(folder / "chart.png", chart_figure(charts))))
+    summaries = {name: found.summary(omega1) for name, found in charts.items()}
+    units = {name: found.units(omega1) for name, found in charts.items()}
     if as_json:
-        summaries = {name: found.summary() for name, found in charts.items()}
-        typer.echo(json.dumps({"charts": summaries, "files": files}))
+        typer.echo(json.dumps({"charts": summaries, "units": units, "files": files}))
         return
-    for name, found in charts.items():
-        show_table(name, {key.replace("_", " "): f"{value:.6g}" for key, value in found.summary().items()})
+    for name, numbers in summaries.items():
+        rows = {key: f"{value:.6g} {units[name][key]}".rstrip() for key, value in numbers.items()}
+        show_table(name, {key.replace("_", " "): text for key, text in rows.items()})
     typer.echo("\n".join(files))

@@ -104,3 +104,19 @@ def share(option: str, text: str | None) -> float | None:
         return checked(text, "1", maximum=1.0, above=0.0)
     except ValueError as error:
         raise ValueError(f"{option} = {text!r} is refused: {error}") from None
+
+
+def turning(text: str) -> float:
+    """An input speed given on the command line, such as "3000 rpm", in rad/s; negative backwards."""
+    from ..scene.units import to_si
+    from ..variables import LARGEST_SPEED
+
+    try:
+        omega1 = to_si(text, "rad/s")
+    except ValueError:
+        omega1 = 0.0
+    if not 0.0 < abs(omega1) <= LARGEST_SPEED:
+        raise ValueError(
+            f"--speed must be a speed up to {LARGEST_SPEED:g} rad/s, not 0, such as '3000 rpm', is {text!r}"
+        )
+    return omega1
