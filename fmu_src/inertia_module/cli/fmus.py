@@ -58,10 +58,12 @@ def check(
     with one_line_errors():
         report = check_fmu(fmu)
     if as_json:
-        found = {"facts": report.facts, "problems": report.problems, "outputs": report.outputs}
-        typer.echo(json.dumps({"fmu": str(fmu)} | found))
+        found = {"facts": report.facts, "problems": report.problems, "warnings": report.warnings}
+        typer.echo(json.dumps({"fmu": str(fmu)} | found | {"outputs": report.outputs}))
     else:
         show_table(str(fmu), report.facts)
+        for warning in report.warnings:
+            typer.echo(f"warning: {warning}", err=True)
         for problem in report.problems:
             typer.echo(f"problem: {problem}")
         typer.echo("no problems found" if not report.problems else f"{len(report.problems)} problems found")

@@ -69,8 +69,11 @@ def run(
         }
     if as_json:
         listed = {name: str(file) for name, file in files.items()}
-        typer.echo(json.dumps({"scene": str(scene), "summary": summary, "files": listed}))
+        warned = {"warnings": list(result.warnings)}
+        typer.echo(json.dumps({"scene": str(scene), "summary": summary, **warned, "files": listed}))
         return
+    for warning in result.warnings:
+        typer.echo(f"warning: {warning}", err=True)
     rows = {
         name.replace("_", " "): f"{value:.6g} {result.units[name]}".rstrip()
         for name, value in result.summary.items()
@@ -161,9 +164,11 @@ def chart(
             for name, scene in zip(names, scenes, strict=True)
         }
         files = [str(found.save(folder / f"{name}.csv")) for name, found in charts.items()]
-        for name, found in charts.items() if omega1 is not None else ():
-            columns = found.converter_table(omega1)
-            files.append(str(write_columns(folder / f"{name}_converter.csv", columns)))
+        if omega1 is not None:
+            tables = {name: found.converter_table(omega1) for name, found in charts.items()}
+            files += [
+                str(write_columns(folder / f"{name}_converter.csv", table)) for name, table in tables.items()
+            ]
         files.append(str(write_figure(folder / "chart.png", chart_figure(charts))))
     summaries = {name: found.summary(omega1) for name, found in charts.items()}
     units = {name: found.units(omega1) for name, found in charts.items()}
