@@ -108,7 +108,7 @@ def share(option: str, text: str | None) -> float | None:
 
 def turning(text: str) -> float:
     """An input speed given on the command line, such as "3000 rpm", in rad/s; negative backwards."""
-    from ..scene.units import to_si
+    from ..units import to_si
     from ..variables import LARGEST_SPEED
 
     try:
