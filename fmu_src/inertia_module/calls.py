@@ -11,9 +11,7 @@ from typing import Any, NamedTuple, Self
 
 from .descriptions import read_description
 from .errors import DriveError
-from .logs import callbacks_of
-
-FMI_WARNING = 1
+from .logs import WARNING, callbacks_of
 
 
 class Kept(NamedTuple):
@@ -31,7 +29,7 @@ class Instance:
 
     Attributes:
         time: the communication point reached, s.
-        messages: what the FMU logged, oldest first.
+        messages: what the FMU logged, oldest first. warnings: those of them that are warnings.
         variables: fmpy's, by name. units: unit of each variable that has one.
 
     Raises:
@@ -42,6 +40,7 @@ class Instance:
         self.path = Path(path)
         self.time = start_time
         self.messages: list[str] = []
+        self.warnings: list[str] = []
         self._errors: list[str] = []
         self._kept: list[Kept] = []
         self._folder: str | None = None
@@ -80,7 +79,9 @@ class Instance:
     def hear(self, status: int, message: str) -> None:
         """Take a log message of the FMU; status as in FMI 2.0."""
         self.messages.append(message)
-        if status > FMI_WARNING:
+        if status == WARNING:
+            self.warnings.append(message)
+        elif status > WARNING:
             self._errors.append(message)
 
     def _call(self, function: str, *arguments: Any) -> Any:

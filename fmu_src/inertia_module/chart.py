@@ -3,7 +3,8 @@
 The chart of a hydrodynamic converter plots torque ratio, efficiency and capacity over the speed ratio
 (SAE J643). Here everything goes with the square of the input speed as well, so one chart holds for all
 speeds. The mechanism is ideal: the efficiency is 1 and the torque ratio one over the speed ratio; at
-stall it passes torque and takes no power. What tells mechanisms apart is the torque they pass.
+stall it passes torque and takes no power, so torque ratio and capacity factor are given above it only
+(converter_table). What tells mechanisms apart is the torque they pass.
 """
 
 from __future__ import annotations
@@ -33,8 +34,9 @@ _UNITS = {
     "ripple": "N.m.s2",
     "peak": "N.m.s2",
     "lock_up_torque": "N.m.s2",
-    "capacity_factor": "rad/s/(N.m)^0.5",
 }
+# the numbers of summary that are no torques
+_RATIOS = ("least_torque_ratio", "end_ratio", "stall_peak_over_mean")
 
 
 @dataclass(frozen=True)
@@ -44,8 +46,7 @@ class TorqueConverterChart:
     Attributes:
         speed_ratio: output over input speed, magnitudes, rising from 0.
         output_torque, input_torque: mean torques, N m s^2.
-        torque_ratio: output over input torque (infinite at stall). efficiency: 1.
-        capacity_factor: K = omega1 / sqrt(input torque), infinite where none is taken.
+        efficiency: output over input power, 1.
         link2_ratio: mean speed of link 2 over the input speed.
         ripple: RMS of the output torque about its mean, N m s^2. peak: its largest value.
         lock_up_torque: what lock-up at ratio 1 can hold, N m s^2, the same in all rows;
@@ -55,9 +56,7 @@ class TorqueConverterChart:
     speed_ratio: Array
     output_torque: Array
     input_torque: Array
-    torque_ratio: Array
     efficiency: Array
-    capacity_factor: Array
     link2_ratio: Array
     ripple: Array
     peak: Array
@@ -85,15 +84,45 @@ class TorqueConverterChart:
         torque: Array = np.interp(ratios, self.speed_ratio, self.output_torque, right=0.0)
         return torque
 
-    def summary(self) -> dict[str, float]:
-        """The numbers to compare mechanisms by."""
-        return {
+    def summary(self, omega1: float | None = None) -> dict[str, float]:
+        """The numbers to compare mechanisms by.
+
+        Args:
+            omega1: speed of the input for the torques, rad/s; without it they are over omega1 squared.
+        """
+        numbers = {
             "stall_torque": self.stall_torque,
             "least_torque": float(self.output_torque.min()),
             "least_torque_ratio": self.lowest_ratio,
             "end_ratio": self.end_ratio,
             "lock_up_torque": float(self.lock_up_torque[0]),
             "stall_peak_over_mean": float(self.peak[0] / self.stall_torque) if self.stall_torque else 0.0,
+        }
+        square = 1.0 if omega1 is None else omega1 * omega1
+        return {name: value if name in _RATIOS else square * value for name, value in numbers.items()}
+
+    def units(self, omega1: float | None = None) -> dict[str, str]:
+        """Units of the numbers of summary, "" for ratios."""
+        torque = "N.m.s2" if omega1 is None else "N.m"
+        return {name: "" if name in _RATIOS else torque for name in self.summary()}
+
+    def converter_table(self, omega1: float) -> dict[str, Array]:
+        """What models of torque converters ask for, at an input speed, by heading; shape (m,), all finite.
+
+        The rows are those in which power is taken: without stall, and without an end at which no torque is
+        passed. The capacity factor is K = omega1 / sqrt(input torque).
+
+        Args:
+            omega1: speed of the input, rad/s, not 0.
+        """
+        taken = self.input_torque > 0.0
+        given, passed = self.input_torque[taken], self.output_torque[taken]
+        return {
+            "speed_ratio": self.speed_ratio[taken],
+            "torque_ratio": passed / given,
+            "capacity_factor [rad/s/(N.m)^0.5]": 1.0 / np.sqrt(given),
+            "output_torque [N.m]": omega1 * omega1 * passed,
+            "input_torque [N.m]": omega1 * omega1 * given,
         }
 
     def save(self, path: Path | str) -> Path:
@@ -154,12 +183,6 @@ def torque_converter_chart(
         rates = average_rates.driving_rates(d, place, header, 1.0, 0.0, float(ratio))  # type: ignore[no-untyped-call]
         torque[n], link2[n] = rates[0], rates[3]
         ripple[n], peak[n] = average_rates.ripple_at(d, place, header, sign, float(ratio))  # type: ignore[no-untyped-call]
-    taken = ratios * torque
-    with np.errstate(divide="ignore"):
-        torque_ratio = 1.0 / ratios
-        capacity = 1.0 / np.sqrt(taken)
     lock = d[slots.D_MAP_LOCK] if d[header + 2] else 0.0
     one = np.ones(ratios.size)
-    return TorqueConverterChart(
-        ratios, torque, taken, torque_ratio, one, capacity, link2, ripple, peak, lock * one
-    )
+    return TorqueConverterChart(ratios, torque, ratios * torque, one, link2, ripple, peak, lock * one)

@@ -34,10 +34,10 @@ def progress_bar(title: str, total: float = 1.0) -> Iterator[Progress]:
     Yields:
         A function to call with how much of total is done.
     """
-    from rich.progress import Progress as Bar
+    from .terminal import progress
 
     started = clock.monotonic()
-    bar = Bar(transient=True)
+    bar = progress()
     task = bar.add_task(title, total=total)
     shown = False
 

@@ -48,7 +48,7 @@ class Fmu(Instance):
 
     Attributes:
         time: the communication point reached, s.
-        messages: what the FMU logged, oldest first.
+        messages: what the FMU logged, oldest first. warnings: those of them that are warnings.
         variables: fmpy's, by name. units: unit of each variable that has one.
 
     Raises:

@@ -42,6 +42,7 @@ class Model:
         introduction: how to use it, sentences. variables: its table.
         entry: name of its kernel in entries.ENTRIES. call: the same as plain Python.
         messages: what it says for each status of its kernel but OK (see messages.MESSAGES).
+        warnings: what it says of a mechanism that is accepted but cannot be built (see messages.WARNINGS).
         zero_at_start: outputs that are zero at initialisation.
         given_at_start: outputs that depend at initialisation on these names alone. All other outputs
             depend on all inputs and parameters but idle_at_start.
@@ -64,6 +65,7 @@ class Model:
     late: frozenset[str] = frozenset()
     traced: tuple[str, ...] = ()
     bounds: tuple[Bound, ...] = ()
+    warnings: Mapping[int, str] = field(default_factory=dict)
 
     @cached_property
     def by_name(self) -> dict[str, Variable]:
@@ -85,6 +87,19 @@ class Model:
         Args:
             status: what the kernel answered. parameters, inputs: by slot. step: communication step, s.
         """
+        return self._filled(self.messages[status], parameters, inputs, step)
+
+    def warn(self, found: int, parameters: Sequence[float], inputs: Sequence[float]) -> list[str]:
+        """The sentences for a sum of warnings of the kernel.
+
+        Args:
+            found: what the kernel answered. parameters, inputs: by slot.
+        """
+        texts = [text for number, text in self.warnings.items() if found & number]
+        return [self._filled(text, parameters, inputs, 0.0) for text in texts]
+
+    def _filled(self, text: str, parameters: Sequence[float], inputs: Sequence[float], step: float) -> str:
+        """A sentence with the values in their places."""
         values = {"step": f"{step:.16g}"}
         for variable in self.with_causality(PARAMETER):
             values[variable.name] = f"{parameters[variable.slot]:.16g}"
@@ -92,7 +107,7 @@ class Model:
         for variable in given:
             values[variable.name] = f"{inputs[variable.slot]:.16g}"
             values[f"{variable.name}_rate"] = f"{inputs[len(given) + variable.slot]:.16g}"
-        return self.messages[status].format_map(values)
+        return text.format_map(values)
 
     def known_at_start(self, output: str) -> frozenset[str]:
         """Inputs and parameters an output depends on at initialisation."""
@@ -123,6 +138,7 @@ INERTIA_MODULE = Model(
     entry=MODULE_ENTRY,
     call=entry.call,
     messages=messages.MESSAGES,
+    warnings=messages.WARNINGS,
     idle_at_start=frozenset(
         {
             *("tolerance", "max_step", "method", "input_hold"),

@@ -12,6 +12,7 @@ from . import compiled, maps
 from .entries import MODULE, CompilationUnavailable, source_hash
 from .errors import Refused
 from .kernel import slots
+from .kernel.clearance import WARN
 from .model import DRIVEN_SHAFT, INERTIA_MODULE, Model
 from .variables import INPUT, OUTPUT, PARAMETER, default_parameters, refused_parameters
 
@@ -184,6 +185,11 @@ class ModelInstance:
     def _check(self, status: int, step_size: float) -> None:
         if status != slots.OK:
             raise Refused(self.model.explain(status, list(self.parameters), list(self.inputs), step_size))
+
+    def warnings(self) -> list[str]:
+        """What cannot be built of a mechanism whose parameters are accepted: a sentence each."""
+        found = self.call(WARN, 0.0) if self.model.warnings else 0
+        return self.model.warn(found, list(self.parameters), list(self.inputs))
 
     def __getitem__(self, name: str) -> float:
         """Value of any variable by its name."""

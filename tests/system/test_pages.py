@@ -4,6 +4,7 @@ import re
 import runpy
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -44,6 +45,15 @@ def test_every_variable_is_in_the_documentation():
     assert all(
         f"| `{variable.name}` |" in page for variable in (*INERTIA_MODULE.variables, *DRIVEN_SHAFT.variables)
     )
+
+
+def test_page_on_development_tells_the_floors_that_are_enforced():
+    (contract, *_) = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"]
+    enforced = [re.findall(r"inertia_module\.(\w+)", layer) for layer in contract["layers"]]
+    page = (ROOT / "docs" / "development.md").read_text()
+    table = page[page.index("| floor | what |") : page.index("Floors only import downwards")]
+    told = [re.findall(r"`(\w+)`", line.split("|")[1]) for line in table.strip().splitlines()[2:]]
+    assert told == enforced
 
 
 def test_links_of_the_readme_lead_somewhere():

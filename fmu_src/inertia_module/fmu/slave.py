@@ -110,8 +110,13 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
             self._out_of_order("exitInitializationMode", "after enterInitializationMode")
             return
         self._phase = STEPPING
-
         self._guarded(self._start)
+        if not self._refusal:
+            self._guarded(self._warn)
+
+    def _warn(self) -> None:
+        for message in self._instance.warnings():
+            self._say(message, Fmi2Status.warning)
 
     def _start(self) -> None:
         tolerance = self._instance.model.by_name.get("tolerance")

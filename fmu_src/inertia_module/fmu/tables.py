@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from string import Formatter
 
 from ..entries import ENTRIES
@@ -69,12 +70,19 @@ def _number_of(field: str | None, model: Model) -> tuple[str, int]:
     return ("INPUT_NUMBER" if variable.causality == INPUT else "PARAMETER_NUMBER"), variable.slot
 
 
-def _message(status: int, text: str, model: Model) -> list[str]:
-    lines = [f"static const struct piece pieces_{status}[] = {{"]
-    for before, field, _, _ in Formatter().parse(text):
-        kind, slot = _number_of(field, model)
-        lines.append(f"    {{{quoted(before)}, {kind}, {slot}}},")
-    return [*lines, '    {"", LAST_PIECE, 0},', "};"]
+def _messages(name: str, texts: Mapping[int, str], model: Model) -> list[str]:
+    """An array of this name with the sentences by number, each in pieces (none, if there are none)."""
+    if not texts:
+        return []
+    lines = []
+    for number, text in texts.items():
+        lines.append(f"static const struct piece {name}_{number}[] = {{")
+        for before, field, _, _ in Formatter().parse(text):
+            kind, slot = _number_of(field, model)
+            lines.append(f"    {{{quoted(before)}, {kind}, {slot}}},")
+        lines += ['    {"", LAST_PIECE, 0},', "};", ""]
+    rows = [f"    {{{number}, {name}_{number}}}," for number in texts]
+    return [*lines, f"static const struct message {name}[] = {{", *rows, "};", ""]
 
 
 def _bound(bound: Bound) -> str:
@@ -104,13 +112,9 @@ def c_tables(model: Model, guid: str) -> str:
         "};",
         "",
     ]
-    for status, text in model.messages.items():
-        lines += [*_message(status, text, model), ""]
+    lines += _messages("messages", model.messages, model) + _messages("warnings", model.warnings, model)
+    warnings = "warnings" if model.warnings else "NULL"
     lines += [
-        "static const struct message messages[] = {",
-        *(f"    {{{status}, pieces_{status}}}," for status in model.messages),
-        "};",
-        "",
         f"static const size_t traced[] = {{{traced}}};",
         "",
         "static const struct bound bounds[] = {",
@@ -120,8 +124,8 @@ def c_tables(model: Model, guid: str) -> str:
         "const struct model model = {",
         f"    {quoted(model.name)}, {quoted(guid)}, variables, {len(references)}, {inputs}, {tolerance},",
         f"    {n_p}, {n_d}, {n_u}, {n_x}, {n_y}, {n_w},",
-        f"    messages, {len(model.messages)}, traced, {len(model.traced)},",
-        f"    bounds, {len(model.bounds)},",
+        f"    messages, {len(model.messages)}, {warnings}, {len(model.warnings)},",
+        f"    traced, {len(model.traced)}, bounds, {len(model.bounds)},",
         "};",
         "",
     ]

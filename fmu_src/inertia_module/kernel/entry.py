@@ -1,5 +1,6 @@
 """The one entry of the compiled kernel of the module: all its operations (see :mod:`.slots`)."""
 
+from .clearance import WARN, warnings
 from .outputs import write_late_outputs
 from .rates import write_rates
 from .slots import *
@@ -27,6 +28,8 @@ def call(operation, p, d, u, x, y, w, h):
         return start(p, d, u, x, y)
     if operation == CHECK:
         return check(p, d, u)
+    if operation == WARN:
+        return warnings(p)
     if operation == OUTPUTS:
         write_late_outputs(p, d, x, y)
         return OK

@@ -203,6 +203,8 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component component)
         return out_of_order(c, "exitInitializationMode", "after enterInitializationMode");
     const fmi2Status status = prepare(c, fmi2Error);
     c->head[PHASE] = status == fmi2OK ? STEPPING : REFUSED;
+    if (status == fmi2OK)
+        warn(c);
     return status;
 }
 

@@ -59,6 +59,9 @@ fmi2Status out_of_order(struct instance *c, const char *call, const char *allowe
 /* Report what the model says of a status of its kernel, with the values in u. */
 fmi2Status explain(struct instance *c, fmi2Status status, int64_t answer, const double *u, double step);
 
+/* Log what cannot be built of a mechanism that is accepted. */
+void warn(struct instance *c);
+
 /* Log the traced values of a step, if that is wanted. */
 void trace(struct instance *c, double step);
 
