@@ -3,7 +3,8 @@
 The chart of a hydrodynamic converter plots torque ratio, efficiency and capacity over the speed ratio
 (SAE J643). Here everything goes with the square of the input speed as well, so one chart holds for all
 speeds. The mechanism is ideal: the efficiency is 1 and the torque ratio one over the speed ratio; at
-stall it passes torque and takes no power. What tells mechanisms apart is the torque they pass.
+stall it passes torque and takes no power, so torque ratio and capacity factor are given above it only
+(converter_table). What tells mechanisms apart is the torque they pass.
 """
 
 from __future__ import annotations
@@ -32,8 +33,9 @@ _UNITS = {
     "ripple": "N.m.s2",
     "peak": "N.m.s2",
     "lock_up_torque": "N.m.s2",
-    "capacity_factor": "rad/s/(N.m)^0.5",
 }
+# the numbers of summary that are no torques
+_RATIOS = ("least_torque_ratio", "end_ratio", "stall_peak_over_mean")
 
 
 @dataclass(frozen=True)
@@ -43,8 +45,7 @@ class TorqueConverterChart:
     Attributes:
         speed_ratio: output over input speed, magnitudes, rising from 0.
         output_torque, input_torque: mean torques, N m s^2.
-        torque_ratio: output over input torque (infinite at stall). efficiency: 1.
-        capacity_factor: K = omega1 / sqrt(input torque), infinite where none is taken.
+        efficiency: output over input power, 1.
         link2_ratio: mean speed of link 2 over the input speed.
         ripple: RMS of the output torque about its mean, N m s^2. peak: its largest value.
         lock_up_torque: what lock-up at ratio 1 can hold, N m s^2, the same in all rows;
@@ -54,9 +55,7 @@ class TorqueConverterChart:
     speed_ratio: Array
     output_torque: Array
     input_torque: Array
-    torque_ratio: Array
     efficiency: Array
-    capacity_factor: Array
     link2_ratio: Array
     ripple: Array
     peak: Array
@@ -84,15 +83,45 @@ class TorqueConverterChart:
         torque: Array = np.interp(ratios, self.speed_ratio, self.output_torque, right=0.0)
         return torque
 
-    def summary(self) -> dict[str, float]:
-        """The numbers to compare mechanisms by."""
-        return {
+    def summary(self, omega1: float | None = None) -> dict[str, float]:
+        """The numbers to compare mechanisms by.
+
+        Args:
+            omega1: speed of the input for the torques, rad/s; without it they are over omega1 squared.
+        """
+        numbers = {
             "stall_torque": self.stall_torque,
             "least_torque": float(self.output_torque.min()),
             "least_torque_ratio": self.lowest_ratio,
             "end_ratio": self.end_ratio,
             "lock_up_torque": float(self.lock_up_torque[0]),
             "stall_peak_over_mean": float(self.peak[0] / self.stall_torque) if self.stall_torque else 0.0,
+        }
+        square = 1.0 if omega1 is None else omega1 * omega1
+        return {name: value if name in _RATIOS else square * value for name, value in numbers.items()}
+
+    def units(self, omega1: float | None = None) -> dict[str, str]:
+        """Units of the numbers of summary, "" for ratios."""
+        torque = "N.m.s2" if omega1 is None else "N.m"
+        return {name: "" if name in _RATIOS else torque for name in self.summary()}
+
+    def converter_table(self, omega1: float) -> dict[str, Array]:
+        """What models of torque converters ask for, at an input speed, by heading; shape (m,), all finite.
+
+        The rows are those in which power is taken: without stall, and without an end at which no torque is
+        passed. The capacity factor is K = omega1 / sqrt(input torque).
+
+        Args:
+            omega1: speed of the input, rad/s, not 0.
+        """
+        taken = self.input_torque > 0.0
+        given, passed = self.input_torque[taken], self.output_torque[taken]
+        return {
+            "speed_ratio": self.speed_ratio[taken],
+            "torque_ratio": passed / given,
+            "capacity_factor [rad/s/(N.m)^0.5]": 1.0 / np.sqrt(given),
+            "output_torque [N.m]": omega1 * omega1 * passed,
+            "input_torque [N.m]": omega1 * omega1 * given,
         }
 
     def save(self, path: Path | str) -> Path:
@@ -126,12 +155,12 @@ class TorqueConverterChart:
 
 
 def torque_converter_chart(
-    parameters: Mapping[str, float], backward: bool = False, kernel: str = "auto"
+    parameters: Mapping[str, float | str], backward: bool = False, kernel: str = "auto"
 ) -> TorqueConverterChart:
     """The chart of a mechanism.
 
     Args:
-        parameters: of the module by name, those that differ from the defaults.
+        parameters: of the module by name, those that differ from the defaults; as in Module.set.
         backward: for omega1 < 0, where the drive turns the other way; the torque is another.
         kernel: as in Module.
 
@@ -151,12 +180,6 @@ def torque_converter_chart(
         rates = average_rates.mean_rates(side, x, 1.0, 0.0, x.omega3)  # type: ignore[no-untyped-call]
         torque[n], link2[n] = rates[0], rates[3]
         ripple[n], peak[n] = average_rates.ripple_at(side, x, side.direction)  # type: ignore[no-untyped-call]
-    taken = ratios * torque
-    with np.errstate(divide="ignore"):
-        torque_ratio = 1.0 / ratios
-        capacity = 1.0 / np.sqrt(taken)
     lock = d.map_lock if side.locks else 0.0
     one = np.ones(ratios.size)
-    return TorqueConverterChart(
-        ratios, torque, taken, torque_ratio, one, capacity, link2, ripple, peak, lock * one
-    )
+    return TorqueConverterChart(ratios, torque, ratios * torque, one, link2, ripple, peak, lock * one)

@@ -58,7 +58,7 @@ def chart_figure(charts: Mapping[str, TorqueConverterChart]) -> Figure:
 def _ratios(axes: Axes, chart: TorqueConverterChart, colour: str) -> None:
     shown = chart.speed_ratio > 1.0 / LARGEST_TORQUE_RATIO
     label = None if axes.lines else "torque ratio"
-    axes.plot(chart.speed_ratio[shown], chart.torque_ratio[shown], color=colour, label=label)
+    axes.plot(chart.speed_ratio[shown], 1.0 / chart.speed_ratio[shown], color=colour, label=label)
     label = None if len(axes.lines) > 1 else "efficiency"
     axes.plot(chart.speed_ratio, chart.efficiency, "--", color=GREEN, label=label)
     axes.set_ylim(0.0, LARGEST_TORQUE_RATIO)

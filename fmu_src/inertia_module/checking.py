@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from .instance import DriveError
+from .descriptions import existing_fmu
+from .errors import DriveError
 from .logs import messages_of_others
 
 STEPS = 100
@@ -19,12 +20,13 @@ class Report:
     """What was found out about an FMU file.
 
     Attributes:
-        path: the file. problems: one line each; empty if all is well.
+        path: the file. problems: one line each; empty if all is well. warnings: that it logs.
         facts: what it is, by heading. outputs: last value of each output stepped to.
     """
 
     path: Path
     problems: list[str] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
     facts: dict[str, str] = field(default_factory=dict)
     outputs: dict[str, float] = field(default_factory=dict)
 
@@ -46,7 +48,7 @@ def _step(path: Path, description: Any, report: Report) -> None:
 
     experiment = description.defaultExperiment
     stop = float(getattr(experiment, "stopTime", None) or 1.0)
-    with messages_of_others() as messages:
+    with messages_of_others(report.warnings) as messages:
         try:
             table = simulate_fmu(str(path), stop_time=stop, output_interval=stop / STEPS, debug_logging=True)
         except Exception as error:
@@ -71,9 +73,7 @@ def check_fmu(path: Path) -> Report:
     from fmpy import platform_tuple, read_model_description, supported_platforms
     from fmpy.validation import validate_fmu
 
-    if not path.is_file():
-        raise DriveError(f"{path} is refused: no such file; allowed is an FMU")
-    report = Report(path)
+    report = Report(existing_fmu(path))
     try:
         description = read_model_description(str(path), validate=False)
         platforms = list(supported_platforms(str(path)))

@@ -7,12 +7,16 @@ import math
 import time as clock
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .instance import DriveError, Fmu, Plant
+from .descriptions import read_description
+from .errors import Refused
+from .instance import DriveError, Fmu, Plant, as_names
 from .results import TIME, Result, TableError
+from .units import split_quantity
 
 __all__ = ["DriveError", "Fmu", "Plant", "Progress", "Result", "TableError", "drive", "progress_bar"]
 
@@ -30,10 +34,10 @@ def progress_bar(title: str, total: float = 1.0) -> Iterator[Progress]:
     Yields:
         A function to call with how much of total is done.
     """
-    from rich.progress import Progress as Bar
+    from .terminal import progress
 
     started = clock.monotonic()
-    bar = Bar(transient=True)
+    bar = progress()
     task = bar.add_task(title, total=total)
     shown = False
 
@@ -61,12 +65,45 @@ def input_table(inputs: Result | Mapping[str, ArrayLike] | Path | str) -> Result
         return inputs
     if isinstance(inputs, str | Path):
         return Result.from_csv(inputs)
-    columns = {name: np.atleast_1d(np.asarray(values, dtype=float)) for name, values in inputs.items()}
+    columns, units = {}, {}
+    for name, values in inputs.items():
+        try:
+            number, unit = split_quantity(values) if isinstance(values, str) else (values, "")
+            columns[name] = np.atleast_1d(np.asarray(number, dtype=float))
+        except (TypeError, ValueError) as error:
+            raise TableError(f"{name} must be numbers, or a string with a unit: {error}") from None
+        if unit:
+            units[name] = unit
     columns.setdefault(TIME, np.zeros(1))
     n = columns[TIME].size
-    return Result.from_columns(
-        {name: np.full(n, values[0]) if values.size == 1 else values for name, values in columns.items()}
-    )
+    constant = {name: np.full(n, values[0]) for name, values in columns.items() if values.size == 1}
+    return Result.from_columns(columns | constant, units)
+
+
+def _for_fmu(description: Any, file: str, table: Result) -> tuple[Result, list[str]]:
+    """A table in the units of an FMU, and the names of its columns that are inputs; others are measured.
+
+    Raises:
+        TableError: a column that is neither input nor output of the FMU, or in a unit of another kind.
+    """
+    variables = {variable.name: variable for variable in description.modelVariables}
+    units, given, measured = {}, [], {}
+    for name in table.names[1:]:
+        if name not in variables:
+            known = ", ".join(name for name, v in variables.items() if v.causality in ("input", "output"))
+            raise TableError(f"column {name} must be an input or an output of {file}: {known}")
+        variable = variables[name]
+        if variable.causality == "parameter" and variable.variability != "tunable":
+            raise TableError(f"column {name} must be in parameters: {file} keeps it for the whole run")
+        if variable.unit or name in table.units:
+            units[name] = variable.unit or "1"
+        if variable.causality in ("input", "parameter"):
+            given.append(name)
+        else:
+            measured[name] = f"{name}_measured"
+    table = table.converted(units)
+    columns = {measured.get(name, name): values for name, values in table.columns.items()}
+    return Result(columns, {measured.get(name, name): unit for name, unit in table.units.items()}), given
 
 
 def drive(
@@ -74,7 +111,7 @@ def drive(
     inputs: Result | Mapping[str, ArrayLike] | Path | str,
     stop_time: float,
     step: float,
-    outputs: Sequence[str] = ("omega2", "omega_out"),
+    outputs: str | Sequence[str] = ("omega2", "omega_out"),
     parameters: Mapping[str, float | bool | str] | None = None,
     tolerance: float | None = None,
     progress: Progress | None = None,
@@ -84,25 +121,28 @@ def drive(
     Args:
         path: the .fmu file.
         inputs: arrays by name (with time), a Result or a CSV file; between its rows inputs are
-            interpolated linearly, before the first and after the last they are constant.
+            interpolated linearly, before the first and after the last they are constant. Columns in other
+            units (`omega1 [rpm]`) are converted; those that the FMU computes, measured on a rig, come along.
         stop_time: s. step: communication step, s; the last one is cut to end at stop_time.
         outputs: names of variables to record. parameters, tolerance: see Fmu.
         progress: told how much of the run is done (0 to 1); by default a bar on runs over two seconds.
 
     Returns:
-        Table of time, the inputs and the outputs, shape (steps + 1,) each.
+        Table of time, the inputs, what was measured (`omega_out_measured`) and the outputs, shape
+        (steps + 1,) each.
 
     Raises:
-        DriveError: the FMU refused something. TableError: the inputs are no table.
-        ValueError: stop_time or step is not positive.
+        DriveError: the FMU refused something. TableError: the inputs are no table, or not of this FMU.
+        Refused: stop_time or step is not positive; all of these are kinds of it.
     """
     for name, value in (("stop_time", stop_time), ("step", step)):
         if not (math.isfinite(value) and value > 0.0):
-            raise ValueError(f"{name} = {value} is refused: allowed is a positive number of seconds")
-    table = input_table(inputs)
-    names = [name for name in table if name != TIME]
+            raise Refused(f"{name} must be a positive number of seconds, is {value}")
+    path, outputs = Path(path), as_names(outputs)
+    table, names = _for_fmu(read_description(path), path.name, input_table(inputs))
     times = communication_points(stop_time, step)
-    given = {name: np.interp(times, table.time, table[name]) for name in names}
+    columns = {name: np.interp(times, table.time, table[name]) for name in table.names[1:]}
+    given = {name: columns[name] for name in names}
     rows = np.empty((times.size, len(outputs)))
     start = {name: float(values[0]) for name, values in given.items()}
     with contextlib.ExitStack() as stack:
@@ -115,9 +155,9 @@ def drive(
             rows[n + 1] = fmu.read(outputs)
             if n % REPORT_STEPS == 0:
                 report((n + 1) / (times.size - 1))
-        units = fmu.units
-    columns = {TIME: times, **given, **{name: rows[:, i] for i, name in enumerate(outputs)}}
-    return Result.from_columns(columns, {name: units[name] for name in columns if name in units})
+        units = table.units | {name: fmu.units[name] for name in outputs if name in fmu.units}
+    recorded = {name: rows[:, i] for i, name in enumerate(outputs)}
+    return Result.from_columns({TIME: times, **columns, **recorded}, units)
 
 
 def communication_points(stop_time: float, step: float) -> NDArray[np.float64]:

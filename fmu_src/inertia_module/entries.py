@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import ctypes
 import functools
-import hashlib
 import types
-from pathlib import Path
 from typing import NamedTuple
 
-from . import kernel
+from .files import content_hash, sources
 from .kernel import driven_shaft_fields, fields
 from .records import Field, size
 
@@ -17,7 +15,6 @@ from .records import Field, size
 SIGNATURE = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64, *[ctypes.c_void_p] * 6, ctypes.c_double)
 # the lists of fields of p, d, u, x, y and w
 RECORDS = ("PARAMETERS", "CONSTANTS", "INPUTS", "STATE", "OUTPUTS", "WORKSPACE")
-KERNEL_FOLDER = Path(kernel.__file__).parent
 
 
 class CompilationUnavailable(RuntimeError):
@@ -53,8 +50,5 @@ ENTRIES = {MODULE: Entry("entry", fields), DRIVEN_SHAFT: Entry("driven_shaft", d
 
 @functools.cache
 def source_hash() -> str:
-    """Hash of the kernel's source files."""
-    digest = hashlib.sha256()
-    for path in sorted(KERNEL_FOLDER.rglob("*.py")):
-        digest.update(path.relative_to(KERNEL_FOLDER).as_posix().encode() + b"\0" + path.read_bytes())
-    return digest.hexdigest()[:16]
+    """Hash of the kernel's source files: by it a saved state knows its build."""
+    return content_hash(sources("kernel/**/*.py"))[:16]

@@ -82,11 +82,23 @@ def pulse_starts(table: Result) -> NDArray[np.int64]:
 # --- pulses ---
 
 
-def _pulse_panels(figure: Figure, result: SceneResult) -> None:
-    """Left the whole run, right the last pulses."""
-    table, numbers = result.record, result.summary
+def end_of_run(table: Result) -> tuple[int, str]:
+    """First row of a close-up of the end, and what it shows: the last pulses, or what came after them."""
     starts = pulse_starts(table)
-    first = int(starts[-PULSES_SHOWN]) if starts.size >= PULSES_SHOWN else int(0.9 * len(table))
+    if starts.size < PULSES_SHOWN:
+        return int(0.9 * len(table)), "the end"
+    driving, time = table["output_torque_mean"] > 0.0, table.time
+    first, last = int(starts[-PULSES_SHOWN]), int(np.flatnonzero(driving[1:] != driving[:-1])[-1])
+    if time[-1] - time[last] > time[starts[-1]] - time[first]:
+        what = "lock-up" if driving[-1] else "no more pulses"
+        return first, f"{what} from {time[last]:.4g} s on"
+    return first, f"the last {PULSES_SHOWN} pulses"
+
+
+def _pulse_panels(figure: Figure, result: SceneResult) -> None:
+    """Left the whole run, right its end."""
+    table, numbers = result.record, result.summary
+    first, shown = end_of_run(table)
     accelerated = "imbalance_acceleration" in table
     grid = figure.subplots(4 if accelerated else 3, 2, sharex="col", width_ratios=(3, 2))
     whole, close = slice(None), slice(first, None)
@@ -105,9 +117,7 @@ def _pulse_panels(figure: Figure, result: SceneResult) -> None:
         f"whole run: output shaft at {numbers['omega_out_final']:.4g} rad/s after"
         f" {numbers['simulated_time']:g} s, mean torque {numbers['output_torque_mean']:.3g} N·m",
     )
-    shown = f"the last {PULSES_SHOWN} pulses" if starts.size >= PULSES_SHOWN else "the end"
-    switches = f"{numbers['contact_switches']:.0f} switches of the freewheels in all"
-    _headline(grid[0, 1], f"{shown} ({switches})")
+    _headline(grid[0, 1], f"{shown} ({numbers['contact_switches']:.0f} switches in all)")
 
 
 def _speeds(axes: Axes, table: Result, rows: slice, zoomed: bool) -> None:

@@ -12,6 +12,7 @@ import importlib.metadata
 import importlib.util
 import lzma
 import os
+import platform
 import re
 import subprocess
 import sys
@@ -20,8 +21,8 @@ from pathlib import Path
 from typing import Any
 
 from . import kernel
-from .entries import ENTRIES, KERNEL_FOLDER, CompilationUnavailable, Entry, source_hash
-from .files import cache_folder, write_atomically
+from .entries import ENTRIES, CompilationUnavailable, Entry
+from .files import PACKAGE_FOLDER, cache_folder, content_hash, sources, write_atomically
 from .records import Field, place, size
 
 # order of numba's sets, and the processor it takes for the host: what the text would depend on
@@ -38,7 +39,7 @@ def jitted_kernel(entry: str = "entry") -> dict[str, types.ModuleType]:
     """
     numba: Any = importlib.import_module("numba")
     package = types.ModuleType(f"{kernel.__name__}_for_numba")
-    package.__path__ = [str(KERNEL_FOLDER)]
+    package.__path__ = [str(PACKAGE_FOLDER / "kernel")]
     prefix = package.__name__ + "."
     sys.modules[package.__name__] = package
     try:
@@ -63,7 +64,9 @@ def jitted_kernel(entry: str = "entry") -> dict[str, types.ModuleType]:
                 # numba compiles a function anew for each Python constant it is called with, not for these
                 setattr(module, name, numpy.int64(value))
             elif type(value) is tuple and value and all(type(number) in (int, float) for number in value):
-                setattr(module, name, numpy.array(value))  # a table: a constant in the code, indexed at run time
+                setattr(
+                    module, name, numpy.array(value)
+                )  # a table: a constant in the code, indexed at run time
     return modules
 
 
@@ -153,17 +156,28 @@ def _version(package: str) -> str:
         ) from None
 
 
-def tool_versions() -> str:
-    """The versions of what the text depends on besides the source.
+def tool_versions(*packages: str) -> dict[str, bytes]:
+    """Versions of Python and of packages, by name.
 
     Raises:
         CompilationUnavailable: one of them is not installed.
     """
-    return "-".join(_version(package) for package in NEEDED)
+    python = {platform.python_implementation(): platform.python_version()}
+    versions = python | {package: _version(package) for package in packages}
+    return {name: version.encode() for name, version in versions.items()}
+
+
+def made_from() -> dict[str, bytes]:
+    """All that the text depends on: source of the kernel, what translates it, versions of the tools.
+
+    Raises:
+        CompilationUnavailable: a tool is not installed.
+    """
+    return sources("kernel/**/*.py", "entries.py", "records.py", "kernel_ir.py") | tool_versions(*NEEDED)
 
 
 def _path(name: str) -> Path:
-    return cache_folder() / f"{name}-{source_hash()}-{tool_versions()}.ll.xz"
+    return cache_folder() / f"{name}-{content_hash(made_from())[:16]}.ll.xz"
 
 
 def is_cached(name: str) -> bool:
@@ -184,7 +198,7 @@ def kernel_ir(name: str) -> str:
     if not path.exists():
         environment = {key: value for key, value in os.environ.items() if not key.startswith("NUMBA_")}
         # the package of this file, wherever it lies
-        environment |= ENVIRONMENT | {"PYTHONPATH": str(Path(__file__).parent.parent)}
+        environment |= ENVIRONMENT | {"PYTHONPATH": str(PACKAGE_FOLDER.parent)}
         command = [sys.executable, "-m", __name__, name, str(path)]
         done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
         if done.returncode != 0:

@@ -9,6 +9,9 @@ from collections.abc import Iterator
 from ctypes import byref
 from typing import Any, Protocol
 
+# status of a warning in FMI 2.0; above it are errors
+WARNING = 1
+
 
 class Listener(Protocol):
     """Who hears the messages of an instance."""
@@ -19,7 +22,7 @@ class Listener(Protocol):
 
 # instances by the environment their callbacks carry, and who hears the messages of all others
 _listeners: weakref.WeakValueDictionary[int, Listener] = weakref.WeakValueDictionary()
-_others: list[list[str]] = []
+_others: list[tuple[list[str], list[str]]] = []
 
 
 def _dispatch(environment: int | None, instance: bytes, status: int, category: bytes, message: bytes) -> None:
@@ -30,7 +33,8 @@ def _dispatch(environment: int | None, instance: bytes, status: int, category: b
     if listener is not None:
         listener.hear(status, message.decode("utf-8", "replace"))
     elif _others and status > 0:
-        _others[-1].append(message.decode("utf-8", "replace"))
+        warnings, errors = _others[-1]
+        (warnings if status == WARNING else errors).append(message.decode("utf-8", "replace"))
     elif not _others:
         printLogMessage(environment, instance, status, category, message)
 
@@ -75,12 +79,16 @@ def callbacks_of(listener: Listener) -> Any:
 
 
 @contextlib.contextmanager
-def messages_of_others() -> Iterator[list[str]]:
-    """Collect warnings and errors of instances that fmpy makes itself."""
+def messages_of_others(warnings: list[str] | None = None) -> Iterator[list[str]]:
+    """Collect warnings and errors of instances that fmpy makes itself.
+
+    Args:
+        warnings: list for the warnings; by default they come with the errors.
+    """
     _logger()
     messages: list[str] = []
-    _others.append(messages)
+    _others.append((messages if warnings is None else warnings, messages))
     try:
         yield messages
     finally:
-        _others.remove(messages)
+        _others.pop()

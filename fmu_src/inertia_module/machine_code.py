@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import hashlib
 import importlib
 from typing import Any
 
+from . import kernel_ir
 from .entries import ENTRIES, CompilationUnavailable, Entry
-from .files import cache_folder, write_atomically
-from .kernel_ir import kernel_ir, tool_versions
+from .files import cache_folder, content_hash, sources, write_atomically
 
 # what every evaluation of the equations of motion calls: made part of its callers, which then leave out
 # the derivatives they do not want. The compiler by itself finds them too long.
@@ -35,18 +34,24 @@ def host_machine() -> tuple[Any, str]:
     llvm.initialize_native_asmprinter()
     name, features = llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
     target = llvm.Target.from_default_triple()
-    # constants in reach of short addresses: the code for a compiler in memory would build long ones
-    machine = target.create_target_machine(cpu=name, features=features, opt=3, reloc="pic", codemodel="small")
-    return machine, f"{target.triple}-{name}-{features}"
+    return _machine(target, name, features), f"{target.triple}-{name}-{features}"
 
 
-def target_machine(triple: str, processor: str) -> Any:
-    """Target machine of any platform: an LLVM triple and the least of its processors that will do."""
+def target_machine(triple: str, processor: str) -> tuple[Any, str]:
+    """Target machine of a platform, and a label: by LLVM triple and the least of its processors."""
     llvm = binding()
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
     target = llvm.Target.from_triple(triple)
-    return target.create_target_machine(cpu=processor, features="", opt=3, reloc="pic")
+    return _machine(target, processor, ""), f"{triple}-{processor}"
+
+
+def _machine(target: Any, processor: str, features: str) -> Any:
+    # Code finds all by its distance from itself, within 2 GB. llvmlite's own choice writes whole addresses
+    # into the code: the loader of macOS lets no one do that.
+    return target.create_target_machine(
+        cpu=processor, features=features, opt=3, reloc="pic", codemodel="small"
+    )
 
 
 def _is_inlined(symbol: str) -> bool:
@@ -76,6 +81,15 @@ def compile_ir(ir: str, which: Entry, machine: Any) -> bytes:
     return bytes(machine.emit_object(module))
 
 
+def made_from() -> dict[str, bytes]:
+    """All that machine code depends on besides the platform.
+
+    Raises:
+        CompilationUnavailable: a tool is not installed.
+    """
+    return kernel_ir.made_from() | sources("machine_code.py")
+
+
 def object_file(name: str, machine: Any, label: str) -> bytes:
     """Object file of an entry, kept in the cache.
 
@@ -85,9 +99,8 @@ def object_file(name: str, machine: Any, label: str) -> bytes:
     Raises:
         CompilationUnavailable: numba or llvmlite is not installed, or fails.
     """
-    ir = kernel_ir(name)
-    digest = hashlib.sha256(f"{ir}-{label}-{tool_versions()}".encode()).hexdigest()[:16]
+    digest = content_hash(made_from() | {"platform": label.encode()})[:16]
     path = cache_folder() / f"{name}-{digest}.o"
     if not path.exists():
-        write_atomically(path, compile_ir(ir, ENTRIES[name], machine))
+        write_atomically(path, compile_ir(kernel_ir.kernel_ir(name), ENTRIES[name], machine))
     return path.read_bytes()

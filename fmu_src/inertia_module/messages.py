@@ -1,8 +1,8 @@
 """What refusals by the kernel of the module say to a person: names, values and what is allowed.
 
-Each status has a sentence; {name} in it stands for the value of that parameter or input, {omega1_rate}
-and the like for the rates given, {step} for the communication step. Python and the native FMU
-fill them in.
+Each status and each warning has a sentence; {name} in it stands for the value of that parameter or
+input, {omega1_rate} and the like for the rates given, {step} for the communication step. Python and the
+native FMU fill them in.
 """
 
 from __future__ import annotations
@@ -96,4 +96,24 @@ MESSAGES: Mapping[int, str] = {
         " link2_inertia"
     ),
     codes.NOT_FINITE: not_finite(BY_NAME["omega1"], BY_NAME["load_torque"], BY_NAME["drive_torque"]),
+}
+
+# what a mechanism that is accepted is warned of, by the numbers of kernel.clearance
+WARNINGS: Mapping[int, str] = {
+    codes.PLANAR_OVERLAP: (
+        "the {satellites} satellites of a module overlap: (sun_radius + satellite_radius) sin(pi/satellites)"
+        " must be at least satellite_radius = {satellite_radius} m, with sun_radius = {sun_radius} m"
+    ),
+    codes.BEVEL_OVERLAP: (
+        "the {satellites} satellites of a module overlap: sin(pi/satellites) sqrt(1 + 2 s cos(shaft_angle) +"
+        " s^2) must be at least 1, with s = z17/z6 = {z17}/{z6} and shaft_angle = {shaft_angle} rad"
+    ),
+    codes.PLANAR_OUTSIDE: (
+        "the imbalance is outside its satellite: eccentricity must be at most satellite_radius ="
+        " {satellite_radius} m, is {eccentricity} m"
+    ),
+    codes.BEVEL_OUTSIDE: (
+        "the imbalance is outside the pitch cone of its satellite: a must be at most 1 and at most b = {b},"
+        " is {a}"
+    ),
 }

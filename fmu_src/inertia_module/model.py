@@ -5,15 +5,32 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 from . import driven_shaft_messages, driven_shaft_variables, messages, variables
 from .entries import DRIVEN_SHAFT as SHAFT_ENTRY
 from .entries import ENTRIES
 from .entries import MODULE as MODULE_ENTRY
-from .kernel import driven_shaft, entry
+from .kernel import codes, driven_shaft, entry, fields
 from .records import Field, place
 from .variables import INPUT, LOCAL, OUTPUT, PARAMETER, Variable, with_causality
+
+
+class Bound(NamedTuple):
+    """A number of a state that the kernel takes for an index or a choice.
+
+    Attributes:
+        record: "d", the constants, or "x", the state. place: of the number in it, in doubles.
+        most: it must be a whole number from 0 to this.
+    """
+
+    record: str
+    place: int
+    most: int
+
+    def accepts(self, value: float) -> bool:
+        """Whether it may have this value."""
+        return 0.0 <= value <= self.most and value % 1.0 == 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,11 +42,13 @@ class Model:
         introduction: how to use it, sentences. variables: its table.
         entry: name of its kernel in entries.ENTRIES. call: the same as plain Python.
         messages: what it says for each status of its kernel but OK (see messages.MESSAGES).
+        warnings: what it says of a mechanism that is accepted but cannot be built (see messages.WARNINGS).
         zero_at_start: outputs that are zero at initialisation.
         given_at_start: outputs that depend at initialisation on these names alone. All other outputs
             depend on all inputs and parameters but idle_at_start.
         late: variables that the kernel's STEP_ONLY leaves aside and OUTPUTS fills in.
         traced: variables that a log of every step shows.
+        bounds: of the numbers in d and x that are used as an index or a choice.
     """
 
     name: str
@@ -45,6 +64,8 @@ class Model:
     given_at_start: Mapping[str, frozenset[str]] = field(default_factory=dict)
     late: frozenset[str] = frozenset()
     traced: tuple[str, ...] = ()
+    bounds: tuple[Bound, ...] = ()
+    warnings: Mapping[int, str] = field(default_factory=dict)
 
     @cached_property
     def by_name(self) -> dict[str, Variable]:
@@ -72,10 +93,23 @@ class Model:
         Args:
             status: what the kernel answered. parameters, inputs: records. step: communication step, s.
         """
+        return self._filled(self.messages[status], parameters, inputs, step)
+
+    def warn(self, found: int, parameters: Any, inputs: Any) -> list[str]:
+        """The sentences for a sum of warnings of the kernel.
+
+        Args:
+            found: what the kernel answered. parameters, inputs: records.
+        """
+        texts = [text for number, text in self.warnings.items() if found & number]
+        return [self._filled(text, parameters, inputs, 0.0) for text in texts]
+
+    def _filled(self, text: str, parameters: Any, inputs: Any, step: float) -> str:
+        """A sentence with the values in their places."""
         values = {"step": f"{step:.16g}"}
-        for record, fields in ((parameters, self.records[0]), (inputs, self.records[2])):
-            values |= {name: f"{getattr(record, name):.16g}" for name in fields}
-        return self.messages[status].format_map(values)
+        for record, names in ((parameters, self.records[0]), (inputs, self.records[2])):
+            values |= {name: f"{getattr(record, name):.16g}" for name in names}
+        return text.format_map(values)
 
     def known_at_start(self, output: str) -> frozenset[str]:
         """Inputs and parameters an output depends on at initialisation."""
@@ -106,6 +140,7 @@ INERTIA_MODULE = Model(
     entry=MODULE_ENTRY,
     call=entry.call,
     messages=messages.MESSAGES,
+    warnings=messages.WARNINGS,
     idle_at_start=frozenset(
         {
             *("tolerance", "max_step", "method", "input_hold"),
@@ -127,6 +162,12 @@ INERTIA_MODULE = Model(
         }
     ),
     traced=("contact_mode", "contact_switches", "rhs_evaluations", "omega2", "omega_out"),
+    bounds=(
+        Bound("d", place(fields.CONSTANTS, "forward.count"), fields.KNOTS),
+        Bound("d", place(fields.CONSTANTS, "backward.count"), fields.KNOTS),
+        Bound("x", place(fields.STATE, "mode"), codes.HELD_DRIVING),
+        Bound("x", place(fields.STATE, "map_knot"), fields.KNOTS - 1),
+    ),
 )
 
 _SHAFT = frozenset({"hub_speed", "shaft_stiffness", "shaft_damping", "omega_out_start", "twist_start"})

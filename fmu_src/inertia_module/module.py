@@ -5,19 +5,16 @@ from __future__ import annotations
 import ctypes
 import os
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, ClassVar, Self
 
 from . import compiled, maps
 from .entries import MODULE, CompilationUnavailable, source_hash
+from .errors import Refused
 from .kernel import codes
 from .model import DRIVEN_SHAFT, INERTIA_MODULE, Model
 from .records import record_type
-from .variables import INPUT, OUTPUT, PARAMETER, default_parameters, refusal, refused_parameters
-
-
-class Refused(ValueError):
-    """Bad parameters, inputs or steps: the message names them and what is allowed. Nothing has changed."""
+from .variables import INPUT, OUTPUT, PARAMETER, default_parameters, refused_parameters
 
 
 def choose_kernel(kernel: str, name: str = MODULE) -> tuple[Callable[..., int] | None, str]:
@@ -81,8 +78,11 @@ class ModelInstance:
             return self._entry(operation, *self._addresses, step_size)
         return self.model.call(operation, *self._records, step_size)
 
-    def set(self, **values: float) -> None:
+    def set(self, **values: float | str) -> None:
         """Set parameters (before start) and inputs by name; all of them or, on an error, none.
+
+        Args:
+            values: numbers, strings with a unit, names of items of enumerations.
 
         Raises:
             Refused: an unknown name, a value out of its range, or a parameter after start.
@@ -98,13 +98,10 @@ class ModelInstance:
                 raise Refused(
                     f"{name} = {value} is refused: parameters are fixed once the module has started"
                 )
-            if not variable.accepts(float(value)):
-                raise Refused(refusal(variable, float(value)))
-            places.append(
-                (self.inputs if variable.causality == INPUT else self.parameters, name, float(value))
-            )
-        for record, name, value in places:
-            setattr(record, name, value)
+            record = self.inputs if variable.causality == INPUT else self.parameters
+            places.append((record, name, variable.number(value)))
+        for record, name, number in places:
+            setattr(record, name, number)
 
     def set_rates(self, **rates: float) -> None:
         """Give inputs a constant rate over the coming step, per second: they start it from their values.
@@ -138,7 +135,7 @@ class ModelInstance:
         self._check(copy.call(codes.RATES, 0.0), 0.0)
         return {variable.name: copy[variable.name] for variable in self.model.with_causality(OUTPUT)}
 
-    def start(self, **values: float) -> Self:
+    def start(self, **values: float | str) -> Self:
         """Set values, check the parameters alone and together, and take the initial state.
 
         Raises:
@@ -152,11 +149,9 @@ class ModelInstance:
     def _begin(self) -> None:
         self._check(self.call(codes.START, 0.0), 0.0)
 
-    def _prepare(self, values: dict[str, float]) -> None:
+    def _prepare(self, values: Mapping[str, float | str]) -> None:
         self.set(**values)
-        refused = refused_parameters(
-            {name: self[name] for name in self.model.records[0]}, self.model.variables
-        )
+        refused = self._refused_parameters(self.parameters)
         if refused:
             raise Refused("; ".join(refused))
         self.load_kernel()
@@ -175,6 +170,11 @@ class ModelInstance:
     def _check(self, status: int, step_size: float) -> None:
         if status != codes.OK:
             raise Refused(self.model.explain(status, self.parameters, self.inputs, step_size))
+
+    def warnings(self) -> list[str]:
+        """What cannot be built of a mechanism whose parameters are accepted: a sentence each."""
+        found = self.call(codes.WARN, 0.0) if self.model.warnings else 0
+        return self.model.warn(found, self.parameters, self.inputs)
 
     def __getitem__(self, name: str) -> float:
         """Value of any variable by its name."""
@@ -197,11 +197,14 @@ class ModelInstance:
         head = self._magic + struct.pack("<?", self.started) + source_hash().encode()
         return head + b"".join(bytes(record) for record in self._records[:5])
 
-    def restore(self, saved: bytes) -> None:
+    def restore(self, saved: bytes, must_be_started: bool = False) -> None:
         """Take over a state of save.
 
+        Args:
+            saved: the state. must_be_started: refuse one that was saved before the start.
+
         Raises:
-            Refused: it is not one, or of another build; nothing is changed.
+            Refused: it is not one, is damaged or of another build; nothing is changed.
         """
         head = len(self._magic) + 1
         start = head + len(source_hash())
@@ -212,11 +215,28 @@ class ModelInstance:
             )
         if saved[head:start] != source_hash().encode():
             raise Refused("a state of another build is refused: allowed is one saved by this build")
-        self.load_kernel()
-        self.started = bool(saved[len(self._magic)])
+        started = saved[head - 1] != 0
+        parts = []
         for record in self._records[:5]:
-            ctypes.memmove(ctypes.addressof(record), saved[start:], ctypes.sizeof(record))
+            parts.append(type(record).from_buffer_copy(saved, start))
             start += ctypes.sizeof(record)
+        if must_be_started and not started:
+            raise Refused("a state saved before the start is refused: it must be one that can step")
+        self._check_sound(started, dict(zip("pduxy", parts, strict=True)))
+        self.load_kernel()
+        self.started = started
+        for record, part in zip(self._records, parts, strict=False):
+            record.numbers[:] = part.numbers
+
+    def _refused_parameters(self, parameters: Any) -> list[str]:
+        values = {name: getattr(parameters, name) for name in self.model.records[0]}
+        return refused_parameters(values, self.model.variables)
+
+    def _check_sound(self, started: bool, parts: dict[str, Any]) -> None:
+        """Refuse a state in which a number used as an index or a choice is none."""
+        sound = all(bound.accepts(parts[bound.record].numbers[bound.place]) for bound in self.model.bounds)
+        if not sound or (started and self._refused_parameters(parts["p"])):
+            raise Refused("a damaged state is refused: allowed is one saved by this build")
 
     def snapshot(self) -> dict[str, Any]:
         """All variables by name."""
@@ -228,7 +248,7 @@ class Module(ModelInstance):
 
     model = INERTIA_MODULE
 
-    def check(self, **values: float) -> None:
+    def check(self, **values: float | str) -> None:
         """Set values and check the parameters, alone and together, without starting.
 
         Raises:

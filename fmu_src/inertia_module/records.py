@@ -42,15 +42,17 @@ def size(fields: tuple[Field, ...]) -> int:
 
 
 def place(fields: Sequence[Field], name: str) -> int:
-    """Where in a record the field of this name begins, in doubles.
+    """Where in a record the field of this name begins, in doubles; "forward.count" is a field of a record
+    within.
 
     Raises:
         KeyError: there is no such field.
     """
     at = 0
+    first, _, inner = name.partition(".")
     for field in fields:
         found, kind = _member(field)
-        if found == name:
-            return at
+        if found == first:
+            return at + place(field[1], inner) if inner else at
         at += ctypes.sizeof(kind) // 8
     raise KeyError(name)

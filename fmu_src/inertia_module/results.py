@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,12 +13,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .errors import Refused
 from .files import write_atomically
+from .units import factor_between
 
 TIME = "time"
+# a name and, in brackets, a unit
+_HEADING = re.compile(r"(.*?)\s*\[(.*)\]$|(.*?)\s+\((.*)\)$")
 
 
-class TableError(ValueError):
+class TableError(Refused):
     """A table that cannot be used: the message names the column and what is allowed."""
 
 
@@ -35,7 +40,7 @@ class Result:
 
     @classmethod
     def from_columns(cls, columns: Mapping[str, ArrayLike], units: Mapping[str, str] | None = None) -> Result:
-        """Check and take over columns.
+        """Check and take over columns; time in another unit is converted to s.
 
         Raises:
             TableError: no time, time that does not grow, lengths that differ, or a value that is no number.
@@ -43,6 +48,8 @@ class Result:
         arrays = {name: np.atleast_1d(np.asarray(values, dtype=float)) for name, values in columns.items()}
         if TIME not in arrays:
             raise TableError(f"columns {', '.join(arrays) or 'none'} are refused: a column {TIME} is needed")
+        given = dict(units or {})
+        arrays[TIME] = arrays[TIME] * _factor(TIME, given.pop(TIME, "s"), "s")
         n = arrays[TIME].size
         for name, values in arrays.items():
             if values.shape != (n,):
@@ -56,7 +63,7 @@ class Result:
             row = int(np.argmax(np.diff(arrays[TIME]) < 0)) + 1
             raise TableError(f"{TIME} = {arrays[TIME][row]} in row {row} is refused: {TIME} may not go back")
         ordered = {TIME: arrays.pop(TIME), **arrays}
-        return cls(ordered, {TIME: "s", **(units or {})})
+        return cls(ordered, {TIME: "s", **given})
 
     @property
     def time(self) -> NDArray[np.float64]:
@@ -87,6 +94,17 @@ class Result:
         unit = self.units.get(name, "")
         return f"{name} [{unit}]" if unit else name
 
+    def converted(self, units: Mapping[str, str]) -> Result:
+        """The same table with some columns in these units; one that has no unit yet is in it already.
+
+        Raises:
+            TableError: there is no such column, or its unit is of another kind.
+        """
+        columns = {
+            name: self[name] * _factor(name, self.units.get(name, unit), unit) for name, unit in units.items()
+        }
+        return Result(self.columns | columns, self.units | dict(units))
+
     def last(self) -> dict[str, float]:
         """The last row by name."""
         return {name: float(values[-1]) for name, values in self.columns.items()}
@@ -97,37 +115,14 @@ class Result:
 
     @classmethod
     def from_csv(cls, path: Path | str) -> Result:
-        """Read a CSV file with a heading row of names (a unit in brackets may follow each).
+        """Read a CSV file of numbers over time (see read_columns).
 
         Raises:
-            TableError: the file is missing, empty, or has a cell that is no number.
+            TableError: it cannot be read, or is no table over time.
         """
-        try:
-            text = Path(path).read_text(encoding="utf-8-sig")
-        except OSError as error:
-            raise TableError(f"{path} is refused: {error.strerror}; allowed is a CSV file") from error
-        rows = [row for row in csv.reader(io.StringIO(text)) if row and any(cell.strip() for cell in row)]
-        if len(rows) < 2:
-            raise TableError(f"{path} is refused: allowed is a heading row and at least one row of numbers")
-        names, units = [], {}
-        for heading in rows[0]:
-            name, _, unit = heading.strip().partition("[")
-            names.append(name.strip())
-            if unit:
-                units[name.strip()] = unit.rstrip("] ")
-        values: dict[str, list[float]] = {name: [] for name in names}
-        for number, row in enumerate(rows[1:], 2):
-            if len(row) != len(names):
-                raise TableError(f"{path} line {number} has {len(row)} cells: allowed are {len(names)}")
-            for name, cell in zip(names, row, strict=True):
-                try:
-                    values[name].append(float(cell))
-                except ValueError:
-                    message = f"{path} line {number}: {name} = {cell!r} is refused: allowed are numbers"
-                    raise TableError(message) from None
-        return cls.from_columns(values, units)
+        return cls.from_columns(*read_columns(path))
 
-    def figure(self, names: Sequence[str] | None = None) -> Any:
+    def figure(self, names: str | Sequence[str] | None = None) -> Any:
         """A matplotlib Figure of columns over time, one panel for each unit.
 
         Raises:
@@ -135,7 +130,8 @@ class Result:
         """
         from matplotlib.figure import Figure
 
-        chosen = [name for name in (names or self.names) if name != TIME]
+        wanted = (names,) if isinstance(names, str) else names
+        chosen = [name for name in (wanted or self.names) if name != TIME]
         panels: dict[str, list[str]] = {}
         for name in chosen:
             self[name]
@@ -150,6 +146,71 @@ class Result:
             axis.grid(alpha=0.3)
         axes[-1].set_xlabel(f"{TIME} [s]")
         return figure
+
+
+def _factor(name: str, unit: str, wanted: str) -> float:
+    try:
+        return factor_between(unit, wanted)
+    except ValueError as error:
+        raise TableError(
+            f"{name} [{unit}] must be in {wanted} or in a unit of the same kind: {error}"
+        ) from None
+
+
+def _rows(path: Path | str) -> list[tuple[int, list[str]]]:
+    """Rows of a CSV file that are not empty, each with the number of its line."""
+    try:
+        text = Path(path).read_text(encoding="utf-8-sig")
+        heading = text.lstrip().partition("\n")[0]
+        reader = csv.reader(io.StringIO(text), delimiter=next((d for d in ";\t" if d in heading), ","))
+        return [(reader.line_num, row) for row in reader if any(cell.strip() for cell in row)]
+    except OSError as error:
+        raise TableError(f"{path} is refused: {error.strerror}; allowed is a CSV file") from error
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise TableError(f"{path} must be a CSV file in UTF-8: {error}") from error
+
+
+def _heading(text: str) -> tuple[str, str]:
+    """Name and unit ("" if there is none) of a column."""
+    found = _HEADING.match(text.strip())
+    return (text.strip(), "") if found is None else (found[1] or found[3] or "", found[2] or found[4] or "")
+
+
+def read_columns(path: Path | str) -> tuple[dict[str, list[float]], dict[str, str]]:
+    """Read a CSV file with a heading row of names, a unit in brackets behind each that has one.
+
+    Commas, semicolons or tabs part the columns. Numbers have decimal points or, all of them, decimal commas.
+
+    Returns:
+        Columns by name, and their units by name, as written.
+
+    Raises:
+        TableError: the file is missing, empty, names a column twice or not, or has a cell that is no number.
+    """
+    rows = _rows(path)
+    if len(rows) < 2:
+        raise TableError(f"{path} is refused: allowed is a heading row and at least one row of numbers")
+    headings = [_heading(cell) for cell in rows.pop(0)[1]]
+    names = [name for name, _ in headings]
+    for number, name in enumerate(names, 1):
+        if not name or names.index(name) != number - 1:
+            raise TableError(f"{path}: column {number} must have a name of its own, is {name!r}")
+    signs = {sign for _, row in rows for cell in row for sign in ".," if sign in cell}
+    if signs == {".", ","}:
+        raise TableError(f"{path} must have decimal points or decimal commas, has both")
+    values: dict[str, list[float]] = {name: [] for name in names}
+    for line, row in rows:
+        if len(row) != len(names):
+            raise TableError(
+                f"{path} line {line} must have {len(names)} cells, as the headings, has {len(row)}"
+                " (where numbers have decimal commas, semicolons part the columns)"
+            )
+        for name, cell in zip(names, row, strict=True):
+            try:
+                values[name].append(float(cell.replace(",", ".")))
+            except ValueError:
+                raise TableError(f"{path} line {line}: {name} must be a number, is {cell!r}") from None
+    return values, {name: unit for name, unit in headings if unit}
 
 
 def write_columns(path: Path, columns: Mapping[str, NDArray[np.float64]]) -> Path:

@@ -9,8 +9,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from typing import Any
 
+from .errors import Refused
 from .kernel import limits
+from .units import BOOLEANS, number_of
 
 REAL = "Real"
 INTEGER = "Integer"
@@ -119,6 +122,29 @@ class Variable:
         unit = f" {self.unit}" if self.unit not in ("", "1") else ""
         number = "a whole number " if self.kind == INTEGER else ""
         return f"{number}from {low:.16g} to {high:.16g}{unit}"
+
+    @property
+    def items(self) -> Mapping[str, float] | None:
+        """Numbers by name, where it is an enumeration or a Boolean."""
+        if self.kind == BOOLEAN:
+            return BOOLEANS
+        if self.kind == ENUMERATION:
+            return {name: float(number) for name, number, _ in ENUMERATIONS[self.enumeration]}
+        return None
+
+    def number(self, value: Any) -> float:
+        """The number that it accepts for a value: a number, a string with a unit, the name of an item.
+
+        Raises:
+            Refused: it is none of these, or out of its range.
+        """
+        try:
+            number = value if isinstance(value, float) else number_of(value, self.unit or "1", self.items)
+        except ValueError:
+            raise Refused(refusal(self, repr(value))) from None
+        if not self.accepts(number):
+            raise Refused(refusal(self, number))
+        return number
 
     def accepts(self, value: float) -> bool:
         """Whether a value is finite, whole where it has to be, and within the range."""

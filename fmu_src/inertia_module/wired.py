@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
@@ -10,10 +11,10 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from .drive import communication_points
-from .instance import DriveError, Fmu, read_description
+from .descriptions import read_description
+from .instance import DriveError, Fmu
 from .results import TIME, Result
-from .wiring import Wire, WiringError, check_wiring
+from .wiring import SAME_STEP, Wire, WiringError, check_wiring
 
 JACOBI = "Jacobi"
 GAUSS_SEIDEL = "Gauss-Seidel"
@@ -80,11 +81,17 @@ class WiredFmus:
             self.close()
             raise
 
-    def set(self, name: str, **values: float) -> None:
+    def _fmu(self, name: str) -> Fmu:
+        if name not in self.fmus:
+            known = f"one of {', '.join(self.fmus)}" if self.fmus else "of a system that is open"
+            raise WiringError(f"an FMU must be {known}, is {name!r}")
+        return self.fmus[name]
+
+    def set(self, name: str, **values: float | str) -> None:
         """Set inputs of one FMU that no wire drives.
 
         Raises:
-            WiringError: a wire drives it. DriveError: there is no such input.
+            WiringError: a wire drives it, or there is no such FMU. DriveError: there is no such input.
         """
         for wire in self._wires:
             if wire.sink == name and wire.input in values:
@@ -92,10 +99,10 @@ class WiredFmus:
                     f"{name}.{wire.input} is refused: {wire.source}.{wire.output} drives it;"
                     " allowed are inputs that no wire drives"
                 )
-        self.fmus[name].set(**values)
+        self._fmu(name).set(**values)
 
     def _pass_on(self, wires: Iterable[Wire]) -> None:
-        values = [(wire, self.fmus[wire.source][wire.output]) for wire in wires]
+        values = [(wire, self._fmu(wire.source)[wire.output]) for wire in wires]
         for wire, value in values:
             self.fmus[wire.sink].set(**{wire.input: value})
 
@@ -124,20 +131,28 @@ class WiredFmus:
 
         Returns:
             Table of the outputs, named name.variable, shape (steps + 1,) each.
+
+        Raises:
+            WiringError: there is no such FMU, or stop_time is no whole number of steps away.
+            DriveError: there is no such variable, or an FMU refuses a step.
         """
-        times = communication_points(stop_time - self.time, self.step) + self.time
-        rows = np.empty((times.size, len(outputs)))
-        rows[0] = [self.fmus[name][output] for name, output in outputs]
-        for n in range(1, times.size):
-            self.advance()
-            rows[n] = [self.fmus[name][output] for name, output in outputs]
-        names = [f"{name}.{output}" for name, output in outputs]
-        units = {
-            f"{name}.{output}": self.fmus[name].units[output]
-            for name, output in outputs
-            if output in self.fmus[name].units
-        }
-        columns = {TIME: times} | {name: rows[:, i] for i, name in enumerate(names)}
+        steps = (stop_time - self.time) / self.step
+        if not (
+            math.isfinite(steps) and round(steps) >= 1 and abs(steps - round(steps)) <= SAME_STEP * steps
+        ):
+            raise WiringError(
+                f"stop_time must be a whole number of steps of {self.step:g} s after {self.time:g} s, is"
+                f" {stop_time:g} s"
+            )
+        read = [(f"{name}.{output}", self._fmu(name), output) for name, output in outputs]
+        times = self.time + self.step * np.arange(round(steps) + 1)
+        rows = np.empty((times.size, len(read)))
+        for n in range(times.size):
+            if n > 0:
+                self.advance()
+            rows[n] = [fmu[output] for _, fmu, output in read]
+        units = {name: fmu.units[output] for name, fmu, output in read if output in fmu.units}
+        columns = {TIME: times} | {name: rows[:, i] for i, (name, _, _) in enumerate(read)}
         return Result.from_columns(columns, units)
 
     def close(self) -> None:

@@ -7,6 +7,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
+from .errors import Refused
 from .kernel.codes import DRIVE_SPEED, DRIVE_TORQUE
 from .variables import ENUMERATIONS
 
@@ -17,7 +18,7 @@ _DRIVES: Mapping[Any, int] = {name: number for name, number, _ in ENUMERATIONS["
 SAME_STEP = 1e-9
 
 
-class WiringError(ValueError):
+class WiringError(Refused):
     """Wires that cannot work: one line for each, naming the signals and what is allowed."""
 
 
@@ -80,8 +81,8 @@ def idle_input(description: Any, parameters: Mapping[str, Any]) -> str | None:
     known = _by_name(description)
     if not {"drive", *_IDLE.values()} <= known.keys():
         return None
-    drive = parameters.get("drive", known["drive"].start)
-    return _IDLE.get(_DRIVES[drive] if drive in _DRIVES else int(drive))
+    drive = parameters.get("drive", int(known["drive"].start))
+    return _IDLE.get(_DRIVES.get(drive, drive))
 
 
 def _check_driven(

@@ -40,7 +40,7 @@ class Instance:
     def __init__(self, description, folder):
         self.references = {v.name: v.valueReference for v in description.modelVariables}
         self.types = {v.name: v.type for v in description.modelVariables}
-        self.is_native = not description.coSimulation.needsExecutionTool
+        self.is_native = not description.modelName.endswith("Py")
         self.fmu = FMU2Slave(
             guid=description.guid,
             unzipDirectory=str(folder),
@@ -125,15 +125,14 @@ class Instance:
         return bool(value.value)
 
     def refusal(self, action):
-        """What an action is refused with: an error and its message or, from pythonfmu, the message alone."""
+        """The message of what an action is refused with: an error."""
         status = None
         with messages_of_others() as messages:
             try:
                 action()
             except FMICallException as error:
                 status = error.status
-        # pythonfmu can answer no error: only steps are discarded
-        assert status in ((fmi2Error,) if self.is_native else (None, fmi2Discard))
+        assert status == fmi2Error
         return "; ".join(messages)
 
     def close(self):

@@ -1,12 +1,16 @@
 import os
+import shutil
 import subprocess
 import sys
+import zipfile
+from pathlib import Path
 
 import pytest
 
 from inertia_module import kernel_ir
 from inertia_module.entries import CompilationUnavailable
-from inertia_module.fmu import builder, linking
+from inertia_module.fmu import builder, linking, native_fmu, python_fmu
+from inertia_module.fmu.archive import DESCRIPTION, archive
 from inertia_module.fmu.targets import LINUX_ARM
 
 FLAVOURS = ("InertiaModulePy",)
@@ -64,6 +68,60 @@ def test_interrupted_build_leaves_the_old_files_and_no_others(tmp_path, monkeypa
                 builder.build(tmp_path)
         assert [path.read_bytes() for path in paths] == before
         assert sorted(tmp_path.iterdir()) == sorted(paths)
+
+
+@pytest.fixture
+def module_fmu(built, tmp_path):
+    """A copy of the native FMU of the module, to be spoilt."""
+    return Path(shutil.copy(built / builder.MODULE_FMU.file_name, tmp_path))
+
+
+def repacked(path, change):
+    """Pack an FMU anew, with the content by name that change makes of its own."""
+    with zipfile.ZipFile(path) as packed:
+        content = {name: packed.read(name) for name in packed.namelist()}
+    path.write_bytes(archive(change(content)))
+
+
+def without(name):
+    return lambda content: {other: content[other] for other in content if other != name}
+
+
+def of_another_guid(content):
+    description = content[DESCRIPTION].replace(b'guid="{', b'guid="{0')
+    return content | {DESCRIPTION: description}
+
+
+@pytest.mark.parametrize("fmu", builder.FMUS, ids=lambda fmu: fmu.identifier)
+def test_fmu_just_built_is_current_whatever_the_date_and_nothing_is_packed_to_find_out(
+    built, fmu, monkeypatch
+):
+    for part in (native_fmu, python_fmu):
+        monkeypatch.delattr(part, "archive")
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1900000000")
+    assert builder.is_current(built / fmu.file_name, fmu)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [of_another_guid, without(DESCRIPTION), without("binaries/linux64/InertiaModule.so")],
+    ids=["of another build", "without a description", "without a platform"],
+)
+def test_fmu_that_is_not_as_it_would_be_built_now_is_not_current(module_fmu, change):
+    assert builder.is_current(module_fmu, builder.MODULE_FMU)
+    repacked(module_fmu, change)
+    assert not builder.is_current(module_fmu, builder.MODULE_FMU)
+
+
+def test_file_that_is_cut_short_or_missing_is_not_current(module_fmu):
+    module_fmu.write_bytes(module_fmu.read_bytes()[:1000])
+    assert not builder.is_current(module_fmu, builder.MODULE_FMU)
+    module_fmu.unlink()
+    assert not builder.is_current(module_fmu, builder.MODULE_FMU)
+
+
+def test_fmu_of_one_model_is_not_that_of_another(built):
+    assert not builder.is_current(built / builder.SHAFT_FMU.file_name, builder.MODULE_FMU)
 
 
 def test_build_says_what_it_is_doing(tmp_path, monkeypatch):

@@ -13,6 +13,7 @@ RUNGS = {
     "rigid": {"fidelity": 2},
     "timestepping": {"fidelity": 2, "method": 1, "max_step": 1e-3},
     "elastic": {"fidelity": 3, **ELASTIC},
+    "elastic, timestepping": {"fidelity": 3, **ELASTIC, "method": 1, "max_step": 1e-3},
     "stiff": {"fidelity": 3, **ELASTIC, "shaft_stiffness": 1e9},
 }
 BY_TORQUE = {"drive": 1, "input_inertia": 0.3}
@@ -112,6 +113,51 @@ def test_rates_of_outputs_are_those_of_the_motion_that_follows(instances, rung):
     for name, rate, first, second, third in zip(names, found, *rows, strict=True):
         expected = (4.0 * second - 3.0 * first - third) / (2.0 * h)
         assert rate == pytest.approx(expected, rel=2e-5, abs=1e-9 * (1.0 + abs(first)) / h), name
+
+
+# speed of link 1, torque on it and load; of the pulling ones alone link 1 is at rest or turns already
+STANDING = {
+    f"link 1 {state}, load {load:g}": {"omega1": speed, "drive_torque": torque, "load_torque": load}
+    for state, speed, torque in (("turns", 100.0, 20.0), ("starts", 0.0, 20.0), ("rests", 0.0, 0.0))
+    for load in (-5.0, 0.0, 5.0)
+    if (state, load) != ("starts", -5.0)
+}
+
+
+@pytest.mark.parametrize("angle", [0.0, 3.15])
+@pytest.mark.parametrize("state", STANDING)
+def test_rates_of_outputs_of_a_standing_shaft_are_those_of_the_motion_that_follows(
+    description, instances, rung, state, angle
+):
+    if rung in STIFF:
+        pytest.skip("the swings of a shaft as stiff as that are not followed")
+    outputs = [v.name for v in description.modelVariables if v.causality == "output"]
+    names = [name for name in outputs if not name.endswith("_mean")]
+    settings = rung | STANDING[state] | {"drive_angle_start": angle, "omega_out_start": 0.0}
+    h = 1e-6
+    instance, onwards = (instances().start(tolerance=1e-10, **settings) for _ in range(2))
+    found = instance.rates(*names)
+    rows = []
+    for _ in range(3):
+        rows.append([onwards.get(name) for name in names])
+        onwards.step(h)
+    for name, rate, first, second, third in zip(names, found, *rows, strict=True):
+        expected = (4.0 * second - 3.0 * first - third) / (2.0 * h)
+        assert rate == pytest.approx(expected, rel=1e-4, abs=1e-9 * (1.0 + abs(first)) / h), name
+
+
+@pytest.mark.parametrize("load", [0.05, 0.5, 5.0])
+@pytest.mark.parametrize(
+    "rung",
+    [settings for settings in RUNGS.values() if settings["fidelity"] >= 2 and settings not in STIFF],
+    ids=[name for name, settings in RUNGS.items() if settings["fidelity"] >= 2 and settings not in STIFF],
+)
+def test_rate_of_the_output_speed_in_lock_up_is_what_the_load_brings(instances, rung, load):
+    # the output freewheel is on the verge of slip: even the shortest trial step may meet a switch
+    locked = {"omega2_start": 100.0, "omega_out_start": 100.0, "load_torque": load, "drive_torque": 0.0}
+    instance = instances().start(tolerance=1e-10, **START | rung | locked)
+    carried = 0.5 if rung["fidelity"] == 3 else 0.505
+    assert instance.rates("omega_out")[0] == pytest.approx(-load / carried, rel=0.05)
 
 
 def test_step_means_have_no_rate(instance):

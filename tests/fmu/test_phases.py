@@ -31,13 +31,9 @@ def test_values_refused_in_initialization_mode_can_be_mended_there(instance):
     instance.fmu.setupExperiment()
     instance.set(omega1=100.0, imbalance_mass=-1.0)
     instance.fmu.enterInitializationMode()
-    with messages_of_others() as messages:
-        if instance.is_native:
-            with pytest.raises(FMICallException) as caught:
-                instance.get("mesh_torque")
-            assert caught.value.status == fmi2Discard
-        else:
-            instance.get("mesh_torque")
+    with messages_of_others() as messages, pytest.raises(FMICallException) as caught:
+        instance.get("mesh_torque")
+    assert caught.value.status == fmi2Discard
     assert "imbalance_mass = -1 is refused" in messages[0]
     instance.set(imbalance_mass=1.0)
     assert math.isfinite(instance.get("mesh_torque"))
@@ -56,8 +52,6 @@ def test_initialization_happens_once(instance, call):
 
 
 def test_last_successful_time_is_the_beginning_of_a_discarded_step(instance):
-    if not instance.is_native:
-        pytest.skip("pythonfmu does not ask the slave")
     instance.start(**GOOD)
     instance.step(0.25)
     instance.set(omega1=math.nan)
@@ -67,6 +61,33 @@ def test_last_successful_time_is_the_beginning_of_a_discarded_step(instance):
     instance.set(omega1=100.0)
     instance.step(0.1)
     assert instance.real_status(fmi2LastSuccessfulTime) == pytest.approx(0.35)
+
+
+def test_after_terminate_values_are_read_and_nothing_is_set(instance):
+    instance.start(**GOOD)
+    instance.step(0.1)
+    before = instance.all_values()
+    instance.fmu.terminate()
+    assert "the instance is terminated" in instance.refusal(lambda: instance.set(omega1=50.0))
+    assert "setting link2_inertia is refused" in instance.refusal(lambda: instance.set(link2_inertia=1.0))
+    assert "the instance is terminated" in instance.refusal(lambda: instance.try_step(0.1))
+    assert "terminate is refused" in instance.refusal(instance.fmu.terminate)
+    assert instance.all_values() == before
+
+
+def test_after_an_error_values_are_read_for_debugging_and_nothing_is_set(instance):
+    instance.fmu.setupExperiment()
+    instance.set(**GOOD)
+    instance.fmu.enterInitializationMode()
+    speed = instance.get("input_speed")
+    instance.set(imbalance_mass=-1.0)
+    assert "imbalance_mass = -1 is refused" in instance.refusal(instance.fmu.exitInitializationMode)
+    assert (instance.get("imbalance_mass"), instance.get("input_speed")) == (-1.0, speed)
+    assert set(instance.all_values()) == set(instance.references)
+    for action in (lambda: instance.set(omega1=50.0), instance.fmu.terminate):
+        assert "refused at the end of initialization" in instance.refusal(action)
+    assert "doStep is refused" in instance.refusal(lambda: instance.try_step(0.1))
+    assert instance.get("omega1") == GOOD["omega1"]
 
 
 def test_a_host_whose_time_jumps_is_told_so_once(instance):
@@ -97,8 +118,6 @@ def test_log_categories_choose_what_is_said(built):
 
 
 def test_unknown_log_category_is_refused_and_changes_nothing(instance):
-    if not instance.is_native:
-        pytest.skip("pythonfmu does not look at the categories")
     categories = (ctypes.c_char_p * 2)(b"logAll", b"logGossip")
 
     def choose():

@@ -1,5 +1,6 @@
-"""The same source gives the same bytes, whoever builds it, where and when."""
+"""The same source and tools give the same bytes, whoever builds it, where and when; others give others."""
 
+import json
 import os
 import shutil
 import subprocess
@@ -8,10 +9,10 @@ import sys
 import pytest
 
 from inertia_module.entries import DRIVEN_SHAFT, CompilationUnavailable
-from inertia_module.files import cache_folder
-from inertia_module.fmu.builder import FMUS, build
+from inertia_module.files import PACKAGE_FOLDER, cache_folder
+from inertia_module.fmu.builder import FMUS, SHAFT_FMU, build
 from inertia_module.fmu.linking import compiler
-from inertia_module.fmu.python_fmu import PACKAGE_FOLDER
+from inertia_module.fmu.native_fmu import guid
 from inertia_module.fmu.targets import TARGETS
 from inertia_module.kernel_ir import kernel_ir
 
@@ -37,6 +38,64 @@ from inertia_module.kernel_ir import kernel_ir
 
 sys.stdout.buffer.write(kernel_ir(sys.argv[1]).encode())
 """
+# a build after a change, whose compilers make nothing but a word
+BUILD = """
+import json
+import lzma
+import subprocess
+import sys
+from pathlib import Path
+
+from inertia_module import files, kernel_ir, machine_code
+from inertia_module.fmu import native_fmu
+from inertia_module.fmu.builder import SHAFT_FMU
+from inertia_module.fmu.targets import LINUX64
+
+word, change = sys.argv[1:]
+exec(change)
+
+
+def translate(command, **_):
+    Path(command[-1]).write_bytes(lzma.compress(word.encode()))
+    return subprocess.CompletedProcess(command, 0)
+
+
+files.cache_folder().mkdir(exist_ok=True)
+subprocess.run = translate
+machine_code.compile_ir = native_fmu.link = lambda *_: word.encode()
+entry = SHAFT_FMU.model.entry
+print(json.dumps({
+    "text": kernel_ir.kernel_ir(entry),
+    "object": machine_code.object_file(entry, None, "a machine").decode(),
+    "library": native_fmu.library(SHAFT_FMU, LINUX64).decode(),
+    "guid": native_fmu.guid(SHAFT_FMU),
+}))
+"""
+ALL, COMPILED, LINKED = {"text", "object", "library"}, {"object", "library"}, {"library"}
+# what is made anew after a change of a file of the package
+FILES = {
+    "kernel/inertia.py": ALL,
+    "entries.py": ALL,
+    "kernel_ir.py": ALL,
+    "machine_code.py": COMPILED,
+    "fmu/linking.py": LINKED,
+    "fmu/native_fmu.py": LINKED,
+    "fmu/targets.py": LINKED,
+    "fmu/shell/values.c": LINKED,
+}
+OTHER_VERSION = """
+import importlib.metadata as metadata
+installed = metadata.version
+metadata.version = lambda name: "99" if name == "{}" else installed(name)
+"""
+# what is made anew with another tool, and the code that makes it another
+TOOLS = {
+    "Python": (ALL, "import platform; platform.python_version = lambda: '3.99.0'"),
+    "numba": (ALL, OTHER_VERSION.format("numba")),
+    "llvmlite": (ALL, OTHER_VERSION.format("llvmlite")),
+    "ziglang": (LINKED, OTHER_VERSION.format("ziglang")),
+    "headers of FMI 2.0": (LINKED, "native_fmu.header_folder = lambda: files.PACKAGE_FOLDER"),
+}
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -115,3 +174,47 @@ def test_kernel_is_translated_to_the_same_text_wherever_its_source_lies(tmp_path
         own = {"INERTIA_MODULE_CACHE": str(tmp_path / user / "cache"), "PYTHONPATH": str(source)}
         texts.add(elsewhere(tmp_path / user, "-c", TRANSLATE, DRIVEN_SHAFT, **own))
     assert len(texts) == 1
+
+
+def build_after(folder, cache, word, file="", change=""):
+    """What a build leaves whose compilers make a word, after a change of a file or of a tool."""
+    package = folder / PACKAGE_FOLDER.name
+    shutil.copytree(PACKAGE_FOLDER, package, ignore=shutil.ignore_patterns("__pycache__"))
+    if file:
+        with open(package / file, "a") as stream:
+            stream.write("/* changed */\n" if file.endswith(".c") else "# changed\n")
+    own = {"INERTIA_MODULE_CACHE": str(cache), "PYTHONPATH": str(folder)}
+    return json.loads(elsewhere(folder / "user", "-c", BUILD, word, change, **own))
+
+
+@pytest.fixture(scope="module")
+def kept(tmp_path_factory):
+    """A cache with what this source and these tools gave, and what that was."""
+    folder = tmp_path_factory.mktemp("kept")
+    return folder / "cache", build_after(folder, folder / "cache", "old")
+
+
+def made_anew(before, after):
+    """What is new of two builds; the GUID is another if anything is."""
+    anew = {what for what in after if after[what] == "new"}
+    assert (after["guid"] != before["guid"]) == bool(anew)
+    return anew
+
+
+def test_same_source_and_tools_find_what_was_compiled_before_and_have_the_same_guid(kept, tmp_path):
+    cache, before = kept
+    assert made_anew(before, build_after(tmp_path, cache, "new")) == set()
+    assert before["guid"] == guid(SHAFT_FMU)
+
+
+@pytest.mark.parametrize("file", FILES)
+def test_after_a_change_of_source_nothing_old_comes_back(kept, tmp_path, file):
+    cache, before = kept
+    assert made_anew(before, build_after(tmp_path, cache, "new", file=file)) == FILES[file]
+
+
+@pytest.mark.parametrize("tool", TOOLS)
+def test_with_another_tool_nothing_old_comes_back(kept, tmp_path, tool):
+    cache, before = kept
+    anew, change = TOOLS[tool]
+    assert made_anew(before, build_after(tmp_path, cache, "new", change=change)) == anew

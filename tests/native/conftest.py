@@ -15,6 +15,7 @@ from inertia_module.fmu.linking import (
     SHELL_FOLDER,
     WARNINGS,
     header_folder,
+    import_library,
     run_tool,
     shell_sources,
     windows_arguments,
@@ -82,7 +83,7 @@ class Workshop:
         """Object file of the kernel for a target."""
         path = self.folder / f"kernel-{target.label}.o"
         machine = target_machine(target.triple, target.processor)
-        path.write_bytes(object_file(self.fmu.model.entry, machine, f"{target.triple}-{target.processor}"))
+        path.write_bytes(object_file(self.fmu.model.entry, *machine))
         return path
 
     def flags(self):
@@ -129,12 +130,10 @@ class Workshop:
     def build_windows_program(self, program, *names):
         """A program for Windows that begins at `begin` and needs nothing but Windows itself."""
         functions = ("LoadLibraryA", "GetProcAddress", "GetStdHandle", "WriteFile", "ExitProcess")
-        definition = "\n".join(["LIBRARY kernel32.dll", "EXPORTS", *functions, ""])
-        (self.folder / "system.def").write_text(definition)
-        run_tool("dlltool", ["-m", WIN64.import_machine, "-d", "system.def", "-l", "system.a"], self.folder)
+        system = import_library(WIN64, self.folder, "kernel32.dll", functions)
         own = windows_arguments(WIN64, self.folder)
         files = [*(str(SOURCES / name) for name in names), str(SHELL_FOLDER / "windows.c"), "tables.c"]
-        return self._cross(WIN64, program, "-Wl,-e,begin", *files, *own, "system.a")
+        return self._cross(WIN64, program, "-Wl,-e,begin", *files, *own, system)
 
 
 @pytest.fixture(scope="session")
@@ -170,3 +169,31 @@ def unpacked(tmp_path_factory):
     if built.skipped:
         pytest.skip("; ".join(f"{what}: {reason}" for what, reason in built.skipped.items()))
     return {name: Path(extract(str(folder / f"{name}.fmu"), str(folder / name))) for name in FMUS}
+
+
+def wine():
+    """Command of 64-bit Wine, or None."""
+    for name in ("wine64", "wine", "/usr/lib/wine/wine64"):
+        path = shutil.which(name)
+        if path:
+            return path
+    return None
+
+
+@pytest.fixture(scope="session")
+def windows(tmp_path_factory):
+    """Runs a program for Windows; its files are in a folder of their own."""
+    command = wine()
+    if command is None:
+        pytest.skip("wine is not installed")
+    settings = {
+        "WINEPREFIX": str(tmp_path_factory.mktemp("wine")),
+        "WINEDEBUG": "-all",
+        "DISPLAY": "",
+        "LC_ALL": "C.UTF-8",
+    }
+    settings["WINEDLLOVERRIDES"] = "mscoree,mshtml="  # no offers to install these
+    yield lambda program: run([command, program], **settings)
+    server = shutil.which("wineserver") or "/usr/lib/wine/wineserver"
+    if os.path.exists(server):
+        subprocess.run([server, "-k"], env=os.environ | settings, timeout=TIME_LIMIT, check=False)

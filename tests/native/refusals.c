@@ -58,6 +58,29 @@ static void tolerance_of_the_experiment_wins(fmi2Component c)
     CHECK(fmi2ExitInitializationMode(c) == fmi2OK && real_value(c, "tolerance") == 1e-4, "the experiment's has won");
 }
 
+/* After fmi2Error values can be read for debugging, as the standard has it: they are those last calculated. */
+static void values_can_be_read_after_an_error(fmi2Component c)
+{
+    const fmi2ValueReference output = first_output();
+    fmi2ValueReference parameter = 0;
+    fmi2Real before, value;
+    while (model.variables[parameter].array != PARAMETERS || model.variables[parameter].kind != REAL)
+        parameter++;
+    CHECK(fmi2Reset(c) == fmi2OK, "reset");
+    CHECK(fmi2SetupExperiment(c, fmi2False, 0.0, 0.0, fmi2False, 0.0) == fmi2OK, "setupExperiment");
+    CHECK(fmi2GetReal(c, &output, 1, &value) == fmi2Error, "before initialization there is nothing to read");
+    CHECK(fmi2EnterInitializationMode(c) == fmi2OK, "enterInitializationMode");
+    CHECK(fmi2GetReal(c, &output, 1, &before) == fmi2OK, "reading in initialization mode");
+    CHECK(set_value(c, parameter, NAN) == fmi2OK, "setting a parameter");
+    CHECK(fmi2ExitInitializationMode(c) == fmi2Error, "a bad parameter");
+    for (fmi2ValueReference n = 0; n < model.variable_count; n++)
+        if (model.variables[n].kind == REAL)
+            CHECK(fmi2GetReal(c, &n, 1, &value) == fmi2OK, "reading %s after an error", model.variables[n].name);
+    CHECK(fmi2GetReal(c, &output, 1, &value) == fmi2OK && value == before, "the value last calculated");
+    CHECK(fmi2GetReal(c, &parameter, 1, &value) == fmi2OK && isnan(value), "the parameter that is to blame");
+    CHECK(fmi2DoStep(c, 0.0, 0.01, fmi2True) == fmi2Error, "a step after an error");
+}
+
 int main(void)
 {
     static struct journal journal;
@@ -65,6 +88,7 @@ int main(void)
     no_derivative_at_an_infinite_input(c);
     refused_steps_leave_time_and_warning(c, &journal);
     tolerance_of_the_experiment_wins(c);
+    values_can_be_read_after_an_error(c);
     fmi2FreeInstance(c);
     return 0;
 }

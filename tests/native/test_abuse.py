@@ -24,3 +24,8 @@ def test_random_calls_are_survived_under_sanitizers_and_leave_no_trace(workshop,
 
 def test_refusals_that_random_calls_seldom_meet(workshop):
     run([workshop.build("refusals", "refusals.c", "host.c", "snapshot.c", flags=SANITIZERS)])
+
+
+def test_forged_states_reach_no_memory_beyond_their_own(workshop):
+    """A sum of bytes keeps nobody out: what is an index or a choice is checked when a state is read in."""
+    run([workshop.build("forged", "forged.c", "host.c", "snapshot.c", flags=SANITIZERS)])

@@ -2,7 +2,6 @@
 
 import os
 import shutil
-import subprocess
 from pathlib import Path
 
 import pytest
@@ -13,7 +12,7 @@ from inertia_module.fmu.targets import LINUX_ARM
 from inertia_module.variables import REAL
 
 from . import scenes
-from .conftest import FMUS, TIME_LIMIT, run
+from .conftest import FMUS, run
 
 # relative, and what counts as zero where the values themselves are of this size
 RELATIVE, OF_ZERO = 1e-9, 1e-9
@@ -84,29 +83,6 @@ def deviations(identifier, folder, text):
             worst = max(abs(a - b) for a, b in zip(mine, other, strict=True))
             found[name] = max(found.get(name, 0.0), worst / size if size > OF_ZERO else worst)
     return found
-
-
-def wine():
-    """Command of 64-bit Wine, or None."""
-    for name in ("wine64", "wine", "/usr/lib/wine/wine64"):
-        path = shutil.which(name)
-        if path:
-            return path
-    return None
-
-
-@pytest.fixture(scope="session")
-def windows(tmp_path_factory):
-    """Runs a program for Windows; its files are in a folder of their own."""
-    command = wine()
-    if command is None:
-        pytest.skip("wine is not installed")
-    settings = {"WINEPREFIX": str(tmp_path_factory.mktemp("wine")), "WINEDEBUG": "-all", "DISPLAY": ""}
-    settings["WINEDLLOVERRIDES"] = "mscoree,mshtml="  # no offers to install these
-    yield lambda program: run([command, program], **settings)
-    server = shutil.which("wineserver") or "/usr/lib/wine/wineserver"
-    if os.path.exists(server):
-        subprocess.run([server, "-k"], env=os.environ | settings, timeout=TIME_LIMIT, check=False)
 
 
 @pytest.mark.parametrize("identifier", FMUS)

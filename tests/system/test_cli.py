@@ -248,3 +248,15 @@ def test_coupling_refuses_a_part_that_there_is_not(workshop):
     assert done.returncode == 1
     parts = "limits, map, torque, adaptive, urban, torque_urban, shafts"
     assert f"--only = limit is refused: allowed is {parts}" in done.stderr
+
+
+def test_run_warns_of_a_mechanism_that_cannot_be_built_and_runs_it(workshop, tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_text(SCENE + "[mechanism]\nsatellites = 6\na = 1.5\n")
+    done = command("run", path, "-o", tmp_path / "out", folder=workshop)
+    assert done.returncode == 0, done.stderr
+    assert [line[:9] for line in done.stderr.splitlines()] == ["warning: "] * 2
+    assert "the 6 satellites of a module overlap" in done.stderr
+    assert "a must be at most 1 and at most b = 1, is 1.5" in done.stderr
+    printed = json.loads(command("run", path, "-o", tmp_path / "out", "--json", folder=workshop).stdout)
+    assert [f"warning: {warning}" for warning in printed["warnings"]] == done.stderr.splitlines()

@@ -1,9 +1,13 @@
 """What is generated, and what the README promises."""
 
 import re
+import runpy
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
+
+import pytest
 
 from inertia_module.model import DRIVEN_SHAFT, INERTIA_MODULE
 
@@ -20,11 +24,36 @@ def test_generated_pages_are_up_to_date():
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.parametrize(
+    ("shown", "now", "same"),
+    [
+        ("off by 0.55 (12 %)", "off by 0.55 (12 %)", True),
+        ("off by 0.55 (12 %)", "off by 0.56 (12 %)", True),
+        ("off by 0.55 (12 %)", "off by 0.57 (12 %)", False),
+        ("| 1.2e+02 |", "| 1.5e+02 |", False),
+        ("| yes | rounding |", "| no | 0.2 |", False),
+        ("**holds**", "**holds partly**", False),
+    ],
+)
+def test_a_page_of_figures_is_stale_once_a_figure_or_a_word_has_changed(shown, now, same):
+    make_pages = runpy.run_path(str(ROOT / "docs" / "make_pages.py"))
+    assert make_pages["same_figures"](shown, now) == same
+
+
 def test_every_variable_is_in_the_documentation():
     page = (ROOT / "docs" / "variables.md").read_text()
     assert all(
         f"| `{variable.name}` |" in page for variable in (*INERTIA_MODULE.variables, *DRIVEN_SHAFT.variables)
     )
+
+
+def test_page_on_development_tells_the_floors_that_are_enforced():
+    (contract, *_) = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"]
+    enforced = [re.findall(r"inertia_module\.(\w+)", layer) for layer in contract["layers"]]
+    page = (ROOT / "docs" / "development.md").read_text()
+    table = page[page.index("| floor | what |") : page.index("Floors only import downwards")]
+    told = [re.findall(r"`(\w+)`", line.split("|")[1]) for line in table.strip().splitlines()[2:]]
+    assert told == enforced
 
 
 def test_links_of_the_readme_lead_somewhere():

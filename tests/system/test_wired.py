@@ -78,3 +78,34 @@ def test_the_fmu_that_refuses_a_step_is_named(nodes):
         system.set("module", omega1=1e9)
         with pytest.raises(DriveError, match=r"module: .*omega1 = 1000000000 is refused"):
             system.advance()
+
+
+def test_what_a_system_cannot_do_is_said_in_a_sentence(nodes):
+    with WiredFmus(nodes, (SPEED, TORQUE), 1e-3) as system:
+        for refused, words in (
+            (lambda: system.set("engine", omega1=1.0), "an FMU must be one of module, shaft, is 'engine'"),
+            (lambda: system.run(0.01, [("engine", "omega1")]), "is 'engine'"),
+            (lambda: system.run(0.0105, ENDS), "whole number of steps of 0.001 s after 0 s, is 0.0105 s"),
+            (lambda: system.run(-1.0, ENDS), "is -1 s"),
+        ):
+            with pytest.raises(WiringError, match=words):
+                refused()
+        assert system.time == 0.0
+    for refused in (lambda: system.run(0.01, ENDS), system.advance, lambda: system.set("module", omega1=1.0)):
+        with pytest.raises(WiringError, match="an FMU must be of a system that is open, is 'module'"):
+            refused()
+
+
+@pytest.mark.parametrize("drive", ["torque", 1, 1.0, "much"])
+def test_the_drive_of_a_module_may_be_named(nodes, drive):
+    module = nodes["module"]._replace(parameters=HUB | {"drive": drive, "input_inertia": "0.2 kg.m2"})
+    wanted = (
+        (DriveError, "drive must be one of speed, torque") if drive == "much" else (WiringError, "no effect")
+    )
+    idle = Wire("shaft", "omega_out", "module", "omega1")
+    with pytest.raises(wanted[0], match=wanted[1]):
+        WiredFmus(
+            nodes | {"module": module._replace(inputs={"drive_torque": 9.0, "omega1": 1.0})},
+            (SPEED, TORQUE, idle) if drive != "much" else (SPEED, TORQUE),
+            1e-3,
+        )

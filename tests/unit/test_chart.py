@@ -1,6 +1,9 @@
 """Torque converter charts: made, saved, read, compared."""
 
+import csv
+import dataclasses
 import json
+import math
 
 import numpy as np
 import pytest
@@ -34,10 +37,8 @@ def test_chart_tells_the_torque_of_the_averaged_module(compiled, mechanism, back
 def test_an_ideal_module_loses_no_power_at_any_ratio(compiled, mechanism):
     chart = torque_converter_chart(MECHANISMS[mechanism], kernel=compiled)
     moving = slice(1, None)
-    assert np.isinf(chart.torque_ratio[0])
     power_out = chart.output_torque * chart.speed_ratio
     assert np.allclose(power_out[moving], chart.efficiency[moving] * chart.input_torque[moving], rtol=1e-14)
-    assert np.allclose(chart.torque_ratio[moving] * chart.speed_ratio[moving], chart.efficiency[moving])
     assert chart.end_ratio == 1.0
     assert chart.lock_up_torque[0] > chart.output_torque[-1] > 0.0
 
@@ -49,6 +50,40 @@ def test_chart_saved_is_the_chart_read(compiled, tmp_path):
         assert np.array_equal(getattr(read, name), values), name
 
 
+@pytest.mark.parametrize("mechanism", MECHANISMS)
+@pytest.mark.parametrize("omega1", [30.0, 314.0, -50.0])
+def test_converter_table_is_finite_and_gives_the_torques_of_the_module(compiled, mechanism, omega1):
+    settings = MECHANISMS[mechanism]
+    table = torque_converter_chart(settings, omega1 < 0.0, compiled).converter_table(omega1)
+    ratio, torque_ratio, capacity, passed, taken = table.values()
+    assert all(np.isfinite(column).all() and (column > 0.0).all() for column in table.values())
+    # as a model of a converter uses them: K gives the input torque, the torque ratio the output torque
+    given = (omega1 / capacity) ** 2
+    assert given == pytest.approx(taken, rel=1e-12)
+    assert torque_ratio * given == pytest.approx(passed, rel=1e-12)
+    for n in (0, 77, -2):
+        speed = abs(omega1) * ratio[n]
+        module = started(compiled, settings, fidelity=1, omega1=omega1, omega_out_start=speed)
+        assert passed[n] == pytest.approx(module["output_torque"], rel=1e-9)
+
+
+def test_converter_table_ends_where_no_torque_is_passed(compiled):
+    chart = torque_converter_chart({}, kernel=compiled)
+    idle = dataclasses.replace(chart, input_torque=np.where(chart.speed_ratio > 0.9, 0.0, chart.input_torque))
+    table = idle.converter_table(100.0)
+    assert table["speed_ratio"].max() <= 0.9
+    assert all(np.isfinite(column).all() for column in table.values())
+
+
+def test_numbers_of_a_chart_have_units(compiled):
+    chart = torque_converter_chart({}, kernel=compiled)
+    assert chart.units()["stall_torque"] == "N.m.s2"
+    assert chart.units(50.0)["stall_torque"] == "N.m"
+    assert chart.units()["end_ratio"] == ""
+    assert chart.summary(50.0)["stall_torque"] == pytest.approx(2500.0 * chart.stall_torque)
+    assert chart.summary(50.0)["end_ratio"] == chart.end_ratio
+
+
 def test_a_file_that_is_no_chart_is_refused(tmp_path):
     with pytest.raises(TableError, match=r"none\.csv must be a saved chart: No such file"):
         TorqueConverterChart.load(tmp_path / "none.csv")
@@ -56,6 +91,17 @@ def test_a_file_that_is_no_chart_is_refused(tmp_path):
     other.write_text("time,x\n0,1\n")
     with pytest.raises(TableError, match=r"other\.csv must be a chart with the columns speed_ratio"):
         TorqueConverterChart.load(other)
+
+
+def test_a_mechanism_may_be_given_by_names_and_units(compiled):
+    named = torque_converter_chart({"layout": "planar", "sun_radius": "60 mm", "imbalance_mass": "800 g"})
+    numbers = torque_converter_chart(
+        {"layout": 1, "sun_radius": 0.06, "imbalance_mass": 0.8}, kernel=compiled
+    )
+    assert np.array_equal(named.output_torque, numbers.output_torque)
+    for bad in ({"layout": "flat"}, {"sun_radius": "60 kg"}, {"sun_radius": None}, {"satellites": [3]}):
+        with pytest.raises(Refused, match=f"^{next(iter(bad))} = .* is refused: allowed is"):
+            torque_converter_chart(bad)
 
 
 def test_without_a_freewheel_there_is_no_chart(compiled):
@@ -74,3 +120,36 @@ def test_command_compares_scenes(compiled, tmp_path):
         read = TorqueConverterChart.load(tmp_path / f"{name}.csv")
         assert read.stall_torque == numbers["stall_torque"] > 0.0
     assert (tmp_path / "chart.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_command_gives_torques_and_a_converter_table_at_a_speed(compiled, tmp_path):
+    assert compiled
+    arguments = ["chart", "examples/planar.toml", "--speed", "3000 rpm", "-o", str(tmp_path)]
+    done = CliRunner().invoke(app, arguments)
+    assert done.exit_code == 0, done.output
+    chart = TorqueConverterChart.load(tmp_path / "planar.csv")
+    stall = chart.stall_torque * (100.0 * math.pi) ** 2
+    assert f"{stall:.6g} N.m " in done.output
+    rows = list(csv.DictReader((tmp_path / "planar_converter.csv").open()))
+    assert float(rows[0]["output_torque [N.m]"]) == pytest.approx(stall, rel=0.01)
+
+
+def test_no_file_of_a_chart_holds_what_is_not_finite(compiled, tmp_path):
+    assert compiled
+    CliRunner().invoke(app, ["chart", "examples/urban.toml", "--speed", "100", "-o", str(tmp_path)])
+    files = sorted(tmp_path.glob("*.csv"))
+    assert [file.stem for file in files] == ["urban", "urban_converter"]
+    for file in files:
+        cells = [cell for row in list(csv.reader(file.open()))[1:] for cell in row]
+        assert all(math.isfinite(float(cell)) for cell in cells), file.name
+
+
+@pytest.mark.parametrize("speed", ["0", "fast", "10 N.m", "1e9 rad/s", "nan"])
+def test_command_refuses_a_speed_that_is_none(speed, tmp_path):
+    done = CliRunner().invoke(
+        app, ["chart", "examples/planar.toml", "--speed", speed, "-o", str(tmp_path / "x")]
+    )
+    assert done.exit_code == 1
+    assert "--speed must be a speed up to 1e+06 rad/s" in done.output
+    assert repr(speed) in done.output
+    assert not (tmp_path / "x").exists()

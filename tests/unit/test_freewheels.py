@@ -1,8 +1,26 @@
 """The freewheels: what holds, what slips, and that nothing pulls where it cannot."""
 
 import pytest
-from scenes import SCENES, advanced, started
+from scenes import FREEWHEELS, SCENES, advanced, started
 
+ELASTIC = {
+    "fidelity": 3,
+    "output_inertia": 0.02,
+    "driven_inertia": 0.5,
+    "shaft_stiffness": 400.0,
+    "shaft_damping": 0.05,
+}
+OUTPUTS = {"rigid": {}, "elastic": ELASTIC}
+METHODS = {"event": {}, "timestepping": {"method": 1}}
+DRIVES = {"speed": {}, "torque": {"drive": 1, "input_inertia": 0.3, "drive_torque": 0.0}}
+HELD, FREE, DRIVING, HELD_DRIVING = range(4)
+# contact mode of a mechanism at rest under a load that pulls, none, and one that brakes
+AT_REST = {
+    "both freewheels": (HELD, HELD_DRIVING, HELD_DRIVING),
+    "no housing freewheel": (FREE, FREE, DRIVING),
+    "no output freewheel": (DRIVING, HELD_DRIVING, HELD_DRIVING),
+    "no freewheel": (DRIVING, DRIVING, DRIVING),
+}
 DEAD = ["omega2", "omega_out", "input_torque", "mesh_torque", "energy_in", "energy_out", "energy_stored"]
 
 
@@ -25,7 +43,50 @@ def test_nothing_moves_without_input_and_load(kernel, scene, step):
     module = advanced(started(kernel, scene, omega1=0.0, load_torque=0.0), step, step)
     assert [module[name] for name in DEAD] == [0.0] * len(DEAD)
     assert module["output_torque"] == module["housing_torque"] == 0.0
-    assert module["contact_switches"] <= 1
+    assert module["contact_switches"] == 0
+
+
+@pytest.mark.parametrize("drive", DRIVES)
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("output", OUTPUTS)
+@pytest.mark.parametrize("freewheels", FREEWHEELS)
+@pytest.mark.parametrize("load", [-5.0, 0.0, 5.0])
+def test_mode_at_rest_is_the_same_by_all_methods_and_stays(
+    kernel, scene, freewheels, output, method, drive, load
+):
+    settings = FREEWHEELS[freewheels] | OUTPUTS[output] | METHODS[method] | DRIVES[drive]
+    module = started(kernel, scene, settings, omega1=0.0, load_torque=load)
+    expected = AT_REST[freewheels][[-5.0, 0.0, 5.0].index(load)]
+    assert module["contact_mode"] == expected
+    for _ in range(20):
+        module.advance(1e-5)
+        assert module["contact_mode"] == expected
+    assert module["contact_switches"] == 0
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("output", OUTPUTS)
+def test_link_2_pushed_backwards_without_load_stays_held_with_the_shaft(kernel, output, method):
+    module = started(
+        kernel, OUTPUTS[output], METHODS[method], omega1=100.0, load_torque=0.0, drive_angle_start=3.15
+    )
+    for _ in range(20):
+        assert module["contact_mode"] == HELD_DRIVING
+        module.advance(1e-6)
+    assert module["contact_switches"] == 0
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("output", OUTPUTS)
+def test_link_2_stays_held_where_the_input_stops_and_the_shaft_runs_on(compiled, scene, output, method):
+    module = advanced(started(compiled, scene, OUTPUTS[output], METHODS[method]), *[1e-3] * 300)
+    advanced(module, *[1e-3] * 50, omega1=0.0, load_torque=1.0)
+    switches = module["contact_switches"]
+    for _ in range(100):
+        module.advance(1e-3)
+        assert module["contact_mode"] == HELD
+    assert module["omega_out"] > 0.0
+    assert module["contact_switches"] == switches
 
 
 @pytest.mark.parametrize("omega1", [0.0, 100.0])

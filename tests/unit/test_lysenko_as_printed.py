@@ -9,7 +9,8 @@ import math
 import numpy as np
 import pytest
 
-from inertia_module.papers.lysenko import as_printed, exact
+from inertia_module.papers.lysenko import exact
+from inertia_module.papers.lysenko.as_printed import Printed
 from inertia_module.papers.lysenko.mechanism import Mechanism
 
 MECHANISM = Mechanism(R0=2.0, r=1.0, arm=1.0, m=2.0, J_carrier=3.0, J_wheel=1.0)
@@ -18,165 +19,162 @@ OMEGA = 10.0
 ROOT_HALF = math.sqrt(0.5)
 
 
-def at_right_angle(function, *speed):
-    return float(function(MECHANISM, RIGHT_ANGLE, *speed))
+@pytest.fixture
+def page():
+    """Everything the page computes at the right angle."""
+    return Printed(MECHANISM, RIGHT_ANGLE, OMEGA)
 
 
 def test_equation_1():
     # X = 3 cos 45 - cos 135 = 4/sqrt(2), Y = 3 sin 45 - sin 135 = 2/sqrt(2)
-    x, y = as_printed.epicycloid(MECHANISM, RIGHT_ANGLE)
+    x, y = Printed(MECHANISM, RIGHT_ANGLE, OMEGA).epicycloid
     assert (float(x), float(y)) == pytest.approx((4 * ROOT_HALF, 2 * ROOT_HALF))
 
 
 def test_equation_2():
     # sqrt(9 + 1 - 6 cos 60)
-    assert float(as_printed.rho(MECHANISM, math.pi / 3)) == pytest.approx(math.sqrt(7.0))
+    assert Printed(MECHANISM, math.pi / 3, OMEGA).rho == pytest.approx(math.sqrt(7.0))
 
 
 def test_note_on_equation_2():
-    assert float(as_printed.phi_of_note(MECHANISM, 0.6)) == pytest.approx(0.3)
+    assert Printed(MECHANISM, 2 * math.pi / 3, OMEGA).rho_of_note == pytest.approx(math.sqrt(7.0))
 
 
 def test_equation_3():
-    assert as_printed.relative_force(MECHANISM, OMEGA) == pytest.approx(200.0)
+    assert pytest.approx(200.0) == Printed(MECHANISM, 0.0, OMEGA).F1
 
 
-def test_equation_4():
+def test_equation_4(page):
     # 2 sqrt(10) / 4 * 100
-    assert at_right_angle(as_printed.carrier_force, OMEGA) == pytest.approx(50 * math.sqrt(10.0))
+    assert pytest.approx(50 * math.sqrt(10.0)) == page.F2
 
 
-def test_equation_5():
+def test_equation_5(page):
     # 2 * 2 * 10 sqrt(4.5) * 5, from the speed of (7)
-    assert at_right_angle(as_printed.coriolis_force, OMEGA) == pytest.approx(200 * math.sqrt(4.5))
+    assert page.Fk == pytest.approx(200 * math.sqrt(4.5))
 
 
 def test_equation_6():
-    # sqrt(9 + 16 - 24 cos 60)
-    assert float(as_printed.resultant_speed(3.0, 4.0, math.pi / 3)) == pytest.approx(math.sqrt(13.0))
+    # V1 = l w = 3, V2 = rho b w = 4, beta = 60 deg: sqrt(9 + 16 - 24 cos 60)
+    assert Printed(MECHANISM, 0.0, 3.0, rho=8 / 3, beta1=2 * math.pi / 3).resultant == pytest.approx(
+        math.sqrt(13.0)
+    )
 
 
-def test_equation_7():
+def test_equation_7(page):
     # 10 sqrt(1 + 10/4 + 2 sqrt(10)/2 / sqrt(10))
-    assert at_right_angle(as_printed.speed, OMEGA) == pytest.approx(10 * math.sqrt(4.5))
+    assert pytest.approx(10 * math.sqrt(4.5)) == page.V
     # at the cusp l w + rho b w, as b1 comes out zero; the imbalance really stands still
-    assert float(as_printed.speed(MECHANISM, 0.0, OMEGA)) == pytest.approx(20.0)
+    assert pytest.approx(20.0) == Printed(MECHANISM, 0.0, OMEGA).V
     assert float(exact.speed(MECHANISM, 0.0, OMEGA)) == 0.0
 
 
-def test_equation_8():
-    assert at_right_angle(as_printed.beta1) == pytest.approx(math.asin(3 / math.sqrt(10.0)))
+def test_equation_8(page):
+    assert page.beta1 == pytest.approx(math.asin(3 / math.sqrt(10.0)))
     # alpha = 60 deg: sin b1 = 3 sin 60 / sqrt(7), the angle itself is beyond 90 deg
-    printed = float(as_printed.beta1(MECHANISM, math.pi / 3))
+    printed = Printed(MECHANISM, math.pi / 3, OMEGA).beta1
     assert printed == pytest.approx(math.asin(math.sqrt(27 / 28)))
     assert float(exact.beta1(MECHANISM, math.pi / 3)) == pytest.approx(math.pi - printed)
 
 
-def test_equation_9():
+def test_equation_9(page):
     # F2 n2 + Fk k1 = 150 + 300
-    assert at_right_angle(as_printed.wheel_moment_of_forces, OMEGA) == pytest.approx(450.0)
+    assert page.M1_of_forces == pytest.approx(450.0)
 
 
-def test_equation_10():
+def test_equation_10(page):
     # -F1 n1 - F2 n2 - Fk k2 = -600 - 150 - 900
-    assert at_right_angle(as_printed.carrier_moment_of_forces, OMEGA) == pytest.approx(-1650.0)
+    assert page.M_of_forces == pytest.approx(-1650.0)
 
 
-def test_equation_11():
-    assert at_right_angle(as_printed.n1) == pytest.approx(3.0)
+def test_equation_11(page):
+    assert page.n1 == pytest.approx(3.0)
 
 
-def test_equation_12():
-    assert at_right_angle(as_printed.n2) == pytest.approx(3 / math.sqrt(10.0))
+def test_equation_12(page):
+    assert page.n2 == pytest.approx(3 / math.sqrt(10.0))
 
 
-def test_equation_13():
+def test_equation_13(page):
     # delta = arcsin(3 / (sqrt(10) sqrt(4.5))) = arctan(1/2), b1 = arctan 3: the difference is 45 deg
-    assert at_right_angle(as_printed.delta) == pytest.approx(math.atan(0.5))
-    assert at_right_angle(as_printed.k1) == pytest.approx(ROOT_HALF)
+    assert page.delta == pytest.approx(math.atan(0.5))
+    assert page.k1 == pytest.approx(ROOT_HALF)
 
 
-def test_equation_14():
+def test_equation_14(page):
     # 3 sin(90 + 45)
-    assert at_right_angle(as_printed.k2) == pytest.approx(3 * ROOT_HALF)
+    assert page.k2 == pytest.approx(3 * ROOT_HALF)
 
 
-def test_equation_15():
+def test_equation_15(page):
     # 2 * 0.5 * 100 * (0.5 * 3 + 2 sqrt(4.5) sin 45): three times the exact 150
-    assert at_right_angle(as_printed.wheel_moment, OMEGA) == pytest.approx(450.0)
-    assert at_right_angle(exact.wheel_moment, OMEGA) == pytest.approx(150.0)
+    assert pytest.approx(450.0) == page.M1
+    assert exact.wheel_moment(MECHANISM, RIGHT_ANGLE, OMEGA) == pytest.approx(150.0)
 
 
-def test_equation_16():
+def test_equation_16(page):
     # -2 * 3 * 100 * (1.25 + sqrt(4.5) sin 135): exact are -1200
-    assert at_right_angle(as_printed.carrier_moment, OMEGA) == pytest.approx(-1650.0)
-    assert at_right_angle(exact.carrier_moment, OMEGA) == pytest.approx(-1200.0)
+    assert pytest.approx(-1650.0) == page.M
+    assert exact.carrier_moment(MECHANISM, RIGHT_ANGLE, OMEGA) == pytest.approx(-1200.0)
 
 
-def test_equation_17():
-    assert at_right_angle(as_printed.wheel_power, OMEGA) == pytest.approx(4500.0)
+def test_equation_17(page):
+    assert pytest.approx(4500.0) == page.N1
 
 
-def test_equation_18():
-    assert at_right_angle(as_printed.carrier_power, OMEGA) == pytest.approx(-8250.0)
+def test_equation_18(page):
+    assert pytest.approx(-8250.0) == page.N
 
 
-def test_equation_19():
-    assert at_right_angle(as_printed.moment_of_inertia) == pytest.approx(4 + 2 * 10)
+def test_equation_19(page):
+    assert pytest.approx(4 + 2 * 10) == page.J
 
 
 def test_equation_20():
-    assert as_printed.inertia_limits(MECHANISM) == pytest.approx((4 + 2 * 16, 4 + 2 * 4))
+    assert Printed(MECHANISM, 0.0, 1.0).J_limits == pytest.approx((4 + 2 * 16, 4 + 2 * 4))
 
 
 def test_equation_21():
-    assert as_printed.omega_max(MECHANISM, 2.0) == pytest.approx(2.0 * 36 / 12)
+    assert Printed(MECHANISM, 0.0, 2.0).omega_max == pytest.approx(2.0 * 36 / 12)
 
 
 def test_equation_22():
-    assert as_printed.energy_farthest(MECHANISM, 2.0) == pytest.approx(72.0)
+    assert pytest.approx(72.0) == Printed(MECHANISM, 0.0, 2.0).T1
 
 
 def test_equation_23():
-    assert as_printed.energy_nearest(MECHANISM, 6.0) == pytest.approx(216.0)
+    assert pytest.approx(216.0) == Printed(MECHANISM, 0.0, 2.0).T2
 
 
 def test_equation_24():
-    assert as_printed.energy_nearest_of_farthest(MECHANISM, 72.0) == pytest.approx(216.0)
+    assert Printed(MECHANISM, 0.0, 2.0).T2_of_T1 == pytest.approx(216.0)
 
 
 def test_equations_15_and_16_follow_from_those_before_as_the_page_says():
-    angle = np.linspace(-3.0, 9.0, 101)
-    assert as_printed.wheel_moment(MECHANISM, angle, OMEGA) == pytest.approx(
-        as_printed.wheel_moment_of_forces(MECHANISM, angle, OMEGA), abs=1e-11
-    )
-    assert as_printed.carrier_moment(MECHANISM, angle, OMEGA) == pytest.approx(
-        as_printed.carrier_moment_of_forces(MECHANISM, angle, OMEGA), abs=1e-11
-    )
+    page = Printed(MECHANISM, np.linspace(-3.0, 9.0, 101), OMEGA)
+    assert pytest.approx(page.M1_of_forces, abs=1e-11) == page.M1
+    assert pytest.approx(page.M_of_forces, abs=1e-11) == page.M
 
 
 def test_printed_moments_have_the_coriolis_force_of_the_absolute_speed():
     angle = np.linspace(-3.0, 9.0, 101)
-    b = MECHANISM.b
-    assert as_printed.wheel_moment(MECHANISM, angle, OMEGA) == pytest.approx(
-        3.0 * exact.wheel_moment(MECHANISM, angle, OMEGA), abs=1e-10
-    )
+    b, page = MECHANISM.b, Printed(MECHANISM, angle, OMEGA)
+    assert pytest.approx(3.0 * exact.wheel_moment(MECHANISM, angle, OMEGA), abs=1e-10) == page.M1
     acute = np.abs(exact.beta1(MECHANISM, angle)) < math.pi / 2
     assert acute.any()
-    assert as_printed.carrier_moment(MECHANISM, angle[acute], OMEGA) == pytest.approx(
-        (1 + 3 * b**2 / (1 + 2 * b)) * exact.carrier_moment(MECHANISM, angle[acute], OMEGA), abs=1e-10
-    )
+    right = exact.carrier_moment(MECHANISM, angle, OMEGA)
+    assert page.M[acute] == pytest.approx((1 + 3 * b**2 / (1 + 2 * b)) * right[acute], abs=1e-10)
 
 
-def test_arm_14_lacks_a_term_even_for_the_direction_the_page_takes():
+def test_arm_14_lacks_a_term_even_for_the_direction_the_page_takes(page):
     # the moment about O of a unit force at the imbalance, turned by b1 - delta from the arm of the wheel
     along, across = (float(value) for value in exact.position(MECHANISM, RIGHT_ANGLE))
-    turned = at_right_angle(as_printed.beta1) - at_right_angle(as_printed.delta)
+    turned = page.beta1 - page.delta
     force = -np.exp(1j * (RIGHT_ANGLE + turned))
     arm = -(along * force.imag - across * force.real)
-    assert arm == pytest.approx(at_right_angle(as_printed.k2) - math.sin(turned))
+    assert arm == pytest.approx(page.k2 - math.sin(turned))
 
 
 def test_printed_form_refuses_an_imbalance_that_passes_through_the_centre():
-    with pytest.raises(ValueError, match=r"arm = 3\.0 is refused"):
-        as_printed.beta1(Mechanism(2.0, 1.0, 3.0, 1.0), np.array([0.0, 1.0]))
+    with pytest.raises(ValueError, match=r"^arm must not be R0 \+ r, is 3\.0"):
+        _ = Printed(Mechanism(2.0, 1.0, 3.0, 1.0), np.array([0.0, 1.0]), OMEGA).beta1

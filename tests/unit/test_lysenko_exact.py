@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from lysenko_chain import ALPHAS, MECHANISMS, OMEGA, Chain, cross, torque_scale
 
-from inertia_module.papers.lysenko import CLAIMS, EQUATIONS, exact, motion
+from inertia_module.papers.lysenko import exact, motion
 from inertia_module.papers.lysenko.mechanism import Mechanism
 
 
@@ -88,7 +88,7 @@ def test_moments_are_forces_times_arms(mechanism, alpha):
     )
 
 
-# --- shapes, limits, records ---
+# --- shapes, limits ---
 
 
 def test_everything_is_finite_at_degenerate_dimensions():
@@ -107,7 +107,7 @@ def test_everything_is_finite_at_degenerate_dimensions():
 
 
 def test_arm_of_a_force_without_direction_is_refused():
-    with pytest.raises(ValueError, match=r"arm = 2\.0 .* R0 \+ r"):
+    with pytest.raises(ValueError, match=r"^arm must not be R0 \+ r .*, is 2\.0$"):
         exact.n2(Mechanism(1.0, 1.0, 2.0, 1.0), 0.3)
 
 
@@ -116,18 +116,5 @@ def test_arm_of_a_force_without_direction_is_refused():
 )
 def test_bad_dimensions_are_refused(bad):
     values = {"R0": 1.0, "r": 0.5, "arm": 0.5, "m": 1.0} | bad
-    with pytest.raises(ValueError, match=f"{next(iter(bad))} = .* is refused"):
+    with pytest.raises(ValueError, match=f"^{next(iter(bad))} must be finite and .* 0, is "):
         Mechanism(**values)
-
-
-@pytest.mark.parametrize("equation", EQUATIONS, ids=lambda equation: equation.number)
-def test_verdict_on_each_equation_is_what_its_difference_says(equation):
-    if equation.difference is not None:
-        assert (equation.difference() < 1e-12) == equation.right
-
-
-@pytest.mark.parametrize("claim", CLAIMS, ids=lambda claim: claim.text[:40])
-def test_each_claim_states_what_was_found(claim):
-    found = claim.found()
-    assert found
-    assert "nan" not in found

@@ -8,7 +8,7 @@ import pytest
 from inertia_module.drive import Result
 from inertia_module.fmu.builder import build
 from inertia_module.scene import SceneError, load_scene, read_scene, run_scene
-from inertia_module.scene.units import parse_unit, to_si
+from inertia_module.units import parse_unit, to_si
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 OPEN = """

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from stelmashchuk_reference import TWO_PI, Propagator, integrated, law_in_words
 
-from inertia_module.papers.stelmashchuk import CLAIMS, EQUATIONS, law
+from inertia_module.papers.stelmashchuk import law
 from inertia_module.papers.stelmashchuk.criteria import Criteria, balancing_torque, dwell
 from inertia_module.papers.stelmashchuk.exact import response
 from inertia_module.papers.stelmashchuk.oscillation import constants, free_oscillation
@@ -238,21 +238,5 @@ def test_dwell_is_the_angle_at_steady_speed_over_twice_that_of_engagement():
     ],
 )
 def test_what_has_no_meaning_is_refused_by_name(make, named):
-    with pytest.raises(ValueError, match=f"{named}.* refused: allowed is|{named}.* refused: allowed are"):
+    with pytest.raises(ValueError, match=rf"^{named}\b.* must be "):
         make()
-
-
-# --- records ---
-
-
-@pytest.mark.parametrize("equation", EQUATIONS, ids=lambda equation: equation.number + equation.subject)
-def test_verdict_on_each_equation_is_what_its_difference_says(equation):
-    if equation.difference is not None:
-        assert (equation.difference() < 1e-12) == equation.right
-
-
-@pytest.mark.parametrize("claim", CLAIMS, ids=lambda claim: claim.text[:40])
-def test_each_claim_states_what_was_found(claim):
-    found = claim.found()
-    assert found
-    assert "nan" not in found

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scenes import FREEWHEELS, SCENES, advanced, started
+from scenes import DRIVEN, FREEWHEELS, SCENES, advanced, started
 
 SHAFT = {
     "fidelity": 3,
@@ -96,6 +96,18 @@ def test_every_set_of_freewheels_agrees_with_the_event_method(compiled, scene, f
     event, fixed = (advanced(module, 0.1) for module in values)
     for name in ("omega2", "omega_out", "output_torque_mean", "energy_in"):
         assert fixed[name] == pytest.approx(event[name], rel=2e-3, abs=1e-3), name
+
+
+@pytest.mark.parametrize("scenes", [SCENES, DRIVEN], ids=["by speed", "by torque"])
+@pytest.mark.parametrize("layout", SCENES)
+@pytest.mark.parametrize("steps", [1, 100, 3000])
+def test_contact_switches_are_those_of_the_event_method_at_any_communication_step(
+    compiled, scenes, layout, steps
+):
+    events = advanced(started(compiled, scenes[layout]), 0.3)
+    fixed = started(compiled, scenes[layout], method=1, max_step=1e-4)
+    advanced(fixed, *[0.3 / steps] * steps)
+    assert fixed["contact_switches"] == events["contact_switches"] > 20
 
 
 def test_energy_audit_shows_the_error_and_closes_with_the_step(compiled, scene):

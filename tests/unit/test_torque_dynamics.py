@@ -7,7 +7,7 @@ import pytest
 from geometry import direct_derivatives, ratio
 from scenes import FREEWHEELS, LAYOUTS, parameters, started
 
-from inertia_module.kernel.inertia import B_second_derivative
+from inertia_module.kernel.inertia import second_derivative_of_b
 from inertia_module.kernel.links import accelerations, motion
 
 pytest.importorskip("mujoco")
@@ -98,7 +98,7 @@ def test_second_derivative_of_the_coupling_is_that_of_the_positions(mechanism, s
     d = started("plain", mechanism).derived
     for q in states[:, 0]:
         i, b, _ = direct_derivatives(mechanism, q)
-        assert B_second_derivative(d, q) == pytest.approx(b[2], abs=1e-10 * max(abs(i)))
+        assert second_derivative_of_b(d, q) == pytest.approx(b[2], abs=1e-10 * max(abs(i)))
 
 
 @pytest.mark.parametrize("freewheels", FREEWHEELS)

@@ -3,6 +3,7 @@
 import csv
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from scenes import REFERENCE
@@ -15,6 +16,7 @@ from inertia_module.studies.stability.table import Cell, read_rows, rows_of, wri
 from inertia_module.studies.stability.trial import try_case
 from inertia_module.studies.stability.verdict import cause, judge
 
+TABLE = Path(__file__).parents[2] / "docs" / "stability.csv"
 RUNG = next(rung for rung in RUNGS if rung.name == "rigid, event")
 SEGMENT = Segment(0.05, REFERENCE["omega1"], REFERENCE["load_torque"])
 CASE = Case("ordinary", "bevel", RUNG, Extreme("R1", {}, (SEGMENT,), split=10))
@@ -133,8 +135,45 @@ def test_bounds_follow_the_tolerance():
     assert energy_bound(1e-8) < 1e-4 * energy_bound(1e-3)
     assert result_bound(1e-9, 0.0) < 1e-4 * result_bound(1e-3, 0.0)
     assert result_bound(1e-6, 1e-3) > 100.0 * result_bound(1e-6, 0.0)
-    assert result_bound(1.0, 1.0) == 1.0
     assert work_bound(CASE, 200.0, 1, 0) < 2.1 * work_bound(CASE, 100.0, 1, 0)
+
+
+@pytest.mark.parametrize("accuracy", [1e-13, 1e-6, 0.005, 0.02, 0.1])
+@pytest.mark.parametrize("sensitivity", [0.0, 1e-6, 1.0, 10.0])
+def test_no_bound_is_so_wide_that_a_run_cannot_miss_it(accuracy, sensitivity):
+    assert energy_bound(accuracy) <= 0.1
+    assert result_bound(accuracy, sensitivity) <= 0.1
+
+
+def changed_end(trial, **changes):
+    """The trial with another end of its tight run, and other fields."""
+    end = {**trial.tight.end, "omega_out": trial.tight.end["omega_out"] + 0.5 * trial.tight.speed}
+    return replace(trial, tight=replace(trial.tight, end=end), **changes)
+
+
+@pytest.mark.parametrize("sensitivity, word", [(0.0, "degraded"), (0.05, "degraded"), (1.3, "sensitive")])
+def test_runs_that_differ_are_sensitive_only_where_no_method_can_tell(sensitivity, word):
+    trial = changed_end(try_case(CASE), sensitivity=sensitivity)
+    found = judge(trial)
+    assert found.word == word
+    assert found.error > 0.1
+    assert "error" in found.reason
+
+
+def test_sensitive_motion_does_not_excuse_an_open_energy_balance():
+    trial = try_case(CASE)
+    leaking = replace(trial.long, residual=0.5 * trial.long.energy)
+    assert judge(changed_end(trial, sensitivity=1.3, long=leaking)).word == "degraded"
+
+
+def test_sensitive_motion_on_which_all_runs_agree_is_exact():
+    assert judge(replace(try_case(CASE), sensitivity=1.3)).word == "exact"
+
+
+def test_no_cell_of_the_map_is_called_exact_with_an_error_above_a_tenth():
+    exact = [cell for row in read_rows(TABLE) for cell in row.cells.values() if cell.word == "exact"]
+    assert len(exact) > 2000
+    assert max(cell.power for cell in exact) <= -1
 
 
 def test_table_reads_back_as_it_was_written(tmp_path):

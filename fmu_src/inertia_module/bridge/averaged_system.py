@@ -19,8 +19,10 @@ from typing import Any, NamedTuple
 import control as ct
 import numpy as np
 
+from ..instance import as_names
 from ..kernel import average, average_legs, average_outputs, average_rates, codes
 from ..module import Module
+from ..variables import BY_NAME
 
 INPUTS = ("omega1", "load_torque")
 INPUT_RATE = "omega1_rate"
@@ -53,7 +55,9 @@ QUASI_STEADY = TransientInertia(0.0, 0.0)
 class _AveragedModule:
     """The kernel of fidelity averaged at one instant."""
 
-    def __init__(self, parameters: Mapping[str, float], kernel: str, transient: TransientInertia) -> None:
+    def __init__(
+        self, parameters: Mapping[str, float | str], kernel: str, transient: TransientInertia
+    ) -> None:
         self._module = Module(kernel).start(**{**parameters, "fidelity": float(codes.AVERAGED)})
         self._transient = transient
 
@@ -92,10 +96,10 @@ class _AveragedModule:
 
 
 def averaged_system(
-    parameters: Mapping[str, float] | None = None,
+    parameters: Mapping[str, float | str] | None = None,
     *,
-    inputs: Sequence[str] = INPUTS,
-    outputs: Sequence[str] = ("omega_out", "input_torque", "output_torque"),
+    inputs: str | Sequence[str] = INPUTS,
+    outputs: str | Sequence[str] = ("omega_out", "input_torque", "output_torque"),
     transient: TransientInertia = QUASI_STEADY,
     name: str = "averaged",
     kernel: str = "auto",
@@ -103,7 +107,7 @@ def averaged_system(
     """The averaged module as a continuous-time NonlinearIOSystem.
 
     Args:
-        parameters: of the module by name, numbers (enumerations too); fidelity is averaged whatever they say.
+        parameters: of the module by name, as in Module.set; fidelity is averaged whatever they say.
         inputs: omega1, rad/s, load_torque, N.m, and if wanted omega1_rate, rad/s2 (else 0); all that are
             wanted.
         outputs: of omega_out, omega2, rad/s, input_torque, mesh_torque, output_torque, housing_torque,
@@ -118,8 +122,9 @@ def averaged_system(
         Refused: the parameters cannot be, or there is no mean torque (a freewheel is missing).
         ValueError: an unknown input or output, omega1 or load_torque missing, or drive = torque.
     """
-    if (parameters or {}).get("drive", codes.DRIVE_SPEED) != codes.DRIVE_SPEED:
+    if BY_NAME["drive"].number((parameters or {}).get("drive", codes.DRIVE_SPEED)) != codes.DRIVE_SPEED:
         raise ValueError("drive must be 0 (speed), is 1 (torque): omega1 is an input of the averaged system")
+    inputs, outputs = as_names(inputs), as_names(outputs)
     known = (*INPUTS, INPUT_RATE)
     for kind, names, allowed in (("input", inputs, known), ("output", outputs, OUTPUTS)):
         for wanted in names:

@@ -29,7 +29,7 @@ import control as ct
 import numpy as np
 from numpy.typing import NDArray
 
-from ..instance import DriveError, Fmu
+from ..instance import DriveError, Fmu, as_names
 from .motion import check_inputs, is_angular, motion_of, start_name
 from .restarted import RestartedFmu
 from .words import bytes_of, words_of
@@ -193,8 +193,8 @@ def fmu_system(
     parameters: Mapping[str, float | bool | str] | None = None,
     *,
     step: float,
-    inputs: Sequence[str] = ("omega1", "load_torque"),
-    outputs: Sequence[str] = ("omega_out", "input_torque_mean", "output_torque_mean"),
+    inputs: str | Sequence[str] = ("omega1", "load_torque"),
+    outputs: str | Sequence[str] = ("omega_out", "input_torque_mean", "output_torque_mean"),
     start: Mapping[str, float] | None = None,
     tolerance: float | None = None,
     state: StateKind = "motion",
@@ -229,6 +229,7 @@ def fmu_system(
         raise ValueError(f"step = {step} is refused: allowed is a positive number of seconds")
     if state not in ("motion", "whole"):
         raise ValueError(f"state = {state!r} is refused: allowed are 'motion' and 'whole'")
+    inputs, outputs = as_names(inputs), as_names(outputs)
     kind = RestartedFmu if state == "motion" else Fmu
     fmu = kind(path, parameters, start, tolerance)
     try:

@@ -2,9 +2,8 @@
 
 Around the FMU stands a linear surrounding (controller, actuator, sensor). It works on deviations from an
 operating point, so one control.StateSpace says it all; the FMU is the full nonlinear plant. The loop is made
-worse where the plant is measured: the gain margin is the factor, the delay margin the delay, at which what a
-    kick has
-started no longer dies away. The phase margin is the delay margin times the crossover frequency.
+worse where the plant is measured: the gain margin is the factor, the delay margin the delay, at which the
+motion after a kick no longer dies away. The phase margin is the delay margin times the crossover frequency.
 """
 
 from __future__ import annotations

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -27,18 +26,15 @@ class RestartedFmu(Fmu):
     ) -> None:
         super().__init__(path, parameters, inputs, tolerance)
         try:
-            instance = self._instance
-            self._guard("reset", instance.reset)
-            self._guard(
-                "setupExperiment", functools.partial(instance.setupExperiment, tolerance, self.time, None)
-            )
+            self._call("reset")
+            self._call("setupExperiment", tolerance, self.time, None)
             self._assign(parameters or {})
             self._assign(inputs or {})
-            self._guard("enterInitializationMode", instance.enterInitializationMode)
+            self._call("enterInitializationMode")
             # a value read here makes the native FMU derive its constants, for the state that is kept
             self._read_one(next(name for name, v in self.variables.items() if v.causality == "output"))
             self._blank = self.keep()
-            self._guard("exitInitializationMode", instance.exitInitializationMode)
+            self._call("exitInitializationMode")
         except BaseException:
             self.close()
             raise
@@ -55,4 +51,4 @@ class RestartedFmu(Fmu):
         self.messages.clear()  # a run restarts every step: only what concerns this start is kept
         self.go_back(self._blank)
         self._assign(values)
-        self._guard("exitInitializationMode", self._instance.exitInitializationMode)
+        self._call("exitInitializationMode")

@@ -16,7 +16,7 @@ import control as ct
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..instance import Fmu
+from ..instance import Fmu, as_names
 from ..kernel.codes import DRIVE_SPEED
 from .averaged_system import INPUT_RATE, INPUTS, QUASI_STEADY, TransientInertia, averaged_system
 from .sine_bench import SineBench
@@ -59,7 +59,7 @@ def measured_response(
     excited: str,
     amplitude: float,
     frequencies: ArrayLike,
-    outputs: Sequence[str] = ("omega_out", "output_torque_mean"),
+    outputs: str | Sequence[str] = ("omega_out", "output_torque_mean"),
     step: float,
     settling: float,
     record: float = 20.0,
@@ -100,7 +100,7 @@ def measured_response(
     with Fmu(path, parameters, point, tolerance) as fmu:
         if fmu["drive"] != DRIVE_SPEED:
             raise ValueError("drive = 1 (torque) is refused: omega1 is made to swing; allowed is 0 (speed)")
-        bench = SineBench(fmu, point, tuple(outputs), step)
+        bench = SineBench(fmu, point, as_names(outputs), step)
         rate = bench.settle(settling)
         settled = fmu.keep()
         found = []
@@ -142,7 +142,7 @@ def averaged_response(
     load_torque: float,
     excited: str,
     frequencies: ArrayLike,
-    outputs: Sequence[str] = ("omega_out", "output_torque_mean"),
+    outputs: str | Sequence[str] = ("omega_out", "output_torque_mean"),
     guess: float | None = None,
     transient: TransientInertia = QUASI_STEADY,
 ) -> SmallSignal:
@@ -161,7 +161,8 @@ def averaged_response(
         ValueError: there is no operating point below lock-up, or excited is no input.
     """
     _check_excited(excited)
-    own = [MEANS.get(name, name) for name in outputs]
+    names = as_names(outputs)
+    own = [MEANS.get(name, name) for name in names]
     system = averaged_system(parameters, inputs=(*INPUTS, INPUT_RATE), outputs=own, transient=transient)
     state = [operating_point(system, omega1, load_torque, guess)]
     given = [omega1, load_torque, 0.0]
@@ -172,7 +173,7 @@ def averaged_response(
     if excited == INPUTS[0]:
         response = response + 2j * math.pi * wanted * values[:, len(INPUTS), :]
     mean = np.asarray(system.output(0.0, state, given), dtype=float)
-    return SmallSignal(wanted, np.asarray(response, dtype=complex), tuple(outputs), mean)
+    return SmallSignal(wanted, np.asarray(response, dtype=complex), names, mean)
 
 
 def _check_excited(excited: str) -> None:

@@ -10,10 +10,10 @@ import typer
 
 from .shared import (
     BUILD_FOLDER,
-    OUTPUT_FOLDER,
     Json,
     OutputFolder,
     app,
+    folder_for,
     one_line_errors,
     show_table,
 )
@@ -21,29 +21,30 @@ from .shared import (
 
 @app.command()
 def build(output: OutputFolder = None, as_json: Json = False) -> None:
-    """Build the FMUs, each whole or not at all (into build/ without -o)."""
-    from rich.console import Console
+    """Build the FMUs, each whole or not at all (into build/ without -o); exit code 1 if one is skipped."""
+    from rich.text import Text
 
     from ..fmu.builder import build as build_fmus
+    from ..terminal import terminal
 
-    with one_line_errors():
-        folder = output or BUILD_FOLDER
-        if as_json:
-            built = build_fmus(folder)
-            typer.echo(json.dumps({"fmus": [str(path) for path in built.paths], "skipped": built.skipped}))
-            return
-        console = Console(soft_wrap=True, highlight=False)
-        with console.status("building") as status:
+    folder = output or BUILD_FOLDER
+    with one_line_errors(), terminal().status("building") as status:
 
-            def stage(text: str) -> None:
-                status.update(text)
-                console.print(text)
+        def stage(text: str) -> None:
+            status.update(Text(text))
+            if not as_json:
+                typer.echo(text)
 
-            built = build_fmus(folder, stage)
+        built = build_fmus(folder, stage)
+    if as_json:
+        typer.echo(json.dumps({"fmus": [str(path) for path in built.paths], "skipped": built.skipped}))
+    else:
         for path in built.paths:
-            console.print(f"built {path} ({path.stat().st_size / 1024:.0f} kB)")
+            typer.echo(f"built {path} ({path.stat().st_size / 1024:.0f} kB)")
         for what, reason in built.skipped.items():
-            console.print(f"skipped {what}: {reason}")
+            typer.echo(f"skipped {what}: {reason}", err=True)
+    if built.skipped:
+        raise typer.Exit(1)
 
 
 @app.command()
@@ -57,10 +58,12 @@ def check(
     with one_line_errors():
         report = check_fmu(fmu)
     if as_json:
-        found = {"facts": report.facts, "problems": report.problems, "outputs": report.outputs}
-        typer.echo(json.dumps({"fmu": str(fmu)} | found))
+        found = {"facts": report.facts, "problems": report.problems, "warnings": report.warnings}
+        typer.echo(json.dumps({"fmu": str(fmu)} | found | {"outputs": report.outputs}))
     else:
         show_table(str(fmu), report.facts)
+        for warning in report.warnings:
+            typer.echo(f"warning: {warning}", err=True)
         for problem in report.problems:
             typer.echo(f"problem: {problem}")
         typer.echo("no problems found" if not report.problems else f"{len(report.problems)} problems found")
@@ -77,14 +80,14 @@ def export(
     """Export the mechanism of a scene as SSP, OSP and one container FMU (out/export/SCENE without -o).
 
     An elastic mechanism becomes two FMUs, the rigid module and its shaft. Drive, load and controller stay
-    here: their values at the start go along, and speed (or torque) and load are inputs of what is exported.
+    here: their values at the start go along, as inputs of the module and its shaft.
     """
     from ..export.writing import export as write
     from ..scene import load_scene
     from ..scene.export import scene_plan
 
     with one_line_errors():
-        folder = output or OUTPUT_FOLDER / "export" / scene.stem
+        folder = folder_for(output, "export", scene.stem)
         plan = scene_plan(load_scene(scene))
         paths = write(plan, folder, lambda stage: typer.echo(stage, err=True))
     if as_json:

@@ -9,10 +9,10 @@ from typing import Annotated
 import typer
 
 from .shared import (
-    OUTPUT_FOLDER,
     Json,
     OutputFolder,
     app,
+    folder_for,
     native_fmus,
     one_line_errors,
 )
@@ -27,10 +27,10 @@ def papers(output: OutputFolder = None, as_json: Json = False) -> None:
     from ..paper_figures import all_figures
     from ..results import write_columns, write_figure
 
-    folder = output or OUTPUT_FOLDER / "papers"
     figures = all_figures()
     files: list[str] = []
     with one_line_errors(), progress_bar("drawing the papers", len(figures)) as progress:
+        folder = folder_for(output, "papers")
         for number, (name, draw) in enumerate(figures.items(), 1):
             figure, columns = draw()
             files += [str(write_figure(folder / f"{name}.{kind}", figure)) for kind in ("png", "svg")]
@@ -54,8 +54,8 @@ def stability(
     from ..studies.stability.study import chosen_cases, run_study, write_cases
     from ..studies.stability.table import rows_of, write_rows
 
-    folder = output or OUTPUT_FOLDER / "stability"
     with one_line_errors():
+        folder = folder_for(output, "stability")
         chosen = chosen_cases(only, quick)
         with progress_bar("trying the extremes") as progress:
             verdicts = run_study(chosen, progress)
@@ -99,8 +99,8 @@ def coupling(
     from ..drive import progress_bar
     from ..studies.coupling.study import PARTS, Files, chosen_parts, print_rows, write_part
 
-    folder = output or OUTPUT_FOLDER / "coupling"
     with one_line_errors():
+        folder = folder_for(output, "coupling")
         chosen = chosen_parts(only, quick)
         files = Files(*native_fmus(), scene)
         found = {}

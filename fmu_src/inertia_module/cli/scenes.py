@@ -9,15 +9,15 @@ from typing import Annotated
 import typer
 
 from .shared import (
-    OUTPUT_FOLDER,
-    TABLE_WIDTH,
     Json,
     OutputFolder,
     app,
     current_fmu,
+    folder_for,
     one_line_errors,
     share,
     show_table,
+    turning,
 )
 
 
@@ -47,6 +47,7 @@ def run(
 
     choice = None
     with one_line_errors():
+        folder = folder_for(output, scene.stem)
         read = load_scene(scene)
         allowed = share("--error", error)
         if fidelity is not None or (allowed is not None and read.chooses_fidelity):
@@ -61,7 +62,6 @@ def run(
             result = run_scene(read, path, progress)
         chosen = {} if choice is None else {"fidelity_choice": choice.as_dict()}
         summary = {**result.summary, **chosen}
-        folder = output or OUTPUT_FOLDER / scene.stem
         files = {
             "table": result.table.to_csv(folder / "table.csv"),
             "summary": write_text(folder / "summary.json", json.dumps(summary, indent=2) + "\n"),
@@ -69,8 +69,11 @@ def run(
         }
     if as_json:
         listed = {name: str(file) for name, file in files.items()}
-        typer.echo(json.dumps({"scene": str(scene), "summary": summary, "files": listed}))
+        warned = {"warnings": list(result.warnings)}
+        typer.echo(json.dumps({"scene": str(scene), "summary": summary, **warned, "files": listed}))
         return
+    for warning in result.warnings:
+        typer.echo(f"warning: {warning}", err=True)
     rows = {
         name.replace("_", " "): f"{value:.6g} {result.units[name]}".rstrip()
         for name, value in result.summary.items()
@@ -99,16 +102,15 @@ def tradeoff(
     as_json: Json = False,
 ) -> None:
     """Measure error against cost: fidelity, method, tolerance or step, communication step (out/tradeoff)."""
-    from rich.console import Console
-
     from ..drive import progress_bar
     from ..scene import load_scene
     from ..studies import tradeoff as study
     from ..studies.choice import recommend as choose_cheapest
+    from ..studies.levels import print_levels
     from ..studies.peers import PEERS
-    from ..studies.report import rich_table
 
     with one_line_errors(), progress_bar("measuring the trade") as progress:
+        folder = folder_for(output, "tradeoff")
         allowed = share("--recommend", recommend)
         if scene is None:
             names = tuple(wanted or (study.R1_WANTED,))
@@ -120,13 +122,15 @@ def tradeoff(
             names = tuple(read.run.outputs)
             found = (study.scene_trials if allowed else study.scene_study)(read, progress)
         choice = choose_cheapest(found.rows, allowed, names) if allowed else None
-        files = study.write_study(found, output or OUTPUT_FOLDER / "tradeoff")
+        files = study.write_study(found, folder)
     if as_json:
         recommended = {} if choice is None else {"recommendation": choice.as_dict()}
         listed = {"files": {name: str(file) for name, file in files.items()}}
         typer.echo(json.dumps({**study.study_as_dict(found), **recommended, **listed}))
         return
-    Console(width=TABLE_WIDTH).print(rich_table(found.title, found.rows, found.names))
+    step = (found.rows[0] if choice is None else choice.row).communication_step
+    shown = [row for row in found.rows if row.communication_step == step]
+    print_levels(found.title, shown, names, allowed)
     for line in study.closing_lines(found, choice):
         typer.echo(line)
     for name, file in files.items():
@@ -137,29 +141,41 @@ def tradeoff(
 def chart(
     scenes: Annotated[list[Path], typer.Argument(metavar="SCENE.toml...", help="Scenes to compare.")],
     output: OutputFolder = None,
+    speed: Annotated[
+        str | None,
+        typer.Option(metavar="SPEED", help="Torques at this input speed, and a converter table: '3000 rpm'."),
+    ] = None,
     as_json: Json = False,
 ) -> None:
     """Torque converter charts of mechanisms: a CSV each and one figure (out/chart without -o)."""
     from ..chart import torque_converter_chart
     from ..chart_figure import chart_figure
-    from ..results import write_figure
+    from ..results import write_columns, write_figure
     from ..scene import load_scene
 
-    folder = output or OUTPUT_FOLDER / "chart"
     with one_line_errors():
+        folder = folder_for(output, "chart")
         names = [scene.stem for scene in scenes]
         if len(set(names)) < len(names):
             raise ValueError(f"scenes {', '.join(names)} are refused: allowed are files of different names")
+        omega1 = None if speed is None else turning(speed)
         charts = {
-            name: torque_converter_chart(load_scene(scene).parameters())
+            name: torque_converter_chart(load_scene(scene).parameters(), (omega1 or 0.0) < 0.0)
             for name, scene in zip(names, scenes, strict=True)
         }
         files = [str(found.save(folder / f"{name}.csv")) for name, found in charts.items()]
+        if omega1 is not None:
+            tables = {name: found.converter_table(omega1) for name, found in charts.items()}
+            files += [
+                str(write_columns(folder / f"{name}_converter.csv", table)) for name, table in tables.items()
+            ]
         files.append(str(write_figure(folder / "chart.png", chart_figure(charts))))
+    summaries = {name: found.summary(omega1) for name, found in charts.items()}
+    units = {name: found.units(omega1) for name, found in charts.items()}
     if as_json:
-        summaries = {name: found.summary() for name, found in charts.items()}
-        typer.echo(json.dumps({"charts": summaries, "files": files}))
+        typer.echo(json.dumps({"charts": summaries, "units": units, "files": files}))
         return
-    for name, found in charts.items():
-        show_table(name, {key.replace("_", " "): f"{value:.6g}" for key, value in found.summary().items()})
+    for name, numbers in summaries.items():
+        rows = {key: f"{value:.6g} {units[name][key]}".rstrip() for key, value in numbers.items()}
+        show_table(name, {key.replace("_", " "): text for key, text in rows.items()})
     typer.echo("\n".join(files))

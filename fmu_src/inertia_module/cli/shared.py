@@ -11,8 +11,6 @@ import typer
 
 BUILD_FOLDER = Path("build")
 OUTPUT_FOLDER = Path("out")
-# columns of a wide table: a narrower console wraps its lines
-TABLE_WIDTH = 160
 
 app = typer.Typer(
     help="Inertia module: an inertial torque transformer as an FMI 2.0 co-simulation FMU.",
@@ -38,15 +36,30 @@ def one_line_errors() -> Iterator[None]:
         raise typer.Exit(1) from error
 
 
+def folder_for(output: Path | None, *default: str) -> Path:
+    """The folder that a command writes to, looked at before its work begins.
+
+    Args:
+        output: as given by -o. default: its place in out/ without that.
+
+    Raises:
+        OSError: it cannot be written to.
+    """
+    from ..files import writable_folder
+
+    return writable_folder(output or OUTPUT_FOLDER.joinpath(*default))
+
+
 def show_table(title: str, rows: dict[str, str]) -> None:
     """Print headings and values as a table."""
-    from rich.console import Console
     from rich.table import Table
+
+    from ..terminal import terminal
 
     table = Table(title=title, title_justify="left", show_header=False)
     for heading, value in rows.items():
         table.add_row(heading, value)
-    Console(soft_wrap=True).print(table)
+    terminal().print(table)
 
 
 def current_fmu() -> Path:
@@ -91,3 +104,19 @@ def share(option: str, text: str | None) -> float | None:
         return checked(text, "1", maximum=1.0, above=0.0)
     except ValueError as error:
         raise ValueError(f"{option} = {text!r} is refused: {error}") from None
+
+
+def turning(text: str) -> float:
+    """An input speed given on the command line, such as "3000 rpm", in rad/s; negative backwards."""
+    from ..units import to_si
+    from ..variables import LARGEST_SPEED
+
+    try:
+        omega1 = to_si(text, "rad/s")
+    except ValueError:
+        omega1 = 0.0
+    if not 0.0 < abs(omega1) <= LARGEST_SPEED:
+        raise ValueError(
+            f"--speed must be a speed up to {LARGEST_SPEED:g} rad/s, not 0, such as '3000 rpm', is {text!r}"
+        )
+    return omega1

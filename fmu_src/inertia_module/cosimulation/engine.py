@@ -10,7 +10,7 @@ exact, works and impulses included.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -258,8 +258,3 @@ class Engine:
             state.work_out + work,
             state.impulse_out + h * torques[1],
         )
-
-
-def constant_map(greatest: float, drag: float = 0.0, speed: Sequence[float] = (0.0,)) -> EngineMap:
-    """A map with the same limits at every speed, N.m."""
-    return EngineMap(tuple(speed), (greatest,) * len(speed), (drag,) * len(speed))

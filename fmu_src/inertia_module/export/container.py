@@ -2,102 +2,157 @@
 
 from __future__ import annotations
 
+import io
 import tempfile
+import zipfile
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ..variables import Variable
+from .. import __version__
+from ..fmu.archive import DESCRIPTION, archive, generation_date, guid_of
+from ..fmu.linking import join_for_mac
+from ..variables import UNITS, Variable
+from .osp import structure
 from .plan import Plan, typed
 
-# the container passes an Integer on to an enumeration too
-KINDS = {"Real": "Real", "Boolean": "Boolean"}
+LIBRARY = "container_fmu"
+CONFIGURATION = "container.json"
 
 
-def _variable(name: str, variable: Variable, value: float | None = None) -> Any:
+def _variable(number: int, name: str, variable: Variable, value: float | None) -> Any:
     from fmpy.model_description import ModelVariable
 
+    kind, start = typed(variable, value or 0.0)
     return ModelVariable(
         name=name,
-        type=KINDS.get(variable.kind, "Integer"),
+        valueReference=number,
+        type=kind,
         causality=variable.causality,
         variability=variable.variability,
         description=variable.description,
-        start=None if value is None else typed(variable, value)[1],
+        unit=variable.unit or None,
+        start=None if value is None else start,
+        # unless told, FMPy writes true for every variable; FMI 2.0 allows it for inputs only
+        canHandleMultipleSetPerTimeInstant=False,
     )
 
 
-def _configuration(plan: Plan, folder: Path) -> Any:
-    """FMPy's description of the container: what it shows, where that is, and the wires."""
-    from fmpy import read_model_description
-    from fmpy.container_fmu.config import Component, Configuration, Connection
+def _shown(plan: Plan) -> dict[tuple[str, str], Any]:
+    """The container's variables by part and name: values that no wire drives, then outputs."""
+    wired = {(wire.sink, wire.input) for wire in plan.wires}
+    found: dict[tuple[str, str], float | None] = {
+        (part.name, name): value
+        for part in plan.parts
+        for name, value in part.values.items()
+        if (part.name, name) not in wired
+    }
+    found |= dict.fromkeys(plan.outputs)
+    # its library counts from 1: its 0 is the time, which a description need not name
+    return {
+        (part, name): _variable(number, f"{part}.{name}", plan.part(part).variable(name), value)
+        for number, ((part, name), value) in enumerate(found.items(), 1)
+    }
+
+
+def _description(plan: Plan, shown: Mapping[tuple[str, str], Any], guid: str) -> Any:
     from fmpy.model_description import (
+        BaseUnit,
         CoSimulation,
         DefaultExperiment,
         ModelDescription,
-        ModelVariable,
+        Unit,
         Unknown,
     )
 
-    paths = {part.name: folder / part.fmu.file_name for part in plan.parts}
-    descriptions = {name: read_model_description(str(path)) for name, path in paths.items()}
-    components = {name: Component(name, path, descriptions[name]) for name, path in paths.items()}
-    inner = {name: {v.name: v for v in found.modelVariables} for name, found in descriptions.items()}
-    wired = {(wire.sink, wire.input) for wire in plan.wires}
-    mappings = {}
-    for part in plan.parts:
-        for name, value in part.values.items():
-            if (part.name, name) not in wired:
-                shown = _variable(f"{part.name}.{name}", part.variable(name), value)
-                mappings[shown] = [(components[part.name], inner[part.name][name])]
-    outputs = []
-    for name, output in plan.outputs:
-        outputs.append(_variable(f"{name}.{output}", plan.part(name).variable(output)))
-        mappings[outputs[-1]] = [(components[name], inner[name][output])]
-
-    def connector(instance: str, name: str) -> Any:
-        found = inner[instance][name]
-        return ModelVariable(name=name, valueReference=found.valueReference, type="Float64")
-
-    unknowns = [Unknown(variable=variable) for variable in outputs]
-    description = ModelDescription(
+    unknowns = [Unknown(variable=shown[end]) for end in plan.outputs]
+    units = sorted({variable.unit for variable in shown.values()} - {None})
+    return ModelDescription(
         fmiVersion="2.0",
         modelName="container",
+        instantiationToken=guid,
         description=plan.title,
-        instantiationToken="container",
-        coSimulation=CoSimulation(modelIdentifier="container", fixedInternalStepSize=plan.step),
+        generationTool=f"inertia-module {__version__}",
+        generationDateAndTime=generation_date(),
+        coSimulation=CoSimulation(modelIdentifier=LIBRARY, fixedInternalStepSize=plan.step),
         defaultExperiment=DefaultExperiment(stopTime=str(plan.stop_time), stepSize=str(plan.step)),
-        # what the container counts as its variable 0
-        modelVariables=[
-            ModelVariable(name="time", type="Real", causality="independent", variability="continuous"),
-            *mappings,
-        ],
+        unitDefinitions=[Unit(name=name, baseUnit=BaseUnit(**UNITS[name])) for name in units],
+        modelVariables=list(shown.values()),
         outputs=unknowns,
         initialUnknowns=unknowns,
     )
-    connections = [
-        Connection(
-            components[wire.source],
-            [connector(wire.source, wire.output)],
-            components[wire.sink],
-            [connector(wire.sink, wire.input)],
+
+
+def _texts(plan: Plan, fmus: Mapping[str, bytes]) -> dict[str, bytes]:
+    """What FMPy writes: the description, and the configuration for the container's library."""
+    from fmpy import read_model_description
+    from fmpy.container_fmu import write_configuration
+    from fmpy.container_fmu.config import Component, Configuration, Connection
+    from fmpy.model_description import ModelVariable, write_model_description
+
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        components: dict[str, Any] = {}
+        inner: dict[tuple[str, ...], Any] = {}
+        for part in plan.parts:
+            path = folder / part.fmu.file_name
+            path.write_bytes(fmus[path.name])
+            found = read_model_description(str(path))
+            components[part.name] = Component(part.name, path, found)
+            inner |= {(part.name, variable.name): variable for variable in found.modelVariables}
+
+        def connector(*end: str) -> Any:
+            return ModelVariable(name=end[1], valueReference=inner[end].valueReference, type="Float64")
+
+        connections = [
+            Connection(
+                components[wire.source],
+                [connector(wire.source, wire.output)],
+                components[wire.sink],
+                [connector(wire.sink, wire.input)],
+            )
+            for wire in plan.wires
+        ]
+        shown = _shown(plan)
+        mappings = {variable: [(components[end[0]], inner[end])] for end, variable in shown.items()}
+        guid = guid_of({**fmus, "structure": structure(plan)})
+        description = _description(plan, shown, guid)
+        write_model_description(description, folder / DESCRIPTION)
+        write_configuration(
+            Configuration(False, description, list(components.values()), connections, mappings),
+            folder / CONFIGURATION,
         )
-        for wire in plan.wires
+        return {
+            DESCRIPTION: (folder / DESCRIPTION).read_bytes(),
+            f"resources/{CONFIGURATION}": (folder / CONFIGURATION).read_bytes(),
+        }
+
+
+def _libraries() -> dict[str, bytes]:
+    """FMPy's libraries of the container, by their path in an FMU; for macOS one for both processors."""
+    import fmpy.container_fmu
+
+    folder = Path(fmpy.container_fmu.__file__).parent / "binaries"
+    mac = [
+        (triple, (folder / name / f"{LIBRARY}.dylib").read_bytes())
+        for triple, name in (("x86_64", "x86_64-darwin"), ("arm64", "aarch64-darwin"))
     ]
-    return Configuration(False, description, list(components.values()), connections, mappings)
+    return {
+        f"binaries/linux64/{LIBRARY}.so": (folder / "x86_64-linux" / f"{LIBRARY}.so").read_bytes(),
+        f"binaries/win64/{LIBRARY}.dll": (folder / "x86_64-windows" / f"{LIBRARY}.dll").read_bytes(),
+        f"binaries/darwin64/{LIBRARY}.dylib": join_for_mac(mac),
+    }
 
 
-def container(plan: Plan, fmus: dict[str, bytes]) -> bytes:
+def container(plan: Plan, fmus: Mapping[str, bytes]) -> bytes:
     """The content of an FMU around the FMUs of a plan; fmus: contents by file name.
 
     Values of the parts are its start values, named part.variable; it steps its parts side by side (Jacobi)
     at the step of the plan.
     """
-    from fmpy.container_fmu.cli import create_container_fmu
-
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        for file_name, content in fmus.items():
-            (folder / file_name).write_bytes(content)
-        (folder / "packing").mkdir()
-        create_container_fmu(_configuration(plan, folder), folder / "packing", folder / "container.fmu")
-        return (folder / "container.fmu").read_bytes()
+    files = _texts(plan, fmus) | _libraries()
+    for file_name, content in fmus.items():
+        with zipfile.ZipFile(io.BytesIO(content)) as packed:
+            folder = f"resources/{Path(file_name).stem}"
+            files |= {f"{folder}/{name}": packed.read(name) for name in packed.namelist()}
+    return archive(files)

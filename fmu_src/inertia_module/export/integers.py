@@ -12,7 +12,7 @@ from ..fmu.archive import DESCRIPTION, archive
 def with_integers(fmu: bytes) -> bytes:
     """A copy of an FMU whose enumerations are described as Integers.
 
-    libcosim and Ecos leave variables out that are enumerations, so a host of these can set no fidelity.
+    libcosim and Ecos leave variables out that are enumerations, so there no fidelity could be set.
 
     Args:
         fmu: content of the file.

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from ..variables import ENUMERATION
 from .plan import Plan, typed
 
 NAMESPACE = "http://opensimulationplatform.com/MSMI/OSPSystemStructure"
@@ -26,7 +25,7 @@ def structure(plan: Plan) -> bytes:
         for name, value in part.values.items():
             kind, text = typed(part.variable(name), value)
             entry = SubElement(initial, "InitialValue", variable=name)
-            SubElement(entry, "Integer" if kind == ENUMERATION else kind, value=text)
+            SubElement(entry, kind, value=text)
     connections = SubElement(root, "Connections")
     for wire in plan.wires:
         connection = SubElement(connections, "VariableConnection")

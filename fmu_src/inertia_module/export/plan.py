@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from ..fmu.builder import MODULE_FMU, SHAFT_FMU
 from ..fmu.native_fmu import NativeFmu
@@ -13,7 +13,7 @@ from ..variables import PARAMETER, Variable
 from ..wiring import Wire
 
 MODULE, SHAFT = "module", "shaft"
-# outputs worth a connector of the whole system
+# outputs worth a connector
 SHOWN = {
     MODULE: (
         "input_speed",
@@ -49,7 +49,7 @@ class Plan(NamedTuple):
 
     Attributes:
         title: of the system. parts: its FMUs. wires: between them.
-        inputs: inputs of the system (part, variable). outputs: likewise.
+        inputs: inputs that no wire drives (part, variable). outputs: those that are shown, likewise.
         step: communication step, s. stop_time: s. tolerance: of the experiment.
     """
 
@@ -119,10 +119,13 @@ def _shown(*names: str) -> tuple[tuple[str, str], ...]:
     return tuple((name, output) for name in names for output in SHOWN[name])
 
 
-def typed(variable: Variable, value: float) -> tuple[str, Any]:
-    """(kind, value as text) of a variable in files of other tools; enumerations as their numbers."""
+def typed(variable: Variable, value: float) -> tuple[str, str]:
+    """(kind, value as text) of a variable in files of other tools; an enumeration as an Integer.
+
+    libcosim and Ecos know no enumerations, FMPy knows none by the names of their items.
+    """
     if variable.kind == "Boolean":
         return "Boolean", "true" if value else "false"
     if variable.kind == "Real":
         return "Real", repr(float(value))
-    return variable.kind, str(int(value))
+    return "Integer", str(int(value))

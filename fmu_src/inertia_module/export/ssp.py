@@ -1,21 +1,30 @@
-"""A system as an SSP file (System Structure and Parameterization 1.0): structure, FMUs, values."""
+"""A system as an SSP file (System Structure and Parameterization 1.0): structure, FMUs, values.
+
+Of the standard it uses what OMSimulator, libcosim, Ecos and FMPy all read: each component has its own
+values, nothing is connected to the boundary of the system, and only wired inputs have connectors.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from xml.etree.ElementTree import Element, SubElement, indent, register_namespace, tostring
 
 from .. import __version__
 from ..fmu.archive import archive, generation_date
-from ..variables import ENUMERATION, ENUMERATIONS, UNITS, Variable
+from ..variables import UNITS, Variable
 from .plan import Part, Plan, typed
 
 _BASE = "http://ssp-standard.org/SSP1/SystemStructure"
 SSD, SSV, SSC = f"{_BASE}Description", f"{_BASE}ParameterValues", f"{_BASE}Common"
-VALUES = "resources/values.ssv"
+OSP = "http://opensimulationplatform.com/SSP/OSPAnnotations"
+STRUCTURE = "SystemStructure.ssd"
 FMU_TYPE = "application/x-fmu-sharedlibrary"
 SSV_TYPE = "application/x-ssp-parameter-set"
+# one name for all parts: Ecos applies the sets of the name it is given
+VALUES = "initialValues"
 
-for _prefix, _namespace in (("ssd", SSD), ("ssv", SSV), ("ssc", SSC)):
+# libcosim and Ecos know these prefixes, not their namespaces
+for _prefix, _namespace in (("ssd", SSD), ("ssv", SSV), ("ssc", SSC), ("osp", OSP)):
     register_namespace(_prefix, _namespace)
 
 
@@ -35,16 +44,29 @@ def _text(root: Element) -> bytes:
     return found + b"\n"
 
 
-def _connector(parent: Element, name: str, kind: str, variable: Variable) -> None:
-    connector = SubElement(parent, f"{{{SSD}}}Connector", name=name, kind=kind)
-    if variable.kind == ENUMERATION:
-        SubElement(connector, f"{{{SSC}}}Enumeration", name=variable.enumeration)
-    else:
-        unit = {"unit": variable.unit} if variable.unit else {}
-        SubElement(connector, f"{{{SSC}}}{variable.kind}", unit)
+def _unit(variable: Variable) -> dict[str, str]:
+    return {"unit": variable.unit} if variable.unit else {}
 
 
-def _component(parent: Element, plan: Plan, part: Part) -> None:
+def _add_units(root: Element, namespace: str, variables: Iterable[Variable]) -> None:
+    parent = SubElement(root, f"{{{namespace}}}Units")
+    for name in sorted({variable.unit for variable in variables} - {""}):
+        unit = SubElement(parent, f"{{{SSC}}}Unit", name=name)
+        SubElement(unit, f"{{{SSC}}}BaseUnit", {base: str(power) for base, power in UNITS[name].items()})
+
+
+def _values_file(part: Part) -> str:
+    return f"resources/{part.name}.ssv"
+
+
+def _connected(plan: Plan, part: Part) -> list[Variable]:
+    """Variables of a part that have a connector: those that are wired or shown."""
+    ends = [end for w in plan.wires for end in ((w.source, w.output), (w.sink, w.input))]
+    names = dict.fromkeys(name for owner, name in [*ends, *plan.outputs] if owner == part.name)
+    return [part.variable(name) for name in names]
+
+
+def _add_component(parent: Element, plan: Plan, part: Part) -> None:
     component = SubElement(
         parent,
         f"{{{SSD}}}Component",
@@ -54,90 +76,53 @@ def _component(parent: Element, plan: Plan, part: Part) -> None:
         implementation="CoSimulation",
     )
     connectors = SubElement(component, f"{{{SSD}}}Connectors")
-    used = {(name, output) for name, output in plan.outputs} | {(w.source, w.output) for w in plan.wires}
-    for variable in part.model.with_causality("input", "output"):
-        if variable.causality == "input" or (part.name, variable.name) in used:
-            _connector(connectors, variable.name, variable.causality, variable)
-
-
-def _names(plan: Plan, ends: tuple[tuple[str, str], ...]) -> dict[str, tuple[str, str]]:
-    """Names of the system's connectors: plain where one part has it, else with the part in front."""
-    plain = [name for _, name in ends]
-    return {name if plain.count(name) == 1 else f"{part}_{name}": (part, name) for part, name in ends}
+    for variable in _connected(plan, part):
+        kind = variable.causality
+        connector = SubElement(connectors, f"{{{SSD}}}Connector", name=variable.name, kind=kind)
+        SubElement(connector, f"{{{SSC}}}{variable.kind}", _unit(variable))
+    bindings = SubElement(component, f"{{{SSD}}}ParameterBindings")
+    SubElement(bindings, f"{{{SSD}}}ParameterBinding", type=SSV_TYPE, source=_values_file(part))
 
 
 def structure(plan: Plan) -> bytes:
-    """SystemStructure.ssd of a plan."""
+    """SystemStructure.ssd of a plan; its step is an annotation for libcosim."""
     root = _head("SystemStructureDescription", SSD, plan.title)
     system = SubElement(root, f"{{{SSD}}}System", name="system")
-    inputs, outputs = _names(plan, plan.inputs), _names(plan, plan.outputs)
-    connectors = SubElement(system, f"{{{SSD}}}Connectors")
-    for kind, names in (("input", inputs), ("output", outputs)):
-        for name, (owner, variable) in names.items():
-            _connector(connectors, name, kind, plan.part(owner).variable(variable))
-    bindings = SubElement(system, f"{{{SSD}}}ParameterBindings")
-    SubElement(bindings, f"{{{SSD}}}ParameterBinding", type=SSV_TYPE, source=VALUES)
     elements = SubElement(system, f"{{{SSD}}}Elements")
     for part in plan.parts:
-        _component(elements, plan, part)
-    connections = SubElement(system, f"{{{SSD}}}Connections")
-    kind = f"{{{SSD}}}Connection"
-    for name, (owner, variable) in inputs.items():
-        SubElement(connections, kind, startConnector=name, endElement=owner, endConnector=variable)
-    for wire in plan.wires:
-        start = {"startElement": wire.source, "startConnector": wire.output}
-        SubElement(connections, kind, {**start, "endElement": wire.sink, "endConnector": wire.input})
-    for name, (owner, variable) in outputs.items():
-        SubElement(connections, kind, startElement=owner, startConnector=variable, endConnector=name)
-    _add_enumerations(root, plan)
-    used = {v.unit for part in plan.parts for v in part.model.with_causality("input", "output")}
-    _add_units(root, SSD, used)
-    SubElement(root, f"{{{SSD}}}DefaultExperiment", startTime="0.0", stopTime=repr(plan.stop_time))
+        _add_component(elements, plan, part)
+    if plan.wires:
+        connections = SubElement(system, f"{{{SSD}}}Connections")
+        for wire in plan.wires:
+            start = {"startElement": wire.source, "startConnector": wire.output}
+            end = {"endElement": wire.sink, "endConnector": wire.input}
+            SubElement(connections, f"{{{SSD}}}Connection", start | end)
+    _add_units(root, SSD, [variable for part in plan.parts for variable in _connected(plan, part)])
+    experiment = SubElement(
+        root, f"{{{SSD}}}DefaultExperiment", startTime="0.0", stopTime=repr(plan.stop_time)
+    )
+    annotations = SubElement(experiment, f"{{{SSD}}}Annotations")
+    annotation = SubElement(annotations, f"{{{SSC}}}Annotation", type="com.opensimulationplatform")
+    algorithm = SubElement(annotation, f"{{{OSP}}}Algorithm")
+    SubElement(algorithm, f"{{{OSP}}}FixedStepAlgorithm", baseStepSize=repr(plan.step))
     return _text(root)
 
 
-def _add_enumerations(root: Element, plan: Plan) -> None:
-    """The enumerations of the connectors."""
-    used = {
-        variable.enumeration
-        for part in plan.parts
-        for variable in part.model.with_causality("input", "output")
-        if variable.kind == ENUMERATION
-    }
-    if not used:
-        return
-    parent = SubElement(root, f"{{{SSD}}}Enumerations")
-    for name in sorted(used):
-        enumeration = SubElement(parent, f"{{{SSC}}}Enumeration", name=name)
-        for item, value, _ in ENUMERATIONS[name]:
-            SubElement(enumeration, f"{{{SSC}}}Item", name=item, value=str(value))
-
-
-def values(plan: Plan) -> bytes:
-    """The values of the parts (SSV), named part.variable."""
-    root = _head("ParameterSet", SSV, f"values of {plan.title}")
+def values(part: Part) -> bytes:
+    """The values of a part (SSV)."""
+    root = _head("ParameterSet", SSV, VALUES)
     parameters = SubElement(root, f"{{{SSV}}}Parameters")
-    for part in plan.parts:
-        for name, value in part.values.items():
-            variable = part.variable(name)
-            kind, text = typed(variable, value)
-            parameter = SubElement(parameters, f"{{{SSV}}}Parameter", name=f"{part.name}.{name}")
-            unit = {"unit": variable.unit} if kind == "Real" and variable.unit else {}
-            # an enumeration is set by its number: hosts that know no items know that
-            kind = "Integer" if kind == ENUMERATION else kind
-            SubElement(parameter, f"{{{SSV}}}{kind}", {"value": text, **unit})
-    _add_units(root, SSV, {part.variable(name).unit for part in plan.parts for name in part.values})
+    for name, value in part.values.items():
+        kind, text = typed(part.variable(name), value)
+        parameter = SubElement(parameters, f"{{{SSV}}}Parameter", name=name)
+        unit = _unit(part.variable(name)) if kind == "Real" else {}
+        SubElement(parameter, f"{{{SSV}}}{kind}", {"value": text, **unit})
+    _add_units(root, SSV, map(part.variable, part.values))
     return _text(root)
 
 
-def _add_units(root: Element, namespace: str, names: set[str]) -> None:
-    parent = SubElement(root, f"{{{namespace}}}Units")
-    for name in sorted(names - {""}):
-        unit = SubElement(parent, f"{{{SSC}}}Unit", name=name)
-        SubElement(unit, f"{{{SSC}}}BaseUnit", {base: str(power) for base, power in UNITS[name].items()})
-
-
-def ssp_file(plan: Plan, fmus: dict[str, bytes]) -> bytes:
-    """The content of the .ssp file; fmus: contents by file name."""
+def ssp_file(plan: Plan, fmus: Mapping[str, bytes]) -> bytes:
+    """The content of the .ssp file; fmus: contents by file name, enumerations described as Integers."""
     files = {f"resources/{name}": content for name, content in fmus.items()}
-    return archive(files | {"SystemStructure.ssd": structure(plan), VALUES: values(plan)})
+    files |= {_values_file(part): values(part) for part in plan.parts}
+    return archive(files | {STRUCTURE: structure(plan)})

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import tempfile
+import io
 from collections.abc import Callable
 from pathlib import Path
 
@@ -22,12 +22,9 @@ def _check(plan: Plan, fmus: dict[str, bytes]) -> None:
     """Refuse a plan whose wires cannot work."""
     from fmpy import read_model_description
 
-    descriptions = {}
-    with tempfile.TemporaryDirectory() as folder:
-        for part in plan.parts:
-            path = Path(folder) / part.fmu.file_name
-            path.write_bytes(fmus[part.fmu.file_name])
-            descriptions[part.name] = read_model_description(str(path))
+    descriptions = {
+        part.name: read_model_description(io.BytesIO(fmus[part.fmu.file_name])) for part in plan.parts
+    }
     given: dict[str, list[str]] = {}
     for owner, name in plan.inputs:
         given.setdefault(owner, []).append(name)
@@ -51,11 +48,11 @@ def export(plan: Plan, folder: Path, progress: Progress = lambda stage: None) ->
     fmus = {}
     for part in plan.parts:
         progress(f"building {part.fmu.file_name}")
-        fmus[part.fmu.file_name] = native_fmu(part.fmu, progress)[0]
+        fmus[part.fmu.file_name] = with_integers(native_fmu(part.fmu, progress)[0])
     _check(plan, fmus)
     progress("packing the system")
     files = {"system.ssp": ssp_file(plan, fmus), f"osp/{STRUCTURE}": structure(plan)}
-    files |= {f"osp/{name}": with_integers(content) for name, content in fmus.items()}
+    files |= {f"osp/{name}": content for name, content in fmus.items()}
     files["container.fmu"] = container(plan, fmus)
     for name, content in files.items():
         write_atomically(folder / name, content)

@@ -1,8 +1,7 @@
-"""FMU files: archives of the same content are the same bytes, and know themselves by a hash of it."""
+"""FMU files: archives of the same content are the same bytes, and know themselves by their GUID."""
 
 from __future__ import annotations
 
-import hashlib
 import io
 import os
 import zipfile
@@ -10,18 +9,11 @@ from collections.abc import Mapping
 from datetime import UTC, datetime
 
 from .. import __date__
+from ..files import content_hash
 
 DESCRIPTION = "modelDescription.xml"
 # the earliest time a zip archive can hold
 _ZIP_TIME = (1980, 1, 1, 0, 0, 0)
-
-
-def content_hash(files: Mapping[str, bytes]) -> str:
-    """Hash over names and contents, 32 hexadecimal digits."""
-    digest = hashlib.sha256()
-    for name, content in sorted(files.items()):
-        digest.update(name.encode() + b"\0" + len(content).to_bytes(8, "little") + content)
-    return digest.hexdigest()[:32]
 
 
 def guid_of(files: Mapping[str, bytes]) -> str:

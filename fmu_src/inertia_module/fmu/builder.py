@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import zipfile
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import NamedTuple
+from xml.etree import ElementTree
 
 from ..entries import CompilationUnavailable
-from ..files import write_atomically
+from ..files import writable_folder, write_atomically
 from ..kernel_ir import is_cached, kernel_ir
 from ..model import DRIVEN_SHAFT, INERTIA_MODULE
-from .native_fmu import NativeFmu, native_fmu
+from .archive import DESCRIPTION
+from .native_fmu import NativeFmu, library_path, native_fmu
+from .native_fmu import guid as native_guid
 from .python_fmu import PythonFmu, python_fmu
+from .python_fmu import guid as python_guid
+from .targets import TARGETS
 
 Progress = Callable[[str], None]
 
@@ -41,10 +47,15 @@ def content_of(
 
 
 def is_current(path: Path, fmu: NativeFmu | PythonFmu) -> bool:
-    """Whether a file is the FMU as it would be built now."""
+    """Whether a file is the FMU as it would be built now: of the same GUID, and for all platforms."""
     try:
-        return path.read_bytes() == content_of(fmu)[0]
-    except (OSError, CompilationUnavailable):
+        with zipfile.ZipFile(path) as packed:
+            found = ElementTree.fromstring(packed.read(DESCRIPTION)).get("guid")
+            names = packed.namelist()
+        if isinstance(fmu, PythonFmu):
+            return found == python_guid(fmu)
+        return found == native_guid(fmu) and all(library_path(fmu, target) in names for target in TARGETS)
+    except (OSError, KeyError, zipfile.BadZipFile, ElementTree.ParseError, CompilationUnavailable):
         return False
 
 
@@ -70,6 +81,7 @@ def build(folder: Path, progress: Progress = lambda stage: None) -> Built:
         OSError: the folder cannot be written.
     """
     built = Built([], {})
+    writable_folder(folder)
     _translate(progress)
     for fmu in FMUS:
         progress(f"building {fmu.file_name}")

@@ -40,9 +40,8 @@ NATIVE_CAPABILITIES = {
     "canSerializeFMUstate": "true",
     "providesDirectionalDerivative": "true",
 }
-# what pythonfmu passes on, and what it needs
+# what pythonfmu passes on; Python is a library it needs, no tool: the model itself is in the FMU
 PYTHON_CAPABILITIES = NATIVE_CAPABILITIES | {
-    "needsExecutionTool": "true",
     "canInterpolateInputs": "false",
     "maxOutputDerivativeOrder": "0",
     "canNotUseMemoryManagementFunctions": "true",
@@ -162,7 +161,7 @@ def model_description(
     _add_types(root, model)
     categories = SubElement(root, "LogCategories")
     for name, description in LOG_CATEGORIES.items():
-        if name == "logSteps" and capabilities["needsExecutionTool"] == "true":
+        if name == "logSteps" and capabilities is PYTHON_CAPABILITIES:
             continue  # pythonfmu knows the others only
         SubElement(categories, "Category", name=name, description=description)
     SubElement(

@@ -12,11 +12,12 @@ import struct
 import subprocess
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from ..entries import ENTRIES, CompilationUnavailable
-from ..files import cache_folder
+from ..files import cache_folder, content_hash, sources, write_atomically
+from ..kernel_ir import tool_versions
 from ..machine_code import object_file, target_machine
 from ..model import Model
 from .tables import c_tables
@@ -27,9 +28,15 @@ WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Werror")
 FLAGS = ("-std=c99", "-O2", "-g0", "-fvisibility=hidden", "-fno-sanitize=all", "-fno-ident")
 # functions of Windows' own C runtime, part of Windows 10 and later
 RUNTIME = (
-    *("calloc", "free", "memcmp", "memcpy", "memset", "strcmp", "strcpy", "strlen", "strncmp", "strncpy"),
+    *("calloc", "free", "memchr", "memcmp", "memcpy", "memset", "strchr", "strcmp", "strcpy", "strlen"),
+    *("strncmp", "strncpy", "strstr", "strtol"),
     *("__stdio_common_vsprintf", "atan2", "ceil", "cos", "exp", "expm1", "floor", "fmax", "fmod", "pow"),
     *("sin", "sqrt"),
+)
+# functions of kernel32.dll that the front of the Python FMU needs
+WINDOWS_FUNCTIONS = (
+    *("GetFileAttributesA", "GetModuleFileNameW", "GetModuleHandleExW", "GetProcAddress"),
+    *("GetShortPathNameW", "LoadLibraryExW", "LoadLibraryW", "MultiByteToWideChar"),
 )
 # a file of macOS for several processors: magic number, and by triple the number of the processor
 FAT_MAGIC = 0xCAFEBABE
@@ -81,6 +88,14 @@ def run_tool(tool: str, arguments: Sequence[str], folder: Path) -> None:
         raise CompilationUnavailable(f"{tool} fails: {done.stderr.strip()[-2000:]}")
 
 
+def import_library(target: Target, folder: Path, library: str, names: Sequence[str]) -> str:
+    """Make in a folder what links with functions of a library of Windows; the name of its file."""
+    stem = library.removesuffix(".dll")
+    (folder / f"{stem}.def").write_text("\n".join([f"LIBRARY {library}", "EXPORTS", *names, ""]))
+    run_tool("dlltool", ["-m", target.import_machine, "-d", f"{stem}.def", "-l", f"{stem}.imports.a"], folder)
+    return f"{stem}.imports.a"
+
+
 def windows_arguments(target: Target, folder: Path) -> list[str]:
     """For Windows: no start-up code, its headers, and the functions that Windows itself brings along.
 
@@ -90,9 +105,8 @@ def windows_arguments(target: Target, folder: Path) -> list[str]:
     assert found is not None  # compiler() has looked
     assert found.origin is not None
     headers = Path(found.origin).parent / "lib" / "libc" / "include" / "any-windows-any"
-    (folder / "runtime.def").write_text("\n".join(["LIBRARY ucrtbase.dll", "EXPORTS", *RUNTIME, ""]))
-    run_tool("dlltool", ["-m", target.import_machine, "-d", "runtime.def", "-l", "runtime.a"], folder)
-    return ["-nostdlib", "-mno-stack-arg-probe", "-isystem", str(headers), "runtime.a"]
+    runtime = import_library(target, folder, "ucrtbase.dll", RUNTIME)
+    return ["-nostdlib", "-mno-stack-arg-probe", "-isystem", str(headers), runtime]
 
 
 def link(model: Model, identifier: str, guid: str, target: Target) -> bytes:
@@ -105,8 +119,7 @@ def link(model: Model, identifier: str, guid: str, target: Target) -> bytes:
     Raises:
         CompilationUnavailable: what it takes is not installed, or fails.
     """
-    machine = target_machine(target.triple, target.processor)
-    label = f"{target.triple}-{target.processor}"
+    machine, label = target_machine(target.triple, target.processor)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         (folder / "kernel.o").write_bytes(object_file(model.entry, machine, label))
@@ -122,6 +135,39 @@ def link(model: Model, identifier: str, guid: str, target: Target) -> bytes:
         own = windows_arguments(target, folder) if target.import_machine else target.libraries
         run_tool("cc", [*given, *files, *own], folder)
         return (folder / library).read_bytes()
+
+
+def link_front(target: Target, behind: str) -> bytes:
+    """The library in front of pythonfmu's for one target, from the cache if it was built before.
+
+    Args:
+        target: for which platform. behind: name of pythonfmu's library, beside it.
+
+    Raises:
+        CompilationUnavailable: what it takes is not installed, or fails.
+    """
+    files = sources("fmu/front/*", "fmu/shell/windows.c")
+    made_from = files | sources("fmu/linking.py") | tool_versions("ziglang", "fmpy")
+    made_from[behind] = target.label.encode()
+    kept = cache_folder() / f"front-{target.label}-{content_hash(made_from)[:16]}{target.suffix}"
+    if not kept.exists():
+        write_atomically(kept, _compile_front(target, behind, files))
+    return kept.read_bytes()
+
+
+def _compile_front(target: Target, behind: str, files: Mapping[str, bytes]) -> bytes:
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for file_name, content in files.items():
+            (folder / Path(file_name).name).write_bytes(content)
+        given = ["-target", target.compiler, *FLAGS, "-std=c11", *WARNINGS, "-isystem", str(header_folder())]
+        given += [f'-DPYTHONFMU="{behind}"', "-shared", "-s", "-o", f"front{target.suffix}"]
+        own = ["-ldl"]
+        if target.import_machine:
+            own = windows_arguments(target, folder)
+            own.append(import_library(target, folder, "kernel32.dll", WINDOWS_FUNCTIONS))
+        run_tool("cc", [*given, *(path.name for path in sorted(folder.glob("*.c"))), *own], folder)
+        return (folder / f"front{target.suffix}").read_bytes()
 
 
 def join_for_mac(libraries: Sequence[tuple[str, bytes]]) -> bytes:

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-import importlib.metadata
-import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-from ..entries import CompilationUnavailable, source_hash
-from ..files import cache_folder, write_atomically
+from .. import machine_code
+from ..entries import CompilationUnavailable
+from ..files import cache_folder, content_hash, sources, write_atomically
 from ..kernel_ir import tool_versions
 from ..model import Model
-from .archive import archive, content_hash, generation_date, guid_of
+from .archive import DESCRIPTION, archive, generation_date, guid_of
 from .description import NATIVE_CAPABILITIES, model_description
 from .documentation import index_page
-from .linking import FLAGS, SHELL_FOLDER, compiler, join_for_mac, link
+from .linking import compiler, header_folder, join_for_mac, link
 from .tables import c_tables
 from .targets import TARGETS, Target
 
@@ -49,21 +48,25 @@ def guid(fmu: NativeFmu) -> str:
         CompilationUnavailable: the tools are not installed.
     """
     compiler()
-    made_from = {path.name: path.read_bytes() for path in SHELL_FOLDER.iterdir()}
-    made_from |= _papers(fmu)
+    made_from = machine_code.made_from() | sources("fmu/*.py", "fmu/shell/*") | tool_versions("ziglang")
+    made_from |= {path.name: path.read_bytes() for path in header_folder().glob("fmi2*.h")}
+    made_from |= papers(fmu.model, fmu.picture)
     made_from["tables.c"] = c_tables(fmu.model, "").encode()
     made_from["description"] = model_description(fmu.model, fmu.identifier, "", "", NATIVE_CAPABILITIES)
-    versions = [tool_versions(), *(importlib.metadata.version(name) for name in ("ziglang", "fmpy"))]
-    made_from["build"] = json.dumps([source_hash(), versions, FLAGS, TARGETS]).encode()
     return guid_of(made_from)
 
 
-def _papers(fmu: NativeFmu) -> dict[str, bytes]:
-    """Documentation and picture."""
+def papers(model: Model, picture: str) -> dict[str, bytes]:
+    """Documentation and picture, by path in an FMU."""
     return {
-        "documentation/index.html": index_page(fmu.model).encode(),
-        "model.png": (Path(__file__).parent / fmu.picture).read_bytes(),
+        "documentation/index.html": index_page(model).encode(),
+        "model.png": (Path(__file__).parent / picture).read_bytes(),
     }
+
+
+def library_path(fmu: NativeFmu, target: Target) -> str:
+    """Where the FMU keeps its shared library for a target."""
+    return f"binaries/{target.folder}/{fmu.identifier}{target.suffix}"
 
 
 def library(fmu: NativeFmu, target: Target, progress: Progress = lambda stage: None) -> bytes:
@@ -91,8 +94,7 @@ def libraries(fmu: NativeFmu, progress: Progress = lambda stage: None) -> Librar
         except CompilationUnavailable as reason:
             skipped[f"{fmu.identifier} for {target.label}"] = str(reason)
             continue
-        path = f"binaries/{target.folder}/{fmu.identifier}{target.suffix}"
-        found.setdefault(path, []).append((target.triple, content))
+        found.setdefault(library_path(fmu, target), []).append((target.triple, content))
     files = {path: same[0][1] if len(same) == 1 else join_for_mac(same) for path, same in found.items()}
     return Libraries(files, skipped)
 
@@ -109,4 +111,4 @@ def native_fmu(fmu: NativeFmu, progress: Progress = lambda stage: None) -> tuple
     description = model_description(
         fmu.model, fmu.identifier, guid(fmu), generation_date(), NATIVE_CAPABILITIES
     )
-    return archive(files | _papers(fmu) | {"modelDescription.xml": description}), skipped
+    return archive(files | papers(fmu.model, fmu.picture) | {DESCRIPTION: description}), skipped

@@ -1,7 +1,7 @@
 """The Python FMU: pythonfmu packs the slave, the description comes from the model.
 
 The script and the bundled package carry a hash of their content in their names, so that two
-different builds of the FMU live in one process; the GUID is a hash of everything in the archive.
+different builds of the FMU live in one process; the GUID is a hash of all the FMU is made from.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import sys
 import tempfile
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
@@ -17,30 +17,38 @@ from pythonfmu import FmuBuilder
 
 from ..compiled import SHIPPED, SHIPPED_NAMES
 from ..entries import CompilationUnavailable
+from ..files import content_hash, sources
+from ..kernel_ir import tool_versions
 from ..model import Model
-from .archive import archive, content_hash, generation_date, guid_of
+from .archive import DESCRIPTION, archive, generation_date, guid_of
 from .description import PYTHON_CAPABILITIES, model_description
-from .documentation import index_page
-from .native_fmu import NativeFmu, library
+from .linking import link_front
+from .native_fmu import NativeFmu, library, papers
 from .targets import TARGETS
 
-PACKAGE_FOLDER = Path(__file__).parent.parent
 BUNDLED = (
     "__init__.py",
     "compiled.py",
     "driven_shaft_messages.py",
     "driven_shaft_variables.py",
     "entries.py",
+    "errors.py",
+    "files.py",
     "maps.py",
     "messages.py",
     "model.py",
     "module.py",
     "records.py",
+    "units.py",
     "variables.py",
     "fmu/__init__.py",
     "fmu/slave.py",
     "fmu/slaves.py",
+    "kernel/**/*.py",
 )
+
+# pythonfmu's library beside our own, which has the name a host looks for
+BEHIND = "pythonfmu-export"
 
 Progress = Callable[[str], None]
 
@@ -75,9 +83,7 @@ from {package}.fmu.slaves import {identifier}
 
 def bundled_files() -> dict[str, bytes]:
     """Path within the package and content of every source file that goes into the FMU."""
-    kernel = sorted((PACKAGE_FOLDER / "kernel").rglob("*.py"))
-    names = [*BUNDLED, *(path.relative_to(PACKAGE_FOLDER).as_posix() for path in kernel)]
-    return {name: (PACKAGE_FOLDER / name).read_bytes() for name in names}
+    return sources(*BUNDLED)
 
 
 def shipped_libraries(fmu: PythonFmu, progress: Progress) -> tuple[dict[str, bytes], dict[str, str]]:
@@ -91,6 +97,21 @@ def shipped_libraries(fmu: PythonFmu, progress: Progress) -> tuple[dict[str, byt
             files[f"{SHIPPED.name}/{name}"] = library(fmu.native, target, progress)
         except CompilationUnavailable as reason:
             skipped[f"compiled kernel in {fmu.identifier} for {target.label}"] = str(reason)
+    return files, skipped
+
+
+def fronts(fmu: PythonFmu) -> tuple[dict[str, bytes], dict[str, str]]:
+    """Our libraries in front of pythonfmu's, by path in the FMU, and those skipped, with the reason."""
+    files, skipped = {}, {}
+    for target in TARGETS:
+        if f"{target.folder}{target.suffix}" not in SHIPPED_NAMES.values():
+            continue
+        try:
+            front = link_front(target, f"{BEHIND}{target.suffix}")
+        except CompilationUnavailable as reason:
+            skipped[f"front of {fmu.identifier} for {target.label} (see docs/fmu.md)"] = str(reason)
+            continue
+        files[f"binaries/{target.folder}/{fmu.identifier}{target.suffix}"] = front
     return files, skipped
 
 
@@ -116,18 +137,33 @@ def _pack(identifier: str, files: dict[str, bytes], label: str) -> dict[str, byt
             return {name: packed_archive.read(name) for name in packed_archive.namelist()}
 
 
+def _guid(fmu: PythonFmu, files: Mapping[str, bytes]) -> str:
+    made_from = (
+        dict(files)
+        | papers(fmu.model, fmu.picture)
+        | sources("fmu/python_fmu.py")
+        | tool_versions("pythonfmu")
+    )
+    made_from["description"] = model_description(fmu.model, fmu.identifier, "", "", PYTHON_CAPABILITIES)
+    return guid_of(made_from)
+
+
+def guid(fmu: PythonFmu) -> str:
+    """Hash of all that the FMU is made from: the package it brings along, and what packs it."""
+    return _guid(fmu, bundled_files() | shipped_libraries(fmu, lambda stage: None)[0] | fronts(fmu)[0])
+
+
 def python_fmu(fmu: PythonFmu, progress: Progress = lambda stage: None) -> tuple[bytes, dict[str, str]]:
     """The content of an FMU's file, and what was left out of it, with the reason."""
-    files = bundled_files()
     shipped, skipped = shipped_libraries(fmu, progress)
-    files |= shipped
-    content = _pack(fmu.identifier, files, content_hash(files)[:12])
-    content["documentation/index.html"] = index_page(fmu.model).encode()
-    content["model.png"] = (Path(__file__).parent / fmu.picture).read_bytes()
-
-    def description(guid: str, date: str) -> bytes:
-        return model_description(fmu.model, fmu.identifier, guid, date, PYTHON_CAPABILITIES)
-
-    guid = guid_of(content | {"modelDescription.xml": description("", "")})
-    content["modelDescription.xml"] = description(guid, generation_date())
-    return archive(content), skipped
+    package = bundled_files() | shipped
+    in_front, without = fronts(fmu)
+    made_for = _guid(fmu, package | in_front)
+    description = model_description(
+        fmu.model, fmu.identifier, made_for, generation_date(), PYTHON_CAPABILITIES
+    )
+    content = _pack(fmu.identifier, package, content_hash(package)[:12]) | papers(fmu.model, fmu.picture)
+    for path, front in in_front.items():
+        content[path.replace(fmu.identifier, BEHIND)] = content[path]
+        content[path] = front
+    return archive(content | {DESCRIPTION: description}), skipped | without

@@ -1,8 +1,7 @@
 """The Python slave: FMI calls as pythonfmu passes them on, over one model in memory.
 
 Nothing may be raised out of a callback: pythonfmu turns it into fmi2Fatal and corrupts memory. What
-is refused is logged and kept in mind; the only status this shell can return is the fmi2Discard of a
-step, so a bad instance answers every step with it.
+is refused is logged: the library in front (front/front.c) answers a call by the worst status logged in it.
 """
 
 from __future__ import annotations
@@ -15,8 +14,9 @@ from typing import Any, ClassVar
 from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
+from ..errors import Refused
 from ..kernel import codes
-from ..module import ModelInstance, Refused
+from ..module import ModelInstance
 from ..variables import BOOLEAN, INPUT, PARAMETER, REAL, Variable
 
 INSTANTIATED = "instantiated"
@@ -59,8 +59,18 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
         # the text is used as a printf format
         self.log(message.replace("%", "%%"), status)
 
+    @property
+    def _condition(self) -> str:
+        """The phase, for messages."""
+        return "refused at the end of initialization" if self._refusal else self._phase
+
+    def _out_of_order(self, call: str, when: str) -> None:
+        self._say(
+            f"{call} is refused: the instance is {self._condition}, allowed is {when}", Fmi2Status.error
+        )
+
     def _refuse(self, message: str) -> None:
-        """Log a refusal and answer every step with fmi2Discard from now on."""
+        """Log a refusal and refuse every step from now on."""
         self._refusal = message
         self._say(message, Fmi2Status.error)
 
@@ -78,21 +88,14 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
     def setup_experiment(self, start_time: float, stop_time: float | None, tolerance: float | None) -> None:
         """Take over the tolerance: it wins over the parameter, where the model has one."""
         if self._phase != INSTANTIATED:
-            self._say(
-                f"setupExperiment is refused: the instance is {self._phase}, allowed is before"
-                " enterInitializationMode",
-                Fmi2Status.error,
-            )
+            self._out_of_order("setupExperiment", "before enterInitializationMode")
             return
         self._tolerance = tolerance
 
     def enter_initialization_mode(self) -> None:
         """Load the kernel; say so when that will take a while."""
         if self._phase != INSTANTIATED:
-            self._refuse(
-                f"enterInitializationMode is refused: the instance is {self._phase}, allowed is once,"
-                " after instantiation or reset"
-            )
+            self._out_of_order("enterInitializationMode", "once, after instantiation or reset")
             return
         self._phase = INITIALIZING
 
@@ -105,14 +108,16 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
     def exit_initialization_mode(self) -> None:
         """Check the parameters, alone and together, and take the initial state."""
         if self._phase != INITIALIZING:
-            self._refuse(
-                f"exitInitializationMode is refused: the instance is {self._phase},"
-                " allowed is after enterInitializationMode"
-            )
+            self._out_of_order("exitInitializationMode", "after enterInitializationMode")
             return
         self._phase = STEPPING
-
         self._guarded(self._start)
+        if not self._refusal:
+            self._guarded(self._warn)
+
+    def _warn(self) -> None:
+        for message in self._instance.warnings():
+            self._say(message, Fmi2Status.warning)
 
     def _start(self) -> None:
         tolerance = self._instance.model.by_name.get("tolerance")
@@ -129,8 +134,11 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
             self._say(str(error), Fmi2Status.discard)
 
     def terminate(self) -> None:
-        """Outputs stay readable, steps are refused."""
-        self._phase = TERMINATED
+        """Outputs stay readable, steps and inputs are refused."""
+        if self._phase is STEPPING and not self._refusal:
+            self._phase = TERMINATED
+        else:
+            self._out_of_order("terminate", "after exitInitializationMode")
 
     # -- stepping ------------------------------------------------------------------------------------
 
@@ -138,7 +146,7 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
         """Advance by step_size, s; False (fmi2Discard) leaves the state as it was."""
         try:
             if self._refusal or self._phase != STEPPING:
-                self._say(self._why_not(), Fmi2Status.discard)
+                self._say(self._why_not(), Fmi2Status.error)
                 return False
             instance = self._instance
             status = instance.call(codes.STEP, step_size) if math.isfinite(current_time) else codes.BAD_STEP
@@ -220,6 +228,10 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
                 f"setting {variable.name} is refused: parameters are fixed,"
                 " allowed is before the end of initialization"
             )
+        if self._phase is TERMINATED or (self._phase is STEPPING and self._refusal):
+            return (
+                f"setting an input is refused: the instance is {self._condition}, allowed is before terminate"
+            )
         return ""
 
     def _set(self, references: list[int], values: list[Any], kinds: tuple[str, ...]) -> None:
@@ -231,7 +243,8 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
                 if message:
                     self._say(message, Fmi2Status.error)
                     return
-            self._calculated = False
+            if self._phase is INITIALIZING:
+                self._calculated = self._instance.started = False
             for reference, value in zip(references, values, strict=True):
                 place, slot = self._places[reference]
                 place[slot] = value
@@ -263,17 +276,21 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
         return head + len(refusal).to_bytes(4, "little") + refusal + self._instance.save()
 
     def _set_fmu_state(self, state: bytes) -> None:
-        def restore() -> None:
+        try:
             end = 13 + int.from_bytes(state[9:13], "little")
             if len(state) < end or state[0] >= len(_PHASES):
-                raise Refused("the FMU state is refused: allowed is one of this FMU")
-            self._instance.restore(state[end:])
-            tolerance = array("d", state[1:9])[0]
-            self._tolerance = None if math.isnan(tolerance) else tolerance
-            self._phase = _PHASES[state[0]]
-            self._refusal = state[13:end].decode()
-
-        self._guarded(restore)
+                raise Refused("the state is refused: it must be one saved by this build")
+            refusal, phase = state[13:end].decode(), _PHASES[state[0]]
+            self._instance.restore(
+                state[end:], must_be_started=phase in (STEPPING, TERMINATED) and not refusal
+            )
+        except Exception as error:
+            reason = str(error) if isinstance(error, Refused) else f"a damaged state is refused: {error}"
+            self._say(reason, Fmi2Status.error)
+            return
+        tolerance = array("d", state[1:9])[0]
+        self._tolerance = None if math.isnan(tolerance) else tolerance
+        self._phase, self._refusal, self._calculated = phase, refusal, False
 
     @staticmethod
     def _fmu_state_to_bytes(state: bytes) -> bytes:

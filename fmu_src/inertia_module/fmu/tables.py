@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from string import Formatter
 
 from ..entries import ENTRIES
-from ..model import Model
+from ..model import Bound, Model
 from ..variables import BOOLEAN, ENUMERATION, ENUMERATIONS, INPUT, OUTPUT, PARAMETER, REAL, Variable
 
 _ARRAYS = {PARAMETER: "PARAMETERS", INPUT: "INPUTS"}
@@ -77,12 +78,24 @@ def _number_of(field: str | None, model: Model) -> tuple[str, int]:
     return ("INPUT_NUMBER" if variable.causality == INPUT else "PARAMETER_NUMBER"), model.place(field)
 
 
-def _message(status: int, text: str, model: Model) -> list[str]:
-    lines = [f"static const struct piece pieces_{status}[] = {{"]
-    for before, field, _, _ in Formatter().parse(text):
-        kind, slot = _number_of(field, model)
-        lines.append(f"    {{{quoted(before)}, {kind}, {slot}}},")
-    return [*lines, '    {"", LAST_PIECE, 0},', "};"]
+def _messages(name: str, texts: Mapping[int, str], model: Model) -> list[str]:
+    """An array of this name with the sentences by number, each in pieces (none, if there are none)."""
+    if not texts:
+        return []
+    lines = []
+    for number, text in texts.items():
+        lines.append(f"static const struct piece {name}_{number}[] = {{")
+        for before, field, _, _ in Formatter().parse(text):
+            kind, slot = _number_of(field, model)
+            lines.append(f"    {{{quoted(before)}, {kind}, {slot}}},")
+        lines += ['    {"", LAST_PIECE, 0},', "};", ""]
+    rows = [f"    {{{number}, {name}_{number}}}," for number in texts]
+    return [*lines, f"static const struct message {name}[] = {{", *rows, "};", ""]
+
+
+def _bound(bound: Bound) -> str:
+    record = {"d": "CONSTANTS", "x": "STATE"}[bound.record]
+    return f"{{{record}, {bound.place}, {number(bound.most)}}}"
 
 
 def c_tables(model: Model, guid: str) -> str:
@@ -106,19 +119,20 @@ def c_tables(model: Model, guid: str) -> str:
         "};",
         "",
     ]
-    for status, text in model.messages.items():
-        lines += [*_message(status, text, model), ""]
+    lines += _messages("messages", model.messages, model) + _messages("warnings", model.warnings, model)
+    warnings = "warnings" if model.warnings else "NULL"
     lines += [
-        "static const struct message messages[] = {",
-        *(f"    {{{status}, pieces_{status}}}," for status in model.messages),
-        "};",
-        "",
         f"static const size_t traced[] = {{{traced}}};",
+        "",
+        "static const struct bound bounds[] = {",
+        *(f"    {_bound(bound)}," for bound in model.bounds or (Bound("d", 0, 0),)),
+        "};",
         "",
         "const struct model model = {",
         f"    {quoted(model.name)}, {quoted(guid)}, variables, {len(references)}, {tolerance},",
         f"    {n_p}, {n_d}, {n_u}, {n_x}, {n_y}, {n_w},",
-        f"    messages, {len(model.messages)}, traced, {len(model.traced)},",
+        f"    messages, {len(model.messages)}, {warnings}, {len(model.warnings)},",
+        f"    traced, {len(model.traced)}, bounds, {len(model.bounds)},",
         "};",
         "",
     ]

@@ -16,6 +16,8 @@ from .codes import DRIVING, FREE, HELD_DRIVING, OK, STEP_TOO_SMALL, TOO_MUCH_WOR
 MOST_STEPS = 20000
 # a change of omega1 up to this fraction of it is small
 SMALL_CHANGE = 0.2
+# speed of a shaft that is just pulled away, rad/s
+STARTING = 1e-300
 
 
 def torque_at(d, side, x, leg, omega1, alpha1):
@@ -31,10 +33,19 @@ def torque_at(d, side, x, leg, omega1, alpha1):
     return torque, alpha3, rates[5] + rates[4] * alpha3
 
 
+def leg_speed(x, leg):
+    """omega3 to look up in the map: a coasting shaft is beyond it, though both shafts may yet be at rest."""
+    return max(x.omega3, STARTING) if leg == COASTING else x.omega3
+
+
 def input_torque_at(d, side, x, leg, omega1, alpha1):
     """Mean input torque now."""
+    omega3 = x.omega3
+    x.omega3 = leg_speed(x, leg)
     torque, alpha3, _ = torque_at(d, side, x, leg, omega1, alpha1)
-    return mean_input_torque(d, side, x, omega1, alpha1, alpha3, torque)
+    mean = mean_input_torque(d, side, x, omega1, alpha1, alpha3, torque)
+    x.omega3 = omega3
+    return mean
 
 
 def input_impulse(passed, omega1, alpha1, work, torque0, torque1):

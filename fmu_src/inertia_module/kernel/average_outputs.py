@@ -1,6 +1,6 @@
 """Outputs of fidelity averaged: the means of the torques, their ripple and peak, the mean energy."""
 
-from .average import torque_at
+from .average import leg_speed, torque_at
 from .average_legs import LOCKED, RESTING, choose_leg
 from .average_rates import energy_at, mean_input_torque, mesh_share, ripple_at, side_at
 
@@ -20,6 +20,8 @@ def write_averaged(d, x, y):
     alpha1 = x.alpha1
     side = side_at(d, omega1, alpha1)
     leg = choose_leg(d, side, x, omega1, alpha1)
+    omega3 = x.omega3
+    x.omega3 = leg_speed(x, leg)
     torque, alpha3, alpha2 = torque_at(d, side, x, leg, omega1, alpha1)
     mesh = mesh_share(x, omega1, torque)
     y.input_torque = mean_input_torque(d, side, x, omega1, alpha1, alpha3, torque)
@@ -30,6 +32,7 @@ def write_averaged(d, x, y):
     peak = abs(torque)
     if leg != LOCKED and leg != RESTING:
         ripple, peak = ripple_at(side, x, omega1)
+    x.omega3 = omega3
     y.torque_ripple = ripple
     y.torque_peak = peak
     return alpha2

@@ -41,6 +41,14 @@ OUTPUTS = 4
 STEP_SMOOTHLY = 5
 # rates of the outputs in place of the outputs; u and x are left with no meaning
 RATES = 6
+# the sum of the warnings that hold; nothing is changed
+WARN = 7
+
+# warnings
+PLANAR_OVERLAP = 1
+BEVEL_OVERLAP = 2
+PLANAR_OUTSIDE = 4
+BEVEL_OUTSIDE = 8
 
 # status codes
 OK = 0

@@ -18,8 +18,10 @@ STATE = (
     *("energy_in", "energy_in_low", "energy_out", "energy_out_low", "energy_lost", "energy_lost_low"),
     "energy_start",
 )
-# all per inertia: the characteristic equation is lambda^2 + rate lambda + square = 0; what swing, slow and fast
-# are tells propagator.characteristic. Then the communication step last taken, the answers to it and at the nodes
+# all per inertia: the characteristic equation is lambda^2 + rate lambda + square = 0; what swing, slow
+# and fast
+# are tells propagator.characteristic. Then the communication step last taken, the answers to it and at
+# the nodes
 # within it (kept_responses)
 CONSTANTS = ("rate", "square", "swing", "slow", "fast", "step", ("responses", 7), ("nodes", 48))
 # the motion over the step in hand. From impulse, its rate slope and its integrals one, two ... of

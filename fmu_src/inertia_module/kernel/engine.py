@@ -1,5 +1,7 @@
-"""A communication step of the module with its pulses, from event to event: the contact mode is chosen, a solver follows
-it to the next event or to the end of the step, and so on."""
+"""A communication step of the module with its pulses, from event to event.
+
+The contact mode is chosen, a solver follows it to the next event or to the end of the step, and so on.
+"""
 
 from .accumulate import later
 from .codes import OK, STEP_TOO_SMALL, TOO_MANY_SWITCHES, TOO_MUCH_WORK
@@ -15,7 +17,9 @@ STALLED = 0.25
 
 
 def advance_mode(d, x, w, remaining):
-    """Advance in the present contact mode, at most to its end: (time passed or -1, whether it may change then)."""
+    """Advance in the present contact mode, at most to its end: (time passed or -1, whether it may change
+    then).
+    """
     if d.elastic != 0.0:
         return advance_elastic(d, x, w, remaining)
     if d.by_torque == 0.0 and is_held(x):

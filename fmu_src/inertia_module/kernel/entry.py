@@ -1,6 +1,7 @@
 """The one entry of the compiled kernel of the module: all its operations (see :mod:`.codes`)."""
 
-from .codes import CHECK, OK, OUTPUTS, RATES, START, STEP_SMOOTHLY
+from .clearance import warnings
+from .codes import CHECK, OK, OUTPUTS, RATES, START, STEP_SMOOTHLY, WARN
 from .outputs import write_late_outputs
 from .rates import write_rates
 from .step import advance, check, start
@@ -27,6 +28,8 @@ def call(operation, p, d, u, x, y, w, h):
         return start(p, d, u, x, y)
     if operation == CHECK:
         return check(p, d, u)
+    if operation == WARN:
+        return warnings(p)
     if operation == OUTPUTS:
         write_late_outputs(p, d, x, y)
         return OK

@@ -2,7 +2,8 @@
 
 p parameters, u inputs, y outputs and locals carry the names of the table of variables; x is the state,
 d what is derived from the parameters, w the workspace of one call. A field is a name (one double), a name
-with a length (an array of doubles), or a name with a list of fields (a record within) and maybe a number (so many).
+with a length (an array of doubles), or a name with a list of fields (a record within) and maybe a number
+(so many).
 Every record has its doubles in one row besides, as `numbers`: so a state is copied whole.
 """
 
@@ -82,8 +83,10 @@ CONSTANTS = (
 
 # nothing in it outlives the call
 WORKSPACE = (
-    # what the solvers share: torque or acceleration given at link 1, load, step in hand, inertia and torque that
-    # link 2 carries; at its beginning (if known from the step before) the accelerations and P, and P at its end
+    # what the solvers share: torque or acceleration given at link 1, load, step in hand, inertia and
+    # torque that
+    # link 2 carries; at its beginning (if known from the step before) the accelerations and P, and P
+    # at its end
     *("solver", "given", "load", "step", "carried", "carried_torque"),
     *("known", "alpha1", "alpha2", "jerk2", "free", "free_rate", "momentum", "momentum_end"),
     *("change_q", "change1", "change2"),
@@ -97,7 +100,8 @@ WORKSPACE = (
     *(("stage_omega3", COLLOCATED), ("stage_relative", COLLOCATED), ("stage_shaft_torque", COLLOCATED)),
     *(("stage_clutch", COLLOCATED), ("stage_release", COLLOCATED)),
     *(("right_side", COLLOCATED), ("shaft_right_side", COLLOCATED), ("update1", COLLOCATED)),
-    # ... equations of both links: of the first by the rates of omega2 with its right side, of the second by those
+    # ... equations of both links: of the first by the rates of omega2 with its right side, of the
+    # second by those
     # of omega1 and of omega2
     *(("columns", MATRIX + COLLOCATED), ("lower", MATRIX), ("corner", MATRIX)),
     # ... polynomials of omega2, omega3 and the torque that a guard looks at
@@ -109,7 +113,8 @@ WORKSPACE = (
     # fixed steps: inertia at the beginning, omega1 given or the torque, and the shaft's answers
     *("kept_i", "kept_i1", "kept_b", "kept_g", "kept_total", "kept_share", "kept_root", "kept_bend"),
     *("slope", "impulse", "sum", "relative_gain", "twist_gain", "lag"),
-    # internal step of the averaged shaft: omega3 and T at its end, its error, integrals of omega3, T omega3, omega2
+    # internal step of the averaged shaft: omega3 and T at its end, its error, integrals of omega3, T
+    # omega3, omega2
     *("next", "torque", "error", "turned3", "work", "turned2"),
     # state at the beginning of the call, of two short steps for rates, of a part of a step; outputs there
     *(("before", STATE), ("kept", STATE), ("part", STATE)),

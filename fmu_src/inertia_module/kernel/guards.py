@@ -1,13 +1,15 @@
-"""The guards of a contact mode, positive while it goes on, at an instant of the step in hand; rates are exact.
+"""The guards of a contact mode, positive while it goes on, at an instant of the step in hand; rates are
+exact.
 
-held: what is left of the torque that F has to pass, Tc - F; free: omega2 and omega3 - omega2; driving: omega2 and
+held: what is left of the torque that F has to pass, Tc - F; free: omega2 and omega3 - omega2; driving:
+omega2 and
 the torque Tc. With an elastic output the hub or its shaft torque stands for the load.
 """
 
 from .codes import CLOSED_FORM, COLLOCATED, DRIVING, HELD_DRIVING, LINK2, OUTPUT
-from .solvers.collocated_guards import collocated_guard
 from .contact import is_held
 from .links import held_torque, motion
+from .solvers.collocated_guards import collocated_guard
 from .solvers.interpolant import dense_change, dense_rate
 
 

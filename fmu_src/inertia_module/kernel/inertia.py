@@ -86,7 +86,7 @@ def reduced_inertia(d, q):
     return i, i1, i2, mass * (y * z1 - z * y1), mass * (y * z2 - z * y2), g, g1, g2
 
 
-def B_second_derivative(d, q):
+def second_derivative_of_b(d, q):
     """B'', kg m^2: only the rates of the accelerations of both links need it."""
     if d.planar != 0.0:
         _, cosine = sine_cosine(q)

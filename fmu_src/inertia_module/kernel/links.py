@@ -1,4 +1,5 @@
-"""Equations of motion of links 1 and 2: one solver, the speed or the torque of link 1 given (docs/mechanics.md).
+"""Equations of motion of links 1 and 2: one solver, the speed or the torque of link 1 given
+(docs/mechanics.md).
 
     Phi alpha1 - N omega2' = M1 - R1                    Phi = J1 + I + 2 k B + k^2 G     N = k (B + k G)
     (J2 + k^2 G) omega2' - N alpha1 = R2 - Tc + Th      R1 = I' q' omega1 + B' q'^2 + R2
@@ -7,7 +8,7 @@
 Of alpha1 and M1 one is given; omega2' = 0 while the housing freewheel holds link 2.
 """
 
-from .inertia import B_second_derivative, reduced_inertia
+from .inertia import reduced_inertia, second_derivative_of_b
 
 
 def given_at_input(d, x):
@@ -106,7 +107,7 @@ def motion(d, q, omega1, omega2, given, held, carried, torque, torque_rate):
     if d.by_torque != 0.0:
         drive_rate = coupling_rate * alpha2 - (i1 + k * (2.0 * b1 + k * g1)) * rate_q * alpha1 - demand2_rate
         drive_rate -= i2 * rate_q * rate_q * omega1 + i1 * (rate2_q * omega1 + rate_q * alpha1)
-        drive_rate -= (B_second_derivative(d, q) * rate_q * rate_q + 2.0 * b1 * rate2_q) * rate_q
+        drive_rate -= (second_derivative_of_b(d, q) * rate_q * rate_q + 2.0 * b1 * rate2_q) * rate_q
     if held:
         jerk1 = drive_rate / phi if d.by_torque != 0.0 else 0.0
         return alpha1, 0.0, 0.0, demand2 + coupling * alpha1, push_rate + coupling * jerk1, momentum

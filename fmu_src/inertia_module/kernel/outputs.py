@@ -7,8 +7,8 @@ import math
 
 from .average_outputs import averaged_energy, write_averaged
 from .codes import AVERAGED, DRIVING, ELASTIC, FREE, HELD_DRIVING, KINEMATIC
-from .links import kinetic_energy, torques
 from .layout import imbalance_in_fixed_frame
+from .links import kinetic_energy, torques
 from .run import accelerations_now
 from .shaft import load_behind_freewheel, stored_in_shaft
 

@@ -1,6 +1,7 @@
 """Where in the step in hand a guard first falls through zero: one search for every solver.
 
-A guard is positive while the contact mode goes on; its values and rates come from :mod:`.guards`. The beginning
+A guard is positive while the contact mode goes on; its values and rates come from :mod:`.guards`. The
+beginning
 of a step never counts: what holds there was settled when the mode was chosen.
 """
 

@@ -10,7 +10,8 @@ def shaft_torque(d, x):
 
 
 def load_behind_freewheel(d, x):
-    """Torque on the hub behind the output freewheel, the load or that of the elastic shaft, N m, and its rate.
+    """Torque on the hub behind the output freewheel, the load or that of the elastic shaft, N m, and its
+    rate.
 
     The rate is that behind a hub of constant speed.
     """

@@ -17,11 +17,11 @@ from .codes import (
     OK,
     STEP_ONLY,
 )
+from .contact import TORQUE_ROUNDING, present_mode
 from .derive import derive
 from .inputs import begin, check_inputs, check_rates, input_speed
 from .limits import LARGEST_STEP
 from .outputs import stored_energy, write_late_outputs, write_outputs
-from .contact import TORQUE_ROUNDING, present_mode
 from .run import accelerations_now, run_at_speed, run_by_torque
 from .torque_average import driven_mean
 

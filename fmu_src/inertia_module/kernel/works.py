@@ -1,8 +1,11 @@
 """Impulses and works of the torques over a step, its mean square and peak: in one place for all solvers.
 
-With the torque given its impulse is the torque times the time and its work the torque times the angle of link 1.
-With the speed given M1 - Tc + Th is the rate of the angular momentum P and Tc = J3 omega3' + load, so the impulses are
-exact in the end values, and so is the work while omega1 is constant. With a ramp alpha1 of it the work takes the
+With the torque given its impulse is the torque times the time and its work the torque times the angle of
+link 1.
+With the speed given M1 - Tc + Th is the rate of the angular momentum P and Tc = J3 omega3' + load, so the
+impulses are
+exact in the end values, and so is the work while omega1 is constant. With a ramp alpha1 of it the work
+takes the
 integral of P as well: that of omega1 dP is omega1 P less alpha1 times it.
 """
 
@@ -29,7 +32,9 @@ def add_work_in(x, work):
 
 
 def add_clutch_square(d, x, w, sigma):
-    """Integral of Tc^2 over the explicit step or its part sigma, and its peak. Overwrites the rates of omega2."""
+    """Integral of Tc^2 over the explicit step or its part sigma, and its peak. Overwrites the rates of
+    omega2.
+    """
     end = sigma if sigma >= 0.0 else 1.0
     for n in range(END if sigma < 0.0 else STAGES):
         torque = w.load + d.J3 * w.rate_omega2[n]
@@ -86,7 +91,9 @@ def inertia_integral(d, x, q, omega1, alpha1, start, end):
 
 
 def add_held_works(d, x, q, omega1, alpha1, h, integral_of_phi):
-    """Impulse and work of M1 over h while link 2 is held and the speed given: link 1 alone turns, with Phi(q)."""
+    """Impulse and work of M1 over h while link 2 is held and the speed given: link 1 alone turns, with
+    Phi(q).
+    """
     end = omega1 + alpha1 * h
     before = inertia_at_input(d, q)
     after = inertia_at_input(d, held_angle(d, q, omega1, alpha1, h))
@@ -119,7 +126,9 @@ def add_shaft_works(d, x, w):
 
 
 def add_moving_works(d, x, w, start1, momentum):
-    """Collocation step with link 2 in motion and the speed given: impulse and work of M1; momentum: P before."""
+    """Collocation step with link 2 in motion and the speed given: impulse and work of M1; momentum: P
+    before.
+    """
     h = w.step
     alpha1 = w.given
     momentum_end = angular_momentum(d, x.q, x.omega1, x.omega2)

@@ -9,6 +9,7 @@ import control as ct
 import numpy as np
 
 from ..drive import Plant, Progress, Result
+from ..instance import as_names
 from ..variables import BY_NAME
 
 PLANT_INPUTS = ("omega1", "load_torque", "drive_torque")
@@ -99,7 +100,7 @@ class ClosedLoop:
         self,
         plant: Plant,
         surroundings: Any,
-        outputs: Sequence[str] = (),
+        outputs: str | Sequence[str] = (),
         units: Mapping[str, str] | None = None,
     ) -> None:
         self.plant = plant
@@ -107,7 +108,7 @@ class ClosedLoop:
         self.step = float(surroundings.dt)
         signals: list[str] = surroundings.output_labels
         self._measured = len(surroundings.input_labels)
-        self._outputs = [name for name in dict.fromkeys(outputs) if name not in signals]
+        self._outputs = [name for name in dict.fromkeys(as_names(outputs)) if name not in signals]
         self._driven = [(name, signals.index(name)) for name in PLANT_INPUTS if name in signals]
         if not self._driven:
             raise ValueError(

@@ -10,7 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from numpy.typing import NDArray
 
-from ..papers.lysenko import as_printed, exact, motion
+from ..papers.lysenko import exact, motion
+from ..papers.lysenko.as_printed import Printed
 from ..papers.lysenko.mechanism import EXAMPLE, EXAMPLE_SPEED
 from .style import BLACK, BLUE, GREEN, GREY, ORANGE, VERMILION, dress, sheet
 
@@ -53,8 +54,8 @@ def _forces(axes: Axes, centre: complex, mass: complex) -> None:
     side = mass + 0.5 * (tip - mass) - 0.006j * outward
     axes.text(side.real, side.imag, "$F_1$", color=GREEN, fontsize=11, ha="center", va="center")
     _arrow(axes, mass, mass + scale * EXAMPLE.m * (b * omega) ** 2 * mass, VERMILION, "$F_2$")
-    turned = float(as_printed.beta1(EXAMPLE, SHOWN) - as_printed.delta(EXAMPLE, SHOWN))
-    printed = float(as_printed.coriolis_force(EXAMPLE, SHOWN, omega)) * outward * np.exp(1j * turned)
+    page = Printed(EXAMPLE, SHOWN, omega)
+    printed = page.Fk * outward * np.exp(1j * (page.beta1 - page.delta))
     _arrow(axes, mass, mass + scale * printed, GREY, "$F_k$ as printed", broken=True)
 
 
@@ -129,16 +130,16 @@ def cycle() -> tuple[Figure, Columns]:
     figure = sheet(7.6, 6.6)
     figure.suptitle("A cycle of the epicycloid: $b = 1/3$, $l = r$, ω = 100 rad/s", fontsize=11)
     panels = figure.subplots(2, 2, sharex=True).ravel()
-    both = (exact, as_printed)
-    first = [form.wheel_moment(EXAMPLE, alpha, EXAMPLE_SPEED) for form in both]
-    second = [form.carrier_moment(EXAMPLE, alpha, EXAMPLE_SPEED) for form in both]
+    # the page divides by the speed, which is 0 at both ends
+    page = Printed(EXAMPLE, np.clip(alpha, 1e-9, 2.0 * np.pi - 1e-9), EXAMPLE_SPEED)
+    first = [exact.wheel_moment(EXAMPLE, alpha, EXAMPLE_SPEED), page.M1]
+    second = [exact.carrier_moment(EXAMPLE, alpha, EXAMPLE_SPEED), page.M]
     columns |= _compare(panels[0], alpha, "M1", *first)
     columns |= _compare(panels[1], alpha, "M", *second)
     drive = [-EXAMPLE_SPEED * (m1 + EXAMPLE.b * m) for m1, m in zip(first, second, strict=True)]
     columns |= _compare(panels[2], alpha, "power of the drive", *drive)
     ratio = motion.free_omega(EXAMPLE, alpha, 1.0)
-    largest = as_printed.inertia_limits(EXAMPLE)[0]
-    printed = largest / as_printed.moment_of_inertia(EXAMPLE, alpha)
+    printed = page.J_limits[0] / page.J
     columns |= _compare(panels[3], alpha, "free speed over lowest", ratio, printed)
     dress(panels[0], "$M_1$ [N·m]", "moment of the inertia forces about $O_1$")
     dress(panels[1], "$M$ [N·m]", "moment of the inertia forces about $O$")

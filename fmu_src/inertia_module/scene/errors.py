@@ -7,6 +7,8 @@ from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
 
+from ..errors import Refused
+
 # what pydantic would say in its own words
 _ALLOWED = {
     "model_type": "a table",
@@ -17,7 +19,7 @@ _ALLOWED = {
 }
 
 
-class SceneError(ValueError):
+class SceneError(Refused):
     """A scene that cannot be run: one line that names the key, the value and what is allowed."""
 
 

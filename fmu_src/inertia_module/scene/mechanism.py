@@ -2,35 +2,20 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, create_model
 
 from ..kernel.codes import ELASTIC
-from ..variables import BOOLEAN, BY_NAME, ENUMERATION, ENUMERATIONS, PARAMETER, Variable, with_causality
+from ..units import number_of
+from ..variables import BY_NAME, PARAMETER, Variable, with_causality
 from .tables import Strict
-from .units import to_si
 
 FIDELITY = "fidelity"
 DRIVE = "drive"
 # the fidelity is to be chosen from measurements
 AUTO = "auto"
-
-
-def _number(variable: Variable, value: Any) -> float:
-    """A value as the number the FMU takes, not yet checked against its range."""
-    if variable.kind == BOOLEAN:
-        if isinstance(value, bool):
-            return float(value)
-        raise ValueError("it is neither true nor false")
-    if variable.kind == ENUMERATION and isinstance(value, str):
-        numbers = {name: float(number) for name, number, _ in ENUMERATIONS[variable.enumeration]}
-        if value in numbers:
-            return numbers[value]
-        raise ValueError("there is no such item")
-    return to_si(value, variable.unit or "1")
 
 
 def _allowed(variable: Variable) -> str:
@@ -43,10 +28,10 @@ def _validator(variable: Variable) -> BeforeValidator:
         if variable.name == FIDELITY and value == AUTO:
             return AUTO
         try:
-            number = _number(variable, value)
+            number = number_of(value, variable.unit or "1", variable.items)
         except ValueError as error:
             raise ValueError(f"{error}; allowed is {_allowed(variable)}") from None
-        if not (math.isfinite(number) and variable.accepts(number)):
+        if not variable.accepts(number):
             raise ValueError(f"allowed is {_allowed(variable)}")
         return number
 

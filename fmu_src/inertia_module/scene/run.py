@@ -23,11 +23,13 @@ class SceneResult:
         scene: as it was run.
         record: everything recorded: outputs wanted, outputs summarised, signals of the loop.
         summary: the numbers by name. units: of these numbers, "" for counts and ratios.
+        warnings: that the FMU logged.
     """
 
     scene: Scene
     record: Result
     quantities: dict[str, Quantity] = field(repr=False)
+    warnings: tuple[str, ...] = ()
 
     @property
     def summary(self) -> dict[str, float]:
@@ -88,4 +90,5 @@ def run_scene(scene: Scene, fmu_path: Path | str, progress: Progress | None = No
         record = loop.run(scene.run.stop_time, progress)
         wall_time = time.perf_counter() - began
     measured = scene.measured if scene.controller is not None else None
-    return SceneResult(scene, record, summarise(record, measured, scene.cycle, wall_time))
+    summary = summarise(record, measured, scene.cycle, wall_time)
+    return SceneResult(scene, record, summary, tuple(fmu.warnings))

@@ -11,8 +11,9 @@ from pydantic import Field, ValidationError, model_validator
 
 from .. import loops
 from ..cycles import Cycle
+from ..errors import Refused
 from ..kernel.codes import ELASTIC
-from ..module import Module, Refused
+from ..module import Module
 from ..variables import BY_NAME, LARGEST_STEP, LOCAL, OUTPUT, with_causality
 from .controllers import SPEED_UNITS, VEHICLE_SPEED, Controller, CycleReference, measured_speed
 from .drives import CONTROLLED_DRIVES, Drive, check_drive, drive_parameter

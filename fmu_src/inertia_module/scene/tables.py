@@ -7,8 +7,8 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict, ValidationInfo, model_validator
 
-from ..drive import Result, TableError
 from ..loops import Table
+from ..results import TableError, read_columns
 from .units import checked, quantities, quantity
 
 Time = Annotated[float, quantity("s", 0.0)]
@@ -46,14 +46,15 @@ class Tabulated(Strict):
             raise ValueError(f"allowed is either file or {cls.POINTS} and {cls.VALUES}, not both")
         context = info.context or {}
         try:
-            table = Result.from_csv(context.get("folder", Path()) / str(data["file"]))
-            columns = {name: table[name] for name in (cls.POINTS, cls.VALUES)}
+            columns, units = read_columns(context.get("folder", Path()) / str(data["file"]))
         except TableError as error:
             raise ValueError(str(error)) from None
         filled = dict(data)
-        for name, default in zip(columns, cls.units(context), strict=True):
-            unit = table.units.get(name, default)
-            filled[name] = [checked(f"{value!r} {unit}", default) for value in columns[name].tolist()]
+        for name, default in zip((cls.POINTS, cls.VALUES), cls.units(context), strict=True):
+            if name not in columns:
+                raise ValueError(f"{data['file']} must have a column {name}, has {', '.join(columns)}")
+            unit = units.get(name, default)
+            filled[name] = [checked(f"{value!r} {unit}", default) for value in columns[name]]
         return filled
 
     @classmethod

@@ -94,10 +94,10 @@ def _following(row: Row, candidates: Sequence[Row], error: float, wanted: Sequen
     higher = [other for other in candidates if _NUMBER[other.rung] > _NUMBER[row.rung]]
     much = _FINER * min(error, row.worst(wanted))
     finer = [other for other in candidates if other.worst(wanted) <= much and other.wall_time > row.wall_time]
-    return _cheapest(higher) or _cheapest(finer)
+    return cheapest(higher) or cheapest(finer)
 
 
-def _cheapest(rows: Sequence[Row]) -> Row | None:
+def cheapest(rows: Sequence[Row]) -> Row | None:
     """The cheapest by wall time; among settings of one rung by right-hand sides, which do not jitter."""
     best: dict[tuple[str, str, float], Row] = {}
     for row in rows:
@@ -124,7 +124,7 @@ def recommend(rows: Sequence[Row], error: float, wanted: Sequence[str]) -> Choic
         if best is not None:
             reached = f"the best is {best.label}: {why_not(best, error, wanted)}"
         raise NoneMeets(f"error = {error:g} in {', '.join(wanted)} is refused: no rung meets it; {reached}")
-    chosen = _cheapest(meeting)
+    chosen = cheapest(meeting)
     assert chosen is not None
     # one line a fidelity and method: the best that is cheaper or, where nothing is known, any
     passed: dict[str, str] = {}

@@ -78,19 +78,6 @@ def headings(names: Sequence[str]) -> list[str]:
     return ["run", "step, s", *names, "ms per s", "right-hand sides", "switches"]
 
 
-def rich_table(title: str, rows: Sequence[Row], names: Sequence[str]) -> Any:
-    """A table for a console; failures have a row without numbers (and a line in failure_lines)."""
-    from rich.table import Table
-
-    table = Table(title=title, title_justify="left")
-    for number, heading in enumerate(headings(names)):
-        side: Any = "right" if number else "left"
-        table.add_column(heading.replace("_", " "), justify=side, no_wrap=number == 0)
-    for row in rows:
-        table.add_row(*cells(row, names))
-    return table
-
-
 def failure_lines(rows: Sequence[Row]) -> list[str]:
     """One line for each kind of run that failed, with its reason."""
     reasons: dict[str, list[str]] = {}

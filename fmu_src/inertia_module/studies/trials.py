@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-import functools
-import hashlib
 import json
 import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from .. import loops
 from ..drive import Progress
-from ..entries import source_hash
-from ..files import cache_folder
+from ..files import cache_folder, content_hash, sources
 from ..kernel.codes import ELASTIC, RIGID
 from ..results import write_text
 from ..scene import Scene
@@ -114,16 +110,6 @@ def measure_scene(
 # --- kept between runs ---
 
 
-@functools.cache
-def _code_hash() -> str:
-    """Hash of the code that a measurement depends on: kernel, loops and this study."""
-    digest = hashlib.sha256(source_hash().encode())
-    for folder in (Path(loops.__file__).parent, Path(__file__).parent):
-        for path in sorted(folder.glob("*.py")):
-            digest.update(path.name.encode() + path.read_bytes())
-    return digest.hexdigest()
-
-
 def measurement_file(scene: Scene) -> Path:
     """Where the measurements of a scene are kept: by what it simulates, whatever error is asked of it."""
     content = scene.model_dump(mode="json", exclude_none=True)
@@ -136,8 +122,9 @@ def measurement_file(scene: Scene) -> Path:
     }
     content["accuracy"] = {"window": scene.accuracy.window}
     content["run"].pop("outputs")
-    text = json.dumps(content, sort_keys=True) + _code_hash()
-    name = hashlib.sha256(text.encode()).hexdigest()[:24]
+    # and by the code that a measurement depends on: kernel, loops and this study
+    code = sources("kernel/*.py", "loops/*.py", "studies/*.py")
+    name = content_hash(code | {"scene": json.dumps(content, sort_keys=True).encode()})[:24]
     return cache_folder() / f"trials-{name}.json"
 
 

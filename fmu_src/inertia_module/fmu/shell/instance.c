@@ -157,8 +157,7 @@ fmi2Status fmi2EnterInitializationMode(fmi2Component component)
     return fmi2OK;
 }
 
-/* Whether a parameter is finite, whole where it has to be, and within its range. */
-static int is_allowed(const struct variable *variable, double value)
+int is_allowed(const struct variable *variable, double value)
 {
     if (variable->kind != REAL && value != floor(value))
         return 0;
@@ -189,7 +188,7 @@ fmi2Status prepare(struct instance *c, fmi2Status refused)
 
 void complete(struct instance *c)
 {
-    if (c->head[COMPLETE])
+    if (c->head[COMPLETE] || !c->head[PREPARED])
         return;
     KERNEL(OPERATION_OUTPUTS, c->p, c->d, c->u, c->x, c->y, c->w, 0.0);
     c->head[COMPLETE] = 1.0;
@@ -204,6 +203,8 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component component)
         return out_of_order(c, "exitInitializationMode", "after enterInitializationMode");
     const fmi2Status status = prepare(c, fmi2Error);
     c->head[PHASE] = status == fmi2OK ? STEPPING : REFUSED;
+    if (status == fmi2OK)
+        warn(c);
     return status;
 }
 

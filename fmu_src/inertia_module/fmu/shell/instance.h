@@ -59,13 +59,19 @@ fmi2Status out_of_order(struct instance *c, const char *call, const char *allowe
 /* Report what the model says of a status of its kernel, with the values in u. */
 fmi2Status explain(struct instance *c, fmi2Status status, int64_t answer, const double *u, double step);
 
+/* Log what cannot be built of a mechanism that is accepted. */
+void warn(struct instance *c);
+
 /* Log the traced values of a step, if that is wanted. */
 void trace(struct instance *c, double step);
+
+/* Whether a parameter is finite, whole where it has to be, and within its range. */
+int is_allowed(const struct variable *variable, double value);
 
 /* Check the parameters and let the kernel start, unless that has been done since the last change. */
 fmi2Status prepare(struct instance *c, fmi2Status refused);
 
-/* Have the late outputs filled in, if they are not. */
+/* Have the late outputs filled in, if they are not and can be. */
 void complete(struct instance *c);
 
 /* Start values, as after instantiation. */

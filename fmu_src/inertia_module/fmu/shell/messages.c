@@ -120,12 +120,26 @@ fmi2Status explain(struct instance *c, fmi2Status status, int64_t answer, const 
 {
     char text[LONGEST_MESSAGE];
     for (size_t n = 0; n < model.message_count; n++) {
-        if (model.messages[n].status != answer)
+        if (model.messages[n].number != answer)
             continue;
         compose(text, c, model.messages[n].pieces, u, step);
         return report(c, status, "%s", text);
     }
     return report(c, status, "internal error: the kernel answers %d", (int)answer);
+}
+
+void warn(struct instance *c)
+{
+    char text[LONGEST_MESSAGE];
+    if (model.warning_count == 0)
+        return;
+    const int64_t found = KERNEL(OPERATION_WARN, c->p, c->d, c->u, c->x, c->y, c->w, 0.0);
+    for (size_t n = 0; n < model.warning_count; n++) {
+        if (!(found & model.warnings[n].number))
+            continue;
+        compose(text, c, model.warnings[n].pieces, c->u, 0.0);
+        report(c, fmi2Warning, "%s", text);
+    }
 }
 
 void trace(struct instance *c, double step)

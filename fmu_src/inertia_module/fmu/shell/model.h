@@ -15,7 +15,8 @@ enum operation {
     OPERATION_STEP_ONLY = 3,
     OPERATION_OUTPUTS = 4,
     OPERATION_STEP_SMOOTHLY = 5,
-    OPERATION_RATES = 6
+    OPERATION_RATES = 6,
+    OPERATION_WARN = 7 /* kernel/clearance.py: the sum of the numbers of the warnings that hold */
 };
 #define STATUS_OK 0
 
@@ -44,10 +45,17 @@ struct piece {
     int slot;
 };
 
-/* What the model says when its kernel answers a status. */
+/* What the model says when its kernel answers a status, or a sum with the number of a warning in it. */
 struct message {
-    int status;
+    int number;
     const struct piece *pieces;
+};
+
+/* A number of the constants d or the state x that the kernel takes for an index or a choice. */
+struct bound {
+    enum { CONSTANTS, STATE } of;
+    size_t slot;
+    double most; /* it must be a whole number from 0 to this */
 };
 
 struct model {
@@ -59,8 +67,12 @@ struct model {
     size_t p_size, d_size, u_size, x_size, y_size, w_size;
     const struct message *messages;
     size_t message_count;
+    const struct message *warnings;
+    size_t warning_count;
     const size_t *traced; /* value references shown of each step in the log category logSteps */
     size_t traced_count;
+    const struct bound *bounds;
+    size_t bound_count;
 };
 
 extern const struct model model;

@@ -123,6 +123,45 @@ static struct wrapper wrapper_of(const void *block, size_t length)
     return wrapper;
 }
 
+/* Number of a block of which only the bytes are there, at any address. */
+static double number_at(const fmi2Byte *block, size_t place)
+{
+    double number;
+    memcpy(&number, block + place * sizeof number, sizeof number);
+    return number;
+}
+
+static int is_whole(double value, double most)
+{
+    return value >= 0.0 && value <= most && fmod(value, 1.0) == 0.0;
+}
+
+/* Whether all that is used as an index or a choice is one: the sum of bytes can be made to fit by anybody. */
+static int is_sound(const fmi2Byte *block)
+{
+    const size_t p = HEAD_SIZE, d = p + model.p_size, x = d + model.d_size + model.u_size;
+    const size_t x_before = x + model.x_size + model.y_size;
+    const double phase = number_at(block, PHASE), prepared = number_at(block, PREPARED);
+    if (!is_whole(phase, PHASES - 1) || !is_whole(prepared, 1.0) ||
+        !is_whole(number_at(block, COMPLETE), 1.0))
+        return 0;
+    if ((phase == STEPPING || phase == TERMINATED) && prepared == 0.0)
+        return 0;
+    for (size_t n = 0; n < model.bound_count; n++) {
+        const struct bound *bound = &model.bounds[n];
+        const size_t first = bound->of == STATE ? x : d, second = bound->of == STATE ? x_before : d;
+        if (!is_whole(number_at(block, first + bound->slot), bound->most) ||
+            !is_whole(number_at(block, second + bound->slot), bound->most))
+            return 0;
+    }
+    for (size_t n = 0; prepared != 0.0 && n < model.variable_count; n++) {
+        const struct variable *variable = &model.variables[n];
+        if (variable->array == PARAMETERS && !is_allowed(variable, number_at(block, p + (size_t)variable->slot)))
+            return 0;
+    }
+    return 1;
+}
+
 fmi2Status fmi2SerializedFMUstateSize(fmi2Component component, fmi2FMUstate state, size_t *size)
 {
     struct instance *c = component;
@@ -164,7 +203,7 @@ fmi2Status fmi2DeSerializeFMUstate(fmi2Component component, const fmi2Byte bytes
         return report(c, fmi2Error, "a state of %lu bytes is refused: allowed is one saved by this build (%lu bytes)",
                       (unsigned long)size, (unsigned long)(sizeof(struct wrapper) + length));
     const struct wrapper wrapper = wrapper_of(bytes + sizeof wrapper, length);
-    if (memcmp(&wrapper, bytes, sizeof wrapper) != 0)
+    if (memcmp(&wrapper, bytes, sizeof wrapper) != 0 || !is_sound(bytes + sizeof wrapper))
         return report(c, fmi2Error, "the state is refused: it is damaged or of another build; allowed is one saved"
                       " by this build");
     if (*state && !is_saved(c, *state))

@@ -56,7 +56,7 @@ static fmi2Status check_read(struct instance *c, const fmi2ValueReference refere
         const fmi2Status status = prepare(c, fmi2Discard);
         if (status != fmi2OK)
             return status;
-    } else if (calculated && !c->head[PREPARED]) {
+    } else if (calculated && phase_of(c) == INSTANTIATED) {
         return out_of_order(c, "reading a calculated variable", "from initialization mode on");
     }
     if (late)

@@ -1,6 +1,7 @@
 """One collocation step with the elastic output: the stages in each contact mode.
 
-Unknown are the rates of omega1, omega2 and omega3 at the five stages; q follows from both links, the twist and the
+Unknown are the rates of omega1, omega2 and omega3 at the five stages; q follows from both links, the twist
+and the
 driven mass from omega3 (:mod:`.shaft_stages`). The equations are those of :mod:`..links`, by Newton's method,
 
     Phi alpha1 - N omega2' + R1 - M1 = 0        (J2 + k^2 G + carried) omega2' - N alpha1 - R2 + Ts = 0
@@ -10,7 +11,7 @@ the first of them only where M1 is given. While link 2 drives, omega2 and omega3
 
 from ..codes import DRIVING, HELD_DRIVING
 from ..contact import is_held
-from ..inertia import B_second_derivative, reduced_inertia
+from ..inertia import reduced_inertia, second_derivative_of_b
 from .collocation import eliminate, mean, row
 from .radau import MATRIX, SQUARE, STAGES
 from .shaft_stages import follow_hub, prepare_shaft, put_start_torque
@@ -63,7 +64,7 @@ def put_equations(d, w, h, i, carried):
             w.corner[base + j] += w.shaft[base + j]
     if d.by_torque == 0.0:
         return
-    bend = B_second_derivative(d, w.stage_q[i])
+    bend = second_derivative_of_b(d, w.stage_q[i])
     phi = d.J1 + inertia + k * (2.0 * b + k * g)
     demand1 = (i1 * omega1 + b1 * rate_q) * rate_q + demand2
     demand1_q = (i2 * omega1 + bend * rate_q) * rate_q + demand2_q

@@ -1,6 +1,7 @@
 """Rigid output: links 1 and 2 and the output shaft, step by step of the embedded pair up to the next event.
 
-Held, free or driving, all modes are stepped alike in (q, omega1, omega2); omega1 is known where its speed is given.
+Held, free or driving, all modes are stepped alike in (q, omega1, omega2); omega1 is known where its speed
+is given.
 """
 
 import math
@@ -10,8 +11,8 @@ from ..codes import DRIVING, EXPLICIT, HELD, LINK2, NONE, OUTPUT
 from ..contact import TORQUE_ROUNDING, is_held
 from ..guards import guard, instant, is_guarded
 from ..links import accelerations, angular_momentum, torque_scale
-from ..search import first_crossing, is_clear
 from ..output_shaft import coast, meet, pass_while_held, stop, time_to_stop
+from ..search import first_crossing, is_clear
 from ..works import add_clutch_square, add_explicit_works
 from .dormand_prince import (
     END,
@@ -35,7 +36,8 @@ from .interpolant import dense_change, error_norm, fit_dense, integral, result
 
 # phase of the highest harmonic within one step, rad
 STEP_PHASE = 12.0
-# the same where the inertia behind link 2 all but vanishes at an angle, or that of link 1 is light: the speeds
+# the same where the inertia behind link 2 all but vanishes at an angle, or that of link 1 is light: the
+# speeds
 # have spikes there, which are not to be stepped over
 CUSP_PHASE = 1.0
 CUSP_RATIO = 1e-2
@@ -98,7 +100,9 @@ def fit_inside(d, x, w):
 
 
 def has_cusp(d, w):
-    """Whether the inertia behind link 2, or that of link 1 under its torque, is at some angle far below its largest."""
+    """Whether the inertia behind link 2, or that of link 1 under its torque, is at some angle far below
+    its largest.
+    """
     if d.by_torque != 0.0 and d.J1 < CUSP_RATIO * d.alpha_slope:
         return True
     moving = d.k * d.k * d.mass
@@ -154,7 +158,8 @@ def step_error(d, w, fastest):
 
 
 def try_steps(d, x, w, remaining):
-    """Make the longest step whose error is allowed; the stages and changes are left in w, its length in w.step.
+    """Make the longest step whose error is allowed; the stages and changes are left in w, its length in
+    w.step.
 
     The size for the next step is carried in the state, from one communication step to the next.
 

@@ -3,18 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .complete import Kinematics, kinematics
-from .exact import Configuration, configuration
+from .exact import Kinematics
 from .geometry import Geometry
 from .motion import Motion, dynamic_mode, stop_mode
-
-Array = NDArray[np.float64]
 
 # the scene R1: pole of the cones, no offsets
 STANDARD = Geometry()
@@ -38,25 +33,11 @@ def period(geometry: Geometry, motion: Motion) -> float:
     """
     rate = abs(float(motion.drive_rate(geometry)))
     if rate == 0.0:
-        raise ValueError("omega1 - omega2 = 0 is refused: allowed is any difference, for the drive to turn")
+        raise ValueError("omega1 - omega2 must not be 0 for the drive to turn")
     return 2.0 * math.pi * geometry.turns_in_period / rate
 
 
-@dataclass(frozen=True)
-class Case:
-    """The exact set over one period, between the instants at which something may vanish.
-
-    Attributes:
-        t: times, s, shape (n,). at, k: configuration and kinematics at them.
-    """
-
-    t: Array
-    at: Configuration
-    k: Kinematics
-
-
 @cache
-def over_period(geometry: Geometry = GENERAL, motion: Motion = STOP) -> Case:
-    """The exact set at SAMPLES times spread evenly over one period."""
-    t = (np.arange(SAMPLES) + 0.5) / SAMPLES * period(geometry, motion)
-    return Case(t, configuration(geometry, motion, t), kinematics(geometry, motion, t))
+def over_period(geometry: Geometry = GENERAL, motion: Motion = STOP) -> Kinematics:
+    """The exact set at SAMPLES times over one period, between the instants at which something may vanish."""
+    return Kinematics(geometry, motion, (np.arange(SAMPLES) + 0.5) / SAMPLES * period(geometry, motion))

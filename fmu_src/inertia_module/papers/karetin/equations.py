@@ -1,301 +1,122 @@
-"""Every numbered equation of Karetin (2020), what was found of it, and how to measure it."""
+"""The numbered equations of Karetin over a period of the general case: printed form, exact form.
+
+Each printed form is fed with exact values of all it takes; (1) to (18) in the stop mode, (19) to (33) in
+the dynamic mode.
+"""
 
 from __future__ import annotations
 
-from ..report import Equation
-from . import differences, differences_dynamic
+from typing import Any
 
-_AT_POLE = "Right, but divides by zero where {} = 0: take the foot as n (n r) with n across V."
+import numpy as np
 
-EQUATIONS: list[Equation] = [
-    Equation(
-        "(1)",
-        "speeds of link 2, drive and satellite",
-        "motion.transmission_ratios",
-        "as_printed.transmission_ratios",
-        True,
-        difference=differences.ratios,
+from ..report import Equations
+from ..series import Series
+from . import as_printed as page
+from .cases import DYNAMIC, GENERAL, STOP, over_period
+from .exact import Kinematics, modulus
+from .motion import transmission_ratios
+
+
+def xyz(v: Any) -> Any:
+    """Components of vectors of shape (n, 3)."""
+    return tuple(v.T)
+
+
+G, W1 = GENERAL, DYNAMIC.omega1
+S, M = STOPPED, MOVING = over_period(G, STOP), over_period(G, DYNAMIC)
+W6, W16 = S.omega6, S.omega16
+# of the stop mode: D, A, AD, mu and lambda
+R, A, AD = xyz(S.position), xyz(S.centre_of_satellite), xyz(S.arm_of_imbalance)
+MU = page.coefficient_mu(W6, modulus(S.centre_of_satellite), A[2], G.OQ)
+LAMBDA = np.full_like(S.t, W16 / G.OQ)
+# of the dynamic mode: D in link 1 and in the fixed frame, V in link 1 with V_Ox, V and a
+XL, YL, ZL = M.position_in_link1.T
+r, V, a = xyz(M.position), xyz(M.velocity), xyz(M.acceleration)
+V_OMEGA = M.velocity_in_link1 + M.about_centre
+# U1 to U6, and with U5 U4 put right
+FACTORS = page.factors(G.wheel_radius, G.phi, G.psi, G.chi, G.a, G.b, G.c)
+RIGHT_FACTORS = FACTORS._replace(U4=FACTORS.U3 * np.cos(G.chi) / FACTORS.U5)
+
+
+def position_series(case: Kinematics) -> tuple[Series, Series, Series]:
+    """(2) put right and turned by omega1 t, as series."""
+    t = Series([case.t, 1.0, 0.0])
+    x, y, z = page.position(RIGHT_FACTORS, case.omega16 * t, case.omega6 * t, G.epsilon, G.gamma)
+    sine, cosine = np.sin(case.motion.carrier * t), np.cos(case.motion.carrier * t)
+    return x, y * cosine - z * sine, y * sine + z * cosine
+
+
+def angle_series(case: Kinematics) -> tuple[Series, Series, Series]:
+    """(5) put right, as series."""
+    x, y, z = position_series(case)
+    return np.arctan2(y, x), np.arctan2(y, z), np.arctan2(z, x)  # type: ignore[call-overload, no-any-return]
+
+
+def swing_rate() -> Any:
+    """Exact omega_P of D in link 1 in the dynamic mode, rad/s, shape (n,)."""
+    _, vy, vz = M.velocity_in_link1.T
+    return (ZL * vy - YL * vz) / (YL * YL + ZL * ZL)
+
+
+def _values(series: Any) -> tuple[Any, ...]:
+    return tuple(u.value for u in series)
+
+
+def _sum_in_link1() -> tuple[Any, Any]:
+    """The sum of (7) and (17), and the rate of the position."""
+    total = page.sum_of_velocities(xyz(S.about_satellite), xyz(S.about_drive))
+    return total, _values(page.rates(position_series(S)))
+
+
+def _sum_of_three() -> tuple[Any, Any]:
+    """The sum of (23), in the fixed frame, and the rate of the position."""
+    total = page.sum_of_velocities(xyz(M.velocity_in_link1), xyz(M.about_centre))
+    return xyz(M.turned(np.stack(total, axis=1))), _values(page.rates(position_series(M)))
+
+
+def _foot(u: int, v: int) -> Any:
+    """Foot in the plane of two coordinates; k1 = -V_x/V_y, k2 = -V_z/V_y, k3 = -V_z/V_x."""
+    return page.foot(r[u], r[v], page.slope(V[u], V[v]))
+
+
+EQUATIONS: Equations = {
+    "(1)": lambda: (
+        page.transmission_ratios(W1, 2.0, G.z2, G.z16, G.z17, G.z6),
+        transmission_ratios(G, DYNAMIC),
     ),
-    Equation(
-        "(2)",
-        "position of D in the stop mode",
-        "exact.position_in_link1",
-        "as_printed.position",
-        False,
-        "U5 U4 must be U3 cos(chi), with chi = phi + psi: printed, lengths and areas are added and AD is "
-        "not constant. O_r Pi in U1 is the radius of wheel 17, which the text calls Q_r Pi.",
-        differences.position,
-    ),
-    Equation(
-        "(3)", "length of r_D", "exact.modulus", "as_printed.radius", True, difference=differences.radius
-    ),
-    Equation(
-        "(4)",
-        "projections OH, OP, OF",
-        "projections.projections",
-        "as_printed.projections",
-        True,
-        difference=differences.projections,
-    ),
-    Equation(
-        "(5)",
-        "angles beta_H, beta_P, beta_F",
-        "projections.angles",
-        "as_printed.angles",
-        False,
-        "arctan and arccos lose the quadrant: atan2(y, x), atan2(y, z), atan2(z, x).",
-        differences.angles,
-    ),
-    Equation(
-        "(6)",
-        "angular velocities omega_H, omega_P, omega_F",
-        "projections.angular_velocities",
-        "as_printed.angular_velocities",
-        False,
-        "The rate is right, that of (5) has the wrong sign in omega_P and omega_F where z < 0. They turn "
-        "about Oz, Ox, Oy, not Ox, Oy, Oz, and omega_P, omega_F against the right hand.",
-        differences.angular_velocities,
-    ),
-    Equation(
-        "(7)",
-        "velocity in the stop mode as a sum",
-        "exact.velocity_in_link1",
-        "as_printed.sum_of_velocities",
-        True,
-        difference=differences.sum_in_link1,
-    ),
-    Equation(
-        "(8)",
-        "vector AD",
-        "exact.arm_of_imbalance",
-        "as_printed.arm_of_imbalance",
-        True,
-        difference=differences.arm_of_imbalance,
-    ),
-    Equation(
-        "(9)",
-        "vector omega6",
-        "exact.spin_of_satellite",
-        "as_printed.spin_of_satellite",
-        False,
-        "The third component lacks -OQ, and the sign of all is that of the opposite turn: "
-        "omega6 = -mu (A - Q) for the satellite to roll as in (2).",
-        differences.spin_of_satellite,
-    ),
-    Equation(
-        "(10)",
-        "coefficient mu",
-        "exact.spin_of_satellite",
-        "as_printed.coefficient_mu",
-        True,
-        "Right for QA > 0; infinite at QA = 0, and with the wrong sign for an internal satellite (QA < 0).",
-        differences.coefficient_mu,
-    ),
-    Equation(
-        "(11)",
-        "velocity V_QA about the axis of the satellite",
-        "exact.velocity_about_satellite",
-        "as_printed.velocity_about_satellite",
-        False,
-        "Second row: -mu (x_AD (z_A - z_Q) - z_AD x_A), z_Q and a bracket are missing. Third row: mu "
-        "multiplies both products. It is AD x omega6, right only with the wrong sign of (9).",
-        differences.velocity_about_satellite,
-    ),
-    Equation(
-        "(12)",
-        "modulus of V_QA",
-        "exact.modulus",
-        "as_printed.modulus",
-        True,
-        "Right, and constant: omega6 AD.",
-        differences.speed_about_satellite,
-    ),
-    Equation(
-        "(13)",
-        "vector of the turn about OQ",
-        "exact.velocity_about_drive",
-        "as_printed.spin_of_drive",
-        False,
-        "omega16, not omega_H, which already contains the part of the satellite.",
-        differences.spin_of_drive,
-    ),
-    Equation(
-        "(14)",
-        "coefficient lambda",
-        "exact.velocity_about_drive",
-        "as_printed.coefficient_lambda",
-        False,
-        "omega16/OQ; not needed, and infinite at c = 0.",
-        differences.coefficient_lambda,
-    ),
-    Equation(
-        "(15)",
-        "velocity V_Oz about the axis of the drive",
-        "exact.velocity_about_drive",
-        "as_printed.velocity_about_drive",
-        False,
-        "Both signs: this is r x omega, omega x r is (-y, x, 0) omega16. Unlike in (11) nothing makes up "
-        "for it, so that in (17) the two parts have opposite senses.",
-        differences.velocity_about_drive,
-    ),
-    Equation(
-        "(16)",
-        "modulus of V_Oz",
-        "exact.modulus",
-        "as_printed.modulus_about_drive",
-        True,
-        difference=differences.speed_about_drive,
-    ),
-    Equation(
-        "(17)",
-        "velocity in the stop mode by components",
-        "exact.velocity_in_link1",
-        "as_printed.sum_of_velocities",
-        True,
-        "Right as a sum; absolute only if OQ is at rest, else the velocity against link 1.",
-        differences.sum_in_link1,
-    ),
-    Equation(
-        "(18)",
-        "modulus of the velocity in the stop mode",
-        "exact.modulus",
-        "as_printed.modulus",
-        True,
-        difference=differences.speed_in_link1,
-    ),
-    Equation(
-        "(19)",
-        "angle alpha of the turn about Ox",
-        "exact.turnings",
-        "as_printed_dynamic.angle_of_turn",
-        False,
-        "alpha is the integral of omega1; omega_P t is no angle. From Oz to Oy, the sense of beta_P, the "
-        "angle of D is beta_P - omega1 t.",
-        differences_dynamic.angle_of_turn,
-    ),
-    Equation(
-        "(20)",
-        "vector of the turn about Ox",
-        "exact.velocity_about_centre",
-        "as_printed_dynamic.spin_of_turn",
-        True,
-        "Right with v = omega1/x_D, infinite at x_D = 0 for no need: it is (omega1, 0, 0).",
-        differences_dynamic.spin_of_turn,
-    ),
-    Equation(
-        "(21)",
-        "coefficient v",
-        "exact.velocity_about_centre",
-        "as_printed_dynamic.coefficient_v",
-        False,
-        "omega1/x_D: omega_P is counted twice here, and not to be counted at all. omega_alpha is not "
-        "defined; taken as omega1 + omega_P.",
-        differences_dynamic.coefficient_v,
-    ),
-    Equation(
-        "(22)",
-        "velocity V_Ox about the central axis",
-        "exact.velocity_about_centre",
-        "as_printed_dynamic.velocity_about_centre",
-        False,
-        "(0, -z, y) omega1: the sign of y is that of r x omega, the sign of z that of omega x r.",
-        differences_dynamic.velocity_about_centre,
-    ),
-    Equation(
-        "(23)",
-        "sum of the three velocities",
-        "exact.velocity",
-        "as_printed.sum_of_velocities",
-        True,
-        difference=differences_dynamic.sum_with_centre,
-    ),
-    Equation(
-        "(24)",
-        "absolute velocity in the dynamic mode",
-        "exact.velocity",
-        "as_printed_dynamic.turned_velocity",
-        False,
-        "To multiply by sin and cos is no rotation: (Vx, Vy cos - Vz sin, Vy sin + Vz cos).",
-        differences_dynamic.turned_velocity,
-    ),
-    Equation(
-        "(25)",
-        "modulus of the absolute velocity",
-        "exact.modulus",
-        "as_printed.modulus",
-        True,
-        "Right, and with (24) put right the same as the modulus of (23).",
-        differences_dynamic.speed,
-    ),
-    Equation(
-        "(26)",
-        "foot L in xOy",
-        "projections.feet",
-        "as_printed_dynamic.foot_L",
-        True,
-        _AT_POLE.format("V_y"),
-        differences_dynamic.foot_L,
-    ),
-    Equation(
-        "(27)",
-        "slope k1",
-        "projections.feet",
-        "as_printed_dynamic.slope_k1",
-        True,
-        _AT_POLE.format("V_y"),
-        differences_dynamic.foot_L,
-    ),
-    Equation(
-        "(28)",
-        "arm OL",
-        "projections.arms",
-        "as_printed_dynamic.arm_OL",
-        True,
-        "Right; named V_OL, modulus of a vector, it is the arm OL, a length.",
-        differences_dynamic.arm_OL,
-    ),
-    Equation(
-        "(29)",
-        "speed on xOy",
-        "projections.projections",
-        "as_printed_dynamic.speed_on_xy",
-        True,
-        difference=differences_dynamic.speed_on_xy,
-    ),
-    Equation(
-        "(30)",
-        "foot M, arm OM and speed on yOz",
-        "projections.feet",
-        "as_printed_dynamic.plane_yz",
-        True,
-        _AT_POLE.format("V_y"),
-        differences_dynamic.foot_M,
-    ),
-    Equation(
-        "(31)",
-        "foot N, arm ON and speed on xOz",
-        "projections.feet",
-        "as_printed_dynamic.plane_xz",
-        False,
-        "What is named y_N is x_N (difference to the letter; with the name put right there is none). "
-        "Divides by zero where V_x = 0.",
-        differences_dynamic.foot_N,
-    ),
-    Equation(
-        "(32)",
-        "absolute acceleration",
-        "exact.acceleration",
-        "as_printed_dynamic.acceleration",
-        True,
-        "Right as the rate of a right velocity; closed form in its place.",
-        differences_dynamic.acceleration,
-    ),
-    Equation(
-        "(33)",
-        "modulus of the absolute acceleration",
-        "exact.modulus",
-        "as_printed.modulus",
-        True,
-        difference=differences_dynamic.acceleration_modulus,
-    ),
-]
+    "(2)": lambda: (page.position(FACTORS, W16 * S.t, W6 * S.t, G.epsilon, G.gamma), R),
+    "(3)": lambda: (page.modulus(R), S.radius),
+    "(4)": lambda: (page.projections(*R), xyz(S.projections)),
+    "(5)": lambda: (page.angles(R[0], R[1], *S.projections.T[1:]), xyz(S.angles)),
+    "(6)": lambda: (_values(page.rates(angle_series(S))), xyz(S.angular_velocities)),
+    "(7)": _sum_in_link1,
+    "(8)": lambda: (page.arm_of_imbalance(R, A), AD),
+    "(9)": lambda: (page.spin_of_satellite(MU, A), xyz(S.spin_of_satellite)),
+    "(10)": lambda: (MU, W6 / G.QA),
+    "(11)": lambda: (page.velocity_about_satellite(MU, AD, A, G.OQ), xyz(S.about_satellite)),
+    "(12)": lambda: (page.modulus(xyz(S.about_satellite)), W6 * G.AD),
+    "(13)": lambda: (page.spin_of_drive(LAMBDA, G.OQ), (0.0, 0.0, W16)),
+    "(14)": lambda: (page.coefficient_lambda(S.angular_velocities[:, 0], G.OQ), LAMBDA),
+    "(15)": lambda: (page.velocity_about_drive(LAMBDA, R, G.OQ), xyz(S.about_drive)),
+    "(16)": lambda: (page.length(*S.about_drive.T[:2]), S.speed_about_drive),
+    "(17)": _sum_in_link1,
+    "(18)": lambda: (page.modulus(xyz(S.velocity_in_link1)), S.speed),
+    "(19)": lambda: (page.angle_of_turn(W1, swing_rate(), M.t), W1 * M.t),
+    "(20)": lambda: (page.spin_of_turn(W1 / XL, XL), (W1, 0.0, 0.0)),
+    # as v x_D, which (20) and (22) use: v itself has no largest value
+    "(21)": lambda: (page.coefficient_v(W1 + swing_rate(), swing_rate(), XL) * XL, W1),
+    "(22)": lambda: (page.velocity_about_centre(W1 / XL, XL, YL, ZL), xyz(M.about_centre)),
+    "(23)": _sum_of_three,
+    "(24)": lambda: (page.turned_velocity(xyz(V_OMEGA), W1 * M.t), xyz(M.velocity)),
+    "(25)": lambda: (page.modulus(V), M.speed),
+    "(26)": lambda: (_foot(0, 1), xyz(M.feet[:, :2])),
+    "(27)": lambda: (np.arctan(page.slope(V[0], V[1])), np.arctan(M.feet[:, 1] / M.feet[:, 0])),
+    "(28)": lambda: (page.length(*M.feet.T[:2]), M.arms[:, 0]),
+    "(29)": lambda: (page.length(V[0], V[1]), M.plane_speeds[:, 0]),
+    "(30)": lambda: (_foot(2, 1), (M.feet[:, 3], M.feet[:, 2])),
+    # to the letter: N at (0, k3 z_N, z_N)
+    "(31)": lambda: ((0.0, *_foot(2, 0)[::-1]), (M.feet[:, 4], 0.0, M.feet[:, 5])),
+    "(32)": lambda: (_values(page.rates(page.rates(position_series(M)))), xyz(M.acceleration)),
+    "(33)": lambda: (page.modulus(a), M.acceleration_modulus),
+}

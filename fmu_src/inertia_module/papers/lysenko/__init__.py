@@ -1,10 +1,13 @@
 """The planetary wheel mechanism with an imbalance of Lysenko, Praliev, Suleimenov and Baubekov.
 
 mechanism: dimensions. exact: forces, moments, powers. motion: with a drive and without one, energy.
-as_printed: the formulas of the page. equations, claims: what was found out about them.
+as_printed: the formulas of the page. equations, claims, page.md: what was found of each, and its words.
 """
 
-from .claims import CLAIMS
+from ..report import claims_in
+from . import claims
 from .equations import EQUATIONS
+
+CLAIMS = claims_in(claims)
 
 __all__ = ["CLAIMS", "EQUATIONS"]

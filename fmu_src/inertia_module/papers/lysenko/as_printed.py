@@ -1,206 +1,193 @@
 """Equations (1) to (24) as the page has them, errors kept: for comparison only, use exact for numbers.
 
-The paper writes R for R0 and uses phi and alpha for one angle, that of wheel 1 relative to the carrier:
-(1) and (2) with phi, the rest with alpha. omega is its rate. Kept: the absolute speed in the Coriolis
-force, arcsin for angles beyond a right one, the arms about O of forces moved to O1, and conservation of
-angular momentum. What divides by rho raises ValueError where the imbalance passes through O (l = R0 + r).
+The paper writes R for R0 and uses phi and alpha for one angle, that of wheel 1 on the carrier: (1) and (2)
+with phi, the rest with alpha. omega is its rate.
 """
+
+# symbols of the page
+# ruff: noqa: N802
 
 from __future__ import annotations
 
+from functools import cached_property
+from typing import Any
+
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
 from .mechanism import Mechanism
 
-Array = NDArray[np.float64]
+# a number or an array of shape (n,)
+Value = Any
 
 
-def _arcsin(sine: Array) -> Array:
+def _arcsin(sine: Value) -> Value:
     # rounding alone can carry a sine past one: |D sin alpha| <= rho always
     return np.arcsin(np.clip(sine, -1.0, 1.0))
 
 
-def epicycloid(mechanism: Mechanism, phi: ArrayLike) -> tuple[Array, Array]:
-    """Equation (1): X, Y of the imbalance, m, each of the shape (n,) of phi, rad."""
-    b, D, arm = mechanism.b, mechanism.centre_distance, mechanism.arm
-    angle = np.asarray(phi, dtype=np.float64)
-    x = D * np.cos(b * angle) - arm * np.cos((1.0 + b) * angle)
-    y = D * np.sin(b * angle) - arm * np.sin((1.0 + b) * angle)
-    return x, y
+class Printed:
+    """What the page makes of an angle and a speed: each equation is fed with the printed ones before it.
 
+    Args:
+        m: dimensions. alpha: rad, a number or of shape (n,), as the results. omega: rad/s; for (21) to
+            (24) the lowest speed.
+        given: quantities by name that stand in place of the printed ones, to judge an equation alone.
 
-def rho(mechanism: Mechanism, phi: ArrayLike) -> Array:
-    """Equation (2): distance of the imbalance from O, m, of the shape (n,) of phi, rad."""
-    D, arm = mechanism.centre_distance, mechanism.arm
-    square = D**2 + arm**2 - 2.0 * D * arm * np.cos(np.asarray(phi, dtype=np.float64))
-    # rounding alone can make the square negative
-    result: Array = np.sqrt(np.maximum(square, 0.0))
-    return result
-
-
-def _divisor(mechanism: Mechanism, alpha: ArrayLike) -> Array:
-    """Distance rho, for (8), (12) and (13), which divide by it.
-
-    Raises:
-        ValueError: it is zero somewhere: l = R0 + r, and S at O.
+    Results in m, rad, N, N m, W, m/s, kg m^2 and J.
     """
-    distance = rho(mechanism, alpha)
-    if not np.all(distance > 0.0):
-        raise ValueError(f"arm = {mechanism.arm} is refused: allowed is arm != R0 + r, (8) divides by rho")
-    return distance
 
+    def __init__(self, m: Mechanism, alpha: Value, omega: Value, **given: Value) -> None:
+        self.m, self.alpha, self.omega = m, alpha, omega
+        self.D, self.sine = m.centre_distance, np.sin(alpha)
+        # a cached property looks here first
+        self.__dict__.update(given)
 
-def phi_of_note(mechanism: Mechanism, alpha: ArrayLike) -> Array:
-    """The note under (2), phi = b alpha, rad; it contradicts (1), (2) and (8) and is used nowhere here."""
-    return mechanism.b * np.asarray(alpha, dtype=np.float64)
+    @cached_property
+    def epicycloid(self) -> tuple[Value, Value]:
+        """Equation (1): X, Y of the imbalance."""
+        carrier, wheel = self.m.b * self.alpha, (1.0 + self.m.b) * self.alpha
+        x = self.D * np.cos(carrier) - self.m.arm * np.cos(wheel)
+        return x, self.D * np.sin(carrier) - self.m.arm * np.sin(wheel)
 
+    @cached_property
+    def rho(self) -> Value:
+        """Equation (2): distance of the imbalance from O."""
+        square = self.D**2 + self.m.arm**2 - 2.0 * self.D * self.m.arm * np.cos(self.alpha)
+        # rounding alone can make the square negative
+        return np.sqrt(np.maximum(square, 0.0))
 
-def relative_force(mechanism: Mechanism, omega: float) -> float:
-    """Equation (3): force of inertia from the turning about O1, N; omega in rad/s."""
-    return mechanism.m * mechanism.arm * omega**2
+    @cached_property
+    def rho_of_note(self) -> Value:
+        """Equation (2) with the note under it, phi = b alpha, which is used nowhere else here."""
+        return Printed(self.m, self.m.b * self.alpha, self.omega).rho
 
+    @cached_property
+    def F1(self) -> Value:
+        """Equation (3): force of inertia from the turning about O1."""
+        return self.m.m * self.m.arm * self.omega**2
 
-def carrier_force(mechanism: Mechanism, alpha: ArrayLike, omega: float) -> Array:
-    """Equation (4): force of inertia from the turning about O, N, shape (n,) of alpha; omega in rad/s."""
-    return mechanism.m * rho(mechanism, alpha) * mechanism.b**2 * omega**2
+    @cached_property
+    def F2(self) -> Value:
+        """Equation (4): force of inertia from the turning about O."""
+        return self.m.m * self.rho * self.m.b**2 * self.omega**2
 
+    @cached_property
+    def Fk(self) -> Value:
+        """Equation (5): Coriolis force with the speed V of the imbalance."""
+        return 2.0 * self.m.m * self.V * self.m.b * self.omega
 
-def coriolis_force(mechanism: Mechanism, alpha: ArrayLike, omega: float) -> Array:
-    """Equation (5): Coriolis force with the speed V, N, shape (n,) of alpha, rad; omega in rad/s."""
-    return 2.0 * mechanism.m * speed(mechanism, alpha, omega) * mechanism.b * omega
+    @cached_property
+    def resultant(self) -> Value:
+        """Equation (6): resultant of the speeds V1 and V2, at the angle pi - beta."""
+        one, two = self.m.arm * self.omega, self.rho * self.m.b * self.omega
+        return np.sqrt(one**2 + two**2 - 2.0 * one * two * np.cos(np.pi - self.beta1))
 
+    @cached_property
+    def root(self) -> Value:
+        """The root of (7), V / omega."""
+        arm, reach = self.m.arm, self.rho * self.m.b
+        return np.sqrt(arm**2 + reach**2 + 2.0 * arm * reach * np.cos(self.beta1))
 
-def resultant_speed(V1: ArrayLike, V2: ArrayLike, beta: ArrayLike) -> Array:
-    """Equation (6): resultant of two speeds, m/s, that make the angle pi - beta, rad; shape (n,)."""
-    one, two = np.asarray(V1, dtype=np.float64), np.asarray(V2, dtype=np.float64)
-    result: Array = np.sqrt(one**2 + two**2 - 2.0 * one * two * np.cos(beta))
-    return result
+    @cached_property
+    def V(self) -> Value:
+        """Equation (7): speed of the imbalance."""
+        return self.omega * self.root
 
+    @cached_property
+    def beta1(self) -> Value:
+        """Equation (8): angle at the imbalance by arcsin, never beyond pi/2.
 
-def speed(mechanism: Mechanism, alpha: ArrayLike, omega: float) -> Array:
-    """Equation (7): speed of the imbalance, m/s, shape (n,) of alpha, rad; omega in rad/s."""
-    return omega * _speed_arm(mechanism, alpha)
+        Raises:
+            ValueError: rho = 0 somewhere: l = R0 + r, and the imbalance at O.
+        """
+        if not np.all(self.rho > 0.0):
+            raise ValueError(f"arm must not be R0 + r, is {self.m.arm}: (8) divides by rho, which is 0 then")
+        return _arcsin(self.D * self.sine / self.rho)
 
+    @cached_property
+    def M1_of_forces(self) -> Value:
+        """Equation (9): moment about O1 from forces and arms."""
+        return self.F2 * self.n2 + self.Fk * self.k1
 
-def _speed_arm(mechanism: Mechanism, alpha: ArrayLike) -> Array:
-    """The root of (7), V / omega, m."""
-    arm, reach = mechanism.arm, rho(mechanism, alpha) * mechanism.b
-    result: Array = np.sqrt(arm**2 + reach**2 + 2.0 * arm * reach * np.cos(beta1(mechanism, alpha)))
-    return result
+    @cached_property
+    def M_of_forces(self) -> Value:
+        """Equation (10): moment about O from forces and arms."""
+        return -self.F1 * self.n1 - self.F2 * self.n2 - self.Fk * self.k2
 
+    @cached_property
+    def n1(self) -> Value:
+        """Equation (11): arm of F1 about O."""
+        return self.D * self.sine
 
-def beta1(mechanism: Mechanism, alpha: ArrayLike) -> Array:
-    """Equation (8): angle at the imbalance by arcsin, rad, never beyond pi/2, shape (n,) of alpha, rad."""
-    angle = np.asarray(alpha, dtype=np.float64)
-    return _arcsin(mechanism.centre_distance * np.sin(angle) / _divisor(mechanism, angle))
+    @cached_property
+    def n2(self) -> Value:
+        """Equation (12): arm of F2 about O1, in (10) about O as well."""
+        return self.D * self.m.arm * self.sine / self.rho
 
+    @cached_property
+    def delta(self) -> Value:
+        """The angle of (13), between V and V2 by arcsin."""
+        return _arcsin(self.m.arm * self.D * self.sine / (self.rho * self.root))
 
-def wheel_moment_of_forces(mechanism: Mechanism, alpha: ArrayLike, omega: float) -> Array:
-    """Equation (9): moment about O1 from forces and arms, N m, shape (n,) of alpha, rad."""
-    F_2, F_k = carrier_force(mechanism, alpha, omega), coriolis_force(mechanism, alpha, omega)
-    return F_2 * n2(mechanism, alpha) + F_k * k1(mechanism, alpha)
+    @cached_property
+    def k1(self) -> Value:
+        """Equation (13): arm of the Coriolis force about O1."""
+        return self.m.arm * np.sin(self.beta1 - self.delta)
 
+    @cached_property
+    def k2(self) -> Value:
+        """Equation (14): arm of the Coriolis force about O."""
+        return self.D * np.sin(self.alpha + self.beta1 - self.delta)
 
-def carrier_moment_of_forces(mechanism: Mechanism, alpha: ArrayLike, omega: float) -> Array:
-    """Equation (10): moment about O from forces and arms, N m, shape (n,) of alpha, rad."""
-    F_2, F_k = carrier_force(mechanism, alpha, omega), coriolis_force(mechanism, alpha, omega)
-    first = -relative_force(mechanism, omega) * n1(mechanism, alpha)
-    return first - F_2 * n2(mechanism, alpha) - F_k * k2(mechanism, alpha)
+    @cached_property
+    def M1(self) -> Value:
+        """Equation (15): moment about O1 on wheel 1."""
+        bracket = self.m.b * self.D * self.sine + 2.0 * self.root * np.sin(self.beta1 - self.delta)
+        return self.m.m * self.m.b * self.m.arm * self.omega**2 * bracket
 
+    @cached_property
+    def M(self) -> Value:
+        """Equation (16): moment about O on the carrier."""
+        turned = np.sin(self.alpha + self.beta1 - self.delta)
+        bracket = self.m.arm * (1.0 + self.m.b**2) * self.sine + 2.0 * self.m.b * self.root * turned
+        return -self.m.m * self.D * self.omega**2 * bracket
 
-def n1(mechanism: Mechanism, alpha: ArrayLike) -> Array:
-    """Equation (11): arm of F1 about O, m, shape (n,) of alpha, rad."""
-    result: Array = mechanism.centre_distance * np.sin(np.asarray(alpha, dtype=np.float64))
-    return result
+    @cached_property
+    def N1(self) -> Value:
+        """Equation (17): power on wheel 1."""
+        return self.M1 * self.omega
 
+    @cached_property
+    def N(self) -> Value:
+        """Equation (18): power on the carrier."""
+        return self.M * self.m.b * self.omega
 
-def n2(mechanism: Mechanism, alpha: ArrayLike) -> Array:
-    """Equation (12): arm of F2 about O1, in (10) about O as well, m, shape (n,) of alpha, rad."""
-    angle = np.asarray(alpha, dtype=np.float64)
-    result: Array = mechanism.centre_distance * mechanism.arm * np.sin(angle) / _divisor(mechanism, angle)
-    return result
+    @cached_property
+    def J(self) -> Value:
+        """Equation (19): moment of inertia about O."""
+        return self.m.constant_inertia + self.m.m * self.rho**2
 
+    @cached_property
+    def J_limits(self) -> Any:
+        """Equation (20): J_max and J_min, shape (2,)."""
+        return self.m.constant_inertia + self.m.m * (self.D + self.m.arm * np.array([1.0, -1.0])) ** 2
 
-def delta(mechanism: Mechanism, alpha: ArrayLike) -> Array:
-    """The angle of (13), between V and V2 by arcsin, rad, shape (n,) of alpha, rad."""
-    angle = np.asarray(alpha, dtype=np.float64)
-    sine = mechanism.arm * mechanism.centre_distance * np.sin(angle)
-    return _arcsin(sine / (_divisor(mechanism, angle) * _speed_arm(mechanism, angle)))
+    @cached_property
+    def omega_max(self) -> Value:
+        """Equation (21): highest from lowest speed by conservation of angular momentum."""
+        return self.omega * self.J_limits[0] / self.J_limits[1]
 
+    @cached_property
+    def T1(self) -> Value:
+        """Equation (22): kinetic energy at the largest rho."""
+        return 0.5 * self.J_limits[0] * self.omega**2
 
-def k1(mechanism: Mechanism, alpha: ArrayLike) -> Array:
-    """Equation (13): arm of the Coriolis force about O1, m, shape (n,) of alpha, rad."""
-    result: Array = mechanism.arm * np.sin(beta1(mechanism, alpha) - delta(mechanism, alpha))
-    return result
+    @cached_property
+    def T2(self) -> Value:
+        """Equation (23): kinetic energy at the smallest rho."""
+        return 0.5 * self.J_limits[1] * self.omega_max**2
 
-
-def k2(mechanism: Mechanism, alpha: ArrayLike) -> Array:
-    """Equation (14): arm of the Coriolis force about O, m, shape (n,) of alpha, rad."""
-    angle = np.asarray(alpha, dtype=np.float64)
-    turned = angle + beta1(mechanism, angle) - delta(mechanism, angle)
-    result: Array = mechanism.centre_distance * np.sin(turned)
-    return result
-
-
-def wheel_moment(mechanism: Mechanism, alpha: ArrayLike, omega: float) -> Array:
-    """Equation (15): moment about O1 on wheel 1, N m, shape (n,) of alpha, rad; omega in rad/s."""
-    b, arm = mechanism.b, mechanism.arm
-    angle = np.asarray(alpha, dtype=np.float64)
-    turned = np.sin(beta1(mechanism, angle) - delta(mechanism, angle))
-    bracket = b * mechanism.centre_distance * np.sin(angle) + 2.0 * _speed_arm(mechanism, angle) * turned
-    result: Array = mechanism.m * b * arm * omega**2 * bracket
-    return result
-
-
-def carrier_moment(mechanism: Mechanism, alpha: ArrayLike, omega: float) -> Array:
-    """Equation (16): moment about O on the carrier, N m, shape (n,) of alpha, rad; omega in rad/s."""
-    b, arm = mechanism.b, mechanism.arm
-    angle = np.asarray(alpha, dtype=np.float64)
-    turned = np.sin(angle + beta1(mechanism, angle) - delta(mechanism, angle))
-    bracket = arm * (1.0 + b**2) * np.sin(angle) + 2.0 * b * _speed_arm(mechanism, angle) * turned
-    result: Array = -mechanism.m * mechanism.centre_distance * omega**2 * bracket
-    return result
-
-
-def wheel_power(mechanism: Mechanism, alpha: ArrayLike, omega: float) -> Array:
-    """Equation (17): power M1 omega on wheel 1, W, shape (n,) of alpha, rad; omega in rad/s."""
-    return wheel_moment(mechanism, alpha, omega) * omega
-
-
-def carrier_power(mechanism: Mechanism, alpha: ArrayLike, omega: float) -> Array:
-    """Equation (18): power M b omega on the carrier, W, shape (n,) of alpha, rad; omega in rad/s."""
-    return carrier_moment(mechanism, alpha, omega) * mechanism.b * omega
-
-
-def moment_of_inertia(mechanism: Mechanism, alpha: ArrayLike) -> Array:
-    """Equation (19): moment of inertia about O, kg m^2, shape (n,) of alpha, rad."""
-    return mechanism.constant_inertia + mechanism.m * rho(mechanism, alpha) ** 2
-
-
-def inertia_limits(mechanism: Mechanism) -> tuple[float, float]:
-    """Equation (20): (J_max, J_min), kg m^2."""
-    D, arm, constant = mechanism.centre_distance, mechanism.arm, mechanism.constant_inertia
-    return constant + mechanism.m * (D + arm) ** 2, constant + mechanism.m * (D - arm) ** 2
-
-
-def omega_max(mechanism: Mechanism, omega_min: float) -> float:
-    """Equation (21): highest from lowest speed by conservation of angular momentum, rad/s."""
-    largest, smallest = inertia_limits(mechanism)
-    return omega_min * largest / smallest
-
-
-def energy_farthest(mechanism: Mechanism, omega_min: float) -> float:
-    """Equation (22): kinetic energy at the largest rho, J; omega_min in rad/s."""
-    return 0.5 * inertia_limits(mechanism)[0] * omega_min**2
-
-
-def energy_nearest(mechanism: Mechanism, omega_max: float) -> float:
-    """Equation (23): kinetic energy at the smallest rho, J; omega_max in rad/s."""
-    return 0.5 * inertia_limits(mechanism)[1] * omega_max**2
-
-
-def energy_nearest_of_farthest(mechanism: Mechanism, T1: float) -> float:
-    """Equation (24): kinetic energy at the smallest rho from that at the largest, J."""
-    largest, smallest = inertia_limits(mechanism)
-    return T1 * largest / smallest
+    @cached_property
+    def T2_of_T1(self) -> Value:
+        """Equation (24): T2 from T1."""
+        return self.T1 * self.J_limits[0] / self.J_limits[1]

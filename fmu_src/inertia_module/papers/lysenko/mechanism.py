@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 
 @dataclass(frozen=True)
@@ -29,12 +29,10 @@ class Mechanism:
     J_wheel: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("R0", "r", "arm", "m", "J_carrier", "J_wheel"):
-            value = getattr(self, name)
-            may_be_zero = name.startswith("J_")
-            if not math.isfinite(value) or value < 0.0 or (value == 0.0 and not may_be_zero):
-                sign = ">=" if may_be_zero else ">"
-                raise ValueError(f"{name} = {value} is refused: allowed is a finite number {sign} 0")
+        for name in (field.name for field in fields(self)):
+            value, zero = getattr(self, name), name.startswith("J_")
+            if not math.isfinite(value) or value < 0.0 or (value == 0.0 and not zero):
+                raise ValueError(f"{name} must be finite and {'at least' if zero else 'above'} 0, is {value}")
 
     @property
     def b(self) -> float:
@@ -58,7 +56,7 @@ EXAMPLE = Mechanism(R0=0.06, r=0.02, arm=0.02, m=1.0, J_carrier=2e-3, J_wheel=5e
 EXAMPLE_SPEED = 100.0
 
 
-def with_modulus(b: float) -> Mechanism:
-    """The example with another wheel 1, r = b R0, that carries the imbalance on its rim."""
-    radius = b * EXAMPLE.R0
-    return Mechanism(EXAMPLE.R0, radius, radius, EXAMPLE.m, EXAMPLE.J_carrier, EXAMPLE.J_wheel)
+def with_modulus(b: float, arm: float = 1.0) -> Mechanism:
+    """The example with another wheel 1, r = b R0, and the imbalance at arm times r."""
+    r = b * EXAMPLE.R0
+    return Mechanism(EXAMPLE.R0, r, arm * r, EXAMPLE.m, EXAMPLE.J_carrier, EXAMPLE.J_wheel)

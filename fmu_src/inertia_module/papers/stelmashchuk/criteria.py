@@ -9,17 +9,16 @@ from dataclasses import dataclass
 LARGEST_CRITERION = 1e9
 
 
-def require(value: float, name: str, lowest: float, open_end: bool = False) -> float:
-    """The value, if it is finite and not below the lowest one allowed.
+def above(value: float, name: str, zero: bool = False, largest: float = math.inf) -> float:
+    """The value, if it is finite, above 0 (or 0, where that is allowed) and not too large.
 
     Raises:
         ValueError: otherwise; names the value and the allowed range.
     """
-    number = float(value)
-    if not math.isfinite(number) or number < lowest or (open_end and number == lowest):
-        sign = ">" if open_end else ">="
-        raise ValueError(f"{name} = {number} is refused: allowed is a finite number {sign} {lowest:g}")
-    return number
+    if not (math.isfinite(value) and 0.0 <= value <= largest) or (value == 0.0 and not zero):
+        upper = f" and at most {largest:g}" if math.isfinite(largest) else ""
+        raise ValueError(f"{name} must be finite, {'at least' if zero else 'above'} 0{upper}, is {value}")
+    return float(value)
 
 
 @dataclass(frozen=True)
@@ -40,12 +39,8 @@ class Criteria:
     Pi: float
 
     def __post_init__(self) -> None:
-        require(self.nu, "nu", 0.0, open_end=True)
-        require(self.Pi, "Pi", 0.0)
-        if max(self.nu, self.Pi) > LARGEST_CRITERION:
-            raise ValueError(
-                f"nu = {self.nu}, Pi = {self.Pi} is refused: allowed is up to {LARGEST_CRITERION:g}"
-            )
+        above(self.nu, "nu", largest=LARGEST_CRITERION)
+        above(self.Pi, "Pi", zero=True, largest=LARGEST_CRITERION)
 
     @classmethod
     def from_physical(cls, c: float, J4: float, f: float, T: float) -> Criteria:
@@ -59,27 +54,16 @@ class Criteria:
         Raises:
             ValueError: c, J4 or T is not above 0, or f is below 0.
         """
-        require(c, "c", 0.0, open_end=True)
-        require(J4, "J4", 0.0, open_end=True)
-        require(f, "f", 0.0)
-        require(T, "T", 0.0, open_end=True)
-        return cls(nu=T * math.sqrt(c / J4), Pi=0.5 * f * T / J4)
+        nu = above(T, "T") * math.sqrt(above(c, "c") / above(J4, "J4"))
+        return cls(nu=nu, Pi=0.5 * above(f, "f", zero=True) * T / J4)
 
     def to_physical(self, J4: float, T: float) -> tuple[float, float]:
-        """Stiffness and friction that have these criteria.
-
-        Args:
-            J4: driven moment of inertia, kg m^2. T: time in which kappa grows by one, s.
-
-        Returns:
-            (c, f): N m/rad and N m s/rad.
+        """Stiffness and friction (c, f), N m/rad and N m s/rad, that have these criteria.
 
         Raises:
             ValueError: J4 or T is not above 0.
         """
-        require(J4, "J4", 0.0, open_end=True)
-        require(T, "T", 0.0, open_end=True)
-        return J4 * (self.nu / T) ** 2, 2.0 * self.Pi * J4 / T
+        return above(J4, "J4") * (self.nu / above(T, "T")) ** 2, 2.0 * self.Pi * J4 / T
 
 
 def dwell(phi_p: float, phi_engage: float) -> float:
@@ -92,17 +76,12 @@ def dwell(phi_p: float, phi_engage: float) -> float:
     Raises:
         ValueError: phi_p is below 0 or phi_engage not above 0.
     """
-    return require(phi_p, "phi_p", 0.0) / (2.0 * require(phi_engage, "phi_engage", 0.0, open_end=True))
+    return above(phi_p, "phi_p", zero=True) / (2.0 * above(phi_engage, "phi_engage"))
 
 
 def balancing_torque(inertia: float, acceleration: float) -> float:
-    """Torque of the balancer, equation (2): M = I d^2 psi / dt^2 (printed d psi / dt^2).
+    """Torque of the balancer, N m, equation (2): M = I d^2 psi / dt^2 (printed d psi / dt^2).
 
-    Args:
-        inertia: reduced moment of inertia that is balanced, kg m^2; beta J4 in equation (3).
-        acceleration: of the driving link, rad/s^2.
-
-    Returns:
-        N m.
+    inertia: reduced one that is balanced, kg m^2, beta J4 in (3); acceleration: of the driving link, rad/s^2.
     """
     return inertia * acceleration

@@ -1,11 +1,15 @@
-"""Law of motion of the driving wheel: rising sinusoidally, steady, falling sinusoidally, at rest."""
+"""Law of motion of the driving wheel: rising sinusoidally, steady, falling sinusoidally, at rest.
+
+kappa: relative time t/T, a number or of any shape, as the results; kappa2: length of phase II. Angles are
+in units of phi_engage.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .criteria import require
+from .criteria import above
 
 Array = NDArray[np.float64]
 
@@ -18,45 +22,28 @@ PHASES = ("I", "II", "III", "IV")
 def phase_starts(kappa2: float) -> Array:
     """Where phases I to IV begin, in kappa, shape (4,).
 
-    Args:
-        kappa2: length of phase II.
-
     Raises:
         ValueError: kappa2 is below 0 or not finite.
     """
-    dwell = require(kappa2, "kappa2", 0.0)
+    dwell = above(kappa2, "kappa2", zero=True)
     return np.array([0.0, HALF, HALF + dwell, HALF + dwell + HALF])
 
 
 def phase_of(kappa: ArrayLike, kappa2: float) -> NDArray[np.intp]:
-    """Number of the phase, 0 to 3, at each kappa (a boundary counts to the later phase).
-
-    Args:
-        kappa: relative time, any shape (n,). kappa2: length of phase II.
-
-    Returns:
-        Shape (n,).
-    """
+    """Number of the phase, 0 to 3, at each kappa (a boundary counts to the later phase)."""
     return np.searchsorted(phase_starts(kappa2)[1:], np.asarray(kappa, dtype=np.float64), side="right")
 
 
 def law_of_motion(kappa: ArrayLike, kappa2: float) -> tuple[Array, Array, Array]:
-    """Angle of the driving wheel and its derivatives in kappa, as invariants.
+    """Angle of the driving wheel and its derivatives in kappa, (a_k, a_k', a_k''), as invariants.
 
     Phase I: a = kappa - sin(2 pi kappa) / (2 pi); II: 0.5 + 2 kappa; III: mirrors I; IV: rest, kappa
     counted from the beginning of the phase. Before kappa = 0 the wheel rests as well.
 
-    Args:
-        kappa: relative time t/T, any shape (n,). kappa2: length of phase II.
-
-    Returns:
-        (a_k, a_k', a_k''), each of shape (n,), without unit: angle in units of phi_engage.
-
     Raises:
         ValueError: kappa2 is below 0 or not finite.
     """
-    time = np.asarray(kappa, dtype=np.float64)
-    starts = phase_starts(kappa2)
+    time, starts = np.asarray(kappa, dtype=np.float64), phase_starts(kappa2)
     # each phase adds what it has run through, so that no phase has to be picked
     up = np.clip(time, 0.0, starts[1])
     steady = np.clip(time - starts[1], 0.0, kappa2)
@@ -68,17 +55,8 @@ def law_of_motion(kappa: ArrayLike, kappa2: float) -> tuple[Array, Array, Array]
 
 
 def driving_acceleration(kappa: ArrayLike, kappa2: float) -> Array:
-    """a_k'': the sinusoid S_k the paper compares with, 2 pi at its peaks.
-
-    Args:
-        kappa: relative time, any shape (n,). kappa2: length of phase II.
-
-    Returns:
-        Shape (n,).
-    """
+    """a_k'': the sinusoid S_k the paper compares with, 2 pi at its peaks."""
     time = np.asarray(kappa, dtype=np.float64)
-    starts = phase_starts(kappa2)
-    phase = phase_of(time, kappa2)
-    rising = TWO_PI * np.sin(TWO_PI * np.clip(time, 0.0, HALF))
-    falling = -TWO_PI * np.sin(TWO_PI * np.clip(time - starts[2], 0.0, HALF))
-    return np.where(phase == 0, rising, np.where(phase == 2, falling, 0.0))
+    phase, down = phase_of(time, kappa2), time - phase_starts(kappa2)[2]
+    rising, falling = (TWO_PI * np.sin(TWO_PI * np.clip(k, 0.0, HALF)) for k in (time, down))
+    return np.where(phase == 0, rising, np.where(phase == 2, -falling, 0.0))

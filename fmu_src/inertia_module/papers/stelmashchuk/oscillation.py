@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,7 +12,6 @@ from .law import TWO_PI
 
 # phase IV has no end: it is watched for this many units of kappa
 WATCHED = 2.0
-POINTS = 20001
 
 
 def constants(criteria: Criteria, kappa2: float, beta: float = 1.0) -> list[tuple[float, float]]:
@@ -20,32 +19,24 @@ def constants(criteria: Criteria, kappa2: float, beta: float = 1.0) -> list[tupl
 
     The motion itself needs none of them (see exact): as nu1 goes to zero C1 has no limit.
 
-    Args:
-        criteria: nu and Pi, Pi < nu. kappa2: length of phase II. beta: gain of the balancer.
-
-    Returns:
-        Four pairs (C1, C2), without unit.
-
     Raises:
         ValueError: Pi >= nu, or resonance (Pi = 0 and nu = 2 pi), where R does not exist.
     """
     nu, Pi = criteria.nu, criteria.Pi
     stiffness = complex(nu * nu - TWO_PI**2, 2.0 * TWO_PI * Pi)
     if nu <= Pi or stiffness == 0.0:
-        raise ValueError(f"nu = {nu}, Pi = {Pi} is refused: allowed is Pi < nu, and not Pi = 0, nu = 2 pi")
+        raise ValueError(f"nu must be above Pi, and not 2 pi with Pi = 0, is {nu} with Pi = {Pi}")
     nu1 = np.sqrt((nu - Pi) * (nu + Pi))
     pairs = []
     for phase, (twist, rate) in enumerate(twist_at_starts(criteria, kappa2, beta)):
         steady, wave = forcing(criteria, beta, phase)
         answer = wave / stiffness
         C2 = twist - steady / (nu * nu) - answer.real
-        C1 = (rate - (TWO_PI * 1j * answer).real + Pi * C2) / nu1
-        pairs.append((float(C1), float(C2)))
+        pairs.append((float((rate - (TWO_PI * 1j * answer).real + Pi * C2) / nu1), float(C2)))
     return pairs
 
 
-@dataclass(frozen=True)
-class FreeOscillation:
+class FreeOscillation(NamedTuple):
     """What swings freely in phase II or IV, where a'' of the driving wheel is zero.
 
     Attributes:
@@ -59,21 +50,16 @@ class FreeOscillation:
 
 
 def free_oscillation(criteria: Criteria, kappa2: float, beta: float = 1.0, phase: int = 1) -> FreeOscillation:
-    """Amplitude of the free oscillation of a'' in phase II or IV.
-
-    Args:
-        criteria: nu and Pi. kappa2: length of phase II. beta: gain of the balancer, 0 for none.
-        phase: 1 for II or 3 for IV.
+    """Amplitude of the free oscillation of a'' in phase II (1) or IV (3).
 
     Raises:
         ValueError: another phase, or phase II without length.
     """
     length = {1: kappa2, 3: WATCHED}.get(phase, 0.0)
     if length <= 0.0:
-        raise ValueError(f"phase = {phase} is refused: allowed is 1 (if kappa2 > 0) or 3")
+        raise ValueError(f"phase must be 1 (with kappa2 above 0) or 3, is {phase} with kappa2 = {kappa2}")
     start = twist_at_starts(criteria, kappa2, beta)[phase]
-    local = np.linspace(0.0, length, POINTS)
-    _, _, acceleration = twist_in_phase(criteria, beta, phase, start, local)
+    acceleration = twist_in_phase(criteria, beta, phase, start, np.linspace(0.0, length, 20001))[2]
     peak = float(np.abs(acceleration).max())
     nu, Pi = criteria.nu, criteria.Pi
     if Pi >= nu:

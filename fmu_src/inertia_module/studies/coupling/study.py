@@ -133,8 +133,9 @@ def write_part(folder: Path, name: str, rows: Sequence[Any]) -> dict[str, str]:
 
 def print_rows(name: str, rows: Sequence[Any]) -> None:
     """Print rows as a table."""
-    from rich.console import Console
     from rich.table import Table
+
+    from ...terminal import terminal
 
     table = Table(title=name, title_justify="left")
     for field in dataclasses.fields(rows[0]):
@@ -142,4 +143,4 @@ def print_rows(name: str, rows: Sequence[Any]) -> None:
     for row in rows:
         values = dataclasses.astuple(row)
         table.add_row(*(f"{value:.3g}" if isinstance(value, float) else str(value) for value in values))
-    Console(width=200).print(table)
+    terminal(200).print(table)

@@ -12,11 +12,12 @@ from typing import Any
 
 import numpy as np
 
+from ...errors import Refused
 from ...kernel import codes
 from ...kernel.contact import TORQUE_ROUNDING
 from ...kernel.fields import CONSTANTS
 from ...kernel_ir import data_type, jitted_kernel
-from ...module import Module, Refused
+from ...module import Module
 from ...records import record_type
 from ..trajectory import Array, Case, Unavailable
 from .extras import library

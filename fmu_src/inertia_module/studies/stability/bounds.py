@@ -13,6 +13,8 @@ ROUNDING = 1e-12
 ENERGY_TOLERANCES = 100.0
 # accuracies, and effects of a change of the problem by a tolerance, that a result may be off
 RESULT_ACCURACIES = 3.0
+# no relative error is allowed to be larger, whatever accuracy is asked for: a looser bound would say nothing
+LARGEST_ERROR = 0.1
 # what the fixed steps of timestepping are trusted to, relative
 TIMESTEPPING_ACCURACY = 0.02
 # what the torque map of the averaged module is trusted to, relative
@@ -46,16 +48,17 @@ def accuracy_of(case: Case) -> float:
 
 def energy_bound(accuracy: float) -> float:
     """Energy residual allowed, of the largest energy."""
-    return ENERGY_TOLERANCES * accuracy + ROUNDING
+    return min(LARGEST_ERROR, ENERGY_TOLERANCES * accuracy + ROUNDING)
 
 
-def result_bound(accuracy: float, aside: float) -> float:
+def result_bound(accuracy: float, sensitivity: float) -> float:
     """Distance allowed between two runs of one motion, relative.
 
     Args:
-        aside: distance that a change of the problem by the tolerance makes: how sensitive it is.
+        accuracy: asked for, relative.
+        sensitivity: distance that a change of the problem by the tolerance makes.
     """
-    return min(1.0, RESULT_ACCURACIES * (accuracy + aside) + ROUNDING)
+    return min(LARGEST_ERROR, RESULT_ACCURACIES * (accuracy + sensitivity) + ROUNDING)
 
 
 def work_bound(case: Case, phase: float, steps: int, fixed_steps: int) -> float:

@@ -11,10 +11,16 @@ from matplotlib.patches import Patch, Rectangle
 from .case import RUNGS
 from .mechanisms import MECHANISMS
 from .table import Row
-from .verdict import BROKEN, DEGRADED, EXACT, REFUSED
+from .verdict import BROKEN, DEGRADED, EXACT, REFUSED, SENSITIVE
 
 # colours that the colour-blind tell apart: Okabe and Ito (2008), Color Universal Design
-COLOURS = {EXACT: "#009E73", DEGRADED: "#E69F00", REFUSED: "#BBBBBB", BROKEN: "#D55E00"}
+COLOURS = {
+    EXACT: "#009E73",
+    SENSITIVE: "#0072B2",
+    DEGRADED: "#E69F00",
+    REFUSED: "#BBBBBB",
+    BROKEN: "#D55E00",
+}
 COLUMNS = tuple((mechanism.layout, rung.name) for mechanism in MECHANISMS for rung in RUNGS)
 ROW_HEIGHT = 0.17
 # sheets side by side, so that the picture is no ribbon

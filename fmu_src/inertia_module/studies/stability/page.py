@@ -10,7 +10,7 @@ from . import bounds
 from .axes import AXES
 from .case import RUNGS
 from .mechanisms import MECHANISMS
-from .table import Cell, Row
+from .table import Cell, Row, reasons
 from .verdict import BROKEN, EXACT, REFUSED, WORDS
 
 HEAD = """\
@@ -26,19 +26,18 @@ are `docs/stability.csv`, written by `make stability`; this page is made from it
 ## What is tried
 
 Each case runs five ways: in long communication steps, in many short ones over the same time with the same inputs, at
-a tolerance 1e4 times tighter (at least {tightest:g}), and a little aside: the angle at the start, the load and the
-speed of link 1 changed by the tolerance, to both sides. How far the last ones end from the tight run, `aside`, is how
-sensitive the motion itself is: no method can do better than that. Accuracy is the tolerance for method `event`,
-{timestepping:g} for `timestepping` (internal steps of {fixed_phase:g} rad of the highest harmonic), {averaged:g} for
-`averaged`.
+a tolerance 1e4 times tighter (at least {tightest:g}), and slightly changed: the angle at the start, the load and the
+speed of link 1 by the tolerance, to both sides. How far the last ones end from the tight run is the sensitivity of the
+motion itself: no method can do better than that. Accuracy is the tolerance for method `event`, {timestepping:g} for
+`timestepping` (internal steps of {fixed_phase:g} rad of the highest harmonic), {averaged:g} for `averaged`.
 
 ## The bounds
 
 | what | bound |
 |---|---|
 | every output | finite, at every communication point |
-| energy residual, in long and in short steps | {energy:g} accuracy + {rounding:g}, of the largest energy |
-| long against short steps, and both against the tight run | {result:g} (accuracy + aside) + {rounding:g}, at most 1, relative |
+| energy residual, in long and in short steps | {energy:g} accuracy + {rounding:g}, at most {largest:g}, of the largest energy |
+| long against short steps, and both against the tight run | {result:g} (accuracy + sensitivity) + {rounding:g}, at most {largest:g}, relative |
 | ω2 ≥ 0, ω3 ≥ ω2, Tc ≥ 0, Th ≥ 0 | to {breach:g} of the largest speed or torque |
 | right-hand sides | {step_work:g} for each communication step and {phase_work:g} tolerance^(-1/{order:g}) for each radian of the highest harmonic (`elastic`: and of the shaft); `timestepping`: {fixed_work:g} for each internal step |
 | one communication step | {most:g} right-hand sides, then a refusal; the state is untouched and a good step goes on |
@@ -47,7 +46,9 @@ The largest energy is that of input, output and store in the run, or what the im
 fastest speed. Distances are relative to the fastest speed, the largest energy and impulse, and the angle gone through.
 The bound on the residual is the same for one step and for thousands: a drift with the number of steps would show.
 
-- **exact**: all bounds hold. **degraded**: finite and within the work, but a bound is missed; the cell says which.
+- **exact**: all bounds hold. **degraded**: finite, but a bound is missed; the cell says which.
+- **sensitive**: all bounds hold but those on the distance between runs, and the sensitivity is above {largest:g}: the
+  runs differ, and no method can tell which is right.
 - **refused**: one message that names the value and what is allowed. Anything else, be it an exception, a hang or a
   number that is none, would be **broken**: a bug. There is none.
 """
@@ -71,6 +72,7 @@ FLOORS = """\
   work, not by precision.
 - **Method `timestepping`** is of first order: its floor is its step, not the double. Where the motion itself multiplies
   errors (heavy imbalances that throw a light link 2, hundreds of teeth) the fixed steps used here miss the bound.
+  Steps far longer than the oscillation of an elastic shaft damp it away: half of its energy is gone without a loss.
 - **Fast and long**: a step that takes more than the allowed right-hand sides is refused, so a billion turns of the drive
   take many steps.
 """
@@ -82,19 +84,6 @@ def _symbol(cell: Cell | None) -> str:
     if cell.word == EXACT:
         return f"1e{cell.power:+03d}" if cell.power is not None else EXACT
     return f"**{cell.word}**" if cell.word != REFUSED else cell.word
-
-
-def _reasons(rows: Sequence[Row]) -> Iterator[str]:
-    """A line for each reason of a verdict that is not exact, with where it is given."""
-    found: dict[tuple[str, str], list[str]] = {}
-    for row in rows:
-        for rung, cell in row.cells.items():
-            if cell.word != EXACT:
-                place = f"{row.value} ({row.layout}, {rung})"
-                found.setdefault((cell.word, cell.reason), []).append(place)
-    for (word, reason), places in found.items():
-        where = "; ".join(places) if len(places) <= 6 else f"{len(places)} cases, the first: {places[0]}"
-        yield f"- {word}: {reason}. {where}."
 
 
 def _axis(axis: str, rows: Sequence[Row]) -> Iterator[str]:
@@ -114,7 +103,7 @@ def _axis(axis: str, rows: Sequence[Row]) -> Iterator[str]:
         note = f" ({next(iter(here))})" if len(here) == 1 else ""
         yield f"| {value}{note} | {' | '.join(cells)} |"
     yield ""
-    yield from _reasons(rows)
+    yield from (f"- {line}" for line in reasons(rows))
     yield ""
 
 
@@ -139,6 +128,7 @@ def stability_page(rows: Sequence[Row]) -> str:
             energy=bounds.ENERGY_TOLERANCES,
             rounding=bounds.ROUNDING,
             result=bounds.RESULT_ACCURACIES,
+            largest=bounds.LARGEST_ERROR,
             breach=bounds.BREACH,
             step_work=bounds.STEP_WORK,
             phase_work=bounds.PHASE_WORK,

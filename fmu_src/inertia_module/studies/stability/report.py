@@ -1,4 +1,4 @@
-"""The map for people, a table for each axis on a terminal, and for machines."""
+"""The map for people, a line for each level of fidelity on a terminal, and for machines."""
 
 from __future__ import annotations
 
@@ -6,44 +6,40 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Any
 
-from rich.console import Console
-from rich.table import Table
-from rich.text import Text
-
+from ...terminal import terminal
 from .case import RUNGS
-from .table import Cell, Row
-from .verdict import BROKEN, DEGRADED, EXACT, REFUSED, WORDS, Verdict
-
-STYLES = {EXACT: "green", DEGRADED: "yellow", REFUSED: "bright_black", BROKEN: "bold red"}
+from .table import Row, reasons
+from .verdict import WORDS, Verdict
 
 
-def _text(cell: Cell | None) -> Text:
-    if cell is None:
-        return Text("")
-    size = "" if cell.power is None else f" 1e{cell.power:+03d}"
-    return Text(f"{cell.word}{size}", style=STYLES[cell.word])
+def print_rows(rows: Sequence[Row]) -> None:
+    """Print a line for each axis and level of fidelity, below them what is not exact, and the counts."""
+    from rich import box
+    from rich.table import Table
 
-
-def print_rows(rows: Sequence[Row], console: Console | None = None) -> None:
-    """Print a table for each axis, with the reasons of what is not exact below it, and the counts."""
-    console = console or Console(soft_wrap=True)
+    console = terminal()
     for axis in dict.fromkeys(row.axis for row in rows):
         here = [row for row in rows if row.axis == axis]
-        table = Table(title=axis, title_justify="left", title_style="bold")
-        table.add_column("value")
-        table.add_column("layout")
-        names = [rung.name for rung in RUNGS if any(rung.name in row.cells for row in here)]
-        for name in names:
-            table.add_column(name)
-        for row in here:
-            table.add_row(row.value, row.layout, *(_text(row.cells.get(name)) for name in names))
+        seen = {cell.word for row in here for cell in row.cells.values()}
+        words = [word for word in WORDS if word in seen]
+        table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
+        table.add_column("level of fidelity", no_wrap=True)
+        for word in words:
+            table.add_column(word, justify="right", no_wrap=True)
+        table.add_column("error up to", justify="right")
+        for rung in RUNGS:
+            cells = [row.cells[rung.name] for row in here if rung.name in row.cells]
+            counted = Counter(cell.word for cell in cells)
+            powers = [cell.power for cell in cells if cell.power is not None]
+            largest = f"1e{max(powers):+03d}" if powers else "-"
+            if cells:
+                table.add_row(rung.name, *(str(counted[word]) for word in words), largest)
+        console.print(f"\n{axis}", style="bold")
         console.print(table)
-        cells = [cell for row in here for cell in row.cells.values()]
-        reasons = Counter((cell.word, cell.reason) for cell in cells if cell.word != EXACT)
-        for (word, reason), count in reasons.items():
-            console.print(Text(f"  {word} ({count}): {reason}", style=STYLES[word]))
+        for line in reasons(here):
+            console.print(f"- {line}")
     total = Counter(cell.word for row in rows for cell in row.cells.values())
-    console.print(", ".join(f"{total[word]} {word}" for word in WORDS))
+    console.print("\n" + ", ".join(f"{total[word]} {word}" for word in WORDS))
 
 
 def as_records(verdicts: Sequence[Verdict]) -> list[dict[str, Any]]:

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from ...results import TableError, write_text
 from .case import RUNGS
-from .verdict import DEGRADED, EXACT, WORDS, Verdict, cause
+from .verdict import BROKEN, EXACT, REFUSED, WORDS, Verdict, cause
 
 HEADINGS = ("axis", "value", "layout", *(rung.name for rung in RUNGS))
 # below this errors are rounding
@@ -56,7 +56,7 @@ class Row:
 
 def cell_of(verdict: Verdict) -> Cell:
     """A verdict, coarsely."""
-    if verdict.word in (EXACT, DEGRADED):
+    if verdict.word not in (REFUSED, BROKEN):
         error = verdict.error
         power = LEAST_POWER if error == 0.0 else max(LEAST_POWER, math.ceil(math.log10(error)))
         missed = [name for name, figure in verdict.figures.items() if not figure.holds]
@@ -71,6 +71,20 @@ def rows_of(verdicts: Iterable[Verdict]) -> list[Row]:
         key = (verdict.case.axis, verdict.case.extreme.value, verdict.case.layout)
         rows.setdefault(key, {})[verdict.case.rung.name] = cell_of(verdict)
     return [Row(*key, cells) for key, cells in rows.items()]
+
+
+def reasons(rows: Iterable[Row]) -> list[str]:
+    """A line for each reason of a verdict that is not exact, with where it is given."""
+    found: dict[tuple[str, str], list[str]] = {}
+    for row in rows:
+        for rung, cell in row.cells.items():
+            if cell.word != EXACT:
+                found.setdefault((cell.word, cell.reason), []).append(f"{row.value} ({row.layout}, {rung})")
+    lines = []
+    for (word, reason), places in found.items():
+        where = "; ".join(places) if len(places) <= 6 else f"{len(places)} cases, the first: {places[0]}"
+        lines.append(f"{word}: {reason}. {where}.")
+    return lines
 
 
 def write_rows(path: Path, rows: Sequence[Row]) -> Path:

@@ -1,4 +1,4 @@
-"""One trial: the module is run in long steps, in many short ones, tightly, and a little aside."""
+"""One trial: the module is run in long steps, in many short ones, tightly, and slightly changed."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any, Protocol
 
+from ...errors import Refused
 from ...kernel import codes
-from ...module import Module, Refused
+from ...module import Module
 from ...variables import LARGEST_STEP
 from .bounds import tolerance_of
 from .case import ELASTIC, EVENT, KINEMATIC, TIMESTEPPING, Case, Segment
@@ -218,8 +219,8 @@ class Trial:
     Attributes:
         case: what was tried. long, short: in long communication steps and in many short ones.
         tight: at a far tighter tolerance, by events (None where it is refused).
-        aside: largest distance from tight that a relative change by the tolerance in the angle at the
-            start, in the load or in the speed of link 1 makes: how sensitive the motion itself is.
+        sensitivity: of the motion itself: largest distance from tight that a relative change by the
+            tolerance in the angle at the start, in the load or in the speed of link 1 makes.
         exception: an exception that is no refusal, or "".
     """
 
@@ -227,14 +228,14 @@ class Trial:
     long: Run
     short: Run | None = None
     tight: Run | None = None
-    aside: float = 0.0
+    sensitivity: float = 0.0
     exception: str = ""
 
 
 def nudged(
     parameters: dict[str, float], segments: tuple[Segment, ...], change: float
 ) -> list[tuple[dict[str, float], tuple[Segment, ...]]]:
-    """The same a little aside: angle at the start, load and speed of link 1, each to both sides."""
+    """The same slightly changed: angle at the start, load and speed of link 1, each to both sides."""
     beside = []
     for part in (change, -change):
         start = parameters.get("drive_angle_start", 0.0) + part
@@ -285,9 +286,9 @@ def _runs(case: Case, plant: Callable[[], Plant]) -> Trial:
     tight = run_once(plant(), precise, extreme.segments, 1)
     if tight.refused:
         return Trial(case, long, short)
-    aside = 0.0
+    sensitivity = 0.0
     for values, segments in nudged(precise, extreme.segments, tolerance):
         run = run_once(plant(), values, segments, 1)
         if not run.refused:
-            aside = max(aside, distance(run, tight))
-    return Trial(case, long, short, tight, aside)
+            sensitivity = max(sensitivity, distance(run, tight))
+    return Trial(case, long, short, tight, sensitivity)

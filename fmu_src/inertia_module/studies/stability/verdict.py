@@ -1,4 +1,4 @@
-"""From the runs of a trial to a verdict: exact, degraded, refused; anything else is broken."""
+"""From the runs of a trial to a verdict: exact, sensitive, degraded, refused; anything else is broken."""
 
 from __future__ import annotations
 
@@ -6,23 +6,19 @@ import math
 import re
 from dataclasses import dataclass, field
 
-from .bounds import BREACH, accuracy_of, energy_bound, result_bound, work_bound
+from .bounds import BREACH, LARGEST_ERROR, accuracy_of, energy_bound, result_bound, work_bound
 from .case import Case
 from .trial import Run, Trial, distance
 
 EXACT = "exact"
+SENSITIVE = "sensitive"
 DEGRADED = "degraded"
 REFUSED = "refused"
 BROKEN = "broken"
-WORDS = (EXACT, DEGRADED, REFUSED, BROKEN)
-# figures that are relative errors
-RELATIVE = (
-    "energy residual",
-    "energy residual, short steps",
-    "long against short steps",
-    "error",
-    "error, short steps",
-)
+WORDS = (EXACT, SENSITIVE, DEGRADED, REFUSED, BROKEN)
+# figures that compare two runs of one motion, and all that are relative errors
+COMPARED = ("long against short steps", "error", "error, short steps")
+RELATIVE = ("energy residual", "energy residual, short steps", *COMPARED)
 
 
 @dataclass(frozen=True)
@@ -43,7 +39,8 @@ class Verdict:
     """Verdict on a case.
 
     Attributes:
-        word: exact, degraded, refused or broken. reason: message, or which bound is missed by how much.
+        word: exact, sensitive, degraded, refused or broken. reason: message, or which bound is missed by
+            how much.
         figures: by name, measured and allowed.
     """
 
@@ -70,7 +67,7 @@ def measure(trial: Trial) -> dict[str, Figure]:
     assert short is not None
     accuracy = accuracy_of(case)
     energy = energy_bound(accuracy)
-    result = result_bound(accuracy, trial.aside)
+    result = result_bound(accuracy, trial.sensitivity)
     figures = {
         "energy residual": Figure(_part(long.residual, long.energy), energy),
         "energy residual, short steps": Figure(_part(short.residual, short.energy), energy),
@@ -103,8 +100,10 @@ def _work(case: Case, run: Run) -> Figure:
 def judge(trial: Trial) -> Verdict:
     """The verdict on a trial.
 
-    An exception, a number that is none, a refusal in short steps of what long ones did, or a refused
-    step that leaves the module changed or unusable is broken: a bug, and none of the three verdicts.
+    Where runs differ and a change of the problem by the tolerance alone moves the end by more than
+    LARGEST_ERROR, no method can tell which is right: sensitive. An exception, a number that is none, a
+    refusal in short steps of what long ones did, or a refused step that leaves the module changed or
+    unusable is broken: a bug.
     """
     case, long, short = trial.case, trial.long, trial.short
     if trial.exception:
@@ -118,9 +117,9 @@ def judge(trial: Trial) -> Verdict:
     if not (long.finite and short.finite):
         return Verdict(case, BROKEN, "an output is not finite")
     figures = measure(trial)
-    missed = [
-        f"{name} {figure.value:.0e}, bound {figure.bound:.0e}"
-        for name, figure in figures.items()
-        if not figure.holds
-    ]
-    return Verdict(case, DEGRADED if missed else EXACT, "; ".join(missed), figures)
+    missed = {name: figure for name, figure in figures.items() if not figure.holds}
+    word = DEGRADED if missed else EXACT
+    if missed and trial.sensitivity > LARGEST_ERROR and set(missed) <= set(COMPARED):
+        word = SENSITIVE
+    reasons = [f"{name} {figure.value:.0e}, bound {figure.bound:.0e}" for name, figure in missed.items()]
+    return Verdict(case, word, "; ".join(reasons), figures)

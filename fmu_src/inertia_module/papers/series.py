@@ -18,8 +18,8 @@ Array = NDArray[np.float64]
 class Series(NDArrayOperatorsMixin):
     """f(t + h) = c0 + c1 h + c2 h^2 + ... at n times t.
 
-    Sums, products, quotients, np.sqrt, np.sin, np.cos, np.arctan and np.arccos of series are series, as
-    long as the shortest of them; plain numbers and arrays are constant in time.
+    Sums, products, quotients, np.sqrt, np.sin, np.cos, np.arctan, np.arctan2 and np.arccos of series are
+    series, as long as the shortest of them; plain numbers and arrays are constant in time.
 
     Args:
         coefficients: c0, c1, ..., each of shape (n,).
@@ -50,16 +50,9 @@ class Series(NDArrayOperatorsMixin):
         return rule(*(u if isinstance(u, Series) else Series([u, *[0.0] * (size - 1)]) for u in operands))
 
 
-def _add(u: Series, v: Series) -> Series:
-    return Series([a + b for a, b in zip(u.c, v.c, strict=False)])
-
-
-def _subtract(u: Series, v: Series) -> Series:
-    return Series([a - b for a, b in zip(u.c, v.c, strict=False)])
-
-
-def _negative(u: Series) -> Series:
-    return Series([-a for a in u.c])
+def _linear(function: Any) -> Any:
+    """The rule of a function that is taken coefficient by coefficient."""
+    return lambda *series: Series([function(*terms) for terms in zip(*(u.c for u in series), strict=False)])
 
 
 def _multiply(u: Series, v: Series) -> Series:
@@ -91,23 +84,21 @@ def _sine_and_cosine(u: Series) -> tuple[Series, Series]:
     return Series(sine), Series(cosine)
 
 
-def _arctan(u: Series) -> Series:
-    return Series((u.rate() / (1.0 + u * u)).c).integral(np.arctan(u.value))
-
-
-def _arccos(u: Series) -> Series:
-    return Series((-u.rate() / np.sqrt(1.0 - u * u)).c).integral(np.arccos(u.value))
+def _from_rate(function: Any, rate: Any) -> Any:
+    """The rule of a function of which the rate is known."""
+    return lambda *series: rate(*series).integral(function(*(u.value for u in series)))
 
 
 _RULES: dict[Any, Any] = {
-    np.add: _add,
-    np.subtract: _subtract,
-    np.negative: _negative,
+    np.add: _linear(np.add),
+    np.subtract: _linear(np.subtract),
+    np.negative: _linear(np.negative),
     np.multiply: _multiply,
     np.divide: _divide,
     np.sqrt: _sqrt,
     np.sin: lambda u: _sine_and_cosine(u)[0],
     np.cos: lambda u: _sine_and_cosine(u)[1],
-    np.arctan: _arctan,
-    np.arccos: _arccos,
+    np.arctan: _from_rate(np.arctan, lambda u: u.rate() / (1.0 + u * u)),
+    np.arctan2: _from_rate(np.arctan2, lambda v, u: (u * v.rate() - v * u.rate()) / (u * u + v * v)),
+    np.arccos: _from_rate(np.arccos, lambda u: -u.rate() / np.sqrt(1.0 - u * u)),
 }

@@ -1,18 +1,20 @@
-"""Figures of Karetin: drawn without a window, with the numbers that were drawn."""
+"""Figures of the papers: drawn without a window, with the numbers that were drawn."""
 
 import io
 
 import numpy as np
 import pytest
 
-from inertia_module.paper_figures import karetin
+from inertia_module.paper_figures import all_figures, karetin, stelmashchuk
 from inertia_module.paper_figures.karetin_cones import pitch_cones
 from inertia_module.papers.karetin import Geometry
+from inertia_module.papers.stelmashchuk.criteria import Criteria
+from inertia_module.papers.stelmashchuk.exact import response
 
 
-@pytest.mark.parametrize("name", karetin.FIGURES)
+@pytest.mark.parametrize("name", all_figures())
 def test_figure_comes_with_columns_of_one_length(name):
-    figure, columns = karetin.FIGURES[name]()
+    figure, columns = all_figures()[name]()
     assert len({values.shape for values in columns.values()}) == 1
     assert all(np.isfinite(values).all() for values in columns.values())
     for form in ("png", "svg"):
@@ -44,3 +46,12 @@ def test_the_pitch_cones_touch_along_the_generatrix():
     # rims come near each other only at the pole
     pole = g.L * np.array([np.sin(g.psi) * np.cos(g.gamma), np.sin(g.psi) * np.sin(g.gamma), -np.cos(g.psi)])
     assert np.linalg.norm(satellite.T - apex - pole, axis=1).min() < 1e-12
+
+
+def test_columns_hold_the_curves_of_figures_2_and_3():
+    _, second = stelmashchuk.over_stiffness()
+    _, third = stelmashchuk.over_damping()
+    assert {f"ν = {nu}, balancer {beta}" for nu in ("4.4", "8", "100") for beta in "01"} < set(second)
+    assert {f"Π = {Pi}, balancer {beta}" for Pi in ("0", "5") for beta in "01"} < set(third)
+    expected = response(second["kappa"], Criteria(8.0, 0.5), stelmashchuk.KAPPA2, 0.0).acceleration
+    assert (second["ν = 8, balancer 0"] == expected).all()

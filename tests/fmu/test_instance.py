@@ -1,0 +1,199 @@
+"""An FMU by names: what goes wrong is one kind of error and one sentence, and nothing is lost."""
+
+import numpy as np
+import pytest
+
+from inertia_module.drive import DriveError, Fmu, TableError, drive
+from inertia_module.errors import Refused
+
+START = {"omega1": 100.0, "load_torque": 10.0}
+
+
+@pytest.fixture
+def fmu(fmu_path):
+    with Fmu(fmu_path, inputs=START) as fmu:
+        fmu.advance(0.01)
+        yield fmu
+
+
+def refusal(action, *arguments, **values):
+    with pytest.raises(DriveError) as refused:
+        action(*arguments, **values)
+    assert isinstance(refused.value, Refused)
+    assert "\n" not in str(refused.value)
+    return str(refused.value)
+
+
+# --- states ---
+
+
+@pytest.mark.parametrize("junk", [b"junk", b"", bytes(19184), "junk", None, 7])
+def test_what_is_no_state_is_refused_and_the_run_goes_on(fmu, junk):
+    before = fmu.save()
+    assert "state" in refusal(fmu.restore, junk, 5.0)
+    assert fmu.time == pytest.approx(0.01)
+    assert fmu.save() == before
+    fmu.advance(0.01)
+    assert fmu["omega_out"] > 0.0
+
+
+def test_a_state_that_was_forgotten_or_is_of_another_instance_is_refused(fmu, fmu_path):
+    kept, forgotten = fmu.keep(), fmu.keep()
+    fmu.forget(forgotten)
+    words = "a state must be one that keep of this instance gave"
+    assert words in refusal(fmu.go_back, forgotten)
+    assert words in refusal(fmu.forget, forgotten)
+    assert words in refusal(fmu.go_back, None)
+    with Fmu(fmu_path, inputs=START) as other:
+        assert words in refusal(other.go_back, kept)
+    fmu.advance(0.01)
+    fmu.go_back(kept)
+    assert fmu.time == pytest.approx(0.01)
+    fmu.advance(0.01)
+
+
+USES = {
+    "read": lambda fmu: fmu.read(("omega_out",)),
+    "read one": lambda fmu: fmu["contact_mode"],
+    "set": lambda fmu: fmu.set(omega1=1.0),
+    "advance": lambda fmu: fmu.advance(0.01),
+    "keep": lambda fmu: fmu.keep(),
+    "save": lambda fmu: fmu.save(),
+    "restore": lambda fmu: fmu.restore(b"junk"),
+    "rates": lambda fmu: fmu.rates(("omega_out",)),
+    "set_rates": lambda fmu: fmu.set_rates(omega1=1.0),
+    "jacobian": lambda fmu: fmu.jacobian(("omega_out",), ("omega1",)),
+    "set_logging": lambda fmu: fmu.set_logging(True),
+}
+
+
+@pytest.mark.parametrize("use", USES)
+def test_a_closed_instance_says_that_it_is_closed(fmu_path, use):
+    fmu = Fmu(fmu_path)
+    fmu.close()
+    fmu.close()
+    assert f"{fmu_path.name} is closed" in refusal(USES[use], fmu)
+
+
+# --- values ---
+
+VALUES = {
+    "imbalance_mass": ("1200 g", 1.2),
+    "shaft_angle": ("60 deg", np.pi / 3.0),
+    "shaft_stiffness": ("0.4 kNm/rad", 400.0),
+    "satellites": ("3", 3.0),
+    "layout": ("planar", 1.0),
+    "housing_freewheel": ("false", 0.0),
+    "output_freewheel": (np.True_, 1.0),
+    "modules": (np.int64(2), 2.0),
+    "output_inertia": (np.float32(0.25), 0.25),
+}
+
+
+@pytest.mark.parametrize("name", VALUES)
+def test_values_may_have_units_and_names(fmu_path, name):
+    value, expected = VALUES[name]
+    with Fmu(fmu_path, {name: value}) as fmu:
+        assert fmu[name] == pytest.approx(expected, rel=1e-15)
+
+
+def test_an_input_may_have_a_unit(fmu):
+    fmu.set(omega1="3000 rpm")
+    assert fmu["omega1"] == pytest.approx(100.0 * np.pi)
+
+
+@pytest.mark.parametrize(
+    "name, value, words",
+    [
+        (
+            "imbalance_mass",
+            "1 s",
+            "imbalance_mass must be a number in kg.*, is '1 s': s is not a unit for kg",
+        ),
+        ("imbalance_mass", "much", "must be a number in kg.*, is 'much': it is no number with a unit"),
+        ("imbalance_mass", None, "must be a number in kg.*, is None"),
+        ("imbalance_mass", [1.0, 2.0], r"must be a number in kg.*, is \[1.0, 2.0\]"),
+        ("satellites", 2.5, "satellites must be a whole number of 32 bits, is 2.5"),
+        ("satellites", 2**32 + 3, "satellites must be a whole number of 32 bits, is 4294967299"),
+        ("layout", "flat", "layout must be one of bevel, planar, is 'flat'"),
+        ("layout", True, "layout must be one of bevel, planar, is True"),
+        ("housing_freewheel", "off", "housing_freewheel must be one of false, true, is 'off'"),
+        ("housing_freewheel", 0.5, "housing_freewheel must be one of false, true, is 0.5"),
+    ],
+)
+def test_what_is_no_value_is_refused_by_name(fmu_path, name, value, words):
+    with pytest.raises(DriveError, match=words):
+        Fmu(fmu_path, {name: value})
+
+
+@pytest.mark.parametrize("bad", [{"omega2_": 1.0}, {"load_torque": "10 rpm"}])
+def test_one_bad_value_keeps_all_others_out(fmu, bad):
+    refusal(fmu.set, omega1=7.0, **bad)
+    assert fmu["omega1"] == 100.0
+
+
+def test_one_name_may_stand_for_names(fmu, fmu_path):
+    assert fmu.read("omega_out") == fmu.read(("omega_out",))
+    table = drive(fmu_path, START, 0.02, 0.01, outputs="omega_out")
+    assert table.names == ["time", "omega1", "load_torque", "omega_out"]
+
+
+# --- a whole run from a table ---
+
+
+def run(fmu_path, inputs, **more):
+    return drive(fmu_path, inputs, 0.05, 0.01, parameters={"output_inertia": 0.1}, **more)
+
+
+def test_columns_in_other_units_run_as_in_si(fmu_path, tmp_path):
+    expected = run(fmu_path, {"time": [0.0, 0.05], "omega1": [50.0, 100.0], "load_torque": 4.0})
+    speeds = [value * 30.0 / np.pi for value in (50.0, 100.0)]
+    (tmp_path / "rig.csv").write_text(
+        f"time [ms];load_torque [kNm];omega1 [rpm]\n0;0,004;{speeds[0]}\n50;0,004;{speeds[1]}\n".replace(
+            ".", ","
+        )
+    )
+    found = run(fmu_path, tmp_path / "rig.csv")
+    assert found.units["omega1"] == "rad/s"
+    for name in expected:
+        assert found[name] == pytest.approx(expected[name], rel=1e-9, abs=1e-9)
+    again = run(fmu_path, {"omega1": "955 rpm", "load_torque": 4.0})
+    assert again["omega1"][0] == pytest.approx(955.0 * np.pi / 30.0)
+
+
+@pytest.mark.parametrize(
+    "heading, words",
+    [
+        ("omega1 [m/s]", r"omega1 \[m/s\] must be in rad/s or .*: m/s is not a unit for rad/s"),
+        ("omega1 [furlong]", r"omega1 \[furlong\] must be in rad/s or .*: furlong is no unit known here"),
+        ("omega1 [-]", r"omega1 \[-\] must be in rad/s"),
+        ("omega1_rpm", "column omega1_rpm must be an input or an output of .*: omega1, load_torque"),
+        ("output_inertia", "column output_inertia must be in parameters"),
+        ("omega_out [N.m]", r"omega_out \[N.m\] must be in rad/s"),
+    ],
+)
+def test_a_column_that_could_be_misunderstood_is_refused(fmu_path, tmp_path, heading, words):
+    (tmp_path / "rig.csv").write_text(f"time,{heading}\n0,1\n1,2\n")
+    with pytest.raises(TableError, match=words):
+        run(fmu_path, tmp_path / "rig.csv")
+
+
+def test_what_a_rig_has_measured_comes_along_beside_what_is_computed(fmu_path, tmp_path):
+    (tmp_path / "rig.csv").write_text(
+        "time,omega1,load_torque,omega_out [rpm],energy_in [kJ],contact_mode\n"
+        "0,100,4,0,0,0\n0.05,100,4,60,1,2\n"
+    )
+    table = run(fmu_path, tmp_path / "rig.csv")
+    plain = run(fmu_path, {"omega1": 100.0, "load_torque": 4.0})
+    assert np.array_equal(table["omega_out"], plain["omega_out"])
+    assert table["omega_out_measured"][-1] == pytest.approx(2.0 * np.pi)
+    assert table.units["omega_out_measured"] == "rad/s"
+    assert table["energy_in_measured"][-1] == pytest.approx(1000.0)
+    assert table["contact_mode_measured"][-1] == 2.0
+
+
+@pytest.mark.parametrize("name, value", [("stop_time", 0.0), ("step", -0.1), ("step", float("nan"))])
+def test_a_run_of_no_length_is_refused(fmu_path, name, value):
+    times = {"stop_time": 1.0, "step": 0.1, name: value}
+    with pytest.raises(Refused, match=f"{name} must be a positive number of seconds, is {value}"):
+        drive(fmu_path, START, **times)

@@ -1,0 +1,190 @@
+"""The Python FMU in folders of any name and in other hosts, where pythonfmu alone crashes."""
+
+import ctypes
+import math
+import os
+import struct
+import subprocess
+import sys
+
+import pytest
+from fmpy.fmi2 import FMU2Slave, fmi2Discard
+
+from inertia_module.instance import Fmu
+from inertia_module.kernel import codes
+from inertia_module.logs import callbacks_of
+from inertia_module.model import INERTIA_MODULE
+
+FLAVOURS = ("InertiaModulePy",)
+FOLDERS = ["Jürgen Müller", "日本", "100%", "a%41b", "module #3", "100%25", "ends in %"]
+DRIVE = """
+import os, sys
+from inertia_module.instance import DriveError, Fmu
+try:
+    fmu = Fmu({path!r}, inputs={{"omega1": 100.0, "load_torque": 10.0}})
+    fmu.advance(0.1)
+    print(fmu["omega_out"].hex(), flush=True)
+except DriveError as error:
+    print(error, flush=True)
+os._exit(0)
+"""
+
+
+def drive_in(folder, path):
+    """What a process prints that unpacks the FMU into a folder and runs it; a crash fails the test."""
+    folder.mkdir(exist_ok=True)
+    done = subprocess.run(
+        [sys.executable, "-c", DRIVE.format(path=str(path))],
+        capture_output=True,
+        text=True,
+        check=False,
+        env=os.environ | {"TMPDIR": str(folder)},
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout.strip()
+
+
+@pytest.mark.parametrize("name", FOLDERS)
+def test_it_runs_in_a_folder_of_any_name(fmu_path, tmp_path, name):
+    assert drive_in(tmp_path / name, fmu_path) == drive_in(tmp_path / "plain", fmu_path)
+    assert float.fromhex(drive_in(tmp_path / "plain", fmu_path)) > 0.0
+
+
+def test_a_folder_that_pythonfmu_cannot_read_is_refused_by_a_sentence(fmu_path, tmp_path):
+    message = drive_in(tmp_path / "50%20off", fmu_path)
+    assert "the resource location must be the URI of this FMU's resources" in message
+    assert "50%2520off" in message
+
+
+class Host:
+    """A host that gives the location of the resources as a test wants it."""
+
+    def __init__(self, description, folder):
+        self.messages = []
+        self.fmu = FMU2Slave(
+            guid=description.guid,
+            unzipDirectory=str(folder),
+            modelIdentifier=description.modelName,
+            instanceName="host",
+        )
+
+    def hear(self, status, message):
+        self.messages.append(message)
+
+    def instantiate(self, location):
+        callbacks = callbacks_of(self)
+        arguments = (b"host", 1, self.fmu.guid.encode(), location, ctypes.byref(callbacks), 0, 1)
+        component = self.fmu.fmi2Instantiate(*arguments)
+        if component:
+            self.fmu.fmi2FreeInstance(component)
+        return bool(component)
+
+
+@pytest.fixture(params=["plain", "Jürgen 100%"])
+def moved(request, unpacked, tmp_path):
+    """The FMU unpacked, by way of a link from a folder of another name."""
+    link = tmp_path / request.param
+    link.symlink_to(unpacked, target_is_directory=True)
+    return link
+
+
+@pytest.mark.parametrize(
+    "form",
+    [
+        lambda folder: folder.as_uri(),
+        lambda folder: folder.as_uri().replace("file://", "file:"),
+        lambda folder: folder.as_uri().replace("file://", "file://localhost"),
+        lambda folder: f"file://{folder}",
+        str,
+    ],
+    ids=["uri", "no authority", "localhost", "not encoded", "path"],
+)
+def test_hosts_may_write_the_location_of_the_resources_as_they_do(description, moved, form):
+    host = Host(description, moved)
+    assert host.instantiate(form(moved / "resources").encode()), host.messages
+
+
+@pytest.mark.parametrize(
+    "location", [None, b"", b"file:///no/such/folder", b"http://example.org/%zz", b"%", b"file:" * 2000]
+)
+def test_a_location_that_is_none_is_refused_by_a_sentence(description, unpacked, location):
+    host = Host(description, unpacked)
+    assert not host.instantiate(location)
+    assert len(host.messages) == 1
+    assert host.messages[0].startswith("the resource location must be the URI of")
+
+
+def test_the_log_is_what_was_asked_for(fmu_path):
+    with Fmu(fmu_path, inputs={"omega1": 100.0}) as fmu:
+        assert fmu.messages == ["the kernel is compiled"]
+        fmu.set_logging(False, "logStatusDiscard")
+        fmu.messages.clear()
+        fmu.set(omega1=float("nan"))
+        with pytest.raises(Exception, match=f"status {fmi2Discard}"):
+            fmu.advance(0.1)
+        assert fmu.messages == []
+
+
+def place_of(size, array, slot):
+    """Where a number of one of the kernel's arrays is in a serialised state: they are its end."""
+    sizes = dict(zip("pduxy", INERTIA_MODULE.sizes, strict=False))
+    numbers = "".join(name * count for name, count in sizes.items())
+    return size - 8 * (len(numbers) - numbers.index(array) - slot)
+
+
+@pytest.mark.parametrize("value", [-1.0, 0.5, 65.0, 1e9, -1e9, 1e300, math.nan, math.inf])
+@pytest.mark.parametrize(
+    "array, slot",
+    [
+        ("p", codes.P_FIDELITY),
+        ("p", codes.P_LAYOUT),
+        ("p", codes.P_METHOD),
+        ("d", codes.D_MAP_FORWARD),
+        ("d", codes.D_MAP_BACKWARD),
+        ("x", codes.X_MODE),
+        ("x", codes.X_MAP_ROW),
+    ],
+)
+def test_a_forged_number_of_a_state_is_no_index_and_no_choice(instance, array, slot, value):
+    instance.start(omega1=100.0, fidelity=1, load_torque=10.0)
+    instance.step(0.1)
+    before = instance.all_values()
+    state = bytearray(instance.fmu.serializeFMUstate(instance.fmu.getFMUstate()))
+    place = place_of(len(state), array, slot)
+    struct.pack_into("<d", state, place, value)
+    refusal = instance.refusal(
+        lambda: instance.fmu.setFMUstate(instance.fmu.deSerializeFMUstate(bytes(state)))
+    )
+    assert "damaged state" in refusal
+    assert instance.all_values() == before
+    assert not instance.is_discarded(0.1)
+
+
+@pytest.mark.parametrize("byte, value", [(0, 4), (0, 255), (9, 200), (12, 255)])
+def test_a_forged_head_of_a_state_is_refused_and_nothing_is_lost(instance, byte, value):
+    instance.start(omega1=100.0)
+    state = bytearray(instance.fmu.serializeFMUstate(instance.fmu.getFMUstate()))
+    state[byte] = value
+    take = instance.fmu.deSerializeFMUstate(bytes(state))
+    assert "state" in instance.refusal(lambda: instance.fmu.setFMUstate(take))
+    assert not instance.is_discarded(0.1)
+
+
+def test_a_state_from_before_the_start_does_not_step(instances):
+    fresh, running = instances(), instances().start(omega1=100.0)
+    early = bytearray(fresh.fmu.serializeFMUstate(fresh.fmu.getFMUstate()))
+    early[0] = 2  # as if it were initialised
+    take = running.fmu.deSerializeFMUstate(bytes(early))
+    assert "saved before the start" in running.refusal(lambda: running.fmu.setFMUstate(take))
+    assert not running.is_discarded(0.1)
+
+
+def test_a_state_of_initialization_mode_is_calculated_anew_where_it_is_restored(instance):
+    instance.fmu.setupExperiment()
+    instance.set(omega1=50.0)
+    instance.fmu.enterInitializationMode()
+    early = instance.fmu.getFMUstate()
+    instance.set(omega1=80.0)
+    assert instance.get("input_speed") == 80.0
+    instance.fmu.setFMUstate(early)
+    assert instance.get("input_speed") == 50.0

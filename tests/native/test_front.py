@@ -1,0 +1,116 @@
+"""The library in front of pythonfmu's, in hosts that are no Python: on Linux, and on Windows under Wine."""
+
+import subprocess
+
+import pytest
+from fmpy import extract
+
+from inertia_module.fmu import builder, linking
+from inertia_module.fmu.targets import LINUX64, WIN64
+
+from . import binaries
+from .conftest import SOURCES, run, system_compiler
+from .test_binaries import required
+
+
+@pytest.fixture(scope="session")
+def binary_folder(tmp_path_factory):
+    """Folder of the binaries of the Python FMU."""
+    folder = tmp_path_factory.mktemp("python")
+    content, skipped = builder.content_of(builder.PYTHON_FMU)
+    if skipped:
+        pytest.skip("; ".join(skipped.values()))
+    (folder / "module.fmu").write_bytes(content)
+    extract(str(folder / "module.fmu"), str(folder / "unpacked"))
+    return folder / "unpacked" / "binaries"
+
+
+def host(folder, *flags):
+    """A C host for the Python FMU."""
+    compiler = system_compiler()
+    if compiler is None:
+        pytest.skip("there is no C compiler of the system")
+    include = ["-isystem", str(linking.header_folder()), "-include", "stdarg.h"]
+    command = [compiler, "-rdynamic", *include, *flags, str(SOURCES / "python_host.c"), "-o", "host", "-ldl"]
+    subprocess.run(command, cwd=folder, check=True)
+    return folder / "host"
+
+
+@pytest.mark.parametrize("version", ["2.7.18 (default)", "3.9.2 (default)", "3.10.12 (main, Jun 11 2023)"])
+def test_an_older_python_is_refused_by_a_sentence(binary_folder, tmp_path, version):
+    printed = run(
+        [host(tmp_path, "-DWITH_PYTHON"), binary_folder / "linux64" / "InertiaModulePy.so", version]
+    )
+    assert printed == f"3 logStatusError: Python must be 3.11 or later, is {version}\n"
+
+
+def test_a_host_without_python_is_told_so(binary_folder, tmp_path):
+    printed = run([host(tmp_path), binary_folder / "linux64" / "InertiaModulePy.so"])
+    assert printed == (
+        "3 logStatusError: this FMU needs Python 3.11 or later in its process, and there is none\n"
+    )
+
+
+def test_a_python_that_pythonfmu_cannot_use_is_told_of_too(binary_folder, tmp_path):
+    command = [host(tmp_path, "-DWITH_PYTHON"), binary_folder / "linux64" / "InertiaModulePy.so", "3.12.1"]
+    assert "pythonfmu cannot be loaded: " in run(command)
+
+
+def test_the_front_offers_all_of_fmi_and_needs_little(binary_folder):
+    linux = binaries.read_elf(binary_folder / "linux64" / "InertiaModulePy.so")
+    windows = binaries.read_pe(binary_folder / "win64" / "InertiaModulePy.dll")
+    assert required() <= linux.offers
+    assert required() <= windows.offers
+    assert linux.needs <= {"libc.so.6", "libdl.so.2"}
+    assert windows.needs == {"ucrtbase.dll", "kernel32.dll"}
+
+
+def test_docs_name_the_c_library_that_pythonfmu_needs(binary_folder):
+    """The Python FMU runs where both libraries of C are at least as new as docs/fmu.md says."""
+    needed = binaries.read_elf(binary_folder / LINUX64.folder / "pythonfmu-export.so").versions
+    text = (SOURCES.parents[1] / "docs" / "fmu.md").read_text()
+    for family in ("GLIBC_", "GLIBCXX_"):
+        numbers = [name.removeprefix(family) for name in needed if name.startswith(family)]
+        newest = max(numbers, key=lambda number: tuple(map(int, number.split("."))))
+        assert f"{family}{newest}" in text
+
+
+@pytest.fixture(scope="session")
+def windows_folder(binary_folder, tmp_path_factory):
+    """Stand-ins for Python and pythonfmu on Windows; builds a host that gives a location."""
+    folder = tmp_path_factory.mktemp("windows")
+    front = (binary_folder / "win64" / "InertiaModulePy.dll").read_bytes()
+    (folder / "InertiaModulePy.dll").write_bytes(front)
+    names = (
+        *("ExitProcess", "GetFileAttributesA", "GetProcAddress", "GetStdHandle", "LoadLibraryA"),
+        *("SetCurrentDirectoryA", "WriteFile"),
+    )
+
+    def build(file, *flags):
+        own = linking.windows_arguments(WIN64, folder)
+        system = linking.import_library(WIN64, folder, "kernel32.dll", names)
+        given = ["-target", WIN64.compiler, *linking.FLAGS, "-isystem", str(linking.header_folder())]
+        source = str(SOURCES / "windows_pythonfmu.c")
+        linking.run_tool("cc", [*given, *flags, "-Wl,-e,begin", source, "-o", file, *own, system], folder)
+        return folder / file
+
+    stubs = " ".join(f"STUB({name})" for name in sorted(required() - {"fmi2Instantiate"}))
+    build("python3.dll", "-DPYTHON", "-shared")
+    build("pythonfmu-export.dll", "-DBEHIND", f"-DSTUBS={stubs}", "-shared")
+    return lambda location: build("host.exe", f'-DLOCATION="{location}"')
+
+
+@pytest.mark.parametrize("name", ["plain", "with space", "100% #3", "Jürgen Müller", "日本"])
+def test_windows_gets_a_path_that_pythonfmu_and_python_can_read(windows_folder, windows, tmp_path, name):
+    resources = tmp_path / name / "resources"
+    resources.mkdir(parents=True)
+    (resources / "slavemodule.txt").write_text("slave")
+    location = resources.as_uri().replace("file://", "file:///Z:")
+    path, found = windows(windows_folder(location)).splitlines()
+    assert path.isascii()
+    assert found == "found"
+
+
+def test_windows_is_told_of_a_location_that_is_none(windows_folder, windows):
+    printed = windows(windows_folder("file:///Z:/no/such/folder"))
+    assert printed.startswith("the resource location must be the URI of this FMU's resources")

@@ -1,0 +1,167 @@
+"""What the commands print reaches the terminal: every letter of a message, within its width."""
+
+import json
+import math
+from pathlib import Path
+
+import pytest
+from rich.text import Text
+from typer.testing import CliRunner
+
+from inertia_module.cli import app
+from inertia_module.cli.shared import show_table
+from inertia_module.entries import CompilationUnavailable
+from inertia_module.studies.choice import recommend
+from inertia_module.studies.coupling.limits import Limit
+from inertia_module.studies.coupling.study import print_rows as print_coupling
+from inertia_module.studies.levels import at_levels, print_levels
+from inertia_module.studies.stability.report import print_rows as print_stability
+from inertia_module.studies.stability.table import Cell, Row, read_rows
+from inertia_module.studies.stability.verdict import WORDS
+from inertia_module.studies.trajectory import Row as Measured
+from inertia_module.terminal import progress, terminal
+
+# a style, a picture and a closing tag to rich; to a user the name of an extra, of a key and of a folder
+AWKWARD = "[fast] :key: [/tmp]"
+
+
+def measured(rung, method, setting, wall_time, evaluations=1.0, **errors):
+    return Measured(rung, method, setting, 1e-3, errors, wall_time, evaluations, 3.0)
+
+
+def stability_rows():
+    cells = {name: Cell("degraded", -4, AWKWARD) for name in ("kinematic", "elastic, timestepping")}
+    return [Row(AWKWARD, "1e-313 rad/s", "bevel", cells)]
+
+
+PRINTERS = {
+    "summary": lambda: show_table(AWKWARD, {AWKWARD: "1"}),
+    "value of a summary": lambda: show_table("title", {"heading": AWKWARD}),
+    "levels": lambda: print_levels(AWKWARD, [measured("rigid", "event", "x", 1.0, omega2=0.1)], ["omega2"]),
+    "setting": lambda: print_levels("R1", [measured("peer", "x", AWKWARD, 1.0, omega2=0.1)], ["omega2"]),
+    "stability": lambda: print_stability(stability_rows()),
+    "coupling": lambda: print_coupling("limits", [Limit(AWKWARD, 1.0, 1.0, 1.0, 1.0)]),
+    "message": lambda: terminal().print(AWKWARD),
+}
+
+
+@pytest.mark.parametrize("name", PRINTERS)
+def test_brackets_and_colons_are_printed_as_they_are(name, capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    PRINTERS[name]()
+    assert AWKWARD in capsys.readouterr().out
+
+
+def test_progress_bar_shows_a_title_as_it_is():
+    bar = progress()
+    task = bar.add_task(AWKWARD)
+    title = bar.columns[0].render(bar.tasks[task])
+    assert isinstance(title, Text)
+    assert title.plain == AWKWARD
+
+
+@pytest.fixture
+def no_compiler(monkeypatch):
+    """A machine without ziglang."""
+    from inertia_module.fmu import linking, native_fmu
+
+    def missing():
+        raise CompilationUnavailable("ziglang is not installed; it comes with the extra inertia-module[fast]")
+
+    for module in (linking, native_fmu):
+        monkeypatch.setattr(module, "compiler", missing)
+
+
+def test_build_without_a_compiler_fails_and_names_the_extra(no_compiler, tmp_path):
+    done = CliRunner().invoke(app, ["build", "-o", str(tmp_path)])
+    assert done.exit_code == 1
+    assert (
+        "InertiaModule.fmu: ziglang is not installed; it comes with the extra inertia-module[fast]"
+        in done.stderr
+    )
+    assert (tmp_path / "InertiaModulePy.fmu").is_file()
+    assert not (tmp_path / "InertiaModule.fmu").exists()
+
+
+def test_build_without_a_compiler_fails_for_machines_too(no_compiler, tmp_path):
+    done = CliRunner().invoke(app, ["build", "-o", str(tmp_path), "--json"])
+    assert done.exit_code == 1
+    assert {"InertiaModule.fmu", "DrivenShaft.fmu"} <= set(json.loads(done.stdout)["skipped"])
+
+
+OUTPUTS = (
+    *("omega2", "omega_out", "input_torque", "mesh_torque", "output_torque", "housing_torque"),
+    *("input_torque_mean", "output_torque_mean", "imbalance_acceleration_x", "contact_mode"),
+)
+LEVELS = [
+    measured("averaged", "", "map", 0.1e-3, **dict.fromkeys(OUTPUTS, math.nan)),
+    *(measured("rigid", "timestepping", f"step {n} ms", 1e-3, **dict.fromkeys(OUTPUTS, 0.1)) for n in (1, 2)),
+    measured("rigid", "event", "tolerance 1e-03", 1.60e-3, 50.0, **dict.fromkeys(OUTPUTS, 2.4e-5)),
+    measured("rigid", "event", "tolerance 1e-07", 1.58e-3, 90.0, **dict.fromkeys(OUTPUTS, 2.4e-9)),
+    measured("elastic", "timestepping", "step 0.1 ms", 1e-2, **dict.fromkeys(OUTPUTS, 2.4e-3)),
+    measured("elastic", "event", "tolerance 1e-03", 1.42e-1, 50.0, **dict.fromkeys(OUTPUTS, 2.4e-5)),
+]
+
+
+@pytest.mark.parametrize("wanted", [OUTPUTS[:1], OUTPUTS[:2], OUTPUTS[7:9], OUTPUTS])
+def test_trade_has_a_line_for_each_level_and_fits_the_terminal(wanted, capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    print_levels("A scene", LEVELS, wanted)
+    lines = capsys.readouterr().out.splitlines()
+    assert max(map(len, lines)) <= 80
+    assert not any("…" in line for line in lines)
+    for level in (
+        "averaged",
+        "rigid, timestepping",
+        "rigid, event",
+        "elastic, timestepping",
+        "elastic, event",
+    ):
+        assert sum(line.startswith(level) for line in lines) == 1
+    assert any("2.4e-05" in line and "1.6" in line for line in lines)
+    assert not any("tolerance 1e-07" in line for line in lines)
+
+
+def test_wanted_outputs_that_fit_have_a_column_each(capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    print_levels("A scene", LEVELS, ["omega2", "omega_out"])
+    heading = next(line for line in capsys.readouterr().out.splitlines() if line.startswith("level"))
+    assert heading.split() == [
+        "level",
+        "of",
+        "fidelity",
+        "setting",
+        "omega2",
+        "omega",
+        "out",
+        "ms",
+        "per",
+        "s",
+    ]
+
+
+def test_recommended_level_is_the_fastest_of_those_printed_that_meet_the_error():
+    for error in (1e-2, 1e-4, 1e-8):
+        printed = at_levels(LEVELS, error, OUTPUTS)
+        choice = recommend(LEVELS, error, OUTPUTS)
+        meeting = [row for row in printed if row.worst(OUTPUTS) <= error]
+        assert choice.row is min(meeting, key=lambda row: row.wall_time)
+
+
+def test_level_that_does_not_meet_the_error_shows_its_most_accurate_setting():
+    printed = at_levels(LEVELS, 1e-12, OUTPUTS)
+    assert [row.setting for row in printed if row.rung == "rigid"] == ["step 1 ms", "tolerance 1e-07"]
+
+
+def test_map_of_extremes_has_a_line_for_each_level_and_fits_the_terminal(capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    rows = read_rows(Path(__file__).parents[2] / "docs" / "stability.csv")
+    cells = {name: Cell(word, 1) for name, word in zip(rows[0].cells, WORDS, strict=False)}
+    print_stability([*rows, Row("all verdicts", "x", "bevel", cells)])
+    lines = capsys.readouterr().out.splitlines()
+    assert max(map(len, lines)) <= 80
+    assert not any("…" in line for line in lines)
+    axes = {row.axis for row in rows if "kinematic" in row.cells}
+    assert sum(line.startswith("kinematic ") for line in lines) == len(axes) + 1
+    exact = sum(cell.word == "exact" for row in rows for cell in row.cells.values())
+    assert lines[-1].startswith(f"{exact + 1} exact, ")

@@ -1,0 +1,120 @@
+"""What cannot be built is warned of: satellites that overlap, an imbalance outside its satellite."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from inertia_module.module import DrivenShaft, Module
+from inertia_module.papers.karetin.geometry import Geometry
+
+PLANAR = {"layout": 1, "sun_radius": 0.05, "satellite_radius": 0.03, "eccentricity": 0.02}
+OVERLAP, OUTSIDE = "satellites of a module overlap", "the imbalance is outside"
+
+
+def warned(words, **values):
+    return any(words in warning for warning in Module("plain").start(**values).warnings())
+
+
+def axis(shaft_angle, turn):
+    """Unit vector along the axis of a satellite on a drive about z."""
+    sine, cosine = math.sin(shaft_angle), math.cos(shaft_angle)
+    return np.array([sine * math.cos(turn), sine * math.sin(turn), -cosine])
+
+
+@given(st.floats(0.01, 1.0), st.floats(0.01, 1.0), st.integers(2, 40))
+def test_planar_satellites_overlap_where_their_circles_do(sun, satellite, count):
+    centre = sun + satellite
+    apart = abs(centre - centre * np.exp(2j * math.pi / count))
+    assume(abs(apart - 2.0 * satellite) > 1e-9)
+    overlap = apart < 2.0 * satellite
+    assert warned(OVERLAP, layout=1, sun_radius=sun, satellite_radius=satellite, satellites=count) == overlap
+
+
+@given(st.integers(8, 80), st.integers(8, 80), st.floats(0.1, 3.0), st.integers(2, 40))
+def test_bevel_satellites_overlap_where_their_pitch_cones_do(z17, z6, shaft_angle, count):
+    phi = Geometry(z17=z17, z6=z6, shaft_angle=shaft_angle).phi
+    one, next_one = axis(shaft_angle, 0.0), axis(shaft_angle, 2.0 * math.pi / count)
+    apart = math.atan2(float(np.linalg.norm(np.cross(one, next_one))), float(one @ next_one))
+    assume(abs(apart - 2.0 * phi) > 1e-6)
+    values = {"z17": z17, "z6": z6, "shaft_angle": shaft_angle, "satellites": count}
+    assert warned(OVERLAP, **values) == (apart < 2.0 * phi)
+
+
+@given(st.floats(0.0, 2.0), st.floats(0.0, 2.0), st.floats(0.3, 2.5), st.integers(10, 60))
+def test_bevel_imbalance_is_outside_where_it_leaves_the_pitch_cone(a, b, shaft_angle, z17):
+    g = Geometry(z17=z17, z6=20, shaft_angle=shaft_angle, a=a, b=b)
+    assume(g.phi < 0.49 * math.pi)
+    room = min(g.QA * math.tan(g.phi), g.L * math.sin(g.phi))
+    assume(abs(g.AD - room) > 1e-9)
+    values = {"z17": z17, "shaft_angle": shaft_angle, "a": a, "b": b, "link2_inertia": 1.0}
+    assert warned(OUTSIDE, **values) == (room < g.AD)
+
+
+@pytest.mark.parametrize("values", [{}, PLANAR, {**PLANAR, "satellites": 3}, {"satellites": 5}, {"b": 1.2}])
+def test_what_can_be_built_is_not_warned_of(values):
+    assert Module("plain").start(**values).warnings() == []
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {**PLANAR, "eccentricity": 0.03},
+        # neighbours of six touch where the sun is as large as they are
+        {**PLANAR, "satellites": 6, "sun_radius": 0.03},
+        # flat cones of four side by side: sin(pi/4) sqrt(1 + s^2) = 1 at s = 1 and Sigma = pi/2
+        {"satellites": 4, "z17": 20, "z6": 20},
+        {"a": 0.7, "b": 0.7},
+    ],
+)
+def test_parts_that_touch_are_not_warned_of(values):
+    assert Module("plain").start(**values).warnings() == []
+
+
+@pytest.mark.parametrize(
+    "values, sentence",
+    [
+        (
+            {**PLANAR, "satellites": 12},
+            "the 12 satellites of a module overlap: (sun_radius + satellite_radius) sin(pi/satellites) must"
+            " be at least satellite_radius = 0.03 m, with sun_radius = 0.05 m",
+        ),
+        (
+            {"satellites": 6},
+            "the 6 satellites of a module overlap: sin(pi/satellites) sqrt(1 + 2 s cos(shaft_angle) + s^2)"
+            " must be at least 1, with s = z17/z6 = 34/20 and shaft_angle = 1.570796326794897 rad",
+        ),
+        (
+            {**PLANAR, "eccentricity": 0.04},
+            "the imbalance is outside its satellite: eccentricity must be at most satellite_radius = 0.03 m,"
+            " is 0.04 m",
+        ),
+        (
+            {"a": 1.5},
+            "the imbalance is outside the pitch cone of its satellite: a must be at most 1 and at most b = 1,"
+            " is 1.5",
+        ),
+    ],
+)
+def test_warning_names_the_values_and_what_they_must_be(kernel, values, sentence):
+    module = Module(kernel).start(**values)
+    assert module.warnings() == [sentence]
+    # it is no refusal: the module runs as it did
+    module.set(omega1=100.0, load_torque=10.0)
+    module.advance(0.01)
+
+
+def test_all_that_is_wrong_is_told():
+    assert len(Module("plain").start(**PLANAR | {"satellites": 12, "eccentricity": 0.04}).warnings()) == 2
+
+
+def test_an_internal_satellite_has_its_imbalance_outside_its_pitch_cone_and_no_neighbour():
+    internal = {"z17": 20, "z6": 60, "shaft_angle": 2.5, "a": 1.2}
+    assert Module("plain").start(**internal).warnings() == []
+    assert warned(OVERLAP, **internal, satellites=2)
+
+
+def test_a_shaft_has_nothing_to_warn_of():
+    assert DrivenShaft("plain").start().warnings() == []

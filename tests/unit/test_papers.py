@@ -1,0 +1,124 @@
+"""What was found of the equations and claims of the papers, and that docs/papers.md says it of each."""
+
+import importlib
+import operator
+import re
+from importlib.resources import files
+
+import pytest
+
+from inertia_module.papers import karetin, lysenko, report, stelmashchuk
+from inertia_module.papers.page import papers_page
+from inertia_module.papers.report import FAILS, HOLDS, PARTLY, Finding, rounds_to, worst
+
+PAPERS = {"karetin": karetin, "lysenko": lysenko, "stelmashchuk": stelmashchuk}
+# wrong even if fed with exact values of all they take
+WRONG = {
+    "karetin": {"(2)", "(5)", "(9)", "(11)", "(14)", "(15)", "(19)", "(21)", "(22)", "(24)", "(31)"},
+    "lysenko": {
+        *("(2), note", "(5)", "(8)", "(10)", "(13)", "(14)", "(15)", "(16)", "(21)", "(22)", "(23)", "(24)")
+    },
+    "stelmashchuk": {"(2)", "R″", "C III"},
+}
+HOLDING = {
+    "karetin": {"superposition", "central_velocity_in_plane", "height_of_A", "abscissa"},
+    "lysenko": {"cusp", "modulus", "cycles", "zones", "limits", "places"},
+    "stelmashchuk": {
+        *("stiff_difference", "stiff_oscillation", "less_friction", "no_friction", "low_friction")
+    },
+}
+FAILING = {
+    "karetin": {"stop_condition", "arms_of_acceleration", "axes_of_the_angles", "only_modulus"},
+    "lysenko": {
+        *("note", "moments", "vibration", "equations_of_motion", "angular_momentum", "ratio", "energy"),
+        *("impulsive_drive", "no_gain", "optimisation"),
+    },
+    "stelmashchuk": set(),
+}
+EQUATIONS = [
+    pytest.param(name, number, id=f"{name} {number}")
+    for name, paper in PAPERS.items()
+    for number, forms in paper.EQUATIONS.items()
+    if callable(forms)
+]
+CLAIMS = [
+    pytest.param(name, claim, id=f"{name} {claim.__name__}")
+    for name, paper in PAPERS.items()
+    for claim in paper.CLAIMS
+]
+
+
+@pytest.mark.parametrize(("name", "number"), EQUATIONS)
+def test_an_equation_fed_with_exact_values_is_right_or_clearly_wrong(name, number):
+    difference = worst(*PAPERS[name].EQUATIONS[number]())
+    assert difference > 0.01 if number in WRONG[name] else difference < report.ROUNDING
+
+
+@pytest.mark.parametrize(("name", "claim"), CLAIMS)
+def test_a_claim_has_the_verdict_that_its_figures_give_it(name, claim):
+    verdict = (
+        HOLDS if claim.__name__ in HOLDING[name] else FAILS if claim.__name__ in FAILING[name] else PARTLY
+    )
+    assert str(claim()) == verdict
+
+
+def test_every_numbered_equation_of_the_papers_is_judged():
+    assert list(karetin.EQUATIONS) == [f"({n})" for n in range(1, 34)]
+    assert [n for n in lysenko.EQUATIONS if "note" not in n] == [f"({n})" for n in range(1, 25)]
+    assert [n for n in stelmashchuk.EQUATIONS if n.startswith("(")] == [f"({n})" for n in range(1, 6)]
+
+
+@pytest.mark.parametrize("name", PAPERS)
+def test_the_page_has_a_row_for_each_equation_and_each_claim(name):
+    words = files(PAPERS[name]).joinpath("page.md").read_text(encoding="utf-8")
+    for number in PAPERS[name].EQUATIONS:
+        assert words.count(f"{{{number}}}") == 1
+    for claim in PAPERS[name].CLAIMS:
+        assert words.count(f"**{{{claim.__name__}}}**") == 1
+
+
+@pytest.mark.parametrize("name", PAPERS)
+def test_the_forms_that_the_page_names_are_there_and_say_of_which_equation_they_are(name):
+    words = files(PAPERS[name]).joinpath("page.md").read_text(encoding="utf-8")
+    rows = re.findall(rf"^\| (.*?) \|.*?\| (`{name}.*?`)? ?\| ?(`{name}.*?`)? ?\| {{", words, re.M)
+    assert len(rows) == len(PAPERS[name].EQUATIONS)
+    for number, *forms in rows:
+        for form in filter(None, forms):
+            paper, module, names = form.strip("`").split(".", 2)
+            code = operator.attrgetter(names)(
+                importlib.import_module(f"inertia_module.papers.{paper}.{module}")
+            )
+            if module == "as_printed" and number.startswith("("):
+                assert number.partition(",")[0] in code.__doc__
+
+
+def test_the_page_has_no_figure_that_is_none():
+    assert not re.search(r"\bnan\b|\binf\b|[{}]", papers_page())
+
+
+@pytest.mark.parametrize(
+    ("says", "verdict"),
+    [((True, True), HOLDS), ((True, False), PARTLY), ((False, False), FAILS)],
+)
+def test_a_claim_holds_as_far_as_what_it_says_is_so(says, verdict):
+    assert str(Finding(*says)) == verdict
+
+
+@pytest.mark.parametrize(
+    ("found", "printed", "same"),
+    [
+        (0.048, "0.05", True),
+        (0.055001, "0.05", False),
+        (8.0, "7", False),
+        (7.22, "7", True),
+        (2.4, "3", False),
+    ],
+)
+def test_a_number_is_met_when_it_rounds_to_what_is_printed(found, printed, same):
+    assert rounds_to(found, printed) == same
+
+
+def test_the_worst_difference_is_over_the_largest_length():
+    assert worst(([3.0, 0.0], [0.0, 4.0]), ([0.0, 0.0], [0.0, 5.0])) == pytest.approx(3.0 / 5.0)
+    assert worst([1.0, 2.5], [1.0, 2.0]) == pytest.approx(0.25)
+    assert worst(0.5, 0.0, scale=2.0) == 0.25
