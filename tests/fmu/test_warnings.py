@@ -5,6 +5,7 @@ import sys
 import zipfile
 
 import pytest
+from fmpy.fmi1 import FMICallException
 
 from inertia_module.instance import Fmu
 from inertia_module.logs import messages_of_others
@@ -49,11 +50,8 @@ def test_warnings_come_again_after_a_reset(instance):
 
 def test_a_refused_mechanism_is_not_warned_of(instance):
     warnings = []
-    with messages_of_others(warnings) as errors:
-        try:
-            instance.start(satellites=6, imbalance_mass=-1.0)
-        except Exception:
-            assert instance.is_native
+    with messages_of_others(warnings) as errors, pytest.raises(FMICallException):
+        instance.start(satellites=6, imbalance_mass=-1.0)
     assert warnings == []
     assert len(errors) == 1
 
