@@ -50,6 +50,21 @@ def test_it_runs_in_a_folder_of_any_name(fmu_path, tmp_path, name):
     assert float.fromhex(drive_in(tmp_path / "plain", fmu_path)) > 0.0
 
 
+def test_a_state_is_saved_when_the_folder_of_an_earlier_instance_is_gone(fmu_path):
+    program = (
+        "import sys\nfrom inertia_module.instance import Fmu\n"
+        "for _ in range(2):\n"
+        "    with Fmu(sys.argv[1], {}, {'omega1': 100.0}) as fmu:\n"
+        "        fmu.advance(0.01)\n"
+        "        kept = fmu.save() if _ else b''\n"
+        "print(len(kept) > 1000)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program, str(fmu_path)], capture_output=True, text=True, check=False
+    )
+    assert done.stdout == "True\n", done.stderr
+
+
 def test_a_folder_that_pythonfmu_cannot_read_is_refused_by_a_sentence(fmu_path, tmp_path):
     message = drive_in(tmp_path / "50%20off", fmu_path)
     assert "the resource location must be the URI of this FMU's resources" in message
