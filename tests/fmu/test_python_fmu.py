@@ -11,9 +11,9 @@ import pytest
 from fmpy.fmi2 import FMU2Slave, fmi2Discard
 
 from inertia_module.instance import Fmu
-from inertia_module.kernel import codes
 from inertia_module.logs import callbacks_of
 from inertia_module.model import INERTIA_MODULE
+from inertia_module.records import place, size
 
 FLAVOURS = ("InertiaModulePy",)
 FOLDERS = ["Jürgen Müller", "日本", "100%", "a%41b", "module #3", "100%25", "ends in %"]
@@ -140,33 +140,32 @@ def test_the_log_is_what_was_asked_for(fmu_path):
         assert fmu.messages == []
 
 
-def place_of(size, array, slot):
-    """Where a number of one of the kernel's arrays is in a serialised state: they are its end."""
-    sizes = dict(zip("pduxy", INERTIA_MODULE.sizes, strict=False))
-    numbers = "".join(name * count for name, count in sizes.items())
-    return size - 8 * (len(numbers) - numbers.index(array) - slot)
+def place_of(length, record, name):
+    """Where a field of one of the kernel's records is in a serialised state, which ends with them."""
+    fields = dict(zip("pduxy", INERTIA_MODULE.records, strict=False))
+    end = sum(size(fields[letter]) for letter in "pduxy"["pduxy".index(record) :])
+    return length - 8 * (end - place(fields[record], name))
 
 
 @pytest.mark.parametrize("value", [-1.0, 0.5, 65.0, 1e9, -1e9, 1e300, math.nan, math.inf])
 @pytest.mark.parametrize(
-    "array, slot",
+    "record, name",
     [
-        ("p", codes.P_FIDELITY),
-        ("p", codes.P_LAYOUT),
-        ("p", codes.P_METHOD),
-        ("d", codes.D_MAP_FORWARD),
-        ("d", codes.D_MAP_BACKWARD),
-        ("x", codes.X_MODE),
-        ("x", codes.X_MAP_ROW),
+        ("p", "fidelity"),
+        ("p", "layout"),
+        ("p", "method"),
+        ("d", "forward.count"),
+        ("d", "backward.count"),
+        ("x", "mode"),
+        ("x", "map_knot"),
     ],
 )
-def test_a_forged_number_of_a_state_is_no_index_and_no_choice(instance, array, slot, value):
+def test_a_forged_number_of_a_state_is_no_index_and_no_choice(instance, record, name, value):
     instance.start(omega1=100.0, fidelity=1, load_torque=10.0)
     instance.step(0.1)
     before = instance.all_values()
     state = bytearray(instance.fmu.serializeFMUstate(instance.fmu.getFMUstate()))
-    place = place_of(len(state), array, slot)
-    struct.pack_into("<d", state, place, value)
+    struct.pack_into("<d", state, place_of(len(state), record, name), value)
     refusal = instance.refusal(
         lambda: instance.fmu.setFMUstate(instance.fmu.deSerializeFMUstate(bytes(state)))
     )
