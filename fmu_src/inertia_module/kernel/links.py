@@ -35,7 +35,7 @@ def accelerations(d, q, omega1, omega2, given, held, carried, torque):
     if held:
         return given, 0.0, momentum
     demand2 = 0.5 * k * (g1 * rate_q * rate_q - i1 * omega1 * omega1)
-    push = demand2 + k * (b + k * g) * given - torque
+    push = demand2 - torque + k * (b + k * g) * given
     return given, push / (d.J2 + carried + k * k * g), momentum
 
 

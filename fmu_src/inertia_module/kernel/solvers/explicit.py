@@ -117,12 +117,14 @@ def longest_step(d, x, w, remaining):
     step = min(remaining, d.max_step)
     phase = CUSP_PHASE if has_cusp(d, w) else STEP_PHASE
     scale = d.harmonic * d.k
-    rate = scale * abs(x.omega1 - x.omega2)
-    if rate * step > phase:
-        step = phase / rate
-    # a drive at rest has no phase but what it is accelerated to
+    slip = abs(x.omega1 - x.omega2)
+    if d.by_torque == 0.0:
+        slip = max(slip, abs(x.omega1 + w.given * step - x.omega2))
+    if scale * slip * step > phase:
+        step = phase / (scale * slip)
+    # under its torque a drive at rest has no phase but what it is accelerated to
     growth = scale * abs(w.alpha1 - w.alpha2)
-    if 0.5 * growth * step * step > phase:
+    if d.by_torque != 0.0 and 0.5 * growth * step * step > phase:
         step = math.sqrt(2.0 * phase / growth)
     return step
 
