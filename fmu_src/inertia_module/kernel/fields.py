@@ -70,7 +70,8 @@ SIDE = ("direction", "count", "end", "locks", "start", ("knots", KNOT, KNOTS))
 CONSTANTS = (
     *("k", "s", "mass", "planar", "single", "paired", "phase_a", "phase_b"),
     *("radial", "radial_cos", "arm", "axial", "axial_cos", "pole_offset", "pole_arm", "spin"),
-    *("period", "period_low", "period_turns", "harmonic", "g_slope", "i_slope", "alpha_slope"),
+    *("period", "period_low", "period_turns", "harmonic", "F_by_slip", "F_by_speed", "F_by_alpha1"),
+    # (F_by_...: bounds of |F|, the mesh torque, by the squares of slip and speed and by alpha1)
     *("J1", "J2", "J3", "J4", "J16", "housing", "output", "by_torque", "elastic", "tolerance", "max_step"),
     *("stiffness", "damping", "friction", "balancer"),
     # square of the slowest shaft whose own motion is followed, over that of the pulses
@@ -98,7 +99,7 @@ WORKSPACE = (
     *(("rate1", COLLOCATED), ("rate2", COLLOCATED), ("rate3", COLLOCATED), ("rate_relative", COLLOCATED)),
     *(("stage_q", COLLOCATED), ("stage_omega1", COLLOCATED), ("stage_omega2", COLLOCATED)),
     *(("stage_omega3", COLLOCATED), ("stage_relative", COLLOCATED), ("stage_shaft_torque", COLLOCATED)),
-    *(("stage_clutch", COLLOCATED), ("stage_release", COLLOCATED)),
+    *(("stage_output_torque", COLLOCATED), ("stage_release", COLLOCATED)),
     *(("right_side", COLLOCATED), ("shaft_right_side", COLLOCATED), ("update1", COLLOCATED)),
     # ... equations of both links: of the first by the rates of omega2 with its right side, of the
     # second by those

@@ -14,7 +14,7 @@ from ..links import accelerations, angular_momentum, inertia_at_output, torque_s
 from ..search import find_crossing, first_crossing, stays_positive
 from ..shaft import relative_rate, shaft_torque
 from ..works import add_held_works, add_moving_works, add_shaft_works, add_work_in, inertia_integral
-from .collocated_guards import collocated_guard, land, put_polynomials
+from .collocated_guards import collocated_guard, fit_polynomials, land
 from .collocation import change, embedded_error
 from .elastic_stages import guess_rates, solve_stages
 from .radau import GAMMA, STAGES
@@ -46,7 +46,7 @@ def embedded_tolerance(tolerance):
 
 def response(d, inertia):
     """How much of its own speed the mechanism can impart to what has this inertia, 0 to 1."""
-    own = d.alpha_slope
+    own = d.F_by_alpha1
     return own / (own + inertia) if own > 0.0 else 1.0
 
 
@@ -210,7 +210,7 @@ def zero_of(d, x, w, which, fastest):
     mode = x.mode
     if (mode == FREE) or (mode == DRIVING and which == LINK2) or (mode == HELD and which == OUTPUT):
         taken = max(abs(x.omega2), abs(x.omega3))
-        share = response(d, d.J2 + (d.J3 if mode == DRIVING else 0.0)) if d.alpha_slope > 0.0 else 0.0
+        share = response(d, d.J2 + (d.J3 if mode == DRIVING else 0.0)) if d.F_by_alpha1 > 0.0 else 0.0
         return VELOCITY_ROUNDING * max(taken, fastest * share)
     torque = shaft_torque(d, x)
     scale = torque_scale(d, x.omega1, w.alpha1, 2.0 * d.k * fastest, 0.0)
@@ -232,7 +232,7 @@ def is_clear(d, x, w, which, followed):
 
 def first_event(d, x, w, rate, followed, fastest, cleared):
     """Earliest fall of a guard, but of the one cleared, in the step in hand: (fraction or -1, which)."""
-    put_polynomials(d, x, w)
+    fit_polynomials(d, x, w)
     earliest = -1.0
     which = NONE
     # the inside of a step is less accurate than its end: a dip that is shallower than its error is none

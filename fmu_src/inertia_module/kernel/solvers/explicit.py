@@ -13,7 +13,7 @@ from ..guards import guard, instant, is_guarded
 from ..links import accelerations, angular_momentum, torque_scale
 from ..output_shaft import coast, meet, pass_while_held, stop, time_to_stop
 from ..search import first_crossing, is_clear
-from ..works import add_clutch_square, add_explicit_works
+from ..works import add_explicit_works, add_output_square
 from .dormand_prince import (
     END,
     NODES,
@@ -103,7 +103,7 @@ def has_cusp(d, w):
     """Whether the inertia behind link 2, or that of link 1 under its torque, is at some angle far below
     its largest.
     """
-    if d.by_torque != 0.0 and d.J1 < CUSP_RATIO * d.alpha_slope:
+    if d.by_torque != 0.0 and d.J1 < CUSP_RATIO * d.F_by_alpha1:
         return True
     moving = d.k * d.k * d.mass
     offset = d.pole_offset
@@ -135,7 +135,7 @@ def response(d, inertia):
     The natural measure of an error of its speed: behind a heavy shaft the speed hardly changes, yet its
     small changes are the torque.
     """
-    own = d.alpha_slope
+    own = d.F_by_alpha1
     return own / (own + inertia) if own > 0.0 else 1.0
 
 
@@ -154,7 +154,7 @@ def step_error(d, w, fastest):
     # alpha1 times the integral of P is work, to be compared with the energy at these speeds
     ramp = 0.0
     if w.given != 0.0:
-        inertia = (d.alpha_slope + 0.5 * d.i_slope) / d.k + d.J1 + d.J2
+        inertia = (d.F_by_alpha1 + 0.5 * d.F_by_speed) / d.k + d.J1 + d.J2
         ramp = tolerance * inertia * fastest * fastest / abs(w.given)
     return error_norm(w, tolerance, allowed2, w.integrand, ramp)
 
@@ -252,7 +252,7 @@ def commit(d, x, w, passed, sigma, which):
     if d.by_torque != 0.0 or w.given != 0.0:
         integrated = integral(w, w.integrand, sigma)
     if x.mode == DRIVING:
-        add_clutch_square(d, x, w, sigma)
+        add_output_square(d, x, w, sigma)
     x.q, x.q_low = add(x.q, x.q_low, change_q)
     wrap_drive_angle(d, x)
     x.omega1, x.omega1_low = add(x.omega1, x.omega1_low, change1)
