@@ -10,7 +10,7 @@ from .impulse import jump_input, jump_kinematic
 from .limits import MAX_EVALUATIONS, MAX_STEPS
 from .links import accelerations, given_at_input
 from .shaft import load_behind_freewheel
-from .solvers.elastic import is_stiff
+from .solvers.followed import is_stiff
 from .solvers.kinematic import advance_kinematic
 from .solvers.timestepping import keep_inertia, one_step, prepare_shaft_step, steps_in
 from .solvers.torque_timestepping import driven_step, keep_slip_inertia

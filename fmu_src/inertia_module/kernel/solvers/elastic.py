@@ -1,8 +1,7 @@
 """Fidelity `elastic`: both links, hub, shaft and driven mass from event to event by Radau collocation.
 
-The method is L-stable: oscillations of the shaft that are too fast to matter are damped out within a
-step, all others are followed. An oscillation of rate Omega holds about (pulse rate / Omega)^2 of the
-energy of a pulse, so one is followed up to Omega = pulse rate / sqrt(tolerance).
+The method is L-stable: oscillations of the shaft that are too fast to matter are damped out within a step, all
+others are followed (:mod:`.followed`).
 """
 
 import math
@@ -17,6 +16,7 @@ from ..works import add_held_works, add_moving_works, add_shaft_works, add_work_
 from .collocated_guards import collocated_guard, fit_polynomials, land
 from .collocation import change, embedded_error
 from .elastic_stages import guess_rates, solve_stages
+from .followed import hub_compliance, is_followed, shaft_frequency, widest_rate
 from .radau import GAMMA, STAGES
 from .shaft_stages import damp_error
 
@@ -62,46 +62,6 @@ def fastest_at_end(w):
     omega3 = w.stage_omega3[last]
     shaft = max(abs(omega3), abs(omega3 - w.stage_relative[last]))
     return max(max(abs(w.stage_omega1[last]), abs(w.stage_omega2[last])), shaft)
-
-
-def hub_compliance(d, x, inertia2):
-    """1/J of what the shaft torque accelerates: the hub, link 2 with it, or nothing."""
-    if x.mode == HELD_DRIVING:
-        return 0.0
-    return 1.0 / (d.J3 + inertia2) if x.mode == DRIVING else 1.0 / d.J3
-
-
-def shaft_frequency(d, compliance):
-    """Angular frequency of the shaft between hub and driven mass, without damping, rad/s."""
-    return math.sqrt(d.stiffness * (compliance + 1.0 / d.J4))
-
-
-def slowest_rate(d, compliance):
-    """Modulus of the slowest eigenvalue of the shaft, rad/s: a damped one may be slow though stiff."""
-    mobility = compliance + 1.0 / d.J4
-    half = 0.5 * d.damping * mobility
-    square = d.stiffness * mobility
-    if half * half <= square:
-        return math.sqrt(square)
-    return square / (half + math.sqrt(half * half - square))
-
-
-def is_followed(d, compliance, pulse_rate):
-    """Whether the shaft's own motion is resolved, not damped out."""
-    return slowest_rate(d, compliance) ** 2 <= d.followed * pulse_rate * pulse_rate
-
-
-def is_stiff(d, x, omega1):
-    """Whether the shaft is too stiff for its own motion to be followed, omega1 jumping to this value."""
-    compliance = 1.0 / (d.J3 + inertia_at_output(d, x.q))
-    shaft = max(abs(x.omega3), abs(x.omega3 - x.relative))
-    speeds = max(max(abs(x.omega1), abs(omega1)), shaft)
-    return not is_followed(d, compliance, widest_rate(d, x, speeds, compliance))
-
-
-def widest_rate(d, x, fastest, compliance):
-    """Rate of the pulses if their slip were the fastest speed around, rad/s."""
-    return d.harmonic * d.k * max(fastest, abs(x.twist) * shaft_frequency(d, compliance))
 
 
 def step_error(d, x, w, rates, compliance, followed, fastest):

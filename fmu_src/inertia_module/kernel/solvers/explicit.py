@@ -10,29 +10,13 @@ from ..accumulate import add, wrap_drive_angle, wrap_input_angle
 from ..codes import DRIVING, EXPLICIT, HELD, LINK2, NONE, OUTPUT
 from ..contact import TORQUE_ROUNDING, is_held
 from ..guards import guard, instant, is_guarded
-from ..links import accelerations, angular_momentum, torque_scale
+from ..links import angular_momentum, torque_scale
 from ..output_shaft import coast, meet, pass_while_held, stop, time_to_stop
 from ..search import first_crossing, is_clear
 from ..works import add_explicit_works, add_output_square
-from .dormand_prince import (
-    END,
-    NODES,
-    sum_1,
-    sum_2,
-    sum_3,
-    sum_4,
-    sum_5,
-    sum_6,
-    sum_7,
-    sum_8,
-    sum_9,
-    sum_10,
-    sum_11,
-    sum_13,
-    sum_14,
-    sum_15,
-)
-from .interpolant import dense_change, error_norm, fit_dense, integral, result
+from .dormand_prince import END
+from .explicit_stages import evaluate_stages, fit_inside, keep_stage
+from .interpolant import dense_change, error_norm, integral, result
 
 # phase of the highest harmonic within one step, rad
 STEP_PHASE = 12.0
@@ -50,53 +34,6 @@ SAFETY = 0.9
 SMALLEST_FACTOR = 0.2
 LARGEST_FACTOR = 5.0
 REJECTIONS = 100
-
-
-def keep_stage(d, w, n, omega1, omega2, alpha1, alpha2, momentum):
-    """Keep the rates at stage n; the integrand is omega1 or, with the speed of link 1 given, P."""
-    w.rate_q[n] = d.k * (omega1 - omega2)
-    w.rate_omega1[n] = alpha1
-    w.rate_omega2[n] = alpha2
-    w.integrand[n] = omega1 if d.by_torque != 0.0 else momentum
-
-
-def evaluate(d, x, w, n, weighted):
-    """Rates at stage n of the step in hand, from the weighted rates of the stages before."""
-    h = w.step
-    omega1 = x.omega1 + h * (weighted(w.rate_omega1) if d.by_torque != 0.0 else NODES[n] * w.given)
-    omega2 = x.omega2 + h * weighted(w.rate_omega2)
-    alpha1, alpha2, momentum = accelerations(
-        d, x.q + h * weighted(w.rate_q), omega1, omega2, w.given, is_held(x), w.carried, w.carried_torque
-    )
-    keep_stage(d, w, n, omega1, omega2, alpha1, alpha2, momentum)
-
-
-def evaluate_stages(d, x, w):
-    """The stages of the step in hand, but for its beginning."""
-    evaluate(d, x, w, 1, sum_1)
-    evaluate(d, x, w, 2, sum_2)
-    evaluate(d, x, w, 3, sum_3)
-    evaluate(d, x, w, 4, sum_4)
-    evaluate(d, x, w, 5, sum_5)
-    evaluate(d, x, w, 6, sum_6)
-    evaluate(d, x, w, 7, sum_7)
-    evaluate(d, x, w, 8, sum_8)
-    evaluate(d, x, w, 9, sum_9)
-    evaluate(d, x, w, 10, sum_10)
-    evaluate(d, x, w, 11, sum_11)
-    x.step_evaluations += 11.0
-
-
-def fit_inside(d, x, w):
-    """The extra stages and the interpolants of q and both speeds: the inside of the step in hand."""
-    evaluate(d, x, w, 13, sum_13)
-    evaluate(d, x, w, 14, sum_14)
-    evaluate(d, x, w, 15, sum_15)
-    x.step_evaluations += 3.0
-    fit_dense(w.step, w.rate_q, w.dense_q)
-    fit_dense(w.step, w.rate_omega2, w.dense_omega2)
-    if d.by_torque != 0.0:
-        fit_dense(w.step, w.rate_omega1, w.dense_omega1)
 
 
 def has_cusp(d, w):
