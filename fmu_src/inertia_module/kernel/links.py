@@ -148,6 +148,16 @@ def torque_scale(d, omega1, alpha1, rate_q, given):
     return scale
 
 
+def response(d, inertia):
+    """How much of its own speed the mechanism can impart to a link of this inertia, 0 to 1.
+
+    The natural measure of an error of its speed: behind a heavy shaft the speed hardly changes, yet its
+    small changes are the torque.
+    """
+    own = d.F_by_alpha1
+    return own / (own + inertia) if own > 0.0 else 1.0
+
+
 def angular_momentum(d, q, omega1, omega2):
     """P = (J1 + I) omega1 + B q' + J2 omega2 of links 1, 2 and the imbalances, N m s."""
     i, _, _, b, _, _, _, _ = reduced_inertia(d, q)

@@ -1,7 +1,7 @@
 """Fidelity `elastic`: both links, hub, shaft and driven mass from event to event by Radau collocation.
 
-The method is L-stable: oscillations of the shaft that are too fast to matter are damped out within a step, all
-others are followed (:mod:`.followed`).
+The method is L-stable: oscillations of the shaft that are too fast to matter are damped out within a
+step, all others are followed (:mod:`.followed`).
 """
 
 import math
@@ -9,7 +9,7 @@ import math
 from ..accumulate import add, wrap_drive_angle, wrap_input_angle
 from ..codes import COLLOCATED, DRIVING, FREE, HELD, HELD_DRIVING, LINK2, NONE, OUTPUT
 from ..contact import TORQUE_ROUNDING, is_held
-from ..links import accelerations, angular_momentum, inertia_at_output, torque_scale
+from ..links import accelerations, angular_momentum, inertia_at_output, response, torque_scale
 from ..search import find_crossing, first_crossing, stays_positive
 from ..shaft import relative_rate, shaft_torque
 from ..works import add_held_works, add_moving_works, add_shaft_works, add_work_in, inertia_integral
@@ -42,12 +42,6 @@ CROSSING = 100.0 * TORQUE_ROUNDING
 def embedded_tolerance(tolerance):
     """Tolerance for the embedded formula of order 5 that leaves the method of order 9 this one (Hairer)."""
     return 0.1 * tolerance**0.6
-
-
-def response(d, inertia):
-    """How much of its own speed the mechanism can impart to what has this inertia, 0 to 1."""
-    own = d.F_by_alpha1
-    return own / (own + inertia) if own > 0.0 else 1.0
 
 
 def fastest_speed(x):

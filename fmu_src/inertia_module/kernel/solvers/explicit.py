@@ -10,7 +10,7 @@ from ..accumulate import add, wrap_drive_angle, wrap_input_angle
 from ..codes import DRIVING, EXPLICIT, HELD, LINK2, NONE, OUTPUT
 from ..contact import TORQUE_ROUNDING, is_held
 from ..guards import guard, instant, is_guarded
-from ..links import angular_momentum, torque_scale
+from ..links import angular_momentum, response, torque_scale
 from ..output_shaft import coast, meet, pass_while_held, stop, time_to_stop
 from ..search import first_crossing, is_clear
 from ..works import add_explicit_works, add_output_square
@@ -64,16 +64,6 @@ def longest_step(d, x, w, remaining):
     if d.by_torque != 0.0 and 0.5 * growth * step * step > phase:
         step = math.sqrt(2.0 * phase / growth)
     return step
-
-
-def response(d, inertia):
-    """How much of its own speed the mechanism can impart to a link of this inertia, 0 to 1.
-
-    The natural measure of an error of its speed: behind a heavy shaft the speed hardly changes, yet its
-    small changes are the torque.
-    """
-    own = d.F_by_alpha1
-    return own / (own + inertia) if own > 0.0 else 1.0
 
 
 def step_error(d, w, fastest):

@@ -1,4 +1,4 @@
-"""Stages of a step of the embedded pair in (q, omega1, omega2), and what the inside of the step follows from."""
+"""Stages of a step of the embedded pair in (q, omega1, omega2), and the inside of the step."""
 
 from ..contact import is_held
 from ..links import accelerations

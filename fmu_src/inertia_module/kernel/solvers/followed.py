@@ -1,7 +1,7 @@
 """Which of the shaft's own motion is resolved by the steps, and which is damped out.
 
-An oscillation of rate Omega holds about (pulse rate / Omega)^2 of the energy of a pulse, so one is followed up to
-Omega = pulse rate / sqrt(tolerance).
+An oscillation of rate Omega holds about (pulse rate / Omega)^2 of the energy of a pulse, so one is followed
+up to Omega = pulse rate / sqrt(tolerance).
 """
 
 import math
