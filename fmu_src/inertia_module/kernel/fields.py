@@ -49,7 +49,7 @@ OUTPUTS = (
 STATE = (
     *("q", "q_low", "drive_turns", "theta1", "theta1_low", "input_turns"),
     *("omega1", "omega1_low", "omega2", "omega2_low", "omega3", "omega3_low", "mode"),
-    *("alpha1", "held_input", "held_step", "load_torque", "drive_torque", "step_size"),
+    *("alpha1", "held_input", "held_step", "load_torque", "drive_torque", "step_size", "short_size"),
     *("energy_in", "energy_in_low", "energy_out", "energy_out_low", "energy_lost", "energy_lost_low"),
     *("energy_start", "input_torque_mean", "output_torque_mean", "torque_ripple", "torque_peak"),
     *("switches", "evaluations"),
@@ -88,7 +88,7 @@ WORKSPACE = (
     # torque that
     # link 2 carries; at its beginning (if known from the step before) the accelerations and P, and P
     # at its end
-    *("solver", "given", "load", "step", "carried", "carried_torque"),
+    *("solver", "short", "given", "load", "step", "carried", "carried_torque"),
     *("known", "alpha1", "alpha2", "jerk2", "free", "free_rate", "momentum", "momentum_end"),
     *("change_q", "change1", "change2"),
     # rates at the stages of the explicit pair, what is integrated besides, and the inside of the step

@@ -13,6 +13,7 @@ from .accumulate import add
 from .codes import DRIVING
 from .links import angular_momentum, inertia_at_input
 from .solvers.dormand_prince import END, NODES, STAGES
+from .solvers.dormand_prince_5 import END as SHORT_END
 from .solvers.interpolant import integral
 from .solvers.radau import MATRIX
 from .solvers.radau import NODES as RADAU_NODES
@@ -36,9 +37,12 @@ def add_output_square(d, x, w, sigma):
     omega2.
     """
     end = sigma if sigma >= 0.0 else 1.0
-    for n in range(END if sigma < 0.0 else STAGES):
+    count = STAGES
+    if sigma < 0.0:
+        count = SHORT_END if w.short != 0.0 else END
+    for n in range(count):
         torque = w.load + d.J3 * w.rate_omega2[n]
-        if NODES[n] <= end:
+        if sigma < 0.0 or NODES[n] <= end:
             x.torque_peak = max(x.torque_peak, abs(torque))
         w.rate_omega2[n] = torque * torque
     x.output_square += integral(w, w.rate_omega2, sigma)
