@@ -10,7 +10,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from .trajectory import Array, Row
+from .rows import PEER, Row
+from .trajectory import Array
 
 # colours that the colour-blind tell apart: Okabe and Ito (2008), Color Universal Design
 _COLOURS = ("#D55E00", "#0072B2", "#009E73", "#E69F00", "#56B4E9", "#CC79A7", "#222222", "#8A8A8A")
@@ -23,14 +24,14 @@ Curve = list[Row]
 
 
 def curves(rows: Sequence[Row]) -> dict[str, Curve]:
-    """Rows that succeeded, by rung, method and communication step."""
-    steps = {row.communication_step for row in rows if row.rung != "peer"}
+    """Rows that succeeded, by level and communication step."""
+    steps = {row.communication_step for row in rows if row.fidelity != PEER}
     found: dict[str, Curve] = {}
     for row in rows:
         if row.failure:
             continue
-        name = " ".join(word for word in (row.rung if row.rung != "peer" else "", row.method) if word)
-        if row.rung != "peer" and len(steps) > 1:
+        name = row.method if row.fidelity == PEER else row.level
+        if row.fidelity != PEER and len(steps) > 1:
             name += f", steps of {row.communication_step:g} s"
         found.setdefault(name, []).append(row)
     return found
@@ -67,7 +68,7 @@ def _panel(axes: Axes, rows: Sequence[Row], error: str, cost: str) -> None:
         axes.loglog(
             points[:, 0],
             points[:, 1],
-            linestyle="--" if curve[0].rung == "peer" else "-",
+            linestyle="--" if curve[0].fidelity == PEER else "-",
             color=_COLOURS[number % len(_COLOURS)],
             marker=_MARKERS[number % len(_MARKERS)],
             markersize=4,

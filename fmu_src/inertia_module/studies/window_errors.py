@@ -13,7 +13,7 @@ import numpy as np
 
 from ..drive import Result
 from ..results import TIME
-from .rungs import NOT_MODELLED
+from .levels import NOT_MODELLED
 from .trajectory import Array
 
 _PULSING = frozenset(NOT_MODELLED[1])
@@ -47,7 +47,7 @@ def _relative(difference: float, scale: float) -> float:
 
 
 def window_errors(record: Result, exact: Result, window: float, fidelity: int) -> Mapping[str, float]:
-    """Error of each recorded output, NaN where the rung does not model it.
+    """Error of each recorded output, NaN where the fidelity does not model it.
 
     Each is the largest difference over the windows, relative to the largest magnitude of the output in
     the reference; energies relative to the largest energy in.
