@@ -75,7 +75,9 @@ def test_it_can_be_written_for_machines():
 
 
 def test_an_error_that_none_meets_is_refused_with_the_best():
-    with pytest.raises(NoneMeets, match=r"1e-12 in omega_out is met by no level of fidelity; .*tolerance 1e-09: error 1e-09"):
+    with pytest.raises(
+        NoneMeets, match=r"1e-12 in omega_out is met by no level of fidelity; .*tolerance 1e-09: error 1e-09"
+    ):
         recommend(ROWS, 1e-12, ["omega_out"])
 
 

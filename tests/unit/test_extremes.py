@@ -1,4 +1,4 @@
-"""The module at the extremes: every bound holds but where it is said here, and docs/stability.csv tells what is measured."""
+"""The module at the extremes: every bound holds but for the limits named here, and the map tells what is so."""
 
 import re
 from pathlib import Path
@@ -55,7 +55,9 @@ LIMITS = [
     Limit("communication step", "1000 s", "bevel", FIXED, ERRORS),
     Limit("fixed step", "10?0? rad", ANY, FIXED, DISTANCES + ENERGIES),
     Limit("inertia ratio", "J3 (1e-09|1e-06|0.001)", "planar", "elastic, timestepping", ERRORS),
-    Limit("input speed under load", "-?([02].*|1|1e-.*) rad/s", ANY, "elastic, timestepping", ERRORS + ENERGIES),
+    Limit(
+        "input speed under load", "-?([02].*|1|1e-.*) rad/s", ANY, "elastic, timestepping", ERRORS + ENERGIES
+    ),
     Limit("load", "-1e.09 N.m", "bevel", "elastic, timestepping", ERRORS),
     Limit("mass", "(1000|1e.0[69]) kg.*", ANY, FIXED, ERRORS),
     Limit("reversal", "jumps .* to -100000 rad/s|ramp through zero in 100 s", ANY, FIXED, ERRORS),
@@ -109,7 +111,11 @@ def test_extreme_is_within_its_bounds_and_as_documented(compiled, extreme):
     (row,) = rows_of(verdicts)
     told = documented()[extreme].cells
     assert row.cells.keys() == told.keys()
-    stale = {name: (str(cell), str(told[name])) for name, cell in row.cells.items() if not cell.agrees_with(told[name])}
+    stale = {
+        name: (str(cell), str(told[name]))
+        for name, cell in row.cells.items()
+        if not cell.agrees_with(told[name])
+    }
     assert not stale, "docs/stability.csv is out of date: make stability"
 
 

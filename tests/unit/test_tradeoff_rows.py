@@ -130,7 +130,7 @@ def test_peers_with_other_samples_are_listed_as_failures(reference):
     def integrate(case, setting):
         return dataclasses.replace(reference.trajectory, omega_out=np.zeros(3))
 
-    assert all("3 samples are refused" in row.failure for row in measure(reference, [], [peer(integrate)]))
+    assert all("has 3" in row.failure for row in measure(reference, [], [peer(integrate)]))
 
 
 def test_a_rigid_output_is_measured_against_the_elastic_one_with_the_same_inertia():
@@ -152,7 +152,11 @@ def test_rows_are_read_back_as_they_were_written(reference, rows, tmp_path):
     assert [dataclasses.replace(row, loop_time=0.0) for row in found] == [
         dataclasses.replace(row, loop_time=0.0) for row in rows
     ]
-    assert (last.label, last.failure, last.worst(["energy"])) == (failed[0].label, failed[0].failure, math.inf)
+    assert (last.label, last.failure, last.worst(["energy"])) == (
+        failed[0].label,
+        failed[0].failure,
+        math.inf,
+    )
 
 
 def test_plots_are_drawn_even_where_some_runs_failed(reference, rows, tmp_path):

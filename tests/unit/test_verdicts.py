@@ -199,5 +199,5 @@ def test_every_figure_and_bound_is_written(tmp_path):
 
 
 def test_unknown_axis_is_refused_with_those_there_are():
-    with pytest.raises(UnknownAxis, match="axis must be one of input speed, .* is weather"):
+    with pytest.raises(UnknownAxis, match=r"axis must be one of input speed, .* is weather"):
         chosen_cases("weather")

@@ -106,8 +106,8 @@ def tradeoff(
     from ..scene import load_scene
     from ..studies import tradeoff as study
     from ..studies.choice import recommend as choose_cheapest
-    from ..studies.report import print_levels
     from ..studies.peers import PEERS
+    from ..studies.report import print_levels
 
     with one_line_errors(), progress_bar("measuring the trade") as progress:
         folder = folder_for(output, "tradeoff")

@@ -110,7 +110,9 @@ def recommend(rows: Sequence[Row], error: float, wanted: Sequence[str]) -> Choic
     meeting = [row for row in ours if not why_not(row, error, wanted)]
     chosen = cheapest(meeting)
     if chosen is None:
-        best = f"the best is {ours[0].label}: {why_not(ours[0], error, wanted)}" if ours else "none was measured"
+        best = (
+            f"the best is {ours[0].label}: {why_not(ours[0], error, wanted)}" if ours else "none was measured"
+        )
         raise NoneMeets(f"error = {error:g} in {', '.join(wanted)} is met by no level of fidelity; {best}")
     higher = [row for row in meeting if _NUMBER[row.fidelity] > _NUMBER[chosen.fidelity]]
     much = _FINER * min(error, chosen.worst(wanted))

@@ -69,7 +69,9 @@ def head_of(level: Level, step: float) -> Head:
     return level.fidelity_name, level.method_name, level.setting, step
 
 
-def attempt_all(attempts: Sequence[Attempt], progress: Progress | None = None, begin: float = 0.0) -> list[Row]:
+def attempt_all(
+    attempts: Sequence[Attempt], progress: Progress | None = None, begin: float = 0.0
+) -> list[Row]:
     """Make all runs; what fails is a row with the reason.
 
     Args:
@@ -115,7 +117,9 @@ def write_rows(path: Path, rows: Sequence[Row]) -> Path:
         + [row.failure]
         for row in rows
     ]
-    return results.write_rows(path, [*_HEADS, *(f"error {name}" for name in names), *_COSTS, "failure"], lines)
+    return results.write_rows(
+        path, [*_HEADS, *(f"error {name}" for name in names), *_COSTS, "failure"], lines
+    )
 
 
 def read_rows(path: Path) -> list[Row]:

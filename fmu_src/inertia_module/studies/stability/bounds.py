@@ -17,8 +17,8 @@ RESULT_ACCURACIES = 3.0
 LARGEST_ERROR = 0.1
 # breach of a freewheel, of the largest torque or speed
 BREACH = 1e-9
-# right-hand sides for each communication step, for each radian of the highest harmonic (with method event,
-# whose eighth order makes them grow slowly with the digits asked for) and for each internal step of timestepping
+# right-hand sides for each communication step, for each radian of the highest harmonic (by events: they grow
+# slowly with the digits asked for, at eighth order) and for each internal step of timestepping
 STEP_WORK = 100.0
 PHASE_WORK = 20.0
 WORK_ORDER = 8.0
@@ -34,7 +34,8 @@ def result_bound(accuracy: float, sensitivity: float) -> float:
     """Distance allowed between two runs of one motion, relative.
 
     Args:
-        accuracy: asked for, relative. sensitivity: distance that a change of the problem by the tolerance makes.
+        accuracy: asked for, relative.
+        sensitivity: distance that a change of the problem by the tolerance makes.
     """
     return min(LARGEST_ERROR, RESULT_ACCURACIES * (accuracy + sensitivity) + ROUNDING)
 

@@ -9,7 +9,8 @@ from typing import Any
 
 from ...kernel.links import held_torque
 from ...module import Module
-from .case import LEVELS, Extreme, Level, Segment
+from ..levels import Level
+from .case import LEVELS, Extreme, Segment
 
 # rad that link 1 turns in a trial, where nothing else is said
 TRAVEL = 100.0

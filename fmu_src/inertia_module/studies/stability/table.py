@@ -26,7 +26,7 @@ SEPARATOR = " | "
 
 @dataclass(frozen=True)
 class Cell:
-    """Verdict at one level: its outcome, power of ten of the largest relative error (or None), and a reason."""
+    """Verdict at one level: outcome, power of ten of the largest relative error (or None), and a reason."""
 
     outcome: str
     power: int | None = None
@@ -73,8 +73,8 @@ def rows_of(verdicts: Iterable[Verdict]) -> list[Row]:
     return [Row(*key, cells) for key, cells in rows.items()]
 
 
-def reasons(rows: Iterable[Row], most: int = 6) -> list[str]:
-    """A line for each reason of a verdict that is not exact, with where it is given (up to so many places)."""
+def reasons(rows: Iterable[Row]) -> list[str]:
+    """A line for each reason of a verdict that is not exact, with where it is given."""
     found: dict[tuple[str, str], list[str]] = {}
     for row in rows:
         for level, cell in row.cells.items():
@@ -83,7 +83,7 @@ def reasons(rows: Iterable[Row], most: int = 6) -> list[str]:
                 places.append(f"{row.value} ({row.layout}, {level})")
     return [
         f"{outcome}: {reason}. "
-        + ("; ".join(places) if len(places) <= most else f"{len(places)} cases, the first: {places[0]}")
+        + ("; ".join(places) if len(places) <= 6 else f"{len(places)} cases, the first: {places[0]}")
         + "."
         for (outcome, reason), places in found.items()
     ]
@@ -91,7 +91,9 @@ def reasons(rows: Iterable[Row], most: int = 6) -> list[str]:
 
 def write_rows(path: Path, rows: Iterable[Row]) -> Path:
     """Write the rows as CSV, whole or not at all."""
-    named = ([row.axis, row.value, row.layout, *(row.cells.get(name, "") for name in HEADINGS[3:])] for row in rows)
+    named = (
+        [row.axis, row.value, row.layout, *(row.cells.get(name, "") for name in HEADINGS[3:])] for row in rows
+    )
     return results.write_rows(path, HEADINGS, named)
 
 
@@ -151,4 +153,6 @@ def write_cases(path: Path, verdicts: Sequence[Verdict]) -> Path:
         measured = [figures.get(name, {}).get(part, "") for name in names for part in ("value", "bound")]
         rows.append([*record.values(), *measured])
     heads = ["axis", "value", "layout", "level", "verdict", "reason"]
-    return results.write_rows(path, heads + [head for name in names for head in (name, f"{name}, bound")], rows)
+    return results.write_rows(
+        path, heads + [head for name in names for head in (name, f"{name}, bound")], rows
+    )
