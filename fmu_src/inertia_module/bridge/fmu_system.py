@@ -2,7 +2,7 @@
 
 A communication step is the update of the system. Outputs hold the values at the end of the last step, so
 there is no direct feedthrough. Step means belong to the step that has been taken and do not follow from
-where the motion is now: they are part of the state. Two states are to be had.
+where the motion is now: they are part of the state. There are two kinds of state.
 
 **motion.** A few named numbers: what the motion is (`omega_out`; for fidelity rigid `drive_angle`,
 `omega2` and `omega_out`; for DrivenShaft `omega_out` and `twist`), the speed the input was left at
@@ -29,8 +29,8 @@ import control as ct
 import numpy as np
 from numpy.typing import NDArray
 
-from ..instance import DriveError, Fmu, as_names
-from .motion import check_inputs, is_angular, motion_of, start_name
+from ..instance import Fmu, as_names
+from .motion import check_inputs, check_outputs, motion_of, start_name
 from .restarted import RestartedFmu
 from .words import bytes_of, words_of
 
@@ -39,8 +39,6 @@ StateKind = Literal["motion", "whole"]
 
 # inputs whose jumps act impulsively
 _SPEEDS = ("omega1", "hub_speed")
-# sums since the start: a restart begins them anew
-_SUMS = ("turns", "energy_", "contact_switches", "rhs_evaluations", "input_angle")
 
 
 class _Stepper(Protocol):
@@ -62,17 +60,7 @@ class _Motion:
     def __init__(self, fmu: RestartedFmu, step: float, inputs: Sequence[str], outputs: Sequence[str]) -> None:
         self.fmu, self._step, self._inputs = fmu, step, tuple(inputs)
         self._motion = motion_of(fmu)
-        for name in outputs:
-            if any(word in name for word in _SUMS) and name != "energy_stored":
-                raise DriveError(
-                    f"output {name} is refused with state = 'motion': it is a sum since the start; allowed"
-                    " are outputs that follow from the motion, or state = 'whole'"
-                )
-            if is_angular(fmu, name, "drive_angle" in self._motion):
-                raise DriveError(
-                    f"output {name} is refused with state = 'motion': it depends on an angle that is no state"
-                    f" here ({', '.join(self._motion)}); allowed is state = 'whole'"
-                )
+        check_outputs(outputs, self._motion)
         self._held = tuple(name for name in inputs if name in _SPEEDS)
         self._read = (*self._motion, *(name for name in outputs if name not in self._motion))
         self._start_names = tuple(start_name(name) for name in self._motion)
