@@ -141,7 +141,7 @@ def test_inputs_without_effect_are_refused(native):
 
 
 def test_what_needs_the_speed_for_an_input_refuses_a_torque(native):
-    with pytest.raises(ValueError, match=r"drive = 1 \(torque\) is refused: .* allowed is 0 \(speed\)"):
+    with pytest.raises(ValueError, match=r"drive must be 0 \(speed\), is 1 \(torque\)"):
         bridge.averaged_system({"drive": 1.0, "input_inertia": 0.3})
     with pytest.raises(ValueError, match=r"drive = 1 \(torque\) is refused"):
         bridge.measured_response(
@@ -290,22 +290,16 @@ def test_measurement_refuses_what_it_cannot_measure(native):
 
 
 def test_the_table_tells_which_variables_follow_from_the_motion(native):
-    """A restart from the motion alone has all of them but the sums since the start and the angle of link 1."""
+    """A restart from the motion has all but sums since the start and what turns with link 1."""
     inputs = {"omega1": 100.0, "load_torque": 10.0}
     names = [variable.name for variable in with_causality(OUTPUT, LOCAL)]
     with Fmu(native, {}, inputs, 1e-11) as fmu:
         for _ in range(123):
             fmu.advance(STEP)
-        motion = dict(
-            zip(
-                ("drive_angle", "omega2", "omega_out"),
-                fmu.read(("drive_angle", "omega2", "omega_out")),
-                strict=False,
-            )
-        )
+        motion = {f"{name}_start": fmu[name] for name in ("drive_angle", "omega2", "omega_out")}
         fmu.advance(STEP)
         expected = dict(zip(names, fmu.read(names), strict=False))
-    with Fmu(native, {f"{name}_start": value for name, value in motion.items()}, inputs, 1e-11) as fmu:
+    with Fmu(native, motion, inputs, 1e-11) as fmu:
         fmu.advance(STEP)
         found = dict(zip(names, fmu.read(names), strict=False))
     differ = {name for name in names if found[name] != pytest.approx(expected[name], rel=1e-5, abs=1e-7)}
@@ -330,7 +324,11 @@ def test_the_table_tells_which_variables_follow_from_the_motion(native):
     [
         (ELASTIC, OUTPUTS, "fidelity = elastic is refused with state = 'motion'"),
         ({"input_hold": "linear"}, OUTPUTS, "input_hold = linear is refused with state = 'motion'"),
-        ({}, ["energy_in"], "output energy_in must follow from the motion .*, is a sum since the start"),
+        (
+            {},
+            ["energy_in"],
+            "with output energy_in state must be 'whole', is 'motion': it is a sum since the start",
+        ),
         ({}, ["imbalance_acceleration_y"], "depends on the angle of link 1"),
         (
             {"fidelity": "averaged"},

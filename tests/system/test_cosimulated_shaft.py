@@ -1,4 +1,4 @@
-"""Module and shaft as two FMUs, coupled in the ways of the example, against the elastic module in one piece."""
+"""Module and shaft as two FMUs, coupled as in the example, against the elastic module in one piece."""
 
 import math
 import runpy

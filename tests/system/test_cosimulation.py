@@ -59,8 +59,8 @@ SPEED, TORQUE_STEP = 100.0, 1.0
 def characteristic(scheme, r, rho):
     """Polynomial of the growth in a step, of any length, highest power first: a step passes momentum on.
 
-    u and m are the changes of speed of engine and module in a step, (1 + rho) u = (rho - r) m with r = Phi/J_E
-    and rho what the engine reckons with, over J_E; m is u of the step before, or 2 u - u along a ramp.
+    u and m are the changes of speed of engine and module, (1 + rho) u = (rho - r) m with r = Phi/J_E and
+    rho what the engine reckons with, over J_E; m is u of the step before, or 2 u - u along a ramp.
     """
     return {
         Scheme.JACOBI: (1.0, 0.0, r),

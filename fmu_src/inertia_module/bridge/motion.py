@@ -36,7 +36,7 @@ def check_inputs(fmu: Fmu, inputs: Sequence[str]) -> None:
     known = [name for name, variable in fmu.variables.items() if variable.causality == "input"]
     for name in inputs:
         if name not in known:
-            raise DriveError(f"input {name} is refused: allowed are {', '.join(known)}")
+            raise DriveError(f"input {name} must be one of {', '.join(known)}")
     if "drive" not in fmu.variables:
         return
     by_torque = _is_driven_by_torque(fmu)
@@ -45,8 +45,7 @@ def check_inputs(fmu: Fmu, inputs: Sequence[str]) -> None:
     )
     if idle in inputs:
         raise DriveError(
-            f"input {idle} is refused with drive = {drive}: it has no effect after the start;"
-            f" allowed is {given} in its place"
+            f"with drive = {drive} an input must be {given}, is {idle}: that has no effect after the start"
         )
 
 
@@ -65,13 +64,13 @@ def check_outputs(names: Sequence[str], motion: Sequence[str]) -> None:
         follows = variable.follows if variable is not None else ""
         if follows == SINCE_START:
             raise DriveError(
-                f"output {name} must follow from the motion with state = 'motion', is a sum since the start;"
-                " state = 'whole' has it"
+                f"with output {name} state must be 'whole', is 'motion': it is a sum since the start,"
+                " which does not follow from the motion"
             )
         if follows == LINK1_ANGLE or (follows == DRIVE_ANGLE and "drive_angle" not in motion):
             raise DriveError(
-                f"output {name} must follow from the motion ({', '.join(motion)}) with state = 'motion',"
-                f" depends on {follows}; state = 'whole' has it"
+                f"with output {name} state must be 'whole', is 'motion': it depends on {follows}, which is"
+                f" no state here ({', '.join(motion)})"
             )
 
 
@@ -83,15 +82,15 @@ def motion_of(fmu: Fmu) -> tuple[str, ...]:
     """
     if "input_hold" in fmu.variables and fmu["input_hold"] != 0.0:
         raise DriveError(
-            "input_hold = linear is refused with state = 'motion': it goes on from the last two inputs;"
-            " allowed is input_hold = constant, or state = 'whole'"
+            "with state = 'motion' input_hold must be constant, is linear: that goes on from the last two"
+            " inputs; state = 'whole' has them"
         )
     if "fidelity" not in fmu.variables:
         return _SHAFT_MOTION
     fidelity = _FIDELITIES[int(fmu["fidelity"])]
     if fidelity not in _MOTION:
         raise DriveError(
-            f"fidelity = {fidelity} is refused with state = 'motion': it has no start parameters for all of"
-            f" its motion; allowed are {', '.join(_MOTION)}, or state = 'whole'"
+            f"with state = 'motion' fidelity must be one of {', '.join(_MOTION)}, is {fidelity}: that has no"
+            " start parameters for all of its motion; state = 'whole' needs none"
         )
     return (*_MOTION[fidelity], _INPUT_SPEED) if _is_driven_by_torque(fmu) else _MOTION[fidelity]
