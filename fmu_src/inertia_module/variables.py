@@ -25,6 +25,11 @@ OUTPUT = "output"
 LOCAL = "local"
 PARAMETER = "parameter"
 
+# what a value depends on besides the speeds: the start, whence it is a sum, or an angle
+SINCE_START = "a sum since the start"
+LINK1_ANGLE = "the angle of link 1"
+DRIVE_ANGLE = "the angle of the drive"
+
 # what the kernel takes for absurd
 LARGEST_SPEED: float = limits.LARGEST_SPEED
 LARGEST_TORQUE: float = limits.LARGEST_TORQUE
@@ -95,6 +100,7 @@ class Variable:
         causality, variability: as in FMI 2.0. unit: of UNITS ("" where it has none).
         start: start value (None: calculated). minimum, maximum, nominal: or None.
         description: one sentence. enumeration: name in ENUMERATIONS, or "".
+        follows: what it depends on besides the speeds: SINCE_START, LINK1_ANGLE, DRIVE_ANGLE, or "".
     """
 
     name: str
@@ -108,6 +114,7 @@ class Variable:
     nominal: float | None
     description: str
     enumeration: str = ""
+    follows: str = ""
 
     @property
     def allowed(self) -> str:
@@ -172,12 +179,15 @@ def _signal(
     nominal: float | None,
     text: str,
     minimum: float | None = None,
+    follows: str = "",
 ) -> Variable:
-    return Variable(name, REAL, causality, "continuous", unit, None, minimum, None, nominal, text)
+    return Variable(
+        name, REAL, causality, "continuous", unit, None, minimum, None, nominal, text, follows=follows
+    )
 
 
 def _counter(name: str, text: str, minimum: float | None = 0.0) -> Variable:
-    return Variable(name, REAL, LOCAL, "discrete", "1", None, minimum, None, None, text)
+    return Variable(name, REAL, LOCAL, "discrete", "1", None, minimum, None, None, text, follows=SINCE_START)
 
 
 def _real(
@@ -232,29 +242,29 @@ VARIABLES: tuple[Variable, ...] = (
     _signal(OUTPUT, "housing_torque", "N.m", 100.0, "torque Th in the housing freewheel at this instant"),
     _signal(OUTPUT, "input_torque_mean", "N.m", 100.0, "mean of M1 over the last communication step, impulses included"),
     _signal(OUTPUT, "output_torque_mean", "N.m", 100.0, "mean of Tc over the last communication step, impulses included"),
-    _signal(OUTPUT, "imbalance_acceleration", "m/s2", 1e3, "magnitude of the absolute acceleration of imbalance 0 of module 0", 0.0),
-    _signal(OUTPUT, "imbalance_acceleration_x", "m/s2", 1e3, "its component along the central axis Ox (fixed frame)"),
-    _signal(OUTPUT, "imbalance_acceleration_y", "m/s2", 1e3, "its component along Oy (fixed frame)"),
-    _signal(OUTPUT, "imbalance_acceleration_z", "m/s2", 1e3, "its component along Oz (fixed frame)"),
+    _signal(OUTPUT, "imbalance_acceleration", "m/s2", 1e3, "magnitude of the absolute acceleration of imbalance 0 of module 0", 0.0, follows=DRIVE_ANGLE),
+    _signal(OUTPUT, "imbalance_acceleration_x", "m/s2", 1e3, "its component along the central axis Ox (fixed frame)", follows=DRIVE_ANGLE),
+    _signal(OUTPUT, "imbalance_acceleration_y", "m/s2", 1e3, "its component along Oy (fixed frame)", follows=LINK1_ANGLE),
+    _signal(OUTPUT, "imbalance_acceleration_z", "m/s2", 1e3, "its component along Oz (fixed frame)", follows=LINK1_ANGLE),
     _signal(OUTPUT, "input_speed", "rad/s", 100.0, "speed of link 1 at this instant: what omega1 has come to, or drive_torque has made of it"),
-    _signal(LOCAL, "drive_angle", "rad", 1.0, "drive angle q without drive_turns whole turns: q = drive_angle + 2 pi drive_turns", 0.0),
+    _signal(LOCAL, "drive_angle", "rad", 1.0, "drive angle q without drive_turns whole turns: q = drive_angle + 2 pi drive_turns", 0.0, follows=DRIVE_ANGLE),
     _counter("drive_turns", "whole turns of the drive taken off drive_angle (a multiple of the turns in one period of the motion)", None),
-    _signal(LOCAL, "input_angle", "rad", 1.0, "angle theta1 of link 1 without input_turns whole turns", 0.0),
+    _signal(LOCAL, "input_angle", "rad", 1.0, "angle theta1 of link 1 without input_turns whole turns", 0.0, follows=SINCE_START),
     _counter("input_turns", "whole turns of link 1 taken off input_angle", None),
     Variable("contact_mode", ENUMERATION, LOCAL, "discrete", "", None, 0, 3, None, "which freewheels are engaged", "ContactMode"),
     _signal(LOCAL, "omega_hub", "rad/s", 100.0, "speed omega3 of the output shaft behind the freewheel"),
     _signal(LOCAL, "shaft_twist", "rad", 1e-2, "twist of the elastic output shaft (0 if rigid)"),
-    _signal(LOCAL, "imbalance_x", "m", 0.1, "position of imbalance 0 of module 0 along the central axis Ox (fixed frame)"),
-    _signal(LOCAL, "imbalance_y", "m", 0.1, "its position along Oy"),
-    _signal(LOCAL, "imbalance_z", "m", 0.1, "its position along Oz"),
-    _signal(LOCAL, "imbalance_velocity_x", "m/s", 10.0, "absolute velocity of imbalance 0 of module 0 along Ox"),
-    _signal(LOCAL, "imbalance_velocity_y", "m/s", 10.0, "its velocity along Oy"),
-    _signal(LOCAL, "imbalance_velocity_z", "m/s", 10.0, "its velocity along Oz"),
-    _signal(LOCAL, "energy_in", "J", 1e3, "work of the input torque since the start"),
-    _signal(LOCAL, "energy_out", "J", 1e3, "work done on the load since the start"),
+    _signal(LOCAL, "imbalance_x", "m", 0.1, "position of imbalance 0 of module 0 along the central axis Ox (fixed frame)", follows=DRIVE_ANGLE),
+    _signal(LOCAL, "imbalance_y", "m", 0.1, "its position along Oy", follows=LINK1_ANGLE),
+    _signal(LOCAL, "imbalance_z", "m", 0.1, "its position along Oz", follows=LINK1_ANGLE),
+    _signal(LOCAL, "imbalance_velocity_x", "m/s", 10.0, "absolute velocity of imbalance 0 of module 0 along Ox", follows=DRIVE_ANGLE),
+    _signal(LOCAL, "imbalance_velocity_y", "m/s", 10.0, "its velocity along Oy", follows=LINK1_ANGLE),
+    _signal(LOCAL, "imbalance_velocity_z", "m/s", 10.0, "its velocity along Oz", follows=LINK1_ANGLE),
+    _signal(LOCAL, "energy_in", "J", 1e3, "work of the input torque since the start", follows=SINCE_START),
+    _signal(LOCAL, "energy_out", "J", 1e3, "work done on the load since the start", follows=SINCE_START),
     _signal(LOCAL, "energy_stored", "J", 1e3, "kinetic energy of the mechanism now, and the energy of a twisted shaft"),
-    _signal(LOCAL, "energy_lost", "J", 1e3, "energy lost since the start to damping and friction, less the work of the balancer (ideal freewheels and rigid shafts lose none)"),
-    _signal(LOCAL, "energy_residual", "J", 1.0, "energy audit: in - out - lost - gain of stored, the error of the integration"),
+    _signal(LOCAL, "energy_lost", "J", 1e3, "energy lost since the start to damping and friction, less the work of the balancer (ideal freewheels and rigid shafts lose none)", follows=SINCE_START),
+    _signal(LOCAL, "energy_residual", "J", 1.0, "energy audit: in - out - lost - gain of stored, the error of the integration", follows=SINCE_START),
     _signal(LOCAL, "torque_ripple", "N.m", 100.0, "RMS of Tc about its mean over the last communication step, impulses apart", 0.0),
     _signal(LOCAL, "torque_peak", "N.m", 100.0, "largest magnitude of Tc over the last communication step, impulses apart", 0.0),
     _counter("contact_switches", "changes of the contact mode since the start"),

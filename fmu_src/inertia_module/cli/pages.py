@@ -82,31 +82,24 @@ def coupling(
     ] = CAR_SCENE,
     output: OutputFolder = None,
     as_json: Json = False,
-    quick: Annotated[
-        bool, typer.Option("--quick", help="A corner of the map, without the long parts.")
-    ] = False,
-    only: Annotated[
-        str | None,
-        typer.Option(
-            "--only", metavar="PART", help="limits, map, torque, adaptive, urban, torque_urban or shafts."
-        ),
-    ] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="A corner of the map.")] = False,
+    only: Annotated[str | None, typer.Option("--only", metavar="PART", help="map or urban.")] = None,
 ) -> None:
-    """Couple an engine and a shaft to the module in every way and measure what it costs (out/coupling)."""
+    """Couple an engine to the module in the recommended ways and measure them (out/coupling)."""
     from dataclasses import asdict
 
     from ..drive import progress_bar
-    from ..studies.coupling.study import PARTS, Files, chosen_parts, print_rows, write_part
+    from ..studies.coupling.study import chosen_parts, measure, print_rows, write_part
 
     with one_line_errors():
         folder = folder_for(output, "coupling")
         chosen = chosen_parts(only, quick)
-        files = Files(*native_fmus(), scene)
+        fmu_path, _ = native_fmus()
         found = {}
         written: dict[str, str] = {}
         for name in chosen:
             with progress_bar(f"measuring: {name}") as progress:
-                found[name] = PARTS[name].run(files, quick, progress)
+                found[name] = measure(name, fmu_path, scene, quick, progress)
             written.update(write_part(folder, name, found[name]))
     if as_json:
         rows = {name: [asdict(row) for row in part] for name, part in found.items()}

@@ -14,9 +14,8 @@ from collections.abc import Mapping
 
 from ..instance import Fmu
 from ..kernel.codes import DRIVE_TORQUE
-from .bond import Exchange
 from .engine import Engine
-from .plant import EnginePlant
+from .plant import EnginePlant, Exchange
 
 _ANSWERS = ("input_speed", "input_angle", "input_turns", "energy_in")
 
@@ -43,7 +42,7 @@ class TorqueDrivenEngine(EnginePlant):
         substeps: equal communication steps between engine and module in each step of the plant.
 
     Attributes:
-        ledger: sums over the run. exchange: of the last communication step, or None.
+        ledger: sums over the run.
         Of the readings, engine_work_out is all that the torque has done (the rotor takes none of it),
         and engine_energy, the rotor's, is a part of energy_stored of the FMU.
 
@@ -53,49 +52,35 @@ class TorqueDrivenEngine(EnginePlant):
     """
 
     def __init__(self, fmu: Fmu, engine: Engine, substeps: int = 1) -> None:
-        super().__init__(fmu, engine, substeps)
-        drive, inertia = fmu.read(("drive", "input_inertia"))
-        if drive != DRIVE_TORQUE:
-            raise ValueError(
-                "drive = speed of the FMU is refused: allowed is torque here, CoupledEngine takes speed"
-            )
+        super().__init__(fmu, engine, DRIVE_TORQUE, substeps)
+        inertia = fmu["input_inertia"]
         if inertia < engine.inertia * (1.0 - 1e-9):
             raise ValueError(
-                f"input_inertia = {inertia:g} kg.m2 of the FMU is refused: it carries the engine's rotor too;"
-                f" allowed is from {engine.inertia:g}"
+                f"input_inertia of the FMU must be at least {engine.inertia:g} kg.m2, for it carries the"
+                f" engine's rotor too, is {inertia:g}"
             )
-        speed, self._angle, self._turns, self._energy = fmu.read(_ANSWERS)
-        if abs(speed - engine.speed) > 1e-9 * max(1.0, abs(speed)):
-            raise ValueError(
-                f"omega1 = {speed:g} rad/s of the FMU is refused: allowed is the engine's {engine.speed:g}"
-            )
+        self._last = fmu.read(_ANSWERS)
 
     @property
     def energy_stored(self) -> float:
         """Kinetic energy of engine and module together, J."""
         return self.fmu["energy_stored"]
 
-    def step(self, h: float) -> Exchange:
-        """Advance both by one communication step, s.
-
-        Raises:
-            DriveError: the FMU refused the step; both are where they were, and a good step goes on.
-        """
+    def _exchange(self, h: float) -> Exchange:
         before, after = self.engine.state, self.engine.at_held_speed(h)
         torque = (after.impulse_out - before.impulse_out) / h
         self.fmu.set(drive_torque=torque)
         self.fmu.advance(h)
         self.ledger.fmu_steps += 1
-        speed, angle, turns, energy = self.fmu.read(_ANSWERS)
-        turned = (angle - self._angle) + 2.0 * math.pi * (turns - self._turns)
+        speed, angle, turns, energy = answers = self.fmu.read(_ANSWERS)
+        _, last_angle, last_turns, last_energy = self._last
+        turned = (angle - last_angle) + 2.0 * math.pi * (turns - last_turns)
         work = torque * turned
+        self._last = answers
         self.engine.state = after._replace(
             speed=speed,
             angle=before.angle + turned,
             work_in=before.work_in + work,
             work_out=before.work_out + work,
         )
-        self.exchange = Exchange(h, turned / h, turned / h, torque, torque, work, energy - self._energy)
-        self._angle, self._turns, self._energy = angle, turns, energy
-        self.ledger.add(self.exchange)
-        return self.exchange
+        return Exchange(h, torque, torque, work, energy - last_energy)
