@@ -59,9 +59,9 @@ class Instance:
         try:
             self._folder = extract(str(self.path))
         except Exception as error:
-            raise DriveError(f"{self.path} is refused: it is no FMU ({error})") from error
+            raise DriveError(f"{self.path} must be an FMU: {error}") from error
         if description.fmiVersion != "2.0" or description.coSimulation is None:
-            raise DriveError(f"{self.path} is refused: allowed is an FMU for co-simulation of FMI 2.0")
+            raise DriveError(f"{self.path} must be an FMU for co-simulation of FMI 2.0")
         self.variables = {variable.name: variable for variable in description.modelVariables}
         self.units = {name: variable.unit for name, variable in self.variables.items() if variable.unit}
         self._instance = FMU2Slave(
@@ -76,7 +76,7 @@ class Instance:
             reasons = "; ".join(self.messages) or str(error)
             raise DriveError(f"{self.path} cannot be instantiated: {reasons}") from error
 
-    def hear(self, status: int, message: str) -> None:
+    def on_message(self, status: int, message: str) -> None:
         """Take a log message of the FMU; status as in FMI 2.0."""
         self.messages.append(message)
         if status == WARNING:

@@ -78,7 +78,7 @@ def check_fmu(path: Path) -> Report:
         description = read_model_description(str(path), validate=False)
         platforms = list(supported_platforms(str(path)))
     except Exception as error:
-        raise DriveError(f"{path} is refused: it is no FMU ({error})") from error
+        raise DriveError(f"{path} must be an FMU: {error}") from error
     report.facts = _facts(description, platforms)
     report.problems += validate_fmu(str(path))
     hosts = (host, platform_tuple)

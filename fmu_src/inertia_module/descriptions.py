@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from .errors import DriveError
-from .units import BOOLEANS, in_words, number_of
+from .units import BOOLEANS, allowed_number, number_of
 
-# ctypes cuts off what is more, without a word
+# ctypes cuts off what is more, silently
 LARGEST_INTEGER = 2.0**31 - 1.0
 
 
@@ -39,7 +39,7 @@ def read_description(path: Path) -> Any:
     except DriveError:
         raise
     except Exception as error:
-        raise DriveError(f"{path} is refused: it is no FMU ({error})") from error
+        raise DriveError(f"{path} must be an FMU: {error}") from error
 
 
 def _items(variable: Any) -> Mapping[str, float] | None:
@@ -62,7 +62,7 @@ def number_for(variable: Any, value: Any) -> float:
     if variable.type == "Real":
         if isinstance(value, float):
             return value
-        items, allowed = None, in_words(variable.unit or "1")
+        items, allowed = None, allowed_number(variable.unit or "1")
     else:
         items = _items(variable)
         allowed = f"one of {', '.join(items)}" if items else "a whole number of 32 bits"

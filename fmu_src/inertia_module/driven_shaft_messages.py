@@ -1,4 +1,4 @@
-"""What refusals by the kernel of DrivenShaft say to a person (see :mod:`.messages`)."""
+"""The sentences for what the kernel of DrivenShaft refuses (see :mod:`.messages`)."""
 
 from __future__ import annotations
 

@@ -81,7 +81,7 @@ class Fmu(Instance):
         variable = self.variables.get(name)
         if variable is None:
             known = ", ".join(self.variables)
-            raise DriveError(f"{name} is refused: {self.path.name} has no such variable; it has {known}")
+            raise DriveError(f"{name} must be a variable of {self.path.name}: {known}")
         return variable
 
     def _assign(self, values: Mapping[str, float | bool | str]) -> None:

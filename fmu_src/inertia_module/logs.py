@@ -14,13 +14,13 @@ WARNING = 1
 
 
 class Listener(Protocol):
-    """Who hears the messages of an instance."""
+    """What takes the messages of an instance."""
 
-    def hear(self, status: int, message: str) -> None:
+    def on_message(self, status: int, message: str) -> None:
         """Take a message; status as in FMI 2.0."""
 
 
-# instances by the environment their callbacks carry, and who hears the messages of all others
+# instances by the environment their callbacks carry, and what takes the messages of all others
 _listeners: weakref.WeakValueDictionary[int, Listener] = weakref.WeakValueDictionary()
 _others: list[tuple[list[str], list[str]]] = []
 
@@ -31,7 +31,7 @@ def _dispatch(environment: int | None, instance: bytes, status: int, category: b
 
     listener = _listeners.get(environment or 0)
     if listener is not None:
-        listener.hear(status, message.decode("utf-8", "replace"))
+        listener.on_message(status, message.decode("utf-8", "replace"))
     elif _others and status > 0:
         warnings, errors = _others[-1]
         (warnings if status == WARNING else errors).append(message.decode("utf-8", "replace"))

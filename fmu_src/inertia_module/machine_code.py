@@ -55,9 +55,9 @@ def _machine(target: Any, processor: str, features: str) -> Any:
 
 
 def _is_inlined(symbol: str) -> bool:
-    """Whether numba's symbol, in which each word of a name follows its length, is one of INLINED."""
-    words = ("".join(f"{len(word)}{word}" for word in name.split(".")) for name in INLINED)
-    return any(f"{word}B" in symbol for word in words)
+    """Whether numba's symbol, in which each part of a name follows its length, is one of INLINED."""
+    names = ("".join(f"{len(part)}{part}" for part in name.split(".")) for name in INLINED)
+    return any(f"{name}B" in symbol for name in names)
 
 
 def compile_ir(ir: str, which: Entry, machine: Any) -> bytes:

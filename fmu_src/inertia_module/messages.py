@@ -1,16 +1,17 @@
-"""What refusals by the kernel of the module say to a person: names, values and what is allowed.
+"""The sentences for what the kernel of the module refuses: names, values and what is allowed.
 
-Each status and each warning has a sentence; {name} in it stands for the value of that parameter or
-input, {omega1_rate} and the like for the rates given, {step} for the communication step. Python and the
-native FMU fill them in.
+Each status and each warning has one; {name} in it stands for the value of that parameter or input,
+{omega1_rate} and the like for the rates given, {step} for the communication step. Python and the native
+FMU fill them in.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
+from .errors import must_be
 from .kernel import codes
-from .variables import BY_NAME, LARGEST_STEP, Variable, refusal
+from .variables import BY_NAME, LARGEST_STEP, Variable
 
 
 def named(*names: str) -> str:
@@ -20,19 +21,19 @@ def named(*names: str) -> str:
 
 def bad_input(variable: Variable) -> str:
     """Sentence for an input that is not finite or absurd."""
-    return refusal(variable, f"{{{variable.name}}}")
+    return must_be(variable.name, variable.allowed, f"{{{variable.name}}}")
 
 
 def bad_rate(variable: Variable) -> str:
     """Sentence for a rate that makes an input absurd within the step."""
     name = variable.name
     return (
-        f"the rate {{{name}_rate}} {variable.unit}/s of {name} is refused with {named(name)} over"
-        f" {{step}} s: allowed is what keeps {name} {variable.allowed}"
+        f"the rate of {name} must keep it {variable.allowed} over {{step}} s, is {{{name}_rate}}"
+        f" {variable.unit}/s from {named(name)}"
     )
 
 
-BAD_STEP = f"communication step = {{step}} s is refused: allowed is above 0 up to {LARGEST_STEP:g} s"
+BAD_STEP = must_be("communication step", f"above 0 and at most {LARGEST_STEP:g} s", "{step}")
 _GIVEN_UP = "communication step = {step} s is given up: "
 
 
@@ -40,42 +41,40 @@ def not_finite(*inputs: Variable) -> str:
     """Sentence for a motion that overflows with these inputs."""
     *others, last = (f"{named(variable.name)} {variable.unit}" for variable in inputs)
     listed = f"{', '.join(others)} and {last}"
-    return (
-        f"{_GIVEN_UP}the motion leaves the range of doubles with {listed}; allowed is what stays below 1e300"
-    )
-
-
-def _bad_start_output(word: str, sign: str) -> str:
-    return (
-        f"{named('omega_out_start', 'omega2_start')} are refused together: {word} the output freewheel"
-        f" allowed is omega_out_start {sign} omega2_start"
-    )
+    return f"{_GIVEN_UP}the motion leaves the range of doubles with {listed}; it must stay below 1e300"
 
 
 MESSAGES: Mapping[int, str] = {
     codes.NO_RECTIFIER: (
-        f"{named('fidelity', 'housing_freewheel', 'output_freewheel')} are refused together: without both"
-        " freewheels nothing rectifies the pulses and there is no mean torque; allowed is fidelity = 1"
-        " (averaged) with both freewheels"
+        f"with {named('fidelity')} (averaged) housing_freewheel and output_freewheel must both be 1, are"
+        " {housing_freewheel} and {output_freewheel}: without both freewheels nothing rectifies the pulses"
+        " and there is no mean torque"
     ),
     codes.SINGULAR: (
-        f"{named('link2_inertia', 'drive_inertia', 'a', 'b', 'eccentricity', 'imbalance_mass')} are refused"
-        " together: the inertia behind link 2 vanishes where the imbalance rests in link 1 (a = b, or no"
-        " eccentricity); allowed is link2_inertia > 0, drive_inertia > 0, or a different from b"
+        f"with {named('drive_inertia', 'a', 'b', 'eccentricity', 'imbalance_mass')} link2_inertia must be"
+        " above 0 by more than rounding, is {link2_inertia}: the inertia behind link 2 vanishes where the"
+        " imbalance rests in link 1 (a = b, or no eccentricity); drive_inertia above 0 or a different from b"
+        " helps too"
     ),
     codes.BAD_START_HOUSING: (
-        f"{named('omega2_start')} is refused: with the housing freewheel allowed is omega2_start >= 0"
+        "with the housing freewheel omega2_start must be at least 0, is {omega2_start}"
     ),
-    codes.BAD_START_OUTPUT: _bad_start_output("with", ">="),
-    codes.BAD_START_RIGID: _bad_start_output("without", "="),
+    codes.BAD_START_OUTPUT: (
+        f"with the output freewheel omega_out_start must be at least {named('omega2_start')}, is"
+        " {omega_out_start}"
+    ),
+    codes.BAD_START_RIGID: (
+        f"without the output freewheel omega_out_start must be {named('omega2_start')}, is"
+        " {omega_out_start}"
+    ),
     codes.NO_INPUT_INERTIA: (
-        f"{named('input_inertia', 'drive')} are refused together: the speed of link 1 follows from a torque"
-        " only where it has inertia; allowed is drive = 0 (speed), or input_inertia > 0 with that of the"
-        " engine or motor"
+        f"with {named('drive')} (torque) input_inertia, with that of the engine or motor, must be above 0 by"
+        " more than rounding, is {input_inertia}: the speed of link 1 follows from a torque only where it has"
+        " inertia"
     ),
     codes.PRESCRIBED: (
-        f"{named('fidelity', 'drive')} are refused together: the motion is prescribed, so no torque can make"
-        " it; allowed is drive = 0 (speed), or fidelity = 1 (averaged), 2 (rigid) or 3 (elastic)"
+        f"with {named('drive')} (torque) fidelity must be 1 (averaged), 2 (rigid) or 3 (elastic), is"
+        " {fidelity} (kinematic): the motion is prescribed, so no torque can make it"
     ),
     codes.BAD_OMEGA1: bad_input(BY_NAME["omega1"]),
     codes.BAD_LOAD_TORQUE: bad_input(BY_NAME["load_torque"]),
@@ -85,15 +84,15 @@ MESSAGES: Mapping[int, str] = {
     codes.BAD_DRIVE_TORQUE_RATE: bad_rate(BY_NAME["drive_torque"]),
     codes.BAD_STEP: BAD_STEP,
     codes.TOO_MANY_SWITCHES: (
-        f"{_GIVEN_UP}the freewheels switch without end; allowed is 1000 switches and 64 more a pulse"
+        f"{_GIVEN_UP}the freewheels switch without end; they must switch at most 1000 times and 64 more a"
+        " pulse"
     ),
     codes.TOO_MUCH_WORK: (
-        f"{_GIVEN_UP}it takes more than 5e7 evaluations of the mechanism; allowed is a shorter"
-        " communication step or a larger tolerance"
+        f"{_GIVEN_UP}it takes more than 5e7 evaluations of the mechanism; the communication step must be"
+        " shorter or tolerance larger"
     ),
     codes.STEP_TOO_SMALL: (
-        f"{_GIVEN_UP}no internal step meets {named('tolerance')}; allowed is a larger tolerance, or more"
-        " link2_inertia"
+        f"{_GIVEN_UP}no internal step meets {named('tolerance')}; tolerance or link2_inertia must be larger"
     ),
     codes.NOT_FINITE: not_finite(BY_NAME["omega1"], BY_NAME["load_torque"], BY_NAME["drive_torque"]),
 }

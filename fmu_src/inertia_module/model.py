@@ -46,7 +46,7 @@ class Model:
         zero_at_start: outputs that are zero at initialisation.
         given_at_start: outputs that depend at initialisation on these names alone. All other outputs
             depend on all inputs and parameters but idle_at_start.
-        late: variables that the kernel's STEP_ONLY leaves aside and OUTPUTS fills in.
+        late: variables that the kernel's STEP_ONLY leaves out and OUTPUTS fills in.
         traced: variables that a log of every step shows.
         bounds: of the numbers in d and x that are used as an index or a choice.
     """

@@ -10,15 +10,17 @@ from typing import Any, ClassVar, Self
 
 from . import compiled, maps
 from .entries import MODULE, CompilationUnavailable, source_hash
-from .errors import Refused
+from .errors import Refused, must_be
 from .kernel import codes
 from .model import DRIVEN_SHAFT, INERTIA_MODULE, Model
 from .records import record_type
 from .variables import INPUT, OUTPUT, PARAMETER, default_parameters, refused_parameters
 
+NO_STATE = "the state must be one saved by this build, is damaged or of another build"
+
 
 def choose_kernel(kernel: str, name: str = MODULE) -> tuple[Callable[..., int] | None, str]:
-    """The compiled entry, or None for the plain kernel, and a word on why.
+    """The compiled entry, or None for the plain kernel, and why.
 
     Args:
         kernel: "compiled", "plain", or "auto": what the environment variable INERTIA_MODULE_KERNEL
@@ -26,8 +28,8 @@ def choose_kernel(kernel: str, name: str = MODULE) -> tuple[Callable[..., int] |
         name: which of entries.ENTRIES.
 
     Raises:
-        CompilationUnavailable: "compiled" was asked for and cannot be had.
-        Refused: another word.
+        CompilationUnavailable: "compiled" was asked for and there is none.
+        Refused: kernel is none of these.
     """
     if kernel == "auto":
         kernel = os.environ.get("INERTIA_MODULE_KERNEL", "auto")
@@ -36,7 +38,7 @@ def choose_kernel(kernel: str, name: str = MODULE) -> tuple[Callable[..., int] |
     if kernel == "compiled":
         return compiled.load(name), "compiled"
     if kernel != "auto":
-        raise Refused(f"kernel = {kernel!r} is refused: allowed is auto, compiled or plain")
+        raise Refused(must_be("kernel", "auto, compiled or plain", repr(kernel)))
     try:
         return compiled.load(name), "compiled"
     except CompilationUnavailable as error:
@@ -93,11 +95,9 @@ class ModelInstance:
             variable = known.get(name)
             if variable is None or variable.causality not in (INPUT, PARAMETER):
                 settable = ", ".join(v.name for v in known.values() if v.causality in (INPUT, PARAMETER))
-                raise Refused(f"{name} is refused: no such parameter or input; allowed are {settable}")
+                raise Refused(f"{name} must be a parameter or an input: {settable}")
             if variable.causality == PARAMETER and self.started:
-                raise Refused(
-                    f"{name} = {value} is refused: parameters are fixed once the module has started"
-                )
+                raise Refused(f"{name} = {value} must be set before the start: parameters are fixed after it")
             record = self.inputs if variable.causality == INPUT else self.parameters
             places.append((record, name, variable.number(value)))
         for record, name, number in places:
@@ -112,7 +112,7 @@ class ModelInstance:
         inputs = [variable.name for variable in self.model.with_causality(INPUT)]
         for name in rates:
             if name not in inputs:
-                raise Refused(f"the rate of {name} is refused: allowed are those of {', '.join(inputs)}")
+                raise Refused(f"the rate of {name} must be that of an input: {', '.join(inputs)}")
         for name, rate in rates.items():
             setattr(self.inputs, f"{name}_rate", rate)
             setattr(self.inputs, f"{name}_rate_given", 1.0)
@@ -129,7 +129,7 @@ class ModelInstance:
             Refused: the instance has not been started, or a step from here is refused.
         """
         if not self.started:
-            raise Refused("rates are refused: the module has not been started")
+            raise Refused("rates must come after the start, the module has not been started")
         copy = type(self)("plain" if self._entry is None else "compiled")
         copy.restore(self.save())
         self._check(copy.call(codes.RATES, 0.0), 0.0)
@@ -163,7 +163,7 @@ class ModelInstance:
             Refused: bad inputs or step, or work without end; the state is as it was.
         """
         if not self.started:
-            raise Refused("a step is refused: the module has not been started")
+            raise Refused("a step must come after the start, the module has not been started")
         self._check(self.call(codes.STEP, step_size), step_size)
         self._forget_rates()
 
@@ -209,19 +209,19 @@ class ModelInstance:
         head = len(self._magic) + 1
         start = head + len(source_hash())
         size = start + sum(ctypes.sizeof(record) for record in self._records[:5])
-        if len(saved) != size or saved[: len(self._magic)] != self._magic:
+        if len(saved) != size:
             raise Refused(
-                f"a state of {len(saved)} bytes is refused: allowed is one saved by this build ({size} bytes)"
+                f"the state must be one saved by this build, of {size} bytes, is of {len(saved)} bytes"
             )
-        if saved[head:start] != source_hash().encode():
-            raise Refused("a state of another build is refused: allowed is one saved by this build")
+        if saved[: len(self._magic)] != self._magic or saved[head:start] != source_hash().encode():
+            raise Refused(NO_STATE)
         started = saved[head - 1] != 0
         parts = []
         for record in self._records[:5]:
             parts.append(type(record).from_buffer_copy(saved, start))
             start += ctypes.sizeof(record)
         if must_be_started and not started:
-            raise Refused("a state saved before the start is refused: it must be one that can step")
+            raise Refused("the state must be one that can step, is one saved before the start")
         self._check_sound(started, dict(zip("pduxy", parts, strict=True)))
         self.load_kernel()
         self.started = started
@@ -236,7 +236,7 @@ class ModelInstance:
         """Refuse a state in which a number used as an index or a choice is none."""
         sound = all(bound.accepts(parts[bound.record].numbers[bound.place]) for bound in self.model.bounds)
         if not sound or (started and self._refused_parameters(parts["p"])):
-            raise Refused("a damaged state is refused: allowed is one saved by this build")
+            raise Refused(NO_STATE)
 
     def snapshot(self) -> dict[str, Any]:
         """All variables by name."""

@@ -47,21 +47,19 @@ class Result:
         """
         arrays = {name: np.atleast_1d(np.asarray(values, dtype=float)) for name, values in columns.items()}
         if TIME not in arrays:
-            raise TableError(f"columns {', '.join(arrays) or 'none'} are refused: a column {TIME} is needed")
+            raise TableError(f"columns must include {TIME}, are {', '.join(arrays) or 'none'}")
         given = dict(units or {})
         arrays[TIME] = arrays[TIME] * _factor(TIME, given.pop(TIME, "s"), "s")
         n = arrays[TIME].size
         for name, values in arrays.items():
             if values.shape != (n,):
-                raise TableError(f"{name} has shape {values.shape}: allowed is ({n},), that of {TIME}")
+                raise TableError(f"{name} must have shape ({n},), that of {TIME}, has {values.shape}")
             if not np.isfinite(values).all():
                 row = int(np.argmin(np.isfinite(values)))
-                raise TableError(
-                    f"{name} = {values[row]} in row {row} is refused: allowed are finite numbers"
-                )
+                raise TableError(f"{name} must be finite, is {values[row]} in row {row}")
         if (np.diff(arrays[TIME]) < 0).any():
             row = int(np.argmax(np.diff(arrays[TIME]) < 0)) + 1
-            raise TableError(f"{TIME} = {arrays[TIME][row]} in row {row} is refused: {TIME} may not go back")
+            raise TableError(f"{TIME} must not go back, is {arrays[TIME][row]} in row {row}")
         ordered = {TIME: arrays.pop(TIME), **arrays}
         return cls(ordered, {TIME: "s", **given})
 
@@ -77,7 +75,7 @@ class Result:
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
         if name not in self.columns:
-            raise TableError(f"{name} is refused: no such column; allowed are {', '.join(self.columns)}")
+            raise TableError(f"{name} must be a column: {', '.join(self.columns)}")
         return self.columns[name]
 
     def __contains__(self, name: object) -> bool:
@@ -165,7 +163,7 @@ def _rows(path: Path | str) -> list[tuple[int, list[str]]]:
         reader = csv.reader(io.StringIO(text), delimiter=next((d for d in ";\t" if d in heading), ","))
         return [(reader.line_num, row) for row in reader if any(cell.strip() for cell in row)]
     except OSError as error:
-        raise TableError(f"{path} is refused: {error.strerror}; allowed is a CSV file") from error
+        raise TableError(f"{path} must be a CSV file: {error.strerror}") from error
     except (UnicodeDecodeError, csv.Error) as error:
         raise TableError(f"{path} must be a CSV file in UTF-8: {error}") from error
 
@@ -189,7 +187,9 @@ def read_columns(path: Path | str) -> tuple[dict[str, list[float]], dict[str, st
     """
     rows = _rows(path)
     if len(rows) < 2:
-        raise TableError(f"{path} is refused: allowed is a heading row and at least one row of numbers")
+        raise TableError(
+            f"{path} must have a heading row and at least one row of numbers, has {len(rows)} rows"
+        )
     headings = [_heading(cell) for cell in rows.pop(0)[1]]
     names = [name for name, _ in headings]
     for number, name in enumerate(names, 1):

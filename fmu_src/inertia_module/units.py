@@ -92,22 +92,22 @@ def split_quantity(text: str) -> tuple[float, str]:
     return float(match[1]), match[2]
 
 
-def in_words(
+def allowed_number(
     unit: str, minimum: float | None = None, maximum: float | None = None, above: float | None = None
 ) -> str:
-    """The allowed range in words."""
+    """The allowed range of a number in a unit, as it follows "must be"."""
     limits = []
     if above is not None:
         limits.append(f"above {above:g}")
     if minimum is not None:
-        limits.append(f"from {minimum:g}")
+        limits.append(f"at least {minimum:g}")
     if maximum is not None:
-        limits.append(f"to {maximum:g}")
-    words = " ".join(["a number", *limits])
+        limits.append(f"at most {maximum:g}")
+    number = " ".join(["a number", " and ".join(limits)]).strip()
     if unit == "1":
-        return words
+        return number
     example = "2" if above is None and minimum is None else f"{max(above or 0.0, minimum or 0.0, 2.0):g}"
-    return f"{words} in {unit}, or a string with a unit such as '{example} {unit}'"
+    return f"{number} in {unit}, or a string with a unit such as '{example} {unit}'"
 
 
 def to_si(value: Any, unit: str) -> float:

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from .errors import Refused
+from .errors import Refused, must_be
 from .kernel import limits
 from .units import BOOLEANS, number_of
 
@@ -111,17 +111,17 @@ class Variable:
 
     @property
     def allowed(self) -> str:
-        """The allowed values in words."""
+        """The allowed values, as they follow "must be"."""
         if self.kind == BOOLEAN:
             return "true or false"
         if self.kind == ENUMERATION:
-            items = ENUMERATIONS[self.enumeration]
-            return ", ".join(f"{number} ({name})" for name, number, _ in items)
+            *others, last = (f"{number} ({name})" for name, number, _ in ENUMERATIONS[self.enumeration])
+            return f"{', '.join(others)} or {last}"
         low = -math.inf if self.minimum is None else self.minimum
         high = math.inf if self.maximum is None else self.maximum
         unit = f" {self.unit}" if self.unit not in ("", "1") else ""
         number = "a whole number " if self.kind == INTEGER else ""
-        return f"{number}from {low:.16g} to {high:.16g}{unit}"
+        return f"{number}between {low:.16g} and {high:.16g}{unit}"
 
     @property
     def items(self) -> Mapping[str, float] | None:
@@ -141,9 +141,9 @@ class Variable:
         try:
             number = value if isinstance(value, float) else number_of(value, self.unit or "1", self.items)
         except ValueError:
-            raise Refused(refusal(self, repr(value))) from None
+            raise Refused(must_be(self.name, self.allowed, repr(value))) from None
         if not self.accepts(number):
-            raise Refused(refusal(self, number))
+            raise Refused(must_be(self.name, self.allowed, number))
         return number
 
     def accepts(self, value: float) -> bool:
@@ -315,16 +315,10 @@ def default_parameters(table: Iterable[Variable] = VARIABLES) -> dict[str, float
     }
 
 
-def refusal(variable: Variable, value: float | str) -> str:
-    """Why a value is refused: name, value (or what stands for it), what is allowed."""
-    text = value if isinstance(value, str) else f"{value:.16g}"
-    return f"{variable.name} = {text} is refused: allowed is {variable.allowed}"
-
-
 def refused_parameters(values: Mapping[str, float], table: Iterable[Variable] = VARIABLES) -> list[str]:
     """One message for each parameter that is out of its own range."""
     return [
-        refusal(variable, values[variable.name])
+        must_be(variable.name, variable.allowed, values[variable.name])
         for variable in with_causality(PARAMETER, table=table)
         if not variable.accepts(values[variable.name])
     ]

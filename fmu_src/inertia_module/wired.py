@@ -12,6 +12,7 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from .descriptions import read_description
+from .errors import must_be
 from .instance import DriveError, Fmu
 from .results import TIME, Result
 from .wiring import SAME_STEP, Wire, WiringError, check_wiring
@@ -56,7 +57,7 @@ class WiredFmus:
         self, nodes: Mapping[str, Node], wires: Sequence[Wire], step: float, order: str = JACOBI
     ) -> None:
         if order not in (JACOBI, GAUSS_SEIDEL):
-            raise WiringError(f"order {order!r} is refused: allowed is {JACOBI} or {GAUSS_SEIDEL}")
+            raise WiringError(must_be("order", f"{JACOBI} or {GAUSS_SEIDEL}", repr(order)))
         driven = {(wire.sink, wire.input) for wire in wires}
         given = {
             name: [known for known in node.inputs if (name, known) not in driven]
@@ -96,8 +97,8 @@ class WiredFmus:
         for wire in self._wires:
             if wire.sink == name and wire.input in values:
                 raise WiringError(
-                    f"{name}.{wire.input} is refused: {wire.source}.{wire.output} drives it;"
-                    " allowed are inputs that no wire drives"
+                    f"{name}.{wire.input} must be an input that no wire drives:"
+                    f" {wire.source}.{wire.output} drives it"
                 )
         self._fmu(name).set(**values)
 

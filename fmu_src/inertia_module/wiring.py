@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-from .errors import Refused
+from .errors import Refused, must_be
 from .kernel.codes import DRIVE_SPEED, DRIVE_TORQUE
 from .variables import ENUMERATIONS
 
@@ -50,13 +50,11 @@ def _end(descriptions: Mapping[str, Any], wire: Wire, instance: str, name: str, 
     """
     if instance not in descriptions:
         known = ", ".join(descriptions)
-        raise WiringError(f"{wire} is refused: there is no {instance}; allowed are {known}")
+        raise WiringError(f"{wire}: {instance} must be one of {known}")
     variable = _by_name(descriptions[instance]).get(name)
     if variable is None or variable.causality != causality:
         there = [v.name for v in descriptions[instance].modelVariables if v.causality == causality]
-        raise WiringError(
-            f"{wire} is refused: {instance} has no {causality} {name}; it has {', '.join(there)}"
-        )
+        raise WiringError(f"{wire}: {name} must be an {causality} of {instance}: {', '.join(there)}")
     return variable
 
 
@@ -64,11 +62,10 @@ def _check_wire(descriptions: Mapping[str, Any], wire: Wire) -> None:
     start = _end(descriptions, wire, wire.source, wire.output, "output")
     end = _end(descriptions, wire, wire.sink, wire.input, "input")
     if start.type != end.type:
-        raise WiringError(f"{wire} is refused: {start.type} drives {end.type}; allowed is the same kind")
+        raise WiringError(f"{wire}: both ends must be of one kind, are {start.type} and {end.type}")
     if (start.unit or "1") != (end.unit or "1"):
         raise WiringError(
-            f"{wire} is refused: {wire.output} is in {start.unit or '1'}, {wire.input} in {end.unit or '1'};"
-            " allowed is the same unit"
+            f"{wire}: both ends must be in one unit, are in {start.unit or '1'} and {end.unit or '1'}"
         )
 
 
@@ -97,7 +94,7 @@ def _check_driven(
     for wire in wires:
         if wire.input == idle[wire.sink]:
             other = next(name for name in _IDLE.values() if name != wire.input)
-            problems.append(f"{wire} is refused: it has no effect with that drive; allowed is {other}")
+            problems.append(f"{wire}: the input must be {other}, {wire.input} has no effect with that drive")
     drivers: dict[tuple[str, str], list[str]] = {}
     for wire in wires:
         drivers.setdefault((wire.sink, wire.input), []).append(f"{wire.source}.{wire.output}")
@@ -107,15 +104,14 @@ def _check_driven(
     for (instance, name), found in drivers.items():
         if len(found) > 1:
             problems.append(
-                f"{instance}.{name} is driven by {' and by '.join(found)}: allowed is one of them"
+                f"{instance}.{name} must be driven by one of them, is driven by {' and by '.join(found)}"
             )
     for instance, description in descriptions.items():
         for variable in description.modelVariables:
             needed = variable.causality == "input" and variable.name != idle[instance]
             if needed and (instance, variable.name) not in drivers:
                 problems.append(
-                    f"{instance}.{variable.name} is missing: nothing drives it;"
-                    " allowed is a wire or a given value"
+                    f"{instance}.{variable.name} must be driven by a wire or a given value, nothing drives it"
                 )
     return problems
 
@@ -145,8 +141,8 @@ def _check_loops(descriptions: Mapping[str, Any], wires: Sequence[Wire]) -> None
     except graphlib.CycleError as error:
         around = " <- ".join(error.args[1])
         raise WiringError(
-            f"an algebraic loop is refused: {around}; allowed is a loop with an output in it that does not"
-            " depend on its inputs at a communication point"
+            "an algebraic loop must hold an output that does not depend on its inputs at a communication"
+            f" point, holds none: {around}"
         ) from None
 
 
@@ -155,11 +151,11 @@ def _check_steps(descriptions: Mapping[str, Any], steps: Mapping[str, float], st
     for instance, own in steps.items():
         ratio = step / own if own > 0.0 and math.isfinite(own) else math.nan
         if instance not in descriptions:
-            problems.append(f"a step of {instance} is refused: there is no such FMU")
+            problems.append(f"{instance} with a step of its own must be one of {', '.join(descriptions)}")
         elif not (ratio >= 1.0 - SAME_STEP and abs(ratio - round(ratio)) <= SAME_STEP * ratio):
             problems.append(
-                f"a step of {own:g} s of {instance} is refused: allowed is {step:g} s, at which values are"
-                " exchanged, or a whole part of it"
+                f"the step of {instance} must be {step:g} s, at which values are exchanged, or a whole part"
+                f" of it, is {own:g} s"
             )
     return problems
 
@@ -185,7 +181,7 @@ def check_wiring(
             loop, or steps that do not fit.
     """
     if not (math.isfinite(step) and step > 0.0):
-        raise WiringError(f"a step of {step:g} s is refused: allowed is a positive number")
+        raise WiringError(must_be("step", "a positive number of seconds", step))
     for wire in wires:
         _check_wire(descriptions, wire)
     for instance, names in given.items():

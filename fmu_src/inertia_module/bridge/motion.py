@@ -33,7 +33,7 @@ def check_inputs(fmu: Fmu, inputs: Sequence[str]) -> None:
     known = [name for name, variable in fmu.variables.items() if variable.causality == "input"]
     for name in inputs:
         if name not in known:
-            raise DriveError(f"input {name} is refused: allowed are {', '.join(known)}")
+            raise DriveError(f"input {name} must be one of {', '.join(known)}")
     if "drive" not in fmu.variables:
         return
     by_torque = _is_driven_by_torque(fmu)
@@ -42,8 +42,7 @@ def check_inputs(fmu: Fmu, inputs: Sequence[str]) -> None:
     )
     if idle in inputs:
         raise DriveError(
-            f"input {idle} is refused with drive = {drive}: it has no effect after the start;"
-            f" allowed is {given} in its place"
+            f"with drive = {drive} an input must be {given}, is {idle}: that has no effect after the start"
         )
 
 
@@ -66,15 +65,15 @@ def motion_of(fmu: Fmu) -> tuple[str, ...]:
     """
     if "input_hold" in fmu.variables and fmu["input_hold"] != 0.0:
         raise DriveError(
-            "input_hold = linear is refused with state = 'motion': it goes on from the last two inputs;"
-            " allowed is input_hold = constant, or state = 'whole'"
+            "with state = 'motion' input_hold must be constant, is linear: that goes on from the last two"
+            " inputs; state = 'whole' has them"
         )
     if "fidelity" not in fmu.variables:
         return _SHAFT_MOTION
     fidelity = _FIDELITIES[int(fmu["fidelity"])]
     if fidelity not in _MOTION:
         raise DriveError(
-            f"fidelity = {fidelity} is refused with state = 'motion': it has no start parameters for all of"
-            f" its motion; allowed are {', '.join(_MOTION)}, or state = 'whole'"
+            f"with state = 'motion' fidelity must be one of {', '.join(_MOTION)}, is {fidelity}: that has no"
+            " start parameters for all of its motion; state = 'whole' needs none"
         )
     return (*_MOTION[fidelity], _INPUT_SPEED) if _is_driven_by_torque(fmu) else _MOTION[fidelity]

@@ -53,7 +53,7 @@ def run(
         if fidelity is not None or (allowed is not None and read.chooses_fidelity):
             read = read.with_fidelity(fidelity or "auto", allowed)
         if allowed is not None and not read.chooses_fidelity:
-            raise ValueError(f"--error = {error} is refused: allowed is that only with fidelity auto")
+            raise ValueError(f"--error = {error} must come with fidelity auto")
         if read.chooses_fidelity:
             with progress_bar("measuring the levels of fidelity") as progress:
                 read, choice = choose(read, progress)
@@ -157,7 +157,7 @@ def chart(
         folder = folder_for(output, "chart")
         names = [scene.stem for scene in scenes]
         if len(set(names)) < len(names):
-            raise ValueError(f"scenes {', '.join(names)} are refused: allowed are files of different names")
+            raise ValueError(f"scenes must be files of different names, are {', '.join(names)}")
         omega1 = None if speed is None else turning(speed)
         charts = {
             name: torque_converter_chart(load_scene(scene).parameters(), (omega1 or 0.0) < 0.0)

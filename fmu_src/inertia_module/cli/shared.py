@@ -103,7 +103,7 @@ def share(option: str, text: str | None) -> float | None:
     try:
         return checked(text, "1", maximum=1.0, above=0.0)
     except ValueError as error:
-        raise ValueError(f"{option} = {text!r} is refused: {error}") from None
+        raise ValueError(f"{option} {error}") from None
 
 
 def turning(text: str) -> float:

@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 from .. import module
+from ..entries import source_hash
 from .slave import PythonSlave
+
+# while the files are there: later instances in the process share this code, when its own folder may be gone
+source_hash()
 
 
 class InertiaModulePy(PythonSlave):

@@ -1,4 +1,4 @@
-"""Running a scene: the FMU and what the scene puts around it, to a table and a summary."""
+"""Running a scene: the FMU and what the scene has around it, to a table and a summary."""
 
 from __future__ import annotations
 
@@ -72,9 +72,7 @@ def run_scene(scene: Scene, fmu_path: Path | str, progress: Progress | None = No
         SceneError: its fidelity is still to be chosen.
     """
     if scene.chooses_fidelity:
-        raise SceneError(
-            "mechanism.fidelity = 'auto' is refused here: it is to be chosen first (studies.trials.choose)"
-        )
+        raise SceneError("mechanism.fidelity must be chosen first (studies.trials.choose), is 'auto'")
     surroundings, values, inputs = start_of(scene)
     outputs = [*scene.run.outputs, *SUMMARISED]
     fmu = Fmu(

@@ -61,7 +61,7 @@ class Verdict:
 
 def cause(message: str) -> str:
     """What a refusal says is wrong, without the values and what is allowed."""
-    found = re.search(r"(?:refused|given up)[^:;]*: ([^;]*)", message)
+    found = re.search(r": ([^;]*)", message)
     return found.group(1).strip() if found else message
 
 

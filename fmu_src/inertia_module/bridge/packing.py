@@ -13,7 +13,7 @@ BYTES = 6
 _LIMIT = 2.0 ** (8 * BYTES)
 
 
-def words_of(data: bytes) -> NDArray[np.float64]:
+def numbers_of(data: bytes) -> NDArray[np.float64]:
     """Bytes as whole numbers, shape (n,); the first is the count of bytes."""
     padded = np.frombuffer(data + bytes(-len(data) % BYTES), dtype=np.uint8).reshape(-1, BYTES)
     wide = np.zeros((len(padded), 8), dtype=np.uint8)
@@ -21,19 +21,19 @@ def words_of(data: bytes) -> NDArray[np.float64]:
     return np.concatenate([[float(len(data))], wide.view("<u8")[:, 0].astype(np.float64)])
 
 
-def bytes_of(words: NDArray[np.float64]) -> bytes:
-    """What words_of was given.
+def bytes_of(numbers: NDArray[np.float64]) -> bytes:
+    """What numbers_of was given.
 
     Raises:
-        ValueError: the numbers are none of words_of: a state that has been changed.
+        ValueError: the numbers are none of numbers_of: a state that has been changed.
     """
-    whole = np.isfinite(words) & (words >= 0.0) & (words < _LIMIT) & (words == np.floor(words))
-    count = (len(words) - 1) * BYTES
-    if not whole.all() or not count - BYTES < words[0] <= count:
+    whole = np.isfinite(numbers) & (numbers >= 0.0) & (numbers < _LIMIT) & (numbers == np.floor(numbers))
+    count = (len(numbers) - 1) * BYTES
+    if not whole.all() or not count - BYTES < numbers[0] <= count:
         place = int(np.argmin(whole))
         raise ValueError(
-            f"number {place} of a whole state, {words[place]:.17g}, is refused: allowed is a state the system"
-            " has given, unchanged (state = 'motion' has one that can be changed)"
+            f"a whole state must be one that the system has given, is changed: number {place} is"
+            f" {numbers[place]:.17g} (state = 'motion' has one that can be changed)"
         )
-    narrow = words[1:].astype("<u8").view(np.uint8).reshape(-1, 8)[:, :BYTES]
-    return narrow.tobytes()[: int(words[0])]
+    narrow = numbers[1:].astype("<u8").view(np.uint8).reshape(-1, 8)[:, :BYTES]
+    return narrow.tobytes()[: int(numbers[0])]
