@@ -10,7 +10,8 @@ from typer.testing import CliRunner
 
 from inertia_module.cli import app
 from inertia_module.cli.shared import show_table
-from inertia_module.entries import CompilationUnavailable
+from inertia_module.common.terminal import progress, terminal
+from inertia_module.compiling.kernels import CompilationUnavailable
 from inertia_module.studies.choice import recommend
 from inertia_module.studies.coupling.study import print_rows as print_coupling
 from inertia_module.studies.coupling.trial import Trial
@@ -19,7 +20,6 @@ from inertia_module.studies.rows import Row as Measured
 from inertia_module.studies.stability.study import print_rows as print_stability
 from inertia_module.studies.stability.table import Cell, Row, read_rows
 from inertia_module.studies.stability.verdict import OUTCOMES
-from inertia_module.terminal import progress, terminal
 
 # a style, a picture and a closing tag to rich; to a user the name of an extra, of a key and of a folder
 AWKWARD = "[fast] :key: [/tmp]"
