@@ -327,7 +327,7 @@ def test_the_table_tells_which_variables_follow_from_the_motion(native):
         (
             {},
             ["energy_in"],
-            "with output energy_in state must be 'whole', is 'motion': it is a sum since the start",
+            "energy_in state must be 'whole', is 'motion': it is a sum since the start",
         ),
         ({}, ["imbalance_acceleration_y"], "depends on the angle of link 1"),
         (

@@ -40,7 +40,7 @@ PRINTERS = {
     "levels": lambda: print_levels(AWKWARD, [measured("rigid", "event", "x", 1.0, omega2=0.1)], ["omega2"]),
     "setting": lambda: print_levels("R1", [measured("peer", "x", AWKWARD, 1.0, omega2=0.1)], ["omega2"]),
     "stability": lambda: print_stability(stability_rows()),
-    "coupling": lambda: print_coupling("map", [Trial(AWKWARD, *[1.0] * 8)]),
+    "coupling": lambda: print_coupling("map", [Trial(AWKWARD, *[1.0] * 9)]),
     "message": lambda: terminal().print(AWKWARD),
 }
 
