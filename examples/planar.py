@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from inertia_module.harness.simulate import drive
+from inertia_module.harness.simulate import simulate
 
 FMU = Path(__file__).parent.parent / "build" / "InertiaModule.fmu"
 MECHANISM = {
@@ -16,7 +16,7 @@ MECHANISM = {
     "output_inertia": 0.4,
 }
 
-table = drive(
+table = simulate(
     FMU,
     inputs={"omega1": 120.0, "load_torque": 8.0},
     stop_time=1.0,

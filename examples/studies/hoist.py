@@ -14,7 +14,7 @@ import numpy as np
 from launch import FMU, MECHANISM, stall_torque
 
 from inertia_module.harness.results import Result, write_figure
-from inertia_module.harness.simulate import drive
+from inertia_module.harness.simulate import simulate
 
 LIFT = 0.01  # m a radian of the shaft: a drum of 0.2 m behind a gear of 20
 INERTIA = 0.2  # kg.m2, drum and load
@@ -33,7 +33,7 @@ def run(weight_torque, housing_freewheel=True, fmu=FMU, stop=TIMES[-1]):
     parameters = {**MECHANISM, "output_inertia": INERTIA, "housing_freewheel": housing_freewheel}
     parameters["input_hold"] = "linear"
     inputs = {"time": TIMES, "omega1": SPEEDS, "load_torque": np.full(len(TIMES), weight_torque)}
-    table = drive(fmu, inputs, stop, STEP, OUTPUTS, parameters)
+    table = simulate(fmu, inputs, stop, STEP, OUTPUTS, parameters)
     # the work done on the load is its weight times the height
     height = table["energy_out"] * LIFT / weight_torque
     columns = {name: table[name] for name in table.names} | {"height": height}

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from inertia_module.harness.results import Result, write_figure
-from inertia_module.harness.simulate import drive
+from inertia_module.harness.simulate import simulate
 
 FMU = Path(__file__).parents[2] / "build" / "InertiaModule.fmu"
 MECHANISM = {"layout": "planar", "sun_radius": 0.1, "satellite_radius": 0.06, "eccentricity": 0.04}
@@ -28,14 +28,14 @@ OUTPUTS = ("omega_out", "output_torque_mean", "input_torque_mean")
 def stall_torque(omega1, fmu=FMU):
     """Mean torque on a shaft that stands, N.m: of a second, for it has some hundred pulses."""
     held = {**MECHANISM, "output_inertia": 1e9}
-    table = drive(fmu, {"omega1": omega1, "load_torque": 0.0}, 1.0, 1.0, OUTPUTS, held)
+    table = simulate(fmu, {"omega1": omega1, "load_torque": 0.0}, 1.0, 1.0, OUTPUTS, held)
     return table["output_torque_mean"][-1]
 
 
 def launch(omega1, fidelity, fmu=FMU):
     """The launch as a table over time."""
     parameters = {**MECHANISM, "output_inertia": FLYWHEEL, "fidelity": fidelity}
-    return drive(fmu, {"omega1": omega1, "load_torque": LOAD}, STOP, STEP, OUTPUTS, parameters)
+    return simulate(fmu, {"omega1": omega1, "load_torque": LOAD}, STOP, STEP, OUTPUTS, parameters)
 
 
 def time_to(table, speed):

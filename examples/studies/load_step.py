@@ -17,7 +17,7 @@ from launch import FMU, MECHANISM
 
 from inertia_module.harness.chart import torque_converter_chart
 from inertia_module.harness.results import Result, write_figure
-from inertia_module.harness.simulate import drive
+from inertia_module.harness.simulate import simulate
 
 OMEGA1 = 150.0  # rad/s
 INERTIA = 0.5  # kg.m2
@@ -51,7 +51,7 @@ def run(loads, fmu=FMU):
     time = np.sort(np.concatenate([edges[:-1], edges[1:] - STEP]))
     inputs = {"time": time, "omega1": np.full(time.size, OMEGA1), "load_torque": np.repeat(loads, 2)}
     parameters = {**MECHANISM, "output_inertia": INERTIA}
-    return drive(fmu, inputs, float(edges[-1]), STEP, OUTPUTS, parameters)
+    return simulate(fmu, inputs, float(edges[-1]), STEP, OUTPUTS, parameters)
 
 
 def study(fmu=FMU):

@@ -13,7 +13,7 @@ import numpy as np
 from launch import FMU, MECHANISM
 
 from inertia_module.harness.results import Result, write_figure
-from inertia_module.harness.simulate import drive
+from inertia_module.harness.simulate import simulate
 
 INERTIA = 2.0  # kg.m2
 LOAD = 5.0  # N.m
@@ -29,7 +29,7 @@ def run(output_freewheel=True, fmu=FMU):
     parameters = {**MECHANISM, "output_inertia": INERTIA, "output_freewheel": output_freewheel}
     parameters["input_hold"] = "linear"
     inputs = {"time": TIMES, "omega1": SPEEDS, "load_torque": np.full(len(TIMES), LOAD)}
-    return drive(fmu, inputs, TIMES[-1], STEP, OUTPUTS, parameters)
+    return simulate(fmu, inputs, TIMES[-1], STEP, OUTPUTS, parameters)
 
 
 def phases(table):

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from inertia_module.contract.models import DRIVEN_SHAFT
-from inertia_module.harness.fmu import DriveError, Fmu
+from inertia_module.harness.fmu import Fmu, FmuError
 from inertia_module.memory.instances import DrivenShaft
 
 FLAVOURS = ("DrivenShaft",)
@@ -38,7 +38,7 @@ def test_bad_input_or_step_is_discarded_and_nothing_is_lost(instances):
 
 
 def test_bad_input_at_the_end_of_initialisation_is_refused(fmu_path):
-    with pytest.raises(DriveError, match=r"^hub_speed must be between .* rad/s, is nan$"):
+    with pytest.raises(FmuError, match=r"^hub_speed must be between .* rad/s, is nan$"):
         Fmu(fmu_path, inputs={"hub_speed": math.nan})
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from inertia_module.common.errors import Refused
-from inertia_module.harness.simulate import DriveError, Fmu, TableError, drive
+from inertia_module.harness.simulate import Fmu, FmuError, TableError, simulate
 
 START = {"omega1": 100.0, "load_torque": 10.0}
 
@@ -17,7 +17,7 @@ def fmu(fmu_path):
 
 
 def refusal(action, *arguments, **values):
-    with pytest.raises(DriveError) as refused:
+    with pytest.raises(FmuError) as refused:
         action(*arguments, **values)
     assert isinstance(refused.value, Refused)
     assert "\n" not in str(refused.value)
@@ -122,7 +122,7 @@ def test_an_input_may_have_a_unit(fmu):
     ],
 )
 def test_what_is_no_value_is_refused_by_name(fmu_path, name, value, words):
-    with pytest.raises(DriveError, match=words):
+    with pytest.raises(FmuError, match=words):
         Fmu(fmu_path, {name: value})
 
 
@@ -134,7 +134,7 @@ def test_one_bad_value_keeps_all_others_out(fmu, bad):
 
 def test_one_name_may_stand_for_names(fmu, fmu_path):
     assert fmu.read("omega_out") == fmu.read(("omega_out",))
-    table = drive(fmu_path, START, 0.02, 0.01, outputs="omega_out")
+    table = simulate(fmu_path, START, 0.02, 0.01, outputs="omega_out")
     assert table.names == ["time", "omega1", "load_torque", "omega_out"]
 
 
@@ -142,7 +142,7 @@ def test_one_name_may_stand_for_names(fmu, fmu_path):
 
 
 def run(fmu_path, inputs, **more):
-    return drive(fmu_path, inputs, 0.05, 0.01, parameters={"output_inertia": 0.1}, **more)
+    return simulate(fmu_path, inputs, 0.05, 0.01, parameters={"output_inertia": 0.1}, **more)
 
 
 def test_columns_in_other_units_run_as_in_si(fmu_path, tmp_path):
@@ -196,4 +196,4 @@ def test_what_a_rig_has_measured_comes_along_beside_what_is_computed(fmu_path, t
 def test_a_run_of_no_length_is_refused(fmu_path, name, value):
     times = {"stop_time": 1.0, "step": 0.1, name: value}
     with pytest.raises(Refused, match=f"{name} must be a positive number of seconds, is {value}"):
-        drive(fmu_path, START, **times)
+        simulate(fmu_path, START, **times)

@@ -19,12 +19,12 @@ FLAVOURS = ("InertiaModulePy",)
 FOLDERS = ["Jürgen Müller", "日本", "100%", "a%41b", "module #3", "100%25", "ends in %"]
 DRIVE = """
 import os, sys
-from inertia_module.harness.fmu import DriveError, Fmu
+from inertia_module.harness.fmu import FmuError, Fmu
 try:
     fmu = Fmu({path!r}, inputs={{"omega1": 100.0, "load_torque": 10.0}})
     fmu.advance(0.1)
     print(fmu["omega_out"].hex(), flush=True)
-except DriveError as error:
+except FmuError as error:
     print(error, flush=True)
 os._exit(0)
 """

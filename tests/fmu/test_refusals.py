@@ -5,7 +5,7 @@ import math
 import pytest
 
 from inertia_module.contract.models import INERTIA_MODULE
-from inertia_module.harness.fmu import DriveError, Fmu
+from inertia_module.harness.fmu import Fmu, FmuError
 
 from .conftest import sentence
 
@@ -43,7 +43,7 @@ def test_parameter_out_of_range_is_named_with_what_is_allowed(instance):
 
 def test_all_bad_parameters_are_named_at_once(fmu_path):
     bad = {"z2": 0, "imbalance_mass": -1.0, "tolerance": 7.0}
-    with pytest.raises(DriveError) as caught:
+    with pytest.raises(FmuError) as caught:
         Fmu(fmu_path, bad)
     expected = [sentence(INERTIA_MODULE.by_name[name], value) for name, value in bad.items()]
     assert str(caught.value).split("; ") == expected
@@ -73,7 +73,7 @@ def test_refused_parameters_make_every_step_refused_until_reset(instance):
 
 @pytest.mark.parametrize("tolerance", [0.0, -1.0, math.nan, 1.0])
 def test_bad_tolerance_of_the_experiment_is_refused(fmu_path, tolerance):
-    with pytest.raises(DriveError, match=f"tolerance must be .*, is {tolerance:.16g}"):
+    with pytest.raises(FmuError, match=f"tolerance must be .*, is {tolerance:.16g}"):
         Fmu(fmu_path, tolerance=tolerance)
 
 
@@ -96,7 +96,7 @@ def test_bad_input_or_step_is_discarded_and_nothing_is_lost(instances, drive):
 
 
 def test_bad_input_at_the_end_of_initialisation_is_refused(fmu_path):
-    with pytest.raises(DriveError, match=r"^omega1 must be between -1000000 and 1000000 rad/s, is nan$"):
+    with pytest.raises(FmuError, match=r"^omega1 must be between -1000000 and 1000000 rad/s, is nan$"):
         Fmu(fmu_path, inputs={"omega1": math.nan})
 
 
@@ -172,5 +172,5 @@ def test_unknown_references_and_wrong_types_are_refused(instance):
 
 
 def test_percent_signs_in_messages_survive(fmu_path):
-    with pytest.raises(DriveError, match=r"^100%s%n must be a variable of "):
+    with pytest.raises(FmuError, match=r"^100%s%n must be a variable of "):
         Fmu(fmu_path, {"100%s%n": 1.0})

@@ -18,7 +18,7 @@ from inertia_module.cosimulation import (
     Scheme,
     interface_inertia,
 )
-from inertia_module.harness.fmu import DriveError, Fmu
+from inertia_module.harness.fmu import Fmu, FmuError
 from inertia_module.scene import load_scene
 from inertia_module.studies.coupling.case import URBAN_MODULE, bevel, planar
 from inertia_module.studies.coupling.reference import one_piece
@@ -370,7 +370,7 @@ def test_after_a_refused_step_a_good_one_goes_on_as_if_nothing_had_been(fmu_path
             for n in range(40):
                 if n == 20 and load != 8.0:
                     coupled.set(load_torque=load)
-                    with pytest.raises(DriveError, match="load_torque"):
+                    with pytest.raises(FmuError, match="load_torque"):
                         coupled.step(1e-3)
                     coupled.set(load_torque=8.0)
                 coupled.step(1e-3)

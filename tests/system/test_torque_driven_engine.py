@@ -15,7 +15,7 @@ from inertia_module.cosimulation import (
     TorqueDrivenEngine,
     torque_driven,
 )
-from inertia_module.harness.fmu import DriveError, Fmu
+from inertia_module.harness.fmu import Fmu, FmuError
 from inertia_module.studies.coupling.case import bevel, planar
 from inertia_module.studies.coupling.reference import one_piece
 from inertia_module.studies.coupling.study import coupling_map
@@ -200,7 +200,7 @@ def test_after_a_refused_step_a_good_one_goes_on_as_if_nothing_had_been(fmu_path
             for n in range(40):
                 if n == 21 and load != 8.0:
                     coupled.set(load_torque=load)
-                    with pytest.raises(DriveError, match="load_torque"):
+                    with pytest.raises(FmuError, match="load_torque"):
                         coupled.step(SAMPLE)
                     coupled.set(load_torque=8.0)
                 coupled.step(SAMPLE)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from inertia_module.harness.fmu import DriveError
+from inertia_module.harness.fmu import FmuError
 from inertia_module.harness.system import GAUSS_SEIDEL, JACOBI, Node, WiredFmus
 from inertia_module.harness.wires import Wire, WiringError
 
@@ -59,7 +59,7 @@ def test_bad_wires_are_refused_before_an_fmu_is_loaded(nodes, monkeypatch):
             WiredFmus(nodes, wires, step)
     with pytest.raises(WiringError, match="order 'implicit' is refused"):
         WiredFmus(nodes, (SPEED, TORQUE), 1e-3, "implicit")
-    with pytest.raises(DriveError, match="no such file"):
+    with pytest.raises(FmuError, match="no such file"):
         WiredFmus(nodes | {"shaft": Node("nothing.fmu")}, (SPEED, TORQUE), 1e-3)
 
 
@@ -76,7 +76,7 @@ def test_inputs_are_set_by_wires_or_by_the_user_not_by_both(nodes):
 def test_the_fmu_that_refuses_a_step_is_named(nodes):
     with WiredFmus(nodes, (SPEED, TORQUE), 1e-3) as system:
         system.set("module", omega1=1e9)
-        with pytest.raises(DriveError, match=r"module: .*omega1 = 1000000000 is refused"):
+        with pytest.raises(FmuError, match=r"module: .*omega1 = 1000000000 is refused"):
             system.advance()
 
 
@@ -100,7 +100,7 @@ def test_what_a_system_cannot_do_is_said_in_a_sentence(nodes):
 def test_the_drive_of_a_module_may_be_named(nodes, drive):
     module = nodes["module"]._replace(parameters=HUB | {"drive": drive, "input_inertia": "0.2 kg.m2"})
     wanted = (
-        (DriveError, "drive must be one of speed, torque") if drive == "much" else (WiringError, "no effect")
+        (FmuError, "drive must be one of speed, torque") if drive == "much" else (WiringError, "no effect")
     )
     idle = Wire("shaft", "omega_out", "module", "omega1")
     with pytest.raises(wanted[0], match=wanted[1]):

@@ -115,7 +115,7 @@ def test_a_road_over_distance_comes_from_a_file_without_a_time(tmp_path):
 
 
 def test_every_error_of_the_package_is_of_one_kind():
-    from inertia_module.harness.simulate import DriveError
+    from inertia_module.harness.simulate import FmuError
 
-    for kind in (DriveError, TableError, WiringError, SceneError):
+    for kind in (FmuError, TableError, WiringError, SceneError):
         assert issubclass(kind, Refused)

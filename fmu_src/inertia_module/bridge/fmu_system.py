@@ -211,7 +211,7 @@ def fmu_system(
         The system, its start, and what closes it.
 
     Raises:
-        DriveError: the FMU, a name or a value is refused, or the FMU has no such state.
+        FmuError: the FMU, a name or a value is refused, or the FMU has no such state.
         ValueError: step is not positive, or state is none of the two.
     """
     if not (math.isfinite(step) and step > 0.0):

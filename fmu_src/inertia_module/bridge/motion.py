@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from ..contract.driven_shaft_variables import BY_NAME as OF_SHAFT
 from ..contract.variables import BY_NAME as OF_MODULE
 from ..contract.variables import DRIVE_ANGLE, LINK1_ANGLE, SINCE_START
-from ..harness.fmu import DriveError, Fmu
+from ..harness.fmu import Fmu, FmuError
 from ..kernel.codes import DRIVE_TORQUE
 
 # what of the motion has a start parameter, by fidelity
@@ -31,12 +31,12 @@ def check_inputs(fmu: Fmu, inputs: Sequence[str]) -> None:
     """Refuse inputs of a system that are none of the FMU, or that have no effect with its drive.
 
     Raises:
-        DriveError: the input, and what is allowed.
+        FmuError: the input, and what is allowed.
     """
     known = [name for name, variable in fmu.variables.items() if variable.causality == "input"]
     for name in inputs:
         if name not in known:
-            raise DriveError(f"input {name} must be one of {', '.join(known)}")
+            raise FmuError(f"input {name} must be one of {', '.join(known)}")
     if "drive" not in fmu.variables:
         return
     by_torque = _is_driven_by_torque(fmu)
@@ -44,7 +44,7 @@ def check_inputs(fmu: Fmu, inputs: Sequence[str]) -> None:
         ("omega1", "drive_torque", "torque") if by_torque else ("drive_torque", "omega1", "speed")
     )
     if idle in inputs:
-        raise DriveError(
+        raise FmuError(
             f"with drive = {drive} an input must be {given}, is {idle}: that has no effect after the start"
         )
 
@@ -57,18 +57,18 @@ def check_outputs(names: Sequence[str], motion: Sequence[str]) -> None:
     """Refuse outputs of a system that do not follow from its motion.
 
     Raises:
-        DriveError: the output, and what is allowed.
+        FmuError: the output, and what is allowed.
     """
     for name in names:
         variable = OF_MODULE.get(name) or OF_SHAFT.get(name)
         follows = variable.follows if variable is not None else ""
         if follows == SINCE_START:
-            raise DriveError(
+            raise FmuError(
                 f"with output {name} state must be 'whole', is 'motion': it is a sum since the start,"
                 " which does not follow from the motion"
             )
         if follows == LINK1_ANGLE or (follows == DRIVE_ANGLE and "drive_angle" not in motion):
-            raise DriveError(
+            raise FmuError(
                 f"with output {name} state must be 'whole', is 'motion': it depends on {follows}, which is"
                 f" no state here ({', '.join(motion)})"
             )
@@ -78,10 +78,10 @@ def motion_of(fmu: Fmu) -> tuple[str, ...]:
     """Names of the motion that the FMU has start parameters for.
 
     Raises:
-        DriveError: these are not all of its motion.
+        FmuError: these are not all of its motion.
     """
     if "input_hold" in fmu.variables and fmu["input_hold"] != 0.0:
-        raise DriveError(
+        raise FmuError(
             "with state = 'motion' input_hold must be constant, is linear: that goes on from the last two"
             " inputs; state = 'whole' has them"
         )
@@ -89,7 +89,7 @@ def motion_of(fmu: Fmu) -> tuple[str, ...]:
         return _SHAFT_MOTION
     fidelity = _FIDELITIES[int(fmu["fidelity"])]
     if fidelity not in _MOTION:
-        raise DriveError(
+        raise FmuError(
             f"with state = 'motion' fidelity must be one of {', '.join(_MOTION)}, is {fidelity}: that has no"
             " start parameters for all of its motion; state = 'whole' needs none"
         )

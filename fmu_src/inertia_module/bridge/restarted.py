@@ -46,7 +46,7 @@ class RestartedFmu(Fmu):
             values: by name.
 
         Raises:
-            DriveError: a value is refused, alone or with others.
+            FmuError: a value is refused, alone or with others.
         """
         self.messages.clear()  # a run restarts every step: only what concerns this start is kept
         self.go_back(self._blank)

@@ -84,7 +84,7 @@ def measured_response(
     Raises:
         ValueError: excited is no input, a number is not positive, a frequency is above 1 / (4 step), or the
             FMU is driven by torque.
-        DriveError: the FMU refuses something.
+        FmuError: the FMU refuses something.
     """
     _check_excited(excited)
     for name, value in (("amplitude", amplitude), ("step", step), ("settling", settling), ("record", record)):

@@ -14,5 +14,5 @@ def must_be(name: str, allowed: str, value: float | str) -> str:
     return f"{name} must be {allowed}, is {value if isinstance(value, str) else format(value, '.16g')}"
 
 
-class DriveError(Refused):
+class FmuError(Refused):
     """The FMU cannot be loaded, or refused parameters, inputs or a step: its own message."""

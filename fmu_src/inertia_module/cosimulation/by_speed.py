@@ -9,7 +9,7 @@ from __future__ import annotations
 from enum import StrEnum
 from typing import NamedTuple
 
-from ..harness.fmu import DriveError, Fmu
+from ..harness.fmu import Fmu, FmuError
 from ..kernel.codes import DRIVE_SPEED
 from .engine import Engine, EngineState, LoadTorque
 from .plant import EnginePlant, Exchange
@@ -147,7 +147,7 @@ class CoupledEngine(EnginePlant):
                 answer = self._move_module(h, (wanted - engine.speed) / h)
                 # the secant is what the next step is tried with
                 inertia = max((answer.torque - tried.torque) / (wanted - first) * h, least)
-        except DriveError:
+        except FmuError:
             self.fmu.go_back(kept)
             raise
         finally:

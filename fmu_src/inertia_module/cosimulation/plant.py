@@ -106,7 +106,7 @@ class EnginePlant(ABC):
         """Advance both by one communication step, s.
 
         Raises:
-            DriveError: the FMU refused the step; both are where they were, and a good step goes on.
+            FmuError: the FMU refused the step; both are where they were, and a good step goes on.
         """
         exchange = self._exchange(h)
         self.ledger.add(exchange)
@@ -133,7 +133,7 @@ class EnginePlant(ABC):
         """Advance engine and module by a step, s, in substeps.
 
         Raises:
-            DriveError: the FMU refused the step.
+            FmuError: the FMU refused the step.
         """
         for _ in range(self.substeps):
             self.step(step / self.substeps)

@@ -9,7 +9,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, NamedTuple, Self
 
-from ..common.errors import DriveError
+from ..common.errors import FmuError
 from .descriptions import read_description
 from .logs import WARNING, callbacks_of
 
@@ -33,7 +33,7 @@ class Instance:
         variables: fmpy's, by name. units: unit of each variable that has one.
 
     Raises:
-        DriveError: the file is no such FMU; all methods raise it once the instance is closed.
+        FmuError: the file is no such FMU; all methods raise it once the instance is closed.
     """
 
     def __init__(self, path: Path | str, start_time: float = 0.0) -> None:
@@ -59,9 +59,9 @@ class Instance:
         try:
             self._folder = extract(str(self.path))
         except Exception as error:
-            raise DriveError(f"{self.path} must be an FMU: {error}") from error
+            raise FmuError(f"{self.path} must be an FMU: {error}") from error
         if description.fmiVersion != "2.0" or description.coSimulation is None:
-            raise DriveError(f"{self.path} must be an FMU for co-simulation of FMI 2.0")
+            raise FmuError(f"{self.path} must be an FMU for co-simulation of FMI 2.0")
         self.variables = {variable.name: variable for variable in description.modelVariables}
         self.units = {name: variable.unit for name, variable in self.variables.items() if variable.unit}
         self._instance = FMU2Slave(
@@ -74,7 +74,7 @@ class Instance:
             self._instance.instantiate(callbacks=callbacks_of(self), loggingOn=True)
         except Exception as error:
             reasons = "; ".join(self.messages) or str(error)
-            raise DriveError(f"{self.path} cannot be instantiated: {reasons}") from error
+            raise FmuError(f"{self.path} cannot be instantiated: {reasons}") from error
 
     def on_message(self, status: int, message: str) -> None:
         """Take a log message of the FMU; status as in FMI 2.0."""
@@ -85,25 +85,25 @@ class Instance:
             self._errors.append(message)
 
     def _call(self, function: str, *arguments: Any) -> Any:
-        """Call a function of fmpy's instance; a failing status or an error it logs becomes a DriveError."""
+        """Call a function of fmpy's instance; a failing status or an error it logs becomes a FmuError."""
         if self._instance is None:
-            raise DriveError(f"{self.path.name} is closed: {function} needs an instance that is open")
+            raise FmuError(f"{self.path.name} is closed: {function} needs an instance that is open")
         if function.startswith("fmi2"):
             arguments = (self._instance.component, *arguments)
         self._errors.clear()
         try:
             found = getattr(self._instance, function)(*arguments)
         except Exception as error:
-            raise DriveError("; ".join(self._errors) or f"{function}: {error}") from error
+            raise FmuError("; ".join(self._errors) or f"{function}: {error}") from error
         if self._errors:
-            raise DriveError("; ".join(self._errors))
+            raise FmuError("; ".join(self._errors))
         return found
 
     def keep(self) -> Kept:
         """Keep the state to go back to; cheaper than save, and good for this instance only.
 
         Raises:
-            DriveError: the FMU cannot give its state.
+            FmuError: the FMU cannot give its state.
         """
         self._kept.append(Kept(self._call("getFMUstate"), self.time))
         return self._kept[-1]
@@ -111,13 +111,13 @@ class Instance:
     def _check_kept(self, kept: Kept) -> None:
         # some FMUs crash on a state that is not theirs
         if not any(kept is known for known in self._kept):
-            raise DriveError("a state must be one that keep of this instance gave and forget has not freed")
+            raise FmuError("a state must be one that keep of this instance gave and forget has not freed")
 
     def go_back(self, kept: Kept) -> None:
         """Take over a state of keep, and its time.
 
         Raises:
-            DriveError: it is not one, or forgotten.
+            FmuError: it is not one, or forgotten.
         """
         self._check_kept(kept)
         self._call("setFMUstate", kept.state)
@@ -127,7 +127,7 @@ class Instance:
         """Free a state of keep; closing the instance frees all.
 
         Raises:
-            DriveError: it is not one, or forgotten.
+            FmuError: it is not one, or forgotten.
         """
         self._check_kept(kept)
         self._kept = [known for known in self._kept if known is not kept]
@@ -137,7 +137,7 @@ class Instance:
         """The whole state of the instance, serialised.
 
         Raises:
-            DriveError: the FMU cannot give its state.
+            FmuError: the FMU cannot give its state.
         """
         kept = self.keep()
         try:
@@ -149,10 +149,10 @@ class Instance:
         """Take over a state of save; time, s, is the communication point it belongs to.
 
         Raises:
-            DriveError: it is not one; the state is as it was.
+            FmuError: it is not one; the state is as it was.
         """
         if not isinstance(saved, bytes):
-            raise DriveError(f"a state must be the bytes that save gave, is {type(saved).__name__}")
+            raise FmuError(f"a state must be the bytes that save gave, is {type(saved).__name__}")
         before = self.keep()
         try:
             state = self._call("deSerializeFMUstate", saved)
@@ -160,7 +160,7 @@ class Instance:
                 self._call("setFMUstate", state)
             finally:
                 self._instance.freeFMUstate(state)
-        except DriveError:
+        except FmuError:
             # the Python FMU else refuses all steps from now on
             self._call("setFMUstate", before.state)
             raise

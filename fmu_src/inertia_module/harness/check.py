@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..common.errors import DriveError
+from ..common.errors import FmuError
 from .descriptions import existing_fmu
 from .logs import messages_of_others
 
@@ -67,7 +67,7 @@ def check_fmu(path: Path) -> Report:
     """Validate an FMU file with fmpy and step it.
 
     Raises:
-        DriveError: the file is no FMU that could be read at all.
+        FmuError: the file is no FMU that could be read at all.
     """
     from fmpy import platform as host
     from fmpy import platform_tuple, read_model_description, supported_platforms
@@ -78,7 +78,7 @@ def check_fmu(path: Path) -> Report:
         description = read_model_description(str(path), validate=False)
         platforms = list(supported_platforms(str(path)))
     except Exception as error:
-        raise DriveError(f"{path} must be an FMU: {error}") from error
+        raise FmuError(f"{path} must be an FMU: {error}") from error
     report.facts = _facts(description, platforms)
     report.problems += validate_fmu(str(path))
     hosts = (host, platform_tuple)

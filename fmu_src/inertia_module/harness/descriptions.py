@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ..common.errors import DriveError
+from ..common.errors import FmuError
 from ..common.units import BOOLEANS, allowed_number, number_of
 
 # ctypes cuts off what is more, silently
@@ -17,12 +17,12 @@ def existing_fmu(path: Path) -> Path:
     """The path, if there is a file.
 
     Raises:
-        DriveError: there is none, or it is a folder.
+        FmuError: there is none, or it is a folder.
     """
     if path.is_dir():
-        raise DriveError(f"{path} must be an FMU file, is a folder")
+        raise FmuError(f"{path} must be an FMU file, is a folder")
     if not path.is_file():
-        raise DriveError(f"{path} must be an FMU file: there is no such file")
+        raise FmuError(f"{path} must be an FMU file: there is no such file")
     return path
 
 
@@ -30,16 +30,16 @@ def read_description(path: Path) -> Any:
     """The description of an FMU file, as fmpy reads it.
 
     Raises:
-        DriveError: there is no such file, or it is no FMU.
+        FmuError: there is no such file, or it is no FMU.
     """
     from fmpy import read_model_description
 
     try:
         return read_model_description(str(existing_fmu(path)))
-    except DriveError:
+    except FmuError:
         raise
     except Exception as error:
-        raise DriveError(f"{path} must be an FMU: {error}") from error
+        raise FmuError(f"{path} must be an FMU: {error}") from error
 
 
 def _items(variable: Any) -> Mapping[str, float] | None:
@@ -57,7 +57,7 @@ def number_for(variable: Any, value: Any) -> float:
         variable: fmpy's. value: a number, a string with a unit, or the name of an item.
 
     Raises:
-        DriveError: the variable, the value, and what is allowed.
+        FmuError: the variable, the value, and what is allowed.
     """
     if variable.type == "Real":
         if isinstance(value, float):
@@ -70,7 +70,7 @@ def number_for(variable: Any, value: Any) -> float:
     try:
         number = number_of(value, variable.unit or "1", items)
     except ValueError as error:
-        raise DriveError(f"{variable.name} must be {allowed}, is {value!r}: {error}") from None
+        raise FmuError(f"{variable.name} must be {allowed}, is {value!r}: {error}") from None
     if variable.type != "Real" and not (number.is_integer() and abs(number) <= largest):
-        raise DriveError(f"{variable.name} must be {allowed}, is {value!r}")
+        raise FmuError(f"{variable.name} must be {allowed}, is {value!r}")
     return number

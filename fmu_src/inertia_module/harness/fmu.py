@@ -10,11 +10,11 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.errors import DriveError
+from ..common.errors import FmuError
 from .calls import Instance, Kept
 from .descriptions import number_for
 
-__all__ = ["DriveError", "Fmu", "Kept", "Plant", "as_names"]
+__all__ = ["Fmu", "FmuError", "Kept", "Plant", "as_names"]
 
 
 def as_names(names: str | Sequence[str]) -> tuple[str, ...]:
@@ -52,7 +52,7 @@ class Fmu(Instance):
         variables: fmpy's, by name. units: unit of each variable that has one.
 
     Raises:
-        DriveError: the file is no such FMU, a name is unknown, or a value is refused; all methods raise it
+        FmuError: the file is no such FMU, a name is unknown, or a value is refused; all methods raise it
             once the instance is closed.
     """
 
@@ -81,7 +81,7 @@ class Fmu(Instance):
         variable = self.variables.get(name)
         if variable is None:
             known = ", ".join(self.variables)
-            raise DriveError(f"{name} must be a variable of {self.path.name}: {known}")
+            raise FmuError(f"{name} must be a variable of {self.path.name}: {known}")
         return variable
 
     def _assign(self, values: Mapping[str, float | bool | str]) -> None:
@@ -100,7 +100,7 @@ class Fmu(Instance):
         """Set inputs by name, as numbers or strings with a unit; all or, on an unknown name or value, none.
 
         Raises:
-            DriveError: an unknown name, no quantity, or a variable that cannot be set now.
+            FmuError: an unknown name, no quantity, or a variable that cannot be set now.
         """
         self._assign(values)
 
@@ -108,19 +108,19 @@ class Fmu(Instance):
         """Advance by a communication step, s.
 
         Raises:
-            DriveError: the FMU refused the step; its state is as it was.
+            FmuError: the FMU refused the step; its state is as it was.
         """
         try:
             self._call("doStep", self.time, step)
-        except DriveError as error:
-            raise DriveError(f"at time {self.time:.9g} s: {error}") from error
+        except FmuError as error:
+            raise FmuError(f"at time {self.time:.9g} s: {error}") from error
         self.time += step
 
     def read(self, names: str | Sequence[str]) -> tuple[float, ...]:
         """Values by name, of any type, as floats.
 
         Raises:
-            DriveError: an unknown name, or the FMU refuses to tell.
+            FmuError: an unknown name, or the FMU refuses to tell.
         """
         key = as_names(names)
         if key not in self._readers:
@@ -148,7 +148,7 @@ class Fmu(Instance):
         """Switch log categories on or off; all of them if none is named.
 
         Raises:
-            DriveError: an unknown category.
+            FmuError: an unknown category.
         """
         names = (c_char_p * len(categories))(*(category.encode() for category in categories))
         self._call("fmi2SetDebugLogging", int(on), len(categories), names)
@@ -162,7 +162,7 @@ class Fmu(Instance):
         """Give inputs a rate over the coming step, per second (native FMUs; see docs/fmu.md).
 
         Raises:
-            DriveError: an unknown name, no input, or an FMU that takes no derivatives of inputs.
+            FmuError: an unknown name, no input, or an FMU that takes no derivatives of inputs.
         """
         count = len(rates)
         orders, values = (c_int * count)(*[1] * count), (c_double * count)(*rates.values())
@@ -172,7 +172,7 @@ class Fmu(Instance):
         """Rates of outputs at the end of the last step, per second (native FMUs; see docs/fmu.md).
 
         Raises:
-            DriveError: an unknown name, no output, or an FMU that gives no derivatives of outputs.
+            FmuError: an unknown name, no output, or an FMU that gives no derivatives of outputs.
         """
         references = self._references(as_names(names))
         count = len(references)
@@ -187,7 +187,7 @@ class Fmu(Instance):
             Shape (outputs, inputs), units of the output over those of the input.
 
         Raises:
-            DriveError: an unknown name, or an FMU that gives no directional derivatives.
+            FmuError: an unknown name, or an FMU that gives no directional derivatives.
         """
         unknowns, knowns = list(self._references(as_names(outputs))), self._references(as_names(inputs))
         columns = [self._call("getDirectionalDerivative", unknowns, [known], [1.0]) for known in knowns]

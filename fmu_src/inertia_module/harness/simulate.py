@@ -15,10 +15,10 @@ from numpy.typing import ArrayLike, NDArray
 from ..common.errors import Refused
 from ..common.units import split_quantity
 from .descriptions import read_description
-from .fmu import DriveError, Fmu, Plant, as_names
+from .fmu import Fmu, FmuError, Plant, as_names
 from .results import TIME, Result, TableError
 
-__all__ = ["DriveError", "Fmu", "Plant", "Progress", "Result", "TableError", "drive", "progress_bar"]
+__all__ = ["Fmu", "FmuError", "Plant", "Progress", "Result", "TableError", "progress_bar", "simulate"]
 
 Progress = Callable[[float], None]
 # a run that takes longer than this, s, shows a bar
@@ -106,7 +106,7 @@ def _for_fmu(description: Any, file: str, table: Result) -> tuple[Result, list[s
     return Result(columns, {measured.get(name, name): unit for name, unit in table.units.items()}), given
 
 
-def drive(
+def simulate(
     path: Path | str,
     inputs: Result | Mapping[str, ArrayLike] | Path | str,
     stop_time: float,
@@ -132,7 +132,7 @@ def drive(
         (steps + 1,) each.
 
     Raises:
-        DriveError: the FMU refused something. TableError: the inputs are no table, or not of this FMU.
+        FmuError: the FMU refused something. TableError: the inputs are no table, or not of this FMU.
         Refused: stop_time or step is not positive; all of these are kinds of it.
     """
     for name, value in (("stop_time", stop_time), ("step", step)):

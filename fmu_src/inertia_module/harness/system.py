@@ -13,7 +13,7 @@ import numpy as np
 
 from ..common.errors import must_be
 from .descriptions import read_description
-from .fmu import DriveError, Fmu
+from .fmu import Fmu, FmuError
 from .results import TIME, Result
 from .wires import SAME_STEP, Wire, WiringError, check_wiring
 
@@ -50,7 +50,7 @@ class WiredFmus:
 
     Raises:
         WiringError: the wires cannot work; nothing has been started.
-        DriveError: an FMU cannot be loaded, or refuses its values.
+        FmuError: an FMU cannot be loaded, or refuses its values.
     """
 
     def __init__(
@@ -92,7 +92,7 @@ class WiredFmus:
         """Set inputs of one FMU that no wire drives.
 
         Raises:
-            WiringError: a wire drives it, or there is no such FMU. DriveError: there is no such input.
+            WiringError: a wire drives it, or there is no such FMU. FmuError: there is no such input.
         """
         for wire in self._wires:
             if wire.sink == name and wire.input in values:
@@ -111,7 +111,7 @@ class WiredFmus:
         """Advance all by the communication step.
 
         Raises:
-            DriveError: one of them refused it: which, and why. Those before it have been stepped.
+            FmuError: one of them refused it: which, and why. Those before it have been stepped.
         """
         if self.order == JACOBI:
             self._pass_on(self._wires)
@@ -120,8 +120,8 @@ class WiredFmus:
                 self._pass_on(wire for wire in self._wires if wire.sink == name)
             try:
                 fmu.advance(self.step)
-            except DriveError as error:
-                raise DriveError(f"{name}: {error}") from error
+            except FmuError as error:
+                raise FmuError(f"{name}: {error}") from error
         self.time += self.step
 
     def run(self, stop_time: float, outputs: Sequence[tuple[str, str]]) -> Result:
@@ -135,7 +135,7 @@ class WiredFmus:
 
         Raises:
             WiringError: there is no such FMU, or stop_time is no whole number of steps away.
-            DriveError: there is no such variable, or an FMU refuses a step.
+            FmuError: there is no such variable, or an FMU refuses a step.
         """
         steps = (stop_time - self.time) / self.step
         if not (

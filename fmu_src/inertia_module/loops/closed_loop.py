@@ -144,7 +144,7 @@ class ClosedLoop:
 
         Raises:
             ValueError: the stop time is not a whole number of steps.
-            DriveError: the FMU refuses a value or a step.
+            FmuError: the FMU refuses a value or a step.
         """
         number = self.steps(stop_time)
         report_every = max(number // _PROGRESS_CALLS, 1)

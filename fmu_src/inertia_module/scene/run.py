@@ -68,7 +68,7 @@ def run_scene(scene: Scene, fmu_path: Path | str, progress: Progress | None = No
         progress: told how much of the run is done (0 to 1).
 
     Raises:
-        DriveError: the FMU cannot be loaded, or refuses a value or a step.
+        FmuError: the FMU cannot be loaded, or refuses a value or a step.
         SceneError: its fidelity is still to be chosen.
     """
     if scene.chooses_fidelity:

@@ -20,7 +20,7 @@ from ...cosimulation import (
     TorqueDrivenEngine,
     torque_driven,
 )
-from ...harness.fmu import DriveError, Fmu
+from ...harness.fmu import Fmu, FmuError
 from .case import STOP_TIME, WINDOW, WINDOWS, CoupledCase
 from .reference import Course
 
@@ -99,7 +99,7 @@ def course(
             try:
                 for _ in range(count):
                     coupled.step(WINDOW / count)
-            except (DriveError, OverflowError):
+            except (FmuError, OverflowError):
                 break
             omega1[n] = (engine.state.angle - angle) / WINDOW
             if not abs(engine.speed - case.speed) < _OFF * case.speed:
