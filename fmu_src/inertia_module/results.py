@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -215,11 +215,16 @@ def read_columns(path: Path | str) -> tuple[dict[str, list[float]], dict[str, st
 
 def write_columns(path: Path, columns: Mapping[str, NDArray[np.float64]]) -> Path:
     """Write columns of equal length as CSV, by heading, whole or not at all."""
+    rows = ([repr(float(value)) for value in row] for row in zip(*columns.values(), strict=True))
+    return write_rows(path, columns, rows)
+
+
+def write_rows(path: Path, headings: Iterable[str], rows: Iterable[Iterable[Any]]) -> Path:
+    """Write rows of cells as CSV below headings, whole or not at all."""
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(columns)
-    for row in zip(*columns.values(), strict=True):
-        writer.writerow([repr(float(value)) for value in row])
+    writer.writerow(headings)
+    writer.writerows(rows)
     return write_text(path, stream.getvalue())
 
 

@@ -20,7 +20,7 @@ from inertia_module.fmu.linking import (
     shell_sources,
     windows_arguments,
 )
-from inertia_module.fmu.tables import c_tables
+from inertia_module.fmu.tables import generated
 from inertia_module.fmu.targets import LINUX64, WIN64
 from inertia_module.machine_code import object_file, target_machine
 
@@ -77,7 +77,8 @@ class Workshop:
         self.fmu = FMUS[identifier]
         self.folder = folder
         self.guid = native_fmu.guid(self.fmu)
-        (folder / "tables.c").write_text(c_tables(self.fmu.model, self.guid))
+        for name, text in generated(self.fmu.model, self.guid).items():
+            (folder / name).write_text(text)
 
     def kernel(self, target):
         """Object file of the kernel for a target."""

@@ -49,10 +49,9 @@ def stability(
     """Try the extremes and give each a verdict (out/stability without -o); exit code 1 if one is broken."""
     from ..drive import progress_bar
     from ..results import write_figure
-    from ..studies.stability import report
     from ..studies.stability.figure import verdict_map
-    from ..studies.stability.study import chosen_cases, run_study, write_cases
-    from ..studies.stability.table import rows_of, write_rows
+    from ..studies.stability.study import chosen_cases, print_rows, run_study
+    from ..studies.stability.table import as_records, rows_of, write_cases, write_rows
 
     with one_line_errors():
         folder = folder_for(output, "stability")
@@ -67,12 +66,12 @@ def stability(
         }
     if as_json:
         listed = {name: str(file) for name, file in files.items()}
-        typer.echo(json.dumps({"verdicts": report.as_records(verdicts), "files": listed}))
+        typer.echo(json.dumps({"verdicts": as_records(verdicts), "files": listed}))
     else:
-        report.print_rows(rows)
+        print_rows(rows)
         for name, file in files.items():
             typer.echo(f"{name}: {file}")
-    if any(verdict.word == "broken" for verdict in verdicts):
+    if any(verdict.outcome == "broken" for verdict in verdicts):
         raise typer.Exit(1)
 
 

@@ -55,7 +55,7 @@ def run(
         if allowed is not None and not read.chooses_fidelity:
             raise ValueError(f"--error = {error} must come with fidelity auto")
         if read.chooses_fidelity:
-            with progress_bar("measuring the rungs") as progress:
+            with progress_bar("measuring the levels of fidelity") as progress:
                 read, choice = choose(read, progress)
         path = fmu or current_fmu()
         with progress_bar(read.title) as progress:
@@ -93,7 +93,7 @@ def tradeoff(
     output: OutputFolder = None,
     recommend: Annotated[
         str | None,
-        typer.Option(metavar="ERROR", help='Recommend the cheapest rung for an error: 1e-3, "1 %".'),
+        typer.Option(metavar="ERROR", help='Recommend the cheapest level for an error: 1e-3, "1 %".'),
     ] = None,
     wanted: Annotated[
         list[str] | None,
@@ -106,8 +106,8 @@ def tradeoff(
     from ..scene import load_scene
     from ..studies import tradeoff as study
     from ..studies.choice import recommend as choose_cheapest
-    from ..studies.levels import print_levels
     from ..studies.peers import PEERS
+    from ..studies.report import print_levels
 
     with one_line_errors(), progress_bar("measuring the trade") as progress:
         folder = folder_for(output, "tradeoff")
@@ -122,16 +122,16 @@ def tradeoff(
             names = tuple(read.run.outputs)
             found = (study.scene_trials if allowed else study.scene_study)(read, progress)
         choice = choose_cheapest(found.rows, allowed, names) if allowed else None
-        files = study.write_study(found, folder)
+        files = found.write(folder)
     if as_json:
         recommended = {} if choice is None else {"recommendation": choice.as_dict()}
         listed = {"files": {name: str(file) for name, file in files.items()}}
-        typer.echo(json.dumps({**study.study_as_dict(found), **recommended, **listed}))
+        typer.echo(json.dumps({**found.as_dict(), **recommended, **listed}))
         return
     step = (found.rows[0] if choice is None else choice.row).communication_step
     shown = [row for row in found.rows if row.communication_step == step]
     print_levels(found.title, shown, names, allowed)
-    for line in study.closing_lines(found, choice):
+    for line in found.closing_lines(choice):
         typer.echo(line)
     for name, file in files.items():
         typer.echo(f"{name}: {file}")

@@ -8,6 +8,7 @@ from __future__ import annotations
 import importlib.resources
 import importlib.util
 import os
+import re
 import struct
 import subprocess
 import sys
@@ -20,18 +21,17 @@ from ..files import cache_folder, content_hash, sources, write_atomically
 from ..kernel_ir import tool_versions
 from ..machine_code import object_file, target_machine
 from ..model import Model
-from .tables import c_tables
+from .tables import generated
 from .targets import Target
 
 SHELL_FOLDER = Path(__file__).parent / "shell"
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Werror")
 FLAGS = ("-std=c99", "-O2", "-g0", "-fvisibility=hidden", "-fno-sanitize=all", "-fno-ident")
-# functions of Windows' own C runtime, part of Windows 10 and later
+# functions of Windows' own C runtime, part of Windows 10 and later, that the shell needs
 RUNTIME = (
     *("calloc", "free", "memchr", "memcmp", "memcpy", "memset", "strchr", "strcmp", "strcpy", "strlen"),
     *("strncmp", "strncpy", "strstr", "strtol"),
-    *("__stdio_common_vsprintf", "atan2", "ceil", "cos", "exp", "expm1", "floor", "fmax", "fmod", "pow"),
-    *("sin", "sqrt"),
+    *("__stdio_common_vsprintf", "fmax"),
 )
 # functions of kernel32.dll that the front of the Python FMU needs
 WINDOWS_FUNCTIONS = (
@@ -88,6 +88,12 @@ def run_tool(tool: str, arguments: Sequence[str], folder: Path) -> None:
         raise CompilationUnavailable(f"{tool} fails: {done.stderr.strip()[-2000:]}")
 
 
+def mathematics() -> set[str]:
+    """Functions of the C library that the kernel calls: those of math it names, and those of ** and %."""
+    text = b"".join(sources("kernel/**/*.py").values()).decode()
+    return {"pow", "fmod", *re.findall(r"\bmath\.(\w+)", text)}
+
+
 def import_library(target: Target, folder: Path, library: str, names: Sequence[str]) -> str:
     """Make in a folder what links with functions of a library of Windows; the name of its file."""
     stem = library.removesuffix(".dll")
@@ -105,7 +111,7 @@ def windows_arguments(target: Target, folder: Path) -> list[str]:
     assert found is not None  # compiler() has looked
     assert found.origin is not None
     headers = Path(found.origin).parent / "lib" / "libc" / "include" / "any-windows-any"
-    runtime = import_library(target, folder, "ucrtbase.dll", RUNTIME)
+    runtime = import_library(target, folder, "ucrtbase.dll", [*RUNTIME, *sorted(mathematics())])
     return ["-nostdlib", "-mno-stack-arg-probe", "-isystem", str(headers), runtime]
 
 
@@ -123,7 +129,8 @@ def link(model: Model, identifier: str, guid: str, target: Target) -> bytes:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         (folder / "kernel.o").write_bytes(object_file(model.entry, machine, label))
-        (folder / "tables.c").write_text(c_tables(model, guid))
+        for file, text in generated(model, guid).items():
+            (folder / file).write_text(text)
         for path in SHELL_FOLDER.iterdir():
             (folder / path.name).write_bytes(path.read_bytes())
         library = f"{identifier}{target.suffix}"

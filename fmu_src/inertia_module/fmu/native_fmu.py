@@ -15,7 +15,7 @@ from .archive import DESCRIPTION, archive, generation_date, guid_of
 from .description import NATIVE_CAPABILITIES, model_description
 from .documentation import index_page
 from .linking import compiler, header_folder, join_for_mac, link
-from .tables import c_tables
+from .tables import generated
 from .targets import TARGETS, Target
 
 Progress = Callable[[str], None]
@@ -51,7 +51,7 @@ def guid(fmu: NativeFmu) -> str:
     made_from = machine_code.made_from() | sources("fmu/*.py", "fmu/shell/*") | tool_versions("ziglang")
     made_from |= {path.name: path.read_bytes() for path in header_folder().glob("fmi2*.h")}
     made_from |= papers(fmu.model, fmu.picture)
-    made_from["tables.c"] = c_tables(fmu.model, "").encode()
+    made_from |= {name: text.encode() for name, text in generated(fmu.model, "").items()}
     made_from["description"] = model_description(fmu.model, fmu.identifier, "", "", NATIVE_CAPABILITIES)
     return guid_of(made_from)
 

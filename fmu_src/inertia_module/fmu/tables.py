@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from string import Formatter
 
 from ..entries import ENTRIES
+from ..kernel import codes
 from ..model import Bound, Model
 from ..variables import BOOLEAN, ENUMERATION, ENUMERATIONS, INPUT, OUTPUT, PARAMETER, REAL, Variable
 
@@ -96,6 +97,27 @@ def _messages(name: str, texts: Mapping[int, str], model: Model) -> list[str]:
 def _bound(bound: Bound) -> str:
     record = {"d": "CONSTANTS", "x": "STATE"}[bound.record]
     return f"{{{record}, {bound.place}, {number(bound.most)}}}"
+
+
+def c_codes() -> str:
+    """C header of the operations of a kernel and its good status."""
+    operations = ("START", "STEP_ONLY", "OUTPUTS", "STEP_PRECISELY", "RATES", "WARN")
+    numbers = ", ".join(f"OPERATION_{name} = {getattr(codes, name)}" for name in operations)
+    lines = [
+        "/* Made from kernel/codes.py. */",
+        f"enum operation {{ {numbers} }};",
+        f"#define STATUS_OK {codes.OK}",
+    ]
+    return "\n".join([*lines, ""])
+
+
+def generated(model: Model, guid: str) -> dict[str, str]:
+    """The C files of the shell that are made for a model, by name.
+
+    Args:
+        model: what they are of. guid: the one of modelDescription.xml.
+    """
+    return {"tables.c": c_tables(model, guid), "codes.h": c_codes()}
 
 
 def c_tables(model: Model, guid: str) -> str:

@@ -81,7 +81,7 @@ static int64_t try_change(struct instance *c, const fmi2ValueReference knowns[],
     try_from(c, stepped ? c->x_before : c->x, stepped ? c->u_before : c->u);
     for (size_t n = 0; n < count; n++)
         c->u_trial[model.variables[knowns[n]].slot] += scale * direction[n];
-    return KERNEL(stepped ? OPERATION_STEP_SMOOTHLY : OPERATION_START, c->p, c->d, c->u_trial, c->x_trial, y, c->w,
+    return KERNEL(stepped ? OPERATION_STEP_PRECISELY : OPERATION_START, c->p, c->d, c->u_trial, c->x_trial, y, c->w,
                   c->head[LAST_STEP]);
 }
 

@@ -5,20 +5,12 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "codes.h"
+
 /* the kernel's arrays that hold variables */
 enum array { PARAMETERS, INPUTS, OUTPUTS, ARRAYS };
 enum kind { REAL, INTEGER, BOOLEAN };
 
-/* the operations and the good status of a kernel (kernel/codes.py) */
-enum operation {
-    OPERATION_START = 0,
-    OPERATION_STEP_ONLY = 3,
-    OPERATION_OUTPUTS = 4,
-    OPERATION_STEP_SMOOTHLY = 5,
-    OPERATION_RATES = 6,
-    OPERATION_WARN = 7 /* kernel/clearance.py: the sum of the numbers of the warnings that hold */
-};
-#define STATUS_OK 0
 
 /* A variable; its value reference is its place in the table. */
 struct variable {
