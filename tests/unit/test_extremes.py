@@ -1,4 +1,4 @@
-"""The module at the extremes: every bound holds but for the limits named here, and the map tells what is so."""
+"""The module at the extremes: every bound holds but for the limits named here, and the map tells the same."""
 
 import re
 from pathlib import Path

@@ -9,11 +9,11 @@ import pytest
 from karetin_cases import geometry
 from rigid_chain import Chain, length, relative_error
 
+from inertia_module.contract.variables import BY_NAME
 from inertia_module.papers.karetin import Geometry, Kinematics, Motion, dynamic_mode, stop_mode
 from inertia_module.papers.karetin.exact import NAMES
 from inertia_module.papers.karetin.motion import transmission_ratios
 from inertia_module.papers.karetin.projections import angles, angular_velocities, arms, feet
-from inertia_module.variables import BY_NAME
 
 SMALLEST_ANGLE, LARGEST_ANGLE = 1e-6, 3.141591
 ANGLES = (SMALLEST_ANGLE, 1e-3, math.pi / 2, 2.0, math.pi - 1e-3, LARGEST_ANGLE)
