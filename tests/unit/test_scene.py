@@ -378,7 +378,7 @@ def test_energy_of_a_car_behind_an_elastic_shaft(fmu):
 
 
 def test_figures_of_both_kinds_are_drawn(fmu, tmp_path):
-    from inertia_module.figures.scenes.scenes import scene_figure
+    from inertia_module.figures.scenes import scene_figure
 
     for name, text in {
         "open": OPEN,
