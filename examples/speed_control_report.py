@@ -2,7 +2,7 @@
 
 import control as ct
 import numpy as np
-from inertia_module.figures.scenes.scenes.scenes import BLACK, BLUE, VERMILION
+from inertia_module.figures.scenes import BLACK, BLUE, VERMILION
 from matplotlib.figure import Figure
 
 

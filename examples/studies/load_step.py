@@ -12,7 +12,7 @@ Run: python examples/studies/load_step.py    (leaves out/load_step/table.csv and
 from pathlib import Path
 
 import numpy as np
-from inertia_module.figures.scenes.scenes.scenes import smooth
+from inertia_module.figures.scenes import smooth
 from launch import FMU, MECHANISM
 
 from inertia_module.harness.chart import torque_converter_chart

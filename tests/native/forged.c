@@ -127,7 +127,7 @@ static void attack(fmi2Component c, const struct setting *settings, size_t const
         const struct bound *bound = &model.bounds[n];
         const size_t place = (bound->of == STATE ? x : d) + bound->slot;
         CHECK(get(&state, place) <= bound->most, "a good state is within its bounds");
-        put(&state, place, bound->most + bound->multiple);
+        put(&state, place, bound->most + 1.0);
         CHECK(!is_taken(c, &state), "number %zu of %s is taken beyond its bound", bound->slot,
               bound->of == STATE ? "the state" : "the constants");
         put(&state, place, bound->most);

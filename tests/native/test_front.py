@@ -47,7 +47,7 @@ def test_an_older_python_is_refused_by_a_sentence(binary_folder, tmp_path, versi
 def test_a_host_without_python_is_told_so(binary_folder, tmp_path):
     printed = run([host(tmp_path), binary_folder / "linux64" / "InertiaModulePy.so"])
     assert printed == (
-        "3 logStatusError: this FMU needs Python 3.11 or later in its process, and there is none\n"
+        "3 logStatusError: Python must be 3.11 or later in the process of this FMU, there is none\n"
     )
 
 

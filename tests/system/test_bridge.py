@@ -132,16 +132,16 @@ def test_a_module_driven_by_torque_is_a_plain_loop_too(built, name):
 
 def test_inputs_without_effect_are_refused(native):
     keywords = {"step": STEP, "start": START}
-    with pytest.raises(FmuError, match=r"omega1 is refused with drive = torque: .* allowed is drive_torque"):
+    with pytest.raises(FmuError, match="with drive = torque an input must be drive_torque, is omega1"):
         bridge.fmu_system(native, BY_TORQUE, **keywords)
-    with pytest.raises(FmuError, match=r"drive_torque is refused .* speed: .* allowed is omega1"):
+    with pytest.raises(FmuError, match="with drive = speed an input must be omega1, is drive_torque"):
         bridge.fmu_system(native, {}, inputs=TORQUES, **keywords)
 
 
 def test_what_needs_the_speed_for_an_input_refuses_a_torque(native):
     with pytest.raises(ValueError, match=r"drive must be 0 \(speed\), is 1 \(torque\)"):
         bridge.averaged_system({"drive": 1.0, "input_inertia": 0.3})
-    with pytest.raises(ValueError, match=r"drive = 1 \(torque\) is refused"):
+    with pytest.raises(ValueError, match=r"drive must be 0 \(speed\), is 1 \(torque\)"):
         bridge.measured_response(
             native,
             BY_TORQUE,
@@ -278,9 +278,9 @@ def test_rigid_fmu_answers_a_small_sine_as_the_averaged_module_linearised(native
 
 def test_measurement_refuses_what_it_cannot_measure(native):
     keywords = {"omega1": 100.0, "load_torque": 10.0, "frequencies": [1.0], "settling": 1.0}
-    with pytest.raises(ValueError, match="excited = 'omega2' is refused: allowed are omega1, load_torque"):
+    with pytest.raises(ValueError, match="excited must be omega1 or load_torque, is 'omega2'"):
         bridge.measured_response(native, {}, excited="omega2", amplitude=1.0, step=1e-3, **keywords)
-    with pytest.raises(ValueError, match="frequency = 1 Hz is refused"):
+    with pytest.raises(ValueError, match=r"frequency must be above 0 and at most .*, is 1$"):
         bridge.measured_response(native, {}, excited="omega1", amplitude=1.0, step=0.5, **keywords)
 
 
@@ -320,8 +320,8 @@ def test_the_table_tells_which_variables_follow_from_the_motion(native):
 @pytest.mark.parametrize(
     "parameters, outputs, message",
     [
-        (ELASTIC, OUTPUTS, "fidelity = elastic is refused with state = 'motion'"),
-        ({"input_hold": "linear"}, OUTPUTS, "input_hold = linear is refused with state = 'motion'"),
+        (ELASTIC, OUTPUTS, "with state = 'motion' fidelity must be one of .*, is elastic"),
+        ({"input_hold": "linear"}, OUTPUTS, "with state = 'motion' input_hold must be constant, is linear"),
         (
             {},
             ["energy_in"],
@@ -333,7 +333,7 @@ def test_the_table_tells_which_variables_follow_from_the_motion(native):
             ["imbalance_acceleration"],
             "depends on the angle of the drive",
         ),
-        ({}, ["omega5"], "omega5 is refused: InertiaModule.fmu has no such variable"),
+        ({}, ["omega5"], "omega5 must be a variable of InertiaModule.fmu: omega1"),
     ],
 )
 def test_what_a_motion_cannot_give_is_refused_with_a_way_out(native, parameters, outputs, message):
@@ -342,11 +342,11 @@ def test_what_a_motion_cannot_give_is_refused_with_a_way_out(native, parameters,
 
 
 def test_bad_arguments_are_refused(native):
-    with pytest.raises(ValueError, match="step = 0 is refused: allowed is a positive number"):
+    with pytest.raises(ValueError, match="step must be a positive number of seconds, is 0"):
         bridge.fmu_system(native, step=0)
-    with pytest.raises(ValueError, match="allowed are 'motion' and 'whole'"):
+    with pytest.raises(ValueError, match="state must be 'motion' or 'whole', is 'all'"):
         bridge.fmu_system(native, step=STEP, state="all")
-    with pytest.raises(FmuError, match="input omega2 is refused: allowed are omega1, load_torque"):
+    with pytest.raises(FmuError, match="input omega2 must be one of omega1, load_torque"):
         bridge.fmu_system(native, step=STEP, inputs=["omega2"])
 
 

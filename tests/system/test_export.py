@@ -249,5 +249,5 @@ def test_scenes_are_exported_with_their_mechanism_and_start():
     assert values["layout"] == 1.0
     assert values["omega1"] == 120.0
     assert plan.step == 5e-4
-    with pytest.raises(SceneError, match="fidelity = 'auto' is refused"):
+    with pytest.raises(SceneError, match="fidelity must be a fidelity by name for an export, is 'auto'"):
         scene_plan(scene.with_fidelity("auto", 0.01))

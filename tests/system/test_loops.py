@@ -118,14 +118,14 @@ def test_check_coupling_tells_what_a_run_shows(stiffness, damping, stable):
     if stable:
         load.check_step(0.5)
     else:
-        with pytest.raises(ValueError, match=r"a step of 0.005 s is refused .* allowed is a shorter step"):
+        with pytest.raises(ValueError, match=r"the step must be shorter, is 0.005 s"):
             load.check_step(0.5)
 
 
 def test_friction_too_strong_for_the_step_is_refused():
     load = loops.shaft_load(0.1, 0.5, viscous_friction=12.0)
     load.check_step(0.8)
-    with pytest.raises(ValueError, match=r"viscous_friction = 12 .* allowed is up to .* 0.05 s"):
+    with pytest.raises(ValueError, match=r"viscous_friction = 12 .* the step must be at most .* 0.05 s, is"):
         load.check_step(0.1)
 
 
@@ -279,11 +279,11 @@ def test_anti_windup_ends_saturation_at_once():
 
 
 def test_pi_refuses_bad_gains_and_limits():
-    with pytest.raises(ValueError, match=r"proportional_gain = -1 is refused: allowed is"):
+    with pytest.raises(ValueError, match="proportional_gain must be finite and at least 0, is -1"):
         pi(proportional_gain=-1.0)
-    with pytest.raises(ValueError, match=r"integral_gain = nan is refused: allowed is"):
+    with pytest.raises(ValueError, match="integral_gain must be finite and at least 0, is nan"):
         pi(integral_gain=math.nan)
-    with pytest.raises(ValueError, match=r"limits = 5, 5 are refused: allowed is"):
+    with pytest.raises(ValueError, match="limits must be a lower and a higher one, are 5 and 5"):
         pi(limits=(5.0, 5.0))
 
 
@@ -298,13 +298,13 @@ def test_driver_brakes_only_beyond_the_margin():
 
 def test_loop_refuses_what_it_cannot_run():
     load = loops.torque_source(1.0, 0.1)
-    with pytest.raises(ValueError, match=r"load_torque is given by .* and by .*: allowed is one"):
+    with pytest.raises(ValueError, match=r"load_torque must be given by one system, is given by .* and by "):
         loops.connect([load.system, loops.source("load_torque", 2.0, 0.1).copy("other")])
-    with pytest.raises(ValueError, match=r"refused: allowed is at least one of omega1, load_torque"):
+    with pytest.raises(ValueError, match="surroundings must give at least one of omega1, load_torque"):
         loops.ClosedLoop(Shaft(1.0), loops.connect([no_brake(0.1)]))
     loop = loops.ClosedLoop(Shaft(1.0), loops.connect([load.system]))
     for stop_time in (0.25, 0.0, -1.0):
-        with pytest.raises(ValueError, match=r"stop_time = .* is refused: allowed is a whole number"):
+        with pytest.raises(ValueError, match=f"stop_time must be a whole number of .*, is {stop_time:g} s"):
             loop.run(stop_time)
 
 
@@ -312,7 +312,7 @@ def test_loop_refuses_what_it_cannot_run():
     ("points", "values"), [([], []), ([0.0, 1.0], [1.0]), ([0.0, 0.0], [1.0, 2.0]), ([0.0], [math.nan])]
 )
 def test_table_refuses(points, values):
-    with pytest.raises(ValueError, match="refused: allowed"):
+    with pytest.raises(ValueError, match=r" of a table must |^a table must "):
         loops.Table(points, values)
 
 

@@ -50,14 +50,14 @@ def test_bad_wires_are_refused_before_an_fmu_is_loaded(nodes, monkeypatch):
     monkeypatch.setattr("inertia_module.harness.system.Fmu", loaded)
     wrong_unit = SPEED._replace(output="output_torque_mean")
     for wires, step, words in (
-        ((wrong_unit, TORQUE), 1e-3, "output_torque_mean is in N.m, hub_speed in rad/s"),
-        ((SPEED,), 1e-3, "module.load_torque is missing"),
-        ((SPEED, TORQUE, SPEED), 1e-3, "shaft.hub_speed is driven by"),
-        ((SPEED, TORQUE), -1.0, "a step of -1 s is refused"),
+        ((wrong_unit, TORQUE), 1e-3, "both ends must be in one unit, are in N.m and rad/s"),
+        ((SPEED,), 1e-3, "module.load_torque must be driven by"),
+        ((SPEED, TORQUE, SPEED), 1e-3, "shaft.hub_speed must be driven by one of them, is driven by"),
+        ((SPEED, TORQUE), -1.0, "step must be a positive number of seconds, is -1"),
     ):
         with pytest.raises(WiringError, match=words):
             WiredFmus(nodes, wires, step)
-    with pytest.raises(WiringError, match="order 'implicit' is refused"):
+    with pytest.raises(WiringError, match="order must be Jacobi or Gauss-Seidel, is 'implicit'"):
         WiredFmus(nodes, (SPEED, TORQUE), 1e-3, "implicit")
     with pytest.raises(FmuError, match="no such file"):
         WiredFmus(nodes | {"shaft": Node("nothing.fmu")}, (SPEED, TORQUE), 1e-3)
@@ -66,7 +66,8 @@ def test_bad_wires_are_refused_before_an_fmu_is_loaded(nodes, monkeypatch):
 def test_inputs_are_set_by_wires_or_by_the_user_not_by_both(nodes):
     with WiredFmus(nodes, (SPEED, TORQUE), 1e-3) as system:
         with pytest.raises(
-            WiringError, match=r"module\.load_torque is refused: shaft\.shaft_torque_mean drives it"
+            WiringError,
+            match=r"module\.load_torque must be an input that no wire drives: shaft",
         ):
             system.set("module", load_torque=3.0)
         system.set("shaft", load_torque=3.0)
@@ -76,7 +77,7 @@ def test_inputs_are_set_by_wires_or_by_the_user_not_by_both(nodes):
 def test_the_fmu_that_refuses_a_step_is_named(nodes):
     with WiredFmus(nodes, (SPEED, TORQUE), 1e-3) as system:
         system.set("module", omega1=1e9)
-        with pytest.raises(FmuError, match=r"module: .*omega1 = 1000000000 is refused"):
+        with pytest.raises(FmuError, match=r"module: .*omega1 must be .*, is 1000000000"):
             system.advance()
 
 

@@ -168,10 +168,10 @@ def test_critical_damping_is_no_special_place(compiled):
 @pytest.mark.parametrize(
     "values, words",
     [
-        ({"shaft_stiffness": 0.0}, "shaft_stiffness = 0 is refused"),
-        ({"driven_inertia": 0.0}, "driven_inertia = 0 is refused"),
-        ({"hub_speed": math.nan}, "hub_speed = nan is refused"),
-        ({"omega1": 3.0}, "omega1 is refused: no such parameter or input"),
+        ({"shaft_stiffness": 0.0}, "^shaft_stiffness must be .*, is 0$"),
+        ({"driven_inertia": 0.0}, "^driven_inertia must be .*, is 0$"),
+        ({"hub_speed": math.nan}, "^hub_speed must be .*, is nan$"),
+        ({"omega1": 3.0}, "^omega1 must be a parameter or an input: hub_speed"),
     ],
 )
 def test_bad_values_are_refused_by_name(values, words):
@@ -183,6 +183,6 @@ def test_bad_step_leaves_the_state_as_it_was(compiled):
     shaft = DrivenShaft(compiled).start(hub_speed=3.0)
     shaft.advance(0.1)
     before = shaft.save()
-    with pytest.raises(Refused, match=r"communication step = -1 s is refused: allowed is above 0"):
+    with pytest.raises(Refused, match=r"^communication step must be above 0 and at most .*, is -1$"):
         shaft.advance(-1.0)
     assert shaft.save() == before

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from inertia_module.figures.scenes.scenes import end_of_run
+from inertia_module.figures.scenes import end_of_run
 
 from inertia_module.harness.results import Result
 

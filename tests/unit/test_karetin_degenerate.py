@@ -9,6 +9,7 @@ import pytest
 from karetin_cases import geometry
 from rigid_chain import Chain, length, relative_error
 
+from inertia_module.contract.variables import BY_NAME
 from inertia_module.papers.karetin import Geometry, Kinematics, Motion, dynamic_mode, stop_mode
 from inertia_module.papers.karetin.exact import NAMES
 from inertia_module.papers.karetin.motion import transmission_ratios
@@ -71,36 +72,33 @@ def test_lengths_are_right_however_flat_or_sharp_the_cones(teeth, shaft_angle):
         assert relative_error(k.position[n], r) * float(length(r)) < 1e-15 * g.reach
 
 
-@pytest.mark.parametrize(
-    ("name", "value", "allowed"),
-    [
-        ("shaft_angle", 0.0, "from 1e-06 to 3.141591 rad"),
-        ("shaft_angle", math.pi, "from 1e-06 to 3.141591 rad"),
-        ("shaft_angle", math.nan, "from 1e-06 to 3.141591 rad"),
-        ("wheel_radius", 0.0, "from 1e-06 to 1000 m"),
-        ("z17", 0, "a whole number from 1 to 1000000"),
-        ("z6", 20.5, "a whole number from 1 to 1000000"),
-        ("z2", -3, "a whole number from 1 to 1000000"),
-        ("a", -0.1, "from 0 to 100"),
-        ("b", math.inf, "from 0 to 100"),
-        ("epsilon", math.nan, "from -1000 to 1000 rad"),
-    ],
-)
-def test_bad_geometry_is_refused_by_name_with_value_and_range(name, value, allowed):
-    with pytest.raises(ValueError, match="is refused") as refusal:
-        Geometry(**{name: value})
-    assert f"{name} = {value:.16g} is refused: allowed is {allowed}" in str(refusal.value)
+def test_bad_geometry_is_refused_by_name_with_value_and_range():
+    for name, value in (
+        ("shaft_angle", 0.0),
+        ("shaft_angle", math.pi),
+        ("shaft_angle", math.nan),
+        ("wheel_radius", 0.0),
+        ("z17", 0),
+        ("z6", 20.5),
+        ("z2", -3),
+        ("a", -0.1),
+        ("b", math.inf),
+        ("epsilon", math.nan),
+    ):
+        with pytest.raises(ValueError, match="must be") as refusal:
+            Geometry(**{name: value})
+        assert str(refusal.value) == f"{name} must be {BY_NAME[name].allowed}, is {value:.16g}"
 
 
 @pytest.mark.parametrize(("omega1", "omega2"), [(math.nan, 0.0), (0.0, math.inf), (1e7, 0.0)])
 def test_bad_speeds_are_refused(omega1, omega2):
-    with pytest.raises(ValueError, match=r"^omega[12] = .* is refused: allowed is from -1000000 to 1000000"):
+    with pytest.raises(ValueError, match=r"^omega[12] must be between -1000000 and 1000000 rad/s, is "):
         Motion(omega1, omega2, 0.0)
 
 
 @pytest.mark.parametrize("transmission", [0.0, math.nan])
 def test_bad_transmission_is_refused(transmission):
-    with pytest.raises(ValueError, match=r"transmission = .* is refused: allowed is"):
+    with pytest.raises(ValueError, match=r"^transmission must be any number but 0, infinity included, is "):
         dynamic_mode(100.0, transmission)
 
 

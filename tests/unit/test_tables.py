@@ -35,9 +35,9 @@ BAD = {
     "an empty cell": ("time,omega1\n0,\n", "line 2: omega1 must be a number, is ''"),
     "time in metres": ("time [m],omega1\n0,1\n", r"time \[m\] must be in s or in a unit of the same kind"),
     "time in a unit nobody knows": ("time [blink],omega1\n0,1\n", "blink is no unit known here"),
-    "time that goes back": ("time [ms],omega1\n2,1\n1,1\n", "time may not go back"),
+    "time that goes back": ("time [ms],omega1\n2,1\n1,1\n", "time must not go back, is 0.001 in row 1"),
     "a heading only": ("time,omega1\n", "at least one row of numbers"),
-    "no time": ("t,omega1\n0,1\n", "a column time is needed"),
+    "no time": ("t,omega1\n0,1\n", "columns must include time, are t, omega1"),
 }
 
 

@@ -82,8 +82,8 @@ def test_switches_are_found_whether_or_not_they_are_expected(reference):
 @pytest.mark.parametrize(
     "level, words",
     [
-        (Level(2, 0, "tolerance 1", {"tolerance": 1.0}), "tolerance = 1 is refused"),
-        (Level(2, 0, "backwards", {"max_step": -1.0}), "max_step = -1 is refused"),
+        (Level(2, 0, "tolerance 1", {"tolerance": 1.0}), "tolerance must be between 1e-13 and 0.1, is 1"),
+        (Level(2, 0, "backwards", {"max_step": -1.0}), "max_step must be between 0 and 1000000 s, is -1"),
     ],
 )
 def test_refused_settings_are_rows_with_the_reason(reference, level, words, tmp_path):

@@ -41,26 +41,41 @@ def test_module_and_shaft_wired_as_they_are_meant_to_be_are_accepted(both):
         (
             [Wire("module", "output_torque_mean", "shaft", "hub_speed"), TORQUE],
             GIVEN,
-            ("output_torque_mean is in N.m, hub_speed in rad/s", "allowed is the same unit"),
+            (
+                "module.output_torque_mean -> shaft.hub_speed: both ends must be in one unit",
+                "are in N.m and rad/s",
+            ),
         ),
-        ([SPEED], GIVEN, ("module.load_torque is missing", "allowed is a wire or a given value")),
-        ([SPEED, TORQUE], {"shaft": ["load_torque"]}, ("module.omega1 is missing",)),
+        ([SPEED], GIVEN, ("module.load_torque must be driven by a wire or a given value, nothing",)),
+        (
+            [SPEED, TORQUE],
+            {"shaft": ["load_torque"]},
+            ("module.omega1 must be driven by a wire or a given value, nothing",),
+        ),
         (
             [SPEED, TORQUE],
             {**GIVEN, "module": ["omega1", "load_torque"]},
-            ("module.load_torque is driven by shaft.shaft_torque_mean and by a given value",),
+            (
+                "module.load_torque must be driven by one",
+                "is driven by shaft.shaft_torque_mean and by a given value",
+            ),
         ),
-        ([SPEED, TORQUE._replace(source="axle")], GIVEN, ("there is no axle", "allowed are module, shaft")),
-        ([SPEED._replace(output="omega_3"), TORQUE], GIVEN, ("module has no output omega_3", "omega_out")),
-        ([SPEED._replace(input="omega1"), TORQUE], GIVEN, ("shaft has no input omega1", "hub_speed")),
-        ([SPEED._replace(output="omega1"), TORQUE], GIVEN, ("module has no output omega1",)),
-        ([SPEED, TORQUE], {**GIVEN, "shaft": ["torque"]}, ("shaft has no input torque",)),
+        ([SPEED, TORQUE._replace(source="axle")], GIVEN, ("axle must be one of module, shaft",)),
+        (
+            [SPEED._replace(output="omega_3"), TORQUE],
+            GIVEN,
+            ("omega_3 must be an output of module: ", "omega_out"),
+        ),
+        ([SPEED._replace(input="omega1"), TORQUE], GIVEN, ("omega1 must be an input of shaft: hub_speed",)),
+        ([SPEED._replace(output="omega1"), TORQUE], GIVEN, ("omega1 must be an output of module: ",)),
+        ([SPEED, TORQUE], {**GIVEN, "shaft": ["torque"]}, ("torque must be an input of shaft: ",)),
     ],
 )
 def test_wires_that_cannot_work_are_named(both, wires, given, words):
     with pytest.raises(WiringError) as caught:
         check_wiring(both, wires, given, 1e-3)
-    assert all(word in str(caught.value) for word in words)
+    for word in words:
+        assert word in str(caught.value)
 
 
 @pytest.mark.parametrize("drive", [1.0, 1, "torque"])
@@ -69,28 +84,28 @@ def test_a_module_driven_by_torque_needs_its_torque_and_not_its_speed(both, driv
     given = {**GIVEN, "module": ["drive_torque"]}
     check_wiring(both, [SPEED, TORQUE], given, 1e-3, **by_torque)
     check_wiring(both, [SPEED, TORQUE], {**given, "module": ["drive_torque", "omega1"]}, 1e-3, **by_torque)
-    with pytest.raises(WiringError, match=r"module\.drive_torque is missing"):
+    with pytest.raises(WiringError, match=r"module\.drive_torque must be driven by a wire"):
         check_wiring(both, [SPEED, TORQUE], GIVEN, 1e-3, **by_torque)
     idle = Wire("module", "omega_out", "module", "omega1")
-    with pytest.raises(WiringError, match=r"omega1 is refused: it has no effect .* allowed is drive_torque"):
+    with pytest.raises(WiringError, match="the input must be drive_torque, omega1 has no effect"):
         check_wiring(both, [SPEED, TORQUE, idle], given, 1e-3, **by_torque)
 
 
 def test_a_wire_to_the_torque_of_a_module_driven_by_speed_is_refused(both):
     idle = Wire("shaft", "shaft_torque_mean", "module", "drive_torque")
-    with pytest.raises(WiringError, match=r"drive_torque is refused: it has no effect .* allowed is omega1"):
+    with pytest.raises(WiringError, match="the input must be omega1, drive_torque has no effect"):
         check_wiring(both, [SPEED, TORQUE, idle], GIVEN, 1e-3)
 
 
 @pytest.mark.parametrize("own", [3e-4, 2e-3, 0.0, -1e-3, float("nan"), float("inf")])
 def test_steps_that_do_not_fit_are_refused(both, own):
-    with pytest.raises(WiringError, match=r"of shaft is refused: allowed is 0\.001 s"):
+    with pytest.raises(WiringError, match=rf"^the step of shaft must be 0\.001 s, .* is {own:g} s$"):
         check_wiring(both, [SPEED, TORQUE], GIVEN, 1e-3, {"shaft": own})
 
 
 @pytest.mark.parametrize("step", [0.0, -1.0, float("nan")])
 def test_a_step_that_is_none_is_refused(both, step):
-    with pytest.raises(WiringError, match="allowed is a positive number"):
+    with pytest.raises(WiringError, match=f"^step must be a positive number of seconds, is {step:g}$"):
         check_wiring(both, [SPEED, TORQUE], GIVEN, step)
 
 
@@ -102,7 +117,7 @@ def test_a_loop_of_signals_that_follow_from_each_other_at_once_is_refused(both, 
         "shaft": described(DRIVEN_SHAFT, tmp_path / "two", through),
     }
     check_wiring(both | {"shaft": direct["shaft"]}, [SPEED, TORQUE], GIVEN, 1e-3)
-    with pytest.raises(WiringError, match="an algebraic loop is refused") as caught:
+    with pytest.raises(WiringError, match="an algebraic loop must hold an output") as caught:
         check_wiring(direct, [SPEED, TORQUE], GIVEN, 1e-3)
     assert "module.omega_out" in str(caught.value)
     assert "shaft.shaft_torque_mean" in str(caught.value)
@@ -117,5 +132,5 @@ def test_kinds_have_to_match(both, tmp_path):
             b'<Integer start="0" />',
         ),
     )
-    with pytest.raises(WiringError, match="Real drives Integer; allowed is the same kind"):
+    with pytest.raises(WiringError, match="both ends must be of one kind, are Real and Integer"):
         check_wiring(both | {"shaft": other}, [SPEED, TORQUE], GIVEN, 1e-3)

@@ -96,14 +96,9 @@ def allowed_number(
     unit: str, minimum: float | None = None, maximum: float | None = None, above: float | None = None
 ) -> str:
     """The allowed range of a number in a unit, as it follows "must be"."""
-    limits = []
-    if above is not None:
-        limits.append(f"above {above:g}")
-    if minimum is not None:
-        limits.append(f"at least {minimum:g}")
-    if maximum is not None:
-        limits.append(f"at most {maximum:g}")
-    number = " ".join(["a number", " and ".join(limits)]).strip()
+    limits = (("above", above), ("of at least", minimum), ("of at most", maximum))
+    found = " and ".join(f"{bound} {limit:g}" for bound, limit in limits if limit is not None)
+    number = f"a number {found}".rstrip()
     if unit == "1":
         return number
     example = "2" if above is None and minimum is None else f"{max(above or 0.0, minimum or 0.0, 2.0):g}"
