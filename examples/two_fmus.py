@@ -13,9 +13,9 @@ docs/coupling.md. Run `inertia-module build` first. The last line is the elastic
 
 from pathlib import Path
 
-from inertia_module.instance import Fmu
-from inertia_module.wired import JACOBI, Node, WiredFmus
-from inertia_module.wiring import Wire
+from inertia_module.harness.fmu import Fmu
+from inertia_module.harness.system import JACOBI, Node, WiredFmus
+from inertia_module.harness.wires import Wire
 
 BUILD = Path(__file__).parent.parent / "build"
 MODULE = {"output_inertia": 0.02, "fidelity": "rigid"}

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from inertia_module import bridge, loops
-from inertia_module.instance import DriveError, Fmu
-from inertia_module.variables import (
+from inertia_module.contract.variables import (
     BY_NAME,
     DRIVE_ANGLE,
     LINK1_ANGLE,
@@ -19,6 +18,7 @@ from inertia_module.variables import (
     SINCE_START,
     with_causality,
 )
+from inertia_module.harness.fmu import DriveError, Fmu
 
 PAGE = Path(__file__).parents[2] / "docs" / "control.md"
 EXAMPLE = Path(__file__).parents[2] / "examples" / "speed_control.py"

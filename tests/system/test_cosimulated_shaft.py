@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from inertia_module.instance import Fmu
-from inertia_module.wired import GAUSS_SEIDEL, JACOBI, Node, WiredFmus
+from inertia_module.harness.fmu import Fmu
+from inertia_module.harness.system import GAUSS_SEIDEL, JACOBI, Node, WiredFmus
 
 EXAMPLE = runpy.run_path(str(Path(__file__).parents[2] / "examples" / "two_fmus.py"))
 HUB, WINDOW, WINDOWS = 0.02, 0.01, 30

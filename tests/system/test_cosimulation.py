@@ -18,7 +18,7 @@ from inertia_module.cosimulation import (
     Scheme,
     interface_inertia,
 )
-from inertia_module.instance import DriveError, Fmu
+from inertia_module.harness.fmu import DriveError, Fmu
 from inertia_module.scene import load_scene
 from inertia_module.studies.coupling.case import URBAN_MODULE, bevel, planar
 from inertia_module.studies.coupling.reference import one_piece

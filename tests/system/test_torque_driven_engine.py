@@ -15,7 +15,7 @@ from inertia_module.cosimulation import (
     TorqueDrivenEngine,
     torque_driven,
 )
-from inertia_module.instance import DriveError, Fmu
+from inertia_module.harness.fmu import DriveError, Fmu
 from inertia_module.studies.coupling.case import bevel, planar
 from inertia_module.studies.coupling.reference import one_piece
 from inertia_module.studies.coupling.study import coupling_map

@@ -29,8 +29,8 @@ import control as ct
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import must_be
-from ..instance import Fmu, as_names
+from ..common.errors import must_be
+from ..harness.fmu import Fmu, as_names
 from .motion import check_inputs, check_outputs, motion_of, start_name
 from .packing import bytes_of, numbers_of
 from .restarted import RestartedFmu

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..driven_shaft_variables import BY_NAME as OF_SHAFT
-from ..instance import DriveError, Fmu
+from ..contract.driven_shaft_variables import BY_NAME as OF_SHAFT
+from ..contract.variables import BY_NAME as OF_MODULE
+from ..contract.variables import DRIVE_ANGLE, LINK1_ANGLE, SINCE_START
+from ..harness.fmu import DriveError, Fmu
 from ..kernel.codes import DRIVE_TORQUE
-from ..variables import BY_NAME as OF_MODULE
-from ..variables import DRIVE_ANGLE, LINK1_ANGLE, SINCE_START
 
 # what of the motion has a start parameter, by fidelity
 _MOTION = {

@@ -9,7 +9,7 @@ from __future__ import annotations
 from enum import StrEnum
 from typing import NamedTuple
 
-from ..instance import DriveError, Fmu
+from ..harness.fmu import DriveError, Fmu
 from ..kernel.codes import DRIVE_SPEED
 from .engine import Engine, EngineState, LoadTorque
 from .plant import EnginePlant, Exchange

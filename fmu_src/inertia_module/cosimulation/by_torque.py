@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from ..instance import Fmu
+from ..harness.fmu import Fmu
 from ..kernel.codes import DRIVE_TORQUE
 from .engine import Engine
 from .plant import EnginePlant, Exchange

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ..instance import Fmu
+from ..harness.fmu import Fmu
 from ..kernel.codes import DRIVE_SPEED
 from .engine import Engine
 

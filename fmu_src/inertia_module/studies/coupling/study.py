@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from ...drive import Progress
-from ...results import write_figure, write_text
+from ...harness.results import write_figure, write_text
+from ...harness.simulate import Progress
 from .case import CASES
 from .figure import map_figure
 from .reference import one_piece
@@ -90,7 +90,7 @@ def print_rows(name: str, rows: Sequence[Any]) -> None:
     """Print rows as a table."""
     from rich.table import Table
 
-    from ...terminal import terminal
+    from ...common.terminal import terminal
 
     table = Table(title=name, title_justify="left")
     for field in dataclasses.fields(rows[0]):

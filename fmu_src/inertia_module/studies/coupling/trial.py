@@ -20,7 +20,7 @@ from ...cosimulation import (
     TorqueDrivenEngine,
     torque_driven,
 )
-from ...instance import DriveError, Fmu
+from ...harness.fmu import DriveError, Fmu
 from .case import STOP_TIME, WINDOW, WINDOWS, CoupledCase
 from .reference import Course
 

@@ -16,8 +16,8 @@ from ...cosimulation import (
     interface_inertia,
     torque_driven,
 )
-from ...drive import Progress
-from ...instance import Fmu
+from ...harness.fmu import Fmu
+from ...harness.simulate import Progress
 from ...loops import ClosedLoop, connect, initial_inputs
 from ...scene import Scene, load_scene
 from .case import governor
