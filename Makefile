@@ -53,7 +53,7 @@ stability: $(VENV)/.all ## try the extremes, write docs/stability.csv, its pictu
 	cp out/stability/stability.csv out/stability/stability.png docs/
 	$(BIN)/python docs/make_pages.py
 
-coupling: $(VENV)/.all ## couple an engine in every way, write docs/coupling*.csv, the pictures and the page
+coupling: $(VENV)/.all ## couple an engine, write docs/coupling*.csv, the picture and the page
 	$(BIN)/inertia-module coupling -o out/coupling
 	cp out/coupling/*.csv out/coupling/*.png docs/
 	$(BIN)/python docs/make_pages.py

@@ -13,11 +13,11 @@ import numba
 import numpy as np
 from figures import PLANAR
 
-from inertia_module import compiled
+from inertia_module.compiling import load as compiled
+from inertia_module.contract.models import INERTIA_MODULE
 from inertia_module.cosimulation.interface import interface_inertia
 from inertia_module.kernel.codes import AVERAGED, DRIVE_TORQUE, RIGID, STEP_ONLY
-from inertia_module.model import INERTIA_MODULE
-from inertia_module.module import Module
+from inertia_module.memory.instances import Module
 from inertia_module.scene import load_scene
 from inertia_module.studies.scene_run import run_in_process
 

@@ -5,7 +5,7 @@ import statistics
 import time
 from pathlib import Path
 
-from inertia_module.results import write_rows
+from inertia_module.harness.results import write_rows
 
 DOCS = Path(__file__).parents[1] / "docs"
 TABLE = DOCS / "performance.csv"

@@ -19,8 +19,8 @@ from pythonfmu import FmuBuilder
 from rich.progress import track
 
 from inertia_module.fmu.builder import MODULE_FMU, PYTHON_FMU, SHAFT_FMU, build
-from inertia_module.instance import Fmu
-from inertia_module.module import Module
+from inertia_module.harness.fmu import Fmu
+from inertia_module.memory.instances import Module
 
 HERE = Path(__file__).parent
 WANTED = 1e-6
@@ -29,7 +29,7 @@ REPEATS = 7
 START = """
 import os, time
 begin = time.perf_counter()
-from inertia_module.instance import Fmu
+from inertia_module.harness.fmu import Fmu
 imported = time.perf_counter()
 with Fmu({path!r}, inputs={{"omega1": 100.0}}) as fmu:
     print(time.perf_counter() - imported, flush=True)

@@ -7,8 +7,8 @@ from pathlib import Path
 
 from figures import DOCS
 
-from inertia_module.drive import progress_bar
-from inertia_module.results import write_figure
+from inertia_module.harness.results import write_figure
+from inertia_module.harness.simulate import progress_bar
 from inertia_module.scene import load_scene
 from inertia_module.studies import tradeoff
 from inertia_module.studies.peers import PEERS

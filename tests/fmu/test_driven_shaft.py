@@ -4,9 +4,9 @@ import math
 
 import pytest
 
-from inertia_module.instance import DriveError, Fmu
-from inertia_module.model import DRIVEN_SHAFT
-from inertia_module.module import DrivenShaft
+from inertia_module.contract.models import DRIVEN_SHAFT
+from inertia_module.harness.fmu import DriveError, Fmu
+from inertia_module.memory.instances import DrivenShaft
 
 FLAVOURS = ("DrivenShaft",)
 GOOD = {"hub_speed": 20.0, "load_torque": 3.0}

@@ -10,16 +10,16 @@ import sys
 import pytest
 from fmpy.fmi2 import FMU2Slave, fmi2Discard
 
-from inertia_module.instance import Fmu
-from inertia_module.logs import callbacks_of
-from inertia_module.model import INERTIA_MODULE
-from inertia_module.records import place, size
+from inertia_module.compiling.records import place, size
+from inertia_module.contract.models import INERTIA_MODULE
+from inertia_module.harness.fmu import Fmu
+from inertia_module.harness.logs import callbacks_of
 
 FLAVOURS = ("InertiaModulePy",)
 FOLDERS = ["Jürgen Müller", "日本", "100%", "a%41b", "module #3", "100%25", "ends in %"]
 DRIVE = """
 import os, sys
-from inertia_module.instance import DriveError, Fmu
+from inertia_module.harness.fmu import DriveError, Fmu
 try:
     fmu = Fmu({path!r}, inputs={{"omega1": 100.0, "load_torque": 10.0}})
     fmu.advance(0.1)
@@ -52,7 +52,7 @@ def test_it_runs_in_a_folder_of_any_name(fmu_path, tmp_path, name):
 
 def test_a_state_is_saved_when_the_folder_of_an_earlier_instance_is_gone(fmu_path):
     program = (
-        "import sys\nfrom inertia_module.instance import Fmu\n"
+        "import sys\nfrom inertia_module.harness.fmu import Fmu\n"
         "for _ in range(2):\n"
         "    with Fmu(sys.argv[1], {}, {'omega1': 100.0}) as fmu:\n"
         "        fmu.advance(0.01)\n"

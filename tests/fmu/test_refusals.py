@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from inertia_module.instance import DriveError, Fmu
-from inertia_module.model import INERTIA_MODULE
+from inertia_module.contract.models import INERTIA_MODULE
+from inertia_module.harness.fmu import DriveError, Fmu
 
 from .conftest import sentence
 

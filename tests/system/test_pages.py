@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from inertia_module.model import DRIVEN_SHAFT, INERTIA_MODULE
+from inertia_module.contract.models import DRIVEN_SHAFT, INERTIA_MODULE
 
 ROOT = Path(__file__).parents[2]
 

@@ -10,16 +10,16 @@ from typer.testing import CliRunner
 
 from inertia_module.cli import app
 from inertia_module.cli.shared import show_table
-from inertia_module.entries import CompilationUnavailable
+from inertia_module.common.terminal import progress, terminal
+from inertia_module.compiling.kernels import CompilationUnavailable
 from inertia_module.studies.choice import recommend
-from inertia_module.studies.coupling.limits import Limit
 from inertia_module.studies.coupling.study import print_rows as print_coupling
+from inertia_module.studies.coupling.trial import Trial
 from inertia_module.studies.report import at_levels, print_levels
 from inertia_module.studies.rows import Row as Measured
 from inertia_module.studies.stability.study import print_rows as print_stability
 from inertia_module.studies.stability.table import Cell, Row, read_rows
 from inertia_module.studies.stability.verdict import OUTCOMES
-from inertia_module.terminal import progress, terminal
 
 # a style, a picture and a closing tag to rich; to a user the name of an extra, of a key and of a folder
 AWKWARD = "[fast] :key: [/tmp]"
@@ -40,7 +40,7 @@ PRINTERS = {
     "levels": lambda: print_levels(AWKWARD, [measured("rigid", "event", "x", 1.0, omega2=0.1)], ["omega2"]),
     "setting": lambda: print_levels("R1", [measured("peer", "x", AWKWARD, 1.0, omega2=0.1)], ["omega2"]),
     "stability": lambda: print_stability(stability_rows()),
-    "coupling": lambda: print_coupling("limits", [Limit(AWKWARD, 1.0, 1.0, 1.0, 1.0)]),
+    "coupling": lambda: print_coupling("map", [Trial(AWKWARD, *[1.0] * 9)]),
     "message": lambda: terminal().print(AWKWARD),
 }
 

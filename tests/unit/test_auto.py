@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from inertia_module.drive import Result
+from inertia_module.contract.variables import BY_NAME
+from inertia_module.harness.simulate import Result
 from inertia_module.scene import SceneError, read_scene
 from inertia_module.studies import trials
 from inertia_module.studies.choice import NoneMeets
@@ -14,7 +15,6 @@ from inertia_module.studies.levels import NOT_MODELLED, event
 from inertia_module.studies.scene_run import READABLE, run_in_process
 from inertia_module.studies.tradeoff import scene_study
 from inertia_module.studies.window_errors import window_errors, window_means
-from inertia_module.variables import BY_NAME
 
 SCENE = """
 [mechanism]

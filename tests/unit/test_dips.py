@@ -2,7 +2,7 @@
 
 import pytest
 
-from inertia_module.module import Module
+from inertia_module.memory.instances import Module
 
 # link 2 leaves the shaft at its own speed, so its slope over the shaft starts at zero, and dips to rest
 DIP = {

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from scenes import SCENES, advanced, started
 
 from inertia_module.kernel.limits import SMALLEST_SPEED
-from inertia_module.module import Refused
+from inertia_module.memory.instances import Refused
 
 
 @pytest.mark.parametrize("ratio", [1e-3, 1e-6, 1e-9, 1e-12])

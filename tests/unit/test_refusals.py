@@ -5,9 +5,8 @@ import math
 import pytest
 from scenes import advanced, started
 
-from inertia_module.model import DRIVEN_SHAFT, INERTIA_MODULE
-from inertia_module.module import DrivenShaft, Module, Refused
-from inertia_module.variables import (
+from inertia_module.contract.models import DRIVEN_SHAFT, INERTIA_MODULE
+from inertia_module.contract.variables import (
     BOOLEAN,
     BY_NAME,
     ENUMERATION,
@@ -20,6 +19,7 @@ from inertia_module.variables import (
     REAL,
     with_causality,
 )
+from inertia_module.memory.instances import DrivenShaft, Module, Refused
 
 NO_NUMBERS = (math.nan, math.inf, -math.inf)
 

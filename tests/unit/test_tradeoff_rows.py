@@ -160,7 +160,7 @@ def test_rows_are_read_back_as_they_were_written(reference, rows, tmp_path):
 
 
 def test_plots_are_drawn_even_where_some_runs_failed(reference, rows, tmp_path):
-    from inertia_module.results import write_figure
+    from inertia_module.harness.results import write_figure
     from inertia_module.studies.plots import curves, work_precision
 
     failed = measure(reference, [Level(2, 0, "tolerance 1", {"tolerance": 1.0})], steps=[0.1])

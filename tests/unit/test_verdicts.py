@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from scenes import REFERENCE
 
-from inertia_module.module import Module, Refused
+from inertia_module.memory.instances import Module, Refused
 from inertia_module.studies.stability.bounds import energy_bound, result_bound, work_bound
 from inertia_module.studies.stability.case import LEVELS, Case, Extreme, Segment
 from inertia_module.studies.stability.study import UnknownAxis, chosen_cases, run_study

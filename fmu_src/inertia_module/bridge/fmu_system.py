@@ -29,9 +29,9 @@ import control as ct
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import must_be
-from ..instance import DriveError, Fmu, as_names
-from .motion import check_inputs, is_angular, motion_of, start_name
+from ..common.errors import must_be
+from ..harness.fmu import Fmu, as_names
+from .motion import check_inputs, check_outputs, motion_of, start_name
 from .packing import bytes_of, numbers_of
 from .restarted import RestartedFmu
 
@@ -40,8 +40,6 @@ StateKind = Literal["motion", "whole"]
 
 # inputs whose jumps act impulsively
 _SPEEDS = ("omega1", "hub_speed")
-# sums since the start: a restart begins them anew
-_SUMS = ("turns", "energy_", "contact_switches", "rhs_evaluations", "input_angle")
 
 
 class _Stepper(Protocol):
@@ -63,17 +61,7 @@ class _Motion:
     def __init__(self, fmu: RestartedFmu, step: float, inputs: Sequence[str], outputs: Sequence[str]) -> None:
         self.fmu, self._step, self._inputs = fmu, step, tuple(inputs)
         self._motion = motion_of(fmu)
-        for name in outputs:
-            if any(part in name for part in _SUMS) and name != "energy_stored":
-                raise DriveError(
-                    f"with output {name} state must be 'whole', is 'motion': it is a sum since the start,"
-                    " which does not follow from the motion"
-                )
-            if is_angular(fmu, name, "drive_angle" in self._motion):
-                raise DriveError(
-                    f"with output {name} state must be 'whole', is 'motion': it depends on an angle that is"
-                    f" no state here ({', '.join(self._motion)})"
-                )
+        check_outputs(outputs, self._motion)
         self._held = tuple(name for name in inputs if name in _SPEEDS)
         self._read = (*self._motion, *(name for name in outputs if name not in self._motion))
         self._start_names = tuple(start_name(name) for name in self._motion)

@@ -18,7 +18,7 @@ import control as ct
 import numpy as np
 from numpy.typing import NDArray
 
-from ..instance import Fmu, Plant
+from ..harness.fmu import Fmu, Plant
 
 Array = NDArray[np.float64]
 

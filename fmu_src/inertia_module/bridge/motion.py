@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..instance import DriveError, Fmu
+from ..contract.driven_shaft_variables import BY_NAME as OF_SHAFT
+from ..contract.variables import BY_NAME as OF_MODULE
+from ..contract.variables import DRIVE_ANGLE, LINK1_ANGLE, SINCE_START
+from ..harness.fmu import DriveError, Fmu
 from ..kernel.codes import DRIVE_TORQUE
 
 # what of the motion has a start parameter, by fidelity
@@ -50,11 +53,25 @@ def _is_driven_by_torque(fmu: Fmu) -> bool:
     return "drive" in fmu.variables and fmu["drive"] == DRIVE_TORQUE
 
 
-def is_angular(fmu: Fmu, name: str, knows_drive_angle: bool) -> bool:
-    """Whether an output of the module needs the angle of link 1, or one of the drive that is not known."""
-    if "drive_turns" not in fmu.variables or not name.startswith(("imbalance_", "drive_")):
-        return False
-    return not knows_drive_angle or name.endswith(("_y", "_z"))
+def check_outputs(names: Sequence[str], motion: Sequence[str]) -> None:
+    """Refuse outputs of a system that do not follow from its motion.
+
+    Raises:
+        DriveError: the output, and what is allowed.
+    """
+    for name in names:
+        variable = OF_MODULE.get(name) or OF_SHAFT.get(name)
+        follows = variable.follows if variable is not None else ""
+        if follows == SINCE_START:
+            raise DriveError(
+                f"with output {name} state must be 'whole', is 'motion': it is a sum since the start,"
+                " which does not follow from the motion"
+            )
+        if follows == LINK1_ANGLE or (follows == DRIVE_ANGLE and "drive_angle" not in motion):
+            raise DriveError(
+                f"with output {name} state must be 'whole', is 'motion': it depends on {follows}, which is"
+                f" no state here ({', '.join(motion)})"
+            )
 
 
 def motion_of(fmu: Fmu) -> tuple[str, ...]:

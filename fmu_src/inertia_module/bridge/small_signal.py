@@ -16,8 +16,8 @@ import control as ct
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import must_be
-from ..instance import Fmu, as_names
+from ..common.errors import must_be
+from ..harness.fmu import Fmu, as_names
 from ..kernel.codes import DRIVE_SPEED
 from .averaged_system import INPUT_RATE, INPUTS, QUASI_STEADY, TransientInertia, averaged_system
 from .sine_bench import SineBench

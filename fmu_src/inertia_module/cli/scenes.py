@@ -39,9 +39,9 @@ def run(
     as_json: Json = False,
 ) -> None:
     """Run a scene: leaves table.csv, summary.json and plot.png in a folder (out/SCENE without -o)."""
-    from ..drive import progress_bar
-    from ..figures import scene_figure
-    from ..results import write_figure, write_text
+    from ..figures.scenes import scene_figure
+    from ..harness.results import write_figure, write_text
+    from ..harness.simulate import progress_bar
     from ..scene import load_scene, run_scene
     from ..studies.trials import choose
 
@@ -102,7 +102,7 @@ def tradeoff(
     as_json: Json = False,
 ) -> None:
     """Measure error against cost: fidelity, method, tolerance or step, communication step (out/tradeoff)."""
-    from ..drive import progress_bar
+    from ..harness.simulate import progress_bar
     from ..scene import load_scene
     from ..studies import tradeoff as study
     from ..studies.choice import recommend as choose_cheapest
@@ -148,9 +148,9 @@ def chart(
     as_json: Json = False,
 ) -> None:
     """Torque converter charts of mechanisms: a CSV each and one figure (out/chart without -o)."""
-    from ..chart import torque_converter_chart
-    from ..chart_figure import chart_figure
-    from ..results import write_columns, write_figure
+    from ..figures.chart import chart_figure
+    from ..harness.chart import torque_converter_chart
+    from ..harness.results import write_columns, write_figure
     from ..scene import load_scene
 
     with one_line_errors():

@@ -14,10 +14,10 @@ from typing import Any, ClassVar
 from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
-from ..errors import Refused, must_be
+from ..common.errors import Refused, must_be
+from ..contract.variables import BOOLEAN, INPUT, PARAMETER, REAL, Variable
 from ..kernel import codes
-from ..module import NO_STATE, ModelInstance
-from ..variables import BOOLEAN, INPUT, PARAMETER, REAL, Variable
+from ..memory.instances import NO_STATE, ModelInstance
 
 INSTANTIATED = "instantiated"
 INITIALIZING = "in initialization mode"

@@ -6,10 +6,10 @@ import math
 from collections.abc import Mapping
 from string import Formatter
 
-from ..entries import ENTRIES
+from ..compiling.kernels import ENTRIES
+from ..contract.models import Bound, Model
+from ..contract.variables import BOOLEAN, ENUMERATION, ENUMERATIONS, INPUT, OUTPUT, PARAMETER, REAL, Variable
 from ..kernel import codes
-from ..model import Bound, Model
-from ..variables import BOOLEAN, ENUMERATION, ENUMERATIONS, INPUT, OUTPUT, PARAMETER, REAL, Variable
 
 _ARRAYS = {PARAMETER: "PARAMETERS", INPUT: "INPUTS"}
 

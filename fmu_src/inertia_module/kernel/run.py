@@ -1,8 +1,9 @@
 """A communication step by fidelity and method, with the speed or the torque of link 1 given."""
 
 from .accumulate import add, later, wrap_drive_angle, wrap_input_angle
-from .average import run_averaged
-from .average_jump import jump_averaged, takes_up_jump
+from .averaged.by_torque import run_driven_averaged
+from .averaged.jump import jump_averaged, takes_up_jump
+from .averaged.run import run_averaged
 from .codes import AVERAGED, DRIVING, ELASTIC, KINEMATIC, OK, TIMESTEPPING, TOO_MUCH_WORK
 from .contact import TORQUE_ROUNDING, choose_mode, is_held
 from .engine import run_events
@@ -14,7 +15,6 @@ from .solvers.followed import is_stiff
 from .solvers.kinematic import advance_kinematic
 from .solvers.timestepping import keep_inertia, one_step, prepare_shaft_step, steps_in
 from .solvers.torque_timestepping import driven_step, keep_slip_inertia
-from .torque_average import run_driven_averaged
 
 
 def accelerations_now(d, x):

@@ -8,9 +8,9 @@ from typing import Any
 import control as ct
 import numpy as np
 
-from ..drive import Plant, Progress, Result
-from ..instance import as_names
-from ..variables import BY_NAME
+from ..contract.variables import BY_NAME
+from ..harness.fmu import as_names
+from ..harness.simulate import Plant, Progress, Result
 
 PLANT_INPUTS = ("omega1", "load_torque", "drive_torque")
 _PROGRESS_CALLS = 200

@@ -7,7 +7,7 @@ from typing import Any
 
 import control as ct
 
-from ..errors import must_be
+from ..common.errors import must_be
 
 
 def pi_speed_controller(

@@ -11,9 +11,9 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import BeforeValidator, Field, ValidationInfo, model_validator
 
 from .. import loops
-from ..cycles import CYCLES, Cycle
-from ..errors import must_be
-from ..variables import LARGEST_SPEED
+from ..common.errors import must_be
+from ..contract.variables import LARGEST_SPEED
+from ..loops.cycles import CYCLES, Cycle
 from .drives import AngularSpeed
 from .loads import Torque
 from .tables import Strict, Tabulated, Times

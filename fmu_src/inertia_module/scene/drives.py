@@ -7,9 +7,9 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import BaseModel, Field
 
 from .. import loops
+from ..contract.variables import ENUMERATIONS, LARGEST_SPEED
 from ..kernel.codes import DRIVE_SPEED, DRIVE_TORQUE
 from ..loops import Table
-from ..variables import ENUMERATIONS, LARGEST_SPEED
 from .errors import SceneError
 from .loads import Torque
 from .tables import Duration, Strict, Tabulated, Time, Times

@@ -7,7 +7,7 @@ from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
 
-from ..errors import Refused, must_be
+from ..common.errors import Refused, must_be
 
 # what must be, where pydantic says it in another way
 _ALLOWED = {

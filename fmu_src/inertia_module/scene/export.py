@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from ..contract.variables import BY_NAME
 from ..export.plan import Plan, make_plan
-from ..variables import BY_NAME
 from .errors import SceneError
 from .run import start_of
 from .schema import Scene

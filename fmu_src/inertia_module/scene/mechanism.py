@@ -7,9 +7,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, create_model
 
+from ..common.units import number_of
+from ..contract.variables import BY_NAME, PARAMETER, Variable, with_causality
 from ..kernel.codes import ELASTIC
-from ..units import number_of
-from ..variables import BY_NAME, PARAMETER, Variable, with_causality
 from .tables import Strict
 
 FIDELITY = "fidelity"

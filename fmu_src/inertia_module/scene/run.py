@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ..drive import Fmu, Progress, Result
+from ..harness.simulate import Fmu, Progress, Result
 from ..loops import ClosedLoop, connect, initial_inputs
 from .drives import TORQUE_DRIVES
 from .errors import SceneError

@@ -10,11 +10,11 @@ from typing import Annotated, Any
 from pydantic import Field, ValidationError, model_validator
 
 from .. import loops
-from ..cycles import Cycle
-from ..errors import Refused
+from ..common.errors import Refused
+from ..contract.variables import BY_NAME, LARGEST_STEP, LOCAL, OUTPUT, with_causality
 from ..kernel.codes import ELASTIC
-from ..module import Module
-from ..variables import BY_NAME, LARGEST_STEP, LOCAL, OUTPUT, with_causality
+from ..loops.cycles import Cycle
+from ..memory.instances import Module
 from .controllers import SPEED_UNITS, VEHICLE_SPEED, Controller, CycleReference, measured_speed
 from .drives import CONTROLLED_DRIVES, Drive, check_drive, drive_parameter
 from .errors import SceneError, one_line

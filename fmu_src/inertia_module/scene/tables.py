@@ -7,8 +7,8 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict, ValidationInfo, model_validator
 
+from ..harness.results import TableError, read_columns
 from ..loops import Table
-from ..results import TableError, read_columns
 from .units import checked, quantities, quantity
 
 Time = Annotated[float, quantity("s", 0.0)]

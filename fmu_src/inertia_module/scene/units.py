@@ -6,7 +6,7 @@ from typing import Any
 
 from pydantic import BeforeValidator
 
-from ..units import allowed_number, to_si
+from ..common.units import allowed_number, to_si
 
 
 def checked(

@@ -9,7 +9,7 @@ import numpy as np
 from ..kernel.codes import DRIVING, FREE, RIGID
 from ..kernel.layout import imbalance_in_fixed_frame
 from ..kernel.links import accelerations
-from ..module import Module
+from ..memory.instances import Module
 from ..scene.mechanism import at_fidelity
 from .reference import Reference
 from .trajectory import Array, Case, Trajectory

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
+from ..contract.variables import ENUMERATIONS
 from ..kernel.codes import AVERAGED, ELASTIC, EVENT, KINEMATIC, RIGID, TIMESTEPPING
-from ..variables import ENUMERATIONS
 
 FIDELITIES = {number: name for name, number, _ in ENUMERATIONS["Fidelity"]}
 METHODS = {number: name for name, number, _ in ENUMERATIONS["Method"]}

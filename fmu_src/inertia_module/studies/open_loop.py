@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from ..drive import Progress
+from ..harness.simulate import Progress
 from ..scene.mechanism import is_elastic
 from .errors import errors
 from .kernel_runs import KernelRun

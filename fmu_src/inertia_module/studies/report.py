@@ -65,7 +65,7 @@ def print_levels(title: str, rows: Sequence[Row], wanted: Sequence[str], error: 
         title: of the table. rows: measured, in one communication step. wanted: names in Row.errors.
         error: largest allowed; by default USUAL_ERROR.
     """
-    from ..terminal import terminal
+    from ..common.terminal import terminal
 
     console = terminal()
     allowed = USUAL_ERROR if error is None else error

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from .. import results
-from ..drive import Progress
+from ..harness import results
+from ..harness.simulate import Progress
 from .levels import Level
 
 PEER = "peer"

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..drive import Progress
-from ..results import write_figure
+from ..harness.results import write_figure
+from ..harness.simulate import Progress
 from ..scene import Scene
 from ..scene.mechanism import is_elastic
 from .choice import Choice

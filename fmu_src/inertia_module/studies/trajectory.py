@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..variables import BY_NAME
+from ..contract.variables import BY_NAME
 
 Array = NDArray[np.float64]
 

@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from ..drive import Progress
-from ..files import cache_folder, content_hash, sources
+from ..common.files import cache_folder, content_hash, sources
+from ..harness.simulate import Progress
 from ..kernel.codes import AVERAGED, ELASTIC, RIGID
 from ..scene import Scene
 from ..scene.mechanism import at_fidelity, is_elastic, parameters

@@ -11,8 +11,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ..drive import Result
-from ..results import TIME
+from ..harness.results import TIME
+from ..harness.simulate import Result
 from .levels import NOT_MODELLED
 from .trajectory import Array
 

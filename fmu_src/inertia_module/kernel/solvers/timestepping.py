@@ -15,8 +15,8 @@ import math
 
 from ..accumulate import add, wrap_drive_angle
 from ..codes import DRIVING, ELASTIC, FREE, HELD, HELD_DRIVING
+from ..driven_shaft.propagator import characteristic, responses
 from ..inertia import reduced_inertia
-from ..propagator import characteristic, responses
 
 # below this change of q, rad, the derivative of V is more exact than its difference
 SMALLEST_DIFFERENCE = 1e-5

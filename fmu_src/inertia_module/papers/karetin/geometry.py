@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass, field, fields
 from fractions import Fraction
 
-from ...errors import must_be
-from ...variables import BY_NAME
+from ...common.errors import must_be
+from ...contract.variables import BY_NAME
 
 
 def _derived() -> float:

@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 from fractions import Fraction
 
-from ...errors import must_be
-from ...variables import BY_NAME
+from ...common.errors import must_be
+from ...contract.variables import BY_NAME
 from .geometry import Geometry
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ...contract.variables import BY_NAME
 from ...kernel.codes import AVERAGED, ELASTIC, EVENT, KINEMATIC, RIGID, TIMESTEPPING
-from ...variables import BY_NAME
 from ..levels import Level
 
 # what the fixed steps of timestepping and the torque map of averaged are trusted to, relative

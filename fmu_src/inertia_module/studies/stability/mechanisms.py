@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ...kernel.links import held_torque
-from ...module import Module
+from ...memory.instances import Module
 from ..levels import Level
 from .case import LEVELS, Extreme, Segment
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Sequence
 
-from ...module import Module
-from ...terminal import terminal
+from ...common.terminal import terminal
+from ...memory.instances import Module
 from .axes import AXES, cases
 from .case import LEVELS, Case
 from .table import Row, reasons

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ... import results
-from ...results import TableError
+from ...harness import results
+from ...harness.results import TableError
 from .case import LEVELS
 from .verdict import BROKEN, EXACT, OUTCOMES, REFUSED, Verdict, cause
 

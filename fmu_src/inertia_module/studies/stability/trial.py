@@ -6,10 +6,10 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
-from ...errors import Refused
+from ...common.errors import Refused
+from ...contract.variables import LARGEST_STEP
 from ...kernel.codes import ELASTIC, EVENT, KINEMATIC, RIGID, TIMESTEPPING
-from ...module import Module
-from ...variables import LARGEST_STEP
+from ...memory.instances import Module
 from .case import Case, Segment
 from .mechanisms import imbalance_inertia
 
