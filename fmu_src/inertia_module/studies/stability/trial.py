@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from typing import Any, Protocol
 
 from ...errors import Refused
@@ -280,15 +281,26 @@ def _runs(case: Case, plant: Callable[[], Plant]) -> Trial:
     if long.refused:
         return Trial(case, long)
     short = run_once(plant(), parameters, extreme.segments, extreme.split, extreme.turns)
-    tolerance = tolerance_of(case)
-    tighter = max(TIGHTER * tolerance, TIGHTEST)
-    precise = parameters | {"tolerance": tighter, "method": EVENT, "max_step": 0.0}
-    tight = run_once(plant(), precise, extreme.segments, 1)
+    precise = parameters | {"method": EVENT, "max_step": 0.0}
+    tight, sensitivity = _precise(plant, tuple(precise.items()), extreme.segments, tolerance_of(case))
+    return Trial(case, long, short, tight, sensitivity)
+
+
+@lru_cache(maxsize=1)  # the methods of a fidelity, which come one after the other, share it
+def _precise(
+    plant: Callable[[], Plant],
+    parameters: tuple[tuple[str, float], ...],
+    segments: tuple[Segment, ...],
+    tolerance: float,
+) -> tuple[Run | None, float]:
+    """The tight run, or None where it is refused, and the sensitivity of the motion (see Trial)."""
+    precise = dict(parameters) | {"tolerance": max(TIGHTER * tolerance, TIGHTEST)}
+    tight = run_once(plant(), precise, segments, 1)
     if tight.refused:
-        return Trial(case, long, short)
+        return None, 0.0
     sensitivity = 0.0
-    for values, segments in nudged(precise, extreme.segments, tolerance):
-        run = run_once(plant(), values, segments, 1)
+    for values, beside in nudged(precise, segments, tolerance):
+        run = run_once(plant(), values, beside, 1)
         if not run.refused:
             sensitivity = max(sensitivity, distance(run, tight))
-    return Trial(case, long, short, tight, sensitivity)
+    return tight, sensitivity
