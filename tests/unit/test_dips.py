@@ -1,7 +1,6 @@
 """A freewheel that closes for a moment inside a step is not stepped over."""
 
 import pytest
-
 from scenes import advanced, started
 
 # link 2 leaves the shaft at its own speed, so its slope over the shaft starts at zero, and dips to rest
