@@ -43,16 +43,17 @@ docs: $(VENV)/.all ## build the documentation into site/
 	$(BIN)/python docs/make_pages.py --check
 	$(BIN)/mkdocs build -q --strict
 
-bench: $(VENV)/.all ## measure speed and errors, write docs/performance.md
+bench: $(VENV)/.all ## measure speed and errors, write docs/*.csv, the picture and the page on performance
 	$(BIN)/python benchmarks/speed.py
 	$(BIN)/python benchmarks/trade.py
+	$(BIN)/python docs/make_pages.py
 
-stability: $(VENV)/.all ## try the extremes, write docs/stability.csv, the picture and the page
+stability: $(VENV)/.all ## try the extremes, write docs/stability.csv, its picture and page
 	$(BIN)/inertia-module stability -o out/stability
 	cp out/stability/stability.csv out/stability/stability.png docs/
 	$(BIN)/python docs/make_pages.py
 
-coupling: $(VENV)/.all ## couple an engine in every way, write docs/coupling*.csv, the pictures and the page
+coupling: $(VENV)/.all ## couple an engine, write docs/coupling*.csv, the picture and the page
 	$(BIN)/inertia-module coupling -o out/coupling
 	cp out/coupling/*.csv out/coupling/*.png docs/
 	$(BIN)/python docs/make_pages.py

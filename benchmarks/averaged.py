@@ -1,144 +1,124 @@
-"""Kernel time per simulated second of fidelity averaged against rigid, on the urban scene.
+"""Fidelity averaged against rigid: kernel time on the urban scene, and mean speeds where the input torque is given.
 
-The drive and load of the scene, recorded once, are played to the compiled kernel in a compiled loop:
-no shell, no Python. Run: python benchmarks/averaged.py
+The drive and load of the scene, recorded once, are played to the compiled kernel in a compiled loop: no shell, no Python.
+Run: python benchmarks/averaged.py
 """
 
-import argparse
-import json
+import math
 import statistics
 import time
 from pathlib import Path
 
 import numba
 import numpy as np
+from figures import PLANAR
 
-from inertia_module import compiled
-from inertia_module.cli import current_fmu
-from inertia_module.kernel import codes
-from inertia_module.model import INERTIA_MODULE
-from inertia_module.module import Module
-from inertia_module.scene import load_scene, run_scene
+from inertia_module.compiling import load as compiled
+from inertia_module.contract.models import INERTIA_MODULE
+from inertia_module.cosimulation.interface import interface_inertia
+from inertia_module.kernel.codes import AVERAGED, DRIVE_TORQUE, RIGID, STEP_ONLY
+from inertia_module.memory.instances import Module
+from inertia_module.scene import load_scene
+from inertia_module.studies.scene_run import run_in_process
 
 SCENE = Path(__file__).parent.parent / "examples" / "urban.toml"
-REPEATS = 7
+FIDELITIES = {"rigid": RIGID, "averaged": AVERAGED}
+LAYOUTS = {"bevel": {}, "planar": PLANAR}
+SHARES = (0.5, 1.0, 2.0, 5.0, 10.0, 50.0)  # J1 over the greatest inertia the module has at its input
+START = {"drive": DRIVE_TORQUE, "omega1": 100.0, "drive_torque": 4.0, "load_torque": 5.0}
+STEP = 0.01
+REPEATS = 8
+BEGIN, END = 2.0, 4.0  # s, of the means
 
 
-def recorded_inputs():
-    """(parameters, omega1, load torque) of the scene at its communication points."""
-    scene = load_scene(SCENE)
-    record = run_scene(scene, current_fmu()).record
-    return scene, record["omega1"][1:], record["load_torque"][1:]
-
-
-def player(operation=codes.STEP_ONLY):
-    """Compiled loop: steps of h with the inputs given, from the state given."""
+def player():
+    """Compiled loop: steps of h with the inputs given, from the state given. Returns how many it refused."""
     entry = compiled.load()
     omega1_place, load_place = INERTIA_MODULE.place("omega1"), INERTIA_MODULE.place("load_torque")
 
     @numba.njit
     def play(p, d, u, x, y, w, omega1, load, h):
+        refused = 0
         for n in range(omega1.size):
             u[omega1_place] = omega1[n]
             u[load_place] = load[n]
-            status = entry(operation, p.ctypes, d.ctypes, u.ctypes, x.ctypes, y.ctypes, w.ctypes, h)
-            if status != 0:
-                return n, status
-        return omega1.size, 0
+            status = entry(STEP_ONLY, p.ctypes, d.ctypes, u.ctypes, x.ctypes, y.ctypes, w.ctypes, h)
+            refused += status != 0
+        return refused
 
     return play
 
 
-def measure(play, parameters, omega1, load, h):
-    """(median kernel time per simulated second, s; output speed at the end)."""
-    module = Module("compiled").start(omega1=float(omega1[0]), load_torque=float(load[0]), **parameters)
-    begin = [np.array(record.numbers[:]) for record in module._records]
-    times = []
-    for _ in range(REPEATS + 1):
-        arrays = [values.copy() for values in begin]
-        start = time.perf_counter()
-        done, status = play(*arrays, omega1, load, h)
-        times.append(time.perf_counter() - start)
-        if status:
-            raise RuntimeError(f"step {done} is refused with status {status}")
-    return statistics.median(times[1:]) / (omega1.size * h), arrays[4][INERTIA_MODULE.place("omega_out")]
-
-
-def difference_of_means():
-    """Largest difference of the mean output speed over a second between averaged and rigid, of max omega1."""
-    means = {}
-    fastest = 0.0
-    scene = load_scene(SCENE)
-    whole = round(1.0 / scene.run.communication_step)
-    for fidelity in (codes.RIGID, codes.AVERAGED):
-        record = run_scene(scene.replaced(mechanism={"fidelity": fidelity}), current_fmu()).record
-        means[fidelity] = record["omega_out"][1:].reshape(-1, whole).mean(axis=1)
-        fastest = max(fastest, float(record["omega1"].max()))
-    return float(np.abs(means[codes.RIGID] - means[codes.AVERAGED]).max()) / fastest
-
-
-def rows():
-    scene, omega1, load = recorded_inputs()
-    play = player()
-    h = scene.run.communication_step
+def kernel_times(scene, record):
+    """Kernel time of both fidelities for the recorded inputs, in steps of the scene and of 1 s."""
+    found, play, h = [], player(), scene.run.communication_step
     per_second = round(1.0 / h)
-    whole = omega1.size // per_second * per_second
-    coarse = [series[:whole].reshape(-1, per_second).mean(axis=1) for series in (omega1, load)]
-    found = []
-    for label, inputs, step_size in (
-        ("scene", (omega1[:whole], load[:whole]), h),
-        ("1 s", coarse, 1.0),
-    ):
-        series = [np.ascontiguousarray(values) for values in inputs]
-        costs = {}
-        for name, fidelity in (("rigid", codes.RIGID), ("averaged", codes.AVERAGED)):
+    inputs = np.array([record["omega1"][1:], record["load_torque"][1:]])
+    inputs = inputs[:, : inputs.shape[1] // per_second * per_second]
+    coarse = inputs.reshape(2, -1, per_second).mean(axis=2)
+    for step, (omega1, load) in ((h, inputs), (1.0, coarse)):
+        for name, fidelity in FIDELITIES.items():
             parameters = {**scene.parameters(), "fidelity": fidelity, "tolerance": scene.accuracy.tolerance}
-            costs[name], speed = measure(play, parameters, *series, step_size)
-            found.append(
-                {
-                    "steps": label,
-                    "step_s": step_size,
-                    "fidelity": name,
-                    "us_per_simulated_second": costs[name] * 1e6,
-                    "ns_per_step": costs[name] * step_size * 1e9,
-                    "omega_out_end": speed,
-                }
-            )
-        found[-1]["rigid_over_averaged"] = costs["rigid"] / costs["averaged"]
+            module = Module("compiled").start(omega1=omega1[0], load_torque=load[0], **parameters)
+            begin = [np.array(record.numbers[:]) for record in module._records]
+            times = []
+            for _ in range(REPEATS):
+                arrays = [values.copy() for values in begin]
+                start = time.perf_counter()
+                refused = play(*arrays, omega1, load, step)
+                times.append(time.perf_counter() - start)
+                if refused:
+                    raise RuntimeError(f"{refused} steps are refused")
+            taken = statistics.median(times[1:])  # numba compiles at the first call
+            found.append((f"{name}, steps of {step:g} s", "time", 1e6 * taken / (step * omega1.size), "us"))
     return found
 
 
-def lines(found):
-    """Table and sentences of the page."""
-    text = [
-        "| steps | fidelity | us per simulated second | ns per step | rigid over averaged |",
-        "|---|---|---|---|---|",
-    ]
-    for row in found:
-        share = f"{row['rigid_over_averaged']:.1f}" if "rigid_over_averaged" in row else ""
-        text.append(
-            f"| {row['step_s']:g} s | {row['fidelity']} | {row['us_per_simulated_second']:.3g} |"
-            f" {row['ns_per_step']:.3g} | {share} |"
-        )
-    costs = [row["us_per_simulated_second"] for row in found]
+def figures_of_scene():
+    """Kernel times, and the largest difference of the mean output speed over a second, of the largest omega1."""
+    scene = load_scene(SCENE)
+    records = {
+        name: run_in_process(scene.replaced(mechanism={"fidelity": fidelity})).record
+        for name, fidelity in FIDELITIES.items()
+    }
+    whole = round(1.0 / scene.run.communication_step)
+    rigid, averaged = (record["omega_out"][1:].reshape(-1, whole).mean(axis=1) for record in records.values())
+    largest = float(np.abs(rigid - averaged).max() / records["rigid"]["omega1"].max())
     return [
-        *text,
-        "",
-        f"Rigid in steps of the scene costs {costs[0] / costs[-1]:.0f} times averaged in steps of 1 s. Means of"
-        f" the output speed over a second differ by {100 * difference_of_means():.2g} % of the largest omega1"
-        " at most.",
+        *kernel_times(scene, records["rigid"]),
+        ("averaged against rigid", "difference of mean output speed", 100.0 * largest, "%"),
     ]
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--json", action="store_true", help="print JSON")
-    found = rows()
-    if parser.parse_args().json:
-        print(json.dumps(found, indent=2))
-        return
-    print("\n".join(lines(found)))
+def mean_speeds(fidelity, parameters):
+    """Mean speeds of link 1 and of the output shaft between BEGIN and END, rad/s."""
+    module = Module().start(**START, **parameters, fidelity=fidelity)
+    output, angle = [], 0.0
+    for n in range(round(END / STEP)):
+        if n == round(BEGIN / STEP):
+            angle = module["input_angle"] + 2.0 * math.pi * module["input_turns"]
+        module.advance(STEP)
+        if n >= round(BEGIN / STEP):
+            output.append(module["omega_out"])
+    turned = module["input_angle"] + 2.0 * math.pi * module["input_turns"] - angle
+    return turned / (END - BEGIN), sum(output) / len(output)
+
+
+def figures_by_torque():
+    """Errors of the mean speeds over the inertia of link 1: the averaged map is that of constant omega1."""
+    found = []
+    for layout, mechanism in LAYOUTS.items():
+        greatest = interface_inertia(mechanism).greatest
+        for share in SHARES:
+            parameters = {**mechanism, "input_inertia": share * greatest}
+            rigid, averaged = (mean_speeds(fidelity, parameters) for fidelity in FIDELITIES.values())
+            for name, exact, ours in zip(("omega1", "omega_out"), rigid, averaged, strict=True):
+                case = f"{layout}, J1 / Phi = {share:g}"
+                found.append((case, f"{name}, rigid", exact, "rad/s"))
+                found.append((case, f"{name}, error of averaged", 100.0 * (ours / exact - 1.0), "%"))
+    return found
 
 
 if __name__ == "__main__":
-    main()
+    for row in (*figures_of_scene(), *figures_by_torque()):
+        print(*row)

@@ -1,4 +1,4 @@
-"""Cost of the native FMUs: a part of docs/performance.md, printed by benchmarks/speed.py.
+"""Cost of the native FMUs, measured by benchmarks/speed.py.
 
 A C host steps them in a loop (benchmarks/native/loop.c), next to the least a native FMU can be
 (benchmarks/native/empty.c), in turns; fmpy does the same.
@@ -10,6 +10,7 @@ import time
 from pathlib import Path
 from typing import NamedTuple
 
+from figures import R1
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 
@@ -18,7 +19,6 @@ from inertia_module.fmu.linking import compiler, header_folder
 HERE = Path(__file__).parent / "native"
 ROUNDS = 5
 STEP = 1e-3
-R1 = {"omega1": 100.0, "load_torque": 10.0}
 # an input inertia with which omega1 hardly changes: the same motion as with omega1 given
 TORQUE = {"drive_torque": 15.0, "load_torque": 10.0, "omega1": 100.0, "input_inertia": 100.0}
 STANDSTILL = {"omega1": 0.0, "load_torque": 10.0}
@@ -104,20 +104,17 @@ CASES = {
 
 
 def c_loop(loop, module, shaft, empty):
-    """Rows (case, ns per step, more than the empty FMU, worst step in us, real-time factor)."""
+    """Of each case the time of a step, ns, and the worst step, us."""
     costs = {name: [] for name in ("empty native FMU", *CASES, "DrivenShaft")}
     for _ in range(ROUNDS):
         costs["empty native FMU"].append(timed(loop, empty, {"u": 1.0, "v": 2.0}, ("y", "z"), repeats=3))
         for name, (values, whole) in CASES.items():
             costs[name].append(timed(loop, module, values, OUTPUTS, repeats=3, **whole))
         costs["DrivenShaft"].append(timed(loop, shaft, SHAFT, ("omega_out", "shaft_torque_mean"), repeats=3))
-    least = statistics.median(run.step for run in costs["empty native FMU"])
-    rows = []
-    for name, runs in costs.items():
-        step = statistics.median(run.step for run in runs)
-        worst = min(run.worst for run in runs)
-        rows.append((name, step, step - least, worst / 1e3, STEP * 1e9 / step))
-    return rows
+    return {
+        name: (statistics.median(run.step for run in runs), min(run.worst for run in runs) / 1e3)
+        for name, runs in costs.items()
+    }
 
 
 def fmpy_loop(library, values, outputs, steps=20000):
@@ -144,34 +141,20 @@ def fmpy_loop(library, values, outputs, steps=20000):
     return cost
 
 
-def section(workshop, module_path, shaft_path):
-    """Markdown of this part of the page."""
+def figures(workshop, module_path, shaft_path):
+    """Figures of steps of 1 ms, two values set and two read, in a C host and through fmpy."""
     loop = workshop / "loop"
     compile_c(HERE / "loop.c", loop, "-ldl", "-lm")
     module, shaft, empty = unpacked(module_path), unpacked(shaft_path), empty_fmu(workshop)
-    rows = c_loop(loop, module, shaft, empty)
+    found = []
+    for name, (step, worst) in c_loop(loop, module, shaft, empty).items():
+        found += [(name, "time of a step", step, "ns"), (name, "worst step", worst, "us")]
     pairs = [
         (fmpy_loop(empty, {"u": 1.0}, ("y", "z")), fmpy_loop(module, STANDSTILL, OUTPUTS))
         for _ in range(ROUNDS)
     ]
-    through_fmpy = [statistics.median(column) for column in zip(*pairs, strict=True)]
-    return [
-        "## The native FMU",
-        "",
-        "A C host sets both inputs, steps by 1 ms and reads two outputs; medians of"
-        f" {ROUNDS} runs of 20,000 steps, all cases in turns. The worst step is the longest of the run, where"
-        " each step counts with its shortest time of three repeats (the machine has other things to do): what"
-        " a hardware-in-the-loop host at 1 kHz has to allow for the FMU, of its 1000 us.",
-        "",
-        "| FMU | ns per step | more than the empty FMU | worst step, us | real-time factor at 1 kHz |",
-        "|---|---|---|---|---|",
-        *(
-            f"| {name} | {step:.0f} | {more:.0f} | {worst:.2f} | {factor:,.0f} |"
-            for name, step, more, worst, factor in rows
-        ),
-        "",
-        f"Through fmpy, a step and two reads: {through_fmpy[0]:.2f} us of the empty native FMU,"
-        f" {through_fmpy[1]:.2f} us of the module at a standstill (ratio"
-        f" {through_fmpy[1] / through_fmpy[0]:.2f}): the loop in Python is the cost.",
-        "",
-    ]
+    for name, times in zip(
+        ("empty native FMU", "module at a standstill"), zip(*pairs, strict=True), strict=True
+    ):
+        found.append((name, "time of a step and two reads through fmpy", statistics.median(times), "us"))
+    return found

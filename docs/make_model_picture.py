@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from inertia_module.kernel import layout
-from inertia_module.module import Module
+from inertia_module.memory.instances import Module
 
 TARGET = Path(__file__).parent.parent / "fmu_src" / "inertia_module" / "fmu" / "model.png"
 

@@ -5,11 +5,12 @@ import sys
 from decimal import Decimal
 from pathlib import Path
 
+import performance_page
+import stability_page
+
 from inertia_module.fmu.documentation import variables_page
 from inertia_module.papers.page import papers_page
 from inertia_module.studies.coupling.page import coupling_page
-from inertia_module.studies.stability.page import stability_page
-from inertia_module.studies.stability.table import read_rows
 
 HERE = Path(__file__).parent
 README = HERE.parent / "README.md"
@@ -21,9 +22,9 @@ def start_page():
     return README.read_text().replace("](docs/", "](").replace('src="docs/', 'src="')
 
 
-def extremes_page():
-    """The verdicts that are committed in stability.csv."""
-    return stability_page(read_rows(HERE / "stability.csv"))
+def filled(name, values):
+    """A page from its template, whose places are filled with figures of committed tables."""
+    return (HERE / "templates" / name).read_text().format_map(values)
 
 
 def measured_coupling():
@@ -34,7 +35,8 @@ def measured_coupling():
 PAGES = {
     "variables.md": variables_page,
     "papers.md": papers_page,
-    "stability.md": extremes_page,
+    "stability.md": lambda: filled("stability.md", stability_page.values()),
+    "performance.md": lambda: filled("performance.md", performance_page.values()),
     "coupling.md": measured_coupling,
     "index.md": start_page,
 }

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from inertia_module.drive import drive
+from inertia_module.harness.simulate import drive
 
 FMU = Path(__file__).parent.parent / "build" / "InertiaModule.fmu"
 MECHANISM = {

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from inertia_module.drive import Fmu, Result
+from inertia_module.harness.simulate import Fmu, Result
 
 STEP = 0.0005  # s
 FMU = Path(__file__).parent.parent / "build" / "InertiaModule.fmu"

@@ -17,8 +17,8 @@ import control as ct
 import numpy as np
 
 from inertia_module import bridge, loops
-from inertia_module.instance import Fmu
-from inertia_module.results import Result, write_figure
+from inertia_module.harness.fmu import Fmu
+from inertia_module.harness.results import Result, write_figure
 
 HERE = Path(__file__).parent.parent
 STEP = 0.01  # s, of communication and control

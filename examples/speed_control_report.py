@@ -2,9 +2,8 @@
 
 import control as ct
 import numpy as np
+from inertia_module.figures.scenes.scenes.scenes import BLACK, BLUE, VERMILION
 from matplotlib.figure import Figure
-
-from inertia_module.figures import BLACK, BLUE, VERMILION
 
 
 def report(rows):

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 
 from inertia_module import loops
-from inertia_module.cycles import ELEMENTARY_URBAN_CYCLE as CYCLE
-from inertia_module.drive import Fmu
+from inertia_module.harness.simulate import Fmu
+from inertia_module.loops.cycles import ELEMENTARY_URBAN_CYCLE as CYCLE
 
 STEP = 0.01  # s
 FMU = Path(__file__).parent.parent / "build" / "InertiaModule.fmu"

@@ -46,7 +46,7 @@ def pytest_configure(config):
     """Compile the kernels once, before the workers start: each of them would do it for itself."""
     if ONLY_PLAIN or importlib.util.find_spec("numba") is None or hasattr(config, "workerinput"):
         return
-    from inertia_module import compiled
+    from inertia_module.compiling import load as compiled
 
     for name in ("module", "driven_shaft"):
         compiled.load(name)

@@ -28,8 +28,8 @@ from inertia_module.cosimulation import (
     TorqueDrivenEngine,
     torque_driven,
 )
-from inertia_module.drive import Fmu
-from inertia_module.results import Result, write_figure
+from inertia_module.harness.results import Result, write_figure
+from inertia_module.harness.simulate import Fmu
 
 INERTIA = 0.15  # kg.m2, of the engine
 LIMITS = EngineMap((0.0, 100.0, 200.0, 300.0), (20.0, 30.0, 36.0, 32.0), (6.0, 8.0, 10.0, 14.0))

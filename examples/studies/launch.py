@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-from inertia_module.drive import drive
-from inertia_module.results import Result, write_figure
+from inertia_module.harness.results import Result, write_figure
+from inertia_module.harness.simulate import drive
 
 FMU = Path(__file__).parents[2] / "build" / "InertiaModule.fmu"
 MECHANISM = {"layout": "planar", "sun_radius": 0.1, "satellite_radius": 0.06, "eccentricity": 0.04}

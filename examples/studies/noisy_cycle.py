@@ -15,9 +15,9 @@ import numpy as np
 from launch import FMU, MECHANISM
 
 from inertia_module import loops
-from inertia_module.cycles import ELEMENTARY_URBAN_CYCLE as CYCLE
-from inertia_module.drive import Fmu
-from inertia_module.results import Result, write_figure
+from inertia_module.harness.results import Result, write_figure
+from inertia_module.harness.simulate import Fmu
+from inertia_module.loops.cycles import ELEMENTARY_URBAN_CYCLE as CYCLE
 
 STEP = 0.01  # s
 SEED = 2026

@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 from launch import FMU, MECHANISM
 
-from inertia_module.drive import drive
-from inertia_module.results import Result, write_figure
+from inertia_module.harness.results import Result, write_figure
+from inertia_module.harness.simulate import drive
 
 INERTIA = 2.0  # kg.m2
 LOAD = 5.0  # N.m

@@ -1,16 +1,41 @@
 """FMUs as an importer sees them: built once a session, driven through fmpy only."""
 
 import ctypes
+import math
 
 import pytest
 from fmpy import extract, read_model_description
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave, fmi2Discard, fmi2Error
 
-from inertia_module.logs import messages_of_others
+from inertia_module.contract.variables import BOOLEAN, PARAMETER, REAL
+from inertia_module.harness.logs import messages_of_others
 
 # the FMUs a test runs with, unless its file says otherwise by a FLAVOURS of its own
 FLAVOURS = ("InertiaModule", "InertiaModulePy")
+
+
+BAD_STEPS = (0.0, -0.01, math.nan, math.inf, 1e9)
+
+
+def sentence(variable, value):
+    """The whole refusal of a value, from the table of variables."""
+    return f"{variable.name} must be {variable.allowed}, is {value:.16g}"
+
+
+def bad_step(step):
+    """The whole refusal of a communication step."""
+    return f"communication step must be above 0 and at most 1e+06 s, is {step:.16g}"
+
+
+def out_of_range(model):
+    """Parameters of a model and values that they do not take."""
+    for variable in model.with_causality(PARAMETER):
+        if variable.kind == REAL:
+            too_far = (variable.minimum - 1.0, variable.maximum * 2.0 + 1.0)
+            yield from ((variable, value) for value in (math.nan, math.inf, *too_far))
+        elif variable.kind != BOOLEAN:  # in FMI a Boolean has two values and no others
+            yield from ((variable, value) for value in (int(variable.minimum) - 1, int(variable.maximum) + 1))
 
 
 def pytest_generate_tests(metafunc):
@@ -85,6 +110,35 @@ class Instance:
                 raise
             return True
         return False
+
+    def discard(self, h):
+        """The message of a step that is answered by fmi2Discard."""
+        with messages_of_others() as messages:
+            assert self.is_discarded(h), f"a step of {h} s is not discarded"
+        return "; ".join(messages)
+
+    def check_range_of_parameters(self, model):
+        """Every parameter out of its range is refused by name, value and range, and a good start follows."""
+        for variable, value in out_of_range(model):
+            self.set(**{variable.name: value})
+            said = self.refusal(self.start)
+            assert said == sentence(variable, value)
+            self.fmu.reset()
+        self.start()
+        assert not self.is_discarded(0.01)
+
+    def check_bad_input_and_step(self, undisturbed, model, good, bad):
+        """Bad inputs and steps are discarded with a sentence, and the run goes on as if nothing had been."""
+        for name, value in [*bad, *((None, step) for step in BAD_STEPS)]:
+            before = self.all_values()
+            self.set(**({name: value} if name else {}))
+            said = self.discard(0.01 if name else value)
+            assert said == (sentence(model.by_name[name], value) if name else bad_step(value))
+            self.set(**good)
+            assert self.all_values() == before, f"{said}: values have changed"
+            for one in (self, undisturbed):
+                one.step(0.1)
+            assert self.all_values() == undisturbed.all_values(), f"{said}: the next step is another"
 
     def set_rates(self, order=1, **rates):
         references = [self.references[name] for name in rates]

@@ -6,7 +6,7 @@ from pathlib import PurePosixPath
 
 import pytest
 
-from inertia_module.compiled import SHIPPED, SHIPPED_NAMES
+from inertia_module.compiling.load import SHIPPED, SHIPPED_NAMES
 from inertia_module.fmu.builder import MODULE_FMU, PYTHON_FMU, SHAFT_FMU
 from inertia_module.fmu.python_fmu import bundled_files
 from inertia_module.fmu.targets import TARGETS

@@ -211,13 +211,16 @@ def test_absurd_rates_are_discarded_and_named(instance, rate):
 @pytest.mark.parametrize(
     "call, words",
     [
-        (lambda i: i.directional(("omega1",), ("omega1",), (1.0,)), "allowed are those of outputs"),
-        (lambda i: i.directional(("omega2",), ("omega2",), (1.0,)), "allowed are those of inputs"),
-        (lambda i: i.directional(("omega2",), ("omega1",), (math.nan,)), "direction nan is refused"),
-        (lambda i: i.rates("omega2", order=2), "allowed is order 1"),
-        (lambda i: i.rates("energy_in"), "allowed are those of outputs"),
-        (lambda i: i.set_rates(omega2=1.0), "allowed are those of inputs"),
-        (lambda i: i.set_rates(order=2, omega1=1.0), "allowed is order 1"),
+        (lambda i: i.directional(("omega1",), ("omega1",), (1.0,)), "must be that of an output, is "),
+        (lambda i: i.directional(("omega2",), ("omega2",), (1.0,)), "must be that of an input, is "),
+        (
+            lambda i: i.directional(("omega2",), ("omega1",), (math.nan,)),
+            "a direction must be finite, is nan",
+        ),
+        (lambda i: i.rates("omega2", order=2), "order of a derivative of omega2 must be 1, is 2"),
+        (lambda i: i.rates("energy_in"), "must be that of an output, is "),
+        (lambda i: i.set_rates(omega2=1.0), "must be that of an input, is "),
+        (lambda i: i.set_rates(order=2, omega1=1.0), "order of a derivative of omega1 must be 1, is 2"),
     ],
 )
 def test_derivatives_that_are_not_there_are_refused(instance, call, words):

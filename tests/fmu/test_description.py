@@ -6,10 +6,10 @@ import zipfile
 import pytest
 from fmpy.validation import validate_fmu
 
+from inertia_module.contract.models import DRIVEN_SHAFT, INERTIA_MODULE
+from inertia_module.contract.variables import DISPLAY_UNITS, ENUMERATIONS, UNITS
 from inertia_module.fmu import python_fmu
 from inertia_module.fmu.builder import FMUS, PYTHON_FMU, content_of
-from inertia_module.model import DRIVEN_SHAFT, INERTIA_MODULE
-from inertia_module.variables import DISPLAY_UNITS, ENUMERATIONS, UNITS
 
 FLAVOURS = tuple(fmu.identifier for fmu in FMUS)
 BASE = {

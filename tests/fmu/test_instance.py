@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from inertia_module.drive import DriveError, Fmu, TableError, drive
-from inertia_module.errors import Refused
+from inertia_module.common.errors import Refused
+from inertia_module.harness.simulate import DriveError, Fmu, TableError, drive
 
 START = {"omega1": 100.0, "load_torque": 10.0}
 

@@ -8,25 +8,25 @@ import sys
 
 import pytest
 
-from inertia_module.entries import DRIVEN_SHAFT, CompilationUnavailable
-from inertia_module.files import PACKAGE_FOLDER, cache_folder
+from inertia_module.common.files import PACKAGE_FOLDER, cache_folder
+from inertia_module.compiling.ir import kernel_ir
+from inertia_module.compiling.kernels import DRIVEN_SHAFT, CompilationUnavailable
 from inertia_module.fmu.builder import FMUS, SHAFT_FMU, build
 from inertia_module.fmu.linking import compiler
 from inertia_module.fmu.native_fmu import guid
 from inertia_module.fmu.targets import TARGETS
-from inertia_module.kernel_ir import kernel_ir
 
 # objects are made anew: of the cache, only what the compiler brings along for each platform is used
 LINK = """
 import sys
 from pathlib import Path
 
-from inertia_module.entries import ENTRIES
+from inertia_module.compiling.kernels import ENTRIES
 from inertia_module.fmu import linking
 from inertia_module.fmu.targets import TARGETS
-from inertia_module.kernel_ir import kernel_ir
-from inertia_module.machine_code import compile_ir
-from inertia_module.model import DRIVEN_SHAFT
+from inertia_module.compiling.ir import kernel_ir
+from inertia_module.compiling.objects import compile_ir
+from inertia_module.contract.models import DRIVEN_SHAFT
 
 linking.object_file = lambda name, machine, label: compile_ir(kernel_ir(name), ENTRIES[name], machine)
 for number, target in enumerate(TARGETS):
@@ -35,7 +35,7 @@ for number, target in enumerate(TARGETS):
 """
 TRANSLATE = """
 import sys
-from inertia_module.kernel_ir import kernel_ir
+from inertia_module.compiling.ir import kernel_ir
 
 sys.stdout.buffer.write(kernel_ir(sys.argv[1]).encode())
 """
@@ -47,7 +47,9 @@ import subprocess
 import sys
 from pathlib import Path
 
-from inertia_module import files, kernel_ir, machine_code
+from inertia_module.common import files
+from inertia_module.compiling import ir as kernel_ir
+from inertia_module.compiling import objects as machine_code
 from inertia_module.fmu import native_fmu
 from inertia_module.fmu.builder import SHAFT_FMU
 from inertia_module.fmu.targets import LINUX64
@@ -76,9 +78,9 @@ ALL, COMPILED, LINKED = {"text", "object", "library"}, {"object", "library"}, {"
 # what is made anew after a change of a file of the package
 FILES = {
     "kernel/inertia.py": ALL,
-    "entries.py": ALL,
-    "kernel_ir.py": ALL,
-    "machine_code.py": COMPILED,
+    "compiling/kernels.py": ALL,
+    "compiling/ir.py": ALL,
+    "compiling/objects.py": COMPILED,
     "fmu/linking.py": LINKED,
     "fmu/native_fmu.py": LINKED,
     "fmu/targets.py": LINKED,

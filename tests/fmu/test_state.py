@@ -103,9 +103,9 @@ def test_many_instances_one_after_the_other(instances):
 
 def test_two_different_builds_live_in_one_process(monkeypatch, tmp_path, instances):
     files = python_fmu.bundled_files()
-    source = files["variables.py"].decode()
+    source = files["contract/variables.py"].decode()
     assert '"link2_inertia", "kg.m2", 0.005' in source.replace("\n", " ").replace("  ", "")
-    files["variables.py"] = source.replace("0.005", "0.0075", 1).encode()
+    files["contract/variables.py"] = source.replace("0.005", "0.0075", 1).encode()
     monkeypatch.setattr(python_fmu, "bundled_files", lambda: files)
     path = tmp_path / "InertiaModulePy.fmu"
     path.write_bytes(builder.content_of(builder.PYTHON_FMU)[0])

@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 from fmpy import extract
 
-from inertia_module.entries import ENTRIES, CompilationUnavailable
+from inertia_module.compiling.kernels import ENTRIES, CompilationUnavailable
+from inertia_module.compiling.objects import object_file, target_machine
 from inertia_module.fmu import builder, native_fmu
 from inertia_module.fmu.linking import (
     SHELL_FOLDER,
@@ -23,7 +24,6 @@ from inertia_module.fmu.linking import (
 )
 from inertia_module.fmu.tables import generated
 from inertia_module.fmu.targets import LINUX64, WIN64
-from inertia_module.machine_code import object_file, target_machine
 
 SOURCES = Path(__file__).parent
 FMUS = {fmu.identifier: fmu for fmu in (builder.MODULE_FMU, builder.SHAFT_FMU)}

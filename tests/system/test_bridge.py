@@ -9,7 +9,16 @@ import numpy as np
 import pytest
 
 from inertia_module import bridge, loops
-from inertia_module.instance import DriveError, Fmu
+from inertia_module.contract.variables import (
+    BY_NAME,
+    DRIVE_ANGLE,
+    LINK1_ANGLE,
+    LOCAL,
+    OUTPUT,
+    SINCE_START,
+    with_causality,
+)
+from inertia_module.harness.fmu import DriveError, Fmu
 
 PAGE = Path(__file__).parents[2] / "docs" / "control.md"
 EXAMPLE = Path(__file__).parents[2] / "examples" / "speed_control.py"
@@ -277,6 +286,36 @@ def test_measurement_refuses_what_it_cannot_measure(native):
         bridge.measured_response(native, {}, excited="omega1", amplitude=1.0, step=0.5, **keywords)
 
 
+# --- what follows from the motion ---
+
+
+def test_the_table_tells_which_variables_follow_from_the_motion(native):
+    """A restart from the motion has all but sums since the start and what turns with link 1."""
+    inputs = {"omega1": 100.0, "load_torque": 10.0}
+    names = [variable.name for variable in with_causality(OUTPUT, LOCAL)]
+    with Fmu(native, {}, inputs, 1e-11) as fmu:
+        for _ in range(123):
+            fmu.advance(STEP)
+        motion = {f"{name}_start": fmu[name] for name in ("drive_angle", "omega2", "omega_out")}
+        fmu.advance(STEP)
+        expected = dict(zip(names, fmu.read(names), strict=False))
+    with Fmu(native, motion, inputs, 1e-11) as fmu:
+        fmu.advance(STEP)
+        found = dict(zip(names, fmu.read(names), strict=False))
+    differ = {name for name in names if found[name] != pytest.approx(expected[name], rel=1e-5, abs=1e-7)}
+    follows = {name: BY_NAME[name].follows for name in names}
+    changed = {name for name in names if follows[name] in (SINCE_START, LINK1_ANGLE)}
+    # no energy is lost here, and the audit stays at rounding
+    assert differ == changed - {"energy_lost", "energy_residual"}
+    assert {name for name, of in follows.items() if of == DRIVE_ANGLE} == {
+        "drive_angle",
+        "imbalance_x",
+        "imbalance_velocity_x",
+        "imbalance_acceleration",
+        "imbalance_acceleration_x",
+    }
+
+
 # --- refusals ---
 
 
@@ -285,12 +324,16 @@ def test_measurement_refuses_what_it_cannot_measure(native):
     [
         (ELASTIC, OUTPUTS, "fidelity = elastic is refused with state = 'motion'"),
         ({"input_hold": "linear"}, OUTPUTS, "input_hold = linear is refused with state = 'motion'"),
-        ({}, ["energy_in"], "it is a sum since the start"),
-        ({}, ["imbalance_acceleration_y"], "it depends on an angle that is no state here"),
+        (
+            {},
+            ["energy_in"],
+            "energy_in state must be 'whole', is 'motion': it is a sum since the start",
+        ),
+        ({}, ["imbalance_acceleration_y"], "depends on the angle of link 1"),
         (
             {"fidelity": "averaged"},
             ["imbalance_acceleration"],
-            "it depends on an angle that is no state here",
+            "depends on the angle of the drive",
         ),
         ({}, ["omega5"], "omega5 is refused: InertiaModule.fmu has no such variable"),
     ],

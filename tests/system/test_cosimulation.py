@@ -1,7 +1,9 @@
-"""An engine in front of the FMU, a shaft behind it: limits, orders, energy, independent references."""
+"""An engine in front of the FMU: limits, orders, energy, an independent reference."""
 
+import csv
 import math
 import re
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -12,25 +14,19 @@ from inertia_module.cosimulation import (
     CoupledEngine,
     Engine,
     EngineMap,
-    ErrorControl,
     Governor,
     Scheme,
     interface_inertia,
-    run_adaptive,
 )
-from inertia_module.cosimulation.amplification import characteristic
-from inertia_module.instance import DriveError, Fmu
+from inertia_module.harness.fmu import DriveError, Fmu
 from inertia_module.scene import load_scene
-from inertia_module.studies.coupling import limits
 from inertia_module.studies.coupling.case import URBAN_MODULE, bevel, planar
-from inertia_module.studies.coupling.figure import worst
-from inertia_module.studies.coupling.monolithic import Monolith
-from inertia_module.studies.coupling.rows import read_rows
-from inertia_module.studies.coupling.study import CRUISE, Files, coupling_map, write_part
-from inertia_module.studies.coupling.trial import Trial, adaptive, course, fixed, trial
+from inertia_module.studies.coupling.reference import one_piece
+from inertia_module.studies.coupling.study import coupling_map, write_part
+from inertia_module.studies.coupling.trial import COUPLINGS, TORQUE, course, trial
 from inertia_module.studies.coupling.urban import SCENE, urban_run, urban_scene
 
-CONVERGED = Scheme(correction="implicit", iterations=6)
+DOCS = Path(__file__).parents[2] / "docs"
 
 
 @pytest.fixture(scope="module")
@@ -46,22 +42,63 @@ def reference():
     def course_of(case):
         key = case.name, case.ratio
         if key not in found:
-            found[key] = Monolith(case).run()
+            found[key] = one_piece(case)
         return found[key]
 
     return course_of
 
 
-# --- the added-mass limit ---
+# --- the added-mass limit, on a module that is an inertia and little else ---
+
+# kg.m2, nearly all of it on link 1, so that it does not change with the angle
+INTERFACE = 0.1
+PURE_INERTIA = {"input_inertia": INTERFACE, "imbalance_mass": 1e-9}
+SPEED, TORQUE_STEP = 100.0, 1.0
 
 
-@pytest.mark.parametrize("name", [name for name, scheme in SCHEMES.items() if scheme.torque == "mean"])
+def characteristic(scheme, r, rho):
+    """Polynomial of the growth in a step, of any length, highest power first: a step passes momentum on.
+
+    u and m are the changes of speed of engine and module, (1 + rho) u = (rho - r) m with r = Phi/J_E and
+    rho what the engine reckons with, over J_E; m is u of the step before, or 2 u - u along a ramp.
+    """
+    return {
+        Scheme.JACOBI: (1.0, 0.0, r),
+        Scheme.MODULE_FIRST: (1.0, r),
+        Scheme.INERTIA: (1.0 + rho, 2.0 * (r - rho), rho - r),
+        Scheme.IMPLICIT: (1.0, 0.0),
+    }[scheme]
+
+
+def speed_changes(scheme, ratio, step, fmu_path, share=1.0, count=300):
+    """Changes of the engine's speed, step by step, after a step of torque; cut off where they are absurd."""
+    inertia = INTERFACE / ratio
+    still = Governor(0.0, 0.0, 1e9)
+    engine = Engine(inertia, EngineMap((0.0,), (1e6,), (1e6,)), still, SPEED, SPEED, TORQUE_STEP)
+    changes = []
+    with Fmu(fmu_path, PURE_INERTIA, {"omega1": SPEED, "load_torque": 0.0}, 1e-8) as fmu:
+        coupled = CoupledEngine(fmu, engine, scheme, share * INTERFACE)
+        while len(changes) < count and (not changes or abs(changes[-1]) < 1e3 * TORQUE_STEP / inertia * step):
+            before = engine.speed
+            coupled.step(step)
+            changes.append(engine.speed - before)
+    return changes
+
+
+def is_stable(*arguments, count=300, **keywords):
+    changes = speed_changes(*arguments, count=count, **keywords)
+    if len(changes) < count:
+        return False
+    unrest = [abs(b - a) for a, b in pairwise(changes)]
+    return max(unrest[-20:]) < max(*unrest[20:40], 1e-3 * abs(changes[-1]))
+
+
+@pytest.mark.parametrize("scheme", Scheme)
 @pytest.mark.parametrize("ratio", [0.3, 3.0])
-def test_changes_of_speed_follow_the_characteristic_polynomial(fmu_path, name, ratio):
-    scheme = SCHEMES[name]
-    assumed = ratio if scheme.correction == "inertia" else 0.0
-    polynomial = np.array(characteristic(scheme, ratio, assumed))
-    changes = np.array(limits.speed_changes(scheme, ratio, 1e-3, fmu_path)[:12])
+@pytest.mark.parametrize("share", [1.0, 0.6])
+def test_changes_of_speed_follow_the_characteristic_polynomial(fmu_path, scheme, ratio, share):
+    polynomial = np.array(characteristic(scheme, ratio, share * ratio))
+    changes = np.array(speed_changes(scheme, ratio, 1e-3, fmu_path, share)[:12])
     unrest, rounding = np.diff(changes), 1e-5 * np.abs(changes).min()
     for n in range(4, unrest.size - polynomial.size):
         window = unrest[n : n + polynomial.size][::-1]
@@ -70,24 +107,40 @@ def test_changes_of_speed_follow_the_characteristic_polynomial(fmu_path, name, r
 
 
 @pytest.mark.parametrize(
-    "name, limit", [("mean module first held", 1.0), ("mean module first ramp", 1.0 / 3.0)]
+    "scheme, share", [(Scheme.JACOBI, 0.0), (Scheme.MODULE_FIRST, 0.0), (Scheme.INERTIA, 0.5)]
 )
 @pytest.mark.parametrize("step", [1e-5, 1e-4, 5e-3])
-def test_shorter_steps_do_not_move_the_limit(fmu_path, name, limit, step):
-    assert limits.is_stable(SCHEMES[name], 0.95 * limit, step, fmu_path)
-    assert not limits.is_stable(SCHEMES[name], 1.05 * limit, step, fmu_path)
+def test_shorter_steps_do_not_move_the_limit(fmu_path, scheme, share, step):
+    growths = [np.abs(np.roots(characteristic(scheme, r, share * r))).max() for r in (0.95, 1.05)]
+    assert growths[0] < 1.0 < growths[1]
+    given = share or 1.0
+    assert is_stable(scheme, 0.95, step, fmu_path, share=given)
+    assert not is_stable(scheme, 1.05, step, fmu_path, share=given)
 
 
-@pytest.mark.parametrize("name", ["inertia engine first ramp", "inertia module first ramp", "implicit ramp"])
-def test_corrected_schemes_have_no_limit(fmu_path, name):
-    assert limits.is_stable(SCHEMES[name], 1000.0, 1e-3, fmu_path)
+@pytest.mark.parametrize(
+    "scheme, share", [(Scheme.INERTIA, 0.75), (Scheme.INERTIA, 1.0), (Scheme.IMPLICIT, 1.0)]
+)
+def test_corrected_schemes_have_no_limit(fmu_path, scheme, share):
+    assert is_stable(scheme, 1000.0, 1e-3, fmu_path, share=share)
 
 
-def test_instantaneous_torque_of_a_held_speed_hides_the_inertia_of_the_module(fmu_path):
-    assert limits.felt_inertia(SCHEMES["instantaneous module first held"], fmu_path) == pytest.approx(
-        0.0, abs=1e-3
-    )
-    assert limits.felt_inertia(SCHEMES["mean module first held"], fmu_path) == pytest.approx(1.0, abs=1e-3)
+@pytest.mark.parametrize("scheme", Scheme)
+def test_the_engine_feels_the_whole_inertia_of_the_module_in_the_end(fmu_path, scheme):
+    ratio, step = 0.2, 1e-4
+    acceleration = speed_changes(scheme, ratio, step, fmu_path)[-1] / step
+    felt = TORQUE_STEP / acceleration - INTERFACE / ratio
+    assert felt == pytest.approx(INTERFACE, rel=1e-3)
+
+
+@pytest.mark.parametrize("step", [1e-4, 5e-3])
+def test_the_mean_torque_holds_the_jump_of_a_held_speed_and_the_torque_at_an_instant_does_not(fmu_path, step):
+    with Fmu(fmu_path, PURE_INERTIA, {"omega1": SPEED, "load_torque": 0.0}) as fmu:
+        fmu.set(omega1=SPEED + 2.0)
+        fmu.advance(step)
+        mean, instant = fmu.read(("input_torque_mean", "input_torque"))
+    assert mean * step == pytest.approx(2.0 * INTERFACE, rel=1e-6)
+    assert instant == pytest.approx(0.0, abs=1e-4)
 
 
 def test_interface_inertia_is_that_of_a_rolling_satellite():
@@ -102,51 +155,53 @@ def test_interface_inertia_is_that_of_a_rolling_satellite():
 
 
 @pytest.mark.parametrize("make", [planar, bevel])
-def test_the_converged_coupling_and_the_one_piece_reference_agree(fmu_path, reference, make):
+def test_the_implicit_coupling_tends_to_the_one_piece_reference(fmu_path, reference, make):
     case = make(1.0)
     expected = reference(case)
-    found, ledger, word, _ = course(case, CONVERGED, fixed(1e-4), fmu_path, 1e-10)
-    assert word == "stable"
-    assert np.abs(found.omega1 - expected.omega1).max() < 3e-5 * case.speed
-    assert np.abs(found.omega_out - expected.omega_out).max() < 3e-5 * expected.omega_out.max()
-    assert found.work == pytest.approx(expected.work, rel=3e-5)
-    assert abs(ledger.defect) < 3e-5 * expected.work
+    found, ledger, stable = course(case, Scheme.IMPLICIT, 4e-5, fmu_path, 1e-10)
+    assert stable
+    assert np.abs(found.omega1 - expected.omega1).max() < 3e-6 * case.speed
+    assert np.abs(found.omega_out - expected.omega_out).max() < 3e-6 * expected.omega_out.max()
+    assert found.work == pytest.approx(expected.work, rel=3e-6)
+    assert abs(ledger.defect) < 3e-6 * expected.work
 
 
 @pytest.mark.parametrize(
     "name, order",
-    [("mean module first held", 1.0), ("inertia module first ramp", 2.0), ("implicit ramp", 2.0)],
+    [
+        ("mean jacobi held", 1.0),
+        ("mean module first held", 1.0),
+        ("inertia module first ramp", 2.0),
+        ("implicit ramp", 2.0),
+    ],
 )
 def test_error_falls_with_the_order_of_the_scheme(fmu_path, reference, name, order):
     case = planar(0.3)
-    errors = [
-        trial(case, name, SCHEMES[name], step, fixed(step), reference(case), fmu_path).output_error
-        for step in (1e-3, 2.5e-4)
-    ]
+    errors = [trial(case, name, step, reference(case), fmu_path).output_error for step in (1e-3, 2.5e-4)]
     assert math.log(errors[0] / errors[1]) / math.log(4.0) > 0.85 * order
 
 
 def test_recommended_scheme_is_within_a_percent_at_a_tenth_of_a_pulse(fmu_path, reference):
     for make, step in ((planar, 2e-3), (bevel, 4e-3)):
         case = make(0.5)
-        found = trial(case, "", SCHEMES["implicit ramp"], step, fixed(step), reference(case), fmu_path)
-        assert max(found.speed_error, found.output_error, abs(found.energy_error)) < 0.01
+        assert trial(case, "implicit ramp", step, reference(case), fmu_path).worst < 0.01
 
 
-def coupled_engine(fmu, name, case):
-    return CoupledEngine(fmu, case.engine(), SCHEMES[name], case.interface.middle)
+def coupled_engine(fmu, scheme, case):
+    return CoupledEngine(fmu, case.engine(), scheme, case.interface.middle)
 
 
-@pytest.mark.parametrize("name", list(SCHEMES)[6:])
-def test_no_angular_momentum_is_lost_with_step_means(fmu_path, name):
+@pytest.mark.parametrize("scheme", Scheme)
+def test_no_angular_momentum_is_lost_with_step_means(fmu_path, scheme):
     """What one side has given and the other not yet got stays bounded: it is the exchange of one step."""
     case = planar(0.2)
     with Fmu(fmu_path, case.parameters, {"omega1": case.speed, "load_torque": 8.0}, 1e-8) as fmu:
-        coupled = coupled_engine(fmu, name, case)
-        largest = bound = 0.0
+        coupled = coupled_engine(fmu, scheme, case)
+        lost = largest = bound = 0.0
         for _ in range(500):
             exchange = coupled.step(1e-3)
-            largest = max(largest, abs(coupled.ledger.impulse_defect))
+            lost += exchange.impulse_defect
+            largest = max(largest, abs(lost))
             bound = max(bound, 1e-3 * abs(exchange.module_torque))
     assert largest < 1.5 * bound + case.interface.middle * 0.1 * case.speed
 
@@ -154,7 +209,7 @@ def test_no_angular_momentum_is_lost_with_step_means(fmu_path, name):
 def test_every_joule_of_the_engine_is_on_one_of_the_accounts(fmu_path):
     case = planar(0.3)
     with Fmu(fmu_path, case.parameters, {"omega1": case.speed, "load_torque": 8.0}, 1e-8) as fmu:
-        coupled = coupled_engine(fmu, "implicit ramp", case)
+        coupled = coupled_engine(fmu, Scheme.IMPLICIT, case)
         engine = coupled.engine
         before = engine.energy_stored + fmu["energy_stored"]
         for _ in range(300):
@@ -169,7 +224,7 @@ def test_every_joule_of_the_engine_is_on_one_of_the_accounts(fmu_path):
 def test_cost_counts_steps_that_were_taken_back(fmu_path):
     case = planar(0.3)
     with Fmu(fmu_path, case.parameters, {"omega1": case.speed, "load_torque": 8.0}) as fmu:
-        coupled = coupled_engine(fmu, "implicit ramp", case)
+        coupled = coupled_engine(fmu, Scheme.IMPLICIT, case)
         for _ in range(10):
             coupled.step(1e-3)
         assert fmu.time == pytest.approx(0.01)
@@ -178,58 +233,88 @@ def test_cost_counts_steps_that_were_taken_back(fmu_path):
         assert coupled.ledger.cost == 40
 
 
-def test_quick_map_finds_the_recommended_scheme_best_and_comes_back_from_csv(built, tmp_path):
-    files = Files(built / "InertiaModule.fmu", built / "DrivenShaft.fmu")
-    rows = coupling_map(files, quick=True)
-    fine = [row for row in rows if row.step < 2e-3]
-    assert len(fine) == len(SCHEMES)
-    assert min(fine, key=worst).scheme == "implicit ramp"
-    assert max(fine, key=lambda row: abs(row.energy_error)).scheme == "instantaneous jacobi ramp"
+# --- the study and its page ---
+
+
+def test_quick_map_finds_the_recommended_couplings_best_and_leaves_its_rows(fmu_path, tmp_path):
+    rows = coupling_map(fmu_path, quick=True)
+    fine = sorted((row for row in rows if row.step < 2e-3), key=lambda row: row.worst)
+    assert [row.scheme for row in fine] == [
+        TORQUE,
+        "implicit ramp",
+        "inertia module first ramp",
+        "mean module first held",
+        "mean jacobi held",
+    ]
     written = write_part(tmp_path, "map", rows)
     assert all(Path(file).stat().st_size > 1000 for file in written.values())
-    again = read_rows(tmp_path / "coupling_map.csv", Trial)
-    assert [row.scheme for row in again] == [row.scheme for row in rows]
-    assert [row.cost for row in again] == pytest.approx([row.cost for row in rows], rel=1e-5)
+    again = read_rows(tmp_path / "coupling_map.csv")
+    assert [row["scheme"] for row in again] == [row.scheme for row in rows]
+    for name in ("cost", "energy_error", "work_error"):
+        assert [float(row[name]) for row in again] == pytest.approx(
+            [getattr(row, name) for row in rows], rel=1e-5
+        )
+
+
+def read_rows(path):
+    with path.open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+# a pulse, s, of the cases of the map
+PULSES = {"planar": 0.019, "bevel": 0.037}
+
+
+@pytest.mark.parametrize(
+    "scheme, share, ratio",
+    [
+        ("implicit ramp", 1 / 4, 0.1),
+        ("implicit ramp", 1 / 10, 0.5),
+        ("implicit ramp", 1 / 20, 2.0),
+        ("inertia module first ramp", 1 / 40, 1.0),
+    ],
+)
+def test_recommended_steps_keep_within_a_percent_and_a_half_in_the_rows_of_the_page(scheme, share, ratio):
+    rows = [
+        row
+        for row in read_rows(DOCS / "coupling_map.csv")
+        if row["scheme"] == scheme and float(row["ratio"]) <= ratio
+        # to the step of the map next to it
+        if float(row["step"]) <= 1.1 * share * PULSES[row["case"]]
+    ]
+    assert {row["case"] for row in rows} == set(PULSES)
+    for row in rows:
+        worst = max(abs(float(row[f"{name}_error"])) for name in ("speed", "output", "energy"))
+        assert worst < 0.015, row
+
+
+def test_rows_of_the_page_are_what_is_measured_now(fmu_path, reference):
+    rows = {
+        (row["case"], float(row["ratio"]), row["scheme"], float(row["step"])): row
+        for row in read_rows(DOCS / "coupling_map.csv")
+    }
+    for case in (planar(0.5), bevel(1.0)):
+        for name in COUPLINGS:
+            found = trial(case, name, 1e-3, reference(case), fmu_path)
+            row = rows[case.name, case.ratio, name, 1e-3]
+            assert row["stable"] == str(found.stable)
+            if found.stable:
+                for column in ("speed_error", "output_error", "energy_error"):
+                    assert float(row[column]) == pytest.approx(getattr(found, column), rel=0.02, abs=1e-6)
 
 
 def test_python_of_the_page_runs(built, tmp_path, monkeypatch, capsys):
     (tmp_path / "build").symlink_to(built)
-    page = Path(__file__).parents[2] / "docs" / "coupling.md"
     monkeypatch.chdir(tmp_path)
     defects = []
-    for code in re.findall(r"```python\n(.*?)```", page.read_text(), re.S):
+    for code in re.findall(r"```python\n(.*?)```", (DOCS / "coupling.md").read_text(), re.S):
         exec(compile(code, "coupling.md", "exec"), {})
         speed, _, defect = map(float, capsys.readouterr().out.split())
         assert speed == pytest.approx(200.0, rel=0.2)
         defects.append(abs(defect))
-    by_speed, by_torque = defects
+    by_torque, by_speed = defects
     assert by_speed < 10.0
     assert by_torque < 1e-8
-
-
-# --- the adaptive step ---
-
-
-def test_adaptive_step_beats_equal_steps_of_the_same_number(fmu_path):
-    name = "inertia module first ramp"
-    expected = Monolith(CRUISE).run()
-    found = trial(CRUISE, name, SCHEMES[name], 0.0, adaptive(ErrorControl(1e-4)), expected, fmu_path)
-    equal = trial(CRUISE, name, SCHEMES[name], found.step, fixed(found.step), expected, fmu_path)
-    assert found.cost == pytest.approx(equal.cost, rel=0.02)
-    assert found.speed_error < 0.3 * equal.speed_error
-    assert found.output_error < 0.5 * equal.output_error
-    assert abs(found.energy_error) < 0.1 * abs(equal.energy_error)
-
-
-def test_adaptive_run_ends_at_the_stop_time(fmu_path):
-    case = planar(0.3)
-    with Fmu(fmu_path, case.parameters, {"omega1": case.speed, "load_torque": 8.0}) as fmu:
-        coupled = coupled_engine(fmu, "mean module first held", case)
-        steps = [exchange.step for exchange in run_adaptive(coupled, 0.1, ErrorControl(1e-4, longest=0.01))]
-        assert sum(steps) == pytest.approx(0.1, rel=1e-12)
-        assert max(steps) <= 0.01
-        with pytest.raises(ValueError, match="stop_time = -1 is refused"):
-            next(run_adaptive(coupled, -1, ErrorControl(1e-4)))
 
 
 # --- the urban cycle ---
@@ -248,12 +333,10 @@ def test_energy_over_the_urban_cycle_adds_up_with_step_means(fmu_path):
     assert found.engine > 2e5
 
 
-def test_energy_over_the_launch_does_not_add_up_with_instantaneous_torque(fmu_path):
+def test_energy_over_the_launch_does_not_add_up_with_a_held_speed_in_long_steps(fmu_path):
     scene = urban_scene()
     assert abs(urban_run(scene, fmu_path, "implicit ramp", 5, stop_time=20.0).residual) < 1e-3
-    assert (
-        abs(urban_run(scene, fmu_path, "instantaneous module first held", 1, stop_time=20.0).residual) > 0.05
-    )
+    assert abs(urban_run(scene, fmu_path, "mean module first held", 1, stop_time=20.0).residual) > 0.05
 
 
 # --- what is refused ---
@@ -263,29 +346,27 @@ def test_engine_and_module_at_different_speeds_are_refused(fmu_path):
     limits_ = EngineMap((0.0,), (100.0,), (10.0,))
     engine = Engine(0.1, limits_, Governor(1.0, 1.0), 100.0, 90.0)
     with Fmu(fmu_path, {}, {"omega1": 100.0}) as fmu:
-        with pytest.raises(
-            ValueError, match="omega1 = 100 rad/s of the FMU is refused: allowed is the engine's 90"
-        ):
+        with pytest.raises(ValueError, match="omega1 of the FMU must be the engine's 90 rad/s, is 100"):
             CoupledEngine(fmu, engine, SCHEMES["implicit ramp"])
         engine = Engine(0.1, limits_, Governor(1.0, 1.0), 100.0, 100.0)
-        with pytest.raises(ValueError, match="inertia = None is refused"):
+        with pytest.raises(ValueError, match=r"inertia must be a positive interface inertia, kg.m2, is None"):
             CoupledEngine(fmu, engine, SCHEMES["inertia module first ramp"])
-        with pytest.raises(ValueError, match="substeps = 0 is refused"):
+        with pytest.raises(ValueError, match="substeps must be a whole number from 1, is 0"):
             CoupledEngine(fmu, engine, SCHEMES["implicit ramp"], substeps=0)
     with (
         Fmu(fmu_path, {"input_hold": "linear"}, {"omega1": 100.0}) as fmu,
-        pytest.raises(ValueError, match="input_hold = linear is refused"),
+        pytest.raises(ValueError, match="input_hold must be constant, is linear"),
     ):
         CoupledEngine(fmu, engine, SCHEMES["implicit ramp"])
 
 
-@pytest.mark.parametrize("name", ["mean jacobi held", "inertia module first ramp", "implicit ramp"])
-def test_after_a_refused_step_a_good_one_goes_on_as_if_nothing_had_been(fmu_path, name):
+@pytest.mark.parametrize("scheme", Scheme)
+def test_after_a_refused_step_a_good_one_goes_on_as_if_nothing_had_been(fmu_path, scheme):
     case = planar(0.3)
     ends = []
     for load in (8.0, 1e300):
         with Fmu(fmu_path, case.parameters, {"omega1": case.speed, "load_torque": 8.0}, 1e-8) as fmu:
-            coupled = coupled_engine(fmu, name, case)
+            coupled = coupled_engine(fmu, scheme, case)
             for n in range(40):
                 if n == 20 and load != 8.0:
                     coupled.set(load_torque=load)

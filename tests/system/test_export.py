@@ -21,7 +21,7 @@ from hosts import HOSTS
 from inertia_module.export.container import container
 from inertia_module.export.plan import Plan, make_plan
 from inertia_module.export.writing import export
-from inertia_module.instance import Fmu
+from inertia_module.harness.fmu import Fmu
 from inertia_module.scene import load_scene
 from inertia_module.scene.errors import SceneError
 from inertia_module.scene.export import scene_plan

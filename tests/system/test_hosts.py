@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from hosts import ACCUMULATED, FMPY, HOSTS, NANOSECONDS, HostFailed, Scene, run
 
+from inertia_module.contract.models import INERTIA_MODULE
+from inertia_module.contract.variables import ENUMERATION
 from inertia_module.export.integers import with_integers
 from inertia_module.fmu.builder import MODULE_FMU, SHAFT_FMU
-from inertia_module.model import INERTIA_MODULE
-from inertia_module.variables import ENUMERATION
 
 MODULE, SHAFT = MODULE_FMU.identifier, SHAFT_FMU.identifier
 R1 = {"omega1": 100.0, "load_torque": 10.0}

@@ -7,9 +7,10 @@ import control
 import numpy as np
 import pytest
 
-from inertia_module import cycles, loops
-from inertia_module.cycles import ELEMENTARY_URBAN_CYCLE as CYCLE
-from inertia_module.module import Module
+from inertia_module import loops
+from inertia_module.loops import cycles
+from inertia_module.loops.cycles import ELEMENTARY_URBAN_CYCLE as CYCLE
+from inertia_module.memory.instances import Module
 
 URBAN = {
     "layout": 1,

@@ -8,7 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 from inertia_module.cli import app
-from inertia_module.results import Result
+from inertia_module.harness.results import Result
 
 SCENE = str(Path("examples/reference.toml").absolute())
 
@@ -28,8 +28,8 @@ COMMANDS = {
     ),
     "tradeoff": (["tradeoff"], "studies.tradeoff.open_study", worked),
     "tradeoff of a scene": (["tradeoff", SCENE], "studies.tradeoff.scene_study", worked),
-    "chart": (["chart", SCENE], "chart.torque_converter_chart", worked),
-    "papers": (["papers"], "paper_figures.all_figures", lambda: {"a figure": worked}),
+    "chart": (["chart", SCENE], "harness.chart.torque_converter_chart", worked),
+    "papers": (["papers"], "figures.papers.all_figures", lambda: {"a figure": worked}),
     "stability": (["stability"], "studies.stability.study.run_study", worked),
     "coupling": (["coupling"], "cli.pages.native_fmus", worked),
     "export": (["export", SCENE], "export.writing.export", worked),

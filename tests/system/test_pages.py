@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from inertia_module.model import DRIVEN_SHAFT, INERTIA_MODULE
+from inertia_module.contract.models import DRIVEN_SHAFT, INERTIA_MODULE
 
 ROOT = Path(__file__).parents[2]
 
@@ -35,7 +35,8 @@ def test_generated_pages_are_up_to_date():
         ("**holds**", "**holds partly**", False),
     ],
 )
-def test_a_page_of_figures_is_stale_once_a_figure_or_a_word_has_changed(shown, now, same):
+def test_a_page_of_figures_is_stale_once_a_figure_or_a_word_has_changed(shown, now, same, monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "docs")
     make_pages = runpy.run_path(str(ROOT / "docs" / "make_pages.py"))
     assert make_pages["same_figures"](shown, now) == same
 

@@ -10,23 +10,23 @@ from typer.testing import CliRunner
 
 from inertia_module.cli import app
 from inertia_module.cli.shared import show_table
-from inertia_module.entries import CompilationUnavailable
+from inertia_module.common.terminal import progress, terminal
+from inertia_module.compiling.kernels import CompilationUnavailable
 from inertia_module.studies.choice import recommend
-from inertia_module.studies.coupling.limits import Limit
 from inertia_module.studies.coupling.study import print_rows as print_coupling
-from inertia_module.studies.levels import at_levels, print_levels
-from inertia_module.studies.stability.report import print_rows as print_stability
+from inertia_module.studies.coupling.trial import Trial
+from inertia_module.studies.report import at_levels, print_levels
+from inertia_module.studies.rows import Row as Measured
+from inertia_module.studies.stability.study import print_rows as print_stability
 from inertia_module.studies.stability.table import Cell, Row, read_rows
-from inertia_module.studies.stability.verdict import WORDS
-from inertia_module.studies.trajectory import Row as Measured
-from inertia_module.terminal import progress, terminal
+from inertia_module.studies.stability.verdict import OUTCOMES
 
 # a style, a picture and a closing tag to rich; to a user the name of an extra, of a key and of a folder
 AWKWARD = "[fast] :key: [/tmp]"
 
 
-def measured(rung, method, setting, wall_time, evaluations=1.0, **errors):
-    return Measured(rung, method, setting, 1e-3, errors, wall_time, evaluations, 3.0)
+def measured(fidelity, method, setting, wall_time, evaluations=1.0, **errors):
+    return Measured(fidelity, method, setting, 1e-3, errors, wall_time, evaluations, 3.0)
 
 
 def stability_rows():
@@ -40,7 +40,7 @@ PRINTERS = {
     "levels": lambda: print_levels(AWKWARD, [measured("rigid", "event", "x", 1.0, omega2=0.1)], ["omega2"]),
     "setting": lambda: print_levels("R1", [measured("peer", "x", AWKWARD, 1.0, omega2=0.1)], ["omega2"]),
     "stability": lambda: print_stability(stability_rows()),
-    "coupling": lambda: print_coupling("limits", [Limit(AWKWARD, 1.0, 1.0, 1.0, 1.0)]),
+    "coupling": lambda: print_coupling("map", [Trial(AWKWARD, *[1.0] * 9)]),
     "message": lambda: terminal().print(AWKWARD),
 }
 
@@ -150,18 +150,18 @@ def test_recommended_level_is_the_fastest_of_those_printed_that_meet_the_error()
 
 def test_level_that_does_not_meet_the_error_shows_its_most_accurate_setting():
     printed = at_levels(LEVELS, 1e-12, OUTPUTS)
-    assert [row.setting for row in printed if row.rung == "rigid"] == ["step 1 ms", "tolerance 1e-07"]
+    assert [row.setting for row in printed if row.fidelity == "rigid"] == ["step 1 ms", "tolerance 1e-07"]
 
 
 def test_map_of_extremes_has_a_line_for_each_level_and_fits_the_terminal(capsys, monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
     rows = read_rows(Path(__file__).parents[2] / "docs" / "stability.csv")
-    cells = {name: Cell(word, 1) for name, word in zip(rows[0].cells, WORDS, strict=False)}
+    cells = {name: Cell(outcome, 1) for name, outcome in zip(rows[0].cells, OUTCOMES, strict=False)}
     print_stability([*rows, Row("all verdicts", "x", "bevel", cells)])
     lines = capsys.readouterr().out.splitlines()
     assert max(map(len, lines)) <= 80
     assert not any("…" in line for line in lines)
     axes = {row.axis for row in rows if "kinematic" in row.cells}
     assert sum(line.startswith("kinematic ") for line in lines) == len(axes) + 1
-    exact = sum(cell.word == "exact" for row in rows for cell in row.cells.values())
+    exact = sum(cell.outcome == "exact" for row in rows for cell in row.cells.values())
     assert lines[-1].startswith(f"{exact + 1} exact, ")

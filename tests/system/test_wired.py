@@ -2,9 +2,9 @@
 
 import pytest
 
-from inertia_module.instance import DriveError
-from inertia_module.wired import GAUSS_SEIDEL, JACOBI, Node, WiredFmus
-from inertia_module.wiring import Wire, WiringError
+from inertia_module.harness.fmu import DriveError
+from inertia_module.harness.system import GAUSS_SEIDEL, JACOBI, Node, WiredFmus
+from inertia_module.harness.wires import Wire, WiringError
 
 HUB = {"output_inertia": 0.02}
 DRIVEN = {"driven_inertia": 0.5, "shaft_stiffness": 400.0, "shaft_damping": 0.05}
@@ -47,7 +47,7 @@ def test_bad_wires_are_refused_before_an_fmu_is_loaded(nodes, monkeypatch):
     def loaded(*_, **__):
         raise AssertionError("an FMU was loaded")
 
-    monkeypatch.setattr("inertia_module.wired.Fmu", loaded)
+    monkeypatch.setattr("inertia_module.harness.system.Fmu", loaded)
     wrong_unit = SPEED._replace(output="output_torque_mean")
     for wires, step, words in (
         ((wrong_unit, TORQUE), 1e-3, "output_torque_mean is in N.m, hub_speed in rad/s"),

@@ -2,8 +2,8 @@
 
 import math
 
-from inertia_module.module import Module
-from inertia_module.variables import PARAMETER, with_causality
+from inertia_module.contract.variables import PARAMETER, with_causality
+from inertia_module.memory.instances import Module
 
 REFERENCE = {"omega1": 100.0, "load_torque": 10.0}  # R1: everything else is at its default
 PLANAR = {

@@ -6,9 +6,9 @@ from fractions import Fraction
 import pytest
 from scenes import SCENES, advanced, drive_angle, started
 
+from inertia_module.compiling.records import record_type
 from inertia_module.kernel import fields
 from inertia_module.kernel.accumulate import wrap_drive_angle, wrap_input_angle
-from inertia_module.records import record_type
 
 # pi to 60 digits
 PI = Fraction(3141592653589793238462643383279502884197169399375105820974944, 10**60)

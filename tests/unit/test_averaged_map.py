@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scenes import PLANAR, started
 
-from inertia_module import maps
-from inertia_module.module import Module
+from inertia_module.memory import maps
+from inertia_module.memory.instances import Module
 
 MECHANISMS = {
     "bevel": {},

@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 
 from inertia_module import bridge
+from inertia_module.bridge.packing import bytes_of, numbers_of
 from inertia_module.bridge.sine_bench import fit_sine
-from inertia_module.bridge.words import bytes_of, words_of
-from inertia_module.chart import torque_converter_chart
-from inertia_module.module import Module, Refused
+from inertia_module.harness.chart import torque_converter_chart
+from inertia_module.memory.instances import Module, Refused
 
 PLANAR = {"layout": 1, "sun_radius": 0.1, "satellite_radius": 0.06, "eccentricity": 0.04}
 PLANAR |= {"imbalance_mass": 0.3, "satellites": 3, "link2_inertia": 0.01, "output_inertia": 4.78}
@@ -117,16 +117,16 @@ def test_a_sine_is_found_among_pulses_and_drift():
 @pytest.mark.parametrize("size", [0, 1, 5, 6, 7, 19088])
 def test_bytes_survive_as_whole_numbers(size):
     data = np.random.default_rng(size).bytes(size)
-    words = words_of(data)
-    assert (words == np.floor(words)).all()
-    assert bytes_of(words) == data
+    numbers = numbers_of(data)
+    assert (numbers == np.floor(numbers)).all()
+    assert bytes_of(numbers) == data
 
 
-def test_a_changed_word_is_refused():
-    words = words_of(b"a state of an FMU")
-    words[2] += 0.5
+def test_a_changed_state_is_refused():
+    numbers = numbers_of(b"a state of an FMU")
+    numbers[2] += 0.5
     with pytest.raises(ValueError, match="number 2 of a whole state"):
-        bytes_of(words)
+        bytes_of(numbers)
 
 
 def test_stability_limit_is_found_by_bisection_and_bad_limits_are_refused():

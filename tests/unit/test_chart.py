@@ -10,10 +10,10 @@ import pytest
 from scenes import PLANAR, started
 from typer.testing import CliRunner
 
-from inertia_module.chart import TorqueConverterChart, torque_converter_chart
 from inertia_module.cli import app
-from inertia_module.module import Refused
-from inertia_module.results import TableError
+from inertia_module.harness.chart import TorqueConverterChart, torque_converter_chart
+from inertia_module.harness.results import TableError
+from inertia_module.memory.instances import Refused
 
 PLANAR_MECHANISM = {name: value for name, value in PLANAR.items() if name not in ("omega1", "load_torque")}
 MECHANISMS = {"bevel": {}, "planar": PLANAR_MECHANISM}

@@ -1,4 +1,4 @@
-"""The rung that is recommended: the cheapest measured one that meets the error, and why."""
+"""The level of fidelity that is recommended: the cheapest measured one that meets the error, and why."""
 
 import json
 import math
@@ -6,11 +6,11 @@ import math
 import pytest
 
 from inertia_module.studies.choice import NoneMeets, recommend
-from inertia_module.studies.trajectory import Row
+from inertia_module.studies.rows import Row
 
 
-def row(rung, method, setting, wall_time, evaluations=1.0, failure="", **errors):
-    return Row(rung, method, setting, 1.0, errors, wall_time, evaluations, None, failure)
+def row(fidelity, method, setting, wall_time, evaluations=1.0, failure="", **errors):
+    return Row(fidelity, method, setting, 1.0, errors, wall_time, evaluations, None, failure)
 
 
 AVERAGED = row("averaged", "", "map", 1.0, omega_out=4e-3, omega2=math.nan)
@@ -41,17 +41,17 @@ def test_the_cheapest_that_meets_the_error_is_recommended(error, wanted, expecte
 
 
 def test_peers_are_never_recommended():
-    assert recommend(ROWS, 1.0, ["omega_out"]).row.rung != "peer"
+    assert recommend(ROWS, 1.0, ["omega_out"]).row.fidelity != "peer"
 
 
-def test_next_rung_is_the_cheapest_of_a_higher_fidelity_that_meets_the_error():
+def test_next_level_is_the_cheapest_of_a_higher_fidelity_that_meets_the_error():
     choice = recommend(ROWS, 1e-2, ["omega_out"])
     assert choice.following is FINE
     assert choice.ratio == 5.0
     assert recommend(ROWS, 1e-3, ["omega_out"]).following is ELASTIC
 
 
-def test_without_a_higher_one_the_next_rung_is_much_finer():
+def test_without_a_higher_one_the_next_level_is_much_finer():
     rigid = [FINE, LOOSE]
     assert recommend(rigid, 1e-2, ["omega_out"]).following is LOOSE
     assert recommend(rigid, 1e-3, ["omega_out"]).following is None
@@ -63,27 +63,29 @@ def test_it_says_what_why_and_what_the_next_would_cost():
     assert "not enough: averaged, map: it has no pulses, only their mean (omega2)" in text
     assert "not enough: rigid, timestepping, step 10 ms: error 0.3 (omega2)" in text
     assert "not enough: rigid, event, tolerance 1: tolerance = 1 is refused" in text
-    assert "next rung: elastic, event, tolerance 1e-03: error 1e-05" in text
+    assert "next level: elastic, event, tolerance 1e-03: error 1e-05" in text
     assert "6 times as long" in text
 
 
 def test_it_can_be_written_for_machines():
     found = json.loads(json.dumps(recommend(ROWS, 1e-2, ["omega_out"]).as_dict(), allow_nan=False))
-    assert found["chosen"]["rung"] == "averaged"
+    assert found["chosen"]["fidelity"] == "averaged"
     assert found["next"]["cost"] == 5.0
     assert found["asked"] == {"error": 1e-2, "wanted": ["omega_out"]}
 
 
 def test_an_error_that_none_meets_is_refused_with_the_best():
-    with pytest.raises(NoneMeets, match=r"1e-12 in omega_out is refused: .*tolerance 1e-09: error 1e-09"):
+    with pytest.raises(
+        NoneMeets, match=r"1e-12 in omega_out is met by no level of fidelity; .*tolerance 1e-09: error 1e-09"
+    ):
         recommend(ROWS, 1e-12, ["omega_out"])
 
 
-def test_an_output_that_no_rung_measured_is_refused():
-    with pytest.raises(NoneMeets, match="it has nothing to tell of energy_in"):
+def test_an_output_that_no_level_measured_is_refused():
+    with pytest.raises(NoneMeets, match="nothing is known of energy_in"):
         recommend([TIGHT], 1.0, ["energy_in"])
 
 
-def test_what_a_rung_does_not_model_is_told_before_what_is_unknown():
+def test_what_a_level_does_not_model_is_told_before_what_is_unknown():
     with pytest.raises(NoneMeets, match="it has no elastic shaft"):
         recommend([TIGHT], 1.0, ["energy_in", "shaft_twist"])

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from inertia_module.kernel.circular import LARGEST_ANGLE, sine_cosine
+from inertia_module.kernel.sine import LARGEST_ANGLE, sine_cosine
 
 ULP = 2.0**-52
 

@@ -6,7 +6,7 @@ import math
 import pytest
 from driven_shaft_reference import exact
 
-from inertia_module.module import DrivenShaft, Refused
+from inertia_module.memory.instances import DrivenShaft, Refused
 
 # J4, c, d, f: the corners of what is allowed, and ordinary shafts in each damping regime
 SHAFTS = {

@@ -8,7 +8,7 @@ of the step.
 import numpy as np
 import pytest
 
-from inertia_module.module import DrivenShaft
+from inertia_module.memory.instances import DrivenShaft
 from inertia_module.papers.stelmashchuk.criteria import Criteria
 from inertia_module.papers.stelmashchuk.exact import response
 from inertia_module.papers.stelmashchuk.law import law_of_motion

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from inertia_module.figures.scenes.scenes import end_of_run
 
-from inertia_module.figures import end_of_run
-from inertia_module.results import Result
+from inertia_module.harness.results import Result
 
 PULSES = np.tile([0.0, 0.0, 5.0, 9.0, 5.0], 6)
 LOCKED, COASTING = np.full(200, 3.0), np.zeros(200)

@@ -1,6 +1,8 @@
-"""The module at the extremes: each case of the map has the verdict that docs/stability.csv says."""
+"""The module at the extremes: every bound holds but for the limits named here, and the map tells the same."""
 
+import re
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 
@@ -9,6 +11,62 @@ from inertia_module.studies.stability.study import run_study
 from inertia_module.studies.stability.table import read_rows, rows_of
 
 TABLE = Path(__file__).parents[2] / "docs" / "stability.csv"
+
+
+class Limit(NamedTuple):
+    """A known limit: the cases it is known of (regular expressions), and what they may miss or must say."""
+
+    axis: str
+    value: str
+    layout: str
+    level: str
+    missed: tuple[str, ...] = ()
+    refused: str = ""
+
+    def covers(self, case):
+        found = (case.axis, case.extreme.value, case.layout, case.level.name)
+        return all(re.fullmatch(pattern, text) for pattern, text in zip(self, found, strict=False))
+
+
+EVENT, FIXED, ANY = ".*event", ".*timestepping", ".*"
+ERRORS = ("error", "error, short steps")
+DISTANCES = ("long against short steps", *ERRORS)
+ENERGIES = ("energy residual", "energy residual, short steps")
+CUSP = "the inertia behind link 2 vanishes"
+NO_MEAN = "without both freewheels"
+
+LIMITS = [
+    # what is refused, and must be
+    Limit("freewheels", ANY, ANY, "averaged", refused=NO_MEAN),
+    Limit("no inertia of link 2", "no output freewheel", ANY, "averaged", refused=NO_MEAN),
+    Limit("no inertia of link 2", r"a = 1, b = 1 \+ (0|1e-09|1e-07|1e-06)", "bevel", "[^k].*", refused=CUSP),
+    Limit("no inertia of link 2", r"a = b = 0\.7|l = 0 m", ANY, "[^k].*", refused=CUSP),
+    Limit("turns", "1e.09 turns of the drive", ANY, "[^a].*", refused="more than 5e7 evaluations"),
+    Limit("shaft", "balancer 10", ANY, ANY, refused="leaves the range of doubles"),
+    # by events: a load or a mass so far off that the rigid motion of the shaft is lost in its oscillation
+    Limit("load", "-1e.09 N.m", "bevel", "elastic, event", (*DISTANCES, "torque against a freewheel")),
+    Limit("mass", "1e.0[69] kg.*", ANY, "elastic, event", (*DISTANCES, "torque against a freewheel")),
+    # a shaft that swings from the start under a drive that hardly turns: its phase cannot be told
+    Limit("input speed under load", "-?(2e-150|1e-200|1e-313) rad/s", ANY, "elastic, event", ERRORS),
+    # averaged: more happens in a step than a mean can tell
+    Limit("inertia ratio", "J2 1e.09", "bevel", "averaged", DISTANCES),
+    Limit("reversal", "ramp through zero in 1e-06 s", "bevel", "averaged", DISTANCES),
+    # timestepping is of first order: motions that multiply errors, steps too long for the motion or the shaft
+    Limit("communication step", "1000 s", "bevel", FIXED, ERRORS),
+    Limit("fixed step", "10?0? rad", ANY, FIXED, DISTANCES + ENERGIES),
+    Limit("inertia ratio", "J3 (1e-09|1e-06|0.001)", "planar", "elastic, timestepping", ERRORS),
+    Limit(
+        "input speed under load", "-?([02].*|1|1e-.*) rad/s", ANY, "elastic, timestepping", ERRORS + ENERGIES
+    ),
+    Limit("load", "-1e.09 N.m", "bevel", "elastic, timestepping", ERRORS),
+    Limit("mass", "(1000|1e.0[69]) kg.*", ANY, FIXED, ERRORS),
+    Limit("reversal", "jumps .* to -100000 rad/s|ramp through zero in 100 s", ANY, FIXED, ERRORS),
+    Limit("satellites", "(32|64).*", ANY, FIXED, ERRORS),
+    Limit("shaft", "hub 1e-9 kg.m2", "planar", FIXED, ERRORS),
+    Limit("teeth", "z17/z6 (200/1|999983/4999)|z2/z16 200/1", "bevel", FIXED, ERRORS),
+    Limit("teeth", "z2/z16 1/200|R0/r 0.005", ANY, "elastic, timestepping", DISTANCES + ENERGIES),
+    Limit("freewheels", "no housing, 1000 N.m", "bevel", FIXED, ERRORS),
+]
 
 
 def key(row):
@@ -20,7 +78,7 @@ def documented():
 
 
 def extremes(quick):
-    """Cases of one extreme on one layout, all rungs together."""
+    """Cases of one extreme on one layout, all levels of fidelity together."""
     found = {}
     for axis in AXES:
         for case in cases(axis, quick):
@@ -31,20 +89,49 @@ def extremes(quick):
 QUICK = extremes(quick=True)
 
 
+def objections(verdict):
+    """What is wrong with a verdict, by the bounds and the known limits."""
+    known = [limit for limit in LIMITS if limit.covers(verdict.case)]
+    refusals = [limit.refused for limit in known if limit.refused]
+    if verdict.outcome == "broken":
+        return [verdict.reason]
+    if verdict.outcome == "refused":
+        return [] if any(part in verdict.reason for part in refusals) else [verdict.reason]
+    if refusals:
+        return [f"not refused, though {part}" for part in refusals]
+    allowed = {name for limit in known for name in limit.missed}
+    return [f"{name}: {verdict.reason}" for name in verdict.missed if name not in allowed]
+
+
 @pytest.mark.parametrize("extreme", QUICK, ids=", ".join)
-def test_extreme_has_the_documented_verdict_on_every_rung(compiled, extreme):
-    (row,) = rows_of(run_study(QUICK[extreme]))
-    expected = documented()[extreme].cells
-    assert row.cells.keys() == expected.keys()
-    differing = {
-        name: (str(cell), str(expected[name]))
+def test_extreme_is_within_its_bounds_and_as_documented(compiled, extreme):
+    verdicts = run_study(QUICK[extreme])
+    wrong = {verdict.case.level.name: objections(verdict) for verdict in verdicts}
+    assert not any(wrong.values()), wrong
+    (row,) = rows_of(verdicts)
+    told = documented()[extreme].cells
+    assert row.cells.keys() == told.keys()
+    stale = {
+        name: (str(cell), str(told[name]))
         for name, cell in row.cells.items()
-        if not cell.agrees_with(expected[name])
+        if not cell.agrees_with(told[name])
     }
-    assert not differing
+    assert not stale, "docs/stability.csv is out of date: make stability"
 
 
 def test_every_extreme_is_documented_and_none_is_broken():
     rows = documented()
     assert rows.keys() == extremes(quick=False).keys()
-    assert all(cell.word != "broken" for row in rows.values() for cell in row.cells.values())
+    assert all(cell.outcome != "broken" for row in rows.values() for cell in row.cells.values())
+
+
+def test_every_known_limit_is_met_by_a_documented_case():
+    every = [case for group in extremes(quick=False).values() for case in group]
+    rows = documented()
+    for limit in LIMITS:
+        cells = [
+            rows[case.axis, case.extreme.value, case.layout].cells[case.level.name]
+            for case in every
+            if limit.covers(case)
+        ]
+        assert any(cell.outcome != "exact" for cell in cells), limit

@@ -8,14 +8,7 @@ from karetin_cases import geometry, random_motion, random_parameters, random_tim
 from mpmath import mp, mpf
 from rigid_chain import DIGITS, STEP, Chain, dot, length, relative_error
 
-from inertia_module.papers.karetin import (
-    Geometry,
-    Kinematics,
-    Motion,
-    dynamic_mode,
-    projections,
-    stop_mode,
-)
+from inertia_module.papers.karetin import Geometry, Kinematics, Motion, dynamic_mode, projections, stop_mode
 from inertia_module.papers.karetin.motion import transmission_ratios
 from inertia_module.papers.karetin.phase import ONE_RADIAN, Times, Turning
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scenes import SCENES
 
-from inertia_module.module import Module
+from inertia_module.memory.instances import Module
 from inertia_module.studies.peers import PEERS, cvode, mujoco_model, scipy_clutches, scipy_events
 from inertia_module.studies.trajectory import Case, Unavailable
 

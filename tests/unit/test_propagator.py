@@ -4,8 +4,7 @@ import math
 
 import mpmath
 import pytest
-
-from inertia_module.kernel.propagator import characteristic, responses
+from inertia_module.kernel.driven_shaft.entry.propagator import characteristic, responses
 
 NAMES = ("step", "slope", "impulse", "one", "two", "three", "four")
 DAMPING = [0.0, 1e-9, 0.3, 0.99, 1.0 - 1e-12, 1.0, 1.0 + 1e-12, 1.01, 5.0, 1e4, 1e12]

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from inertia_module.drive import Result
+from inertia_module.common.units import parse_unit, to_si
+from inertia_module.harness.simulate import Result
 from inertia_module.scene import SceneError, load_scene, read_scene, run_scene
-from inertia_module.units import parse_unit, to_si
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 OPEN = """
@@ -365,7 +365,7 @@ def test_energy_of_a_car_behind_an_elastic_shaft(fmu):
 
 
 def test_figures_of_both_kinds_are_drawn(fmu, tmp_path):
-    from inertia_module.figures import scene_figure
+    from inertia_module.figures.scenes.scenes import scene_figure
 
     for name, text in {
         "open": OPEN,

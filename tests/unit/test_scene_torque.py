@@ -5,11 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from inertia_module.figures.scenes.scenes import scene_figure
 
-from inertia_module.figures import scene_figure
 from inertia_module.scene import SceneError, load_scene, read_scene, run_scene
 from inertia_module.scene.run import start_of
-from inertia_module.studies.rungs import ladder
+from inertia_module.studies.levels import all_levels
 from inertia_module.studies.scene_run import run_in_process
 from inertia_module.studies.trials import measure_scene
 
@@ -142,7 +142,7 @@ def test_the_same_in_process_and_on_the_rungs_it_can_have(fmu):
         run_scene(scene, fmu).table["omega_out"][-1], rel=1e-9
     )
     assert found.module_time > 0.0
-    (kinematic,) = (rung for rung in ladder(False) if rung.fidelity_name == "kinematic")
+    (kinematic,) = (level for level in all_levels(False) if level.fidelity_name == "kinematic")
     (row,) = measure_scene(scene, [kinematic])
     assert "fidelity = 0" in row.failure
     assert "drive = 1" in row.failure

@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from inertia_module.errors import Refused
-from inertia_module.results import Result, TableError
+from inertia_module.common.errors import Refused
+from inertia_module.harness.results import Result, TableError
+from inertia_module.harness.wires import WiringError
 from inertia_module.scene import SceneError, read_scene
-from inertia_module.wiring import WiringError
 
 TIMES, SPEEDS = [0.0, 0.5, 1.0], [100.0, 101.5, -2.5e-3]
 SAME = {
@@ -115,7 +115,7 @@ def test_a_road_over_distance_comes_from_a_file_without_a_time(tmp_path):
 
 
 def test_every_error_of_the_package_is_of_one_kind():
-    from inertia_module.drive import DriveError
+    from inertia_module.harness.simulate import DriveError
 
     for kind in (DriveError, TableError, WiringError, SceneError):
         assert issubclass(kind, Refused)

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from scenes import DRIVEN, ENGINE, FREEWHEELS, SCENES, TWO_PI, advanced, drive_angle, started
 from torque_reference import TorqueDriven
 
-from inertia_module.module import Module
+from inertia_module.memory.instances import Module
 
 MOTION = ["input_speed", "omega2", "omega_out", "input_angle", "drive_angle", "energy_stored"]
 WORKS = ["energy_in", "energy_out"]

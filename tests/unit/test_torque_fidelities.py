@@ -6,7 +6,7 @@ import pytest
 from scenes import DRIVEN, FREEWHEELS, SCENES, TWO_PI, advanced, drive_angle, started
 from torque_reference import TorqueDriven
 
-from inertia_module.module import Module
+from inertia_module.memory.instances import Module
 
 ELASTIC = {
     "fidelity": 3,

@@ -8,10 +8,10 @@ import pytest
 
 from inertia_module.studies.errors import MEASURES, errors, impulse, pulses
 from inertia_module.studies.kernel_runs import KernelRun
+from inertia_module.studies.levels import Level, all_levels, event, timestepping
 from inertia_module.studies.open_loop import measure
 from inertia_module.studies.reference import converged
-from inertia_module.studies.report import markdown_table, write_rows
-from inertia_module.studies.rungs import Rung, event, ladder, timestepping
+from inertia_module.studies.rows import read_rows, write_rows
 from inertia_module.studies.trajectory import Case, Peer, Unavailable
 
 CASE = Case(stop_time=0.1, points=100)
@@ -25,11 +25,11 @@ def reference():
 
 @pytest.fixture(scope="module")
 def rows(reference):
-    rungs = [event(2, tolerance) for tolerance in (1e-4, 1e-6, 1e-8)]
-    return measure(reference, rungs, steps=STEPS)
+    levels = [event(2, tolerance) for tolerance in (1e-4, 1e-6, 1e-8)]
+    return measure(reference, levels, steps=STEPS)
 
 
-def test_every_rung_is_measured_in_every_communication_step(rows):
+def test_every_level_is_measured_in_every_communication_step(rows):
     assert [(row.setting, row.communication_step) for row in rows] == [
         (f"tolerance {tolerance}", step) for step in STEPS for tolerance in ("1e-04", "1e-06", "1e-08")
     ]
@@ -80,14 +80,14 @@ def test_switches_are_found_whether_or_not_they_are_expected(reference):
 
 
 @pytest.mark.parametrize(
-    "rung, words",
+    "level, words",
     [
-        (Rung(2, 0, "tolerance 1", {"tolerance": 1.0}), "tolerance = 1 is refused"),
-        (Rung(2, 0, "backwards", {"max_step": -1.0}), "max_step = -1 is refused"),
+        (Level(2, 0, "tolerance 1", {"tolerance": 1.0}), "tolerance = 1 is refused"),
+        (Level(2, 0, "backwards", {"max_step": -1.0}), "max_step = -1 is refused"),
     ],
 )
-def test_refused_settings_are_rows_with_the_reason(reference, rung, words, tmp_path):
-    (row,) = measure(reference, [rung], steps=[0.1])
+def test_refused_settings_are_rows_with_the_reason(reference, level, words, tmp_path):
+    (row,) = measure(reference, [level], steps=[0.1])
     assert words in row.failure
     assert math.isnan(row.wall_time)
     assert row.worst(["omega_out_final"]) == math.inf
@@ -110,7 +110,7 @@ def test_peers_are_measured_by_the_same_errors(reference):
         return dataclasses.replace(exact, omega_out=wrong, impulse=None, switches=None, wall_time=0.2)
 
     loose, tight = measure(reference, [], [peer(integrate)])
-    assert (loose.rung, loose.method, loose.setting) == ("peer", "somebody", "loose")
+    assert (loose.fidelity, loose.method, loose.setting) == ("peer", "somebody", "loose")
     assert loose.errors["omega_out_final"] == pytest.approx(1e-3, rel=1e-9)
     assert tight.errors["omega_out_worst"] == pytest.approx(1e-6, rel=1e-6)
     assert math.isnan(loose.errors["event_time"])
@@ -130,7 +130,7 @@ def test_peers_with_other_samples_are_listed_as_failures(reference):
     def integrate(case, setting):
         return dataclasses.replace(reference.trajectory, omega_out=np.zeros(3))
 
-    assert all("3 samples are refused" in row.failure for row in measure(reference, [], [peer(integrate)]))
+    assert all("has 3" in row.failure for row in measure(reference, [], [peer(integrate)]))
 
 
 def test_a_rigid_output_is_measured_against_the_elastic_one_with_the_same_inertia():
@@ -140,23 +140,30 @@ def test_a_rigid_output_is_measured_against_the_elastic_one_with_the_same_inerti
     assert row.errors["omega_out_final"] < 1e-3
 
 
-def test_the_ladder_has_the_elastic_rungs_only_where_there_is_a_shaft():
-    assert {rung.fidelity for rung in ladder(elastic=False)} == {0, 1, 2}
-    assert {rung.fidelity for rung in ladder(elastic=True)} == {0, 1, 2, 3}
+def test_there_are_elastic_levels_only_where_there_is_a_shaft():
+    assert {level.fidelity for level in all_levels(elastic=False)} == {0, 1, 2}
+    assert {level.fidelity for level in all_levels(elastic=True)} == {0, 1, 2, 3}
     assert timestepping(2, 1e-3).values == {"fidelity": 2.0, "method": 1.0, "max_step": 1e-3}
 
 
-def test_tables_show_every_row(rows):
-    table = markdown_table(rows, list(MEASURES))
-    assert len(table) == len(rows) + 2
-    assert "rigid, event, tolerance 1e-06" in table[3]
+def test_rows_are_read_back_as_they_were_written(reference, rows, tmp_path):
+    failed = measure(reference, [Level(2, 0, "tolerance 1", {"tolerance": 1.0})], steps=[0.1])
+    *found, last = read_rows(write_rows(tmp_path / "rows.csv", [*rows, *failed]))
+    assert [dataclasses.replace(row, loop_time=0.0) for row in found] == [
+        dataclasses.replace(row, loop_time=0.0) for row in rows
+    ]
+    assert (last.label, last.failure, last.worst(["energy"])) == (
+        failed[0].label,
+        failed[0].failure,
+        math.inf,
+    )
 
 
 def test_plots_are_drawn_even_where_some_runs_failed(reference, rows, tmp_path):
-    from inertia_module.results import write_figure
+    from inertia_module.harness.results import write_figure
     from inertia_module.studies.plots import curves, work_precision
 
-    failed = measure(reference, [Rung(2, 0, "tolerance 1", {"tolerance": 1.0})], steps=[0.1])
+    failed = measure(reference, [Level(2, 0, "tolerance 1", {"tolerance": 1.0})], steps=[0.1])
     drawn = [*rows, *failed]
     assert {len(curve) for curve in curves(drawn).values()} == {3}
     figure = work_precision(drawn, "omega_out_worst", "some rows")

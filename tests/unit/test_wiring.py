@@ -3,9 +3,9 @@
 import pytest
 from fmpy import read_model_description
 
+from inertia_module.contract.models import DRIVEN_SHAFT, INERTIA_MODULE
 from inertia_module.fmu.description import NATIVE_CAPABILITIES, model_description
-from inertia_module.model import DRIVEN_SHAFT, INERTIA_MODULE
-from inertia_module.wiring import Wire, WiringError, check_wiring
+from inertia_module.harness.wires import Wire, WiringError, check_wiring
 
 SPEED = Wire("module", "omega_out", "shaft", "hub_speed")
 TORQUE = Wire("shaft", "shaft_torque_mean", "module", "load_torque")

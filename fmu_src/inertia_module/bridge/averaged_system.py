@@ -19,10 +19,14 @@ from typing import Any, NamedTuple
 import control as ct
 import numpy as np
 
-from ..instance import as_names
-from ..kernel import average, average_legs, average_outputs, average_rates, codes
-from ..module import Module
-from ..variables import BY_NAME
+from ..contract.variables import BY_NAME
+from ..harness.fmu import as_names
+from ..kernel import codes
+from ..kernel.averaged import legs as average_legs
+from ..kernel.averaged import outputs as average_outputs
+from ..kernel.averaged import rates as average_rates
+from ..kernel.averaged import run as average
+from ..memory.instances import Module
 
 INPUTS = ("omega1", "load_torque")
 INPUT_RATE = "omega1_rate"

@@ -2,7 +2,7 @@
 
 A communication step is the update of the system. Outputs hold the values at the end of the last step, so
 there is no direct feedthrough. Step means belong to the step that has been taken and do not follow from
-where the motion is now: they are part of the state. Two states are to be had.
+where the motion is now: they are part of the state. There are two states.
 
 **motion.** A few named numbers: what the motion is (`omega_out`; for fidelity rigid `drive_angle`,
 `omega2` and `omega_out`; for DrivenShaft `omega_out` and `twist`), the speed the input was left at
@@ -29,18 +29,17 @@ import control as ct
 import numpy as np
 from numpy.typing import NDArray
 
-from ..instance import DriveError, Fmu, as_names
-from .motion import check_inputs, is_angular, motion_of, start_name
+from ..common.errors import must_be
+from ..harness.fmu import Fmu, as_names
+from .motion import check_inputs, check_outputs, motion_of, start_name
+from .packing import bytes_of, numbers_of
 from .restarted import RestartedFmu
-from .words import bytes_of, words_of
 
 Array = NDArray[np.float64]
 StateKind = Literal["motion", "whole"]
 
 # inputs whose jumps act impulsively
 _SPEEDS = ("omega1", "hub_speed")
-# sums since the start: a restart begins them anew
-_SUMS = ("turns", "energy_", "contact_switches", "rhs_evaluations", "input_angle")
 
 
 class _Stepper(Protocol):
@@ -62,17 +61,7 @@ class _Motion:
     def __init__(self, fmu: RestartedFmu, step: float, inputs: Sequence[str], outputs: Sequence[str]) -> None:
         self.fmu, self._step, self._inputs = fmu, step, tuple(inputs)
         self._motion = motion_of(fmu)
-        for name in outputs:
-            if any(word in name for word in _SUMS) and name != "energy_stored":
-                raise DriveError(
-                    f"output {name} is refused with state = 'motion': it is a sum since the start; allowed"
-                    " are outputs that follow from the motion, or state = 'whole'"
-                )
-            if is_angular(fmu, name, "drive_angle" in self._motion):
-                raise DriveError(
-                    f"output {name} is refused with state = 'motion': it depends on an angle that is no state"
-                    f" here ({', '.join(self._motion)}); allowed is state = 'whole'"
-                )
+        check_outputs(outputs, self._motion)
         self._held = tuple(name for name in inputs if name in _SPEEDS)
         self._read = (*self._motion, *(name for name in outputs if name not in self._motion))
         self._start_names = tuple(start_name(name) for name in self._motion)
@@ -110,10 +99,10 @@ class _Whole:
         fmu.read(self._outputs)
         self._at: Array | None = None
         self.start = self._saved()
-        self.names = ["time", *(f"word[{n}]" for n in range(self.start.size - 1))]
+        self.names = ["time", *(f"state[{n}]" for n in range(self.start.size - 1))]
 
     def _saved(self) -> Array:
-        self._at = np.concatenate([[self.fmu.time], words_of(self.fmu.save())])
+        self._at = np.concatenate([[self.fmu.time], numbers_of(self.fmu.save())])
         return self._at.copy()
 
     def _go_to(self, x: Array) -> None:
@@ -226,9 +215,9 @@ def fmu_system(
         ValueError: step is not positive, or state is none of the two.
     """
     if not (math.isfinite(step) and step > 0.0):
-        raise ValueError(f"step = {step} is refused: allowed is a positive number of seconds")
+        raise ValueError(must_be("step", "a positive number of seconds", step))
     if state not in ("motion", "whole"):
-        raise ValueError(f"state = {state!r} is refused: allowed are 'motion' and 'whole'")
+        raise ValueError(must_be("state", "'motion' or 'whole'", repr(state)))
     inputs, outputs = as_names(inputs), as_names(outputs)
     kind = RestartedFmu if state == "motion" else Fmu
     fmu = kind(path, parameters, start, tolerance)

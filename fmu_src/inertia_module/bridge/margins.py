@@ -18,7 +18,7 @@ import control as ct
 import numpy as np
 from numpy.typing import NDArray
 
-from ..instance import Fmu, Plant
+from ..harness.fmu import Fmu, Plant
 
 Array = NDArray[np.float64]
 
@@ -84,13 +84,11 @@ def run_linear_loop(
         ValueError: the surrounding has direct feedthrough, or a signal has no value in point.
     """
     if np.any(surrounding.D):
-        raise ValueError("a surrounding with direct feedthrough is refused: allowed is one with D = 0")
+        raise ValueError("a surrounding must have D = 0, has direct feedthrough")
     measured, given = list(surrounding.input_labels), list(surrounding.output_labels)
     missing = [name for name in (*measured, *given) if name not in point]
     if missing:
-        raise ValueError(
-            f"point without {', '.join(missing)} is refused: needed are {', '.join([*measured, *given])}"
-        )
+        raise ValueError(f"point must have {', '.join([*measured, *given])}, is without {', '.join(missing)}")
     a, b, c = (np.asarray(matrix) for matrix in (surrounding.A, surrounding.B, surrounding.C))
     around, offset = np.array([point[name] for name in measured]), np.array([point[name] for name in given])
     low, high = limits
@@ -191,8 +189,8 @@ def stability_limit(is_stable: Callable[[float], bool], low: float, high: float,
     for value, wanted in ((low, True), (high, False)):
         if is_stable(value) != wanted:
             raise ValueError(
-                f"limits {low:g} to {high:g} are refused: {value:g} is not"
-                f" {'stable' if wanted else 'unstable'}; allowed are a stable and an unstable one"
+                f"limits must be a stable and an unstable one, are {low:g} and {high:g}: {value:g} is not"
+                f" {'stable' if wanted else 'unstable'}"
             )
     while high > low * (1.0 + share):
         middle = math.sqrt(low * high)

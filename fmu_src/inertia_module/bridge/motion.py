@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..instance import DriveError, Fmu
+from ..contract.driven_shaft_variables import BY_NAME as OF_SHAFT
+from ..contract.variables import BY_NAME as OF_MODULE
+from ..contract.variables import DRIVE_ANGLE, LINK1_ANGLE, SINCE_START
+from ..harness.fmu import DriveError, Fmu
 from ..kernel.codes import DRIVE_TORQUE
 
 # what of the motion has a start parameter, by fidelity
@@ -33,7 +36,7 @@ def check_inputs(fmu: Fmu, inputs: Sequence[str]) -> None:
     known = [name for name, variable in fmu.variables.items() if variable.causality == "input"]
     for name in inputs:
         if name not in known:
-            raise DriveError(f"input {name} is refused: allowed are {', '.join(known)}")
+            raise DriveError(f"input {name} must be one of {', '.join(known)}")
     if "drive" not in fmu.variables:
         return
     by_torque = _is_driven_by_torque(fmu)
@@ -42,8 +45,7 @@ def check_inputs(fmu: Fmu, inputs: Sequence[str]) -> None:
     )
     if idle in inputs:
         raise DriveError(
-            f"input {idle} is refused with drive = {drive}: it has no effect after the start;"
-            f" allowed is {given} in its place"
+            f"with drive = {drive} an input must be {given}, is {idle}: that has no effect after the start"
         )
 
 
@@ -51,11 +53,25 @@ def _is_driven_by_torque(fmu: Fmu) -> bool:
     return "drive" in fmu.variables and fmu["drive"] == DRIVE_TORQUE
 
 
-def is_angular(fmu: Fmu, name: str, knows_drive_angle: bool) -> bool:
-    """Whether an output of the module needs the angle of link 1, or one of the drive that is not known."""
-    if "drive_turns" not in fmu.variables or not name.startswith(("imbalance_", "drive_")):
-        return False
-    return not knows_drive_angle or name.endswith(("_y", "_z"))
+def check_outputs(names: Sequence[str], motion: Sequence[str]) -> None:
+    """Refuse outputs of a system that do not follow from its motion.
+
+    Raises:
+        DriveError: the output, and what is allowed.
+    """
+    for name in names:
+        variable = OF_MODULE.get(name) or OF_SHAFT.get(name)
+        follows = variable.follows if variable is not None else ""
+        if follows == SINCE_START:
+            raise DriveError(
+                f"with output {name} state must be 'whole', is 'motion': it is a sum since the start,"
+                " which does not follow from the motion"
+            )
+        if follows == LINK1_ANGLE or (follows == DRIVE_ANGLE and "drive_angle" not in motion):
+            raise DriveError(
+                f"with output {name} state must be 'whole', is 'motion': it depends on {follows}, which is"
+                f" no state here ({', '.join(motion)})"
+            )
 
 
 def motion_of(fmu: Fmu) -> tuple[str, ...]:
@@ -66,15 +82,15 @@ def motion_of(fmu: Fmu) -> tuple[str, ...]:
     """
     if "input_hold" in fmu.variables and fmu["input_hold"] != 0.0:
         raise DriveError(
-            "input_hold = linear is refused with state = 'motion': it goes on from the last two inputs;"
-            " allowed is input_hold = constant, or state = 'whole'"
+            "with state = 'motion' input_hold must be constant, is linear: that goes on from the last two"
+            " inputs; state = 'whole' has them"
         )
     if "fidelity" not in fmu.variables:
         return _SHAFT_MOTION
     fidelity = _FIDELITIES[int(fmu["fidelity"])]
     if fidelity not in _MOTION:
         raise DriveError(
-            f"fidelity = {fidelity} is refused with state = 'motion': it has no start parameters for all of"
-            f" its motion; allowed are {', '.join(_MOTION)}, or state = 'whole'"
+            f"with state = 'motion' fidelity must be one of {', '.join(_MOTION)}, is {fidelity}: that has no"
+            " start parameters for all of its motion; state = 'whole' needs none"
         )
     return (*_MOTION[fidelity], _INPUT_SPEED) if _is_driven_by_torque(fmu) else _MOTION[fidelity]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from ..instance import Fmu
+from ..harness.fmu import Fmu
 
 
 class RestartedFmu(Fmu):

@@ -21,8 +21,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ..instance import Plant
-from ..module import Module
+from ..harness.fmu import Plant
+from ..memory.instances import Module
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -16,7 +16,8 @@ import control as ct
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..instance import Fmu, as_names
+from ..common.errors import must_be
+from ..harness.fmu import Fmu, as_names
 from ..kernel.codes import DRIVE_SPEED
 from .averaged_system import INPUT_RATE, INPUTS, QUASI_STEADY, TransientInertia, averaged_system
 from .sine_bench import SineBench
@@ -88,18 +89,16 @@ def measured_response(
     _check_excited(excited)
     for name, value in (("amplitude", amplitude), ("step", step), ("settling", settling), ("record", record)):
         if not (math.isfinite(value) and value > 0.0):
-            raise ValueError(f"{name} = {value:g} is refused: allowed is a positive number")
+            raise ValueError(must_be(name, "a positive number", value))
     wanted = np.atleast_1d(np.asarray(frequencies, dtype=float))
     for frequency in wanted:
         if not 0.0 < frequency <= 0.25 / step:
-            raise ValueError(
-                f"frequency = {frequency:g} Hz is refused: allowed is above 0 and up to {0.25 / step:g} Hz, a"
-                " quarter of the sampling rate"
-            )
+            most = f"above 0 and at most {0.25 / step:g} Hz, a quarter of the sampling rate"
+            raise ValueError(must_be("frequency", most, frequency))
     point = {"omega1": omega1, "load_torque": load_torque}
     with Fmu(path, parameters, point, tolerance) as fmu:
         if fmu["drive"] != DRIVE_SPEED:
-            raise ValueError("drive = 1 (torque) is refused: omega1 is made to swing; allowed is 0 (speed)")
+            raise ValueError("drive must be 0 (speed), is 1 (torque): omega1 is made to swing")
         bench = SineBench(fmu, point, as_names(outputs), step)
         rate = bench.settle(settling)
         settled = fmu.keep()
@@ -129,8 +128,8 @@ def operating_point(system: Any, omega1: float, load_torque: float, guess: float
     point = ct.find_operating_point(system, [first], given)
     if point.states is None or not 0.0 < point.states[0] < omega1:
         raise ValueError(
-            f"omega1 = {omega1:g} rad/s with load_torque = {load_torque:g} N.m is refused: no operating point"
-            f" was found from omega_out = {first:g} rad/s; allowed is a load that is carried below lock-up"
+            f"with omega1 = {omega1:g} rad/s load_torque must be carried below lock-up, is {load_torque:g}"
+            f" N.m: no operating point was found from omega_out = {first:g} rad/s"
         )
     return float(point.states[0])
 
@@ -178,4 +177,4 @@ def averaged_response(
 
 def _check_excited(excited: str) -> None:
     if excited not in INPUTS:
-        raise ValueError(f"excited = {excited!r} is refused: allowed are {', '.join(INPUTS)}")
+        raise ValueError(must_be("excited", " or ".join(INPUTS), repr(excited)))

@@ -8,15 +8,7 @@ from typing import Annotated
 
 import typer
 
-from .shared import (
-    BUILD_FOLDER,
-    Json,
-    OutputFolder,
-    app,
-    folder_for,
-    one_line_errors,
-    show_table,
-)
+from .shared import BUILD_FOLDER, Json, OutputFolder, app, folder_for, one_line_errors, show_table
 
 
 @app.command()
@@ -24,8 +16,8 @@ def build(output: OutputFolder = None, as_json: Json = False) -> None:
     """Build the FMUs, each whole or not at all (into build/ without -o); exit code 1 if one is skipped."""
     from rich.text import Text
 
+    from ..common.terminal import terminal
     from ..fmu.builder import build as build_fmus
-    from ..terminal import terminal
 
     folder = output or BUILD_FOLDER
     with one_line_errors(), terminal().status("building") as status:
@@ -53,7 +45,7 @@ def check(
     as_json: Json = False,
 ) -> None:
     """Validate an FMU file with fmpy, then step it over its default experiment."""
-    from ..checking import check_fmu
+    from ..harness.check import check_fmu
 
     with one_line_errors():
         report = check_fmu(fmu)

@@ -8,14 +8,7 @@ from typing import Annotated
 
 import typer
 
-from .shared import (
-    Json,
-    OutputFolder,
-    app,
-    folder_for,
-    native_fmus,
-    one_line_errors,
-)
+from .shared import Json, OutputFolder, app, folder_for, native_fmus, one_line_errors
 
 CAR_SCENE = Path("examples/urban.toml")
 
@@ -23,9 +16,9 @@ CAR_SCENE = Path("examples/urban.toml")
 @app.command()
 def papers(output: OutputFolder = None, as_json: Json = False) -> None:
     """Draw the figures of the papers as PNG and SVG, their numbers as CSV (out/papers without -o)."""
-    from ..drive import progress_bar
-    from ..paper_figures import all_figures
-    from ..results import write_columns, write_figure
+    from ..figures.papers import all_figures
+    from ..harness.results import write_columns, write_figure
+    from ..harness.simulate import progress_bar
 
     figures = all_figures()
     files: list[str] = []
@@ -47,12 +40,11 @@ def stability(
     only: Annotated[str | None, typer.Option("--only", metavar="AXIS", help="One axis of the map.")] = None,
 ) -> None:
     """Try the extremes and give each a verdict (out/stability without -o); exit code 1 if one is broken."""
-    from ..drive import progress_bar
-    from ..results import write_figure
-    from ..studies.stability import report
+    from ..harness.results import write_figure
+    from ..harness.simulate import progress_bar
     from ..studies.stability.figure import verdict_map
-    from ..studies.stability.study import chosen_cases, run_study, write_cases
-    from ..studies.stability.table import rows_of, write_rows
+    from ..studies.stability.study import chosen_cases, print_rows, run_study
+    from ..studies.stability.table import as_records, rows_of, write_cases, write_rows
 
     with one_line_errors():
         folder = folder_for(output, "stability")
@@ -67,12 +59,12 @@ def stability(
         }
     if as_json:
         listed = {name: str(file) for name, file in files.items()}
-        typer.echo(json.dumps({"verdicts": report.as_records(verdicts), "files": listed}))
+        typer.echo(json.dumps({"verdicts": as_records(verdicts), "files": listed}))
     else:
-        report.print_rows(rows)
+        print_rows(rows)
         for name, file in files.items():
             typer.echo(f"{name}: {file}")
-    if any(verdict.word == "broken" for verdict in verdicts):
+    if any(verdict.outcome == "broken" for verdict in verdicts):
         raise typer.Exit(1)
 
 
@@ -83,31 +75,24 @@ def coupling(
     ] = CAR_SCENE,
     output: OutputFolder = None,
     as_json: Json = False,
-    quick: Annotated[
-        bool, typer.Option("--quick", help="A corner of the map, without the long parts.")
-    ] = False,
-    only: Annotated[
-        str | None,
-        typer.Option(
-            "--only", metavar="PART", help="limits, map, torque, adaptive, urban, torque_urban or shafts."
-        ),
-    ] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="A corner of the map.")] = False,
+    only: Annotated[str | None, typer.Option("--only", metavar="PART", help="map or urban.")] = None,
 ) -> None:
-    """Couple an engine and a shaft to the module in every way and measure what it costs (out/coupling)."""
+    """Couple an engine to the module in the recommended ways and measure them (out/coupling)."""
     from dataclasses import asdict
 
-    from ..drive import progress_bar
-    from ..studies.coupling.study import PARTS, Files, chosen_parts, print_rows, write_part
+    from ..harness.simulate import progress_bar
+    from ..studies.coupling.study import chosen_parts, measure, print_rows, write_part
 
     with one_line_errors():
         folder = folder_for(output, "coupling")
         chosen = chosen_parts(only, quick)
-        files = Files(*native_fmus(), scene)
+        fmu_path, _ = native_fmus()
         found = {}
         written: dict[str, str] = {}
         for name in chosen:
             with progress_bar(f"measuring: {name}") as progress:
-                found[name] = PARTS[name].run(files, quick, progress)
+                found[name] = measure(name, fmu_path, scene, quick, progress)
             written.update(write_part(folder, name, found[name]))
     if as_json:
         rows = {name: [asdict(row) for row in part] for name, part in found.items()}

@@ -39,9 +39,9 @@ def run(
     as_json: Json = False,
 ) -> None:
     """Run a scene: leaves table.csv, summary.json and plot.png in a folder (out/SCENE without -o)."""
-    from ..drive import progress_bar
-    from ..figures import scene_figure
-    from ..results import write_figure, write_text
+    from ..figures.scenes import scene_figure
+    from ..harness.results import write_figure, write_text
+    from ..harness.simulate import progress_bar
     from ..scene import load_scene, run_scene
     from ..studies.trials import choose
 
@@ -53,9 +53,9 @@ def run(
         if fidelity is not None or (allowed is not None and read.chooses_fidelity):
             read = read.with_fidelity(fidelity or "auto", allowed)
         if allowed is not None and not read.chooses_fidelity:
-            raise ValueError(f"--error = {error} is refused: allowed is that only with fidelity auto")
+            raise ValueError(f"--error = {error} must come with fidelity auto")
         if read.chooses_fidelity:
-            with progress_bar("measuring the rungs") as progress:
+            with progress_bar("measuring the levels of fidelity") as progress:
                 read, choice = choose(read, progress)
         path = fmu or current_fmu()
         with progress_bar(read.title) as progress:
@@ -93,7 +93,7 @@ def tradeoff(
     output: OutputFolder = None,
     recommend: Annotated[
         str | None,
-        typer.Option(metavar="ERROR", help='Recommend the cheapest rung for an error: 1e-3, "1 %".'),
+        typer.Option(metavar="ERROR", help='Recommend the cheapest level for an error: 1e-3, "1 %".'),
     ] = None,
     wanted: Annotated[
         list[str] | None,
@@ -102,12 +102,12 @@ def tradeoff(
     as_json: Json = False,
 ) -> None:
     """Measure error against cost: fidelity, method, tolerance or step, communication step (out/tradeoff)."""
-    from ..drive import progress_bar
+    from ..harness.simulate import progress_bar
     from ..scene import load_scene
     from ..studies import tradeoff as study
     from ..studies.choice import recommend as choose_cheapest
-    from ..studies.levels import print_levels
     from ..studies.peers import PEERS
+    from ..studies.report import print_levels
 
     with one_line_errors(), progress_bar("measuring the trade") as progress:
         folder = folder_for(output, "tradeoff")
@@ -122,16 +122,16 @@ def tradeoff(
             names = tuple(read.run.outputs)
             found = (study.scene_trials if allowed else study.scene_study)(read, progress)
         choice = choose_cheapest(found.rows, allowed, names) if allowed else None
-        files = study.write_study(found, folder)
+        files = found.write(folder)
     if as_json:
         recommended = {} if choice is None else {"recommendation": choice.as_dict()}
         listed = {"files": {name: str(file) for name, file in files.items()}}
-        typer.echo(json.dumps({**study.study_as_dict(found), **recommended, **listed}))
+        typer.echo(json.dumps({**found.as_dict(), **recommended, **listed}))
         return
     step = (found.rows[0] if choice is None else choice.row).communication_step
     shown = [row for row in found.rows if row.communication_step == step]
     print_levels(found.title, shown, names, allowed)
-    for line in study.closing_lines(found, choice):
+    for line in found.closing_lines(choice):
         typer.echo(line)
     for name, file in files.items():
         typer.echo(f"{name}: {file}")
@@ -148,16 +148,16 @@ def chart(
     as_json: Json = False,
 ) -> None:
     """Torque converter charts of mechanisms: a CSV each and one figure (out/chart without -o)."""
-    from ..chart import torque_converter_chart
-    from ..chart_figure import chart_figure
-    from ..results import write_columns, write_figure
+    from ..figures.chart import chart_figure
+    from ..harness.chart import torque_converter_chart
+    from ..harness.results import write_columns, write_figure
     from ..scene import load_scene
 
     with one_line_errors():
         folder = folder_for(output, "chart")
         names = [scene.stem for scene in scenes]
         if len(set(names)) < len(names):
-            raise ValueError(f"scenes {', '.join(names)} are refused: allowed are files of different names")
+            raise ValueError(f"scenes must be files of different names, are {', '.join(names)}")
         omega1 = None if speed is None else turning(speed)
         charts = {
             name: torque_converter_chart(load_scene(scene).parameters(), (omega1 or 0.0) < 0.0)

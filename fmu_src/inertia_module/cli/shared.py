@@ -45,7 +45,7 @@ def folder_for(output: Path | None, *default: str) -> Path:
     Raises:
         OSError: it cannot be written to.
     """
-    from ..files import writable_folder
+    from ..common.files import writable_folder
 
     return writable_folder(output or OUTPUT_FOLDER.joinpath(*default))
 
@@ -54,7 +54,7 @@ def show_table(title: str, rows: dict[str, str]) -> None:
     """Print headings and values as a table."""
     from rich.table import Table
 
-    from ..terminal import terminal
+    from ..common.terminal import terminal
 
     table = Table(title=title, title_justify="left", show_header=False)
     for heading, value in rows.items():
@@ -103,13 +103,13 @@ def share(option: str, text: str | None) -> float | None:
     try:
         return checked(text, "1", maximum=1.0, above=0.0)
     except ValueError as error:
-        raise ValueError(f"{option} = {text!r} is refused: {error}") from None
+        raise ValueError(f"{option} {error}") from None
 
 
 def turning(text: str) -> float:
     """An input speed given on the command line, such as "3000 rpm", in rad/s; negative backwards."""
-    from ..units import to_si
-    from ..variables import LARGEST_SPEED
+    from ..common.units import to_si
+    from ..contract.variables import LARGEST_SPEED
 
     try:
         omega1 = to_si(text, "rad/s")

@@ -3,8 +3,8 @@
     J_E omega' = tau - T        -drag(omega) <= tau <= greatest(omega)
 
 The governor is a control unit: it samples the speed, sets tau and holds it until the next sample. So between
-samples omega is linear under a constant load T and quadratic under a linear one, and a step of any length is
-exact, works and impulses included.
+samples omega is linear under a constant load T, and a step of any length is exact, works and impulses
+included.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _ROUNDING = 1e-9
 
 def _positive(name: str, value: float, unit: str) -> None:
     if not (math.isfinite(value) and value > 0.0):
-        raise ValueError(f"{name} = {value} is refused: allowed is a positive number of {unit}")
+        raise ValueError(f"{name} must be a positive number of {unit}, is {value}")
 
 
 @dataclass(frozen=True)
@@ -45,15 +45,15 @@ class EngineMap:
     def __post_init__(self) -> None:
         rising = all(a < b for a, b in zip(self.speed, self.speed[1:], strict=False))
         if not self.speed or not rising or not all(math.isfinite(value) for value in self.speed):
-            raise ValueError(f"speed = {self.speed} is refused: allowed are finite breakpoints that rise")
+            raise ValueError(f"speed must be finite breakpoints that rise, is {self.speed}")
         for name, torques in (("greatest", self.greatest), ("drag", self.drag)):
             if len(torques) != len(self.speed):
                 raise ValueError(
-                    f"{name} has {len(torques)} torques: allowed are {len(self.speed)}, one for each speed"
+                    f"{name} must be {len(self.speed)} torques, one for each speed, is {len(torques)}"
                 )
             for torque in torques:
                 if not (math.isfinite(torque) and torque >= 0.0):
-                    raise ValueError(f"{name} = {torque} is refused: allowed are finite torques from 0, N.m")
+                    raise ValueError(f"{name} must be finite torques from 0 N.m, has {torque}")
 
     def limits(self, speed: float) -> tuple[float, float]:
         """Least and greatest torque at a speed, N.m. The drag acts on a turning engine only."""
@@ -85,7 +85,7 @@ class Governor:
         for name in ("proportional_gain", "integral_gain"):
             gain = getattr(self, name)
             if not (math.isfinite(gain) and gain >= 0.0):
-                raise ValueError(f"{name} = {gain} is refused: allowed is a finite number from 0")
+                raise ValueError(f"{name} must be a finite number from 0, is {gain}")
 
     def sample(
         self, integral: float, reference: float, speed: float, limits: tuple[float, float]
@@ -109,7 +109,7 @@ class Governor:
 
 
 class EngineState(NamedTuple):
-    """All that makes up the state of an engine; the old one can be taken over again.
+    """All that makes up the state of an engine, which may be set to an old one.
 
     Attributes:
         speed: rad/s. angle: rad. integral: of the governor, N.m. torque: held until the next sample, N.m.
@@ -128,14 +128,13 @@ class EngineState(NamedTuple):
 
 
 class LoadTorque(NamedTuple):
-    """Load of the coming step: T = value + rate t + inertia omega'.
+    """Load of the coming step: T = value + inertia omega'.
 
     Attributes:
-        value: at its beginning, N.m. rate: N.m/s. inertia: what it takes with the engine, kg.m2.
+        value: N.m. inertia: that turns with the engine, kg.m2.
     """
 
     value: float
-    rate: float = 0.0
     inertia: float = 0.0
 
 
@@ -163,7 +162,7 @@ class Engine:
         _positive("inertia", inertia, "kg.m2")
         for name, value in (("reference", reference), ("speed", speed), ("torque", torque)):
             if not math.isfinite(value):
-                raise ValueError(f"{name} = {value} is refused: allowed is a finite number")
+                raise ValueError(f"{name} must be a finite number, is {value}")
         self.inertia, self.limits, self.governor = inertia, limits, governor
         self.reference = reference
         self.state = EngineState(speed, integral=torque)
@@ -188,11 +187,7 @@ class Engine:
         Raises:
             ValueError: the step is not positive.
         """
-
-        def move(state: EngineState, part: float, passed: float) -> EngineState:
-            return self._moved(state, part, load._replace(value=load.value + load.rate * passed))
-
-        return self._sample_by_sample(step, move)
+        return self._sample_by_sample(step, lambda state, part: self._moved(state, part, load))
 
     def at_held_speed(self, step: float) -> EngineState:
         """The state after a step, s, in which the speed stays as it is: all torque goes on to the load.
@@ -203,33 +198,24 @@ class Engine:
         Raises:
             ValueError: the step is not positive.
         """
-
-        def move(state: EngineState, part: float, _: float) -> EngineState:
-            turned, impulse = part * state.speed, part * state.torque
-            return state._replace(
-                angle=state.angle + turned,
-                wait=state.wait - part,
-                work_in=state.work_in + state.torque * turned,
-                work_out=state.work_out + state.torque * turned,
-                impulse_out=state.impulse_out + impulse,
-            )
-
-        return self._sample_by_sample(step, move)
+        return self._sample_by_sample(
+            step, lambda state, part: self._passed(state, part, state.speed, state.speed, state.torque)
+        )
 
     def _sample_by_sample(
-        self, step: float, move: Callable[[EngineState, float, float], EngineState]
+        self, step: float, move: Callable[[EngineState, float], EngineState]
     ) -> EngineState:
-        """The state after a step, s; move takes a state, a part of the step and what of it has passed."""
+        """The state after a step, s; move takes a state over a time between samples."""
         _positive("step", step, "seconds")
-        state, passed = self.state, 0.0
+        state, left = self.state, step
         sample_time = self.governor.sample_time
         while True:
             if state.wait <= _ROUNDING * sample_time:
                 state = self._sampled(state)
-            part = min(state.wait, step - passed)
-            state = move(state, part, passed)
-            passed += part
-            if step - passed <= _ROUNDING * min(sample_time, step):
+            part = min(state.wait, left)
+            state = move(state, part)
+            left -= part
+            if left <= _ROUNDING * min(sample_time, step):
                 return state
 
     def _sampled(self, state: EngineState) -> EngineState:
@@ -238,23 +224,19 @@ class Engine:
         return state._replace(torque=torque, integral=integral, wait=state.wait + self.governor.sample_time)
 
     def _moved(self, state: EngineState, h: float, load: LoadTorque) -> EngineState:
-        """Between samples: the speed is a parabola, works are exact by Simpson's rule (a cubic)."""
-        inertia = self.inertia + load.inertia
-        start = (state.torque - load.value) / inertia
-        bend = -load.rate / inertia
-        speed, mean = state.speed, state.speed + 0.5 * h * start + h * h * bend / 6.0
-        end = speed + h * start + 0.5 * h * h * bend
-        middle = speed + 0.5 * h * start + 0.125 * h * h * bend
-        own = self.inertia
-        torques = [state.torque - own * (start + bend * t) for t in (0.0, 0.5 * h, h)]
-        work = h / 6.0 * (torques[0] * speed + 4.0 * torques[1] * middle + torques[2] * end)
-        return EngineState(
-            end,
-            state.angle + h * mean,
-            state.integral,
-            state.torque,
-            state.wait - h,
-            state.work_in + state.torque * h * mean,
-            state.work_out + work,
-            state.impulse_out + h * torques[1],
+        """Between samples: the acceleration is constant."""
+        acceleration = (state.torque - load.value) / (self.inertia + load.inertia)
+        mean, end = state.speed + 0.5 * h * acceleration, state.speed + h * acceleration
+        return self._passed(state, h, mean, end, state.torque - self.inertia * acceleration)
+
+    def _passed(self, state: EngineState, h: float, mean: float, end: float, on_load: float) -> EngineState:
+        """The state after a time with a mean speed, a speed at its end and a torque on the load."""
+        turned = h * mean
+        return state._replace(
+            speed=end,
+            angle=state.angle + turned,
+            wait=state.wait - h,
+            work_in=state.work_in + state.torque * turned,
+            work_out=state.work_out + on_load * turned,
+            impulse_out=state.impulse_out + h * on_load,
         )

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..kernel.links import inertia_at_input
-from ..module import Module
+from ..memory.instances import Module
 
 # points over a period of the motion, for each tooth ratio's turn of the drive
 _POINTS_A_TURN = 180

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from .. import __version__
+from ..contract.variables import UNITS, Variable
 from ..fmu.archive import DESCRIPTION, archive, generation_date, guid_of
 from ..fmu.linking import join_for_mac
-from ..variables import UNITS, Variable
 from .osp import structure
 from .plan import Plan, typed
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
+from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE, Model
+from ..contract.variables import PARAMETER, Variable
 from ..fmu.builder import MODULE_FMU, SHAFT_FMU
 from ..fmu.native_fmu import NativeFmu
+from ..harness.wires import Wire
 from ..kernel.codes import DRIVE_TORQUE, ELASTIC, RIGID
-from ..model import DRIVEN_SHAFT, INERTIA_MODULE, Model
-from ..variables import PARAMETER, Variable
-from ..wiring import Wire
 
 MODULE, SHAFT = "module", "shaft"
 # outputs worth a connector

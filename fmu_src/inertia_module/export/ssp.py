@@ -10,8 +10,8 @@ from collections.abc import Iterable, Mapping
 from xml.etree.ElementTree import Element, SubElement, indent, register_namespace, tostring
 
 from .. import __version__
+from ..contract.variables import UNITS, Variable
 from ..fmu.archive import archive, generation_date
-from ..variables import UNITS, Variable
 from .plan import Part, Plan, typed
 
 _BASE = "http://ssp-standard.org/SSP1/SystemStructure"

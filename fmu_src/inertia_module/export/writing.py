@@ -6,9 +6,9 @@ import io
 from collections.abc import Callable
 from pathlib import Path
 
-from ..files import write_atomically
+from ..common.files import write_atomically
 from ..fmu.native_fmu import native_fmu
-from ..wiring import check_wiring
+from ..harness.wires import check_wiring
 from .container import container
 from .integers import with_integers
 from .osp import STRUCTURE, structure

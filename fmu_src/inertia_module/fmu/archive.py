@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from datetime import UTC, datetime
 
 from .. import __date__
-from ..files import content_hash
+from ..common.files import content_hash
 
 DESCRIPTION = "modelDescription.xml"
 # the earliest time a zip archive can hold

@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import NamedTuple
 from xml.etree import ElementTree
 
-from ..entries import CompilationUnavailable
-from ..files import writable_folder, write_atomically
-from ..kernel_ir import is_cached, kernel_ir
-from ..model import DRIVEN_SHAFT, INERTIA_MODULE
+from ..common.files import writable_folder, write_atomically
+from ..compiling.ir import is_cached, kernel_ir
+from ..compiling.kernels import CompilationUnavailable
+from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE
 from .archive import DESCRIPTION
 from .native_fmu import NativeFmu, library_path, native_fmu
 from .native_fmu import guid as native_guid

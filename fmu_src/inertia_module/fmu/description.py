@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from .. import __version__
-from ..model import Model
-from ..variables import (
+from ..contract.models import Model
+from ..contract.variables import (
     BOOLEAN,
     DISPLAY_UNITS,
     ENUMERATION,

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from html import escape
 
-from ..model import DRIVEN_SHAFT, INERTIA_MODULE, Model
-from ..variables import ENUMERATION, ENUMERATIONS, INPUT, LOCAL, OUTPUT, PARAMETER, Variable
+from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE, Model
+from ..contract.variables import ENUMERATION, ENUMERATIONS, INPUT, LOCAL, OUTPUT, PARAMETER, Variable
 
 HEADINGS = {
     INPUT: "Inputs",

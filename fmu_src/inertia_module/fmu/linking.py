@@ -16,11 +16,11 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from ..entries import ENTRIES, CompilationUnavailable
-from ..files import cache_folder, content_hash, sources, write_atomically
-from ..kernel_ir import tool_versions
-from ..machine_code import object_file, target_machine
-from ..model import Model
+from ..common.files import cache_folder, content_hash, sources, write_atomically
+from ..compiling.ir import tool_versions
+from ..compiling.kernels import ENTRIES, CompilationUnavailable
+from ..compiling.objects import object_file, target_machine
+from ..contract.models import Model
 from .tables import generated
 from .targets import Target
 

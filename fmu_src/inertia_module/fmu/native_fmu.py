@@ -6,11 +6,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-from .. import machine_code
-from ..entries import CompilationUnavailable
-from ..files import cache_folder, content_hash, sources, write_atomically
-from ..kernel_ir import tool_versions
-from ..model import Model
+from ..common.files import cache_folder, content_hash, sources, write_atomically
+from ..compiling import objects as machine_code
+from ..compiling.ir import tool_versions
+from ..compiling.kernels import CompilationUnavailable
+from ..contract.models import Model
 from .archive import DESCRIPTION, archive, generation_date, guid_of
 from .description import NATIVE_CAPABILITIES, model_description
 from .documentation import index_page

@@ -15,11 +15,11 @@ from typing import NamedTuple
 
 from pythonfmu import FmuBuilder
 
-from ..compiled import SHIPPED, SHIPPED_NAMES
-from ..entries import CompilationUnavailable
-from ..files import content_hash, sources
-from ..kernel_ir import tool_versions
-from ..model import Model
+from ..common.files import content_hash, sources
+from ..compiling.ir import tool_versions
+from ..compiling.kernels import CompilationUnavailable
+from ..compiling.load import SHIPPED, SHIPPED_NAMES
+from ..contract.models import Model
 from .archive import DESCRIPTION, archive, generation_date, guid_of
 from .description import PYTHON_CAPABILITIES, model_description
 from .linking import link_front
@@ -28,23 +28,12 @@ from .targets import TARGETS
 
 BUNDLED = (
     "__init__.py",
-    "compiled.py",
-    "driven_shaft_messages.py",
-    "driven_shaft_variables.py",
-    "entries.py",
-    "errors.py",
-    "files.py",
-    "maps.py",
-    "messages.py",
-    "model.py",
-    "module.py",
-    "records.py",
-    "units.py",
-    "variables.py",
-    "fmu/__init__.py",
-    "fmu/slave.py",
-    "fmu/slaves.py",
+    *("common/__init__.py", "common/errors.py", "common/files.py", "common/units.py"),
+    *("compiling/__init__.py", "compiling/kernels.py", "compiling/load.py", "compiling/records.py"),
+    "contract/*.py",
+    *("fmu/__init__.py", "fmu/slave.py", "fmu/slaves.py"),
     "kernel/**/*.py",
+    "memory/*.py",
 )
 
 # pythonfmu's library beside our own, which has the name a host looks for

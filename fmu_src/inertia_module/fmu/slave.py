@@ -14,17 +14,20 @@ from typing import Any, ClassVar
 from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
-from ..errors import Refused
+from ..common.errors import Refused, must_be
+from ..contract.variables import BOOLEAN, INPUT, PARAMETER, REAL, Variable
 from ..kernel import codes
-from ..module import ModelInstance
-from ..variables import BOOLEAN, INPUT, PARAMETER, REAL, Variable
+from ..memory.instances import NO_STATE, ModelInstance
 
 INSTANTIATED = "instantiated"
 INITIALIZING = "in initialization mode"
 STEPPING = "initialized"
+REFUSED = "in error since initialization"
 TERMINATED = "terminated"
 
-_PHASES = (INSTANTIATED, INITIALIZING, STEPPING, TERMINATED)
+_PHASES = (INSTANTIATED, INITIALIZING, STEPPING, REFUSED, TERMINATED)
+# bytes in front of the state of the model: phase and tolerance
+HEAD_SIZE = 9
 _UNKNOWN = Variable("unknown", "", "", "", "", None, None, None, None, "")
 
 
@@ -39,7 +42,6 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
         self._variables = self._instance.model.variables
         self._phase = INSTANTIATED
         self._tolerance: float | None = None
-        self._refusal = ""
         # in initialization mode: whether the outputs follow from the values set
         self._calculated = False
         instance = self._instance
@@ -59,19 +61,12 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
         # the text is used as a printf format
         self.log(message.replace("%", "%%"), status)
 
-    @property
-    def _condition(self) -> str:
-        """The phase, for messages."""
-        return "refused at the end of initialization" if self._refusal else self._phase
-
-    def _out_of_order(self, call: str, when: str) -> None:
-        self._say(
-            f"{call} is refused: the instance is {self._condition}, allowed is {when}", Fmi2Status.error
-        )
+    def _out_of_order(self, call: str, allowed: str) -> None:
+        self._say(f"{call} must come {allowed}, the instance is {self._phase}", Fmi2Status.error)
 
     def _refuse(self, message: str) -> None:
         """Log a refusal and refuse every step from now on."""
-        self._refusal = message
+        self._phase = REFUSED
         self._say(message, Fmi2Status.error)
 
     def _guarded(self, action: Callable[[], None]) -> None:
@@ -95,7 +90,7 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
     def enter_initialization_mode(self) -> None:
         """Load the kernel; say so when that will take a while."""
         if self._phase != INSTANTIATED:
-            self._out_of_order("enterInitializationMode", "once, after instantiation or reset")
+            self._out_of_order("enterInitializationMode", "right after instantiation or reset")
             return
         self._phase = INITIALIZING
 
@@ -112,7 +107,7 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
             return
         self._phase = STEPPING
         self._guarded(self._start)
-        if not self._refusal:
+        if self._phase is STEPPING:
             self._guarded(self._warn)
 
     def _warn(self) -> None:
@@ -135,7 +130,7 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
 
     def terminate(self) -> None:
         """Outputs stay readable, steps and inputs are refused."""
-        if self._phase is STEPPING and not self._refusal:
+        if self._phase is STEPPING:
             self._phase = TERMINATED
         else:
             self._out_of_order("terminate", "after exitInitializationMode")
@@ -145,26 +140,21 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
     def do_step(self, current_time: float, step_size: float) -> bool:
         """Advance by step_size, s; False (fmi2Discard) leaves the state as it was."""
         try:
-            if self._refusal or self._phase != STEPPING:
-                self._say(self._why_not(), Fmi2Status.error)
+            if self._phase is not STEPPING:
+                self._out_of_order("doStep", "after exitInitializationMode")
                 return False
             instance = self._instance
             status = instance.call(codes.STEP, step_size) if math.isfinite(current_time) else codes.BAD_STEP
             if status == codes.OK:
                 return True
             if status == codes.BAD_STEP and not math.isfinite(current_time):
-                message = f"communication point = {current_time} s is refused: allowed is a finite time"
+                message = must_be("communication point", "a finite number of seconds", current_time)
             else:
                 message = instance.model.explain(status, instance.parameters, instance.inputs, step_size)
             self._say(message, Fmi2Status.discard)
         except Exception as error:
             self._refuse(f"internal error: {type(error).__name__}: {error}")
         return False
-
-    def _why_not(self) -> str:
-        if self._refusal:
-            return f"doStep is refused: {self._refusal}"
-        return f"doStep is refused: the instance is {self._phase}, allowed is after exitInitializationMode"
 
     # -- values --------------------------------------------------------------------------------------
 
@@ -181,11 +171,7 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
                 place, slot = self._places[reference]
                 values.append(place[slot])
             else:
-                self._say(
-                    f"value reference {reference} is refused: it is no {kinds[0]}, allowed are those of"
-                    " modelDescription.xml",
-                    Fmi2Status.error,
-                )
+                self._say(_no_reference(reference, kinds[0]), Fmi2Status.error)
                 values.append(missing)
         return values
 
@@ -214,24 +200,14 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
 
     def _why_not_set(self, variable: Variable, reference: int, kinds: tuple[str, ...]) -> str:
         if variable.kind not in kinds:
-            return (
-                f"value reference {reference} is refused: it is no {kinds[0]},"
-                " allowed are those of modelDescription.xml"
-            )
+            return _no_reference(reference, kinds[0])
         if variable.causality not in (INPUT, PARAMETER):
-            return (
-                f"setting {variable.name} is refused: it is {variable.causality},"
-                " allowed are inputs and parameters"
-            )
-        if variable.causality == PARAMETER and self._phase in (STEPPING, TERMINATED):
-            return (
-                f"setting {variable.name} is refused: parameters are fixed,"
-                " allowed is before the end of initialization"
-            )
-        if self._phase is TERMINATED or (self._phase is STEPPING and self._refusal):
-            return (
-                f"setting an input is refused: the instance is {self._condition}, allowed is before terminate"
-            )
+            return f"a variable that is set must be an input or a parameter, {variable.name} is calculated"
+        if variable.causality == PARAMETER and self._phase not in (INSTANTIATED, INITIALIZING):
+            call = f"setting {variable.name}"
+            return f"{call} must come before the end of initialization, the instance is {self._phase}"
+        if self._phase in (REFUSED, TERMINATED):
+            return f"setting an input must come before terminate, the instance is {self._phase}"
         return ""
 
     def _set(self, references: list[int], values: list[Any], kinds: tuple[str, ...]) -> None:
@@ -271,26 +247,20 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
 
     def _get_fmu_state(self) -> bytes:
         tolerance = math.nan if self._tolerance is None else self._tolerance
-        head = bytes([_PHASES.index(self._phase)]) + array("d", [tolerance]).tobytes()
-        refusal = self._refusal.encode()
-        return head + len(refusal).to_bytes(4, "little") + refusal + self._instance.save()
+        return bytes([_PHASES.index(self._phase)]) + array("d", [tolerance]).tobytes() + self._instance.save()
 
     def _set_fmu_state(self, state: bytes) -> None:
         try:
-            end = 13 + int.from_bytes(state[9:13], "little")
-            if len(state) < end or state[0] >= len(_PHASES):
-                raise Refused("the state is refused: it must be one saved by this build")
-            refusal, phase = state[13:end].decode(), _PHASES[state[0]]
-            self._instance.restore(
-                state[end:], must_be_started=phase in (STEPPING, TERMINATED) and not refusal
-            )
+            if len(state) < HEAD_SIZE or state[0] >= len(_PHASES):
+                raise Refused(NO_STATE)
+            phase = _PHASES[state[0]]
+            self._instance.restore(state[HEAD_SIZE:], must_be_started=phase in (STEPPING, TERMINATED))
         except Exception as error:
-            reason = str(error) if isinstance(error, Refused) else f"a damaged state is refused: {error}"
-            self._say(reason, Fmi2Status.error)
+            self._say(str(error) if isinstance(error, Refused) else f"{NO_STATE}: {error}", Fmi2Status.error)
             return
-        tolerance = array("d", state[1:9])[0]
+        tolerance = array("d", state[1:HEAD_SIZE])[0]
         self._tolerance = None if math.isnan(tolerance) else tolerance
-        self._phase, self._refusal, self._calculated = phase, refusal, False
+        self._phase, self._calculated = phase, False
 
     @staticmethod
     def _fmu_state_to_bytes(state: bytes) -> bytes:
@@ -299,6 +269,12 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
     @staticmethod
     def _fmu_state_from_bytes(state: bytes) -> bytes:
         return state
+
+
+def _no_reference(reference: int, kind: str) -> str:
+    return (
+        f"a value reference must be that of a variable of type {kind} in modelDescription.xml, is {reference}"
+    )
 
 
 def _int32(value: float) -> int:

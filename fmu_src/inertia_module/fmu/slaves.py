@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from .. import module
-from ..entries import source_hash
+from ..compiling.kernels import source_hash
+from ..memory import instances as module
 from .slave import PythonSlave
 
 # while the files are there: later instances in the process share this code, when its own folder may be gone

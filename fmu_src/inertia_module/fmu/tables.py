@@ -6,10 +6,10 @@ import math
 from collections.abc import Mapping
 from string import Formatter
 
-from ..entries import ENTRIES
+from ..compiling.kernels import ENTRIES
+from ..contract.models import Bound, Model
+from ..contract.variables import BOOLEAN, ENUMERATION, ENUMERATIONS, INPUT, OUTPUT, PARAMETER, REAL, Variable
 from ..kernel import codes
-from ..model import Bound, Model
-from ..variables import BOOLEAN, ENUMERATION, ENUMERATIONS, INPUT, OUTPUT, PARAMETER, REAL, Variable
 
 _ARRAYS = {PARAMETER: "PARAMETERS", INPUT: "INPUTS"}
 
@@ -101,9 +101,14 @@ def _bound(bound: Bound) -> str:
 
 def c_codes() -> str:
     """C header of the operations of a kernel and its good status."""
-    operations = ("START", "STEP_ONLY", "OUTPUTS", "STEP_SMOOTHLY", "RATES", "WARN")
+    operations = ("START", "STEP_ONLY", "OUTPUTS", "STEP_PRECISELY", "RATES", "WARN")
     numbers = ", ".join(f"OPERATION_{name} = {getattr(codes, name)}" for name in operations)
-    return f"/* Made from kernel/codes.py. */\nenum operation {{ {numbers} }};\n#define STATUS_OK {codes.OK}\n"
+    lines = [
+        "/* Made from kernel/codes.py. */",
+        f"enum operation {{ {numbers} }};",
+        f"#define STATUS_OK {codes.OK}",
+    ]
+    return "\n".join([*lines, ""])
 
 
 def generated(model: Model, guid: str) -> dict[str, str]:

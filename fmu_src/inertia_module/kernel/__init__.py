@@ -2,5 +2,5 @@
 
 The functions below this package import ``math`` and each other, nothing else. They allocate
 nothing and raise nothing (a status code comes back), so the same source runs as plain Python
-and compiled (see :mod:`inertia_module.compiled`).
+and compiled (see :mod:`inertia_module.compiling.load`).
 """

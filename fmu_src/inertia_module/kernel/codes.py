@@ -38,7 +38,7 @@ CHECK = 2
 STEP_ONLY = 3
 OUTPUTS = 4
 # STEP with little noise in its results, for differences of them
-STEP_SMOOTHLY = 5
+STEP_PRECISELY = 5
 # rates of the outputs in place of the outputs; u and x are left with no meaning
 RATES = 6
 # the sum of the warnings that hold; nothing is changed

@@ -68,9 +68,9 @@ def derive_bevel(p, d):
     derive_period(p.z6 / greatest_common_divisor(p.z17, p.z6), d)
     reach = abs(d.radial) + abs(d.axial) + 2.0 * arm
     rate = reach + 2.0 * s * arm
-    d.g_slope = s * (d.spin + 2.0 * d.pole_arm * (abs(d.pole_offset) + 2.0 * d.pole_arm))
-    d.i_slope = 2.0 * reach * rate
-    d.alpha_slope = d.k * rate * rate + reach * rate
+    d.F_by_slip = s * (d.spin + 2.0 * d.pole_arm * (abs(d.pole_offset) + 2.0 * d.pole_arm))
+    d.F_by_speed = 2.0 * reach * rate
+    d.F_by_alpha1 = d.k * rate * rate + reach * rate
 
 
 def derive_planar(p, d):
@@ -90,9 +90,9 @@ def derive_planar(p, d):
     d.pole_arm = 0.0
     d.spin = 0.0
     derive_period(1.0, d)
-    d.g_slope = 0.0
-    d.i_slope = 2.0 * arm * centre
-    d.alpha_slope = d.k * arm * arm + arm * (arm + centre)
+    d.F_by_slip = 0.0
+    d.F_by_speed = 2.0 * arm * centre
+    d.F_by_alpha1 = d.k * arm * arm + arm * (arm + centre)
 
 
 def derive_harmonic(p, d):
@@ -172,13 +172,13 @@ def derive(p, d):
     d.followed = 1.0 / d.tolerance
     d.max_step = p.max_step if p.max_step > 0.0 else 1e300
     scale = d.mass * d.k
-    d.g_slope *= scale
-    d.i_slope *= scale
-    d.alpha_slope = scale * d.alpha_slope + d.k * (1.0 + d.k) * d.J16
+    d.F_by_slip *= scale
+    d.F_by_speed *= scale
+    d.F_by_alpha1 = scale * d.F_by_alpha1 + d.k * (1.0 + d.k) * d.J16
     if p.drive == DRIVE_TORQUE:
         if p.fidelity == KINEMATIC:
             return PRESCRIBED
-        if not d.J1 > SINGULAR_RATIO * d.alpha_slope:
+        if not d.J1 > SINGULAR_RATIO * d.F_by_alpha1:
             return NO_INPUT_INERTIA
     if p.fidelity == KINEMATIC:
         return OK

@@ -8,8 +8,9 @@ from .codes import OK, STEP_TOO_SMALL, TOO_MANY_SWITCHES, TOO_MUCH_WORK
 from .contact import TORQUE_ROUNDING, choose_mode, is_held
 from .limits import MAX_EVALUATIONS, STALLS_ALLOWED, SWITCHES_ALLOWED, SWITCHES_PER_PULSE
 from .links import given_at_input
-from .solvers.elastic import advance_elastic, shaft_frequency
+from .solvers.elastic import advance_elastic
 from .solvers.explicit import advance_explicit
+from .solvers.followed import shaft_frequency
 from .solvers.held import advance_held
 
 # share of its size that a step keeps after an event that was none

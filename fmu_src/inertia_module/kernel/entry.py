@@ -1,23 +1,23 @@
 """The one entry of the compiled kernel of the module: all its operations (see :mod:`.codes`)."""
 
 from .clearance import warnings
-from .codes import CHECK, OK, OUTPUTS, RATES, START, STEP_SMOOTHLY, WARN
+from .codes import CHECK, OK, OUTPUTS, RATES, START, STEP_PRECISELY, WARN
 from .outputs import write_late_outputs
 from .rates import write_rates
 from .step import advance, check, start
 
 # tolerance of a step whose results are to be differenced
-SMOOTH = 1e-11
+PRECISE = 1e-11
 
 
-def advance_smoothly(p, d, u, x, y, w, h):
+def advance_precisely(p, d, u, x, y, w, h):
     """Advance with a tolerance so small that differences of results are free of its noise. Returns a status.
 
     What is modelled stays: a shaft too stiff to be followed at the module's tolerance still is.
     """
     tolerance = d.tolerance
-    d.tolerance = min(tolerance, SMOOTH)
-    status = advance(p, d, u, x, y, w, h, STEP_SMOOTHLY)
+    d.tolerance = min(tolerance, PRECISE)
+    status = advance(p, d, u, x, y, w, h, STEP_PRECISELY)
     d.tolerance = tolerance
     return status
 
@@ -33,8 +33,8 @@ def call(operation, p, d, u, x, y, w, h):
     if operation == OUTPUTS:
         write_late_outputs(p, d, x, y)
         return OK
-    if operation == STEP_SMOOTHLY:
-        return advance_smoothly(p, d, u, x, y, w, h)
+    if operation == STEP_PRECISELY:
+        return advance_precisely(p, d, u, x, y, w, h)
     if operation == RATES:
         return write_rates(p, d, u, x, y, w)
     return advance(p, d, u, x, y, w, h, operation)

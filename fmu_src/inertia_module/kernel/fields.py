@@ -49,7 +49,7 @@ OUTPUTS = (
 STATE = (
     *("q", "q_low", "drive_turns", "theta1", "theta1_low", "input_turns"),
     *("omega1", "omega1_low", "omega2", "omega2_low", "omega3", "omega3_low", "mode"),
-    *("alpha1", "held_input", "held_step", "load_torque", "drive_torque", "step_size"),
+    *("alpha1", "held_input", "held_step", "load_torque", "drive_torque", "step_size", "short_size"),
     *("energy_in", "energy_in_low", "energy_out", "energy_out_low", "energy_lost", "energy_lost_low"),
     *("energy_start", "input_torque_mean", "output_torque_mean", "torque_ripple", "torque_peak"),
     *("switches", "evaluations"),
@@ -70,7 +70,8 @@ SIDE = ("direction", "count", "end", "locks", "start", ("knots", KNOT, KNOTS))
 CONSTANTS = (
     *("k", "s", "mass", "planar", "single", "paired", "phase_a", "phase_b"),
     *("radial", "radial_cos", "arm", "axial", "axial_cos", "pole_offset", "pole_arm", "spin"),
-    *("period", "period_low", "period_turns", "harmonic", "g_slope", "i_slope", "alpha_slope"),
+    *("period", "period_low", "period_turns", "harmonic", "F_by_slip", "F_by_speed", "F_by_alpha1"),
+    # (F_by_...: bounds of |F|, the mesh torque, by the squares of slip and speed and by alpha1)
     *("J1", "J2", "J3", "J4", "J16", "housing", "output", "by_torque", "elastic", "tolerance", "max_step"),
     *("stiffness", "damping", "friction", "balancer"),
     # square of the slowest shaft whose own motion is followed, over that of the pulses
@@ -87,7 +88,7 @@ WORKSPACE = (
     # torque that
     # link 2 carries; at its beginning (if known from the step before) the accelerations and P, and P
     # at its end
-    *("solver", "given", "load", "step", "carried", "carried_torque"),
+    *("solver", "short", "given", "load", "step", "carried", "carried_torque"),
     *("known", "alpha1", "alpha2", "jerk2", "free", "free_rate", "momentum", "momentum_end"),
     *("change_q", "change1", "change2"),
     # rates at the stages of the explicit pair, what is integrated besides, and the inside of the step
@@ -98,7 +99,7 @@ WORKSPACE = (
     *(("rate1", COLLOCATED), ("rate2", COLLOCATED), ("rate3", COLLOCATED), ("rate_relative", COLLOCATED)),
     *(("stage_q", COLLOCATED), ("stage_omega1", COLLOCATED), ("stage_omega2", COLLOCATED)),
     *(("stage_omega3", COLLOCATED), ("stage_relative", COLLOCATED), ("stage_shaft_torque", COLLOCATED)),
-    *(("stage_clutch", COLLOCATED), ("stage_release", COLLOCATED)),
+    *(("stage_output_torque", COLLOCATED), ("stage_release", COLLOCATED)),
     *(("right_side", COLLOCATED), ("shaft_right_side", COLLOCATED), ("update1", COLLOCATED)),
     # ... equations of both links: of the first by the rates of omega2 with its right side, of the
     # second by those

@@ -55,7 +55,7 @@ def jump_input(p, d, x, jump, stiff):
         inertia += shaft
     change = push / inertia if push != 0.0 else 0.0
     fraction = 1.0
-    clutch = 0.0
+    output_impulse = 0.0
     end2 = omega2 + change
     if d.housing != 0.0 and end2 < 0.0:
         fraction = omega2 / -change  # the rest of the way link 2 is held
@@ -71,12 +71,12 @@ def jump_input(p, d, x, jump, stiff):
     x.omega2 = end2
     x.omega2_low = 0.0
     if end2 > omega3 or d.output == 0.0:
-        clutch = shaft * (end2 - omega3)
+        output_impulse = shaft * (end2 - omega3)
         if p.fidelity == ELASTIC:
             push_driven_mass(d, x, end2 - omega3, stiff)
         x.omega3 = end2
         x.omega3_low = 0.0
-    return impulse, clutch
+    return impulse, output_impulse
 
 
 def jump_kinematic(d, x, jump, ratio):
@@ -87,8 +87,8 @@ def jump_kinematic(d, x, jump, ratio):
     """
     i, _, _, b, _, g, _, _ = reduced_inertia(d, x.q)
     change2 = ratio * jump
-    clutch = d.k * (b * jump + g * d.k * (jump - change2)) - d.J2 * change2
+    output_impulse = d.k * (b * jump + g * d.k * (jump - change2)) - d.J2 * change2
     mean2 = ratio * (x.omega1 + 0.5 * jump)
     impulse = apply_part(d, x, i, b, g, jump, change2)
-    x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, clutch * mean2)
-    return impulse, clutch
+    x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, output_impulse * mean2)
+    return impulse, output_impulse

@@ -1,6 +1,6 @@
 """Reduced inertia I, B, G of all imbalances and its exact derivatives in q (DESIGN section 2)."""
 
-from .circular import sine_cosine, sines_cosines
+from .sine import sine_cosine, sines_cosines
 
 
 def reduced_inertia(d, q):

@@ -34,8 +34,8 @@ def accelerations(d, q, omega1, omega2, given, held, carried, torque):
     momentum = (d.J1 + i) * omega1 + b * rate_q + d.J2 * omega2
     if held:
         return given, 0.0, momentum
-    demand2 = 0.5 * k * (g1 * rate_q * rate_q - i1 * omega1 * omega1)
-    push = demand2 - torque + k * (b + k * g) * given
+    r2 = 0.5 * k * (g1 * rate_q * rate_q - i1 * omega1 * omega1)
+    push = r2 - torque + k * (b + k * g) * given
     return given, push / (d.J2 + carried + k * k * g), momentum
 
 
@@ -47,13 +47,13 @@ def accelerations_by_torque(d, q, omega1, omega2, given, held, carried, torque):
     link1 = d.J1 + i
     momentum = link1 * omega1 + b * rate_q + d.J2 * omega2
     coupling = k * (b + k * g)
-    demand2 = 0.5 * k * (g1 * rate_q * rate_q - i1 * omega1 * omega1)
+    r2 = 0.5 * k * (g1 * rate_q * rate_q - i1 * omega1 * omega1)
     own = d.J2 + carried
-    drive = given - (i1 * omega1 + b1 * rate_q) * rate_q - demand2
+    drive = given - (i1 * omega1 + b1 * rate_q) * rate_q - r2
     phi = link1 + k * (2.0 * b + k * g)
     if held:
         return drive / phi, 0.0, momentum
-    push = demand2 - torque
+    push = r2 - torque
     # Phi (own + k^2 G) - N^2 without its cancellation: I G >= B^2
     determinant = own * phi + k * k * (link1 * g - b * b)
     alpha1 = ((own + k * k * g) * drive + coupling * push) / determinant
@@ -75,8 +75,8 @@ def motion(d, q, omega1, omega2, given, held, carried, torque, torque_rate):
     link1 = d.J1 + i
     momentum = link1 * omega1 + b * rate_q + d.J2 * omega2
     coupling = k * (b + k * g)
-    demand2 = 0.5 * k * (g1 * rate_q * rate_q - i1 * omega1 * omega1)
-    push = demand2 - torque
+    r2 = 0.5 * k * (g1 * rate_q * rate_q - i1 * omega1 * omega1)
+    push = r2 - torque
     own = d.J2 + carried
     inertia = own + k * k * g
     alpha1 = given
@@ -84,7 +84,7 @@ def motion(d, q, omega1, omega2, given, held, carried, torque, torque_rate):
     phi = 0.0
     determinant = 0.0
     if d.by_torque != 0.0:
-        drive = given - (i1 * omega1 + b1 * rate_q) * rate_q - demand2
+        drive = given - (i1 * omega1 + b1 * rate_q) * rate_q - r2
         phi = link1 + k * (2.0 * b + k * g)
         determinant = own * phi + k * k * (link1 * g - b * b)
         alpha1 = drive / phi
@@ -96,21 +96,21 @@ def motion(d, q, omega1, omega2, given, held, carried, torque, torque_rate):
     # the time derivative of both equations
     rate2_q = k * (alpha1 - alpha2)
     coupling_rate = k * (b1 + k * g1) * rate_q
-    demand2_rate = k * (
+    r2_rate = k * (
         0.5 * g2 * rate_q * rate_q * rate_q
         + g1 * rate_q * rate2_q
         - 0.5 * i2 * rate_q * omega1 * omega1
         - i1 * omega1 * alpha1
     )
-    push_rate = demand2_rate + coupling_rate * alpha1
+    push_rate = r2_rate + coupling_rate * alpha1
     drive_rate = 0.0
     if d.by_torque != 0.0:
-        drive_rate = coupling_rate * alpha2 - (i1 + k * (2.0 * b1 + k * g1)) * rate_q * alpha1 - demand2_rate
+        drive_rate = coupling_rate * alpha2 - (i1 + k * (2.0 * b1 + k * g1)) * rate_q * alpha1 - r2_rate
         drive_rate -= i2 * rate_q * rate_q * omega1 + i1 * (rate2_q * omega1 + rate_q * alpha1)
         drive_rate -= (second_derivative_of_b(d, q) * rate_q * rate_q + 2.0 * b1 * rate2_q) * rate_q
     if held:
         jerk1 = drive_rate / phi if d.by_torque != 0.0 else 0.0
-        return alpha1, 0.0, 0.0, demand2 + coupling * alpha1, push_rate + coupling * jerk1, momentum
+        return alpha1, 0.0, 0.0, r2 + coupling * alpha1, push_rate + coupling * jerk1, momentum
     push_rate -= k * k * g1 * rate_q * alpha2 + torque_rate
     if d.by_torque != 0.0:
         return alpha1, alpha2, (phi * push_rate + coupling * drive_rate) / determinant, 0.0, 0.0, momentum
@@ -141,11 +141,21 @@ def torques(d, q, omega1, alpha1, omega2, alpha2):
 
 def torque_scale(d, omega1, alpha1, rate_q, given):
     """Upper bound of |F| at these speeds, N m: what a torque is to be called zero against."""
-    reach = d.alpha_slope
-    scale = 0.5 * (d.g_slope * rate_q * rate_q + d.i_slope * omega1 * omega1) + reach * abs(alpha1)
+    reach = d.F_by_alpha1
+    scale = 0.5 * (d.F_by_slip * rate_q * rate_q + d.F_by_speed * omega1 * omega1) + reach * abs(alpha1)
     if d.by_torque != 0.0 and reach > 0.0:
         scale += abs(given) * reach / (reach + d.J1)
     return scale
+
+
+def response(d, inertia):
+    """How much of its own speed the mechanism can impart to a link of this inertia, 0 to 1.
+
+    The natural measure of an error of its speed: behind a heavy shaft the speed hardly changes, yet its
+    small changes are the torque.
+    """
+    own = d.F_by_alpha1
+    return own / (own + inertia) if own > 0.0 else 1.0
 
 
 def angular_momentum(d, q, omega1, omega2):

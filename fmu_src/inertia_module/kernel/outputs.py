@@ -5,7 +5,7 @@ A shell may leave the late ones until they are read.
 
 import math
 
-from .average_outputs import averaged_energy, write_averaged
+from .averaged.outputs import averaged_energy, write_averaged
 from .codes import AVERAGED, DRIVING, ELASTIC, FREE, HELD_DRIVING, KINEMATIC
 from .layout import imbalance_in_fixed_frame
 from .links import kinetic_energy, torques

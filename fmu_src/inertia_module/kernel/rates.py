@@ -2,7 +2,7 @@
 
 from .accumulate import copy
 from .codes import ELASTIC, OK, RATES
-from .solvers.elastic import hub_compliance, shaft_frequency
+from .solvers.followed import hub_compliance, shaft_frequency
 from .step import advance
 
 # a short step over the time in which the fastest of the motion turns by a radian

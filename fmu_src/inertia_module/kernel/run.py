@@ -1,8 +1,9 @@
 """A communication step by fidelity and method, with the speed or the torque of link 1 given."""
 
 from .accumulate import add, later, wrap_drive_angle, wrap_input_angle
-from .average import run_averaged
-from .average_jump import jump_averaged, takes_up_jump
+from .averaged.by_torque import run_driven_averaged
+from .averaged.jump import jump_averaged, takes_up_jump
+from .averaged.run import run_averaged
 from .codes import AVERAGED, DRIVING, ELASTIC, KINEMATIC, OK, TIMESTEPPING, TOO_MUCH_WORK
 from .contact import TORQUE_ROUNDING, choose_mode, is_held
 from .engine import run_events
@@ -10,11 +11,10 @@ from .impulse import jump_input, jump_kinematic
 from .limits import MAX_EVALUATIONS, MAX_STEPS
 from .links import accelerations, given_at_input
 from .shaft import load_behind_freewheel
-from .solvers.elastic import is_stiff
+from .solvers.followed import is_stiff
 from .solvers.kinematic import advance_kinematic
-from .solvers.timestepping import one_step, put_inertia, put_shaft, steps_in
-from .solvers.torque_timestepping import driven_step, put_slip_inertia
-from .torque_average import run_driven_averaged
+from .solvers.timestepping import keep_inertia, one_step, prepare_shaft_step, steps_in
+from .solvers.torque_timestepping import driven_step, keep_slip_inertia
 
 
 def accelerations_now(d, x):
@@ -36,14 +36,14 @@ def run_timestepping(p, d, x, w, h):
     start1 = x.omega1
     part = h / count
     number = 0.0
-    put_shaft(p, d, w, part)
+    prepare_shaft_step(p, d, w, part)
     if d.by_torque != 0.0:
-        put_slip_inertia(d, x, w)
+        keep_slip_inertia(d, x, w)
         while number < count:
             driven_step(p, d, x, w, x.drive_torque, x.load_torque, part)
             number += 1.0
     else:
-        put_inertia(d, x, w)
+        keep_inertia(d, x, w)
         while number < count:
             one_step(p, d, x, w, start1 + x.alpha1 * part * number, x.alpha1, x.load_torque, part)
             number += 1.0

@@ -3,9 +3,10 @@
 import math
 
 from .accumulate import copy, wrap_drive_angle
-from .average import set_link2
-from .average_legs import RESTING
-from .average_map import build_map
+from .averaged.by_torque import driven_mean
+from .averaged.legs import RESTING
+from .averaged.run import set_link2
+from .averaged.torque_map import build_map
 from .codes import (
     AVERAGED,
     BAD_STEP,
@@ -23,7 +24,6 @@ from .inputs import begin, check_inputs, check_rates, input_speed
 from .limits import LARGEST_STEP
 from .outputs import stored_energy, write_late_outputs, write_outputs
 from .run import accelerations_now, run_at_speed, run_by_torque
-from .torque_average import driven_mean
 
 
 def check(p, d, u):

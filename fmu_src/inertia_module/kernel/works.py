@@ -13,6 +13,7 @@ from .accumulate import add
 from .codes import DRIVING
 from .links import angular_momentum, inertia_at_input
 from .solvers.dormand_prince import END, NODES, STAGES
+from .solvers.dormand_prince_5 import END as SHORT_END
 from .solvers.interpolant import integral
 from .solvers.radau import MATRIX
 from .solvers.radau import NODES as RADAU_NODES
@@ -31,14 +32,17 @@ def add_work_in(x, work):
     x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, work)
 
 
-def add_clutch_square(d, x, w, sigma):
+def add_output_square(d, x, w, sigma):
     """Integral of Tc^2 over the explicit step or its part sigma, and its peak. Overwrites the rates of
     omega2.
     """
     end = sigma if sigma >= 0.0 else 1.0
-    for n in range(END if sigma < 0.0 else STAGES):
+    count = STAGES
+    if sigma < 0.0:
+        count = SHORT_END if w.short != 0.0 else END
+    for n in range(count):
         torque = w.load + d.J3 * w.rate_omega2[n]
-        if NODES[n] <= end:
+        if sigma < 0.0 or NODES[n] <= end:
             x.torque_peak = max(x.torque_peak, abs(torque))
         w.rate_omega2[n] = torque * torque
     x.output_square += integral(w, w.rate_omega2, sigma)
@@ -53,18 +57,18 @@ def add_explicit_works(d, x, w, start1, start2, passed, turned1, turned2, integr
     """
     load = w.load
     end1 = x.omega1
-    clutch = 0.0
+    output_impulse = 0.0
     if x.mode == DRIVING:
-        clutch = d.J3 * (x.omega2 - start2) + load * passed
-        x.output_impulse += clutch
+        output_impulse = d.J3 * (x.omega2 - start2) + load * passed
+        x.output_impulse += output_impulse
         x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, load * turned2)
     if d.by_torque != 0.0:
         add_work_in(x, w.given * turned1)
         return
     alpha1 = w.given
-    x.input_impulse += w.momentum_end - w.momentum + clutch
+    x.input_impulse += w.momentum_end - w.momentum + output_impulse
     if alpha1 == 0.0:
-        add_work_in(x, start1 * (w.momentum_end - w.momentum + clutch))
+        add_work_in(x, start1 * (w.momentum_end - w.momentum + output_impulse))
         return
     work = end1 * w.momentum_end - start1 * w.momentum - alpha1 * integrated
     if x.mode == DRIVING:
@@ -113,14 +117,14 @@ def add_shaft_works(d, x, w):
     for n in range(RADAU_STAGES):
         relative = w.stage_relative[n]
         omega4 = w.stage_omega3[n] - relative
-        clutch = w.stage_clutch[n]
+        output_torque = w.stage_output_torque[n]
         weight = h * MATRIX[RADAU_STAGES * (RADAU_STAGES - 1) + n]
         balancing = d.balancer * d.J4 * w.rate3[n]
         out += weight * omega4
         lost += weight * (d.damping * relative * relative + (d.friction * omega4 - balancing) * omega4)
-        x.output_square += weight * clutch * clutch
-        x.output_impulse += weight * clutch
-        x.torque_peak = max(x.torque_peak, abs(clutch))
+        x.output_square += weight * output_torque * output_torque
+        x.output_impulse += weight * output_torque
+        x.torque_peak = max(x.torque_peak, abs(output_torque))
     x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, w.load * out)
     x.energy_lost, x.energy_lost_low = add(x.energy_lost, x.energy_lost_low, lost)
 
@@ -133,18 +137,18 @@ def add_moving_works(d, x, w, start1, momentum):
     alpha1 = w.given
     momentum_end = angular_momentum(d, x.q, x.omega1, x.omega2)
     x.step_evaluations += 2.0
-    clutch = 0.0
+    output_impulse = 0.0
     moment = 0.0
     for n in range(RADAU_STAGES):
         weight = h * MATRIX[RADAU_STAGES * (RADAU_STAGES - 1) + n]
-        clutch += weight * w.stage_clutch[n]
+        output_impulse += weight * w.stage_output_torque[n]
         if alpha1 != 0.0:
             inside = angular_momentum(d, w.stage_q[n], w.stage_omega1[n], w.stage_omega2[n])
-            moment += weight * (h * RADAU_NODES[n] * w.stage_clutch[n] - inside)
+            moment += weight * (h * RADAU_NODES[n] * w.stage_output_torque[n] - inside)
             x.step_evaluations += 1.0
-    impulse = momentum_end - momentum + clutch
+    impulse = momentum_end - momentum + output_impulse
     x.input_impulse += impulse
     if alpha1 == 0.0:
         add_work_in(x, start1 * impulse)
     else:
-        add_work_in(x, x.omega1 * momentum_end - start1 * (momentum - clutch) + alpha1 * moment)
+        add_work_in(x, x.omega1 * momentum_end - start1 * (momentum - output_impulse) + alpha1 * moment)

@@ -8,9 +8,9 @@ from typing import Any
 import control as ct
 import numpy as np
 
-from ..drive import Plant, Progress, Result
-from ..instance import as_names
-from ..variables import BY_NAME
+from ..contract.variables import BY_NAME
+from ..harness.fmu import as_names
+from ..harness.simulate import Plant, Progress, Result
 
 PLANT_INPUTS = ("omega1", "load_torque", "drive_torque")
 _PROGRESS_CALLS = 200
@@ -48,8 +48,7 @@ def connect(systems: Sequence[Any]) -> Any:
         for label in system.output_labels:
             if label in origin:
                 raise ValueError(
-                    f"{label} is given by {origin[label]} and by {system.name}:"
-                    " allowed is one system for a signal"
+                    f"{label} must be given by one system, is given by {origin[label]} and by {system.name}"
                 )
             origin[label] = system.name
     wanted = {label: None for system in systems for label in system.input_labels if label not in origin}
@@ -112,8 +111,7 @@ class ClosedLoop:
         self._driven = [(name, signals.index(name)) for name in PLANT_INPUTS if name in signals]
         if not self._driven:
             raise ValueError(
-                f"surroundings that give {', '.join(signals)} are refused:"
-                f" allowed is at least one of {', '.join(PLANT_INPUTS)}"
+                f"surroundings must give at least one of {', '.join(PLANT_INPUTS)}, give {', '.join(signals)}"
             )
         self.names = ("time", *self._outputs, *signals)
         self._units = {**SIGNAL_UNITS, **(units or {})}
@@ -133,8 +131,8 @@ class ClosedLoop:
         number = round(stop_time / self.step)
         if number < 1 or abs(number * self.step - stop_time) > 1e-6 * self.step:
             raise ValueError(
-                f"stop_time = {stop_time:g} s is refused: allowed is a whole number of"
-                f" communication steps of {self.step:g} s, and at least one"
+                f"stop_time must be a whole number of communication steps of {self.step:g} s, and at least"
+                f" one, is {stop_time:g} s"
             )
         return number
 

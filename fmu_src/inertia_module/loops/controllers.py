@@ -7,6 +7,8 @@ from typing import Any
 
 import control as ct
 
+from ..common.errors import must_be
+
 
 def pi_speed_controller(
     step: float,
@@ -41,10 +43,10 @@ def pi_speed_controller(
     """
     for name, gain in (("proportional_gain", proportional_gain), ("integral_gain", integral_gain)):
         if not (math.isfinite(gain) and gain >= 0.0):
-            raise ValueError(f"{name} = {gain:g} is refused: allowed is a finite number from 0")
+            raise ValueError(must_be(name, "finite and at least 0", gain))
     low, high = limits
     if not low < high:
-        raise ValueError(f"limits = {low:g}, {high:g} are refused: allowed is a lower before a higher one")
+        raise ValueError(f"limits must be a lower and a higher one, are {low:g} and {high:g}")
     leading_back = step / max(step, proportional_gain / integral_gain) if integral_gain > 0.0 else 0.0
 
     def unlimited(integral: float, reference: float, speed: float) -> float:

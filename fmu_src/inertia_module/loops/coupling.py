@@ -23,7 +23,7 @@ class Coupling(NamedTuple):
     damping: float
 
     def torque(self, twist: float, speed_difference: float) -> float:
-        """Torque it puts on both sides, N.m."""
+        """Its torque on both sides, N.m."""
         return self.stiffness * twist + self.damping * speed_difference
 
 
@@ -77,7 +77,7 @@ def check_coupling(coupling: Coupling, inertia: float, shaft_inertia: float, ste
     growth = np.abs(np.linalg.eigvals(behind @ shaft)).max()
     if growth > 1.0 + 1e-6 or step * damping > shaft_inertia:
         raise ValueError(
-            f"a step of {step:g} s is refused with stiffness = {stiffness:g} N.m/rad, damping ="
-            f" {damping:g} N.m.s/rad and a shaft of {shaft_inertia:g} kg.m2: it is too long for them;"
-            " allowed is a shorter step, a softer coupling, or more inertia on the shaft"
+            f"with stiffness = {stiffness:g} N.m/rad, damping = {damping:g} N.m.s/rad and a shaft of"
+            f" {shaft_inertia:g} kg.m2 the step must be shorter, is {step:g} s; a softer coupling or more"
+            " inertia on the shaft helps too"
         )

@@ -53,8 +53,8 @@ class Load(NamedTuple):
         inertia = self.inertia + shaft_inertia
         if step * self.friction > inertia:
             raise ValueError(
-                f"a step of {step:g} s is refused with viscous_friction = {self.friction:g} N.m.s/rad:"
-                f" allowed is up to inertia over friction, {inertia / self.friction:g} s"
+                f"with viscous_friction = {self.friction:g} N.m.s/rad the step must be at most inertia over"
+                f" friction, {inertia / self.friction:g} s, is {step:g} s"
             )
 
 

@@ -25,17 +25,16 @@ class Table:
         self.values = np.asarray(values, dtype=np.float64)
         if self.points.ndim != 1 or self.points.shape != self.values.shape or self.points.size == 0:
             raise ValueError(
-                f"a table of {self.points.size} points and {self.values.size} values is refused:"
-                " allowed is one value a point, and at least one"
+                "a table must have one value a point, and at least one, has"
+                f" {self.points.size} points and {self.values.size} values"
             )
-        if not np.all(np.isfinite(self.points)) or not np.all(np.isfinite(self.values)):
-            raise ValueError("a table with a value that is not finite is refused: allowed are finite numbers")
+        for number in (*self.points, *self.values):
+            if not np.isfinite(number):
+                raise ValueError(f"numbers of a table must be finite, one is {number}")
         backward = np.flatnonzero(np.diff(self.points) <= 0.0)
         if backward.size:
             before, after = self.points[backward[0] : backward[0] + 2]
-            raise ValueError(
-                f"a table with {after:g} after {before:g} is refused: allowed are strictly increasing points"
-            )
+            raise ValueError(f"points of a table must increase, {after:g} comes after {before:g}")
 
     def __call__(self, point: float) -> float:
         """Value at a point."""

@@ -11,8 +11,9 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import BeforeValidator, Field, ValidationInfo, model_validator
 
 from .. import loops
-from ..cycles import CYCLES, Cycle
-from ..variables import LARGEST_SPEED
+from ..common.errors import must_be
+from ..contract.variables import LARGEST_SPEED
+from ..loops.cycles import CYCLES, Cycle
 from .drives import AngularSpeed
 from .loads import Torque
 from .tables import Strict, Tabulated, Times
@@ -76,7 +77,7 @@ class TableReference(Tabulated):
 
 def _known_cycle(name: Any) -> str:
     if name not in CYCLES:
-        raise ValueError(f"allowed is one of {', '.join(repr(known) for known in CYCLES)}")
+        raise ValueError(f"must be one of {', '.join(repr(known) for known in CYCLES)}, is {name!r}")
     return str(name)
 
 
@@ -126,10 +127,7 @@ class Pi(Strict):
     @model_validator(mode="after")
     def _limits_in_order(self) -> Pi:
         if not self.minimum < self.maximum:
-            raise ValueError(
-                f"minimum = {self.minimum:g}, maximum = {self.maximum:g} are refused:"
-                " allowed is minimum below maximum"
-            )
+            raise ValueError(must_be("minimum", f"below maximum = {self.maximum:g}", self.minimum))
         return self
 
     def build(self, step: float, measured: str) -> list[Any]:

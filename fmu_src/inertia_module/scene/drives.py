@@ -7,9 +7,9 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import BaseModel, Field
 
 from .. import loops
+from ..contract.variables import ENUMERATIONS, LARGEST_SPEED
 from ..kernel.codes import DRIVE_SPEED, DRIVE_TORQUE
 from ..loops import Table
-from ..variables import ENUMERATIONS, LARGEST_SPEED
 from .errors import SceneError
 from .loads import Torque
 from .tables import Duration, Strict, Tabulated, Time, Times
@@ -166,6 +166,6 @@ def check_drive(drive: Any, given: float | None) -> None:
     names = {number: name for name, number, _ in ENUMERATIONS["Drive"]}
     others = "a drive.kind that gives a speed" if torque else "a drive.kind that gives a torque"
     raise SceneError(
-        f"mechanism.drive = {names[int(given)]!r} is refused with drive.kind = {drive.kind!r}:"
-        f" allowed is {names[needed]!r}, which the scene sets itself, or {others}"
+        f"with drive.kind = {drive.kind!r} mechanism.drive must be {names[needed]!r}, which the scene sets"
+        f" itself, is {names[int(given)]!r}; it needs {others}"
     )

@@ -7,9 +7,9 @@ from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
 
-from ..errors import Refused
+from ..common.errors import Refused, must_be
 
-# what pydantic would say in its own words
+# what must be, where pydantic says it in another way
 _ALLOWED = {
     "model_type": "a table",
     "model_attributes_type": "a table",
@@ -56,9 +56,8 @@ def _no_such_key(scene: type[BaseModel], location: tuple[Any, ...], value: Any) 
     known = list(dict.fromkeys(name for model in models for name in model.model_fields))
     close = difflib.get_close_matches(str(location[-1]), known, n=1)
     hint = f" (did you mean {close[0]}?)" if close else ""
-    place = f"[{'.'.join(parents)}]" if parents else "a scene"
     key = ".".join([*parents, str(location[-1])])
-    return f"{key} = {value!r} is refused: no such key{hint}; allowed in {place} are {', '.join(known)}"
+    return f"{key} = {value!r}: there is no such key{hint}, it must be one of {', '.join(known)}"
 
 
 def one_line(scene: type[BaseModel], failure: ValidationError) -> str:
@@ -82,19 +81,16 @@ def _line(scene: type[BaseModel], error: Any) -> str:
     if kind == "extra_forbidden":
         return _no_such_key(scene, error["loc"], value)
     if kind == "missing":
-        return f"{key} is missing: it has to be given"
+        return f"{key} must be given, is missing"
     if kind == "union_tag_not_found":
         kinds = ", ".join(repr(_kind(model)) for model in models)
-        return f"{key}.kind is missing: allowed is one of {kinds}"
+        return f"{key}.kind must be one of {kinds}, is missing"
     if kind == "union_tag_invalid":
-        return f"{key}.kind = {context['tag']!r} is refused: allowed is one of {context['expected_tags']}"
+        return must_be(f"{key}.kind", f"one of {context['expected_tags']}", repr(context["tag"]))
     if kind == "value_error":
         reason = context["error"]
         if isinstance(reason, SceneError):
             return str(reason)
-        return f"{key}: {reason}" if isinstance(value, dict) else f"{key} = {value!r} is refused: {reason}"
-    if kind in _ALLOWED:
-        return f"{key} = {value!r} is refused: allowed is {_ALLOWED[kind]}"
-    if "expected" in context:
-        return f"{key} = {value!r} is refused: allowed is {context['expected']}"
-    return f"{key} = {value!r} is refused: {error['msg'][0].lower()}{error['msg'][1:]}"
+        return f"{key}: {reason}" if isinstance(value, dict) else f"{key} {reason}"
+    allowed = _ALLOWED.get(kind) or context.get("expected") or error["msg"].removeprefix("Input should be ")
+    return must_be(key, allowed, repr(value))

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from ..contract.variables import BY_NAME
 from ..export.plan import Plan, make_plan
-from ..variables import BY_NAME
 from .errors import SceneError
 from .run import start_of
 from .schema import Scene
@@ -19,9 +19,7 @@ def scene_plan(scene: Scene) -> Plan:
         SceneError: its fidelity is still to be chosen.
     """
     if scene.chooses_fidelity:
-        raise SceneError(
-            "mechanism.fidelity = 'auto' is refused for an export: allowed is a fidelity by name"
-        )
+        raise SceneError("mechanism.fidelity must be a fidelity by name for an export, is 'auto'")
     surroundings, values, inputs = start_of(scene)
     step = float(surroundings.dt)
     tolerance = scene.accuracy.tolerance or DEFAULT_TOLERANCE

@@ -7,7 +7,7 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field, model_validator
 
 from .. import loops
-from ..variables import LARGEST_TORQUE
+from ..contract.variables import LARGEST_TORQUE
 from .tables import Strict, Tabulated, Times
 from .units import quantities, quantity
 
@@ -56,8 +56,8 @@ class TorqueLoad(Strict):
     @model_validator(mode="after")
     def _one_of_both(self) -> TorqueLoad:
         if (self.torque is None) == (self.torque_over_time is None):
-            given = "both" if self.torque is not None else "neither"
-            raise ValueError(f"{given} of torque and torque_over_time is refused: allowed is one of them")
+            given = "both are" if self.torque is not None else "neither is"
+            raise ValueError(f"one of torque and torque_over_time must be given, {given}")
         return self
 
     def build(self, step: float, one_way: bool) -> loops.Load:

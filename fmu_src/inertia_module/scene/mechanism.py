@@ -7,9 +7,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, create_model
 
+from ..common.units import number_of
+from ..contract.variables import BY_NAME, PARAMETER, Variable, with_causality
 from ..kernel.codes import ELASTIC
-from ..units import number_of
-from ..variables import BY_NAME, PARAMETER, Variable, with_causality
 from .tables import Strict
 
 FIDELITY = "fidelity"
@@ -18,21 +18,18 @@ DRIVE = "drive"
 AUTO = "auto"
 
 
-def _allowed(variable: Variable) -> str:
-    """The allowed values of a parameter of a scene, in words."""
-    return f"{variable.allowed}, or {AUTO}" if variable.name == FIDELITY else variable.allowed
-
-
 def _validator(variable: Variable) -> BeforeValidator:
     def check(value: Any) -> float | str:
         if variable.name == FIDELITY and value == AUTO:
             return AUTO
+        also = f", or {AUTO}" if variable.name == FIDELITY else ""
+        sentence = f"must be {variable.allowed}{also}, is {value!r}"
         try:
             number = number_of(value, variable.unit or "1", variable.items)
         except ValueError as error:
-            raise ValueError(f"{error}; allowed is {_allowed(variable)}") from None
+            raise ValueError(f"{sentence}: {error}") from None
         if not variable.accepts(number):
-            raise ValueError(f"allowed is {_allowed(variable)}")
+            raise ValueError(sentence)
         return number
 
     return BeforeValidator(check)

@@ -1,4 +1,4 @@
-"""Running a scene: the FMU and what the scene puts around it, to a table and a summary."""
+"""Running a scene: the FMU and what the scene has around it, to a table and a summary."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ..drive import Fmu, Progress, Result
+from ..harness.simulate import Fmu, Progress, Result
 from ..loops import ClosedLoop, connect, initial_inputs
 from .drives import TORQUE_DRIVES
 from .errors import SceneError
@@ -72,9 +72,7 @@ def run_scene(scene: Scene, fmu_path: Path | str, progress: Progress | None = No
         SceneError: its fidelity is still to be chosen.
     """
     if scene.chooses_fidelity:
-        raise SceneError(
-            "mechanism.fidelity = 'auto' is refused here: it is to be chosen first (studies.trials.choose)"
-        )
+        raise SceneError("mechanism.fidelity must be chosen first (studies.trials.choose), is 'auto'")
     surroundings, values, inputs = start_of(scene)
     outputs = [*scene.run.outputs, *SUMMARISED]
     fmu = Fmu(

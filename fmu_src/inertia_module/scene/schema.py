@@ -10,11 +10,11 @@ from typing import Annotated, Any
 from pydantic import Field, ValidationError, model_validator
 
 from .. import loops
-from ..cycles import Cycle
-from ..errors import Refused
+from ..common.errors import Refused
+from ..contract.variables import BY_NAME, LARGEST_STEP, LOCAL, OUTPUT, with_causality
 from ..kernel.codes import ELASTIC
-from ..module import Module
-from ..variables import BY_NAME, LARGEST_STEP, LOCAL, OUTPUT, with_causality
+from ..loops.cycles import Cycle
+from ..memory.instances import Module
 from .controllers import SPEED_UNITS, VEHICLE_SPEED, Controller, CycleReference, measured_speed
 from .drives import CONTROLLED_DRIVES, Drive, check_drive, drive_parameter
 from .errors import SceneError, one_line
@@ -54,8 +54,8 @@ class Run(Strict):
         number = self.stop_time / self.communication_step
         if round(number) < 1 or abs(number - round(number)) > 1e-6:
             raise SceneError(
-                f"run.stop_time = {self.stop_time:g} is refused: allowed is a whole number of"
-                f" run.communication_step = {self.communication_step:g} s"
+                "run.stop_time must be a whole number of run.communication_step ="
+                f" {self.communication_step:g} s, is {self.stop_time:g} s"
             )
         return self
 
@@ -173,11 +173,11 @@ class Scene(Strict):
     def _drive_and_controller(self) -> Scene:
         kind = self.drive.kind
         if self.controller is None and isinstance(self.drive, CONTROLLED_DRIVES):
-            raise SceneError(f"drive.kind = {kind!r} is refused: allowed is that only with a [controller]")
+            raise SceneError(f"drive.kind = {kind!r} must come with a [controller], there is none")
         if self.controller is not None and kind != self.controller.DRIVE:
             raise SceneError(
-                f"drive.kind = {kind!r} is refused: allowed with controller.kind ="
-                f" {self.controller.kind!r} is {self.controller.DRIVE!r}"
+                f"with controller.kind = {self.controller.kind!r} drive.kind must be"
+                f" {self.controller.DRIVE!r}, is {kind!r}"
             )
         return self
 
@@ -192,16 +192,15 @@ class Scene(Strict):
             return self
         if self.accuracy.error is None:
             raise SceneError(
-                "accuracy.error is missing: it has to be given with mechanism.fidelity = 'auto',"
-                " such as '1 %'"
+                "with mechanism.fidelity = 'auto' accuracy.error must be given, such as '1 %', is missing"
             )
         chosen = {f"mechanism.{name}": getattr(self.mechanism, name) for name in ("method", "max_step")}
         chosen["accuracy.tolerance"] = self.accuracy.tolerance
         for name, value in chosen.items():
             if value is not None:
                 raise SceneError(
-                    f"{name} = {value:g} is refused with mechanism.fidelity = 'auto': it is chosen too;"
-                    " allowed is accuracy.error"
+                    f"with mechanism.fidelity = 'auto' {name} must not be given, is {value:g}: it is chosen"
+                    " too, from accuracy.error"
                 )
         return self
 
@@ -211,10 +210,7 @@ class Scene(Strict):
             return self
         for key, given in (("reference.kind = 'cycle'", self.cycle), ("brake", self.controller.brake)):
             if given is not None:
-                raise SceneError(
-                    f"controller.{key} is refused with load.kind = {self.load.kind!r}: allowed is load.kind ="
-                    " 'vehicle'"
-                )
+                raise SceneError(f"with controller.{key} load.kind must be 'vehicle', is {self.load.kind!r}")
         return self
 
     @model_validator(mode="after")
@@ -222,8 +218,8 @@ class Scene(Strict):
         signals = loops.connect(list(self.systems())).output_labels
         for name in self.run.outputs:
             if name not in _READABLE and name not in signals:
-                allowed = ", ".join([*_READABLE, *signals])
-                raise SceneError(f"run.outputs = {name!r} is refused: allowed are {allowed}")
+                known = ", ".join([*_READABLE, *signals])
+                raise SceneError(f"run.outputs must be of {known}, has {name!r}")
         return self
 
     @model_validator(mode="after")
@@ -284,9 +280,9 @@ def load_scene(path: Path | str) -> Scene:
     try:
         text = path.read_text(encoding="utf-8")
     except OSError as error:
-        raise SceneError(f"{path} is refused: {error.strerror}; allowed is a scene file (TOML)") from None
+        raise SceneError(f"{path} must be a scene file (TOML): {error.strerror}") from None
     except UnicodeDecodeError as error:
-        raise SceneError(f"{path} is refused: {error}; allowed is a scene file (TOML)") from None
+        raise SceneError(f"{path} must be a scene file (TOML): {error}") from None
     try:
         return read_scene(text, path.parent)
     except SceneError as error:

@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..cycles import KILOMETRE_PER_HOUR, Cycle
-from ..drive import Result
+from ..harness.simulate import Result
+from ..loops.cycles import KILOMETRE_PER_HOUR, Cycle
 
 # variables of the FMU that the summary and the figure need, whatever outputs the scene wants
 SUMMARISED = (

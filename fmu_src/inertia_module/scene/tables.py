@@ -7,8 +7,8 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict, ValidationInfo, model_validator
 
+from ..harness.results import TableError, read_columns
 from ..loops import Table
-from ..results import TableError, read_columns
 from .units import checked, quantities, quantity
 
 Time = Annotated[float, quantity("s", 0.0)]
@@ -43,7 +43,7 @@ class Tabulated(Strict):
         if not isinstance(data, dict) or "file" not in data:
             return data
         if {cls.POINTS, cls.VALUES} & data.keys():
-            raise ValueError(f"allowed is either file or {cls.POINTS} and {cls.VALUES}, not both")
+            raise ValueError(f"either file or {cls.POINTS} and {cls.VALUES} must be given, both are")
         context = info.context or {}
         try:
             columns, units = read_columns(context.get("folder", Path()) / str(data["file"]))
@@ -54,7 +54,10 @@ class Tabulated(Strict):
             if name not in columns:
                 raise ValueError(f"{data['file']} must have a column {name}, has {', '.join(columns)}")
             unit = units.get(name, default)
-            filled[name] = [checked(f"{value!r} {unit}", default) for value in columns[name]]
+            try:
+                filled[name] = [checked(f"{value!r} {unit}", default) for value in columns[name]]
+            except ValueError as error:
+                raise ValueError(f"{name} of {data['file']} {error}") from None
         return filled
 
     @classmethod

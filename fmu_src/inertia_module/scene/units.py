@@ -6,7 +6,7 @@ from typing import Any
 
 from pydantic import BeforeValidator
 
-from ..units import in_words, to_si
+from ..common.units import allowed_number, to_si
 
 
 def checked(
@@ -19,19 +19,19 @@ def checked(
     """A quantity in SI within a range.
 
     Raises:
-        ValueError: what is wrong, and what is allowed.
+        ValueError: what the value must be and what it is, to be said after its name.
     """
-    allowed = in_words(unit, minimum, maximum, above)
+    sentence = f"must be {allowed_number(unit, minimum, maximum, above)}, is {value!r}"
     try:
         number = to_si(value, unit)
     except ValueError as error:
-        raise ValueError(f"{error}; allowed is {allowed}") from None
+        raise ValueError(f"{sentence}: {error}") from None
     if (
         (minimum is not None and number < minimum)
         or (maximum is not None and number > maximum)
         or (above is not None and number <= above)
     ):
-        raise ValueError(f"allowed is {allowed}")
+        raise ValueError(sentence)
     return number
 
 
@@ -47,7 +47,9 @@ def quantities(unit: str) -> BeforeValidator:
 
     def check(value: Any) -> list[float]:
         if not isinstance(value, list) or not value:
-            raise ValueError(f"allowed is a list of at least one number in {unit}, or strings with a unit")
+            raise ValueError(
+                f"must be a list of at least one number in {unit}, or strings with a unit, is {value!r}"
+            )
         return [checked(item, unit) for item in value]
 
     return BeforeValidator(check)

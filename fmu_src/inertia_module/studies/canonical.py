@@ -1,22 +1,26 @@
 """The second reference: canonical momenta, inertia from positions alone, collocation of order 16.
 
-Nothing of the kernel is used. The reduced inertia comes from rotation matrices as a Fourier series; the
-motion from Hamilton's equations in (q, p2), p2 = dT/domega2, so that no acceleration is ever formed:
+Nothing of the kernel is used. The reduced inertia comes from rotation matrices as a Fourier series (I, B, G);
+the motion from Hamilton's equations in (q, p1, p2), p = dT/domega, with the kinetic energy 1/2 w' M(q) w of
+w = (omega1, omega2), so that the momenta need no acceleration:
 
-    p2 = (J2 + J) omega2 - k (B omega1 + G q')
-    p2' = -k (I' omega1^2 / 2 + B' omega1 q' + G' q'^2 / 2) - load
+    M11 = J1 + I + 2 k B + k^2 G    M12 = -k (B + k G)    M22 = J2 + k^2 G (+ J3 while the shaft is driven)
+    p1' = M1 + k dT/dq              p2' = -k dT/dq (- load while the shaft is driven)
 
-J and load being those of the output shaft while it is driven, else 0. All in extended precision.
+Of omega1 and its torque M1 one is given: with drive = speed omega1 is constant and p1 is not needed, with
+drive = torque M1 is, from one push to the next. All in extended precision.
 """
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
+from ..kernel.codes import DRIVE_SPEED
 from .collocation import Collocation, Extended
 from .fourier_inertia import REAL, Inertia
 from .trajectory import Case, Trajectory, Unavailable
@@ -26,14 +30,18 @@ STEP_ANGLE = 2.0
 _LOCATING = 80
 
 HELD, FREE, DRIVING, REST = range(4)
+# rows of the path: drive angle, angle of link 1, momenta
+Q, THETA1, P1, P2 = range(4)
 
 
 @dataclass
 class State:
-    """Where the motion is: time, drive angle, speeds and contact mode."""
+    """Where the motion is: time, angles of drive and link 1, speeds and contact mode."""
 
     time: Extended
     q: Extended
+    theta1: Extended
+    omega1: Extended
     omega2: Extended
     omega3: Extended
     mode: int
@@ -43,143 +51,161 @@ Guard = Callable[[Extended, Extended], Extended]
 
 
 class Canonical:
-    """The rigid module with both freewheels, at constant omega1 > 0 and load >= 0.
+    """The rigid module with both freewheels, at constant omega1 > 0 or by torque, and load >= 0.
+
+    Attributes:
+        torque: M1 where it is given, N.m; may be set by push. state: of the motion, at the start at rest.
+        switches: times at which the contact mode changed, s.
 
     Raises:
         Unavailable: another case.
     """
 
     def __init__(self, case: Case) -> None:
-        both = case.parameter("housing_freewheel") and case.parameter("output_freewheel")
+        p = case.parameter
+        both = p("housing_freewheel") and p("output_freewheel")
         if not (both and case.omega1 > 0.0 and case.load_torque >= 0.0):
-            raise Unavailable("canonical momenta: allowed are both freewheels, omega1 > 0 and load >= 0")
+            raise Unavailable("canonical momenta: both freewheels, omega1 > 0 and load >= 0 are needed")
+        if p("omega2_start") or p("omega_out_start"):
+            raise Unavailable("canonical momenta: a start at rest is needed")
         self.case = case
+        self.by_speed = p("drive") == DRIVE_SPEED
         self.inertia = Inertia(case)
         self.collocation = Collocation()
-        p = case.parameter
         ratio = ("sun_radius", "satellite_radius") if self.inertia.planar else ("z2", "z16")
         self.k = REAL(p(ratio[0])) / REAL(p(ratio[1]))
-        self.j2, self.j3 = REAL(p("link2_inertia")), REAL(p("output_inertia"))
-        self.omega1, self.load = REAL(case.omega1), REAL(case.load_torque)
+        inertias = ("input_inertia", "link2_inertia", "output_inertia")
+        self.j1, self.j2, self.j3 = (REAL(p(name)) for name in inertias)
+        self.load, self.torque = REAL(case.load_torque), REAL(0)
         self.switches: list[Extended] = []
+        zero = REAL(0)
+        self.state = State(zero, REAL(p("drive_angle_start")), zero, REAL(case.omega1), zero, zero, REST)
+        self._let_go()
 
     # --- one mode ---
 
-    def _shaft(self, mode: int) -> tuple[Extended, Extended]:
-        """(inertia of link 2 and what it drives, torque against it)."""
-        return (self.j2 + self.j3, self.load) if mode == DRIVING else (self.j2, REAL(0))
+    def _matrix(self, ibg: Extended, own1: Extended, own2: Extended) -> tuple[Extended, Extended, Extended]:
+        """(M11, M12, M22) of I, B, G, or of their slopes without own inertias."""
+        i, b, g = ibg
+        k = self.k
+        return own1 + i + 2 * k * b + k * k * g, -k * (b + k * g), own2 + k * k * g
 
-    def _momentum(self, mode: int, q: Extended, omega2: Extended) -> Extended:
-        (_, b, g), _ = self.inertia(np.atleast_1d(q))
-        carried, _ = self._shaft(mode)
-        return carried * omega2 - self.k * (b * self.omega1 + g * self.k * (self.omega1 - omega2))
+    def _masses(self, mode: int, ibg: Extended) -> tuple[Extended, Extended, Extended]:
+        return self._matrix(ibg, self.j1, self.j2 + (self.j3 if mode == DRIVING else 0))
 
-    def _speed(self, mode: int, q: Extended, momentum: Extended) -> Extended:
-        (_, b, g), _ = self.inertia(q)
-        return self._speed_of(mode, b, g, momentum)
+    def _speeds(self, mode: int, ibg: Extended, y: Extended) -> tuple[Extended, Extended]:
+        """(omega1, omega2) from the momenta."""
+        m11, m12, m22 = self._masses(mode, ibg)
+        if mode in (HELD, REST):
+            omega1 = np.full_like(y[Q], self.state.omega1) if self.by_speed else y[P1] / m11
+            return omega1, np.zeros_like(y[Q])
+        if self.by_speed:
+            return np.full_like(y[Q], self.state.omega1), (y[P2] - m12 * self.state.omega1) / m22
+        determinant = m11 * m22 - m12 * m12
+        return (m22 * y[P1] - m12 * y[P2]) / determinant, (m11 * y[P2] - m12 * y[P1]) / determinant
 
-    def _speed_of(self, mode: int, b: Extended, g: Extended, momentum: Extended) -> Extended:
-        carried, _ = self._shaft(mode)
-        return (momentum + self.k * self.omega1 * (b + self.k * g)) / (carried + self.k**2 * g)
-
-    def _push(self, mode: int, slopes: Extended, omega2: Extended) -> Extended:
-        """dT/dtheta2 less the load, the rate of p2, from slopes (I', B', G')."""
-        i1, b1, g1 = slopes
-        rate = self.k * (self.omega1 - omega2)
-        torque = 0.5 * i1 * self.omega1**2 + b1 * self.omega1 * rate + 0.5 * g1 * rate**2
-        return -self.k * torque - self._shaft(mode)[1]
+    def _forces(
+        self, mode: int, slopes: Extended, omega1: Extended, omega2: Extended
+    ) -> tuple[Extended, Extended]:
+        """Rates of p1 and p2, without what the freewheel of the housing adds; slopes: (I', B', G')."""
+        d11, d12, d22 = self._matrix(slopes, REAL(0), REAL(0))
+        push = self.k * (d11 * omega1**2 / 2 + d12 * omega1 * omega2 + d22 * omega2**2 / 2)
+        return self.torque + push, -push - (self.load if mode in (DRIVING, REST) else 0)
 
     def _rates(self, mode: int) -> Callable[[Extended], Extended]:
         def rates(y: Extended) -> Extended:
-            (_, b, g), slopes = self.inertia(y[0])
-            omega2 = self._speed_of(mode, b, g, y[1])
-            return np.array([self.k * (self.omega1 - omega2), self._push(mode, slopes, omega2)])
+            ibg, slopes = self.inertia(y[Q])
+            omega1, omega2 = self._speeds(mode, ibg, y)
+            force1, force2 = self._forces(mode, slopes, omega1, omega2)
+            return np.array([self.k * (omega1 - omega2), omega1, force1, force2])
 
         return rates
 
-    def _held_push(self, q: Extended) -> Extended:
-        """What pushes link 2 forwards while it rests: -Th, from p2' = push + Th with p2(q) known."""
-        _, slopes = self.inertia(q)
-        _, b1, g1 = slopes
-        rate = self.k * self.omega1
-        return self._push(HELD, slopes, np.zeros_like(q)) + self.k * self.omega1 * (b1 + self.k * g1) * rate
-
-    def _output_torque(self, q: Extended, momentum: Extended) -> Extended:
-        """Tc while driving: load + J3 omega2', omega2' from the rates of p2 and of the inertia."""
-        (_, b, g), slopes = self.inertia(q)
-        _, b1, g1 = slopes
-        omega2 = self._speed_of(DRIVING, b, g, momentum)
-        rate = self.k * (self.omega1 - omega2)
-        carried, _ = self._shaft(DRIVING)
-        change = self.k * rate * (self.omega1 * (b1 + self.k * g1) - self.k * g1 * omega2)
-        alpha = (self._push(DRIVING, slopes, omega2) + change) / (carried + self.k**2 * g)
-        return self.load + self.j3 * alpha
+    def _contact(self, mode: int, y: Extended) -> Extended:
+        """Torque in the freewheel that the mode keeps closed: Tc while driving, else Th."""
+        ibg, slopes = self.inertia(y[Q])
+        omega1, omega2 = self._speeds(mode, ibg, y)
+        m11, m12, m22 = self._masses(mode, ibg)
+        d11, d12, d22 = self._matrix(slopes, REAL(0), REAL(0))
+        force1, force2 = self._forces(mode, slopes, omega1, omega2)
+        # M alpha = force - M' q' omega
+        rate = self.k * (omega1 - omega2)
+        force1 = force1 - rate * (d11 * omega1 + d12 * omega2)
+        force2 = force2 - rate * (d12 * omega1 + d22 * omega2)
+        if mode == DRIVING:
+            determinant = m11 * m22 - m12 * m12
+            alpha2 = force2 / m22 if self.by_speed else (m11 * force2 - m12 * force1) / determinant
+            return self.load + self.j3 * alpha2
+        return (0 if self.by_speed else m12 * force1 / m11) - force2
 
     # --- from event to event ---
 
-    def _guards(self, state: State) -> list[tuple[Guard, int]]:
-        """Functions of (time passed, [q, p2]) that end the mode by falling through zero; what follows."""
-        if state.mode == FREE:
+    def _guards(self) -> list[tuple[Guard, int]]:
+        """Functions of (time passed, path) that end the mode by falling through zero; what follows."""
+        mode, omega3 = self.state.mode, self.state.omega3
 
-            def slip(t: Extended, y: Extended) -> Extended:
-                return state.omega3 - self.load / self.j3 * t - self._speed(FREE, y[0], y[1])
+        def contact(_: Extended, y: Extended) -> Extended:
+            return self._contact(mode, y)
 
-            return [(lambda _, y: self._speed(FREE, y[0], y[1]), HELD), (slip, DRIVING)]
-        if state.mode == DRIVING:
-            return [
-                (lambda _, y: self._output_torque(y[0], y[1]), FREE),
-                (lambda _, y: self._speed(DRIVING, y[0], y[1]), REST),
-            ]
-        if state.mode == HELD:
-            return [
-                (lambda _, y: -self._held_push(y[0]), FREE),
-                (lambda t, _: state.omega3 - self.load / self.j3 * t, REST),
-            ]
-        return [(lambda _, y: self.load - self._held_push(y[0]), DRIVING)]
+        def omega2(_: Extended, y: Extended) -> Extended:
+            return self._speeds(mode, self.inertia(y[Q])[0], y)[1]
 
-    def _flow(self, state: State, h: Extended) -> tuple[Extended, Extended, Extended]:
-        """([q, p2] after h, [q, p2] at the points looked at, their times): the mode's own motion."""
+        def coasting(t: Extended, _: Extended) -> Extended:
+            return omega3 - self.load / self.j3 * t
+
+        def slip(t: Extended, y: Extended) -> Extended:
+            return coasting(t, y) - omega2(t, y)
+
+        ends: dict[int, list[tuple[Guard, int]]] = {
+            HELD: [(contact, FREE), (coasting, REST)],
+            FREE: [(omega2, HELD), (slip, DRIVING)],
+            DRIVING: [(contact, FREE), (omega2, REST)],
+            REST: [(contact, DRIVING)],
+        }
+        return ends[mode]
+
+    def _start(self) -> Extended:
+        """Path at the beginning of a step, shape (4, 1)."""
+        x = self.state
+        ibg, _ = self.inertia(np.array([x.q]))
+        m11, m12, m22 = self._masses(x.mode, ibg)
+        p1, p2 = m11 * x.omega1 + m12 * x.omega2, m12 * x.omega1 + m22 * x.omega2
+        return np.array([[x.q], [x.theta1], p1, p2])
+
+    def _flow(self, h: Extended) -> tuple[Extended, Extended]:
+        """(path at the points looked at, their times): the mode's own motion; the last one after h."""
+        end, stages = self.collocation.step(self._rates(self.state.mode), self._start()[:, 0], h)
         times = np.append(h * self.collocation.nodes, h)
-        start = np.array([state.q, self._momentum(state.mode, state.q, state.omega2)[0]])
-        if state.mode in (HELD, REST):
-            angles = state.q + self.k * self.omega1 * times
-            path = np.array([angles, np.zeros_like(angles)])
-            return path[:, -1], path, times
-        end, stages = self.collocation.step(self._rates(state.mode), start, h)
-        return end, np.concatenate([stages, end[:, None]], axis=1), times
+        return np.concatenate([stages, end[:, None]], axis=1), times
 
-    def _first_event(self, state: State, h: Extended) -> tuple[Extended, int] | None:
+    def _first_event(self, h: Extended) -> tuple[Extended, int] | None:
         """Time passed and next mode of the first guard that falls through zero within h, or None."""
-        _, path, times = self._flow(state, h)
+        path, times = self._flow(h)
         found = None
-        for guard, follows in self._guards(state):
-            values = np.append(guard(np.zeros(1, REAL), self._start(state)), guard(times, path))
+        for guard, follows in self._guards():
+            values = np.append(guard(np.zeros(1, REAL), self._start()), guard(times, path))
             # armed once it is positive: the guard that began the mode starts at zero
             falls = np.flatnonzero((values[:-1] > 0) & (values[1:] <= 0))
             if falls.size:
                 bracket = np.append(REAL(0), times)[falls[0] : falls[0] + 2]
-                time = self._locate(state, guard, bracket[0], bracket[1])
+                time = self._locate(guard, bracket[0], bracket[1])
                 if found is None or time < found[0]:
                     found = time, follows
         return found
 
-    def _start(self, state: State) -> Extended:
-        return np.array([[state.q], self._momentum(state.mode, state.q, state.omega2)])
-
-    def _locate(self, state: State, guard: Guard, low: Extended, high: Extended) -> Extended:
+    def _locate(self, guard: Guard, low: Extended, high: Extended) -> Extended:
         """Root of a guard between two times by the Illinois method, a whole step of its own to each try."""
 
         def value(t: Extended) -> Extended:
-            end, _, _ = self._flow(state, t)
-            return guard(np.array([t]), end[:, None])[0]
+            path = self._start() if t == 0 else self._flow(t)[0][:, -1:]
+            return guard(np.array([t]), path)[0]
 
-        above = value(low) if low > 0 else guard(np.zeros(1, REAL), self._start(state))[0]
-        below, side, last, middle = value(high), 0, low, high
+        above, below, side, last, middle = value(low), value(high), 0, low, high
         for _ in range(_LOCATING):
             middle = (low * below - high * above) / (below - above)
             if not low < middle < high:
                 middle = (low + high) / 2
-            if abs(middle - last) <= 4 * np.finfo(REAL).eps * (state.time + high):
+            if abs(middle - last) <= 4 * np.finfo(REAL).eps * (self.state.time + high):
                 break
             last, found = middle, value(middle)
             if found > 0:
@@ -192,63 +218,63 @@ class Canonical:
                 side = -1
         return middle
 
-    def _moved(self, state: State, h: Extended, follows: int | None) -> State:
-        """The state after h; at an event with the equality that it stands for, exactly."""
-        end, _, _ = self._flow(state, h)
-        mode = state.mode
-        omega2 = REAL(0) if mode in (HELD, REST) else self._speed(mode, end[:1], end[1:])[0]
-        if mode == DRIVING:
-            omega3 = omega2
-        else:
-            omega3 = REAL(0) if mode == REST else state.omega3 - self.load / self.j3 * h
-        if follows is not None:
-            mode = follows
-            if mode == HELD:
-                omega2 = REAL(0)
-            elif mode == REST:
-                omega2 = omega3 = REAL(0)
-            elif mode == DRIVING:
-                omega2 = omega3
-        return State(state.time + h, end[0], omega2, omega3, mode)
+    def _move(self, h: Extended) -> None:
+        """Go on by h within the mode."""
+        x = self.state
+        end = self._flow(h)[0][:, -1:]
+        omega1, omega2 = self._speeds(x.mode, self.inertia(end[Q])[0], end)
+        omega3 = omega2[0] if x.mode == DRIVING else REAL(0)
+        if x.mode in (HELD, FREE):
+            omega3 = x.omega3 - self.load / self.j3 * h
+        self.state = State(x.time + h, end[Q, 0], end[THETA1, 0], omega1[0], omega2[0], omega3, x.mode)
 
-    def _to(self, state: State, time: Extended) -> State:
-        while state.time < time:
-            longest = STEP_ANGLE / (self.inertia.highest * self.k * (self.omega1 + abs(state.omega2)))
-            h = min(REAL(longest), time - state.time)
-            event = self._first_event(state, h)
+    def _switch(self, mode: int) -> None:
+        """Enter a mode with the equality that it stands for, exactly."""
+        x = self.state
+        omega2 = REAL(0) if mode in (HELD, REST) else x.omega2
+        omega3 = omega2 if mode in (DRIVING, REST) else x.omega3
+        self.state = dataclasses.replace(x, omega2=omega2, omega3=omega3, mode=mode)
+
+    def _let_go(self) -> None:
+        """Open the freewheel that would have to pull."""
+        follows = {HELD: FREE, DRIVING: FREE, REST: DRIVING}.get(self.state.mode)
+        if follows is not None and self._contact(self.state.mode, self._start())[0] < 0:
+            self._switch(follows)
+
+    def push(self, torque: float) -> None:
+        """Give link 1 another torque, N.m, from now on."""
+        self.torque = REAL(torque)
+        self._let_go()
+
+    def advance(self, time: Extended, angle: float = STEP_ANGLE) -> None:
+        """Go on to a time, s.
+
+        Args:
+            time: s. angle: that the highest harmonic may turn in a step, rad.
+        """
+        while self.state.time < time:
+            x = self.state
+            speed = max(abs(x.omega1) + abs(x.omega2), REAL(1))
+            h = min(REAL(angle) / (self.inertia.highest * self.k * speed), time - x.time)
+            event = self._first_event(h)
             if event is None:
-                whole = h == time - state.time
-                state = self._moved(state, h, None)
+                whole = h == time - x.time
+                self._move(h)
                 if whole:
-                    state.time = time
+                    self.state.time = time
             else:
-                state = self._moved(state, *event)
-                self.switches.append(state.time)
-        return state
+                self._move(event[0])
+                self._switch(event[1])
+                self.switches.append(self.state.time)
 
     def run(self) -> Trajectory:
-        """The case from a start at rest, to rounding.
-
-        Raises:
-            Unavailable: a start that is not at rest.
-        """
-        if self.case.parameter("omega2_start") or self.case.parameter("omega_out_start"):
-            raise Unavailable("canonical momenta: allowed is a start at rest")
-        q = REAL(self.case.parameter("drive_angle_start"))
-        pushed = self._held_push(np.array([q]))[0] > self.load
-        state = State(REAL(0), q, REAL(0), REAL(0), DRIVING if pushed else REST)
+        """The case at constant omega1, to rounding."""
         rows = []
         for time in self.case.times.astype(REAL):
-            state = self._to(state, time)
-            rows.append((state.q, state.omega2, state.omega3))
+            self.advance(time)
+            rows.append((self.state.q, self.state.omega2, self.state.omega3))
         q_, omega2, omega3 = np.array(rows, dtype=float).T
+        switches = np.array(self.switches, dtype=float)
         return Trajectory(
-            self.case.times,
-            q_,
-            omega2,
-            omega3,
-            np.array(self.switches, dtype=float),
-            self.collocation.evaluations,
-            None,
-            math.nan,
+            self.case.times, q_, omega2, omega3, switches, self.collocation.evaluations, None, math.nan
         )

@@ -9,7 +9,7 @@ import numpy as np
 from ..kernel.codes import DRIVING, FREE, RIGID
 from ..kernel.layout import imbalance_in_fixed_frame
 from ..kernel.links import accelerations
-from ..module import Module
+from ..memory.instances import Module
 from ..scene.mechanism import at_fidelity
 from .reference import Reference
 from .trajectory import Array, Case, Trajectory
@@ -66,49 +66,17 @@ def acceleration(case: Case, trajectory: Trajectory, modes: Array) -> Array:
 
 def _worst(values: Array, exact: Array) -> float:
     """Largest difference relative to the largest exact value, NaN where there is nothing to compare."""
-    scale = float(np.abs(exact).max())
+    scale = float(np.abs(exact).max(initial=0.0))
     return float(np.abs(values - exact).max()) / scale if scale > 0.0 else math.nan
 
 
-def _mean_error(case: Case, trajectory: Trajectory, reference: Reference) -> float:
-    exact = impulse(case, reference.trajectory)[-1]
-    return abs(float(impulse(case, trajectory)[-1] / exact - 1.0)) if exact else math.nan
-
-
-def _impulse_error(case: Case, trajectory: Trajectory, reference: Reference) -> float:
-    exact = impulse(case, reference.trajectory)
-    found = pulses(exact)
-    if not found or np.isnan(trajectory.drive_angle).any():
-        return math.nan
-    edges = np.array(found)
-    values = impulse(case, trajectory)
-    return _worst(values[edges[:, 1]] - values[edges[:, 0]], exact[edges[:, 1]] - exact[edges[:, 0]])
-
-
-def _acceleration_error(trajectory: Trajectory, reference: Reference) -> float:
-    if np.isnan(trajectory.drive_angle).any():
-        return math.nan
-    ours, exact = (
-        acceleration(reference.case, found, reference.modes) for found in (trajectory, reference.trajectory)
-    )
-    return _worst(ours, exact)
-
-
-def _event_error(trajectory: Trajectory, reference: Reference) -> float:
-    ours, exact = trajectory.switches, reference.trajectory.switches
-    if ours is None or exact is None or ours.size != exact.size or not exact.size:
-        return math.nan
-    return float(np.abs(ours - exact).max())
-
-
-def _energy_error(trajectory: Trajectory, reference: Reference) -> float:
-    if trajectory.energy_residual is None or not reference.trajectory.energy_in:
-        return math.nan
-    return abs(trajectory.energy_residual / reference.trajectory.energy_in)
+def _relative(value: float, exact: float | None) -> float:
+    """Difference of a value from the exact one, relative to it; NaN where that is zero or not known."""
+    return abs(value / exact - 1.0) if exact else math.nan
 
 
 def errors(trajectory: Trajectory, reference: Reference) -> dict[str, float]:
-    """Errors of a trajectory by the names of MEASURES; NaN where it has nothing to tell.
+    """Errors of a trajectory by the names of MEASURES; NaN where nothing is known.
 
     Raises:
         ValueError: it has other sampling times than the reference.
@@ -116,16 +84,23 @@ def errors(trajectory: Trajectory, reference: Reference) -> dict[str, float]:
     case, exact = reference.case, reference.trajectory
     if trajectory.omega_out.shape != exact.omega_out.shape:
         raise ValueError(
-            f"{trajectory.omega_out.size} samples are refused: allowed are those of the reference,"
-            f" {exact.omega_out.size}"
+            f"a trajectory must have the samples of the reference, {exact.omega_out.size},"
+            f" has {trajectory.omega_out.size}"
         )
-    final = exact.omega_out[-1]
-    return {
-        "omega_out_final": abs(float(trajectory.omega_out[-1] / final - 1.0)) if final else math.nan,
-        "omega_out_worst": _worst(trajectory.omega_out, exact.omega_out),
-        "torque_mean": _mean_error(case, trajectory, reference),
-        "impulse": _impulse_error(case, trajectory, reference),
-        "acceleration": _acceleration_error(trajectory, reference),
-        "event_time": _event_error(trajectory, reference),
-        "energy": _energy_error(trajectory, reference),
-    }
+    ours, theirs = impulse(case, trajectory), impulse(case, exact)
+    found = dict.fromkeys(MEASURES, math.nan)
+    found["omega_out_final"] = _relative(trajectory.omega_out[-1], exact.omega_out[-1])
+    found["omega_out_worst"] = _worst(trajectory.omega_out, exact.omega_out)
+    found["torque_mean"] = _relative(ours[-1], theirs[-1])
+    if not np.isnan(trajectory.drive_angle).any():
+        edges = np.array(pulses(theirs), dtype=int).reshape(-1, 2)
+        found["impulse"] = _worst(*(values[edges[:, 1]] - values[edges[:, 0]] for values in (ours, theirs)))
+        found["acceleration"] = _worst(
+            *(acceleration(case, one, reference.modes) for one in (trajectory, exact))
+        )
+    switches, expected = trajectory.switches, exact.switches
+    if switches is not None and expected is not None and switches.size == expected.size > 0:
+        found["event_time"] = np.abs(switches - expected).max()
+    if trajectory.energy_residual is not None and exact.energy_in:
+        found["energy"] = abs(trajectory.energy_residual / exact.energy_in)
+    return {name: float(value) for name, value in found.items()}

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ..kernel.codes import AVERAGED, ELASTIC, EVENT, RIGID
-from ..module import Module
+from ..memory.instances import Module
 from ..scene.mechanism import at_fidelity
 from .timing import kernel_time
 from .trajectory import Array, Case, Trajectory

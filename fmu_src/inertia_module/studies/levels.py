@@ -1,86 +1,102 @@
-"""The levels of fidelity on a terminal: a line each, with its errors in the wanted outputs and its cost."""
+"""Levels of fidelity: what each models, and the settings at which it is measured."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 
-from .choice import cheapest, why_not
-from .trajectory import Row
+from ..contract.variables import ENUMERATIONS
+from ..kernel.codes import AVERAGED, ELASTIC, EVENT, KINEMATIC, RIGID, TIMESTEPPING
 
-# the largest error of a level shown where none is asked for
-USUAL_ERROR = 0.01
-# columns that any table fits in
-_WIDE = 10_000
+FIDELITIES = {number: name for name, number, _ in ENUMERATIONS["Fidelity"]}
+METHODS = {number: name for name, number, _ in ENUMERATIONS["Method"]}
+
+_SPEEDS = ("omega2", "omega_out", "omega_hub")
+_PULSES = (
+    *("omega2", "input_torque", "mesh_torque", "output_torque", "housing_torque"),
+    *("contact_mode", "contact_switches", "torque_ripple", "torque_peak"),
+)
+_VECTORS = ("imbalance_", "imbalance_velocity_", "imbalance_acceleration_")
+_PHASE = (
+    *("imbalance_acceleration", "drive_angle", "drive_turns"),
+    *(f"{vector}{axis}" for vector in _VECTORS for axis in "xyz"),
+)
+_NO_SHAFT = {"shaft_twist": "has no elastic shaft"}
+
+# outputs that a fidelity does not model, and why; everything else it has
+NOT_MODELLED: Mapping[int, Mapping[str, str]] = {
+    KINEMATIC: dict.fromkeys(_SPEEDS, "prescribes the motion instead of solving it"),
+    AVERAGED: _NO_SHAFT
+    | dict.fromkeys(_PULSES, "has no pulses, only their mean")
+    | dict.fromkeys(_PHASE, "has no drive angle, so it does not know where the imbalance is"),
+    RIGID: _NO_SHAFT,
+    ELASTIC: {},
+}
 
 
-def at_levels(rows: Sequence[Row], error: float, wanted: Sequence[str]) -> list[Row]:
-    """A row for each fidelity and method: its cheapest that meets the error, else its most accurate.
+@dataclass(frozen=True)
+class Level:
+    """A level of fidelity, at one setting.
 
-    The cheapest is found as in choice.recommend, so the recommended row is one of these.
+    Attributes:
+        fidelity, method: numbers as in the table of variables. setting: as it is printed.
+        parameters: that make the setting, such as tolerance.
     """
-    levels: dict[tuple[str, str], list[Row]] = {}
-    for row in rows:
-        levels.setdefault((row.rung, row.method), []).append(row)
-    return [
-        cheapest([row for row in level if not why_not(row, error, wanted)])
-        or min(level, key=lambda row: row.worst(wanted))
-        for level in levels.values()
-    ]
+
+    fidelity: int
+    method: int
+    setting: str = ""
+    parameters: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def fidelity_name(self) -> str:
+        """Such as rigid."""
+        return FIDELITIES[self.fidelity]
+
+    @property
+    def method_name(self) -> str:
+        """Such as event; "" where there is no choice of one."""
+        return METHODS[self.method] if self.fidelity in (RIGID, ELASTIC) else ""
+
+    @property
+    def name(self) -> str:
+        """Fidelity and method, such as "rigid, event"."""
+        return ", ".join(filter(None, (self.fidelity_name, self.method_name)))
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Parameters of the module for this level."""
+        return {"fidelity": float(self.fidelity), "method": float(self.method), **self.parameters}
 
 
-def _worst(row: Row, wanted: Sequence[str]) -> str:
-    """The wanted output with the largest error, or one that the row knows nothing of."""
-    unknown = [name for name in wanted if math.isnan(row.errors.get(name, math.nan))]
-    return unknown[0] if unknown else max(wanted, key=lambda name: row.errors[name])
+def event(fidelity: int, tolerance: float) -> Level:
+    """From event to event, at a tolerance."""
+    return Level(fidelity, EVENT, f"tolerance {tolerance:.0e}", {"tolerance": tolerance})
 
 
-def _number(value: float, form: str) -> str:
-    return "-" if math.isnan(value) else format(value, form)
+def timestepping(fidelity: int, step: float) -> Level:
+    """In fixed steps, s."""
+    return Level(fidelity, TIMESTEPPING, f"step {1e3 * step:g} ms", {"max_step": step})
 
 
-def _table(rows: Sequence[Row], wanted: Sequence[str], largest: bool) -> Any:
-    """A column for each wanted output, or one for the largest error and one for where it is."""
-    from rich import box
-    from rich.table import Table
-
-    table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
-    for heading in ("level of fidelity", "setting"):
-        table.add_column(heading, no_wrap=True)
-    for heading in ("error",) if largest else wanted:
-        table.add_column(heading.replace("_", " "), justify="right")
-    table.add_column("ms per s", justify="right")
-    if largest:
-        table.add_column("largest error in", no_wrap=True)
-    for row in rows:
-        level = row.method if row.rung == "peer" else ", ".join(filter(None, (row.rung, row.method)))
-        worst = [_worst(row, wanted)] if largest else []
-        errors = [_number(row.errors.get(name, math.nan), ".1e") for name in worst or wanted]
-        table.add_row(level, row.setting, *errors, _number(1e3 * row.wall_time, ".3g"), *worst)
-    return table
+TOLERANCES = tuple(10.0**-n for n in range(3, 12))
+STEPS = (1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4)
+_FEW_TOLERANCES = (1e-3, 1e-5, 1e-7, 1e-9)
+_FEW_STEPS = (1e-2, 1e-3, 1e-4)
 
 
-def print_levels(title: str, rows: Sequence[Row], wanted: Sequence[str], error: float | None = None) -> None:
-    """Print a line for each level of fidelity: its errors in the wanted outputs, and its cost.
-
-    Where the terminal is too narrow for all of these outputs, the one with the largest error is named.
+def all_levels(elastic: bool, kinematic: bool = True, few: bool = False) -> Iterator[Level]:
+    """The levels to measure, from coarse to fine.
 
     Args:
-        title: of the table. rows: measured, in one communication step. wanted: names in Row.errors.
-        error: largest allowed; by default USUAL_ERROR.
+        elastic: whether there are parameters of an elastic output. kinematic: whether to include it.
+        few: fewer tolerances and steps, for long scenes.
     """
-    from ..terminal import terminal
-
-    console = terminal()
-    allowed = USUAL_ERROR if error is None else error
-    levels = at_levels(rows, allowed, wanted)
-    console.print(title, style="bold")
-    console.print(
-        f"Each level at its cheapest setting with errors up to {allowed:g}, else at its most accurate;"
-        f" communication step {rows[0].communication_step:g} s; ms of the kernel per simulated second"
-    )
-    table = _table(levels, wanted, largest=False)
-    if console.measure(table, options=console.options.update(width=_WIDE)).minimum > console.width:
-        table = _table(levels, wanted, largest=True)
-    console.print(table)
+    if kinematic:
+        yield Level(KINEMATIC, EVENT, "prescribed ratio")
+    yield Level(AVERAGED, EVENT, "map")
+    for fidelity in (RIGID, ELASTIC) if elastic else (RIGID,):
+        for step in _FEW_STEPS if few else STEPS:
+            yield timestepping(fidelity, step)
+        for tolerance in _FEW_TOLERANCES if few else TOLERANCES:
+            yield event(fidelity, tolerance)

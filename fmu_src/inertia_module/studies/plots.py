@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from .trajectory import Array, Row
+from .rows import PEER, Row
+from .trajectory import Array
 
 # colours that the colour-blind tell apart: Okabe and Ito (2008), Color Universal Design
 _COLOURS = ("#D55E00", "#0072B2", "#009E73", "#E69F00", "#56B4E9", "#CC79A7", "#222222", "#8A8A8A")
@@ -23,14 +23,14 @@ Curve = list[Row]
 
 
 def curves(rows: Sequence[Row]) -> dict[str, Curve]:
-    """Rows that succeeded, by rung, method and communication step."""
-    steps = {row.communication_step for row in rows if row.rung != "peer"}
+    """Rows that succeeded, by level and communication step."""
+    steps = {row.communication_step for row in rows if row.fidelity != PEER}
     found: dict[str, Curve] = {}
     for row in rows:
         if row.failure:
             continue
-        name = " ".join(word for word in (row.rung if row.rung != "peer" else "", row.method) if word)
-        if row.rung != "peer" and len(steps) > 1:
+        name = row.method if row.fidelity == PEER else row.level
+        if row.fidelity != PEER and len(steps) > 1:
             name += f", steps of {row.communication_step:g} s"
         found.setdefault(name, []).append(row)
     return found
@@ -43,16 +43,13 @@ def slope(costs: Array, errors: Array) -> float:
     return float(np.polyfit(np.log(costs), np.log(errors), 1)[0])
 
 
-def _cost(row: Row, cost: str) -> float:
-    return 1e3 * row.wall_time if cost == "wall_time" else row.evaluations
-
-
 _COSTS = {"wall_time": "ms per simulated second", "evaluations": "right-hand sides"}
 
 
 def _points(curve: Curve, error: str, cost: str) -> Array:
     """(cost, error) of the runs of a curve that have both, shape (n, 2)."""
-    pairs = [(_cost(row, cost), row.errors.get(error, math.nan)) for row in curve]
+    scale = 1e3 if cost == "wall_time" else 1.0
+    pairs = [(scale * getattr(row, cost), row.errors.get(error, math.nan)) for row in curve]
     points = np.array(pairs, dtype=float)
     kept: Array = points[(points > 0.0).all(axis=1) & np.isfinite(points).all(axis=1)]
     return kept
@@ -67,7 +64,7 @@ def _panel(axes: Axes, rows: Sequence[Row], error: str, cost: str) -> None:
         axes.loglog(
             points[:, 0],
             points[:, 1],
-            linestyle="--" if curve[0].rung == "peer" else "-",
+            linestyle="--" if curve[0].fidelity == PEER else "-",
             color=_COLOURS[number % len(_COLOURS)],
             marker=_MARKERS[number % len(_MARKERS)],
             markersize=4,
@@ -79,24 +76,21 @@ def _panel(axes: Axes, rows: Sequence[Row], error: str, cost: str) -> None:
     axes.grid(alpha=0.3, which="both", linewidth=0.4)
 
 
-def _legend(figure: Figure, panels: Sequence[Axes], slopes: dict[str, str]) -> None:
-    """One legend of all panels below them, with what is to be told of a curve behind its name."""
-    labels: dict[str, Any] = {}
-    for axes in panels:
-        handles, texts = axes.get_legend_handles_labels()
-        labels |= dict(zip(texts, handles, strict=True))
-    texts = [name + slopes.get(name, "") for name in labels]
-    if labels:
+def _legend(figure: Figure, panels: Sequence[Axes], slopes: Mapping[str, str]) -> None:
+    """One legend of all panels below them, with the slopes of a curve behind its name."""
+    handles = {line.get_label(): line for axes in panels for line in axes.get_lines()}
+    texts = [f"{name}{slopes.get(str(name), '')}" for name in handles]
+    if handles:
         figure.legend(
-            list(labels.values()), texts, loc="outside lower center", ncols=3, fontsize=7, frameon=False
+            list(handles.values()), texts, loc="outside lower center", ncols=3, fontsize=7, frameon=False
         )
 
 
 def _slopes(curve: Curve, error: str) -> str:
-    """Fitted slopes against both costs, in words; "" where there are too few points."""
+    """Fitted slopes against both costs; "" where there are too few points."""
     points = [_points(curve, error, cost) for cost in _COSTS]
-    fitted = [slope(found[:, 0], found[:, 1]) if found.size else math.nan for found in points]
-    return "" if any(math.isnan(value) for value in fitted) else f" (slopes {fitted[0]:.1f}, {fitted[1]:.1f})"
+    fitted = [slope(*found.T) for found in points]
+    return "" if any(map(math.isnan, fitted)) else f" (slopes {fitted[0]:.1f}, {fitted[1]:.1f})"
 
 
 def work_precision(rows: Sequence[Row], error: str, title: str) -> Figure:

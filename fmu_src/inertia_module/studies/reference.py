@@ -26,13 +26,11 @@ class Reference:
 
     Attributes:
         case: what was run. trajectory: at its sampling times. modes: contact modes there, (points + 1,).
-        fidelity: elastic where the case gives an elastic output, else rigid.
     """
 
     case: Case
     trajectory: Trajectory
     modes: Array
-    fidelity: int
 
 
 @dataclass(frozen=True)
@@ -50,17 +48,15 @@ class Agreement:
 
 
 def converged(case: Case) -> Reference:
-    """The reference: the kernel from event to event at tolerance 1e-13.
+    """The reference: the kernel from event to event at tolerance 1e-13; elastic where the case is.
 
     Raises:
         Refused: the module refuses the case.
     """
     fidelity = ELASTIC if is_elastic(case.parameters) else RIGID
-    run = KernelRun(
-        case, {"fidelity": fidelity, "tolerance": TOLERANCE}, case.stop_time / min(case.points, _STEPS)
-    )
-    trajectory, modes = run.trajectory(timed=False)
-    return Reference(case, trajectory, modes, fidelity)
+    settings = {"fidelity": fidelity, "tolerance": TOLERANCE}
+    run = KernelRun(case, settings, case.stop_time / min(case.points, _STEPS))
+    return Reference(case, *run.trajectory(timed=False))
 
 
 def agreement(case: Case) -> Agreement:
@@ -76,5 +72,5 @@ def agreement(case: Case) -> Agreement:
     assert second.switches is not None
     counts = first.switches.size, second.switches.size
     events = float(np.abs(first.switches - second.switches).max()) if counts[0] == counts[1] else np.nan
-    scale = float(np.abs(second.omega_out).max())
-    return Agreement(float(np.abs(first.omega_out - second.omega_out).max()) / scale, events, counts)
+    largest = float(np.abs(second.omega_out).max())
+    return Agreement(float(np.abs(first.omega_out - second.omega_out).max()) / largest, events, counts)

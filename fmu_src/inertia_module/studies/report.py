@@ -1,96 +1,81 @@
-"""Measured rows as a table on the screen, as CSV and for machines."""
+"""The levels of fidelity on a terminal: a line each, with its errors in the wanted outputs and its cost."""
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
-from ..results import write_text
-from .trajectory import Row
+from .choice import cheapest, why_not
+from .rows import PEER, Row
+
+# the largest error of a level shown where none is asked for
+USUAL_ERROR = 0.01
+# columns that any table fits in
+_WIDE = 10_000
 
 
-def error_names(rows: Sequence[Row]) -> list[str]:
-    """Names of all errors in the rows."""
-    return list(dict.fromkeys(name for row in rows for name in row.errors))
+def at_levels(rows: Sequence[Row], error: float, wanted: Sequence[str]) -> list[Row]:
+    """A row for each fidelity and method: its cheapest that meets the error, else its most accurate.
 
-
-def as_dict(row: Row) -> dict[str, Any]:
-    """A row for machines: what is not known is None."""
-
-    def known(value: float | None) -> float | None:
-        return None if value is None or not math.isfinite(value) else value
-
-    return {
-        "rung": row.rung,
-        "method": row.method,
-        "setting": row.setting,
-        "communication_step": row.communication_step,
-        "errors": {name: known(value) for name, value in row.errors.items()},
-        "wall_time_per_second": known(row.wall_time),
-        "loop_time_per_second": known(row.loop_time),
-        "rhs_evaluations": known(row.evaluations),
-        "contact_switches": known(row.switches),
-        "failure": row.failure,
-    }
-
-
-def write_rows(path: Path, rows: Sequence[Row]) -> Path:
-    """Write all rows as CSV, failures too; whole or not at all."""
-    names = error_names(rows)
-    stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator="\n")
-    heads = ("rung", "method", "setting", "communication_step [s]")
-    costs = ("wall_time_per_second [s]", "loop_time_per_second [s]", "rhs_evaluations", "contact_switches")
-    writer.writerow([*heads, *(f"error {name}" for name in names), *costs, "failure"])
+    The cheapest is found as in choice.recommend, so the recommended row is one of these.
+    """
+    levels: dict[str, list[Row]] = {}
     for row in rows:
-        values = (row.wall_time, row.loop_time, row.evaluations, row.switches)
-        numbers = [row.errors.get(name, math.nan) for name in names]
-        writer.writerow(
-            [row.rung, row.method, row.setting, repr(row.communication_step)]
-            + ["" if value is None or math.isnan(value) else repr(value) for value in (*numbers, *values)]
-            + [row.failure]
-        )
-    return write_text(path, stream.getvalue())
-
-
-def cells(row: Row, names: Sequence[str]) -> list[str]:
-    """A row as text: what it is, its errors, its cost."""
-
-    def number(value: float | None, form: str) -> str:
-        return "-" if value is None or math.isnan(value) else format(value, form)
-
+        levels.setdefault(row.level, []).append(row)
     return [
-        row.label,
-        f"{row.communication_step:g}",
-        *(number(row.errors.get(name, math.nan), ".1e") for name in names),
-        number(1e3 * row.wall_time, ".3g"),
-        number(row.evaluations, ".0f"),
-        number(row.switches, ".0f"),
+        cheapest([row for row in level if not why_not(row, error, wanted)])
+        or min(level, key=lambda row: row.worst(wanted))
+        for level in levels.values()
     ]
 
 
-def headings(names: Sequence[str]) -> list[str]:
-    """Headings of cells."""
-    return ["run", "step, s", *names, "ms per s", "right-hand sides", "switches"]
+def _table(rows: Sequence[Row], wanted: Sequence[str], largest: bool) -> Any:
+    """A column for each wanted output, or one for the largest error and one for where it is."""
+    from rich import box
+    from rich.table import Table
 
+    def text(number: float, form: str) -> str:
+        return "-" if math.isnan(number) else format(number, form)
 
-def failure_lines(rows: Sequence[Row]) -> list[str]:
-    """One line for each kind of run that failed, with its reason."""
-    reasons: dict[str, list[str]] = {}
+    table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
+    for heading in ("level of fidelity", "setting"):
+        table.add_column(heading, no_wrap=True)
+    for heading in ("error",) if largest else wanted:
+        table.add_column(heading.replace("_", " "), justify="right")
+    table.add_column("ms per s", justify="right")
+    if largest:
+        table.add_column("largest error in", no_wrap=True)
     for row in rows:
-        if row.failure:
-            labels = reasons.setdefault(row.failure, [])
-            if row.label not in labels:
-                labels.append(row.label)
-    return [f"failed: {'; '.join(labels)}: {reason}" for reason, labels in reasons.items()]
+        known = {name: row.errors.get(name, math.nan) for name in wanted}
+        # an output that nothing is known of counts as the worst
+        worst = [max(known, key=lambda name: (math.isnan(known[name]), known[name]))] if largest else []
+        errors = [text(known[name], ".1e") for name in worst or wanted]
+        level = row.method if row.fidelity == PEER else row.level
+        table.add_row(level, row.setting, *errors, text(1e3 * row.wall_time, ".3g"), *worst)
+    return table
 
 
-def markdown_table(rows: Sequence[Row], names: Sequence[str]) -> list[str]:
-    """Lines of a table for a page."""
-    heads = headings(names)
-    lines = [f"| {' | '.join(heads)} |", f"|{'---|' * len(heads)}"]
-    return lines + [f"| {' | '.join(cells(row, names))} |" for row in rows]
+def print_levels(title: str, rows: Sequence[Row], wanted: Sequence[str], error: float | None = None) -> None:
+    """Print a line for each level of fidelity: its errors in the wanted outputs, and its cost.
+
+    Where the terminal is too narrow for all of these outputs, the one with the largest error is named.
+
+    Args:
+        title: of the table. rows: measured, in one communication step. wanted: names in Row.errors.
+        error: largest allowed; by default USUAL_ERROR.
+    """
+    from ..common.terminal import terminal
+
+    console = terminal()
+    allowed = USUAL_ERROR if error is None else error
+    levels = at_levels(rows, allowed, wanted)
+    console.print(title, style="bold")
+    console.print(
+        f"Each level at its cheapest setting with errors up to {allowed:g}, else at its most accurate;"
+        f" communication step {rows[0].communication_step:g} s; ms of the kernel per simulated second"
+    )
+    table = _table(levels, wanted, largest=False)
+    if console.measure(table, options=console.options.update(width=_WIDE)).minimum > console.width:
+        table = _table(levels, wanted, largest=True)
+    console.print(table)

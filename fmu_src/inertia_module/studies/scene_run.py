@@ -6,12 +6,12 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from ..drive import Progress, Result
+from ..contract.variables import LOCAL, OUTPUT, with_causality
+from ..harness.simulate import Progress, Result
 from ..loops import ClosedLoop
-from ..module import Module
+from ..memory.instances import Module
 from ..scene import Scene
 from ..scene.run import start_of
-from ..variables import LOCAL, OUTPUT, with_causality
 from .timing import kernel_time
 
 READABLE = tuple(variable.name for variable in with_causality(OUTPUT, LOCAL))

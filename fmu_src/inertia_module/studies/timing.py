@@ -7,7 +7,7 @@ import time
 from collections.abc import Sequence
 
 from ..kernel import codes
-from ..module import Module
+from ..memory.instances import Module
 
 # a call that the kernel refuses at once costs what every call costs around it
 _REFUSED_STEP = -1.0

@@ -8,19 +8,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..drive import Progress
-from ..results import write_figure
+from ..harness.results import write_figure
+from ..harness.simulate import Progress
 from ..scene import Scene
-from ..scene.mechanism import is_elastic, parameters
+from ..scene.mechanism import is_elastic
 from .choice import Choice
 from .errors import MEASURES
-from .open_loop import communication_steps, measure
+from .levels import all_levels
+from .open_loop import measure
 from .plots import all_errors, work_precision
 from .reference import Agreement, agreement, converged
-from .report import as_dict, failure_lines, write_rows
-from .rungs import ladder
-from .trajectory import Case, Peer, Row, Unavailable
-from .trials import measure_scene, trial_rows
+from .rows import Row, as_dict, failure_lines, write_rows
+from .trajectory import Case, Peer, Unavailable
+from .trials import has_elastic_output, measure_scene, trial_rows
 
 R1 = Case()
 # an output shaft for R1: hub, spring, damper and driven mass (DESIGN section 6)
@@ -49,6 +49,35 @@ class Study:
     plotted: str
     agreement: Agreement | None = None
 
+    def as_dict(self) -> dict[str, Any]:
+        """The same for machines."""
+        found: dict[str, Any] = {"title": self.title, "rows": [as_dict(row) for row in self.rows]}
+        agreed = {} if self.agreement is None else {"reference_agreement": dataclasses.asdict(self.agreement)}
+        return found | agreed
+
+    def write(self, folder: Path, stem: str = "tradeoff") -> dict[str, Path]:
+        """Leave all rows as CSV and plots as PNG and SVG in a folder. Returns the files by name."""
+        files = {"rows": write_rows(folder / f"{stem}.csv", self.rows)}
+        figures = {
+            stem: work_precision(self.rows, self.plotted, self.title),
+            f"{stem}_errors": all_errors(self.rows, self.names, self.title),
+        }
+        for name, figure in figures.items():
+            for kind in ("png", "svg"):
+                files[f"{name}_{kind}"] = write_figure(folder / f"{name}.{kind}", figure)
+        return files
+
+    def closing_lines(self, choice: Choice | None) -> list[str]:
+        """What failed, how far the reference can be trusted, and what is recommended."""
+        lines = failure_lines(self.rows)
+        if self.agreement is not None:
+            lines.append(
+                f"reference: two independent methods agree to {self.agreement.omega_out:.1e} in omega_out"
+                f" (relative) and to {self.agreement.events:.1e} s in the times of"
+                f" {self.agreement.switches[0]} switches"
+            )
+        return lines + ([] if choice is None else choice.lines())
+
 
 def open_study(case: Case, title: str, peers: Sequence[Peer] = (), progress: Progress | None = None) -> Study:
     """Measure an open-loop case: fidelity, method, tolerance or step, and communication step; and peers.
@@ -61,40 +90,38 @@ def open_study(case: Case, title: str, peers: Sequence[Peer] = (), progress: Pro
     """
     reference = converged(case)
     try:
-        agreed = agreement(case) if not is_elastic(case.parameters) else None
+        agreed = None if is_elastic(case.parameters) else agreement(case)
     except Unavailable:
         agreed = None
-    rows = measure(reference, None, peers, communication_steps(case), progress)
+    rows = measure(reference, peers=peers, progress=progress)
     return Study(title, rows, tuple(MEASURES), R1_WANTED, agreed)
 
 
-def _of_outputs(rows: Sequence[Row], wanted: Sequence[str]) -> list[Row]:
-    """Rows with the errors of the wanted outputs alone, and the worst of them."""
-    kept = []
+def _of_scene(scene: Scene, rows: Sequence[Row]) -> Study:
+    """A study of the errors of the wanted outputs alone, and the worst of them."""
+    wanted, kept = scene.run.outputs, []
     for row in rows:
         errors = {name: row.errors[name] for name in wanted if name in row.errors}
         kept.append(dataclasses.replace(row, errors={**errors, WORST: row.worst(wanted)} if errors else {}))
-    return kept
+    return Study(scene.title, kept, (*wanted, WORST), WORST)
 
 
 def scene_study(scene: Scene, progress: Progress | None = None) -> Study:
-    """Measure a scene on the whole ladder, in its own communication step and in longer ones.
+    """Measure a scene at all levels, in its own communication step and in longer ones.
 
     Raises:
         Refused: the module refuses the scene.
     """
-    own, duration = scene.run.communication_step, scene.run.stop_time
-    whole = (factor * own for factor in _LONGER)
-    steps = [step for step in whole if abs(duration / step - round(duration / step)) < 1e-6]
-    rungs = list(ladder(is_elastic(parameters(scene.mechanism)), kinematic=False))
-    rows = _of_outputs(measure_scene(scene, rungs, steps, progress), scene.run.outputs)
-    return Study(scene.title, rows, (*scene.run.outputs, WORST), WORST)
+    duration = scene.run.stop_time
+    longer = (factor * scene.run.communication_step for factor in _LONGER)
+    steps = [step for step in longer if abs(duration / step - round(duration / step)) < 1e-6]
+    levels = list(all_levels(has_elastic_output(scene), kinematic=False))
+    return _of_scene(scene, measure_scene(scene, levels, steps, progress))
 
 
 def scene_trials(scene: Scene, progress: Progress | None = None) -> Study:
     """The trials that `fidelity = "auto"` chooses from, measured or from the last time."""
-    rows = _of_outputs(trial_rows(scene, progress), scene.run.outputs)
-    return Study(scene.title, rows, (*scene.run.outputs, WORST), WORST)
+    return _of_scene(scene, trial_rows(scene, progress))
 
 
 def check_wanted(names: Sequence[str]) -> None:
@@ -105,37 +132,4 @@ def check_wanted(names: Sequence[str]) -> None:
     """
     for name in names:
         if name not in MEASURES:
-            raise ValueError(f"--wanted = {name!r} is refused: allowed are {', '.join(MEASURES)}")
-
-
-def write_study(study: Study, folder: Path, stem: str = "tradeoff") -> dict[str, Path]:
-    """Leave a study in a folder: all rows as CSV, plots as PNG and SVG. Returns the files by name."""
-    files = {"rows": write_rows(folder / f"{stem}.csv", study.rows)}
-    figures = {
-        stem: work_precision(study.rows, study.plotted, study.title),
-        f"{stem}_errors": all_errors(study.rows, study.names, study.title),
-    }
-    for name, figure in figures.items():
-        for kind in ("png", "svg"):
-            files[f"{name}_{kind}"] = write_figure(folder / f"{name}.{kind}", figure)
-    return files
-
-
-def study_as_dict(study: Study) -> dict[str, Any]:
-    """A study for machines."""
-    found: dict[str, Any] = {"title": study.title, "rows": [as_dict(row) for row in study.rows]}
-    if study.agreement is not None:
-        found["reference_agreement"] = dataclasses.asdict(study.agreement)
-    return found
-
-
-def closing_lines(study: Study, choice: Choice | None) -> list[str]:
-    """What failed, how far the reference can be trusted, and what is recommended, in words."""
-    lines = failure_lines(study.rows)
-    if study.agreement is not None:
-        lines.append(
-            f"reference: two independent methods agree to {study.agreement.omega_out:.1e} in omega_out"
-            f" (relative) and to {study.agreement.events:.1e} s in the times of"
-            f" {study.agreement.switches[0]} switches"
-        )
-    return lines + ([] if choice is None else choice.lines())
+            raise ValueError(f"--wanted must be one of {', '.join(MEASURES)}, is {name!r}")

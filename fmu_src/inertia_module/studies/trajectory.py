@@ -1,18 +1,17 @@
-"""What a case is, what any integrator gives for it, and a row of what was measured of one run."""
+"""What a case is, and what any integrator gives for it."""
 
 from __future__ import annotations
 
-import math
 import statistics
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..variables import BY_NAME
+from ..contract.variables import BY_NAME
 
 Array = NDArray[np.float64]
 
@@ -52,7 +51,7 @@ class Trajectory:
     """What an integrator gives at the sampling times of a case; arrays of shape (points + 1,).
 
     Attributes:
-        time: s. drive_angle: q, unwrapped, rad (NaN where the rung has no phase).
+        time: s. drive_angle: q, unwrapped, rad (NaN where there is no phase).
         omega2, omega_out: speeds of link 2 and of the output shaft, rad/s.
         switches: times of the switches of the freewheels, s, shape (n,), or None if they are not located.
         evaluations: of the right-hand side. energy_residual: of its own energy audit, J, or None.
@@ -92,45 +91,6 @@ class Peer:
     name: str
     settings: Mapping[str, Any]
     integrate: Callable[[Case, Any], Trajectory]
-
-
-@dataclass(frozen=True)
-class Row:
-    """What was measured of one run.
-
-    Attributes:
-        rung: fidelity, or "peer". method: of integration. setting: such as "tolerance 1e-06".
-        communication_step: s. errors: by name (see errors.py), NaN where there is none to tell.
-        wall_time: s per simulated second, of the integration alone. evaluations: of the right-hand side.
-        switches: counted, or None.
-        failure: why there is nothing measured, else "".
-        parameters: that make the rung, for the module. loop_time: s per simulated second of the module with
-            what is around it, NaN where there is nothing.
-    """
-
-    rung: str
-    method: str
-    setting: str
-    communication_step: float
-    errors: Mapping[str, float]
-    wall_time: float
-    evaluations: float
-    switches: float | None
-    failure: str = ""
-    parameters: Mapping[str, float] = field(default_factory=dict)
-    loop_time: float = math.nan
-
-    @property
-    def label(self) -> str:
-        """Rung, method and setting in words."""
-        return ", ".join(word for word in (self.rung, self.method, self.setting) if word)
-
-    def worst(self, wanted: Sequence[str]) -> float:
-        """Largest error of the wanted ones; infinite where one is not to be had."""
-        if self.failure:
-            return math.inf
-        errors = [self.errors.get(name, math.nan) for name in wanted]
-        return max((math.inf if math.isnan(error) else error for error in errors), default=math.inf)
 
 
 def median_time(run: Callable[[], Any], repeats: int = 11, patience: float = 0.5) -> float:

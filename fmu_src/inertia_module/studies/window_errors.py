@@ -11,9 +11,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ..drive import Result
-from ..results import TIME
-from .rungs import NOT_MODELLED
+from ..harness.results import TIME
+from ..harness.simulate import Result
+from .levels import NOT_MODELLED
 from .trajectory import Array
 
 _PULSING = frozenset(NOT_MODELLED[1])
@@ -40,14 +40,8 @@ def _features(record: Result, name: str, window: float) -> list[Array]:
     return [means, np.sqrt(window_means(values**2, rows))] if name in _PULSING else [means]
 
 
-def _relative(difference: float, scale: float) -> float:
-    if scale > 0.0:
-        return difference / scale
-    return 0.0 if difference == 0.0 else math.inf
-
-
 def window_errors(record: Result, exact: Result, window: float, fidelity: int) -> Mapping[str, float]:
-    """Error of each recorded output, NaN where the rung does not model it.
+    """Error of each recorded output, NaN where the fidelity does not model it.
 
     Each is the largest difference over the windows, relative to the largest magnitude of the output in
     the reference; energies relative to the largest energy in.
@@ -70,5 +64,7 @@ def window_errors(record: Result, exact: Result, window: float, fidelity: int) -
         pairs = list(zip(_features(record, name, window), _features(exact, name, window), strict=True))
         difference = max(float(np.abs(ours - theirs).max()) for ours, theirs in pairs)
         scale = float(np.abs(exact[name]).max())
-        errors[name] = _relative(difference, largest_energy if name in _ENERGIES else scale)
+        if name in _ENERGIES:
+            scale = largest_energy
+        errors[name] = 0.0 if difference == 0.0 else difference / scale if scale > 0.0 else math.inf
     return errors

@@ -124,11 +124,11 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     const char *reason = "", *version;
     void *library;
     if (!callbacks || !name || !*name || type != fmi2CoSimulation)
-        return refuse(callbacks, name, "instantiation takes a name that is not empty and fmi2CoSimulation%s", "");
+        return refuse(callbacks, name, "an instance must have a name and be of type fmi2CoSimulation%s", "");
     if (!resources)
         return refuse(callbacks, name, "the resource location must be the URI of a folder, is NULL%s", "");
     if (!(version = python_version()))
-        return refuse(callbacks, name, "this FMU needs Python 3.11 or later in its process, and there is none%s", "");
+        return refuse(callbacks, name, "Python must be 3.11 or later in the process of this FMU, there is none%s", "");
     if (strtol(version, NULL, 10) != 3 || strtol(version + 2, NULL, 10) < OLDEST_PYTHON)
         return refuse(callbacks, name, "Python must be 3.11 or later, is %s", version);
     if (!(library = load_library(&reason)))
@@ -173,8 +173,8 @@ fmi2Status fmi2SetDebugLogging(fmi2Component component, fmi2Boolean on, size_t c
         while (found < CATEGORIES && (!categories || !categories[n] || strcmp(categories[n], category_names[found])))
             found++;
         if (found == CATEGORIES) {
-            refuse(&front->host, "", "log category %.64s is refused: allowed are logStatusWarning, logStatusDiscard,"
-                   " logStatusError and logAll", categories && categories[n] ? categories[n] : "(none)");
+            refuse(&front->host, "", "a log category must be logStatusWarning, logStatusDiscard, logStatusError or"
+                   " logAll, is %.64s", categories && categories[n] ? categories[n] : "NULL");
             return fmi2Error;
         }
         chosen[found] = 1;

@@ -15,11 +15,11 @@ static fmi2Status check_references(struct instance *c, const fmi2ValueReference 
         const struct variable *variable =
             references[n] < model.variable_count ? &model.variables[references[n]] : NULL;
         if (!variable || (inputs ? variable->array != INPUTS : !variable->output))
-            return report(c, fmi2Error, "value reference %u is refused: allowed are those of %s",
-                          (unsigned)references[n], inputs ? "inputs" : "outputs");
+            return report(c, fmi2Error, "a value reference must be that of an %s, is %u", inputs ? "input" : "output",
+                          (unsigned)references[n]);
         if (order && order[n] != 1)
-            return report(c, fmi2Error, "derivative of order %d of %s is refused: allowed is order 1", (int)order[n],
-                          variable->name);
+            return report(c, fmi2Error, "the order of a derivative of %s must be 1, is %d", variable->name,
+                          (int)order[n]);
     }
     return fmi2OK;
 }
@@ -33,7 +33,7 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component component, const fmi2ValueR
     if (phase_of(c) == REFUSED || phase_of(c) == TERMINATED)
         return out_of_order(c, "setRealInputDerivatives", "before terminate");
     if (count > 0 && (!references || !order || !values))
-        return report(c, fmi2Error, "setRealInputDerivatives is refused: allowed are arrays that are there");
+        return without_array(c, "setRealInputDerivatives");
     const fmi2Status status = check_references(c, references, count, order, 1);
     for (size_t n = 0; status == fmi2OK && n < count; n++) {
         const struct variable *input = &model.variables[references[n]];
@@ -58,7 +58,7 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component component, const fmi2Value
     if (phase_of(c) != STEPPING && phase_of(c) != TERMINATED)
         return out_of_order(c, "getRealOutputDerivatives", "after exitInitializationMode");
     if (count > 0 && (!references || !order || !values))
-        return report(c, fmi2Error, "getRealOutputDerivatives is refused: allowed are arrays that are there");
+        return without_array(c, "getRealOutputDerivatives");
     const fmi2Status status = check_references(c, references, count, order, 0);
     if (status != fmi2OK || count == 0)
         return status;
@@ -81,7 +81,7 @@ static int64_t try_change(struct instance *c, const fmi2ValueReference knowns[],
     try_from(c, stepped ? c->x_before : c->x, stepped ? c->u_before : c->u);
     for (size_t n = 0; n < count; n++)
         c->u_trial[model.variables[knowns[n]].slot] += scale * direction[n];
-    return KERNEL(stepped ? OPERATION_STEP_SMOOTHLY : OPERATION_START, c->p, c->d, c->u_trial, c->x_trial, y, c->w,
+    return KERNEL(stepped ? OPERATION_STEP_PRECISELY : OPERATION_START, c->p, c->d, c->u_trial, c->x_trial, y, c->w,
                   c->head[LAST_STEP]);
 }
 
@@ -108,19 +108,19 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component component, const fmi2Value
     if (!c)
         return fmi2Error;
     if ((unknown_count > 0 && (!unknowns || !derivative)) || (known_count > 0 && (!knowns || !direction)))
-        return report(c, fmi2Error, "getDirectionalDerivative is refused: allowed are arrays that are there");
+        return without_array(c, "getDirectionalDerivative");
     if (check_references(c, unknowns, unknown_count, NULL, 0) != fmi2OK ||
         check_references(c, knowns, known_count, NULL, 1) != fmi2OK)
         return fmi2Error;
     for (size_t n = 0; n < known_count; n++)
         if (!isfinite(direction[n]))
-            return report(c, fmi2Error, "direction %s is refused: allowed are finite numbers", SHOWN(direction[n]));
+            return report(c, fmi2Error, "a direction must be finite, is %s", SHOWN(direction[n]));
     if (phase_of(c) == INITIALIZING) {
         const fmi2Status status = prepare(c, fmi2Discard);
         if (status != fmi2OK)
             return status;
     } else if (phase_of(c) != STEPPING && phase_of(c) != TERMINATED) {
-        return out_of_order(c, "getDirectionalDerivative", "from initialization mode on");
+        return out_of_order(c, "getDirectionalDerivative", "after enterInitializationMode");
     }
     const double length = length_of(c, knowns, known_count, direction);
     for (size_t n = 0; n < unknown_count; n++)
@@ -135,7 +135,7 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component component, const fmi2Value
     if (answer == STATUS_OK && try_change(c, knowns, known_count, direction, backward, c->y_other) != STATUS_OK)
         answer = try_change(c, knowns, known_count, direction, backward = 0.0, c->y_other);
     if (answer == STATUS_OK && forward == backward)
-        return report(c, fmi2Discard, "getDirectionalDerivative is refused: both ways the inputs leave what is allowed");
+        return report(c, fmi2Discard, "inputs must be able to change one way, both ways they leave what is allowed");
     if (answer != STATUS_OK)
         return explain(c, fmi2Discard, answer, c->u_trial, c->head[LAST_STEP]);
     for (size_t n = 0; n < unknown_count; n++) {

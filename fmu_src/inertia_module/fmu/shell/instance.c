@@ -6,7 +6,7 @@
 #include <string.h>
 
 const char *const phase_names[PHASES] = {
-    "instantiated", "in initialization mode", "initialized", "refused at the end of initialization", "terminated"};
+    "instantiated", "in initialization mode", "initialized", "in error since initialization", "terminated"};
 
 size_t block_size(void)
 {
@@ -85,12 +85,11 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     if (!callbacks)
         return NULL;
     if (!name || !*name)
-        return refuse(callbacks, name, "instantiation is refused: allowed is an instance name that is not empty");
+        return refuse(callbacks, name, "the instance name must not be empty, is empty");
     if (type != fmi2CoSimulation)
-        return refuse(callbacks, name, "instantiation is refused: allowed is fmi2CoSimulation");
+        return refuse(callbacks, name, "the type of the instance must be fmi2CoSimulation, is another");
     if (!guid || strcmp(guid, model.guid) != 0)
-        return refuse(callbacks, name,
-                      "instantiation is refused: the GUID is of another build; allowed is that of modelDescription.xml");
+        return refuse(callbacks, name, "the GUID must be that of modelDescription.xml, is of another build");
     const size_t trials = model.w_size + model.x_size + model.u_size + 2 * model.y_size;
     const size_t doubles = (block_size() + trials) * sizeof(double);
     const size_t letters = strlen(name) + 1;
@@ -99,7 +98,7 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     if (!c || !memory) {
         release(callbacks, memory);
         release(callbacks, c);
-        return refuse(callbacks, name, "instantiation is refused: there is not enough memory");
+        return refuse(callbacks, name, "there is not enough memory for an instance");
     }
     memset(c, 0, sizeof *c);
     memset(memory, 0, doubles);
@@ -132,13 +131,12 @@ fmi2Status fmi2SetupExperiment(fmi2Component component, fmi2Boolean tolerance_de
     if (phase_of(c) != INSTANTIATED)
         return out_of_order(c, "setupExperiment", "before enterInitializationMode");
     if (!isfinite(start_time))
-        return report(c, fmi2Error, "start time = %s s is refused: allowed is a finite time",
-                      SHOWN(start_time));
+        return report(c, fmi2Error, "start time must be a finite number of seconds, is %s", SHOWN(start_time));
     if (stop_time_defined && !(stop_time >= start_time))
-        return report(c, fmi2Error, "stop time = %s s is refused: allowed is from the start time %s s on",
-                      SHOWN(stop_time), SHOWN(start_time));
+        return report(c, fmi2Error, "stop time must be at least the start time %s s, is %s", SHOWN(start_time),
+                      SHOWN(stop_time));
     if (tolerance_defined && !(tolerance > 0.0 && isfinite(tolerance)))
-        return report(c, fmi2Error, "tolerance = %s is refused: allowed is a positive number", SHOWN(tolerance));
+        return report(c, fmi2Error, "tolerance must be a positive number, is %s", SHOWN(tolerance));
     c->head[TOLERANCE] = tolerance_defined ? tolerance : NAN;
     c->head[TIME] = start_time;
     return fmi2OK;
@@ -150,7 +148,7 @@ fmi2Status fmi2EnterInitializationMode(fmi2Component component)
     if (!c)
         return fmi2Error;
     if (phase_of(c) != INSTANTIATED)
-        return out_of_order(c, "enterInitializationMode", "once, after instantiation or reset");
+        return out_of_order(c, "enterInitializationMode", "right after instantiation or reset");
     if (model.tolerance_slot >= 0 && !isnan(c->head[TOLERANCE]))
         c->p[model.tolerance_slot] = c->head[TOLERANCE];
     c->head[PHASE] = INITIALIZING;
@@ -173,8 +171,8 @@ fmi2Status prepare(struct instance *c, fmi2Status refused)
         const struct variable *variable = &model.variables[n];
         if (variable->array != PARAMETERS || is_allowed(variable, c->p[variable->slot]))
             continue;
-        status = report(c, refused, "%s = %s is refused: allowed is %s", variable->name,
-                        SHOWN(c->p[variable->slot]), variable->allowed);
+        status = report(c, refused, "%s must be %s, is %s", variable->name, variable->allowed,
+                        SHOWN(c->p[variable->slot]));
     }
     if (status != fmi2OK)
         return status;

@@ -53,8 +53,9 @@ fmi2Status report(struct instance *c, fmi2Status status, const char *format, ...
 #endif
     ;
 
-/* Report the refusal of a call that does not belong to the phase: fmi2Error. */
+/* Report a call that does not belong to the phase, and one without its arrays: fmi2Error. */
 fmi2Status out_of_order(struct instance *c, const char *call, const char *allowed);
+fmi2Status without_array(struct instance *c, const char *call);
 
 /* Report what the model says of a status of its kernel, with the values in u. */
 fmi2Status explain(struct instance *c, fmi2Status status, int64_t answer, const double *u, double step);

@@ -18,15 +18,14 @@ fmi2Status fmi2SetDebugLogging(fmi2Component component, fmi2Boolean on, size_t c
     if (!c)
         return fmi2Error;
     if (count > 0 && !categories)
-        return report(c, fmi2Error, "setDebugLogging is refused: allowed are names of categories");
+        return without_array(c, "setDebugLogging");
     for (size_t n = 0; n < count; n++) {
         int found = 0;
         while (found < CATEGORIES && (!categories[n] || strcmp(categories[n], category_names[found]) != 0))
             found++;
         if (found == CATEGORIES)
-            return report(c, fmi2Error, "log category %.64s is refused: allowed are logStatusWarning,"
-                          " logStatusDiscard, logStatusError, logSteps and logAll",
-                          categories[n] ? categories[n] : "(none)");
+            return report(c, fmi2Error, "a log category must be logStatusWarning, logStatusDiscard, logStatusError,"
+                          " logSteps or logAll, is %.64s", categories[n] ? categories[n] : "NULL");
         chosen[found] = 1;
     }
     for (int n = 0; n < CATEGORIES; n++)
@@ -66,8 +65,12 @@ fmi2Status report(struct instance *c, fmi2Status status, const char *format, ...
 
 fmi2Status out_of_order(struct instance *c, const char *call, const char *allowed)
 {
-    return report(c, fmi2Error, "%s is refused: the instance is %s, allowed is %s", call,
-                  phase_names[phase_of(c)], allowed);
+    return report(c, fmi2Error, "%s must come %s, the instance is %s", call, allowed, phase_names[phase_of(c)]);
+}
+
+fmi2Status without_array(struct instance *c, const char *call)
+{
+    return report(c, fmi2Error, "the arrays of %s must be given, one is NULL", call);
 }
 
 const char *show(char *text, double value)

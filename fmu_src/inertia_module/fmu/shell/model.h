@@ -26,7 +26,7 @@ struct variable {
     double minimum;
     double maximum;
     double nominal;      /* of inputs: what a small change is measured by */
-    const char *allowed; /* in words, of parameters */
+    const char *allowed; /* of parameters: what follows "must be" */
 };
 
 /* A sentence in pieces: each a text and then a number, or none. */

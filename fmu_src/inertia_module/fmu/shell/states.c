@@ -25,14 +25,14 @@ static int is_saved(const struct instance *c, const void *state)
 
 static fmi2Status refuse(struct instance *c, const char *call)
 {
-    return report(c, fmi2Error, "%s is refused: allowed is a state of this instance that has not been freed", call);
+    return report(c, fmi2Error, "the state of %s must be one that this instance has saved and not freed", call);
 }
 
 static struct saved *add_state(struct instance *c)
 {
     struct saved *saved = allocate(&c->callbacks, sizeof *saved + block_size() * sizeof(double));
     if (!saved) {
-        report(c, fmi2Error, "saving a state is refused: there is not enough memory");
+        report(c, fmi2Error, "there is not enough memory for a state");
         return NULL;
     }
     saved->previous = NULL;
@@ -68,7 +68,7 @@ fmi2Status fmi2GetFMUstate(fmi2Component component, fmi2FMUstate *state)
     if (!state)
         return refuse(c, "getFMUstate");
     if (*state && !is_saved(c, *state))
-        return refuse(c, "getFMUstate into this state");
+        return refuse(c, "getFMUstate");
     struct saved *saved = *state ? *state : add_state(c);
     if (!saved)
         return fmi2Error;
@@ -182,8 +182,8 @@ fmi2Status fmi2SerializeFMUstate(fmi2Component component, fmi2FMUstate state, fm
     if (!bytes || !is_saved(c, state))
         return refuse(c, "serializeFMUstate");
     if (size < sizeof(struct wrapper) + length)
-        return report(c, fmi2Error, "serializeFMUstate into %lu bytes is refused: allowed is at least %lu",
-                      (unsigned long)size, (unsigned long)(sizeof(struct wrapper) + length));
+        return report(c, fmi2Error, "the bytes of serializeFMUstate must be at least %lu, are %lu",
+                      (unsigned long)(sizeof(struct wrapper) + length), (unsigned long)size);
     const double *block = ((struct saved *)state)->block;
     const struct wrapper wrapper = wrapper_of(block, length);
     memcpy(bytes, &wrapper, sizeof wrapper);
@@ -200,14 +200,13 @@ fmi2Status fmi2DeSerializeFMUstate(fmi2Component component, const fmi2Byte bytes
     if (!bytes || !state)
         return refuse(c, "deSerializeFMUstate");
     if (size != sizeof(struct wrapper) + length)
-        return report(c, fmi2Error, "a state of %lu bytes is refused: allowed is one saved by this build (%lu bytes)",
-                      (unsigned long)size, (unsigned long)(sizeof(struct wrapper) + length));
+        return report(c, fmi2Error, "the state must be one saved by this build, of %lu bytes, is of %lu bytes",
+                      (unsigned long)(sizeof(struct wrapper) + length), (unsigned long)size);
     const struct wrapper wrapper = wrapper_of(bytes + sizeof wrapper, length);
     if (memcmp(&wrapper, bytes, sizeof wrapper) != 0 || !is_sound(bytes + sizeof wrapper))
-        return report(c, fmi2Error, "the state is refused: it is damaged or of another build; allowed is one saved"
-                      " by this build");
+        return report(c, fmi2Error, "the state must be one saved by this build, is damaged or of another build");
     if (*state && !is_saved(c, *state))
-        return refuse(c, "deSerializeFMUstate into this state");
+        return refuse(c, "deSerializeFMUstate");
     struct saved *saved = *state ? *state : add_state(c);
     if (!saved)
         return fmi2Error;

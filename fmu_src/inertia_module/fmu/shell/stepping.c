@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-/* a communication point this far from the time reached, over the step and over the time, is worth a word */
+/* a communication point this far from the time reached, over the step and over the time, is worth a warning */
 #define NEAR_STEP 1e-3
 #define NEAR_TIME 1e-12
 
@@ -14,9 +14,8 @@ static void check_time(struct instance *c, double time, double step)
     if (c->warned || fabs(time - c->head[TIME]) <= NEAR_STEP * step + NEAR_TIME * fabs(time))
         return;
     c->warned = 1;
-    report(c, fmi2Warning, "communication point = %s s is not the time %s s that was reached: allowed is to go"
-           " on from there, or from a state saved; the motion goes on from the state it is in",
-           SHOWN(time), SHOWN(c->head[TIME]));
+    report(c, fmi2Warning, "communication point must be the time reached, %s s, or that of a saved state, is %s s;"
+           " the motion goes on from the state it is in", SHOWN(c->head[TIME]), SHOWN(time));
 }
 
 fmi2Status fmi2DoStep(fmi2Component component, fmi2Real time, fmi2Real step, fmi2Boolean no_state_prior)
@@ -28,7 +27,7 @@ fmi2Status fmi2DoStep(fmi2Component component, fmi2Real time, fmi2Real step, fmi
     if (phase_of(c) != STEPPING)
         return out_of_order(c, "doStep", "after exitInitializationMode");
     if (!isfinite(time))
-        return report(c, fmi2Discard, "communication point = %s s is refused: allowed is a finite time", SHOWN(time));
+        return report(c, fmi2Discard, "communication point must be a finite number of seconds, is %s", SHOWN(time));
     memcpy(c->x_trial, c->x, model.x_size * sizeof(double));
     const int64_t answer = KERNEL(OPERATION_STEP_ONLY, c->p, c->d, c->u, c->x, c->y, c->w, step);
     if (answer != STATUS_OK)
@@ -52,12 +51,12 @@ fmi2Status fmi2DoStep(fmi2Component component, fmi2Real time, fmi2Real step, fmi
 fmi2Status fmi2CancelStep(fmi2Component component)
 {
     struct instance *c = component;
-    return c ? report(c, fmi2Error, "cancelStep is refused: no step is ever pending") : fmi2Error;
+    return c ? report(c, fmi2Error, "cancelStep needs a pending step, there never is one") : fmi2Error;
 }
 
 static fmi2Status not_pending(struct instance *c, const char *call)
 {
-    return c ? report(c, fmi2Discard, "%s is refused: no step is ever pending", call) : fmi2Error;
+    return c ? report(c, fmi2Discard, "%s needs a pending step, there never is one", call) : fmi2Error;
 }
 
 fmi2Status fmi2GetStatus(fmi2Component component, const fmi2StatusKind kind, fmi2Status *value)
@@ -87,7 +86,7 @@ fmi2Status fmi2GetRealStatus(fmi2Component component, const fmi2StatusKind kind,
     if (!c)
         return fmi2Error;
     if (kind != fmi2LastSuccessfulTime || !value)
-        return report(c, fmi2Discard, "getRealStatus is refused: allowed is fmi2LastSuccessfulTime");
+        return report(c, fmi2Discard, "the kind of getRealStatus must be fmi2LastSuccessfulTime");
     *value = c->head[TIME];
     return fmi2OK;
 }
@@ -98,7 +97,7 @@ fmi2Status fmi2GetBooleanStatus(fmi2Component component, const fmi2StatusKind ki
     if (!c)
         return fmi2Error;
     if (kind != fmi2Terminated || !value)
-        return report(c, fmi2Discard, "getBooleanStatus is refused: allowed is fmi2Terminated");
+        return report(c, fmi2Discard, "the kind of getBooleanStatus must be fmi2Terminated");
     *value = fmi2False; /* a refused step ends no simulation */
     return fmi2OK;
 }

@@ -13,7 +13,7 @@ fmi2Status fmi2SetString(fmi2Component component, const fmi2ValueReference refer
     (void)values;
     if (!c)
         return fmi2Error;
-    return count == 0 ? fmi2OK : report(c, fmi2Error, "setting a String is refused: there is none");
+    return count == 0 ? fmi2OK : report(c, fmi2Error, "a String cannot be set: there is none");
 }
 
 fmi2Status fmi2GetString(fmi2Component component, const fmi2ValueReference references[], size_t count,
@@ -24,7 +24,7 @@ fmi2Status fmi2GetString(fmi2Component component, const fmi2ValueReference refer
     (void)values;
     if (!c)
         return fmi2Error;
-    return count == 0 ? fmi2OK : report(c, fmi2Error, "reading a String is refused: there is none");
+    return count == 0 ? fmi2OK : report(c, fmi2Error, "a String cannot be read: there is none");
 }
 
 /* The variable of a reference, or NULL with a report. */
@@ -32,9 +32,8 @@ static const struct variable *find(struct instance *c, fmi2ValueReference refere
 {
     if (reference < model.variable_count && model.variables[reference].kind == kind)
         return &model.variables[reference];
-    report(c, fmi2Error,
-           "value reference %u is refused: it is no %s, allowed are those of modelDescription.xml",
-           (unsigned)reference, kind_names[kind]);
+    report(c, fmi2Error, "a value reference must be that of a variable of type %s in modelDescription.xml, is %u",
+           kind_names[kind], (unsigned)reference);
     return NULL;
 }
 
@@ -44,7 +43,7 @@ static fmi2Status check_read(struct instance *c, const fmi2ValueReference refere
 {
     int calculated = 0, late = 0;
     if (count > 0 && (!references || !values))
-        return report(c, fmi2Error, "reading %s is refused: allowed are arrays that are there", kind_names[kind]);
+        return without_array(c, "a call that reads values");
     for (size_t n = 0; n < count; n++) {
         const struct variable *variable = find(c, references[n], kind);
         if (!variable)
@@ -57,7 +56,7 @@ static fmi2Status check_read(struct instance *c, const fmi2ValueReference refere
         if (status != fmi2OK)
             return status;
     } else if (calculated && phase_of(c) == INSTANTIATED) {
-        return out_of_order(c, "reading a calculated variable", "from initialization mode on");
+        return out_of_order(c, "reading a calculated variable", "after enterInitializationMode");
     }
     if (late)
         complete(c);
@@ -120,17 +119,17 @@ static fmi2Status check_write(struct instance *c, const fmi2ValueReference refer
 {
     const enum phase phase = phase_of(c);
     if (count > 0 && (!references || !values))
-        return report(c, fmi2Error, "setting %s is refused: allowed are arrays that are there", kind_names[kind]);
+        return without_array(c, "a call that sets values");
     for (size_t n = 0; n < count; n++) {
         const struct variable *variable = find(c, references[n], kind);
         if (!variable)
             return fmi2Error;
         if (variable->array == OUTPUTS)
-            return report(c, fmi2Error, "setting %s is refused: it is calculated, allowed are inputs and parameters",
+            return report(c, fmi2Error, "a variable that is set must be an input or a parameter, %s is calculated",
                           variable->name);
         if (variable->array == PARAMETERS && phase != INSTANTIATED && phase != INITIALIZING)
-            return report(c, fmi2Error, "setting %s is refused: parameters are fixed, allowed is before the end"
-                          " of initialization", variable->name);
+            return report(c, fmi2Error, "setting %s must come before the end of initialization, the instance is %s",
+                          variable->name, phase_names[phase]);
         if (phase == REFUSED || phase == TERMINATED)
             return out_of_order(c, "setting an input", "before terminate");
     }

@@ -10,7 +10,7 @@ from .radau import STAGES
 LANDINGS = 60
 
 
-def put_polynomials(d, x, w):
+def fit_polynomials(d, x, w):
     """Polynomials of the speeds and of the torque that the guards need, for the step in hand."""
     h = w.step
     mode = x.mode
@@ -18,12 +18,12 @@ def put_polynomials(d, x, w):
         fit_integral(w.rate2, x.omega2, h, w.polynomial_2)
     elif d.by_torque != 0.0:
         for n in range(STAGES):
-            w.right_side[n] = w.stage_clutch[n] - w.stage_release[n]
+            w.right_side[n] = w.stage_output_torque[n] - w.stage_release[n]
         fit(w.right_side, w.polynomial_2)
     if mode == FREE or mode == HELD:
         fit_integral(w.rate3, x.omega3, h, w.polynomial_3)
     if mode == DRIVING or mode == HELD_DRIVING:
-        fit(w.stage_clutch, w.polynomial_torque)
+        fit(w.stage_output_torque, w.polynomial_torque)
 
 
 def collocated_guard(d, x, w, which, sigma):
@@ -75,7 +75,7 @@ def land(d, x, w, which, zero, sigma):
     for _ in range(LANDINGS):
         if not solve_stages(d, x, w, t):
             return False
-        put_polynomials(d, x, w)
+        fit_polynomials(d, x, w)
         value, rate = collocated_guard(d, x, w, which, 1.0)
         if -4.0 * zero <= value < -zero:
             return True
@@ -92,5 +92,5 @@ def land(d, x, w, which, zero, sigma):
         t = move
     if crossed and t != high:
         solve_stages(d, x, w, high)
-        put_polynomials(d, x, w)
+        fit_polynomials(d, x, w)
     return crossed

@@ -1,8 +1,7 @@
 """Fidelity `elastic`: both links, hub, shaft and driven mass from event to event by Radau collocation.
 
 The method is L-stable: oscillations of the shaft that are too fast to matter are damped out within a
-step, all others are followed. An oscillation of rate Omega holds about (pulse rate / Omega)^2 of the
-energy of a pulse, so one is followed up to Omega = pulse rate / sqrt(tolerance).
+step, all others are followed (:mod:`.followed`).
 """
 
 import math
@@ -10,13 +9,14 @@ import math
 from ..accumulate import add, wrap_drive_angle, wrap_input_angle
 from ..codes import COLLOCATED, DRIVING, FREE, HELD, HELD_DRIVING, LINK2, NONE, OUTPUT
 from ..contact import TORQUE_ROUNDING, is_held
-from ..links import accelerations, angular_momentum, inertia_at_output, torque_scale
+from ..links import accelerations, angular_momentum, inertia_at_output, response, torque_scale
 from ..search import find_crossing, first_crossing, stays_positive
 from ..shaft import relative_rate, shaft_torque
 from ..works import add_held_works, add_moving_works, add_shaft_works, add_work_in, inertia_integral
-from .collocated_guards import collocated_guard, land, put_polynomials
+from .collocated_guards import collocated_guard, fit_polynomials, land
 from .collocation import change, embedded_error
 from .elastic_stages import guess_rates, solve_stages
+from .followed import hub_compliance, is_followed, shaft_frequency, widest_rate
 from .radau import GAMMA, STAGES
 from .shaft_stages import damp_error
 
@@ -44,12 +44,6 @@ def embedded_tolerance(tolerance):
     return 0.1 * tolerance**0.6
 
 
-def response(d, inertia):
-    """How much of its own speed the mechanism can impart to what has this inertia, 0 to 1."""
-    own = d.alpha_slope
-    return own / (own + inertia) if own > 0.0 else 1.0
-
-
 def fastest_speed(x):
     """Largest of all speeds at the beginning of the step, rad/s."""
     shaft = max(abs(x.omega3), abs(x.omega3 - x.relative))
@@ -62,46 +56,6 @@ def fastest_at_end(w):
     omega3 = w.stage_omega3[last]
     shaft = max(abs(omega3), abs(omega3 - w.stage_relative[last]))
     return max(max(abs(w.stage_omega1[last]), abs(w.stage_omega2[last])), shaft)
-
-
-def hub_compliance(d, x, inertia2):
-    """1/J of what the shaft torque accelerates: the hub, link 2 with it, or nothing."""
-    if x.mode == HELD_DRIVING:
-        return 0.0
-    return 1.0 / (d.J3 + inertia2) if x.mode == DRIVING else 1.0 / d.J3
-
-
-def shaft_frequency(d, compliance):
-    """Angular frequency of the shaft between hub and driven mass, without damping, rad/s."""
-    return math.sqrt(d.stiffness * (compliance + 1.0 / d.J4))
-
-
-def slowest_rate(d, compliance):
-    """Modulus of the slowest eigenvalue of the shaft, rad/s: a damped one may be slow though stiff."""
-    mobility = compliance + 1.0 / d.J4
-    half = 0.5 * d.damping * mobility
-    square = d.stiffness * mobility
-    if half * half <= square:
-        return math.sqrt(square)
-    return square / (half + math.sqrt(half * half - square))
-
-
-def is_followed(d, compliance, pulse_rate):
-    """Whether the shaft's own motion is resolved, not damped out."""
-    return slowest_rate(d, compliance) ** 2 <= d.followed * pulse_rate * pulse_rate
-
-
-def is_stiff(d, x, omega1):
-    """Whether the shaft is too stiff for its own motion to be followed, omega1 jumping to this value."""
-    compliance = 1.0 / (d.J3 + inertia_at_output(d, x.q))
-    shaft = max(abs(x.omega3), abs(x.omega3 - x.relative))
-    speeds = max(max(abs(x.omega1), abs(omega1)), shaft)
-    return not is_followed(d, compliance, widest_rate(d, x, speeds, compliance))
-
-
-def widest_rate(d, x, fastest, compliance):
-    """Rate of the pulses if their slip were the fastest speed around, rad/s."""
-    return d.harmonic * d.k * max(fastest, abs(x.twist) * shaft_frequency(d, compliance))
 
 
 def step_error(d, x, w, rates, compliance, followed, fastest):
@@ -210,7 +164,7 @@ def zero_of(d, x, w, which, fastest):
     mode = x.mode
     if (mode == FREE) or (mode == DRIVING and which == LINK2) or (mode == HELD and which == OUTPUT):
         taken = max(abs(x.omega2), abs(x.omega3))
-        share = response(d, d.J2 + (d.J3 if mode == DRIVING else 0.0)) if d.alpha_slope > 0.0 else 0.0
+        share = response(d, d.J2 + (d.J3 if mode == DRIVING else 0.0)) if d.F_by_alpha1 > 0.0 else 0.0
         return VELOCITY_ROUNDING * max(taken, fastest * share)
     torque = shaft_torque(d, x)
     scale = torque_scale(d, x.omega1, w.alpha1, 2.0 * d.k * fastest, 0.0)
@@ -232,7 +186,7 @@ def is_clear(d, x, w, which, followed):
 
 def first_event(d, x, w, rate, followed, fastest, cleared):
     """Earliest fall of a guard, but of the one cleared, in the step in hand: (fraction or -1, which)."""
-    put_polynomials(d, x, w)
+    fit_polynomials(d, x, w)
     earliest = -1.0
     which = NONE
     # the inside of a step is less accurate than its end: a dip that is shallower than its error is none

@@ -14,14 +14,14 @@ from ..contact import is_held
 from ..inertia import reduced_inertia, second_derivative_of_b
 from .collocation import eliminate, mean, row
 from .radau import MATRIX, SQUARE, STAGES
-from .shaft_stages import follow_hub, prepare_shaft, put_start_torque
+from .shaft_stages import follow_hub, prepare_shaft, start_torques
 
 # Newton converges quadratically: with an update this small relative to the rates the next is rounding
 LAST_UPDATE = 1e-7
 ITERATIONS = 12
 
 
-def put_speeds(d, x, w, h):
+def compute_speeds(d, x, w, h):
     """Speeds of both links and q at the stages from the rates of the speeds."""
     for i in range(STAGES):
         w.stage_omega1[i] = x.omega1 + h * row(MATRIX, i, w.rate1)
@@ -32,7 +32,7 @@ def put_speeds(d, x, w, h):
         w.stage_q[i] = x.q + d.k * h * (turned1 - turned2)
 
 
-def put_equations(d, w, h, i, carried):
+def set_equations(d, w, h, i, carried):
     """Row i of the equations of motion and of their derivatives in the rates of both speeds.
 
     Args:
@@ -46,18 +46,18 @@ def put_equations(d, w, h, i, carried):
     rate_q = k * (omega1 - w.stage_omega2[i])
     coupling = k * (b + k * g)
     own = d.J2 + carried + k * k * g
-    demand2 = 0.5 * k * (g1 * rate_q * rate_q - i1 * omega1 * omega1)
+    r2 = 0.5 * k * (g1 * rate_q * rate_q - i1 * omega1 * omega1)
     # derivatives of the demands by q, by q' and by omega1
-    demand2_q = 0.5 * k * (g2 * rate_q * rate_q - i2 * omega1 * omega1)
-    demand2_rate = k * g1 * rate_q
+    r2_q = 0.5 * k * (g2 * rate_q * rate_q - i2 * omega1 * omega1)
+    r2_rate = k * g1 * rate_q
     coupling_q = k * (b1 + k * g1)
-    second_q = k * h * h * (k * k * g1 * rate2 - coupling_q * rate1 - demand2_q)
-    second_rate = -k * h * demand2_rate
+    second_q = k * h * h * (k * k * g1 * rate2 - coupling_q * rate1 - r2_q)
+    second_rate = -k * h * r2_rate
     base = STAGES * i
     for j in range(STAGES):
         w.corner[base + j] = -second_q * SQUARE[base + j] - second_rate * MATRIX[base + j]
     w.corner[base + i] += own
-    w.right_side[i] = own * rate2 - coupling * rate1 - demand2
+    w.right_side[i] = own * rate2 - coupling * rate1 - r2
     if carried > 0.0:
         w.right_side[i] += w.stage_shaft_torque[i] + row(w.shaft, i, w.rate2)
         for j in range(STAGES):
@@ -66,25 +66,25 @@ def put_equations(d, w, h, i, carried):
         return
     bend = second_derivative_of_b(d, w.stage_q[i])
     phi = d.J1 + inertia + k * (2.0 * b + k * g)
-    demand1 = (i1 * omega1 + b1 * rate_q) * rate_q + demand2
-    demand1_q = (i2 * omega1 + bend * rate_q) * rate_q + demand2_q
-    demand1_rate = i1 * omega1 + 2.0 * b1 * rate_q + demand2_rate
-    demand2_speed = -k * i1 * omega1
-    demand1_speed = i1 * rate_q + demand2_speed
+    r1 = (i1 * omega1 + b1 * rate_q) * rate_q + r2
+    r1_q = (i2 * omega1 + bend * rate_q) * rate_q + r2_q
+    r1_rate = i1 * omega1 + 2.0 * b1 * rate_q + r2_rate
+    r2_speed = -k * i1 * omega1
+    r1_speed = i1 * rate_q + r2_speed
     phi_q = i1 + k * (2.0 * b1 + k * g1)
-    first_q = k * h * h * (phi_q * rate1 - coupling_q * rate2 + demand1_q)
-    first_rate = k * h * demand1_rate
+    first_q = k * h * h * (phi_q * rate1 - coupling_q * rate2 + r1_q)
+    first_rate = k * h * r1_rate
     columns = (STAGES + 1) * i
     for j in range(STAGES):
         once = MATRIX[base + j]
         twice = SQUARE[base + j]
-        w.jacobian[base + j] = first_q * twice + (first_rate + h * demand1_speed) * once
+        w.jacobian[base + j] = first_q * twice + (first_rate + h * r1_speed) * once
         w.columns[columns + j] = -first_q * twice - first_rate * once
-        w.lower[base + j] = second_q * twice + (second_rate - h * demand2_speed) * once
+        w.lower[base + j] = second_q * twice + (second_rate - h * r2_speed) * once
     w.jacobian[base + i] += phi
     w.columns[columns + i] -= coupling
     w.lower[base + i] -= coupling
-    w.columns[columns + STAGES] = phi * rate1 - coupling * rate2 - w.given + demand1
+    w.columns[columns + STAGES] = phi * rate1 - coupling * rate2 - w.given + r1
 
 
 def eliminate_link1(w):
@@ -98,7 +98,7 @@ def eliminate_link1(w):
             w.right_side[i] -= lower * w.columns[columns + STAGES]
 
 
-def put_updates(d, w, held):
+def solve_updates(d, w, held):
     """Solve for the updates of the rates: of omega2 in w.right_side, of omega1 in w.update1."""
     if d.by_torque != 0.0:
         eliminate(w.jacobian, STAGES + 1, w.columns)
@@ -134,16 +134,16 @@ def solve_links(d, x, w, h, carried):
     """
     held = is_held(x)
     if held and d.by_torque == 0.0:
-        put_speeds(d, x, w, h)
+        compute_speeds(d, x, w, h)
         return True
     fastest = max(abs(x.omega1), abs(x.omega2))
     natural = d.harmonic * d.k * fastest * fastest
     for _ in range(ITERATIONS):
-        put_speeds(d, x, w, h)
+        compute_speeds(d, x, w, h)
         for i in range(STAGES):
-            put_equations(d, w, h, i, carried)
+            set_equations(d, w, h, i, carried)
         x.step_evaluations += STAGES
-        put_updates(d, w, held)
+        solve_updates(d, w, held)
         update = 0.0
         largest = natural
         for i in range(STAGES):
@@ -154,20 +154,20 @@ def solve_links(d, x, w, h, carried):
         if not largest < 1e300:
             break
         if update <= LAST_UPDATE * largest:
-            put_speeds(d, x, w, h)
+            compute_speeds(d, x, w, h)
             return True
     guess_rates(w, w.given if d.by_torque == 0.0 else 0.0, 0.0)
     return False
 
 
-def put_release(d, x, w):
+def compute_release(d, x, w):
     """F at the stages while link 2 is held, N m."""
     k = d.k
     for i in range(STAGES):
         omega1 = w.stage_omega1[i]
         _, i1, _, b, _, g, g1, _ = reduced_inertia(d, w.stage_q[i])
-        demand2 = 0.5 * k * (g1 * k * k - i1) * omega1 * omega1
-        w.stage_release[i] = demand2 + k * (b + k * g) * w.rate1[i]
+        r2 = 0.5 * k * (g1 * k * k - i1) * omega1 * omega1
+        w.stage_release[i] = r2 + k * (b + k * g) * w.rate1[i]
     x.step_evaluations += STAGES
 
 
@@ -186,7 +186,7 @@ def solve_stages(d, x, w, h):
     mode = x.mode
     w.step = h
     prepare_shaft(d, w, h)
-    put_start_torque(d, x, w, h, w.load)
+    start_torques(d, x, w, h, w.load)
     for n in range(STAGES):
         w.rate3[n] = 0.0
     if not solve_links(d, x, w, h, d.J3 if mode == DRIVING else 0.0):
@@ -194,7 +194,7 @@ def solve_stages(d, x, w, h):
     if d.by_torque != 0.0:
         w.alpha1 = mean(w.rate1)
         if is_held(x):
-            put_release(d, x, w)
+            compute_release(d, x, w)
     if mode == DRIVING:
         for n in range(STAGES):
             w.rate3[n] = w.rate2[n]
@@ -202,10 +202,10 @@ def solve_stages(d, x, w, h):
         solve_hub(d, w)
     follow_hub(d, x, w, h, w.load)
     for n in range(STAGES):
-        clutch = 0.0
+        output_torque = 0.0
         if mode == DRIVING:
-            clutch = d.J3 * w.rate3[n] + w.stage_shaft_torque[n]
+            output_torque = d.J3 * w.rate3[n] + w.stage_shaft_torque[n]
         elif mode == HELD_DRIVING:
-            clutch = w.stage_shaft_torque[n]
-        w.stage_clutch[n] = clutch
+            output_torque = w.stage_shaft_torque[n]
+        w.stage_output_torque[n] = output_torque
     return True

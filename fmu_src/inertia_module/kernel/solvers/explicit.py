@@ -7,32 +7,17 @@ is given.
 import math
 
 from ..accumulate import add, wrap_drive_angle, wrap_input_angle
-from ..codes import DRIVING, EXPLICIT, HELD, LINK2, NONE, OUTPUT
-from ..contact import TORQUE_ROUNDING, is_held
-from ..guards import guard, instant, is_guarded
-from ..links import accelerations, angular_momentum, torque_scale
+from ..codes import DRIVING, EXPLICIT, HELD, LINK2, NONE
+from ..contact import is_held
+from ..guards import instant, is_guarded
+from ..links import angular_momentum, response
 from ..output_shaft import coast, meet, pass_while_held, stop, time_to_stop
-from ..search import first_crossing, is_clear
-from ..works import add_clutch_square, add_explicit_works
-from .dormand_prince import (
-    END,
-    NODES,
-    sum_1,
-    sum_2,
-    sum_3,
-    sum_4,
-    sum_5,
-    sum_6,
-    sum_7,
-    sum_8,
-    sum_9,
-    sum_10,
-    sum_11,
-    sum_13,
-    sum_14,
-    sum_15,
-)
-from .interpolant import dense_change, error_norm, fit_dense, integral, result
+from ..works import add_explicit_works, add_output_square
+from .dormand_prince import END
+from .dormand_prince_5 import END as SHORT_END
+from .explicit_events import QUIET_PHASE, advance_of_phase, first_event, is_quiet
+from .explicit_stages import evaluate_short_stages, evaluate_stages, keep_stage
+from .interpolant import dense_change, error_norm, integral, short_error_norm, step_mean
 
 # phase of the highest harmonic within one step, rad
 STEP_PHASE = 12.0
@@ -41,69 +26,19 @@ STEP_PHASE = 12.0
 # have spikes there, which are not to be stepped over
 CUSP_PHASE = 1.0
 CUSP_RATIO = 1e-2
-# phase between two looks at a guard, and that up to which the ends of a step tell whether one has fallen, rad
-LOOK_PHASE = 1.0
-QUIET_PHASE = 2.0
-# a velocity below this fraction of the speeds that link 2 and the shaft take on is zero
-VELOCITY_ROUNDING = 1e-14
 SAFETY = 0.9
 SMALLEST_FACTOR = 0.2
 LARGEST_FACTOR = 5.0
 REJECTIONS = 100
-
-
-def keep_stage(d, w, n, omega1, omega2, alpha1, alpha2, momentum):
-    """Keep the rates at stage n; the integrand is omega1 or, with the speed of link 1 given, P."""
-    w.rate_q[n] = d.k * (omega1 - omega2)
-    w.rate_omega1[n] = alpha1
-    w.rate_omega2[n] = alpha2
-    w.integrand[n] = omega1 if d.by_torque != 0.0 else momentum
-
-
-def evaluate(d, x, w, n, weighted):
-    """Rates at stage n of the step in hand, from the weighted rates of the stages before."""
-    h = w.step
-    omega1 = x.omega1 + h * (weighted(w.rate_omega1) if d.by_torque != 0.0 else NODES[n] * w.given)
-    omega2 = x.omega2 + h * weighted(w.rate_omega2)
-    alpha1, alpha2, momentum = accelerations(
-        d, x.q + h * weighted(w.rate_q), omega1, omega2, w.given, is_held(x), w.carried, w.carried_torque
-    )
-    keep_stage(d, w, n, omega1, omega2, alpha1, alpha2, momentum)
-
-
-def evaluate_stages(d, x, w):
-    """The stages of the step in hand, but for its beginning."""
-    evaluate(d, x, w, 1, sum_1)
-    evaluate(d, x, w, 2, sum_2)
-    evaluate(d, x, w, 3, sum_3)
-    evaluate(d, x, w, 4, sum_4)
-    evaluate(d, x, w, 5, sum_5)
-    evaluate(d, x, w, 6, sum_6)
-    evaluate(d, x, w, 7, sum_7)
-    evaluate(d, x, w, 8, sum_8)
-    evaluate(d, x, w, 9, sum_9)
-    evaluate(d, x, w, 10, sum_10)
-    evaluate(d, x, w, 11, sum_11)
-    x.step_evaluations += 11.0
-
-
-def fit_inside(d, x, w):
-    """The extra stages and the interpolants of q and both speeds: the inside of the step in hand."""
-    evaluate(d, x, w, 13, sum_13)
-    evaluate(d, x, w, 14, sum_14)
-    evaluate(d, x, w, 15, sum_15)
-    x.step_evaluations += 3.0
-    fit_dense(w.step, w.rate_q, w.dense_q)
-    fit_dense(w.step, w.rate_omega2, w.dense_omega2)
-    if d.by_torque != 0.0:
-        fit_dense(w.step, w.rate_omega1, w.dense_omega1)
+# how fast the longest step of the pair of order 5 is thought to grow while the other one is used
+SHORT_GROWTH = 1.25
 
 
 def has_cusp(d, w):
     """Whether the inertia behind link 2, or that of link 1 under its torque, is at some angle far below
     its largest.
     """
-    if d.by_torque != 0.0 and d.J1 < CUSP_RATIO * d.alpha_slope:
+    if d.by_torque != 0.0 and d.J1 < CUSP_RATIO * d.F_by_alpha1:
         return True
     moving = d.k * d.k * d.mass
     offset = d.pole_offset
@@ -129,37 +64,76 @@ def longest_step(d, x, w, remaining):
     return step
 
 
-def response(d, inertia):
-    """How much of its own speed the mechanism can impart to a link of this inertia, 0 to 1.
-
-    The natural measure of an error of its speed: behind a heavy shaft the speed hardly changes, yet its
-    small changes are the torque.
-    """
-    own = d.alpha_slope
-    return own / (own + inertia) if own > 0.0 else 1.0
+def set_changes(d, w):
+    """Changes of q and of both speeds over the step in hand, from its stages."""
+    w.change_q = w.step * step_mean(w, w.rate_q)
+    w.change1 = w.step * (step_mean(w, w.rate_omega1) if d.by_torque != 0.0 else w.given)
+    w.change2 = w.step * step_mean(w, w.rate_omega2)
 
 
-def step_error(d, w, fastest):
-    """Estimated error of the step in hand over the allowed one."""
+def step_error(d, x, w):
+    """(estimated error of the step in hand over the allowed one, largest speed in it)."""
+    ends = max(abs(x.omega1 + w.change1), abs(x.omega2 + w.change2))
+    fastest = max(ends, max(abs(x.omega1), abs(x.omega2)))
     if not fastest < 1e300:
-        return 1e300
+        return 1e300, fastest
     tolerance = d.tolerance
     # load and drive torque may change the speeds more than the mechanism
     allowed2 = tolerance * max(response(d, d.J2 + w.carried) * fastest, abs(w.change2))
     if allowed2 == 0.0:
-        return 0.0
+        return 0.0, fastest
+    others = w.integrand
+    allowed = 0.0
     if d.by_torque != 0.0:
-        allowed1 = tolerance * max(response(d, d.J1) * fastest, abs(w.change1))
-        return error_norm(w, tolerance, allowed2, w.rate_omega1, allowed1)
-    # alpha1 times the integral of P is work, to be compared with the energy at these speeds
-    ramp = 0.0
-    if w.given != 0.0:
-        inertia = (d.alpha_slope + 0.5 * d.i_slope) / d.k + d.J1 + d.J2
-        ramp = tolerance * inertia * fastest * fastest / abs(w.given)
-    return error_norm(w, tolerance, allowed2, w.integrand, ramp)
+        others = w.rate_omega1
+        allowed = tolerance * max(response(d, d.J1) * fastest, abs(w.change1))
+    elif w.given != 0.0:
+        # alpha1 times the integral of P is work, to be compared with the energy at these speeds
+        inertia = (d.F_by_alpha1 + 0.5 * d.F_by_speed) / d.k + d.J1 + d.J2
+        allowed = tolerance * inertia * fastest * fastest / abs(w.given)
+    if w.short != 0.0:
+        return short_error_norm(w, tolerance, allowed2, others, allowed), fastest
+    return error_norm(w, tolerance, allowed2, others, allowed), fastest
 
 
-def try_steps(d, x, w, remaining):
+def next_factor(error, order):
+    """By how much the next step may be longer, with this error over the allowed one."""
+    if not error < 1e300:
+        return SMALLEST_FACTOR
+    if error == 0.0:
+        return LARGEST_FACTOR
+    return min(LARGEST_FACTOR, max(SMALLEST_FACTOR, SAFETY * error ** (-1.0 / order)))
+
+
+def try_short_step(d, x, w, remaining, begin):
+    """Make the step to the end of the time remaining by the pair of order 5, where that will do.
+
+    It will where the error is allowed and the ends of the step tell that no guard falls within.
+
+    Args:
+        begin: what guards.instant says at the beginning.
+
+    Returns:
+        (whether it will do, what guards.instant says at the end).
+    """
+    w.short = 1.0
+    w.step = remaining
+    evaluate_short_stages(d, x, w)
+    set_changes(d, w)
+    end = end_of_step(d, x, w, SHORT_END)
+    error, _ = step_error(d, x, w)
+    x.short_size = next_factor(error, 5.0) * remaining
+    if not error <= 1.0:
+        return False, end
+    if advance_of_phase(d, x, w) > QUIET_PHASE:
+        return False, end
+    for number in range(2):
+        if is_guarded(d, x, number) and not is_quiet(d, x, w, number, begin, end):
+            return False, end
+    return True, end
+
+
+def try_steps(d, x, w, limit):
     """Make the longest step whose error is allowed; the stages and changes are left in w, its length in
     w.step.
 
@@ -168,73 +142,30 @@ def try_steps(d, x, w, remaining):
     Returns:
         Largest speed in the step, rad/s, or -1 if no step will do.
     """
+    w.short = 0.0
     carried = x.step_size
-    limit = longest_step(d, x, w, remaining)
     h = min(limit, carried) if carried > 0.0 else 0.1 * limit
     for attempt in range(REJECTIONS):
         w.step = h
         evaluate_stages(d, x, w)
-        w.change1 = h * (result(w.rate_omega1) if d.by_torque != 0.0 else w.given)
-        w.change2 = h * result(w.rate_omega2)
-        ends = max(abs(x.omega1 + w.change1), abs(x.omega2 + w.change2))
-        fastest = max(ends, max(abs(x.omega1), abs(x.omega2)))
-        error = step_error(d, w, fastest)
-        factor = LARGEST_FACTOR
-        if not error < 1e300:
-            factor = SMALLEST_FACTOR
-        elif error > 0.0:
-            factor = min(LARGEST_FACTOR, max(SMALLEST_FACTOR, SAFETY * error**-0.125))
+        set_changes(d, w)
+        error, fastest = step_error(d, x, w)
+        factor = next_factor(error, 8.0)
         if error <= 1.0:
             # a step cut short by the end of the communication step says little about longer ones
             x.step_size = max(factor * h, carried) if attempt == 0 and h < carried else factor * h
-            w.change_q = h * result(w.rate_q)
             return fastest
         h *= factor
     return -1.0
 
 
-def zero_of(d, x, w, which, fastest, end2):
-    """What a guard has to fall below to have fallen."""
-    if is_held(x) or (which == OUTPUT and x.mode == DRIVING):
-        rate_q = d.k * fastest if is_held(x) else 2.0 * d.k * fastest
-        scale = torque_scale(d, fastest, w.alpha1, rate_q, w.given)
-        return TORQUE_ROUNDING * (scale + abs(w.load))
-    taken = max(abs(x.omega2), max(abs(end2), abs(x.omega3)))
-    return VELOCITY_ROUNDING * max(response(d, d.J2 + w.carried) * fastest, taken)
-
-
-def first_event(d, x, w, phase, fastest, begin, end2, end):
-    """Earliest fall of a guard in the step just made.
-
-    Args:
-        phase: advance of the highest harmonic, rad. fastest: largest of the speeds, rad/s.
-        begin, end: what guards.instant says at both ends. end2: omega2 at the end, rad/s.
-
-    Returns:
-        (fraction of the step or -1, which guard).
-    """
-    h = w.step
-    earliest = -1.0
-    which = NONE
-    looks = 1 + int(math.floor(phase / LOOK_PHASE))
-    inside = False
-    for number in range(2):
-        if not is_guarded(d, x, number):
-            continue
-        if phase <= QUIET_PHASE:
-            value0, rate0 = guard(d, x, w, number, 0.0, x.omega2, begin[1], begin[2], begin[3], begin[4])
-            value1, rate1 = guard(d, x, w, number, h, end2, end[1], end[2], end[3], end[4])
-            if is_clear(value0, rate0, value1, rate1, h):
-                continue
-        if not inside:
-            fit_inside(d, x, w)
-            inside = True
-        zero = zero_of(d, x, w, number, fastest, end2)
-        sigma = first_crossing(d, x, w, number, zero, 0.0, 1.0, looks)
-        if sigma > 0.0 and (earliest < 0.0 or sigma < earliest):
-            earliest = sigma
-            which = number
-    return earliest, which
+def end_of_step(d, x, w, last):
+    """What guards.instant says at the end of the step in hand, kept as its last stage."""
+    end1 = x.omega1 + w.change1
+    end2 = x.omega2 + w.change2
+    end = instant(d, x, w, x.q + w.change_q, end1, end2)
+    keep_stage(d, w, last, end1, end2, end[0], end[1], end[5])
+    return end
 
 
 def commit(d, x, w, passed, sigma, which):
@@ -252,7 +183,7 @@ def commit(d, x, w, passed, sigma, which):
     if d.by_torque != 0.0 or w.given != 0.0:
         integrated = integral(w, w.integrand, sigma)
     if x.mode == DRIVING:
-        add_clutch_square(d, x, w, sigma)
+        add_output_square(d, x, w, sigma)
     x.q, x.q_low = add(x.q, x.q_low, change_q)
     wrap_drive_angle(d, x)
     x.omega1, x.omega1_low = add(x.omega1, x.omega1_low, change1)
@@ -300,18 +231,21 @@ def advance_explicit(d, x, w, remaining):
     w.alpha1 = begin[0]
     w.alpha2 = begin[1]
     keep_stage(d, w, 0, x.omega1, x.omega2, begin[0], begin[1], begin[5])
-    fastest = try_steps(d, x, w, remaining)
-    if fastest < 0.0:
-        return -1.0, False
-    h = w.step
-    slip = abs(x.omega1 - x.omega2)
-    end1 = x.omega1 + w.change1
-    end2 = x.omega2 + w.change2
-    end = instant(d, x, w, x.q + w.change_q, end1, end2)
-    keep_stage(d, w, END, end1, end2, end[0], end[1], end[5])
-    phase = h * d.harmonic * d.k * max(slip, abs(end1 - end2))
-    sigma, which = first_event(d, x, w, phase, fastest, begin, end2, end)
-    passed = sigma * h if sigma >= 0.0 else h
+    limit = longest_step(d, x, w, remaining)
+    done = False
+    end = begin
+    sigma = -1.0
+    which = NONE
+    if limit >= remaining and (remaining <= x.short_size or x.short_size == 0.0):
+        done, end = try_short_step(d, x, w, remaining, begin)
+    if not done:
+        x.short_size *= SHORT_GROWTH  # so that it is tried again
+        fastest = try_steps(d, x, w, limit)
+        if fastest < 0.0:
+            return -1.0, False
+        end = end_of_step(d, x, w, END)
+        sigma, which = first_event(d, x, w, fastest, begin, end)
+    passed = sigma * w.step if sigma >= 0.0 else w.step
     w.alpha1, w.alpha2, w.jerk2, w.free, w.free_rate, w.momentum_end = end
     w.known = 1.0 if which == NONE else 0.0
     commit(d, x, w, passed, sigma, which)

@@ -4,6 +4,8 @@ import math
 
 from .dormand_prince import END, dense_3, dense_4, dense_5, dense_6, fifth, third
 from .dormand_prince import sum_12 as result
+from .dormand_prince_5 import fourth
+from .dormand_prince_5 import sum_6 as short_result
 
 
 def error_norm(w, scale_q, scale_omega2, others, scale_others):
@@ -70,9 +72,25 @@ def dense_rate(dense, sigma):
     return slope * sigma + dense[0] + y * rest
 
 
+def short_error_norm(w, scale_q, scale_omega2, others, scale_others):
+    """The same for a step of the pair of order 5: root of the mean square."""
+    q = fourth(w.rate_q) / scale_q
+    v = fourth(w.rate_omega2) / scale_omega2
+    square = q * q + v * v
+    if scale_others > 0.0:
+        p = fourth(others) / scale_others
+        square += p * p
+    return w.step * math.sqrt(0.5 * square)
+
+
+def step_mean(w, rates):
+    """Mean over the step in hand of the quantity with these rates at its stages."""
+    return short_result(rates) if w.short != 0.0 else result(rates)
+
+
 def integral(w, values, sigma):
     """Integral over the step (sigma < 0) or its part sigma of a quantity with these values at the stages."""
     if sigma < 0.0:
-        return w.step * result(values)
+        return w.step * step_mean(w, values)
     fit_dense(w.step, values, w.dense_other)
     return dense_change(w.dense_other, sigma)

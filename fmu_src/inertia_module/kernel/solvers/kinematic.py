@@ -2,13 +2,7 @@
 
 from ..accumulate import add
 from ..links import torques
-from ..works import (
-    GAUSS_NODE_1,
-    GAUSS_NODE_2,
-    GAUSS_WEIGHT_1,
-    GAUSS_WEIGHT_2,
-    GAUSS_WEIGHT_3,
-)
+from ..works import GAUSS_NODE_1, GAUSS_NODE_2, GAUSS_WEIGHT_1, GAUSS_WEIGHT_2, GAUSS_WEIGHT_3
 
 # phase of the highest harmonic within one Gauss interval, rad
 GAUSS_PHASE = 1.0

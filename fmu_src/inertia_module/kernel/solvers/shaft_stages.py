@@ -63,7 +63,7 @@ def driven_torque(d, x, load):
     return d.friction * (x.omega3 - x.relative) + load
 
 
-def put_start_torque(d, x, w, h, load):
+def start_torques(d, x, w, h, load):
     """Ts at the stages if the hub keeps its speed, in w.stage_shaft_torque; Ts with rates v adds dTs/dv v."""
     drag = driven_torque(d, x, load)
     for i in range(STAGES):

@@ -15,8 +15,8 @@ import math
 
 from ..accumulate import add, wrap_drive_angle
 from ..codes import DRIVING, ELASTIC, FREE, HELD, HELD_DRIVING
+from ..driven_shaft.propagator import characteristic, responses
 from ..inertia import reduced_inertia
-from ..propagator import characteristic, responses
 
 # below this change of q, rad, the derivative of V is more exact than its difference
 SMALLEST_DIFFERENCE = 1e-5
@@ -26,7 +26,7 @@ RESOLVED = 0.5
 CORRECTIONS = 2
 
 
-def put_inertia(d, x, w):
+def keep_inertia(d, x, w):
     """Keep I, I', B, G and the angular momentum's parts of the present q for the step that begins there."""
     i, i1, _, b, _, g, _, _ = reduced_inertia(d, x.q)
     x.step_evaluations += 1.0
@@ -67,7 +67,7 @@ def kept_momentum(d, w, omega1, omega2):
     return (d.J1 + w.kept_i) * omega1 + w.kept_b * d.k * (omega1 - omega2) + d.J2 * omega2
 
 
-def put_shaft(p, d, w, h):
+def prepare_shaft_step(p, d, w, h):
     """Answers of the elastic shaft over a step h, the hub accelerating uniformly: kept in w.
 
     They are exact while the step resolves the shaft, and those of the implicit Euler method, which
@@ -175,23 +175,23 @@ def one_step(p, d, x, w, omega1, alpha1, load, h):
     begin2 = x.omega2
     end2 = begin2
     end3 = x.omega3
-    clutch = 0.0
+    output_impulse = 0.0
     housing = 0.0
     mode = x.mode
     for _ in range(CORRECTIONS):
         inertia2, momentum2 = link2_step(d, x, w, omega1, alpha1, h, end2)
-        end2, end3, clutch, housing, mode = settle(d, inertia2, momentum2, inertia3, momentum3)
+        end2, end3, output_impulse, housing, mode = settle(d, inertia2, momentum2, inertia3, momentum3)
     middle1 = omega1 + 0.5 * alpha1 * h
     before = kept_momentum(d, w, omega1, begin2)
     x.q, x.q_low = add(x.q, x.q_low, d.k * h * (middle1 - 0.5 * (begin2 + end2)))
     wrap_drive_angle(d, x)
-    put_inertia(d, x, w)
-    impulse = kept_momentum(d, w, omega1 + alpha1 * h, end2) - before + clutch - housing
+    keep_inertia(d, x, w)
+    impulse = kept_momentum(d, w, omega1 + alpha1 * h, end2) - before + output_impulse - housing
     x.input_impulse += impulse
     x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, impulse * middle1)
-    x.output_impulse += clutch
-    x.output_square += clutch * clutch / h
-    x.torque_peak = max(x.torque_peak, abs(clutch) / h)
+    x.output_impulse += output_impulse
+    x.output_square += output_impulse * output_impulse / h
+    x.torque_peak = max(x.torque_peak, abs(output_impulse) / h)
     follow_shaft(p, d, x, w, load, h, end3)
     x.omega2 = end2
     x.omega2_low = 0.0

@@ -31,7 +31,7 @@ def slip_inertia(d, x, q):
     return total, (link1 + k * b) / total, math.sqrt(determinant / total), -k * i1 / (total * total)
 
 
-def put_slip_inertia(d, x, w):
+def keep_slip_inertia(d, x, w):
     """Keep what the step that begins at the present q starts from."""
     w.kept_total, w.kept_share, w.kept_root, w.kept_bend = slip_inertia(d, x, x.q)
 
@@ -50,7 +50,7 @@ def driven_step(p, d, x, w, torque, load, h):
     end_slip = slip
     end2 = begin2
     end3 = x.omega3
-    clutch = 0.0
+    output_impulse = 0.0
     mode = x.mode
     turned = 0.0
     end_total, end_share, end_root, end_bend = total, share, root, bend
@@ -72,10 +72,10 @@ def driven_step(p, d, x, w, torque, load, h):
             mean_share = end_share
         weight = own + mean_share * end_share * end_total
         lead = end_share * end_total / weight
-        end2, end3, clutch, housing, mode = settle(
+        end2, end3, output_impulse, housing, mode = settle(
             d, own * end_total / weight, own * free_momentum / weight - lead * free_push, inertia3, momentum3
         )
-        end_momentum = free_momentum + housing - clutch
+        end_momentum = free_momentum + housing - output_impulse
         end_slip = (free_push + mean_share * (free_momentum - end_total * end2)) / weight
     end1 = end2 + end_slip
     # on to just where the inertia at the end is that of: with another the energy would not be what it was
@@ -87,9 +87,9 @@ def driven_step(p, d, x, w, torque, load, h):
     w.kept_total, w.kept_share = end_total, end_share
     w.kept_root, w.kept_bend = end_root, end_bend
     x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, torque * turned1)
-    x.output_impulse += clutch
-    x.output_square += clutch * clutch / h
-    x.torque_peak = max(x.torque_peak, abs(clutch) / h)
+    x.output_impulse += output_impulse
+    x.output_square += output_impulse * output_impulse / h
+    x.torque_peak = max(x.torque_peak, abs(output_impulse) / h)
     follow_shaft(p, d, x, w, load, h, end3)
     x.omega1 = end1
     x.omega1_low = 0.0

@@ -6,7 +6,8 @@ import math
 from dataclasses import dataclass, field, fields
 from fractions import Fraction
 
-from ...variables import BY_NAME, refusal
+from ...common.errors import must_be
+from ...contract.variables import BY_NAME
 
 
 def _derived() -> float:
@@ -16,7 +17,7 @@ def _derived() -> float:
 def _checked(name: str, value: float) -> float:
     variable = BY_NAME[name]
     if not variable.accepts(float(value)):
-        raise ValueError(refusal(variable, float(value)))
+        raise ValueError(must_be(name, variable.allowed, float(value)))
     return value
 
 

@@ -6,14 +6,15 @@ import math
 from dataclasses import dataclass
 from fractions import Fraction
 
-from ...variables import BY_NAME
+from ...common.errors import must_be
+from ...contract.variables import BY_NAME
 from .geometry import Geometry
 
 
 def _checked_speed(name: str, value: float) -> float:
     limit = BY_NAME["omega1"]
     if not limit.accepts(float(value)):
-        raise ValueError(f"{name} = {value:.16g} is refused: allowed is {limit.allowed}")
+        raise ValueError(must_be(name, limit.allowed, value))
     return float(value)
 
 
@@ -63,9 +64,7 @@ def dynamic_mode(omega1: float, transmission: float) -> Motion:
         ValueError: transmission is 0 or no number.
     """
     if transmission == 0.0 or math.isnan(transmission):
-        raise ValueError(
-            f"transmission = {transmission} is refused: allowed is any number but 0, infinity included"
-        )
+        raise ValueError(must_be("transmission", "any number but 0, infinity included", transmission))
     return Motion(omega1, omega1 / transmission, omega1)
 
 

@@ -2,7 +2,7 @@
 
 With wheel 2 held one angle describes the mechanism. Its kinetic energy is J_red(alpha) theta'^2 / 2 with
 theta = b alpha the angle of the carrier, and the inertia reduced to the carrier contains how wheel 1 and
-the imbalance turn on it. The held wheel takes up torque, so angular momentum about O is not conserved;
+the imbalance turn on it. The held wheel takes torque, so angular momentum about O is not conserved;
 left alone, the mechanism keeps its energy. Arguments and results as in exact.
 """
 

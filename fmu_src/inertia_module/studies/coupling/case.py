@@ -6,16 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
-import numpy as np
-from numpy.typing import NDArray
-
 from ...cosimulation import Engine, EngineMap, Governor, InterfaceInertia, interface_inertia
 
-Array = NDArray[np.float64]
-
+# a launch lasts as long, and speeds are averaged and compared over windows, s
+STOP_TIME, WINDOW = 1.0, 0.02
+WINDOWS = round(STOP_TIME / WINDOW)
 # the governor closes its loop at this rate, rad/s, on engine and module together; its integral at a quarter
 _BANDWIDTH = 20.0
-_SAMPLE_TIME = 0.005
 # limits of the torque, N.m
 _GREATEST, _DRAG = 200.0, 20.0
 
@@ -30,14 +27,19 @@ URBAN_MODULE = {
 }
 
 
+def governor(inertia: float) -> Governor:
+    """A governor for what turns with the engine, its rotor included, kg.m2."""
+    gain = _BANDWIDTH * inertia
+    return Governor(gain, 0.25 * _BANDWIDTH * gain, sample_time=0.005)
+
+
 @dataclass(frozen=True)
 class CoupledCase:
     """An engine that holds its speed while the module launches the output shaft.
 
     Attributes:
         name: as the table calls it. parameters: of the module, those that differ from the defaults.
-        speed: the governor's, also that at the start, rad/s. load_torque: N.m. stop_time: s.
-        window: over which speeds are averaged and compared, s.
+        speed: the governor's, also that at the start, rad/s. load_torque: N.m.
         ratio: greatest interface inertia over the inertia of the engine.
     """
 
@@ -45,9 +47,7 @@ class CoupledCase:
     parameters: Mapping[str, float]
     speed: float
     load_torque: float
-    stop_time: float
     ratio: float
-    window: float = 0.02
 
     @cached_property
     def interface(self) -> InterfaceInertia:
@@ -59,28 +59,26 @@ class CoupledCase:
         """Inertia of the engine, kg.m2."""
         return self.interface.greatest / self.ratio
 
-    @property
-    def windows(self) -> int:
-        """Number of windows."""
-        return round(self.stop_time / self.window)
-
     def engine(self) -> Engine:
         """The engine at the start of the case."""
-        turned = self.engine_inertia + self.interface.mean
-        gain = _BANDWIDTH * turned
         limits = EngineMap((0.0,), (_GREATEST,), (_DRAG,))
-        governor = Governor(gain, 0.25 * _BANDWIDTH * gain, _SAMPLE_TIME)
-        return Engine(self.engine_inertia, limits, governor, self.speed, self.speed)
+        return Engine(
+            self.engine_inertia,
+            limits,
+            governor(self.engine_inertia + self.interface.mean),
+            self.speed,
+            self.speed,
+        )
 
 
 def planar(ratio: float) -> CoupledCase:
     """The module of the urban scene, launching 1 kg.m2."""
-    return CoupledCase("planar", {**URBAN_MODULE, "output_inertia": 1.0}, 200.0, 8.0, 1.0, ratio)
+    return CoupledCase("planar", {**URBAN_MODULE, "output_inertia": 1.0}, 200.0, 8.0, ratio)
 
 
 def bevel(ratio: float) -> CoupledCase:
     """The module of scene R1."""
-    return CoupledCase("bevel", {}, 100.0, 10.0, 1.0, ratio)
+    return CoupledCase("bevel", {}, 100.0, 10.0, ratio)
 
 
 CASES = {"planar": planar, "bevel": bevel}

@@ -1,133 +1,88 @@
-"""The parts of the study: each gives rows, which are written as CSV and drawn."""
+"""The parts of the study: each gives rows, which are written as CSV; the map is drawn too."""
 
 from __future__ import annotations
 
+import csv
 import dataclasses
-from collections.abc import Callable, Sequence
+import io
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
-from ...cosimulation import SCHEMES, ErrorControl
-from ...drive import Progress
-from ...results import write_figure
-from .case import CASES, URBAN_MODULE, CoupledCase
-from .figure import map_figure, shafts_figure
-from .limits import Limit, limits
-from .monolithic import Monolith
-from .rows import write_rows
-from .shafts import ShaftTrial, shaft_trials
-from .torque import TorqueTrial, torque_trials
-from .trial import Trial, adaptive, fixed, trial
-from .urban import SCENE, TORQUE_RUNS, UrbanRun, urban_runs
+from ...harness.results import write_figure, write_text
+from ...harness.simulate import Progress
+from .case import CASES
+from .figure import map_figure
+from .reference import one_piece
+from .trial import COUPLINGS, Trial, trial
+from .urban import SCENE, UrbanRun, urban_runs
 
+MAP, URBAN = PARTS = ("map", "urban")
 RATIOS = (0.1, 0.3, 0.5, 1.0, 2.0, 5.0)
-STEPS = (2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 1e-2, 2e-2)
-QUICK_RATIOS, QUICK_STEPS, QUICK_CASES = (0.3,), (1e-3, 1e-2), ("planar",)
-
-# the adaptive step: launch, lock-up and cruise, so that the pulses cease on the way
-CRUISE = CoupledCase("cruise", {**URBAN_MODULE, "output_inertia": 0.3}, 200.0, 8.0, 3.0, 0.3, 0.1)
-ADAPTIVE_SCHEMES = (
-    "mean module first held",
-    "mean module first ramp",
-    "inertia module first ramp",
-    "implicit ramp",
-)
-
-TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6)
+# 2 ms does not divide the sample time of the governor (5 ms); 10 and 20 ms are longer
+STEPS = (2e-4, 5e-4, 1e-3, 2e-3, 2.5e-3, 5e-3, 1e-2, 2e-2)
+QUICK_CASES, QUICK_RATIOS, QUICK_STEPS = ("planar",), (0.5,), (1e-3, 5e-3)
 
 
-class Files(NamedTuple):
-    """FMUs that take part, and the scene of the urban cycle."""
-
-    module: Path
-    shaft: Path
-    scene: Path = SCENE
-
-
-def coupling_map(files: Files, quick: bool, progress: Progress | None = None) -> list[Trial]:
-    """All schemes over step, inertia ratio and case."""
-    cases = QUICK_CASES if quick else tuple(CASES)
+def coupling_map(fmu_path: Path, quick: bool, progress: Progress | None = None) -> list[Trial]:
+    """All couplings over step, inertia ratio and case; quick: a corner of it."""
+    names = QUICK_CASES if quick else tuple(CASES)
     ratios, steps = (QUICK_RATIOS, QUICK_STEPS) if quick else (RATIOS, STEPS)
-    total = len(cases) * len(ratios) * len(SCHEMES)
+    total = len(names) * len(ratios) * len(COUPLINGS)
     rows: list[Trial] = []
-    for name in cases:
+    for name in names:
         for ratio in ratios:
             case = CASES[name](ratio)
-            reference = Monolith(case).run()
-            for scheme_name, scheme in SCHEMES.items():
-                for step in steps:
-                    rows.append(trial(case, scheme_name, scheme, step, fixed(step), reference, files.module))
+            reference = one_piece(case)
+            for coupling in COUPLINGS:
+                rows += [trial(case, coupling, step, reference, fmu_path) for step in steps]
                 if progress is not None:
                     progress(len(rows) / len(steps) / total)
     return rows
 
 
-def adaptive_steps(files: Files, quick: bool, progress: Progress | None = None) -> list[Trial]:
-    """The adaptive step at each tolerance, each followed by equal steps at the same cost."""
-    reference = Monolith(CRUISE).run()
-    names = ADAPTIVE_SCHEMES[2:3] if quick else ADAPTIVE_SCHEMES
-    tolerances = TOLERANCES[1:2] if quick else TOLERANCES
-    rows: list[Trial] = []
-    for name in names:
-        scheme = SCHEMES[name]
-        for tolerance in tolerances:
-            stepper = adaptive(ErrorControl(tolerance))
-            found = trial(CRUISE, f"{name}, {tolerance:g}", scheme, 0.0, stepper, reference, files.module)
-            step = found.step
-            rows.append(found)
-            rows.append(trial(CRUISE, f"{name}, fixed", scheme, step, fixed(step), reference, files.module))
-            if progress is not None:
-                progress(len(rows) / (2 * len(names) * len(tolerances)))
-    return rows
+def measure(
+    part: str, fmu_path: Path, scene: Path = SCENE, quick: bool = False, progress: Progress | None = None
+) -> Sequence[Trial | UrbanRun]:
+    """Rows of a part.
+
+    Args:
+        part: of PARTS. fmu_path: of the module. scene: of the urban cycle. quick: a corner of the map.
+        progress: told how much is done (0 to 1).
+    """
+    return urban_runs(fmu_path, scene, progress) if part == URBAN else coupling_map(fmu_path, quick, progress)
 
 
-class Part(NamedTuple):
-    """A part of the study: what its rows are, and what makes them."""
-
-    kind: type[Any]
-    run: Callable[[Files, bool, Progress | None], Sequence[Any]]
-
-
-PARTS = {
-    "limits": Part(Limit, lambda files, quick, progress: limits(files.module, progress)),
-    "map": Part(Trial, coupling_map),
-    "torque": Part(TorqueTrial, lambda files, quick, progress: torque_trials(files.module, quick, progress)),
-    "adaptive": Part(Trial, adaptive_steps),
-    "urban": Part(UrbanRun, lambda files, quick, progress: urban_runs(files.module, files.scene, progress)),
-    "torque_urban": Part(
-        UrbanRun,
-        lambda files, quick, progress: urban_runs(files.module, files.scene, progress, TORQUE_RUNS),
-    ),
-    "shafts": Part(
-        ShaftTrial, lambda files, quick, progress: shaft_trials((files.module, files.shaft), progress)
-    ),
-}
-# left out of a quick study
-LONG_PARTS = ("urban", "torque_urban", "shafts")
-
-
-def chosen_parts(only: str | None, quick: bool) -> list[str]:
-    """Names of the parts to run.
+def chosen_parts(only: str | None, quick: bool) -> tuple[str, ...]:
+    """Names of the parts to run; quick: not the long one.
 
     Raises:
         ValueError: an unknown part.
     """
-    if only is not None and only not in PARTS:
-        raise ValueError(f"--only = {only} is refused: allowed is {', '.join(PARTS)}")
-    if only is not None:
-        return [only]
-    return [name for name in PARTS if not (quick and name in LONG_PARTS)]
+    if only is None:
+        return (MAP,) if quick else PARTS
+    if only not in PARTS:
+        raise ValueError(f"--only must be one of {', '.join(PARTS)}, is {only}")
+    return (only,)
 
 
 def write_part(folder: Path, name: str, rows: Sequence[Any]) -> dict[str, str]:
-    """Write the rows of a part, and its picture if it has one; paths by what they are."""
-    written = {name: str(write_rows(folder / f"coupling_{name}.csv", rows))}
-    if name == "map":
+    """Write the rows of a part as CSV, whole or not at all, and the picture of the map.
+
+    Returns:
+        Paths by what they are.
+    """
+    names = [field.name for field in dataclasses.fields(rows[0])]
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(names)
+    # six digits: more would tell of the machine
+    writer.writerows(
+        [f"{v:.6g}" if isinstance(v, float) else v for v in dataclasses.astuple(row)] for row in rows
+    )
+    written = {name: str(write_text(folder / f"coupling_{name}.csv", stream.getvalue()))}
+    if name == MAP:
         written["picture of the map"] = str(write_figure(folder / "coupling.png", map_figure(rows)))
-    if name == "shafts":
-        written["picture of the shafts"] = str(
-            write_figure(folder / "coupling_shafts.png", shafts_figure(rows))
-        )
     return written
 
 
@@ -135,7 +90,7 @@ def print_rows(name: str, rows: Sequence[Any]) -> None:
     """Print rows as a table."""
     from rich.table import Table
 
-    from ...terminal import terminal
+    from ...common.terminal import terminal
 
     table = Table(title=name, title_justify="left")
     for field in dataclasses.fields(rows[0]):

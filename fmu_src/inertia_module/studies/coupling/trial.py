@@ -1,10 +1,9 @@
-"""One trial: a case, a scheme and a step; how far it is from the reference, what it loses, what it costs."""
+"""One trial: a case, a coupling and a step; how far it is from the reference, what it loses and costs."""
 
 from __future__ import annotations
 
 import math
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,86 +12,63 @@ from typing import NamedTuple
 import numpy as np
 
 from ...cosimulation import (
+    SCHEMES,
     CoupledEngine,
     EnginePlant,
-    ErrorControl,
     Ledger,
     Scheme,
     TorqueDrivenEngine,
-    run_adaptive,
     torque_driven,
 )
-from ...cosimulation.schemes import INERTIA
-from ...instance import DriveError, Fmu
-from .case import CoupledCase
-from .monolithic import Course
+from ...harness.fmu import DriveError, Fmu
+from .case import STOP_TIME, WINDOW, WINDOWS, CoupledCase
+from .reference import Course
 
 TOLERANCE = 1e-8
+TORQUE = "torque-driven"
+# by name; None: the module is driven by torque
+COUPLINGS: dict[str, Scheme | None] = {TORQUE: None, **SCHEMES}
 # what is called unstable: the engine off its speed by this share, which no course here comes near to
-OFF = 0.9
-STABLE, UNSTABLE, REFUSED = "stable", "unstable", "refused"
-
-Stepper = Callable[[EnginePlant, float], None]
+_OFF = 0.9
 
 
 @dataclass(frozen=True)
 class Trial:
-    """What a run gave.
+    """What a run gave; errors are NaN where it is unstable.
 
     Attributes:
-        word: stable or unstable. speed_error: greatest error of the mean of omega1 over a window, relative
-            to the engine's speed. output_error: the same of omega_out, relative to the greatest omega_out.
-        energy_error: energy lost on the bond over the work of the engine. cost: see Ledger.cost, for
-            each simulated second. step: mean communication step, s. residual: sum of |residual| of the
-            bond over the work of the engine.
+        case, ratio, scheme: what was run. step: communication step, s. stable: whether it was.
+        speed_error: greatest error of the mean of omega1 over a window, relative to the engine's speed.
+        output_error: the same of omega_out, relative to the greatest omega_out.
+        energy_error: energy lost on the bond over the work of the engine. work_error: of that work.
+        cost: see Ledger.cost, for a simulated second.
     """
 
     case: str
     ratio: float
     scheme: str
     step: float
-    word: str
+    stable: bool
     speed_error: float
     output_error: float
     energy_error: float
+    work_error: float
     cost: float
-    residual: float
 
-
-def fixed(step: float) -> Stepper:
-    """Equal steps, s (a window is made of a whole number of them, or the step of whole windows)."""
-
-    def to(coupled: EnginePlant, end: float) -> None:
-        count = max(1, round((end - coupled.ledger.time) / step))
-        length = (end - coupled.ledger.time) / count
-        for _ in range(count):
-            coupled.step(length)
-
-    return to
-
-
-def adaptive(control: ErrorControl) -> Stepper:
-    """Steps driven by the residual; a window's end ends a step."""
-
-    def to(coupled: EnginePlant, end: float) -> None:
-        for _ in run_adaptive(coupled, end - coupled.ledger.time, control):
-            pass
-
-    return to
+    @property
+    def worst(self) -> float:
+        """Worst of the errors of speed, output speed and energy; infinite if unstable."""
+        if not self.stable:
+            return math.inf
+        return max(self.speed_error, self.output_error, abs(self.energy_error))
 
 
 class Run(NamedTuple):
-    """A run of a case.
-
-    Attributes:
-        course: what is not reached is NaN. ledger: of the bond. word: stable or unstable.
-        seconds: that it took, without loading the FMU.
-    """
+    """A run of a case: its course, what is not reached is NaN; sums over it; whether it was stable."""
 
     course: Course
     ledger: Ledger
-    word: str
-    seconds: float
+    stable: bool
 
 
 @contextmanager
@@ -102,73 +78,49 @@ def coupled_engine(
     """Engine and module at the start of a case; without a scheme the module is driven by torque."""
     engine = case.engine()
     start = {"omega1": case.speed, "load_torque": case.load_torque}
-    if scheme is None:
-        with Fmu(fmu_path, torque_driven(case.parameters, engine.inertia), start, tolerance) as fmu:
+    parameters = case.parameters if scheme is not None else torque_driven(case.parameters, engine.inertia)
+    with Fmu(fmu_path, parameters, start, tolerance) as fmu:
+        if scheme is None:
             yield TorqueDrivenEngine(fmu, engine)
-    else:
-        inertia = case.interface.middle if scheme.correction == INERTIA else None
-        with Fmu(fmu_path, case.parameters, start, tolerance) as fmu:
-            yield CoupledEngine(fmu, engine, scheme, inertia)
+        else:
+            yield CoupledEngine(fmu, engine, scheme, case.interface.middle)
 
 
 def course(
-    case: CoupledCase, scheme: Scheme | None, stepper: Stepper, fmu_path: Path, tolerance: float = TOLERANCE
+    case: CoupledCase, scheme: Scheme | None, step: float, fmu_path: Path, tolerance: float = TOLERANCE
 ) -> Run:
-    """Run a case; without a scheme the module is driven by torque."""
-    omega1, omega_out = np.full(case.windows, math.nan), np.full(case.windows, math.nan)
+    """Run a case in equal steps, s, a whole number of them in a window (arguments of coupled_engine)."""
+    omega1, omega_out = np.full(WINDOWS, math.nan), np.full(WINDOWS, math.nan)
+    count = max(1, round(WINDOW / step))
     with coupled_engine(case, scheme, fmu_path, tolerance) as coupled:
-        engine, word = coupled.engine, STABLE
-        began = time.perf_counter()
-        for n in range(case.windows):
+        engine = coupled.engine
+        for n in range(WINDOWS):
             angle = engine.state.angle
             try:
-                stepper(coupled, (n + 1) * case.window)
+                for _ in range(count):
+                    coupled.step(WINDOW / count)
             except (DriveError, OverflowError):
-                word = UNSTABLE
                 break
-            omega1[n] = (engine.state.angle - angle) / case.window
+            omega1[n] = (engine.state.angle - angle) / WINDOW
+            if not abs(engine.speed - case.speed) < _OFF * case.speed:
+                break
             (omega_out[n],) = coupled.read(("omega_out",))
-            if not abs(engine.speed - case.speed) < OFF * case.speed:
-                word = UNSTABLE
-                break
-        seconds = time.perf_counter() - began
-        return Run(Course(omega1, omega_out, engine.state.work_in), coupled.ledger, word, seconds)
+        stable = bool(np.isfinite(omega_out).all())
+        return Run(Course(omega1, omega_out, engine.state.work_in), coupled.ledger, stable)
 
 
-def trial(
-    case: CoupledCase,
-    name: str,
-    scheme: Scheme | None,
-    step: float,
-    stepper: Stepper,
-    reference: Course,
-    fmu_path: Path,
-) -> Trial:
+def trial(case: CoupledCase, name: str, step: float, reference: Course, fmu_path: Path) -> Trial:
     """Run a case and compare it.
 
     Args:
-        case: what is run. name, scheme: of coupling, None for a module driven by torque.
-        step: s, for the record. stepper: how it steps.
-        reference: course of the same case. fmu_path: of the module.
+        case: what is run. name: in COUPLINGS. step: s. reference: of the case. fmu_path: of the module.
     """
-    return compared(case, name, step, course(case, scheme, stepper, fmu_path), reference)
-
-
-def compared(case: CoupledCase, name: str, step: float, run: Run, reference: Course) -> Trial:
-    """A run against the reference (arguments of trial)."""
-    found, ledger, word, _ = run
-    stable = word == STABLE
-    return Trial(
-        case.name,
-        case.ratio,
-        name,
-        ledger.time / ledger.steps if ledger.steps else step,
-        word,
-        float(np.abs(found.omega1 - reference.omega1).max()) / case.speed if stable else math.nan,
-        float(np.abs(found.omega_out - reference.omega_out).max() / np.abs(reference.omega_out).max())
-        if stable
-        else math.nan,
-        ledger.defect / reference.work if stable else math.nan,
-        ledger.cost / case.stop_time,
-        ledger.residual_magnitude / abs(reference.work) if stable else math.nan,
+    found, ledger, stable = course(case, COUPLINGS[name], step, fmu_path)
+    errors = (
+        float(np.abs(found.omega1 - reference.omega1).max()) / case.speed,
+        float(np.abs(found.omega_out - reference.omega_out).max() / np.abs(reference.omega_out).max()),
+        ledger.defect / reference.work,
+        found.work / reference.work - 1.0,
+        ledger.cost / STOP_TIME,
     )
+    return Trial(case.name, case.ratio, name, step, stable, *(errors if stable else [math.nan] * len(errors)))

@@ -2,29 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from ...cosimulation import (
-    SCHEMES,
     CoupledEngine,
     Engine,
     EngineMap,
     EnginePlant,
-    Governor,
     TorqueDrivenEngine,
     interface_inertia,
     torque_driven,
 )
-from ...cycles import Cycle
-from ...drive import Progress
-from ...instance import Fmu
+from ...harness.fmu import Fmu
+from ...harness.simulate import Progress
 from ...loops import ClosedLoop, connect, initial_inputs
 from ...scene import Scene, load_scene
-from .torque import TORQUE
+from .case import governor
+from .trial import COUPLINGS, TORQUE
 
 SCENE = Path("examples") / "urban.toml"
 # a small car's engine, kg.m2, with its flywheel
@@ -33,23 +30,19 @@ IDLE_SPEED = 80.0
 ENGINE_MAP = EngineMap(
     (0.0, 100.0, 200.0, 300.0, 400.0), (120.0, 150.0, 170.0, 160.0, 140.0), (10.0, 12.0, 15.0, 20.0, 25.0)
 )
-_BANDWIDTH = 20.0
-# scheme, and substeps of the scene's communication step
+# coupling, and substeps of the scene's communication step
 RUNS = (
-    ("implicit ramp", 1),
+    (TORQUE, 4),
+    (TORQUE, 2),
+    (TORQUE, 1),
     ("implicit ramp", 5),
+    ("implicit ramp", 1),
     ("inertia module first ramp", 10),
     ("mean module first held", 10),
-    ("mean jacobi held", 10),
     ("mean module first held", 1),
+    ("mean jacobi held", 10),
     ("mean jacobi held", 1),
-    ("instantaneous module first held", 10),
-    ("instantaneous module first held", 1),
-    ("instantaneous jacobi held", 10),
-    ("instantaneous jacobi held", 1),
 )
-# steps of half a sample of the governor, of one, and of two
-TORQUE_RUNS = ((TORQUE, 4), (TORQUE, 2), (TORQUE, 1))
 
 
 @dataclass(frozen=True)
@@ -57,7 +50,7 @@ class UrbanRun:
     """Energies of a run, J, but for the shares.
 
     Attributes:
-        scheme: name, or torque-driven. step: communication step between engine and module, s.
+        scheme: name. step: communication step between engine and module, s.
         engine: work of the engine's torque. output: work on the load. lost: in the module.
         stored: gain of kinetic energy of engine, module and car.
         residual: engine - output - stored - lost, over engine.
@@ -84,11 +77,6 @@ def urban_scene(path: Path = SCENE) -> Scene:
     return load_scene(path).replaced(controller={"minimum": f"{IDLE_SPEED} rad/s"})
 
 
-def _engine(interface: float, speed: float) -> Engine:
-    gain = _BANDWIDTH * (ENGINE_INERTIA + interface)
-    return Engine(ENGINE_INERTIA, ENGINE_MAP, Governor(gain, 0.25 * _BANDWIDTH * gain), speed, speed)
-
-
 def urban_run(
     scene: Scene,
     fmu_path: Path,
@@ -100,7 +88,7 @@ def urban_run(
     """Drive the cycle.
 
     Args:
-        scene: of urban_scene. fmu_path: of the module. name: of the scheme, or torque-driven.
+        scene: of urban_scene. fmu_path: of the module. name: in COUPLINGS.
         substeps: in each step of the scene.
         stop_time: s, by default that of the scene. progress: told how much is done (0 to 1).
     """
@@ -108,21 +96,25 @@ def urban_run(
     parameters = {**scene.parameters(), "input_hold": 0.0}
     start = initial_inputs(surroundings)
     interface = interface_inertia(parameters)
-    engine = _engine(interface.mean, start["omega1"])
-    if name == TORQUE:
+    speed, scheme = start["omega1"], COUPLINGS[name]
+    engine = Engine(ENGINE_INERTIA, ENGINE_MAP, governor(ENGINE_INERTIA + interface.mean), speed, speed)
+    if scheme is None:
         parameters = torque_driven(parameters, engine.inertia)
     with Fmu(fmu_path, parameters, start, scene.accuracy.tolerance) as fmu:
         coupled: EnginePlant = (
             TorqueDrivenEngine(fmu, engine, substeps)
-            if name == TORQUE
-            else CoupledEngine(fmu, engine, SCHEMES[name], interface.middle, substeps)
+            if scheme is None
+            else CoupledEngine(fmu, engine, scheme, interface.middle, substeps)
         )
         before = coupled.energy_stored
         loop = ClosedLoop(coupled, surroundings, ("omega_out",), scene.signal_units)
         table = loop.run(stop_time or scene.run.stop_time, progress)
         output, lost = fmu.read(("energy_out", "energy_lost"))
         worked, stored = engine.state.work_in, coupled.energy_stored - before
-    speed = table["vehicle_speed"]
+    driven, outside = table["vehicle_speed"], 0.0
+    if scene.cycle is not None:
+        lower, upper = scene.cycle.tolerance_band(table.time)
+        outside = float(np.mean((driven < lower) | (driven > upper)))
     return UrbanRun(
         name,
         scene.run.communication_step / substeps,
@@ -132,33 +124,21 @@ def urban_run(
         lost,
         (worked - output - stored - lost) / worked,
         coupled.ledger.defect_magnitude / worked,
-        _outside(scene.cycle, table.time, speed),
-        float(np.sqrt(np.mean((speed - table["reference"]) ** 2))),
+        outside,
+        float(np.sqrt(np.mean((driven - table["reference"]) ** 2))),
         coupled.ledger.cost / coupled.ledger.time,
     )
 
 
-def _outside(cycle: Cycle | None, time: np.ndarray, speed: np.ndarray) -> float:
-    if cycle is None:
-        return 0.0
-    lower, upper = cycle.tolerance_band(time)
-    return float(np.mean((speed < lower) | (speed > upper)))
-
-
-def urban_runs(
-    fmu_path: Path,
-    scene_path: Path = SCENE,
-    progress: Progress | None = None,
-    runs: Sequence[tuple[str, int]] = RUNS,
-) -> list[UrbanRun]:
-    """All of some runs: scheme, and substeps of the scene's communication step."""
+def urban_runs(fmu_path: Path, scene_path: Path = SCENE, progress: Progress | None = None) -> list[UrbanRun]:
+    """All of RUNS (arguments of urban_run)."""
     scene = urban_scene(scene_path)
     found = []
-    for number, (name, substeps) in enumerate(runs):
+    for number, (name, substeps) in enumerate(RUNS):
 
         def report(done: float, number: int = number) -> None:
             if progress is not None:
-                progress((number + done) / len(runs))
+                progress((number + done) / len(RUNS))
 
         found.append(urban_run(scene, fmu_path, name, substeps, progress=report))
     return found

@@ -12,13 +12,13 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import Refused
+from ...common.errors import Refused
+from ...compiling.ir import data_type, jitted_kernel
+from ...compiling.records import record_type
 from ...kernel import codes
 from ...kernel.contact import TORQUE_ROUNDING
 from ...kernel.fields import CONSTANTS
-from ...kernel_ir import data_type, jitted_kernel
-from ...module import Module
-from ...records import record_type
+from ...memory.instances import Module
 from ..trajectory import Array, Case, Unavailable
 from .extras import library
 

@@ -15,7 +15,7 @@ import time
 
 import numpy as np
 
-from ...variables import BY_NAME, PARAMETER
+from ...contract.variables import BY_NAME, PARAMETER
 from ..trajectory import Case, Trajectory, median_time
 from .clutches import SLOW
 from .equations import data_of

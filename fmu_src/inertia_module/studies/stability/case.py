@@ -1,34 +1,26 @@
-"""What one trial at an extreme is: a mechanism, a rung of the ladder, what is put in, and how long."""
+"""What one trial at an extreme is: a mechanism, a level of fidelity, its inputs, and how long it takes."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-KINEMATIC, AVERAGED, RIGID, ELASTIC = range(4)
-EVENT, TIMESTEPPING = range(2)
+from ...contract.variables import BY_NAME
+from ...kernel.codes import AVERAGED, ELASTIC, EVENT, KINEMATIC, RIGID, TIMESTEPPING
+from ..levels import Level
 
+# what the fixed steps of timestepping and the torque map of averaged are trusted to, relative
+TIMESTEPPING_ACCURACY = 0.02
+AVERAGED_ACCURACY = 0.005
 
-@dataclass(frozen=True)
-class Rung:
-    """A fidelity and a method."""
-
-    name: str
-    fidelity: int
-    method: int
-
-
-RIGID_RUNGS = (
-    Rung("kinematic", KINEMATIC, EVENT),
-    Rung("averaged", AVERAGED, EVENT),
-    Rung("rigid, event", RIGID, EVENT),
-    Rung("rigid, timestepping", RIGID, TIMESTEPPING),
+ELASTIC_LEVELS = (Level(ELASTIC, EVENT), Level(ELASTIC, TIMESTEPPING))
+LEVELS = (
+    Level(KINEMATIC, EVENT),
+    Level(AVERAGED, EVENT),
+    Level(RIGID, EVENT),
+    Level(RIGID, TIMESTEPPING),
+    *ELASTIC_LEVELS,
 )
-ELASTIC_RUNGS = (
-    Rung("elastic, event", ELASTIC, EVENT),
-    Rung("elastic, timestepping", ELASTIC, TIMESTEPPING),
-)
-RUNGS = RIGID_RUNGS + ELASTIC_RUNGS
-TIMESTEPPING_RUNGS = tuple(rung for rung in RIGID_RUNGS + ELASTIC_RUNGS if rung.method == TIMESTEPPING)
+TIMESTEPPING_LEVELS = tuple(level for level in LEVELS if level.method == TIMESTEPPING)
 
 
 @dataclass(frozen=True)
@@ -36,7 +28,7 @@ class Segment:
     """A stretch of time with given inputs.
 
     Attributes:
-        duration: s. omega1: at its beginning, rad/s. load: N m. slope: of omega1, rad/s^2.
+        duration: s. omega1: at its beginning, rad/s. load: N.m. slope: of omega1, rad/s^2.
         steps: communication steps it takes at least (a step may be up to 1e6 s long).
         whole: whether its steps stay as they are in the run of many short ones.
     """
@@ -57,8 +49,7 @@ class Extreme:
         value: how it is called. parameters: over the defaults. segments: the inputs over time.
         split: short communication steps that replace each long one.
         turns: whole turns already on the counters of the drive and of link 1.
-        slow: whether it is left out of a quick run.
-        rungs: fidelities it says something about.
+        slow: whether it is left out of a quick run. levels: those it says something about.
     """
 
     value: str
@@ -67,19 +58,26 @@ class Extreme:
     split: int = 50
     turns: float = 0.0
     slow: bool = False
-    rungs: tuple[Rung, ...] = RUNGS
+    levels: tuple[Level, ...] = LEVELS
 
 
 @dataclass(frozen=True)
 class Case:
-    """An extreme on one rung."""
+    """An extreme at one level of fidelity."""
 
     axis: str
     layout: str
-    rung: Rung
+    level: Level
     extreme: Extreme
 
+    def parameter(self, name: str) -> float:
+        """Value of a parameter."""
+        return float(self.extreme.parameters.get(name, BY_NAME[name].start or 0.0))
+
     @property
-    def name(self) -> str:
-        """Axis, value, layout and rung in one line."""
-        return f"{self.axis}: {self.extreme.value}, {self.layout}, {self.rung.name}"
+    def accuracy(self) -> float:
+        """Relative accuracy asked for: the tolerance, or what method and fidelity can give."""
+        least = TIMESTEPPING_ACCURACY if self.level.method == TIMESTEPPING else 0.0
+        if self.level.fidelity == AVERAGED:
+            least = max(least, AVERAGED_ACCURACY)
+        return max(self.parameter("tolerance"), least)

@@ -1,4 +1,4 @@
-"""The map as a picture: extremes from top to bottom, a column for each layout and rung."""
+"""The map as a picture: extremes from top to bottom, a column for each layout and level of fidelity."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
-from .case import RUNGS
+from .case import LEVELS
 from .mechanisms import MECHANISMS
 from .table import Row
 from .verdict import BROKEN, DEGRADED, EXACT, REFUSED, SENSITIVE
@@ -21,7 +21,7 @@ COLOURS = {
     REFUSED: "#BBBBBB",
     BROKEN: "#D55E00",
 }
-COLUMNS = tuple((mechanism.layout, rung.name) for mechanism in MECHANISMS for rung in RUNGS)
+COLUMNS = tuple((mechanism.layout, level.name) for mechanism in MECHANISMS for level in LEVELS)
 ROW_HEIGHT = 0.17
 # sheets side by side, so that the picture is no ribbon
 SHEETS = 3
@@ -36,36 +36,31 @@ def _extremes(rows: Sequence[Row]) -> dict[tuple[str, str], dict[str, Row]]:
 
 
 def _draw_row(axes: Axes, y: int, layouts: dict[str, Row]) -> None:
-    for x, (layout, rung) in enumerate(COLUMNS):
-        cell = layouts[layout].cells.get(rung) if layout in layouts else None
+    for x, (layout, level) in enumerate(COLUMNS):
+        cell = layouts[layout].cells.get(level) if layout in layouts else None
         if cell is None:
             continue
-        axes.add_patch(Rectangle((x + 0.04, y + 0.06), 0.92, 0.88, color=COLOURS[cell.word], linewidth=0))
+        axes.add_patch(Rectangle((x + 0.04, y + 0.06), 0.92, 0.88, color=COLOURS[cell.outcome], linewidth=0))
         if cell.power is not None:
             axes.text(x + 0.5, y + 0.52, f"{cell.power}", ha="center", va="center", fontsize=5, color="white")
 
 
 def _draw_sheet(axes: Axes, part: list[tuple[tuple[str, str], dict[str, Row]]]) -> None:
-    labels = []
     last = ""
     for y, ((axis, value), layouts) in enumerate(part):
         _draw_row(axes, y, layouts)
+        axes.text(len(COLUMNS) + 0.15, y + 0.5, value, ha="left", va="center", fontsize=6)
         if axis != last:
             axes.axhline(y, color="black", linewidth=0.6)
             axes.text(-0.15, y + 0.5, f"{axis}: ", ha="right", va="center", fontsize=6.5, fontweight="bold")
             last = axis
-        labels.append(value)
-    for y, label in enumerate(labels):
-        axes.text(len(COLUMNS) + 0.15, y + 0.5, label, ha="left", va="center", fontsize=6)
     axes.set_xlim(0, len(COLUMNS))
-    axes.set_ylim(len(part), 0)
     axes.set_xticks([x + 0.5 for x in range(len(COLUMNS))])
-    axes.set_xticklabels([f"{layout}, {rung}" for layout, rung in COLUMNS], rotation=90, fontsize=6)
+    axes.set_xticklabels([f"{layout}, {level}" for layout, level in COLUMNS], rotation=90, fontsize=6)
     axes.xaxis.tick_top()
     axes.set_yticks([])
     axes.tick_params(length=0)
-    for side in ("left", "right", "bottom", "top"):
-        axes.spines[side].set_visible(False)
+    axes.spines[:].set_visible(False)
 
 
 def verdict_map(rows: Sequence[Row]) -> Figure:
@@ -87,7 +82,7 @@ def verdict_map(rows: Sequence[Row]) -> Figure:
         _draw_sheet(axes, part)
         axes.set_ylim(height, 0)
     figure.legend(
-        handles=[Patch(color=colour, label=word) for word, colour in COLOURS.items()],
+        handles=[Patch(color=colour, label=outcome) for outcome, colour in COLOURS.items()],
         loc="outside lower center",
         ncols=len(COLOURS),
         fontsize=8,

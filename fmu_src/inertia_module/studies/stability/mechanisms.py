@@ -3,95 +3,107 @@
 from __future__ import annotations
 
 import functools
-import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from ...kernel.links import held_torque
-from ...module import Module
-from .case import Segment
-from .trial import imbalance_energy
+from ...memory.instances import Module
+from ..levels import Level
+from .case import LEVELS, Extreme, Segment
 
 # rad that link 1 turns in a trial, where nothing else is said
 TRAVEL = 100.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Mechanism:
     """A layout at ordinary values.
 
     Attributes:
-        layout: bevel or planar. parameters: over the defaults. omega1: rad/s. load: N m.
+        layout: bevel or planar. parameters: over the defaults. omega1: rad/s. load: N.m.
     """
 
     layout: str
-    parameters: tuple[tuple[str, float], ...]
+    parameters: dict[str, float]
     omega1: float
     load: float
 
-    def with_values(self, **values: float) -> dict[str, float]:
-        """Its parameters with these over them."""
-        return dict(self.parameters) | values
+    def extreme(
+        self,
+        value: str,
+        parameters: Mapping[str, float] | None = None,
+        *segments: Segment,
+        omega1: float | None = None,
+        load: float | None = None,
+        duration: float | None = None,
+        split: int = 50,
+        turns: float = 0.0,
+        slow: bool = False,
+        levels: tuple[Level, ...] = LEVELS,
+    ) -> Extreme:
+        """An extreme of it: the given segments or, without any, TRAVEL rad of link 1 at ordinary inputs.
 
-    def turning(self, **changes: float) -> tuple[Segment, ...]:
-        """Its ordinary inputs for TRAVEL rad of link 1, with these changes."""
-        ordinary = {"duration": TRAVEL / self.omega1, "omega1": self.omega1, "load": self.load}
-        return (Segment(**(ordinary | changes)),)  # type: ignore[arg-type]
+        Args:
+            value: how it is called. parameters: over its own. segments: inputs over time.
+            omega1, load, duration: other than ordinary, rad/s, N.m and s.
+            split, turns, slow, levels: see Extreme.
+        """
+        whole = Segment(
+            TRAVEL / self.omega1 if duration is None else duration,
+            self.omega1 if omega1 is None else omega1,
+            self.load if load is None else load,
+        )
+        values = {**self.parameters, **(parameters or {})}
+        return Extreme(value, values, segments or (whole,), split, turns, slow, levels)
 
-    def __hash__(self) -> int:
-        return hash(self.layout)
+    @functools.cached_property
+    def derived(self) -> Any:
+        """The kernel's constants."""
+        return Module("plain").start(**self.parameters).derived
 
 
-BEVEL = Mechanism("bevel", (("kinematic_ratio", 0.5),), 100.0, 10.0)
+BEVEL = Mechanism("bevel", {"kinematic_ratio": 0.5}, 100.0, 10.0)
 PLANAR = Mechanism(
     "planar",
-    (
-        ("layout", 1),
-        ("eccentricity", 0.02),
-        ("imbalance_mass", 0.8),
-        ("satellites", 3),
-        ("link2_inertia", 0.003),
-        ("output_inertia", 0.4),
-        ("kinematic_ratio", 0.5),
-    ),
+    {
+        "layout": 1,
+        "eccentricity": 0.02,
+        "imbalance_mass": 0.8,
+        "satellites": 3,
+        "link2_inertia": 0.003,
+        "output_inertia": 0.4,
+        "kinematic_ratio": 0.5,
+    },
     120.0,
     8.0,
 )
 MECHANISMS = (BEVEL, PLANAR)
 
 
-@functools.cache
-def imbalance_inertia(mechanism: Mechanism) -> float:
+def imbalance_inertia(derived: Any) -> float:
     """Largest inertia of the imbalances behind link 2, k^2 G, kg m^2."""
-    return 2.0 * imbalance_energy(Module("plain").start(**mechanism.with_values()).derived, 1.0)
-
-
-@functools.cache
-def pulse_rate(mechanism: Mechanism) -> float:
-    """Rate of the highest harmonic with link 2 held at the ordinary speed, rad/s."""
-    d = Module("plain").start(**mechanism.with_values()).derived
-    return float(d.harmonic * d.k) * mechanism.omega1
+    far = derived.pole_offset + 2.0 * derived.pole_arm
+    return float(derived.mass * derived.k**2 * (far * far + derived.spin))
 
 
 @functools.cache
 def stall_torque(mechanism: Mechanism) -> float:
-    """Largest torque on link 2 while it is held at the ordinary speed, N m: a load above it is never moved.
+    """Largest torque on link 2 while it is held at the ordinary speed, N.m: a load above it is never moved.
 
-    Looked for on a grid, then by golden sections (Kiefer 1953).
+    Looked for on a grid over a period, then on ever finer ones around the best.
     """
-    d = Module("plain").start(**mechanism.with_values()).derived
+    d = mechanism.derived
 
     def torque(q: float) -> float:
         return float(held_torque(d, q, mechanism.omega1, 0.0)[0])  # type: ignore[no-untyped-call]
 
     count = 200 * int(d.period_turns)
-    grid = [d.period * n / count for n in range(count)]
-    low = max(grid, key=torque) - grid[1]
-    high = low + 2.0 * grid[1]
-    share = 0.5 * (math.sqrt(5.0) - 1.0)
-    while high - low > 1e-9:
-        left, right = high - share * (high - low), low + share * (high - low)
-        low, high = (left, high) if torque(left) < torque(right) else (low, right)
-    return torque(0.5 * (low + high))
+    best, half = 0.5 * d.period, 0.5 * d.period
+    while half > 1e-9:
+        best = max((best + half * (2 * n / count - 1) for n in range(count + 1)), key=torque)
+        half *= 2.0 / count
+    return torque(best)
 
 
 @functools.cache
@@ -99,9 +111,8 @@ def grazing_speed(mechanism: Mechanism) -> float:
     """Speed of the unloaded output shaft that link 2 only just reaches in TRAVEL rad, rad/s (bisection)."""
 
     def engages(speed: float) -> bool:
-        module = Module().start(
-            **mechanism.with_values(omega_out_start=speed, tolerance=1e-13), omega1=mechanism.omega1
-        )
+        values = mechanism.parameters | {"omega_out_start": speed, "tolerance": 1e-13}
+        module = Module().start(**values, omega1=mechanism.omega1)
         module.advance(TRAVEL / mechanism.omega1)
         return module["output_torque_mean"] != 0.0
 

@@ -1,18 +1,17 @@
-"""Runs the cases of the map, one after the other, and writes down all that was measured."""
+"""Runs the cases of the map, one after the other, and prints a line for each axis and level of fidelity."""
 
 from __future__ import annotations
 
-import csv
-import io
-from collections.abc import Callable, Iterable, Sequence
-from pathlib import Path
+from collections import Counter
+from collections.abc import Callable, Sequence
 
-from ...module import Module
-from ...results import write_text
+from ...common.terminal import terminal
+from ...memory.instances import Module
 from .axes import AXES, cases
-from .case import Case
-from .trial import Plant, try_case
-from .verdict import Verdict, judge
+from .case import LEVELS, Case
+from .table import Row, reasons
+from .trial import try_case
+from .verdict import OUTCOMES, Verdict, judge
 
 
 class UnknownAxis(ValueError):
@@ -29,40 +28,59 @@ def chosen_cases(only: str | None = None, quick: bool = False) -> list[Case]:
         UnknownAxis: there is none of this name.
     """
     if only is not None and only not in AXES:
-        raise UnknownAxis(f"axis {only} is refused: allowed is {', '.join(AXES)}")
+        raise UnknownAxis(f"axis must be one of {', '.join(AXES)}, is {only}")
     return [case for axis in ([only] if only else AXES) for case in cases(axis, quick)]
 
 
 def run_study(
     chosen: Sequence[Case],
     report: Callable[[float], None] = lambda done: None,
-    plant: Callable[[], Plant] = Module,
+    make: Callable[[], Module] = Module,
 ) -> list[Verdict]:
     """Verdicts on these cases, in their order.
 
     Args:
-        report: called with the share that is done. plant: makes a module not started yet.
+        report: called with the share that is done. make: makes a module not started yet.
     """
     verdicts = []
     for number, case in enumerate(chosen, 1):
-        verdicts.append(judge(try_case(case, plant)))
+        verdicts.append(judge(try_case(case, make)))
         report(number / len(chosen))
     return verdicts
 
 
-def write_cases(path: Path, verdicts: Iterable[Verdict]) -> Path:
-    """Write a row for each case with every figure and its bound, as CSV, whole or not at all."""
-    verdicts = list(verdicts)
-    names = list(dict.fromkeys(name for verdict in verdicts for name in verdict.figures))
-    stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator="\n")
-    bounds = [f"{name}{part}" for name in names for part in ("", ", bound")]
-    writer.writerow(["axis", "value", "layout", "rung", "verdict", "reason", *bounds])
-    for verdict in verdicts:
-        case = verdict.case
-        row = [case.axis, case.extreme.value, case.layout, case.rung.name, verdict.word, verdict.reason]
-        for name in names:
-            figure = verdict.figures.get(name)
-            row += [repr(figure.value), repr(figure.bound)] if figure else ["", ""]
-        writer.writerow(row)
-    return write_text(path, stream.getvalue())
+def counts(rows: Sequence[Row]) -> dict[str, tuple[Counter[str], str]]:
+    """For each level with a verdict: how many there are of each, and the largest error as a power of ten."""
+    found = {}
+    for level in LEVELS:
+        cells = [row.cells[level.name] for row in rows if level.name in row.cells]
+        powers = [cell.power for cell in cells if cell.power is not None]
+        if cells:
+            largest = f"1e{max(powers):+03d}" if powers else "-"
+            found[level.name] = Counter(cell.outcome for cell in cells), largest
+    return found
+
+
+def print_rows(rows: Sequence[Row]) -> None:
+    """Print a line for each axis and level of fidelity, below them what is not exact, and the counts."""
+    from rich import box
+    from rich.table import Table
+
+    console = terminal()
+    for axis in dict.fromkeys(row.axis for row in rows):
+        here = [row for row in rows if row.axis == axis]
+        counted = counts(here)
+        outcomes = [name for name in OUTCOMES if any(count[name] for count, _ in counted.values())]
+        table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
+        table.add_column("level of fidelity", no_wrap=True)
+        for name in outcomes:
+            table.add_column(name, justify="right", no_wrap=True)
+        table.add_column("error up to", justify="right")
+        for level, (count, largest) in counted.items():
+            table.add_row(level, *(str(count[name]) for name in outcomes), largest)
+        console.print(f"\n{axis}", style="bold")
+        console.print(table)
+        for line in reasons(here):
+            console.print(f"- {line}")
+    total = sum((count for count, _ in counts(rows).values()), Counter[str]())
+    console.print("\n" + ", ".join(f"{total[name]} {name}" for name in OUTCOMES))

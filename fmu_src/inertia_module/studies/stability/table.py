@@ -1,4 +1,4 @@
-"""The map as a small table: a row for each extreme and layout, a cell for each rung.
+"""The map as a table: a row for each extreme and layout, a cell for each level of fidelity.
 
 A cell holds the verdict, the power of ten below which all relative errors stayed, and why it is not
 exact: coarse enough to be the same on any machine.
@@ -7,17 +7,18 @@ exact: coarse enough to be the same on any machine.
 from __future__ import annotations
 
 import csv
-import io
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-from ...results import TableError, write_text
-from .case import RUNGS
-from .verdict import BROKEN, EXACT, REFUSED, WORDS, Verdict, cause
+from ...harness import results
+from ...harness.results import TableError
+from .case import LEVELS
+from .verdict import BROKEN, EXACT, OUTCOMES, REFUSED, Verdict, cause
 
-HEADINGS = ("axis", "value", "layout", *(rung.name for rung in RUNGS))
+HEADINGS = ("axis", "value", "layout", *(level.name for level in LEVELS))
 # below this errors are rounding
 LEAST_POWER = -15
 SEPARATOR = " | "
@@ -25,19 +26,19 @@ SEPARATOR = " | "
 
 @dataclass(frozen=True)
 class Cell:
-    """Verdict on one rung: word, power of ten of the largest relative error (or None), and a reason."""
+    """Verdict at one level: outcome, power of ten of the largest relative error (or None), and a reason."""
 
-    word: str
+    outcome: str
     power: int | None = None
     reason: str = ""
 
     def __str__(self) -> str:
         size = "" if self.power is None else f"1e{self.power:+03d}"
-        return SEPARATOR.join(part for part in (self.word, size, self.reason) if part)
+        return SEPARATOR.join(part for part in (self.outcome, size, self.reason) if part)
 
     def agrees_with(self, other: Cell) -> bool:
         """Whether another machine may have measured it: the same verdict, errors within a power of ten."""
-        if self.word != other.word or self.reason != other.reason:
+        if (self.outcome, self.reason) != (other.outcome, other.reason):
             return False
         if self.power is None or other.power is None:
             return self.power is other.power
@@ -46,7 +47,7 @@ class Cell:
 
 @dataclass(frozen=True)
 class Row:
-    """An extreme with its cells by name of the rung (only those it says something about)."""
+    """An extreme with its cells by name of the level (only those it says something about)."""
 
     axis: str
     value: str
@@ -56,12 +57,11 @@ class Row:
 
 def cell_of(verdict: Verdict) -> Cell:
     """A verdict, coarsely."""
-    if verdict.word not in (REFUSED, BROKEN):
-        error = verdict.error
-        power = LEAST_POWER if error == 0.0 else max(LEAST_POWER, math.ceil(math.log10(error)))
-        missed = [name for name, figure in verdict.figures.items() if not figure.holds]
-        return Cell(verdict.word, power, ", ".join(missed))
-    return Cell(verdict.word, None, cause(verdict.reason))
+    if verdict.outcome in (REFUSED, BROKEN):
+        return Cell(verdict.outcome, None, cause(verdict.reason))
+    error = verdict.error
+    power = LEAST_POWER if error == 0.0 else max(LEAST_POWER, math.ceil(math.log10(error)))
+    return Cell(verdict.outcome, power, ", ".join(verdict.missed))
 
 
 def rows_of(verdicts: Iterable[Verdict]) -> list[Row]:
@@ -69,7 +69,7 @@ def rows_of(verdicts: Iterable[Verdict]) -> list[Row]:
     rows: dict[tuple[str, str, str], dict[str, Cell]] = {}
     for verdict in verdicts:
         key = (verdict.case.axis, verdict.case.extreme.value, verdict.case.layout)
-        rows.setdefault(key, {})[verdict.case.rung.name] = cell_of(verdict)
+        rows.setdefault(key, {})[verdict.case.level.name] = cell_of(verdict)
     return [Row(*key, cells) for key, cells in rows.items()]
 
 
@@ -77,33 +77,32 @@ def reasons(rows: Iterable[Row]) -> list[str]:
     """A line for each reason of a verdict that is not exact, with where it is given."""
     found: dict[tuple[str, str], list[str]] = {}
     for row in rows:
-        for rung, cell in row.cells.items():
-            if cell.word != EXACT:
-                found.setdefault((cell.word, cell.reason), []).append(f"{row.value} ({row.layout}, {rung})")
-    lines = []
-    for (word, reason), places in found.items():
-        where = "; ".join(places) if len(places) <= 6 else f"{len(places)} cases, the first: {places[0]}"
-        lines.append(f"{word}: {reason}. {where}.")
-    return lines
+        for level, cell in row.cells.items():
+            if cell.outcome != EXACT:
+                places = found.setdefault((cell.outcome, cell.reason), [])
+                places.append(f"{row.value} ({row.layout}, {level})")
+    return [
+        f"{outcome}: {reason}. "
+        + ("; ".join(places) if len(places) <= 6 else f"{len(places)} cases, the first: {places[0]}")
+        + "."
+        for (outcome, reason), places in found.items()
+    ]
 
 
-def write_rows(path: Path, rows: Sequence[Row]) -> Path:
+def write_rows(path: Path, rows: Iterable[Row]) -> Path:
     """Write the rows as CSV, whole or not at all."""
-    stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(HEADINGS)
-    for row in rows:
-        cells = [str(row.cells.get(rung.name, "")) for rung in RUNGS]
-        writer.writerow([row.axis, row.value, row.layout, *cells])
-    return write_text(path, stream.getvalue())
+    named = (
+        [row.axis, row.value, row.layout, *(row.cells.get(name, "") for name in HEADINGS[3:])] for row in rows
+    )
+    return results.write_rows(path, HEADINGS, named)
 
 
 def _read_cell(text: str, line: int) -> Cell:
-    word, *rest = text.split(SEPARATOR)
-    if word not in WORDS:
-        raise TableError(f"line {line}: {text!r} is refused: allowed are {', '.join(WORDS)}")
+    outcome, *rest = text.split(SEPARATOR)
+    if outcome not in OUTCOMES:
+        raise TableError(f"line {line}: a verdict must be one of {', '.join(OUTCOMES)}, is {text!r}")
     power = int(rest.pop(0)[2:]) if rest and rest[0].startswith("1e") else None
-    return Cell(word, power, SEPARATOR.join(rest))
+    return Cell(outcome, power, SEPARATOR.join(rest))
 
 
 def read_rows(path: Path) -> list[Row]:
@@ -112,13 +111,48 @@ def read_rows(path: Path) -> list[Row]:
     Raises:
         TableError: other headings, or a cell that is no verdict.
     """
-    lines = list(csv.reader(io.StringIO(path.read_text())))
+    lines = list(csv.reader(path.read_text().splitlines()))
     if not lines or tuple(lines[0]) != HEADINGS:
-        raise TableError(f"{path} is refused: allowed are the headings {', '.join(HEADINGS)}")
+        raise TableError(f"{path} must have the headings {', '.join(HEADINGS)}")
     rows = []
     for number, (axis, value, layout, *texts) in enumerate(lines[1:], 2):
         named = zip(HEADINGS[3:], texts, strict=True)
-        rows.append(
-            Row(axis, value, layout, {name: _read_cell(text, number) for name, text in named if text})
-        )
+        cells = {name: _read_cell(text, number) for name, text in named if text}
+        rows.append(Row(axis, value, layout, cells))
     return rows
+
+
+# --- every case with every figure ---
+
+
+def as_records(verdicts: Iterable[Verdict]) -> list[dict[str, Any]]:
+    """Verdicts as plain dictionaries with all figures and bounds."""
+    return [
+        {
+            "axis": verdict.case.axis,
+            "value": verdict.case.extreme.value,
+            "layout": verdict.case.layout,
+            "level": verdict.case.level.name,
+            "verdict": verdict.outcome,
+            "reason": verdict.reason,
+            "figures": {
+                name: {"value": figure.value, "bound": figure.bound}
+                for name, figure in verdict.figures.items()
+            },
+        }
+        for verdict in verdicts
+    ]
+
+
+def write_cases(path: Path, verdicts: Sequence[Verdict]) -> Path:
+    """Write a row for each case with every figure and its bound, as CSV, whole or not at all."""
+    names = list(dict.fromkeys(name for verdict in verdicts for name in verdict.figures))
+    rows = []
+    for record in as_records(verdicts):
+        figures = record.pop("figures")
+        measured = [figures.get(name, {}).get(part, "") for name in names for part in ("value", "bound")]
+        rows.append([*record.values(), *measured])
+    heads = ["axis", "value", "layout", "level", "verdict", "reason"]
+    return results.write_rows(
+        path, heads + [head for name in names for head in (name, f"{name}, bound")], rows
+    )

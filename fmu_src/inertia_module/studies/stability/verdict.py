@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-import math
 import re
 from dataclasses import dataclass, field
 
-from .bounds import BREACH, LARGEST_ERROR, accuracy_of, energy_bound, result_bound, work_bound
+from .bounds import BREACH, LARGEST_ERROR, energy_bound, result_bound, work_bound
 from .case import Case
-from .trial import Run, Trial, distance
+from .trial import Trial, distance, relative
 
 EXACT = "exact"
 SENSITIVE = "sensitive"
 DEGRADED = "degraded"
 REFUSED = "refused"
 BROKEN = "broken"
-WORDS = (EXACT, SENSITIVE, DEGRADED, REFUSED, BROKEN)
+OUTCOMES = (EXACT, SENSITIVE, DEGRADED, REFUSED, BROKEN)
 # figures that compare two runs of one motion, and all that are relative errors
 COMPARED = ("long against short steps", "error", "error, short steps")
 RELATIVE = ("energy residual", "energy residual, short steps", *COMPARED)
@@ -39,13 +38,13 @@ class Verdict:
     """Verdict on a case.
 
     Attributes:
-        word: exact, sensitive, degraded, refused or broken. reason: message, or which bound is missed by
+        outcome: exact, sensitive, degraded, refused or broken. reason: message, or which bound is missed by
             how much.
         figures: by name, measured and allowed.
     """
 
     case: Case
-    word: str
+    outcome: str
     reason: str = ""
     figures: dict[str, Figure] = field(default_factory=dict)
 
@@ -54,47 +53,38 @@ class Verdict:
         """Largest relative error seen: energy residual, long against short, against the tight run."""
         return max((self.figures[name].value for name in RELATIVE if name in self.figures), default=0.0)
 
+    @property
+    def missed(self) -> list[str]:
+        """Names of the figures beyond their bounds."""
+        return [name for name, figure in self.figures.items() if not figure.holds]
+
 
 def cause(message: str) -> str:
     """What a refusal says is wrong, without the values and what is allowed."""
-    found = re.search(r"(?:refused|given up)[^:;]*: ([^;]*)", message)
+    found = re.search(r": ([^;]*)", message)
     return found.group(1).strip() if found else message
 
 
 def measure(trial: Trial) -> dict[str, Figure]:
     """All figures of a trial that ran through, by name."""
-    case, long, short, tight = trial.case, trial.long, trial.short, trial.tight
-    assert short is not None
-    accuracy = accuracy_of(case)
-    energy = energy_bound(accuracy)
-    result = result_bound(accuracy, trial.sensitivity)
-    figures = {
-        "energy residual": Figure(_part(long.residual, long.energy), energy),
-        "energy residual, short steps": Figure(_part(short.residual, short.energy), energy),
-        "long against short steps": Figure(distance(long, short), result),
-        "speed against a freewheel": Figure(_worst(long, short, "reversal", "speed"), BREACH),
-        "torque against a freewheel": Figure(_worst(long, short, "pull", "torque"), BREACH),
-        "work": _work(case, long),
-        "work, short steps": _work(case, short),
-    }
+    case, long, tight = trial.case, trial.long, trial.tight
+    assert trial.short is not None
+    result = result_bound(case.accuracy, trial.sensitivity)
+    runs = {"": long, ", short steps": trial.short}
+    figures = {}
+    for suffix, run in runs.items():
+        residual = relative(run.residual, run.energy)
+        figures[f"energy residual{suffix}"] = Figure(residual, energy_bound(case.accuracy))
+    figures["long against short steps"] = Figure(distance(long, trial.short), result)
+    for scale, breach in (("speed", "reversal"), ("torque", "pull")):
+        worst = max(relative(getattr(run, breach), getattr(run, scale)) for run in runs.values())
+        figures[f"{scale} against a freewheel"] = Figure(worst, BREACH)
+    for suffix, run in runs.items():
+        allowed = work_bound(case, run.phase, run.steps, run.fixed_steps)
+        figures[f"work{suffix}"] = Figure(run.evaluations, allowed)
     if tight is not None:
-        figures["error"] = Figure(distance(tight, long), result)
-        figures["error, short steps"] = Figure(distance(tight, short), result)
+        figures |= {f"error{suffix}": Figure(distance(tight, run), result) for suffix, run in runs.items()}
     return figures
-
-
-def _part(value: float, whole: float) -> float:
-    if value == 0.0:
-        return 0.0
-    return value / whole if whole > 0.0 else math.inf
-
-
-def _worst(long: Run, short: Run, name: str, scale: str) -> float:
-    return max(_part(getattr(run, name), getattr(run, scale)) for run in (long, short))
-
-
-def _work(case: Case, run: Run) -> Figure:
-    return Figure(run.evaluations, work_bound(case, run.phase, run.steps, run.fixed_steps))
 
 
 def judge(trial: Trial) -> Verdict:
@@ -106,10 +96,8 @@ def judge(trial: Trial) -> Verdict:
     unusable is broken: a bug.
     """
     case, long, short = trial.case, trial.long, trial.short
-    if trial.exception:
-        return Verdict(case, BROKEN, trial.exception)
-    if long.broken:
-        return Verdict(case, BROKEN, long.broken)
+    if trial.exception or long.broken:
+        return Verdict(case, BROKEN, trial.exception or long.broken)
     if long.refused:
         return Verdict(case, REFUSED, long.refused)
     if short is None or short.refused:
@@ -118,8 +106,8 @@ def judge(trial: Trial) -> Verdict:
         return Verdict(case, BROKEN, "an output is not finite")
     figures = measure(trial)
     missed = {name: figure for name, figure in figures.items() if not figure.holds}
-    word = DEGRADED if missed else EXACT
+    outcome = DEGRADED if missed else EXACT
     if missed and trial.sensitivity > LARGEST_ERROR and set(missed) <= set(COMPARED):
-        word = SENSITIVE
+        outcome = SENSITIVE
     reasons = [f"{name} {figure.value:.0e}, bound {figure.bound:.0e}" for name, figure in missed.items()]
-    return Verdict(case, word, "; ".join(reasons), figures)
+    return Verdict(case, outcome, "; ".join(reasons), figures)

@@ -1,0 +1,94 @@
+"""Files that are either whole or not there, a hash of them, and the folder where results are kept."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import sys
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+
+PACKAGE_FOLDER = Path(__file__).parent.parent
+
+
+def cache_folder() -> Path:
+    """Where compiled kernels are kept; the environment variable INERTIA_MODULE_CACHE overrides it."""
+    chosen = os.environ.get("INERTIA_MODULE_CACHE")
+    if chosen:
+        return Path(chosen)
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA", str(Path.home()))) / "inertia-module"
+    if sys.platform == "darwin":
+        return Path.home() / "Library" / "Caches" / "inertia-module"
+    return Path(os.environ.get("XDG_CACHE_HOME", str(Path.home() / ".cache"))) / "inertia-module"
+
+
+def sources(*patterns: str) -> dict[str, bytes]:
+    """Files of this package: path within it, and content.
+
+    Args:
+        patterns: paths within the package; `*` stands for any name.
+
+    Raises:
+        FileNotFoundError: a pattern finds no file.
+    """
+    found: dict[str, bytes] = {}
+    for pattern in patterns:
+        paths = [path for path in PACKAGE_FOLDER.glob(pattern) if path.is_file()]
+        if not paths:
+            raise FileNotFoundError(f"the package has no file {pattern}")
+        found |= {path.relative_to(PACKAGE_FOLDER).as_posix(): path.read_bytes() for path in paths}
+    return found
+
+
+def content_hash(files: Mapping[str, bytes]) -> str:
+    """Hash over names and contents, 32 hexadecimal digits."""
+    digest = hashlib.sha256()
+    for name, content in sorted(files.items()):
+        digest.update(name.encode() + b"\0" + len(content).to_bytes(8, "little") + content)
+    return digest.hexdigest()[:32]
+
+
+def _is_there(path: Path) -> bool:
+    try:
+        path.lstat()
+    except (FileNotFoundError, NotADirectoryError):
+        return False
+    return True
+
+
+def writable_folder(folder: Path) -> Path:
+    """The folder, if files can be written to it or it can be made; it is not made yet.
+
+    Raises:
+        OSError: they cannot; why, in a sentence.
+    """
+    demand = f"{folder} must be a folder that can be written to"
+    try:
+        place = next(place for place in (folder, *folder.absolute().parents) if _is_there(place))
+        if not place.is_dir():
+            raise OSError(f"{demand}: {place} is not a folder")
+        with tempfile.TemporaryFile(dir=place):
+            pass
+    except OSError as error:
+        raise error if error.errno is None else OSError(f"{demand}: {error.strerror}") from error
+    return folder
+
+
+def write_atomically(path: Path, content: bytes) -> None:
+    """Write a file so that it is either whole or not there, whoever else writes it.
+
+    Raises:
+        OSError: its folder cannot be written to.
+    """
+    writable_folder(path.parent).mkdir(parents=True, exist_ok=True)
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=path.name)
+    try:
+        with os.fdopen(handle, "wb") as stream:
+            stream.write(content)
+        os.chmod(name, 0o644)
+        os.replace(name, path)
+    except BaseException:
+        os.unlink(name)
+        raise

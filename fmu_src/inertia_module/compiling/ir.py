@@ -1,0 +1,216 @@
+"""A kernel as LLVM IR for no processor in particular: machine code for every platform is made from it.
+
+Numba translates the same files that run as plain Python. It does so in a process of its own, whose
+environment leaves nothing to chance: the same source gives the same text.
+"""
+
+from __future__ import annotations
+
+import functools
+import importlib
+import importlib.metadata
+import importlib.util
+import lzma
+import os
+import platform
+import re
+import subprocess
+import sys
+import types
+from pathlib import Path
+from typing import Any
+
+from .. import kernel
+from ..common.files import PACKAGE_FOLDER, cache_folder, content_hash, sources, write_atomically
+from .kernels import ENTRIES, CompilationUnavailable, Entry
+from .records import Field, place, size
+
+# order of numba's sets, and the processor it takes for the host: what the text would depend on
+ENVIRONMENT = {"PYTHONHASHSEED": "0", "NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
+NEEDED = ("numba", "llvmlite")
+
+
+@functools.cache
+def jitted_kernel(entry: str = "entry") -> dict[str, types.ModuleType]:
+    """A second copy of a kernel module and all it imports, by name, every function wrapped by numba.
+
+    Raises:
+        ImportError: numba is not installed.
+    """
+    numba: Any = importlib.import_module("numba")
+    package = types.ModuleType(f"{kernel.__name__}_for_numba")
+    package.__path__ = [str(PACKAGE_FOLDER / "kernel")]
+    prefix = package.__name__ + "."
+    sys.modules[package.__name__] = package
+    try:
+        importlib.import_module(prefix + entry)
+        modules = {
+            name.removeprefix(prefix): module
+            for name, module in sys.modules.items()
+            if name.startswith(prefix)
+        }
+    finally:
+        for name in [name for name in sys.modules if name.startswith(package.__name__)]:
+            del sys.modules[name]
+    numpy: Any = importlib.import_module("numpy")
+    wrapped: dict[int, Any] = {}
+    for module in modules.values():
+        for name, value in list(vars(module).items()):
+            if isinstance(value, types.FunctionType):
+                if id(value) not in wrapped:
+                    wrapped[id(value)] = numba.njit(error_model="numpy")(value)
+                setattr(module, name, wrapped[id(value)])
+            elif type(value) is int:
+                # numba compiles a function anew for each Python constant it is called with, not for these
+                setattr(module, name, numpy.int64(value))
+            elif type(value) is tuple and value and all(type(number) in (int, float) for number in value):
+                setattr(
+                    module, name, numpy.array(value)
+                )  # a table: a constant in the code, indexed at run time
+    return modules
+
+
+def data_type(fields: tuple[Field, ...]) -> Any:
+    """NumPy's type of a record (see records.record_type), which numba takes."""
+    numpy: Any = importlib.import_module("numpy")
+    names, formats, offsets = [], [], []
+    for field in fields:
+        name, kind, *count = (field, 1) if isinstance(field, str) else field
+        inner = (numpy.float64, (kind,)) if isinstance(kind, int) else data_type(kind)
+        names.append(name)
+        formats.append(numpy.float64 if isinstance(field, str) else (inner, tuple(count)) if count else inner)
+        offsets.append(8 * place(fields, name))
+    numbers = size(fields)
+    return numpy.dtype(
+        {
+            "names": [*names, "numbers"],
+            "formats": [*formats, (numpy.float64, (numbers,))],
+            "offsets": [*offsets, 0],
+            "itemsize": 8 * numbers,
+        }
+    )
+
+
+def translate(which: Entry) -> str:
+    """LLVM IR of an entry, as numba makes it from the kernel's source."""
+    numba: Any = importlib.import_module("numba")
+    nt = numba.types
+    carray = numba.carray
+    call = jitted_kernel(which.module)[which.module].call
+
+    def entry(operation, p, d, u, x, y, w, h):  # type: ignore[no-untyped-def]
+        return call(
+            operation,
+            carray(p, 1)[0],
+            carray(d, 1)[0],
+            carray(u, 1)[0],
+            carray(x, 1)[0],
+            carray(y, 1)[0],
+            carray(w, 1)[0],
+            h,
+        )
+
+    pointers = [nt.CPointer(numba.from_dtype(data_type(fields))) for fields in which.records]
+    signature = nt.int64(nt.int64, *pointers, nt.float64)
+    function = numba.cfunc(signature, error_model="numpy")(entry)
+    text: str = function.inspect_llvm()
+    return for_any_processor(text.replace(function.native_name, which.symbol))
+
+
+def for_any_processor(ir: str) -> str:
+    """Without the target, and with numba's error path trapping.
+
+    The kernel raises nothing and allocates nothing, so that path is never taken.
+    """
+    ir = re.sub(r"^target (datalayout|triple) = .*\n", "", ir, flags=re.M)
+    # the counting of references of arrays, of which there are none: they belong to the caller
+    ir = re.sub(r"@llvm\.x86\.atomic\.\w+(\.\w+)*", "@numba_atomic", ir)
+    ir = re.sub(
+        r"^declare ([^@\n]*)@((?:NRT|numba|Py|_Py)\w*)\(([^)]*)\)[^\n]*$",
+        lambda found: (
+            f"define internal {found[1]}@{found[2]}({found[3].replace('immarg', '')}) {{\n"
+            "  call void @llvm.trap()\n  unreachable\n}"
+        ),
+        ir,
+        flags=re.M,
+    )
+    ir = re.sub(r"^@(Py\w+) = external global i8.*$", r"@\1 = internal global i8 0", ir, flags=re.M)
+    return without_aliases(ir) + "\ndeclare void @llvm.trap()\n"
+
+
+def without_aliases(ir: str) -> str:
+    """Tell that no two of the arrays p, d, u, x, y, w overlap: a store to one leaves the others."""
+
+    def marked(head: re.Match[str]) -> str:
+        return re.sub(r"\bptr ((?:[\w()]+ )*%arg\.[pduxyw]\b)", r"ptr noalias \1", head[0])
+
+    return re.sub(r"^define .*$", marked, ir, flags=re.M)
+
+
+def _version(package: str) -> str:
+    try:
+        return importlib.metadata.version(package)
+    except importlib.metadata.PackageNotFoundError:
+        raise CompilationUnavailable(
+            f"{package} is not installed; it comes with the extra inertia-module[fast]"
+        ) from None
+
+
+def tool_versions(*packages: str) -> dict[str, bytes]:
+    """Versions of Python and of packages, by name.
+
+    Raises:
+        CompilationUnavailable: one of them is not installed.
+    """
+    python = {platform.python_implementation(): platform.python_version()}
+    versions = python | {package: _version(package) for package in packages}
+    return {name: version.encode() for name, version in versions.items()}
+
+
+def made_from() -> dict[str, bytes]:
+    """All that the text depends on: source of the kernel, what translates it, versions of the tools.
+
+    Raises:
+        CompilationUnavailable: a tool is not installed.
+    """
+    return sources(
+        "kernel/**/*.py", "compiling/kernels.py", "compiling/records.py", "compiling/ir.py"
+    ) | tool_versions(*NEEDED)
+
+
+def _path(name: str) -> Path:
+    return cache_folder() / f"{name}-{content_hash(made_from())[:16]}.ll.xz"
+
+
+def is_cached(name: str) -> bool:
+    """Whether kernel_ir will find the text of this source in the cache."""
+    return _path(name).exists()
+
+
+def kernel_ir(name: str) -> str:
+    """LLVM IR of an entry, from the cache or, the first time ever, translated: two minutes or three.
+
+    Args:
+        name: one of ENTRIES.
+
+    Raises:
+        CompilationUnavailable: numba is not installed, or fails.
+    """
+    path = _path(name)
+    if not path.exists():
+        environment = {key: value for key, value in os.environ.items() if not key.startswith("NUMBA_")}
+        # the package of this file, wherever it lies
+        environment |= ENVIRONMENT | {"PYTHONPATH": str(PACKAGE_FOLDER.parent)}
+        command = [sys.executable, "-m", __name__, name, str(path)]
+        done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+        if done.returncode != 0:
+            raise CompilationUnavailable(f"numba fails: {done.stderr.strip()[-2000:]}")
+    return lzma.decompress(path.read_bytes()).decode()
+
+
+def _main(name: str, path: str) -> None:
+    write_atomically(Path(path), lzma.compress(translate(ENTRIES[name]).encode()))
+
+
+if __name__ == "__main__":
+    _main(*sys.argv[1:])

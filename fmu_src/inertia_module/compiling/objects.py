@@ -1,0 +1,106 @@
+"""Machine code of a kernel for any processor and system, from its LLVM IR."""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+from ..common.files import cache_folder, content_hash, sources, write_atomically
+from . import ir as kernel_ir
+from .kernels import ENTRIES, CompilationUnavailable, Entry
+
+# what every evaluation of the equations of motion calls: made part of its callers, which then leave out
+# the derivatives they do not want. The compiler by itself finds them too long.
+INLINED = ("inertia.reduced_inertia", "sine.sine_cosine", "sine.sines_cosines")
+
+
+def binding() -> Any:
+    """The binding of llvmlite.
+
+    Raises:
+        CompilationUnavailable: llvmlite is not installed.
+    """
+    try:
+        found: Any = importlib.import_module("llvmlite.binding")
+    except ImportError as error:
+        raise CompilationUnavailable(f"{error}; it comes with the extra inertia-module[fast]") from None
+    return found
+
+
+def host_machine() -> tuple[Any, str]:
+    """Target machine of this processor, and a label of it."""
+    llvm = binding()
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    name, features = llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
+    target = llvm.Target.from_default_triple()
+    return _machine(target, name, features), f"{target.triple}-{name}-{features}"
+
+
+def target_machine(triple: str, processor: str) -> tuple[Any, str]:
+    """Target machine of a platform, and a label: by LLVM triple and the least of its processors."""
+    llvm = binding()
+    llvm.initialize_all_targets()
+    llvm.initialize_all_asmprinters()
+    target = llvm.Target.from_triple(triple)
+    return _machine(target, processor, ""), f"{triple}-{processor}"
+
+
+def _machine(target: Any, processor: str, features: str) -> Any:
+    # Code finds all by its distance from itself, within 2 GB. llvmlite's own choice writes whole addresses
+    # into the code: the loader of macOS lets no one do that.
+    return target.create_target_machine(
+        cpu=processor, features=features, opt=3, reloc="pic", codemodel="small"
+    )
+
+
+def _is_inlined(symbol: str) -> bool:
+    """Whether numba's symbol, in which each part of a name follows its length, is one of INLINED."""
+    names = ("".join(f"{len(part)}{part}" for part in name.split(".")) for name in INLINED)
+    return any(f"{name}B" in symbol for name in names)
+
+
+def compile_ir(ir: str, which: Entry, machine: Any) -> bytes:
+    """Object file with the entry as its only visible function."""
+    llvm = binding()
+    module = llvm.parse_assembly(ir)
+    module.triple = machine.triple
+    module.data_layout = str(machine.target_data)
+    for function in module.functions:
+        if function.name == which.symbol:
+            function.visibility = "hidden"  # no other library may put its own in its place
+        elif not function.is_declaration:
+            function.linkage = "internal"
+        if _is_inlined(function.name):
+            function.add_function_attribute("alwaysinline")
+    for variable in module.global_variables:
+        if not variable.is_declaration:
+            variable.linkage = "internal"
+    builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=3))
+    builder.getModulePassManager().run(module, builder)
+    return bytes(machine.emit_object(module))
+
+
+def made_from() -> dict[str, bytes]:
+    """All that machine code depends on besides the platform.
+
+    Raises:
+        CompilationUnavailable: a tool is not installed.
+    """
+    return kernel_ir.made_from() | sources("compiling/objects.py")
+
+
+def object_file(name: str, machine: Any, label: str) -> bytes:
+    """Object file of an entry, kept in the cache.
+
+    Args:
+        name: one of ENTRIES. machine: target machine. label: what the machine is, for the cache.
+
+    Raises:
+        CompilationUnavailable: numba or llvmlite is not installed, or fails.
+    """
+    digest = content_hash(made_from() | {"platform": label.encode()})[:16]
+    path = cache_folder() / f"{name}-{digest}.o"
+    if not path.exists():
+        write_atomically(path, compile_ir(kernel_ir.kernel_ir(name), ENTRIES[name], machine))
+    return path.read_bytes()

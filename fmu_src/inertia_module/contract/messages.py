@@ -1,0 +1,118 @@
+"""The sentences for what the kernel of the module refuses: names, values and what is allowed.
+
+Each status and each warning has one; {name} in it stands for the value of that parameter or input,
+{omega1_rate} and the like for the rates given, {step} for the communication step. Python and the native
+FMU fill them in.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from ..common.errors import must_be
+from ..kernel import codes
+from .variables import BY_NAME, LARGEST_STEP, Variable
+
+
+def named(*names: str) -> str:
+    """Names and values, separated by commas."""
+    return ", ".join(f"{name} = {{{name}}}" for name in names)
+
+
+def bad_input(variable: Variable) -> str:
+    """Sentence for an input that is not finite or absurd."""
+    return must_be(variable.name, variable.allowed, f"{{{variable.name}}}")
+
+
+def bad_rate(variable: Variable) -> str:
+    """Sentence for a rate that makes an input absurd within the step."""
+    name = variable.name
+    return (
+        f"the rate of {name} must keep it {variable.allowed} over {{step}} s, is {{{name}_rate}}"
+        f" {variable.unit}/s from {named(name)}"
+    )
+
+
+BAD_STEP = must_be("communication step", f"above 0 and at most {LARGEST_STEP:g} s", "{step}")
+_GIVEN_UP = "communication step = {step} s is given up: "
+
+
+def not_finite(*inputs: Variable) -> str:
+    """Sentence for a motion that overflows with these inputs."""
+    *others, last = (f"{named(variable.name)} {variable.unit}" for variable in inputs)
+    listed = f"{', '.join(others)} and {last}"
+    return f"{_GIVEN_UP}the motion leaves the range of doubles with {listed}; it must stay below 1e300"
+
+
+MESSAGES: Mapping[int, str] = {
+    codes.NO_RECTIFIER: (
+        f"with {named('fidelity')} (averaged) housing_freewheel and output_freewheel must both be 1, are"
+        " {housing_freewheel} and {output_freewheel}: without both freewheels nothing rectifies the pulses"
+        " and there is no mean torque"
+    ),
+    codes.SINGULAR: (
+        f"with {named('drive_inertia', 'a', 'b', 'eccentricity', 'imbalance_mass')} link2_inertia must be"
+        " above 0 by more than rounding, is {link2_inertia}: the inertia behind link 2 vanishes where the"
+        " imbalance rests in link 1 (a = b, or no eccentricity); drive_inertia above 0 or a different from b"
+        " helps too"
+    ),
+    codes.BAD_START_HOUSING: (
+        "with the housing freewheel omega2_start must be at least 0, is {omega2_start}"
+    ),
+    codes.BAD_START_OUTPUT: (
+        f"with the output freewheel omega_out_start must be at least {named('omega2_start')}, is"
+        " {omega_out_start}"
+    ),
+    codes.BAD_START_RIGID: (
+        f"without the output freewheel omega_out_start must be {named('omega2_start')}, is"
+        " {omega_out_start}"
+    ),
+    codes.NO_INPUT_INERTIA: (
+        f"with {named('drive')} (torque) input_inertia, with that of the engine or motor, must be above 0 by"
+        " more than rounding, is {input_inertia}: the speed of link 1 follows from a torque only where it has"
+        " inertia"
+    ),
+    codes.PRESCRIBED: (
+        f"with {named('drive')} (torque) fidelity must be 1 (averaged), 2 (rigid) or 3 (elastic), is"
+        " {fidelity} (kinematic): the motion is prescribed, so no torque can make it"
+    ),
+    codes.BAD_OMEGA1: bad_input(BY_NAME["omega1"]),
+    codes.BAD_LOAD_TORQUE: bad_input(BY_NAME["load_torque"]),
+    codes.BAD_OMEGA1_RATE: bad_rate(BY_NAME["omega1"]),
+    codes.BAD_LOAD_TORQUE_RATE: bad_rate(BY_NAME["load_torque"]),
+    codes.BAD_DRIVE_TORQUE: bad_input(BY_NAME["drive_torque"]),
+    codes.BAD_DRIVE_TORQUE_RATE: bad_rate(BY_NAME["drive_torque"]),
+    codes.BAD_STEP: BAD_STEP,
+    codes.TOO_MANY_SWITCHES: (
+        f"{_GIVEN_UP}the freewheels switch without end; they must switch at most 1000 times and 64 more a"
+        " pulse"
+    ),
+    codes.TOO_MUCH_WORK: (
+        f"{_GIVEN_UP}it takes more than 5e7 evaluations of the mechanism; the communication step must be"
+        " shorter or tolerance larger"
+    ),
+    codes.STEP_TOO_SMALL: (
+        f"{_GIVEN_UP}no internal step meets {named('tolerance')}; tolerance or link2_inertia must be larger"
+    ),
+    codes.NOT_FINITE: not_finite(BY_NAME["omega1"], BY_NAME["load_torque"], BY_NAME["drive_torque"]),
+}
+
+# what a mechanism that is accepted is warned of, by the numbers of kernel.clearance
+WARNINGS: Mapping[int, str] = {
+    codes.PLANAR_OVERLAP: (
+        "the {satellites} satellites of a module overlap: (sun_radius + satellite_radius) sin(pi/satellites)"
+        " must be at least satellite_radius = {satellite_radius} m, with sun_radius = {sun_radius} m"
+    ),
+    codes.BEVEL_OVERLAP: (
+        "the {satellites} satellites of a module overlap: sin(pi/satellites) sqrt(1 + 2 s cos(shaft_angle) +"
+        " s^2) must be at least 1, with s = z17/z6 = {z17}/{z6} and shaft_angle = {shaft_angle} rad"
+    ),
+    codes.PLANAR_OUTSIDE: (
+        "the imbalance is outside its satellite: eccentricity must be at most satellite_radius ="
+        " {satellite_radius} m, is {eccentricity} m"
+    ),
+    codes.BEVEL_OUTSIDE: (
+        "the imbalance is outside the pitch cone of its satellite: a must be at most 1 and at most b = {b},"
+        " is {a}"
+    ),
+}

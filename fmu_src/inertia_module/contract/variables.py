@@ -1,0 +1,334 @@
+"""The table of variables of the module, and what a variable is.
+
+The FMU description, the argument checks and docs/variables.md use it. Names and meanings are the contract of the module; the kernel's records have fields of
+these names.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from ..common.errors import Refused, must_be
+from ..common.units import BOOLEANS, number_of
+from ..kernel import limits
+
+REAL = "Real"
+INTEGER = "Integer"
+BOOLEAN = "Boolean"
+ENUMERATION = "Enumeration"
+
+INPUT = "input"
+OUTPUT = "output"
+LOCAL = "local"
+PARAMETER = "parameter"
+
+# what a value depends on besides the speeds: the start, whence it is a sum, or an angle
+SINCE_START = "a sum since the start"
+LINK1_ANGLE = "the angle of link 1"
+DRIVE_ANGLE = "the angle of the drive"
+
+# what the kernel takes for absurd
+LARGEST_SPEED: float = limits.LARGEST_SPEED
+LARGEST_TORQUE: float = limits.LARGEST_TORQUE
+LARGEST_STEP: float = limits.LARGEST_STEP
+
+# FMI base units: exponents of kg, m, s, rad
+UNITS: dict[str, dict[str, int]] = {
+    "1": {},
+    "rad": {"rad": 1},
+    "rad/s": {"rad": 1, "s": -1},
+    "rad/s2": {"rad": 1, "s": -2},
+    "m": {"m": 1},
+    "m/s": {"m": 1, "s": -1},
+    "m/s2": {"m": 1, "s": -2},
+    "s": {"s": 1},
+    "kg": {"kg": 1},
+    "kg.m2": {"kg": 1, "m": 2},
+    "N.m": {"kg": 1, "m": 2, "s": -2},
+    "N.m/rad": {"kg": 1, "m": 2, "s": -2, "rad": -1},
+    "N.m.s/rad": {"kg": 1, "m": 2, "s": -1, "rad": -1},
+    "J": {"kg": 1, "m": 2, "s": -2},
+}
+
+# display units: name and factor from the base unit
+DISPLAY_UNITS: dict[str, tuple[str, float]] = {
+    "rad": ("deg", 180.0 / math.pi),
+    "rad/s": ("rpm", 30.0 / math.pi),
+}
+
+ENUMERATIONS: dict[str, tuple[tuple[str, int, str], ...]] = {
+    "Layout": (
+        ("bevel", 0, "bevel differential, satellites on a bevel wheel (Karetin)"),
+        ("planar", 1, "planar differential, satellites rolling on a sun wheel (Lysenko)"),
+    ),
+    "Fidelity": (
+        ("kinematic", 0, "speed ratio prescribed, torques by inverse dynamics"),
+        ("averaged", 1, "mean torques and speeds"),
+        ("rigid", 2, "pulses and freewheels, rigid shafts"),
+        ("elastic", 3, "rigid, with an elastic output shaft and a driven mass behind it"),
+    ),
+    "Method": (
+        ("event", 0, "high order between located events"),
+        ("timestepping", 1, "fixed steps of max_step, complementarity on impulses"),
+    ),
+    "Drive": (
+        ("speed", 0, "omega1 is given, the input torque follows"),
+        ("torque", 1, "drive_torque is given, the speed of link 1 follows"),
+    ),
+    "InputHold": (
+        ("constant", 0, "omega1 constant between communication points"),
+        ("linear", 1, "omega1 extrapolated linearly from the last two values"),
+    ),
+    "ContactMode": (
+        ("held", 0, "link 2 held by the housing freewheel, output shaft coasting"),
+        ("free", 1, "both freewheels open"),
+        ("driving", 2, "link 2 drives the output shaft"),
+        ("held_driving", 3, "link 2 and the output shaft both at rest"),
+    ),
+}
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One variable of the module.
+
+    Attributes:
+        name: name in the FMU. kind: Real, Integer, Boolean or Enumeration.
+        causality, variability: as in FMI 2.0. unit: of UNITS ("" where it has none).
+        start: start value (None: calculated). minimum, maximum, nominal: or None.
+        description: one sentence. enumeration: name in ENUMERATIONS, or "".
+        follows: what it depends on besides the speeds: SINCE_START, LINK1_ANGLE, DRIVE_ANGLE, or "".
+    """
+
+    name: str
+    kind: str
+    causality: str
+    variability: str
+    unit: str
+    start: float | None
+    minimum: float | None
+    maximum: float | None
+    nominal: float | None
+    description: str
+    enumeration: str = ""
+    follows: str = ""
+
+    @property
+    def allowed(self) -> str:
+        """The allowed values, as they follow "must be"."""
+        if self.kind == BOOLEAN:
+            return "true or false"
+        if self.kind == ENUMERATION:
+            *others, last = (f"{number} ({name})" for name, number, _ in ENUMERATIONS[self.enumeration])
+            return f"{', '.join(others)} or {last}"
+        low = -math.inf if self.minimum is None else self.minimum
+        high = math.inf if self.maximum is None else self.maximum
+        unit = f" {self.unit}" if self.unit not in ("", "1") else ""
+        number = "a whole number " if self.kind == INTEGER else ""
+        return f"{number}between {low:.16g} and {high:.16g}{unit}"
+
+    @property
+    def items(self) -> Mapping[str, float] | None:
+        """Numbers by name, where it is an enumeration or a Boolean."""
+        if self.kind == BOOLEAN:
+            return BOOLEANS
+        if self.kind == ENUMERATION:
+            return {name: float(number) for name, number, _ in ENUMERATIONS[self.enumeration]}
+        return None
+
+    def number(self, value: Any) -> float:
+        """The number that it accepts for a value: a number, a string with a unit, the name of an item.
+
+        Raises:
+            Refused: it is none of these, or out of its range.
+        """
+        try:
+            number = value if isinstance(value, float) else number_of(value, self.unit or "1", self.items)
+        except ValueError:
+            raise Refused(must_be(self.name, self.allowed, repr(value))) from None
+        if not self.accepts(number):
+            raise Refused(must_be(self.name, self.allowed, number))
+        return number
+
+    def accepts(self, value: float) -> bool:
+        """Whether a value is finite, whole where it has to be, and within the range."""
+        if not math.isfinite(value):
+            return False
+        if self.kind != REAL and value != math.floor(value):
+            return False
+        if self.kind == BOOLEAN:
+            return value in (0.0, 1.0)
+        if self.kind == ENUMERATION:
+            return any(value == number for _, number, _ in ENUMERATIONS[self.enumeration])
+        return (self.minimum is None or value >= self.minimum) and (
+            self.maximum is None or value <= self.maximum
+        )
+
+
+def _input(name: str, unit: str, limit: float, nominal: float, text: str) -> Variable:
+    return Variable(name, REAL, INPUT, "continuous", unit, 0.0, -limit, limit, nominal, text)
+
+
+def _signal(
+    causality: str,
+    name: str,
+    unit: str,
+    nominal: float | None,
+    text: str,
+    minimum: float | None = None,
+    follows: str = "",
+) -> Variable:
+    return Variable(
+        name, REAL, causality, "continuous", unit, None, minimum, None, nominal, text, follows=follows
+    )
+
+
+def _counter(name: str, text: str, minimum: float | None = 0.0) -> Variable:
+    return Variable(name, REAL, LOCAL, "discrete", "1", None, minimum, None, None, text, follows=SINCE_START)
+
+
+def _real(
+    name: str,
+    unit: str,
+    start: float,
+    low: float,
+    high: float,
+    text: str,
+    nominal: float | None = None,
+) -> Variable:
+    return Variable(name, REAL, PARAMETER, "fixed", unit, start, low, high, nominal, text)
+
+
+def _whole(name: str, start: int, low: int, high: int, text: str) -> Variable:
+    return Variable(name, INTEGER, PARAMETER, "fixed", "", start, low, high, None, text)
+
+
+def _choice(name: str, enumeration: str, start: int, text: str) -> Variable:
+    items = ENUMERATIONS[enumeration]
+    return Variable(
+        name,
+        ENUMERATION,
+        PARAMETER,
+        "fixed",
+        "",
+        start,
+        items[0][1],
+        items[-1][1],
+        None,
+        text,
+        enumeration,
+    )
+
+
+def _switch(name: str, start: bool, text: str) -> Variable:
+    return Variable(name, BOOLEAN, PARAMETER, "fixed", "", float(start), None, None, None, text)
+
+
+_INERTIA_LIMIT = 1e12
+_SPEED_START_LIMIT = 1e6
+
+VARIABLES: tuple[Variable, ...] = (
+    _input("omega1", "rad/s", LARGEST_SPEED, 100.0, "speed of link 1 (with drive = torque only that at the start)"),
+    _input("load_torque", "N.m", LARGEST_TORQUE, 10.0, "torque of the load on the output shaft, positive against the motion"),
+    _input("drive_torque", "N.m", LARGEST_TORQUE, 10.0, "torque on link 1 (with drive = torque, else without effect)"),
+    _signal(OUTPUT, "omega2", "rad/s", 100.0, "speed of link 2, the output link of the differential"),
+    _signal(OUTPUT, "omega_out", "rad/s", 100.0, "speed of the output shaft (driven mass if elastic)"),
+    _signal(OUTPUT, "input_torque", "N.m", 100.0, "torque M1 on link 1 at this instant"),
+    _signal(OUTPUT, "mesh_torque", "N.m", 100.0, "torque M2 of the mesh on link 2 at this instant"),
+    _signal(OUTPUT, "output_torque", "N.m", 100.0, "torque Tc in the output freewheel at this instant"),
+    _signal(OUTPUT, "housing_torque", "N.m", 100.0, "torque Th in the housing freewheel at this instant"),
+    _signal(OUTPUT, "input_torque_mean", "N.m", 100.0, "mean of M1 over the last communication step, impulses included"),
+    _signal(OUTPUT, "output_torque_mean", "N.m", 100.0, "mean of Tc over the last communication step, impulses included"),
+    _signal(OUTPUT, "imbalance_acceleration", "m/s2", 1e3, "magnitude of the absolute acceleration of imbalance 0 of module 0", 0.0, follows=DRIVE_ANGLE),
+    _signal(OUTPUT, "imbalance_acceleration_x", "m/s2", 1e3, "its component along the central axis Ox (fixed frame)", follows=DRIVE_ANGLE),
+    _signal(OUTPUT, "imbalance_acceleration_y", "m/s2", 1e3, "its component along Oy (fixed frame)", follows=LINK1_ANGLE),
+    _signal(OUTPUT, "imbalance_acceleration_z", "m/s2", 1e3, "its component along Oz (fixed frame)", follows=LINK1_ANGLE),
+    _signal(OUTPUT, "input_speed", "rad/s", 100.0, "speed of link 1 at this instant: what omega1 has come to, or drive_torque has made of it"),
+    _signal(LOCAL, "drive_angle", "rad", 1.0, "drive angle q without drive_turns whole turns: q = drive_angle + 2 pi drive_turns", 0.0, follows=DRIVE_ANGLE),
+    _counter("drive_turns", "whole turns of the drive taken off drive_angle (a multiple of the turns in one period of the motion)", None),
+    _signal(LOCAL, "input_angle", "rad", 1.0, "angle theta1 of link 1 without input_turns whole turns", 0.0, follows=SINCE_START),
+    _counter("input_turns", "whole turns of link 1 taken off input_angle", None),
+    Variable("contact_mode", ENUMERATION, LOCAL, "discrete", "", None, 0, 3, None, "which freewheels are engaged", "ContactMode"),
+    _signal(LOCAL, "omega_hub", "rad/s", 100.0, "speed omega3 of the output shaft behind the freewheel"),
+    _signal(LOCAL, "shaft_twist", "rad", 1e-2, "twist of the elastic output shaft (0 if rigid)"),
+    _signal(LOCAL, "imbalance_x", "m", 0.1, "position of imbalance 0 of module 0 along the central axis Ox (fixed frame)", follows=DRIVE_ANGLE),
+    _signal(LOCAL, "imbalance_y", "m", 0.1, "its position along Oy", follows=LINK1_ANGLE),
+    _signal(LOCAL, "imbalance_z", "m", 0.1, "its position along Oz", follows=LINK1_ANGLE),
+    _signal(LOCAL, "imbalance_velocity_x", "m/s", 10.0, "absolute velocity of imbalance 0 of module 0 along Ox", follows=DRIVE_ANGLE),
+    _signal(LOCAL, "imbalance_velocity_y", "m/s", 10.0, "its velocity along Oy", follows=LINK1_ANGLE),
+    _signal(LOCAL, "imbalance_velocity_z", "m/s", 10.0, "its velocity along Oz", follows=LINK1_ANGLE),
+    _signal(LOCAL, "energy_in", "J", 1e3, "work of the input torque since the start", follows=SINCE_START),
+    _signal(LOCAL, "energy_out", "J", 1e3, "work done on the load since the start", follows=SINCE_START),
+    _signal(LOCAL, "energy_stored", "J", 1e3, "kinetic energy of the mechanism now, and the energy of a twisted shaft"),
+    _signal(LOCAL, "energy_lost", "J", 1e3, "energy lost since the start to damping and friction, less the work of the balancer (ideal freewheels and rigid shafts lose none)", follows=SINCE_START),
+    _signal(LOCAL, "energy_residual", "J", 1.0, "energy audit: in - out - lost - gain of stored, the error of the integration", follows=SINCE_START),
+    _signal(LOCAL, "torque_ripple", "N.m", 100.0, "RMS of Tc about its mean over the last communication step, impulses apart", 0.0),
+    _signal(LOCAL, "torque_peak", "N.m", 100.0, "largest magnitude of Tc over the last communication step, impulses apart", 0.0),
+    _counter("contact_switches", "changes of the contact mode since the start"),
+    _counter("rhs_evaluations", "evaluations of the mechanism since the start: the cost"),
+    _choice("layout", "Layout", 0, "layout of the differential"),
+    _whole("z2", 20, 1, 1000000, "teeth of wheel 2, fixed to link 2 (bevel)"),
+    _whole("z16", 20, 1, 1000000, "teeth of the wheel of drive 16 (bevel)"),
+    _whole("z17", 34, 1, 1000000, "teeth of the reactive wheel 17 (bevel)"),
+    _whole("z6", 20, 1, 1000000, "teeth of satellite 6 (bevel)"),
+    _real("shaft_angle", "rad", math.pi / 2, 1e-6, 3.141591, "angle Sigma between the axes of satellite 6 and drive 16 (bevel)"),
+    _real("wheel_radius", "m", 0.08, 1e-6, 1e3, "pitch radius r17 of wheel 17 (bevel)"),
+    _real("a", "1", 1.0, 0.0, 100.0, "AD over the pitch radius of the satellite (bevel)"),
+    _real("b", "1", 1.0, 0.0, 100.0, "QA over the height of the pitch cone of the satellite (bevel)"),
+    _real("c", "1", 1.0, 0.0, 100.0, "OQ over the height of the pitch cone of wheel 17 (bevel)"),
+    _real("epsilon", "rad", 0.0, -1e3, 1e3, "offset of the imbalance about the axis of the satellite (bevel)"),
+    _real("gamma", "rad", 0.0, -1e3, 1e3, "offset of the imbalance about the axis of the drive (bevel)"),
+    _real("sun_radius", "m", 0.05, 1e-6, 1e3, "radius R0 of the sun wheel, link 2 (planar)"),
+    _real("satellite_radius", "m", 0.03, 1e-6, 1e3, "radius r of a satellite (planar)"),
+    _real("eccentricity", "m", 0.02, 0.0, 1e3, "distance l of the imbalance from the axis of its satellite (planar)"),
+    _real("imbalance_mass", "kg", 1.0, 0.0, 1e9, "mass m of one imbalance"),
+    _whole("modules", 1, 1, 1000, "modules, alike, about the central axis"),
+    _whole("satellites", 1, 1, 1000, "satellites (imbalances) in one module, evenly spread"),
+    _real("drive_inertia", "kg.m2", 0.0, 0.0, _INERTIA_LIMIT, "inertia J16 of all drives about their axes"),
+    _real("input_inertia", "kg.m2", 0.0, 0.0, _INERTIA_LIMIT, "inertia J1 of link 1 (with drive = torque that of the engine or motor too)"),
+    _real("link2_inertia", "kg.m2", 0.005, 0.0, _INERTIA_LIMIT, "inertia J2 of link 2"),
+    _real("output_inertia", "kg.m2", 0.5, 1e-12, _INERTIA_LIMIT, "inertia J3 of the output shaft (hub if elastic)"),
+    _real("driven_inertia", "kg.m2", 0.5, 1e-12, _INERTIA_LIMIT, "inertia J4 of the driven mass (elastic)"),
+    _real("shaft_stiffness", "N.m/rad", 400.0, 1e-6, 1e15, "stiffness c of the output shaft (elastic)"),
+    _real("shaft_damping", "N.m.s/rad", 0.05, 0.0, 1e12, "damping d of the output shaft (elastic)"),
+    _real("driven_friction", "N.m.s/rad", 0.0, 0.0, 1e12, "viscous friction f of the driven mass (elastic)"),
+    _real("balancer", "1", 0.0, -10.0, 10.0, "gain beta of the balancer (elastic)"),
+    _switch("housing_freewheel", True, "whether link 2 has a freewheel to the housing"),
+    _switch("output_freewheel", True, "whether link 2 has a freewheel to the output shaft, else it is rigid with it"),
+    _choice("fidelity", "Fidelity", 2, "what is modelled"),
+    _choice("method", "Method", 0, "how it is integrated"),
+    _choice("drive", "Drive", 0, "what is given at link 1"),
+    _choice("input_hold", "InputHold", 0, "omega1 between communication points"),
+    _real("tolerance", "1", 1e-6, 1e-13, 0.1, "relative tolerance; one given to setupExperiment wins", 1e-6),
+    _real("max_step", "s", 0.0, 0.0, LARGEST_STEP, "longest internal step, 0 for no limit (timestepping: the communication step)"),
+    _real("kinematic_ratio", "1", 0.0, -10.0, 10.0, "prescribed omega2/omega1 (kinematic)"),
+    _real("omega2_start", "rad/s", 0.0, -_SPEED_START_LIMIT, _SPEED_START_LIMIT, "speed of link 2 at the start"),
+    _real("omega_out_start", "rad/s", 0.0, -_SPEED_START_LIMIT, _SPEED_START_LIMIT, "speed of the output shaft at the start"),
+    _real("drive_angle_start", "rad", 0.0, -1e6, 1e6, "drive angle q at the start"),
+)  # fmt: skip
+
+BY_NAME: dict[str, Variable] = {variable.name: variable for variable in VARIABLES}
+
+
+def with_causality(*causalities: str, table: Iterable[Variable] = VARIABLES) -> Iterator[Variable]:
+    """Variables of these causalities, in the order of the table."""
+    return (variable for variable in table if variable.causality in causalities)
+
+
+def default_parameters(table: Iterable[Variable] = VARIABLES) -> dict[str, float]:
+    """Start values of all parameters by name (those of the module are scene R1)."""
+    return {
+        variable.name: float(variable.start or 0.0) for variable in with_causality(PARAMETER, table=table)
+    }
+
+
+def refused_parameters(values: Mapping[str, float], table: Iterable[Variable] = VARIABLES) -> list[str]:
+    """One message for each parameter that is out of its own range."""
+    return [
+        must_be(variable.name, variable.allowed, values[variable.name])
+        for variable in with_causality(PARAMETER, table=table)
+        if not variable.accepts(values[variable.name])
+    ]

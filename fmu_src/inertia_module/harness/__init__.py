@@ -1,0 +1,1 @@
+"""FMUs driven by names: instances, runs, systems."""

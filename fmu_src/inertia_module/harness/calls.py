@@ -1,0 +1,190 @@
+"""Calls to one instance of an FMU 2.0: what fails is one kind of error; its states; its end."""
+
+from __future__ import annotations
+
+import contextlib
+import shutil
+from ctypes import c_void_p
+from pathlib import Path
+from types import TracebackType
+from typing import Any, NamedTuple, Self
+
+from ..common.errors import DriveError
+from .descriptions import read_description
+from .logs import WARNING, callbacks_of
+
+
+class Kept(NamedTuple):
+    """A state kept by an instance, and its time, s."""
+
+    state: c_void_p
+    time: float
+
+
+class Instance:
+    """One co-simulation instance of an FMU 2.0, loaded and instantiated; a context manager.
+
+    Args:
+        path: the .fmu file. start_time: of the experiment, s.
+
+    Attributes:
+        time: the communication point reached, s.
+        messages: what the FMU logged, oldest first. warnings: those of them that are warnings.
+        variables: fmpy's, by name. units: unit of each variable that has one.
+
+    Raises:
+        DriveError: the file is no such FMU; all methods raise it once the instance is closed.
+    """
+
+    def __init__(self, path: Path | str, start_time: float = 0.0) -> None:
+        self.path = Path(path)
+        self.time = start_time
+        self.messages: list[str] = []
+        self.warnings: list[str] = []
+        self._errors: list[str] = []
+        self._kept: list[Kept] = []
+        self._folder: str | None = None
+        self._instance: Any = None
+        try:
+            self._load()
+        except BaseException:
+            self.close()
+            raise
+
+    def _load(self) -> None:
+        from fmpy import extract
+        from fmpy.fmi2 import FMU2Slave
+
+        description = read_description(self.path)
+        try:
+            self._folder = extract(str(self.path))
+        except Exception as error:
+            raise DriveError(f"{self.path} must be an FMU: {error}") from error
+        if description.fmiVersion != "2.0" or description.coSimulation is None:
+            raise DriveError(f"{self.path} must be an FMU for co-simulation of FMI 2.0")
+        self.variables = {variable.name: variable for variable in description.modelVariables}
+        self.units = {name: variable.unit for name, variable in self.variables.items() if variable.unit}
+        self._instance = FMU2Slave(
+            guid=description.guid,
+            unzipDirectory=self._folder,
+            modelIdentifier=description.coSimulation.modelIdentifier,
+            instanceName=self.path.stem,
+        )
+        try:
+            self._instance.instantiate(callbacks=callbacks_of(self), loggingOn=True)
+        except Exception as error:
+            reasons = "; ".join(self.messages) or str(error)
+            raise DriveError(f"{self.path} cannot be instantiated: {reasons}") from error
+
+    def on_message(self, status: int, message: str) -> None:
+        """Take a log message of the FMU; status as in FMI 2.0."""
+        self.messages.append(message)
+        if status == WARNING:
+            self.warnings.append(message)
+        elif status > WARNING:
+            self._errors.append(message)
+
+    def _call(self, function: str, *arguments: Any) -> Any:
+        """Call a function of fmpy's instance; a failing status or an error it logs becomes a DriveError."""
+        if self._instance is None:
+            raise DriveError(f"{self.path.name} is closed: {function} needs an instance that is open")
+        if function.startswith("fmi2"):
+            arguments = (self._instance.component, *arguments)
+        self._errors.clear()
+        try:
+            found = getattr(self._instance, function)(*arguments)
+        except Exception as error:
+            raise DriveError("; ".join(self._errors) or f"{function}: {error}") from error
+        if self._errors:
+            raise DriveError("; ".join(self._errors))
+        return found
+
+    def keep(self) -> Kept:
+        """Keep the state to go back to; cheaper than save, and good for this instance only.
+
+        Raises:
+            DriveError: the FMU cannot give its state.
+        """
+        self._kept.append(Kept(self._call("getFMUstate"), self.time))
+        return self._kept[-1]
+
+    def _check_kept(self, kept: Kept) -> None:
+        # some FMUs crash on a state that is not theirs
+        if not any(kept is known for known in self._kept):
+            raise DriveError("a state must be one that keep of this instance gave and forget has not freed")
+
+    def go_back(self, kept: Kept) -> None:
+        """Take over a state of keep, and its time.
+
+        Raises:
+            DriveError: it is not one, or forgotten.
+        """
+        self._check_kept(kept)
+        self._call("setFMUstate", kept.state)
+        self.time = kept.time
+
+    def forget(self, kept: Kept) -> None:
+        """Free a state of keep; closing the instance frees all.
+
+        Raises:
+            DriveError: it is not one, or forgotten.
+        """
+        self._check_kept(kept)
+        self._kept = [known for known in self._kept if known is not kept]
+        self._call("freeFMUstate", kept.state)
+
+    def save(self) -> bytes:
+        """The whole state of the instance, serialised.
+
+        Raises:
+            DriveError: the FMU cannot give its state.
+        """
+        kept = self.keep()
+        try:
+            return bytes(self._call("serializeFMUstate", kept.state))
+        finally:
+            self.forget(kept)
+
+    def restore(self, saved: bytes, time: float | None = None) -> None:
+        """Take over a state of save; time, s, is the communication point it belongs to.
+
+        Raises:
+            DriveError: it is not one; the state is as it was.
+        """
+        if not isinstance(saved, bytes):
+            raise DriveError(f"a state must be the bytes that save gave, is {type(saved).__name__}")
+        before = self.keep()
+        try:
+            state = self._call("deSerializeFMUstate", saved)
+            try:
+                self._call("setFMUstate", state)
+            finally:
+                self._instance.freeFMUstate(state)
+        except DriveError:
+            # the Python FMU else refuses all steps from now on
+            self._call("setFMUstate", before.state)
+            raise
+        finally:
+            self.forget(before)
+        if time is not None:
+            self.time = time
+
+    def close(self) -> None:
+        """Terminate and free the instance and remove what was unpacked."""
+        if self._instance is not None and getattr(self._instance, "component", None):
+            with contextlib.suppress(Exception):
+                self._instance.terminate()
+            self._instance.freeInstance()
+        self._instance = None
+        self._kept.clear()
+        if self._folder is not None:
+            shutil.rmtree(self._folder, ignore_errors=True)
+            self._folder = None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()

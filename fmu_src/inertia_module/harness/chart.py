@@ -1,0 +1,186 @@
+"""Torque converter chart of a mechanism: what it makes of the input torque over the speed ratio.
+
+The chart of a hydrodynamic converter plots torque ratio, efficiency and capacity over the speed ratio
+(SAE J643). Here everything goes with the square of the input speed as well, so one chart holds for all
+speeds. The mechanism is ideal: the efficiency is 1 and the torque ratio one over the speed ratio; at
+stall it passes torque and takes no power, so torque ratio and capacity factor are given above it only
+(converter_table). What tells mechanisms apart is the torque they pass.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..kernel import codes
+from ..kernel.averaged import rates as average_rates
+from ..memory.instances import Module
+from .results import TableError, write_columns
+
+Array = NDArray[np.float64]
+
+# points between the first and the last ratio of the map, besides its knots
+POINTS = 200
+
+_UNITS = {
+    "output_torque": "N.m.s2",
+    "input_torque": "N.m.s2",
+    "ripple": "N.m.s2",
+    "peak": "N.m.s2",
+    "lock_up_torque": "N.m.s2",
+}
+# the numbers of summary that are no torques
+_RATIOS = ("least_torque_ratio", "end_ratio", "stall_peak_over_mean")
+
+
+@dataclass(frozen=True)
+class TorqueConverterChart:
+    """Steady mean torques over the speed ratio; all torques over omega1 squared. Arrays of shape (n,).
+
+    Attributes:
+        speed_ratio: output over input speed, magnitudes, rising from 0.
+        output_torque, input_torque: mean torques, N m s^2.
+        efficiency: output over input power, 1.
+        link2_ratio: mean speed of link 2 over the input speed.
+        ripple: RMS of the output torque about its mean, N m s^2. peak: its largest value.
+        lock_up_torque: what lock-up at ratio 1 can hold, N m s^2, the same in all rows;
+            0 where it is not reached.
+    """
+
+    speed_ratio: Array
+    output_torque: Array
+    input_torque: Array
+    efficiency: Array
+    link2_ratio: Array
+    ripple: Array
+    peak: Array
+    lock_up_torque: Array
+
+    @property
+    def stall_torque(self) -> float:
+        """Mean output torque at rest over omega1 squared, N m s^2."""
+        return float(self.output_torque[0])
+
+    @property
+    def end_ratio(self) -> float:
+        """Speed ratio from which on no torque is passed, 1 with lock-up."""
+        return float(self.speed_ratio[-1])
+
+    @property
+    def lowest_ratio(self) -> float:
+        """Speed ratio with the least torque below the end."""
+        lowest = int(np.argmin(self.output_torque))
+        return float(self.speed_ratio[lowest])
+
+    def output_torque_at(self, speed_ratio: ArrayLike) -> Array:
+        """Mean output torque over omega1 squared at any ratios from 0 up, N m s^2, linear between rows."""
+        ratios = np.asarray(speed_ratio, dtype=float)
+        torque: Array = np.interp(ratios, self.speed_ratio, self.output_torque, right=0.0)
+        return torque
+
+    def summary(self, omega1: float | None = None) -> dict[str, float]:
+        """The numbers to compare mechanisms by.
+
+        Args:
+            omega1: speed of the input for the torques, rad/s; without it they are over omega1 squared.
+        """
+        numbers = {
+            "stall_torque": self.stall_torque,
+            "least_torque": float(self.output_torque.min()),
+            "least_torque_ratio": self.lowest_ratio,
+            "end_ratio": self.end_ratio,
+            "lock_up_torque": float(self.lock_up_torque[0]),
+            "stall_peak_over_mean": float(self.peak[0] / self.stall_torque) if self.stall_torque else 0.0,
+        }
+        square = 1.0 if omega1 is None else omega1 * omega1
+        return {name: value if name in _RATIOS else square * value for name, value in numbers.items()}
+
+    def units(self, omega1: float | None = None) -> dict[str, str]:
+        """Units of the numbers of summary, "" for ratios."""
+        torque = "N.m.s2" if omega1 is None else "N.m"
+        return {name: "" if name in _RATIOS else torque for name in self.summary()}
+
+    def converter_table(self, omega1: float) -> dict[str, Array]:
+        """What models of torque converters ask for, at an input speed, by heading; shape (m,), all finite.
+
+        The rows are those in which power is taken: without stall, and without an end at which no torque is
+        passed. The capacity factor is K = omega1 / sqrt(input torque).
+
+        Args:
+            omega1: speed of the input, rad/s, not 0.
+        """
+        taken = self.input_torque > 0.0
+        given, passed = self.input_torque[taken], self.output_torque[taken]
+        return {
+            "speed_ratio": self.speed_ratio[taken],
+            "torque_ratio": passed / given,
+            "capacity_factor [rad/s/(N.m)^0.5]": 1.0 / np.sqrt(given),
+            "output_torque [N.m]": omega1 * omega1 * passed,
+            "input_torque [N.m]": omega1 * omega1 * given,
+        }
+
+    def save(self, path: Path | str) -> Path:
+        """Write as CSV, whole or not at all; the numbers read back are the same doubles."""
+        columns = {field.name: getattr(self, field.name) for field in fields(self)}
+        return write_columns(
+            Path(path),
+            {f"{name} [{_UNITS[name]}]" if name in _UNITS else name: v for name, v in columns.items()},
+        )
+
+    @classmethod
+    def load(cls, path: Path | str) -> TorqueConverterChart:
+        """Read what save has written.
+
+        Raises:
+            TableError: the file is missing, or is no such chart.
+        """
+        try:
+            rows = list(csv.reader(io.StringIO(Path(path).read_text(encoding="utf-8"))))
+        except OSError as error:
+            raise TableError(f"{path} must be a saved chart: {error.strerror}") from None
+        names = [heading.partition(" [")[0] for heading in rows[0]] if rows else []
+        wanted = [field.name for field in fields(cls)]
+        if names != wanted or len(rows) < 2:
+            raise TableError(f"{path} must be a chart with the columns {', '.join(wanted)}")
+        try:
+            values = np.array([[float(cell) for cell in row] for row in rows[1:]])
+        except ValueError as error:
+            raise TableError(f"{path} must hold rows of numbers: {error}") from None
+        return cls(*values.T)
+
+
+def torque_converter_chart(
+    parameters: Mapping[str, float | str], backward: bool = False, kernel: str = "auto"
+) -> TorqueConverterChart:
+    """The chart of a mechanism.
+
+    Args:
+        parameters: of the module by name, those that differ from the defaults; as in Module.set.
+        backward: for omega1 < 0, where the drive turns the other way; the torque is another.
+        kernel: as in Module.
+
+    Raises:
+        Refused: the parameters cannot be, or there is no mean torque (a freewheel is missing).
+    """
+    # torques at given speeds, whatever drives the module
+    given = {"fidelity": float(codes.AVERAGED), "drive": float(codes.DRIVE_SPEED)}
+    module = Module(kernel).start(**{**parameters, **given})
+    d, x = module.derived, module.state
+    side = d.backward if backward else d.forward
+    knots = [side.knots[n].ratio for n in range(int(side.count))]
+    ratios = np.unique(np.concatenate([knots, np.linspace(0.0, knots[-1], POINTS + 1)]))
+    torque, link2, ripple, peak = np.zeros((4, ratios.size))
+    for n, ratio in enumerate(ratios):
+        x.omega3 = ratio
+        rates = average_rates.mean_rates(side, x, 1.0, 0.0, x.omega3)  # type: ignore[no-untyped-call]
+        torque[n], link2[n] = rates[0], rates[3]
+        ripple[n], peak[n] = average_rates.ripple_at(side, x, side.direction)  # type: ignore[no-untyped-call]
+    lock = d.map_lock if side.locks else 0.0
+    one = np.ones(ratios.size)
+    return TorqueConverterChart(ratios, torque, ratios * torque, one, link2, ripple, peak, lock * one)

@@ -1,0 +1,194 @@
+"""One instance of an FMU 2.0 for co-simulation, by names: set, advance, read, save, restore."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from ctypes import c_char_p, c_double, c_int
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common.errors import DriveError
+from .calls import Instance, Kept
+from .descriptions import number_for
+
+__all__ = ["DriveError", "Fmu", "Kept", "Plant", "as_names"]
+
+
+def as_names(names: str | Sequence[str]) -> tuple[str, ...]:
+    """Names, of which one alone may be given as it is."""
+    return (names,) if isinstance(names, str) else tuple(names)
+
+
+class Plant(Protocol):
+    """What a loop needs of an instance: Fmu has it."""
+
+    def set(self, **values: float) -> None:
+        """Set inputs by name."""
+
+    def advance(self, step: float) -> None:
+        """Advance by a communication step, s."""
+
+    def read(self, names: Sequence[str]) -> tuple[float, ...]:
+        """Values by name."""
+
+
+class Fmu(Instance):
+    """One co-simulation instance of an FMU 2.0, initialised and ready to step; a context manager.
+
+    Args:
+        path: the .fmu file.
+        parameters: start values by name: numbers, strings with a unit ("90 deg"), enumerations by number
+            or item name.
+        inputs: inputs by name, set before the end of initialisation (so no jump at the start).
+        tolerance: relative tolerance for setupExperiment, or None.
+        start_time, stop_time: of the experiment, s.
+
+    Attributes:
+        time: the communication point reached, s.
+        messages: what the FMU logged, oldest first. warnings: those of them that are warnings.
+        variables: fmpy's, by name. units: unit of each variable that has one.
+
+    Raises:
+        DriveError: the file is no such FMU, a name is unknown, or a value is refused; all methods raise it
+            once the instance is closed.
+    """
+
+    def __init__(
+        self,
+        path: Path | str,
+        parameters: Mapping[str, float | bool | str] | None = None,
+        inputs: Mapping[str, float | str] | None = None,
+        tolerance: float | None = None,
+        start_time: float = 0.0,
+        stop_time: float | None = None,
+    ) -> None:
+        super().__init__(path, start_time)
+        self._readers: dict[tuple[str, ...], tuple[Any, Any, int]] = {}
+        try:
+            self._call("setupExperiment", tolerance, start_time, stop_time)
+            self._assign(parameters or {})
+            self._assign(inputs or {})
+            self._call("enterInitializationMode")
+            self._call("exitInitializationMode")
+        except BaseException:
+            self.close()
+            raise
+
+    def _variable(self, name: str) -> Any:
+        variable = self.variables.get(name)
+        if variable is None:
+            known = ", ".join(self.variables)
+            raise DriveError(f"{name} must be a variable of {self.path.name}: {known}")
+        return variable
+
+    def _assign(self, values: Mapping[str, float | bool | str]) -> None:
+        """Set variables by name: all of them or, on an unknown name or value, none."""
+        found = [(self._variable(name), value) for name, value in values.items()]
+        for variable, number in [(variable, number_for(variable, value)) for variable, value in found]:
+            reference = [variable.valueReference]
+            if variable.type == "Real":
+                self._call("setReal", reference, [number])
+            elif variable.type == "Boolean":
+                self._call("setBoolean", reference, [bool(number)])
+            else:
+                self._call("setInteger", reference, [int(number)])
+
+    def set(self, **values: float | str) -> None:
+        """Set inputs by name, as numbers or strings with a unit; all or, on an unknown name or value, none.
+
+        Raises:
+            DriveError: an unknown name, no quantity, or a variable that cannot be set now.
+        """
+        self._assign(values)
+
+    def advance(self, step: float) -> None:
+        """Advance by a communication step, s.
+
+        Raises:
+            DriveError: the FMU refused the step; its state is as it was.
+        """
+        try:
+            self._call("doStep", self.time, step)
+        except DriveError as error:
+            raise DriveError(f"at time {self.time:.9g} s: {error}") from error
+        self.time += step
+
+    def read(self, names: str | Sequence[str]) -> tuple[float, ...]:
+        """Values by name, of any type, as floats.
+
+        Raises:
+            DriveError: an unknown name, or the FMU refuses to tell.
+        """
+        key = as_names(names)
+        if key not in self._readers:
+            self._readers[key] = self._reader(key)
+        references, values, count = self._readers[key]
+        if references is None:
+            return tuple(self._read_one(name) for name in key)
+        self._call("fmi2GetReal", references, count, values)
+        return tuple(values)
+
+    def _reader(self, names: tuple[str, ...]) -> tuple[Any, Any, int]:
+        if any(self._variable(name).type != "Real" for name in names):
+            return None, None, 0
+        return self._references(names), (c_double * len(names))(), len(names)
+
+    def _read_one(self, name: str) -> float:
+        variable = self._variable(name)
+        kind = variable.type if variable.type in ("Real", "Boolean") else "Integer"
+        return float(self._call(f"get{kind}", [variable.valueReference])[0])
+
+    def __getitem__(self, name: str) -> float:
+        return self.read(name)[0]
+
+    def set_logging(self, on: bool, *categories: str) -> None:
+        """Switch log categories on or off; all of them if none is named.
+
+        Raises:
+            DriveError: an unknown category.
+        """
+        names = (c_char_p * len(categories))(*(category.encode() for category in categories))
+        self._call("fmi2SetDebugLogging", int(on), len(categories), names)
+
+    def _references(self, names: Sequence[str]) -> Any:
+        from fmpy.fmi2 import fmi2ValueReference
+
+        return (fmi2ValueReference * len(names))(*(self._variable(name).valueReference for name in names))
+
+    def set_rates(self, **rates: float) -> None:
+        """Give inputs a rate over the coming step, per second (native FMUs; see docs/fmu.md).
+
+        Raises:
+            DriveError: an unknown name, no input, or an FMU that takes no derivatives of inputs.
+        """
+        count = len(rates)
+        orders, values = (c_int * count)(*[1] * count), (c_double * count)(*rates.values())
+        self._call("fmi2SetRealInputDerivatives", self._references(tuple(rates)), count, orders, values)
+
+    def rates(self, names: str | Sequence[str]) -> tuple[float, ...]:
+        """Rates of outputs at the end of the last step, per second (native FMUs; see docs/fmu.md).
+
+        Raises:
+            DriveError: an unknown name, no output, or an FMU that gives no derivatives of outputs.
+        """
+        references = self._references(as_names(names))
+        count = len(references)
+        orders, values = (c_int * count)(*[1] * count), (c_double * count)()
+        self._call("fmi2GetRealOutputDerivatives", references, count, orders, values)
+        return tuple(values)
+
+    def jacobian(self, outputs: str | Sequence[str], inputs: str | Sequence[str]) -> NDArray[np.float64]:
+        """How outputs after the last step change with the inputs over it (native FMUs; see docs/fmu.md).
+
+        Returns:
+            Shape (outputs, inputs), units of the output over those of the input.
+
+        Raises:
+            DriveError: an unknown name, or an FMU that gives no directional derivatives.
+        """
+        unknowns, knowns = list(self._references(as_names(outputs))), self._references(as_names(inputs))
+        columns = [self._call("getDirectionalDerivative", unknowns, [known], [1.0]) for known in knowns]
+        return np.array(columns, dtype=np.float64).reshape(len(knowns), len(unknowns)).T

@@ -1,0 +1,242 @@
+"""A named table of results: columns over time, with units, to and from CSV, and a plain plot."""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..common.errors import Refused
+from ..common.files import write_atomically
+from ..common.units import factor_between
+
+TIME = "time"
+# a name and, in brackets, a unit
+_HEADING = re.compile(r"(.*?)\s*\[(.*)\]$|(.*?)\s+\((.*)\)$")
+
+
+class TableError(Refused):
+    """A table that cannot be used: the message names the column and what is allowed."""
+
+
+@dataclass(frozen=True)
+class Result:
+    """Columns of equal length n, the first of them ``time`` (s).
+
+    Attributes:
+        columns: name -> array of shape (n,).
+        units: name -> unit, for the columns that have one.
+    """
+
+    columns: dict[str, NDArray[np.float64]]
+    units: dict[str, str] = field(default_factory=dict)
+
+    @classmethod
+    def from_columns(cls, columns: Mapping[str, ArrayLike], units: Mapping[str, str] | None = None) -> Result:
+        """Check and take over columns; time in another unit is converted to s.
+
+        Raises:
+            TableError: no time, time that does not grow, lengths that differ, or a value that is no number.
+        """
+        arrays = {name: np.atleast_1d(np.asarray(values, dtype=float)) for name, values in columns.items()}
+        if TIME not in arrays:
+            raise TableError(f"columns must include {TIME}, are {', '.join(arrays) or 'none'}")
+        given = dict(units or {})
+        arrays[TIME] = arrays[TIME] * _factor(TIME, given.pop(TIME, "s"), "s")
+        n = arrays[TIME].size
+        for name, values in arrays.items():
+            if values.shape != (n,):
+                raise TableError(f"{name} must have shape ({n},), that of {TIME}, has {values.shape}")
+            if not np.isfinite(values).all():
+                row = int(np.argmin(np.isfinite(values)))
+                raise TableError(f"{name} must be finite, is {values[row]} in row {row}")
+        if (np.diff(arrays[TIME]) < 0).any():
+            row = int(np.argmax(np.diff(arrays[TIME]) < 0)) + 1
+            raise TableError(f"{TIME} must not go back, is {arrays[TIME][row]} in row {row}")
+        ordered = {TIME: arrays.pop(TIME), **arrays}
+        return cls(ordered, {TIME: "s", **given})
+
+    @property
+    def time(self) -> NDArray[np.float64]:
+        """Time, s, shape (n,)."""
+        return self.columns[TIME]
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the columns, time first."""
+        return list(self.columns)
+
+    def __getitem__(self, name: str) -> NDArray[np.float64]:
+        if name not in self.columns:
+            raise TableError(f"{name} must be a column: {', '.join(self.columns)}")
+        return self.columns[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.columns
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.columns)
+
+    def __len__(self) -> int:
+        return int(self.time.size)
+
+    def label(self, name: str) -> str:
+        """Heading of a column: its name and, in brackets, its unit."""
+        unit = self.units.get(name, "")
+        return f"{name} [{unit}]" if unit else name
+
+    def converted(self, units: Mapping[str, str]) -> Result:
+        """The same table with some columns in these units; one that has no unit yet is in it already.
+
+        Raises:
+            TableError: there is no such column, or its unit is of another kind.
+        """
+        columns = {
+            name: self[name] * _factor(name, self.units.get(name, unit), unit) for name, unit in units.items()
+        }
+        return Result(self.columns | columns, self.units | dict(units))
+
+    def last(self) -> dict[str, float]:
+        """The last row by name."""
+        return {name: float(values[-1]) for name, values in self.columns.items()}
+
+    def to_csv(self, path: Path | str) -> Path:
+        """Write all columns with enough digits to read back the same doubles; whole or not at all."""
+        return write_columns(Path(path), {self.label(name): values for name, values in self.columns.items()})
+
+    @classmethod
+    def from_csv(cls, path: Path | str) -> Result:
+        """Read a CSV file of numbers over time (see read_columns).
+
+        Raises:
+            TableError: it cannot be read, or is no table over time.
+        """
+        return cls.from_columns(*read_columns(path))
+
+    def figure(self, names: str | Sequence[str] | None = None) -> Any:
+        """A matplotlib Figure of columns over time, one panel for each unit.
+
+        Raises:
+            TableError: a name that is no column.
+        """
+        from matplotlib.figure import Figure
+
+        wanted = (names,) if isinstance(names, str) else names
+        chosen = [name for name in (wanted or self.names) if name != TIME]
+        panels: dict[str, list[str]] = {}
+        for name in chosen:
+            self[name]
+            panels.setdefault(self.units.get(name, ""), []).append(name)
+        figure = Figure(figsize=(9, 1 + 2.2 * max(1, len(panels))), layout="constrained")
+        axes = figure.subplots(max(1, len(panels)), 1, sharex=True, squeeze=False)[:, 0]
+        for axis, (unit, members) in zip(axes, panels.items(), strict=False):
+            for name in members:
+                axis.plot(self.time, self[name], label=name, linewidth=0.9)
+            axis.set_ylabel(unit or "-")
+            axis.legend(loc="upper right", fontsize="small")
+            axis.grid(alpha=0.3)
+        axes[-1].set_xlabel(f"{TIME} [s]")
+        return figure
+
+
+def _factor(name: str, unit: str, wanted: str) -> float:
+    try:
+        return factor_between(unit, wanted)
+    except ValueError as error:
+        raise TableError(
+            f"{name} [{unit}] must be in {wanted} or in a unit of the same kind: {error}"
+        ) from None
+
+
+def _rows(path: Path | str) -> list[tuple[int, list[str]]]:
+    """Rows of a CSV file that are not empty, each with the number of its line."""
+    try:
+        text = Path(path).read_text(encoding="utf-8-sig")
+        heading = text.lstrip().partition("\n")[0]
+        reader = csv.reader(io.StringIO(text), delimiter=next((d for d in ";\t" if d in heading), ","))
+        return [(reader.line_num, row) for row in reader if any(cell.strip() for cell in row)]
+    except OSError as error:
+        raise TableError(f"{path} must be a CSV file: {error.strerror}") from error
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise TableError(f"{path} must be a CSV file in UTF-8: {error}") from error
+
+
+def _heading(text: str) -> tuple[str, str]:
+    """Name and unit ("" if there is none) of a column."""
+    found = _HEADING.match(text.strip())
+    return (text.strip(), "") if found is None else (found[1] or found[3] or "", found[2] or found[4] or "")
+
+
+def read_columns(path: Path | str) -> tuple[dict[str, list[float]], dict[str, str]]:
+    """Read a CSV file with a heading row of names, a unit in brackets behind each that has one.
+
+    Commas, semicolons or tabs part the columns. Numbers have decimal points or, all of them, decimal commas.
+
+    Returns:
+        Columns by name, and their units by name, as written.
+
+    Raises:
+        TableError: the file is missing, empty, names a column twice or not, or has a cell that is no number.
+    """
+    rows = _rows(path)
+    if len(rows) < 2:
+        raise TableError(
+            f"{path} must have a heading row and at least one row of numbers, has {len(rows)} rows"
+        )
+    headings = [_heading(cell) for cell in rows.pop(0)[1]]
+    names = [name for name, _ in headings]
+    for number, name in enumerate(names, 1):
+        if not name or names.index(name) != number - 1:
+            raise TableError(f"{path}: column {number} must have a name of its own, is {name!r}")
+    signs = {sign for _, row in rows for cell in row for sign in ".," if sign in cell}
+    if signs == {".", ","}:
+        raise TableError(f"{path} must have decimal points or decimal commas, has both")
+    values: dict[str, list[float]] = {name: [] for name in names}
+    for line, row in rows:
+        if len(row) != len(names):
+            raise TableError(
+                f"{path} line {line} must have {len(names)} cells, as the headings, has {len(row)}"
+                " (where numbers have decimal commas, semicolons part the columns)"
+            )
+        for name, cell in zip(names, row, strict=True):
+            try:
+                values[name].append(float(cell.replace(",", ".")))
+            except ValueError:
+                raise TableError(f"{path} line {line}: {name} must be a number, is {cell!r}") from None
+    return values, {name: unit for name, unit in headings if unit}
+
+
+def write_columns(path: Path, columns: Mapping[str, NDArray[np.float64]]) -> Path:
+    """Write columns of equal length as CSV, by heading, whole or not at all."""
+    rows = ([repr(float(value)) for value in row] for row in zip(*columns.values(), strict=True))
+    return write_rows(path, columns, rows)
+
+
+def write_rows(path: Path, headings: Iterable[str], rows: Iterable[Iterable[Any]]) -> Path:
+    """Write rows of cells as CSV below headings, whole or not at all."""
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(headings)
+    writer.writerows(rows)
+    return write_text(path, stream.getvalue())
+
+
+def write_text(path: Path, text: str) -> Path:
+    """Write a text file, whole or not at all."""
+    write_atomically(path, text.encode())
+    return path
+
+
+def write_figure(path: Path, figure: Any) -> Path:
+    """Write a matplotlib Figure in the format of the file's ending, whole or not at all."""
+    stream = io.BytesIO()
+    figure.savefig(stream, format=path.suffix.lstrip("."))
+    write_atomically(path, stream.getvalue())
+    return path

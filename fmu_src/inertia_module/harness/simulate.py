@@ -1,0 +1,168 @@
+"""Drives an FMU with fmpy: a whole run from a table of inputs to a table of results."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import time as clock
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..common.errors import Refused
+from ..common.units import split_quantity
+from .descriptions import read_description
+from .fmu import DriveError, Fmu, Plant, as_names
+from .results import TIME, Result, TableError
+
+__all__ = ["DriveError", "Fmu", "Plant", "Progress", "Result", "TableError", "drive", "progress_bar"]
+
+Progress = Callable[[float], None]
+# a run that takes longer than this, s, shows a bar
+PATIENCE = 2.0
+# steps between two reports of progress
+REPORT_STEPS = 50
+
+
+@contextlib.contextmanager
+def progress_bar(title: str, total: float = 1.0) -> Iterator[Progress]:
+    """A progress bar that appears once a run has taken more than PATIENCE seconds.
+
+    Yields:
+        A function to call with how much of total is done.
+    """
+    from ..common.terminal import progress
+
+    started = clock.monotonic()
+    bar = progress()
+    task = bar.add_task(title, total=total)
+    shown = False
+
+    def report(done: float) -> None:
+        nonlocal shown
+        if not shown and clock.monotonic() - started > PATIENCE:
+            bar.start()
+            shown = True
+        bar.update(task, completed=done)
+
+    try:
+        yield report
+    finally:
+        if shown:
+            bar.stop()
+
+
+def input_table(inputs: Result | Mapping[str, ArrayLike] | Path | str) -> Result:
+    """Inputs as a table: a Result, columns by name (scalars are constant), or a CSV file.
+
+    Raises:
+        TableError: it is no table with a column time.
+    """
+    if isinstance(inputs, Result):
+        return inputs
+    if isinstance(inputs, str | Path):
+        return Result.from_csv(inputs)
+    columns, units = {}, {}
+    for name, values in inputs.items():
+        try:
+            number, unit = split_quantity(values) if isinstance(values, str) else (values, "")
+            columns[name] = np.atleast_1d(np.asarray(number, dtype=float))
+        except (TypeError, ValueError) as error:
+            raise TableError(f"{name} must be numbers, or a string with a unit: {error}") from None
+        if unit:
+            units[name] = unit
+    columns.setdefault(TIME, np.zeros(1))
+    n = columns[TIME].size
+    constant = {name: np.full(n, values[0]) for name, values in columns.items() if values.size == 1}
+    return Result.from_columns(columns | constant, units)
+
+
+def _for_fmu(description: Any, file: str, table: Result) -> tuple[Result, list[str]]:
+    """A table in the units of an FMU, and the names of its columns that are inputs; others are measured.
+
+    Raises:
+        TableError: a column that is neither input nor output of the FMU, or in a unit of another kind.
+    """
+    variables = {variable.name: variable for variable in description.modelVariables}
+    units, given, measured = {}, [], {}
+    for name in table.names[1:]:
+        if name not in variables:
+            known = ", ".join(name for name, v in variables.items() if v.causality in ("input", "output"))
+            raise TableError(f"column {name} must be an input or an output of {file}: {known}")
+        variable = variables[name]
+        if variable.causality == "parameter" and variable.variability != "tunable":
+            raise TableError(f"column {name} must be in parameters: {file} keeps it for the whole run")
+        if variable.unit or name in table.units:
+            units[name] = variable.unit or "1"
+        if variable.causality in ("input", "parameter"):
+            given.append(name)
+        else:
+            measured[name] = f"{name}_measured"
+    table = table.converted(units)
+    columns = {measured.get(name, name): values for name, values in table.columns.items()}
+    return Result(columns, {measured.get(name, name): unit for name, unit in table.units.items()}), given
+
+
+def drive(
+    path: Path | str,
+    inputs: Result | Mapping[str, ArrayLike] | Path | str,
+    stop_time: float,
+    step: float,
+    outputs: str | Sequence[str] = ("omega2", "omega_out"),
+    parameters: Mapping[str, float | bool | str] | None = None,
+    tolerance: float | None = None,
+    progress: Progress | None = None,
+) -> Result:
+    """Drive an FMU with given inputs and record outputs at every communication point.
+
+    Args:
+        path: the .fmu file.
+        inputs: arrays by name (with time), a Result or a CSV file; between its rows inputs are
+            interpolated linearly, before the first and after the last they are constant. Columns in other
+            units (`omega1 [rpm]`) are converted; those that the FMU computes, measured on a rig, come along.
+        stop_time: s. step: communication step, s; the last one is cut to end at stop_time.
+        outputs: names of variables to record. parameters, tolerance: see Fmu.
+        progress: told how much of the run is done (0 to 1); by default a bar on runs over two seconds.
+
+    Returns:
+        Table of time, the inputs, what was measured (`omega_out_measured`) and the outputs, shape
+        (steps + 1,) each.
+
+    Raises:
+        DriveError: the FMU refused something. TableError: the inputs are no table, or not of this FMU.
+        Refused: stop_time or step is not positive; all of these are kinds of it.
+    """
+    for name, value in (("stop_time", stop_time), ("step", step)):
+        if not (math.isfinite(value) and value > 0.0):
+            raise Refused(f"{name} must be a positive number of seconds, is {value}")
+    path, outputs = Path(path), as_names(outputs)
+    table, names = _for_fmu(read_description(path), path.name, input_table(inputs))
+    times = communication_points(stop_time, step)
+    columns = {name: np.interp(times, table.time, table[name]) for name in table.names[1:]}
+    given = {name: columns[name] for name in names}
+    rows = np.empty((times.size, len(outputs)))
+    start = {name: float(values[0]) for name, values in given.items()}
+    with contextlib.ExitStack() as stack:
+        fmu = stack.enter_context(Fmu(path, parameters, start, tolerance, stop_time=stop_time))
+        report = progress or stack.enter_context(progress_bar(f"driving {fmu.path.name}"))
+        rows[0] = fmu.read(outputs)
+        for n in range(times.size - 1):
+            fmu.set(**{name: float(values[n]) for name, values in given.items()})
+            fmu.advance(float(times[n + 1] - times[n]))
+            rows[n + 1] = fmu.read(outputs)
+            if n % REPORT_STEPS == 0:
+                report((n + 1) / (times.size - 1))
+        units = table.units | {name: fmu.units[name] for name in outputs if name in fmu.units}
+    recorded = {name: rows[:, i] for i, name in enumerate(outputs)}
+    return Result.from_columns({TIME: times, **columns, **recorded}, units)
+
+
+def communication_points(stop_time: float, step: float) -> NDArray[np.float64]:
+    """Times 0, step, 2 step, ... and stop_time, s (a last sliver below 1e-9 of a step is dropped)."""
+    count = math.ceil(stop_time / step - 1e-9)
+    times = np.arange(count + 1, dtype=np.float64) * step
+    times[-1] = stop_time
+    return times

@@ -1,0 +1,172 @@
+"""Several FMUs wired to one system and stepped together, with the plainest of algorithms."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import NamedTuple, Self
+
+import numpy as np
+
+from ..common.errors import must_be
+from .descriptions import read_description
+from .fmu import DriveError, Fmu
+from .results import TIME, Result
+from .wires import SAME_STEP, Wire, WiringError, check_wiring
+
+JACOBI = "Jacobi"
+GAUSS_SEIDEL = "Gauss-Seidel"
+
+
+class Node(NamedTuple):
+    """One FMU of a system.
+
+    Attributes:
+        path: the .fmu file. parameters: by name. inputs: by name, those that no wire drives, and start
+            values of those that one does. tolerance: for its experiment, or None.
+    """
+
+    path: Path | str
+    parameters: Mapping[str, float | bool | str] = {}
+    inputs: Mapping[str, float] = {}
+    tolerance: float | None = None
+
+
+class WiredFmus:
+    """FMUs wired to one system; a context manager.
+
+    All step by the same communication step. Jacobi: all with the outputs of its beginning, as hosts that
+    step side by side do. Gauss-Seidel: one after the other in the order given, each with the newest.
+
+    Args:
+        nodes: FMUs by their names, in the order in which they are stepped. wires: between them.
+        step: communication step, s. order: JACOBI or GAUSS_SEIDEL.
+
+    Attributes:
+        time: reached, s. fmus: instances by name.
+
+    Raises:
+        WiringError: the wires cannot work; nothing has been started.
+        DriveError: an FMU cannot be loaded, or refuses its values.
+    """
+
+    def __init__(
+        self, nodes: Mapping[str, Node], wires: Sequence[Wire], step: float, order: str = JACOBI
+    ) -> None:
+        if order not in (JACOBI, GAUSS_SEIDEL):
+            raise WiringError(must_be("order", f"{JACOBI} or {GAUSS_SEIDEL}", repr(order)))
+        driven = {(wire.sink, wire.input) for wire in wires}
+        given = {
+            name: [known for known in node.inputs if (name, known) not in driven]
+            for name, node in nodes.items()
+        }
+        check_wiring(
+            {name: read_description(Path(node.path)) for name, node in nodes.items()},
+            wires,
+            given,
+            step,
+            parameters={name: node.parameters for name, node in nodes.items()},
+        )
+        self.step = step
+        self.order = order
+        self.time = 0.0
+        self._wires = tuple(wires)
+        self.fmus: dict[str, Fmu] = {}
+        try:
+            for name, node in nodes.items():
+                self.fmus[name] = Fmu(node.path, node.parameters, node.inputs, node.tolerance)
+        except BaseException:
+            self.close()
+            raise
+
+    def _fmu(self, name: str) -> Fmu:
+        if name not in self.fmus:
+            known = f"one of {', '.join(self.fmus)}" if self.fmus else "of a system that is open"
+            raise WiringError(f"an FMU must be {known}, is {name!r}")
+        return self.fmus[name]
+
+    def set(self, name: str, **values: float | str) -> None:
+        """Set inputs of one FMU that no wire drives.
+
+        Raises:
+            WiringError: a wire drives it, or there is no such FMU. DriveError: there is no such input.
+        """
+        for wire in self._wires:
+            if wire.sink == name and wire.input in values:
+                raise WiringError(
+                    f"{name}.{wire.input} must be an input that no wire drives:"
+                    f" {wire.source}.{wire.output} drives it"
+                )
+        self._fmu(name).set(**values)
+
+    def _pass_on(self, wires: Iterable[Wire]) -> None:
+        values = [(wire, self._fmu(wire.source)[wire.output]) for wire in wires]
+        for wire, value in values:
+            self.fmus[wire.sink].set(**{wire.input: value})
+
+    def advance(self) -> None:
+        """Advance all by the communication step.
+
+        Raises:
+            DriveError: one of them refused it: which, and why. Those before it have been stepped.
+        """
+        if self.order == JACOBI:
+            self._pass_on(self._wires)
+        for name, fmu in self.fmus.items():
+            if self.order == GAUSS_SEIDEL:
+                self._pass_on(wire for wire in self._wires if wire.sink == name)
+            try:
+                fmu.advance(self.step)
+            except DriveError as error:
+                raise DriveError(f"{name}: {error}") from error
+        self.time += self.step
+
+    def run(self, stop_time: float, outputs: Sequence[tuple[str, str]]) -> Result:
+        """Run to stop_time, s, a whole number of steps.
+
+        Args:
+            stop_time: s. outputs: (name of the FMU, variable) each.
+
+        Returns:
+            Table of the outputs, named name.variable, shape (steps + 1,) each.
+
+        Raises:
+            WiringError: there is no such FMU, or stop_time is no whole number of steps away.
+            DriveError: there is no such variable, or an FMU refuses a step.
+        """
+        steps = (stop_time - self.time) / self.step
+        if not (
+            math.isfinite(steps) and round(steps) >= 1 and abs(steps - round(steps)) <= SAME_STEP * steps
+        ):
+            raise WiringError(
+                f"stop_time must be a whole number of steps of {self.step:g} s after {self.time:g} s, is"
+                f" {stop_time:g} s"
+            )
+        read = [(f"{name}.{output}", self._fmu(name), output) for name, output in outputs]
+        times = self.time + self.step * np.arange(round(steps) + 1)
+        rows = np.empty((times.size, len(read)))
+        for n in range(times.size):
+            if n > 0:
+                self.advance()
+            rows[n] = [fmu[output] for _, fmu, output in read]
+        units = {name: fmu.units[output] for name, fmu, output in read if output in fmu.units}
+        columns = {TIME: times} | {name: rows[:, i] for i, (name, _, _) in enumerate(read)}
+        return Result.from_columns(columns, units)
+
+    def close(self) -> None:
+        """Close all FMUs."""
+        with contextlib.ExitStack() as stack:
+            for fmu in self.fmus.values():
+                stack.callback(fmu.close)
+        self.fmus = {}
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()

@@ -1,0 +1,196 @@
+"""Wires between co-simulation FMUs, checked before anything runs: names, kinds, units, loops, steps."""
+
+from __future__ import annotations
+
+import graphlib
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+from ..common.errors import Refused, must_be
+from ..contract.variables import ENUMERATIONS
+from ..kernel.codes import DRIVE_SPEED, DRIVE_TORQUE
+
+# inputs of the module without effect once it runs, by its parameter drive
+_IDLE = {DRIVE_SPEED: "drive_torque", DRIVE_TORQUE: "omega1"}
+_DRIVES: Mapping[Any, int] = {name: number for name, number, _ in ENUMERATIONS["Drive"]}
+# a step is a multiple of another within this share of it
+SAME_STEP = 1e-9
+
+
+class WiringError(Refused):
+    """Wires that cannot work: one line for each, naming the signals and what is allowed."""
+
+
+class Wire(NamedTuple):
+    """A connection: an output of one FMU drives an input of another.
+
+    Attributes:
+        source, output: name of the FMU instance and of its output. sink, input: likewise.
+    """
+
+    source: str
+    output: str
+    sink: str
+    input: str
+
+    def __str__(self) -> str:
+        return f"{self.source}.{self.output} -> {self.sink}.{self.input}"
+
+
+def _by_name(description: Any) -> dict[str, Any]:
+    return {variable.name: variable for variable in description.modelVariables}
+
+
+def _end(descriptions: Mapping[str, Any], wire: Wire, instance: str, name: str, causality: str) -> Any:
+    """The variable at one end of a wire.
+
+    Raises:
+        WiringError: there is no such instance or variable, or it is of another causality.
+    """
+    if instance not in descriptions:
+        known = ", ".join(descriptions)
+        raise WiringError(f"{wire}: {instance} must be one of {known}")
+    variable = _by_name(descriptions[instance]).get(name)
+    if variable is None or variable.causality != causality:
+        there = [v.name for v in descriptions[instance].modelVariables if v.causality == causality]
+        raise WiringError(f"{wire}: {name} must be an {causality} of {instance}: {', '.join(there)}")
+    return variable
+
+
+def _check_wire(descriptions: Mapping[str, Any], wire: Wire) -> None:
+    start = _end(descriptions, wire, wire.source, wire.output, "output")
+    end = _end(descriptions, wire, wire.sink, wire.input, "input")
+    if start.type != end.type:
+        raise WiringError(f"{wire}: both ends must be of one kind, are {start.type} and {end.type}")
+    if (start.unit or "1") != (end.unit or "1"):
+        raise WiringError(
+            f"{wire}: both ends must be in one unit, are in {start.unit or '1'} and {end.unit or '1'}"
+        )
+
+
+def idle_input(description: Any, parameters: Mapping[str, Any]) -> str | None:
+    """The input of a module that has no effect with its drive; None of any other FMU.
+
+    Args:
+        description: fmpy's. parameters: by name, those that differ from their start values.
+    """
+    known = _by_name(description)
+    if not {"drive", *_IDLE.values()} <= known.keys():
+        return None
+    drive = parameters.get("drive", int(known["drive"].start))
+    return _IDLE.get(_DRIVES.get(drive, drive))
+
+
+def _check_driven(
+    descriptions: Mapping[str, Any],
+    wires: Sequence[Wire],
+    given: Mapping[str, Sequence[str]],
+    parameters: Mapping[str, Mapping[str, Any]],
+) -> list[str]:
+    """Every input is driven once: by a wire, or given by the user; one without effect by no wire."""
+    problems = []
+    idle = {name: idle_input(found, parameters.get(name, {})) for name, found in descriptions.items()}
+    for wire in wires:
+        if wire.input == idle[wire.sink]:
+            other = next(name for name in _IDLE.values() if name != wire.input)
+            problems.append(f"{wire}: the input must be {other}, {wire.input} has no effect with that drive")
+    drivers: dict[tuple[str, str], list[str]] = {}
+    for wire in wires:
+        drivers.setdefault((wire.sink, wire.input), []).append(f"{wire.source}.{wire.output}")
+    for instance, names in given.items():
+        for name in names:
+            drivers.setdefault((instance, name), []).append("a given value")
+    for (instance, name), found in drivers.items():
+        if len(found) > 1:
+            problems.append(
+                f"{instance}.{name} must be driven by one of them, is driven by {' and by '.join(found)}"
+            )
+    for instance, description in descriptions.items():
+        for variable in description.modelVariables:
+            needed = variable.causality == "input" and variable.name != idle[instance]
+            if needed and (instance, variable.name) not in drivers:
+                problems.append(
+                    f"{instance}.{variable.name} must be driven by a wire or a given value, nothing drives it"
+                )
+    return problems
+
+
+def _feedthrough(description: Any) -> dict[str, set[str]]:
+    """Inputs that each output depends on at a communication point; all where the FMU does not say."""
+    inputs = {v.name for v in description.modelVariables if v.causality == "input"}
+    found = {}
+    for unknown in description.outputs:
+        if unknown.dependencies is None:
+            found[unknown.variable.name] = inputs
+        else:
+            found[unknown.variable.name] = {v.name for v in unknown.dependencies} & inputs
+    return found
+
+
+def _check_loops(descriptions: Mapping[str, Any], wires: Sequence[Wire]) -> None:
+    """Refuse a loop of signals that all follow from each other at one communication point."""
+    graph: graphlib.TopologicalSorter[str] = graphlib.TopologicalSorter()
+    for instance, description in descriptions.items():
+        for output, inputs in _feedthrough(description).items():
+            graph.add(f"{instance}.{output}", *(f"{instance}.{name}" for name in sorted(inputs)))
+    for wire in wires:
+        graph.add(f"{wire.sink}.{wire.input}", f"{wire.source}.{wire.output}")
+    try:
+        graph.prepare()
+    except graphlib.CycleError as error:
+        around = " <- ".join(error.args[1])
+        raise WiringError(
+            "an algebraic loop must hold an output that does not depend on its inputs at a communication"
+            f" point, holds none: {around}"
+        ) from None
+
+
+def _check_steps(descriptions: Mapping[str, Any], steps: Mapping[str, float], step: float) -> list[str]:
+    problems = []
+    for instance, own in steps.items():
+        ratio = step / own if own > 0.0 and math.isfinite(own) else math.nan
+        if instance not in descriptions:
+            problems.append(f"{instance} with a step of its own must be one of {', '.join(descriptions)}")
+        elif not (ratio >= 1.0 - SAME_STEP and abs(ratio - round(ratio)) <= SAME_STEP * ratio):
+            problems.append(
+                f"the step of {instance} must be {step:g} s, at which values are exchanged, or a whole part"
+                f" of it, is {own:g} s"
+            )
+    return problems
+
+
+def check_wiring(
+    descriptions: Mapping[str, Any],
+    wires: Sequence[Wire],
+    given: Mapping[str, Sequence[str]],
+    step: float,
+    steps: Mapping[str, float] | None = None,
+    parameters: Mapping[str, Mapping[str, Any]] | None = None,
+) -> None:
+    """Refuse wires that cannot work, before anything runs.
+
+    Args:
+        descriptions: fmpy's model description of each FMU instance by its name.
+        wires: between them. given: names of the inputs that the user gives, by instance.
+        step: at which values are exchanged, s. steps: own steps of instances, s, where they differ.
+        parameters: by name, by instance; what drives a module is one of them.
+
+    Raises:
+        WiringError: an unknown name, another kind or unit, an input driven twice or not at all, an algebraic
+            loop, or steps that do not fit.
+    """
+    if not (math.isfinite(step) and step > 0.0):
+        raise WiringError(must_be("step", "a positive number of seconds", step))
+    for wire in wires:
+        _check_wire(descriptions, wire)
+    for instance, names in given.items():
+        for name in names:
+            _end(descriptions, Wire("given", name, instance, name), instance, name, "input")
+    problems = [
+        *_check_driven(descriptions, wires, given, parameters or {}),
+        *_check_steps(descriptions, steps or {}, step),
+    ]
+    if problems:
+        raise WiringError("; ".join(problems))
+    _check_loops(descriptions, wires)

@@ -1,0 +1,1 @@
+"""Fidelity `averaged`: the mean motion of the output shaft over a map of the torque."""

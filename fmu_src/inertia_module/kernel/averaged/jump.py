@@ -1,0 +1,58 @@
+"""A jump of the input speed in fidelity averaged: the shaft keeps its speed, or follows if locked."""
+
+from ..accumulate import add
+from ..works import GAUSS_NODE_1, GAUSS_NODE_2, GAUSS_WEIGHT_1, GAUSS_WEIGHT_2, GAUSS_WEIGHT_3
+from .legs import can_lock
+from .rates import energy_at, ratio, side_at
+
+# a jump up to this fraction of omega1 changes next to nothing in the inertia on its way
+SMALL_JUMP = 1e-3
+
+
+def takes_up_jump(d, x, jump, h):
+    """Whether a shaft locked to link 1 can follow a jump of omega1 within the step: then it is a ramp."""
+    load = x.load_torque
+    omega1 = x.omega1
+    ramp = x.alpha1 + jump / h
+    if not can_lock(d, x, omega1, 0.0, max(load, 0.0)):
+        return False
+    lowest = min(omega1, omega1 + ramp * h)
+    return lowest > 0.0 and 0.0 <= load + d.J3 * ramp <= d.map_lock * lowest * lowest
+
+
+def input_inertia(d, side, x, omega1):
+    """dP1/domega1 at constant omega3: epsilon - sigma epsilon' / 2, kg m^2."""
+    _, share, share1 = energy_at(d, side, x, omega1)
+    sigma = ratio(x.omega3, abs(omega1))
+    return share - 0.5 * sigma * share1 if sigma < side.end else share
+
+
+def part_of_jump(d, side, x, start, jump):
+    """Impulse of the input torque through a jump that keeps the sign of omega1, omega3 as it is."""
+    if abs(jump) <= SMALL_JUMP * abs(start):
+        return jump * input_inertia(d, side, x, start + 0.5 * jump)
+    near = input_inertia(d, side, x, start + GAUSS_NODE_1 * jump)
+    near += input_inertia(d, side, x, start + (1.0 - GAUSS_NODE_1) * jump)
+    middle = input_inertia(d, side, x, start + GAUSS_NODE_2 * jump)
+    middle += input_inertia(d, side, x, start + (1.0 - GAUSS_NODE_2) * jump)
+    centre = input_inertia(d, side, x, start + 0.5 * jump)
+    return jump * (GAUSS_WEIGHT_1 * near + GAUSS_WEIGHT_2 * middle + GAUSS_WEIGHT_3 * centre)
+
+
+def jump_averaged(d, x, jump):
+    """Apply a jump of omega1: the shaft keeps its speed, the mechanism takes up its mean energy.
+
+    Returns:
+        Impulse of the input torque, N m s.
+    """
+    start = x.omega1
+    end = start + jump
+    before_side = side_at(d, start, jump)
+    after_side = side_at(d, end, -jump)
+    before, _, _ = energy_at(d, before_side, x, start)
+    after, _, _ = energy_at(d, after_side, x, end)
+    x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, after - before)
+    x.omega1 = end
+    if before_side.direction == after_side.direction:
+        return part_of_jump(d, before_side, x, start, jump)
+    return part_of_jump(d, before_side, x, start, -start) + part_of_jump(d, after_side, x, 0.0, end)

@@ -1,0 +1,38 @@
+"""Outputs of fidelity averaged: the means of the torques, their ripple and peak, the mean energy."""
+
+from .legs import LOCKED, RESTING, choose_leg
+from .rates import energy_at, mean_input_torque, mesh_share, ripple_at, side_at
+from .run import leg_speed, torque_at
+
+
+def averaged_energy(d, x):
+    """Mean kinetic energy of the mechanism and the output shaft, J."""
+    energy, _, _ = energy_at(d, side_at(d, x.omega1, x.alpha1), x, x.omega1)
+    return energy + 0.5 * d.J3 * x.omega3 * x.omega3
+
+
+def write_averaged(d, x, y):
+    """Mean torques, ripple and peak at the present speeds. Returns the acceleration of link 2.
+
+    Of the mean output torque the mesh has its share, the housing takes the rest.
+    """
+    omega1 = x.omega1
+    alpha1 = x.alpha1
+    side = side_at(d, omega1, alpha1)
+    leg = choose_leg(d, side, x, omega1, alpha1)
+    omega3 = x.omega3
+    x.omega3 = leg_speed(x, leg)
+    torque, alpha3, alpha2 = torque_at(d, side, x, leg, omega1, alpha1)
+    mesh = mesh_share(x, omega1, torque)
+    y.input_torque = mean_input_torque(d, side, x, omega1, alpha1, alpha3, torque)
+    y.mesh_torque = mesh
+    y.output_torque = torque
+    y.housing_torque = torque - mesh
+    ripple = 0.0
+    peak = abs(torque)
+    if leg != LOCKED and leg != RESTING:
+        ripple, peak = ripple_at(side, x, omega1)
+    x.omega3 = omega3
+    y.torque_ripple = ripple
+    y.torque_peak = peak
+    return alpha2

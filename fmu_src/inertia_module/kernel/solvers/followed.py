@@ -1,0 +1,50 @@
+"""Which of the shaft's own motion is resolved by the steps, and which is damped out.
+
+An oscillation of rate Omega holds about (pulse rate / Omega)^2 of the energy of a pulse, so one is followed
+up to Omega = pulse rate / sqrt(tolerance).
+"""
+
+import math
+
+from ..codes import DRIVING, HELD_DRIVING
+from ..links import inertia_at_output
+
+
+def hub_compliance(d, x, inertia2):
+    """1/J of what the shaft torque accelerates: the hub, link 2 with it, or nothing."""
+    if x.mode == HELD_DRIVING:
+        return 0.0
+    return 1.0 / (d.J3 + inertia2) if x.mode == DRIVING else 1.0 / d.J3
+
+
+def shaft_frequency(d, compliance):
+    """Angular frequency of the shaft between hub and driven mass, without damping, rad/s."""
+    return math.sqrt(d.stiffness * (compliance + 1.0 / d.J4))
+
+
+def slowest_rate(d, compliance):
+    """Modulus of the slowest eigenvalue of the shaft, rad/s: a damped one may be slow though stiff."""
+    mobility = compliance + 1.0 / d.J4
+    half = 0.5 * d.damping * mobility
+    square = d.stiffness * mobility
+    if half * half <= square:
+        return math.sqrt(square)
+    return square / (half + math.sqrt(half * half - square))
+
+
+def is_followed(d, compliance, pulse_rate):
+    """Whether the shaft's own motion is resolved, not damped out."""
+    return slowest_rate(d, compliance) ** 2 <= d.followed * pulse_rate * pulse_rate
+
+
+def is_stiff(d, x, omega1):
+    """Whether the shaft is too stiff for its own motion to be followed, omega1 jumping to this value."""
+    compliance = 1.0 / (d.J3 + inertia_at_output(d, x.q))
+    shaft = max(abs(x.omega3), abs(x.omega3 - x.relative))
+    speeds = max(max(abs(x.omega1), abs(omega1)), shaft)
+    return not is_followed(d, compliance, widest_rate(d, x, speeds, compliance))
+
+
+def widest_rate(d, x, fastest, compliance):
+    """Rate of the pulses if their slip were the fastest speed around, rad/s."""
+    return d.harmonic * d.k * max(fastest, abs(x.twist) * shaft_frequency(d, compliance))

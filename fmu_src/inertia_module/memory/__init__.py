@@ -1,0 +1,1 @@
+"""Models in memory, by names; the FMUs are shells of them."""

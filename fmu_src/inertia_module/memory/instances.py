@@ -1,0 +1,274 @@
+"""Models in memory: named values over the arrays of the kernel. The FMUs are shells of them."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import struct
+from collections.abc import Callable, Mapping
+from typing import Any, ClassVar, Self
+
+from ..common.errors import Refused, must_be
+from ..compiling import load as compiled
+from ..compiling.kernels import MODULE, CompilationUnavailable, source_hash
+from ..compiling.records import record_type
+from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE, Model
+from ..contract.variables import INPUT, OUTPUT, PARAMETER, default_parameters, refused_parameters
+from ..kernel import codes
+from . import maps
+
+NO_STATE = "the state must be one saved by this build, is damaged or of another build"
+
+
+def choose_kernel(kernel: str, name: str = MODULE) -> tuple[Callable[..., int] | None, str]:
+    """The compiled entry, or None for the plain kernel, and why.
+
+    Args:
+        kernel: "compiled", "plain", or "auto": what the environment variable INERTIA_MODULE_KERNEL
+            says, else compiled where there is such a kernel.
+        name: which of entries.ENTRIES.
+
+    Raises:
+        CompilationUnavailable: "compiled" was asked for and there is none.
+        Refused: kernel is none of these.
+    """
+    if kernel == "auto":
+        kernel = os.environ.get("INERTIA_MODULE_KERNEL", "auto")
+    if kernel == "plain":
+        return None, "plain Python, as asked for"
+    if kernel == "compiled":
+        return compiled.load(name), "compiled"
+    if kernel != "auto":
+        raise Refused(must_be("kernel", "auto, compiled or plain", repr(kernel)))
+    try:
+        return compiled.load(name), "compiled"
+    except CompilationUnavailable as error:
+        return None, f"plain Python, for there is no compiled one ({error})"
+
+
+class ModelInstance:
+    """A model in memory: set parameters and inputs, start, step, read.
+
+    Args:
+        kernel: see choose_kernel.
+
+    Attributes:
+        kernel: which kernel runs, and why; chosen at the start.
+        started: whether start has been called with good parameters.
+    """
+
+    model: ClassVar[Model]
+
+    def __init__(self, kernel: str = "auto") -> None:
+        self._wanted = kernel
+        self._entry: Callable[..., int] | None = None
+        self.kernel = ""
+        self._records = tuple(record_type(fields)() for fields in self.model.records)
+        self.parameters, self.derived, self.inputs, self.state, self.outputs, _ = self._records
+        for name, value in default_parameters(self.model.variables).items():
+            setattr(self.parameters, name, value)
+        self._addresses = tuple(ctypes.addressof(record) for record in self._records)
+        self.started = False
+
+    def load_kernel(self) -> None:
+        """Load the kernel (and compile it, the first time ever) now instead of at the start."""
+        if not self.kernel:
+            self._entry, self.kernel = choose_kernel(self._wanted, self.model.entry)
+
+    def call(self, operation: int, step_size: float) -> int:
+        """Call the kernel (an operation of kernel.codes) and return its status."""
+        if self._entry is not None:
+            return self._entry(operation, *self._addresses, step_size)
+        return self.model.call(operation, *self._records, step_size)
+
+    def set(self, **values: float | str) -> None:
+        """Set parameters (before start) and inputs by name; all of them or, on an error, none.
+
+        Args:
+            values: numbers, strings with a unit, names of items of enumerations.
+
+        Raises:
+            Refused: an unknown name, a value out of its range, or a parameter after start.
+        """
+        places = []
+        known = self.model.by_name
+        for name, value in values.items():
+            variable = known.get(name)
+            if variable is None or variable.causality not in (INPUT, PARAMETER):
+                settable = ", ".join(v.name for v in known.values() if v.causality in (INPUT, PARAMETER))
+                raise Refused(f"{name} must be a parameter or an input: {settable}")
+            if variable.causality == PARAMETER and self.started:
+                raise Refused(f"{name} = {value} must be set before the start: parameters are fixed after it")
+            record = self.inputs if variable.causality == INPUT else self.parameters
+            places.append((record, name, variable.number(value)))
+        for record, name, number in places:
+            setattr(record, name, number)
+
+    def set_rates(self, **rates: float) -> None:
+        """Give inputs a constant rate over the coming step, per second: they start it from their values.
+
+        Raises:
+            Refused: an unknown input; no rate is set.
+        """
+        inputs = [variable.name for variable in self.model.with_causality(INPUT)]
+        for name in rates:
+            if name not in inputs:
+                raise Refused(f"the rate of {name} must be that of an input: {', '.join(inputs)}")
+        for name, rate in rates.items():
+            setattr(self.inputs, f"{name}_rate", rate)
+            setattr(self.inputs, f"{name}_rate_given", 1.0)
+
+    def _forget_rates(self) -> None:
+        for variable in self.model.with_causality(INPUT):
+            setattr(self.inputs, f"{variable.name}_rate", 0.0)
+            setattr(self.inputs, f"{variable.name}_rate_given", 0.0)
+
+    def rates(self) -> dict[str, float]:
+        """Rates of the outputs now, per second, inputs going on as they do; a step mean has rate 0.
+
+        Raises:
+            Refused: the instance has not been started, or a step from here is refused.
+        """
+        if not self.started:
+            raise Refused("rates must come after the start, the module has not been started")
+        copy = type(self)("plain" if self._entry is None else "compiled")
+        copy.restore(self.save())
+        self._check(copy.call(codes.RATES, 0.0), 0.0)
+        return {variable.name: copy[variable.name] for variable in self.model.with_causality(OUTPUT)}
+
+    def start(self, **values: float | str) -> Self:
+        """Set values, check the parameters alone and together, and take the initial state.
+
+        Raises:
+            Refused: with one line for each thing that is wrong.
+        """
+        self._prepare(values)
+        self._begin()
+        self.started = True
+        return self
+
+    def _begin(self) -> None:
+        self._check(self.call(codes.START, 0.0), 0.0)
+
+    def _prepare(self, values: Mapping[str, float | str]) -> None:
+        self.set(**values)
+        refused = self._refused_parameters(self.parameters)
+        if refused:
+            raise Refused("; ".join(refused))
+        self.load_kernel()
+
+    def advance(self, step_size: float) -> None:
+        """Advance by a communication step, s.
+
+        Raises:
+            Refused: bad inputs or step, or work without end; the state is as it was.
+        """
+        if not self.started:
+            raise Refused("a step must come after the start, the module has not been started")
+        self._check(self.call(codes.STEP, step_size), step_size)
+        self._forget_rates()
+
+    def _check(self, status: int, step_size: float) -> None:
+        if status != codes.OK:
+            raise Refused(self.model.explain(status, self.parameters, self.inputs, step_size))
+
+    def warnings(self) -> list[str]:
+        """What cannot be built of a mechanism whose parameters are accepted: a sentence each."""
+        found = self.call(codes.WARN, 0.0) if self.model.warnings else 0
+        return self.model.warn(found, self.parameters, self.inputs)
+
+    def __getitem__(self, name: str) -> float:
+        """Value of any variable by its name."""
+        variable = self.model.by_name[name]
+        if variable.causality == INPUT:
+            record = self.inputs
+        elif variable.causality == PARAMETER:
+            record = self.parameters
+        else:
+            record = self.outputs
+        value: float = getattr(record, name)
+        return value
+
+    @property
+    def _magic(self) -> bytes:
+        return self.model.name.encode()
+
+    def save(self) -> bytes:
+        """Everything that makes up the state, bit for bit."""
+        head = self._magic + struct.pack("<?", self.started) + source_hash().encode()
+        return head + b"".join(bytes(record) for record in self._records[:5])
+
+    def restore(self, saved: bytes, must_be_started: bool = False) -> None:
+        """Take over a state of save.
+
+        Args:
+            saved: the state. must_be_started: refuse one that was saved before the start.
+
+        Raises:
+            Refused: it is not one, is damaged or of another build; nothing is changed.
+        """
+        head = len(self._magic) + 1
+        start = head + len(source_hash())
+        size = start + sum(ctypes.sizeof(record) for record in self._records[:5])
+        if len(saved) != size:
+            raise Refused(
+                f"the state must be one saved by this build, of {size} bytes, is of {len(saved)} bytes"
+            )
+        if saved[: len(self._magic)] != self._magic or saved[head:start] != source_hash().encode():
+            raise Refused(NO_STATE)
+        started = saved[head - 1] != 0
+        parts = []
+        for record in self._records[:5]:
+            parts.append(type(record).from_buffer_copy(saved, start))
+            start += ctypes.sizeof(record)
+        if must_be_started and not started:
+            raise Refused("the state must be one that can step, is one saved before the start")
+        self._check_sound(started, dict(zip("pduxy", parts, strict=True)))
+        self.load_kernel()
+        self.started = started
+        for record, part in zip(self._records, parts, strict=False):
+            record.numbers[:] = part.numbers
+
+    def _refused_parameters(self, parameters: Any) -> list[str]:
+        values = {name: getattr(parameters, name) for name in self.model.records[0]}
+        return refused_parameters(values, self.model.variables)
+
+    def _check_sound(self, started: bool, parts: dict[str, Any]) -> None:
+        """Refuse a state in which a number used as an index or a choice is none."""
+        sound = all(bound.accepts(parts[bound.record].numbers[bound.place]) for bound in self.model.bounds)
+        if not sound or (started and self._refused_parameters(parts["p"])):
+            raise Refused(NO_STATE)
+
+    def snapshot(self) -> dict[str, Any]:
+        """All variables by name."""
+        return {name: self[name] for name in self.model.by_name}
+
+
+class Module(ModelInstance):
+    """An inertia module."""
+
+    model = INERTIA_MODULE
+
+    def check(self, **values: float | str) -> None:
+        """Set values and check the parameters, alone and together, without starting.
+
+        Raises:
+            Refused: as start.
+        """
+        self._prepare(values)
+        self._check(self.call(codes.CHECK, 0.0), 0.0)
+
+    def _begin(self) -> None:
+        """Start with the map of fidelity averaged that another instance has made, if there is one."""
+        averaged = self.parameters.fidelity == codes.AVERAGED
+        if averaged:
+            maps.recall(self.parameters, self.derived)
+        super()._begin()
+        if averaged:
+            maps.keep(self.parameters, self.derived)
+
+
+class DrivenShaft(ModelInstance):
+    """The elastic output alone: hub of given speed, shaft, driven mass."""
+
+    model = DRIVEN_SHAFT
