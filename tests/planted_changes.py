@@ -38,18 +38,18 @@ search.py: if not value < {-zero|0.0}:\n            found
 works.py: (start1 + {0.5|1.0} * alpha1 * passed)
 works.py: d.friction * omega4 {-|+} balancing
 works.py: GAUSS_WEIGHT_1 = 0.11846{3|4}
-works.py: if NODES[n] {<=|>=} end:
+works.py: sigma < 0.0 or NODES[n] {<=|>=} end:
 engine.py: if passed {>=|>} remaining:
 engine.py: x.step_size {*|/}= STALLED
 engine.py: w.load = {x.load_torque|abs(x.load_torque)}
 solvers/explicit.py: turned1 {-|+} change_q / d.k, integrated
-solvers/explicit.py: SAFETY * error**{-|}0.125
+solvers/explicit.py: SAFETY * error ** ({-|}1.0 / order)
 solvers/dormand_prince.py: 0.20136540080403034, 0.0447{1|2}
 solvers/timestepping.py: alpha1 * (d.J2 {-|+} k * mean_b)
 solvers/elastic_stages.py: (g1 * k * k {-|+} i1) * omega1
-average_rates.py: 2.0 * speed * torque {-|+} omega3 * torque1
-average_step.py: h * (d0 - d1) / {12.0|6.0}
-average.py: 1.0 {+|-} share * share / 12.0
+averaged/rates.py: 2.0 * speed * torque {-|+} omega3 * torque1
+averaged/step.py: h * (d0 - d1) / {12.0|6.0}
+averaged/run.py: 1.0 {+|-} share * share / 12.0
 impulse.py: impulse * (x.omega1 {+|-} 0.5 * jump)
 impulse.py: fraction = {|0.5 * }omega2 / -change
 outputs.py: housing = output {-|+} mesh

@@ -10,7 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 from inertia_module.cli import app
-from inertia_module.paper_figures import all_figures
+from inertia_module.figures.papers import all_figures
 
 ROOT = Path(__file__).parents[2]
 
@@ -187,7 +187,7 @@ def test_papers_leaves_every_figure_as_png_svg_and_csv(tmp_path, monkeypatch):
     assert names <= set(figures)
     # tests/unit draws them all
     few = {name: figures[name] for name in ("lysenko_1", "stelmashchuk_2")}
-    monkeypatch.setattr("inertia_module.paper_figures.all_figures", lambda: few)
+    monkeypatch.setattr("inertia_module.figures.papers.all_figures", lambda: few)
     done = command("papers", "-o", tmp_path / "papers", "--json", folder=tmp_path)
     assert done.exit_code == 0, done.stderr
     files = [Path(file) for file in json.loads(done.stdout)["files"]]
