@@ -31,7 +31,7 @@ demo: $(VENV)/.run ## set up, build the FMU, drive a car through the urban cycle
 	$(BIN)/inertia-module run examples/urban.toml -o out/urban
 
 test: $(VENV)/.all ## run all tests
-	$(BIN)/python -m pytest -n auto
+	$(BIN)/python -m pytest -n auto --dist worksteal
 
 lint: $(VENV)/.all ## style, types, floors
 	$(BIN)/ruff check

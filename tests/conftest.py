@@ -1,4 +1,5 @@
 import importlib.util
+import os
 
 import pytest
 from hypothesis import settings
@@ -7,24 +8,28 @@ from hypothesis import settings
 settings.register_profile("same", max_examples=40, deadline=None, derandomize=True, database=None)
 settings.register_profile("search", max_examples=400, deadline=None)
 settings.load_profile("same")
-
-
-def _kernel(name):
-    if name == "compiled" and importlib.util.find_spec("numba") is None:
-        pytest.skip("numba is not installed")
-    return name
+# tests/planted_changes.py asks for that: nothing is translated
+ONLY_PLAIN = os.environ.get("INERTIA_MODULE_KERNEL") == "plain"
 
 
 @pytest.fixture(scope="session", params=["plain", "compiled"])
 def kernel(request):
     """Both kernels in turn."""
-    return _kernel(request.param)
+    if request.param == "plain":
+        return "plain"
+    if ONLY_PLAIN:
+        pytest.skip("the plain kernel alone was asked for")
+    return request.getfixturevalue("compiled")
 
 
 @pytest.fixture(scope="session")
 def compiled():
     """The fast kernel, for what would take the plain one too long."""
-    return _kernel("compiled")
+    if ONLY_PLAIN:
+        return "plain"
+    if importlib.util.find_spec("numba") is None:
+        pytest.skip("numba is not installed")
+    return "compiled"
 
 
 @pytest.fixture(scope="session")
@@ -39,7 +44,7 @@ def built(tmp_path_factory):
 
 def pytest_configure(config):
     """Compile the kernels once, before the workers start: each of them would do it for itself."""
-    if importlib.util.find_spec("numba") is None or hasattr(config, "workerinput"):
+    if ONLY_PLAIN or importlib.util.find_spec("numba") is None or hasattr(config, "workerinput"):
         return
     from inertia_module.compiling import load as compiled
 

@@ -54,8 +54,8 @@ def test_python_fmu_refuses_an_unknown_kernel(fmu_path):
     assert "kernel must be auto, compiled or plain, is 'fast'" in caught.value.stderr
 
 
-def test_interrupted_build_leaves_the_old_files_and_no_others(tmp_path, monkeypatch):
-    paths = builder.build(tmp_path).paths
+def test_interrupted_build_leaves_the_old_files_and_no_others(built, tmp_path, monkeypatch):
+    paths = [Path(shutil.copy(built / fmu.file_name, tmp_path)) for fmu in builder.FMUS]
     before = [path.read_bytes() for path in paths]
 
     def interrupted(*_):

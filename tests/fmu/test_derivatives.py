@@ -124,26 +124,27 @@ STANDING = {
 }
 
 
-@pytest.mark.parametrize("angle", [0.0, 3.15])
 @pytest.mark.parametrize("state", STANDING)
 def test_rates_of_outputs_of_a_standing_shaft_are_those_of_the_motion_that_follows(
-    description, instances, rung, state, angle
+    description, instances, rung, state
 ):
     if rung in STIFF:
         pytest.skip("the swings of a shaft as stiff as that are not followed")
     outputs = [v.name for v in description.modelVariables if v.causality == "output"]
     names = [name for name in outputs if not name.endswith("_mean")]
-    settings = rung | STANDING[state] | {"drive_angle_start": angle, "omega_out_start": 0.0}
     h = 1e-6
-    instance, onwards = (instances().start(tolerance=1e-10, **settings) for _ in range(2))
-    found = instance.rates(*names)
-    rows = []
-    for _ in range(3):
-        rows.append([onwards.get(name) for name in names])
-        onwards.step(h)
-    for name, rate, first, second, third in zip(names, found, *rows, strict=True):
-        expected = (4.0 * second - 3.0 * first - third) / (2.0 * h)
-        assert rate == pytest.approx(expected, rel=1e-4, abs=1e-9 * (1.0 + abs(first)) / h), name
+    for angle in (0.0, 3.15):
+        settings = rung | STANDING[state] | {"drive_angle_start": angle, "omega_out_start": 0.0}
+        instance, onwards = (instances().start(tolerance=1e-10, **settings) for _ in range(2))
+        found = instance.rates(*names)
+        rows = []
+        for _ in range(3):
+            rows.append([onwards.get(name) for name in names])
+            onwards.step(h)
+        for name, rate, first, second, third in zip(names, found, *rows, strict=True):
+            expected = (4.0 * second - 3.0 * first - third) / (2.0 * h)
+            allowed = pytest.approx(expected, rel=1e-4, abs=1e-9 * (1.0 + abs(first)) / h)
+            assert rate == allowed, (name, angle)
 
 
 @pytest.mark.parametrize("load", [0.05, 0.5, 5.0])

@@ -44,10 +44,10 @@ def drive_in(folder, path):
     return done.stdout.strip()
 
 
-@pytest.mark.parametrize("name", FOLDERS)
-def test_it_runs_in_a_folder_of_any_name(fmu_path, tmp_path, name):
-    assert drive_in(tmp_path / name, fmu_path) == drive_in(tmp_path / "plain", fmu_path)
-    assert float.fromhex(drive_in(tmp_path / "plain", fmu_path)) > 0.0
+def test_it_runs_in_a_folder_of_any_name(fmu_path, tmp_path):
+    found = {name: drive_in(tmp_path / name, fmu_path) for name in ("plain", *FOLDERS)}
+    assert float.fromhex(found["plain"]) > 0.0
+    assert found == dict.fromkeys(found, found["plain"])
 
 
 def test_a_state_is_saved_when_the_folder_of_an_earlier_instance_is_gone(fmu_path):

@@ -4,6 +4,7 @@ import os
 import platform
 import shutil
 import subprocess
+import tempfile
 from pathlib import Path
 
 import pytest
@@ -52,17 +53,24 @@ def run(command, **environment):
     Raises:
         AssertionError: it fails; with what it says.
     """
-    done = subprocess.run(
-        [str(word) for word in command],
-        capture_output=True,
-        text=True,
-        timeout=TIME_LIMIT,
-        env=os.environ | environment,
-        errors="replace",
-        check=False,
-    )
-    assert done.returncode == 0, f"status {done.returncode}: {(done.stdout + done.stderr)[-3000:]}"
-    return done.stdout
+    # into files: a pipe is held open by what a program leaves running, such as the server of Wine
+    with (
+        tempfile.TemporaryFile("w+", errors="replace") as out,
+        tempfile.TemporaryFile("w+", errors="replace") as errors,
+    ):
+        done = subprocess.run(
+            [str(word) for word in command],
+            stdout=out,
+            stderr=errors,
+            timeout=TIME_LIMIT,
+            env=os.environ | environment,
+            check=False,
+        )
+        out.seek(0)
+        printed = out.read()
+        errors.seek(0)
+        assert done.returncode == 0, f"status {done.returncode}: {(printed + errors.read())[-3000:]}"
+    return printed
 
 
 class Workshop:
@@ -163,13 +171,10 @@ def workshop(request, workshops):
 
 
 @pytest.fixture(scope="session")
-def unpacked(tmp_path_factory):
+def unpacked(built, tmp_path_factory):
     """Folders with the content of the native FMUs, by identifier."""
-    folder = tmp_path_factory.mktemp("build")
-    built = builder.build(folder)
-    if built.skipped:
-        pytest.skip("; ".join(f"{what}: {reason}" for what, reason in built.skipped.items()))
-    return {name: Path(extract(str(folder / f"{name}.fmu"), str(folder / name))) for name in FMUS}
+    folder = tmp_path_factory.mktemp("unpacked")
+    return {name: Path(extract(str(built / f"{name}.fmu"), str(folder / name))) for name in FMUS}
 
 
 def wine():
@@ -194,7 +199,7 @@ def windows(tmp_path_factory):
         "LC_ALL": "C.UTF-8",
     }
     settings["WINEDLLOVERRIDES"] = "mscoree,mshtml="  # no offers to install these
-    yield lambda program: run([command, program], **settings)
+    yield lambda program, **environment: run([command, program], **settings, **environment)
     server = shutil.which("wineserver") or "/usr/lib/wine/wineserver"
     if os.path.exists(server):
         subprocess.run([server, "-k"], env=os.environ | settings, timeout=TIME_LIMIT, check=False)

@@ -76,14 +76,14 @@ def test_docs_name_the_c_library_that_pythonfmu_needs(binary_folder):
 
 
 @pytest.fixture(scope="session")
-def windows_folder(binary_folder, tmp_path_factory):
-    """Stand-ins for Python and pythonfmu on Windows; builds a host that gives a location."""
+def run_at(binary_folder, tmp_path_factory, windows):
+    """Stand-ins for Python and pythonfmu on Windows; runs a host that gives a location."""
     folder = tmp_path_factory.mktemp("windows")
     front = (binary_folder / "win64" / "InertiaModulePy.dll").read_bytes()
     (folder / "InertiaModulePy.dll").write_bytes(front)
     names = (
-        *("ExitProcess", "GetFileAttributesA", "GetProcAddress", "GetStdHandle", "LoadLibraryA"),
-        *("SetCurrentDirectoryA", "WriteFile"),
+        *("ExitProcess", "GetEnvironmentVariableA", "GetFileAttributesA", "GetProcAddress", "GetStdHandle"),
+        *("LoadLibraryA", "SetCurrentDirectoryA", "WriteFile"),
     )
 
     def build(file, *flags):
@@ -97,20 +97,21 @@ def windows_folder(binary_folder, tmp_path_factory):
     stubs = " ".join(f"STUB({name})" for name in sorted(required() - {"fmi2Instantiate"}))
     build("python3.dll", "-DPYTHON", "-shared")
     build("pythonfmu-export.dll", "-DBEHIND", f"-DSTUBS={stubs}", "-shared")
-    return lambda location: build("host.exe", f'-DLOCATION="{location}"')
+    program = build("host.exe")
+    return lambda location: windows(program, LOCATION=location)
 
 
 @pytest.mark.parametrize("name", ["plain", "with space", "100% #3", "Jürgen Müller", "日本"])
-def test_windows_gets_a_path_that_pythonfmu_and_python_can_read(windows_folder, windows, tmp_path, name):
+def test_windows_gets_a_path_that_pythonfmu_and_python_can_read(run_at, tmp_path, name):
     resources = tmp_path / name / "resources"
     resources.mkdir(parents=True)
     (resources / "slavemodule.txt").write_text("slave")
     location = resources.as_uri().replace("file://", "file:///Z:")
-    path, found = windows(windows_folder(location)).splitlines()
+    path, found = run_at(location).splitlines()
     assert path.isascii()
     assert found == "found"
 
 
-def test_windows_is_told_of_a_location_that_is_none(windows_folder, windows):
-    printed = windows(windows_folder("file:///Z:/no/such/folder"))
+def test_windows_is_told_of_a_location_that_is_none(run_at):
+    printed = run_at("file:///Z:/no/such/folder")
     assert printed.startswith("the resource location must be the URI of this FMU's resources")

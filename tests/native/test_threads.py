@@ -9,7 +9,7 @@ def test_eight_threads_give_the_bits_of_one(workshop):
     program = workshop.build_for(
         LINUX64, "threads", "threads.c", "host.c", "snapshot.c", flags=("-O2", "-lpthread")
     )
-    assert run([program, 8, 1000]) == "8 threads, 1000 instances each: the bits of one thread\n"
+    assert run([program, 8, 250]) == "8 threads, 250 instances each: the bits of one thread\n"
 
 
 def test_no_thread_touches_what_another_uses(workshop):

@@ -72,14 +72,17 @@ static void hear(fmi2ComponentEnvironment environment, fmi2String name, fmi2Stat
 int __stdcall begin(void *library, unsigned long reason, void *reserved)
 {
     const fmi2CallbackFunctions callbacks = {hear, NULL, NULL, NULL, NULL};
+    static char location[4096];
     const HMODULE front = LoadLibraryA("InertiaModulePy.dll");
     fmi2InstantiateTYPE *const instantiate =
         front ? (fmi2InstantiateTYPE *)(void *)GetProcAddress(front, "fmi2Instantiate") : NULL;
     (void)library, (void)reason, (void)reserved;
-    if (!instantiate)
+    if (!GetEnvironmentVariableA("LOCATION", location, sizeof location))
+        print("no location");
+    else if (!instantiate)
         print("no library");
     else
-        instantiate("host", fmi2CoSimulation, "", LOCATION, &callbacks, fmi2False, fmi2True);
+        instantiate("host", fmi2CoSimulation, "", location, &callbacks, fmi2False, fmi2True);
     ExitProcess(0);
 }
 #endif

@@ -187,13 +187,12 @@ def test_energies_are_measured_by_the_energy_in():
 # --- the choice ---
 
 
-def test_the_module_in_process_is_the_plant_of_the_same_loop(tmp_path):
-    from inertia_module.fmu.builder import build
+def test_the_module_in_process_is_the_plant_of_the_same_loop(built):
     from inertia_module.scene import run_scene
 
     rigid = trials.at_level(scene(), event(2, 1e-8))
     ours = run_in_process(rigid).record
-    fmu = run_scene(rigid, build(tmp_path).paths[0]).record
+    fmu = run_scene(rigid, built / "InertiaModule.fmu").record
     for name in ("omega_out", "output_torque_mean", "load_torque"):
         assert ours[name] == pytest.approx(fmu[name], rel=1e-12, abs=1e-12)
 

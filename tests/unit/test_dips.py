@@ -1,8 +1,7 @@
 """A freewheel that closes for a moment inside a step is not stepped over."""
 
 import pytest
-
-from inertia_module.memory.instances import Module
+from scenes import advanced, started
 
 # link 2 leaves the shaft at its own speed, so its slope over the shaft starts at zero, and dips to rest
 DIP = {
@@ -21,10 +20,8 @@ DIP = {
 
 
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-5, 1e-6, 1e-7, 1e-8])
-def test_dip_with_zero_slope_at_its_beginning_is_found(tolerance):
-    long_steps = Module("plain").start(tolerance=tolerance, **DIP)
-    short_steps = Module("plain").start(tolerance=tolerance, max_step=1e-4, **DIP)
-    for module in (long_steps, short_steps):
-        module.advance(1.75)
+def test_dip_with_zero_slope_at_its_beginning_is_found(compiled, tolerance):
+    long_steps = advanced(started(compiled, DIP, tolerance=tolerance), 1.75)
+    short_steps = advanced(started(compiled, DIP, tolerance=tolerance, max_step=1e-4), 1.75)
     assert long_steps["contact_switches"] == short_steps["contact_switches"]
     assert long_steps["omega_out"] == pytest.approx(short_steps["omega_out"], abs=20 * tolerance)

@@ -68,9 +68,9 @@ def before_jump(kernel, scene, housing, output, omega1, omega2, slip, q, inertia
     inertia=st.sampled_from([0.0, 0.003]),
 )
 def test_speeds_and_impulses_after_a_jump_solve_the_complementarity_problem(
-    kernel, scene, housing, output, omega1, target, omega2, slip, q, inertia
+    compiled, scene, housing, output, omega1, target, omega2, slip, q, inertia
 ):
-    p, module = before_jump(kernel, scene, housing, output, omega1, omega2, slip, q, inertia)
+    p, module = before_jump(compiled, scene, housing, output, omega1, omega2, slip, q, inertia)
     omega2, omega3, stored = module["omega2"], module["omega_out"], module["energy_stored"]
     end2, end3, clutch = brute_force(p, q, target - omega1, omega2, omega3)
     advanced(module, MOMENT, omega1=target)
@@ -105,9 +105,9 @@ def test_module_goes_on_after_jumps_up_down_and_through_zero(compiled, scene, ta
 
 
 @given(jump=st.floats(1.0, 100.0), parts=st.integers(2, 50))
-def test_jump_in_parts_ends_as_the_whole_jump(kernel, scene, jump, parts):
-    one = advanced(started(kernel, scene), 0.0043)
-    many = advanced(started(kernel, scene), 0.0043)
+def test_jump_in_parts_ends_as_the_whole_jump(compiled, scene, jump, parts):
+    one = advanced(started(compiled, scene), 0.0043)
+    many = advanced(started(compiled, scene), 0.0043)
     target = one["omega1"] + jump
     advanced(one, MOMENT, omega1=target)
     for part in range(1, parts + 1):

@@ -112,8 +112,7 @@ def test_equation_11():
     # 2 (2*5 - 3*5) = -10; -2 (1 (6 - 3*4)) = 12; 2*1*5 - 2*4 = 2
     velocity = page.velocity_about_satellite(2.0, (1.0, 2.0, 3.0), (4.0, 5.0, 6.0), 1.0)
     assert velocity == close((-10.0, 12.0, 2.0))
-    # exact: AD x (A - Q) mu = 2 (1, 2, 3) x (4, 5, 5)
-    assert 2.0 * np.cross((1.0, 2.0, 3.0), (4.0, 5.0, 5.0)) == close((-10.0, 14.0, -6.0))
+    # exact: AD x (A - Q) mu = 2 (1, 2, 3) x (4, 5, 5) = (-10, 14, -6)
 
 
 def test_equations_12_18_25_and_33():
@@ -131,7 +130,6 @@ def test_equation_14():
 def test_equation_15():
     # lambda OQ = 6 rad/s at D = (1, 2, 5): r x omega, while omega x r = (-12, 6, 0)
     assert page.velocity_about_drive(3.0, (1.0, 2.0, 5.0), 2.0) == close((12.0, -6.0, 0.0))
-    assert np.cross((0.0, 0.0, 6.0), (1.0, 2.0, 5.0)) == close((-12.0, 6.0, 0.0))
 
 
 def test_equation_16():
@@ -155,7 +153,6 @@ def test_equation_21():
 def test_equation_22():
     # v x = 6 rad/s about Ox at y = 5, z = 7: omega x r = (0, -42, 30)
     assert page.velocity_about_centre(3.0, 2.0, 5.0, 7.0) == close((0.0, 42.0, 30.0))
-    assert np.cross((6.0, 0.0, 0.0), (2.0, 5.0, 7.0)) == close((0.0, -42.0, 30.0))
 
 
 def test_equation_23():

@@ -17,7 +17,7 @@ TIMES = 60
 PLANES = ((0, 1), (2, 1), (0, 2))
 
 
-@pytest.fixture(scope="module", params=range(50))
+@pytest.fixture(scope="module", params=range(16))
 def case(request):
     """A random mechanism at random times: (chain, times, exact set)."""
     rng = np.random.default_rng(request.param)

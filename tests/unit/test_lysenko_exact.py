@@ -16,76 +16,79 @@ def mechanism(request):
     return request.param
 
 
-@pytest.fixture(params=ALPHAS)
-def alpha(request):
-    return request.param
+def test_imbalance_is_where_the_chain_carries_it(mechanism):
+    for alpha in ALPHAS:
+        place = Chain(mechanism, alpha).mass(0)
+        x, y = exact.epicycloid(mechanism, alpha)
+        along, across = exact.position(mechanism, alpha)
+        in_frame = place * mp.expj(-Chain(mechanism, alpha).ratio * mp.mpf(alpha))
+        size = mechanism.centre_distance + mechanism.arm
+        assert [float(x), float(y)] == pytest.approx([float(place.real), float(place.imag)], abs=1e-12 * size)
+        assert [float(along), float(across)] == pytest.approx(
+            [float(in_frame.real), float(in_frame.imag)], abs=1e-12 * size
+        )
+        assert float(exact.rho(mechanism, alpha)) == pytest.approx(float(abs(place)), rel=1e-13)
 
 
-def test_imbalance_is_where_the_chain_carries_it(mechanism, alpha):
-    place = Chain(mechanism, alpha).mass(0)
-    x, y = exact.epicycloid(mechanism, alpha)
-    along, across = exact.position(mechanism, alpha)
-    in_frame = place * mp.expj(-Chain(mechanism, alpha).ratio * mp.mpf(alpha))
-    size = mechanism.centre_distance + mechanism.arm
-    assert [float(x), float(y)] == pytest.approx([float(place.real), float(place.imag)], abs=1e-12 * size)
-    assert [float(along), float(across)] == pytest.approx(
-        [float(in_frame.real), float(in_frame.imag)], abs=1e-12 * size
-    )
-    assert float(exact.rho(mechanism, alpha)) == pytest.approx(float(abs(place)), rel=1e-13)
+def test_speed_is_the_rate_of_the_place(mechanism):
+    for alpha in ALPHAS:
+        rate = abs(mp.diff(Chain(mechanism, alpha).mass, 0))
+        largest = float(exact.speed(mechanism, math.pi, OMEGA))
+        assert float(exact.speed(mechanism, alpha, OMEGA)) == pytest.approx(float(rate), abs=1e-11 * largest)
 
 
-def test_speed_is_the_rate_of_the_place(mechanism, alpha):
-    rate = abs(mp.diff(Chain(mechanism, alpha).mass, 0))
-    largest = float(exact.speed(mechanism, math.pi, OMEGA))
-    assert float(exact.speed(mechanism, alpha, OMEGA)) == pytest.approx(float(rate), abs=1e-11 * largest)
+def test_angles_keep_their_quadrant(mechanism):
+    for alpha in ALPHAS:
+        chain = Chain(mechanism, alpha)
+        from_wheel, from_centre = chain.mass(0) - chain.pin(0), chain.mass(0)
+        beta1 = float(mp.arg(from_centre / from_wheel))
+        assert math.cos(float(exact.beta1(mechanism, alpha)) - beta1) == pytest.approx(1.0, abs=1e-12)
+        speed = mp.diff(chain.mass, 0)
+        if abs(speed) > 1e-9 * float(exact.speed(mechanism, math.pi, OMEGA)):
+            delta = float(mp.arg(1j * from_centre / speed))
+            assert math.cos(float(exact.delta(mechanism, alpha)) - delta) == pytest.approx(1.0, abs=1e-12)
 
 
-def test_angles_keep_their_quadrant(mechanism, alpha):
-    chain = Chain(mechanism, alpha)
-    from_wheel, from_centre = chain.mass(0) - chain.pin(0), chain.mass(0)
-    beta1 = float(mp.arg(from_centre / from_wheel))
-    assert math.cos(float(exact.beta1(mechanism, alpha)) - beta1) == pytest.approx(1.0, abs=1e-12)
-    speed = mp.diff(chain.mass, 0)
-    if abs(speed) > 1e-9 * float(exact.speed(mechanism, math.pi, OMEGA)):
-        delta = float(mp.arg(1j * from_centre / speed))
-        assert math.cos(float(exact.delta(mechanism, alpha)) - delta) == pytest.approx(1.0, abs=1e-12)
+def test_inertia_forces_add_up_to_minus_mass_times_acceleration(mechanism):
+    for alpha in ALPHAS:
+        chain = Chain(mechanism, alpha)
+        outward = (chain.mass(0) - chain.pin(0)) / mechanism.arm
+        from_centre = chain.mass(0) / abs(chain.mass(0))
+        along_wheel = exact.relative_force(mechanism, OMEGA) + exact.coriolis_force(mechanism, OMEGA)
+        total = along_wheel * outward + float(exact.carrier_force(mechanism, alpha, OMEGA)) * from_centre
+        force = chain.inertia_force()
+        assert abs(complex(total - force)) <= 1e-11 * mechanism.m * OMEGA**2 * (
+            mechanism.arm * (1 + mechanism.b) ** 2 + mechanism.b**2 * mechanism.centre_distance
+        )
 
 
-def test_inertia_forces_add_up_to_minus_mass_times_acceleration(mechanism, alpha):
-    chain = Chain(mechanism, alpha)
-    outward = (chain.mass(0) - chain.pin(0)) / mechanism.arm
-    from_centre = chain.mass(0) / abs(chain.mass(0))
-    along_wheel = exact.relative_force(mechanism, OMEGA) + exact.coriolis_force(mechanism, OMEGA)
-    total = along_wheel * outward + float(exact.carrier_force(mechanism, alpha, OMEGA)) * from_centre
-    force = chain.inertia_force()
-    assert abs(complex(total - force)) <= 1e-11 * mechanism.m * OMEGA**2 * (
-        mechanism.arm * (1 + mechanism.b) ** 2 + mechanism.b**2 * mechanism.centre_distance
-    )
+def test_moments_are_those_of_the_inertia_force(mechanism):
+    for alpha in ALPHAS:
+        chain = Chain(mechanism, alpha)
+        force = chain.inertia_force()
+        about_wheel = float(cross(chain.mass(0) - chain.pin(0), force))
+        about_centre = float(cross(chain.mass(0), force))
+        moved_to_pin = float(cross(chain.pin(0), force))
+        tolerance = 1e-11 * torque_scale(mechanism)
+        assert float(exact.wheel_moment(mechanism, alpha, OMEGA)) == pytest.approx(about_wheel, abs=tolerance)
+        assert float(exact.carrier_moment(mechanism, alpha, OMEGA)) == pytest.approx(
+            about_centre, abs=tolerance
+        )
+        assert float(exact.pin_moment(mechanism, alpha, OMEGA)) == pytest.approx(moved_to_pin, abs=tolerance)
 
 
-def test_moments_are_those_of_the_inertia_force(mechanism, alpha):
-    chain = Chain(mechanism, alpha)
-    force = chain.inertia_force()
-    about_wheel = float(cross(chain.mass(0) - chain.pin(0), force))
-    about_centre = float(cross(chain.mass(0), force))
-    moved_to_pin = float(cross(chain.pin(0), force))
-    tolerance = 1e-11 * torque_scale(mechanism)
-    assert float(exact.wheel_moment(mechanism, alpha, OMEGA)) == pytest.approx(about_wheel, abs=tolerance)
-    assert float(exact.carrier_moment(mechanism, alpha, OMEGA)) == pytest.approx(about_centre, abs=tolerance)
-    assert float(exact.pin_moment(mechanism, alpha, OMEGA)) == pytest.approx(moved_to_pin, abs=tolerance)
-
-
-def test_moments_are_forces_times_arms(mechanism, alpha):
-    # equations 9 and 10, put right
-    about_wheel = exact.carrier_force(mechanism, alpha, OMEGA) * exact.n2(mechanism, alpha)
-    along_wheel = exact.relative_force(mechanism, OMEGA) + exact.coriolis_force(mechanism, OMEGA)
-    tolerance = 1e-12 * torque_scale(mechanism)
-    assert float(about_wheel) == pytest.approx(
-        float(exact.wheel_moment(mechanism, alpha, OMEGA)), abs=tolerance
-    )
-    assert -along_wheel * float(exact.n1(mechanism, alpha)) == pytest.approx(
-        float(exact.carrier_moment(mechanism, alpha, OMEGA)), abs=tolerance
-    )
+def test_moments_are_forces_times_arms(mechanism):
+    for alpha in ALPHAS:
+        # equations 9 and 10, put right
+        about_wheel = exact.carrier_force(mechanism, alpha, OMEGA) * exact.n2(mechanism, alpha)
+        along_wheel = exact.relative_force(mechanism, OMEGA) + exact.coriolis_force(mechanism, OMEGA)
+        tolerance = 1e-12 * torque_scale(mechanism)
+        assert float(about_wheel) == pytest.approx(
+            float(exact.wheel_moment(mechanism, alpha, OMEGA)), abs=tolerance
+        )
+        assert -along_wheel * float(exact.n1(mechanism, alpha)) == pytest.approx(
+            float(exact.carrier_moment(mechanism, alpha, OMEGA)), abs=tolerance
+        )
 
 
 # --- shapes, limits ---

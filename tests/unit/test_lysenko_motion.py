@@ -20,53 +20,54 @@ def mechanism(request):
     return request.param
 
 
-@pytest.fixture(params=ALPHAS)
-def alpha(request):
-    return request.param
-
-
 @pytest.mark.parametrize("omega_rate", [0.0, OMEGA_RATE])
-def test_drive_supplies_the_change_of_energy(mechanism, alpha, omega_rate):
-    chain = Chain(mechanism, alpha, OMEGA, omega_rate)
-    power = float(mp.diff(chain.energy, 0))
-    torque = float(motion.drive_torque(mechanism, alpha, OMEGA, omega_rate))
-    scale = torque_scale(mechanism) + abs(float(motion.drive_torque(mechanism, math.pi, OMEGA, omega_rate)))
-    assert torque * mechanism.b * OMEGA == pytest.approx(power, abs=1e-11 * scale * mechanism.b * OMEGA)
-    energy = float(motion.kinetic_energy(mechanism, alpha, OMEGA))
-    assert energy == pytest.approx(float(chain.energy(0)), rel=1e-9)
+def test_drive_supplies_the_change_of_energy(mechanism, omega_rate):
+    for alpha in ALPHAS:
+        chain = Chain(mechanism, alpha, OMEGA, omega_rate)
+        power = float(mp.diff(chain.energy, 0))
+        torque = float(motion.drive_torque(mechanism, alpha, OMEGA, omega_rate))
+        scale = torque_scale(mechanism) + abs(
+            float(motion.drive_torque(mechanism, math.pi, OMEGA, omega_rate))
+        )
+        assert torque * mechanism.b * OMEGA == pytest.approx(power, abs=1e-11 * scale * mechanism.b * OMEGA)
+        energy = float(motion.kinetic_energy(mechanism, alpha, OMEGA))
+        assert energy == pytest.approx(float(chain.energy(0)), rel=1e-9)
 
 
-def test_power_of_the_drive_is_minus_that_of_the_inertia_forces(mechanism, alpha):
-    taken = exact.wheel_power(mechanism, alpha, OMEGA) + exact.carrier_power(mechanism, alpha, OMEGA)
-    power = float(motion.drive_power(mechanism, alpha, OMEGA))
-    scale = torque_scale(mechanism) * mechanism.b * OMEGA
-    assert power == pytest.approx(-float(taken), abs=1e-12 * scale)
-    assert float(motion.drive_torque(mechanism, alpha, OMEGA)) == pytest.approx(
-        -float(exact.carrier_moment(mechanism, alpha, OMEGA))
-        - float(exact.wheel_moment(mechanism, alpha, OMEGA)) / mechanism.b,
-        abs=1e-12 * torque_scale(mechanism) / mechanism.b,
-    )
+def test_power_of_the_drive_is_minus_that_of_the_inertia_forces(mechanism):
+    for alpha in ALPHAS:
+        taken = exact.wheel_power(mechanism, alpha, OMEGA) + exact.carrier_power(mechanism, alpha, OMEGA)
+        power = float(motion.drive_power(mechanism, alpha, OMEGA))
+        scale = torque_scale(mechanism) * mechanism.b * OMEGA
+        assert power == pytest.approx(-float(taken), abs=1e-12 * scale)
+        assert float(motion.drive_torque(mechanism, alpha, OMEGA)) == pytest.approx(
+            -float(exact.carrier_moment(mechanism, alpha, OMEGA))
+            - float(exact.wheel_moment(mechanism, alpha, OMEGA)) / mechanism.b,
+            abs=1e-12 * torque_scale(mechanism) / mechanism.b,
+        )
 
 
-def test_wheel_power_belongs_to_the_absolute_speed_where_forces_are_moved_to_the_pin(mechanism, alpha):
-    b = mechanism.b
-    moved = exact.pin_moment(mechanism, alpha, OMEGA) * b * OMEGA
-    moved += exact.wheel_moment(mechanism, alpha, OMEGA) * (1 + b) * OMEGA
-    scale = torque_scale(mechanism) * (1 + b) * OMEGA
-    assert float(moved) == pytest.approx(
-        -float(motion.drive_power(mechanism, alpha, OMEGA)), abs=1e-12 * scale
-    )
+def test_wheel_power_belongs_to_the_absolute_speed_where_forces_are_moved_to_the_pin(mechanism):
+    for alpha in ALPHAS:
+        b = mechanism.b
+        moved = exact.pin_moment(mechanism, alpha, OMEGA) * b * OMEGA
+        moved += exact.wheel_moment(mechanism, alpha, OMEGA) * (1 + b) * OMEGA
+        scale = torque_scale(mechanism) * (1 + b) * OMEGA
+        assert float(moved) == pytest.approx(
+            -float(motion.drive_power(mechanism, alpha, OMEGA)), abs=1e-12 * scale
+        )
 
 
-def test_drive_and_held_wheel_change_the_angular_momentum(mechanism, alpha):
-    chain = Chain(mechanism, alpha)
-    assert float(motion.angular_momentum(mechanism, alpha, OMEGA)) == pytest.approx(
-        float(chain.momentum(0)), abs=1e-12 * torque_scale(mechanism) / OMEGA / min(mechanism.b, 1.0)
-    )
-    outside = motion.drive_torque(mechanism, alpha, OMEGA) + motion.wheel_torque(mechanism, alpha, OMEGA)
-    assert float(outside) == pytest.approx(
-        float(mp.diff(chain.momentum, 0)), abs=1e-11 * torque_scale(mechanism)
-    )
+def test_drive_and_held_wheel_change_the_angular_momentum(mechanism):
+    for alpha in ALPHAS:
+        chain = Chain(mechanism, alpha)
+        assert float(motion.angular_momentum(mechanism, alpha, OMEGA)) == pytest.approx(
+            float(chain.momentum(0)), abs=1e-12 * torque_scale(mechanism) / OMEGA / min(mechanism.b, 1.0)
+        )
+        outside = motion.drive_torque(mechanism, alpha, OMEGA) + motion.wheel_torque(mechanism, alpha, OMEGA)
+        assert float(outside) == pytest.approx(
+            float(mp.diff(chain.momentum, 0)), abs=1e-11 * torque_scale(mechanism)
+        )
 
 
 @given(
@@ -120,11 +121,12 @@ def test_free_mechanism_does_not_keep_its_angular_momentum():
     assert momentum.min() < 0.4 * momentum.max()
 
 
-def test_free_mechanism_accelerates_as_no_drive_asks(mechanism, alpha):
-    if mechanism.arm == mechanism.r or mechanism.J_carrier + mechanism.J_wheel > 0.0:
-        rate = motion.free_omega_rate(mechanism, alpha, OMEGA)
-        torque = float(motion.drive_torque(mechanism, alpha, OMEGA, rate))
-        assert torque == pytest.approx(0.0, abs=1e-12 * torque_scale(mechanism) * (1 + mechanism.b))
+def test_free_mechanism_accelerates_as_no_drive_asks(mechanism):
+    for alpha in ALPHAS:
+        if mechanism.arm == mechanism.r or mechanism.J_carrier + mechanism.J_wheel > 0.0:
+            rate = motion.free_omega_rate(mechanism, alpha, OMEGA)
+            torque = float(motion.drive_torque(mechanism, alpha, OMEGA, rate))
+            assert torque == pytest.approx(0.0, abs=1e-12 * torque_scale(mechanism) * (1 + mechanism.b))
 
 
 def test_speed_without_bound_is_refused():

@@ -6,7 +6,6 @@ from pathlib import Path
 import pytest
 
 from inertia_module.common.units import parse_unit, to_si
-from inertia_module.fmu.builder import build
 from inertia_module.harness.simulate import Result
 from inertia_module.scene import SceneError, load_scene, read_scene, run_scene
 
@@ -332,8 +331,8 @@ def test_bad_scene_file_is_named(tmp_path):
 
 
 @pytest.fixture(scope="module")
-def fmu(tmp_path_factory):
-    return build(tmp_path_factory.mktemp("build")).paths[0]
+def fmu(built):
+    return built / "InertiaModule.fmu"
 
 
 def test_run_leaves_the_wanted_columns_and_the_numbers(fmu):

@@ -82,15 +82,15 @@ def test_what_is_no_state_is_refused_and_changes_nothing(kernel, damage):
     assert module.save() == saved
 
 
-@pytest.mark.parametrize("step", [0.0, -1.0, float("nan"), float("inf"), 1e7])
 @given(before=STEPS, after=STEPS)
-def test_refused_step_leaves_no_trace(kernel, scene, input_hold, step, before, after):
+def test_refused_step_leaves_no_trace(kernel, scene, input_hold, before, after):
     module = started(kernel, scene, input_hold=input_hold)
     drive(module, before)
     saved = module.save()
-    with pytest.raises(Refused):
-        module.advance(step)
-    assert module.save() == saved
+    for step in (0.0, -1.0, float("nan"), float("inf"), 1e7):
+        with pytest.raises(Refused):
+            module.advance(step)
+        assert module.save() == saved
     undisturbed = Module(kernel)
     undisturbed.restore(saved)
     assert drive(module, after) == drive(undisturbed, after)

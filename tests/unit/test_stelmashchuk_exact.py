@@ -59,7 +59,7 @@ def test_closed_form_keeps_its_digits_in_every_regime(nu, Pi, beta):
     kappa = np.array([0.03, 0.2, 0.499, 0.5, 0.7, 1.3, 1.5, 1.8, 2.0, 2.3, 4.0])
     found = response(kappa, Criteria(nu, Pi), 1.0, beta)
     _, velocity, acceleration = law.law_of_motion(kappa, 1.0)
-    twist, rate, rate2 = np.array([Propagator(nu, Pi, 1, beta)(time) for time in kappa]).T
+    twist, rate, rate2 = np.array([*map(Propagator(nu, Pi, 1, beta), kappa)]).T
     # the twist itself, not only next to the angle: it is 1e-12 of it at nu = 1e6
     assert found.twist == pytest.approx(twist, abs=1e-12 * np.abs(twist).max() + 1e-16 * (nu < 1e3))
     assert found.velocity - velocity == pytest.approx(rate, abs=5e-15 + 1e-12 * np.abs(rate).max())
@@ -69,7 +69,7 @@ def test_closed_form_keeps_its_digits_in_every_regime(nu, Pi, beta):
 def test_strongly_damped_mass_creeps_with_all_its_digits():
     # time constant 2 Pi / nu^2 = 2e5: the slow root is a difference of nearly equal numbers
     kappa = np.array([1.0, 3e4, 1e5])
-    twist, rate, _ = np.array([Propagator(0.1, 1e3, 200000, 1.0)(time) for time in kappa]).T
+    twist, rate, _ = np.array([*map(Propagator(0.1, 1e3, 200000, 1.0), kappa)]).T
     found = response(kappa, Criteria(0.1, 1e3), 2e5)
     assert found.twist == pytest.approx(twist, rel=1e-13)
     assert found.velocity == pytest.approx(2.0 + rate, abs=1e-14)

@@ -15,7 +15,7 @@ from multibody import Multibody
 
 STATES = 10
 # inertia and torque of what link 2 carries, and whether it is held
-CARRIED = {"held": (0.0, 0.0, True), "free": (0.0, 0.0, False), "driving": (0.5, 30.0, False)}
+CARRIED = [(0.0, 0.0, True), (0.0, 0.0, False), (0.5, 30.0, False)]  # held, free, driving
 
 
 @pytest.fixture(params=product(LAYOUTS, [1, 2, 3], [2], [0.0, 0.004]), ids=str)
@@ -40,16 +40,10 @@ def states():
     return scale * np.random.default_rng(2020).uniform(-1.0, 1.0, (STATES, 5))
 
 
-@pytest.fixture(params=CARRIED)
-def carried(request):
-    return CARRIED[request.param]
-
-
-def test_accelerations_take_the_drive_torque_by_inverse_dynamics(mechanism, states, carried):
+def test_accelerations_take_the_drive_torque_by_inverse_dynamics(mechanism, states):
     engine = Multibody(mechanism)
     d = started("plain", mechanism).derived
-    inertia, load, held = carried
-    for q, theta1, omega1, omega2, torque in states:
+    for (q, theta1, omega1, omega2, torque), (inertia, load, held) in product(states, CARRIED):
         speed2 = 0.0 if held else omega2
         alpha1, alpha2, _ = accelerations(d, q, omega1, speed2, torque, held, inertia, load)
         drive, mesh = engine.prescribe(q, theta1, omega1, alpha1, speed2, alpha2)
@@ -65,22 +59,20 @@ def test_accelerations_take_the_drive_torque_by_inverse_dynamics(mechanism, stat
 
 
 @pytest.mark.parametrize("drive", [0, 1], ids=["speed given", "torque given"])
-def test_rates_of_acceleration_and_of_held_torque_are_those_along_the_motion(
-    mechanism, states, carried, drive
-):
+def test_rates_of_acceleration_and_of_held_torque_are_those_along_the_motion(mechanism, states, drive):
     d = started("plain", mechanism, drive=drive).derived
-    inertia, load, held = carried
-    load_rate = 0.0 if held else 40.0
     k = ratio(mechanism)
-    for q, _, omega1, omega2, given in states:
+    for (q, _, omega1, omega2, given), carried in product(states, CARRIED):
+        inertia, load, held = carried
+        load_rate = 0.0 if held else 40.0
         state = np.array([q, omega1, 0.0 if held else omega2, load])
 
-        def at(time, given=given, state=state):
+        def at(time, given=given, state=state, inertia=inertia, held=held, load_rate=load_rate):
             """(omega2', F) on the tangent of the motion."""
-            alpha1, alpha2, _ = accelerations(d, *state[:3], given, held, inertia, load)
+            alpha1, alpha2, _ = accelerations(d, *state[:3], given, held, inertia, state[3])
             slope = [k * (state[1] - state[2]), alpha1, alpha2, load_rate]
-            q, *speeds, carried = state + time * np.array(slope)
-            found = motion(d, q, *speeds, given, held, inertia, carried, load_rate)
+            q, *speeds, torque = state + time * np.array(slope)
+            found = motion(d, q, *speeds, given, held, inertia, torque, load_rate)
             return np.array([found[1], found[3]])
 
         short = 1e-3 / (k * (abs(omega1) + abs(omega2)))

@@ -1,4 +1,4 @@
-"""Scenes run by several FMI hosts, each run in a process of its own: one that crashes takes no other along.
+"""Scenes run by several FMI hosts, in processes of their own: one that crashes does not end the tests.
 
 Every host couples its models by the same algorithm, Jacobi's with a fixed step: all step side by side with
 the inputs of the communication point, then the outputs are passed on. All set the values of a scene before
@@ -80,21 +80,27 @@ def _is_installed(package):
     return True
 
 
-def run(host, scene, folder, work, clock=ACCUMULATED):
-    """Run a scene in a host: the outputs after each step, by 'instance.output'.
+def run(host, scenes, work, clock=ACCUMULATED):
+    """Run scenes in a host, one after the other in one process.
 
     Args:
-        host: FMPY or one of HOSTS. folder: with the FMUs. work: folder for what the host leaves behind.
-        clock: how FMPY is to count time.
+        host: FMPY or one of HOSTS. scenes: by name, each with the folder of its FMUs.
+        work: folder for what the host leaves behind. clock: how FMPY is to count time.
+
+    Returns:
+        By the name of the scene the outputs after each step, by 'instance.output'.
 
     Raises:
         HostFailed: the host ends with an error.
     """
-    work.mkdir(parents=True)
-    task = dataclasses.asdict(scene) | {"folder": str(folder), "clock": clock}
-    (work / "task.json").write_text(json.dumps(task))
+    folders = {}
+    for number, (name, (scene, folder)) in enumerate(scenes.items()):
+        folders[name] = work / str(number)
+        folders[name].mkdir(parents=True)
+        task = dataclasses.asdict(scene) | {"folder": str(folder), "clock": clock}
+        (folders[name] / "task.json").write_text(json.dumps(task))
     done = subprocess.run(
-        [sys.executable, str(Path(__file__).parent / f"with_{host}.py"), str(work)],
+        [sys.executable, str(Path(__file__).parent / f"with_{host}.py"), *map(str, folders.values())],
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
@@ -104,6 +110,10 @@ def run(host, scene, folder, work, clock=ACCUMULATED):
     )
     if done.returncode != 0:
         raise HostFailed(f"{host} ends with {done.returncode}: {done.stdout[-3000:]}")
+    return {name: _outputs(scene, folders[name]) for name, (scene, _) in scenes.items()}
+
+
+def _outputs(scene, work):
     names = json.loads((work / "names.json").read_text())
     rows = np.load(work / "rows.npy")
     assert rows.shape == (scene.steps, len(names))

@@ -1,4 +1,4 @@
-"""What the scripts of the hosts share: the task they are given, and the result they leave."""
+"""What the scripts of the hosts share: the tasks they are given, and the results they leave."""
 
 import json
 import sys
@@ -9,16 +9,16 @@ from fmpy import read_model_description
 
 
 class Task:
-    """The task in the folder that the script is given.
+    """A task in a folder.
 
     Attributes:
-        work: that folder. models, step, steps, connections, clock: as given.
+        work: the folder. models, step, steps, connections, clock: as given.
         paths, descriptions, variables: of each instance; the variables by name.
         outputs: (instance, output) of all.
     """
 
-    def __init__(self):
-        self.work = Path(sys.argv[1])
+    def __init__(self, work):
+        self.work = Path(work)
         given = json.loads((self.work / "task.json").read_text())
         self.models, self.step, self.steps = given["models"], given["step"], given["steps"]
         self.connections, self.clock = given["connections"], given["clock"]
@@ -53,3 +53,9 @@ class Task:
         """Leave the outputs after each step."""
         (self.work / "names.json").write_text(json.dumps([f"{model}.{name}" for model, name in self.outputs]))
         np.save(self.work / "rows.npy", np.array(rows))
+
+
+def run_all(run):
+    """Run the tasks in the folders that the script is given, one after the other."""
+    for work in sys.argv[1:]:
+        run(Task(work))

@@ -5,7 +5,7 @@ from fmpy.container_fmu.cli import create_container_fmu
 from fmpy.container_fmu.config import Component, Configuration, Connection
 from fmpy.fmi2 import FMU2Slave
 from fmpy.model_description import CoSimulation, DefaultExperiment, ModelDescription, ModelVariable, Unknown
-from task import Task
+from task import run_all
 
 # what the container counts as its variable 0
 TIME = ModelVariable(name="time", type="Real", causality="independent", variability="continuous")
@@ -62,8 +62,7 @@ def configuration(task):
     return Configuration(False, description, list(components.values()), connections, mappings)
 
 
-def main():
-    task = Task()
+def run(task):
     path, folder = task.work / "container.fmu", task.work / "packing"
     folder.mkdir()
     create_container_fmu(configuration(task), folder, path)
@@ -92,4 +91,4 @@ def main():
     task.write(rows)
 
 
-main()
+run_all(run)

@@ -4,7 +4,7 @@ import ctypes
 import importlib.metadata
 import sys
 
-from task import Task
+from task import run_all
 
 # the library looks for libtbb.so.12 among those of the system; this one comes with a package of Python
 if sys.platform == "linux":
@@ -24,9 +24,7 @@ def check(task, simulation):
         assert connected or found == value, f"{variable.name} is not set"
 
 
-def main():
-    EcosLib.set_log_level("warn")
-    task = Task()
+def run(task):
     with EcosSimulationStructure() as structure:
         for model, path in task.paths.items():
             structure.add_model(model, path)
@@ -47,4 +45,5 @@ def main():
     task.write(rows)
 
 
-main()
+EcosLib.set_log_level("warn")
+run_all(run)

@@ -2,7 +2,7 @@
 
 from fmpy import extract
 from fmpy.fmi2 import FMU2Slave
-from task import Task
+from task import run_all
 
 
 def assign(slave, variable, value):
@@ -55,8 +55,7 @@ def initialised(task):
     return slaves
 
 
-def main():
-    task = Task()
+def run(task):
     slaves = initialised(task)
     rows = []
     for n, (time, step) in enumerate(times(task)):
@@ -74,4 +73,4 @@ def main():
     task.write(rows)
 
 
-main()
+run_all(run)

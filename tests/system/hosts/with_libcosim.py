@@ -6,12 +6,10 @@ from libcosimpy.CosimLogging import CosimLogLevel, log_output_level
 from libcosimpy.CosimManipulator import CosimManipulator
 from libcosimpy.CosimObserver import CosimObserver
 from libcosimpy.CosimSlave import CosimLocalSlave
-from task import Task
+from task import run_all
 
 
-def main():
-    log_output_level(CosimLogLevel.WARNING)
-    task = Task()
+def run(task):
     execution = CosimExecution.from_step_size(round(task.step * 1e9))
     slaves = {model: CosimLocalSlave(str(path), model) for model, path in task.paths.items()}
     indices = {model: execution.add_local_slave(slave) for model, slave in slaves.items()}
@@ -41,4 +39,5 @@ def main():
     task.write(rows)
 
 
-main()
+log_output_level(CosimLogLevel.WARNING)
+run_all(run)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 
 from ...common.errors import Refused
 from ...contract.variables import LARGEST_STEP
@@ -251,11 +252,22 @@ def _runs(case: Case, make: Callable[[], Module]) -> Trial:
     if long.refused:
         return Trial(case, long)
     short = run_once(make(), parameters, segments, extreme.split, extreme.turns)
-    tighter = max(TIGHTER * tolerance, TIGHTEST)
-    precise = parameters | {"tolerance": tighter, "method": EVENT, "max_step": 0.0}
+    precise = parameters | {"method": EVENT, "max_step": 0.0}
+    tight, sensitivity = _precise(make, tuple(precise.items()), segments, tolerance)
+    return Trial(case, long, short, tight, sensitivity)
+
+
+@lru_cache(maxsize=1)  # the methods of a fidelity, which come one after the other, share it
+def _precise(
+    make: Callable[[], Module],
+    parameters: tuple[tuple[str, float], ...],
+    segments: tuple[Segment, ...],
+    tolerance: float,
+) -> tuple[Run | None, float]:
+    """The tight run, or None where it is refused, and the sensitivity of the motion (see Trial)."""
+    precise = dict(parameters) | {"tolerance": max(TIGHTER * tolerance, TIGHTEST)}
     tight = run_once(make(), precise, segments, 1)
     if tight.refused:
-        return Trial(case, long, short)
+        return None, 0.0
     changed = [run_once(make(), *beside, 1) for beside in nudged(precise, segments, tolerance)]
-    sensitivity = max((distance(run, tight) for run in changed if not run.refused), default=0.0)
-    return Trial(case, long, short, tight, sensitivity)
+    return tight, max((distance(run, tight) for run in changed if not run.refused), default=0.0)
