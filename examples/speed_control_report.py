@@ -2,8 +2,9 @@
 
 import control as ct
 import numpy as np
-from inertia_module.figures.scenes import BLACK, BLUE, VERMILION
 from matplotlib.figure import Figure
+
+from inertia_module.figures.scenes import BLACK, BLUE, VERMILION
 
 
 def report(rows):

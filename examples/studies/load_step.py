@@ -12,9 +12,9 @@ Run: python examples/studies/load_step.py    (leaves out/load_step/table.csv and
 from pathlib import Path
 
 import numpy as np
-from inertia_module.figures.scenes import smooth
 from launch import FMU, MECHANISM
 
+from inertia_module.figures.scenes import smooth
 from inertia_module.harness.chart import torque_converter_chart
 from inertia_module.harness.results import Result, write_figure
 from inertia_module.harness.simulate import simulate

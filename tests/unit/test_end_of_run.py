@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from inertia_module.figures.scenes import end_of_run
 
+from inertia_module.figures.scenes import end_of_run
 from inertia_module.harness.results import Result
 
 PULSES = np.tile([0.0, 0.0, 5.0, 9.0, 5.0], 6)

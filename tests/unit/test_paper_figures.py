@@ -4,9 +4,9 @@ import io
 
 import numpy as np
 import pytest
+
 from inertia_module.figures.papers import all_figures, karetin, stelmashchuk
 from inertia_module.figures.papers.karetin_cones import pitch_cones
-
 from inertia_module.papers.karetin import Geometry
 from inertia_module.papers.stelmashchuk.criteria import Criteria
 from inertia_module.papers.stelmashchuk.exact import response

@@ -4,6 +4,7 @@ import math
 
 import mpmath
 import pytest
+
 from inertia_module.kernel.driven_shaft.propagator import characteristic, responses
 
 NAMES = ("step", "slope", "impulse", "one", "two", "three", "four")

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from inertia_module.figures.scenes import scene_figure
 
+from inertia_module.figures.scenes import scene_figure
 from inertia_module.scene import SceneError, load_scene, read_scene, run_scene
 from inertia_module.scene.run import start_of
 from inertia_module.studies.levels import all_levels
