@@ -196,7 +196,7 @@ def test_same_content_is_the_same_bytes_and_the_date_is_no_part_of_the_guid(monk
 def test_python_fmu_with_another_source_has_another_guid(monkeypatch):
     before = guid_in(content_of(PYTHON_FMU)[0])
     files = python_fmu.bundled_files()
-    changed = files | {"messages.py": b"# another build\n" + files["messages.py"]}
+    changed = files | {"contract/messages.py": b"# another build\n" + files["contract/messages.py"]}
     monkeypatch.setattr(python_fmu, "bundled_files", lambda: changed)
     assert guid_in(content_of(PYTHON_FMU)[0]) != before
 

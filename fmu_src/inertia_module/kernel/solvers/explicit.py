@@ -30,6 +30,8 @@ SAFETY = 0.9
 SMALLEST_FACTOR = 0.2
 LARGEST_FACTOR = 5.0
 REJECTIONS = 100
+# share of the allowed error that a step of the pair of order 5 may have: there are many of them
+SHORT_SHARE = 0.1
 # how fast the longest step of the pair of order 5 is thought to grow while the other one is used
 SHORT_GROWTH = 1.25
 
@@ -122,6 +124,7 @@ def try_short_step(d, x, w, remaining, begin):
     set_changes(d, w)
     end = end_of_step(d, x, w, SHORT_END)
     error, _ = step_error(d, x, w)
+    error /= SHORT_SHARE
     x.short_size = next_factor(error, 5.0) * remaining
     if not error <= 1.0:
         return False, end
@@ -236,7 +239,8 @@ def advance_explicit(d, x, w, remaining):
     end = begin
     sigma = -1.0
     which = NONE
-    if limit >= remaining and (remaining <= x.short_size or x.short_size == 0.0):
+    short = remaining <= x.short_size or x.short_size == 0.0
+    if short and limit >= remaining and not has_cusp(d, w):
         done, end = try_short_step(d, x, w, remaining, begin)
     if not done:
         x.short_size *= SHORT_GROWTH  # so that it is tried again
