@@ -33,7 +33,7 @@ REJECTIONS = 100
 # share of the allowed error that a step of the pair of order 5 may have: there are many of them
 SHORT_SHARE = 0.1
 # how fast the longest step of the pair of order 5 is thought to grow while the other one is used
-SHORT_GROWTH = 1.25
+SHORT_GROWTH = 1.05
 
 
 def has_cusp(d, w):
