@@ -11,7 +11,7 @@ from .kernels import ENTRIES, CompilationUnavailable, Entry
 
 # what every evaluation of the equations of motion calls: made part of its callers, which then leave out
 # the derivatives they do not want. The compiler by itself finds them too long.
-INLINED = ("links.accelerations", "inertia.reduced_inertia", "sine.sine_cosine", "sine.sines_cosines")
+INLINED = ("inertia.reduced_inertia", "sine.sine_cosine", "sine.sines_cosines")
 
 
 def binding() -> Any:
