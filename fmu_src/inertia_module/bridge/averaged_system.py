@@ -75,7 +75,7 @@ class _AveragedModule:
         x.omega3, x.load_torque = max(omega_out, 0.0), load
         side = average_rates.side_at(d, omega1, rate)  # type: ignore[no-untyped-call]
         leg = average_legs.choose_leg(d, side, x, omega1, rate)  # type: ignore[no-untyped-call]
-        torque, acceleration, _ = average.torque_at(d, side, x, leg, omega1, rate)  # type: ignore[no-untyped-call]
+        torque, acceleration, _, _ = average.torque_at(d, side, x, leg, omega1, rate)  # type: ignore[no-untyped-call]
         if leg == average_legs.SLIPPING and self._transient != QUASI_STEADY:
             driving = torque - load + self._transient.input * rate
             acceleration = driving / (d.J3 + self._transient.output)
@@ -90,7 +90,7 @@ class _AveragedModule:
         """OUTPUTS by name."""
         d, y = self._module.derived, type(self._module.outputs)()
         x, side, torque, acceleration = self._motion(omega_out, omega1, load, rate)
-        average.set_link2(d, x, average_legs.RESTING, -1.0, 0.0)  # type: ignore[no-untyped-call]
+        average.end_step(d, x, average_legs.RESTING, -1.0, x.omega1)  # type: ignore[no-untyped-call]
         average_outputs.write_averaged(d, x, y)  # type: ignore[no-untyped-call]
         values = {name: getattr(y, name) for name in OUTPUTS}
         mesh = average_rates.mesh_share(x, omega1, torque)  # type: ignore[no-untyped-call]

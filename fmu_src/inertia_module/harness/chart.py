@@ -178,8 +178,8 @@ def torque_converter_chart(
     torque, link2, ripple, peak = np.zeros((4, ratios.size))
     for n, ratio in enumerate(ratios):
         x.omega3 = ratio
-        rates = average_rates.mean_rates(side, x, 1.0, 0.0, x.omega3)  # type: ignore[no-untyped-call]
-        torque[n], link2[n] = rates[0], rates[3]
+        found = average_rates.look_up(side, x, 1.0, ratio)  # type: ignore[no-untyped-call]
+        torque[n], link2[n] = found[0], found[2]
         ripple[n], peak[n] = average_rates.ripple_at(side, x, side.direction)  # type: ignore[no-untyped-call]
     lock = d.map_lock if side.locks else 0.0
     one = np.ones(ratios.size)

@@ -23,8 +23,8 @@ PARAMETERS = (
     *("housing_freewheel", "output_freewheel", "fidelity", "method", "drive", "input_hold", "tolerance"),
     *("max_step", "kinematic_ratio", "omega2_start", "omega_out_start", "drive_angle_start"),
 )
-# the parameters that the map of fidelity averaged depends on
-MAP_KEY = (*PARAMETERS[: PARAMETERS.index("drive_inertia") + 1], "link2_inertia")
+# the parameters that the map of fidelity averaged depends on, the last where the torque of link 1 is given
+MAP_KEY = (*PARAMETERS[: PARAMETERS.index("drive_inertia") + 1], "link2_inertia", "input_inertia")
 
 # inputs, their rates over the coming step, and whether each rate is given
 INPUTS = (
@@ -57,15 +57,19 @@ STATE = (
     *("input_impulse", "output_impulse", "output_square", "step_switches", "step_evaluations"),
     # elastic output: twist, and omega3 - omega4, which would cancel if omega4 were kept instead
     *("twist", "twist_low", "relative", "relative_low"),
-    # averaged: the knot of the map last used
-    "map_knot",
+    # averaged: the knot of the map last used; the speed that its torques go with, if that is not omega1
+    *("map_knot", "map_speed"),
 )
 
-# averaged: mean torque, energy and speed of link 2 over the speed ratio (see averaged.table): cubics from one
-# knot to the next, and while the map is built the error of the interval that follows, then one over its width
-KNOT = ("ratio", ("torque", 4), ("energy", 4), ("omega2", 4), "ripple", "peak", "error")
+# averaged: over the speed ratio mean torque, mean speed of link 2 and the mean energy or, under its torque,
+# speed of link 1 (see averaged.torque_map): cubics from one knot to the next; while the map is built the output
+# speed of the motion it is of and the error of the interval that follows
+KNOT = ("ratio", ("torque", 4), ("input", 4), ("omega2", 4), "ripple", "peak", "omega3", "error")
 # one side of the map for each sign of omega1: where the torque ends, whether lock-up is reached there
 SIDE = ("direction", "count", "end", "locks", "start", ("knots", KNOT, KNOTS))
+
+# the steady motion that a knot is of: torque of link 1, contact mode, drive angle; integrals while link 2 is free
+TRAVEL = ("direction", "given", "omega3", "mode", "q", "energy", "momentum")
 
 CONSTANTS = (
     *("k", "s", "mass", "planar", "single", "paired", "phase_a", "phase_b"),
@@ -77,9 +81,9 @@ CONSTANTS = (
     # square of the slowest shaft whose own motion is followed, over that of the pulses
     "followed",
     # averaged: the map, the parameters it is of, and sums while it is built
-    *("map_ready", ("map_key", len(MAP_KEY)), "map_lock", "map_evaluations"),
-    *("sum_time", "sum_torque", "sum_square", "sum_energy", "sum_angle", "sum_peak"),
-    *(("forward", SIDE), ("backward", SIDE)),
+    *("map_ready", ("map_key", len(MAP_KEY)), "map_lock", "map_inertia", "map_evaluations"),
+    *("sum_time", "sum_torque", "sum_square", "sum_energy", "sum_omega1", "sum_omega2", "sum_peak"),
+    *(("travel", TRAVEL), ("forward", SIDE), ("backward", SIDE)),
 )
 
 # nothing in it outlives the call
@@ -114,9 +118,9 @@ WORKSPACE = (
     # fixed steps: inertia at the beginning, omega1 given or the torque, and the shaft's answers
     *("kept_i", "kept_i1", "kept_b", "kept_g", "kept_total", "kept_share", "kept_root", "kept_bend"),
     *("slope", "impulse", "sum", "relative_gain", "twist_gain", "lag"),
-    # internal step of the averaged shaft: omega3 and T at its end, its error, integrals of omega3, T
-    # omega3, omega2
-    *("next", "torque", "error", "turned3", "work", "turned2"),
+    # internal step of the averaged motion: both speeds at its end, its error, integrals of omega3, T omega3,
+    # omega2 and, under its torque, omega1
+    *("next", "next_speed", "error", "turned3", "work", "turned2", "turned1"),
     # state at the beginning of the call, of two short steps for rates, of a part of a step; outputs there
     *(("before", STATE), ("kept", STATE), ("part", STATE)),
     *(("outputs_0", OUTPUTS), ("outputs_1", OUTPUTS)),

@@ -1,7 +1,6 @@
 """A communication step by fidelity and method, with the speed or the torque of link 1 given."""
 
 from .accumulate import add, later, wrap_drive_angle, wrap_input_angle
-from .averaged.by_torque import run_driven_averaged
 from .averaged.jump import jump_averaged, takes_up_jump
 from .averaged.run import run_averaged
 from .codes import AVERAGED, DRIVING, ELASTIC, KINEMATIC, OK, TIMESTEPPING, TOO_MUCH_WORK
@@ -124,7 +123,7 @@ def run_at_speed(p, d, u, x, w, h, jump):
 def run_by_torque(p, d, x, w, h):
     """Advance by h with the torque on link 1 given. Returns a status."""
     if p.fidelity == AVERAGED:
-        status = run_driven_averaged(d, x, w, h)
+        status = run_averaged(d, x, w, h)
     else:
         status = run_pulses(p, d, x, w, h)
         if status == OK:

@@ -3,9 +3,8 @@
 import math
 
 from .accumulate import copy, wrap_drive_angle
-from .averaged.by_torque import driven_mean
 from .averaged.legs import RESTING
-from .averaged.run import set_link2
+from .averaged.run import end_step, speed_at_start
 from .averaged.torque_map import build_map
 from .codes import (
     AVERAGED,
@@ -63,10 +62,7 @@ def start(p, d, u, x, y):
         x.omega2 = p.omega2_start
         x.omega3 = p.omega_out_start
         if p.fidelity == AVERAGED:
-            set_link2(d, x, RESTING, -1.0, 0.0)
-            if p.drive == DRIVE_TORQUE:
-                x.alpha1, _ = driven_mean(d, x)
-                set_link2(d, x, RESTING, -1.0, 0.0)  # link 1 may be about to move
+            end_step(d, x, RESTING, -1.0, speed_at_start(d, x))
             x.step_switches = 0.0
         else:
             x.mode = present_mode(d, x, TORQUE_ROUNDING)

@@ -6,19 +6,20 @@ import threading
 from collections import OrderedDict
 from typing import Any
 
-from ..kernel import fields
+from ..kernel import codes, fields
 
 MOST_MAPS = 64
 # what the kernel's build_map writes and is to find again
-_FIELDS = ("map_ready", "map_key", "map_lock", "map_evaluations", "forward", "backward")
+_FIELDS = ("map_ready", "map_key", "map_lock", "map_inertia", "map_evaluations", "forward", "backward")
 
 _lock = threading.Lock()
 _maps: OrderedDict[tuple[float, ...], Any] = OrderedDict()
 
 
 def _key(parameters: Any) -> tuple[float, ...]:
-    """The parameters the map depends on."""
-    return tuple(getattr(parameters, name) for name in fields.MAP_KEY)
+    """The parameters the map depends on: the inertia of link 1 only if that is free under its torque."""
+    *numbers, inertia = (getattr(parameters, name) for name in fields.MAP_KEY)
+    return (*numbers, inertia if parameters.drive == codes.DRIVE_TORQUE else 0.0)
 
 
 def recall(parameters: Any, derived: Any) -> None:

@@ -14,7 +14,7 @@ def takes_up_jump(d, x, jump, h):
     load = x.load_torque
     omega1 = x.omega1
     ramp = x.alpha1 + jump / h
-    if not can_lock(d, x, omega1, 0.0, max(load, 0.0)):
+    if not can_lock(d, d.forward, x, omega1, 0.0, max(load, 0.0)):
         return False
     lowest = min(omega1, omega1 + ramp * h)
     return lowest > 0.0 and 0.0 <= load + d.J3 * ramp <= d.map_lock * lowest * lowest

@@ -1,6 +1,7 @@
 """What the averaged map says at one instant: torque, speed of link 2, energy, and their slopes.
 
-A side is the map for one sign of omega1 (fields.SIDE). The output shaft turns at x.omega3.
+A side is the map for one sign of omega1 (fields.SIDE). The output shaft turns at x.omega3. All goes with the
+speed v: omega1, or where its torque is given that of the energy J* v^2 / 2 of links 1 and 2 (see torque_map).
 """
 
 # a ratio beyond the end of the map by this fraction is at it
@@ -40,57 +41,95 @@ def ratio(omega3, speed):
     return omega3 / speed if omega3 < 1e100 * speed else 1e100
 
 
-def mean_rates(side, x, speed, speed_rate, omega3):
-    """Mean torque and mean omega2 up to the end of the map; beyond, its last values go on.
+def look_up(side, x, speed, omega3):
+    """The map up to its end; beyond, its last values go on.
 
     Args:
         side, x: the map, and the state that remembers its knot.
-        speed, speed_rate: |omega1| and its rate. omega3: of the output shaft.
+        speed: |v|. omega3: of the output shaft.
 
     Returns:
-        (T, dT/domega3, dT/dt at constant omega3, omega2, its slope in omega3 and in time).
+        (F, its slope in s, mean omega2 / |v|, its slope, the same of the input: see fields.KNOT).
     """
-    sigma = ratio(omega3, speed)
-    knot = side.knots[find_knot(side, x, sigma)]
-    if sigma > side.end * (1.0 + ROUNDING):
-        part = knot.omega2[0]
-        slope = speed * knot.torque[0]
-        return speed * slope, 0.0, 2.0 * speed_rate * slope, speed * part, 0.0, speed_rate * part
-    t = sigma - knot.ratio
+    s = ratio(omega3, speed)
+    knot = side.knots[find_knot(side, x, s)]
+    if s > side.end * (1.0 + ROUNDING):
+        return knot.torque[0], 0.0, knot.omega2[0], 0.0, knot.input[0], 0.0
+    t = s - knot.ratio
     torque, torque1 = cubic_at(knot.torque, t)
     part, part1 = cubic_at(knot.omega2, t)
+    share, share1 = cubic_at(knot.input, t)
+    return torque, torque1, part, part1, share, share1
+
+
+def flow(d, side, x, speed, speed_rate, omega3):
+    """Rates of |v| and omega3 and of what is integrated besides, and how they change.
+
+        J* v' = M1 g - v F omega3        J3 omega3' = v^2 F - load
+
+    Args:
+        speed: |v|. speed_rate: its rate where the speed of link 1 is given, else without effect.
+
+    Returns:
+        (v', omega3', the slopes of both in v and omega3, T, omega2, |omega1|, the rates of these five).
+    """
+    torque, torque1, part, part1, share, share1 = look_up(side, x, speed, omega3)
+    s = ratio(omega3, speed)
+    passed = speed * speed * torque
+    passed_by_speed = 2.0 * speed * torque - omega3 * torque1
+    passed_by_omega3 = speed * torque1
+    rate3 = (passed - x.load_torque) / d.J3
+    rate = speed_rate
+    by_speed = 0.0
+    by_omega3 = 0.0
+    if d.by_torque != 0.0:
+        drive = side.direction * x.drive_torque
+        rate = (drive * share - speed * torque * omega3) / d.map_inertia
+        share_by_omega3 = share1 / speed if share1 != 0.0 else 0.0
+        by_speed = -(drive * s * share_by_omega3 + omega3 * (torque - s * torque1)) / d.map_inertia
+        by_omega3 = (drive * share_by_omega3 - speed * torque - omega3 * torque1) / d.map_inertia
+    part_rate = rate * (part - s * part1) + rate3 * part1
+    share_rate = rate * (share - s * share1) + rate3 * share1
+    passed_rate = passed_by_speed * rate + passed_by_omega3 * rate3
     return (
-        speed * speed * torque,
-        speed * torque1,
-        speed_rate * (2.0 * speed * torque - omega3 * torque1),
-        speed * part,
-        part1,
-        speed_rate * (part - sigma * part1),
+        (rate, by_speed * rate + by_omega3 * rate3),
+        (rate3, passed_rate / d.J3),
+        (by_speed, by_omega3, passed_by_speed / d.J3, passed_by_omega3 / d.J3),
+        (passed, passed_rate),
+        (speed * part, part_rate),
+        (speed * share, share_rate),
     )
 
 
-def energy_at(d, side, x, omega1):
-    """Mean kinetic energy of links 1 and 2 and the imbalances: (E, epsilon, its slope in sigma)."""
-    speed = abs(omega1)
-    sigma = ratio(x.omega3, speed)
-    knot = side.knots[find_knot(side, x, sigma)]
-    share, share1 = cubic_at(knot.energy, sigma - knot.ratio if sigma < side.end else 0.0)
+def energy_at(d, side, x, v):
+    """Mean kinetic energy of links 1 and 2 and the imbalances: (E, 2 E / v^2, its slope in s)."""
+    if d.by_torque != 0.0:
+        return 0.5 * v * v * d.map_inertia, d.map_inertia, 0.0
+    speed = abs(v)
+    s = ratio(x.omega3, speed)
+    knot = side.knots[find_knot(side, x, s)]
+    share, share1 = cubic_at(knot.input, s - knot.ratio if s < side.end else 0.0)
     share += d.J1
     return 0.5 * speed * speed * share, share, share1
 
 
-def ripple_at(side, x, omega1):
+def input_speed(d, side, x, v):
+    """Mean omega1, rad/s."""
+    return v * look_up(side, x, abs(v), x.omega3)[4] if d.by_torque != 0.0 else v
+
+
+def ripple_at(side, x, v):
     """RMS about the mean, and peak, of the output torque."""
-    sigma = ratio(x.omega3, abs(omega1))
-    if sigma >= side.end:
+    s = ratio(x.omega3, abs(v))
+    if s >= side.end:
         return 0.0, 0.0
-    n = find_knot(side, x, sigma)
+    n = find_knot(side, x, s)
     knot = side.knots[n]
     after = side.knots[n + 1]
-    t = (sigma - knot.ratio) * (1.0 / (after.ratio - knot.ratio))
+    t = (s - knot.ratio) * (1.0 / (after.ratio - knot.ratio))
     ripple = knot.ripple + t * (after.ripple - knot.ripple)
     peak = knot.peak + t * (after.peak - knot.peak)
-    return omega1 * omega1 * ripple, omega1 * omega1 * peak
+    return v * v * ripple, v * v * peak
 
 
 def mesh_share(x, omega1, torque):
@@ -100,6 +139,8 @@ def mesh_share(x, omega1, torque):
 
 def mean_input_torque(d, side, x, omega1, alpha1, alpha3, torque):
     """M1 of the mean balance M1 omega1 = T omega3 + dE/dt, E = omega1^2 epsilon(sigma) / 2."""
+    if d.by_torque != 0.0:
+        return x.drive_torque
     _, share, share1 = energy_at(d, side, x, omega1)
     sigma = ratio(x.omega3, abs(omega1))
     if sigma >= side.end:

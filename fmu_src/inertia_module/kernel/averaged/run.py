@@ -1,36 +1,57 @@
 """Fidelity averaged: the mean motion of the output shaft over the pulses (docs/mechanics.md).
 
-J3 omega3' = omega1^2 F(omega3 / |omega1|) - load, with the map F of average_map. A step is cut into
-legs (average_legs): the shaft rests (the load is more than the stall torque), is locked to link 1, coasts
-beyond the end of the map, or slips. Only the last takes an integration. The kinetic energy of the mechanism
-is its mean E = omega1^2 epsilon / 2, so M1 omega1 = T omega3 + E'.
+    J3 omega3' = T - load        E' = M1 omega1 - T omega3
+
+with the mean torque T = v^2 F(omega3 / |v|) of torque_map and the mean energy E of links 1 and 2. The speed v is
+omega1, or under its torque that of E = J* v^2 / 2. A step is cut into legs: the shaft rests (the load is more
+than the stall torque), is locked to link 1, coasts beyond the end of the map, or slips. Only the last takes an
+integration.
 """
 
-from ..accumulate import add, wrap_drive_angle
+import math
+
+from ..accumulate import add, wrap_drive_angle, wrap_input_angle
 from ..codes import DRIVING, FREE, HELD_DRIVING, OK, STEP_TOO_SMALL, TOO_MUCH_WORK
-from .legs import COASTING, LOCKED, RESTING, SLIPPING, choose_leg, coast, rest, turn_locked
-from .rates import energy_at, mean_input_torque, mean_rates, side_at
+from .legs import (
+    COASTING,
+    LOCKED,
+    RESTING,
+    SLIPPING,
+    choose_leg,
+    coast,
+    last_knot,
+    leg_rate,
+    mean_acceleration,
+    rest,
+    turn_locked,
+)
+from .rates import energy_at, flow, input_speed, look_up, mean_input_torque, side_at
 from .step import slip
 
 # legs and internal steps before a communication step is given up
 MOST_STEPS = 20000
 # a change of omega1 up to this fraction of it is small
 SMALL_CHANGE = 0.2
+# to find a ratio in the map
+HALVINGS = 60
 # speed of a shaft that is just pulled away, rad/s
 STARTING = 1e-300
 
 
-def torque_at(d, side, x, leg, omega1, alpha1):
-    """Mean output torque now, the acceleration of the output shaft and that of link 2."""
+def torque_at(d, side, x, leg, v, alpha1):
+    """Mean output torque now, the acceleration of the output shaft, that of link 2 and that of link 1."""
     load = x.load_torque
+    rate = leg_rate(d, side, x, leg, alpha1)
     if leg == RESTING:
-        return load, 0.0, 0.0
+        return load, 0.0, 0.0, mean_acceleration(d, side.knots[0], rate)
     if leg == LOCKED:
-        return load + d.J3 * alpha1, alpha1, alpha1
-    rates = mean_rates(side, x, abs(omega1), side.direction * alpha1, x.omega3)
-    torque = rates[0] if leg == SLIPPING else 0.0
-    alpha3 = (torque - load) / d.J3
-    return torque, alpha3, rates[5] + rates[4] * alpha3
+        alpha = mean_acceleration(d, last_knot(side), rate)
+        return load + d.J3 * alpha, alpha, alpha, alpha
+    now = flow(d, side, x, abs(v), side.direction * rate, x.omega3)
+    if leg == COASTING:
+        return 0.0, -load / d.J3, now[4][1], mean_acceleration(d, last_knot(side), rate)
+    alpha1 = side.direction * now[5][1] if d.by_torque != 0.0 else rate
+    return now[3][0], now[1][0], now[4][1], alpha1
 
 
 def leg_speed(x, leg):
@@ -39,10 +60,10 @@ def leg_speed(x, leg):
 
 
 def input_torque_at(d, side, x, leg, omega1, alpha1):
-    """Mean input torque now."""
+    """Mean input torque now, the speed of link 1 being given."""
     omega3 = x.omega3
     x.omega3 = leg_speed(x, leg)
-    torque, alpha3, _ = torque_at(d, side, x, leg, omega1, alpha1)
+    torque, alpha3, _, _ = torque_at(d, side, x, leg, omega1, alpha1)
     mean = mean_input_torque(d, side, x, omega1, alpha1, alpha3, torque)
     x.omega3 = omega3
     return mean
@@ -63,37 +84,44 @@ def input_impulse(passed, omega1, alpha1, work, torque0, torque1):
     return (work * (1.0 + share * share / 12.0) - slope * passed * share / 12.0) / middle
 
 
-def advance_leg(d, side, x, w, leg, omega1, alpha1, remaining):
-    """Advance the output shaft and all sums by one leg or internal step. Returns the time passed or -1."""
-    energy0, share, _ = energy_at(d, side, x, omega1)
+def advance_leg(d, side, x, w, leg, v, alpha1, remaining):
+    """Advance both speeds and all sums by one leg or internal step. Returns (time passed or -1, v at its end)."""
+    energy0, share, _ = energy_at(d, side, x, v)
+    given = d.by_torque == 0.0
     impulse = 0.0
     torque0 = 0.0
     if leg == RESTING:
-        h, impulse = rest(side, x, w, omega1, alpha1, remaining)
+        h, impulse = rest(d, side, x, w, v, alpha1, remaining)
     elif leg == LOCKED:
-        h, impulse = turn_locked(d, x, w, omega1, alpha1, remaining)
+        h, impulse = turn_locked(d, side, x, w, v, alpha1, remaining)
     elif leg == COASTING:
-        h = coast(d, side, x, w, omega1, alpha1, remaining)
+        h = coast(d, side, x, w, v, alpha1, remaining)
     else:
-        if alpha1 != 0.0:
-            torque0 = input_torque_at(d, side, x, leg, omega1, alpha1)
-        h, impulse = slip(d, side, x, w, omega1, alpha1, remaining)
+        if alpha1 != 0.0 and given:
+            torque0 = input_torque_at(d, side, x, leg, v, alpha1)
+        h, impulse = slip(d, side, x, w, v, alpha1, remaining)
         if h < 0.0:
-            return -1.0
-    end = omega1 + alpha1 * h
-    energy1, _, _ = energy_at(d, side, x, end)
-    work = w.work + energy1 - energy0
-    if leg == SLIPPING:
-        torque1 = input_torque_at(d, side, x, leg, end, alpha1) if alpha1 != 0.0 else 0.0
-        x.input_impulse += input_impulse(h, omega1, alpha1, work, torque0, torque1)
-    else:
-        x.input_impulse += share * (end - omega1) + (impulse if leg == LOCKED else 0.0)
+            return -1.0, v
+    end = v + alpha1 * h if given else side.direction * w.next_speed
     x.output_impulse += impulse
-    x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, work)
     x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, x.load_torque * w.turned3)
-    turned = h * (omega1 + 0.5 * alpha1 * h) - w.turned2
-    x.q, x.q_low = add(x.q, x.q_low, d.k * turned)
-    return h
+    if given:
+        energy1, _, _ = energy_at(d, side, x, end)
+        work = w.work + energy1 - energy0
+        turned = h * (v + 0.5 * alpha1 * h)
+        if leg == SLIPPING:
+            torque1 = input_torque_at(d, side, x, leg, end, alpha1) if alpha1 != 0.0 else 0.0
+            x.input_impulse += input_impulse(h, v, alpha1, work, torque0, torque1)
+        else:
+            x.input_impulse += share * (end - v) + (impulse if leg == LOCKED else 0.0)
+    else:
+        turned = side.direction * w.turned1
+        work = x.drive_torque * turned
+        x.theta1, x.theta1_low = add(x.theta1, x.theta1_low, turned)
+        wrap_input_angle(x)
+    x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, work)
+    x.q, x.q_low = add(x.q, x.q_low, d.k * (turned - w.turned2))
+    return h, end
 
 
 def show_mode(x, leg):
@@ -108,51 +136,79 @@ def show_mode(x, leg):
         x.step_switches += 1.0
 
 
+def speed_at_start(d, x):
+    """v of the starting speeds: the mean omega1 = v g(omega3 / |v|) under its torque is looked for in the map."""
+    omega1 = abs(x.omega1)
+    if d.by_torque == 0.0 or omega1 == 0.0:
+        return x.omega1
+    side = side_at(d, x.omega1, 0.0)
+    low = omega1 / last_knot(side).input[0]
+    if x.omega3 < side.end * low:
+        # a ratio within the map: the speed at which it is that of the two speeds
+        low, high = 0.0, side.end
+        for _ in range(HALVINGS):
+            s = 0.5 * (low + high)
+            if s * omega1 < x.omega3 * look_up(side, x, 1.0, s)[4]:
+                low = s
+            else:
+                high = s
+        low = omega1 / look_up(side, x, 1.0, low)[4]
+    return math.copysign(low, x.omega1)
+
+
+def trend(d, x, alpha1):
+    """Where v goes from zero."""
+    return x.drive_torque if d.by_torque != 0.0 else alpha1
+
+
 def run_averaged(d, x, w, h):
     """Advance the mean motion by h. Returns a status."""
     alpha1 = x.alpha1
     time = 0.0
-    speed = x.omega1
+    v = x.omega1 if d.by_torque == 0.0 else x.map_speed
     for _ in range(MOST_STEPS):
         remaining = h - time
-        # a leg ends where omega1 passes zero: the map is another there
-        to_zero = -speed / alpha1 if speed * alpha1 < 0.0 else remaining
+        side = side_at(d, v, trend(d, x, alpha1))
+        leg = choose_leg(d, side, x, v, alpha1)
+        show_mode(x, leg)
+        # a leg ends where v passes zero: the map is another there
+        rate = leg_rate(d, side, x, leg, alpha1)
+        to_zero = -v / rate if v * rate < 0.0 and (leg != SLIPPING or d.by_torque == 0.0) else remaining
         cut = to_zero < remaining
         if cut:
             remaining = to_zero
-        side = side_at(d, speed, alpha1)
-        leg = choose_leg(d, side, x, speed, alpha1)
-        show_mode(x, leg)
-        passed = advance_leg(d, side, x, w, leg, speed, alpha1, remaining)
+        passed, v = advance_leg(d, side, x, w, leg, v, alpha1, remaining)
         if passed < 0.0:
             return STEP_TOO_SMALL
         time += passed
-        speed += alpha1 * passed
         if passed >= remaining:
             if not cut:
                 wrap_drive_angle(d, x)
-                set_link2(d, x, leg, speed, h)
+                end_step(d, x, leg, v, x.omega1 + alpha1 * h if d.by_torque == 0.0 else v)
                 return OK
-            speed = 0.0
+            v = 0.0
     return TOO_MUCH_WORK
 
 
-def set_link2(d, x, leg, speed, h):
-    """Mean speed of link 2 at the end of a step that ends with this leg, omega1 being x.omega1 + alpha1 h."""
-    end = x.omega1 + x.alpha1 * h
+def end_step(d, x, leg, v, end):
+    """Set the mean speeds at the end of a step, or at the start; v, as it has come, is end but for rounding."""
     # a shaft locked to link 1, or just come up with it, is exactly as fast
-    if leg == LOCKED or (x.omega3 == speed and speed > 0.0):
+    if d.by_torque == 0.0 and (leg == LOCKED or (x.omega3 == v and v > 0.0)):
         x.omega3 = end
         x.omega3_low = 0.0
     if leg == LOCKED:
         x.omega2 = end
-    side = side_at(d, end, x.alpha1)
+    side = side_at(d, end, trend(d, x, x.alpha1))
     leg = choose_leg(d, side, x, end, x.alpha1)
     show_mode(x, leg)
     x.omega2_low = 0.0
+    if d.by_torque != 0.0:
+        x.map_speed = end
+        x.omega1 = input_speed(d, side, x, end)
+        x.alpha1 = torque_at(d, side, x, leg, end, 0.0)[3]
     if leg == LOCKED:
-        x.omega2 = end
+        x.omega2 = x.omega3
     elif leg == RESTING:
         x.omega2 = 0.0
     else:
-        x.omega2 = mean_rates(side, x, abs(end), 0.0, x.omega3)[3]
+        x.omega2 = flow(d, side, x, abs(end), 0.0, x.omega3)[4][0]

@@ -1,16 +1,18 @@
-"""Internal steps of the averaged speed: J3 omega3' = T(omega1, omega3) - load, one scalar equation.
+"""Internal steps of the averaged motion: speed v of the input, given or under its torque, and omega3.
 
 Explicit steps use Hermite's corrected trapezoid (order 4) as predictor and corrector, with both
 derivatives. Implicit ones (a light shaft follows the mean torque at once) use the two-derivative method
 of stability function Pade(1, 2): order 3, L-stable, so a transient costs no small steps.
 Source: Hairer and Wanner, Solving Ordinary Differential Equations II, sections IV.3 and IV.5.
 
-A step leaves in the workspace w.next, omega3 at its end, w.error, its error over the allowed one, and
-w.turned3, w.work and w.turned2, the integrals of omega3, T omega3 and omega2.
+A step leaves in the workspace w.next_speed and w.next, |v| and omega3 at its end, w.error, its error over the
+allowed one, and w.turned3, w.work, w.turned2 and w.turned1, the integrals of omega3, T omega3, omega2, |omega1|.
 """
 
+import math
+
 from ..accumulate import add
-from .rates import mean_rates
+from .rates import flow
 
 # largest h |df/domega3| of an explicit step
 LARGEST_EXPLICIT = 0.4
@@ -25,52 +27,45 @@ CUTS = 60
 ROUNDING = 1e-12
 
 
-def hermite(h, y0, d0, y1, d1):
-    """Integral over h by values and rates at both ends, order 4."""
-    return h * (0.5 * (y0 + y1) + h * (d0 - d1) / 12.0)
+def hermite(h, begin, end):
+    """Integral over h by value and rate at both ends, order 4."""
+    return h * (0.5 * (begin[0] + end[0]) + h * (begin[1] - end[1]) / 12.0)
 
 
-def damped(h, y0, y1, d1):
+def damped(h, begin, end):
     """Integral over h, order 3, without the rate at the beginning: right also through a transient."""
-    return h * (y0 / 3.0 + y1 / 1.5 - h * d1 / 6.0)
+    return h * (begin[0] / 3.0 + end[0] / 1.5 - h * end[1] / 6.0)
 
 
-def integrate(w, h, omega3, first, last_omega3, last, rate0, rate1, implicit):
-    """Integrals over the step, first and last being what mean_rates returns at its ends."""
-    t0, slope0, time0, y0, part0, partial0 = first
-    t1, slope1, time1, y1, part1, partial1 = last
-    g0 = t0 * omega3
-    g1 = t1 * last_omega3
-    dg1 = (time1 + slope1 * rate1) * last_omega3 + t1 * rate1
-    dy1 = partial1 + part1 * rate1
-    w.next = last_omega3
-    if implicit:
-        w.turned3 = damped(h, omega3, last_omega3, rate1)
-        w.work = damped(h, g0, g1, dg1)
-        w.turned2 = damped(h, y0, y1, dy1)
-        return
-    dg0 = (time0 + slope0 * rate0) * omega3 + t0 * rate0
-    w.turned3 = hermite(h, omega3, rate0, last_omega3, rate1)
-    w.work = hermite(h, g0, dg0, g1, dg1)
-    w.turned2 = hermite(h, y0, partial0 + part0 * rate0, y1, dy1)
+def with_product(omega3, now):
+    """(T omega3, its rate) of a flow."""
+    return now[3][0] * omega3, now[3][1] * omega3 + now[3][0] * now[1][0]
 
 
 def explicit_step(d, side, x, w, speed, speed_rate, h, first, allowed):
     """One explicit step."""
-    inertia = d.J3
     omega3 = x.omega3
-    rate = (first[0] - x.load_torque) / inertia
-    bend = (first[2] + first[1] * rate) / inertia
     knot = x.map_knot
-    guess = omega3 + h * (rate + 0.5 * h * bend)
-    last = mean_rates(side, x, speed + speed_rate * h, speed_rate, guess)
-    rate1 = (last[0] - x.load_torque) / inertia
-    bend1 = (last[2] + last[1] * rate1) / inertia
-    found = omega3 + hermite(h, rate, bend, rate1, bend1)
+    guess_speed = speed + h * (first[0][0] + 0.5 * h * first[0][1])
+    guess = omega3 + h * (first[1][0] + 0.5 * h * first[1][1])
+    last = flow(d, side, x, guess_speed, speed_rate, guess)
+    found_speed = speed + hermite(h, first[0], last[0])
+    found = omega3 + hermite(h, first[1], last[1])
     # the corrector leaves h |lambda| / 2 of the predictor's error; across a knot T" jumps
-    share = 0.2 if x.map_knot != knot else 0.5 * h * (abs(first[1]) + abs(last[1])) / inertia
-    w.error = share * abs(found - guess) / allowed
-    integrate(w, h, omega3, first, found, last, rate, rate1, False)
+    share = 0.2 if x.map_knot != knot else 0.5 * h * (steepness(first) + steepness(last))
+    w.error = share * max(abs(found - guess), abs(found_speed - guess_speed)) / allowed
+    w.next_speed = found_speed
+    w.next = found
+    w.turned3 = hermite(h, (omega3, first[1][0]), (found, last[1][0]))
+    w.work = hermite(h, with_product(omega3, first), with_product(found, last))
+    w.turned2 = hermite(h, first[4], last[4])
+    w.turned1 = hermite(h, first[5], last[5])
+
+
+def steepness(now):
+    """Size of the slopes of a flow, 1/s."""
+    a, b, c, e = now[2]
+    return max(abs(e), max(abs(a), math.sqrt(abs(b * c))))
 
 
 def is_one_way(side, x, speed, found, rate):
@@ -89,39 +84,54 @@ def is_one_way(side, x, speed, found, rate):
 
 def implicit_step(d, side, x, w, speed, speed_rate, h, first, allowed):
     """One implicit step; an error without bound if it is not found."""
-    inertia = d.J3
     omega3 = x.omega3
-    rate = (first[0] - x.load_torque) / inertia
-    end = speed + speed_rate * h
+    found_speed = speed + speed_rate * h
     found = omega3
     w.error = 1e300
     last = first
     for _ in range(NEWTON_STEPS):
-        last = mean_rates(side, x, end, speed_rate, found)
-        rate1 = (last[0] - x.load_torque) / inertia
-        slope = last[1] / inertia
-        bend1 = last[2] / inertia + slope * rate1
+        last = flow(d, side, x, found_speed, speed_rate, found)
         x.step_evaluations += 1.0
-        left = found - omega3 - h * (rate / 3.0 + rate1 / 1.5 - h * bend1 / 6.0)
-        steep = 1.0 - h * slope / 1.5 + h * h * slope * slope / 6.0
-        move = -left / steep
+        left = found_speed - speed - damped(h, first[0], last[0])
+        left3 = found - omega3 - damped(h, first[1], last[1])
+        # 1 - 2/3 h L + 1/6 (h L)^2 with the slopes L
+        a, b, c, e = last[2]
+        a1 = 1.0 - h * a / 1.5 + h * h * (a * a + b * c) / 6.0
+        a2 = -h * b / 1.5 + h * h * b * (a + e) / 6.0
+        b1 = -h * c / 1.5 + h * h * c * (a + e) / 6.0
+        b2 = 1.0 - h * e / 1.5 + h * h * (b * c + e * e) / 6.0
+        steep = a1 * b2 - a2 * b1
+        move_speed = (a2 * left3 - b2 * left) / steep
+        move = (b1 * left - a1 * left3) / steep
+        found_speed += move_speed
         found += move
-        if abs(move) <= 1e-3 * allowed or abs(move) <= 1e-15 * abs(found):
+        moved = max(abs(move), abs(move_speed))
+        if moved <= 1e-3 * allowed or moved <= 1e-15 * (abs(found) + abs(found_speed)):
             # where the slope is positive the balance repels: a damped step would be drawn to it
-            if slope <= 0.0 and is_one_way(side, x, end, found, rate):
-                w.error = abs(h / 3.0 * (rate1 - rate - h * bend1) / steep) / allowed
+            if e <= 0.0 and is_one_way(side, x, found_speed, found, first[1][0]):
+                bent = max(bend(h, first[0], last[0]), bend(h, first[1], last[1]))
+                w.error = abs(bent / steep) / allowed
                 # a transient that is damped out within the step would be wrong in the angle and the work
-                away = abs(rate / first[1]) * inertia
-                if h * abs(first[1]) > RESOLVED * inertia:
-                    w.error = max(w.error, away / (TRANSIENT * allowed))
+                slope = abs(first[2][3])
+                if h * slope > RESOLVED:
+                    w.error = max(w.error, abs(first[1][0]) / (slope * TRANSIENT * allowed))
             break
-    rate1 = (last[0] - x.load_torque) / inertia
-    integrate(w, h, omega3, first, found, last, rate, rate1, True)
+    w.next_speed = found_speed
+    w.next = found
+    w.turned3 = damped(h, (omega3, first[1][0]), (found, last[1][0]))
+    w.work = damped(h, with_product(omega3, first), with_product(found, last))
+    w.turned2 = damped(h, first[4], last[4])
+    w.turned1 = damped(h, first[5], last[5])
+
+
+def bend(h, begin, end):
+    """What the rate at the end leaves of the change of a rate over h, times h / 3."""
+    return abs(h / 3.0 * (end[0] - begin[0] - h * end[1]))
 
 
 def take_step(d, side, x, w, speed, speed_rate, h, first, allowed):
     """One step from x.omega3, explicit if it can be; x is left as it is."""
-    if h * abs(first[1]) <= LARGEST_EXPLICIT * d.J3:
+    if h * steepness(first) <= LARGEST_EXPLICIT:
         explicit_step(d, side, x, w, speed, speed_rate, h, first, allowed)
     else:
         implicit_step(d, side, x, w, speed, speed_rate, h, first, allowed)
@@ -142,15 +152,15 @@ def take_accurate_step(d, side, x, w, speed, speed_rate, h, first, allowed):
     return -1.0
 
 
-def past_end(side, w, end_speed):
-    """How far the step went past rest or the end of the map, rad/s."""
-    return max(w.next - side.end * end_speed, -w.next)
+def past_end(side, w):
+    """How far the step went past rest or the end of the map, or v past zero, rad/s."""
+    return max(max(w.next - side.end * w.next_speed, -w.next), -w.next_speed)
 
 
 def cut_step(d, side, x, w, speed, speed_rate, h, first, allowed, zero):
     """Cut a step that went past rest or the end of the map where it gets there. Returns its length."""
     high = h
-    high_past = past_end(side, w, speed + speed_rate * h)
+    high_past = past_end(side, w)
     low = 0.0
     low_past = max(-x.omega3, x.omega3 - side.end * speed)
     if low_past > -zero:
@@ -163,7 +173,7 @@ def cut_step(d, side, x, w, speed, speed_rate, h, first, allowed, zero):
         if not low < h < high:
             return high
         take_step(d, side, x, w, speed, speed_rate, h, first, allowed)
-        past = past_end(side, w, speed + speed_rate * h)
+        past = past_end(side, w)
         if abs(past) <= zero:
             break
         if past > 0.0:
@@ -177,32 +187,33 @@ def cut_step(d, side, x, w, speed, speed_rate, h, first, allowed, zero):
     return h
 
 
-def slip(d, side, x, w, omega1, alpha1, remaining):
-    """Advance the shaft under the mean torque by one accurate step; where it rests or the map ends, it stops.
+def slip(d, side, x, w, v, rate, remaining):
+    """Advance v and omega3 under the mean torque by one accurate step; at rest or the end of the map it stops.
 
     Returns:
         (time passed or -1, impulse of the output torque).
     """
-    speed = abs(omega1)
-    speed_rate = side.direction * alpha1
+    speed = abs(v)
+    speed_rate = side.direction * rate
     omega3 = x.omega3
-    first = mean_rates(side, x, speed, speed_rate, omega3)
+    first = flow(d, side, x, speed, speed_rate, omega3)
     x.step_evaluations += 1.0
     h = min(remaining, d.max_step)
     if x.step_size > 0.0:
         h = min(h, x.step_size)
-    fastest = max(omega3, max(speed, speed + speed_rate * h))
+    fastest = max(omega3, max(speed, speed + first[0][0] * h))
     allowed = d.tolerance * fastest + 1e-300
     h = take_accurate_step(d, side, x, w, speed, speed_rate, h, first, allowed)
     if h < 0.0:
         return -1.0, 0.0
     zero = ROUNDING * fastest
-    cut = past_end(side, w, speed + speed_rate * h) > zero
+    cut = past_end(side, w) > zero
     if cut:
         h = cut_step(d, side, x, w, speed, speed_rate, h, first, allowed, zero)
-    rests = cut and -w.next > w.next - side.end * (speed + speed_rate * h)
+    w.next_speed = max(w.next_speed, 0.0)
+    end = side.end * w.next_speed
+    rests = cut and -w.next > w.next - end
     x.omega3, x.omega3_low = add(omega3, x.omega3_low, w.next - omega3)
-    end = side.end * abs(omega1 + alpha1 * h)
     if rests or x.omega3 < 0.0:
         x.omega3 = 0.0
         x.omega3_low = 0.0

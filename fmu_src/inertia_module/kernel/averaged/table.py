@@ -7,7 +7,7 @@ A cubic is its four coefficients in the distance from its knot: value, slope, an
 
 # error of an interval that has not been looked at
 UNKNOWN_ERROR = 1e300
-# energy and speed of link 2 matter less than the torque
+# what the input has and the speed of link 2 matter less than the torque
 OTHER_SHARE = 0.2
 
 
@@ -44,7 +44,7 @@ def set_slopes(side, n):
         left = here.ratio - a.ratio
         right = b.ratio - here.ratio
         here.torque[1] = inner_slope(left, right, a.torque[0], here.torque[0], b.torque[0])
-        here.energy[1] = inner_slope(left, right, a.energy[0], here.energy[0], b.energy[0])
+        here.input[1] = inner_slope(left, right, a.input[0], here.input[0], b.input[0])
         here.omega2[1] = inner_slope(left, right, a.omega2[0], here.omega2[0], b.omega2[0])
         return
     step = 1 if n == 0 else -1
@@ -53,7 +53,7 @@ def set_slopes(side, n):
     near = a.ratio - here.ratio
     far = b.ratio - a.ratio
     here.torque[1] = end_slope(near, far, here.torque[0], a.torque[0], b.torque[0])
-    here.energy[1] = end_slope(near, far, here.energy[0], a.energy[0], b.energy[0])
+    here.input[1] = end_slope(near, far, here.input[0], a.input[0], b.input[0])
     here.omega2[1] = end_slope(near, far, here.omega2[0], a.omega2[0], b.omega2[0])
 
 
@@ -71,7 +71,7 @@ def interpolate(here, after, h, t):
     return here[0] + t * (here[1] + t * (c2 + t * c3))
 
 
-def table_error(side, n, sigma, torque, energy, omega2):
+def table_error(side, n, sigma, torque, input1, omega2):
     """Error of the table at sigma, between knots n and n + 1, in units of the first knot's values."""
     set_slopes(side, n)
     set_slopes(side, n + 1)
@@ -83,12 +83,12 @@ def table_error(side, n, sigma, torque, energy, omega2):
     error = abs(interpolate(a.torque, b.torque, h, t) - torque)
     error = error / first.torque[0] if first.torque[0] > 0.0 else 0.0
     error2 = OTHER_SHARE * abs(interpolate(a.omega2, b.omega2, h, t) - omega2)
-    error3 = OTHER_SHARE * abs(interpolate(a.energy, b.energy, h, t) - energy)
-    error3 = error3 / first.energy[0] if first.energy[0] > 0.0 else 0.0
+    error3 = OTHER_SHARE * abs(interpolate(a.input, b.input, h, t) - input1)
+    error3 = error3 / first.input[0] if first.input[0] > 0.0 else 0.0
     return max(error, max(error2, error3))
 
 
-def insert_knot(side, n, sigma, torque, energy, omega2, ripple, peak, error):
+def insert_knot(side, n, sigma, torque, input1, omega2, ripple, peak, error):
     """Insert a knot as number n; error is that of the table there before it."""
     count = int(side.count)
     for m in range(count, n, -1):
@@ -96,7 +96,7 @@ def insert_knot(side, n, sigma, torque, energy, omega2, ripple, peak, error):
     knot = side.knots[n]
     knot.ratio = sigma
     knot.torque[0] = torque
-    knot.energy[0] = energy
+    knot.input[0] = input1
     knot.omega2[0] = omega2
     knot.ripple = ripple
     knot.peak = peak
@@ -134,5 +134,5 @@ def finish_table(side):
         after = side.knots[n + 1]
         h = after.ratio - here.ratio
         set_bends(here.torque, after.torque, h)
-        set_bends(here.energy, after.energy, h)
+        set_bends(here.input, after.input, h)
         set_bends(here.omega2, after.omega2, h)

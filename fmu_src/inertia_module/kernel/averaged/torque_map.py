@@ -1,260 +1,248 @@
 """Mean torque over speed ratio, found once: the map of fidelity averaged (docs/mechanics.md).
 
-Without gravity the mean output torque at constant omega1 and output speed is omega1^2 F(sigma),
-sigma = omega3 / |omega1|, with one F for either sign of omega1. The steady motion is found by
-average_motion over one period of q. It begins where link 2 surely rests: Jacobi's integral C falls
-only in the housing, so where it could fall lowest link 2 is held if any torque is passed at all.
+Without gravity all scales with one speed v. With the speed of link 1 given that is omega1, and the mean output
+torque is v^2 F(s), s = omega3 / |v|, with one F for either sign. With its torque given omega1 swings within a
+pulse and the energy E of links 1, 2 and imbalances hardly changes: v is that of E = J* v^2 / 2, and the mean
+of omega1 is v g(s). The steady motion is found by motion.travel over one period of q, with the mean input
+torque that keeps E. It begins where link 2 surely rests: its angular momentum rises only in the housing, so
+where it could be largest link 2 is held if any torque is passed at all.
 
-No torque is passed above sigma = 1 with omega1 > 0: the housing can only push forward, and its mean
-torque is Tc (1 - sigma).
+With omega1 > 0 no torque is passed above ratio 1: the housing can only push forward, and its mean torque is
+Tc (1 - sigma).
 """
 
 import math
 
-from ..codes import DRIVING, FREE
-from ..derive import TWO_PI
-from .motion import drive_inertia, travel
+from ..codes import FREE
+from .largest import (
+    LARGEST_CYCLES,
+    LOCK,
+    MOMENTUM,
+    THROWN,
+    find_largest,
+    find_largest_anywhere,
+    go_to_part,
+    is_long,
+    parts_of_period,
+    period_of_map,
+)
+from .motion import begin_travel, speeds_at, take_integrals, travel
 from .table import UNKNOWN_ERROR, finish_table, insert_knot, table_error, worst_interval
-
-# cycles of the highest harmonic that one mean is taken over at most
-LARGEST_CYCLES = 800.0
-# beyond that, at least so many parts, spread evenly over the relative phase of drive and satellite
-PARTS = 16
-# angle between two looks for an extreme, in cycles of the highest harmonic
-LOOKS_PER_CYCLE = 12.0
-GOLDEN_LOOKS = 40
-
-# what of the motion is to be largest
-LARGEST_HELD = 0  # H - I
-LARGEST_LOCK = 1  # -I'
-LARGEST_SPEED_SQUARE = 2  # (C + I) / H
 
 # the map is refined until its error, in stall torques, is below this at the middle of each interval
 MAP_ERROR = 1e-4
+# ... under its torque, where the averaged motion itself is no better
+MAP_ERROR_BY_TORQUE = 5e-4
 # three or more
 FIRST_KNOTS = 9
 # the last ratio below lock-up
 LAST_SLIP = 1e-6
 # evaluations of the mechanism after which one sign of omega1 is refined no more
-MOST_EVALUATIONS = 8e5
+MOST_EVALUATIONS = 1.5e6
+# the motion begins so much phase of the highest harmonic before, under a torque that moves where link 2 is thrown
+HEAD_START = 0.5
+# rounds to find the input torque that keeps the energy, and what is left of it
+ROUNDS = 8
+KEPT = 1e-5
+# to find the fastest output, over the speed that link 1 begins with, that the drive gets past
+FASTEST = 1.2
+BISECTIONS = 14
 
 
 def is_map_of(p, d):
     """Whether the map in d is that of these parameters (fields.MAP_KEY)."""
-    last = len(d.map_key) - 1
-    for n in range(last):
-        if d.map_key[n] != p.numbers[n]:
+    for n in range(len(d.map_key)):
+        if d.map_key[n] != key_number(p, d, n):
             return False
-    return d.map_ready == 1.0 and d.map_key[last] == p.link2_inertia
+    return d.map_ready == 1.0
+
+
+def key_number(p, d, n):
+    """Number n of what the map depends on: parameters, and the inertia of link 1 if it is free."""
+    last = len(d.map_key) - 1
+    if n == last:
+        return d.J1 if d.by_torque != 0.0 else 0.0
+    return p.link2_inertia if n == last - 1 else p.numbers[n]
 
 
 def mark_map(p, d):
     """Mark the map in d as that of these parameters."""
-    last = len(d.map_key) - 1
-    for n in range(last):
-        d.map_key[n] = p.numbers[n]
-    d.map_key[last] = p.link2_inertia
+    for n in range(len(d.map_key)):
+        d.map_key[n] = key_number(p, d, n)
     d.map_ready = 1.0
 
 
-def extreme_value(d, which, sign, c, q):
-    """What is to be largest at q."""
-    i, i1, _, _, h, _, _ = drive_inertia(d, q)
-    d.map_evaluations += 1.0
-    if which == LARGEST_HELD:
-        return sign * (h - i)
-    if which == LARGEST_LOCK:
-        return -i1
-    return sign * (c + i) / h
+def add_part(d, t, start, warm, length):
+    """Travel one part of the period from rest at start; the first angle warm is not counted.
 
-
-def find_largest(d, which, sign, c, start, length):
-    """Drive angle in start to start + length where it is largest, and how large."""
-    looks = int(math.ceil(length * d.harmonic / TWO_PI * LOOKS_PER_CYCLE)) + 2
-    width = length / looks
-    best_q = start
-    best = extreme_value(d, which, sign, c, start)
-    before = best
-    here = extreme_value(d, which, sign, c, start + width)
-    for n in range(1, looks + 1):
-        after = extreme_value(d, which, sign, c, start + (n + 1) * width)
-        if here >= before and here >= after:
-            # the top of the parabola through the three is near: only a promising one is looked at
-            bend = before - 2.0 * here + after
-            top = here - (after - before) ** 2 / (8.0 * bend) if bend < 0.0 else here
-            if top + 0.1 * (top - here) > best:
-                low = start + (n - 1) * width
-                q, value = refine_largest(d, which, sign, c, low, low + 2.0 * width)
-                if value > best:
-                    best = value
-                    best_q = q
-        before = here
-        here = after
-    return best_q, best
-
-
-def refine_largest(d, which, sign, c, low, high):
-    """Largest value between low and high by golden sections."""
-    golden = 0.6180339887498949
-    inner = high - golden * (high - low)
-    outer = low + golden * (high - low)
-    value_inner = extreme_value(d, which, sign, c, inner)
-    value_outer = extreme_value(d, which, sign, c, outer)
-    for _ in range(GOLDEN_LOOKS):
-        if value_inner > value_outer:
-            high = outer
-            outer = inner
-            value_outer = value_inner
-            inner = high - golden * (high - low)
-            value_inner = extreme_value(d, which, sign, c, inner)
-        else:
-            low = inner
-            inner = outer
-            value_inner = value_outer
-            outer = low + golden * (high - low)
-            value_outer = extreme_value(d, which, sign, c, outer)
-    if value_inner > value_outer:
-        return inner, value_inner
-    return outer, value_outer
-
-
-def parts_of_period(d, cycles):
-    """Length, rad, and number of the parts that stand for a long period, of so many cycles together.
-
-    The satellite meets the drive at every relative phase, evenly, so turns of the drive at evenly
-    spread phases are as good as all turns of the period. Where a turn itself is long, parts of it.
+    Returns whether the drive gets through.
     """
-    part = min(TWO_PI, cycles / PARTS * TWO_PI / d.harmonic)
-    return part, int(cycles * TWO_PI / (d.harmonic * part))
-
-
-def go_to_part(d, phase, part, parts, n):
-    """Set the relative phase of part n. Returns the drive angle where it begins."""
-    d.phase_b = phase + n * (TWO_PI / parts)
-    return n * (TWO_PI / parts) if part < TWO_PI else 0.0
-
-
-def find_largest_anywhere(d, which, sign, c):
-    """Drive angle where it is largest in the whole period (or its parts), and how large."""
-    period = period_of_map(d)
-    if period * d.harmonic <= TWO_PI * LARGEST_CYCLES:
-        return find_largest(d, which, sign, c, 0.0, period)
-    part, parts = parts_of_period(d, LARGEST_CYCLES)
-    phase = d.phase_b
-    best_q = 0.0
-    best = -1e300
-    for n in range(parts):
-        q, value = find_largest(d, which, sign, c, go_to_part(d, phase, part, parts, n), part)
-        if value > best:
-            best = value
-            best_q = q
-    d.phase_b = phase
-    return best_q, best
-
-
-def period_of_map(d):
-    """Angle of the drive in which everything comes back, rad."""
-    # with three or more satellites the drive's own turn leaves nothing in the reduced inertia
-    return TWO_PI / d.s if d.paired == 0.0 and d.planar == 0.0 else d.period
-
-
-def add_part(d, direction, speed, start, warm, length):
-    """Travel one part of the period from rest at start; the first angle warm is not counted."""
-    i, _, _, _, h, _, _ = drive_inertia(d, start)
-    mode = DRIVING if speed == 1.0 else FREE
-    c = h - i
+    here = begin_travel(d, t, start)
     if warm > 0.0:
-        mode, c = travel(d, direction, speed, mode, c, start, warm, False)
-    travel(d, direction, speed, mode, c, start + direction * warm, length, True)
+        through, here = travel(d, t, here, warm, False)
+        if not through:
+            return False
+    through, here = travel(d, t, here, length, True)
+    return through
 
 
-def clear_sums(d):
-    """Set the sums over the steady motion to zero."""
+def head_start(d):
+    """Angle before that of the largest momentum where the motion begins, rad."""
+    return HEAD_START / d.harmonic if d.by_torque != 0.0 else 0.0
+
+
+def add_period(d, t, side):
+    """Add the steady motion at the output speed t.omega3 to the sums, cleared before.
+
+    Returns whether the drive gets through.
+    """
     d.sum_time = 0.0
     d.sum_torque = 0.0
     d.sum_square = 0.0
     d.sum_energy = 0.0
-    d.sum_angle = 0.0
+    d.sum_omega1 = 0.0
+    d.sum_omega2 = 0.0
     d.sum_peak = 0.0
-
-
-def add_period(d, side, speed):
-    """Add the steady motion at v = |omega1 - omega3| / |omega1| to the sums."""
-    direction = side.direction
-    period = period_of_map(d)
-    if period * d.harmonic <= TWO_PI * LARGEST_CYCLES:
-        add_part(d, direction, speed, side.start, 0.0, period)
-        return
+    direction = t.direction
+    if not is_long(d):
+        return add_part(d, t, side.start - direction * head_start(d), 0.0, period_of_map(d))
     # half of the angle allowed goes to reach the steady motion
     part, parts = parts_of_period(d, 0.5 * LARGEST_CYCLES)
     phase = d.phase_b
+    through = True
     for n in range(parts):
         begin = go_to_part(d, phase, part, parts, n)
         low = begin - part if direction > 0.0 else begin
-        start, _ = find_largest(d, LARGEST_HELD, -direction, 0.0, low, part)
-        add_part(d, direction, speed, start, direction * (begin - start), part)
+        start, _ = find_largest(d, t, MOMENTUM, low, part)
+        start -= direction * head_start(d)
+        through = through and add_part(d, t, start, direction * (begin - start), part)
     d.phase_b = phase
+    return through
 
 
-def find_means(d, side, sigma):
-    """Means at one ratio: (F, energy, omega2, ripple, peak) over powers of omega1."""
-    forward = side.direction > 0.0
-    clear_sums(d)
-    add_period(d, side, max(1.0 - sigma, LAST_SLIP) if forward else 1.0 + sigma)
+def settle(d, t, side, omega3):
+    """Add the steady motion at this output speed, with the input torque that keeps its energy.
+
+    Returns whether there is one.
+    """
+    t.omega3 = omega3
+    t.given = 0.0
+    if d.by_torque == 0.0:
+        return add_period(d, t, side)
+    for _ in range(ROUNDS):
+        if not add_period(d, t, side):
+            return False
+        before = t.given
+        t.given = omega3 * d.sum_torque / d.sum_omega1
+        if abs(t.given - before) <= KEPT * abs(t.given):
+            break
+    return True
+
+
+def speed_of_energy(d):
+    """The speed v that all scales with, of the motion in the sums, link 1 having begun with speed 1."""
+    if d.by_torque == 0.0:
+        return 1.0
+    return math.sqrt(2.0 * d.sum_energy / (d.sum_time * d.map_inertia))
+
+
+def find_end(d, t, side):
+    """Output speed above which no torque is passed, and where the steady motion begins."""
+    t.given = 0.0
+    phase = d.phase_b
+    side.start, d.phase_b, _ = find_largest_anywhere(d, t, MOMENTUM)
+    t.q = side.start
+    t.mode = FREE
+    take_integrals(d, t, t.direction, 0.0)
+    d.phase_b = phase
+    q, d.phase_b, end = find_largest_anywhere(d, t, THROWN)
+    square = speeds_at(d, t, q, t.energy, t.momentum)[2]
+    d.phase_b = phase
+    locks = t.direction > 0.0 and square < LAST_SLIP * LAST_SLIP
+    side.locks = 1.0 if locks else 0.0
+    if d.by_torque == 0.0:
+        return 1.0 if locks else max(end, 0.0)
+    # light as link 1 may be, the drive has to get past the output: the torque that keeps the energy only helps
+    t.omega3 = max(end, 0.0)
+    if not locks and add_period(d, t, side):
+        return t.omega3
+    low = 0.0
+    high = FASTEST if locks else t.omega3
+    for _ in range(BISECTIONS):
+        t.omega3 = 0.5 * (low + high)
+        if add_period(d, t, side):
+            low = t.omega3
+        else:
+            high = t.omega3
+    return low
+
+
+def add_knot(d, t, side, n, omega3):
+    """Find the knot at this output speed and insert it as number n, where its ratio belongs there."""
+    slowest = LAST_SLIP if d.by_torque == 0.0 and side.locks != 0.0 else 0.0
+    settle(d, t, side, min(omega3, 1.0 - slowest) if slowest > 0.0 else omega3)
+    v = speed_of_energy(d)
     time = d.sum_time
-    torque = d.sum_torque / time
-    turned = d.sum_angle / d.k
-    energy = d.J2 + (d.sum_energy - 2.0 * d.J2 * turned) / time
-    omega2 = max(0.0, 1.0 - turned / time if forward else turned / time - 1.0)
-    variance = d.sum_square / time - torque * torque
-    return torque, energy, min(omega2, sigma), math.sqrt(max(variance, 0.0)), d.sum_peak
+    ratio = omega3 / v
+    count = int(side.count)
+    if n > 0 and ratio <= side.knots[n - 1].ratio or n < count and ratio >= side.knots[n].ratio:
+        # behind a link 1 so light the ratio does not follow the speed of the output: the table goes past this one
+        side.knots[n - 1].error = 0.0
+        return
+    torque = d.sum_torque / (time * v * v)
+    variance = d.sum_square / (time * v**4) - torque * torque
+    # mean energy of links 1 and 2 without J1, or the mean speed of link 1
+    input1 = 2.0 * d.sum_energy / time - d.J1 if d.by_torque == 0.0 else abs(d.sum_omega1) / (time * v)
+    omega2 = min(max(0.0, d.sum_omega2 / (time * v)), ratio)
+    error = table_error(side, n - 1, ratio, torque, input1, omega2) if n < count else UNKNOWN_ERROR
+    insert_knot(
+        side, n, ratio, torque, input1, omega2, math.sqrt(max(variance, 0.0)), d.sum_peak / (v * v), error
+    )
+    side.knots[n].omega3 = omega3
 
 
-def find_end(d, side):
-    """Where the torque ends, and where the steady motion begins."""
-    direction = side.direction
-    start, value = find_largest_anywhere(d, LARGEST_HELD, -direction, 0.0)
-    side.start = start
-    _, square = find_largest_anywhere(d, LARGEST_SPEED_SQUARE, -direction, -direction * value)
-    if direction > 0.0:
-        least = math.sqrt(max(-square, 0.0))
-        side.locks = 1.0 if least < LAST_SLIP else 0.0
-        side.end = 1.0 if least < LAST_SLIP else 1.0 - least
-    else:
-        side.end = max(math.sqrt(max(square, 1.0)) - 1.0, 0.0)
+def end_map(d, side):
+    """End the map: with no torque, or where link 1 is as fast as the output.
 
-
-def add_knot(d, side, n, sigma):
-    """Find the knot at sigma and insert it as number n."""
-    torque, energy, omega2, ripple, peak = find_means(d, side, sigma)
-    if sigma >= side.end and side.locks == 0.0:
-        torque = 0.0
-        ripple = 0.0
-        peak = 0.0
-    error = UNKNOWN_ERROR
-    if n < int(side.count):
-        error = table_error(side, n - 1, sigma, torque, energy, omega2)
-    insert_knot(side, n, sigma, torque, energy, omega2, ripple, peak, error)
+    From the last knot to there is no steady motion under the torque of link 1: the drive comes to rest in link 1,
+    at the torque it had there.
+    """
+    count = int(side.count)
+    last = side.knots[count - 1]
+    if side.locks == 0.0:
+        last.torque[0] = 0.0
+        last.ripple = 0.0
+        last.peak = 0.0
+    elif d.by_torque != 0.0:
+        share = last.input[0]
+        ratio = max(share, last.ratio * (1.0 + LAST_SLIP))
+        insert_knot(side, count, ratio, last.torque[0], share, share, last.ripple, last.peak, 0.0)
 
 
 def build_side(d, side, direction):
     """Knots for one sign of omega1, refined where the table is worst."""
     for n in range(len(side.numbers)):
         side.numbers[n] = 0.0
+    t = d.travel
+    t.direction = direction
     side.direction = direction
-    find_end(d, side)
-    end = side.end
+    end = find_end(d, t, side)
+    if d.map_inertia == 0.0:
+        settle(d, t, side, 0.0)
+        d.map_inertia = 2.0 * d.sum_energy * d.sum_time / (d.sum_omega1 * d.sum_omega1)
+    allowed = MAP_ERROR if d.by_torque == 0.0 else MAP_ERROR_BY_TORQUE
     last = FIRST_KNOTS - 1 if end > 0.0 else 0
-    for n in range(last):
-        add_knot(d, side, n, n * end / last)
-    add_knot(d, side, last, end)
+    for n in range(last + 1):
+        add_knot(d, t, side, int(side.count), n * end / max(last, 1))
+    end_map(d, side)
     d.map_evaluations = 0.0
     while side.count < len(side.knots) and end > 0.0 and d.map_evaluations < MOST_EVALUATIONS:
         n, error = worst_interval(side)
-        if error < MAP_ERROR:
+        if error < allowed:
             break
-        add_knot(d, side, n + 1, 0.5 * (side.knots[n].ratio + side.knots[n + 1].ratio))
+        add_knot(d, t, side, n + 1, 0.5 * (side.knots[n].omega3 + side.knots[n + 1].omega3))
     finish_table(side)
+    side.end = side.knots[int(side.count) - 1].ratio
 
 
 def build_map(p, d):
@@ -262,7 +250,9 @@ def build_map(p, d):
     if is_map_of(p, d):
         return
     d.map_ready = 0.0
-    _, lock = find_largest_anywhere(d, LARGEST_LOCK, 1.0, 0.0)
+    d.map_inertia = 0.0
+    t = d.travel
+    _, _, lock = find_largest_anywhere(d, t, LOCK)
     d.map_lock = max(0.5 * d.k * lock, 0.0)
     build_side(d, d.forward, 1.0)
     build_side(d, d.backward, -1.0)
