@@ -8,14 +8,16 @@ from typing import Any
 
 import numpy as np
 
+from ..jets import rate
 from ..report import ROUNDING, Finding, shown, worst
-from . import as_printed, conclusions
+from . import conclusions
+from .as_printed import PRINTED, printed
 from .cases import DYNAMIC, GENERAL, PAPER, STANDARD, STOP, over_period
-from .equations import EQUATIONS, MOVING, STOPPED, angle_series, swing_rate, xyz
-from .exact import Kinematics
+from .equations import EQUATIONS, MOVING, STOPPED, angles_in_time
+from .exact import exact, modulus, turned
 from .geometry import Geometry
 from .motion import Motion, dynamic_mode, transmission_ratios
-from .projections import arms, feet, projections
+from .projections import feet, lengths, projections
 
 OFFSET = 0.5
 
@@ -24,15 +26,15 @@ def layout() -> Finding:
     """What a, b and c change, and what the layout cannot be."""
     place = STOPPED.position
     others = (replace(GENERAL, a=0.5), replace(GENERAL, b=0.5), replace(GENERAL, c=0.5))
-    moved = [np.abs(Kinematics(other, STOP, STOPPED.t).position - place).max() for other in others]
-    across = float(np.ptp(over_period(STANDARD, STOP).position[:, 0]))
+    moved = [np.abs(exact(other, STOP, STOPPED.t).position - place).max() for other in others]
+    across = float(np.ptp(over_period(STANDARD, STOP).position[0]))
     longest = Geometry(shaft_angle=1e-6).L
     return Finding(*(move > 0.01 for move in moved), across < ROUNDING, across=across, longest=longest)
 
 
 def superposition() -> Finding:
     """The sum of the three velocities against the rate of the position."""
-    agreed = worst(*EQUATIONS["(23)"]())  # type: ignore[misc, operator]
+    agreed = worst(*EQUATIONS["(23)"].forms())  # type: ignore[misc, operator]
     return Finding(agreed < ROUNDING, agreed=shown(agreed))
 
 
@@ -40,9 +42,9 @@ def base_plane() -> Finding:
     """V_QA against the axis of the satellite, and out of the base plane of wheel 17."""
     v, largest = STOPPED.about_satellite, STOPPED.speed_about_satellite.max()
     axis = STOPPED.spin_of_satellite / STOPPED.omega6
-    along = float(np.abs((v * axis).sum(axis=1)).max() / largest)
+    along = float(np.abs((v * axis).sum(axis=0)).max() / largest)
     off = abs(1.0 - 1.0 / GENERAL.b) * GENERAL.QA
-    through = 100 * float(np.abs(v[:, 2]).max() / largest)
+    through = 100 * float(np.abs(v[2]).max() / largest)
     return Finding(
         along < ROUNDING, off < ROUNDING, along=shown(along), b=GENERAL.b, off=1e3 * off, through=through
     )
@@ -50,15 +52,14 @@ def base_plane() -> Finding:
 
 def drive_velocity_in_plane() -> Finding:
     """The z component of V_Oz in both modes."""
-    k = MOVING
-    rest = np.abs(STOPPED.about_drive[:, 2]).max()
-    share = np.abs(MOVING.turned(k.about_drive)[:, 2]).max() / k.speed_about_drive.max()
+    rest = np.abs(STOPPED.about_drive[2]).max()
+    share = np.abs(turned(MOVING, MOVING.about_drive)[2]).max() / MOVING.speed_about_drive.max()
     return Finding(rest < ROUNDING, share < ROUNDING, share=100 * share)
 
 
 def central_velocity_in_plane() -> Finding:
     """The x component of V_Ox."""
-    along = np.abs(MOVING.turned(MOVING.about_centre)[:, 0]).max()
+    along = np.abs(turned(MOVING, MOVING.about_centre)[0]).max()
     return Finding(along < ROUNDING)
 
 
@@ -73,14 +74,14 @@ def stop_condition() -> Finding:
 
 def _moment(k: Any, v: Any) -> Any:
     """The vectors r x v about the normals of xOy, yOz and xOz."""
-    return np.cross(k.position, v)[:, [2, 0, 1]]
+    return np.cross(k.position, v, axis=0)[[2, 0, 1]]
 
 
 def moments_from_arms() -> Finding:
     """Arm times projection of V against r x V."""
     k = MOVING
     moment = _moment(k, k.velocity)
-    agreed = worst(xyz(k.arms * k.plane_speeds), xyz(np.abs(moment)))
+    agreed = worst(k.arms * k.plane_speeds, np.abs(moment))
     negative = float((moment < 0.0).mean())
     return Finding(agreed < ROUNDING, negative == 0.0, agreed=shown(agreed), negative=100 * negative)
 
@@ -89,26 +90,23 @@ def arms_of_acceleration() -> Finding:
     """The arms given, those of V, with a; and those of a by the same formulas."""
     k = MOVING
     moment, planes = np.abs(_moment(k, k.acceleration)), projections(k.acceleration)
-    off = worst(xyz(k.arms * planes), xyz(moment))
-    agreed = worst(xyz(arms(feet(k.position, k.acceleration)) * planes), xyz(moment))
+    off = worst(k.arms * planes, moment)
+    agreed = worst(lengths(feet(k.position, k.acceleration)) * planes, moment)
     return Finding(off < ROUNDING, off=100 * off, agreed=shown(agreed))
 
 
 def angular_accelerations() -> Finding:
     """Which of the four the page has, and how large the fourth is in the stop mode, 1e3 rad/s^2."""
     names = ("velocity", "angular_velocities", "acceleration", "angular_accelerations")
-    about_drive = 1e-3 * np.abs(angle_series(STOPPED)[0].rate().rate().value).max()
+    about_drive = 1e-3 * np.abs(rate(rate(angles_in_time(STOPPED)[0])).value).max()
     body = 1e-3 * STOPPED.omega16 * STOPPED.omega6 * math.sin(GENERAL.shaft_angle)
-    return Finding(
-        *(name in as_printed.Printed._fields for name in names), about_drive=about_drive, body=body
-    )
+    return Finding(*(name in PRINTED for name in names), about_drive=about_drive, body=body)
 
 
 def carrier() -> Finding:
     """Which link carries wheel 17 and the drive: |V| of (23) with it on link 1 and on link 2."""
-    k = MOVING
-    page = as_printed.modulus(as_printed.sum_of_velocities(xyz(k.velocity_in_link1), xyz(k.about_centre)))
-    on_link2 = Kinematics(GENERAL, Motion(DYNAMIC.omega1, DYNAMIC.omega2, DYNAMIC.omega2), MOVING.t)
+    k, page = MOVING, modulus(PRINTED["sum_of_three"](MOVING))
+    on_link2 = exact(GENERAL, Motion(DYNAMIC.omega1, DYNAMIC.omega2, DYNAMIC.omega2), MOVING.t)
     change = np.abs(on_link2.speed - k.speed).max() / k.speed.max()
     return Finding(
         worst(page, k.speed) < ROUNDING, worst(page, on_link2.speed) < ROUNDING, change=100 * change
@@ -129,23 +127,22 @@ def dynamic_range() -> Finding:
 
 def differentiable_angles() -> Finding:
     """Jumps of beta_H, folds of beta_P and beta_F, and the rates of the right angles."""
-    k = STOPPED
-    beta = as_printed.angles(*k.position.T[:2], *k.projections.T[1:])
+    k, beta = STOPPED, PRINTED["angles"](STOPPED)
     jumps = int(np.count_nonzero(np.abs(np.diff(beta[0])) > 3.0))
     return Finding(
         jumps == 0,
-        worst(*EQUATIONS["(6)"]()) < ROUNDING,  # type: ignore[misc, operator]
+        worst(*EQUATIONS["(6)"].forms()) < ROUNDING,  # type: ignore[misc, operator]
         jumps=jumps,
         turns=GENERAL.turns_in_period,
-        fold=worst(beta, xyz(k.angles)),
-        below=100 * float(np.mean(k.position[:, 2] < 0.0)),
+        fold=worst(beta, k.angles),
+        below=100 * float(np.mean(k.position[2] < 0.0)),
     )
 
 
 def axes_of_the_angles() -> Finding:
     """omega_H, omega_P, omega_F where D only turns about Oz: with a = 0 in the stop mode."""
     case = over_period(replace(GENERAL, a=0.0), STOP)
-    about, turns = case.angular_velocities.T, (0.0, 0.0, case.omega16)
+    about, turns = case.angular_velocities, (0.0, 0.0, case.omega16)
     says = [np.abs(omega - turn).max() < 1e-9 for omega, turn in zip(about, turns, strict=True)]
     steady = shown(float(np.ptp(about[0]) / case.omega16))
     return Finding(
@@ -156,14 +153,14 @@ def axes_of_the_angles() -> Finding:
 def height_of_A() -> Finding:  # noqa: N802
     """How z_A changes in the stop and in the dynamic mode."""
     A = MOVING.centre_of_satellite
-    rest, moving = np.ptp(A[:, 2]), np.ptp(MOVING.turned(A)[:, 2])
+    rest, moving = np.ptp(A[2]), np.ptp(turned(MOVING, A)[2])
     return Finding(rest < ROUNDING, moving=moving)
 
 
 def absolute_in_stop_mode() -> Finding:
     """|V| with OQ at rest, and with OQ on link 1 while link 2 is held, against (18)."""
     page = STOPPED.speed_in_link1
-    turning = Kinematics(GENERAL, dynamic_mode(100.0, math.inf), STOPPED.t).speed
+    turning = exact(GENERAL, dynamic_mode(100.0, math.inf), STOPPED.t).speed
     off = np.abs(turning - page).max() / turning.max()
     return Finding(worst(page, STOPPED.speed) < ROUNDING, off < ROUNDING, off=100 * off)
 
@@ -171,8 +168,8 @@ def absolute_in_stop_mode() -> Finding:
 def only_modulus() -> Finding:
     """The angle between the velocities of both modes, apart from the turn by alpha."""
     k = MOVING
-    before = MOVING.turned(k.velocity_in_link1)
-    cosine = (before * k.velocity).sum(axis=1) / (k.speed_in_link1 * k.speed)
+    before = turned(k, k.velocity_in_link1)
+    cosine = (before * k.velocity).sum(axis=0) / (k.speed_in_link1 * k.speed)
     angle = np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0)))
     return Finding(angle.max() < 1e-3, mean=angle.mean(), most=angle.max())
 
@@ -180,20 +177,17 @@ def only_modulus() -> Finding:
 def angle_of_turn() -> Finding:
     """The swing in the turn of D and in that of V; alpha of (19) with the exact and the printed omega_P."""
     k, t = MOVING, MOVING.t
-    total = np.arctan2(*k.position_in_link1.T[1:]) - DYNAMIC.omega1 * t
-    OP = k.projections[:, 1]
-    of_place = worst((OP * np.sin(total), OP * np.cos(total)), xyz(k.position[:, 1:]))
-    alone = (
-        as_printed.angle_of_turn(DYNAMIC.omega1, swing_rate(), t),
-        as_printed.printed(GENERAL, DYNAMIC, t).alpha[:, 0],
-    )
-    off = [np.abs(alpha - DYNAMIC.omega1 * t).max() for alpha in alone]
+    total = np.arctan2(*k.position_in_link1[1:]) - DYNAMIC.omega1 * t
+    OP = k.projections[1]
+    of_place = worst((OP * np.sin(total), OP * np.cos(total)), k.position[1:])
+    page = PRINTED["alpha"](MOVING), printed(GENERAL, DYNAMIC, t, "alpha")
+    off = [np.abs(alpha - DYNAMIC.omega1 * t).max() for alpha in page]
     return Finding(of_place < ROUNDING, off[0] < ROUNDING, off=off, span=t[-1], of_place=shown(of_place))
 
 
 def abscissa() -> Finding:
     """Where D is along Ox before and after the turn about Ox."""
-    return Finding(np.abs(MOVING.position[:, 0] - MOVING.position_in_link1[:, 0]).max() < ROUNDING)
+    return Finding(np.abs(MOVING.position[0] - MOVING.position_in_link1[0]).max() < ROUNDING)
 
 
 def period_of_a_turn() -> Finding:
@@ -202,7 +196,7 @@ def period_of_a_turn() -> Finding:
     def change(geometry: Geometry) -> float:
         t = over_period(geometry, STOP).t
         first, following = (
-            Kinematics(geometry, STOP, t + shift).speed for shift in (0.0, 2.0 * math.pi / STOP.omega1)
+            exact(geometry, STOP, t + shift).speed for shift in (0.0, 2.0 * math.pi / STOP.omega1)
         )
         return float(np.abs(first - following).max() / first.max())
 
@@ -219,11 +213,9 @@ def period_of_a_turn() -> Finding:
 def continuous_functions() -> Finding:
     """The largest step of exact quantities between neighbouring times, and the poles of the printed ones."""
     k = MOVING
-    x, vx, vy = k.position[:, 0], k.velocity[:, 0], k.velocity[:, 1]
+    x, vx, vy = k.position[0], k.velocity[0], k.velocity[1]
     poles = [int(np.count_nonzero(np.diff(np.sign(u)))) for u in (x, vy, vx)]
-    steps = [
-        np.abs(np.diff(v, axis=0)).max() / np.abs(v).max() for v in (k.position, k.velocity, k.acceleration)
-    ]
+    steps = [np.abs(np.diff(v)).max() / np.abs(v).max() for v in (k.position, k.velocity, k.acceleration)]
     return Finding(max(steps) < 0.05, sum(poles) == 0, poles=poles)
 
 
@@ -262,7 +254,7 @@ def planes_of_the_swing() -> Finding:
     peaks = []
     for k in (STOPPED, MOVING):
         for v in (k.velocity, k.acceleration):
-            about = np.abs(np.cross(k.position, v)).max(axis=0)
+            about = np.abs(np.cross(k.position, v, axis=0)).max(axis=1)
             peaks.append(about / about.max())
     each = [" : ".join(f"{share:.2f}" for share in about) for about in peaks]
     return Finding(*(about[1] == about.min() for about in peaks), each=each)

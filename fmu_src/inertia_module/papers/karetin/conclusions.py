@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .cases import period
-from .exact import Kinematics
+from .exact import exact
 from .geometry import Geometry
 from .motion import Motion
 from .projections import continuous
@@ -67,8 +67,8 @@ def best_mirror(function: Function, period: float, sign: float = 1.0, samples: i
 
 
 def quantity(name: str, geometry: Geometry, motion: Motion) -> Function:
-    """One of the moduli of Kinematics as a function of times."""
-    return lambda t: getattr(Kinematics(geometry, motion, t), name)  # type: ignore[no-any-return]
+    """One of the exact moduli as a function of times."""
+    return lambda t: getattr(exact(geometry, motion, t), name)  # type: ignore[no-any-return]
 
 
 def asymmetry(name: str, geometry: Geometry, motion: Motion) -> float:
@@ -80,7 +80,7 @@ def asymmetry_of_components(geometry: Geometry, motion: Motion) -> float:
     """Largest asymmetry of V_x, V_y, V_z over that period, mirrored with either sign."""
 
     def component(axis: int) -> Function:
-        return lambda t: Kinematics(geometry, motion, t).velocity[:, axis]
+        return lambda t: exact(geometry, motion, t).velocity[axis]  # type: ignore[no-any-return]
 
     span = period(geometry, motion)
     return max(
@@ -103,7 +103,7 @@ def swings(geometry: Geometry, motion: Motion) -> dict[str, Swing]:
     """The swing over a period about "Ox" (beta_P), "Oy" (beta_F) and "Oz" (beta_H) of the fixed frame."""
     # not from 0: a pole of the cones stands on an axis there
     t = period(geometry, motion) * (np.arange(40_001) + 0.5) / 40_000
-    beta = dict(zip(("Oz", "Ox", "Oy"), continuous(Kinematics(geometry, motion, t).angles).T, strict=True))
+    beta = dict(zip(("Oz", "Ox", "Oy"), continuous(exact(geometry, motion, t).angles), strict=True))
     return {
         axis: Swing(round(float(angle[-1] - angle[0]) / (2.0 * np.pi)), 0.5 * float(np.ptp(angle)))
         for axis, angle in beta.items()

@@ -15,7 +15,7 @@ from . import as_printed
 from .criteria import Criteria
 from .equations import KAPPA2, REFERENCE
 from .exact import response
-from .law import TWO_PI, driving_acceleration, phase_of
+from .law import TWO_PI, law_of_motion, phase_of
 from .oscillation import FreeOscillation, free_oscillation
 
 Array = NDArray[np.float64]
@@ -42,7 +42,7 @@ def acceleration(criteria: Criteria, beta: float, kappa2: float = KAPPA2) -> Arr
 
 def deviation(criteria: Criteria, beta: float) -> Array:
     """Difference of a'' from the sine a_k'', over the peak 2 pi of the sine, over TIMES, shape (4001,)."""
-    return (acceleration(criteria, beta) - driving_acceleration(TIMES, KAPPA2)) / TWO_PI
+    return (acceleration(criteria, beta) - law_of_motion(TIMES, KAPPA2)[2]) / TWO_PI
 
 
 @cache
@@ -70,7 +70,7 @@ def _free(criteria: Criteria, phase: int = 1) -> tuple[FreeOscillation, FreeOsci
 
 def solution() -> Finding:
     """(5) with all printed below it, phase by phase."""
-    off = acceleration(REFERENCE, 1.0) - as_printed.acceleration(TIMES, REFERENCE, KAPPA2)
+    off = acceleration(REFERENCE, 1.0) - as_printed.acceleration(as_printed.printed(REFERENCE, KAPPA2), TIMES)
     share = phase_peaks(off) / np.abs(acceleration(REFERENCE, 1.0)).max()
     return Finding(*(share < ROUNDING), share=share)
 

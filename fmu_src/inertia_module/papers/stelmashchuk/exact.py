@@ -118,14 +118,6 @@ class Response(NamedTuple):
     acceleration: Array
     twist: Array
 
-    def in_units(self, phi_engage: float, T: float) -> tuple[Array, Array, Array]:
-        """Angle, speed and acceleration of the driven mass, rad, rad/s and rad/s^2.
-
-        phi_engage: angle that a = 1 stands for, rad. T: time in which kappa grows by one, s.
-        """
-        speed = phi_engage / T
-        return phi_engage * self.angle, speed * self.velocity, speed / T * self.acceleration
-
 
 def response(kappa: ArrayLike, criteria: Criteria, kappa2: float, beta: float = 1.0) -> Response:
     """Motion of the driven mass from rest, equation (3), continuous up to a'' from phase to phase.

@@ -53,18 +53,15 @@ def free_oscillation(criteria: Criteria, kappa2: float, beta: float = 1.0, phase
     """Amplitude of the free oscillation of a'' in phase II (1) or IV (3).
 
     Raises:
-        ValueError: another phase, or phase II without length.
+        ValueError: another phase, phase II without length, or resonance without friction.
     """
     length = {1: kappa2, 3: WATCHED}.get(phase, 0.0)
     if length <= 0.0:
         raise ValueError(f"phase must be 1 (with kappa2 above 0) or 3, is {phase} with kappa2 = {kappa2}")
     start = twist_at_starts(criteria, kappa2, beta)[phase]
-    acceleration = twist_in_phase(criteria, beta, phase, start, np.linspace(0.0, length, 20001))[2]
-    peak = float(np.abs(acceleration).max())
-    nu, Pi = criteria.nu, criteria.Pi
-    if Pi >= nu:
-        return FreeOscillation(float(abs(acceleration[0])), peak)
-    nu1 = np.sqrt((nu - Pi) * (nu + Pi))
-    swing = start[0] - forcing(criteria, beta, phase)[0] / (nu * nu)
+    swing = np.abs(twist_in_phase(criteria, beta, phase, start, np.linspace(0.0, length, 20001))[2])
+    if criteria.Pi >= criteria.nu:
+        return FreeOscillation(float(swing[0]), float(swing.max()))
     # differentiating exp(lambda kappa) twice multiplies its amplitude by |lambda|^2 = nu^2
-    return FreeOscillation(float(nu * nu * np.hypot(swing, (start[1] + Pi * swing) / nu1)), peak)
+    amplitude = criteria.nu**2 * np.hypot(*constants(criteria, kappa2, beta)[phase])
+    return FreeOscillation(float(amplitude), float(swing.max()))
