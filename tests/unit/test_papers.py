@@ -38,7 +38,7 @@ EQUATIONS = [
     pytest.param(name, number, id=f"{name} {number}")
     for name, paper in PAPERS.items()
     for number, equation in paper.EQUATIONS.items()
-    if callable(equation.forms)
+    if not equation.verdict
 ]
 CLAIMS = [
     pytest.param(name, claim, id=f"{name} {claim.__name__}")
@@ -49,7 +49,7 @@ CLAIMS = [
 
 @pytest.mark.parametrize(("name", "number"), EQUATIONS)
 def test_an_equation_fed_with_exact_values_is_right_or_clearly_wrong(name, number):
-    difference = worst(*PAPERS[name].EQUATIONS[number].forms())
+    difference = PAPERS[name].EQUATIONS[number].difference
     assert difference > 0.01 if number in WRONG[name] else difference < report.ROUNDING
 
 

@@ -23,20 +23,25 @@ class Equation(NamedTuple):
 
     Attributes:
         name: of the quantity in the tables of formulas, if it is in them.
-        forms: its printed and exact form over a period, as arguments of worst; or, where there is nothing
-            to compare, whether it is right, None if that is not known.
+        forms: its printed and exact form over a period, as arguments of worst.
+        verdict: what is said where there is nothing to compare.
     """
 
-    name: str
-    forms: Callable[[], tuple[Any, ...]] | bool | None
+    name: str = ""
+    forms: Callable[[], tuple[Any, ...]] = tuple
+    verdict: str = ""
+
+    @property
+    def difference(self) -> float:
+        """Of the two forms: see worst."""
+        return worst(*self.forms())
 
     def __str__(self) -> str:
         """Name, whether it is right and the difference, as cells of a table."""
-        name = f"`{self.name}`" if self.name else ""
-        if not callable(self.forms):
-            return f"{name} | { {None: 'not known', True: 'yes', False: 'no'}[self.forms] } | "
-        difference = worst(*self.forms())
-        return f"{name} | {'yes' if difference < ROUNDING else 'no'} | {shown(difference)}"
+        if self.verdict:
+            return f" | {self.verdict} | "
+        difference = self.difference
+        return f"`{self.name}` | {'yes' if difference < ROUNDING else 'no'} | {shown(difference)}"
 
 
 def compared(name: str, printed: Formulas, exact: Forms) -> Equation:

@@ -28,7 +28,7 @@ SAMPLES = 20_000
 
 def period(geometry: Geometry, motion: Motion) -> float:
     """Time after which drive and satellite stand in link 1 as before, s; the drive must turn."""
-    return 2.0 * math.pi * geometry.turns_in_period / abs(transmission_ratios(geometry, motion)[1])
+    return 2.0 * math.pi * float(geometry.turns_in_period) / abs(transmission_ratios(geometry, motion)[1])
 
 
 @cache

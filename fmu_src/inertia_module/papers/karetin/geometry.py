@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, fields
+from dataclasses import asdict, dataclass
+from functools import cached_property
 
 from ...contract.variables import BY_NAME, refused_parameters
-
-
-def _derived() -> float:
-    return field(init=False, repr=False, compare=False)  # type: ignore[no-any-return]
 
 
 @dataclass(frozen=True)
@@ -47,44 +44,30 @@ class Geometry:
     c: float = 1.0
     epsilon: float = 0.0
     gamma: float = 0.0
-    s: float = _derived()
-    k: float = _derived()
-    phi: float = _derived()
-    psi: float = _derived()
-    L: float = _derived()
-    AD: float = _derived()
-    QA: float = _derived()
-    OQ: float = _derived()
-    across: float = _derived()
-    height: float = _derived()
-    turns_in_period: int = _derived()  # type: ignore[assignment]
 
     def __post_init__(self) -> None:
-        names = [parameter.name for parameter in fields(self) if parameter.init]
-        for message in refused_parameters(vars(self), [BY_NAME[name] for name in names]):
+        parameters = asdict(self)
+        for message in refused_parameters(parameters, [BY_NAME[name] for name in parameters]):
             raise ValueError(message)
-        vars(self).update(self._lengths_and_angles())
 
-    def _lengths_and_angles(self) -> dict[str, float]:
-        """Derived values by name, exact to rounding also where a cone is flat or a needle."""
-        s, sine = self.z17 / self.z6, math.sin(self.shaft_angle)
-        # s + cos and 1 + s cos without the cancellation near Sigma = pi, where both can vanish
-        half = 2.0 * math.cos(0.5 * self.shaft_angle) ** 2
-        along_satellite = (self.z17 - self.z6) / self.z6 + half
-        along_drive = (self.z6 - self.z17) / self.z6 + s * half
-        # rolling without slip: s = sin psi / sin phi, so the cones follow from s and Sigma
-        scale = self.wheel_radius / (s * sine)
-        return {
-            "s": s,
-            "k": self.z2 / self.z16,
-            "phi": math.atan2(sine, along_satellite),
-            "psi": math.atan2(s * sine, along_drive),
-            "L": scale * math.hypot(s * sine, along_drive),
-            "AD": self.a * self.wheel_radius / s,
-            "QA": self.b * scale * along_satellite,
-            "OQ": self.c * scale * along_drive,
-            "across": self.b * self.wheel_radius * along_satellite / s,
-            # with b = c the huge OQ and QA cos(Sigma) of a small Sigma cancel: written out
-            "height": (self.c - self.b) * scale * along_drive + self.b * self.wheel_radius * sine / s,
-            "turns_in_period": self.z6 // math.gcd(int(self.z17), int(self.z6)),
-        }
+    s = cached_property(lambda g: g.z17 / g.z6)
+    k = cached_property(lambda g: g.z2 / g.z16)
+    _sine = cached_property(lambda g: math.sin(g.shaft_angle))
+    # s + cos and 1 + s cos without the cancellation near Sigma = pi, where both can vanish
+    _half = cached_property(lambda g: 2.0 * math.cos(0.5 * g.shaft_angle) ** 2)
+    _along_satellite = cached_property(lambda g: (g.z17 - g.z6) / g.z6 + g._half)
+    _along_drive = cached_property(lambda g: (g.z6 - g.z17) / g.z6 + g.s * g._half)
+    # rolling without slip: s = sin psi / sin phi, so the cones follow from s and Sigma
+    _scale = cached_property(lambda g: g.wheel_radius / (g.s * g._sine))
+    phi = cached_property(lambda g: math.atan2(g._sine, g._along_satellite))
+    psi = cached_property(lambda g: math.atan2(g.s * g._sine, g._along_drive))
+    L = cached_property(lambda g: g._scale * math.hypot(g.s * g._sine, g._along_drive))
+    AD = cached_property(lambda g: g.a * g.wheel_radius / g.s)
+    QA = cached_property(lambda g: g.b * g._scale * g._along_satellite)
+    OQ = cached_property(lambda g: g.c * g._scale * g._along_drive)
+    across = cached_property(lambda g: g.b * g.wheel_radius * g._along_satellite / g.s)
+    # with b = c the huge OQ and QA cos(Sigma) of a small Sigma cancel: written out
+    height = cached_property(
+        lambda g: (g.c - g.b) * g._scale * g._along_drive + g.b * g.wheel_radius * g._sine / g.s
+    )
+    turns_in_period = cached_property(lambda g: g.z6 // math.gcd(int(g.z17), int(g.z6)))

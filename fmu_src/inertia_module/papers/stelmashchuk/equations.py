@@ -48,8 +48,8 @@ def _particular_acceleration() -> tuple[Any, ...]:
 
 
 EQUATIONS = {
-    "(1)": Equation("", None),
-    "(2)": Equation("", False),
+    "(1)": Equation(verdict="not known"),
+    "(2)": Equation(verdict="no"),
     "(3)": Equation("law_of_motion", _law),
     "(4)": Equation("law_of_motion", _law),
     "(5)": Equation("free_acceleration", _free_acceleration),
