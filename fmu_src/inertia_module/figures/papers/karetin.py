@@ -19,7 +19,6 @@ from ...papers.karetin import Motion, conclusions, exact
 from ...papers.karetin.as_printed import printed
 from ...papers.karetin.cases import DYNAMIC, PAPER, STOP, period
 from ...papers.karetin.exact import modulus
-from ...papers.karetin.projections import continuous
 from . import style
 from .karetin_cones import layout
 from .style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SMALL, VERMILION, Columns, Drawings, dress, sheet
@@ -138,7 +137,7 @@ def swing() -> tuple[Figure, Columns]:
     panels = figure.subplots(2, 2, sharex=True)
     for n, (name, motion, title) in enumerate(MODES):
         k, (upper, lower) = _exact(motion, turns), panels[:, n]
-        beta = continuous(k.angles)
+        beta = np.unwrap(k.angles)
         for index, axis, place, colour in SWINGS:
             label = f"$β_{index}$, about $O{axis}$"
             upper.plot(turns, np.degrees(beta[place]), color=colour, linewidth=1.8, label=label)

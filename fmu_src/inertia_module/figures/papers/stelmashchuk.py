@@ -11,30 +11,23 @@ from matplotlib.figure import Figure
 from ...papers.stelmashchuk.criteria import Criteria
 from ...papers.stelmashchuk.exact import response
 from ...papers.stelmashchuk.law import PHASES, law_of_motion, phase_starts
-from .style import (
-    BLACK,
-    BLUE,
-    BROKEN,
-    GREEN,
-    GREY,
-    ORANGE,
-    PURPLE,
-    SKY,
-    SMALL,
-    VERMILION,
-    Columns,
-    Drawings,
-    dress,
-    sheet,
-)
+from . import style
+from .style import Columns, Drawings, dress, sheet
 
 # the dwell of the paper's figures is not told
 KAPPA2 = 1.0
 END = 3.5
 KAPPA = np.linspace(0.0, END, 1401)
 
-STIFFNESSES = ((4.4, VERMILION), (8.0, BLUE), (100.0, GREEN))
-DAMPINGS = ((0.0, GREEN), (0.5, BLUE), (1.0, SKY), (2.0, ORANGE), (3.0, PURPLE), (5.0, VERMILION))
+STIFFNESSES = ((4.4, style.VERMILION), (8.0, style.BLUE), (100.0, style.GREEN))
+DAMPINGS = (
+    (0.0, style.GREEN),
+    (0.5, style.BLUE),
+    (1.0, style.SKY),
+    (2.0, style.ORANGE),
+    (3.0, style.PURPLE),
+    (5.0, style.VERMILION),
+)
 
 
 def _phases(axes: Axes) -> None:
@@ -43,8 +36,8 @@ def _phases(axes: Axes) -> None:
     for number, name in enumerate(PHASES):
         start, end = starts[number : number + 2]
         if number % 2:
-            axes.axvspan(start, end, color=GREY, alpha=0.10, linewidth=0)
-        look: dict[str, Any] = {"ha": "center", "va": "top", "fontsize": 10, "color": GREY}
+            axes.axvspan(start, end, color=style.GREY, alpha=0.10, linewidth=0)
+        look: dict[str, Any] = {"ha": "center", "va": "top", "fontsize": 10, "color": style.GREY}
         axes.text(0.5 * (start + end), 0.98, name, transform=axes.get_xaxis_transform(), **look)
 
 
@@ -54,7 +47,15 @@ def _accelerations(curves: list[tuple[Criteria, str, str]], title: str) -> tuple
     figure.suptitle(f"Acceleration of the driven mass over the {title}, $κ_2$ = 1", fontsize=11)
     panels, columns = figure.subplots(2, 1, sharex=True, sharey=True), {"kappa": KAPPA, "sine": sine}
     for axes, beta, name in ((panels[0], 1.0, "with the balancer"), (panels[1], 0.0, "without the balancer")):
-        axes.plot(KAPPA, sine, color=BLACK, linewidth=1.0, linestyle=BROKEN, label="sine $S_κ$", zorder=3)
+        axes.plot(
+            KAPPA,
+            sine,
+            color=style.BLACK,
+            linewidth=1.0,
+            linestyle=style.BROKEN,
+            label="sine $S_κ$",
+            zorder=3,
+        )
         for criteria, label, colour in curves:
             values = response(KAPPA, criteria, KAPPA2, beta).acceleration
             axes.plot(KAPPA, values, color=colour, linewidth=1.4, label=f"${label}$")
@@ -62,7 +63,7 @@ def _accelerations(curves: list[tuple[Criteria, str, str]], title: str) -> tuple
         _phases(axes)
         dress(axes, "acceleration invariant $\\ddot a_{mκ}$", name, zero=True)
     panels[1].set_xlabel("relative time $κ = t/T$")
-    panels[0].legend(**SMALL, loc="lower right", ncols=2)
+    panels[0].legend(**style.SMALL, loc="lower right", ncols=2)
     return figure, columns
 
 

@@ -10,7 +10,7 @@ angles in rad, times in s.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,19 +40,8 @@ def printed(g: Geometry, motion: Motion, times: Any, name: str) -> NDArray[np.fl
     return found
 
 
-class Factors(NamedTuple):
-    """U1 to U6 of equation (2): U1, U5 and U6 are lengths, m, the others numbers."""
-
-    U1: float
-    U2: float
-    U3: float
-    U4: float
-    U5: float
-    U6: float
-
-
-def factors(g: Geometry) -> Factors:
-    """The factors of equation (2).
+def factors(g: Geometry) -> tuple[float, ...]:
+    """The factors U1 to U6 of equation (2): U1, U5 and U6 are lengths, m, the others numbers.
 
     Both scans print O_r Pi in U1. The text lists "the radii Q_r Pi and KPi and the heights O_r Q and QK":
     O_r is the centre of the base of wheel 17, so O_r Pi is its radius and "Q_r Pi" a misprint of it.
@@ -61,17 +50,18 @@ def factors(g: Geometry) -> Factors:
     U1, U3 = g.wheel_radius / np.sin(psi), g.a * np.sin(phi)
     U2 = g.b * np.cos(phi) * np.cos(phi + psi - np.pi / 2)
     U5 = U1 * (g.c * np.cos(psi) + g.b * np.cos(phi) * np.sin(phi + psi - np.pi / 2))
-    return Factors(U1, U2, U3, np.cos(psi), U5, U1 * U3 * np.sin(np.pi - g.shaft_angle))
+    return U1, U2, U3, np.cos(psi), U5, U1 * U3 * np.sin(np.pi - g.shaft_angle)
 
 
-def position(u: Factors, A: Any, B: Any) -> Any:
+def position(factors: tuple[float, ...], A: Any, B: Any) -> Any:
     """Equation (2), A = omega16 t + gamma and B = omega6 t + epsilon; of mixed units: U1 U5 U4 is an area."""
+    U1, U2, U3, U4, U5, U6 = factors
     cosine, sine = np.cos(np.pi - B), np.sin(np.pi - B)
-    bracket = u.U2 + u.U5 * u.U4 * cosine
+    bracket = U2 + U5 * U4 * cosine
     return vector(
-        u.U1 * (bracket * np.cos(A) + u.U3 * sine * np.sin(A)),
-        u.U1 * (bracket * np.sin(A) - u.U3 * sine * np.cos(A)),
-        u.U5 + u.U6 * cosine,
+        U1 * (bracket * np.cos(A) + U3 * sine * np.sin(A)),
+        U1 * (bracket * np.sin(A) - U3 * sine * np.cos(A)),
+        U5 + U6 * cosine,
     )
 
 
@@ -164,7 +154,7 @@ PRINTED: Formulas = {
     "velocity_in_link1": lambda e: e.about_satellite + e.about_drive,
     # A is not printed: by the text it turns with the drive about Oz at the height of U5; (8)
     "centre_of_satellite": lambda e: vector(
-        e.g.across * np.cos(e.A), e.g.across * np.sin(e.A), factors(e.g).U5
+        e.g.across * np.cos(e.A), e.g.across * np.sin(e.A), factors(e.g)[4]
     ),
     "arm_of_imbalance": lambda e: e.position_in_link1 - e.centre_of_satellite,
     # (9), (10), (11) of mixed units, (12)

@@ -21,8 +21,8 @@ STOPPED, MOVING = over_period(GENERAL, STOP), over_period(GENERAL, DYNAMIC)
 
 def position_in_time(e: Forms) -> Jet:
     """(2) with U5 U4 put right, turned by omega1 t, as a jet."""
-    t, u = Jet(e.t, 1.0, 0.0), factors(GENERAL)
-    right = u._replace(U4=u.U3 * np.cos(GENERAL.shaft_angle) / u.U5)
+    t, (U1, U2, U3, _, U5, U6) = Jet(e.t, 1.0, 0.0), factors(GENERAL)
+    right = U1, U2, U3, U3 * np.cos(GENERAL.shaft_angle) / U5, U5, U6
     r = position(right, e.omega16 * t + GENERAL.gamma, e.omega6 * t + GENERAL.epsilon)
     sine, cosine = np.sin(e.motion.carrier * t), np.cos(e.motion.carrier * t)
     turned: Jet = vector(r[0], r[1] * cosine - r[2] * sine, r[1] * sine + r[2] * cosine)

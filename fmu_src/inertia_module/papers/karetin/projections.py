@@ -33,7 +33,7 @@ def angles(r: Array) -> Array:
 
     The sense is the paper's: beta_H from Ox to Oy, beta_P from Oz to Oy, beta_F from Ox to Oz; the last
     two are against the right-hand turn about Ox and Oy. 0 where D is on Oz, Ox or Oy to rounding, for
-    there OH, OP or OF has no direction. See continuous.
+    there OH, OP or OF has no direction.
     """
     return np.where(_on_axis(r), 0.0, np.arctan2(r[[1, 1, 2]], r[[0, 2, 0]]))
 
@@ -42,11 +42,6 @@ def _on_axis(r: Array) -> NDArray[np.bool_]:
     """Whether D is on Oz, Ox, Oy to rounding: OH, OP or OF vanishes against r."""
     on_axis: NDArray[np.bool_] = projections(r) <= ON_AXIS * np.sqrt((r * r).sum(axis=0))
     return on_axis
-
-
-def continuous(beta: Array) -> Array:
-    """Angles of successive times, so close that none changes by half a turn, without jumps of a turn."""
-    return np.unwrap(beta, axis=-1)
 
 
 def angular_velocities(r: Array, v: Array) -> Array:

@@ -37,12 +37,12 @@ def constants(criteria: Criteria, kappa2: float, beta: float = 1.0) -> list[tupl
 
 
 class FreeOscillation(NamedTuple):
-    """What swings freely in phase II or IV, where a'' of the driving wheel is zero.
+    """What of a'' swings freely in phase II or IV, where a'' of the driving wheel is zero; without unit.
 
     Attributes:
-        amplitude: of a'' at the beginning of the phase: of its envelope A exp(-Pi kappa), or, where
-            nothing oscillates (Pi >= nu), of a'' itself; without unit.
-        peak: largest |a''| in the phase, without unit.
+        amplitude: at the beginning of the phase, of the envelope A exp(-Pi kappa), or, where nothing
+            oscillates (Pi >= nu), of a'' itself.
+        peak: largest |a''| in the phase.
     """
 
     amplitude: float
@@ -50,7 +50,7 @@ class FreeOscillation(NamedTuple):
 
 
 def free_oscillation(criteria: Criteria, kappa2: float, beta: float = 1.0, phase: int = 1) -> FreeOscillation:
-    """Amplitude of the free oscillation of a'' in phase II (1) or IV (3).
+    """The free oscillation in phase II (1) or IV (3).
 
     Raises:
         ValueError: another phase, phase II without length, or resonance without friction.
@@ -60,8 +60,8 @@ def free_oscillation(criteria: Criteria, kappa2: float, beta: float = 1.0, phase
         raise ValueError(f"phase must be 1 (with kappa2 above 0) or 3, is {phase} with kappa2 = {kappa2}")
     start = twist_at_starts(criteria, kappa2, beta)[phase]
     swing = np.abs(twist_in_phase(criteria, beta, phase, start, np.linspace(0.0, length, 20001))[2])
-    if criteria.Pi >= criteria.nu:
-        return FreeOscillation(float(swing[0]), float(swing.max()))
-    # differentiating exp(lambda kappa) twice multiplies its amplitude by |lambda|^2 = nu^2
-    amplitude = criteria.nu**2 * np.hypot(*constants(criteria, kappa2, beta)[phase])
+    amplitude = swing[0]
+    if criteria.Pi < criteria.nu:
+        # differentiating exp(lambda kappa) twice multiplies its amplitude by |lambda|^2 = nu^2
+        amplitude = criteria.nu**2 * np.hypot(*constants(criteria, kappa2, beta)[phase])
     return FreeOscillation(float(amplitude), float(swing.max()))
