@@ -115,5 +115,5 @@ def test_arm_of_a_force_without_direction_is_refused():
 )
 def test_bad_dimensions_are_refused(bad):
     values = {"R0": 1.0, "r": 0.5, "arm": 0.5, "m": 1.0} | bad
-    with pytest.raises(ValueError, match=f"^{next(iter(bad))} must be finite and .* 0, is "):
+    with pytest.raises(ValueError, match=f"^{next(iter(bad))} must be finite, .* 0, is "):
         Mechanism(**values)

@@ -15,7 +15,7 @@ from numpy.lib.mixins import NDArrayOperatorsMixin
 class Jet(NDArrayOperatorsMixin):
     """f, f' and f'' at n times.
 
-    Sums, products, quotients, np.sqrt, np.sin, np.cos, np.arctan, np.arctan2 and np.arccos of jets are
+    Sums, products, quotients, np.sqrt, np.sin, np.cos, np.arctan and np.arccos of jets are
     jets, with as many rates as the shortest has; plain numbers and arrays are constant in time.
 
     Args:
@@ -71,11 +71,6 @@ def _chain(f: Any, slope: Any, curvature: Any) -> Any:
 
 
 _inverse = _chain(lambda u: 1.0 / u, lambda u: -1.0 / u**2, lambda u: 2.0 / u**3)
-_arctan = _chain(np.arctan, lambda u: 1.0 / (1.0 + u * u), lambda u: -2.0 * u / (1.0 + u * u) ** 2)
-
-
-def _quotient(u: Any, v: Any) -> list[Any]:
-    return _product(u, _inverse(v))
 
 
 _RULES: dict[Any, Any] = {
@@ -83,11 +78,10 @@ _RULES: dict[Any, Any] = {
     np.subtract: lambda u, v: [p - q for p, q in zip(u, v, strict=True)],
     np.negative: lambda u: [-p for p in u],
     np.multiply: _product,
-    np.divide: _quotient,
+    np.divide: lambda u, v: _product(u, _inverse(v)),
     np.sqrt: _chain(np.sqrt, lambda u: 0.5 / np.sqrt(u), lambda u: -0.25 * u**-1.5),
     np.sin: _chain(np.sin, np.cos, lambda u: -np.sin(u)),
     np.cos: _chain(np.cos, lambda u: -np.sin(u), lambda u: -np.cos(u)),
-    np.arctan: _arctan,
-    np.arctan2: lambda v, u: [np.arctan2(v[0], u[0]), *_arctan(_quotient(v, u))[1:]],
+    np.arctan: _chain(np.arctan, lambda u: 1.0 / (1.0 + u * u), lambda u: -2.0 * u / (1.0 + u * u) ** 2),
     np.arccos: _chain(np.arccos, lambda u: -((1.0 - u * u) ** -0.5), lambda u: -u * (1.0 - u * u) ** -1.5),
 }

@@ -30,9 +30,9 @@ def position_in_time(e: Forms) -> Jet:
 
 
 def angles_in_time(e: Forms) -> Jet:
-    """(5) put right, as a jet."""
+    """(5) put right, as a jet; its quadrant does not count, for only its rates are asked for."""
     r = position_in_time(e)
-    angles: Jet = vector(np.arctan2(r[1], r[0]), np.arctan2(r[1], r[2]), np.arctan2(r[2], r[0]))  # type: ignore[call-overload]
+    angles: Jet = vector(np.arctan(r[1] / r[0]), np.arctan(r[1] / r[2]), np.arctan(r[2] / r[0]))
     return angles
 
 

@@ -21,6 +21,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...kernel.driven_shaft.propagator import characteristic
 from .criteria import Criteria
 from .law import HALF, TWO_PI, law_of_motion, phase_of, phase_starts
 
@@ -33,12 +34,10 @@ NEAR = 0.5
 
 def characteristic_numbers(criteria: Criteria) -> tuple[complex, complex]:
     """Roots (slow, fast) of lambda^2 + 2 Pi lambda + nu^2: conjugate, equal or both real."""
-    nu, Pi = criteria.nu, criteria.Pi
-    root = np.sqrt(abs(nu - Pi)) * np.sqrt(nu + Pi)
-    if nu > Pi:
-        return complex(-Pi, root), complex(-Pi, -root)
-    # the slow root by Vieta: -Pi + root would cancel at strong damping
-    return complex(-nu * (nu / (Pi + root))), complex(-(Pi + root))
+    swing, slow, fast = characteristic(2.0 * criteria.Pi, criteria.nu**2)  # type: ignore[no-untyped-call]
+    if swing:
+        return complex(-slow, swing), complex(-slow, -swing)
+    return complex(-slow), complex(-fast)
 
 
 def first_difference(one: complex, two: complex, kappa: Array) -> Complex:

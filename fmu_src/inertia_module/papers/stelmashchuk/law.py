@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .criteria import above
+from ..checks import above
 
 Array = NDArray[np.float64]
 

@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from .criteria import Criteria
-from .exact import forcing, twist_at_starts, twist_in_phase
-from .law import TWO_PI
+from .exact import forcing, response, twist_at_starts
+from .law import TWO_PI, phase_starts
 
 # phase IV has no end: it is watched for this many units of kappa
 WATCHED = 2.0
@@ -58,8 +58,8 @@ def free_oscillation(criteria: Criteria, kappa2: float, beta: float = 1.0, phase
     length = {1: kappa2, 3: WATCHED}.get(phase, 0.0)
     if length <= 0.0:
         raise ValueError(f"phase must be 1 (with kappa2 above 0) or 3, is {phase} with kappa2 = {kappa2}")
-    start = twist_at_starts(criteria, kappa2, beta)[phase]
-    swing = np.abs(twist_in_phase(criteria, beta, phase, start, np.linspace(0.0, length, 20001))[2])
+    kappa = phase_starts(kappa2)[phase] + np.linspace(0.0, length, 20001)
+    swing = np.abs(response(kappa, criteria, kappa2, beta).acceleration)
     amplitude = swing[0]
     if criteria.Pi < criteria.nu:
         # differentiating exp(lambda kappa) twice multiplies its amplitude by |lambda|^2 = nu^2
