@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .forms import Forms, Formulas
+from .jets import value
 
 ROUNDING = 1e-12
 HOLDS, PARTLY, FAILS = "holds", "holds partly", "does not hold"
@@ -46,7 +47,7 @@ class Equation(NamedTuple):
 
 def compared(name: str, printed: Formulas, exact: Forms) -> Equation:
     """The equation that gives a quantity: the printed formula, fed with the exact forms, and these."""
-    return Equation(name, lambda: (printed[name](exact), getattr(exact, name)))
+    return Equation(name, lambda: (value(printed[name](exact)), getattr(exact, name)))
 
 
 def worst(printed: Any, exact: Any, scale: float | None = None) -> float:

@@ -36,20 +36,6 @@ def angles_in_time(e: Forms) -> Jet:
     return angles
 
 
-def _angular_velocities() -> tuple[Any, ...]:
-    return PRINTED["angular_velocities"](STOPPED.given(angles=angles_in_time(STOPPED))).value, (
-        STOPPED.angular_velocities
-    )
-
-
-def _sum_in_link1() -> tuple[Any, ...]:
-    return PRINTED["velocity_in_link1"](STOPPED), rate(position_in_time(STOPPED)).value
-
-
-def _sum_of_three() -> tuple[Any, ...]:
-    return turned(MOVING, PRINTED["sum_of_three"](MOVING)), rate(position_in_time(MOVING)).value
-
-
 def _coefficient_v() -> tuple[Any, ...]:
     """As v x_D, which (20) and (22) use: v itself has no largest value."""
     x = MOVING.position_in_link1[0]
@@ -61,10 +47,10 @@ def _slope() -> tuple[Any, ...]:
     return np.arctan(PRINTED["k1"](MOVING)), np.arctan(MOVING.foot_L[1] / MOVING.foot_L[0])
 
 
-def _acceleration() -> tuple[Any, ...]:
-    velocity = rate(position_in_time(MOVING))
-    return PRINTED["acceleration"](MOVING.given(velocity=velocity)).value, MOVING.acceleration
-
+# with rates of the exact place and angles, for the equations that are sums of velocities or rates
+STOPPED_RATE, MOVING_RATE = (rate(position_in_time(e)) for e in (STOPPED, MOVING))
+SUM_IN_LINK1 = compared("velocity_in_link1", PRINTED, STOPPED.given(velocity_in_link1=STOPPED_RATE.value))
+SUM_OF_THREE = turned(MOVING.given(sin_theta=-MOVING.sin_theta), MOVING_RATE.value)
 
 IN_STOP_MODE = (
     *("position_in_link1", "radius", "projections", "angles", "angular_velocities", "velocity_in_link1"),
@@ -80,12 +66,12 @@ EQUATIONS = (
     | {f"({n})": compared(name, PRINTED, STOPPED) for n, name in enumerate(IN_STOP_MODE, 2)}
     | {f"({n})": compared(name, PRINTED, MOVING) for n, name in enumerate(IN_DYNAMIC_MODE, 19)}
     | {
-        "(6)": Equation("angular_velocities", _angular_velocities),
-        "(7)": Equation("velocity_in_link1", _sum_in_link1),
-        "(17)": Equation("velocity_in_link1", _sum_in_link1),
+        "(6)": compared("angular_velocities", PRINTED, STOPPED.given(angles=angles_in_time(STOPPED))),
+        "(7)": SUM_IN_LINK1,
+        "(17)": SUM_IN_LINK1,
         "(21)": Equation("v", _coefficient_v),
-        "(23)": Equation("sum_of_three", _sum_of_three),
+        "(23)": compared("sum_of_three", PRINTED, MOVING.given(sum_of_three=SUM_OF_THREE)),
         "(27)": Equation("k1", _slope),
-        "(32)": Equation("acceleration", _acceleration),
+        "(32)": compared("acceleration", PRINTED, MOVING.given(velocity=MOVING_RATE)),
     }
 )
