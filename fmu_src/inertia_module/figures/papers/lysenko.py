@@ -102,19 +102,15 @@ def cycle() -> tuple[Figure, Columns]:
     e = exact(M, alpha, W)
     # the page divides by the speed, which is 0 at both ends
     page = printed(M, np.clip(alpha, 1e-9, 2.0 * np.pi - 1e-9), W)
-    free, wrong = exact(M, alpha).free_speed, page.J_limits[0] / page.J
-    for axes, name, right, shown, label, title in (
-        (panels[0], "M1", e.M1, page.M1, "$M_1$ [N·m]", "moment of the inertia forces about $O_1$"),
-        (panels[1], "M", e.M, page.M, "$M$ [N·m]", "moment of the inertia forces about $O$"),
-        (
-            *(panels[2], "power of the drive", -e.N1 - e.N, -page.N1 - page.N),
-            *("$-(N_1 + N)$ [W]", "power of the drive, zero on average"),
-        ),
-        (
-            *(panels[3], "free speed over lowest", free, wrong),
-            *("$ω\\,/\\,ω_{\\mathrm{min}}$", "free mechanism, no drive"),
-        ),
-    ):
+    power = [-forms.N1 - forms.N for forms in (e, page)]
+    speed = exact(M, alpha).free_speed, page.J_limits[0] / page.J
+    rows = (
+        ("M1", "$M_1$ [N·m]", "moment of the inertia forces about $O_1$", e.M1, page.M1),
+        ("M", "$M$ [N·m]", "moment of the inertia forces about $O$", e.M, page.M),
+        ("power of the drive", "$-(N_1 + N)$ [W]", "power of the drive, zero on average", *power),
+        ("free speed over lowest", "$ω\\,/\\,ω_{\\mathrm{min}}$", "free mechanism, no drive", *speed),
+    )
+    for axes, (name, label, title, right, shown) in zip(panels, rows, strict=True):
         columns |= style.compare(axes, np.degrees(alpha), name, right, shown)
         axes.fill_between(np.degrees(alpha), right, shown, color=VERMILION, alpha=0.10, linewidth=0)
         dress(axes, label, title, zero=True)

@@ -46,11 +46,7 @@ class Motion:
 
 
 def stop_mode(omega1: float) -> Motion:
-    """The paper's stop mode: i = infinity, omega2 = 0, and OQ at rest on Oz.
-
-    Args:
-        omega1: speed of link 1 against link 2, rad/s.
-    """
+    """The paper's stop mode: i = infinity, omega2 = 0, OQ at rest on Oz; omega1 against link 2, rad/s."""
     return Motion(omega1, 0.0, 0.0)
 
 
@@ -76,11 +72,7 @@ def exact_rates(g: Geometry, motion: Motion) -> tuple[Fraction, Fraction]:
 
 
 def transmission_ratios(g: Geometry, motion: Motion) -> tuple[float, float, float]:
-    """Speeds of link 2, of the drive in link 1 and of the satellite on the drive: equation (1).
-
-    Returns:
-        (omega2, omega16, omega6), rad/s, the last two correctly rounded.
-    """
+    """Equation (1): (omega2, omega16, omega6), rad/s, the last two correctly rounded."""
     drive, satellite = exact_rates(g, motion)
     return motion.omega2, float(drive), float(satellite)
 
@@ -102,7 +94,7 @@ def angle_turned(rate: Fraction, offset: float, times: Any) -> NDArray[np.float6
     wrong = times[~(np.abs(times) <= longest) | ~np.isfinite(times)]
     if wrong.size:
         raise ValueError(f"t must be from {-longest:.16g} to {longest:.16g} s, is {wrong[0]:.16g}")
-    angle = np.full(times.shape, float(start - round(start)))
+    angle, lost = np.full(times.shape, float(start - round(start))), np.zeros(times.shape)
     for _ in range(4):
         part = float(np.float32(float(turns)))
         turns -= Fraction(part)
@@ -111,6 +103,10 @@ def angle_turned(rate: Fraction, offset: float, times: Any) -> NDArray[np.float6
             leading = rest.astype(np.float32).astype(np.float64)
             rest = rest - leading
             product = part * leading
-            angle += product - np.rint(product)
-            angle -= np.rint(angle)
-    return 2.0 * math.pi * angle
+            product -= np.rint(product)
+            # what the sum rounds off (Knuth's two-sum) counts where the angle comes near 0
+            total = angle + product
+            added = total - angle
+            lost += (angle - (total - added)) + (product - added)
+            angle = total - np.rint(total)
+    return 2.0 * math.pi * (angle + lost)
