@@ -24,21 +24,8 @@ from ..codes import (
     START,
 )
 from ..limits import LARGEST_SPEED, LARGEST_STEP, LARGEST_TORQUE
-from .dissipation import squares
-from .motion import (
-    describe_motion,
-    move_acceleration,
-    move_speed,
-    move_twist,
-    slip,
-    speed_rate,
-    torque_from_mass,
-    torque_sums,
-    turn_of_mass,
-    twist_sum,
-)
+from .motion import end, integral, keep_step, square_integral
 from .propagator import characteristic
-from .responses import keep_responses
 
 
 def check_inputs(u):
@@ -61,6 +48,12 @@ def check_rates(u, h):
     return OK
 
 
+def driven_rate(p, x):
+    """Acceleration of the driven mass by shaft, friction and load of this instant, rad/s^2."""
+    shaft = p.shaft_stiffness * x.twist + p.shaft_damping * x.slip
+    return (shaft - p.driven_friction * x.omega4 - x.load_torque) / p.driven_inertia
+
+
 def stored_energy(p, x):
     """Kinetic energy of the driven mass and energy of the spring, J."""
     kinetic = p.driven_inertia * x.omega4 * x.omega4
@@ -69,10 +62,10 @@ def stored_energy(p, x):
 
 def write_outputs(p, x, y):
     """All outputs and locals from the state."""
-    y.shaft_torque = p.shaft_stiffness * x.twist + p.shaft_damping * slip(x)
+    y.shaft_torque = p.shaft_stiffness * x.twist + p.shaft_damping * x.slip
     y.shaft_torque_mean = x.shaft_torque_mean
     y.omega_out = x.omega4
-    y.driven_acceleration = x.acceleration
+    y.driven_acceleration = driven_rate(p, x) + p.balancer * x.hub_slope
     y.twist = x.twist
     stored = stored_energy(p, x)
     y.energy_in = x.energy_in
@@ -98,19 +91,16 @@ def start(p, d, u, x, y):
         return status
     d.rate = (p.shaft_damping + p.driven_friction) / p.driven_inertia
     d.square = p.shaft_stiffness / p.driven_inertia
-    swing, slow, fast = characteristic(d.rate, d.square)
-    d.swing = swing
-    d.slow = slow
-    d.fast = fast
+    d.swing, d.slow, d.fast = characteristic(d.rate, d.square)
     d.step = 0.0
     for n in range(len(x.numbers)):
         x.numbers[n] = 0.0
     x.twist = p.twist_start
     x.omega4 = p.omega_out_start
+    x.slip = u.hub_speed - x.omega4
     x.hub_speed = u.hub_speed
     x.held_input = u.hub_speed
     x.load_torque = u.load_torque
-    x.acceleration = speed_rate(p, x)
     x.energy_start = stored_energy(p, x)
     write_outputs(p, x, y)
     return OK
@@ -129,66 +119,64 @@ def begin(p, u, x, h):
     x.load_torque = u.load_torque
     if u.load_torque_rate_given != 0.0:
         x.load_torque += 0.5 * h * u.load_torque_rate  # its mean over the step
-    push = p.balancer * ((u.hub_speed - x.hub_speed) - x.hub_speed_low)
+    jump = (u.hub_speed - x.hub_speed) - x.hub_speed_low
     x.hub_speed = u.hub_speed
     x.hub_speed_low = 0.0
-    if push != 0.0:
+    push = p.balancer * jump
+    if jump != 0.0:
+        x.slip, x.slip_low = add(x.slip, x.slip_low, jump - push)
         work = p.driven_inertia * push * (x.omega4 + 0.5 * push)
         x.omega4, x.omega4_low = add(x.omega4, x.omega4_low, push)
         x.energy_lost, x.energy_lost_low = add(x.energy_lost, x.energy_lost_low, -work)
 
 
+def describe(p, d, x, w):
+    """Write the motions of twist, slip and driven mass over the coming step, as motion.end takes them."""
+    turned = p.driven_friction / p.driven_inertia
+    damped = p.shaft_damping / p.driven_inertia
+    load = x.load_torque / p.driven_inertia
+    # of the hub's acceleration, what pushes the mass and what the twist is left with
+    pushed = p.balancer * x.hub_slope
+    left = (1.0 - p.balancer) * x.hub_slope
+    rate = driven_rate(p, x)
+    # what pulls the twist but the spring, and what drives the mass but its own motion
+    push = turned * x.hub_speed + load + left
+    drive = d.square * x.twist + damped * x.hub_speed - load + pushed
+    ramp = turned * x.hub_slope
+    drag = damped * x.hub_slope
+    bend = d.square * x.hub_slope
+    copy(w.twist, (x.twist, x.slip + d.rate * x.twist, push, ramp))
+    copy(w.slip, (x.slip, push - d.square * x.twist, ramp, 0.0))
+    copy(w.slip_rate, (left - rate, ramp - d.square * x.slip, 0.0, 0.0))
+    copy(w.speed, (x.omega4, drive, d.square * x.hub_speed + drag, bend))
+    copy(w.speed_rate, (rate + pushed, d.square * x.slip + drag, bend, 0.0))
+
+
 def move(p, d, x, w, h):
     """Advance over the step, inputs taken: exact motion, mean torque and energies.
 
-    The momentum the shaft passes is found from its twist or, where swings cancel in that, from the
-    momentum of the driven mass: whichever rounds off less. The energies do not balance by construction.
+    The energies do not balance by construction.
     """
-    describe_motion(p, d, x, w)
-    hub = x.hub_speed
+    describe(p, d, x, w)
+    keep_step(d, w, h)
     ramp = x.hub_slope
     load = x.load_torque
-    inertia = p.driven_inertia
-    keep_responses(d, h)
-    step = d.responses[0]
-    slope = d.responses[1]
-    impulse = d.responses[2]
-    one = d.responses[3]
-    two = d.responses[4]
-    three = d.responses[5]
-    four = d.responses[6]
-    angle, turn = turn_of_mass(x, w, impulse, one, two, three, h)
-    momentum, momentum_size, moment, moment_size = torque_sums(p, x, w, impulse, one, two, three, four, h)
-    lost = 0.0
-    if p.shaft_damping > 0.0 or p.driven_friction > 0.0:
-        slips, speeds = squares(d, w, hub, ramp, h)
-        lost = p.shaft_damping * slips + p.driven_friction * speeds
-    before = x.omega4
-    before_low = x.omega4_low
+    stiffness = p.shaft_stiffness
+    damping = p.shaft_damping
+    # integrals of the shaft torque and of that
+    momentum = stiffness * integral(d, w.twist, 1) + damping * integral(d, w.slip, 1)
+    moment = stiffness * integral(d, w.twist, 2) + damping * integral(d, w.slip, 2)
+    angle = integral(d, w.speed, 1)
+    lost = damping * square_integral(d, w.slip) + p.driven_friction * square_integral(d, w.speed)
+    lost -= p.balancer * p.driven_inertia * ramp * angle
     x.hub_speed, x.hub_speed_low = add(x.hub_speed, x.hub_speed_low, ramp * h)
-    move_twist(x, w, step, impulse, one, two)
-    change_size = move_speed(x, w, slope, impulse, one, two)
-    change = (x.omega4 - before) + (x.omega4_low - before_low)
-    move_acceleration(p, x, w, slope, impulse, one)
-    passed, size = torque_from_mass(p, ramp, load, change, change_size, angle, turn, h)
-    if size < momentum_size:
-        momentum = passed
-    # integral of the angle: of the hub's less the twist
-    twisted, twisted_size = twist_sum(w, one, two, three)
-    swept = h * h * (0.5 * hub + ramp * h / 6.0) - twisted
-    swept_size = h * h * (0.5 * abs(hub) + abs(ramp) * h / 6.0) + twisted_size
-    passed, size = torque_from_mass(
-        p, 0.5 * ramp * h, 0.5 * load * h, angle - before * h, turn + abs(before) * h, swept, swept_size, h
-    )
-    if size < moment_size:
-        moment = passed
-    x.energy_in, x.energy_in_low = add(
-        x.energy_in, x.energy_in_low, (hub + ramp * h) * momentum - ramp * moment
-    )
+    x.twist, x.twist_low = end(d, w.twist, w.slip, x.twist_low)
+    x.slip, x.slip_low = end(d, w.slip, w.slip_rate, x.slip_low)
+    x.omega4, x.omega4_low = end(d, w.speed, w.speed_rate, x.omega4_low)
+    work = x.hub_speed * momentum - ramp * moment
+    x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, work)
     x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, load * angle)
-    x.energy_lost, x.energy_lost_low = add(
-        x.energy_lost, x.energy_lost_low, lost - p.balancer * inertia * ramp * angle
-    )
+    x.energy_lost, x.energy_lost_low = add(x.energy_lost, x.energy_lost_low, lost)
     x.shaft_torque_mean = momentum / h
 
 
@@ -223,14 +211,14 @@ def advance(p, d, u, x, y, w, h):
 
 def write_rates(p, x, y):
     """Rate of each output, per second, in its place in y; the step mean holds for its step."""
-    acceleration = x.acceleration
+    acceleration = driven_rate(p, x) + p.balancer * x.hub_slope
     relative = x.hub_slope - acceleration
-    torque = p.shaft_stiffness * slip(x) + p.shaft_damping * relative
+    torque = p.shaft_stiffness * x.slip + p.shaft_damping * relative
     y.shaft_torque = torque
     y.shaft_torque_mean = 0.0
     y.omega_out = acceleration
     y.driven_acceleration = (torque - p.driven_friction * acceleration) / p.driven_inertia
-    y.twist = slip(x)
+    y.twist = x.slip
 
 
 def call(operation, p, d, u, x, y, w, h):
