@@ -13,10 +13,9 @@ OUTPUTS = (
     *("energy_in", "energy_out", "energy_stored", "energy_lost", "energy_residual"),
 )
 STATE = (
-    *("twist", "twist_low", "slip", "slip_low", "omega4", "omega4_low", "hub_speed", "hub_speed_low", "hub_slope"),
-    *("held_input", "held_step", "load_torque", "shaft_torque_mean"),
+    *("twist", "twist_low", "slip", "slip_low", "omega4", "omega4_low"),
+    *("hub_slope", "held_input", "held_step", "load_torque", "shaft_torque_mean", "energy_start"),
     *("energy_in", "energy_in_low", "energy_out", "energy_out_low", "energy_lost", "energy_lost_low"),
-    "energy_start",
 )
 # all per inertia: the characteristic equation is lambda^2 + rate lambda + square = 0; what swing, slow and
 # fast are tells propagator.characteristic. Then the step last taken, the responses to it and its Gramian

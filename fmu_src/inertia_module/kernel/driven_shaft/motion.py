@@ -12,50 +12,50 @@ Van Loan, Computing integrals involving the matrix exponential, IEEE Trans. Auto
 """
 
 from ..accumulate import add, copy
-from ..works import GAUSS_NODE_1, GAUSS_NODE_2, GAUSS_WEIGHT_1, GAUSS_WEIGHT_2, GAUSS_WEIGHT_3
-from .propagator import responses, short_part
-
-NODES = (GAUSS_NODE_1, GAUSS_NODE_2, 0.5, 1.0 - GAUSS_NODE_2, 1.0 - GAUSS_NODE_1)
-WEIGHTS = (GAUSS_WEIGHT_1, GAUSS_WEIGHT_2, GAUSS_WEIGHT_3, GAUSS_WEIGHT_2, GAUSS_WEIGHT_1)
+from .propagator import NODES, SHORT, WEIGHTS, responses
 
 
-def write_responses(d, w, t):
-    """Put the responses at t into d, and E(t), row by row, into w.move."""
-    copy(d.responses, responses(d.rate, d.square, d.swing, d.slow, d.fast, t))
+def write_move(d, w, t):
+    """Put E(t) into w.move, row by row."""
+    answers = responses(d.rate, d.square, d.swing, d.slow, d.fast, t)
     for n in range(4):
-        w.move[n] = d.responses[n + 1]
-        w.move[n + 4] = d.rate * d.responses[n + 1] + d.responses[n]
+        w.move[n] = answers[n + 1]
+        w.move[n + 4] = d.rate * answers[n + 1] + answers[n]
         w.move[n + 8] = 0.0
         w.move[n + 12] = 0.0
-    w.move[4] = -d.square * d.responses[2]
+    w.move[4] = -d.square * answers[2]
     w.move[10] = 1.0
     w.move[11] = t
     w.move[15] = 1.0
 
 
-def keep_step(d, w, h):
-    """Put the responses at h and the Gramian over h into d, unless they are there: most steps are alike."""
-    if h == d.step:
+def write_gramian(d, w, t):
+    """Put the Gramian over t into d, row by row."""
+    if d.fast * t <= SHORT:
+        for i in range(16):
+            d.gramian[i] = 0.0
+        for n in range(5):
+            write_move(d, w, t * NODES[n])
+            for i in range(16):
+                d.gramian[i] += t * WEIGHTS[n] * w.move[i // 4] * w.move[i % 4]
         return
-    d.step = h
-    part, doublings = short_part(d.fast, h)
+    write_gramian(d, w, 0.5 * t)
+    write_move(d, w, 0.5 * t)
     for i in range(16):
-        d.gramian[i] = 0.0
-    for n in range(5):
-        write_responses(d, w, part * NODES[n])
-        for i in range(16):
-            d.gramian[i] += part * WEIGHTS[n] * w.move[i // 4] * w.move[i % 4]
-    write_responses(d, w, part)
-    for _ in range(doublings):
-        for i in range(16):
-            w.product[i] = 0.0
-            for k in range(4):
-                w.product[i] += d.gramian[i - i % 4 + k] * w.move[4 * k + i % 4]
-        for i in range(16):
-            for k in range(4):
-                d.gramian[i] += w.move[4 * k + i // 4] * w.product[4 * k + i % 4]
-        part *= 2.0
-        write_responses(d, w, part)
+        w.product[i] = 0.0
+        for k in range(4):
+            w.product[i] += d.gramian[i - i % 4 + k] * w.move[4 * k + i % 4]
+    for i in range(16):
+        for k in range(4):
+            d.gramian[i] += w.move[4 * k + i // 4] * w.product[4 * k + i % 4]
+
+
+def keep_step(d, w, h):
+    """Put Gramian and responses of a step h into d, unless they are there: most steps are alike."""
+    if h != d.step:
+        d.step = h
+        write_gramian(d, w, h)
+        copy(d.responses, responses(d.rate, d.square, d.swing, d.slow, d.fast, h))
 
 
 def integral(d, z, order):

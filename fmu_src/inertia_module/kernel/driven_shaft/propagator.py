@@ -1,20 +1,21 @@
 """Exact motion of z'' + rate z' + square z = 0, and of its integrals, in every damping regime.
 
-The answer to an impulse is a closed form, of exponentials that only fade. Its integrals, divided
-differences of the exponential, would cancel in closed form where the characteristic numbers meet each
-other (critical damping) or zero (soft shaft, short step). They are found over a part of the step, where
-the equation, integrated, gives each from the next two, and then from each time to twice that time:
-scaling and squaring, with sums of what is mostly positive. The cost grows with the logarithm of
-the step; nothing overflows.
-Moler and Van Loan, Nineteen dubious ways to compute the exponential of a matrix, SIAM Review 45 (2003),
-methods 3 and 14.
+The answer to an impulse is a closed form, of exponentials that only fade. Its integrals would cancel in
+closed form where the characteristic numbers meet each other (critical damping) or zero (soft shaft, short
+step). They are Gauss sums over a short part of the step, and found over twice the time from those over the
+time: scaling and squaring, by sums of what is mostly positive. The cost grows with the logarithm of the
+step, and nothing overflows. Moler and Van Loan, Nineteen dubious ways to compute the exponential of a
+matrix, SIAM Review 45 (2003), methods 3 and 14.
 """
 
 import math
 
-# up to this fast * t the equation gives the integrals, from the one of this order down
-SHORT = 0.25
-HIGHEST = 13
+from ..works import GAUSS_NODE_1, GAUSS_NODE_2, GAUSS_WEIGHT_1, GAUSS_WEIGHT_2, GAUSS_WEIGHT_3
+
+# up to this fast * t a sum over the nodes within [0, 1] is exact to rounding
+SHORT = 1.0 / 64.0
+NODES = (GAUSS_NODE_1, GAUSS_NODE_2, 0.5, 1.0 - GAUSS_NODE_2, 1.0 - GAUSS_NODE_1)
+WEIGHTS = (GAUSS_WEIGHT_1, GAUSS_WEIGHT_2, GAUSS_WEIGHT_3, GAUSS_WEIGHT_2, GAUSS_WEIGHT_1)
 
 
 def characteristic(rate, square):
@@ -53,35 +54,6 @@ def free(swing, slow, fast, t):
     return fading + fast * impulse, impulse, fading - slow * impulse
 
 
-def integrals(rate, square, t):
-    """First to fourth integral of the answer to an impulse 1, for fast * t up to SHORT.
-
-    Integral n is t^(n+1)/(n+1)! less rate times the next and square times the one after.
-    """
-    damp = rate * t
-    spring = square * t * t
-    # each over its t^(n+1)/(n+1)!
-    five = 1.0
-    four = 1.0
-    for n in range(HIGHEST, 3, -1):
-        five, four = four, 1.0 - (damp * four + spring * five / (n + 3.0)) / (n + 2.0)
-    three = 1.0 - (damp * four + spring * five / 6.0) / 5.0
-    two = 1.0 - (damp * three + spring * four / 5.0) / 4.0
-    one = 1.0 - (damp * two + spring * three / 4.0) / 3.0
-    square_half = 0.5 * t * t
-    cube = square_half * t / 3.0
-    return square_half * one, cube * two, 0.25 * t * cube * three, 0.05 * t * t * cube * four
-
-
-def short_part(fast, t):
-    """Part of t that is short, and how often doubled it is t."""
-    count = 0
-    while fast * t > SHORT:
-        t *= 0.5
-        count += 1
-    return t, count
-
-
 def responses(rate, square, swing, slow, fast, t):
     """Everything a step of length t > 0 needs.
 
@@ -92,16 +64,24 @@ def responses(rate, square, swing, slow, fast, t):
         (step, slope, impulse, one, two, three, four): answer to a displacement 1, rate of the answer to
         an impulse 1, this answer, and its first to fourth integrals from 0 to t.
     """
-    part, count = short_part(fast, t)
-    one, two, three, four = integrals(rate, square, part)
-    for _ in range(count):
-        step, impulse, slope = free(swing, slow, fast, part)
+    one = two = three = four = 0.0
+    if fast * t <= SHORT:
+        for n in range(5):
+            left = t - t * NODES[n]
+            _, impulse, _ = free(swing, slow, fast, t * NODES[n])
+            share = t * WEIGHTS[n] * impulse
+            one += share
+            two += share * left
+            three += share * left * left / 2.0
+            four += share * left * left * left / 6.0
+    else:
+        half = 0.5 * t
+        _, slope, impulse, one, two, three, four = responses(rate, square, swing, slow, fast, half)
         # the integrals of step: impulse + rate one and so on
         four += impulse * (three + rate * four) + slope * four
-        four += part * (three + part * (0.5 * two + part / 6.0 * one))
-        three += impulse * (two + rate * three) + slope * three + part * (two + 0.5 * part * one)
-        two += impulse * (one + rate * two) + slope * two + part * one
+        four += half * (three + half * (0.5 * two + half / 6.0 * one))
+        three += impulse * (two + rate * three) + slope * three + half * (two + 0.5 * half * one)
+        two += impulse * (one + rate * two) + slope * two + half * one
         one += impulse * (impulse + rate * one) + slope * one
-        part *= 2.0
     step, impulse, slope = free(swing, slow, fast, t)
     return step, slope, impulse, one, two, three, four
