@@ -31,23 +31,25 @@ def write_move(d, w, t):
 
 def write_gramian(d, w, t):
     """Put the Gramian over t into d, row by row."""
-    if d.fast * t <= SHORT:
+    part = t
+    while d.fast * part > SHORT:
+        part *= 0.5
+    for i in range(16):
+        d.gramian[i] = 0.0
+    for n in range(5):
+        write_move(d, w, part * NODES[n])
         for i in range(16):
-            d.gramian[i] = 0.0
-        for n in range(5):
-            write_move(d, w, t * NODES[n])
-            for i in range(16):
-                d.gramian[i] += t * WEIGHTS[n] * w.move[i // 4] * w.move[i % 4]
-        return
-    write_gramian(d, w, 0.5 * t)
-    write_move(d, w, 0.5 * t)
-    for i in range(16):
-        w.product[i] = 0.0
-        for k in range(4):
-            w.product[i] += d.gramian[i - i % 4 + k] * w.move[4 * k + i % 4]
-    for i in range(16):
-        for k in range(4):
-            d.gramian[i] += w.move[4 * k + i // 4] * w.product[4 * k + i % 4]
+            d.gramian[i] += part * WEIGHTS[n] * w.move[i // 4] * w.move[i % 4]
+    while part < t:
+        write_move(d, w, part)
+        for i in range(16):
+            w.product[i] = 0.0
+            for k in range(4):
+                w.product[i] += d.gramian[i - i % 4 + k] * w.move[4 * k + i % 4]
+        for i in range(16):
+            for k in range(4):
+                d.gramian[i] += w.move[4 * k + i // 4] * w.product[4 * k + i % 4]
+        part *= 2.0
 
 
 def keep_step(d, w, h):

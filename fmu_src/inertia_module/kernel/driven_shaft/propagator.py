@@ -64,24 +64,26 @@ def responses(rate, square, swing, slow, fast, t):
         (step, slope, impulse, one, two, three, four): answer to a displacement 1, rate of the answer to
         an impulse 1, this answer, and its first to fourth integrals from 0 to t.
     """
+    part = t
+    while fast * part > SHORT:
+        part *= 0.5
     one = two = three = four = 0.0
-    if fast * t <= SHORT:
-        for n in range(5):
-            left = t - t * NODES[n]
-            _, impulse, _ = free(swing, slow, fast, t * NODES[n])
-            share = t * WEIGHTS[n] * impulse
-            one += share
-            two += share * left
-            three += share * left * left / 2.0
-            four += share * left * left * left / 6.0
-    else:
-        half = 0.5 * t
-        _, slope, impulse, one, two, three, four = responses(rate, square, swing, slow, fast, half)
+    for n in range(5):
+        left = part - part * NODES[n]
+        _, impulse, _ = free(swing, slow, fast, part * NODES[n])
+        share = part * WEIGHTS[n] * impulse
+        one += share
+        two += share * left
+        three += share * left * left / 2.0
+        four += share * left * left * left / 6.0
+    while part < t:
+        _, impulse, slope = free(swing, slow, fast, part)
         # the integrals of step: impulse + rate one and so on
         four += impulse * (three + rate * four) + slope * four
-        four += half * (three + half * (0.5 * two + half / 6.0 * one))
-        three += impulse * (two + rate * three) + slope * three + half * (two + 0.5 * half * one)
-        two += impulse * (one + rate * two) + slope * two + half * one
+        four += part * (three + part * (0.5 * two + part / 6.0 * one))
+        three += impulse * (two + rate * three) + slope * three + part * (two + 0.5 * part * one)
+        two += impulse * (one + rate * two) + slope * two + part * one
         one += impulse * (impulse + rate * one) + slope * one
+        part *= 2.0
     step, impulse, slope = free(swing, slow, fast, t)
     return step, slope, impulse, one, two, three, four
