@@ -4,10 +4,9 @@
     J4 omega4' = Ts - f omega4 - T_load + beta J4 omega_h'
 
 Stelmashchuk's stepping mechanism in SI units. The speed of the hub is constant or linear over a step, so
-the step is exact, however stiff the shaft and long the step (propagator). A jump of the hub's speed at its
-beginning changes omega4 by beta times the jump at once and leaves the twist; the torque of the shaft stays
-finite, so its mean holds no impulse. The slip delta' is kept besides omega4: each may be small where the
-other is not.
+it is exact, however stiff the shaft and long the step. A jump of the hub's speed at its beginning changes
+omega4 by beta times the jump at once and leaves the twist; the torque of the shaft stays finite, so its mean
+holds no impulse. The slip delta' is kept besides omega4: each may be small where the other is not.
 """
 
 from ..accumulate import add, copy

@@ -17,16 +17,13 @@ from .propagator import NODES, SHORT, WEIGHTS, responses
 
 def write_move(d, w, t):
     """Put E(t) into w.move, row by row."""
-    answers = responses(d.rate, d.square, d.swing, d.slow, d.fast, t)
-    for n in range(4):
-        w.move[n] = answers[n + 1]
-        w.move[n + 4] = d.rate * answers[n + 1] + answers[n]
-        w.move[n + 8] = 0.0
-        w.move[n + 12] = 0.0
-    w.move[4] = -d.square * answers[2]
-    w.move[10] = 1.0
-    w.move[11] = t
-    w.move[15] = 1.0
+    step, slope, impulse, one, two, _, _ = responses(d.rate, d.square, d.swing, d.slow, d.fast, t)
+    copy(w.move, (
+        slope, impulse, one, two,
+        -d.square * impulse, step, impulse + d.rate * one, one + d.rate * two,
+        0.0, 0.0, 1.0, t,
+        0.0, 0.0, 0.0, 1.0,
+    ))  # fmt: skip
 
 
 def write_gramian(d, w, t):
