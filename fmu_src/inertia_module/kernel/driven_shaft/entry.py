@@ -104,8 +104,13 @@ def begin(p, u, x, h):
     jump = (u.hub_speed - x.held_input) - x.hub_slope * x.held_step
     push = p.balancer * jump
     work = p.driven_inertia * push * (x.omega4 + 0.5 * push)
-    x.slip, x.slip_low = add(x.slip, x.slip_low, jump - push)
-    x.omega4, x.omega4_low = add(x.omega4, x.omega4_low, push)
+    # the one of slip and speed that has kept fewer digits follows from the other
+    if abs(x.omega4) + abs(push) < abs(x.slip) + abs(jump - push):
+        x.omega4, x.omega4_low = add(x.omega4, x.omega4_low, push)
+        x.slip, x.slip_low = add(u.hub_speed, -x.omega4_low, -x.omega4)
+    else:
+        x.slip, x.slip_low = add(x.slip, x.slip_low, jump - push)
+        x.omega4, x.omega4_low = add(u.hub_speed, -x.slip_low, -x.slip)
     x.energy_lost, x.energy_lost_low = add(x.energy_lost, x.energy_lost_low, -work)
     x.hub_slope = take_speed(p, x, u.hub_speed, u.hub_speed_rate_given, u.hub_speed_rate, h)
     x.load_torque = mean_torque(u.load_torque, u.load_torque_rate_given, u.load_torque_rate, h)
