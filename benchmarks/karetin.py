@@ -9,9 +9,9 @@ import time
 
 import numpy as np
 
-from inertia_module.papers.karetin import Kinematics, dynamic_mode
+from inertia_module.papers.karetin import dynamic_mode
 from inertia_module.papers.karetin.cases import GENERAL
-from inertia_module.papers.karetin.exact import NAMES
+from inertia_module.papers.karetin.exact import EXACT, exact
 
 REPEATS = 5
 # so many times at once that what is needed of them stays in the cache of the processor
@@ -26,10 +26,10 @@ def main():
     for _ in range(REPEATS):
         begin = time.perf_counter()
         for first in range(0, count, BLOCK):
-            part = Kinematics(GENERAL, motion, t[first : first + BLOCK])
-            found = [getattr(part, name) for name in NAMES]
+            part = exact(GENERAL, motion, t[first : first + BLOCK])
+            found = [np.atleast_1d(getattr(part, name)) for name in EXACT]
         times.append(time.perf_counter() - begin)
-    columns = sum(values.size // len(values) for values in found)
+    columns = sum(values.size // values.shape[-1] for values in found)
     print(
         f"{count} times, {columns} columns: {statistics.median(times):.3f} s median, {min(times):.3f} s best,"
         f" {1e9 * statistics.median(times) / count:.0f} ns each"

@@ -38,3 +38,8 @@ def random_times(rng, count):
 def geometry(**parameters):
     """A geometry of simple numbers: phi = psi = 45 degrees, wheel radius 1 m, AD = QA = OQ = 1 m."""
     return Geometry(**({"z17": 20, "z6": 20, "shaft_angle": math.pi / 2, "wheel_radius": 1.0} | parameters))
+
+
+def reach(g):
+    """No point of the trajectory is further than this from O, m."""
+    return math.hypot(g.across, g.height) + g.AD

@@ -3,6 +3,7 @@
 import itertools
 import math
 
+import mpmath
 import pytest
 from driven_shaft_reference import exact
 
@@ -85,6 +86,23 @@ def test_motion_torque_and_energies_are_exact(compiled, shaft, h):
     for name, value in expected.items():
         assert abs(found[name] - float(value)) <= 1e-14 * phase * scales[name], name
     assert abs(found["energy_residual"]) <= 1e-14 * phase * energy
+
+
+@pytest.mark.parametrize("damping", [0.05, 10.0, 300.0])
+def test_twist_and_torque_keep_their_digits_after_the_hub_ran_to_a_huge_speed_and_back(compiled, damping):
+    """Balanced in full, the driven mass runs along: what is left between two huge speeds is small."""
+    shaft = DrivenShaft(compiled).start(shaft_damping=damping, balancer=1.0, input_hold=1)
+    shaft.advance(2.0**-20)
+    with mpmath.workdps(60):
+        twist, omega4, end = mpmath.mpf(0), mpmath.mpf(0), mpmath.mpf(0)
+        for hub, slope, h in ((0.3, 0.3 * 2.0**20, 0.5), (0.2, (0.2 - 0.3) / 0.5, 1e-3)):
+            shaft.set(hub_speed=hub, load_torque=5.0)
+            shaft.advance(h)
+            omega4 += hub - end
+            right = exact(0.5, 400.0, damping, 0.0, 1.0, hub, slope, 5.0, twist, omega4, h, energies=False)
+            twist, omega4, end = right["twist"], right["omega_out"], hub + mpmath.mpf(slope) * h
+    for name in ("twist", "shaft_torque", "driven_acceleration"):
+        assert shaft[name] == pytest.approx(float(right[name]), rel=1e-13), name
 
 
 @pytest.mark.parametrize("shaft", ["underdamped", "critical", "overdamped"])

@@ -11,7 +11,7 @@ from lysenko_chain import ALPHAS, MECHANISMS, OMEGA, OMEGA_RATE, Chain, torque_s
 from scenes import advanced, drive_angle, started
 from scipy.integrate import solve_ivp
 
-from inertia_module.papers.lysenko import exact, motion
+from inertia_module.papers.lysenko.exact import exact, speed_ratio
 from inertia_module.papers.lysenko.mechanism import EXAMPLE, Mechanism
 
 
@@ -25,24 +25,23 @@ def test_drive_supplies_the_change_of_energy(mechanism, omega_rate):
     for alpha in ALPHAS:
         chain = Chain(mechanism, alpha, OMEGA, omega_rate)
         power = float(mp.diff(chain.energy, 0))
-        torque = float(motion.drive_torque(mechanism, alpha, OMEGA, omega_rate))
+        torque = float(exact(mechanism, alpha, OMEGA, omega_rate).drive_torque)
         scale = torque_scale(mechanism) + abs(
-            float(motion.drive_torque(mechanism, math.pi, OMEGA, omega_rate))
+            float(exact(mechanism, math.pi, OMEGA, omega_rate).drive_torque)
         )
         assert torque * mechanism.b * OMEGA == pytest.approx(power, abs=1e-11 * scale * mechanism.b * OMEGA)
-        energy = float(motion.kinetic_energy(mechanism, alpha, OMEGA))
+        energy = float(exact(mechanism, alpha, OMEGA).kinetic_energy)
         assert energy == pytest.approx(float(chain.energy(0)), rel=1e-9)
 
 
 def test_power_of_the_drive_is_minus_that_of_the_inertia_forces(mechanism):
     for alpha in ALPHAS:
-        taken = exact.wheel_power(mechanism, alpha, OMEGA) + exact.carrier_power(mechanism, alpha, OMEGA)
-        power = float(motion.drive_power(mechanism, alpha, OMEGA))
+        taken = exact(mechanism, alpha, OMEGA).N1 + exact(mechanism, alpha, OMEGA).N
+        power = float(exact(mechanism, alpha, OMEGA).drive_power)
         scale = torque_scale(mechanism) * mechanism.b * OMEGA
         assert power == pytest.approx(-float(taken), abs=1e-12 * scale)
-        assert float(motion.drive_torque(mechanism, alpha, OMEGA)) == pytest.approx(
-            -float(exact.carrier_moment(mechanism, alpha, OMEGA))
-            - float(exact.wheel_moment(mechanism, alpha, OMEGA)) / mechanism.b,
+        assert float(exact(mechanism, alpha, OMEGA).drive_torque) == pytest.approx(
+            -float(exact(mechanism, alpha, OMEGA).M) - float(exact(mechanism, alpha, OMEGA).M1) / mechanism.b,
             abs=1e-12 * torque_scale(mechanism) / mechanism.b,
         )
 
@@ -50,21 +49,23 @@ def test_power_of_the_drive_is_minus_that_of_the_inertia_forces(mechanism):
 def test_wheel_power_belongs_to_the_absolute_speed_where_forces_are_moved_to_the_pin(mechanism):
     for alpha in ALPHAS:
         b = mechanism.b
-        moved = exact.pin_moment(mechanism, alpha, OMEGA) * b * OMEGA
-        moved += exact.wheel_moment(mechanism, alpha, OMEGA) * (1 + b) * OMEGA
+        moved = (exact(mechanism, alpha, OMEGA).M - exact(mechanism, alpha, OMEGA).M1) * b * OMEGA
+        moved += exact(mechanism, alpha, OMEGA).M1 * (1 + b) * OMEGA
         scale = torque_scale(mechanism) * (1 + b) * OMEGA
         assert float(moved) == pytest.approx(
-            -float(motion.drive_power(mechanism, alpha, OMEGA)), abs=1e-12 * scale
+            -float(exact(mechanism, alpha, OMEGA).drive_power), abs=1e-12 * scale
         )
 
 
 def test_drive_and_held_wheel_change_the_angular_momentum(mechanism):
     for alpha in ALPHAS:
         chain = Chain(mechanism, alpha)
-        assert float(motion.angular_momentum(mechanism, alpha, OMEGA)) == pytest.approx(
+        assert float(exact(mechanism, alpha, OMEGA).angular_momentum) == pytest.approx(
             float(chain.momentum(0)), abs=1e-12 * torque_scale(mechanism) / OMEGA / min(mechanism.b, 1.0)
         )
-        outside = motion.drive_torque(mechanism, alpha, OMEGA) + motion.wheel_torque(mechanism, alpha, OMEGA)
+        outside = (
+            exact(mechanism, alpha, OMEGA).drive_torque + exact(mechanism, alpha, OMEGA).M1 / mechanism.b
+        )
         assert float(outside) == pytest.approx(
             float(mp.diff(chain.momentum, 0)), abs=1e-11 * torque_scale(mechanism)
         )
@@ -80,7 +81,7 @@ def test_drive_and_held_wheel_change_the_angular_momentum(mechanism):
 def test_mean_power_over_a_cycle_is_zero(b, arm, carrier, wheel, omega):
     mechanism = Mechanism(0.06, b * 0.06, arm * b * 0.06, 1.0, carrier, wheel)
     angle = np.linspace(0.0, 2.0 * math.pi, 1000, endpoint=False)
-    power = motion.drive_power(mechanism, angle, omega)
+    power = exact(mechanism, angle, omega).drive_power
     assert abs(power.mean()) <= 1e-13 * np.abs(power).max()
 
 
@@ -107,31 +108,32 @@ def _free_motion(mechanism, omega_start, turns):
 @pytest.mark.parametrize("mechanism", MECHANISMS[:3], ids=["l=r", "l<r", "l>r"])
 def test_free_mechanism_keeps_its_energy(mechanism):
     alpha, omega = _free_motion(mechanism, 10.0, turns=2)
-    energy = motion.kinetic_energy(mechanism, alpha, omega)
+    energy = exact(mechanism, alpha, omega).kinetic_energy
     assert energy == pytest.approx(np.full_like(energy, energy[0]), rel=1e-9)
-    assert omega == pytest.approx(motion.free_omega(mechanism, alpha, 10.0), rel=1e-8)
+    assert omega == pytest.approx(exact(mechanism, alpha, 10.0).free_speed, rel=1e-8)
     assert omega.min() == pytest.approx(10.0, rel=1e-9)
-    assert omega.max() <= 10.0 * motion.speed_ratio(mechanism) * (1 + 1e-9)
-    assert omega.max() == pytest.approx(10.0 * motion.speed_ratio(mechanism), rel=2e-2)
+    assert omega.max() <= 10.0 * speed_ratio(mechanism) * (1 + 1e-9)
+    assert omega.max() == pytest.approx(10.0 * speed_ratio(mechanism), rel=2e-2)
 
 
 def test_free_mechanism_does_not_keep_its_angular_momentum():
     alpha, omega = _free_motion(EXAMPLE, 10.0, turns=1)
-    momentum = motion.angular_momentum(EXAMPLE, alpha, omega)
+    momentum = exact(EXAMPLE, alpha, omega).angular_momentum
     assert momentum.min() < 0.4 * momentum.max()
 
 
 def test_free_mechanism_accelerates_as_no_drive_asks(mechanism):
     for alpha in ALPHAS:
         if mechanism.arm == mechanism.r or mechanism.J_carrier + mechanism.J_wheel > 0.0:
-            rate = motion.free_omega_rate(mechanism, alpha, OMEGA)
-            torque = float(motion.drive_torque(mechanism, alpha, OMEGA, rate))
+            free = exact(mechanism, alpha + 1e-30j).free_speed
+            rate = OMEGA**2 * free.imag / free.real / 1e-30
+            torque = float(exact(mechanism, alpha, OMEGA, rate).drive_torque)
             assert torque == pytest.approx(0.0, abs=1e-12 * torque_scale(mechanism) * (1 + mechanism.b))
 
 
 def test_speed_without_bound_is_refused():
     with pytest.raises(ValueError, match=r"^arm must not be r without inertia"):
-        motion.speed_ratio(Mechanism(1.0, 0.5, 0.5, 1.0))
+        speed_ratio(Mechanism(1.0, 0.5, 0.5, 1.0))
 
 
 # --- the module ---
@@ -163,17 +165,17 @@ def test_module_with_link_2_held_is_the_mechanism(kernel, mechanism):
         advanced(module, step)
         alpha = drive_angle(module)
         forces = (
-            (module["input_torque"], motion.drive_torque(mechanism, alpha, omega)),
-            (module["mesh_torque"], -motion.wheel_torque(mechanism, alpha, omega)),
+            (module["input_torque"], exact(mechanism, alpha, omega).drive_torque),
+            (module["mesh_torque"], -exact(mechanism, alpha, omega).M1 / mechanism.b),
             (
                 module["input_torque"] - module["mesh_torque"],
-                -exact.carrier_moment(mechanism, alpha, omega),
+                -exact(mechanism, alpha, omega).M,
             ),
         )
         for found, expected in forces:
             assert found == pytest.approx(float(expected), abs=1e-11 * scale)
         assert module["energy_stored"] == pytest.approx(
-            float(motion.kinetic_energy(mechanism, alpha, omega)), rel=1e-11
+            float(exact(mechanism, alpha, omega).kinetic_energy), rel=1e-11
         )
 
 
@@ -184,5 +186,5 @@ def test_module_accelerated_takes_the_torque_of_lagrange(kernel):
         advanced(module, step, omega1=carrier + number * rate * step)
     # the input is extrapolated from its last two values to the end of the step
     speed = carrier + 4 * rate * step
-    torque = motion.drive_torque(EXAMPLE, drive_angle(module), speed / EXAMPLE.b, rate / EXAMPLE.b)
+    torque = exact(EXAMPLE, drive_angle(module), speed / EXAMPLE.b, rate / EXAMPLE.b).drive_torque
     assert module["input_torque"] == pytest.approx(float(torque), rel=1e-9)

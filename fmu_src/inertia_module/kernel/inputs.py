@@ -44,34 +44,32 @@ def input_speed(u):
     return omega1 if abs(omega1) >= SMALLEST_SPEED else 0.0
 
 
-def extrapolate_input(p, u, x, h):
-    """Slope of omega1 over the coming step and the jump that is left at its beginning."""
-    omega1 = input_speed(u)
-    alpha1 = 0.0
-    if u.omega1_rate_given != 0.0:
-        alpha1 = u.omega1_rate
+def take_speed(p, x, speed, rate_given, rate, h):
+    """Slope of a given speed over the coming step: its rate if given, or that of the last step if so held."""
+    slope = 0.0
+    if rate_given != 0.0:
+        slope = rate
     elif p.input_hold != 0.0 and x.held_step > 0.0:
-        alpha1 = (omega1 - x.held_input) / x.held_step
-    x.held_input = omega1
+        slope = (speed - x.held_input) / x.held_step
+    x.held_input = speed
     x.held_step = h
-    return alpha1, omega1 - x.omega1
+    return slope
+
+
+def mean_torque(torque, rate_given, rate, h):
+    """Mean of a given torque over the coming step: with its rate given, that at the middle."""
+    return torque + 0.5 * h * rate if rate_given != 0.0 else torque
 
 
 def begin(p, u, x, h):
-    """Take the inputs of the coming step and clear its sums. Returns the jump of omega1.
-
-    A torque counts by its mean over the step: with its rate given, that at the middle.
-    """
+    """Take the inputs of the coming step and clear its sums. Returns the jump of omega1."""
     jump = 0.0
     if p.drive == DRIVE_SPEED:
-        alpha1, jump = extrapolate_input(p, u, x, h)
-        x.alpha1 = alpha1
-    x.load_torque = u.load_torque
-    if u.load_torque_rate_given != 0.0:
-        x.load_torque += 0.5 * h * u.load_torque_rate
-    x.drive_torque = u.drive_torque
-    if u.drive_torque_rate_given != 0.0:
-        x.drive_torque += 0.5 * h * u.drive_torque_rate
+        omega1 = input_speed(u)
+        jump = omega1 - x.omega1
+        x.alpha1 = take_speed(p, x, omega1, u.omega1_rate_given, u.omega1_rate, h)
+    x.load_torque = mean_torque(u.load_torque, u.load_torque_rate_given, u.load_torque_rate, h)
+    x.drive_torque = mean_torque(u.drive_torque, u.drive_torque_rate_given, u.drive_torque_rate, h)
     x.input_impulse = 0.0
     x.output_impulse = 0.0
     x.output_square = 0.0

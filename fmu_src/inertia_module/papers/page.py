@@ -6,7 +6,6 @@ from importlib.resources import files
 from types import ModuleType
 
 from . import karetin, lysenko, stelmashchuk
-from .report import judged
 
 PAPERS: tuple[ModuleType, ...] = (karetin, lysenko, stelmashchuk)
 
@@ -17,5 +16,5 @@ def papers_page() -> str:
     for paper in PAPERS:
         found = {claim.__name__: claim() for claim in paper.CLAIMS}
         words = files(paper).joinpath("page.md").read_text(encoding="utf-8")
-        parts.append(words.format_map(judged(paper.EQUATIONS) | found))
+        parts.append(words.format_map(paper.EQUATIONS | found))
     return "\n".join(parts)

@@ -8,31 +8,61 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from types import ModuleType
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+
+from .forms import Forms, Formulas
+from .jets import value
 
 ROUNDING = 1e-12
 HOLDS, PARTLY, FAILS = "holds", "holds partly", "does not hold"
 
-# printed and exact form of an equation over a period, as arguments of worst; None: nothing to compare
-Equations = dict[str, Callable[[], tuple[Any, ...]] | bool | None]
+
+class Equation(NamedTuple):
+    """A row of the page.
+
+    Attributes:
+        name: of the quantity in the tables of formulas, if it is in them.
+        forms: its printed and exact form over a period, as arguments of worst.
+        verdict: what is said where there is nothing to compare.
+    """
+
+    name: str = ""
+    forms: Callable[[], tuple[Any, ...]] = tuple
+    verdict: str = ""
+
+    @property
+    def difference(self) -> float:
+        """Of the two forms: see worst."""
+        return worst(*self.forms())
+
+    def __str__(self) -> str:
+        """Name, whether it is right and the difference, as cells of a table."""
+        if self.verdict:
+            return f" | {self.verdict} | "
+        difference = self.difference
+        return f"`{self.name}` | {'yes' if difference < ROUNDING else 'no'} | {shown(difference)}"
+
+
+def compared(name: str, printed: Formulas, exact: Forms) -> Equation:
+    """The equation that gives a quantity: the printed formula, fed with the exact forms, and these."""
+    return Equation(name, lambda: (value(printed[name](exact)), getattr(exact, name)))
 
 
 def worst(printed: Any, exact: Any, scale: float | None = None) -> float:
     """Largest length of the difference over the times, relative to the largest length of the exact.
 
     Args:
-        printed, exact: a number or shape (n,), or a tuple of such components.
+        printed, exact: a number, shape (n,), or vectors, components first.
         scale: in place of the largest exact length, where that is 0.
     """
-    both = [form if isinstance(form, tuple) else (form,) for form in (printed, exact)]
-    difference = _length(np.subtract(p, e) for p, e in zip(*both, strict=True))
-    return float(np.max(difference) / (scale or np.max(_length(both[1]))))
+    difference = np.max(_length(np.subtract(printed, exact)))
+    return float(difference / (scale or np.max(_length(exact))))
 
 
-def _length(components: Any) -> Any:
-    return np.sqrt(sum(np.square(np.asarray(component, dtype=np.float64)) for component in components))
+def _length(values: Any) -> Any:
+    return np.sqrt(np.sum(np.square(values), axis=0)) if np.ndim(values) > 1 else np.abs(values)
 
 
 def shown(difference: float) -> str:
@@ -65,15 +95,3 @@ def claims_in(module: ModuleType) -> tuple[Callable[[], Finding], ...]:
     """The functions of a module that return a Finding: each is a claim."""
     functions = (value for value in vars(module).values() if callable(value))
     return tuple(f for f in functions if getattr(f, "__annotations__", {}).get("return") == "Finding")
-
-
-def judged(equations: Equations) -> dict[str, str]:
-    """By number: "yes" or "no" and the difference, as two cells of a table."""
-    return {number: _cells(forms) for number, forms in equations.items()}
-
-
-def _cells(forms: Callable[[], tuple[Any, ...]] | bool | None) -> str:
-    if not callable(forms):
-        return {None: "not known | ", True: "yes | ", False: "no | "}[forms]
-    difference = worst(*forms())
-    return f"{'yes' if difference < ROUNDING else 'no'} | {shown(difference)}"

@@ -7,13 +7,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...papers.karetin import Geometry
-from .style import BLACK, BLUE, GREY, ORANGE, SKY, VERMILION
+from ...papers.karetin import Geometry, exact, stop_mode
+from .style import BLACK, BLUE, BROKEN, CENTRED, GREY, ORANGE, SKY, SMALL, VERMILION
 
 Array = NDArray[np.float64]
 
 _RIM = 121
-_STROKE = 2.2
 
 
 def pitch_cones(g: Geometry) -> tuple[Array, Array, Array]:
@@ -22,23 +21,18 @@ def pitch_cones(g: Geometry) -> tuple[Array, Array, Array]:
     Returns:
         Q, m, shape (3,); rims of wheel 17 and of the satellite, m, shape (3, 121) each.
     """
-    round_ = np.linspace(0.0, 2.0 * np.pi, _RIM)
-    apex = np.array([0.0, 0.0, g.OQ])
-    wheel = apex[:, None] + g.L * np.stack(
-        [
-            np.sin(g.psi) * np.cos(round_),
-            np.sin(g.psi) * np.sin(round_),
-            np.full_like(round_, -np.cos(g.psi)),
-        ]
+    turn, sideways, up = np.array(
+        [[np.cos(g.gamma), np.sin(g.gamma), 0.0], [-np.sin(g.gamma), np.cos(g.gamma), 0.0], [0.0, 0.0, 1.0]]
     )
-    turn = np.array([np.cos(g.gamma), np.sin(g.gamma), 0.0])
-    sideways = np.array([-np.sin(g.gamma), np.cos(g.gamma), 0.0])
-    up = np.array([0.0, 0.0, 1.0])
-    axis = np.sin(g.shaft_angle) * turn - np.cos(g.shaft_angle) * up
-    across = np.cos(g.shaft_angle) * turn + np.sin(g.shaft_angle) * up
-    rim = np.cos(round_) * across[:, None] + np.sin(round_) * sideways[:, None]
-    satellite = apex[:, None] + g.L * (np.cos(g.phi) * axis[:, None] + np.sin(g.phi) * rim)
-    return apex, wheel, satellite
+    sine, cosine = np.sin(g.shaft_angle), np.cos(g.shaft_angle)
+    round_ = np.linspace(0.0, 2.0 * np.pi, _RIM)
+
+    def rim(half: float, axis: Array, across: Array) -> Any:
+        circle = np.outer(across, np.cos(round_)) + np.outer(sideways, np.sin(round_))
+        return (g.OQ * up + g.L * np.cos(half) * axis)[:, None] + g.L * np.sin(half) * circle
+
+    wheel = rim(g.psi, -up, turn)
+    return g.OQ * up, wheel, rim(g.phi, sine * turn - cosine * up, cosine * turn + sine * up)
 
 
 def _cone(axes: Any, apex: Array, rim: Array, colour: str) -> None:
@@ -50,70 +44,63 @@ def _cone(axes: Any, apex: Array, rim: Array, colour: str) -> None:
 
 
 def _axes_of_frame(axes: Any, reach: float) -> None:
-    for n, (name, share) in enumerate((("x", 1.0), ("y", 1.0), ("z", 0.8))):
-        tip = np.zeros(3)
-        tip[n] = share * reach
-        axes.quiver(0, 0, 0, *tip, color=BLACK, linewidth=0.9, arrow_length_ratio=0.06)
-        tip[n] += 0.09 * reach
-        axes.text(*tip, f"${name}$", color=BLACK, fontsize=11, ha="center", va="center")
+    for direction, name, share in zip(np.eye(3), "xyz", (1.0, 1.0, 0.8), strict=True):
+        axes.quiver(0, 0, 0, *share * reach * direction, color=BLACK, linewidth=0.9, arrow_length_ratio=0.06)
+        axes.text(*(share + 0.09) * reach * direction, f"${name}$", color=BLACK, **CENTRED)
 
 
-def _points(axes: Any, g: Geometry, start: Array, apex: Array, reach: float) -> None:
+def _points(axes: Any, g: Geometry, reach: float) -> None:
     """Arms O-Q-A-D at the time 0 and their names."""
-    foot = np.array([g.across * np.cos(g.gamma), g.across * np.sin(g.gamma), g.height])
-    axes.plot(*np.stack([np.zeros(3), apex, foot], axis=1), color=BLACK, linewidth=1.2)
+    e = exact(g, stop_mode(1.0), [0.0])
+    origin, apex = np.zeros(3), np.array([0.0, 0.0, g.OQ])
+    foot, start = e.centre_of_satellite[:, 0], e.position[:, 0]
+    axes.plot(*np.stack([origin, apex, foot], axis=1), color=BLACK, linewidth=1.2)
     axes.plot(*np.stack([foot, start], axis=1), color=ORANGE, linewidth=2.0)
     for point, name, shift in (
-        (np.zeros(3), "$O$", (-0.09, 0.0, -0.09)),
+        (origin, "$O$", (-0.09, 0.0, -0.09)),
         (apex, "$Q$", (-0.07, 0.0, 0.11)),
         (foot, "$A$", (0.05, 0.0, 0.08)),
         (start, "$D$", (0.08, 0.0, -0.1)),
     ):
         axes.plot(*point[:, None], "o", color=VERMILION if name == "$D$" else BLACK, markersize=5)
-        axes.text(*(point + reach * np.array(shift)), name, fontsize=11, ha="center", va="center")
+        axes.text(*(point + reach * np.array(shift)), name, **CENTRED)
 
 
 def _arrows(axes: Any, path: Array, reach: float) -> None:
     """The sense in which D runs along its path, in six places spread evenly over its length."""
-    steps = np.diff(path, axis=0)
+    steps = np.diff(path.T, axis=0)
     run = np.cumsum(np.linalg.norm(steps, axis=1))
     for n in np.searchsorted(run, (np.arange(6) + 0.35) / 6.0 * run[-1]):
         step = 0.08 * reach * steps[n] / np.linalg.norm(steps[n])
-        axes.quiver(*(path[n] - step), *step, color=VERMILION, linewidth=1.6, arrow_length_ratio=0.9)
+        axes.quiver(*(path[:, n] - step), *step, color=VERMILION, linewidth=1.6, arrow_length_ratio=0.9)
 
 
 def layout(axes: Any, g: Geometry, path: Array, title: str) -> None:
     """Draw cones, axes, arm and path of D into three-dimensional axes.
 
     Args:
-        axes: of projection "3d".
-        g: of the mechanism.
-        path: of D, m, shape (n, 3), from the time 0.
-        title: of the panel.
+        axes: of projection "3d". g: of the mechanism. path: of D, m, shape (3, n). title: of the panel.
     """
     apex, wheel, satellite = pitch_cones(g)
     reach = 1.2 * float(np.abs(path).max())
     # where the path is over or under the base of wheel 17
-    below = np.zeros(len(path))
-    broken = (0, (4, 2))
-    axes.plot(
-        path[:, 0], path[:, 1], below, color=SKY, linewidth=0.9, linestyle=broken, label="$H$: $D$ on $xOy$"
-    )
+    below, label = np.zeros(path.shape[1]), "$H$: $D$ on $xOy$"
+    axes.plot(path[0], path[1], below, color=SKY, linewidth=0.9, linestyle=BROKEN, label=label)
     _cone(axes, apex, wheel, GREY)
     _cone(axes, apex, satellite, BLUE)
-    axes.text(*(0.84 * wheel[:, 90]), "17", color=GREY, fontsize=11, ha="center", va="center")
+    axes.text(*(0.84 * wheel[:, 90]), "17", color=GREY, **CENTRED)
     axes.text(*(0.45 * apex + 0.55 * satellite[:, 15]), "6", color=BLUE, fontsize=11)
     _axes_of_frame(axes, reach)
-    axes.plot(*path.T, color=VERMILION, linewidth=_STROKE, label="$D$")
+    axes.plot(*path, color=VERMILION, linewidth=2.2, label="$D$")
     _arrows(axes, path, reach)
-    _points(axes, g, path[0], apex, reach)
+    _points(axes, g, reach)
     axes.set_title(title, fontsize=11, loc="left", y=0.97)
-    everything = np.concatenate([path, wheel.T, satellite.T, [[0.0, 0.0, 0.8 * reach]]])
-    low, high = everything.min(axis=0), everything.max(axis=0)
+    everything = np.concatenate([path, wheel, satellite, [[0.0], [0.0], [0.8 * reach]]], axis=1)
+    low, high = everything.min(axis=1), everything.max(axis=1)
     half = 0.5 * float((high - low).max())
     for limits, centre in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), 0.5 * (low + high), strict=True):
         limits(centre - half, centre + half)
     axes.set_box_aspect((1, 1, 1), zoom=1.3)
-    axes.legend(loc="lower left", fontsize=9, frameon=False)
+    axes.legend(**SMALL, loc="lower left")
     axes.view_init(elev=24, azim=-46)
     axes.set_axis_off()

@@ -2,104 +2,81 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from ...papers.stelmashchuk.criteria import Criteria
 from ...papers.stelmashchuk.exact import response
-from ...papers.stelmashchuk.law import PHASES, driving_acceleration, phase_starts
-from .style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, dress, sheet
-
-Array = NDArray[np.float64]
-Columns = dict[str, Array]
+from ...papers.stelmashchuk.law import PHASES, law_of_motion, phase_starts
+from . import style
+from .style import Columns, Drawings, dress, sheet
 
 # the dwell of the paper's figures is not told
 KAPPA2 = 1.0
 END = 3.5
-POINTS = 1401
+KAPPA = np.linspace(0.0, END, 1401)
 
-STIFFNESSES = ((4.4, VERMILION), (8.0, BLUE), (100.0, GREEN))
-DAMPINGS = ((0.0, GREEN), (0.5, BLUE), (1.0, SKY), (2.0, ORANGE), (3.0, PURPLE), (5.0, VERMILION))
+STIFFNESSES = ((4.4, style.VERMILION), (8.0, style.BLUE), (100.0, style.GREEN))
+DAMPINGS = (
+    (0.0, style.GREEN),
+    (0.5, style.BLUE),
+    (1.0, style.SKY),
+    (2.0, style.ORANGE),
+    (3.0, style.PURPLE),
+    (5.0, style.VERMILION),
+)
 
 
 def _phases(axes: Axes) -> None:
     """Boundaries and numbers of the phases, along the top."""
     starts = [*phase_starts(KAPPA2), END]
     for number, name in enumerate(PHASES):
+        start, end = starts[number : number + 2]
         if number % 2:
-            axes.axvspan(starts[number], starts[number + 1], color=GREY, alpha=0.10, linewidth=0)
-        middle = 0.5 * (starts[number] + starts[number + 1])
-        axes.annotate(
-            name,
-            (middle, 0.98),
-            xycoords=("data", "axes fraction"),
-            ha="center",
-            va="top",
-            fontsize=10,
-            color=GREY,
-        )
+            axes.axvspan(start, end, color=style.GREY, alpha=0.10, linewidth=0)
+        look: dict[str, Any] = {"ha": "center", "va": "top", "fontsize": 10, "color": style.GREY}
+        axes.text(0.5 * (start + end), 0.98, name, transform=axes.get_xaxis_transform(), **look)
 
 
-def _panel(axes: Axes, kappa: Array, curves: list[tuple[Criteria, str, str]], beta: float) -> Columns:
-    """One panel of accelerations with the sine; returns its columns."""
-    columns: Columns = {}
-    axes.plot(
-        kappa,
-        driving_acceleration(kappa, KAPPA2),
-        color=BLACK,
-        linewidth=1.0,
-        linestyle=(0, (4, 2)),
-        label="sine $S_κ$",
-        zorder=3,
-    )
-    for criteria, label, colour in curves:
-        columns[f"{label}, balancer {beta:g}"] = values = response(kappa, criteria, KAPPA2, beta).acceleration
-        axes.plot(kappa, values, color=colour, linewidth=1.4, label=f"${label}$")
-    axes.axhline(0.0, color=BLACK, linewidth=0.6)
-    _phases(axes)
-    return columns
-
-
-def _both(curves: list[tuple[Criteria, str, str]], title: str) -> tuple[Figure, Columns]:
+def _accelerations(curves: list[tuple[Criteria, str, str]], title: str) -> tuple[Figure, Columns]:
     """The accelerations with the balancer above those without it, to one scale."""
-    kappa = np.linspace(0.0, END, POINTS)
-    figure = sheet(7.2, 7.0)
-    figure.suptitle(title, fontsize=11)
-    panels = figure.subplots(2, 1, sharex=True, sharey=True)
-    columns: Columns = {"kappa": kappa, "sine": driving_acceleration(kappa, KAPPA2)}
+    figure, sine = sheet(7.2, 7.0), law_of_motion(KAPPA, KAPPA2)[2]
+    figure.suptitle(f"Acceleration of the driven mass over the {title}, $κ_2$ = 1", fontsize=11)
+    panels, columns = figure.subplots(2, 1, sharex=True, sharey=True), {"kappa": KAPPA, "sine": sine}
     for axes, beta, name in ((panels[0], 1.0, "with the balancer"), (panels[1], 0.0, "without the balancer")):
-        columns |= _panel(axes, kappa, curves, beta)
-        dress(axes, "acceleration invariant $\\ddot a_{mκ}$", name)
+        axes.plot(
+            KAPPA,
+            sine,
+            color=style.BLACK,
+            linewidth=1.0,
+            linestyle=style.BROKEN,
+            label="sine $S_κ$",
+            zorder=3,
+        )
+        for criteria, label, colour in curves:
+            values = response(KAPPA, criteria, KAPPA2, beta).acceleration
+            axes.plot(KAPPA, values, color=colour, linewidth=1.4, label=f"${label}$")
+            columns[f"{label}, balancer {beta:g}"] = values
+        _phases(axes)
+        dress(axes, "acceleration invariant $\\ddot a_{mκ}$", name, zero=True)
     panels[1].set_xlabel("relative time $κ = t/T$")
-    panels[0].legend(loc="lower right", ncols=2, fontsize=9, frameon=False)
+    panels[0].legend(**style.SMALL, loc="lower right", ncols=2)
     return figure, columns
 
 
 def over_stiffness() -> tuple[Figure, Columns]:
-    """Figure 2: nu = 4.4, 8 and 100 at Pi = 0.5, with and without the balancer.
-
-    Returns:
-        The figure, and columns of shape (1401,): kappa, the sine, and a'' of each curve, without unit.
-    """
+    """Figure 2: kappa, the sine, and a'' for nu = 4.4, 8, 100 at Pi = 0.5, with and without the balancer."""
     curves = [(Criteria(nu, 0.5), f"ν = {nu:g}", colour) for nu, colour in STIFFNESSES]
-    return _both(curves, "Acceleration of the driven mass over the stiffness, Π = 0.5, $κ_2$ = 1")
+    return _accelerations(curves, "stiffness, Π = 0.5")
 
 
 def over_damping() -> tuple[Figure, Columns]:
-    """Figure 3: Pi from 0 to 5 at nu = 8, with and without the balancer.
-
-    Returns:
-        The figure, and columns of shape (1401,): kappa, the sine, and a'' of each curve, without unit.
-    """
+    """Figure 3: kappa, the sine and a'' for Pi from 0 to 5 at nu = 8, with and without the balancer."""
     curves = [(Criteria(8.0, Pi), f"Π = {Pi:g}", colour) for Pi, colour in DAMPINGS]
-    return _both(curves, "Acceleration of the driven mass over the damping, ν = 8, $κ_2$ = 1")
+    return _accelerations(curves, "damping, ν = 8")
 
 
-FIGURES: dict[str, Callable[[], tuple[Figure, Columns]]] = {
-    "stelmashchuk_2": over_stiffness,
-    "stelmashchuk_3": over_damping,
-}
+FIGURES: Drawings = {"stelmashchuk_2": over_stiffness, "stelmashchuk_3": over_damping}

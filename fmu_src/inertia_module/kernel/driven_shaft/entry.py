@@ -4,9 +4,9 @@
     J4 omega4' = Ts - f omega4 - T_load + beta J4 omega_h'
 
 Stelmashchuk's stepping mechanism in SI units. The speed of the hub is constant or linear over a step, so
-the motion is exact in one go, however stiff the shaft and long the step (propagator). A jump of the hub's
-speed at the beginning of a step changes the speed of the driven mass by beta times the jump at once, and
-leaves the twist; the torque of the shaft stays finite, so its mean holds no impulse.
+it is exact, however stiff the shaft and long the step. A jump of the hub's speed at its beginning changes
+omega4 by beta times the jump at once and leaves the twist; the torque of the shaft stays finite, so its mean
+holds no impulse. The slip delta' is kept besides omega4: each may be small where the other is not.
 """
 
 from ..accumulate import add, copy
@@ -23,42 +23,38 @@ from ..codes import (
     RATES,
     START,
 )
+from ..inputs import mean_torque, take_speed
 from ..limits import LARGEST_SPEED, LARGEST_STEP, LARGEST_TORQUE
-from .dissipation import squares
-from .motion import (
-    describe_motion,
-    move_acceleration,
-    move_speed,
-    move_twist,
-    slip,
-    speed_rate,
-    torque_from_mass,
-    torque_sums,
-    turn_of_mass,
-    twist_sum,
-)
+from .motion import end, integral, keep_step, square_integral
 from .propagator import characteristic
-from .responses import keep_responses
 
 
 def check_inputs(u):
     """Status of the inputs: finite and within what a drivetrain can mean."""
     if not abs(u.hub_speed) <= LARGEST_SPEED:
         return BAD_HUB_SPEED
-    if not abs(u.load_torque) <= LARGEST_TORQUE:
-        return BAD_LOAD_TORQUE
+    return OK if abs(u.load_torque) <= LARGEST_TORQUE else BAD_LOAD_TORQUE
+
+
+def check_step(u, h):
+    """Status of a step: its length, its inputs, and what inputs with a given rate come to at its end."""
+    if not 0.0 < h <= LARGEST_STEP:
+        return BAD_STEP
+    status = check_inputs(u)
+    if status != OK:
+        return status
+    if u.hub_speed_rate_given != 0.0 and not abs(u.hub_speed + u.hub_speed_rate * h) <= LARGEST_SPEED:
+        return BAD_HUB_SPEED_RATE
+    if u.load_torque_rate_given != 0.0 and not abs(u.load_torque + u.load_torque_rate * h) <= LARGEST_TORQUE:
+        return BAD_LOAD_TORQUE_RATE
     return OK
 
 
-def check_rates(u, h):
-    """Status of the rates of the inputs that are given: no input becomes absurd within the step h."""
-    if u.hub_speed_rate_given != 0.0:
-        if not abs(u.hub_speed + u.hub_speed_rate * h) <= LARGEST_SPEED:
-            return BAD_HUB_SPEED_RATE
-    if u.load_torque_rate_given != 0.0:
-        if not abs(u.load_torque + u.load_torque_rate * h) <= LARGEST_TORQUE:
-            return BAD_LOAD_TORQUE_RATE
-    return OK
+def driven_acceleration(p, x):
+    """Acceleration of the driven mass now, rad/s^2: without the push of the balancer, and with it."""
+    shaft = p.shaft_stiffness * x.twist + p.shaft_damping * x.slip
+    own = (shaft - p.driven_friction * x.omega4 - x.load_torque) / p.driven_inertia
+    return own, own + p.balancer * x.hub_slope
 
 
 def stored_energy(p, x):
@@ -69,48 +65,35 @@ def stored_energy(p, x):
 
 def write_outputs(p, x, y):
     """All outputs and locals from the state."""
-    y.shaft_torque = p.shaft_stiffness * x.twist + p.shaft_damping * slip(x)
+    y.shaft_torque = p.shaft_stiffness * x.twist + p.shaft_damping * x.slip
     y.shaft_torque_mean = x.shaft_torque_mean
     y.omega_out = x.omega4
-    y.driven_acceleration = x.acceleration
+    _, y.driven_acceleration = driven_acceleration(p, x)
     y.twist = x.twist
-    stored = stored_energy(p, x)
     y.energy_in = x.energy_in
     y.energy_out = x.energy_out
-    y.energy_stored = stored
+    y.energy_stored = stored_energy(p, x)
     y.energy_lost = x.energy_lost
     passed = (x.energy_in - x.energy_out) - x.energy_lost
-    y.energy_residual = passed - (stored - x.energy_start)
+    y.energy_residual = passed - (y.energy_stored - x.energy_start)
 
 
 def start(p, d, u, x, y):
-    """Derive the constants and set the state at the end of initialisation.
-
-    Args:
-        p: parameters, each within its range. u: inputs.
-        d: derived constants, x: state, y: outputs, all written.
-
-    Returns:
-        Status: OK, BAD_HUB_SPEED or BAD_LOAD_TORQUE.
-    """
+    """Derive d from p; set x and y at the end of initialisation. Returns OK or the status of bad inputs."""
     status = check_inputs(u)
     if status != OK:
         return status
     d.rate = (p.shaft_damping + p.driven_friction) / p.driven_inertia
     d.square = p.shaft_stiffness / p.driven_inertia
-    swing, slow, fast = characteristic(d.rate, d.square)
-    d.swing = swing
-    d.slow = slow
-    d.fast = fast
+    d.swing, d.slow, d.fast = characteristic(d.rate, d.square)
     d.step = 0.0
     for n in range(len(x.numbers)):
         x.numbers[n] = 0.0
     x.twist = p.twist_start
     x.omega4 = p.omega_out_start
-    x.hub_speed = u.hub_speed
+    x.slip = u.hub_speed - x.omega4
     x.held_input = u.hub_speed
     x.load_torque = u.load_torque
-    x.acceleration = speed_rate(p, x)
     x.energy_start = stored_energy(p, x)
     write_outputs(p, x, y)
     return OK
@@ -118,94 +101,62 @@ def start(p, d, u, x, y):
 
 def begin(p, u, x, h):
     """Take the inputs of the coming step; a jump of the hub's speed pushes the driven mass."""
-    slope = 0.0
-    if u.hub_speed_rate_given != 0.0:
-        slope = u.hub_speed_rate
-    elif p.input_hold != 0.0 and x.held_step > 0.0:
-        slope = (u.hub_speed - x.held_input) / x.held_step
-    x.hub_slope = slope
-    x.held_input = u.hub_speed
-    x.held_step = h
-    x.load_torque = u.load_torque
-    if u.load_torque_rate_given != 0.0:
-        x.load_torque += 0.5 * h * u.load_torque_rate  # its mean over the step
-    push = p.balancer * ((u.hub_speed - x.hub_speed) - x.hub_speed_low)
-    x.hub_speed = u.hub_speed
-    x.hub_speed_low = 0.0
-    if push != 0.0:
-        work = p.driven_inertia * push * (x.omega4 + 0.5 * push)
+    jump = (u.hub_speed - x.held_input) - x.hub_slope * x.held_step
+    push = p.balancer * jump
+    work = p.driven_inertia * push * (x.omega4 + 0.5 * push)
+    # the one of slip and speed that has kept fewer digits follows from the other
+    if abs(x.omega4) + abs(push) < abs(x.slip) + abs(jump - push):
         x.omega4, x.omega4_low = add(x.omega4, x.omega4_low, push)
-        x.energy_lost, x.energy_lost_low = add(x.energy_lost, x.energy_lost_low, -work)
+        x.slip, x.slip_low = add(u.hub_speed, -x.omega4_low, -x.omega4)
+    else:
+        x.slip, x.slip_low = add(x.slip, x.slip_low, jump - push)
+        x.omega4, x.omega4_low = add(u.hub_speed, -x.slip_low, -x.slip)
+    x.energy_lost, x.energy_lost_low = add(x.energy_lost, x.energy_lost_low, -work)
+    x.hub_slope = take_speed(p, x, u.hub_speed, u.hub_speed_rate_given, u.hub_speed_rate, h)
+    x.load_torque = mean_torque(u.load_torque, u.load_torque_rate_given, u.load_torque_rate, h)
+
+
+def describe(p, d, x, w):
+    """Write z1 to z4 of the motions over the coming step, and of the rates of two (:mod:`.motion`)."""
+    slope = x.hub_slope
+    own, acceleration = driven_acceleration(p, x)
+    left = (1.0 - p.balancer) * slope
+    friction = p.driven_friction / p.driven_inertia
+    damping = p.shaft_damping / p.driven_inertia
+    load = x.load_torque / p.driven_inertia
+    # what pulls the twist but the spring, and what drives the mass but its own motion
+    pull = left + friction * x.held_input + load
+    drive = p.balancer * slope + damping * x.held_input - load + d.square * x.twist
+    copy(w.twist, (x.twist, x.slip + d.rate * x.twist, pull, friction * slope))
+    copy(w.slip, (x.slip, pull - d.square * x.twist, friction * slope, 0.0))
+    copy(w.slip_rate, (left - own, friction * slope - d.square * x.slip, 0.0, 0.0))
+    copy(w.speed, (x.omega4, drive, damping * slope + d.square * x.held_input, d.square * slope))
+    copy(w.speed_rate, (acceleration, damping * slope + d.square * x.slip, d.square * slope, 0.0))
 
 
 def move(p, d, x, w, h):
-    """Advance over the step, inputs taken: exact motion, mean torque and energies.
-
-    The momentum the shaft passes is found from its twist or, where swings cancel in that, from the
-    momentum of the driven mass: whichever rounds off less. The energies do not balance by construction.
-    """
-    describe_motion(p, d, x, w)
-    hub = x.hub_speed
-    ramp = x.hub_slope
-    load = x.load_torque
-    inertia = p.driven_inertia
-    keep_responses(d, h)
-    step = d.responses[0]
-    slope = d.responses[1]
-    impulse = d.responses[2]
-    one = d.responses[3]
-    two = d.responses[4]
-    three = d.responses[5]
-    four = d.responses[6]
-    angle, turn = turn_of_mass(x, w, impulse, one, two, three, h)
-    momentum, momentum_size, moment, moment_size = torque_sums(p, x, w, impulse, one, two, three, four, h)
-    lost = 0.0
-    if p.shaft_damping > 0.0 or p.driven_friction > 0.0:
-        slips, speeds = squares(d, w, hub, ramp, h)
-        lost = p.shaft_damping * slips + p.driven_friction * speeds
-    before = x.omega4
-    before_low = x.omega4_low
-    x.hub_speed, x.hub_speed_low = add(x.hub_speed, x.hub_speed_low, ramp * h)
-    move_twist(x, w, step, impulse, one, two)
-    change_size = move_speed(x, w, slope, impulse, one, two)
-    change = (x.omega4 - before) + (x.omega4_low - before_low)
-    move_acceleration(p, x, w, slope, impulse, one)
-    passed, size = torque_from_mass(p, ramp, load, change, change_size, angle, turn, h)
-    if size < momentum_size:
-        momentum = passed
-    # integral of the angle: of the hub's less the twist
-    twisted, twisted_size = twist_sum(w, one, two, three)
-    swept = h * h * (0.5 * hub + ramp * h / 6.0) - twisted
-    swept_size = h * h * (0.5 * abs(hub) + abs(ramp) * h / 6.0) + twisted_size
-    passed, size = torque_from_mass(
-        p, 0.5 * ramp * h, 0.5 * load * h, angle - before * h, turn + abs(before) * h, swept, swept_size, h
-    )
-    if size < moment_size:
-        moment = passed
-    x.energy_in, x.energy_in_low = add(
-        x.energy_in, x.energy_in_low, (hub + ramp * h) * momentum - ramp * moment
-    )
-    x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, load * angle)
-    x.energy_lost, x.energy_lost_low = add(
-        x.energy_lost, x.energy_lost_low, lost - p.balancer * inertia * ramp * angle
-    )
+    """Advance over the step, inputs taken: exact motion, mean torque and energies, which may not balance."""
+    describe(p, d, x, w)
+    keep_step(d, w, h)
+    # integral of the shaft torque, and of that integral
+    momentum = p.shaft_stiffness * integral(d, w.twist, 1) + p.shaft_damping * integral(d, w.slip, 1)
+    moment = p.shaft_stiffness * integral(d, w.twist, 2) + p.shaft_damping * integral(d, w.slip, 2)
+    angle = integral(d, w.speed, 1)
+    lost = p.shaft_damping * square_integral(d, w.slip) + p.driven_friction * square_integral(d, w.speed)
+    lost -= p.balancer * p.driven_inertia * x.hub_slope * angle
+    x.twist, x.twist_low = end(d, w.twist, w.slip, x.twist_low)
+    x.slip, x.slip_low = end(d, w.slip, w.slip_rate, x.slip_low)
+    x.omega4, x.omega4_low = end(d, w.speed, w.speed_rate, x.omega4_low)
+    work = (x.held_input + x.hub_slope * h) * momentum - x.hub_slope * moment
+    x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, work)
+    x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, x.load_torque * angle)
+    x.energy_lost, x.energy_lost_low = add(x.energy_lost, x.energy_lost_low, lost)
     x.shaft_torque_mean = momentum / h
 
 
 def advance(p, d, u, x, y, w, h):
-    """Advance by the communication step h, s.
-
-    A status other than OK leaves state and outputs as they were.
-
-    Args:
-        p, d, u: parameters, derived constants, inputs (held or extrapolated over the step).
-        x, y: state and outputs, written. w: workspace.
-    """
-    if not 0.0 < h <= LARGEST_STEP:
-        return BAD_STEP
-    status = check_inputs(u)
-    if status == OK:
-        status = check_rates(u, h)
+    """Advance by the communication step h, s. Any status but OK leaves state and outputs as they were."""
+    status = check_step(u, h)
     if status != OK:
         return status
     copy(w.before.numbers, x.numbers)
@@ -213,24 +164,20 @@ def advance(p, d, u, x, y, w, h):
     move(p, d, x, w, h)
     for n in range(len(x.numbers)):
         if not abs(x.numbers[n]) < 1e300:
-            status = NOT_FINITE
-    if status != OK:
-        copy(x.numbers, w.before.numbers)
-        return status
+            copy(x.numbers, w.before.numbers)
+            return NOT_FINITE
     write_outputs(p, x, y)
     return OK
 
 
 def write_rates(p, x, y):
     """Rate of each output, per second, in its place in y; the step mean holds for its step."""
-    acceleration = x.acceleration
-    relative = x.hub_slope - acceleration
-    torque = p.shaft_stiffness * slip(x) + p.shaft_damping * relative
-    y.shaft_torque = torque
+    _, acceleration = driven_acceleration(p, x)
+    y.shaft_torque = p.shaft_stiffness * x.slip + p.shaft_damping * (x.hub_slope - acceleration)
     y.shaft_torque_mean = 0.0
     y.omega_out = acceleration
-    y.driven_acceleration = (torque - p.driven_friction * acceleration) / p.driven_inertia
-    y.twist = slip(x)
+    y.driven_acceleration = (y.shaft_torque - p.driven_friction * acceleration) / p.driven_inertia
+    y.twist = x.slip
 
 
 def call(operation, p, d, u, x, y, w, h):

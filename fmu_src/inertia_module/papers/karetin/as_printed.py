@@ -2,247 +2,194 @@
 
 Two scans of the page were compared equation by equation: a transcription (scan 000) and a text layer
 (scan 003), whose operators stand in the symbol font and can be read. They agree on every sign, factor and
-bracket; where they differ or leave something open, the function says what was taken.
+bracket; where they differ or leave something open, it is said here what was taken.
 
-Every function takes what its equation takes: numbers, arrays of shape (n,) or Series of time, and vectors
-as three of these. So an equation can be judged alone, fed with exact values; ``printed`` feeds each with
-the printed results of the ones before. Lengths in m, angles in rad, times in s.
+The formulas take numbers, arrays of shape (n,) or jets of time, and vectors of three of these. Lengths in m,
+angles in rad, times in s.
 """
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from ..series import Series
-from .exact import checked_times
+from ..forms import Forms, Formulas
+from ..jets import Jet, rate, value, vector
+from .exact import exact, inputs
 from .geometry import Geometry
 from .motion import Motion
-from .motion import transmission_ratios as exact_ratios
-
-# a number, an array of shape (n,) or a Series
-Value = Any
-Vector = tuple[Value, Value, Value]
 
 
-def transmission_ratios(
-    omega1: float, i: float, z2: float, z16: float, z17: float, z6: float
-) -> tuple[float, float, float]:
-    """Equation (1): (omega2, omega16, omega6), rad/s."""
-    drive = omega1 * z2 / z16
-    return omega1 / i, drive * (1.0 - 1.0 / i), drive * z17 / z6 * (1.0 - 1.0 / i)
+def printed(g: Geometry, motion: Motion, times: Any, name: str) -> NDArray[np.float64]:
+    """A quantity of the page, all equations in a row, each fed with the printed results before it.
+
+    Args:
+        times: s, shape (n,). name: one of PRINTED.
+
+    Returns:
+        Shape (n,) or (3, n); where the page divides by zero it is not finite.
+
+    Raises:
+        ValueError: bad times, as the exact forms.
+    """
+    t = Jet(exact(g, motion, times).t, 1.0, 0.0)
+    with np.errstate(all="ignore"):
+        found: NDArray[np.float64] = value(getattr(Forms(PRINTED, **inputs(g, motion), t=t), name))
+    return found
 
 
-class Factors(NamedTuple):
-    """U1 to U6 of equation (2): U1, U5 and U6 are lengths, m, the others numbers."""
-
-    U1: float
-    U2: float
-    U3: float
-    U4: float
-    U5: float
-    U6: float
-
-
-def factors(wheel_radius: float, phi: float, psi: float, chi: float, a: float, b: float, c: float) -> Factors:
-    """The factors of equation (2).
+def factors(g: Geometry) -> tuple[float, ...]:
+    """The factors U1 to U6 of equation (2): U1, U5 and U6 are lengths, m, the others numbers.
 
     Both scans print O_r Pi in U1. The text lists "the radii Q_r Pi and KPi and the heights O_r Q and QK":
     O_r is the centre of the base of wheel 17, so O_r Pi is its radius and "Q_r Pi" a misprint of it.
     """
-    U1, U3 = wheel_radius / np.sin(psi), a * np.sin(phi)
-    U2 = b * np.cos(phi) * np.cos(phi + psi - np.pi / 2)
-    U5 = U1 * (c * np.cos(psi) + b * np.cos(phi) * np.sin(phi + psi - np.pi / 2))
-    return Factors(U1, U2, U3, np.cos(psi), U5, U1 * U3 * np.sin(np.pi - chi))
+    phi, psi = g.phi, g.psi
+    U1, U3 = g.wheel_radius / np.sin(psi), g.a * np.sin(phi)
+    U2 = g.b * np.cos(phi) * np.cos(phi + psi - np.pi / 2)
+    U5 = U1 * (g.c * np.cos(psi) + g.b * np.cos(phi) * np.sin(phi + psi - np.pi / 2))
+    return U1, U2, U3, np.cos(psi), U5, U1 * U3 * np.sin(np.pi - g.shaft_angle)
 
 
-def position(u: Factors, drive: Value, satellite: Value, epsilon: float, gamma: float) -> Vector:
-    """Equation (2): (x_D, y_D, z_D), of mixed units: U1 U5 U4 is an area.
-
-    drive, satellite: omega16 t and omega6 t, rad; epsilon, gamma: offsets, rad.
-    """
-    B, A = np.pi - (satellite + epsilon), drive + gamma
-    bracket = u.U2 + u.U5 * u.U4 * np.cos(B)
-    return (
-        u.U1 * (bracket * np.cos(A) + u.U3 * np.sin(B) * np.sin(A)),
-        u.U1 * (bracket * np.sin(A) - u.U3 * np.sin(B) * np.cos(A)),
-        u.U5 + u.U6 * np.cos(B),
+def position(factors: tuple[float, ...], A: Any, B: Any) -> Any:
+    """Equation (2), A = omega16 t + gamma and B = omega6 t + epsilon; of mixed units: U1 U5 U4 is an area."""
+    U1, U2, U3, U4, U5, U6 = factors
+    cosine, sine = np.cos(np.pi - B), np.sin(np.pi - B)
+    bracket = U2 + U5 * U4 * cosine
+    return vector(
+        U1 * (bracket * np.cos(A) + U3 * sine * np.sin(A)),
+        U1 * (bracket * np.sin(A) - U3 * sine * np.cos(A)),
+        U5 + U6 * cosine,
     )
 
 
-def modulus(v: Vector) -> Value:
-    """Equations (3), (12), (18), (25) and (33): modulus of a vector."""
+def modulus(v: Any) -> Any:
+    """Equations (3), (12), (18), (25) and (33)."""
     return np.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
 
 
-def length(u: Value, v: Value) -> Value:
+def length(u: Any, v: Any) -> Any:
     """Equations (4), (16), (28) and (29), and within (30) and (31): length in a plane."""
     return np.sqrt(u * u + v * v)
 
 
-def projections(x: Value, y: Value, z: Value) -> Vector:
-    """Equation (4): (OH, OP, OF)."""
-    return length(x, y), length(y, z), length(x, z)
+def slope(v: Any, along: int, across: int) -> Any:
+    """Equation (27), and k2 of (30), k3 of (31): infinite where the divisor is 0."""
+    return -v[along] / v[across]
 
 
-def angles(x: Value, y: Value, OP: Value, OF: Value) -> Vector:
-    """Equation (5): (beta_H, beta_P, beta_F), rad, without the quadrant; beta_H fails at x = 0.
-
-    Scan 000 loses the index of beta_P in the text, scan 003 has it.
-    """
-    return np.arctan(y / x), np.pi / 2 - np.arccos(y / OP), np.arccos(x / OF)
+def foot(r: Any, along: int, across: int, k: Any) -> Any:
+    """Equations (26), (30) and (31): (x_L, y_L), (z_M, y_M) and (z_N, what is printed as y_N)."""
+    first = (r[along] + k * r[across]) / (k * k + 1.0)
+    return vector(first, k * first)
 
 
-def rates(v: Vector) -> Vector:
-    """Equations (6), of the angles, and (32), of the velocity: rates of three Series."""
-    return v[0].rate(), v[1].rate(), v[2].rate()
+def _speeds(e: Any) -> tuple[Any, Any, Any]:
+    drive = e.omega1 * e.g.z2 / e.g.z16
+    return e.omega1 / e.i, drive * (1.0 - 1.0 / e.i), drive * e.g.z17 / e.g.z6 * (1.0 - 1.0 / e.i)
 
 
-def sum_of_velocities(one: Vector, other: Vector) -> Vector:
-    """Equations (7) and (17): V_D Sigma of V_QA and V_Oz; also (23): V_D Omega of V_D Sigma and V_Ox."""
-    return one[0] + other[0], one[1] + other[1], one[2] + other[2]
+def _angles(e: Any) -> Any:
+    (x, y), (_, OP, OF) = (e.position[0], e.position[1]), (e.projections[n] for n in range(3))
+    return vector(np.arctan(y / x), np.pi / 2 - np.arccos(y / OP), np.arccos(x / OF))
 
 
-def arm_of_imbalance(D: Vector, A: Vector) -> Vector:
-    """Equation (8): AD."""
-    return D[0] - A[0], D[1] - A[1], D[2] - A[2]
+def _mu(e: Any) -> Any:
+    OA, zA, OQ = modulus(e.centre_of_satellite), e.centre_of_satellite[2], e.g.OQ
+    return e.omega6 / np.sqrt(OA * OA - 2.0 * zA * OQ + OQ * OQ)
 
 
-def spin_of_satellite(mu: Value, A: Vector) -> Vector:
-    """Equation (9): omega6, rad/s."""
-    return mu * A[0], mu * A[1], mu * A[2]
-
-
-def coefficient_mu(omega6: float, OA: Value, zA: Value, OQ: float) -> Value:
-    """Equation (10): mu, rad/(s m)."""
-    return omega6 / np.sqrt(OA * OA - 2.0 * zA * OQ + OQ * OQ)
-
-
-def velocity_about_satellite(mu: Value, AD: Vector, A: Vector, zQ: float) -> Vector:
-    """Equation (11): V_QA, of mixed units.
-
-    The second row opens one bracket more than it closes, in both scans: the missing one is taken at its
-    end. The third row has no bracket after mu, which so multiplies the first product only.
-    """
-    return (
+def _about_satellite(e: Any) -> Any:
+    AD, A, mu, zQ = e.arm_of_imbalance, e.centre_of_satellite, e.mu, e.g.OQ
+    # the second row opens one bracket more than it closes, in both scans: the missing one is taken at its
+    # end; the third row has no bracket after mu, which so multiplies the first product only
+    return vector(
         mu * (AD[1] * (A[2] - zQ) - AD[2] * A[1]),
         -mu * (AD[0] * (A[2] - AD[2] * A[0])),
         mu * AD[0] * A[1] - AD[1] * A[0],
     )
 
 
-def spin_of_drive(lam: Value, OQ: float) -> Vector:
-    """Equation (13): omega_H as a vector, rad/s."""
-    return 0.0 * lam, 0.0 * lam, lam * OQ
+def _about_drive(e: Any) -> Any:
+    D, lambda_, OQ = e.position_in_link1, e.lambda_, e.g.OQ
+    return vector(lambda_ * (D[1] * OQ), -lambda_ * (D[0] * OQ), 0.0)
 
 
-def coefficient_lambda(omega_H: Value, OQ: float) -> Value:
-    """Equation (14): lambda, rad/(s m)."""
-    return omega_H / OQ
+def _about_centre(e: Any) -> Any:
+    D, v = e.position_in_link1, e.v
+    return vector(0.0, v * (D[0] * D[2]), v * (D[0] * D[1]))
 
 
-def velocity_about_drive(lam: Value, D: Vector, OQ: float) -> Vector:
-    """Equation (15): V_Oz, m/s."""
-    return lam * (D[1] * OQ), -lam * (D[0] * OQ), 0.0 * lam
+def _turned_velocity(e: Any) -> Any:
+    V = e.sum_of_three
+    return vector(V[0], V[1] * np.sin(e.alpha), V[2] * np.cos(e.alpha))
 
 
-def angle_of_turn(omega1: float, omega_P: Value, t: Value) -> Value:
-    """Equation (19): alpha, rad."""
-    return (omega1 + omega_P) * t
+def _foot_n(e: Any) -> Any:
+    # to the letter N is at (0, k3 z_N, z_N); the arm V_ON takes an x_N that is never given
+    z, y = (foot(e.position, 2, 0, slope(e.velocity, 2, 0))[n] for n in (0, 1))
+    return vector(0.0, y, z)
 
 
-def turned_position(x: Value, OP: Value, alpha: Value) -> Vector:
-    """(x, y, z) of D_alpha, m: no equation; the text takes x unchanged and y, z from OP and alpha.
-
-    Sine for y and cosine for z, as in (24) and as beta_P is measured from Oz.
-    """
-    return x, OP * np.sin(alpha), OP * np.cos(alpha)
-
-
-def spin_of_turn(v: Value, x_alpha: Value) -> Vector:
-    """Equation (20): omega_alpha as a vector, rad/s."""
-    return v * x_alpha, 0.0 * v, 0.0 * v
-
-
-def coefficient_v(omega_alpha: Value, omega_P: Value, x_alpha: Value) -> Value:
-    """Equation (21): v, rad/(s m); infinite where x is 0.
-
-    The page does not define omega_alpha. By (19) it is taken as omega1 + omega_P, to which (21) adds
-    omega_P again. Scan 000 writes v, scan 003 nu and upsilon.
-    """
-    return (omega_alpha + omega_P) / x_alpha
-
-
-def velocity_about_centre(v: Value, x_alpha: Value, yP: Value, zP: Value) -> Vector:
-    """Equation (22): V_Ox, m/s; no minus in either scan."""
-    return 0.0 * v, v * (x_alpha * zP), v * (x_alpha * yP)
-
-
-def turned_velocity(V: Vector, alpha: Value) -> Vector:
-    """Equation (24): V of D_alpha Omega_alpha, m/s."""
-    return V[0], V[1] * np.sin(alpha), V[2] * np.cos(alpha)
-
-
-def slope(along: Value, across: Value) -> Value:
-    """Equation (27), and k2 of (30), k3 of (31): -along/across; infinite where the divisor is 0."""
-    return -along / across
-
-
-def foot(along: Value, across: Value, k: Value) -> tuple[Value, Value]:
-    """Equations (26), (30) and (31): (x_L, y_L), (z_M, y_M) and (z_N, what is printed as y_N), m.
-
-    The arm V_ON of (31) takes an x_N that is never given: it is taken as what is printed as y_N.
-    """
-    first = (along + k * across) / (k * k + 1.0)
-    return first, k * first
-
-
-class Printed(NamedTuple):
-    """What the page computes at n times; where it divides by zero it is not finite.
-
-    Attributes:
-        position: (2), m, shape (n, 3). angles: (5), rad. angular_velocities: (6), rad/s.
-        stop_velocity, stop_acceleration: (17), m/s, and its rate, m/s^2.
-        alpha: (19), rad, shape (n, 1).
-        velocity, acceleration: (24), m/s, and (32), m/s^2, of the dynamic mode.
-    """
-
-    position: NDArray[np.float64]
-    angles: NDArray[np.float64]
-    angular_velocities: NDArray[np.float64]
-    stop_velocity: NDArray[np.float64]
-    stop_acceleration: NDArray[np.float64]
-    alpha: NDArray[np.float64]
-    velocity: NDArray[np.float64]
-    acceleration: NDArray[np.float64]
-
-
-def printed(g: Geometry, motion: Motion, times: ArrayLike) -> Printed:
-    """All printed equations in a row, each fed with the printed results before it.
-
-    Raises:
-        ValueError: bad times, as the exact forms.
-    """
-    seconds = checked_times(g, motion, times)
-    t = Series([seconds, 1.0, 0.0])
-    _, omega16, omega6 = exact_ratios(g, motion)
-    with np.errstate(all="ignore"):
-        u = factors(g.wheel_radius, g.phi, g.psi, g.chi, g.a, g.b, g.c)
-        D = position(u, omega16 * t, omega6 * t, g.epsilon, g.gamma)
-        _, OP, OF = projections(*D)
-        beta = angles(D[0], D[1], OP, OF)
-        omega = rates(beta)
-        # A is not printed: by the text it turns with the drive about Oz at the height of U5
-        A = (g.across * np.cos(omega16 * t + g.gamma), g.across * np.sin(omega16 * t + g.gamma), u.U5)
-        mu = coefficient_mu(omega6, modulus(A), u.U5, g.OQ)
-        V_QA = velocity_about_satellite(mu, arm_of_imbalance(D, A), A, g.OQ)
-        V_Oz = velocity_about_drive(coefficient_lambda(omega[0], g.OQ), D, g.OQ)
-        V_sigma = sum_of_velocities(V_QA, V_Oz)
-        alpha = angle_of_turn(motion.omega1, omega[1], t)
-        v = coefficient_v(motion.omega1 + omega[1], omega[1], D[0])
-        V_Ox = velocity_about_centre(v, D[0], D[1], D[2])
-        V = turned_velocity(sum_of_velocities(V_sigma, V_Ox), alpha)
-        chain = (D, beta, omega, V_sigma, rates(V_sigma), (alpha,), V, rates(V))
-        return Printed(*(np.stack([u.value + 0.0 * seconds for u in vector], axis=1) for vector in chain))
+PRINTED: Formulas = {
+    # (1)
+    "speeds": _speeds,
+    "omega16": lambda e: e.speeds[1],
+    "omega6": lambda e: e.speeds[2],
+    # (2), (3)
+    "A": lambda e: e.omega16 * e.t + e.g.gamma,
+    "B": lambda e: e.omega6 * e.t + e.g.epsilon,
+    "position_in_link1": lambda e: position(factors(e.g), e.A, e.B),
+    "position": lambda e: e.position_in_link1,
+    "radius": lambda e: modulus(e.position),
+    # (4) to (6); (5) without the quadrant, fails at x = 0; the index of beta_P is in scan 003 only
+    "projections": lambda e: vector(
+        *(length(e.position[u], e.position[v]) for u, v in ((0, 1), (1, 2), (0, 2)))
+    ),
+    "angles": _angles,
+    "angular_velocities": lambda e: rate(e.angles),
+    # (7), (17)
+    "velocity_in_link1": lambda e: e.about_satellite + e.about_drive,
+    # A is not printed: by the text it turns with the drive about Oz at the height of U5; (8)
+    "centre_of_satellite": lambda e: vector(
+        e.g.across * np.cos(e.A), e.g.across * np.sin(e.A), factors(e.g)[4]
+    ),
+    "arm_of_imbalance": lambda e: e.position_in_link1 - e.centre_of_satellite,
+    # (9), (10), (11) of mixed units, (12)
+    "spin_of_satellite": lambda e: e.mu * e.centre_of_satellite,
+    "mu": _mu,
+    "about_satellite": _about_satellite,
+    "speed_about_satellite": lambda e: modulus(e.about_satellite),
+    # (13) to (16)
+    "spin_of_drive": lambda e: vector(0.0, 0.0, e.lambda_ * e.g.OQ),
+    "lambda_": lambda e: e.angular_velocities[0] / e.g.OQ,
+    "about_drive": _about_drive,
+    "speed_about_drive": lambda e: length(e.about_drive[0], e.about_drive[1]),
+    # (18)
+    "speed_in_link1": lambda e: modulus(e.velocity_in_link1),
+    # (19)
+    "swing_rate": lambda e: e.angular_velocities[1],
+    "alpha": lambda e: (e.omega1 + e.swing_rate) * e.t,
+    # (20), (21), (22); the page does not define omega_alpha of (21): by (19) it is taken as
+    # omega1 + omega_P, to which (21) adds omega_P again; scan 000 writes v, scan 003 nu and upsilon
+    "spin_of_link1": lambda e: vector(e.v * e.position_in_link1[0], 0.0, 0.0),
+    "v": lambda e: (e.omega1 + e.swing_rate + e.swing_rate) / e.position_in_link1[0],
+    "about_centre": _about_centre,
+    # (23), (24), (25)
+    "sum_of_three": lambda e: e.velocity_in_link1 + e.about_centre,
+    "velocity": _turned_velocity,
+    "speed": lambda e: modulus(e.velocity),
+    # (26), (27), (28), (29), (30), (31)
+    "foot_L": lambda e: foot(e.position, 0, 1, e.k1),
+    "k1": lambda e: slope(e.velocity, 0, 1),
+    "arm_L": lambda e: length(e.foot_L[0], e.foot_L[1]),
+    "speed_L": lambda e: length(e.velocity[0], e.velocity[1]),
+    "foot_M": lambda e: foot(e.position, 2, 1, slope(e.velocity, 2, 1)),
+    "foot_N": _foot_n,
+    # (32), of either mode, and (33)
+    "acceleration_in_link1": lambda e: rate(e.velocity_in_link1),
+    "acceleration": lambda e: rate(e.velocity),
+    "acceleration_modulus": lambda e: modulus(e.acceleration),
+}

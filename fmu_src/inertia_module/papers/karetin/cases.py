@@ -7,9 +7,10 @@ from functools import cache
 
 import numpy as np
 
-from .exact import Kinematics
+from ..forms import Forms
+from .exact import exact
 from .geometry import Geometry
-from .motion import Motion, dynamic_mode, stop_mode
+from .motion import Motion, dynamic_mode, stop_mode, transmission_ratios
 
 # the scene R1: pole of the cones, no offsets
 STANDARD = Geometry()
@@ -26,18 +27,11 @@ SAMPLES = 20_000
 
 
 def period(geometry: Geometry, motion: Motion) -> float:
-    """Time after which drive and satellite stand in link 1 as before, s.
-
-    Raises:
-        ValueError: the drive is at rest.
-    """
-    rate = abs(float(motion.drive_rate(geometry)))
-    if rate == 0.0:
-        raise ValueError("omega1 - omega2 must not be 0 for the drive to turn")
-    return 2.0 * math.pi * geometry.turns_in_period / rate
+    """Time after which drive and satellite stand in link 1 as before, s; the drive must turn."""
+    return 2.0 * math.pi * float(geometry.turns_in_period) / abs(transmission_ratios(geometry, motion)[1])
 
 
 @cache
-def over_period(geometry: Geometry = GENERAL, motion: Motion = STOP) -> Kinematics:
-    """The exact set at SAMPLES times over one period, between the instants at which something may vanish."""
-    return Kinematics(geometry, motion, (np.arange(SAMPLES) + 0.5) / SAMPLES * period(geometry, motion))
+def over_period(geometry: Geometry = GENERAL, motion: Motion = STOP) -> Forms:
+    """The exact forms at SAMPLES times over a period, between the instants at which something may vanish."""
+    return exact(geometry, motion, (np.arange(SAMPLES) + 0.5) / SAMPLES * period(geometry, motion))

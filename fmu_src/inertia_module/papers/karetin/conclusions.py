@@ -15,10 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .cases import period
-from .exact import Kinematics
+from .exact import exact
 from .geometry import Geometry
 from .motion import Motion
-from .projections import continuous
 
 Array = NDArray[np.float64]
 Function = Callable[[Array], Array]
@@ -67,8 +66,8 @@ def best_mirror(function: Function, period: float, sign: float = 1.0, samples: i
 
 
 def quantity(name: str, geometry: Geometry, motion: Motion) -> Function:
-    """One of the moduli of Kinematics as a function of times."""
-    return lambda t: getattr(Kinematics(geometry, motion, t), name)  # type: ignore[no-any-return]
+    """One of the exact quantities as a function of times."""
+    return lambda t: getattr(exact(geometry, motion, t), name)  # type: ignore[no-any-return]
 
 
 def asymmetry(name: str, geometry: Geometry, motion: Motion) -> float:
@@ -78,14 +77,9 @@ def asymmetry(name: str, geometry: Geometry, motion: Motion) -> float:
 
 def asymmetry_of_components(geometry: Geometry, motion: Motion) -> float:
     """Largest asymmetry of V_x, V_y, V_z over that period, mirrored with either sign."""
-
-    def component(axis: int) -> Function:
-        return lambda t: Kinematics(geometry, motion, t).velocity[:, axis]
-
-    span = period(geometry, motion)
-    return max(
-        min(best_mirror(component(axis), span, sign).asymmetry for sign in (1.0, -1.0)) for axis in range(3)
-    )
+    span, velocity = period(geometry, motion), quantity("velocity", geometry, motion)
+    components = (lambda t, axis=axis: velocity(t)[axis] for axis in range(3))
+    return max(min(best_mirror(v, span, sign).asymmetry for sign in (1.0, -1.0)) for v in components)
 
 
 class Swing(NamedTuple):
@@ -103,8 +97,6 @@ def swings(geometry: Geometry, motion: Motion) -> dict[str, Swing]:
     """The swing over a period about "Ox" (beta_P), "Oy" (beta_F) and "Oz" (beta_H) of the fixed frame."""
     # not from 0: a pole of the cones stands on an axis there
     t = period(geometry, motion) * (np.arange(40_001) + 0.5) / 40_000
-    beta = dict(zip(("Oz", "Ox", "Oy"), continuous(Kinematics(geometry, motion, t).angles).T, strict=True))
-    return {
-        axis: Swing(round(float(angle[-1] - angle[0]) / (2.0 * np.pi)), 0.5 * float(np.ptp(angle)))
-        for axis, angle in beta.items()
-    }
+    beta = np.unwrap(exact(geometry, motion, t).angles)
+    turns, amplitudes = np.rint((beta[:, -1] - beta[:, 0]) / (2.0 * np.pi)), 0.5 * np.ptp(beta, axis=1)
+    return {axis: Swing(int(turns[n]), float(amplitudes[n])) for n, axis in enumerate(("Oz", "Ox", "Oy"))}

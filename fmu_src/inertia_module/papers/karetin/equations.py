@@ -1,7 +1,6 @@
-"""The numbered equations of Karetin over a period of the general case: printed form, exact form.
+"""The numbered equations of Karetin over a period of the general case.
 
-Each printed form is fed with exact values of all it takes; (1) to (18) in the stop mode, (19) to (33) in
-the dynamic mode.
+(1) to (18) in the stop mode, but for (1), the others in the dynamic mode.
 """
 
 from __future__ import annotations
@@ -10,113 +9,69 @@ from typing import Any
 
 import numpy as np
 
-from ..report import Equations
-from ..series import Series
-from . import as_printed as page
+from ..forms import Forms
+from ..jets import Jet, rate, vector
+from ..report import Equation, compared
+from .as_printed import PRINTED, factors, position
 from .cases import DYNAMIC, GENERAL, STOP, over_period
-from .exact import Kinematics, modulus
-from .motion import transmission_ratios
+from .exact import turned
+
+STOPPED, MOVING = over_period(GENERAL, STOP), over_period(GENERAL, DYNAMIC)
 
 
-def xyz(v: Any) -> Any:
-    """Components of vectors of shape (n, 3)."""
-    return tuple(v.T)
+def position_in_time(e: Forms) -> Jet:
+    """(2) with U5 U4 put right, turned by omega1 t, as a jet."""
+    t, (U1, U2, U3, _, U5, U6) = Jet(e.t, 1.0, 0.0), factors(GENERAL)
+    right = U1, U2, U3, U3 * np.cos(GENERAL.shaft_angle) / U5, U5, U6
+    r = position(right, e.omega16 * t + GENERAL.gamma, e.omega6 * t + GENERAL.epsilon)
+    sine, cosine = np.sin(e.motion.carrier * t), np.cos(e.motion.carrier * t)
+    turned: Jet = vector(r[0], r[1] * cosine - r[2] * sine, r[1] * sine + r[2] * cosine)
+    return turned
 
 
-G, W1 = GENERAL, DYNAMIC.omega1
-S, M = STOPPED, MOVING = over_period(G, STOP), over_period(G, DYNAMIC)
-W6, W16 = S.omega6, S.omega16
-# of the stop mode: D, A, AD, mu and lambda
-R, A, AD = xyz(S.position), xyz(S.centre_of_satellite), xyz(S.arm_of_imbalance)
-MU = page.coefficient_mu(W6, modulus(S.centre_of_satellite), A[2], G.OQ)
-LAMBDA = np.full_like(S.t, W16 / G.OQ)
-# of the dynamic mode: D in link 1 and in the fixed frame, V in link 1 with V_Ox, V and a
-XL, YL, ZL = M.position_in_link1.T
-r, V, a = xyz(M.position), xyz(M.velocity), xyz(M.acceleration)
-V_OMEGA = M.velocity_in_link1 + M.about_centre
-# U1 to U6, and with U5 U4 put right
-FACTORS = page.factors(G.wheel_radius, G.phi, G.psi, G.chi, G.a, G.b, G.c)
-RIGHT_FACTORS = FACTORS._replace(U4=FACTORS.U3 * np.cos(G.chi) / FACTORS.U5)
+def angles_in_time(e: Forms) -> Jet:
+    """(5) put right, as a jet; its quadrant does not count, for only its rates are asked for."""
+    r = position_in_time(e)
+    angles: Jet = vector(np.arctan(r[1] / r[0]), np.arctan(r[1] / r[2]), np.arctan(r[2] / r[0]))
+    return angles
 
 
-def position_series(case: Kinematics) -> tuple[Series, Series, Series]:
-    """(2) put right and turned by omega1 t, as series."""
-    t = Series([case.t, 1.0, 0.0])
-    x, y, z = page.position(RIGHT_FACTORS, case.omega16 * t, case.omega6 * t, G.epsilon, G.gamma)
-    sine, cosine = np.sin(case.motion.carrier * t), np.cos(case.motion.carrier * t)
-    return x, y * cosine - z * sine, y * sine + z * cosine
+def _coefficient_v() -> tuple[Any, ...]:
+    """As v x_D, which (20) and (22) use: v itself has no largest value."""
+    x = MOVING.position_in_link1[0]
+    return PRINTED["v"](MOVING) * x, MOVING.v * x
 
 
-def angle_series(case: Kinematics) -> tuple[Series, Series, Series]:
-    """(5) put right, as series."""
-    x, y, z = position_series(case)
-    return np.arctan2(y, x), np.arctan2(y, z), np.arctan2(z, x)  # type: ignore[call-overload, no-any-return]
+def _slope() -> tuple[Any, ...]:
+    """As an angle: the slope has no largest value. The foot is as steep as OL."""
+    return np.arctan(PRINTED["k1"](MOVING)), np.arctan(MOVING.foot_L[1] / MOVING.foot_L[0])
 
 
-def swing_rate() -> Any:
-    """Exact omega_P of D in link 1 in the dynamic mode, rad/s, shape (n,)."""
-    _, vy, vz = M.velocity_in_link1.T
-    return (ZL * vy - YL * vz) / (YL * YL + ZL * ZL)
+# with rates of the exact place and angles, for the equations that are sums of velocities or rates
+STOPPED_RATE, MOVING_RATE = (rate(position_in_time(e)) for e in (STOPPED, MOVING))
+SUM_IN_LINK1 = compared("velocity_in_link1", PRINTED, STOPPED.given(velocity_in_link1=STOPPED_RATE.value))
+SUM_OF_THREE = turned(MOVING.given(sin_theta=-MOVING.sin_theta), MOVING_RATE.value)
 
-
-def _values(series: Any) -> tuple[Any, ...]:
-    return tuple(u.value for u in series)
-
-
-def _sum_in_link1() -> tuple[Any, Any]:
-    """The sum of (7) and (17), and the rate of the position."""
-    total = page.sum_of_velocities(xyz(S.about_satellite), xyz(S.about_drive))
-    return total, _values(page.rates(position_series(S)))
-
-
-def _sum_of_three() -> tuple[Any, Any]:
-    """The sum of (23), in the fixed frame, and the rate of the position."""
-    total = page.sum_of_velocities(xyz(M.velocity_in_link1), xyz(M.about_centre))
-    return xyz(M.turned(np.stack(total, axis=1))), _values(page.rates(position_series(M)))
-
-
-def _foot(u: int, v: int) -> Any:
-    """Foot in the plane of two coordinates; k1 = -V_x/V_y, k2 = -V_z/V_y, k3 = -V_z/V_x."""
-    return page.foot(r[u], r[v], page.slope(V[u], V[v]))
-
-
-EQUATIONS: Equations = {
-    "(1)": lambda: (
-        page.transmission_ratios(W1, 2.0, G.z2, G.z16, G.z17, G.z6),
-        transmission_ratios(G, DYNAMIC),
-    ),
-    "(2)": lambda: (page.position(FACTORS, W16 * S.t, W6 * S.t, G.epsilon, G.gamma), R),
-    "(3)": lambda: (page.modulus(R), S.radius),
-    "(4)": lambda: (page.projections(*R), xyz(S.projections)),
-    "(5)": lambda: (page.angles(R[0], R[1], *S.projections.T[1:]), xyz(S.angles)),
-    "(6)": lambda: (_values(page.rates(angle_series(S))), xyz(S.angular_velocities)),
-    "(7)": _sum_in_link1,
-    "(8)": lambda: (page.arm_of_imbalance(R, A), AD),
-    "(9)": lambda: (page.spin_of_satellite(MU, A), xyz(S.spin_of_satellite)),
-    "(10)": lambda: (MU, W6 / G.QA),
-    "(11)": lambda: (page.velocity_about_satellite(MU, AD, A, G.OQ), xyz(S.about_satellite)),
-    "(12)": lambda: (page.modulus(xyz(S.about_satellite)), W6 * G.AD),
-    "(13)": lambda: (page.spin_of_drive(LAMBDA, G.OQ), (0.0, 0.0, W16)),
-    "(14)": lambda: (page.coefficient_lambda(S.angular_velocities[:, 0], G.OQ), LAMBDA),
-    "(15)": lambda: (page.velocity_about_drive(LAMBDA, R, G.OQ), xyz(S.about_drive)),
-    "(16)": lambda: (page.length(*S.about_drive.T[:2]), S.speed_about_drive),
-    "(17)": _sum_in_link1,
-    "(18)": lambda: (page.modulus(xyz(S.velocity_in_link1)), S.speed),
-    "(19)": lambda: (page.angle_of_turn(W1, swing_rate(), M.t), W1 * M.t),
-    "(20)": lambda: (page.spin_of_turn(W1 / XL, XL), (W1, 0.0, 0.0)),
-    # as v x_D, which (20) and (22) use: v itself has no largest value
-    "(21)": lambda: (page.coefficient_v(W1 + swing_rate(), swing_rate(), XL) * XL, W1),
-    "(22)": lambda: (page.velocity_about_centre(W1 / XL, XL, YL, ZL), xyz(M.about_centre)),
-    "(23)": _sum_of_three,
-    "(24)": lambda: (page.turned_velocity(xyz(V_OMEGA), W1 * M.t), xyz(M.velocity)),
-    "(25)": lambda: (page.modulus(V), M.speed),
-    "(26)": lambda: (_foot(0, 1), xyz(M.feet[:, :2])),
-    "(27)": lambda: (np.arctan(page.slope(V[0], V[1])), np.arctan(M.feet[:, 1] / M.feet[:, 0])),
-    "(28)": lambda: (page.length(*M.feet.T[:2]), M.arms[:, 0]),
-    "(29)": lambda: (page.length(V[0], V[1]), M.plane_speeds[:, 0]),
-    "(30)": lambda: (_foot(2, 1), (M.feet[:, 3], M.feet[:, 2])),
-    # to the letter: N at (0, k3 z_N, z_N)
-    "(31)": lambda: ((0.0, *_foot(2, 0)[::-1]), (M.feet[:, 4], 0.0, M.feet[:, 5])),
-    "(32)": lambda: (_values(page.rates(page.rates(position_series(M)))), xyz(M.acceleration)),
-    "(33)": lambda: (page.modulus(a), M.acceleration_modulus),
-}
+IN_STOP_MODE = (
+    *("position_in_link1", "radius", "projections", "angles", "angular_velocities", "velocity_in_link1"),
+    *("arm_of_imbalance", "spin_of_satellite", "mu", "about_satellite", "speed_about_satellite"),
+    *("spin_of_drive", "lambda_", "about_drive", "speed_about_drive", "velocity_in_link1", "speed_in_link1"),
+)
+IN_DYNAMIC_MODE = (
+    *("alpha", "spin_of_link1", "v", "about_centre", "sum_of_three", "velocity", "speed"),
+    *("foot_L", "k1", "arm_L", "speed_L", "foot_M", "foot_N", "acceleration", "acceleration_modulus"),
+)
+EQUATIONS = (
+    {"(1)": compared("speeds", PRINTED, MOVING)}
+    | {f"({n})": compared(name, PRINTED, STOPPED) for n, name in enumerate(IN_STOP_MODE, 2)}
+    | {f"({n})": compared(name, PRINTED, MOVING) for n, name in enumerate(IN_DYNAMIC_MODE, 19)}
+    | {
+        "(6)": compared("angular_velocities", PRINTED, STOPPED.given(angles=angles_in_time(STOPPED))),
+        "(7)": SUM_IN_LINK1,
+        "(17)": SUM_IN_LINK1,
+        "(21)": Equation("v", _coefficient_v),
+        "(23)": compared("sum_of_three", PRINTED, MOVING.given(sum_of_three=SUM_OF_THREE)),
+        "(27)": Equation("k1", _slope),
+        "(32)": compared("acceleration", PRINTED, MOVING.given(velocity=MOVING_RATE)),
+    }
+)

@@ -3,22 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, fields
-from fractions import Fraction
+from dataclasses import asdict, dataclass
+from functools import cached_property
 
-from ...common.errors import must_be
-from ...contract.variables import BY_NAME
-
-
-def _derived() -> float:
-    return field(init=False, repr=False, compare=False)  # type: ignore[no-any-return]
-
-
-def _checked(name: str, value: float) -> float:
-    variable = BY_NAME[name]
-    if not variable.accepts(float(value)):
-        raise ValueError(must_be(name, variable.allowed, float(value)))
-    return value
+from ...contract.variables import BY_NAME, refused_parameters
 
 
 @dataclass(frozen=True)
@@ -28,18 +16,18 @@ class Geometry:
     Names, ranges and defaults (scene R1) are those of the parameters of the FMU.
 
     Attributes:
-        z2, z16, z17, z6: teeth. shaft_angle: angle Sigma = phi + psi between the axes QA and OQ, rad.
-        wheel_radius: pitch radius O_r Pi of wheel 17, m.
+        z2, z16, z17, z6: teeth. shaft_angle: angle Sigma = phi + psi between the axes QA and OQ, rad, the
+            paper's chi as well. wheel_radius: pitch radius O_r Pi of wheel 17, m.
         a, b, c: AD, QA and OQ over their lengths in the pitch cones (KPi, QK, O_r Q).
         epsilon, gamma: offsets of the imbalance about QA and OQ at the time 0, rad.
         s: turns of the satellite 6 on the drive per turn of the drive 16, z17/z6.
         k: turns of the drive in link 1 per turn of link 1 against link 2, z2/z16.
         phi, psi: half angles of the pitch cones of the satellite and of wheel 17, rad.
-        chi: angle between the bases of the cones, rad: that between their axes.
         L: length of the generatrix Q Pi, U1 of equation (2), m.
         AD, QA, OQ: arm of the imbalance, offset of its plane on the satellite's axis, place of Q, m.
             QA is negative where phi > pi/2 (internal satellite), OQ where psi > pi/2.
         across, height: of A from OQ and above the plane z = 0, m: QA sin(Sigma), OQ - QA cos(Sigma).
+        turns_in_period: turns of the drive after which drive and satellite are as they were.
 
     Raises:
         ValueError: a value out of its range, with name, value and what is allowed.
@@ -56,66 +44,30 @@ class Geometry:
     c: float = 1.0
     epsilon: float = 0.0
     gamma: float = 0.0
-    s: float = _derived()
-    k: float = _derived()
-    phi: float = _derived()
-    psi: float = _derived()
-    chi: float = _derived()
-    L: float = _derived()
-    AD: float = _derived()
-    QA: float = _derived()
-    OQ: float = _derived()
-    across: float = _derived()
-    height: float = _derived()
 
     def __post_init__(self) -> None:
-        for parameter in fields(self):
-            if parameter.init:
-                _checked(parameter.name, getattr(self, parameter.name))
-        for name, value in self._lengths_and_angles().items():
-            object.__setattr__(self, name, value)
+        parameters = asdict(self)
+        for message in refused_parameters(parameters, [BY_NAME[name] for name in parameters]):
+            raise ValueError(message)
 
-    def _lengths_and_angles(self) -> dict[str, float]:
-        """Derived values by name, exact to rounding also where a cone is flat or a needle."""
-        s = self.z17 / self.z6
-        sine = math.sin(self.shaft_angle)
-        # s + cos and 1 + s cos without the cancellation near Sigma = pi, where both can vanish
-        half = 2.0 * math.cos(0.5 * self.shaft_angle) ** 2
-        along_satellite = (self.z17 - self.z6) / self.z6 + half
-        along_drive = (self.z6 - self.z17) / self.z6 + s * half
-        # rolling without slip: s = sin psi / sin phi, so the cones follow from s and Sigma
-        scale = self.wheel_radius / (s * sine)
-        return {
-            "s": s,
-            "k": self.z2 / self.z16,
-            "phi": math.atan2(sine, along_satellite),
-            "psi": math.atan2(s * sine, along_drive),
-            "chi": self.shaft_angle,
-            "L": scale * math.hypot(s * sine, along_drive),
-            "AD": self.a * self.wheel_radius / s,
-            "QA": self.b * scale * along_satellite,
-            "OQ": self.c * scale * along_drive,
-            "across": self.b * self.wheel_radius * along_satellite / s,
-            # with b = c the huge OQ and QA cos(Sigma) of a small Sigma cancel: written out
-            "height": (self.c - self.b) * scale * along_drive + self.b * self.wheel_radius * sine / s,
-        }
-
-    @property
-    def reach(self) -> float:
-        """No point of the trajectory is further than this from O, m."""
-        return math.hypot(self.across, self.height) + self.AD
-
-    @property
-    def satellite_ratio(self) -> Fraction:
-        """S as the exact ratio of teeth."""
-        return Fraction(self.z17, self.z6)
-
-    @property
-    def drive_ratio(self) -> Fraction:
-        """K as the exact ratio of teeth."""
-        return Fraction(self.z2, self.z16)
-
-    @property
-    def turns_in_period(self) -> int:
-        """Turns of the drive after which drive and satellite are as they were: z6/gcd(z17, z6)."""
-        return self.satellite_ratio.denominator
+    s = cached_property(lambda g: g.z17 / g.z6)
+    k = cached_property(lambda g: g.z2 / g.z16)
+    _sine = cached_property(lambda g: math.sin(g.shaft_angle))
+    # s + cos and 1 + s cos without the cancellation near Sigma = pi, where both can vanish
+    _half = cached_property(lambda g: 2.0 * math.cos(0.5 * g.shaft_angle) ** 2)
+    _along_satellite = cached_property(lambda g: (g.z17 - g.z6) / g.z6 + g._half)
+    _along_drive = cached_property(lambda g: (g.z6 - g.z17) / g.z6 + g.s * g._half)
+    # rolling without slip: s = sin psi / sin phi, so the cones follow from s and Sigma
+    _scale = cached_property(lambda g: g.wheel_radius / (g.s * g._sine))
+    phi = cached_property(lambda g: math.atan2(g._sine, g._along_satellite))
+    psi = cached_property(lambda g: math.atan2(g.s * g._sine, g._along_drive))
+    L = cached_property(lambda g: g._scale * math.hypot(g.s * g._sine, g._along_drive))
+    AD = cached_property(lambda g: g.a * g.wheel_radius / g.s)
+    QA = cached_property(lambda g: g.b * g._scale * g._along_satellite)
+    OQ = cached_property(lambda g: g.c * g._scale * g._along_drive)
+    across = cached_property(lambda g: g.b * g.wheel_radius * g._along_satellite / g.s)
+    # with b = c the huge OQ and QA cos(Sigma) of a small Sigma cancel: written out
+    height = cached_property(
+        lambda g: (g.c - g.b) * g._scale * g._along_drive + g.b * g.wheel_radius * g._sine / g.s
+    )
+    turns_in_period = cached_property(lambda g: g.z6 // math.gcd(int(g.z17), int(g.z6)))

@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from ...common.errors import must_be
 from ...contract.variables import BY_NAME
 from .geometry import Geometry
 
-
-def _checked_speed(name: str, value: float) -> float:
-    limit = BY_NAME["omega1"]
-    if not limit.accepts(float(value)):
-        raise ValueError(must_be(name, limit.allowed, value))
-    return float(value)
+# 1 / (2 pi) to 2**-320
+ONE_RADIAN = Fraction(
+    0x28BE60DB9391054A7F09D5F47D4D377036D8A5664F10E4107F9458EAF7AEF1586DC91B8E909374B8, 2**320
+)  # turns
+# with more turns than that the doubles of t are further than a rounding of an angle apart
+MOST_TURNS = 2.0**52
 
 
 @dataclass(frozen=True)
@@ -36,20 +40,13 @@ class Motion:
     carrier: float
 
     def __post_init__(self) -> None:
-        for name in ("omega1", "omega2", "carrier"):
-            object.__setattr__(self, name, _checked_speed(name, getattr(self, name)))
-
-    def drive_rate(self, geometry: Geometry) -> Fraction:
-        """Exact omega16 = k (omega1 - omega2), rad/s: equation (1)."""
-        return geometry.drive_ratio * (Fraction(self.omega1) - Fraction(self.omega2))
+        for name, value in zip(("omega1", "omega2", "carrier"), astuple(self), strict=True):
+            if not BY_NAME["omega1"].accepts(float(value)):
+                raise ValueError(must_be(name, BY_NAME["omega1"].allowed, value))
 
 
 def stop_mode(omega1: float) -> Motion:
-    """The paper's stop mode: i = infinity, omega2 = 0, and OQ at rest on Oz.
-
-    Args:
-        omega1: speed of link 1 against link 2, rad/s.
-    """
+    """The paper's stop mode: i = infinity, omega2 = 0, OQ at rest on Oz; omega1 against link 2, rad/s."""
     return Motion(omega1, 0.0, 0.0)
 
 
@@ -68,11 +65,48 @@ def dynamic_mode(omega1: float, transmission: float) -> Motion:
     return Motion(omega1, omega1 / transmission, omega1)
 
 
-def transmission_ratios(geometry: Geometry, motion: Motion) -> tuple[float, float, float]:
-    """Speeds of link 2, of the drive in link 1 and of the satellite on the drive: equation (1).
+def exact_rates(g: Geometry, motion: Motion) -> tuple[Fraction, Fraction]:
+    """Speeds of the drive in link 1 and of the satellite on the drive, rad/s: equation (1)."""
+    drive = Fraction(g.z2) / Fraction(g.z16) * (Fraction(motion.omega1) - Fraction(motion.omega2))
+    return drive, Fraction(g.z17) / Fraction(g.z6) * drive
 
-    Returns:
-        (omega2, omega16, omega6), rad/s, the last two correctly rounded.
+
+def transmission_ratios(g: Geometry, motion: Motion) -> tuple[float, float, float]:
+    """Equation (1): (omega2, omega16, omega6), rad/s, the last two correctly rounded."""
+    drive, satellite = exact_rates(g, motion)
+    return motion.omega2, float(drive), float(satellite)
+
+
+def angle_turned(rate: Fraction, offset: float, times: Any) -> NDArray[np.float64]:
+    """The angle offset + rate t within half a turn, rad, right to rounding however long it has turned.
+
+    The product of two doubles has lost 1e-8 rad after 1e8 rad. Here rate and time are split into parts of
+    24 bits, whose products are exact, and whole turns are taken off each.
+
+    Args:
+        rate: rad/s. offset: rad. times: s, shape (n,).
+
+    Raises:
+        ValueError: times not finite, or so long that doubles no longer resolve the angle.
     """
-    drive = motion.drive_rate(geometry)
-    return motion.omega2, float(drive), float(geometry.satellite_ratio * drive)
+    turns, start = rate * ONE_RADIAN, Fraction(offset) * ONE_RADIAN
+    longest = MOST_TURNS / abs(float(turns)) if turns else math.inf
+    wrong = times[~(np.abs(times) <= longest) | ~np.isfinite(times)]
+    if wrong.size:
+        raise ValueError(f"t must be from {-longest:.16g} to {longest:.16g} s, is {wrong[0]:.16g}")
+    angle, lost = np.full(times.shape, float(start - round(start))), np.zeros(times.shape)
+    for _ in range(4):
+        part = float(np.float32(float(turns)))
+        turns -= Fraction(part)
+        rest = times
+        for _ in range(3):
+            leading = rest.astype(np.float32).astype(np.float64)
+            rest = rest - leading
+            product = part * leading
+            product -= np.rint(product)
+            # what the sum rounds off (Knuth's two-sum) counts where the angle comes near 0
+            total = angle + product
+            added = total - angle
+            lost += (angle - (total - added)) + (product - added)
+            angle = total - np.rint(total)
+    return 2.0 * math.pi * (angle + lost)

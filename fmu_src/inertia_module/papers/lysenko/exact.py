@@ -1,15 +1,16 @@
-"""Counterparts of equations (1) to (18), closed and finite everywhere, for a steady omega.
+"""The exact forms, for a steady omega but where told, in SI units and in the shape of alpha.
 
-The frame turns with the carrier, O to O1 is its first axis. e points from O1 to the imbalance S, at the
-angle pi + alpha; the imbalance is nearest to O at alpha = 0. Inertia forces at constant omega:
+Places and forces are complex numbers in the frame that turns with the carrier, O to O1 its real axis. The
+imbalance S is at O1 - l exp(i alpha), so nearest to O at alpha = 0. Inertia forces, with e from O1 to S:
 
     F1 = m l omega^2 e,  F2 = m b^2 omega^2 OS,  Fk = 2 m b omega (l omega) e,  sum = -m a
 
 Fk takes the speed l omega relative to the carrier, and as the carrier turns in the same sense it lies
-along e, in line with F1. What a changing omega adds is in motion.
+along e, in line with F1. Moments are positive in the sense of omega.
 
-alpha in rad, omega in rad/s, numbers or arrays of shape (n,); so are the results, in SI units. Moments are
-positive in the sense of omega.
+With wheel 2 held one angle describes the mechanism: its energy is J_red(alpha) theta'^2 / 2, theta = b alpha
+the angle of the carrier. The held wheel takes torque, so angular momentum about O is not conserved; left
+alone, the mechanism keeps its energy.
 """
 
 from __future__ import annotations
@@ -18,123 +19,129 @@ from typing import Any
 
 import numpy as np
 
+from ..forms import Forms, Formulas
 from .mechanism import Mechanism
 
-# a number or an array of shape (n,)
-Value = Any
+
+def inputs(m: Mechanism, alpha: Any, omega: Any) -> dict[str, Any]:
+    """What both tables of formulas take, by the symbols of the paper; links: their constant inertia."""
+    known = {"m": m.m, "D": m.centre_distance, "l": m.arm, "b": m.b, "links": m.constant_inertia}
+    return known | {"mechanism": m, "alpha": alpha, "omega": omega}
 
 
-def _versed(alpha: Value) -> Value:
-    """1 - cos alpha, without cancellation at the cusp."""
-    return 2.0 * np.sin(0.5 * alpha) ** 2
+def exact(m: Mechanism, alpha: Any, omega: Any = 1.0, omega_rate: Any = 0.0) -> Forms:
+    """The exact forms at angles of wheel 1 on the carrier, rad, its speed and acceleration, rad/s, rad/s^2.
 
-
-def epicycloid(m: Mechanism, phi: Value) -> tuple[Value, Value]:
-    """X, Y of the imbalance in the fixed frame, m: (1), right as it stands."""
-    D, carrier, wheel = m.centre_distance, m.b * phi, (1.0 + m.b) * phi
-    return D * np.cos(carrier) - m.arm * np.cos(wheel), D * np.sin(carrier) - m.arm * np.sin(wheel)
-
-
-def position(m: Mechanism, alpha: Value) -> tuple[Value, Value]:
-    """S from O along and across the carrier, m."""
-    return m.centre_distance - m.arm + m.arm * _versed(alpha), -m.arm * np.sin(alpha)
-
-
-def rho(m: Mechanism, alpha: Value) -> Value:
-    """Distance OS, m: (2) with phi = alpha."""
-    return np.hypot(*position(m, alpha))
-
-
-def relative_force(m: Mechanism, omega: Value) -> Value:
-    """F1, N: (3), right as it stands."""
-    return m.m * m.arm * omega**2
-
-
-def carrier_force(m: Mechanism, alpha: Value, omega: Value) -> Value:
-    """F2, N: (4)."""
-    return m.m * rho(m, alpha) * (m.b * omega) ** 2
-
-
-def coriolis_force(m: Mechanism, omega: Value) -> Value:
-    """Fk = 2 m b omega (l omega), the same at every angle, N: corrects (5)."""
-    return 2.0 * m.m * m.b * m.arm * omega**2
-
-
-def speed(m: Mechanism, alpha: Value, omega: Value) -> Value:
-    """Absolute speed of S, m/s: (6), (7).
-
-    The wheel turns about the point where it touches wheel 2: (1 + b) omega times the distance of S from
-    it, which has no quadrant to lose and is zero at the cusp of l = r.
+    Args:
+        m: dimensions. alpha, omega, omega_rate: numbers or of shape (n,).
     """
-    distance = np.hypot(m.r - m.arm + m.arm * _versed(alpha), m.arm * np.sin(alpha))
-    return (1.0 + m.b) * np.abs(omega) * distance
+    return Forms(EXACT, **inputs(m, alpha, omega), omega_rate=omega_rate)
 
 
-def beta1(m: Mechanism, alpha: Value) -> Value:
-    """Angle at S from O1 S to O S by atan2, -pi to pi, rad: corrects (8)."""
-    D = m.centre_distance
-    return np.arctan2(D * np.sin(alpha), m.arm - D + D * _versed(alpha))
-
-
-def delta(m: Mechanism, alpha: Value) -> Value:
-    """Angle from V to V2 = b omega OS by atan2, -pi to pi, rad: corrects (13); no meaning where V = 0."""
-    D = m.centre_distance
-    # V1 x V2 and (V1 + V2) . V2 over b omega^2
-    along_v1 = m.arm * (m.arm - D + D * _versed(alpha))
-    return np.arctan2(m.arm * D * np.sin(alpha), along_v1 + m.b * rho(m, alpha) ** 2)
-
-
-def n1(m: Mechanism, alpha: Value) -> Value:
-    """Arm of F1 about O, (11), and of the Coriolis force, correction of (14): m."""
-    return m.centre_distance * np.sin(alpha)
-
-
-def n2(m: Mechanism, alpha: Value) -> Value:
-    """Arm of F2 about O1, (12), m; about O it has none.
+def distance_above_0(e: Any) -> Any:
+    """The distance rho of the imbalance from O, m, as a divisor.
 
     Raises:
-        ValueError: l = D, where S passes through O and F2 has no direction.
+        ValueError: it is 0 somewhere.
     """
-    if m.arm == m.centre_distance:
-        raise ValueError(f"arm must not be R0 + r for F2 to have an arm, is {m.arm}")
-    return m.centre_distance * m.arm * np.sin(alpha) / rho(m, alpha)
+    if not np.all(e.rho > 0.0):
+        raise ValueError(f"arm must not be R0 + r where the imbalance passes through O, is {e.l}")
+    return e.rho
 
 
-def wheel_moment(m: Mechanism, alpha: Value, omega: Value) -> Value:
-    """Moment of the inertia forces about O1, m b^2 omega^2 l D sin alpha, N m: corrects (15).
+def reduced_inertia(m: Mechanism, alpha: Any) -> Any:
+    """J_carrier + J_wheel ((1 + b)/b)^2 + m |dS/dtheta|^2, reduced to the carrier, kg m^2: for (19)."""
+    ratio, turns = m.arm / m.r, m.centre_distance / m.r
+    swing = (1.0 - ratio) ** 2 + 4.0 * ratio * np.sin(0.5 * np.asarray(alpha)) ** 2
+    return m.J_carrier + m.J_wheel * turns**2 + m.m * m.centre_distance**2 * swing
 
-    F1 and Fk pass through O1, so F2 alone is left. It is what wheel 1 is turned by; the held wheel 2
-    keeps it in balance with the force M1 / r at the teeth.
+
+def reduced_inertia_limits(m: Mechanism) -> tuple[float, float]:
+    """Largest (alpha = pi) and smallest (alpha = 0) reduced inertia, kg m^2, for (20)."""
+    return float(reduced_inertia(m, np.pi)), float(reduced_inertia(m, 0.0))
+
+
+def speed_ratio(m: Mechanism) -> float:
+    """omega_max / omega_min of the free, undriven mechanism, sqrt(J_red,max / J_red,min): corrects (21).
+
+    Raises:
+        ValueError: J_red,min = 0 (l = r and links without inertia), where the speed has no bound.
     """
-    return m.m * (m.b * omega) ** 2 * m.arm * m.centre_distance * np.sin(alpha)
+    largest, smallest = reduced_inertia_limits(m)
+    if smallest == 0.0:
+        raise ValueError("arm must not be r without inertia of the links: the speed at the cusp has no bound")
+    return float(np.sqrt(largest / smallest))
 
 
-def carrier_moment(m: Mechanism, alpha: Value, omega: Value) -> Value:
-    """Moment of the inertia forces about O, -m D (1 + 2 b) l omega^2 sin alpha, N m: corrects (10), (16).
-
-    F2 passes through O. It is the moment all that acts from outside, drive and held wheel, has to balance.
-    """
-    return -m.m * m.centre_distance * (1.0 + 2.0 * m.b) * m.arm * omega**2 * np.sin(alpha)
+def _turned(e: Any) -> tuple[Any, Any]:
+    place = e.place * np.exp(1j * e.b * e.alpha)
+    return place.real, place.imag
 
 
-def pin_moment(m: Mechanism, alpha: Value, omega: Value) -> Value:
-    """Moment about O of the inertia forces moved to O1: M - M1 = -m D (1 + b)^2 l omega^2 sin alpha, N m.
-
-    The other reading of (10): what the pin O1 does to the carrier, less the force of the teeth. With it
-    -F2 n2 is right, and so is k2 for the direction the paper takes, but not the power (18), which then
-    needs the absolute speed (1 + b) omega of the wheel beside it in (17).
-    """
-    return -m.m * m.centre_distance * (1.0 + m.b) ** 2 * m.arm * omega**2 * np.sin(alpha)
+def _moment(place: Any, force: Any) -> Any:
+    return (np.conj(place) * force).imag
 
 
-def wheel_power(m: Mechanism, alpha: Value, omega: Value) -> Value:
-    """Power M1 omega of the inertia forces in the turning about O1, W: (17)."""
-    return wheel_moment(m, alpha, omega) * omega
+def _angular_momentum(e: Any) -> Any:
+    m = e.mechanism
+    return (
+        m.J_carrier * e.b * e.omega + m.J_wheel * (1.0 + e.b) * e.omega + e.m * _moment(e.place, e.velocity)
+    )
 
 
-def carrier_power(m: Mechanism, alpha: Value, omega: Value) -> Value:
-    """Power M b omega of the inertia forces in the turning about O, W: (18).
-
-    N1 + N is all the inertia forces do: at constant speed minus the power of the drive.
-    """
-    return carrier_moment(m, alpha, omega) * m.b * omega
+EXACT: Formulas = {
+    # O1 to the imbalance, O to it, its velocity, and the inertia force -m a
+    "spoke": lambda e: -e.l * np.exp(1j * np.asarray(e.alpha)),
+    "place": lambda e: e.D + e.spoke,
+    "velocity": lambda e: 1j * e.omega * (e.b * e.D + (1.0 + e.b) * e.spoke),
+    "force": lambda e: e.m * e.omega**2 * (e.b**2 * e.D + (1.0 + e.b) ** 2 * e.spoke),
+    # (1) in the fixed frame, (2)
+    "epicycloid": _turned,
+    "rho": lambda e: np.abs(e.place),
+    "rho_of_note": lambda e: e.rho,
+    # (3), on the circle about O1; (4); (5) put right, the same at every angle
+    "F1": lambda e: e.m * e.omega**2 * np.abs(e.spoke),
+    "F2": lambda e: e.m * e.rho * (e.b * e.omega) ** 2,
+    "Fk": lambda e: 2.0 * e.m * e.b * e.omega * (e.l * e.omega),
+    # (6), (7)
+    "resultant": lambda e: e.V,
+    "V": lambda e: np.abs(e.velocity),
+    "root": lambda e: e.V / e.omega,
+    # (8), from O1 S to O S, and the angle of (13), from V to b omega OS, put right: -pi to pi
+    "beta1": lambda e: np.angle(e.place / e.spoke),
+    "delta": lambda e: np.angle(1j * e.place * np.conj(e.velocity)),
+    # (9), (10) and the arms of (11) to (14): the Coriolis force is in line with F1
+    "M1_of_forces": lambda e: e.M1,
+    "M_of_forces": lambda e: e.M,
+    "n1": lambda e: -_moment(e.D, e.spoke) / e.l,
+    "n2": lambda e: _moment(e.spoke, e.place) / distance_above_0(e),
+    "k1": lambda e: 0.0 * e.alpha,
+    "k2": lambda e: e.n1,
+    # (15), on wheel 1 about O1, m b^2 omega^2 l D sin alpha: F1 and Fk pass through O1
+    "M1": lambda e: _moment(e.spoke, e.force),
+    # (16), about O, -m D (1 + 2 b) l omega^2 sin alpha: what drive and held wheel have to balance
+    "M": lambda e: _moment(e.place, e.force),
+    # (17), (18): together all the inertia forces do, at constant speed minus the power of the drive
+    "N1": lambda e: e.M1 * e.omega,
+    "N": lambda e: e.M * e.b * e.omega,
+    # (19), (20)
+    "J": lambda e: e.links + e.m * e.rho**2,
+    "J_limits": lambda e: exact(e.mechanism, np.array([np.pi, 0.0])).J,
+    # (21) to (24), omega the lowest speed and, in the energies, that of the carrier
+    "omega_max": lambda e: e.omega * speed_ratio(e.mechanism),
+    "T1": lambda e: 0.5 * reduced_inertia_limits(e.mechanism)[0] * e.omega**2,
+    "T2": lambda e: 0.5 * reduced_inertia_limits(e.mechanism)[1] * e.omega_max**2,
+    "T2_of_T1": lambda e: e.T1,
+    # of all links
+    "reduced_inertia": lambda e: reduced_inertia(e.mechanism, e.alpha),
+    "kinetic_energy": lambda e: 0.5 * e.reduced_inertia * (e.b * e.omega) ** 2,
+    "angular_momentum": _angular_momentum,
+    # at the carrier by Lagrange, J_red theta'' + J_red' theta'^2 / 2; steadily -(M + M1/b), and its power
+    "drive_torque": lambda e: (
+        e.reduced_inertia * e.b * e.omega_rate
+        + e.m * e.D**2 * e.l / e.mechanism.r * e.b * np.sin(e.alpha) * e.omega**2
+    ),
+    "drive_power": lambda e: e.drive_torque * e.b * e.omega,
+    # of wheel 1 on the carrier in free motion, omega being that at alpha = pi
+    "free_speed": lambda e: e.omega_max * np.sqrt(reduced_inertia_limits(e.mechanism)[1] / e.reduced_inertia),
+}

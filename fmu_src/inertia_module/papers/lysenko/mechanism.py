@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, fields
+from dataclasses import asdict, dataclass
+
+from ..checks import above
 
 
 @dataclass(frozen=True)
@@ -29,10 +30,8 @@ class Mechanism:
     J_wheel: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in (field.name for field in fields(self)):
-            value, zero = getattr(self, name), name.startswith("J_")
-            if not math.isfinite(value) or value < 0.0 or (value == 0.0 and not zero):
-                raise ValueError(f"{name} must be finite and {'at least' if zero else 'above'} 0, is {value}")
+        for name, value in asdict(self).items():
+            above(value, name, zero=name.startswith("J_"))
 
     @property
     def b(self) -> float:

@@ -1,9 +1,4 @@
-"""Stelmashchuk's stepping mechanism of partially-toothed wheels with a balancing device.
-
-criteria: nu and Pi. law: motion of the driving wheel. modes, exact: motion of the driven mass in closed
-form. oscillation: its free part. as_printed: the formulas of the page. equations, claims, page.md: what
-was found of each, and its words.
-"""
+"""Stelmashchuk's stepping mechanism of partially-toothed wheels with a balancing device."""
 
 from ..report import claims_in
 from . import claims

@@ -6,6 +6,7 @@ The dwell kappa2 is 1 where not told.
 from __future__ import annotations
 
 from functools import cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +16,8 @@ from . import as_printed
 from .criteria import Criteria
 from .equations import KAPPA2, REFERENCE
 from .exact import response
-from .law import TWO_PI, driving_acceleration, phase_of
-from .oscillation import FreeOscillation, free_oscillation
+from .law import TWO_PI, law_of_motion, phase_of
+from .oscillation import free_oscillation
 
 Array = NDArray[np.float64]
 
@@ -25,6 +26,7 @@ DWELLS = np.linspace(0.25, 3.0, 111)
 TIMES = np.linspace(0.0, 6.0, 4001)
 STIFFNESSES = (4.4, 8.0, 100.0)
 DAMPINGS = (5.0, 2.0, 1.0, 0.5, 0.1)
+CASES = [Criteria(nu, Pi) for nu in STIFFNESSES for Pi in DAMPINGS]
 # phases in which the driving wheel changes its speed, and in which it does not
 DRIVEN, FREE = [0, 2], [1, 3]
 
@@ -40,9 +42,9 @@ def acceleration(criteria: Criteria, beta: float, kappa2: float = KAPPA2) -> Arr
     return response(TIMES, criteria, kappa2, beta).acceleration
 
 
-def deviation(criteria: Criteria, beta: float) -> Array:
+def deviation(criteria: Criteria, beta: float = 1.0) -> Array:
     """Difference of a'' from the sine a_k'', over the peak 2 pi of the sine, over TIMES, shape (4001,)."""
-    return (acceleration(criteria, beta) - driving_acceleration(TIMES, KAPPA2)) / TWO_PI
+    return (acceleration(criteria, beta) - law_of_motion(TIMES, KAPPA2)[2]) / TWO_PI
 
 
 @cache
@@ -52,78 +54,61 @@ def peak_ratios() -> tuple[Array, Array]:
     Returns:
         Of each phase, shape (111, 4), and of the whole motion, shape (111,), over DWELLS.
     """
-    peaks = np.array(
-        [
-            [phase_peaks(acceleration(REFERENCE, beta, k), k) for beta in (0.0, 1.0)]
-            for k in map(float, DWELLS)
-        ]
+    without, balanced = (
+        np.array([phase_peaks(acceleration(REFERENCE, beta, float(k)), float(k)) for k in DWELLS])
+        for beta in (0.0, 1.0)
     )
-    whole = peaks.max(axis=2)
-    return peaks[:, 0] / peaks[:, 1], whole[:, 0] / whole[:, 1]
+    return without / balanced, without.max(axis=1) / balanced.max(axis=1)
 
 
-def _free(criteria: Criteria, phase: int = 1) -> tuple[FreeOscillation, FreeOscillation]:
-    """Free oscillation without and with the balancer."""
+def _lowered(criteria: Criteria, phase: int = 1) -> Any:
+    """How many times the balancer lowers amplitude and peak of the free oscillation."""
     without, balanced = (free_oscillation(criteria, KAPPA2, beta, phase) for beta in (0.0, 1.0))
-    return without, balanced
+    return np.array(without) / balanced
 
 
 def solution() -> Finding:
     """(5) with all printed below it, phase by phase."""
-    off = acceleration(REFERENCE, 1.0) - as_printed.acceleration(TIMES, REFERENCE, KAPPA2)
-    share = phase_peaks(off) / np.abs(acceleration(REFERENCE, 1.0)).max()
+    exact = acceleration(REFERENCE, 1.0)
+    page = as_printed.acceleration(as_printed.printed(REFERENCE, KAPPA2), TIMES)
+    share = phase_peaks(exact - page) / np.abs(exact).max()
     return Finding(*(share < ROUNDING), share=share)
 
 
 def sine_approached() -> Finding:
     """Deviation from the sine in I and III, without over with the balancer; much nearer: by half."""
-    ratios = {
-        (nu, Pi): (
-            phase_peaks(deviation(Criteria(nu, Pi), 0.0)) / phase_peaks(deviation(Criteria(nu, Pi), 1.0))
-        )[DRIVEN]
-        for nu in STIFFNESSES
-        for Pi in DAMPINGS
-    }
-    every = np.array(list(ratios.values()))
-    return Finding(*(every > 2.0).ravel(), at=ratios[8.0, 0.5], least=every.min(), most=every.max())
+    every = np.array([phase_peaks(deviation(c, 0.0)) / phase_peaks(deviation(c)) for c in CASES])[:, DRIVEN]
+    return Finding(
+        *(every > 2.0).ravel(), at=every[CASES.index(REFERENCE)], least=every.min(), most=every.max()
+    )
 
 
 def peaks() -> Finding:
     """Peaks threefold lower: in phase I, in phase III, on the whole, over the dwell."""
     ratios, whole = peak_ratios()
-    third = ratios[:, 2]
+    first, third = ratios[:, 0], ratios[:, 2]
     near = DWELLS[[rounds_to(ratio, "3") for ratio in third]]
-    return Finding(
-        *(rounds_to(ratio, "3") for ratio in (*ratios[:, 0], *third, *whole)),
-        first=ratios[0, 0],
-        third=(third.min(), third.max()),
-        near=(near.min(), near[near < 1.0].max(), near[near > 1.0].min(), near.max()),
-        whole=(whole.min(), whole.max()),
-    )
+    figures = {"first": first[0], "third": (third.min(), third.max()), "whole": (whole.min(), whole.max())}
+    at = (near.min(), near[near < 1.0].max(), near[near > 1.0].min(), near.max())
+    return Finding(*(rounds_to(ratio, "3") for ratio in (*first, *third, *whole)), near=at, **figures)
 
 
 def oscillation_ratio() -> Finding:
     """Free oscillation sevenfold lower: its amplitude, and the largest |a''|, over the dwell."""
-    found = [_free(REFERENCE, phase) for phase in (1, 3)]
-    amplitude = [without.amplitude / balanced.amplitude for without, balanced in found]
+    amplitude = [_lowered(REFERENCE, phase)[0] for phase in (1, 3)]
     second, fourth = peak_ratios()[0][:, FREE].T
-    return Finding(
-        *(rounds_to(ratio, "7") for ratio in (*amplitude, *second, *fourth)),
-        amplitude=amplitude,
-        second=(second.min(), second.max()),
-        fourth=(fourth.min(), fourth.max()),
-    )
+    figures = {"second": (second.min(), second.max()), "fourth": (fourth.min(), fourth.max())}
+    says = (rounds_to(ratio, "7") for ratio in (*amplitude, *second, *fourth))
+    return Finding(*says, amplitude=amplitude, **figures)
 
 
 def stiff_difference() -> Finding:
     """How far a'' is from the sine on average at nu = 100, %, and at most."""
-    off = 100.0 * np.abs(deviation(Criteria(100.0, 0.5), 1.0))
-    phase = phase_of(TIMES, KAPPA2)
+    off, phase = 100.0 * np.abs(deviation(Criteria(100.0, 0.5))), phase_of(TIMES, KAPPA2)
     mean = [off[phase == number].mean() for number in DRIVEN]
-    softer = phase_peaks(deviation(REFERENCE, 1.0))[DRIVEN]
-    most = phase_peaks(off)[DRIVEN]
+    most, softer = phase_peaks(off)[DRIVEN], 100.0 * phase_peaks(deviation(REFERENCE))[DRIVEN]
     return Finding(
-        *(rounds_to(value, "0.05") for value in mean), *(most < 100.0 * softer), mean=mean, most=most.max()
+        *(rounds_to(value, "0.05") for value in mean), *(most < softer), mean=mean, most=most.max()
     )
 
 
@@ -145,49 +130,35 @@ def soft_shaft() -> Finding:
 
 def less_friction() -> Finding:
     """Deviation in phase I and free oscillation in phase II over the damping, % of the peak of the sine."""
-    rows = np.array([phase_peaks(deviation(Criteria(8.0, Pi), 1.0)) for Pi in (*DAMPINGS, 0.0)])
-    first, second = (", ".join(f"{100 * value:.1f}" for value in rows[:, phase]) for phase in (0, 1))
-    return Finding(*np.all(np.diff(rows[:, :2], axis=0) < 0.0, axis=0), first=first, second=second)
+    rows = np.array([phase_peaks(deviation(Criteria(8.0, Pi)))[:2] for Pi in (*DAMPINGS, 0.0)])
+    first, second = (", ".join(f"{100 * value:.1f}" for value in column) for column in rows.T)
+    return Finding(*np.all(np.diff(rows, axis=0) < 0.0, axis=0), first=first, second=second)
 
 
 def no_friction() -> Finding:
     """Largest deviation from the sine at Pi = 0."""
-    off = max(np.abs(deviation(Criteria(nu, 0.0), 1.0)).max() for nu in (*STIFFNESSES, TWO_PI))
+    off = max(np.abs(deviation(Criteria(nu, 0.0))).max() for nu in (*STIFFNESSES, TWO_PI))
     return Finding(off < ROUNDING, off=shown(off))
 
 
 def improvement() -> Finding:
     """The free oscillation and the peak in phase III, with over without the balancer, in a wide range."""
-    cases = [(nu, Pi) for nu in STIFFNESSES for Pi in DAMPINGS]
-    amplitudes = [
-        balanced.amplitude / without.amplitude for without, balanced in (_free(Criteria(*c)) for c in cases)
-    ]
-    without, balanced = _free(Criteria(8.0, 5.0))
-    third = [phase_peaks(acceleration(Criteria(4.4, 0.5), beta))[2] for beta in (1.0, 0.0)]
-    return Finding(
-        *(ratio < 1.0 for ratio in amplitudes),
-        third[0] < third[1],
-        damped=balanced.amplitude / without.amplitude,
-        peak=without.peak / balanced.peak,
-        third=third[0] / third[1],
-    )
+    amplitude, peak = _lowered(Criteria(8.0, 5.0))
+    balanced, without = (phase_peaks(acceleration(Criteria(4.4, 0.5), beta))[2] for beta in (1.0, 0.0))
+    says = (_lowered(criteria)[0] > 1.0 for criteria in CASES)
+    return Finding(*says, balanced < without, damped=1.0 / amplitude, peak=peak, third=balanced / without)
 
 
 def low_friction() -> Finding:
     """How many times the balancer lowers the free oscillation at nu = 8, over the damping."""
-    ratios = [
-        without.amplitude / balanced.amplitude
-        for without, balanced in (_free(Criteria(8.0, Pi)) for Pi in DAMPINGS)
-    ]
+    ratios = [_lowered(Criteria(8.0, Pi))[0] for Pi in DAMPINGS]
     return Finding(*np.diff(ratios) > 0.0, ratios=", ".join(f"{ratio:.3g}" for ratio in ratios))
 
 
 def efficiency() -> Finding:
     """What friction takes over the whole motion, over the largest kinetic energy, and what is left."""
     energy = 0.5 * 2.0**2
-    lost, left = [], []
-    for Pi in DAMPINGS:
-        velocity = response(TIMES, Criteria(8.0, Pi), KAPPA2).velocity
-        lost.append(2.0 * Pi * float(np.sum(velocity[:-1] ** 2) * TIMES[1]) / energy)
-        left.append(0.5 * velocity[-1] ** 2 / energy)
-    return Finding(all(np.diff(lost) < 0.0), max(left) > 0.01, lost=", ".join(f"{loss:.2g}" for loss in lost))
+    speeds = {Pi: response(TIMES, Criteria(8.0, Pi), KAPPA2).velocity for Pi in DAMPINGS}
+    lost = [2.0 * Pi * np.sum(v[:-1] ** 2) * TIMES[1] / energy for Pi, v in speeds.items()]
+    left = max(0.5 * v[-1] ** 2 / energy for v in speeds.values())
+    return Finding(all(np.diff(lost) < 0.0), left > 0.01, lost=", ".join(f"{loss:.2g}" for loss in lost))

@@ -21,6 +21,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...kernel.driven_shaft.propagator import characteristic
 from .criteria import Criteria
 from .law import HALF, TWO_PI, law_of_motion, phase_of, phase_starts
 
@@ -33,12 +34,10 @@ NEAR = 0.5
 
 def characteristic_numbers(criteria: Criteria) -> tuple[complex, complex]:
     """Roots (slow, fast) of lambda^2 + 2 Pi lambda + nu^2: conjugate, equal or both real."""
-    nu, Pi = criteria.nu, criteria.Pi
-    root = np.sqrt(abs(nu - Pi)) * np.sqrt(nu + Pi)
-    if nu > Pi:
-        return complex(-Pi, root), complex(-Pi, -root)
-    # the slow root by Vieta: -Pi + root would cancel at strong damping
-    return complex(-nu * (nu / (Pi + root))), complex(-(Pi + root))
+    swing, slow, fast = characteristic(2.0 * criteria.Pi, criteria.nu**2)  # type: ignore[no-untyped-call]
+    if swing:
+        return complex(-slow, swing), complex(-slow, -swing)
+    return complex(-slow), complex(-fast)
 
 
 def first_difference(one: complex, two: complex, kappa: Array) -> Complex:
@@ -117,14 +116,6 @@ class Response(NamedTuple):
     velocity: Array
     acceleration: Array
     twist: Array
-
-    def in_units(self, phi_engage: float, T: float) -> tuple[Array, Array, Array]:
-        """Angle, speed and acceleration of the driven mass, rad, rad/s and rad/s^2.
-
-        phi_engage: angle that a = 1 stands for, rad. T: time in which kappa grows by one, s.
-        """
-        speed = phi_engage / T
-        return phi_engage * self.angle, speed * self.velocity, speed / T * self.acceleration
 
 
 def response(kappa: ArrayLike, criteria: Criteria, kappa2: float, beta: float = 1.0) -> Response:

@@ -1,7 +1,7 @@
 """Law of motion of the driving wheel: rising sinusoidally, steady, falling sinusoidally, at rest.
 
 kappa: relative time t/T, a number or of any shape, as the results; kappa2: length of phase II. Angles are
-in units of phi_engage.
+in units of phi_engage, the angle turned in phases I and III together.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .criteria import above
+from ..checks import above
 
 Array = NDArray[np.float64]
 
@@ -38,12 +38,13 @@ def law_of_motion(kappa: ArrayLike, kappa2: float) -> tuple[Array, Array, Array]
     """Angle of the driving wheel and its derivatives in kappa, (a_k, a_k', a_k''), as invariants.
 
     Phase I: a = kappa - sin(2 pi kappa) / (2 pi); II: 0.5 + 2 kappa; III: mirrors I; IV: rest, kappa
-    counted from the beginning of the phase. Before kappa = 0 the wheel rests as well.
+    counted from the beginning of the phase. Before kappa = 0 the wheel rests as well. a_k'' is the
+    sinusoid S_k the paper compares with, 2 pi at its peaks.
 
     Raises:
         ValueError: kappa2 is below 0 or not finite.
     """
-    time, starts = np.asarray(kappa, dtype=np.float64), phase_starts(kappa2)
+    time, starts, phase = np.asarray(kappa, dtype=np.float64), phase_starts(kappa2), phase_of(kappa, kappa2)
     # each phase adds what it has run through, so that no phase has to be picked
     up = np.clip(time, 0.0, starts[1])
     steady = np.clip(time - starts[1], 0.0, kappa2)
@@ -51,12 +52,5 @@ def law_of_motion(kappa: ArrayLike, kappa2: float) -> tuple[Array, Array, Array]
     angle = up - np.sin(TWO_PI * up) / TWO_PI + 2.0 * steady + down + np.sin(TWO_PI * down) / TWO_PI
     # 1 - cos without cancellation; after the end both terms are 2 and their difference is rest
     velocity = 2.0 * np.sin(np.pi * up) ** 2 - 2.0 * np.sin(np.pi * down) ** 2
-    return angle, velocity, driving_acceleration(time, kappa2)
-
-
-def driving_acceleration(kappa: ArrayLike, kappa2: float) -> Array:
-    """a_k'': the sinusoid S_k the paper compares with, 2 pi at its peaks."""
-    time = np.asarray(kappa, dtype=np.float64)
-    phase, down = phase_of(time, kappa2), time - phase_starts(kappa2)[2]
-    rising, falling = (TWO_PI * np.sin(TWO_PI * np.clip(k, 0.0, HALF)) for k in (time, down))
-    return np.where(phase == 0, rising, np.where(phase == 2, -falling, 0.0))
+    wave = (phase == 0) * np.sin(TWO_PI * up) - (phase == 2) * np.sin(TWO_PI * down)
+    return angle, velocity, TWO_PI * wave

@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from .criteria import Criteria
-from .exact import forcing, twist_at_starts, twist_in_phase
-from .law import TWO_PI
+from .exact import forcing, response, twist_at_starts
+from .law import TWO_PI, phase_starts
 
 # phase IV has no end: it is watched for this many units of kappa
 WATCHED = 2.0
@@ -37,12 +37,12 @@ def constants(criteria: Criteria, kappa2: float, beta: float = 1.0) -> list[tupl
 
 
 class FreeOscillation(NamedTuple):
-    """What swings freely in phase II or IV, where a'' of the driving wheel is zero.
+    """What of a'' swings freely in phase II or IV, where a'' of the driving wheel is zero; without unit.
 
     Attributes:
-        amplitude: of a'' at the beginning of the phase: of its envelope A exp(-Pi kappa), or, where
-            nothing oscillates (Pi >= nu), of a'' itself; without unit.
-        peak: largest |a''| in the phase, without unit.
+        amplitude: at the beginning of the phase, of the envelope A exp(-Pi kappa), or, where nothing
+            oscillates (Pi >= nu), of a'' itself.
+        peak: largest |a''| in the phase.
     """
 
     amplitude: float
@@ -50,21 +50,18 @@ class FreeOscillation(NamedTuple):
 
 
 def free_oscillation(criteria: Criteria, kappa2: float, beta: float = 1.0, phase: int = 1) -> FreeOscillation:
-    """Amplitude of the free oscillation of a'' in phase II (1) or IV (3).
+    """The free oscillation in phase II (1) or IV (3).
 
     Raises:
-        ValueError: another phase, or phase II without length.
+        ValueError: another phase, phase II without length, or resonance without friction.
     """
     length = {1: kappa2, 3: WATCHED}.get(phase, 0.0)
     if length <= 0.0:
         raise ValueError(f"phase must be 1 (with kappa2 above 0) or 3, is {phase} with kappa2 = {kappa2}")
-    start = twist_at_starts(criteria, kappa2, beta)[phase]
-    acceleration = twist_in_phase(criteria, beta, phase, start, np.linspace(0.0, length, 20001))[2]
-    peak = float(np.abs(acceleration).max())
-    nu, Pi = criteria.nu, criteria.Pi
-    if Pi >= nu:
-        return FreeOscillation(float(abs(acceleration[0])), peak)
-    nu1 = np.sqrt((nu - Pi) * (nu + Pi))
-    swing = start[0] - forcing(criteria, beta, phase)[0] / (nu * nu)
-    # differentiating exp(lambda kappa) twice multiplies its amplitude by |lambda|^2 = nu^2
-    return FreeOscillation(float(nu * nu * np.hypot(swing, (start[1] + Pi * swing) / nu1)), peak)
+    kappa = phase_starts(kappa2)[phase] + np.linspace(0.0, length, 20001)
+    swing = np.abs(response(kappa, criteria, kappa2, beta).acceleration)
+    amplitude = swing[0]
+    if criteria.Pi < criteria.nu:
+        # differentiating exp(lambda kappa) twice multiplies its amplitude by |lambda|^2 = nu^2
+        amplitude = criteria.nu**2 * np.hypot(*constants(criteria, kappa2, beta)[phase])
+    return FreeOscillation(float(amplitude), float(swing.max()))
