@@ -74,6 +74,11 @@ def flow(d, side, x, speed, speed_rate, omega3):
         (v', omega3', the slopes of both in v and omega3, T, omega2, |omega1|, the rates of these five).
     """
     torque, torque1, part, part1, share, share1 = look_up(side, x, speed, omega3)
+    if speed == 0.0 and omega3 == 0.0 and d.by_torque != 0.0:
+        # from rest the ratio is that of the accelerations, and stays
+        start = max(-x.load_torque, 0.0) / d.J3
+        _, _, part, _, share, _ = look_up(side, x, abs(x.drive_torque) / d.map_inertia, start)
+        torque1, part1, share1 = 0.0, 0.0, 0.0
     s = ratio(omega3, speed)
     passed = speed * speed * torque
     passed_by_speed = 2.0 * speed * torque - omega3 * torque1

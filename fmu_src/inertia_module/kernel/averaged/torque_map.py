@@ -47,6 +47,8 @@ KEPT = 1e-5
 # to find the fastest output, over the speed that link 1 begins with, that the drive gets past
 FASTEST = 1.2
 BISECTIONS = 14
+# share of the ratio in which the torque goes to zero at least, where the pulses fail at once
+RAMP = 0.02
 
 
 def is_map_of(p, d):
@@ -147,7 +149,10 @@ def speed_of_energy(d):
 
 
 def find_end(d, t, side):
-    """Output speed above which no torque is passed, and where the steady motion begins."""
+    """Output speeds: up to which there is a steady motion, and above which no torque is passed.
+
+    Where it begins, and whether link 2 comes up to link 1, is left in the side.
+    """
     t.given = 0.0
     phase = d.phase_b
     side.start, d.phase_b, _ = find_largest_anywhere(d, t, MOMENTUM)
@@ -161,11 +166,13 @@ def find_end(d, t, side):
     locks = t.direction > 0.0 and square < LAST_SLIP * LAST_SLIP
     side.locks = 1.0 if locks else 0.0
     if d.by_torque == 0.0:
-        return 1.0 if locks else max(end, 0.0)
+        end = 1.0 if locks else max(end, 0.0)
+        return end, end
     # light as link 1 may be, the drive has to get past the output: the torque that keeps the energy only helps
     t.omega3 = max(end, 0.0)
+    end = t.omega3
     if not locks and add_period(d, t, side):
-        return t.omega3
+        return end, end
     low = 0.0
     high = FASTEST if locks else t.omega3
     for _ in range(BISECTIONS):
@@ -174,7 +181,7 @@ def find_end(d, t, side):
             low = t.omega3
         else:
             high = t.omega3
-    return low
+    return low, end
 
 
 def add_knot(d, t, side, n, omega3):
@@ -201,22 +208,27 @@ def add_knot(d, t, side, n, omega3):
     side.knots[n].omega3 = omega3
 
 
-def end_map(d, side):
-    """End the map: with no torque, or where link 1 is as fast as the output.
+def end_map(d, side, end):
+    """End the map where no torque is passed any more, at the output speed end, or link 1 is as fast as the output.
 
     From the last knot to there is no steady motion under the torque of link 1: the drive comes to rest in link 1,
-    at the torque it had there.
+    at the torque it had there; or the pulses fail that brought the energy of the next, and the torque goes to zero.
     """
     count = int(side.count)
     last = side.knots[count - 1]
-    if side.locks == 0.0:
+    if side.locks != 0.0:
+        if d.by_torque != 0.0:
+            share = last.input[0]
+            ratio = max(share, last.ratio * (1.0 + LAST_SLIP))
+            insert_knot(side, count, ratio, last.torque[0], share, share, last.ripple, last.peak, 0.0)
+    elif d.by_torque != 0.0 and last.torque[0] > MAP_ERROR * side.knots[0].torque[0]:
+        v = last.omega3 / last.ratio if last.ratio > 0.0 else 1.0
+        ratio = max(end / v, last.ratio * (1.0 + RAMP))
+        insert_knot(side, count, ratio, 0.0, last.input[0], last.omega2[0], 0.0, 0.0, 0.0)
+    else:
         last.torque[0] = 0.0
         last.ripple = 0.0
         last.peak = 0.0
-    elif d.by_torque != 0.0:
-        share = last.input[0]
-        ratio = max(share, last.ratio * (1.0 + LAST_SLIP))
-        insert_knot(side, count, ratio, last.torque[0], share, share, last.ripple, last.peak, 0.0)
 
 
 def build_side(d, side, direction):
@@ -226,15 +238,15 @@ def build_side(d, side, direction):
     t = d.travel
     t.direction = direction
     side.direction = direction
-    end = find_end(d, t, side)
+    last_speed, end = find_end(d, t, side)
     if d.map_inertia == 0.0:
         settle(d, t, side, 0.0)
         d.map_inertia = 2.0 * d.sum_energy * d.sum_time / (d.sum_omega1 * d.sum_omega1)
     allowed = MAP_ERROR if d.by_torque == 0.0 else MAP_ERROR_BY_TORQUE
     last = FIRST_KNOTS - 1 if end > 0.0 else 0
     for n in range(last + 1):
-        add_knot(d, t, side, int(side.count), n * end / max(last, 1))
-    end_map(d, side)
+        add_knot(d, t, side, int(side.count), n * last_speed / max(last, 1))
+    end_map(d, side, end)
     d.map_evaluations = 0.0
     while side.count < len(side.knots) and end > 0.0 and d.map_evaluations < MOST_EVALUATIONS:
         n, error = worst_interval(side)
