@@ -112,7 +112,7 @@ class Lagrange:
             # raised by next to nothing, so that what is zero at first or throughout does not fall
             if closed:
                 return self._motion(y)[2][wheel] + sys.float_info.min
-            return self._speed(wheel, y) + ROUNDING * (1.0 + abs(y[OMEGA1]))
+            return self._speed(wheel, y) + ROUNDING * (1.0 + abs(float(y[OMEGA1])))
 
         guard.terminal, guard.direction = True, -1.0  # type: ignore[attr-defined]
         return guard

@@ -38,8 +38,8 @@ def measure(
     def compared(run: Callable[[], Trajectory]) -> Callable[[Progress], tuple[Any, ...]]:
         def measured(_: Progress) -> tuple[Any, ...]:
             found = run()
-            count = found.number_of_switches if found.switches is None else found.switches.size
-            return errors(found, reference), found.wall_time / case.stop_time, found.evaluations, count
+            cost = found.wall_time / case.stop_time
+            return errors(found, reference), cost, found.evaluations, found.number_of_switches
 
         return measured
 

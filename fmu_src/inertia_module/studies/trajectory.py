@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import statistics
 import time
 from collections.abc import Callable, Mapping
@@ -59,7 +60,7 @@ class Trajectory:
         impulse: of the output torque Tc from the start, N.m.s, or None if it follows from omega_out
             as output_inertia (omega_out - start) + load_torque time.
         energy_in: work of the input torque, J, or None.
-        number_of_switches: where they are counted, else None.
+        number_of_switches: where they are counted, else NaN.
         acceleration: of the imbalance, m/s^2, or None if it follows from drive_angle and the speeds.
     """
 
@@ -73,7 +74,7 @@ class Trajectory:
     wall_time: float
     impulse: Array | None = None
     energy_in: float | None = None
-    number_of_switches: int | None = None
+    number_of_switches: float = math.nan
     acceleration: Array | None = None
 
 

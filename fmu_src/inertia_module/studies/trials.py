@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -74,7 +75,7 @@ def measure_scene(
             found = run_in_process(at_level(scene, level, step), report)
             errors = window_errors(found.record, reference, scene.accuracy.window, level.fidelity)
             last = found.record.last()
-            switches = None if level.fidelity == AVERAGED else last["contact_switches"]
+            switches = math.nan if level.fidelity == AVERAGED else last["contact_switches"]
             return errors, found.module_time, last["rhs_evaluations"], switches, "", found.loop_time
 
         return run

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -144,5 +145,5 @@ def measure(case: Case, integrate: Integrator, stiffness: float | None) -> Traje
         evaluations=motion.evaluations,
         energy_residual=motion.residual if by_events else None,
         wall_time=median_time(lambda: run(case, data, case.times[[0, -1]], integrate)),
-        number_of_switches=len(motion.switches) if by_events else None,
+        number_of_switches=len(motion.switches) if by_events else math.nan,
     )
