@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import csv
+import dataclasses
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -34,7 +35,7 @@ class Row:
     method: str
     setting: str
     communication_step: float
-    errors: Mapping[str, float]
+    errors: Mapping[str, float] = field(default_factory=dict)
     wall_time: float = math.nan
     evaluations: float = math.nan
     switches: float = math.nan
@@ -58,15 +59,13 @@ class Row:
         return math.inf if unknown else max(errors, default=math.inf)
 
 
-# fidelity, method and setting by name, and the communication step, s
-Head = tuple[str, str, str, float]
-# gives the fields of Row that follow those of Head
-Attempt = tuple[Head, Callable[[Progress], tuple[Any, ...]]]
+# what is to be run, nothing of it measured, and what measures it: gives fields of Row by name
+Attempt = tuple[Row, Callable[[Progress], dict[str, Any]]]
 
 
-def head_of(level: Level, step: float) -> Head:
-    """What a level of the module in communication steps, s, is called."""
-    return level.fidelity_name, level.method_name, level.setting, step
+def head_of(level: Level, step: float) -> Row:
+    """The row of a level of the module in communication steps, s, before anything is measured."""
+    return Row(level.fidelity_name, level.method_name, level.setting, step)
 
 
 def attempt_all(
@@ -84,10 +83,10 @@ def attempt_all(
     for number, (head, run) in enumerate(attempts):
         start = begin + number * share
         try:
-            rows.append(Row(*head, *run(lambda done, start=start: tell(start + done * share))))  # type: ignore[misc]
+            found = run(lambda done, start=start: tell(start + done * share))  # type: ignore[misc]
         except FAILURES as error:
-            reason = " ".join(str(error).split()) or type(error).__name__
-            rows.append(Row(*head, {}, failure=reason))
+            found = {"failure": " ".join(str(error).split()) or type(error).__name__}
+        rows.append(dataclasses.replace(head, **found))
         tell(start + share)
     return rows
 
@@ -129,7 +128,7 @@ def read_rows(path: Path) -> list[Row]:
     for line in table:
         fidelity, method, setting, step, failure = (line.pop(name) for name in (*_HEADS, "failure"))
         numbers = {name: float(text) if text else math.nan for name, text in line.items()}
-        costs = {field: numbers.pop(name) for name, field in _COSTS.items()}
+        costs = {cost: numbers.pop(name) for name, cost in _COSTS.items()}
         errors = {name.removeprefix("error "): value for name, value in numbers.items()}
         rows.append(Row(fidelity, method, setting, float(step), errors, failure=failure, **costs))
     return rows
@@ -143,7 +142,7 @@ def as_dict(row: Row) -> dict[str, Any]:
 
     heads = ("fidelity", "method", "setting", "communication_step")
     head = {name: getattr(row, name) for name in heads}
-    costs = {name.partition(" ")[0]: known(getattr(row, field)) for name, field in _COSTS.items()}
+    costs = {name.partition(" ")[0]: known(getattr(row, cost)) for name, cost in _COSTS.items()}
     errors = {name: known(value) for name, value in row.errors.items()}
     return {**head, "errors": errors, **costs, "failure": row.failure}
 
