@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..contract.variables import BY_NAME
+from ..contract.variables import default_parameters
 
 Array = NDArray[np.float64]
 
@@ -41,10 +41,14 @@ class Case:
         """Sampling times from 0 to stop_time, s, shape (points + 1,)."""
         return np.linspace(0.0, self.stop_time, self.points + 1)
 
+    @property
+    def all_parameters(self) -> dict[str, Any]:
+        """Values of all parameters of the module in this case."""
+        return {**default_parameters(), **self.parameters}
+
     def parameter(self, name: str) -> float:
         """Value of a parameter in this case."""
-        default = BY_NAME[name].start
-        return float(self.parameters.get(name, default if default is not None else 0.0))
+        return float(self.all_parameters[name])
 
 
 @dataclass(frozen=True)
