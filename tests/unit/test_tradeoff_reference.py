@@ -9,6 +9,7 @@ from scenes import PLANAR
 from inertia_module.memory.instances import Module
 from inertia_module.studies.lagrange import OMEGA1, OMEGA3, Lagrange
 from inertia_module.studies.reference import agreement
+from inertia_module.studies.tradeoff import R1_ELASTIC
 from inertia_module.studies.trajectory import Case, Unavailable
 
 FLAT = {name: value for name, value in PLANAR.items() if name not in ("omega1", "load_torque")}
@@ -22,6 +23,7 @@ CASES = {
     "backwards": (Case(omega1=-100.0), 100),
     "no output freewheel": (Case({"output_freewheel": 0.0}), 50),
     "no housing freewheel": (Case(TURNING_BACK), 40),
+    "elastic": (R1_ELASTIC, 50),
     "too slow to move": (Case(omega1=-1.0), 0),
 }
 

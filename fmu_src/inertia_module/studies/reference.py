@@ -10,7 +10,7 @@ import numpy as np
 from ..kernel.codes import ELASTIC, RIGID
 from ..scene.mechanism import is_elastic
 from .kernel_runs import KernelRun
-from .lagrange import OMEGA3, Lagrange
+from .lagrange import OMEGA_OUT, Lagrange
 from .trajectory import Array, Case, Trajectory
 
 TOLERANCE = 1e-13
@@ -47,14 +47,17 @@ class Agreement:
     switches: tuple[int, int]
 
 
+def _fidelity(case: Case) -> int:
+    return ELASTIC if is_elastic(case.parameters) else RIGID
+
+
 def converged(case: Case) -> Reference:
     """The reference: the kernel from event to event at tolerance 1e-13; elastic where the case is.
 
     Raises:
         Refused: the module refuses the case.
     """
-    fidelity = ELASTIC if is_elastic(case.parameters) else RIGID
-    settings = {"fidelity": fidelity, "tolerance": TOLERANCE}
+    settings = {"fidelity": _fidelity(case), "tolerance": TOLERANCE}
     run = KernelRun(case, settings, case.stop_time / min(case.points, _STEPS))
     return Reference(case, *run.trajectory(timed=False))
 
@@ -66,10 +69,11 @@ def agreement(case: Case) -> Agreement:
         Unavailable: the second method does not take the case (see lagrange.py).
     """
     coarse = dataclasses.replace(case, points=_COMPARED)
-    second, speeds = Lagrange(case.parameters, case.omega1, case.load_torque), []
+    parameters = {**case.parameters, "fidelity": _fidelity(case)}
+    second, speeds = Lagrange(parameters, case.omega1, case.load_torque), []
     for time in coarse.times:
         second.advance(time)
-        speeds.append(second.state[OMEGA3])
+        speeds.append(second.state[OMEGA_OUT])
     first = converged(coarse).trajectory
     assert first.switches is not None
     counts = first.switches.size, len(second.switches)
