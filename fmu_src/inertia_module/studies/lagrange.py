@@ -1,6 +1,6 @@
 """The second reference: Lagrange's equations of the module, rigid or elastic, by SciPy from event to event.
 
-Nothing of the kernel is used. Links 1 and 2 have the kinetic energy 1/2 w' M(q) w of w = (omega1, omega2), with
+Nothing of the kernel is used. Links 1 and 2 have the energy 1/2 w' M(q) w of w = (omega1, omega2), with
 q' = k (omega1 - omega2), I, B, G of geometry.py and M' = dM/dq; J3 and J4 turn behind the output freewheel:
 
     M11 = J1 + I + 2 k B + k^2 G    M12 = -k (B + k G)    M22 = J2 + k^2 G
@@ -46,7 +46,7 @@ class Lagrange:
         load_torque, drive_torque: on the output shaft and, where the drive gives one, on link 1, N.m.
 
     Attributes:
-        time: s. state: drive angle and angle of link 1, unwrapped, and twist of the shaft, rad; speeds, rad/s.
+        time: s. state: drive angle and angle of link 1, unwrapped, twist of the shaft, rad; speeds, rad/s.
         switches: times at which a freewheel opened or closed, s. evaluations: of the equations.
 
     Raises:
