@@ -27,8 +27,8 @@ from .geometry import Inertia, ratio
 from .trajectory import Array, Unavailable
 
 TOLERANCE = 1e-13
-# rad of the highest harmonic in a step: the search for events sees the signs at its ends only
-PHASE = 0.5
+# rad of the highest harmonic in a step, and parts of it at whose ends the search for events looks
+PHASE, LOOKED_AT = 0.5, 8
 # a speed below this part of that of link 1 is zero
 ROUNDING = 1e-14
 # freewheels, and the places of the state; behind them, elastic, omega4: the speed of the output is the last
@@ -51,13 +51,14 @@ class Lagrange:
 
     Raises:
         Unavailable: SciPy is not installed, or a freewheel turns backwards at the start.
+        ArithmeticError: the motion leaves the range of doubles.
     """
 
     def __init__(
         self, parameters: Mapping[str, float], omega1: float, load_torque: float, drive_torque: float = 0.0
     ) -> None:
         self.p = p = {**default_parameters(), **parameters}
-        self._solve = library("scipy.integrate").solve_ivp
+        self._solver, self._root = library("scipy.integrate").DOP853, library("scipy.optimize").brentq
         self._inertia, self.k = Inertia(p), ratio(p)
         self._elastic, self._by_torque = p["fidelity"] == ELASTIC, p["drive"] == DRIVE_TORQUE
         names = ("input_inertia", "link2_inertia", "output_inertia", "driven_inertia")
@@ -111,6 +112,9 @@ class Lagrange:
         moves = [self._by_torque, not self._closed[HOUSING], not self._closed[OUTPUT], True]
         free = moving[moves[: w.size]]
         alpha = np.linalg.solve(free @ mass @ free.T, free @ forces) @ free
+        # SciPy would look for a shorter step for ever
+        if not np.isfinite(alpha).all():
+            raise ArithmeticError("the motion leaves the range of doubles")
         missing = mass @ alpha - forces
         return alpha, (float(missing[1] + missing[2]), float(missing[2]))
 
@@ -118,18 +122,12 @@ class Lagrange:
         twisting = y[OMEGA3] - y[OMEGA_OUT]
         return np.array([self.k * (y[OMEGA1] - y[OMEGA2]), y[OMEGA1], twisting, *self._motion(y)[0]])
 
-    def _guard(self, wheel: int) -> Callable[[float, Array], float]:
+    def _guard(self, wheel: int) -> Callable[[Array], float]:
         """What ends the contact mode by falling through zero: torque or speed of a freewheel."""
-        closed = self._closed[wheel]
-
-        def guard(time: float, y: Array) -> float:
-            # raised by next to nothing, so that what is zero at first or throughout does not fall
-            if closed:
-                return self._motion(y)[1][wheel] + sys.float_info.min
-            return self._speed(wheel, y) + ROUNDING * (1.0 + abs(float(y[OMEGA1])))
-
-        guard.terminal, guard.direction = True, -1.0  # type: ignore[attr-defined]
-        return guard
+        if self._closed[wheel]:
+            # raised by next to nothing, as the speed: what is zero at first or throughout does not fall
+            return lambda y: self._motion(y)[1][wheel] + sys.float_info.min
+        return lambda y: self._speed(wheel, y) + ROUNDING * (1.0 + abs(float(y[OMEGA1])))
 
     def _let_go(self) -> None:
         """Open the freewheels that would have to pull, the hardest pulled first."""
@@ -172,24 +170,40 @@ class Lagrange:
         """Go on to a time, s.
 
         Raises:
-            ArithmeticError: the integrator gives up.
+            ArithmeticError: the integrator gives up, or the motion leaves the range of doubles.
         """
         while self.time < time:
             speed = 1.0 + abs(self.state[OMEGA1]) + abs(self.state[OMEGA2])
-            found = self._solve(
+            solver = self._solver(
                 self._rates,
-                (self.time, time),
+                self.time,
                 self.state,
-                "DOP853",
-                events=[self._guard(wheel) for wheel in self._freewheels] or None,
+                time,
                 rtol=TOLERANCE,
                 atol=TOLERANCE * speed,
                 max_step=PHASE / (max(self._inertia.highest, 1.0) * self.k * speed + self._frequency()),
             )
-            if found.status < 0:
-                raise ArithmeticError(f"DOP853 gave up at {found.t[-1]:g} s: {found.message}")
-            self.time, self.state = float(found.t[-1]), found.y[:, -1].copy()
-            for wheel, times in zip(self._freewheels, found.t_events or (), strict=False):
-                if times.size:
-                    self._switch(wheel)
-                    break
+            events: list[tuple[float, int]] = []
+            while solver.status == "running" and not events:
+                message = solver.step()
+                path = solver.dense_output()
+                events = self._events(path, np.linspace(solver.t_old, solver.t, LOOKED_AT + 1))
+            if solver.status == "failed":
+                raise ArithmeticError(f"DOP853 gave up at {solver.t:g} s: {message}")
+            if events:
+                self.time, wheel = min(events)
+                self.state = path(self.time)
+                self._switch(wheel)
+            else:
+                self.time, self.state = time, solver.y
+
+    def _events(self, path: Callable[[float | Array], Array], times: Array) -> list[tuple[float, int]]:
+        """Times at which a torque or a speed falls through zero on the path of a step, and the freewheels."""
+        states, found = path(times).T, []
+        for wheel in self._freewheels:
+            guard = self._guard(wheel)
+            positive = np.array([guard(y) for y in states]) > 0.0
+            for n in np.flatnonzero(positive[:-1] & ~positive[1:])[:1]:
+                root = self._root(lambda t, guard=guard: guard(path(t)), times[n], times[n + 1], xtol=1e-16)
+                found.append((float(root), wheel))
+        return found

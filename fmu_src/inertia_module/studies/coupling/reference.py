@@ -7,9 +7,14 @@ from typing import NamedTuple
 import numpy as np
 
 from ...cosimulation import torque_driven
-from ..lagrange import OMEGA1, OMEGA3, THETA1, Lagrange
+from ..canonical import Canonical
+from ..fourier_inertia import REAL
 from ..trajectory import Array
-from .case import WINDOW, WINDOWS, CoupledCase
+from ..trajectory import Case as OpenCase
+from .case import STOP_TIME, WINDOW, WINDOWS, CoupledCase
+
+# that the highest harmonic turns in a step, rad: a sample's new torque may close a contact for a moment
+_STEP_ANGLE = 0.5
 
 
 class Course(NamedTuple):
@@ -29,18 +34,18 @@ def one_piece(case: CoupledCase) -> Course:
     engine = case.engine()
     governor = engine.governor
     parameters = torque_driven(case.parameters, engine.inertia)
-    motion = Lagrange(parameters, case.speed, case.load_torque)
+    motion = Canonical(OpenCase(parameters, case.speed, case.load_torque, STOP_TIME))
     samples = round(WINDOW / governor.sample_time)
     integral = work = 0.0
     omega1, omega_out = [], []
     for window in range(WINDOWS):
-        began = motion.state[THETA1]
+        began = motion.state.theta1
         for n in range(samples):
-            angle, speed = motion.state[THETA1], float(motion.state[OMEGA1])
+            angle, speed = motion.state.theta1, float(motion.state.omega1)
             torque, integral = governor.sample(integral, case.speed, speed, engine.limits.limits(speed))
-            motion.give(torque, case.load_torque)
-            motion.advance((window * samples + n + 1) * governor.sample_time)
-            work += torque * float(motion.state[THETA1] - angle)
-        omega1.append((motion.state[THETA1] - began) / WINDOW)
-        omega_out.append(motion.state[OMEGA3])
+            motion.push(torque)
+            motion.advance(REAL(window * samples + n + 1) * governor.sample_time, _STEP_ANGLE)
+            work += torque * float(motion.state.theta1 - angle)
+        omega1.append(float(motion.state.theta1 - began) / WINDOW)
+        omega_out.append(float(motion.state.omega3))
     return Course(np.array(omega1), np.array(omega_out), work)
