@@ -5,12 +5,12 @@ import sys
 from decimal import Decimal
 from pathlib import Path
 
+import coupling_page
 import performance_page
 import stability_page
 
 from inertia_module.fmu.documentation import variables_page
 from inertia_module.papers.page import papers_page
-from inertia_module.studies.coupling.page import coupling_page
 
 HERE = Path(__file__).parent
 README = HERE.parent / "README.md"
@@ -27,17 +27,12 @@ def filled(name, values):
     return (HERE / "templates" / name).read_text().format_map(values)
 
 
-def measured_coupling():
-    """The rows that are committed in coupling_*.csv."""
-    return coupling_page(HERE)
-
-
 PAGES = {
     "variables.md": variables_page,
     "papers.md": papers_page,
     "stability.md": lambda: filled("stability.md", stability_page.values()),
     "performance.md": lambda: filled("performance.md", performance_page.values()),
-    "coupling.md": measured_coupling,
+    "coupling.md": coupling_page.page,
     "index.md": start_page,
 }
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from inertia_module.studies.peers.multibody import bevel_lengths, ratio, satellite_ratio
+from inertia_module.studies.geometry import bevel_lengths, ratio, satellite_ratio
 
 __all__ = ["bevel_lengths", "ratio", "satellite_ratio"]
 

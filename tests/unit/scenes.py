@@ -4,6 +4,7 @@ import math
 
 from inertia_module.contract.variables import PARAMETER, with_causality
 from inertia_module.memory.instances import Module
+from inertia_module.studies.lagrange import Lagrange
 
 REFERENCE = {"omega1": 100.0, "load_torque": 10.0}  # R1: everything else is at its default
 PLANAR = {
@@ -74,6 +75,13 @@ def parameters(**values):
 
 def drive_angle(module):
     return module["drive_angle"] + TWO_PI * module["drive_turns"]
+
+
+def lagrange(values, duration):
+    """The scene after a while by the second reference: nothing of the kernel takes part."""
+    motion = Lagrange(values, values["omega1"], values["load_torque"], values.get("drive_torque", 0.0))
+    motion.advance(duration)
+    return motion
 
 
 def vector(module, name):

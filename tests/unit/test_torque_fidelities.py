@@ -3,8 +3,7 @@
 import math
 
 import pytest
-from scenes import DRIVEN, FREEWHEELS, SCENES, TWO_PI, advanced, drive_angle, started
-from torque_reference import TorqueDriven
+from scenes import DRIVEN, FREEWHEELS, SCENES, TWO_PI, advanced, drive_angle, lagrange, started
 
 from inertia_module.memory.instances import Module
 
@@ -46,12 +45,11 @@ def input_angle(module):
 @pytest.mark.parametrize("freewheels", FREEWHEELS)
 def test_course_with_an_elastic_shaft_is_that_of_lagranges_equations_under_scipy(scene, freewheels):
     values = {**scene, **ELASTIC, **FREEWHEELS[freewheels]}
-    reference = TorqueDriven(values)
-    reference.run(0.04)
+    reference = lagrange(values, 0.04)
     module = advanced(started("auto", values, tolerance=1e-12), 0.04)
     speeds = [module[name] for name in ("input_speed", "omega2", "omega_hub", "omega_out")]
     found = [drive_angle(module), input_angle(module), module["shaft_twist"], *speeds]
-    assert found == pytest.approx(reference.y, rel=1e-9, abs=1e-9)
+    assert found == pytest.approx(reference.state, rel=1e-9, abs=1e-9)
 
 
 @pytest.mark.parametrize("freewheels", FREEWHEELS)

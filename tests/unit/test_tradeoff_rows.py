@@ -96,7 +96,7 @@ def test_refused_settings_are_rows_with_the_reason(reference, level, words, tmp_
 
 def test_a_step_that_does_not_divide_the_run_is_a_failure(reference):
     (row,) = measure(reference, [event(2, 1e-6)], steps=[0.03])
-    assert "0.03 s is refused" in row.failure
+    assert "must be a whole part of 0.1 s, is 0.03 s" in row.failure
 
 
 def peer(integrate):

@@ -1,4 +1,4 @@
-"""The second reference: canonical momenta, inertia from positions alone, collocation of order 16.
+"""The reference of couplings: canonical momenta, inertia from positions alone, collocation of order 16.
 
 Nothing of the kernel is used. The reduced inertia comes from rotation matrices as a Fourier series (I, B, G);
 the motion from Hamilton's equations in (q, p1, p2), p = dT/domega, with the kinetic energy 1/2 w' M(q) w of
@@ -14,7 +14,6 @@ drive = torque M1 is, from one push to the next. All in extended precision.
 from __future__ import annotations
 
 import dataclasses
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -23,7 +22,7 @@ import numpy as np
 from ..kernel.codes import DRIVE_SPEED
 from .collocation import Collocation, Extended
 from .fourier_inertia import REAL, Inertia
-from .trajectory import Case, Trajectory, Unavailable
+from .trajectory import Case, Unavailable
 
 # a step turns the highest harmonic by at most this, rad: sixteenth order leaves less than rounding
 STEP_ANGLE = 2.0
@@ -266,15 +265,3 @@ class Canonical:
                 self._move(event[0])
                 self._switch(event[1])
                 self.switches.append(self.state.time)
-
-    def run(self) -> Trajectory:
-        """The case at constant omega1, to rounding."""
-        rows = []
-        for time in self.case.times.astype(REAL):
-            self.advance(time)
-            rows.append((self.state.q, self.state.omega2, self.state.omega3))
-        q_, omega2, omega3 = np.array(rows, dtype=float).T
-        switches = np.array(self.switches, dtype=float)
-        return Trajectory(
-            self.case.times, q_, omega2, omega3, switches, self.collocation.evaluations, None, math.nan
-        )

@@ -58,14 +58,10 @@ class Choice:
         """The same for machines."""
 
         def brief(row: Row) -> dict[str, Any]:
-            return {
-                "fidelity": row.fidelity,
-                "method": row.method,
-                "setting": row.setting,
-                "error": row.worst(self.wanted),
-                "wall_time_per_second": row.wall_time,
-                "errors": {name: row.errors[name] for name in self.wanted},
-            }
+            known = {name: getattr(row, name) for name in ("fidelity", "method", "setting")}
+            errors = {name: row.errors[name] for name in self.wanted}
+            cost = {"wall_time_per_second": row.wall_time}
+            return {**known, "error": row.worst(self.wanted), **cost, "errors": errors}
 
         following = None if self.following is None else brief(self.following) | {"cost": self.ratio}
         asked = {"error": self.error, "wanted": list(self.wanted)}

@@ -8,7 +8,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .collocation import Extended
 from .trajectory import Case
@@ -57,11 +56,6 @@ class Inertia:
         self.highest = self._orders.max()
         # a real series: twice the half with positive orders
         self._terms = coefficients[:, kept] * np.where(self._orders > 0, 2, 1)
-
-    @property
-    def series(self) -> tuple[NDArray[np.float64], NDArray[np.complex128]]:
-        """The series in doubles: orders, shape (orders,), and terms of I, B, G, shape (3, orders)."""
-        return self._orders.astype(np.float64), self._terms.astype(np.complex128)
 
     def _satellite(self) -> tuple[float, int]:
         """Turns of the satellite per turn of the drive, and turns of the drive in one period."""

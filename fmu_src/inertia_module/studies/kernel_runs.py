@@ -14,8 +14,10 @@ from .timing import kernel_time
 from .trajectory import Array, Case, Trajectory
 
 _SAMPLED = ("omega2", "omega_out", "imbalance_acceleration", "contact_mode", "contact_switches")
-# the first distance at which a switch is looked for from where it is expected, s
+# the least distance that a switch may have from where it is expected, s
 _NEAREST = 1e-13
+# what a switch may be off, of its distance from a sampling time or from where it is expected
+_ROUNDING, _SHARE = 1e-12, 1e-3
 
 
 class KernelRun:
@@ -34,8 +36,8 @@ class KernelRun:
         number = round(case.stop_time / communication_step)
         if number < 1 or abs(number * communication_step - case.stop_time) > 1e-9 * case.stop_time:
             raise ValueError(
-                f"communication step = {communication_step:g} s is refused: allowed is a whole part of"
-                f" {case.stop_time:g} s"
+                f"the communication step must be a whole part of {case.stop_time:g} s,"
+                f" is {communication_step:g} s"
             )
         self.case, self.steps, self.step = case, number, case.stop_time / number
         inputs = {"omega1": case.omega1, "load_torque": case.load_torque}
@@ -61,56 +63,43 @@ class KernelRun:
         self.module.advance(rest)
         return self._impulse[n] + rest * self.module["output_torque_mean"]
 
-    def _switched(self, time: float, number: int) -> bool:
-        """Whether this switch has happened by a time, s."""
-        self.reach(time)
-        return self.module["contact_switches"] >= number
+    def _switch(self, number: int, hint: float, share: float) -> float:
+        """Time of a switch, s, by bisection of the logarithm of its distance from a time.
 
-    def _bracket(self, number: int, low: float, high: float, hint: float) -> tuple[float, float]:
-        """Narrow a bracket of a switch around where it is expected, looking further and further away."""
-        if not low < hint < high:
-            return low, high
-        after, away = self._switched(hint, number), _NEAREST
-        edge = hint
-        while True:
-            probe = hint - away if after else hint + away
-            if not low < probe < high:
-                return (low, edge) if after else (edge, high)
-            if self._switched(probe, number) != after:
-                return (probe, edge) if after else (edge, probe)
-            edge, away = probe, away * 8.0
+        Args:
+            number: which, from 1. hint: the time, s. share: of the distance that it may be off.
+        """
+
+        def switched(time: float) -> bool:
+            if not 0.0 < time < self.case.stop_time:
+                return time > 0.0
+            self.reach(time)
+            return self.module["contact_switches"] >= number
+
+        after, low, high = switched(hint), _NEAREST, self.case.stop_time
+        side = -1.0 if after else 1.0
+        while high > (1.0 + share) * low:
+            middle = math.sqrt(low * high)
+            if switched(hint + side * middle) == after:
+                low = middle
+            else:
+                high = middle
+        return hint + side * high
 
     def _switches(self, times: Array, counts: Array, hints: Array | None) -> Array:
-        """Times at which the counter of switches goes up, s."""
-        expected = hints if hints is not None and hints.size == counts[-1] else None
-        found = []
-        for number in range(1, int(counts[-1]) + 1):
-            place = int(np.searchsorted(counts, number))
-            low, high = float(times[max(place - 1, 0)]), float(times[place])
-            near = math.nan if expected is None else float(expected[number - 1])
-            if expected is not None:
-                low, high = self._bracket(number, low, high, near)
-            # to rounding, or to a thousandth of how far it is from where it is expected
-            while high - low > 1e-3 * abs(high - near) if expected is not None else True:
-                middle = 0.5 * (low + high)
-                if not low < middle < high:
-                    break
-                low, high = (low, middle) if self._switched(middle, number) else (middle, high)
-            found.append(high)
-        return np.array(found)
+        """Times at which the counter of switches goes up, s: to rounding, or near hints (see trajectory)."""
+        if hints is None or hints.size != counts[-1]:
+            numbers = np.arange(1, counts[-1] + 1)
+            hints, share = times[np.searchsorted(counts, numbers)], _ROUNDING
+        else:
+            share = _SHARE
+        return np.array([self._switch(n, float(hint), share) for n, hint in enumerate(hints, 1)])
 
-    def _cost(self) -> float:
-        """Time of the kernel for the whole run, s, median of repeats."""
-        inputs = [(self.case.omega1, self.case.load_torque, 0.0)] * self.steps
-        return kernel_time(self.module, self._saved[0], inputs, self.step)
-
-    def trajectory(
-        self, locate: bool = True, timed: bool = True, hints: Array | None = None
-    ) -> tuple[Trajectory, Array]:
+    def trajectory(self, timed: bool = True, hints: Array | None = None) -> tuple[Trajectory, Array]:
         """What the run gives at the case's sampling times, and the contact modes there.
 
         Args:
-            locate: whether to find the times of the switches. timed: whether to repeat it for its time.
+            timed: whether to repeat it for its time.
             hints: where switches are expected, s: they are then found to a thousandth of the distance.
         """
         times = self.case.times
@@ -120,6 +109,9 @@ class KernelRun:
             rows.append([self.module[name] for name in _SAMPLED])
             angle.append(self.module["drive_angle"] + 2.0 * math.pi * self.module["drive_turns"])
         omega2, omega_out, acceleration, modes, counts = np.array(rows).T
+        switches = self._switches(times, counts, hints) if self.located else None
+        given = [(self.case.omega1, self.case.load_torque, 0.0)] * self.steps
+        cost = kernel_time(self.module, self._saved[0], given, self.step) if timed else math.nan
         self.module.restore(self._saved[-1])
         nothing = np.full_like(times, math.nan)
         trajectory = Trajectory(
@@ -127,17 +119,13 @@ class KernelRun:
             drive_angle=np.array(angle) if self.phased else nothing,
             omega2=omega2 if self.phased else nothing,
             omega_out=omega_out,
-            switches=self._switches(times, counts, hints) if locate and self.located else None,
-            evaluations=int(self._final("rhs_evaluations")),
-            energy_residual=self._final("energy_residual"),
-            wall_time=self._cost() if timed else math.nan,
+            switches=switches,
+            evaluations=int(self.module["rhs_evaluations"]),
+            energy_residual=self.module["energy_residual"],
+            wall_time=cost,
             impulse=np.array(impulse),
-            energy_in=self._final("energy_in"),
-            number_of_switches=int(counts[-1]) if self.phased else None,
+            energy_in=self.module["energy_in"],
+            number_of_switches=counts[-1] if self.phased else math.nan,
             acceleration=None if self.fidelity == RIGID else acceleration if self.phased else nothing,
         )
         return trajectory, modes
-
-    def _final(self, name: str) -> float:
-        self.module.restore(self._saved[-1])
-        return self.module[name]

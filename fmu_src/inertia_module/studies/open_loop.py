@@ -35,29 +35,29 @@ def measure(
     """
     case = reference.case
 
-    def compared(run: Callable[[], Trajectory]) -> Callable[[Progress], tuple[Any, ...]]:
-        def measured(_: Progress) -> tuple[Any, ...]:
-            found = run()
-            count = found.number_of_switches if found.switches is None else found.switches.size
-            return errors(found, reference), found.wall_time / case.stop_time, found.evaluations, count
+    def compared(run: Callable[..., Trajectory], *arguments: Any) -> Callable[[Progress], dict[str, Any]]:
+        def measured(_: Progress) -> dict[str, Any]:
+            found = run(*arguments)
+            return {
+                "errors": errors(found, reference),
+                "wall_time": found.wall_time / case.stop_time,
+                "evaluations": found.evaluations,
+                "switches": found.number_of_switches,
+            }
 
         return measured
 
-    def of_module(level: Level, step: float) -> Callable[[], Trajectory]:
-        hints = reference.trajectory.switches
-        return lambda: KernelRun(case, level.values, step).trajectory(hints=hints)[0]
-
-    def of_peer(peer: Peer, setting: Any) -> Callable[[], Trajectory]:
-        return lambda: peer.integrate(case, setting)
+    def run_level(level: Level, step: float) -> Trajectory:
+        return KernelRun(case, level.values, step).trajectory(hints=reference.trajectory.switches)[0]
 
     chosen = list(all_levels(is_elastic(case.parameters))) if levels is None else levels
     attempts: list[Attempt] = [
-        (head_of(level, step), compared(of_module(level, step)))
+        (head_of(level, step), compared(run_level, level, step))
         for step in (communication_steps(case) if steps is None else steps)
         for level in chosen
     ]
     attempts += [
-        ((PEER, peer.name, label, case.stop_time), compared(of_peer(peer, setting)))
+        (Row(PEER, peer.name, label, case.stop_time), compared(peer.integrate, case, setting))
         for peer in peers
         for label, setting in peer.settings.items()
     ]

@@ -16,6 +16,7 @@ from .trajectory import Array
 _COLOURS = ("#D55E00", "#0072B2", "#009E73", "#E69F00", "#56B4E9", "#CC79A7", "#222222", "#8A8A8A")
 _MARKERS = "osD^vPX*<>hp"
 _DPI = 110
+_COLUMNS = 4
 # a slope is told of at least so many points
 _FITTED = 3
 
@@ -59,37 +60,50 @@ def _panel(axes: Axes, rows: Sequence[Row], error: str, cost: str) -> None:
     """One panel: a line a curve, dashed for the peers."""
     for number, (name, curve) in enumerate(curves(rows).items()):
         points = _points(curve, error, cost)
-        if not points.size:
-            continue
-        axes.loglog(
-            points[:, 0],
-            points[:, 1],
-            linestyle="--" if curve[0].fidelity == PEER else "-",
-            color=_COLOURS[number % len(_COLOURS)],
-            marker=_MARKERS[number % len(_MARKERS)],
-            markersize=4,
-            linewidth=1.2,
-            label=name,
-        )
+        if points.size:
+            axes.loglog(
+                *points.T,
+                linestyle="--" if curve[0].fidelity == PEER else "-",
+                color=_COLOURS[number % len(_COLOURS)],
+                marker=_MARKERS[number % len(_MARKERS)],
+                markersize=4,
+                linewidth=1.2,
+                label=name,
+            )
     axes.set_xlabel(_COSTS[cost])
     axes.set_ylabel(error.replace("_", " "))
     axes.grid(alpha=0.3, which="both", linewidth=0.4)
 
 
-def _legend(figure: Figure, panels: Sequence[Axes], slopes: Mapping[str, str]) -> None:
-    """One legend of all panels below them, with the slopes of a curve behind its name."""
-    handles = {line.get_label(): line for axes in panels for line in axes.get_lines()}
-    texts = [f"{name}{slopes.get(str(name), '')}" for name in handles]
+def _figure(
+    rows: Sequence[Row],
+    panels: Sequence[tuple[str, str]],
+    title: str,
+    size: tuple[float, float],
+    slopes: Mapping[str, str],
+    sharey: bool = False,
+) -> Figure:
+    """Panels of (error, cost), below them one legend with the slopes of a curve behind its name."""
+    figure = Figure(figsize=size, dpi=_DPI, layout="constrained")
+    figure.suptitle(title, fontsize=12)
+    columns = min(_COLUMNS, len(panels))
+    grid = figure.subplots(math.ceil(len(panels) / columns), columns, sharey=sharey, squeeze=False).ravel()
+    for axes, (error, cost) in zip(grid, panels, strict=False):
+        _panel(axes, rows, error, cost)
+    for axes in grid[len(panels) :]:
+        axes.set_axis_off()
+    handles = {str(line.get_label()): line for axes in grid for line in axes.get_lines()}
     if handles:
+        texts = [name + slopes.get(name, "") for name in handles]
         figure.legend(
             list(handles.values()), texts, loc="outside lower center", ncols=3, fontsize=7, frameon=False
         )
+    return figure
 
 
 def _slopes(curve: Curve, error: str) -> str:
     """Fitted slopes against both costs; "" where there are too few points."""
-    points = [_points(curve, error, cost) for cost in _COSTS]
-    fitted = [slope(*found.T) for found in points]
+    fitted = [slope(*_points(curve, error, cost).T) for cost in _COSTS]
     return "" if any(map(math.isnan, fitted)) else f" (slopes {fitted[0]:.1f}, {fitted[1]:.1f})"
 
 
@@ -99,25 +113,11 @@ def work_precision(rows: Sequence[Row], error: str, title: str) -> Figure:
     Args:
         rows: measured. error: name in Row.errors. title: of the figure.
     """
-    figure = Figure(figsize=(13.0, 8.0), dpi=_DPI, layout="constrained")
-    figure.suptitle(title, fontsize=12)
-    panels = figure.subplots(1, 2, sharey=True)
-    for axes, cost in zip(panels, _COSTS, strict=True):
-        _panel(axes, rows, error, cost)
-    _legend(figure, list(panels), {name: _slopes(curve, error) for name, curve in curves(rows).items()})
-    return figure
+    slopes = {name: _slopes(curve, error) for name, curve in curves(rows).items()}
+    return _figure(rows, [(error, cost) for cost in _COSTS], title, (13.0, 8.0), slopes, sharey=True)
 
 
 def all_errors(rows: Sequence[Row], names: Sequence[str], title: str) -> Figure:
     """Each error against wall time, a panel each."""
-    columns = min(4, len(names))
-    lines = math.ceil(len(names) / columns)
-    figure = Figure(figsize=(4.0 * columns, 3.4 * lines + 1.6), dpi=_DPI, layout="constrained")
-    figure.suptitle(title, fontsize=12)
-    grid = figure.subplots(lines, columns, squeeze=False).ravel()
-    for axes, name in zip(grid, names, strict=False):
-        _panel(axes, rows, name, "wall_time")
-    for axes in grid[len(names) :]:
-        axes.set_axis_off()
-    _legend(figure, list(grid[: len(names)]), {})
-    return figure
+    size = 4.0 * min(_COLUMNS, len(names)), 3.4 * math.ceil(len(names) / _COLUMNS) + 1.6
+    return _figure(rows, [(name, "wall_time") for name in names], title, size, {})

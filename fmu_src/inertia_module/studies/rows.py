@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import csv
+import dataclasses
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +27,7 @@ class Row:
         fidelity: its name, or "peer". method: of integration. setting: such as "tolerance 1e-06".
         communication_step: s. errors: by name, NaN where nothing is known.
         wall_time: s per simulated second, of the integration alone. evaluations: of the right-hand side.
-        switches: counted, or None. failure: why there is nothing measured, else "".
+        switches: counted, NaN where they are not. failure: why there is nothing measured, else "".
         loop_time: s per simulated second of the module with what is around it, NaN where there is nothing.
     """
 
@@ -34,10 +35,10 @@ class Row:
     method: str
     setting: str
     communication_step: float
-    errors: Mapping[str, float]
-    wall_time: float
-    evaluations: float
-    switches: float | None
+    errors: Mapping[str, float] = field(default_factory=dict)
+    wall_time: float = math.nan
+    evaluations: float = math.nan
+    switches: float = math.nan
     failure: str = ""
     loop_time: float = math.nan
 
@@ -58,15 +59,13 @@ class Row:
         return math.inf if unknown else max(errors, default=math.inf)
 
 
-# fidelity, method and setting by name, and the communication step, s
-Head = tuple[str, str, str, float]
-# gives the fields of Row that follow those of Head
-Attempt = tuple[Head, Callable[[Progress], tuple[Any, ...]]]
+# what is to be run, nothing of it measured, and what measures it: gives fields of Row by name
+Attempt = tuple[Row, Callable[[Progress], dict[str, Any]]]
 
 
-def head_of(level: Level, step: float) -> Head:
-    """What a level of the module in communication steps, s, is called."""
-    return level.fidelity_name, level.method_name, level.setting, step
+def head_of(level: Level, step: float) -> Row:
+    """The row of a level of the module in communication steps, s, before anything is measured."""
+    return Row(level.fidelity_name, level.method_name, level.setting, step)
 
 
 def attempt_all(
@@ -84,10 +83,10 @@ def attempt_all(
     for number, (head, run) in enumerate(attempts):
         start = begin + number * share
         try:
-            rows.append(Row(*head, *run(lambda done, start=start: tell(start + done * share))))  # type: ignore[misc]
+            found = run(lambda done, start=start: tell(start + done * share))  # type: ignore[misc]
         except FAILURES as error:
-            reason = " ".join(str(error).split()) or type(error).__name__
-            rows.append(Row(*head, {}, math.nan, math.nan, None, reason))
+            found = {"failure": " ".join(str(error).split()) or type(error).__name__}
+        rows.append(dataclasses.replace(head, **found))
         tell(start + share)
     return rows
 
@@ -105,21 +104,15 @@ _COSTS = {
 
 def write_rows(path: Path, rows: Sequence[Row]) -> Path:
     """Write all rows as CSV, failures too; whole or not at all."""
-
-    def cell(value: float | None) -> str:
-        return "" if value is None or math.isnan(value) else repr(float(value))
-
     names = list(dict.fromkeys(name for row in rows for name in row.errors))
-    lines = [
-        [row.fidelity, row.method, row.setting, repr(row.communication_step)]
-        + [cell(row.errors.get(name)) for name in names]
-        + [cell(getattr(row, name)) for name in _COSTS.values()]
-        + [row.failure]
-        for row in rows
-    ]
-    return results.write_rows(
-        path, [*_HEADS, *(f"error {name}" for name in names), *_COSTS, "failure"], lines
-    )
+    lines = []
+    for row in rows:
+        numbers = [row.errors.get(name, math.nan) for name in names]
+        numbers += [getattr(row, name) for name in _COSTS.values()]
+        cells = ["" if math.isnan(value) else float(value) for value in numbers]
+        lines.append([row.fidelity, row.method, row.setting, row.communication_step, *cells, row.failure])
+    headings = [*_HEADS, *(f"error {name}" for name in names), *_COSTS, "failure"]
+    return results.write_rows(path, headings, lines)
 
 
 def read_rows(path: Path) -> list[Row]:
@@ -128,39 +121,30 @@ def read_rows(path: Path) -> list[Row]:
     Raises:
         OSError: there is no such file. ValueError: it is another table.
     """
-    headings, *lines = csv.reader(path.read_text().splitlines())
-    if tuple(headings[: len(_HEADS)]) != _HEADS:
+    table = csv.DictReader(path.read_text().splitlines())
+    if tuple(table.fieldnames or ())[: len(_HEADS)] != _HEADS:
         raise ValueError(f"{path} must begin with the headings {', '.join(_HEADS)}")
     rows = []
-    for fidelity, method, setting, *cells, failure in lines:
-        texts = zip(headings[len(_HEADS) - 1 : -1], cells, strict=True)
-        numbers = {name: float(text) if text else math.nan for name, text in texts}
-        errors = {name[6:]: value for name, value in numbers.items() if name.startswith("error ")}
-        wall_time, loop_time, evaluations, switches = (numbers[name] for name in _COSTS)
-        head = fidelity, method, setting, numbers[_HEADS[-1]]
-        counted = None if math.isnan(switches) else switches
-        rows.append(Row(*head, errors, wall_time, evaluations, counted, failure, loop_time))
+    for line in table:
+        fidelity, method, setting, step, failure = (line.pop(name) for name in (*_HEADS, "failure"))
+        numbers = {name: float(text) if text else math.nan for name, text in line.items()}
+        costs = {cost: numbers.pop(name) for name, cost in _COSTS.items()}
+        errors = {name.removeprefix("error "): value for name, value in numbers.items()}
+        rows.append(Row(fidelity, method, setting, float(step), errors, failure=failure, **costs))
     return rows
 
 
 def as_dict(row: Row) -> dict[str, Any]:
     """A row for machines: what is not known is None."""
 
-    def known(value: float | None) -> float | None:
-        return None if value is None or not math.isfinite(value) else value
+    def known(value: float) -> float | None:
+        return value if math.isfinite(value) else None
 
-    return {
-        "fidelity": row.fidelity,
-        "method": row.method,
-        "setting": row.setting,
-        "communication_step": row.communication_step,
-        "errors": {name: known(value) for name, value in row.errors.items()},
-        "wall_time_per_second": known(row.wall_time),
-        "loop_time_per_second": known(row.loop_time),
-        "rhs_evaluations": known(row.evaluations),
-        "contact_switches": known(row.switches),
-        "failure": row.failure,
-    }
+    heads = ("fidelity", "method", "setting", "communication_step")
+    head = {name: getattr(row, name) for name in heads}
+    costs = {name.partition(" ")[0]: known(getattr(row, cost)) for name, cost in _COSTS.items()}
+    errors = {name: known(value) for name, value in row.errors.items()}
+    return {**head, "errors": errors, **costs, "failure": row.failure}
 
 
 def failure_lines(rows: Sequence[Row]) -> list[str]:

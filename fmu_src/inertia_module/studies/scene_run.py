@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ..contract.variables import LOCAL, OUTPUT, with_causality
@@ -17,40 +17,25 @@ from .timing import kernel_time
 READABLE = tuple(variable.name for variable in with_causality(OUTPUT, LOCAL))
 
 
-class ModulePlant:
-    """The module as a plant of loops.ClosedLoop; keeps the inputs of each step.
+class RecordedModule(Module):
+    """A module as a plant of loops.ClosedLoop, which keeps the inputs of each step.
 
-    Args:
-        parameters, inputs: by name.
-
-    Raises:
-        Refused: parameters, inputs or a step are bad.
+    Attributes:
+        given: (omega1, load_torque, drive_torque) of each step.
     """
 
-    def __init__(self, parameters: Mapping[str, float], inputs: Mapping[str, float]) -> None:
-        self.module = Module("auto").start(**{**parameters, **inputs})
-        self._begin = self.module.save()
-        self._given: list[tuple[float, float, float]] = []
-        self._step = 0.0
+    def __init__(self, kernel: str = "auto") -> None:
+        super().__init__(kernel)
+        self.given: list[tuple[float, float, float]] = []
 
-    def set(self, **values: float) -> None:
-        """Set inputs by name."""
-        self.module.set(**values)
-
-    def advance(self, step: float) -> None:
+    def advance(self, step_size: float) -> None:
         """Advance by a communication step, s."""
-        held = self.module.inputs
-        self._given.append((held.omega1, held.load_torque, held.drive_torque))
-        self._step = step
-        self.module.advance(step)
+        self.given.append((self.inputs.omega1, self.inputs.load_torque, self.inputs.drive_torque))
+        super().advance(step_size)
 
     def read(self, names: Sequence[str]) -> tuple[float, ...]:
         """Values by name."""
-        return tuple([self.module[name] for name in names])
-
-    def kernel_time(self) -> float:
-        """Time of the kernel for the same steps with the same inputs, s, median of repeats."""
-        return kernel_time(self.module, self._begin, self._given, self._step)
+        return tuple([self[name] for name in names])
 
 
 @dataclass(frozen=True)
@@ -79,10 +64,12 @@ def run_in_process(scene: Scene, progress: Progress | None = None) -> SceneRun:
     surroundings, values, inputs = start_of(scene)
     if scene.accuracy.tolerance is not None:
         values["tolerance"] = scene.accuracy.tolerance
-    plant = ModulePlant(values, inputs)
+    plant = RecordedModule().start(**values, **inputs)
+    begin = plant.save()
     loop = ClosedLoop(plant, surroundings, READABLE, scene.signal_units)
     began = time.perf_counter()
     record = loop.run(scene.run.stop_time, progress)
     loop_time = time.perf_counter() - began
     duration = scene.run.stop_time
-    return SceneRun(record, plant.kernel_time() / duration, loop_time / duration)
+    spent = kernel_time(plant, begin, plant.given, scene.run.communication_step)
+    return SceneRun(record, spent / duration, loop_time / duration)

@@ -11,7 +11,6 @@ from typing import Any
 from ..harness.results import write_figure
 from ..harness.simulate import Progress
 from ..scene import Scene
-from ..scene.mechanism import is_elastic
 from .choice import Choice
 from .errors import MEASURES
 from .levels import all_levels
@@ -90,7 +89,7 @@ def open_study(case: Case, title: str, peers: Sequence[Peer] = (), progress: Pro
     """
     reference = converged(case)
     try:
-        agreed = None if is_elastic(case.parameters) else agreement(case)
+        agreed = agreement(case)
     except Unavailable:
         agreed = None
     rows = measure(reference, peers=peers, progress=progress)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import statistics
 import time
 from collections.abc import Callable, Mapping
@@ -11,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..contract.variables import BY_NAME
+from ..contract.variables import default_parameters
 
 Array = NDArray[np.float64]
 
@@ -40,10 +41,14 @@ class Case:
         """Sampling times from 0 to stop_time, s, shape (points + 1,)."""
         return np.linspace(0.0, self.stop_time, self.points + 1)
 
+    @property
+    def all_parameters(self) -> dict[str, Any]:
+        """Values of all parameters of the module in this case."""
+        return {**default_parameters(), **self.parameters}
+
     def parameter(self, name: str) -> float:
         """Value of a parameter in this case."""
-        default = BY_NAME[name].start
-        return float(self.parameters.get(name, default if default is not None else 0.0))
+        return float(self.all_parameters[name])
 
 
 @dataclass(frozen=True)
@@ -59,7 +64,7 @@ class Trajectory:
         impulse: of the output torque Tc from the start, N.m.s, or None if it follows from omega_out
             as output_inertia (omega_out - start) + load_torque time.
         energy_in: work of the input torque, J, or None.
-        number_of_switches: where they are counted, else None.
+        number_of_switches: where they are counted, else NaN.
         acceleration: of the imbalance, m/s^2, or None if it follows from drive_angle and the speeds.
     """
 
@@ -73,7 +78,7 @@ class Trajectory:
     wall_time: float
     impulse: Array | None = None
     energy_in: float | None = None
-    number_of_switches: int | None = None
+    number_of_switches: float = math.nan
     acceleration: Array | None = None
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -69,13 +70,17 @@ def measure_scene(
         at_level(scene, reference_level(scene)), lambda done: tell(done * share)
     ).record
 
-    def of_level(level: Level, step: float) -> Callable[[Progress], tuple[Any, ...]]:
-        def run(report: Progress) -> tuple[Any, ...]:
+    def of_level(level: Level, step: float) -> Callable[[Progress], dict[str, Any]]:
+        def run(report: Progress) -> dict[str, Any]:
             found = run_in_process(at_level(scene, level, step), report)
-            errors = window_errors(found.record, reference, scene.accuracy.window, level.fidelity)
             last = found.record.last()
-            switches = None if level.fidelity == AVERAGED else last["contact_switches"]
-            return errors, found.module_time, last["rhs_evaluations"], switches, "", found.loop_time
+            return {
+                "errors": window_errors(found.record, reference, scene.accuracy.window, level.fidelity),
+                "wall_time": found.module_time,
+                "loop_time": found.loop_time,
+                "evaluations": last["rhs_evaluations"],
+                "switches": math.nan if level.fidelity == AVERAGED else last["contact_switches"],
+            }
 
         return run
 
@@ -135,6 +140,5 @@ def choose(scene: Scene, progress: Progress | None = None) -> tuple[Scene, Choic
     assert scene.accuracy.error is not None
     choice = recommend(trial_rows(scene, progress), scene.accuracy.error, scene.run.outputs)
     step = choice.row.communication_step
-    levels = {head_of(level, step): level for level in candidates(scene)}
-    chosen = levels[choice.row.fidelity, choice.row.method, choice.row.setting, step]
+    (chosen,) = (one for one in candidates(scene) if head_of(one, step).label == choice.row.label)
     return at_level(scene, chosen), choice

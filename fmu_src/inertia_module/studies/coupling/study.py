@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import csv
 import dataclasses
-import io
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from ...harness.results import write_figure, write_text
+from ...harness.results import write_figure, write_rows
 from ...harness.simulate import Progress
 from .case import CASES
 from .figure import map_figure
@@ -73,14 +71,9 @@ def write_part(folder: Path, name: str, rows: Sequence[Any]) -> dict[str, str]:
         Paths by what they are.
     """
     names = [field.name for field in dataclasses.fields(rows[0])]
-    stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(names)
     # six digits: more would tell of the machine
-    writer.writerows(
-        [f"{v:.6g}" if isinstance(v, float) else v for v in dataclasses.astuple(row)] for row in rows
-    )
-    written = {name: str(write_text(folder / f"coupling_{name}.csv", stream.getvalue()))}
+    cells = ([f"{v:.6g}" if isinstance(v, float) else v for v in dataclasses.astuple(row)] for row in rows)
+    written = {name: str(write_rows(folder / f"coupling_{name}.csv", names, cells))}
     if name == MAP:
         written["picture of the map"] = str(write_figure(folder / "coupling.png", map_figure(rows)))
     return written

@@ -14,6 +14,7 @@ import numpy as np
 from ...cosimulation import (
     SCHEMES,
     CoupledEngine,
+    Engine,
     EnginePlant,
     Ledger,
     Scheme,
@@ -71,6 +72,13 @@ class Run(NamedTuple):
     stable: bool
 
 
+def couple(fmu: Fmu, engine: Engine, scheme: Scheme | None, inertia: float, substeps: int = 1) -> EnginePlant:
+    """Engine and module by a scheme, its interface inertia in kg.m2, or, without one, driven by torque."""
+    if scheme is None:
+        return TorqueDrivenEngine(fmu, engine, substeps)
+    return CoupledEngine(fmu, engine, scheme, inertia, substeps)
+
+
 @contextmanager
 def coupled_engine(
     case: CoupledCase, scheme: Scheme | None, fmu_path: Path, tolerance: float = TOLERANCE
@@ -80,10 +88,7 @@ def coupled_engine(
     start = {"omega1": case.speed, "load_torque": case.load_torque}
     parameters = case.parameters if scheme is not None else torque_driven(case.parameters, engine.inertia)
     with Fmu(fmu_path, parameters, start, tolerance) as fmu:
-        if scheme is None:
-            yield TorqueDrivenEngine(fmu, engine)
-        else:
-            yield CoupledEngine(fmu, engine, scheme, case.interface.middle)
+        yield couple(fmu, engine, scheme, case.interface.middle)
 
 
 def course(

@@ -7,21 +7,13 @@ from pathlib import Path
 
 import numpy as np
 
-from ...cosimulation import (
-    CoupledEngine,
-    Engine,
-    EngineMap,
-    EnginePlant,
-    TorqueDrivenEngine,
-    interface_inertia,
-    torque_driven,
-)
+from ...cosimulation import Engine, EngineMap, interface_inertia, torque_driven
 from ...harness.fmu import Fmu
 from ...harness.simulate import Progress
 from ...loops import ClosedLoop, connect, initial_inputs
 from ...scene import Scene, load_scene
 from .case import governor
-from .trial import COUPLINGS, TORQUE
+from .trial import COUPLINGS, TORQUE, couple
 
 SCENE = Path("examples") / "urban.toml"
 # a small car's engine, kg.m2, with its flywheel
@@ -101,11 +93,7 @@ def urban_run(
     if scheme is None:
         parameters = torque_driven(parameters, engine.inertia)
     with Fmu(fmu_path, parameters, start, scene.accuracy.tolerance) as fmu:
-        coupled: EnginePlant = (
-            TorqueDrivenEngine(fmu, engine, substeps)
-            if scheme is None
-            else CoupledEngine(fmu, engine, scheme, interface.middle, substeps)
-        )
+        coupled = couple(fmu, engine, scheme, interface.middle, substeps)
         before = coupled.energy_stored
         loop = ClosedLoop(coupled, surroundings, ("omega_out",), scene.signal_units)
         table = loop.run(stop_time or scene.run.stop_time, progress)

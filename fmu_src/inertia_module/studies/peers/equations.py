@@ -7,8 +7,7 @@ takes it as it is, compiled functions in an array (see in_array).
 from __future__ import annotations
 
 import functools
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -16,13 +15,12 @@ from ...common.errors import Refused
 from ...compiling.ir import data_type, jitted_kernel
 from ...compiling.records import record_type
 from ...kernel import codes
-from ...kernel.contact import TORQUE_ROUNDING
 from ...kernel.fields import CONSTANTS
 from ...memory.instances import Module
+from ..extras import library
 from ..trajectory import Array, Case, Unavailable
-from .extras import library
 
-# the kernel's constants, then rad/s, N.m, the contact mode, and the stiffness of the clutches, N.m.s/rad
+# the kernel's constants, then rad/s, N.m, the mode, and the stiffness of the clutches, N.m.s/rad
 FIELDS = (("d", CONSTANTS), "omega1", "load", "mode", "stiffness")
 
 # guards of a contact mode: the speed of link 2 or the housing torque, the output freewheel
@@ -30,27 +28,25 @@ LINK2 = 0
 OUTPUT = 1
 
 
-@dataclass(frozen=True)
-class Equations:
-    """Compiled functions of (t, y, data), data in_array; those with a third array write their result there.
+# a mode beside the contact modes: a viscous clutch for each freewheel, Tc = c max(0, omega2 - omega3),
+# Th = c max(0, -omega2), c their stiffness; without events
+CLUTCHES = -1.0
+
+
+class Equations(NamedTuple):
+    """Compiled functions of (t, y, data), data in_array; rates and guards take a third array for the result.
 
     Attributes:
-        contact_rates: (t, y, rates, data), motion in the contact mode of the data.
-        contact_guards: (t, y, guards, data), two numbers that are positive while the mode goes on.
-        clutch_rates: (t, y, rates, data), motion with a viscous clutch for each freewheel:
-            Tc = c max(0, omega2 - omega3), Th = c max(0, -omega2), c their stiffness.
-        new_contact_rates, new_clutch_rates: (t, y, data), the same in a new array.
-        guard: (t, y, data, which), one guard.
-        select_mode: (y, data), the kernel's choice of the contact mode.
+        rates: (t, y, rates, data), motion in the mode of the data.
+        new_rates: (t, y, data), the same in a new array.
+        guards: (t, y, guards, data), two numbers that are positive while the mode goes on.
+        guard: (t, y, data, which), one of them.
     """
 
-    contact_rates: Any
-    contact_guards: Any
-    clutch_rates: Any
-    new_contact_rates: Any
-    new_clutch_rates: Any
+    rates: Any
+    new_rates: Any
+    guards: Any
     guard: Any
-    select_mode: Any
 
 
 @functools.cache
@@ -63,31 +59,37 @@ def equations() -> Equations:
     numba, kernel = library("numba"), jitted_kernel()
     jit = numba.njit(error_model="numpy")
     accelerations, held_torque = kernel["links"].accelerations, kernel["links"].held_torque
-    kernel_mode = kernel["contact"].select_mode
-    held, free, driving = codes.HELD, codes.FREE, codes.DRIVING
+    held, free, driving, clutches = codes.HELD, codes.FREE, codes.DRIVING, CLUTCHES
 
     @jit  # type: ignore[untyped-decorator]
     def alpha2(y, data, carried, torque):  # type: ignore[no-untyped-def]
         return accelerations(data.d, y[0], data.omega1, y[1], 0.0, False, carried, torque)[1]
 
     @jit  # type: ignore[untyped-decorator]
-    def contact_rates(t, y, rates, array):  # type: ignore[no-untyped-def]
+    def rates(t, y, result, array):  # type: ignore[no-untyped-def]
         data = array[0]
-        rates[0] = data.d.k * (data.omega1 - y[1])
-        rates[1] = 0.0
-        rates[2] = 0.0
-        if data.mode == held:
-            rates[2] = -data.load / data.d.J3
-        elif data.mode == free:
-            rates[1] = alpha2(y, data, 0.0, 0.0)
-            rates[2] = -data.load / data.d.J3
+        result[0] = data.d.k * (data.omega1 - y[1])
+        result[1] = 0.0
+        result[2] = 0.0
+        if data.mode == clutches:
+            clutch = data.stiffness * max(0.0, y[1] - y[2])
+            housing = data.stiffness * max(0.0, -y[1])
+            result[1] = alpha2(y, data, 0.0, clutch - housing)
+            result[2] = (clutch - data.load) / data.d.J3
         elif data.mode == driving:
-            rates[1] = alpha2(y, data, data.d.J3, data.load)
-            rates[2] = rates[1]
+            result[1] = alpha2(y, data, data.d.J3, data.load)
+            result[2] = result[1]
+        elif data.mode == held:
+            result[2] = -data.load / data.d.J3
+        elif data.mode == free:
+            result[1] = alpha2(y, data, 0.0, 0.0)
+            result[2] = -data.load / data.d.J3
 
     @jit  # type: ignore[untyped-decorator]
     def guard(t, y, array, which):  # type: ignore[no-untyped-def]
         data = array[0]
+        if data.mode == clutches:
+            return 1.0
         if data.mode in (free, driving):
             if which == LINK2:
                 return y[1] if data.d.housing != 0.0 else 1.0
@@ -102,46 +104,28 @@ def equations() -> Equations:
         return y[2] if data.mode == held and data.load > 0.0 else 1.0
 
     @jit  # type: ignore[untyped-decorator]
-    def contact_guards(t, y, guards, data):  # type: ignore[no-untyped-def]
-        guards[0] = guard(t, y, data, LINK2)
-        guards[1] = guard(t, y, data, OUTPUT)
+    def guards(t, y, result, data):  # type: ignore[no-untyped-def]
+        result[0] = guard(t, y, data, LINK2)
+        result[1] = guard(t, y, data, OUTPUT)
 
     @jit  # type: ignore[untyped-decorator]
-    def clutch_rates(t, y, rates, array):  # type: ignore[no-untyped-def]
-        data = array[0]
-        clutch = data.stiffness * max(0.0, y[1] - y[2])
-        housing = data.stiffness * max(0.0, -y[1])
-        rates[0] = data.d.k * (data.omega1 - y[1])
-        rates[1] = alpha2(y, data, 0.0, clutch - housing)
-        rates[2] = (clutch - data.load) / data.d.J3
+    def new_rates(t, y, data):  # type: ignore[no-untyped-def]
+        result = np.empty(3)
+        rates(t, y, result, data)
+        return result
 
-    @jit  # type: ignore[untyped-decorator]
-    def select_mode(y, array):  # type: ignore[no-untyped-def]
-        data = array[0]
-        return kernel_mode(data.d, y[0], data.omega1, y[1], y[2], 0.0, data.load, 0.0, TORQUE_ROUNDING)
-
-    @jit  # type: ignore[untyped-decorator]
-    def new_contact_rates(t, y, data):  # type: ignore[no-untyped-def]
-        rates = np.empty(3)
-        contact_rates(t, y, rates, data)
-        return rates
-
-    @jit  # type: ignore[untyped-decorator]
-    def new_clutch_rates(t, y, data):  # type: ignore[no-untyped-def]
-        rates = np.empty(3)
-        clutch_rates(t, y, rates, data)
-        return rates
-
-    return Equations(
-        contact_rates, contact_guards, clutch_rates, new_contact_rates, new_clutch_rates, guard, select_mode
-    )
+    return Equations(rates, new_rates, guards, guard)
 
 
-def data_of(case: Case) -> Any:
-    """What the equations need of a case, a record of FIELDS; contact mode and stiffness are yet to be set.
+def data_of(case: Case, stiffness: float | None = None) -> Any:
+    """What the equations need of a case, a record of FIELDS, its mode not chosen yet.
+
+    Args:
+        case: what is run. stiffness: of a clutch for each freewheel, N.m.s/rad, or None: by events.
 
     Raises:
-        Unavailable: the module refuses the parameters, or the case is not of the rigid module.
+        Unavailable: the module refuses the parameters, or the case is not of the rigid module; or clutches
+            are to stand for freewheels and one is left out.
     """
     if case.parameter("fidelity") != codes.RIGID:
         raise Unavailable("the peers know the rigid module only: fidelity = 2")
@@ -150,7 +134,10 @@ def data_of(case: Case) -> Any:
         module.check(**case.parameters)
     except Refused as error:
         raise Unavailable(str(error)) from None
-    return record_type(FIELDS)(d=module.derived, omega1=case.omega1, load=case.load_torque)
+    d = module.derived
+    if stiffness is not None and not (d.housing and d.output):
+        raise Unavailable("viscous clutches stand for both freewheels: the case leaves one out")
+    return record_type(FIELDS)(d=d, omega1=case.omega1, load=case.load_torque, stiffness=stiffness or 0.0)
 
 
 def in_array(data: Any) -> Any:

@@ -11,16 +11,13 @@ Source: MuJoCo, "Computation": constraint model, reference acceleration and impe
 
 from __future__ import annotations
 
-import time
-
 import numpy as np
 
-from ...contract.variables import BY_NAME, PARAMETER
+from ..extras import library
+from ..geometry import ratio, satellite_ratio
 from ..trajectory import Case, Trajectory, median_time
-from .clutches import SLOW
 from .equations import data_of
-from .extras import library
-from .multibody import mechanism, ratio, satellite_ratio
+from .multibody import mechanism
 
 # MuJoCo allows no more: a constraint is softer than rigid by the part that is missing
 IMPEDANCE = 0.9999
@@ -70,11 +67,7 @@ class ForwardModel:
 
     def __init__(self, case: Case, step: float, integrator: str) -> None:
         self.engine, self.case = library("mujoco"), case
-        p = {
-            name: case.parameter(name)
-            for name, variable in BY_NAME.items()
-            if variable.causality == PARAMETER
-        }
+        p = case.all_parameters
         modules, satellites = range(int(p["modules"])), range(int(p["satellites"]))
         places = [f"{module} {n}" for module in modules for n in satellites]
         self.p = p
@@ -92,22 +85,19 @@ class ForwardModel:
 
     def reset(self) -> None:
         """Back to the beginning."""
-        p, k, s = self.p, ratio(self.p), satellite_ratio(self.p)
+        p, s = self.p, satellite_ratio(self.p)
+        start, rate = p["drive_angle_start"], ratio(p) * (self.case.omega1 - p["omega2_start"])
         self.engine.mj_resetData(self.model, self.data)
-        rate = k * (self.case.omega1 - p["omega2_start"])
-        start = p["drive_angle_start"]
-        self._set("link 1", 0.0, self.case.omega1)
-        self._set("link 2", 0.0, p["omega2_start"])
-        self._set("output", 0.0, p["omega_out_start"])
-        for name in self.drives:
-            self._set(name, start, rate)
-        for name in self.satellites:
-            self._set(name, s * start + p["epsilon"], s * rate)
+        motion = {
+            **{"link 1": (0.0, self.case.omega1), "link 2": (0.0, p["omega2_start"])},
+            **{"output": (0.0, p["omega_out_start"])},
+            **dict.fromkeys(self.drives, (start, rate)),
+            **dict.fromkeys(self.satellites, (s * start + p["epsilon"], s * rate)),
+        }
+        for name, (angle, speed) in motion.items():
+            joint = self.data.joint(name)
+            joint.qpos[0], joint.qvel[0] = angle, speed
         self.data.joint("output").qfrc_applied[0] = -self.case.load_torque
-
-    def _set(self, joint: str, angle: float, speed: float) -> None:
-        self.data.joint(joint).qpos[0] = angle
-        self.data.joint(joint).qvel[0] = speed
 
     def advance(self, steps: int) -> None:
         """Make some steps.
@@ -153,19 +143,15 @@ def simulate(case: Case, integrator: str, timestep: float) -> Trajectory:
     model = ForwardModel(case, interval / steps, integrator)
     samples: list[tuple[float, float, float]] = [model.read()]
     energy = model.energy()
-    begun = time.perf_counter()
     for _ in range(case.points):
         model.advance(steps)
         samples.append(model.read())
-    wall_time = time.perf_counter() - begun
     residual = energy - model.energy()
 
     def again() -> None:
         model.reset()
         model.advance(steps * case.points)
 
-    if wall_time < SLOW:
-        wall_time = median_time(again)
     q, omega2, omega3 = np.array(samples).T
     stages = 4 if integrator == "RK4" else 1
     return Trajectory(
@@ -176,5 +162,5 @@ def simulate(case: Case, integrator: str, timestep: float) -> Trajectory:
         switches=None,
         evaluations=stages * steps * case.points,
         energy_residual=residual,
-        wall_time=wall_time,
+        wall_time=median_time(again),
     )

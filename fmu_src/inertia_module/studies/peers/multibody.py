@@ -1,4 +1,4 @@
-"""The mechanism as a tree of bodies for MuJoCo, an independent multibody engine: geometry only.
+"""The mechanism as a tree of bodies for MuJoCo, an independent multibody engine.
 
 Each joint is a hinge of its own: link 1, link 2, the drives on link 1 and the satellites on them.
 What couples them (gears, freewheels) is added by who uses the tree. Nothing of the kernel is used.
@@ -6,51 +6,14 @@ What couples them (gears, freewheels) is added by who uses the tree. Nothing of 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from typing import Any
+from collections.abc import Iterable
 
 import numpy as np
 
+from ..geometry import EX, EZ, Parameters, bevel_lengths, turn
 from ..trajectory import Array
 
 NEXT_TO_NOTHING = 1e-13  # the engine wants every moving body to have mass and inertia
-EX, EY, EZ = np.eye(3)
-
-Parameters = Mapping[str, Any]
-
-
-def turn(axis: int, angle: float) -> Array:
-    """Matrix of a turn about axis 0, 1 or 2 (x, y, z) by an angle, rad, shape (3, 3)."""
-    i, j = (axis + 1) % 3, (axis + 2) % 3
-    matrix = np.eye(3)
-    matrix[i, i] = matrix[j, j] = np.cos(angle)
-    matrix[j, i] = np.sin(angle)
-    matrix[i, j] = -matrix[j, i]
-    return matrix
-
-
-def ratio(p: Parameters) -> float:
-    """k: turns of the drive on link 1 per turn of link 1 against link 2."""
-    return float(p["sun_radius"] / p["satellite_radius"] if p["layout"] else p["z2"] / p["z16"])
-
-
-def satellite_ratio(p: Parameters) -> float:
-    """s: turns of the satellite on the drive per turn of the drive."""
-    return float(1.0 if p["layout"] else p["z17"] / p["z6"])
-
-
-def bevel_lengths(p: Parameters) -> tuple[float, float, float]:
-    """(AD, QA, OQ), m: the pitch cones touch on the line about which the satellite turns in link 1."""
-    satellite_axis = turn(1, -p["shaft_angle"]) @ EZ
-    line = EZ + satellite_ratio(p) * satellite_axis
-    line /= np.linalg.norm(line)
-    cone = p["wheel_radius"] / np.linalg.norm(np.cross(line, EZ))
-    radius = cone * np.linalg.norm(np.cross(line, satellite_axis))
-    return (
-        float(p["a"] * radius),
-        float(p["b"] * cone * (line @ satellite_axis)),
-        float(p["c"] * cone * (line @ EZ)),
-    )
 
 
 def _numbers(values: Iterable[float]) -> str:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterator
 
 from .case import ELASTIC_LEVELS, TIMESTEPPING_LEVELS, Case, Extreme, Segment
-from .mechanisms import MECHANISMS, TRAVEL, Mechanism, grazing_speed, imbalance_inertia, stall_torque
+from .mechanisms import MECHANISMS, TRAVEL, Mechanism, grazing_speed, imbalance_inertia, largest_held_torque
 
 SPEEDS = (1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e4, 1e5)
 RATIOS = (1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e9)
@@ -76,10 +76,10 @@ def load(mechanism: Mechanism) -> Extremes:
         yield mechanism.extreme(f"{torque:g} N.m", load=torque)
 
 
-def stall_torque_as_load(mechanism: Mechanism) -> Extremes:
+def stall_torque(mechanism: Mechanism) -> Extremes:
     """Load at the largest torque link 2 has while held, and next to it on both sides."""
     for value, factor in around_peak():
-        yield mechanism.extreme(value, load=factor * stall_torque(mechanism))
+        yield mechanism.extreme(value, load=factor * largest_held_torque(mechanism))
 
 
 def grazing(mechanism: Mechanism) -> Extremes:
@@ -222,49 +222,32 @@ def shaft(mechanism: Mechanism) -> Extremes:
             values = {"shaft_stiffness": stiffness, "shaft_damping": part * critical}
             tried[f"c {stiffness:g}, {damped}"] = values
     tried |= {
-        "damping 1e12": {"shaft_damping": 1e12},
-        "hub 1e-9 kg.m2": {"output_inertia": 1e-9},
-        "driven mass 1e-9 kg.m2": {"driven_inertia": 1e-9},
-        "friction 1e9": {"driven_friction": 1e9},
-        "balancer 10": {"balancer": 10.0},
-        "balancer -10": {"balancer": -10.0},
+        **{"damping 1e12": {"shaft_damping": 1e12}, "hub 1e-9 kg.m2": {"output_inertia": 1e-9}},
+        **{"driven mass 1e-9 kg.m2": {"driven_inertia": 1e-9}, "friction 1e9": {"driven_friction": 1e9}},
+        **{"balancer 10": {"balancer": 10.0}, "balancer -10": {"balancer": -10.0}},
     }
     for value, changes in tried.items():
         yield mechanism.extreme(value, common | changes, levels=ELASTIC_LEVELS)
 
 
-AXES: dict[str, Callable[[Mechanism], Extremes]] = {
-    "input speed": input_speed,
-    "input speed under load": input_speed_under_load,
-    "reversal": reversal,
-    "load": load,
-    "stall torque": stall_torque_as_load,
-    "grazing": grazing,
-    "output locked": output_locked,
-    "communication step": communication_step,
-    "fixed step": fixed_step,
-    "turns": turns,
-    "tolerance": tolerance,
-    "inertia ratio": inertia_ratio,
-    "mass": mass,
-    "no inertia of link 2": no_inertia_of_link_2,
-    "teeth": teeth,
-    "satellites": satellites,
-    "freewheels": freewheels,
-    "shaft": shaft,
-}
+_NAMED = (
+    *(input_speed, input_speed_under_load, reversal, load, stall_torque, grazing, output_locked),
+    *(communication_step, fixed_step, turns, tolerance, inertia_ratio, mass, no_inertia_of_link_2),
+    *(teeth, satellites, freewheels, shaft),
+)
+AXES: dict[str, Callable[[Mechanism], Extremes]] = {axis.__name__.replace("_", " "): axis for axis in _NAMED}
 
 
-def cases(axis: str, quick: bool = False) -> list[Case]:
+def cases(name: str, quick: bool = False) -> list[Case]:
     """All cases of an axis: layout by layout, value by value, level by level.
 
     Args:
-        quick: leave out those that take long.
+        name: in AXES. quick: leave out those that take long.
     """
     return [
-        Case(axis, mechanism.layout, level, extreme)
+        Case(name, mechanism.layout, level, extreme)
         for mechanism in MECHANISMS
-        for extreme in AXES[axis](mechanism)
+        for extreme in AXES[name](mechanism)
         if not (quick and extreme.slow)
         for level in extreme.levels
     ]

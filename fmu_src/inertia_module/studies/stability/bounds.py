@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import math
-
 from ...kernel.codes import ELASTIC, TIMESTEPPING
-from .case import Case
+from .case import Case, shaft_frequency
 
 # relative rounding that adds up over a run
 ROUNDING = 1e-12
@@ -45,13 +43,7 @@ def work_bound(case: Case, phase: float, steps: int, fixed_steps: int) -> float:
     if case.level.method == TIMESTEPPING:
         return STEP_WORK * steps + FIXED_STEP_WORK * fixed_steps
     if case.level.fidelity == ELASTIC:
-        phase += shaft_phase(case)
+        # what the shaft can swing through costs too
+        phase += shaft_frequency(case.parameter) * sum(part.duration for part in case.extreme.segments)
     digits = float(case.parameter("tolerance") ** (-1.0 / WORK_ORDER))
     return STEP_WORK * steps + PHASE_WORK * digits * (1.0 + phase)
-
-
-def shaft_phase(case: Case) -> float:
-    """Phase, rad, the elastic shaft can swing through in a case: what its oscillation may cost."""
-    inertias = 1.0 / case.parameter("output_inertia") + 1.0 / case.parameter("driven_inertia")
-    frequency = math.sqrt(case.parameter("shaft_stiffness") * inertias)
-    return frequency * sum(part.duration for part in case.extreme.segments)

@@ -11,16 +11,10 @@ from matplotlib.patches import Patch, Rectangle
 from .case import LEVELS
 from .mechanisms import MECHANISMS
 from .table import Row
-from .verdict import BROKEN, DEGRADED, EXACT, REFUSED, SENSITIVE
+from .verdict import OUTCOMES
 
 # colours that the colour-blind tell apart: Okabe and Ito (2008), Color Universal Design
-COLOURS = {
-    EXACT: "#009E73",
-    SENSITIVE: "#0072B2",
-    DEGRADED: "#E69F00",
-    REFUSED: "#BBBBBB",
-    BROKEN: "#D55E00",
-}
+COLOURS = dict(zip(OUTCOMES, ("#009E73", "#0072B2", "#E69F00", "#BBBBBB", "#D55E00"), strict=True))
 COLUMNS = tuple((mechanism.layout, level.name) for mechanism in MECHANISMS for level in LEVELS)
 ROW_HEIGHT = 0.17
 # sheets side by side, so that the picture is no ribbon

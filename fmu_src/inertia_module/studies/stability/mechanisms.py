@@ -9,8 +9,7 @@ from typing import Any
 
 from ...kernel.links import held_torque
 from ...memory.instances import Module
-from ..levels import Level
-from .case import LEVELS, Extreme, Segment
+from .case import Extreme, Segment
 
 # rad that link 1 turns in a trial, where nothing else is said
 TRAVEL = 100.0
@@ -37,25 +36,20 @@ class Mechanism:
         omega1: float | None = None,
         load: float | None = None,
         duration: float | None = None,
-        split: int = 50,
-        turns: float = 0.0,
-        slow: bool = False,
-        levels: tuple[Level, ...] = LEVELS,
+        **more: Any,
     ) -> Extreme:
         """An extreme of it: the given segments or, without any, TRAVEL rad of link 1 at ordinary inputs.
 
         Args:
             value: how it is called. parameters: over its own. segments: inputs over time.
-            omega1, load, duration: other than ordinary, rad/s, N.m and s.
-            split, turns, slow, levels: see Extreme.
+            omega1, load, duration: other than ordinary, rad/s, N.m and s. more: see Extreme.
         """
         whole = Segment(
             TRAVEL / self.omega1 if duration is None else duration,
             self.omega1 if omega1 is None else omega1,
             self.load if load is None else load,
         )
-        values = {**self.parameters, **(parameters or {})}
-        return Extreme(value, values, segments or (whole,), split, turns, slow, levels)
+        return Extreme(value, {**self.parameters, **(parameters or {})}, segments or (whole,), **more)
 
     @functools.cached_property
     def derived(self) -> Any:
@@ -63,21 +57,12 @@ class Mechanism:
         return Module("plain").start(**self.parameters).derived
 
 
+_PLANAR = {
+    **{"layout": 1, "eccentricity": 0.02, "imbalance_mass": 0.8, "satellites": 3},
+    **{"link2_inertia": 0.003, "output_inertia": 0.4, "kinematic_ratio": 0.5},
+}
 BEVEL = Mechanism("bevel", {"kinematic_ratio": 0.5}, 100.0, 10.0)
-PLANAR = Mechanism(
-    "planar",
-    {
-        "layout": 1,
-        "eccentricity": 0.02,
-        "imbalance_mass": 0.8,
-        "satellites": 3,
-        "link2_inertia": 0.003,
-        "output_inertia": 0.4,
-        "kinematic_ratio": 0.5,
-    },
-    120.0,
-    8.0,
-)
+PLANAR = Mechanism("planar", _PLANAR, 120.0, 8.0)
 MECHANISMS = (BEVEL, PLANAR)
 
 
@@ -88,7 +73,7 @@ def imbalance_inertia(derived: Any) -> float:
 
 
 @functools.cache
-def stall_torque(mechanism: Mechanism) -> float:
+def largest_held_torque(mechanism: Mechanism) -> float:
     """Largest torque on link 2 while it is held at the ordinary speed, N.m: a load above it is never moved.
 
     Looked for on a grid over a period, then on ever finer ones around the best.

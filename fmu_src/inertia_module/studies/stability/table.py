@@ -7,6 +7,7 @@ exact: coarse enough to be the same on any machine.
 from __future__ import annotations
 
 import csv
+import dataclasses
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -97,7 +98,24 @@ def write_rows(path: Path, rows: Iterable[Row]) -> Path:
     return results.write_rows(path, HEADINGS, named)
 
 
-def _read_cell(text: str, line: int) -> Cell:
+def read_rows(path: Path) -> list[Row]:
+    """Rows that write_rows has written.
+
+    Raises:
+        TableError: other headings, or a cell that is no verdict.
+    """
+    table = csv.DictReader(path.read_text().splitlines())
+    if tuple(table.fieldnames or ()) != HEADINGS:
+        raise TableError(f"{path} must have the headings {', '.join(HEADINGS)}")
+    rows = []
+    for line in table:
+        axis, value, layout = (line.pop(name) for name in HEADINGS[:3])
+        cells = {name: _cell(text, table.line_num) for name, text in line.items() if text}
+        rows.append(Row(axis, value, layout, cells))
+    return rows
+
+
+def _cell(text: str, line: int) -> Cell:
     outcome, *rest = text.split(SEPARATOR)
     if outcome not in OUTCOMES:
         raise TableError(f"line {line}: a verdict must be one of {', '.join(OUTCOMES)}, is {text!r}")
@@ -105,54 +123,28 @@ def _read_cell(text: str, line: int) -> Cell:
     return Cell(outcome, power, SEPARATOR.join(rest))
 
 
-def read_rows(path: Path) -> list[Row]:
-    """Rows that write_rows has written.
-
-    Raises:
-        TableError: other headings, or a cell that is no verdict.
-    """
-    lines = list(csv.reader(path.read_text().splitlines()))
-    if not lines or tuple(lines[0]) != HEADINGS:
-        raise TableError(f"{path} must have the headings {', '.join(HEADINGS)}")
-    rows = []
-    for number, (axis, value, layout, *texts) in enumerate(lines[1:], 2):
-        named = zip(HEADINGS[3:], texts, strict=True)
-        cells = {name: _read_cell(text, number) for name, text in named if text}
-        rows.append(Row(axis, value, layout, cells))
-    return rows
-
-
 # --- every case with every figure ---
 
 
 def as_records(verdicts: Iterable[Verdict]) -> list[dict[str, Any]]:
     """Verdicts as plain dictionaries with all figures and bounds."""
-    return [
-        {
-            "axis": verdict.case.axis,
-            "value": verdict.case.extreme.value,
-            "layout": verdict.case.layout,
-            "level": verdict.case.level.name,
-            "verdict": verdict.outcome,
-            "reason": verdict.reason,
-            "figures": {
-                name: {"value": figure.value, "bound": figure.bound}
-                for name, figure in verdict.figures.items()
-            },
-        }
-        for verdict in verdicts
-    ]
+    records = []
+    for verdict in verdicts:
+        case = verdict.case
+        places = {"axis": case.axis, "value": case.extreme.value, "layout": case.layout}
+        judged = {"level": case.level.name, "verdict": verdict.outcome, "reason": verdict.reason}
+        figures = {name: dataclasses.asdict(figure) for name, figure in verdict.figures.items()}
+        records.append({**places, **judged, "figures": figures})
+    return records
 
 
 def write_cases(path: Path, verdicts: Sequence[Verdict]) -> Path:
     """Write a row for each case with every figure and its bound, as CSV, whole or not at all."""
     names = list(dict.fromkeys(name for verdict in verdicts for name in verdict.figures))
+    columns = [(name, part) for name in names for part in ("value", "bound")]
     rows = []
     for record in as_records(verdicts):
         figures = record.pop("figures")
-        measured = [figures.get(name, {}).get(part, "") for name in names for part in ("value", "bound")]
-        rows.append([*record.values(), *measured])
-    heads = ["axis", "value", "layout", "level", "verdict", "reason"]
-    return results.write_rows(
-        path, heads + [head for name in names for head in (name, f"{name}, bound")], rows
-    )
+        rows.append([*record.values(), *(figures.get(name, {}).get(part, "") for name, part in columns)])
+    heads = [name if part == "value" else f"{name}, bound" for name, part in columns]
+    return results.write_rows(path, ["axis", "value", "layout", "level", "verdict", "reason", *heads], rows)

@@ -11,7 +11,7 @@ from ...common.errors import Refused
 from ...contract.variables import LARGEST_STEP
 from ...kernel.codes import ELASTIC, EVENT, KINEMATIC, RIGID, TIMESTEPPING
 from ...memory.instances import Module
-from .case import Case, Segment
+from .case import Case, Segment, shaft_frequency
 from .mechanisms import imbalance_inertia
 
 # the run the others are measured against: tighter by this, down to what doubles allow
@@ -42,7 +42,7 @@ class Run:
         phase: advance of what has to be followed, rad. evaluations, steps: what it took.
         fixed_steps: internal steps of method timestepping.
         refused: message of the refusal that ended it, or "".
-        broken: what an error must not do and it did, or "".
+        broken: what must never happen and did, such as an exception that is no refusal, or "".
     """
 
     end: dict[str, float] = field(default_factory=dict)
@@ -89,8 +89,7 @@ def _rate(module: Module, omega1: float) -> float:
     pulses = harmonic * max(abs(omega1 - module["omega2"]), abs(omega1))
     if module["fidelity"] != ELASTIC or module["method"] != EVENT:
         return pulses
-    inertias = 1.0 / module["output_inertia"] + 1.0 / module["driven_inertia"]
-    shaft = math.sqrt(module["shaft_stiffness"] * inertias)
+    shaft = shaft_frequency(module.__getitem__)
     fastest = harmonic * max(abs(omega1), abs(module["omega_hub"]), abs(module["omega_out"]))
     followed = shaft * math.sqrt(module["tolerance"]) <= fastest
     return pulses + (shaft if followed else 0.0)
@@ -195,7 +194,6 @@ class Trial:
         tight: at a far tighter tolerance, by events (None where it is refused).
         sensitivity: of the motion itself: largest distance from tight that a relative change by the
             tolerance in the angle at the start, in the load or in the speed of link 1 makes.
-        exception: an exception that is no refusal, or "".
     """
 
     case: Case
@@ -203,7 +201,6 @@ class Trial:
     short: Run | None = None
     tight: Run | None = None
     sensitivity: float = 0.0
-    exception: str = ""
 
 
 def nudged(
@@ -220,18 +217,6 @@ def nudged(
         turned = parameters | {"drive_angle_start": start}
         beside += [(turned, segments), (parameters, loads), (parameters, speeds)]
     return beside
-
-
-def try_case(case: Case, make: Callable[[], Module] = Module) -> Trial:
-    """All runs of a case. Never raises.
-
-    Args:
-        make: makes a module not started yet.
-    """
-    try:
-        return _runs(case, make)
-    except Exception as error:  # whatever it is, it is a finding
-        return Trial(case, Run(), exception=f"{type(error).__name__}: {error}")
 
 
 def fixed_step(parameters: Parameters, segments: tuple[Segment, ...], module: Module) -> float:
@@ -271,3 +256,15 @@ def _precise(
         return None, 0.0
     changed = [run_once(make(), *beside, 1) for beside in nudged(precise, segments, tolerance)]
     return tight, max((distance(run, tight) for run in changed if not run.refused), default=0.0)
+
+
+def try_case(case: Case, make: Callable[[], Module] = Module) -> Trial:
+    """All runs of a case. Never raises.
+
+    Args:
+        make: makes a module not started yet.
+    """
+    try:
+        return _runs(case, make)
+    except Exception as error:  # whatever it is, it is a finding
+        return Trial(case, Run(broken=f"{type(error).__name__}: {error}"))

@@ -96,8 +96,8 @@ def judge(trial: Trial) -> Verdict:
     unusable is broken: a bug.
     """
     case, long, short = trial.case, trial.long, trial.short
-    if trial.exception or long.broken:
-        return Verdict(case, BROKEN, trial.exception or long.broken)
+    if long.broken:
+        return Verdict(case, BROKEN, long.broken)
     if long.refused:
         return Verdict(case, REFUSED, long.refused)
     if short is None or short.refused:

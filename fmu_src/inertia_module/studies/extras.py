@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 from typing import Any
 
-from ..trajectory import Unavailable
+from .trajectory import Unavailable
 
 
 def library(module: str, name: str = "") -> Any:

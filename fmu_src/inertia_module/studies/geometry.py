@@ -1,0 +1,100 @@
+"""Lengths, positions and reduced inertia by rotation matrices alone: nothing of the kernel is used."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from .trajectory import Array
+
+EX, EY, EZ = np.eye(3)
+
+# all parameters of the module by name
+Parameters = Mapping[str, Any]
+
+
+def turn(axis: int, angle: float | Array) -> Array:
+    """Matrices of turns about axis 0, 1 or 2 (x, y, z) by angles, rad: shape of the angles, then (3, 3)."""
+    i, j = (axis + 1) % 3, (axis + 2) % 3
+    matrix = np.zeros((*np.shape(angle), 3, 3))
+    matrix[..., axis, axis] = 1.0
+    matrix[..., i, i] = matrix[..., j, j] = np.cos(angle)
+    matrix[..., j, i] = np.sin(angle)
+    matrix[..., i, j] = -matrix[..., j, i]
+    return matrix
+
+
+def ratio(p: Parameters) -> float:
+    """k: turns of the drive on link 1 per turn of link 1 against link 2."""
+    return float(p["sun_radius"] / p["satellite_radius"] if p["layout"] else p["z2"] / p["z16"])
+
+
+def satellite_ratio(p: Parameters) -> float:
+    """s: turns of the satellite on the drive per turn of the drive."""
+    return float(1.0 if p["layout"] else p["z17"] / p["z6"])
+
+
+def bevel_lengths(p: Parameters) -> tuple[float, float, float]:
+    """(AD, QA, OQ), m: the pitch cones touch on the line about which the satellite turns in link 1."""
+    satellite_axis = turn(1, -p["shaft_angle"]) @ EZ
+    line = EZ + satellite_ratio(p) * satellite_axis
+    line /= np.linalg.norm(line)
+    cone = p["wheel_radius"] / np.linalg.norm(np.cross(line, EZ))
+    radius = cone * np.linalg.norm(np.cross(line, satellite_axis))
+    return (
+        float(p["a"] * radius),
+        float(p["b"] * cone * (line @ satellite_axis)),
+        float(p["c"] * cone * (line @ EZ)),
+    )
+
+
+def positions(p: Parameters, q: Array, satellite: int) -> Array:
+    """Imbalance of a satellite in the frame of link 1 at drive angles q (points,), m, shape (points, 3)."""
+    place = 2.0 * np.pi * satellite / p["satellites"]
+    if p["layout"]:
+        arm = turn(0, q) @ (-p["eccentricity"] * EZ)
+        planar: Array = ((p["sun_radius"] + p["satellite_radius"]) * EZ + arm) @ turn(0, place).T
+        return planar
+    ad, qa, oq = bevel_lengths(p)
+    spun = turn(2, satellite_ratio(p) * q + p["epsilon"]) @ np.array([-ad, 0.0, -qa])
+    on_drive = spun @ turn(1, -p["shaft_angle"]).T
+    bevel: Array = oq * EZ + np.einsum("nij,nj->ni", turn(2, q + p["gamma"] + place), on_drive)
+    return bevel
+
+
+class Inertia:
+    """I, B, G of the imbalances and drives (docs/mechanics.md) as Fourier series in the drive angle.
+
+    Attributes:
+        highest: order of the highest harmonic, per turn of the drive.
+    """
+
+    def __init__(self, p: Parameters) -> None:
+        turns = 1 if p["layout"] else int(p["z6"]) // math.gcd(int(p["z17"]), int(p["z6"]))
+        points = 2 * math.ceil(4.0 * (1.0 + satellite_ratio(p)) * turns) + 16
+        angles = np.linspace(0.0, 2.0 * np.pi * turns, points, endpoint=False)
+        orders = np.fft.fftfreq(points, turns / points)
+        sums = np.zeros((3, points))
+        for satellite in range(int(p["satellites"])):
+            r = positions(p, angles, satellite)
+            rate = np.fft.ifft(1j * orders[:, None] * np.fft.fft(r, axis=0), axis=0).real
+            (_, y, z), (_, y1, z1) = r.T, rate.T
+            sums += np.array([y * y + z * z, y * z1 - z * y1, (rate**2).sum(axis=1)])
+        sums *= p["imbalance_mass"] * p["modules"]
+        # the drive's own: of the planar layout it turns with link 1 too
+        sums += p["drive_inertia"] * np.array([[p["layout"]], [p["layout"]], [1.0]])
+        terms = np.fft.fft(sums, axis=1) / points
+        size = np.abs(terms).max(axis=0)
+        kept = (size > 1e-15 * size.max()) & (orders >= 0.0)
+        self._waves = 1j * orders[kept]
+        self.highest = float(orders[kept].max())
+        # a real series is twice its half of positive orders
+        self._terms = terms[:, kept] * np.where(orders[kept] > 0.0, 2.0, 1.0)
+
+    def __call__(self, q: float) -> tuple[Array, Array]:
+        """(I, B, G) at a drive angle and their derivatives, kg m^2, shape (3,) each."""
+        waves = np.exp(self._waves * q)
+        return (self._terms @ waves).real, (self._terms @ (self._waves * waves)).real

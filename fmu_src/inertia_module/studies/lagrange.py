@@ -1,0 +1,209 @@
+"""The second reference: Lagrange's equations of the module, rigid or elastic, by SciPy from event to event.
+
+Nothing of the kernel is used. Links 1 and 2 have the energy 1/2 w' M(q) w of w = (omega1, omega2), with
+q' = k (omega1 - omega2), I, B, G of geometry.py and M' = dM/dq; J3 and J4 turn behind the output freewheel:
+
+    M11 = J1 + I + 2 k B + k^2 G    M12 = -k (B + k G)    M22 = J2 + k^2 G
+    M alpha + M' q' w - 1/2 (w' M' w) (k, -k) = (M1, Th - Tc)
+    J3 alpha3 = Tc - T    J4 (alpha4 - beta alpha3) = T - f omega4 - load    T = c twist + d (omega3 - omega4)
+
+A rigid output has no J4 and T = load. Of M1 and omega1 = constant one is given. 0 <= omega2 _|_ Th >= 0 and
+0 <= omega3 - omega2 _|_ Tc >= 0: a closed freewheel opens where its torque falls through zero, an open one
+closes where its speed does.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from ..contract.variables import default_parameters
+from ..kernel.codes import DRIVE_TORQUE, ELASTIC
+from .extras import library
+from .geometry import Inertia, ratio
+from .trajectory import Array, Unavailable
+
+TOLERANCE = 1e-13
+# rad of the highest harmonic in a step, and parts of it at whose ends the search for events looks
+PHASE, LOOKED_AT = 0.5, 8
+# a speed below this part of that of link 1 is zero
+ROUNDING = 1e-14
+# freewheels, and the places of the state; behind them, elastic, omega4: the speed of the output is the last
+HOUSING, OUTPUT = range(2)
+Q, THETA1, TWIST, OMEGA1, OMEGA2, OMEGA3 = range(6)
+OMEGA_OUT = -1
+
+
+class Lagrange:
+    """The motion of a module with any of its freewheels, its speed or its torque given.
+
+    Args:
+        parameters: by name, those that differ from the defaults; fidelity elastic or, any other, rigid.
+        omega1: constant, or at the start where the drive gives a torque, rad/s.
+        load_torque, drive_torque: on the output shaft and, where the drive gives one, on link 1, N.m.
+
+    Attributes:
+        time: s. state: drive angle and angle of link 1, unwrapped, twist of the shaft, rad; speeds, rad/s.
+        switches: times at which a freewheel opened or closed, s. evaluations: of the equations.
+
+    Raises:
+        Unavailable: SciPy is not installed, or a freewheel turns backwards at the start.
+        ArithmeticError: the motion leaves the range of doubles.
+    """
+
+    def __init__(
+        self, parameters: Mapping[str, float], omega1: float, load_torque: float, drive_torque: float = 0.0
+    ) -> None:
+        self.p = p = {**default_parameters(), **parameters}
+        self._solver, self._root = library("scipy.integrate").DOP853, library("scipy.optimize").brentq
+        self._inertia, self.k = Inertia(p), ratio(p)
+        self._elastic, self._by_torque = p["fidelity"] == ELASTIC, p["drive"] == DRIVE_TORQUE
+        names = ("input_inertia", "link2_inertia", "output_inertia", "driven_inertia")
+        self._own = np.diag([p[name] for name in names[: 3 + self._elastic]])
+        if self._elastic:
+            self._own[3, 2] = -p["balancer"] * p["driven_inertia"]
+        there = p["housing_freewheel"], p["output_freewheel"]
+        self._freewheels = [wheel for wheel in (HOUSING, OUTPUT) if there[wheel]]
+        self.time, self.switches, self.evaluations = 0.0, list[float](), 0
+        speeds = omega1, p["omega2_start"], *[p["omega_out_start"]] * (1 + self._elastic)
+        self.state = np.array([p["drive_angle_start"], 0.0, 0.0, *speeds], dtype=float)
+        if any(self._speed(wheel, self.state) < 0.0 for wheel in self._freewheels):
+            raise Unavailable("Lagrange's equations: a start with omega2 >= 0 and omega3 >= omega2 is needed")
+        # of those left out, that of the housing is open for ever, that of the output closed
+        self._closed = [False, not there[OUTPUT]]
+        self.give(drive_torque, load_torque)
+
+    @staticmethod
+    def _speed(wheel: int, y: Array) -> float:
+        """Speed at which a freewheel turns, rad/s."""
+        return float(y[OMEGA2] if wheel == HOUSING else y[OMEGA3] - y[OMEGA2])
+
+    def _matrix(self, i: float, b: float, g: float) -> Array:
+        """M of I, B, G or M' of their derivatives, without own inertias, for all speeds."""
+        k = self.k
+        matrix = np.zeros_like(self._own)
+        matrix[0, 0], matrix[1, 1] = i + k * (2.0 * b + k * g), k * k * g
+        matrix[0, 1] = matrix[1, 0] = -k * (b + k * g)
+        return matrix
+
+    def _outer(self, y: Array) -> list[float]:
+        """Torques on all links but those in the freewheels, N.m."""
+        if not self._elastic:
+            return [self.torque, 0.0, -self.load]
+        p, (hub, driven) = self.p, y[OMEGA3:]
+        shaft = p["shaft_stiffness"] * y[TWIST] + p["shaft_damping"] * (hub - driven)
+        return [self.torque, 0.0, -shaft, shaft - p["driven_friction"] * driven - self.load]
+
+    def _motion(self, y: Array) -> tuple[Array, tuple[float, float]]:
+        """The accelerations of all links, rad/s^2, and the torques (Th, Tc) in the freewheels, N.m."""
+        self.evaluations += 1
+        ibg, slopes = self._inertia(y[Q])
+        mass, slope = self._matrix(*ibg) + self._own, self._matrix(*slopes)
+        w = y[OMEGA1:]
+        push, forces = slope @ w, np.array(self._outer(y))
+        forces -= self.k * (w[0] - w[1]) * push
+        forces[:2] += 0.5 * self.k * (w @ push) * np.array([1.0, -1.0])
+        # what moves: each row the speeds of all links where one of them has speed 1
+        moving = np.eye(w.size)
+        moving[1, 2] = self._closed[OUTPUT]
+        moves = [self._by_torque, not self._closed[HOUSING], not self._closed[OUTPUT], True]
+        free = moving[moves[: w.size]]
+        alpha = np.linalg.solve(free @ mass @ free.T, free @ forces) @ free
+        # SciPy would look for a shorter step for ever
+        if not np.isfinite(alpha).all():
+            raise ArithmeticError("the motion leaves the range of doubles")
+        missing = mass @ alpha - forces
+        return alpha, (float(missing[1] + missing[2]), float(missing[2]))
+
+    def _rates(self, time: float, y: Array) -> Array:
+        twisting = y[OMEGA3] - y[OMEGA_OUT]
+        return np.array([self.k * (y[OMEGA1] - y[OMEGA2]), y[OMEGA1], twisting, *self._motion(y)[0]])
+
+    def _guard(self, wheel: int) -> Callable[[Array], float]:
+        """What ends the contact mode by falling through zero: torque or speed of a freewheel."""
+        if self._closed[wheel]:
+            # raised by next to nothing, as the speed: what is zero at first or throughout does not fall
+            return lambda y: self._motion(y)[1][wheel] + sys.float_info.min
+        return lambda y: self._speed(wheel, y) + ROUNDING * (1.0 + abs(float(y[OMEGA1])))
+
+    def _let_go(self) -> None:
+        """Open the freewheels that would have to pull, the hardest pulled first."""
+        closed = [wheel for wheel in self._freewheels if self._closed[wheel]]
+        torques = self._motion(self.state)[1]
+        if closed and min(torques[wheel] for wheel in closed) < 0.0:
+            self._closed[min(closed, key=lambda wheel: torques[wheel])] = False
+            self._let_go()
+
+    def _switch(self, wheel: int) -> None:
+        """Open or close a freewheel, with the equality that this stands for exactly."""
+        self._closed[wheel] = not self._closed[wheel]
+        if self._closed[HOUSING]:
+            self.state[OMEGA2] = 0.0
+        if self._closed[OUTPUT]:
+            self.state[OMEGA3] = self.state[OMEGA2]
+        self.switches.append(self.time)
+        self._let_go()
+
+    def energy(self) -> float:
+        """Kinetic energy of links 1 and 2 and of what turns behind them, and that of the twisted shaft, J."""
+        w, twist = self.state[OMEGA1:], self.state[TWIST]
+        mass = self._matrix(*self._inertia(self.state[Q])[0]) + np.diag(np.diag(self._own))
+        return float(0.5 * (w @ mass @ w + self.p["shaft_stiffness"] * twist * twist))
+
+    def give(self, drive_torque: float, load_torque: float) -> None:
+        """Set the torques on link 1 (where the drive gives one) and on the output shaft, N.m, from now on."""
+        self.torque, self.load = drive_torque, load_torque
+        for wheel in self._freewheels:
+            self._closed[wheel] = self._closed[wheel] or self._speed(wheel, self.state) == 0.0
+        self._let_go()
+
+    def _frequency(self) -> float:
+        """Of the elastic shaft, rad/s, 0 without one."""
+        p = self.p
+        inverse = 1.0 / p["output_inertia"] + 1.0 / p["driven_inertia"]
+        return math.sqrt(p["shaft_stiffness"] * inverse) if self._elastic else 0.0
+
+    def advance(self, time: float) -> None:
+        """Go on to a time, s.
+
+        Raises:
+            ArithmeticError: the integrator gives up, or the motion leaves the range of doubles.
+        """
+        while self.time < time:
+            speed = 1.0 + abs(self.state[OMEGA1]) + abs(self.state[OMEGA2])
+            solver = self._solver(
+                self._rates,
+                self.time,
+                self.state,
+                time,
+                rtol=TOLERANCE,
+                atol=TOLERANCE * speed,
+                max_step=PHASE / (max(self._inertia.highest, 1.0) * self.k * speed + self._frequency()),
+            )
+            events: list[tuple[float, int]] = []
+            while solver.status == "running" and not events:
+                message = solver.step()
+                path = solver.dense_output()
+                events = self._events(path, np.linspace(solver.t_old, solver.t, LOOKED_AT + 1))
+            if solver.status == "failed":
+                raise ArithmeticError(f"DOP853 gave up at {solver.t:g} s: {message}")
+            if events:
+                self.time, wheel = min(events)
+                self.state = path(self.time)
+                self._switch(wheel)
+            else:
+                self.time, self.state = time, solver.y
+
+    def _events(self, path: Callable[[float | Array], Array], times: Array) -> list[tuple[float, int]]:
+        """Times at which a torque or a speed falls through zero on the path of a step, and the freewheels."""
+        states, found = path(times).T, []
+        for wheel in self._freewheels:
+            guard = self._guard(wheel)
+            positive = np.array([guard(y) for y in states]) > 0.0
+            for n in np.flatnonzero(positive[:-1] & ~positive[1:])[:1]:
+                root = self._root(lambda t, guard=guard: guard(path(t)), times[n], times[n + 1], xtol=1e-16)
+                found.append((float(root), wheel))
+        return found
