@@ -94,6 +94,10 @@ MESSAGES: Mapping[int, str] = {
     codes.STEP_TOO_SMALL: (
         f"{_GIVEN_UP}no internal step meets {named('tolerance')}; tolerance or link2_inertia must be larger"
     ),
+    codes.NOT_BALANCED: (
+        f"{_GIVEN_UP}its energies do not balance with {named('tolerance', 'max_step')}; tolerance or max_step"
+        " must be smaller"
+    ),
     codes.NOT_FINITE: not_finite(BY_NAME["omega1"], BY_NAME["load_torque"], BY_NAME["drive_torque"]),
 }
 

@@ -51,7 +51,7 @@ STATE = (
     *("omega1", "omega1_low", "omega2", "omega2_low", "omega3", "omega3_low", "mode"),
     *("alpha1", "held_input", "held_step", "load_torque", "drive_torque", "step_size", "short_size"),
     *("energy_in", "energy_in_low", "energy_out", "energy_out_low", "energy_lost", "energy_lost_low"),
-    *("energy_start", "input_torque_mean", "output_torque_mean", "torque_ripple", "torque_peak"),
+    *("energy_start", "energy_stored", "input_torque_mean", "output_torque_mean", "torque_ripple", "torque_peak"),
     *("switches", "evaluations"),
     # sums over the communication step in hand
     *("input_impulse", "output_impulse", "output_square", "step_switches", "step_evaluations"),

@@ -17,6 +17,8 @@ from .rates import flow
 # largest h |df/domega3| of an explicit step
 LARGEST_EXPLICIT = 0.4
 NEWTON_STEPS = 12
+# what the energies of a step may miss, in errors allowed of the speeds
+BALANCE = 10.0
 # a transient is resolved by steps up to this h |df/domega3|, until it has come down to so many errors
 RESOLVED = 2.0
 TRANSIENT = 10.0
@@ -138,11 +140,25 @@ def take_step(d, side, x, w, speed, speed_rate, h, first, allowed):
     x.step_evaluations += 1.0
 
 
-def take_accurate_step(d, side, x, w, speed, speed_rate, h, first, allowed):
-    """One step, no longer than h, as long as the error allows. Returns its length or -1."""
+def unbalanced(d, side, x, w, speed, fastest, allowed):
+    """What the energies of a step miss, over what an error allowed of the speeds would make some times."""
+    gained = 0.5 * d.J3 * (w.next - x.omega3) * (w.next + x.omega3)
+    missing = abs(w.work - x.load_torque * w.turned3 - gained) / d.J3
+    if d.by_torque != 0.0:
+        gained = 0.5 * d.map_inertia * (w.next_speed - speed) * (w.next_speed + speed)
+        missing += abs(side.direction * x.drive_torque * w.turned1 - w.work - gained) / d.map_inertia
+    return missing / (BALANCE * allowed * fastest)
+
+
+def take_accurate_step(d, side, x, w, speed, speed_rate, h, first, allowed, fastest):
+    """One step, no longer than h, as long as the error and the balance of energies allow.
+
+    Returns its length or -1.
+    """
     wanted = h
     for _ in range(TRIES):
         take_step(d, side, x, w, speed, speed_rate, h, first, allowed)
+        w.error = max(w.error, unbalanced(d, side, x, w, speed, fastest, allowed))
         if w.error <= 1.0:
             factor = min(5.0, 0.8 * w.error**-0.25) if w.error > 1e-4 else 5.0
             # a step cut short by the end of the communication step says little about longer ones
@@ -203,7 +219,7 @@ def slip(d, side, x, w, v, rate, remaining):
         h = min(h, x.step_size)
     fastest = max(omega3, max(speed, speed + first[0][0] * h))
     allowed = d.tolerance * fastest + 1e-300
-    h = take_accurate_step(d, side, x, w, speed, speed_rate, h, first, allowed)
+    h = take_accurate_step(d, side, x, w, speed, speed_rate, h, first, allowed, fastest)
     if h < 0.0:
         return -1.0, 0.0
     zero = ROUNDING * fastest

@@ -1,0 +1,37 @@
+"""The balance of energies of a communication step, looked at before the step is answered.
+
+What the input has put in goes out, is lost or is stored. Whatever has gone wrong in a step that nobody has thought
+of, energy from nowhere, a freewheel that let go too late, shows here.
+"""
+
+from .codes import EVENT, NOT_BALANCED, OK
+
+# what may be missing, of the energies of the step: so many tolerances, but never more than a tenth
+TOLERANCES = 1e3
+MOST = 0.1
+# what fixed steps may make of nothing: rounding
+ROUNDING = 1e-9
+
+
+def change(after, after_low, before, before_low):
+    """Change of a compensated sum."""
+    return (after - before) + (after_low - before_low)
+
+
+def audit(p, d, x, before, stored):
+    """Whether the energies of the step balance: OK or NOT_BALANCED.
+
+    Between events to the tolerance; in fixed steps energy may be lost where they resolve nothing, but not made.
+
+    Args:
+        x, before: state after and before the step; x.energy_stored is set to stored, the energy stored now, J.
+    """
+    put_in = change(x.energy_in, x.energy_in_low, before.energy_in, before.energy_in_low)
+    put_out = change(x.energy_out, x.energy_out_low, before.energy_out, before.energy_out_low)
+    lost = change(x.energy_lost, x.energy_lost_low, before.energy_lost, before.energy_lost_low)
+    missing = put_in - put_out - lost - (stored - before.energy_stored)
+    energies = abs(put_in) + abs(put_out) + abs(lost) + stored + before.energy_stored
+    x.energy_stored = stored
+    if p.method == EVENT:
+        return OK if abs(missing) <= min(TOLERANCES * d.tolerance, MOST) * energies else NOT_BALANCED
+    return OK if missing >= -ROUNDING * energies else NOT_BALANCED
