@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from energy_runs import COMBINATIONS, ROUNDING, largest_gain
 from hypothesis import given
 from hypothesis import strategies as st
 from scenes import DRIVEN, FREEWHEELS, SCENES, advanced, started
@@ -26,6 +27,29 @@ def scene(request):
 @pytest.fixture(params=OUTPUTS)
 def output(request):
     return OUTPUTS[request.param]
+
+
+@pytest.mark.parametrize("scenes", [SCENES, DRIVEN], ids=["by speed", "by torque"])
+@pytest.mark.parametrize("layout", SCENES)
+@pytest.mark.parametrize("freewheels", FREEWHEELS)
+@pytest.mark.parametrize("step", [0.02, 0.05, 0.2, 0.5])
+def test_many_pulses_in_a_step_make_no_energy(compiled, scenes, layout, output, freewheels, step):
+    module = started(compiled, scenes[layout], output, FREEWHEELS[freewheels], method=1, load_torque=0.0)
+    least = 0.0
+    energy = module["energy_stored"]
+    for _ in range(100):
+        module.advance(step)
+        energy = max(energy, abs(module["energy_in"]), module["energy_stored"])
+        assert module["energy_residual"] >= least - ROUNDING * energy
+        least = max(least, module["energy_residual"])
+
+
+@pytest.mark.parametrize("combination", COMBINATIONS, ids=", ".join)
+@pytest.mark.parametrize("part", range(3))
+def test_no_random_run_makes_energy(compiled, combination, part):
+    number = COMBINATIONS.index(combination) + part * len(COMBINATIONS)
+    for seed in range(number, number + 4 * 48, 48):
+        assert largest_gain(seed, combination, compiled) < ROUNDING, seed
 
 
 def test_mean_output_torque_is_within_two_percent_at_steps_of_a_millisecond(compiled, scene, output):

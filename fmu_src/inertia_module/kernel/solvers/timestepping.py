@@ -1,131 +1,169 @@
 """Method `timestepping`: fixed steps, complementarity of impulses and end velocities in each (Moreau).
 
-No event is searched for, so every step costs the same. With V = I omega1^2 / 2 and the inertia
-N = G + J2/k^2 of q', link 2 obeys
-
-    k sqrt(N) (sqrt(N) q')' = J2 alpha1 + k dV/dq - k B alpha1 - Th + Tc
-
-which is stepped with the differences of sqrt(N) and V over the step instead of their derivatives (a
-discrete gradient): without contact the kinetic energy changes by what V does, and no impulse exceeds
-what the differences allow, however coarse the step. An elastic shaft moves exactly behind a
-hub that accelerates uniformly over the step, or is damped out if the step cannot resolve it.
+No event is searched for, so every step costs the same. No step makes energy, however coarse: links 1 and 2 move by a
+discrete gradient, contacts close by inelastic impacts at the end of a step, an elastic shaft moves by the midpoint
+rule. Derivation in docs/mechanics.md, method timestepping.
 """
 
 import math
 
-from ..accumulate import add, wrap_drive_angle
-from ..codes import DRIVING, ELASTIC, FREE, HELD, HELD_DRIVING
-from ..driven_shaft.propagator import characteristic, responses
+from ..accumulate import add, wrap_drive_angle, wrap_input_angle
+from ..codes import DRIVING, FREE, HELD, HELD_DRIVING
+from ..impulse import push_driven_mass
 from ..inertia import reduced_inertia
+from ..links import inertia_of_link1, inertia_of_link2, slip_inertia
 
-# below this change of q, rad, the derivative of V is more exact than its difference
+# below this change of q, rad, the derivative of I is more exact than its difference
 SMALLEST_DIFFERENCE = 1e-5
-# phase of the shaft's own oscillation, rad, up to which a step resolves it
-RESOLVED = 0.5
+# what a torque of the shaft may change of the speed it acts on in a step that resolves it
+RESOLVED = 4.0
 # corrections of q by the mean of the speeds at both ends
-CORRECTIONS = 2
+CORRECTIONS = 3
 
 
-def keep_inertia(d, x, w):
-    """Keep I, I', B, G and the angular momentum's parts of the present q for the step that begins there."""
-    i, i1, _, b, _, g, _, _ = reduced_inertia(d, x.q)
+def steps_in(d, h):
+    """Number of equal steps no longer than max_step in a communication step h."""
+    return max(1.0, math.ceil(h / d.max_step - 1e-9))
+
+
+def look_ahead(d, x, w, slip_angle):
+    """Take I, I', B, G where the step ends if links 1 and 2 turn by this angle relative to each other."""
+    w.slip_angle = slip_angle
+    w.end_i, w.end_i1, _, w.end_b, _, w.end_g, _, _ = reduced_inertia(d, x.q + d.k * slip_angle)
     x.step_evaluations += 1.0
-    w.kept_i = i
-    w.kept_i1 = i1
-    w.kept_b = b
-    w.kept_g = g
 
 
-def link2_step(d, x, w, omega1, alpha1, h, end2):
-    """Inertia of link 2 over the step and its momentum without contact, for a guess of its end speed.
+def load_hub(d, x, w, load, h):
+    """Find the impulse on the hub over the step, hub_load + hub_gain u at its mean speed u: the load or the shaft's.
 
-    Returns:
-        (inertia, momentum): omega2 at the end is (momentum + Ph - Pc) / inertia.
+    The mean relative speed behind the hub is relative_load + relative_gain u. Where the step does not resolve the
+    shaft its torque is that of the twist at the end, and the relative speed is taken out there (w.stiff).
     """
-    k = d.k
-    middle1 = omega1 + 0.5 * alpha1 * h
-    rate_q = k * (omega1 - x.omega2)
-    change_q = k * h * (middle1 - 0.5 * (x.omega2 + end2))
-    i_end, i1_end, _, b_end, _, g_end, _, _ = reduced_inertia(d, x.q + change_q)
-    x.step_evaluations += 1.0
-    own = d.J2 / (k * k)
-    root = math.sqrt(w.kept_g + own)
-    root_end = math.sqrt(g_end + own)
-    middle = 0.5 * k * (root + root_end)
-    if abs(change_q) > SMALLEST_DIFFERENCE:
-        slope = (i_end - w.kept_i) / change_q
+    w.hub_load = load * h
+    w.hub_gain = 0.0
+    w.stiff = 0.0
+    if d.elastic == 0.0:
+        return
+    damping = d.damping + 0.5 * d.stiffness * h
+    if (d.damping + d.stiffness * h) * h * (1.0 / d.J3 + 1.0 / d.J4) > RESOLVED:
+        w.stiff = 1.0
+        damping += 0.5 * d.stiffness * h
+    free = 2.0 * d.J4 * (1.0 - d.balancer)
+    share = 1.0 / (2.0 * d.J4 + h * (d.friction + damping))
+    spring = h * d.stiffness * x.twist
+    w.relative_gain = share * (free + h * d.friction)
+    w.relative_load = share * (2.0 * d.J4 * x.relative - free * x.omega3 + w.hub_load - spring)
+    w.hub_load = spring + h * damping * w.relative_load
+    w.hub_gain = h * damping * w.relative_gain
+
+
+def move_links(d, x, w, carried, load, gain, given, h):
+    """Links 1 and 2 over the step without impacts, link 2 against the impulse load + gain u at its mean speed u.
+
+    Writes w.end1, end2, new_slip_angle, angle1 (of link 1), impulse1 and work1 (of the input torque), taken (the
+    impulse of the load) and reached: whether the energy suffices to come to where the step is to end.
+
+    Args:
+        carried: inertia that link 2 carries, kg m^2.
+        given: change of omega1, rad/s, or impulse of the input torque, N m s.
+    """
+    slip = x.omega1 - x.omega2
+    total, coupling, inertia = slip_inertia(d, w.begin_i, w.begin_b, w.begin_g, carried)
+    end_total, end_coupling, end_inertia = slip_inertia(d, w.end_i, w.end_b, w.end_g, carried)
+    end_root = math.sqrt(end_inertia)
+    start = math.sqrt(inertia) * slip
+    twice = math.sqrt(inertia) + end_root
+    mean_coupling = 0.5 * (coupling + end_coupling)
+    by_torque = d.by_torque
+    # y = omega1, or the angular momentum P: it changes by what is given (P by the load, too)
+    y = x.omega1
+    share = 1.0
+    scale = 1.0
+    give = 1.0
+    speed = y + 0.5 * given
+    if by_torque != 0.0:
+        y = total * (x.omega1 - coupling * slip)
+        share -= mean_coupling
+        scale = 1.0 / (total * end_total)
+        give += 0.5 * gain / end_total
+        speed = 0.5 * (y / total + (y + given) / end_total)
+    # sigma = sum of sqrt(mu) rho at both ends; the impulse of the load is load - answer sigma
+    load = (load + gain * speed) / give
+    answer = gain * share / (give * twice)
+    weight = 1.0 + 2.0 * answer * share / twice
+    half = start + (given * mean_coupling + share * load) / twice
+    end_y = y + given - by_torque * load
+    force = 0.5 * scale * y
+    change = w.end_i - w.begin_i
+    slope = 0.5 * d.k * (w.begin_i1 + w.end_i1)
+    if abs(d.k * w.slip_angle) > SMALLEST_DIFFERENCE:
+        slope = change / w.slip_angle
+    push = 2.0 * h / twice * force * slope * (end_y + by_torque * answer * twice * w.slip_angle / h)
+    sigma = 2.0 * half + push
+    # the energy allows weight sigma no more than reach to either side of the centre
+    centre = half + by_torque * force * change * answer
+    square = centre * centre + 2.0 * weight * force * change * end_y
+    w.reached = 1.0 if square >= 0.0 else 0.0
+    if square >= 0.0:
+        reach = math.sqrt(square)
+        sigma = centre + max(-reach, min(reach, sigma - centre))
+    sigma /= weight
+    end_slip = (sigma - start) / end_root
+    turned = mean_coupling * sigma / twice
+    w.new_slip_angle = h * sigma / twice
+    w.taken = load - answer * sigma
+    if by_torque != 0.0:
+        end_y = y + given - w.taken
+        w.end1 = end_y / end_total + end_coupling * end_slip
+        w.angle1 = h * (0.5 * (y / total + end_y / end_total) + turned)
+        w.work1 = given / h * w.angle1
     else:
-        slope = 0.5 * (w.kept_i1 + i1_end)
-    mean_b = 0.5 * (w.kept_b + b_end)
-    push = h * (0.5 * k * middle1 * middle1 * slope + alpha1 * (d.J2 - k * mean_b))
-    inertia = k * middle * root_end
-    return inertia, inertia * (omega1 + alpha1 * h) - middle * root * rate_q - push
+        w.end1 = end_y
+        w.angle1 = h * speed
+        before = coupling * slip
+        after = end_coupling * end_slip
+        w.impulse1 = (end_total * end_y - after) - (total * y - before) + w.taken
+        w.work1 = speed * w.impulse1 + given * (turned - 0.5 * (before + after))
+    w.end2 = w.end1 - end_slip
 
 
-def kept_momentum(d, w, omega1, omega2):
-    """P = (J1 + I) omega1 + B q' + J2 omega2 with the inertia kept."""
-    return (d.J1 + w.kept_i) * omega1 + w.kept_b * d.k * (omega1 - omega2) + d.J2 * omega2
+def turn_link1(d, x, w, given, h):
+    """The same with link 2 held: link 1 turns the inertia Phi."""
+    inertia = inertia_of_link1(d, w.begin_i, w.begin_b, w.begin_g)
+    end_inertia = inertia_of_link1(d, w.end_i, w.end_b, w.end_g)
+    w.reached = 1.0
+    w.end2 = 0.0
+    if d.by_torque != 0.0:
+        start = math.sqrt(inertia) * x.omega1
+        end_root = math.sqrt(end_inertia)
+        twice = math.sqrt(inertia) + end_root
+        end = start + 2.0 * given / twice
+        w.end1 = end / end_root
+        w.angle1 = h * (start + end) / twice
+        w.work1 = given / h * w.angle1
+    else:
+        w.end1 = x.omega1 + given
+        w.angle1 = h * (x.omega1 + 0.5 * given)
+        w.impulse1 = 0.5 * (end_inertia * w.end1 - inertia * x.omega1 + 0.5 * (inertia + end_inertia) * given)
+        w.work1 = 0.5 * (end_inertia * w.end1 * w.end1 - inertia * x.omega1 * x.omega1)
+    w.new_slip_angle = w.angle1
 
 
-def prepare_shaft_step(p, d, w, h):
-    """Answers of the elastic shaft over a step h, the hub accelerating uniformly: kept in w.
-
-    They are exact while the step resolves the shaft, and those of the implicit Euler method, which
-    damps whatever it does not resolve, where it does not.
-    """
-    if p.fidelity != ELASTIC:
-        return
-    friction = d.friction
-    free = 1.0 - d.balancer
-    if d.stiffness * (1.0 / d.J3 + 1.0 / d.J4) * h * h > RESOLVED * RESOLVED:
-        share = 1.0 / (d.J4 + (friction + d.damping + d.stiffness * h) * h)
-        w.slope = d.J4 * share
-        w.impulse = h * w.slope
-        w.sum = h * w.impulse
-        w.relative_gain = (d.J4 * free + friction * h) * h * share
-        w.twist_gain = h * w.relative_gain
-        w.lag = h
-        return
-    rate = (d.damping + friction) / d.J4
-    square = d.stiffness / d.J4
-    swing, slow, fast = characteristic(rate, square)
-    _, w.slope, w.impulse, w.sum, two, _, _ = responses(rate, square, swing, slow, fast, h)
-    w.relative_gain = free * w.impulse + friction / d.J4 * w.sum
-    w.twist_gain = free * w.sum + friction / d.J4 * two
-    w.lag = 0.5 * h
-
-
-def shaft_step(p, d, x, w, load, h):
-    """Inertia of the hub over the step and its momentum without contact, with the shaft behind it.
-
-    Returns:
-        (inertia, momentum): omega3 at the end is (momentum + Pc) / inertia.
-    """
-    omega3 = x.omega3
-    if p.fidelity != ELASTIC:
-        return d.J3, d.J3 * omega3 - h * load
-    relative, twist = coasting_shaft(d, x, w, load)
-    friction = d.friction
-    # momentum that the shaft takes from a hub of constant speed, and more for each rad/s of it
-    taken = d.J4 * (x.relative - relative) + friction * (h * omega3 - (twist - x.twist)) + load * h
-    own = d.J4 * ((1.0 - d.balancer) * h - w.relative_gain)
-    gain = (own + friction * (w.lag * h - w.twist_gain)) / h
-    return d.J3 + gain, (d.J3 + gain) * omega3 - taken
-
-
-def coasting_shaft(d, x, w, load):
-    """Relative speed and twist at the end of the step if the hub keeps its speed."""
-    relative = x.relative
-    push = (d.friction * x.omega3 + load - d.stiffness * x.twist) / d.J4
-    end = relative * w.slope + push * w.impulse
-    return end, x.twist + relative * w.impulse + push * w.sum
+def drive_mass(d, x, w, h):
+    """The driven mass over the step, the hub having the mean speed w.mean3 and so, it seems, the end speed w.seen3."""
+    w.mean_relative = w.relative_load + w.relative_gain * w.mean3
+    w.seen3 = 2.0 * w.mean3 - x.omega3
+    w.omega4 = w.seen3 - 2.0 * w.mean_relative + x.relative
+    if d.friction * h > RESOLVED * d.J4:
+        mean4 = abs(w.mean3 - w.mean_relative)
+        w.omega4 = max(-mean4, min(mean4, w.omega4))
 
 
 def settle(d, inertia2, momentum2, inertia3, momentum3):
     """The complementarity problem of impulses and end velocities.
 
     Returns:
-        (omega2, omega3, Pc, Ph, contact mode) at the end of the step.
+        (omega2, omega3, Pc, contact mode) at the end of the step.
     """
     free2 = momentum2 / inertia2 if inertia2 > 0.0 else 0.0
     free3 = momentum3 / inertia3
@@ -133,73 +171,134 @@ def settle(d, inertia2, momentum2, inertia3, momentum3):
     held = d.housing != 0.0 and momentum2 <= 0.0
     if d.output != 0.0:
         if held and free3 > 0.0:
-            return 0.0, free3, 0.0, -momentum2, HELD
+            return 0.0, free3, 0.0, HELD
         if not held and free2 <= free3:
-            return free2, free3, 0.0, 0.0, FREE
+            return free2, free3, 0.0, FREE
     together = (momentum2 + momentum3) / (inertia2 + inertia3)
     if d.housing == 0.0 or together > 0.0:
-        return together, together, inertia3 * together - momentum3, 0.0, DRIVING
-    return 0.0, 0.0, -momentum3, -momentum3 - momentum2, HELD_DRIVING
+        return together, together, inertia3 * together - momentum3, DRIVING
+    return 0.0, 0.0, -momentum3, HELD_DRIVING
 
 
-def follow_shaft(p, d, x, w, load, h, end3):
-    """Take over the end speed of the hub, with twist, driven mass and works of the shaft behind it."""
-    begin3 = x.omega3
-    begin4 = begin3 - x.relative
-    lag = w.lag if p.fidelity == ELASTIC else 0.5 * h
-    turned4 = h * begin3 + lag * (end3 - begin3)
-    if p.fidelity == ELASTIC:
-        change3 = end3 - begin3
-        before = x.relative
-        relative, twist = coasting_shaft(d, x, w, load)
-        relative += w.relative_gain * change3 / h
-        twist += w.twist_gain * change3 / h
-        turned4 -= twist - x.twist
-        end4 = end3 - relative
-        lost = 0.5 * h * d.damping * (before * before + relative * relative)
-        lost += 0.5 * h * d.friction * (begin4 * begin4 + end4 * end4)
-        lost -= d.balancer * d.J4 * change3 * 0.5 * (begin4 + end4)
+def follow(d, x, w, held, joined, given, h):
+    """Follow all over the step with link 2 held or not, joined with the hub or not, and impacts at its end.
+
+    Returns:
+        (omega2, omega3, Pc, contact mode) at the end of the step.
+    """
+    if held:
+        turn_link1(d, x, w, given, h)
+    elif joined:
+        move_links(d, x, w, d.J3, w.hub_load, w.hub_gain, given, h)
+    else:
+        move_links(d, x, w, 0.0, 0.0, 0.0, given, h)
+    w.pushed = 0.0
+    if joined:
+        w.end3 = w.end2
+        w.mean3 = 0.0 if held else (w.angle1 - w.new_slip_angle) / h
+        w.pushed = w.hub_load if held else d.J3 * (w.end3 - x.omega3) + w.taken
+    else:
+        w.end3 = x.omega3 - (w.hub_load + w.hub_gain * x.omega3) / (d.J3 + 0.5 * w.hub_gain)
+        w.mean3 = 0.5 * (x.omega3 + w.end3)
+    inertia3 = d.J3
+    if d.elastic != 0.0:
+        drive_mass(d, x, w, h)
+        if w.stiff != 0.0:
+            inertia3 += (1.0 - d.balancer) * d.J4
+            mass3 = w.omega4 + d.balancer * (w.end3 - w.seen3)
+            w.end3 += d.J4 * (mass3 - w.end3) / inertia3
+    inertia2 = inertia_of_link2(d, w.end_i, w.end_b, w.end_g)
+    momentum2 = inertia2 * w.end2
+    momentum3 = inertia3 * w.end3
+    # it is the impulse over the whole step that must not pull
+    push = max(0.0, w.pushed)
+    push2 = 0.0 if held else push
+    end2, end3, output, mode = settle(d, inertia2, momentum2 + push2, inertia3, momentum3 - push)
+    if push > 0.0 and (mode == FREE or mode == HELD):
+        end2, end3, output, mode = settle(d, inertia2, momentum2, inertia3, momentum3)
+        push = 0.0
+    return end2, end3, output + (w.pushed - push), mode
+
+
+def follow_contacts(d, x, w, given, h):
+    """Follow all over the step; what touches at its beginning stays together where nothing pulls it apart.
+
+    Returns:
+        As follow.
+    """
+    always = d.output == 0.0
+    end2, end3, output, mode = follow(d, x, w, False, always, given, h)
+    held = d.housing != 0.0 and x.omega2 == 0.0 and (mode == HELD or mode == HELD_DRIVING)
+    joined = always or (x.omega3 == x.omega2 and (mode == DRIVING or mode == HELD_DRIVING))
+    if held or joined != always:
+        end2, end3, output, mode = follow(d, x, w, held, joined, given, h)
+        if w.pushed < 0.0 and not always:
+            end2, end3, output, mode = follow(d, x, w, held, False, given, h)
+    return end2, end3, output, mode
+
+
+def turn_shaft(d, x, w, end3, load, h):
+    """The hub to its end speed, with twist, driven mass and works of the shaft behind it."""
+    mean4 = w.mean3
+    if d.elastic != 0.0:
+        mean4 -= w.mean_relative
+        lost = h * (d.damping * w.mean_relative * w.mean_relative + d.friction * mean4 * mean4)
+        lost -= d.balancer * d.J4 * (w.seen3 - x.omega3) * mean4
         x.energy_lost, x.energy_lost_low = add(x.energy_lost, x.energy_lost_low, lost)
-        x.relative = relative
+        x.twist, x.twist_low = add(x.twist, x.twist_low, h * w.mean_relative)
+        x.omega3 = w.seen3
+        x.relative = w.seen3 - w.omega4
         x.relative_low = 0.0
-        x.twist = twist
-        x.twist_low = 0.0
-    x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, load * turned4)
+        push_driven_mass(d, x, w.end3 - w.seen3, False)
+        x.omega3 = w.end3
+        if w.stiff != 0.0:
+            x.relative = 0.0
+            x.relative_low = 0.0
+        push_driven_mass(d, x, end3 - w.end3, w.stiff != 0.0)
+    x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, load * h * mean4)
     x.omega3 = end3
     x.omega3_low = 0.0
 
 
-def one_step(p, d, x, w, omega1, alpha1, load, h):
-    """One fixed step; the inertia at its beginning is kept in w, that at its end is left there."""
-    inertia3, momentum3 = shaft_step(p, d, x, w, load, h)
-    begin2 = x.omega2
-    end2 = begin2
-    end3 = x.omega3
-    output_impulse = 0.0
-    housing = 0.0
-    mode = x.mode
+def one_step(d, x, w, given, load, h):
+    """One fixed step from where look_ahead or the step before has left w.
+
+    Args:
+        given: change of omega1, rad/s, or impulse of the input torque, N m s. load: N m.
+    """
+    w.begin_i, w.begin_i1, w.begin_b, w.begin_g = w.end_i, w.end_i1, w.end_b, w.end_g
+    load_hub(d, x, w, load, h)
+    w.new_slip_angle = h * (x.omega1 - x.omega2)
+    end2, end3, output, mode = x.omega2, x.omega3, 0.0, FREE
     for _ in range(CORRECTIONS):
-        inertia2, momentum2 = link2_step(d, x, w, omega1, alpha1, h, end2)
-        end2, end3, output_impulse, housing, mode = settle(d, inertia2, momentum2, inertia3, momentum3)
-    middle1 = omega1 + 0.5 * alpha1 * h
-    before = kept_momentum(d, w, omega1, begin2)
-    x.q, x.q_low = add(x.q, x.q_low, d.k * h * (middle1 - 0.5 * (begin2 + end2)))
+        look_ahead(d, x, w, w.new_slip_angle)
+        end2, end3, output, mode = follow_contacts(d, x, w, given, h)
+    if w.reached == 0.0:
+        # the drive stays where it is: there the energy always suffices
+        w.slip_angle = 0.0
+        w.end_i, w.end_i1, w.end_b, w.end_g = w.begin_i, w.begin_i1, w.begin_b, w.begin_g
+        end2, end3, output, mode = follow_contacts(d, x, w, given, h)
+    # links 1 and 2 take the impact that brings link 2 to its end speed
+    reaction = d.k * (w.end_b + d.k * w.end_g) * (end2 - w.end2)
+    if d.by_torque != 0.0:
+        w.end1 += reaction / inertia_of_link1(d, w.end_i, w.end_b, w.end_g)
+        x.theta1, x.theta1_low = add(x.theta1, x.theta1_low, w.angle1)
+        wrap_input_angle(x)
+    else:
+        x.input_impulse += w.impulse1 - reaction
+        w.work1 -= w.end1 * reaction
+    turn_shaft(d, x, w, end3, load, h)
+    # on to just where the inertia at the end is that of: with another the energy would not be what it was
+    x.q, x.q_low = add(x.q, x.q_low, d.k * w.slip_angle)
     wrap_drive_angle(d, x)
-    keep_inertia(d, x, w)
-    impulse = kept_momentum(d, w, omega1 + alpha1 * h, end2) - before + output_impulse - housing
-    x.input_impulse += impulse
-    x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, impulse * middle1)
-    x.output_impulse += output_impulse
-    x.output_square += output_impulse * output_impulse / h
-    x.torque_peak = max(x.torque_peak, abs(output_impulse) / h)
-    follow_shaft(p, d, x, w, load, h, end3)
+    x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, w.work1)
+    x.output_impulse += output
+    x.output_square += output * output / h
+    x.torque_peak = max(x.torque_peak, abs(output) / h)
+    x.omega1 = w.end1
+    x.omega1_low = 0.0
     x.omega2 = end2
     x.omega2_low = 0.0
-    if mode != x.mode:
-        x.mode = mode
+    if mode != x.step_mode:
+        x.step_mode = mode
         x.step_switches += 1.0
-
-
-def steps_in(d, h):
-    """Number of equal steps no longer than max_step in a communication step h."""
-    return max(1.0, math.ceil(h / d.max_step - 1e-9))
