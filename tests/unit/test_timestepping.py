@@ -78,12 +78,12 @@ def test_error_falls_at_first_order_or_better(compiled, scene, output):
 def test_every_step_costs_the_same(kernel, scene, output, omega1, count):
     module = started(kernel, scene, output, method=1, max_step=1e-3, omega1=omega1)
     advanced(module, count * 1e-3)
-    assert module["rhs_evaluations"] == 1 + 3 * count
+    assert module["rhs_evaluations"] == 1 + 2 * count
 
 
 def test_without_max_step_a_communication_step_is_one_step(kernel, scene, output):
     module = advanced(started(kernel, scene, output, method=1), 0.1)
-    assert module["rhs_evaluations"] == 4
+    assert module["rhs_evaluations"] == 3
 
 
 @given(
@@ -132,6 +132,17 @@ def test_contact_switches_are_those_of_the_event_method_at_any_communication_ste
     fixed = started(compiled, scenes[layout], method=1, max_step=1e-4)
     advanced(fixed, *[0.3 / steps] * steps)
     assert fixed["contact_switches"] == events["contact_switches"] > 20
+
+
+@pytest.mark.parametrize("scenes", [SCENES, DRIVEN], ids=["by speed", "by torque"])
+@pytest.mark.parametrize("layout", SCENES)
+@pytest.mark.parametrize("freewheels", FREEWHEELS)
+def test_communication_steps_make_no_contact_switches(compiled, scenes, layout, output, freewheels):
+    counts = []
+    for steps in (1, 16, 256):
+        module = started(compiled, scenes[layout], output, FREEWHEELS[freewheels], method=1, max_step=2**-9)
+        counts.append(advanced(module, *[0.5 / steps] * steps)["contact_switches"])
+    assert counts[0] == counts[1] == counts[2]
 
 
 def test_energy_audit_shows_the_error_and_closes_with_the_step(compiled, scene):

@@ -116,7 +116,7 @@ WORKSPACE = (
     *("end1", "end2", "new_slip_angle", "angle1", "impulse1", "work1", "taken", "reached"),
     # ... load of the hub and what follows from it, mean and end speed of the hub, its push; the driven mass
     *("hub_load", "hub_gain", "relative_load", "relative_gain", "stiff", "mean3", "end3", "pushed"),
-    *("mean_relative", "seen3", "omega4"),
+    *("mean_relative", "seen3", "omega4", "held", "joined"),
     # internal step of the averaged shaft: omega3 and T at its end, its error, integrals of omega3, T
     # omega3, omega2
     *("next", "torque", "error", "turned3", "work", "turned2"),

@@ -201,8 +201,8 @@ def slip_inertia(d, i, b, g, carried):
         carried: inertia that link 2 carries, added to J2, kg m^2.
 
     Returns:
-        (J, kappa, mu): J = J1 + I + J2. With the speed given kappa = J2 - k B and mu = J2 + k^2 G, of the first
-        form; with the torque given kappa = (J2 - k B) / J and mu of the second.
+        (J, kappa, mu): J = J1 + I + J2. With the speed given kappa = J2 - k B and mu = J2 + k^2 G, as in the
+        first form; with the torque given kappa = (J2 - k B) / J and mu is that of the second.
     """
     k = d.k
     own = d.J2 + carried

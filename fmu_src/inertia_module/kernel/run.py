@@ -27,7 +27,7 @@ def accelerations_now(d, x):
     return alpha1, alpha2
 
 
-def run_timestepping(p, d, x, w, h):
+def run_timestepping(d, x, w, h):
     """Advance by h in equal steps. Returns a status."""
     count = steps_in(d, h)
     if count > MAX_STEPS:
@@ -73,7 +73,7 @@ def run_kinematic(p, d, x, h):
 def run_pulses(p, d, x, w, h):
     """Advance the rigid or elastic module by h. Returns a status."""
     if p.method == TIMESTEPPING:
-        return run_timestepping(p, d, x, w, h)
+        return run_timestepping(d, x, w, h)
     return run_events(d, x, w, h)
 
 

@@ -1,14 +1,15 @@
 """Method `timestepping`: fixed steps, complementarity of impulses and end velocities in each (Moreau).
 
-No event is searched for, so every step costs the same. No step makes energy, however coarse: links 1 and 2 move by a
-discrete gradient, contacts close by inelastic impacts at the end of a step, an elastic shaft moves by the midpoint
-rule. Derivation in docs/mechanics.md, method timestepping.
+No event is searched for, so every step costs the same. No step makes energy, however coarse: links 1 and 2
+move by a discrete gradient, contacts close by inelastic impacts at the end of a step, an elastic shaft moves
+by the midpoint rule (docs/mechanics.md).
 """
 
 import math
 
 from ..accumulate import add, wrap_drive_angle, wrap_input_angle
-from ..codes import DRIVING, FREE, HELD, HELD_DRIVING
+from ..codes import DRIVING, HELD, HELD_DRIVING
+from ..contact import settle
 from ..impulse import push_driven_mass
 from ..inertia import reduced_inertia
 from ..links import inertia_of_link1, inertia_of_link2, slip_inertia
@@ -17,8 +18,6 @@ from ..links import inertia_of_link1, inertia_of_link2, slip_inertia
 SMALLEST_DIFFERENCE = 1e-5
 # what a torque of the shaft may change of the speed it acts on in a step that resolves it
 RESOLVED = 4.0
-# corrections of q by the mean of the speeds at both ends
-CORRECTIONS = 3
 
 
 def steps_in(d, h):
@@ -27,16 +26,16 @@ def steps_in(d, h):
 
 
 def look_ahead(d, x, w, slip_angle):
-    """Take I, I', B, G where the step ends if links 1 and 2 turn by this angle relative to each other."""
+    """Take I, I', B, G where the step ends if link 1 turns by this angle relative to link 2."""
     w.slip_angle = slip_angle
     w.end_i, w.end_i1, _, w.end_b, _, w.end_g, _, _ = reduced_inertia(d, x.q + d.k * slip_angle)
     x.step_evaluations += 1.0
 
 
 def load_hub(d, x, w, load, h):
-    """Find the impulse on the hub over the step, hub_load + hub_gain u at its mean speed u: the load or the shaft's.
+    """Find the impulse on the hub, of the load or the shaft: hub_load + hub_gain u at its mean speed u.
 
-    The mean relative speed behind the hub is relative_load + relative_gain u. Where the step does not resolve the
+    The mean relative speed behind it is relative_load + relative_gain u. Where the step does not resolve the
     shaft its torque is that of the twist at the end, and the relative speed is taken out there (w.stiff).
     """
     w.hub_load = load * h
@@ -58,10 +57,10 @@ def load_hub(d, x, w, load, h):
 
 
 def move_links(d, x, w, carried, load, gain, given, h):
-    """Links 1 and 2 over the step without impacts, link 2 against the impulse load + gain u at its mean speed u.
+    """Links 1 and 2 over the step, link 2 against the impulse load + gain u, u its mean speed.
 
-    Writes w.end1, end2, new_slip_angle, angle1 (of link 1), impulse1 and work1 (of the input torque), taken (the
-    impulse of the load) and reached: whether the energy suffices to come to where the step is to end.
+    Writes w.end1, end2, new_slip_angle, angle1 (of link 1), impulse1 and work1 (of the input torque), taken
+    (the impulse of the load) and reached: whether the energy suffices to come to where the step is to end.
 
     Args:
         carried: inertia that link 2 carries, kg m^2.
@@ -70,36 +69,37 @@ def move_links(d, x, w, carried, load, gain, given, h):
     slip = x.omega1 - x.omega2
     total, coupling, inertia = slip_inertia(d, w.begin_i, w.begin_b, w.begin_g, carried)
     end_total, end_coupling, end_inertia = slip_inertia(d, w.end_i, w.end_b, w.end_g, carried)
+    root = math.sqrt(inertia)
     end_root = math.sqrt(end_inertia)
-    start = math.sqrt(inertia) * slip
-    twice = math.sqrt(inertia) + end_root
+    per_root = 1.0 / (root + end_root)
     mean_coupling = 0.5 * (coupling + end_coupling)
     by_torque = d.by_torque
     # y = omega1, or the angular momentum P: it changes by what is given (P by the load, too)
     y = x.omega1
     share = 1.0
-    scale = 1.0
-    give = 1.0
+    end_rate = 0.0
     speed = y + 0.5 * given
+    force = 0.5 * y
     if by_torque != 0.0:
         y = total * (x.omega1 - coupling * slip)
         share -= mean_coupling
-        scale = 1.0 / (total * end_total)
-        give += 0.5 * gain / end_total
-        speed = 0.5 * (y / total + (y + given) / end_total)
+        end_rate = 0.5 / end_total
+        speed = 0.5 * (x.omega1 - coupling * slip) + (y + given) * end_rate
+        force = (x.omega1 - coupling * slip) * end_rate
     # sigma = sum of sqrt(mu) rho at both ends; the impulse of the load is load - answer sigma
-    load = (load + gain * speed) / give
-    answer = gain * share / (give * twice)
-    weight = 1.0 + 2.0 * answer * share / twice
-    half = start + (given * mean_coupling + share * load) / twice
+    give = 1.0 / (1.0 + gain * end_rate)
+    load = (load + gain * speed) * give
+    answer = gain * give * share * per_root
+    weight = 1.0 + 2.0 * answer * share * per_root
+    half = root * slip + (given * mean_coupling + share * load) * per_root
     end_y = y + given - by_torque * load
-    force = 0.5 * scale * y
     change = w.end_i - w.begin_i
-    slope = 0.5 * d.k * (w.begin_i1 + w.end_i1)
+    push = d.k * h * (w.begin_i1 + w.end_i1) * per_root
     if abs(d.k * w.slip_angle) > SMALLEST_DIFFERENCE:
-        slope = change / w.slip_angle
-    push = 2.0 * h / twice * force * slope * (end_y + by_torque * answer * twice * w.slip_angle / h)
-    sigma = 2.0 * half + push
+        push = 2.0 * h * change / w.slip_angle * per_root
+    sigma = 2.0 * half + push * force * end_y
+    if answer != 0.0:
+        sigma += push * force * by_torque * answer * w.slip_angle / (h * per_root)
     # the energy allows weight sigma no more than reach to either side of the centre
     centre = half + by_torque * force * change * answer
     square = centre * centre + 2.0 * weight * force * change * end_y
@@ -108,14 +108,14 @@ def move_links(d, x, w, carried, load, gain, given, h):
         reach = math.sqrt(square)
         sigma = centre + max(-reach, min(reach, sigma - centre))
     sigma /= weight
-    end_slip = (sigma - start) / end_root
-    turned = mean_coupling * sigma / twice
-    w.new_slip_angle = h * sigma / twice
+    end_slip = (sigma - root * slip) / end_root
+    turned = sigma * per_root
+    w.new_slip_angle = h * turned
     w.taken = load - answer * sigma
     if by_torque != 0.0:
         end_y = y + given - w.taken
-        w.end1 = end_y / end_total + end_coupling * end_slip
-        w.angle1 = h * (0.5 * (y / total + end_y / end_total) + turned)
+        w.end1 = 2.0 * end_rate * end_y + end_coupling * end_slip
+        w.angle1 = h * (speed - w.taken * end_rate + mean_coupling * turned)
         w.work1 = given / h * w.angle1
     else:
         w.end1 = end_y
@@ -123,7 +123,7 @@ def move_links(d, x, w, carried, load, gain, given, h):
         before = coupling * slip
         after = end_coupling * end_slip
         w.impulse1 = (end_total * end_y - after) - (total * y - before) + w.taken
-        w.work1 = speed * w.impulse1 + given * (turned - 0.5 * (before + after))
+        w.work1 = speed * w.impulse1 + given * (mean_coupling * turned - 0.5 * (before + after))
     w.end2 = w.end1 - end_slip
 
 
@@ -150,7 +150,7 @@ def turn_link1(d, x, w, given, h):
 
 
 def drive_mass(d, x, w, h):
-    """The driven mass over the step, the hub having the mean speed w.mean3 and so, it seems, the end speed w.seen3."""
+    """The driven mass over the step, behind a hub whose speed changes evenly (to w.seen3) about its mean."""
     w.mean_relative = w.relative_load + w.relative_gain * w.mean3
     w.seen3 = 2.0 * w.mean3 - x.omega3
     w.omega4 = w.seen3 - 2.0 * w.mean_relative + x.relative
@@ -159,32 +159,11 @@ def drive_mass(d, x, w, h):
         w.omega4 = max(-mean4, min(mean4, w.omega4))
 
 
-def settle(d, inertia2, momentum2, inertia3, momentum3):
-    """The complementarity problem of impulses and end velocities.
-
-    Returns:
-        (omega2, omega3, Pc, contact mode) at the end of the step.
-    """
-    free2 = momentum2 / inertia2 if inertia2 > 0.0 else 0.0
-    free3 = momentum3 / inertia3
-    # ties as in contact.select_mode: link 2 stays held, and a shaft that nothing pulls away touches it
-    held = d.housing != 0.0 and momentum2 <= 0.0
-    if d.output != 0.0:
-        if held and free3 > 0.0:
-            return 0.0, free3, 0.0, HELD
-        if not held and free2 <= free3:
-            return free2, free3, 0.0, FREE
-    together = (momentum2 + momentum3) / (inertia2 + inertia3)
-    if d.housing == 0.0 or together > 0.0:
-        return together, together, inertia3 * together - momentum3, DRIVING
-    return 0.0, 0.0, -momentum3, HELD_DRIVING
-
-
 def follow(d, x, w, held, joined, given, h):
-    """Follow all over the step with link 2 held or not, joined with the hub or not, and impacts at its end.
+    """Follow all over the step with link 2 held or not, joined with the hub or not.
 
     Returns:
-        (omega2, omega3, Pc, contact mode) at the end of the step.
+        As settle, impacts at the end of the step included.
     """
     if held:
         turn_link1(d, x, w, given, h)
@@ -208,32 +187,34 @@ def follow(d, x, w, held, joined, given, h):
             mass3 = w.omega4 + d.balancer * (w.end3 - w.seen3)
             w.end3 += d.J4 * (mass3 - w.end3) / inertia3
     inertia2 = inertia_of_link2(d, w.end_i, w.end_b, w.end_g)
-    momentum2 = inertia2 * w.end2
-    momentum3 = inertia3 * w.end3
-    # it is the impulse over the whole step that must not pull
-    push = max(0.0, w.pushed)
-    push2 = 0.0 if held else push
-    end2, end3, output, mode = settle(d, inertia2, momentum2 + push2, inertia3, momentum3 - push)
-    if push > 0.0 and (mode == FREE or mode == HELD):
-        end2, end3, output, mode = settle(d, inertia2, momentum2, inertia3, momentum3)
-        push = 0.0
-    return end2, end3, output + (w.pushed - push), mode
+    if w.pushed > 0.0 and d.output != 0.0:
+        # it is the impulse over the whole step that must not pull
+        back = 0.0 if held else w.pushed / inertia2
+        settled = settle(d, inertia2, w.end2 + back, inertia3, w.end3 - w.pushed / inertia3)
+        if settled[3] == DRIVING or settled[3] == HELD_DRIVING:
+            return settled
+    end2, end3, output, mode = settle(d, inertia2, w.end2, inertia3, w.end3)
+    return end2, end3, output + w.pushed, mode
 
 
 def follow_contacts(d, x, w, given, h):
-    """Follow all over the step; what touches at its beginning stays together where nothing pulls it apart.
-
-    Returns:
-        As follow.
-    """
+    """The same; what touches at the beginning stays together where nothing pulls it apart."""
     always = d.output == 0.0
-    end2, end3, output, mode = follow(d, x, w, False, always, given, h)
+    touches = always or x.omega3 == x.omega2
+    joined = always or (touches and x.step_mode == DRIVING)
+    end2, end3, output, mode = follow(d, x, w, False, joined, given, h)
+    if joined and not always and (mode != DRIVING or w.pushed <= 0.0):
+        joined = False
+        end2, end3, output, mode = follow(d, x, w, False, joined, given, h)
     held = d.housing != 0.0 and x.omega2 == 0.0 and (mode == HELD or mode == HELD_DRIVING)
-    joined = always or (x.omega3 == x.omega2 and (mode == DRIVING or mode == HELD_DRIVING))
-    if held or joined != always:
-        end2, end3, output, mode = follow(d, x, w, held, joined, given, h)
+    driving = touches and (always or mode == DRIVING or mode == HELD_DRIVING)
+    if held or driving != joined:
+        end2, end3, output, mode = follow(d, x, w, held, driving, given, h)
         if w.pushed < 0.0 and not always:
-            end2, end3, output, mode = follow(d, x, w, held, False, given, h)
+            driving = False
+            end2, end3, output, mode = follow(d, x, w, held, driving, given, h)
+    w.held = 1.0 if held else 0.0
+    w.joined = 1.0 if driving else 0.0
     return end2, end3, output, mode
 
 
@@ -269,9 +250,11 @@ def one_step(d, x, w, given, load, h):
     w.begin_i, w.begin_i1, w.begin_b, w.begin_g = w.end_i, w.end_i1, w.end_b, w.end_g
     load_hub(d, x, w, load, h)
     w.new_slip_angle = h * (x.omega1 - x.omega2)
-    end2, end3, output, mode = x.omega2, x.omega3, 0.0, FREE
-    for _ in range(CORRECTIONS):
-        look_ahead(d, x, w, w.new_slip_angle)
+    look_ahead(d, x, w, w.new_slip_angle)
+    follow_contacts(d, x, w, given, h)
+    look_ahead(d, x, w, w.new_slip_angle)
+    end2, end3, output, mode = follow(d, x, w, w.held != 0.0, w.joined != 0.0, given, h)
+    if w.pushed < 0.0 and d.output != 0.0:
         end2, end3, output, mode = follow_contacts(d, x, w, given, h)
     if w.reached == 0.0:
         # the drive stays where it is: there the energy always suffices
