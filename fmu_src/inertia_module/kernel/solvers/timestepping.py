@@ -1,23 +1,26 @@
 """Method `timestepping`: fixed steps, complementarity of impulses and end velocities in each (Moreau).
 
 No event is searched for, so every step costs the same. No step makes energy, however coarse: links 1 and 2
-move by a discrete gradient, contacts close by inelastic impacts at the end of a step, an elastic shaft moves
-by the midpoint rule (docs/mechanics.md).
+move by a discrete gradient, freewheels close by inelastic impacts, an elastic shaft moves by the midpoint
+rule (docs/mechanics.md).
 """
 
 import math
 
-from ..accumulate import add, wrap_drive_angle, wrap_input_angle
+from ..accumulate import add, copy, wrap_drive_angle, wrap_input_angle
 from ..codes import DRIVING, HELD, HELD_DRIVING
 from ..contact import settle
 from ..impulse import push_driven_mass
 from ..inertia import reduced_inertia
-from ..links import inertia_of_link1, inertia_of_link2, slip_inertia
+from ..links import inertia_of_link1, inertia_of_link2
+from .link_step import move_links, turn_link1
 
-# below this change of q, rad, the derivative of I is more exact than its difference
-SMALLEST_DIFFERENCE = 1e-5
 # what a torque of the shaft may change of the speed it acts on in a step that resolves it
 RESOLVED = 4.0
+# parts of a step that are too short to be told from none
+SHORTEST = 1e-6
+# how much later than foreseen a step is parted: what has not met there meets at its end
+LATER = 1.001
 
 
 def steps_in(d, h):
@@ -27,9 +30,24 @@ def steps_in(d, h):
 
 def look_ahead(d, x, w, slip_angle):
     """Take I, I', B, G where the step ends if link 1 turns by this angle relative to link 2."""
-    w.slip_angle = slip_angle
-    w.end_i, w.end_i1, _, w.end_b, _, w.end_g, _, _ = reduced_inertia(d, x.q + d.k * slip_angle)
+    w.far_angle = slip_angle
+    w.far_i, w.far_i1, _, w.far_b, _, w.far_g, _, _ = reduced_inertia(d, x.q + d.k * slip_angle)
     x.step_evaluations += 1.0
+
+
+def begin_here(d, x, w):
+    """Take I, I', B, G for the first step to begin with."""
+    look_ahead(d, x, w, 0.0)
+    w.end_i, w.end_i1, w.end_b, w.end_g = w.far_i, w.far_i1, w.far_b, w.far_g
+
+
+def end_at(w, part):
+    """End this part of the way ahead, with the inertia between; 1 is where look_ahead looked."""
+    w.end_i = w.begin_i + part * (w.far_i - w.begin_i)
+    w.end_i1 = w.begin_i1 + part * (w.far_i1 - w.begin_i1)
+    w.end_b = w.begin_b + part * (w.far_b - w.begin_b)
+    w.end_g = w.begin_g + part * (w.far_g - w.begin_g)
+    w.slip_angle = part * w.far_angle
 
 
 def load_hub(d, x, w, load, h):
@@ -54,99 +72,6 @@ def load_hub(d, x, w, load, h):
     w.relative_load = share * (2.0 * d.J4 * x.relative - free * x.omega3 + w.hub_load - spring)
     w.hub_load = spring + h * damping * w.relative_load
     w.hub_gain = h * damping * w.relative_gain
-
-
-def move_links(d, x, w, carried, load, gain, given, h):
-    """Links 1 and 2 over the step, link 2 against the impulse load + gain u, u its mean speed.
-
-    Writes w.end1, end2, new_slip_angle, angle1 (of link 1), impulse1 and work1 (of the input torque), taken
-    (the impulse of the load) and reached: whether the energy suffices to come to where the step is to end.
-
-    Args:
-        carried: inertia that link 2 carries, kg m^2.
-        given: change of omega1, rad/s, or impulse of the input torque, N m s.
-    """
-    slip = x.omega1 - x.omega2
-    total, coupling, inertia = slip_inertia(d, w.begin_i, w.begin_b, w.begin_g, carried)
-    end_total, end_coupling, end_inertia = slip_inertia(d, w.end_i, w.end_b, w.end_g, carried)
-    root = math.sqrt(inertia)
-    end_root = math.sqrt(end_inertia)
-    per_root = 1.0 / (root + end_root)
-    mean_coupling = 0.5 * (coupling + end_coupling)
-    by_torque = d.by_torque
-    # y = omega1, or the angular momentum P: it changes by what is given (P by the load, too)
-    y = x.omega1
-    share = 1.0
-    end_rate = 0.0
-    speed = y + 0.5 * given
-    force = 0.5 * y
-    if by_torque != 0.0:
-        y = total * (x.omega1 - coupling * slip)
-        share -= mean_coupling
-        end_rate = 0.5 / end_total
-        speed = 0.5 * (x.omega1 - coupling * slip) + (y + given) * end_rate
-        force = (x.omega1 - coupling * slip) * end_rate
-    # sigma = sum of sqrt(mu) rho at both ends; the impulse of the load is load - answer sigma
-    give = 1.0 / (1.0 + gain * end_rate)
-    load = (load + gain * speed) * give
-    answer = gain * give * share * per_root
-    weight = 1.0 + 2.0 * answer * share * per_root
-    half = root * slip + (given * mean_coupling + share * load) * per_root
-    end_y = y + given - by_torque * load
-    change = w.end_i - w.begin_i
-    push = d.k * h * (w.begin_i1 + w.end_i1) * per_root
-    if abs(d.k * w.slip_angle) > SMALLEST_DIFFERENCE:
-        push = 2.0 * h * change / w.slip_angle * per_root
-    sigma = 2.0 * half + push * force * end_y
-    if answer != 0.0:
-        sigma += push * force * by_torque * answer * w.slip_angle / (h * per_root)
-    # the energy allows weight sigma no more than reach to either side of the centre
-    centre = half + by_torque * force * change * answer
-    square = centre * centre + 2.0 * weight * force * change * end_y
-    w.reached = 1.0 if square >= 0.0 else 0.0
-    if square >= 0.0:
-        reach = math.sqrt(square)
-        sigma = centre + max(-reach, min(reach, sigma - centre))
-    sigma /= weight
-    end_slip = (sigma - root * slip) / end_root
-    turned = sigma * per_root
-    w.new_slip_angle = h * turned
-    w.taken = load - answer * sigma
-    if by_torque != 0.0:
-        end_y = y + given - w.taken
-        w.end1 = 2.0 * end_rate * end_y + end_coupling * end_slip
-        w.angle1 = h * (speed - w.taken * end_rate + mean_coupling * turned)
-        w.work1 = given / h * w.angle1
-    else:
-        w.end1 = end_y
-        w.angle1 = h * speed
-        before = coupling * slip
-        after = end_coupling * end_slip
-        w.impulse1 = (end_total * end_y - after) - (total * y - before) + w.taken
-        w.work1 = speed * w.impulse1 + given * (mean_coupling * turned - 0.5 * (before + after))
-    w.end2 = w.end1 - end_slip
-
-
-def turn_link1(d, x, w, given, h):
-    """The same with link 2 held: link 1 turns the inertia Phi."""
-    inertia = inertia_of_link1(d, w.begin_i, w.begin_b, w.begin_g)
-    end_inertia = inertia_of_link1(d, w.end_i, w.end_b, w.end_g)
-    w.reached = 1.0
-    w.end2 = 0.0
-    if d.by_torque != 0.0:
-        start = math.sqrt(inertia) * x.omega1
-        end_root = math.sqrt(end_inertia)
-        twice = math.sqrt(inertia) + end_root
-        end = start + 2.0 * given / twice
-        w.end1 = end / end_root
-        w.angle1 = h * (start + end) / twice
-        w.work1 = given / h * w.angle1
-    else:
-        w.end1 = x.omega1 + given
-        w.angle1 = h * (x.omega1 + 0.5 * given)
-        w.impulse1 = 0.5 * (end_inertia * w.end1 - inertia * x.omega1 + 0.5 * (inertia + end_inertia) * given)
-        w.work1 = 0.5 * (end_inertia * w.end1 * w.end1 - inertia * x.omega1 * x.omega1)
-    w.new_slip_angle = w.angle1
 
 
 def drive_mass(d, x, w, h):
@@ -241,26 +166,59 @@ def turn_shaft(d, x, w, end3, load, h):
     x.omega3_low = 0.0
 
 
-def one_step(d, x, w, given, load, h):
-    """One fixed step from where look_ahead or the step before has left w.
+def share_until_closed(d, x, w, mode):
+    """Share of the step after which a freewheel closes in it, 1 where none does (what follow has found)."""
+    if (mode == DRIVING or mode == HELD_DRIVING) and x.omega3 > x.omega2 and w.end2 > w.end3:
+        return (x.omega3 - x.omega2) / (x.omega3 - x.omega2 + w.end2 - w.end3)
+    if (mode == HELD or mode == HELD_DRIVING) and x.omega2 > 0.0 and w.end2 < 0.0:
+        return x.omega2 / (x.omega2 - w.end2)
+    return 1.0
 
-    Args:
-        given: change of omega1, rad/s, or impulse of the input torque, N m s. load: N m.
+
+def close_within(d, x, w, given, load, h, share, held):
+    """Go the step in two, parted where a freewheel closes and holds link 2 or joins it with the hub.
+
+    No part makes energy with any inertia between, so nothing is evaluated there. Returns whether it went.
     """
-    w.begin_i, w.begin_i1, w.begin_b, w.begin_g = w.end_i, w.end_i1, w.end_b, w.end_g
-    load_hub(d, x, w, load, h)
-    w.new_slip_angle = h * (x.omega1 - x.omega2)
-    look_ahead(d, x, w, w.new_slip_angle)
-    follow_contacts(d, x, w, given, h)
-    look_ahead(d, x, w, w.new_slip_angle)
-    end2, end3, output, mode = follow(d, x, w, w.held != 0.0, w.joined != 0.0, given, h)
-    if w.pushed < 0.0 and d.output != 0.0:
-        end2, end3, output, mode = follow_contacts(d, x, w, given, h)
+    target = 0.0 if held else x.omega3 + share * (w.end3 - x.omega3)
+    slip = x.omega1 + share * (w.end1 - x.omega1) - target
+    before = 0.5 * share * h * (x.omega1 - x.omega2 + slip)
+    angle = before + (1.0 - share) * h * slip
+    look_ahead(d, x, w, angle)
+    part = before / angle if angle != 0.0 else 0.0
+    end2, end3, output, mode = x.omega2, x.omega3, 0.0, x.step_mode
+    for n in range(3):
+        if not (0.0 < part < 1.0 and SHORTEST < share < 1.0):
+            return False
+        end_at(w, part)
+        load_hub(d, x, w, load, share * h)
+        end2, end3, output, mode = follow(d, x, w, False, False, share * given, share * h)
+        gap = x.omega2 if held else x.omega3 - x.omega2
+        left = w.end2 if held else w.end3 - w.end2
+        if n < 2 and gap > left:
+            share *= LATER * gap / (gap - left)
+            part = LATER * gap / (gap - left) * w.new_slip_angle / angle
     if w.reached == 0.0:
-        # the drive stays where it is: there the energy always suffices
-        w.slip_angle = 0.0
-        w.end_i, w.end_i1, w.end_b, w.end_g = w.begin_i, w.begin_i1, w.begin_b, w.begin_g
-        end2, end3, output, mode = follow_contacts(d, x, w, given, h)
+        return False
+    begin_i, begin_i1, begin_b, begin_g = w.begin_i, w.begin_i1, w.begin_b, w.begin_g
+    copy(w.part.numbers, x.numbers)
+    finish(d, x, w, end2, end3, output, mode, load, share * h)
+    w.begin_i, w.begin_i1, w.begin_b, w.begin_g = w.end_i, w.end_i1, w.end_b, w.end_g
+    end_at(w, 1.0)
+    w.slip_angle = (1.0 - part) * angle
+    rest = 1.0 - share
+    load_hub(d, x, w, load, rest * h)
+    end2, end3, output, mode = follow_contacts(d, x, w, rest * given, rest * h)
+    if w.reached == 0.0:
+        copy(x.numbers, w.part.numbers)
+        w.begin_i, w.begin_i1, w.begin_b, w.begin_g = begin_i, begin_i1, begin_b, begin_g
+        return False
+    finish(d, x, w, end2, end3, output, mode, load, rest * h)
+    return True
+
+
+def finish(d, x, w, end2, end3, output, mode, load, h):
+    """Take over what the step, or a part of it, ends with."""
     # links 1 and 2 take the impact that brings link 2 to its end speed
     reaction = d.k * (w.end_b + d.k * w.end_g) * (end2 - w.end2)
     if d.by_torque != 0.0:
@@ -271,9 +229,6 @@ def one_step(d, x, w, given, load, h):
         x.input_impulse += w.impulse1 - reaction
         w.work1 -= w.end1 * reaction
     turn_shaft(d, x, w, end3, load, h)
-    # on to just where the inertia at the end is that of: with another the energy would not be what it was
-    x.q, x.q_low = add(x.q, x.q_low, d.k * w.slip_angle)
-    wrap_drive_angle(d, x)
     x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, w.work1)
     x.output_impulse += output
     x.output_square += output * output / h
@@ -285,3 +240,40 @@ def one_step(d, x, w, given, load, h):
     if mode != x.step_mode:
         x.step_mode = mode
         x.step_switches += 1.0
+
+
+def one_step(d, x, w, given, load, h):
+    """One fixed step from where begin_here or the step before has left w.
+
+    Args:
+        given: change of omega1, rad/s, or impulse of the input torque, N m s. load: N m.
+    """
+    w.begin_i, w.begin_i1, w.begin_b, w.begin_g = w.end_i, w.end_i1, w.end_b, w.end_g
+    look_ahead(d, x, w, h * (x.omega1 - x.omega2))
+    end_at(w, 1.0)
+    load_hub(d, x, w, load, h)
+    end2, end3, output, mode = follow_contacts(d, x, w, given, h)
+    share = share_until_closed(d, x, w, mode)
+    if share == 1.0:
+        look_ahead(d, x, w, w.new_slip_angle)
+        end_at(w, 1.0)
+        end2, end3, output, mode = follow(d, x, w, w.held != 0.0, w.joined != 0.0, given, h)
+    elif close_within(d, x, w, given, load, h, share, mode == HELD):
+        advance_drive(d, x, w.far_angle)
+        return
+    if share < 1.0 or (w.pushed < 0.0 and d.output != 0.0):
+        end_at(w, 1.0)
+        load_hub(d, x, w, load, h)
+        end2, end3, output, mode = follow_contacts(d, x, w, given, h)
+    if w.reached == 0.0:
+        # the drive stays where it is: there the energy always suffices
+        end_at(w, 0.0)
+        end2, end3, output, mode = follow_contacts(d, x, w, given, h)
+    finish(d, x, w, end2, end3, output, mode, load, h)
+    advance_drive(d, x, w.slip_angle)
+
+
+def advance_drive(d, x, slip_angle):
+    """On to just where the inertia at the end is that of: with another the energy would not be the same."""
+    x.q, x.q_low = add(x.q, x.q_low, d.k * slip_angle)
+    wrap_drive_angle(d, x)
