@@ -45,7 +45,8 @@ engine.py: w.load = {x.load_torque|abs(x.load_torque)}
 solvers/explicit.py: turned1 {-|+} change_q / d.k, integrated
 solvers/explicit.py: SAFETY * error ** ({-|}1.0 / order)
 solvers/dormand_prince.py: 0.20136540080403034, 0.0447{1|2}
-solvers/timestepping.py: alpha1 * (d.J2 {-|+} k * mean_b)
+solvers/link_step.py: given * (mean_coupling * turned {-|+} 0.5 * (before + after))
+solvers/timestepping.py: lost {-|+}= d.balancer * d.J4 * (w.seen3
 solvers/elastic_stages.py: (g1 * k * k {-|+} i1) * omega1
 averaged/rates.py: 2.0 * speed * torque {-|+} omega3 * torque1
 averaged/step.py: h * (d0 - d1) / {12.0|6.0}

@@ -48,7 +48,7 @@ OUTPUTS = (
 # communication steps add up to the same motion as one long step
 STATE = (
     *("q", "q_low", "drive_turns", "theta1", "theta1_low", "input_turns"),
-    *("omega1", "omega1_low", "omega2", "omega2_low", "omega3", "omega3_low", "mode"),
+    *("omega1", "omega1_low", "omega2", "omega2_low", "omega3", "omega3_low", "mode", "step_mode"),
     *("alpha1", "held_input", "held_step", "load_torque", "drive_torque", "step_size", "short_size"),
     *("energy_in", "energy_in_low", "energy_out", "energy_out_low", "energy_lost", "energy_lost_low"),
     *("energy_start", "energy_stored", "input_torque_mean", "output_torque_mean", "torque_ripple", "torque_peak"),
@@ -115,9 +115,14 @@ WORKSPACE = (
         ("polynomial_3", COLLOCATED + 1),
         ("polynomial_torque", COLLOCATED + 1),
     ),
-    # fixed steps: inertia at the beginning, omega1 given or the torque, and the shaft's answers
-    *("kept_i", "kept_i1", "kept_b", "kept_g", "kept_total", "kept_share", "kept_root", "kept_bend"),
-    *("slope", "impulse", "sum", "relative_gain", "twist_gain", "lag"),
+    # fixed steps: I, I', B, G at both ends and the slip angle between; what links 1 and 2 come to there
+    *("begin_i", "begin_i1", "begin_b", "begin_g", "end_i", "end_i1", "end_b", "end_g", "slip_angle"),
+    # ... and where look_ahead looked, which a part of the step does not come to
+    *("far_i", "far_i1", "far_b", "far_g", "far_angle"),
+    *("end1", "end2", "new_slip_angle", "angle1", "impulse1", "work1", "taken", "reached"),
+    # ... load of the hub and what follows from it, mean and end speed of the hub, its push; the driven mass
+    *("hub_load", "hub_gain", "relative_load", "relative_gain", "stiff", "mean3", "end3", "pushed"),
+    *("mean_relative", "seen3", "omega4", "held", "joined"),
     # internal step of the averaged motion: both speeds at its end, its error, integrals of omega3, T omega3,
     # omega2 and, under its torque, omega1
     *("next", "next_speed", "error", "turned3", "work", "turned2", "turned1"),

@@ -164,24 +164,55 @@ def angular_momentum(d, q, omega1, omega2):
     return (d.J1 + i) * omega1 + b * d.k * (omega1 - omega2) + d.J2 * omega2
 
 
-def inertia_at_input(d, q):
+def inertia_of_link1(d, i, b, g):
     """Phi = J1 + I + 2 k B + k^2 G: what the input shaft turns while link 2 is held, kg m^2."""
+    return d.J1 + i + d.k * (2.0 * b + d.k * g)
+
+
+def inertia_at_input(d, q):
+    """Phi at the drive angle q, kg m^2."""
     i, _, _, b, _, g, _, _ = reduced_inertia(d, q)
-    k = d.k
-    return d.J1 + i + 2.0 * k * b + k * k * g
+    return inertia_of_link1(d, i, b, g)
 
 
-def inertia_at_output(d, q):
+def inertia_of_link2(d, i, b, g):
     """Inertia of link 2 with what moves behind it, link 1 as it is given, kg m^2.
 
     J2 + k^2 G where the speed of link 1 is given, J2 + k^2 G - N^2 / Phi where it is free under its torque.
     """
-    i, _, _, b, _, g, _, _ = reduced_inertia(d, q)
     k = d.k
     if d.by_torque == 0.0:
         return d.J2 + k * k * g
+    return d.J2 + k * k * ((d.J1 + i) * g - b * b) / inertia_of_link1(d, i, b, g)
+
+
+def inertia_at_output(d, q):
+    """The same at the drive angle q, kg m^2."""
+    i, _, _, b, _, g, _, _ = reduced_inertia(d, q)
+    return inertia_of_link2(d, i, b, g)
+
+
+def slip_inertia(d, i, b, g, carried):
+    """Inertia of links 1 and 2 against their slip rho = omega1 - omega2 (docs/mechanics.md, timestepping).
+
+        T = J omega1^2 / 2 - (J2 - k B) omega1 rho + (J2 + k^2 G) rho^2 / 2 = P^2 / (2 J) + mu rho^2 / 2
+
+    Args:
+        carried: inertia that link 2 carries, added to J2, kg m^2.
+
+    Returns:
+        (J, kappa, mu): J = J1 + I + J2. With the speed given kappa = J2 - k B and mu = J2 + k^2 G, as in the
+        first form; with the torque given kappa = (J2 - k B) / J and mu is that of the second.
+    """
+    k = d.k
+    own = d.J2 + carried
     link1 = d.J1 + i
-    return d.J2 + k * k * (link1 * g - b * b) / (link1 + k * (2.0 * b + k * g))
+    total = link1 + own
+    coupling = own - k * b
+    if d.by_torque == 0.0:
+        return total, coupling, own + k * k * g
+    determinant = own * inertia_of_link1(d, i, b, g) + k * k * (link1 * g - b * b)
+    return total, coupling / total, determinant / total
 
 
 def kinetic_energy(d, q, omega1, omega2, omega3):

@@ -4,7 +4,7 @@ from .accumulate import add, later, wrap_drive_angle, wrap_input_angle
 from .averaged.jump import jump_averaged, takes_up_jump
 from .averaged.run import run_averaged
 from .codes import AVERAGED, DRIVING, ELASTIC, KINEMATIC, OK, TIMESTEPPING, TOO_MUCH_WORK
-from .contact import TORQUE_ROUNDING, choose_mode, is_held
+from .contact import TORQUE_ROUNDING, is_held, present_mode
 from .engine import run_events
 from .impulse import jump_input, jump_kinematic
 from .limits import MAX_EVALUATIONS, MAX_STEPS
@@ -12,8 +12,7 @@ from .links import accelerations, given_at_input
 from .shaft import load_behind_freewheel
 from .solvers.followed import is_stiff
 from .solvers.kinematic import advance_kinematic
-from .solvers.timestepping import keep_inertia, one_step, prepare_shaft_step, steps_in
-from .solvers.torque_timestepping import driven_step, keep_slip_inertia
+from .solvers.timestepping import begin_here, one_step, steps_in
 
 
 def accelerations_now(d, x):
@@ -27,27 +26,23 @@ def accelerations_now(d, x):
     return alpha1, alpha2
 
 
-def run_timestepping(p, d, x, w, h):
+def run_timestepping(d, x, w, h):
     """Advance by h in equal steps. Returns a status."""
     count = steps_in(d, h)
     if count > MAX_STEPS:
         return TOO_MUCH_WORK
-    start1 = x.omega1
     part = h / count
     number = 0.0
-    prepare_shaft_step(p, d, w, part)
-    if d.by_torque != 0.0:
-        keep_slip_inertia(d, x, w)
-        while number < count:
-            driven_step(p, d, x, w, x.drive_torque, x.load_torque, part)
-            number += 1.0
-    else:
-        keep_inertia(d, x, w)
-        while number < count:
-            one_step(p, d, x, w, start1 + x.alpha1 * part * number, x.alpha1, x.load_torque, part)
-            number += 1.0
-        x.omega1 = start1 + x.alpha1 * h
-    choose_mode(d, x, TORQUE_ROUNDING)  # what the torques now follow from
+    start1 = x.omega1
+    begin_here(d, x, w)
+    while number < count:
+        number += 1.0
+        if d.by_torque != 0.0:
+            given = x.drive_torque * part
+        else:
+            given = start1 + x.alpha1 * part * number - x.omega1
+        one_step(d, x, w, given, x.load_torque, part)
+    x.mode = present_mode(d, x, TORQUE_ROUNDING)  # what the torques now follow from
     return OK
 
 
@@ -77,7 +72,7 @@ def run_kinematic(p, d, x, h):
 def run_pulses(p, d, x, w, h):
     """Advance the rigid or elastic module by h. Returns a status."""
     if p.method == TIMESTEPPING:
-        return run_timestepping(p, d, x, w, h)
+        return run_timestepping(d, x, w, h)
     return run_events(d, x, w, h)
 
 

@@ -72,6 +72,7 @@ def start(p, d, u, x, y):
             x.step_switches = 0.0
         else:
             x.mode = present_mode(d, x, TORQUE_ROUNDING)
+            x.step_mode = x.mode
             if p.drive == DRIVE_TORQUE:
                 x.alpha1, _ = accelerations_now(d, x)
     x.energy_start = stored_energy(p, d, x)

@@ -1,205 +1,279 @@
 """Method `timestepping`: fixed steps, complementarity of impulses and end velocities in each (Moreau).
 
-No event is searched for, so every step costs the same. With V = I omega1^2 / 2 and the inertia
-N = G + J2/k^2 of q', link 2 obeys
-
-    k sqrt(N) (sqrt(N) q')' = J2 alpha1 + k dV/dq - k B alpha1 - Th + Tc
-
-which is stepped with the differences of sqrt(N) and V over the step instead of their derivatives (a
-discrete gradient): without contact the kinetic energy changes by what V does, and no impulse exceeds
-what the differences allow, however coarse the step. An elastic shaft moves exactly behind a
-hub that accelerates uniformly over the step, or is damped out if the step cannot resolve it.
+No event is searched for, so every step costs the same. No step makes energy, however coarse: links 1 and 2
+move by a discrete gradient, freewheels close by inelastic impacts, an elastic shaft moves by the midpoint
+rule (docs/mechanics.md).
 """
 
 import math
 
-from ..accumulate import add, wrap_drive_angle
-from ..codes import DRIVING, ELASTIC, FREE, HELD, HELD_DRIVING
-from ..driven_shaft.propagator import characteristic, responses
+from ..accumulate import add, copy, wrap_drive_angle, wrap_input_angle
+from ..codes import DRIVING, HELD, HELD_DRIVING
+from ..contact import settle
+from ..impulse import push_driven_mass
 from ..inertia import reduced_inertia
+from ..links import inertia_of_link1, inertia_of_link2
+from .link_step import move_links, turn_link1
 
-# below this change of q, rad, the derivative of V is more exact than its difference
-SMALLEST_DIFFERENCE = 1e-5
-# phase of the shaft's own oscillation, rad, up to which a step resolves it
-RESOLVED = 0.5
-# corrections of q by the mean of the speeds at both ends
-CORRECTIONS = 2
-
-
-def keep_inertia(d, x, w):
-    """Keep I, I', B, G and the angular momentum's parts of the present q for the step that begins there."""
-    i, i1, _, b, _, g, _, _ = reduced_inertia(d, x.q)
-    x.step_evaluations += 1.0
-    w.kept_i = i
-    w.kept_i1 = i1
-    w.kept_b = b
-    w.kept_g = g
-
-
-def link2_step(d, x, w, omega1, alpha1, h, end2):
-    """Inertia of link 2 over the step and its momentum without contact, for a guess of its end speed.
-
-    Returns:
-        (inertia, momentum): omega2 at the end is (momentum + Ph - Pc) / inertia.
-    """
-    k = d.k
-    middle1 = omega1 + 0.5 * alpha1 * h
-    rate_q = k * (omega1 - x.omega2)
-    change_q = k * h * (middle1 - 0.5 * (x.omega2 + end2))
-    i_end, i1_end, _, b_end, _, g_end, _, _ = reduced_inertia(d, x.q + change_q)
-    x.step_evaluations += 1.0
-    own = d.J2 / (k * k)
-    root = math.sqrt(w.kept_g + own)
-    root_end = math.sqrt(g_end + own)
-    middle = 0.5 * k * (root + root_end)
-    if abs(change_q) > SMALLEST_DIFFERENCE:
-        slope = (i_end - w.kept_i) / change_q
-    else:
-        slope = 0.5 * (w.kept_i1 + i1_end)
-    mean_b = 0.5 * (w.kept_b + b_end)
-    push = h * (0.5 * k * middle1 * middle1 * slope + alpha1 * (d.J2 - k * mean_b))
-    inertia = k * middle * root_end
-    return inertia, inertia * (omega1 + alpha1 * h) - middle * root * rate_q - push
-
-
-def kept_momentum(d, w, omega1, omega2):
-    """P = (J1 + I) omega1 + B q' + J2 omega2 with the inertia kept."""
-    return (d.J1 + w.kept_i) * omega1 + w.kept_b * d.k * (omega1 - omega2) + d.J2 * omega2
-
-
-def prepare_shaft_step(p, d, w, h):
-    """Answers of the elastic shaft over a step h, the hub accelerating uniformly: kept in w.
-
-    They are exact while the step resolves the shaft, and those of the implicit Euler method, which
-    damps whatever it does not resolve, where it does not.
-    """
-    if p.fidelity != ELASTIC:
-        return
-    friction = d.friction
-    free = 1.0 - d.balancer
-    if d.stiffness * (1.0 / d.J3 + 1.0 / d.J4) * h * h > RESOLVED * RESOLVED:
-        share = 1.0 / (d.J4 + (friction + d.damping + d.stiffness * h) * h)
-        w.slope = d.J4 * share
-        w.impulse = h * w.slope
-        w.sum = h * w.impulse
-        w.relative_gain = (d.J4 * free + friction * h) * h * share
-        w.twist_gain = h * w.relative_gain
-        w.lag = h
-        return
-    rate = (d.damping + friction) / d.J4
-    square = d.stiffness / d.J4
-    swing, slow, fast = characteristic(rate, square)
-    _, w.slope, w.impulse, w.sum, two, _, _ = responses(rate, square, swing, slow, fast, h)
-    w.relative_gain = free * w.impulse + friction / d.J4 * w.sum
-    w.twist_gain = free * w.sum + friction / d.J4 * two
-    w.lag = 0.5 * h
-
-
-def shaft_step(p, d, x, w, load, h):
-    """Inertia of the hub over the step and its momentum without contact, with the shaft behind it.
-
-    Returns:
-        (inertia, momentum): omega3 at the end is (momentum + Pc) / inertia.
-    """
-    omega3 = x.omega3
-    if p.fidelity != ELASTIC:
-        return d.J3, d.J3 * omega3 - h * load
-    relative, twist = coasting_shaft(d, x, w, load)
-    friction = d.friction
-    # momentum that the shaft takes from a hub of constant speed, and more for each rad/s of it
-    taken = d.J4 * (x.relative - relative) + friction * (h * omega3 - (twist - x.twist)) + load * h
-    own = d.J4 * ((1.0 - d.balancer) * h - w.relative_gain)
-    gain = (own + friction * (w.lag * h - w.twist_gain)) / h
-    return d.J3 + gain, (d.J3 + gain) * omega3 - taken
-
-
-def coasting_shaft(d, x, w, load):
-    """Relative speed and twist at the end of the step if the hub keeps its speed."""
-    relative = x.relative
-    push = (d.friction * x.omega3 + load - d.stiffness * x.twist) / d.J4
-    end = relative * w.slope + push * w.impulse
-    return end, x.twist + relative * w.impulse + push * w.sum
-
-
-def settle(d, inertia2, momentum2, inertia3, momentum3):
-    """The complementarity problem of impulses and end velocities.
-
-    Returns:
-        (omega2, omega3, Pc, Ph, contact mode) at the end of the step.
-    """
-    free2 = momentum2 / inertia2 if inertia2 > 0.0 else 0.0
-    free3 = momentum3 / inertia3
-    # ties as in contact.select_mode: link 2 stays held, and a shaft that nothing pulls away touches it
-    held = d.housing != 0.0 and momentum2 <= 0.0
-    if d.output != 0.0:
-        if held and free3 > 0.0:
-            return 0.0, free3, 0.0, -momentum2, HELD
-        if not held and free2 <= free3:
-            return free2, free3, 0.0, 0.0, FREE
-    together = (momentum2 + momentum3) / (inertia2 + inertia3)
-    if d.housing == 0.0 or together > 0.0:
-        return together, together, inertia3 * together - momentum3, 0.0, DRIVING
-    return 0.0, 0.0, -momentum3, -momentum3 - momentum2, HELD_DRIVING
-
-
-def follow_shaft(p, d, x, w, load, h, end3):
-    """Take over the end speed of the hub, with twist, driven mass and works of the shaft behind it."""
-    begin3 = x.omega3
-    begin4 = begin3 - x.relative
-    lag = w.lag if p.fidelity == ELASTIC else 0.5 * h
-    turned4 = h * begin3 + lag * (end3 - begin3)
-    if p.fidelity == ELASTIC:
-        change3 = end3 - begin3
-        before = x.relative
-        relative, twist = coasting_shaft(d, x, w, load)
-        relative += w.relative_gain * change3 / h
-        twist += w.twist_gain * change3 / h
-        turned4 -= twist - x.twist
-        end4 = end3 - relative
-        lost = 0.5 * h * d.damping * (before * before + relative * relative)
-        lost += 0.5 * h * d.friction * (begin4 * begin4 + end4 * end4)
-        lost -= d.balancer * d.J4 * change3 * 0.5 * (begin4 + end4)
-        x.energy_lost, x.energy_lost_low = add(x.energy_lost, x.energy_lost_low, lost)
-        x.relative = relative
-        x.relative_low = 0.0
-        x.twist = twist
-        x.twist_low = 0.0
-    x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, load * turned4)
-    x.omega3 = end3
-    x.omega3_low = 0.0
-
-
-def one_step(p, d, x, w, omega1, alpha1, load, h):
-    """One fixed step; the inertia at its beginning is kept in w, that at its end is left there."""
-    inertia3, momentum3 = shaft_step(p, d, x, w, load, h)
-    begin2 = x.omega2
-    end2 = begin2
-    end3 = x.omega3
-    output_impulse = 0.0
-    housing = 0.0
-    mode = x.mode
-    for _ in range(CORRECTIONS):
-        inertia2, momentum2 = link2_step(d, x, w, omega1, alpha1, h, end2)
-        end2, end3, output_impulse, housing, mode = settle(d, inertia2, momentum2, inertia3, momentum3)
-    middle1 = omega1 + 0.5 * alpha1 * h
-    before = kept_momentum(d, w, omega1, begin2)
-    x.q, x.q_low = add(x.q, x.q_low, d.k * h * (middle1 - 0.5 * (begin2 + end2)))
-    wrap_drive_angle(d, x)
-    keep_inertia(d, x, w)
-    impulse = kept_momentum(d, w, omega1 + alpha1 * h, end2) - before + output_impulse - housing
-    x.input_impulse += impulse
-    x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, impulse * middle1)
-    x.output_impulse += output_impulse
-    x.output_square += output_impulse * output_impulse / h
-    x.torque_peak = max(x.torque_peak, abs(output_impulse) / h)
-    follow_shaft(p, d, x, w, load, h, end3)
-    x.omega2 = end2
-    x.omega2_low = 0.0
-    if mode != x.mode:
-        x.mode = mode
-        x.step_switches += 1.0
+# what a torque of the shaft may change of the speed it acts on in a step that resolves it
+RESOLVED = 4.0
+# parts of a step that are too short to be told from none
+SHORTEST = 1e-6
+# how much later than foreseen a step is parted: what has not met there meets at its end
+LATER = 1.001
 
 
 def steps_in(d, h):
     """Number of equal steps no longer than max_step in a communication step h."""
     return max(1.0, math.ceil(h / d.max_step - 1e-9))
+
+
+def look_ahead(d, x, w, slip_angle):
+    """Take I, I', B, G where the step ends if link 1 turns by this angle relative to link 2."""
+    w.far_angle = slip_angle
+    w.far_i, w.far_i1, _, w.far_b, _, w.far_g, _, _ = reduced_inertia(d, x.q + d.k * slip_angle)
+    x.step_evaluations += 1.0
+
+
+def begin_here(d, x, w):
+    """Take I, I', B, G for the first step to begin with."""
+    look_ahead(d, x, w, 0.0)
+    w.end_i, w.end_i1, w.end_b, w.end_g = w.far_i, w.far_i1, w.far_b, w.far_g
+
+
+def end_at(w, part):
+    """End this part of the way ahead, with the inertia between; 1 is where look_ahead looked."""
+    w.end_i = w.begin_i + part * (w.far_i - w.begin_i)
+    w.end_i1 = w.begin_i1 + part * (w.far_i1 - w.begin_i1)
+    w.end_b = w.begin_b + part * (w.far_b - w.begin_b)
+    w.end_g = w.begin_g + part * (w.far_g - w.begin_g)
+    w.slip_angle = part * w.far_angle
+
+
+def load_hub(d, x, w, load, h):
+    """Find the impulse on the hub, of the load or the shaft: hub_load + hub_gain u at its mean speed u.
+
+    The mean relative speed behind it is relative_load + relative_gain u. Where the step does not resolve the
+    shaft its torque is that of the twist at the end, and the relative speed is taken out there (w.stiff).
+    """
+    w.hub_load = load * h
+    w.hub_gain = 0.0
+    w.stiff = 0.0
+    if d.elastic == 0.0:
+        return
+    damping = d.damping + 0.5 * d.stiffness * h
+    if (d.damping + d.stiffness * h) * h * (1.0 / d.J3 + 1.0 / d.J4) > RESOLVED:
+        w.stiff = 1.0
+        damping += 0.5 * d.stiffness * h
+    free = 2.0 * d.J4 * (1.0 - d.balancer)
+    share = 1.0 / (2.0 * d.J4 + h * (d.friction + damping))
+    spring = h * d.stiffness * x.twist
+    w.relative_gain = share * (free + h * d.friction)
+    w.relative_load = share * (2.0 * d.J4 * x.relative - free * x.omega3 + w.hub_load - spring)
+    w.hub_load = spring + h * damping * w.relative_load
+    w.hub_gain = h * damping * w.relative_gain
+
+
+def drive_mass(d, x, w, h):
+    """The driven mass over the step, behind a hub whose speed changes evenly (to w.seen3) about its mean."""
+    w.mean_relative = w.relative_load + w.relative_gain * w.mean3
+    w.seen3 = 2.0 * w.mean3 - x.omega3
+    w.omega4 = w.seen3 - 2.0 * w.mean_relative + x.relative
+    if d.friction * h > RESOLVED * d.J4:
+        mean4 = abs(w.mean3 - w.mean_relative)
+        w.omega4 = max(-mean4, min(mean4, w.omega4))
+
+
+def follow(d, x, w, held, joined, given, h):
+    """Follow all over the step with link 2 held or not, joined with the hub or not.
+
+    Returns:
+        As settle, impacts at the end of the step included.
+    """
+    if held:
+        turn_link1(d, x, w, given, h)
+    elif joined:
+        move_links(d, x, w, d.J3, w.hub_load, w.hub_gain, given, h)
+    else:
+        move_links(d, x, w, 0.0, 0.0, 0.0, given, h)
+    w.pushed = 0.0
+    if joined:
+        w.end3 = w.end2
+        w.mean3 = 0.0 if held else (w.angle1 - w.new_slip_angle) / h
+        w.pushed = w.hub_load if held else d.J3 * (w.end3 - x.omega3) + w.taken
+    else:
+        w.end3 = x.omega3 - (w.hub_load + w.hub_gain * x.omega3) / (d.J3 + 0.5 * w.hub_gain)
+        w.mean3 = 0.5 * (x.omega3 + w.end3)
+    inertia3 = d.J3
+    if d.elastic != 0.0:
+        drive_mass(d, x, w, h)
+        if w.stiff != 0.0:
+            inertia3 += (1.0 - d.balancer) * d.J4
+            mass3 = w.omega4 + d.balancer * (w.end3 - w.seen3)
+            w.end3 += d.J4 * (mass3 - w.end3) / inertia3
+    inertia2 = inertia_of_link2(d, w.end_i, w.end_b, w.end_g)
+    if w.pushed > 0.0 and d.output != 0.0:
+        # it is the impulse over the whole step that must not pull
+        back = 0.0 if held else w.pushed / inertia2
+        settled = settle(d, inertia2, w.end2 + back, inertia3, w.end3 - w.pushed / inertia3)
+        if settled[3] == DRIVING or settled[3] == HELD_DRIVING:
+            return settled
+    end2, end3, output, mode = settle(d, inertia2, w.end2, inertia3, w.end3)
+    return end2, end3, output + w.pushed, mode
+
+
+def follow_contacts(d, x, w, given, h):
+    """The same; what touches at the beginning stays together where nothing pulls it apart."""
+    always = d.output == 0.0
+    touches = always or x.omega3 == x.omega2
+    joined = always or (touches and x.step_mode == DRIVING)
+    end2, end3, output, mode = follow(d, x, w, False, joined, given, h)
+    if joined and not always and (mode != DRIVING or w.pushed <= 0.0):
+        joined = False
+        end2, end3, output, mode = follow(d, x, w, False, joined, given, h)
+    held = d.housing != 0.0 and x.omega2 == 0.0 and (mode == HELD or mode == HELD_DRIVING)
+    driving = touches and (always or mode == DRIVING or mode == HELD_DRIVING)
+    if held or driving != joined:
+        end2, end3, output, mode = follow(d, x, w, held, driving, given, h)
+        if w.pushed < 0.0 and not always:
+            driving = False
+            end2, end3, output, mode = follow(d, x, w, held, driving, given, h)
+    w.held = 1.0 if held else 0.0
+    w.joined = 1.0 if driving else 0.0
+    return end2, end3, output, mode
+
+
+def turn_shaft(d, x, w, end3, load, h):
+    """The hub to its end speed, with twist, driven mass and works of the shaft behind it."""
+    mean4 = w.mean3
+    if d.elastic != 0.0:
+        mean4 -= w.mean_relative
+        lost = h * (d.damping * w.mean_relative * w.mean_relative + d.friction * mean4 * mean4)
+        lost -= d.balancer * d.J4 * (w.seen3 - x.omega3) * mean4
+        x.energy_lost, x.energy_lost_low = add(x.energy_lost, x.energy_lost_low, lost)
+        x.twist, x.twist_low = add(x.twist, x.twist_low, h * w.mean_relative)
+        x.omega3 = w.seen3
+        x.relative = w.seen3 - w.omega4
+        x.relative_low = 0.0
+        push_driven_mass(d, x, w.end3 - w.seen3, False)
+        x.omega3 = w.end3
+        if w.stiff != 0.0:
+            x.relative = 0.0
+            x.relative_low = 0.0
+        push_driven_mass(d, x, end3 - w.end3, w.stiff != 0.0)
+    x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, load * h * mean4)
+    x.omega3 = end3
+    x.omega3_low = 0.0
+
+
+def share_until_closed(d, x, w, mode):
+    """Share of the step after which a freewheel closes in it, 1 where none does (what follow has found)."""
+    if (mode == DRIVING or mode == HELD_DRIVING) and x.omega3 > x.omega2 and w.end2 > w.end3:
+        return (x.omega3 - x.omega2) / (x.omega3 - x.omega2 + w.end2 - w.end3)
+    if (mode == HELD or mode == HELD_DRIVING) and x.omega2 > 0.0 and w.end2 < 0.0:
+        return x.omega2 / (x.omega2 - w.end2)
+    return 1.0
+
+
+def close_within(d, x, w, given, load, h, share, held):
+    """Go the step in two, parted where a freewheel closes and holds link 2 or joins it with the hub.
+
+    No part makes energy with any inertia between, so nothing is evaluated there. Returns whether it went.
+    """
+    target = 0.0 if held else x.omega3 + share * (w.end3 - x.omega3)
+    slip = x.omega1 + share * (w.end1 - x.omega1) - target
+    before = 0.5 * share * h * (x.omega1 - x.omega2 + slip)
+    angle = before + (1.0 - share) * h * slip
+    look_ahead(d, x, w, angle)
+    part = before / angle if angle != 0.0 else 0.0
+    end2, end3, output, mode = x.omega2, x.omega3, 0.0, x.step_mode
+    for n in range(3):
+        if not (0.0 < part < 1.0 and SHORTEST < share < 1.0):
+            return False
+        end_at(w, part)
+        load_hub(d, x, w, load, share * h)
+        end2, end3, output, mode = follow(d, x, w, False, False, share * given, share * h)
+        gap = x.omega2 if held else x.omega3 - x.omega2
+        left = w.end2 if held else w.end3 - w.end2
+        if n < 2 and gap > left:
+            share *= LATER * gap / (gap - left)
+            part = LATER * gap / (gap - left) * w.new_slip_angle / angle
+    if w.reached == 0.0:
+        return False
+    begin_i, begin_i1, begin_b, begin_g = w.begin_i, w.begin_i1, w.begin_b, w.begin_g
+    copy(w.part.numbers, x.numbers)
+    finish(d, x, w, end2, end3, output, mode, load, share * h)
+    w.begin_i, w.begin_i1, w.begin_b, w.begin_g = w.end_i, w.end_i1, w.end_b, w.end_g
+    end_at(w, 1.0)
+    w.slip_angle = (1.0 - part) * angle
+    rest = 1.0 - share
+    load_hub(d, x, w, load, rest * h)
+    end2, end3, output, mode = follow_contacts(d, x, w, rest * given, rest * h)
+    if w.reached == 0.0:
+        copy(x.numbers, w.part.numbers)
+        w.begin_i, w.begin_i1, w.begin_b, w.begin_g = begin_i, begin_i1, begin_b, begin_g
+        return False
+    finish(d, x, w, end2, end3, output, mode, load, rest * h)
+    return True
+
+
+def finish(d, x, w, end2, end3, output, mode, load, h):
+    """Take over what the step, or a part of it, ends with."""
+    # links 1 and 2 take the impact that brings link 2 to its end speed
+    reaction = d.k * (w.end_b + d.k * w.end_g) * (end2 - w.end2)
+    if d.by_torque != 0.0:
+        w.end1 += reaction / inertia_of_link1(d, w.end_i, w.end_b, w.end_g)
+        x.theta1, x.theta1_low = add(x.theta1, x.theta1_low, w.angle1)
+        wrap_input_angle(x)
+    else:
+        x.input_impulse += w.impulse1 - reaction
+        w.work1 -= w.end1 * reaction
+    turn_shaft(d, x, w, end3, load, h)
+    x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, w.work1)
+    x.output_impulse += output
+    x.output_square += output * output / h
+    x.torque_peak = max(x.torque_peak, abs(output) / h)
+    x.omega1 = w.end1
+    x.omega1_low = 0.0
+    x.omega2 = end2
+    x.omega2_low = 0.0
+    if mode != x.step_mode:
+        x.step_mode = mode
+        x.step_switches += 1.0
+
+
+def one_step(d, x, w, given, load, h):
+    """One fixed step from where begin_here or the step before has left w.
+
+    Args:
+        given: change of omega1, rad/s, or impulse of the input torque, N m s. load: N m.
+    """
+    w.begin_i, w.begin_i1, w.begin_b, w.begin_g = w.end_i, w.end_i1, w.end_b, w.end_g
+    look_ahead(d, x, w, h * (x.omega1 - x.omega2))
+    end_at(w, 1.0)
+    load_hub(d, x, w, load, h)
+    end2, end3, output, mode = follow_contacts(d, x, w, given, h)
+    share = share_until_closed(d, x, w, mode)
+    if share == 1.0:
+        look_ahead(d, x, w, w.new_slip_angle)
+        end_at(w, 1.0)
+        end2, end3, output, mode = follow(d, x, w, w.held != 0.0, w.joined != 0.0, given, h)
+    elif close_within(d, x, w, given, load, h, share, mode == HELD):
+        advance_drive(d, x, w.far_angle)
+        return
+    if share < 1.0 or (w.pushed < 0.0 and d.output != 0.0):
+        end_at(w, 1.0)
+        load_hub(d, x, w, load, h)
+        end2, end3, output, mode = follow_contacts(d, x, w, given, h)
+    if w.reached == 0.0:
+        # the drive stays where it is: there the energy always suffices
+        end_at(w, 0.0)
+        end2, end3, output, mode = follow_contacts(d, x, w, given, h)
+    finish(d, x, w, end2, end3, output, mode, load, h)
+    advance_drive(d, x, w.slip_angle)
+
+
+def advance_drive(d, x, slip_angle):
+    """On to just where the inertia at the end is that of: with another the energy would not be the same."""
+    x.q, x.q_low = add(x.q, x.q_low, d.k * slip_angle)
+    wrap_drive_angle(d, x)
