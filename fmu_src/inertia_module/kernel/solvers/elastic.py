@@ -9,8 +9,9 @@ import math
 from ..accumulate import add, wrap_drive_angle, wrap_input_angle
 from ..codes import COLLOCATED, DRIVING, FREE, HELD, HELD_DRIVING, LINK2, NONE, OUTPUT
 from ..contact import TORQUE_ROUNDING, is_held
+from ..guards import bend_inside
 from ..links import accelerations, angular_momentum, inertia_at_output, response, torque_scale
-from ..search import find_crossing, first_crossing, stays_positive
+from ..search import find_crossing, first_crossing, is_surely_positive
 from ..shaft import relative_rate, shaft_torque
 from ..works import add_held_works, add_moving_works, add_shaft_works, add_work_in, inertia_integral
 from .collocated_guards import collocated_guard, fit_polynomials, land
@@ -173,7 +174,7 @@ def zero_of(d, x, w, which, fastest):
     return CROSSING * (scale + abs(torque) + abs(w.load))
 
 
-def is_clear(d, x, w, which, followed):
+def is_clear(d, x, w, which, followed, bend):
     """Whether a guard stays positive in the step, by its ends (its end alone if stiffness is damped out)."""
     value1, rate1 = collocated_guard(d, x, w, which, 1.0)
     if value1 < 0.0:
@@ -181,7 +182,7 @@ def is_clear(d, x, w, which, followed):
     if not followed and x.mode != HELD and x.mode != FREE:
         return True
     value0, rate0 = collocated_guard(d, x, w, which, 0.0)
-    return value0 >= 0.0 and stays_positive(value0, rate0, value1, rate1, 1.0)
+    return is_surely_positive(value0, rate0, value1, rate1, 1.0, bend)
 
 
 def first_event(d, x, w, rate, followed, fastest, cleared):
@@ -195,12 +196,14 @@ def first_event(d, x, w, rate, followed, fastest, cleared):
     for guard in range(2):
         if guard == cleared or (d.housing if guard == LINK2 else d.output) == 0.0:
             continue
-        if looks == 1 and is_clear(d, x, w, guard, followed):
-            continue
         zero = zero_of(d, x, w, guard, fastest)
-        sigma = first_crossing(d, x, w, guard, zero * shallow, 0.0, 1.0, looks)
-        if sigma < 0.0 and collocated_guard(d, x, w, guard, 1.0)[0] < -zero:
-            sigma = find_crossing(d, x, w, guard, zero, 0.0, 1.0)
+        bend = bend_inside(d, x, w, guard, zero / CROSSING, rate * w.step)
+        if looks == 1 and is_clear(d, x, w, guard, followed, bend):
+            continue
+        sigma = first_crossing(d, x, w, guard, zero * shallow, bend, looks)
+        value, slope = collocated_guard(d, x, w, guard, 1.0)
+        if sigma < 0.0 and value < -zero:
+            sigma = find_crossing(d, x, w, guard, zero, 0.0, 1.0, value, slope)
         if sigma > 0.0 and (earliest < 0.0 or sigma < earliest):
             earliest = sigma
             which = guard
