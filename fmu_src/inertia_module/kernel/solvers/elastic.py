@@ -135,7 +135,9 @@ def try_steps(d, x, w, remaining, fastest):
     rates, inertia2 = start_rates(d, x, w)
     compliance = hub_compliance(d, x, inertia2)
     pulse_rate = highest_rate(d, x, w, remaining)
-    followed = is_followed(d, compliance, max(pulse_rate, widest_rate(d, x, fastest, compliance)))
+    # a load moves the shaft at the rate of the step that it is given for
+    widest = max(1.0 / remaining, widest_rate(d, x, fastest, compliance))
+    followed = is_followed(d, compliance, max(pulse_rate, widest))
     limit = min(remaining, d.max_step)
     if pulse_rate * limit > STEP_PHASE:  # else its guards cannot be searched
         limit = STEP_PHASE / pulse_rate
