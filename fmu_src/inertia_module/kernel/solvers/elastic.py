@@ -76,13 +76,15 @@ def step_error(d, x, w, rates, compliance, followed, fastest):
     relative = h * embedded_error(rate_relative, w.rate_relative)
     twist = h * embedded_error(x.relative, w.stage_relative)
     twist, error3, relative = damp_error(d, GAMMA * h, compliance, twist, error3, relative)
-    hub = 1.0 / compliance if compliance > 0.0 else 0.0
-    common = error3 - relative if hub == 0.0 else error3 - relative * d.J4 / (hub + d.J4)
-    moved = abs(change(w, w.rate3))
+    # what hub and driven mass have in common: the speed of their centre; of a hub at rest, the driven mass's
+    part = d.J4 * compliance / (1.0 + d.J4 * compliance) if compliance > 0.0 else 1.0
+    moved3 = change(w, w.rate3)
+    moved_relative = change(w, w.rate_relative)
+    moved = max(abs(moved3), abs(moved3 - part * moved_relative))
     error = abs(error_q)
     if fastest > 0.0:
         share = response(d, d.J2 + d.J3 + d.J4)
-        error = max(error, abs(common) / max(share * fastest, moved))
+        error = max(error, abs(error3 - part * relative) / max(share * fastest, moved))
         if x.mode == FREE:
             error2 = h * embedded_error(rate2, w.rate2)
             share = response(d, d.J2)
@@ -93,6 +95,7 @@ def step_error(d, x, w, rates, compliance, followed, fastest):
             error = max(error, abs(error1) / max(share * fastest, abs(change(w, w.rate1))))
         if followed:
             speed = max(abs(relative), shaft_frequency(d, compliance) * abs(twist))
+            moved = max(moved, abs(moved_relative))
             error = max(error, speed / max(response(d, d.J2 + d.J3) * fastest, moved))
     return error / embedded_tolerance(d.tolerance)
 
