@@ -148,3 +148,53 @@ def test_step_that_leaves_the_range_of_doubles_has_no_small_error(size):
     for n in range(8):
         w.rate_omega2[n] = size * (1.0 + 0.1 * n)
     assert not error_norm(w, 1e-7, 1e-5, w.integrand, 0.0) <= 1.0
+
+
+# no imbalance moves against link 1 (a = 0): no pulses, only what load and rounding do
+STILL = {
+    "z2": 12,
+    "z16": 30,
+    "z17": 36,
+    "z6": 31,
+    "wheel_radius": 0.2983,
+    "a": 0.0,
+    "b": 0.6817,
+    "gamma": 3.507,
+    "imbalance_mass": 1.9275,
+    "satellites": 4,
+    "link2_inertia": 0.1351,
+    "output_inertia": 0.01932,
+    "drive_angle_start": -9.046,
+}
+
+
+@pytest.mark.parametrize("load", [0.0, 1e-14, 1e-12, 1e-10, 1e-8, 1e-6])
+@pytest.mark.parametrize("a", [0.0, 1e-12])
+def test_torques_at_rounding_level_switch_no_freewheel_without_end(compiled, load, a):
+    for sign, omega1, step in itertools.product((1.0, -1.0), (116.45, -116.45, 50.0, 0.0), (1e-3, 0.01, 1.0)):
+        start = {"a": a, "omega1": omega1, "omega2_start": 50.0, "omega_out_start": 50.0}
+        module = advanced(started(compiled, STILL, start, load_torque=sign * load), *[step] * 5)
+        assert module["omega_out"] >= module["omega2"] >= 0.0
+        assert module["omega_out"] == pytest.approx(50.0, abs=1e3 * load * step + 1e-7)
+
+
+@pytest.mark.parametrize("a", [0.0, 1e-12])
+@pytest.mark.parametrize("drive", [{}, {"drive": 1, "input_inertia": 0.1, "drive_torque": 1e-8}])
+def test_housing_pushes_also_where_torques_are_all_but_none(compiled, a, drive):
+    for satellites, omega1, load in itertools.product((3, 4), (117.0, -117.0), (0.0, 1e-7, -1e-11)):
+        values = {"a": a, "satellites": satellites, "omega1": omega1, "load_torque": load}
+        module = started(compiled, STILL, drive, values)
+        for step in (1e-3, 0.01, 0.0371, 0.1, 0.1):
+            torque = advanced(module, step)["mesh_torque"]
+            assert module["housing_torque"] >= -1e-9 * abs(torque)
+
+
+@pytest.mark.parametrize("tolerance", [1e-12, 1e-9])
+@pytest.mark.parametrize("load", [1e-15, 1e-11, 1e-8, -1e-15])
+def test_load_at_rounding_level_on_an_elastic_shaft_at_rest_is_no_trouble(compiled, tolerance, load):
+    shaft = {"fidelity": 3, "driven_inertia": 0.1, "shaft_stiffness": 100.0, "output_inertia": 0.793}
+    light = {"imbalance_mass": 1e-9, "link2_inertia": 0.0066, "wheel_radius": 0.02}
+    for satellites, step in itertools.product((1, 4), (2.4e-4, 5.3e-4, 0.27)):
+        values = {"satellites": satellites, "omega1": 0.0, "load_torque": load, "tolerance": tolerance}
+        module = advanced(started(compiled, STILL, shaft, light, values), step)
+        assert abs(module["omega_out"]) < 20.0 * abs(load)

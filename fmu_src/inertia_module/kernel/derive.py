@@ -69,7 +69,8 @@ def derive_bevel(p, d):
     reach = abs(d.radial) + abs(d.axial) + 2.0 * arm
     rate = reach + 2.0 * s * arm
     d.F_by_slip = s * (d.spin + 2.0 * d.pole_arm * (abs(d.pole_offset) + 2.0 * d.pole_arm))
-    d.F_by_speed = 2.0 * reach * rate
+    # three satellites or more even out what does not turn with the satellite itself
+    d.F_by_speed = 2.0 * reach * (rate if p.satellites <= 2.0 else 2.0 * s * arm)
     d.F_by_alpha1 = d.k * rate * rate + reach * rate
 
 

@@ -9,8 +9,8 @@ the torque Tc. With an elastic output the hub or its shaft torque stands for the
 from .codes import CLOSED_FORM, COLLOCATED, DRIVING, HELD_DRIVING, LINK2, OUTPUT
 from .contact import is_held
 from .links import held_torque, motion
-from .solvers.collocated_guards import collocated_guard
-from .solvers.interpolant import dense_change, dense_rate
+from .solvers.collocated_guards import collocated_bend, collocated_guard
+from .solvers.interpolant import dense_bend, dense_change, dense_rate, dense_rate_bend
 
 
 def is_guarded(d, x, which):
@@ -70,3 +70,34 @@ def guard_inside(d, x, w, which, sigma):
     alpha2 = dense_rate(w.dense_omega2, sigma) / h
     value, rate = guard(d, x, w, which, t, omega2, alpha2, 0.0, 0.0, 0.0)
     return value, h * rate
+
+
+def held_bend(d, x, w, scale):
+    """Bound of the fourth derivative of F by the fraction of the step, the speed of link 1 given.
+
+    From Bernstein's inequality for trigonometric polynomials in q, F being no larger than the scale.
+    """
+    h = w.step
+    fastest = max(abs(x.omega1), abs(x.omega1 + w.given * h))
+    if fastest == 0.0:
+        return 0.0
+    phase = h * (d.harmonic * d.k * fastest + 3.5 * abs(w.given) / fastest)
+    return scale * (phase * phase) * (phase * phase)
+
+
+def bend_inside(d, x, w, which, scale, phase):
+    """Bound of the fourth derivative of a guard by the fraction of the step in hand.
+
+    Args:
+        scale: upper bound of the torques, N m. phase: advance of the highest harmonic in the step, rad.
+    """
+    if w.solver == CLOSED_FORM:
+        return held_bend(d, x, w, scale)
+    if w.solver == COLLOCATED:
+        own = is_held(x) and which == LINK2 and d.by_torque == 0.0
+        return collocated_bend(d, x, w, which) + (held_bend(d, x, w, scale) if own else 0.0)
+    if is_held(x):
+        return scale * (phase * phase) * (phase * phase)
+    if which == OUTPUT and x.mode == DRIVING:
+        return d.J3 * dense_rate_bend(w.dense_omega2) / w.step
+    return dense_bend(w.dense_omega2)

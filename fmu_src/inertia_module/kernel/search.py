@@ -1,18 +1,19 @@
 """Where in the step in hand a guard first falls through zero: one search for every solver.
 
-A guard is positive while the contact mode goes on; its values and rates come from :mod:`.guards`. The
-beginning
-of a step never counts: what holds there was settled when the mode was chosen.
+A guard is positive while the contact mode goes on; its values and rates come from :mod:`.guards`, and so
+does its bend, a bound of its fourth derivative. The cubic with the values and rates at the ends of an
+interval is off by at most bend t^2 (h - t)^2 / 24 inside, so the ends and the bend tell what the guard cannot
+do there. The beginning of a step never counts: what holds there was settled when the mode was chosen.
 """
 
 from .guards import guard_inside
 
-# looks for a dip between two looks at a guard
-DIP_LOOKS = 30
 CROSSING_LOOKS = 100
-# A cubic with these values and rates is positive if its Bernstein coefficients are: value + h rate / 3
-# from either end. The larger share is the margin for a guard that is no cubic.
+# A cubic with these values and rates is positive if its Bernstein coefficients are: value + h rate / 3 from
+# either end. The larger share is the margin for a guard that is no cubic and has no bound.
 SHARE = 0.4
+# share of an interval between two looks below which its cubic is the guard: a dip so short moves nothing
+SHORTEST = 0.01
 
 
 def stays_positive(value0, rate0, value1, rate1, h):
@@ -20,9 +21,22 @@ def stays_positive(value0, rate0, value1, rate1, h):
     return value0 + SHARE * h * rate0 >= 0.0 and value1 - SHARE * h * rate1 >= 0.0
 
 
-def is_clear(value0, rate0, value1, rate1, h):
-    """Whether a guard, not negative at the beginning of the step, is so to its end."""
-    return value1 >= 0.0 and stays_positive(value0, rate0, value1, rate1, h)
+def is_surely_positive(value0, rate0, value1, rate1, h, bend):
+    """Whether a guard is not negative in an interval h, by its Bernstein coefficients of degree 4."""
+    middle = 0.5 * (value0 + value1) + h * (rate0 - rate1) / 6.0
+    return (
+        value0 >= 0.0
+        and value0 + 0.25 * h * rate0 >= 0.0
+        and middle >= bend * h * h * h * h / 144.0
+        and value1 - 0.25 * h * rate1 >= 0.0
+        and value1 >= 0.0
+    )
+
+
+def falls_throughout(value0, rate0, value1, rate1, h, bend):
+    """Whether the rate of a guard is surely negative in an interval h."""
+    rest = -bend * h * h * h / 124.0  # what the rate of the cubic may be off by
+    return rate0 < rest and 3.0 * (value1 - value0) / h - rate0 - rate1 < rest and rate1 < rest
 
 
 def next_look(low, rate_low, high, rate_high):
@@ -34,30 +48,9 @@ def next_look(low, rate_low, high, rate_high):
     return 0.5 * (low + high)
 
 
-def find_dip(d, x, w, which, zero, low, value_low, rate_low, high, value_high, rate_high):
-    """Fraction of the step, low to high, where the guard is below -zero, or -1 if its lowest is not."""
-    for _ in range(DIP_LOOKS):
-        if stays_positive(value_low, rate_low, value_high, rate_high, high - low):
-            return -1.0
-        sigma = next_look(low, rate_low, high, rate_high)
-        value, rate = guard_inside(d, x, w, which, sigma)
-        if value < -zero:
-            return sigma
-        if rate < 0.0:
-            low = sigma
-            value_low = value
-            rate_low = rate
-        else:
-            high = sigma
-            value_high = value
-            rate_high = rate
-    return -1.0
-
-
-def find_crossing(d, x, w, which, zero, low, high):
-    """Fraction where the guard falls below -zero; it is below at high and not at low."""
+def find_crossing(d, x, w, which, zero, low, high, value, rate):
+    """Fraction where the guard falls below -zero; it is not below at low, and is at high, with this rate."""
     sigma = high
-    value, rate = guard_inside(d, x, w, which, sigma)
     for _ in range(CROSSING_LOOKS):
         if -4.0 * zero <= value < -zero:
             return sigma
@@ -73,19 +66,28 @@ def find_crossing(d, x, w, which, zero, low, high):
     return high
 
 
-def first_crossing(d, x, w, which, zero, begin, end, looks):
-    """First crossing of one guard between two fractions of the step, looked for in so many parts, or -1."""
-    low = begin
+def first_crossing(d, x, w, which, zero, bend, looks):
+    """First fall of one guard below -zero in the step in hand, looked for in about so many parts, or -1.
+
+    Intervals from the left that are surely clear are passed; one that is not is cut, until the guard surely
+    falls all the way.
+    """
+    part = 1.0 / looks
+    low = 0.0
     value_low, rate_low = guard_inside(d, x, w, which, low)
-    for look in range(1, looks + 1):
-        high = end if look == looks else begin + (end - begin) * look / looks
+    high = part
+    while low < 1.0:
         value, rate = guard_inside(d, x, w, which, high)
-        found = high
-        if not value < -zero:
-            found = find_dip(d, x, w, which, zero, low, value_low, rate_low, high, value, rate)
-        if found > begin:
-            return find_crossing(d, x, w, which, zero, low, found)
+        h = high - low
+        clear = is_surely_positive(value_low + zero, rate_low, value + zero, rate, h, bend)
+        if not clear:
+            if h > SHORTEST * part and not falls_throughout(value_low, rate_low, value, rate, h, bend):
+                high = next_look(low, rate_low, high, rate)
+                continue
+            if value < -zero:
+                return find_crossing(d, x, w, which, zero, low, high, value, rate)
         low = high
         value_low = value
         rate_low = rate
+        high = min(1.0, low + min(part, 2.0 * h))
     return -1.0

@@ -2,7 +2,7 @@
 
 from ..codes import DRIVING, FREE, HELD, HELD_DRIVING, LINK2, OUTPUT
 from ..links import held_torque
-from .collocation import fit, fit_integral, polynomial
+from .collocation import fit, fit_integral, polynomial, polynomial_bend
 from .elastic_stages import solve_stages
 from .radau import STAGES
 
@@ -58,6 +58,19 @@ def collocated_guard(d, x, w, which, sigma):
     torque, slope = held_torque(d, q, omega1, w.given)
     x.step_evaluations += 1.0
     return value - torque, rate - h * slope
+
+
+def collocated_bend(d, x, w, which):
+    """Bound of the fourth derivative of what a guard takes from the polynomials."""
+    mode = x.mode
+    if mode == HELD and which == LINK2 and d.by_torque == 0.0:
+        return 0.0
+    if which == LINK2 and (mode != HELD_DRIVING or d.by_torque != 0.0):
+        return polynomial_bend(w.polynomial_2)
+    if mode == DRIVING or mode == HELD_DRIVING:
+        return polynomial_bend(w.polynomial_torque)
+    bend = polynomial_bend(w.polynomial_3)
+    return bend + polynomial_bend(w.polynomial_2) if mode == FREE else bend
 
 
 def land(d, x, w, which, zero, sigma):

@@ -70,6 +70,7 @@ def fit(vector, target):
         for j in range(STAGES):
             value += LAGRANGE[STAGES * j + m] * vector[j]
         target[m] = value
+    target[STAGES] = 0.0
 
 
 def fit_integral(rates, start, h, target):
@@ -89,6 +90,11 @@ def polynomial(coefficients, size, sigma):
         slope = slope * sigma + value
         value = value * sigma + coefficients[size - back]
     return value, slope
+
+
+def polynomial_bend(coefficients):
+    """Bound of the fourth derivative of the polynomial of six coefficients in the fraction of the step."""
+    return 24.0 * abs(coefficients[STAGES - 1]) + 120.0 * abs(coefficients[STAGES])
 
 
 def change(w, rates):

@@ -9,8 +9,9 @@ import math
 from ..accumulate import add, wrap_drive_angle, wrap_input_angle
 from ..codes import COLLOCATED, DRIVING, FREE, HELD, HELD_DRIVING, LINK2, NONE, OUTPUT
 from ..contact import TORQUE_ROUNDING, is_held
+from ..guards import bend_inside
 from ..links import accelerations, angular_momentum, inertia_at_output, response, torque_scale
-from ..search import find_crossing, first_crossing, stays_positive
+from ..search import find_crossing, first_crossing, is_surely_positive
 from ..shaft import relative_rate, shaft_torque
 from ..works import add_held_works, add_moving_works, add_shaft_works, add_work_in, inertia_integral
 from .collocated_guards import collocated_guard, fit_polynomials, land
@@ -75,13 +76,15 @@ def step_error(d, x, w, rates, compliance, followed, fastest):
     relative = h * embedded_error(rate_relative, w.rate_relative)
     twist = h * embedded_error(x.relative, w.stage_relative)
     twist, error3, relative = damp_error(d, GAMMA * h, compliance, twist, error3, relative)
-    hub = 1.0 / compliance if compliance > 0.0 else 0.0
-    common = error3 - relative if hub == 0.0 else error3 - relative * d.J4 / (hub + d.J4)
-    moved = abs(change(w, w.rate3))
+    # what hub and driven mass have in common: the speed of their centre; of a hub at rest, the driven mass's
+    part = d.J4 * compliance / (1.0 + d.J4 * compliance) if compliance > 0.0 else 1.0
+    moved3 = change(w, w.rate3)
+    moved_relative = change(w, w.rate_relative)
+    moved = max(abs(moved3), abs(moved3 - part * moved_relative))
     error = abs(error_q)
     if fastest > 0.0:
         share = response(d, d.J2 + d.J3 + d.J4)
-        error = max(error, abs(common) / max(share * fastest, moved))
+        error = max(error, abs(error3 - part * relative) / max(share * fastest, moved))
         if x.mode == FREE:
             error2 = h * embedded_error(rate2, w.rate2)
             share = response(d, d.J2)
@@ -92,6 +95,7 @@ def step_error(d, x, w, rates, compliance, followed, fastest):
             error = max(error, abs(error1) / max(share * fastest, abs(change(w, w.rate1))))
         if followed:
             speed = max(abs(relative), shaft_frequency(d, compliance) * abs(twist))
+            moved = max(moved, abs(moved_relative))
             error = max(error, speed / max(response(d, d.J2 + d.J3) * fastest, moved))
     return error / embedded_tolerance(d.tolerance)
 
@@ -134,7 +138,9 @@ def try_steps(d, x, w, remaining, fastest):
     rates, inertia2 = start_rates(d, x, w)
     compliance = hub_compliance(d, x, inertia2)
     pulse_rate = highest_rate(d, x, w, remaining)
-    followed = is_followed(d, compliance, max(pulse_rate, widest_rate(d, x, fastest, compliance)))
+    # a load moves the shaft at the rate of the step that it is given for
+    widest = max(1.0 / remaining, widest_rate(d, x, fastest, compliance))
+    followed = is_followed(d, compliance, max(pulse_rate, widest))
     limit = min(remaining, d.max_step)
     if pulse_rate * limit > STEP_PHASE:  # else its guards cannot be searched
         limit = STEP_PHASE / pulse_rate
@@ -173,7 +179,7 @@ def zero_of(d, x, w, which, fastest):
     return CROSSING * (scale + abs(torque) + abs(w.load))
 
 
-def is_clear(d, x, w, which, followed):
+def is_clear(d, x, w, which, followed, bend):
     """Whether a guard stays positive in the step, by its ends (its end alone if stiffness is damped out)."""
     value1, rate1 = collocated_guard(d, x, w, which, 1.0)
     if value1 < 0.0:
@@ -181,7 +187,7 @@ def is_clear(d, x, w, which, followed):
     if not followed and x.mode != HELD and x.mode != FREE:
         return True
     value0, rate0 = collocated_guard(d, x, w, which, 0.0)
-    return value0 >= 0.0 and stays_positive(value0, rate0, value1, rate1, 1.0)
+    return is_surely_positive(value0, rate0, value1, rate1, 1.0, bend)
 
 
 def first_event(d, x, w, rate, followed, fastest, cleared):
@@ -195,12 +201,14 @@ def first_event(d, x, w, rate, followed, fastest, cleared):
     for guard in range(2):
         if guard == cleared or (d.housing if guard == LINK2 else d.output) == 0.0:
             continue
-        if looks == 1 and is_clear(d, x, w, guard, followed):
-            continue
         zero = zero_of(d, x, w, guard, fastest)
-        sigma = first_crossing(d, x, w, guard, zero * shallow, 0.0, 1.0, looks)
-        if sigma < 0.0 and collocated_guard(d, x, w, guard, 1.0)[0] < -zero:
-            sigma = find_crossing(d, x, w, guard, zero, 0.0, 1.0)
+        bend = bend_inside(d, x, w, guard, zero / CROSSING, rate * w.step)
+        if looks == 1 and is_clear(d, x, w, guard, followed, bend):
+            continue
+        sigma = first_crossing(d, x, w, guard, zero * shallow, bend, looks)
+        value, slope = collocated_guard(d, x, w, guard, 1.0)
+        if sigma < 0.0 and value < -zero:
+            sigma = find_crossing(d, x, w, guard, zero, 0.0, 1.0, value, slope)
         if sigma > 0.0 and (earliest < 0.0 or sigma < earliest):
             earliest = sigma
             which = guard

@@ -4,9 +4,9 @@ import math
 
 from ..codes import DRIVING, NONE, OUTPUT
 from ..contact import TORQUE_ROUNDING, is_held
-from ..guards import guard, is_guarded
+from ..guards import bend_inside, guard, is_guarded
 from ..links import response, torque_scale
-from ..search import first_crossing, is_clear
+from ..search import first_crossing, is_surely_positive
 from .explicit_stages import fit_inside
 
 # phase between two looks at a guard, and that up to which the ends of a step tell whether one has fallen, rad
@@ -23,20 +23,30 @@ def advance_of_phase(d, x, w):
     return w.step * d.harmonic * d.k * max(slip, end)
 
 
+def torque_bound(d, x, w, fastest):
+    """Upper bound of the torques in the step in hand, N m."""
+    rate_q = d.k * fastest if is_held(x) else 2.0 * d.k * fastest
+    return torque_scale(d, fastest, w.alpha1, rate_q, w.given) + abs(w.load)
+
+
 def is_quiet(d, x, w, which, begin, end):
     """Whether the ends of a short step tell that a guard does not fall within."""
     h = w.step
     value0, rate0 = guard(d, x, w, which, 0.0, x.omega2, begin[1], begin[2], begin[3], begin[4])
     value1, rate1 = guard(d, x, w, which, h, x.omega2 + w.change2, end[1], end[2], end[3], end[4])
-    return is_clear(value0, rate0, value1, rate1, h)
+    rate0 *= h
+    rate1 *= h
+    # the fourth derivative by the cubic's second and third, as of a harmonic that advances by this phase
+    phase = advance_of_phase(d, x, w)
+    third = abs(12.0 * (value0 - value1) + 6.0 * (rate0 + rate1))
+    bend = phase * (third + phase * abs(rate1 - rate0))
+    return is_surely_positive(max(value0, 0.0), rate0, value1, rate1, 1.0, bend)
 
 
 def zero_of(d, x, w, which, fastest):
     """What a guard has to fall below to have fallen."""
     if is_held(x) or (which == OUTPUT and x.mode == DRIVING):
-        rate_q = d.k * fastest if is_held(x) else 2.0 * d.k * fastest
-        scale = torque_scale(d, fastest, w.alpha1, rate_q, w.given)
-        return TORQUE_ROUNDING * (scale + abs(w.load))
+        return TORQUE_ROUNDING * torque_bound(d, x, w, fastest)
     taken = max(abs(x.omega2), max(abs(x.omega2 + w.change2), abs(x.omega3)))
     return VELOCITY_ROUNDING * max(response(d, d.J2 + w.carried) * fastest, taken)
 
@@ -54,6 +64,7 @@ def first_event(d, x, w, fastest, begin, end):
     which = NONE
     phase = advance_of_phase(d, x, w)
     looks = 1 + int(math.floor(phase / LOOK_PHASE))
+    scale = torque_bound(d, x, w, fastest)
     inside = False
     for number in range(2):
         if not is_guarded(d, x, number):
@@ -63,7 +74,8 @@ def first_event(d, x, w, fastest, begin, end):
         if not inside:
             fit_inside(d, x, w)
             inside = True
-        sigma = first_crossing(d, x, w, number, zero_of(d, x, w, number, fastest), 0.0, 1.0, looks)
+        bend = bend_inside(d, x, w, number, scale, phase)
+        sigma = first_crossing(d, x, w, number, zero_of(d, x, w, number, fastest), bend, looks)
         if sigma > 0.0 and (earliest < 0.0 or sigma < earliest):
             earliest = sigma
             which = number

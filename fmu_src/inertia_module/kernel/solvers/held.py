@@ -10,7 +10,7 @@ import math
 from ..accumulate import add, wrap_drive_angle
 from ..codes import CLOSED_FORM, HELD, LINK2
 from ..contact import TORQUE_ROUNDING
-from ..guards import threshold
+from ..guards import held_bend, threshold
 from ..links import torque_scale
 from ..output_shaft import pass_while_held, stop, time_to_stop
 from ..search import first_crossing
@@ -36,17 +36,18 @@ def advance_held(d, x, w, remaining):
     released = False
     if omega1 != 0.0 or alpha1 != 0.0:  # else nothing turns: the guard stays as it is
         interval = min(h, d.max_step)
-        fastest = d.harmonic * d.k * max(abs(omega1), abs(omega1 + alpha1 * h))
-        if fastest * interval > SCAN_PHASE:
-            interval = SCAN_PHASE / fastest
+        rate = d.harmonic * d.k * max(abs(omega1), abs(omega1 + alpha1 * h))
+        if rate * interval > SCAN_PHASE:
+            interval = SCAN_PHASE / rate
         looks = 1
         if h > interval:
             looks = int(min(MOST_LOOKS, math.ceil(h / interval)))
             h = min(h, looks * interval)
         w.step = h
-        scale = torque_scale(d, omega1, alpha1, d.k * omega1, 0.0)
+        fastest = max(abs(omega1), abs(omega1 + alpha1 * h))
+        scale = torque_scale(d, fastest, alpha1, d.k * fastest, 0.0)
         zero = TORQUE_ROUNDING * (scale + abs(threshold(x, w)))
-        sigma = first_crossing(d, x, w, LINK2, zero, 0.0, 1.0, looks)
+        sigma = first_crossing(d, x, w, LINK2, zero, held_bend(d, x, w, scale), looks)
         if sigma > 0.0:
             released = True
             looks = max(1, int(math.ceil(sigma * looks)))

@@ -72,6 +72,16 @@ def dense_rate(dense, sigma):
     return slope * sigma + dense[0] + y * rest
 
 
+def dense_bend(dense):
+    """Bound of the fourth derivative of dense_change in sigma."""
+    return 24.0 * abs(dense[3]) + 72.0 * (abs(dense[4]) + abs(dense[5])) + 96.0 * abs(dense[6])
+
+
+def dense_rate_bend(dense):
+    """Bound of the fourth derivative of dense_rate in sigma."""
+    return 120.0 * abs(dense[4]) + 360.0 * abs(dense[5]) + 720.0 * abs(dense[6])
+
+
 def short_error_norm(w, scale_q, scale_omega2, others, scale_others):
     """The same for a step of the pair of order 5: root of the mean square."""
     q = fourth(w.rate_q) / scale_q
