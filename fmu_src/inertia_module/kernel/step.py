@@ -121,6 +121,8 @@ def advance(p, d, u, x, y, w, h, operation):
         return status
     copy(w.before.numbers, x.numbers)
     status = run_audited(p, d, u, x, w, h)
+    if status == NOT_BALANCED and p.method == EVENT:
+        status = run_again(p, d, u, x, w, h)
     if status != OK:
         copy(x.numbers, w.before.numbers)
         return status
@@ -131,19 +133,20 @@ def advance(p, d, u, x, y, w, h, operation):
 
 
 def run_audited(p, d, u, x, w, h):
-    """Advance the state by h; where the energies do not balance once more, with more care. Returns a status."""
+    """Advance the state by h and look at the balance of its energies. Returns a status."""
+    status = run(p, d, u, x, w, h)
+    if status != OK or p.fidelity == AVERAGED or p.fidelity == KINEMATIC:
+        # (the averaged motion looks at each of its internal steps)
+        return status
+    return audit(p, d, x, w.before, stored_energy(p, d, x))
+
+
+def run_again(p, d, u, x, w, h):
+    """Advance from the state before the step once more, with more care. Returns a status."""
     tolerance = d.tolerance
-    status = OK
-    for attempt in range(2):
-        if attempt > 0:
-            copy(x.numbers, w.before.numbers)
-            d.tolerance = max(MORE_CARE * tolerance, 1e-14)
-        status = run(p, d, u, x, w, h)
-        if status == OK and p.fidelity != AVERAGED and p.fidelity != KINEMATIC:
-            # (the averaged motion looks at each of its internal steps)
-            status = audit(p, d, x, w.before, stored_energy(p, d, x))
-        if status != NOT_BALANCED or p.method != EVENT:
-            break
+    copy(x.numbers, w.before.numbers)
+    d.tolerance = max(MORE_CARE * tolerance, 1e-14)
+    status = run_audited(p, d, u, x, w, h)
     d.tolerance = tolerance
     return status
 
