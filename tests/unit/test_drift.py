@@ -8,6 +8,7 @@ WITH_JACOBI, WITHOUT = 3e-5, 1e-4
 LONG = {
     "thrown": ({}, WITH_JACOBI),
     "thrown, loaded": ({"load_torque": 1.0}, WITH_JACOBI),
+    "heavy output": ({"output_inertia": 500.0}, WITH_JACOBI),
     "elastic": ({"fidelity": 3, "shaft_damping": 0.1}, WITHOUT),
     "torque given": ({"drive": 1, "input_inertia": 0.5}, WITHOUT),
 }

@@ -229,8 +229,7 @@ def commit(d, x, w, inertia, passed, sigma, which):
     w.momentum_end = momentum(d, inertia, x.omega1, x.omega2)
     if which != NONE:
         # where link 2 comes to rest nothing of its motion goes on
-        goes_on = which == OUTPUT and is_conserved(d, w)
-        w.debt = energy_missing(d, w, inertia, x.omega1, x.omega2) if goes_on else 0.0
+        w.debt = energy_missing(d, w, inertia, x.omega1, x.omega2) if which == OUTPUT else 0.0
     add_explicit_works(d, x, w, start1, start2, passed, turned1, turned1 - w.change_q / d.k, integrated)
 
 

@@ -7,15 +7,13 @@ Source: Arnold, Mathematical Methods of Classical Mechanics; Hairer, Lubich and 
 Integration, section IV.4 (projection).
 """
 
-from ..links import inertia_of, response
+from ..links import inertia_of
 from .interpolant import dense_change, dense_rate
 
 # square of the slip, over that of omega1, below which it is slow
 SLOW = 0.01
 # largest correction over the error allowed: the estimate of a long step may be that far off
 MOST = 100.0
-# response of link 2 below which the energy of the slip tells too little of its speed
-HEAVY = 0.01
 # squares of speeds beyond this and its inverse have lost digits
 LEAST = 1e-250
 # most that the moment of coming to rest is shifted, as a fraction of the step
@@ -23,8 +21,8 @@ SHIFT = 1e-3
 
 
 def is_conserved(d, w):
-    """Whether Jacobi's integral corrects the step: omega1 is given and constant, link 2 not too heavy."""
-    return d.by_torque == 0.0 and w.given == 0.0 and response(d, d.J2 + w.carried) > HEAVY
+    """Whether the step in hand has Jacobi's integral: the speed of link 1 is given, and constant."""
+    return d.by_torque == 0.0 and w.given == 0.0
 
 
 def slipping_inertia(d, w, inertia):
@@ -33,11 +31,9 @@ def slipping_inertia(d, w, inertia):
 
 
 def slip_energy(d, w, inertia, omega1, omega2):
-    """Energy of the slip, J, but for the constant share of the speed of link 1 in it, which would cancel."""
-    i, _, g = inertia
+    """Energy of the slip, J."""
     slip = omega1 - omega2
-    own = (d.J2 + w.carried) * omega2 * (0.5 * omega2 - omega1)
-    return own + 0.5 * (d.k * d.k * g * slip * slip - i * omega1 * omega1)
+    return 0.5 * (slipping_inertia(d, w, inertia) * slip * slip - inertia[0] * omega1 * omega1)
 
 
 def energy_missing(d, w, inertia, omega1, omega2):
