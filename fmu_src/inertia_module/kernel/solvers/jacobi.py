@@ -14,8 +14,6 @@ from .interpolant import dense_change, dense_rate
 SLOW = 0.01
 # largest correction over the error allowed: the estimate of a long step may be that far off
 MOST = 100.0
-# squares of speeds beyond this and its inverse have lost digits
-LEAST = 1e-250
 # most that the moment of coming to rest is shifted, as a fraction of the step
 SHIFT = 1e-3
 
@@ -56,7 +54,7 @@ def restore_energy(d, x, w, inertia, allowed):
     w.energy += w.carried_torque * w.change_q / d.k
     slip = omega1 - omega2
     square = slip * slip + SLOW * omega1 * omega1
-    if LEAST < square < 1.0 / LEAST:
+    if square > 0.0:
         most = MOST * allowed
         gain = missing / slipping_inertia(d, w, inertia) * slip / square
         w.change2 -= max(-most, min(most, gain))
