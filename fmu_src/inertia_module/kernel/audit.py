@@ -6,8 +6,9 @@ of, energy from nowhere, a freewheel that let go too late, shows here.
 
 from .codes import EVENT, NOT_BALANCED, OK
 
-# what may be missing, of the energies of the step: so many tolerances, but never more than a tenth
+# what may be missing, of the energies of the step: so many tolerances, but neither rounding nor a tenth
 TOLERANCES = 1e3
+LEAST = 1e-6
 MOST = 0.1
 # what fixed steps may make of nothing: rounding
 ROUNDING = 1e-9
@@ -33,5 +34,6 @@ def audit(p, d, x, before, stored):
     energies = abs(put_in) + abs(put_out) + abs(lost) + stored + before.energy_stored
     x.energy_stored = stored
     if p.method == EVENT:
-        return OK if abs(missing) <= min(TOLERANCES * d.tolerance, MOST) * energies else NOT_BALANCED
+        allowed = max(LEAST, min(TOLERANCES * d.tolerance, MOST)) * energies
+        return OK if abs(missing) <= allowed else NOT_BALANCED
     return OK if missing >= -ROUNDING * energies else NOT_BALANCED

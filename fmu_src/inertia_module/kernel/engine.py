@@ -45,7 +45,6 @@ def run_events(d, x, w, h):
     w.given = given_at_input(d, x)
     w.load = x.load_torque
     w.known = 0.0
-    w.debt = 0.0
     time = 0.0
     low = 0.0
     travel = 0.0

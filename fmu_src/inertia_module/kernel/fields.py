@@ -89,11 +89,11 @@ CONSTANTS = (
 # nothing in it outlives the call
 WORKSPACE = (
     # what the solvers share: torque or acceleration given at link 1, load, step in hand, inertia and
-    # torque that link 2 carries; at its beginning (if known from the step before) the accelerations and P,
-    # and P at its end; Jacobi's integral as it should be, and what an event has left of it
+    # torque that
+    # link 2 carries; at its beginning (if known from the step before) the accelerations and P, and P
+    # at its end
     *("solver", "short", "given", "load", "step", "carried", "carried_torque"),
     *("known", "alpha1", "alpha2", "jerk2", "free", "free_rate", "momentum", "momentum_end"),
-    *("energy", "debt"),
     *("change_q", "change1", "change2"),
     # rates at the stages of the explicit pair, what is integrated besides, and the inside of the step
     *(("rate_q", STAGES), ("rate_omega1", STAGES), ("rate_omega2", STAGES), ("integrand", STAGES)),

@@ -67,12 +67,13 @@ def motion(d, q, omega1, omega2, given, held, carried, torque, torque_rate):
         torque_rate: rate of torque, N m/s. The others as for accelerations.
 
     Returns:
-        (alpha1, omega2', omega2'', F, F', (I, B, G)): F is the mesh torque while link 2 is held, N m, else 0.
+        (alpha1, omega2', omega2'', F, F', P): F is the mesh torque while link 2 is held, N m, else 0.
     """
     i, i1, i2, b, b1, g, g1, g2 = reduced_inertia(d, q)
     k = d.k
     rate_q = k * (omega1 - omega2)
     link1 = d.J1 + i
+    momentum = link1 * omega1 + b * rate_q + d.J2 * omega2
     coupling = k * (b + k * g)
     r2 = 0.5 * k * (g1 * rate_q * rate_q - i1 * omega1 * omega1)
     push = r2 - torque
@@ -109,11 +110,11 @@ def motion(d, q, omega1, omega2, given, held, carried, torque, torque_rate):
         drive_rate -= (second_derivative_of_b(d, q) * rate_q * rate_q + 2.0 * b1 * rate2_q) * rate_q
     if held:
         jerk1 = drive_rate / phi if d.by_torque != 0.0 else 0.0
-        return alpha1, 0.0, 0.0, r2 + coupling * alpha1, push_rate + coupling * jerk1, (i, b, g)
+        return alpha1, 0.0, 0.0, r2 + coupling * alpha1, push_rate + coupling * jerk1, momentum
     push_rate -= k * k * g1 * rate_q * alpha2 + torque_rate
     if d.by_torque != 0.0:
-        return alpha1, alpha2, (phi * push_rate + coupling * drive_rate) / determinant, 0.0, 0.0, (i, b, g)
-    return alpha1, alpha2, push_rate / inertia, 0.0, 0.0, (i, b, g)
+        return alpha1, alpha2, (phi * push_rate + coupling * drive_rate) / determinant, 0.0, 0.0, momentum
+    return alpha1, alpha2, push_rate / inertia, 0.0, 0.0, momentum
 
 
 def held_torque(d, q, omega1, alpha1):
@@ -157,21 +158,10 @@ def response(d, inertia):
     return own / (own + inertia) if own > 0.0 else 1.0
 
 
-def inertia_of(d, q):
-    """(I, B, G), kg m^2."""
-    i, _, _, b, _, g, _, _ = reduced_inertia(d, q)
-    return i, b, g
-
-
-def momentum(d, inertia, omega1, omega2):
-    """P = (J1 + I) omega1 + B q' + J2 omega2 of links 1, 2 and the imbalances, N m s; inertia: (I, B, G)."""
-    i, b, _ = inertia
-    return (d.J1 + i) * omega1 + b * d.k * (omega1 - omega2) + d.J2 * omega2
-
-
 def angular_momentum(d, q, omega1, omega2):
-    """The same at the drive angle q."""
-    return momentum(d, inertia_of(d, q), omega1, omega2)
+    """P = (J1 + I) omega1 + B q' + J2 omega2 of links 1, 2 and the imbalances, N m s."""
+    i, _, _, b, _, _, _, _ = reduced_inertia(d, q)
+    return (d.J1 + i) * omega1 + b * d.k * (omega1 - omega2) + d.J2 * omega2
 
 
 def inertia_of_link1(d, i, b, g):

@@ -141,13 +141,16 @@ def take_step(d, side, x, w, speed, speed_rate, h, first, allowed):
 
 
 def unbalanced(d, side, x, w, speed, fastest, allowed):
-    """What the energies of a step miss, over what an error allowed of the speeds would make some times."""
+    """What the energies of a step miss, over what they may: some times an error of the speeds that is allowed."""
+    passed_on = x.load_torque * w.turned3
     gained = 0.5 * d.J3 * (w.next - x.omega3) * (w.next + x.omega3)
-    missing = abs(w.work - x.load_torque * w.turned3 - gained) / d.J3
+    square = fastest * fastest
+    share = abs(w.work - passed_on - gained) / (d.J3 * square + abs(w.work) + abs(passed_on))
     if d.by_torque != 0.0:
+        put_in = side.direction * x.drive_torque * w.turned1
         gained = 0.5 * d.map_inertia * (w.next_speed - speed) * (w.next_speed + speed)
-        missing += abs(side.direction * x.drive_torque * w.turned1 - w.work - gained) / d.map_inertia
-    return missing / (BALANCE * allowed * fastest)
+        share += abs(put_in - w.work - gained) / (d.map_inertia * square + abs(put_in) + abs(w.work))
+    return share * fastest / (BALANCE * allowed)
 
 
 def take_accurate_step(d, side, x, w, speed, speed_rate, h, first, allowed, fastest):

@@ -7,10 +7,10 @@ is given.
 import math
 
 from ..accumulate import add, wrap_drive_angle, wrap_input_angle
-from ..codes import DRIVING, EXPLICIT, HELD, LINK2, NONE, OUTPUT
+from ..codes import DRIVING, EXPLICIT, HELD, LINK2, NONE
 from ..contact import is_held
 from ..guards import instant, is_guarded
-from ..links import inertia_of, momentum, response
+from ..links import angular_momentum, response
 from ..output_shaft import coast, meet, pass_while_held, stop, time_to_stop
 from ..works import add_explicit_works, add_output_square
 from .dormand_prince import END
@@ -18,7 +18,6 @@ from .dormand_prince_5 import END as SHORT_END
 from .explicit_events import QUIET_PHASE, advance_of_phase, first_event, is_quiet
 from .explicit_stages import evaluate_short_stages, evaluate_stages, keep_stage
 from .interpolant import dense_change, error_norm, integral, short_error_norm, step_mean
-from .jacobi import energy_missing, is_conserved, rest_by_energy, restore_energy, slip_energy
 
 # phase of the highest harmonic within one step, rad
 STEP_PHASE = 12.0
@@ -74,25 +73,15 @@ def set_changes(d, w):
     w.change2 = w.step * step_mean(w, w.rate_omega2)
 
 
-def fastest_in_step(x, w):
-    """Largest speed at the ends of the step in hand, rad/s."""
-    ends = max(abs(x.omega1 + w.change1), abs(x.omega2 + w.change2))
-    return max(ends, max(abs(x.omega1), abs(x.omega2)))
-
-
-def allowed_error(d, x, w):
-    """Error that the step in hand may have of omega2, rad/s."""
-    # load and drive torque may change the speeds more than the mechanism
-    return d.tolerance * max(response(d, d.J2 + w.carried) * fastest_in_step(x, w), abs(w.change2))
-
-
 def step_error(d, x, w):
     """(estimated error of the step in hand over the allowed one, largest speed in it)."""
-    fastest = fastest_in_step(x, w)
+    ends = max(abs(x.omega1 + w.change1), abs(x.omega2 + w.change2))
+    fastest = max(ends, max(abs(x.omega1), abs(x.omega2)))
     if not fastest < 1e300:
         return 1e300, fastest
     tolerance = d.tolerance
-    allowed2 = allowed_error(d, x, w)
+    # load and drive torque may change the speeds more than the mechanism
+    allowed2 = tolerance * max(response(d, d.J2 + w.carried) * fastest, abs(w.change2))
     if allowed2 == 0.0:
         return 0.0, fastest
     others = w.integrand
@@ -178,36 +167,29 @@ def end_of_step(d, x, w, last):
     end1 = x.omega1 + w.change1
     end2 = x.omega2 + w.change2
     end = instant(d, x, w, x.q + w.change_q, end1, end2)
-    w.momentum_end = momentum(d, end[5], end1, end2)
-    keep_stage(d, w, last, end1, end2, end[0], end[1], w.momentum_end)
+    keep_stage(d, w, last, end1, end2, end[0], end[1], end[5])
     return end
 
 
-def commit(d, x, w, inertia, passed, sigma, which):
-    """Take over the step or its part sigma, with its works; a velocity that met its limit is set there.
-
-    Args:
-        inertia: (I, B, G) at the end of the step.
-    """
+def commit(d, x, w, passed, sigma, which):
+    """Take over the step or its part sigma, with its works; a velocity that met its limit is set there."""
     start1 = x.omega1
     start2 = x.omega2
+    change_q = w.change_q
+    change1 = w.change1
+    change2 = w.change2
     if sigma >= 0.0:
-        w.change_q = dense_change(w.dense_q, sigma)
-        w.change2 = dense_change(w.dense_omega2, sigma)
-        w.change1 = dense_change(w.dense_omega1, sigma) if d.by_torque != 0.0 else w.given * passed
-        if d.by_torque == 0.0:
-            inertia = inertia_of(d, x.q + w.change_q)
-            x.step_evaluations += 1.0
-    if which == NONE and is_conserved(d, w):
-        restore_energy(d, x, w, inertia, allowed_error(d, x, w))
+        change_q = dense_change(w.dense_q, sigma)
+        change2 = dense_change(w.dense_omega2, sigma)
+        change1 = dense_change(w.dense_omega1, sigma) if d.by_torque != 0.0 else w.given * passed
     integrated = 0.0
     if d.by_torque != 0.0 or w.given != 0.0:
         integrated = integral(w, w.integrand, sigma)
     if x.mode == DRIVING:
         add_output_square(d, x, w, sigma)
-    x.q, x.q_low = add(x.q, x.q_low, w.change_q)
+    x.q, x.q_low = add(x.q, x.q_low, change_q)
     wrap_drive_angle(d, x)
-    x.omega1, x.omega1_low = add(x.omega1, x.omega1_low, w.change1)
+    x.omega1, x.omega1_low = add(x.omega1, x.omega1_low, change1)
     turned1 = passed * (start1 + 0.5 * w.given * passed)
     if d.by_torque != 0.0:
         turned1 = integrated
@@ -216,7 +198,7 @@ def commit(d, x, w, inertia, passed, sigma, which):
     if is_held(x):
         pass_while_held(d, x, w.load, passed)
     else:
-        x.omega2, x.omega2_low = add(x.omega2, x.omega2_low, w.change2)
+        x.omega2, x.omega2_low = add(x.omega2, x.omega2_low, change2)
         if which == LINK2 or (d.housing != 0.0 and x.omega2 < 0.0):
             x.omega2 = 0.0
             x.omega2_low = 0.0
@@ -226,11 +208,10 @@ def commit(d, x, w, inertia, passed, sigma, which):
         else:
             coast(d, x, w.load, passed)
             meet(d, x, which)
-    w.momentum_end = momentum(d, inertia, x.omega1, x.omega2)
-    if which != NONE:
-        # where link 2 comes to rest nothing of its motion goes on
-        w.debt = energy_missing(d, w, inertia, x.omega1, x.omega2) if which == OUTPUT else 0.0
-    add_explicit_works(d, x, w, start1, start2, passed, turned1, turned1 - w.change_q / d.k, integrated)
+    if which != NONE and d.by_torque == 0.0:
+        w.momentum_end = angular_momentum(d, x.q, x.omega1, x.omega2)
+        x.step_evaluations += 1.0
+    add_explicit_works(d, x, w, start1, start2, passed, turned1, turned1 - change_q / d.k, integrated)
 
 
 def advance_explicit(d, x, w, remaining):
@@ -246,14 +227,13 @@ def advance_explicit(d, x, w, remaining):
     stopping = time_to_stop(d, x, w.load, remaining) if x.mode == HELD else -1.0
     if stopping >= 0.0:
         remaining = stopping
-    begin = (w.alpha1, w.alpha2, w.jerk2, w.free, w.free_rate, (0.0, 0.0, 0.0))
+    begin = (w.alpha1, w.alpha2, w.jerk2, w.free, w.free_rate, w.momentum)
     if w.known == 0.0:
         begin = instant(d, x, w, x.q, x.omega1, x.omega2)
-        w.momentum = momentum(d, begin[5], x.omega1, x.omega2)
-        w.energy = w.debt + slip_energy(d, w, begin[5], x.omega1, x.omega2)
+        w.momentum = begin[5]
     w.alpha1 = begin[0]
     w.alpha2 = begin[1]
-    keep_stage(d, w, 0, x.omega1, x.omega2, begin[0], begin[1], w.momentum)
+    keep_stage(d, w, 0, x.omega1, x.omega2, begin[0], begin[1], begin[5])
     limit = longest_step(d, x, w, remaining)
     done = False
     end = begin
@@ -269,12 +249,10 @@ def advance_explicit(d, x, w, remaining):
             return -1.0, False
         end = end_of_step(d, x, w, END)
         sigma, which = first_event(d, x, w, fastest, begin, end)
-        if which == LINK2 and is_conserved(d, w) and not is_held(x):
-            sigma = rest_by_energy(d, x, w, sigma)
     passed = sigma * w.step if sigma >= 0.0 else w.step
-    w.alpha1, w.alpha2, w.jerk2, w.free, w.free_rate, inertia = end
+    w.alpha1, w.alpha2, w.jerk2, w.free, w.free_rate, w.momentum_end = end
     w.known = 1.0 if which == NONE else 0.0
-    commit(d, x, w, inertia, passed, sigma, which)
+    commit(d, x, w, passed, sigma, which)
     w.momentum = w.momentum_end
     if stopping >= 0.0 and passed >= stopping and which == NONE:
         stop(x)
