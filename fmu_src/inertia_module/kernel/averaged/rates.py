@@ -49,17 +49,25 @@ def look_up(side, x, speed, omega3):
         speed: |v|. omega3: of the output shaft.
 
     Returns:
-        (F, its slope in s, mean omega2 / |v|, its slope, the same of the input: see fields.KNOT).
+        (F, its slope in s, mean omega2 / |v|, its slope).
     """
     s = ratio(omega3, speed)
     knot = side.knots[find_knot(side, x, s)]
     if s > side.end * (1.0 + ROUNDING):
-        return knot.torque[0], 0.0, knot.omega2[0], 0.0, knot.input[0], 0.0
+        return knot.torque[0], 0.0, knot.omega2[0], 0.0
     t = s - knot.ratio
     torque, torque1 = cubic_at(knot.torque, t)
     part, part1 = cubic_at(knot.omega2, t)
-    share, share1 = cubic_at(knot.input, t)
-    return torque, torque1, part, part1, share, share1
+    return torque, torque1, part, part1
+
+
+def look_up_input(side, x, speed, omega3):
+    """Mean |omega1| / |v| under the torque of link 1 and its slope in s, as look_up."""
+    s = ratio(omega3, speed)
+    knot = side.knots[find_knot(side, x, s)]
+    if s > side.end * (1.0 + ROUNDING):
+        return knot.input[0], 0.0
+    return cubic_at(knot.input, s - knot.ratio)
 
 
 def flow(d, side, x, speed, speed_rate, omega3):
@@ -73,12 +81,17 @@ def flow(d, side, x, speed, speed_rate, omega3):
     Returns:
         (v', omega3', the slopes of both in v and omega3, T, omega2, |omega1|, the rates of these five).
     """
-    torque, torque1, part, part1, share, share1 = look_up(side, x, speed, omega3)
-    if speed == 0.0 and omega3 == 0.0 and d.by_torque != 0.0:
-        # from rest the ratio is that of the accelerations, and stays
-        start = max(-x.load_torque, 0.0) / d.J3
-        _, _, part, _, share, _ = look_up(side, x, abs(x.drive_torque) / d.map_inertia, start)
-        torque1, part1, share1 = 0.0, 0.0, 0.0
+    torque, torque1, part, part1 = look_up(side, x, speed, omega3)
+    share, share1 = 1.0, 0.0
+    if d.by_torque != 0.0:
+        share, share1 = look_up_input(side, x, speed, omega3)
+        if speed == 0.0 and omega3 == 0.0:
+            # from rest the ratio is that of the accelerations, and stays
+            start = max(-x.load_torque, 0.0) / d.J3
+            growing = abs(x.drive_torque) / d.map_inertia
+            _, _, part, _ = look_up(side, x, growing, start)
+            share, _ = look_up_input(side, x, growing, start)
+            torque1, part1, share1 = 0.0, 0.0, 0.0
     s = ratio(omega3, speed)
     passed = speed * speed * torque
     passed_by_speed = 2.0 * speed * torque - omega3 * torque1
@@ -120,7 +133,7 @@ def energy_at(d, side, x, v):
 
 def input_speed(d, side, x, v):
     """Mean omega1, rad/s."""
-    return v * look_up(side, x, abs(v), x.omega3)[4] if d.by_torque != 0.0 else v
+    return v * look_up_input(side, x, abs(v), x.omega3)[0] if d.by_torque != 0.0 else v
 
 
 def ripple_at(side, x, v):

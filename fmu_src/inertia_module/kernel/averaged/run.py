@@ -25,7 +25,7 @@ from .legs import (
     rest,
     turn_locked,
 )
-from .rates import energy_at, flow, input_speed, look_up, mean_input_torque, side_at
+from .rates import energy_at, flow, input_speed, look_up_input, mean_input_torque, side_at
 from .step import slip
 
 # legs and internal steps before a communication step is given up
@@ -148,11 +148,11 @@ def speed_at_start(d, x):
         low, high = 0.0, side.end
         for _ in range(HALVINGS):
             s = 0.5 * (low + high)
-            if s * omega1 < x.omega3 * look_up(side, x, 1.0, s)[4]:
+            if s * omega1 < x.omega3 * look_up_input(side, x, 1.0, s)[0]:
                 low = s
             else:
                 high = s
-        low = omega1 / look_up(side, x, 1.0, low)[4]
+        low = omega1 / look_up_input(side, x, 1.0, low)[0]
     return math.copysign(low, x.omega1)
 
 

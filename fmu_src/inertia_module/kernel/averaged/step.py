@@ -61,7 +61,8 @@ def explicit_step(d, side, x, w, speed, speed_rate, h, first, allowed):
     w.turned3 = hermite(h, (omega3, first[1][0]), (found, last[1][0]))
     w.work = hermite(h, with_product(omega3, first), with_product(found, last))
     w.turned2 = hermite(h, first[4], last[4])
-    w.turned1 = hermite(h, first[5], last[5])
+    if d.by_torque != 0.0:
+        w.turned1 = hermite(h, first[5], last[5])
 
 
 def steepness(now):
@@ -123,7 +124,8 @@ def implicit_step(d, side, x, w, speed, speed_rate, h, first, allowed):
     w.turned3 = damped(h, (omega3, first[1][0]), (found, last[1][0]))
     w.work = damped(h, with_product(omega3, first), with_product(found, last))
     w.turned2 = damped(h, first[4], last[4])
-    w.turned1 = damped(h, first[5], last[5])
+    if d.by_torque != 0.0:
+        w.turned1 = damped(h, first[5], last[5])
 
 
 def bend(h, begin, end):
