@@ -26,7 +26,11 @@ FIDELITIES = {"rigid": RIGID, "averaged": AVERAGED}
 LAYOUTS = {"bevel": {}, "planar": PLANAR}
 SHARES = (0.1, 0.5, 1.0, 2.0, 5.0, 10.0, 50.0)  # J1 over the greatest inertia the module has at its input
 START = {
-    "drive": DRIVE_TORQUE, "omega1": 100.0, "drive_torque": 4.0, "load_torque": 5.0, "output_inertia": 5.0
+    "drive": DRIVE_TORQUE,
+    "omega1": 100.0,
+    "drive_torque": 4.0,
+    "load_torque": 5.0,
+    "output_inertia": 5.0,
 }
 ANGLES = 12  # drive angles that the rigid module starts at: its energy at the start depends on it
 STEP = 0.01
@@ -116,7 +120,8 @@ def figures_by_torque():
             parameters = {**mechanism, "input_inertia": share * greatest}
             averaged = mean_speeds({**parameters, "fidelity": AVERAGED})
             starts = [
-                mean_speeds({**parameters, "drive_angle_start": 2.0 * math.pi * n / ANGLES}) for n in range(ANGLES)
+                mean_speeds({**parameters, "drive_angle_start": 2.0 * math.pi * n / ANGLES})
+                for n in range(ANGLES)
             ]
             rigid = np.mean(starts, axis=0)
             for name, exact, ours in zip(("omega1", "omega_out"), rigid, averaged, strict=True):

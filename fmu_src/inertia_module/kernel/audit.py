@@ -1,7 +1,7 @@
 """The balance of energies of a communication step, looked at before the step is answered.
 
-What the input has put in goes out, is lost or is stored. Whatever has gone wrong in a step that nobody has thought
-of, energy from nowhere, a freewheel that let go too late, shows here.
+What the input has put in goes out, is lost or is stored. Whatever has gone wrong in a step that nobody has
+thought of, energy from nowhere, a freewheel that let go too late, shows here.
 """
 
 from .codes import EVENT, NOT_BALANCED, OK
@@ -22,10 +22,12 @@ def change(after, after_low, before, before_low):
 def audit(p, d, x, before, stored):
     """Whether the energies of the step balance: OK or NOT_BALANCED.
 
-    Between events to the tolerance; in fixed steps energy may be lost where they resolve nothing, but not made.
+    Between events to the tolerance; in fixed steps energy may be lost where they resolve nothing, but not
+    made.
 
     Args:
-        x, before: state after and before the step; x.energy_stored is set to stored, the energy stored now, J.
+        x, before: state after and before the step; x.energy_stored is set to stored, the energy stored now,
+        J.
     """
     put_in = change(x.energy_in, x.energy_in_low, before.energy_in, before.energy_in_low)
     put_out = change(x.energy_out, x.energy_out_low, before.energy_out, before.energy_out_low)

@@ -51,7 +51,14 @@ STATE = (
     *("omega1", "omega1_low", "omega2", "omega2_low", "omega3", "omega3_low", "mode", "step_mode"),
     *("alpha1", "held_input", "held_step", "load_torque", "drive_torque", "step_size", "short_size"),
     *("energy_in", "energy_in_low", "energy_out", "energy_out_low", "energy_lost", "energy_lost_low"),
-    *("energy_start", "energy_stored", "input_torque_mean", "output_torque_mean", "torque_ripple", "torque_peak"),
+    *(
+        "energy_start",
+        "energy_stored",
+        "input_torque_mean",
+        "output_torque_mean",
+        "torque_ripple",
+        "torque_peak",
+    ),
     *("switches", "evaluations"),
     # sums over the communication step in hand
     *("input_impulse", "output_impulse", "output_square", "step_switches", "step_evaluations"),
@@ -62,13 +69,14 @@ STATE = (
 )
 
 # averaged: over the speed ratio mean torque, mean speed of link 2 and the mean energy or, under its torque,
-# speed of link 1 (see averaged.torque_map): cubics from one knot to the next; while the map is built the output
-# speed of the motion it is of and the error of the interval that follows
+# speed of link 1 (see averaged.torque_map): cubics from one knot to the next; while the map is built the
+# output speed of the motion it is of and the error of the interval that follows
 KNOT = ("ratio", ("torque", 4), ("input", 4), ("omega2", 4), "ripple", "peak", "omega3", "error")
 # one side of the map for each sign of omega1: where the torque ends, whether lock-up is reached there
 SIDE = ("direction", "count", "end", "locks", "start", ("knots", KNOT, KNOTS))
 
-# the steady motion that a knot is of: torque of link 1, contact mode, drive angle; integrals while link 2 is free
+# the steady motion that a knot is of: torque of link 1, contact mode, drive angle; integrals while link 2 is
+# free
 TRAVEL = ("direction", "given", "omega3", "mode", "q", "energy", "momentum")
 
 CONSTANTS = (

@@ -4,7 +4,7 @@ import math
 
 from ..derive import TWO_PI
 from ..inertia import reduced_inertia
-from .motion import speeds_at
+from .instants import speeds_at
 
 # cycles of the highest harmonic that one mean is taken over at most
 LARGEST_CYCLES = 800.0

@@ -2,10 +2,10 @@
 
     J3 omega3' = T - load        E' = M1 omega1 - T omega3
 
-with the mean torque T = v^2 F(omega3 / |v|) of torque_map and the mean energy E of links 1 and 2. The speed v is
-omega1, or under its torque that of E = J* v^2 / 2. A step is cut into legs: the shaft rests (the load is more
-than the stall torque), is locked to link 1, coasts beyond the end of the map, or slips. Only the last takes an
-integration.
+with the mean torque T = v^2 F(omega3 / |v|) of torque_map and the mean energy E of links 1 and 2. The speed v
+is omega1, or under its torque that of E = J* v^2 / 2. A step is cut into legs: the shaft rests (the load is
+more than the stall torque), is locked to link 1, coasts beyond the end of the map, or slips. Only the last
+takes an integration.
 """
 
 import math
@@ -85,7 +85,7 @@ def input_impulse(passed, omega1, alpha1, work, torque0, torque1):
 
 
 def advance_leg(d, side, x, w, leg, v, alpha1, remaining):
-    """Advance both speeds and all sums by one leg or internal step. Returns (time passed or -1, v at its end)."""
+    """Advance speeds and sums by one leg or internal step. Returns (time passed or -1, v at its end)."""
     energy0, share, _ = energy_at(d, side, x, v)
     given = d.by_torque == 0.0
     impulse = 0.0
@@ -137,7 +137,7 @@ def show_mode(x, leg):
 
 
 def speed_at_start(d, x):
-    """v of the starting speeds: the mean omega1 = v g(omega3 / |v|) under its torque is looked for in the map."""
+    """Speed v of the start: under its torque the mean omega1 = v g(omega3 / |v|) is looked for in the map."""
     omega1 = abs(x.omega1)
     if d.by_torque == 0.0 or omega1 == 0.0:
         return x.omega1
@@ -191,7 +191,7 @@ def run_averaged(d, x, w, h):
 
 
 def end_step(d, x, leg, v, end):
-    """Set the mean speeds at the end of a step, or at the start; v, as it has come, is end but for rounding."""
+    """Set the mean speeds at the end of a step or at the start; v, as it came, is end but for rounding."""
     # a shaft locked to link 1, or just come up with it, is exactly as fast
     if d.by_torque == 0.0 and (leg == LOCKED or (x.omega3 == v and v > 0.0)):
         x.omega3 = end

@@ -6,7 +6,8 @@ of stability function Pade(1, 2): order 3, L-stable, so a transient costs no sma
 Source: Hairer and Wanner, Solving Ordinary Differential Equations II, sections IV.3 and IV.5.
 
 A step leaves in the workspace w.next_speed and w.next, |v| and omega3 at its end, w.error, its error over the
-allowed one, and w.turned3, w.work, w.turned2 and w.turned1, the integrals of omega3, T omega3, omega2, |omega1|.
+allowed one, and w.turned3, w.work, w.turned2 and w.turned1, the integrals of omega3, T omega3, omega2,
+|omega1|.
 """
 
 import math
@@ -143,7 +144,7 @@ def take_step(d, side, x, w, speed, speed_rate, h, first, allowed):
 
 
 def unbalanced(d, side, x, w, speed, fastest, allowed):
-    """What the energies of a step miss, over what they may: some times an error of the speeds that is allowed."""
+    """What the energies of a step miss, over what they may: some allowed errors of the speeds."""
     passed_on = x.load_torque * w.turned3
     gained = 0.5 * d.J3 * (w.next - x.omega3) * (w.next + x.omega3)
     square = fastest * fastest
@@ -209,7 +210,7 @@ def cut_step(d, side, x, w, speed, speed_rate, h, first, allowed, zero):
 
 
 def slip(d, side, x, w, v, rate, remaining):
-    """Advance v and omega3 under the mean torque by one accurate step; at rest or the end of the map it stops.
+    """Advance v and omega3 by one accurate step; where the shaft rests or the map ends it stops.
 
     Returns:
         (time passed or -1, impulse of the output torque).

@@ -1,11 +1,11 @@
 """Mean torque over speed ratio, found once: the map of fidelity averaged (docs/mechanics.md).
 
-Without gravity all scales with one speed v. With the speed of link 1 given that is omega1, and the mean output
-torque is v^2 F(s), s = omega3 / |v|, with one F for either sign. With its torque given omega1 swings within a
-pulse and the energy E of links 1, 2 and imbalances hardly changes: v is that of E = J* v^2 / 2, and the mean
-of omega1 is v g(s). The steady motion is found by motion.travel over one period of q, with the mean input
-torque that keeps E. It begins where link 2 surely rests: its angular momentum rises only in the housing, so
-where it could be largest link 2 is held if any torque is passed at all.
+Without gravity all scales with one speed v. With the speed of link 1 given that is omega1, and the mean
+output torque is v^2 F(s), s = omega3 / |v|, with one F for either sign. With its torque given omega1 swings
+within a pulse and the energy E of links 1, 2 and imbalances hardly changes: v is that of E = J* v^2 / 2, and
+the mean of omega1 is v g(s). The steady motion is found by motion.travel over one period of q, with the mean
+input torque that keeps E. It begins where link 2 surely rests: its angular momentum rises only in the
+housing, so where it could be largest link 2 is held if any torque is passed at all.
 
 With omega1 > 0 no torque is passed above ratio 1: the housing can only push forward, and its mean torque is
 Tc (1 - sigma).
@@ -14,6 +14,7 @@ Tc (1 - sigma).
 import math
 
 from ..codes import FREE
+from .instants import speeds_at, take_integrals
 from .largest import (
     LARGEST_CYCLES,
     LOCK,
@@ -26,7 +27,7 @@ from .largest import (
     parts_of_period,
     period_of_map,
 )
-from .motion import begin_travel, speeds_at, take_integrals, travel
+from .motion import begin_travel, travel
 from .table import UNKNOWN_ERROR, finish_table, insert_knot, table_error, worst_interval
 
 # the map is refined until its error, in stall torques, is below this at the middle of each interval
@@ -39,7 +40,8 @@ FIRST_KNOTS = 9
 LAST_SLIP = 1e-6
 # evaluations of the mechanism after which one sign of omega1 is refined no more
 MOST_EVALUATIONS = 1.5e6
-# the motion begins so much phase of the highest harmonic before, under a torque that moves where link 2 is thrown
+# the motion begins so much phase of the highest harmonic before, under a torque that moves where link 2 is
+# thrown
 HEAD_START = 0.5
 # rounds to find the input torque that keeps the energy, and what is left of it
 ROUNDS = 8
@@ -168,7 +170,8 @@ def find_end(d, t, side):
     if d.by_torque == 0.0:
         end = 1.0 if locks else max(end, 0.0)
         return end, end
-    # light as link 1 may be, the drive has to get past the output: the torque that keeps the energy only helps
+    # light as link 1 may be, the drive has to get past the output: the torque that keeps the energy only
+    # helps
     t.omega3 = max(end, 0.0)
     end = t.omega3
     if not locks and add_period(d, t, side):
@@ -186,14 +189,16 @@ def find_end(d, t, side):
 
 def add_knot(d, t, side, n, omega3):
     """Find the knot at this output speed and insert it as number n, where its ratio belongs there."""
-    slowest = LAST_SLIP if d.by_torque == 0.0 and side.locks != 0.0 else 0.0
-    settle(d, t, side, min(omega3, 1.0 - slowest) if slowest > 0.0 else omega3)
+    fastest = 1.0 - LAST_SLIP if d.by_torque == 0.0 and side.locks != 0.0 else omega3
+    settle(d, t, side, min(omega3, fastest))
     v = speed_of_energy(d)
     time = d.sum_time
     ratio = omega3 / v
     count = int(side.count)
-    if n > 0 and ratio <= side.knots[n - 1].ratio or n < count and ratio >= side.knots[n].ratio:
-        # behind a link 1 so light the ratio does not follow the speed of the output: the table goes past this one
+    falls = n > 0 and ratio <= side.knots[n - 1].ratio
+    if falls or (n < count and ratio >= side.knots[n].ratio):
+        # behind a link 1 so light the ratio does not follow the speed of the output: the table goes past this
+        # one
         side.knots[n - 1].error = 0.0
         return
     torque = d.sum_torque / (time * v * v)
@@ -209,10 +214,11 @@ def add_knot(d, t, side, n, omega3):
 
 
 def end_map(d, side, end):
-    """End the map where no torque is passed any more, at the output speed end, or link 1 is as fast as the output.
+    """End the map where no torque is passed any more, at the speed end, or in lock-up.
 
-    From the last knot to there is no steady motion under the torque of link 1: the drive comes to rest in link 1,
-    at the torque it had there; or the pulses fail that brought the energy of the next, and the torque goes to zero.
+    From the last knot to there is no steady motion under the torque of link 1: the drive comes to rest in
+    link 1, at the torque it had there; or the pulses fail that brought the energy of the next, and the torque
+    goes to zero.
     """
     count = int(side.count)
     last = side.knots[count - 1]
