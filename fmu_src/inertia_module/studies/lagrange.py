@@ -17,7 +17,7 @@ from __future__ import annotations
 import itertools
 import math
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
@@ -104,7 +104,7 @@ class Lagrange:
         shaft = p["shaft_stiffness"] * y[TWIST] + p["shaft_damping"] * (hub - driven)
         return [self.torque, 0.0, -shaft, shaft - p["driven_friction"] * driven - self.load]
 
-    def _moved(self, mass: Array, forces: Array, given: float, closed: Sequence[bool]) -> Array:
+    def _moved(self, mass: Array, forces: Array, given: float, closed: list[bool]) -> Array:
         """Accelerations that forces make with these freewheels closed, that of link 1 given unless free.
 
         In the same way they are the speeds that momenta make.
@@ -114,7 +114,8 @@ class Lagrange:
         moving[1, 2] = closed[OUTPUT]
         moves = [self._by_torque, not closed[HOUSING], not closed[OUTPUT], True]
         free, first = moving[moves[: len(mass)]], np.eye(len(mass))[0] * given
-        return first + np.linalg.solve(free @ mass @ free.T, free @ (forces - mass @ first)) @ free
+        moved: Array = first + np.linalg.solve(free @ mass @ free.T, free @ (forces - mass @ first)) @ free
+        return moved
 
     def _motion(self, y: Array) -> tuple[Array, tuple[float, float]]:
         """The accelerations of all links, rad/s^2, and the torques (Th, Tc) in the freewheels, N.m."""
@@ -186,7 +187,7 @@ class Lagrange:
             mass = self._matrix(*self._inertia(self.state[Q])[0]) + self._own
             momenta = mass @ self.state[OMEGA1:]
 
-            def breach(closed: Sequence[bool]) -> float:
+            def breach(closed: list[bool]) -> float:
                 w = self._moved(mass, momenta, omega1, closed)
                 missing = mass @ w - momenta
                 impulses, slips = (missing[1] + missing[2], missing[2]), (w[1], w[2] - w[1])
@@ -194,7 +195,7 @@ class Lagrange:
 
             there = [n in self._freewheels for n in (HOUSING, OUTPUT)]
             choices = [(True, False) if there[n] else (n == OUTPUT,) for n in (HOUSING, OUTPUT)]
-            self._closed = list(min(itertools.product(*choices), key=breach))
+            self._closed = min(map(list, itertools.product(*choices)), key=breach)
             self.state[OMEGA1:] = self._moved(mass, momenta, omega1, self._closed)
         self.give(self.torque, self.load)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -14,8 +14,8 @@ from ...memory.instances import Module
 from ..geometry import Inertia, ratio
 from ..lagrange import Lagrange
 from ..trajectory import Array, Unavailable
-from .bounds import BREACH, LARGEST_ERROR, energy_bound, result_bound
-from .case import TIMESTEPPING_ACCURACY
+from .bounds import BREACH, LARGEST_ERROR, ROUNDING, energy_bound
+from .case import TIMESTEPPING_ACCURACY, Segment
 from .random_motions import Motion
 from .trial import Run, distance, nudged, relative, run_once
 from .verdict import Figure
@@ -30,8 +30,10 @@ MOST_EVALUATIONS = 2e4
 SPLIT = 7
 SPEEDS, ENERGY = ("input_speed", "omega2", "omega_hub", "omega_out"), "energy_stored"
 FACTOR = 4.0  # whose powers are exact
-REFERENCE, EXPLAINED = "agrees with Lagrange's equations", 10.0
-NO_TELLING = math.inf  # bound where the motion multiplies errors so much that no method can tell
+REFERENCE = "Lagrange's equations"
+# distances that a change of the problem by the tolerance makes, that two runs may be apart
+EXPLAINED = 10.0
+SENSITIVE = math.inf  # bound where the motion multiplies errors so much that no method can tell
 
 
 def run(motion: Motion, make: Make, split: int = 1, **changes: float) -> Run:
@@ -44,8 +46,14 @@ def changed(motion: Motion, change: float) -> list[Motion]:
     return [Motion(*beside) for beside in nudged(motion.parameters, motion.segments, change)]
 
 
+def explained(bound: float, spreads: list[float]) -> float:
+    """The bound where a change of the problem by the tolerance makes such distances."""
+    spread = max(spreads, default=0.0)
+    return SENSITIVE if spread > LARGEST_ERROR else min(bound + EXPLAINED * spread, LARGEST_ERROR)
+
+
 def follow(motion: Motion, make: Make, saved_at: int = -1, **changes: float) -> Iterator[Module]:
-    """The module at the start and after each segment, from one on as another instance with the state saved."""
+    """The module at the start and after each segment; from one on another instance with its state."""
     first, module = motion.segments[0], make()
     given = {"omega1": first.omega1, "load_torque": first.load, "drive_torque": first.drive}
     yield module.start(**motion.parameters | changes, **given)
@@ -70,8 +78,8 @@ def of_one_run(motion: Motion, found: Run, make: Make) -> Figures:
         bound = energy_bound(motion["tolerance"])
         figures["energy residual"] = Figure(relative(found.residual, found.energy), bound)
     if motion.level.fidelity in (RIGID, ELASTIC):
-        figures["omega2 >= 0, omega3 >= omega2"] = Figure(relative(found.reversal, found.speed), BREACH)
-        figures["Th >= 0, Tc >= 0"] = Figure(relative(found.pull, found.torque), BREACH)
+        figures["0 <= omega2 <= omega3"] = Figure(relative(found.reversal, found.speed), BREACH)
+        figures["Th, Tc >= 0"] = Figure(relative(found.pull, found.torque), BREACH)
         power = relative(found.slipping, found.speed * found.torque)
         figures["torque or slip is 0"] = Figure(power, BREACH)
     return figures
@@ -84,11 +92,10 @@ def of_steps(motion: Motion, found: Run, make: Make) -> Figures:
     tolerance, short = motion["tolerance"], run(motion, make, SPLIT)
     if short.refused or short.broken:
         return {"long and short steps": Figure(math.inf, 0.0)}
-    apart, bound = distance(found, short), result_bound(tolerance, 0.0)
+    apart, bound = distance(found, short), EXPLAINED * tolerance + ROUNDING
     if apart > bound:
         runs = [run(beside, make) for beside in changed(motion, tolerance)]
-        spread = max((distance(found, other) for other in runs if not other.refused), default=0.0)
-        bound = NO_TELLING if spread > LARGEST_ERROR else result_bound(tolerance, spread)
+        bound = explained(bound, [distance(found, other) for other in runs if not other.refused])
     return {"long and short steps": Figure(apart, bound)}
 
 
@@ -108,10 +115,12 @@ def of_scaling(motion: Motion, found: Run, make: Make) -> Figures:
     speeds = {name: motion[name] * FACTOR for name in ("omega2_start", "omega_out_start")}
     square = FACTOR**2
     segments = tuple(
-        replace(
-            part,
-            **{"duration": part.duration / FACTOR, "omega1": part.omega1 * FACTOR},
-            **{"slope": part.slope * square, "load": part.load * square, "drive": part.drive * square},
+        Segment(
+            part.duration / FACTOR,
+            part.omega1 * FACTOR,
+            part.load * square,
+            part.slope * square,
+            part.drive * square,
         )
         for part in motion.segments
     )
@@ -173,10 +182,10 @@ def of_reference(motion: Motion, found: Run, make: Make) -> Figures:
         expected = _by_reference(motion)
         apart, bound = error(_by_module(motion, make), expected), REFERENCE_ERROR
         if apart > bound:
-            spread = max(error(_by_reference(m), expected) for m in changed(motion, REFERENCE_TOLERANCE))
-            bound = NO_TELLING if spread > LARGEST_ERROR else max(bound, EXPLAINED * spread)
+            beside = changed(motion, REFERENCE_TOLERANCE)
+            bound = explained(bound, [error(_by_reference(other), expected) for other in beside])
     except (ArithmeticError, Unavailable, np.linalg.LinAlgError):
-        apart, bound = 0.0, NO_TELLING
+        return {}  # the reference gives up, or would take too long
     return {REFERENCE: Figure(apart, bound)}
 
 

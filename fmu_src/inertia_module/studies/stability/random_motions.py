@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass, fields
 from random import Random
 from typing import Any, Self
 
-from ...contract.variables import BY_NAME
+from ...contract.variables import BY_NAME, default_parameters
 from ...kernel.codes import AVERAGED, DRIVE_TORQUE, ELASTIC, KINEMATIC, TIMESTEPPING
 from ..geometry import ratio, satellite_ratio
 from ..levels import Level
@@ -55,11 +55,11 @@ class Motion:
         return Level(int(self["fidelity"]), int(self["method"]))
 
     @property
-    def sizes(self) -> tuple[float, float]:
-        """Length of the mechanism, m, and inertia of its imbalances about the central axis, kg m^2, roughly."""
-        length = self["wheel_radius"] if not self["layout"] else self["sun_radius"] + self["satellite_radius"]
-        count = self["satellites"] * self["modules"]
-        return length, count * self["imbalance_mass"] * length**2 + self["link2_inertia"]
+    def inertia(self) -> float:
+        """About that of link 2 and the imbalances about the central axis, kg m^2."""
+        length = self["sun_radius"] + self["satellite_radius"] if self["layout"] else self["wheel_radius"]
+        mass = self["satellites"] * self["modules"] * self["imbalance_mass"]
+        return mass * length**2 + self["link2_inertia"]
 
 
 def rounded(value: float, digits: int = DIGITS) -> float:
@@ -105,9 +105,8 @@ def _drive_and_output(draw: _Draw, level: Level, omega: float) -> Parameters:
     p |= {"drive": float(by_torque), "tolerance": draw.decades(1e-10, 1e-4)}
     if level.fidelity == KINEMATIC:
         return p | {"kinematic_ratio": draw.between(-2.0, 2.0)}
-    housing, output = (
-        draw.choice([(1, 1)] * 4 + [(0, 1), (1, 0), (0, 0)]) if level.fidelity != AVERAGED else (1, 1)
-    )
+    left_out = [] if level.fidelity == AVERAGED else [(0, 1), (1, 0), (0, 0)]
+    housing, output = draw.choice([(1, 1)] * 4 + left_out)
     omega_out = rounded(omega * draw.choice([0.0, 0.0, draw.uniform(0.0, 1.5)]))
     omega2 = omega_out * draw.choice([0.0, 1.0]) if output else omega_out
     p |= {"housing_freewheel": housing, "output_freewheel": output}
@@ -126,9 +125,8 @@ def draw_motion(seed: int, number: int) -> Motion:
     (level,) = draw.choices(LEVELS, WEIGHTS)
     omega = draw.decades(1.0, 300.0)
     motion = Motion(_mechanism(draw) | _drive_and_output(draw, level, omega), ())
-    length, inertia = motion.sizes
-    torque = inertia * omega**2
-    full = {name: motion[name] for name in BY_NAME if BY_NAME[name].start is not None}
+    torque = motion.inertia * omega**2
+    full = {**default_parameters(), **motion.parameters}
     rate = omega * ratio(full) * (2.0 + 2.0 * satellite_ratio(full))
     travel, segments = draw.decades(0.3, 60.0), []
     by_torque, omega1 = motion["drive"] == DRIVE_TORQUE, omega * draw.choice([1.0, 1.0, -1.0, 0.0])

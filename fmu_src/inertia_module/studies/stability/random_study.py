@@ -3,30 +3,22 @@
 from __future__ import annotations
 
 import re
-from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import groupby
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
 from ...common.terminal import terminal
 from ...harness import results
 from ...memory.instances import Module
-from .random_checks import NO_TELLING, REFERENCE, Finding, Make, examine
+from .random_checks import REFERENCE, SENSITIVE, Finding, Make, examine
 from .random_motions import Motion, draw_motion, rounded
 from .verdict import Figure
 
-HEADINGS = (
-    "level of fidelity",
-    "what has to hold",
-    "runs",
-    "cannot tell",
-    "failed",
-    "worst",
-    "bound",
-    "number",
-)
+HEADINGS = ("level", "invariant", "runs", "sensitive", "failed", "worst", "bound", "number")
 # motions tried to make one that fails smaller
 TRIES = 300
 _NUMBER = re.compile(r"(?<![\w.])-?\d+(\.\d+)?(e[-+]?\d+)?")
@@ -46,15 +38,26 @@ class Outcome:
     finding: Finding
     reproducer: dict[str, Any] | None = None
 
+    @property
+    def told(self) -> dict[str, Any]:
+        """Its number, what fails or is refused, and what reproduces it."""
+        figures = self.finding.figures
+        failed = [
+            f"{name}: {figures[name].value:.1e}, bound {figures[name].bound:.0e}"
+            for name in self.finding.failed
+        ]
+        sentence = "; ".join(failed) or self.finding.refused
+        return {"number": self.number, "sentence": sentence, "reproducer": self.reproducer}
 
-def sentence(message: str) -> str:
+
+def kind(message: str) -> str:
     """A refusal without its numbers."""
     return _NUMBER.sub("#", message)
 
 
 def cause(finding: Finding) -> str:
     """The first thing that fails, or the refusal without its numbers; "" of what is sound."""
-    return finding.failed[0] if finding.failed else sentence(finding.refused)
+    return finding.failed[0] if finding.failed else kind(finding.refused)
 
 
 def smaller(motion: Motion) -> Iterator[Motion]:
@@ -71,7 +74,8 @@ def smaller(motion: Motion) -> Iterator[Motion]:
             for name in ("slope", "drive", "load", "omega1", "duration"):
                 value = rounded(getattr(part, name), digits)
                 for tried in (value,) if name == "duration" else (0.0, value):
-                    yield Motion(p, (*segments[:n], replace(part, **{name: tried}), *segments[n + 1 :]))
+                    changes: dict[str, Any] = {name: tried}
+                    yield Motion(p, (*segments[:n], replace(part, **changes), *segments[n + 1 :]))
 
 
 def shrunk(motion: Motion, wanted: str, make: Make = Module) -> Motion:
@@ -84,7 +88,7 @@ def shrunk(motion: Motion, wanted: str, make: Make = Module) -> Motion:
                 continue
             tries += 1
             finding = examine(tried, make, wanted != REFERENCE)
-            if wanted in (*finding.failed, sentence(finding.refused)):
+            if wanted in (*finding.failed, kind(finding.refused)):
                 motion, found = tried, True
                 break
     return motion
@@ -117,30 +121,38 @@ def run_random(number: int, seed: int, report: Callable[[float], None] = lambda 
 
 
 def rows_of(outcomes: Sequence[Outcome]) -> list[tuple[Any, ...]]:
-    """A row of HEADINGS for each level and what has to hold there, and one of what is refused."""
+    """A row of HEADINGS for each level and invariant; the last of a level counts what was refused."""
     rows: list[tuple[Any, ...]] = []
     for level in sorted({outcome.level for outcome in outcomes}):
         here = [outcome for outcome in outcomes if outcome.level == level]
-        for name in dict.fromkeys(name for outcome in here for name in outcome.finding.figures):
-            found = [(one.finding.figures[name], one.number) for one in here if name in one.finding.figures]
-            rows.append((level, name, *_counted(found)))
-        refused = [outcome.number for outcome in here if outcome.finding.refused]
-        rows.append((level, "refused", len(here), 0, len(refused), "", "", refused[0] if refused else ""))
+        for name in dict.fromkeys(name for one in here for name in one.finding.figures):
+            figures = [(one.finding.figures[name], one.number) for one in here if name in one.finding.figures]
+            rows.append((level, name, *_counted(figures)))
+        refused = [one.number for one in here if one.finding.refused]
+        rows.append((level, "not refused", len(here), 0, len(refused), "", "", refused[0] if refused else ""))
     return rows
 
 
-def _counted(found: Sequence[tuple[Figure, int]]) -> tuple[Any, ...]:
-    """Runs, those that cannot tell, failures; the worst of its bound, the bound and the number of the motion."""
-    told = [(figure, number) for figure, number in found if figure.bound < NO_TELLING]
-    failed = sum(not figure.holds for figure, _ in told)
-    worst, number = max(told, key=lambda one: one[0].value / max(one[0].bound, 1e-300), default=(None, ""))
-    values = (f"{worst.value:.0e}", f"{worst.bound:.0e}") if worst else ("", "")
-    return (len(found), len(found) - len(told), failed, *values, number)
+def _counted(figures: Sequence[tuple[Figure, int]]) -> tuple[Any, ...]:
+    """Runs, those that are sensitive, failures; the value next to its bound, or furthest over, where."""
+    told = [(figure, number) for figure, number in figures if figure.bound < SENSITIVE]
+    counts = len(figures), len(figures) - len(told), sum(not figure.holds for figure, _ in told)
+    if not told:
+        return (*counts, "", "", "")
+    worst, number = max(told, key=lambda one: one[0].value / max(one[0].bound, 1e-300))
+    return (*counts, f"{worst.value:.0e}", f"{worst.bound:.0e}", number)
 
 
-def failures(outcomes: Iterable[Outcome]) -> list[Outcome]:
-    """Those in which something did not hold."""
-    return [outcome for outcome in outcomes if outcome.finding.failed]
+def findings(outcomes: Iterable[Outcome]) -> list[dict[str, Any]]:
+    """Each way to fail or to be refused: how often, the first motion and what reproduces it."""
+    kinds: dict[tuple[str, str], list[Outcome]] = {}
+    for one in outcomes:
+        if one.reproducer:
+            kinds.setdefault((one.level, cause(one.finding)), []).append(one)
+    return [
+        {"level": level, "what": what, "count": len(all_of_it), **all_of_it[0].told}
+        for (level, what), all_of_it in kinds.items()
+    ]
 
 
 def write_rows(path: Path, outcomes: Sequence[Outcome]) -> Path:
@@ -149,25 +161,16 @@ def write_rows(path: Path, outcomes: Sequence[Outcome]) -> Path:
 
 
 def print_outcomes(outcomes: Sequence[Outcome]) -> None:
-    """Print the rows, each refusal with how often it came, each failure with what reproduces it."""
+    """Print the rows level by level, and each way to fail or to be refused with what reproduces it."""
     from rich import box
     from rich.table import Table
 
     console = terminal()
-    table = Table(*HEADINGS, box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
-    for row in rows_of(outcomes):
-        table.add_row(*map(str, row))
-    console.print(table)
-    for kind, count in Counter(sentence(one.finding.refused) for one in outcomes).items():
-        if kind:
-            first = next(one for one in outcomes if sentence(one.finding.refused) == kind)
-            console.print(
-                f"\n{count} refused: {kind}\nnumber {first.number}: {first.reproducer}", soft_wrap=True
-            )
-    for one in failures(outcomes):
-        figure = one.finding.figures[one.finding.failed[0]]
-        console.print(
-            f"\nnumber {one.number} failed: {one.finding.failed[0]} {figure.value:.1e}, bound {figure.bound:.1e}\n"
-            f"{one.reproducer}",
-            soft_wrap=True,
-        )
+    for level, rows in groupby(rows_of(outcomes), itemgetter(0)):
+        table = Table(*HEADINGS[1:], title=level, box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
+        for row in rows:
+            table.add_row(*map(str, row[1:]))
+        console.print(table)
+    for found in findings(outcomes):
+        text = "\n{count} of {level}: {what}\nnumber {number}: {sentence}\n{reproducer}".format(**found)
+        console.print(text, soft_wrap=True)
