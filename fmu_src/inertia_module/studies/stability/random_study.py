@@ -19,8 +19,8 @@ from .random_motions import Motion, draw_motion, rounded
 from .verdict import Figure
 
 HEADINGS = ("level", "invariant", "runs", "sensitive", "failed", "worst", "bound", "number")
-# motions tried to make one that fails smaller
-TRIES = 300
+# motions tried to make one that fails smaller; fewer where the reference, which is slow, has to judge
+TRIES, REFERENCE_TRIES = 300, 60
 _NUMBER = re.compile(r"(?<![\w.])-?\d+(\.\d+)?(e[-+]?\d+)?")
 
 
@@ -80,13 +80,13 @@ def smaller(motion: Motion) -> Iterator[Motion]:
 
 def shrunk(motion: Motion, wanted: str, make: Make = Module) -> Motion:
     """A smaller motion with the same cause of failure or refusal."""
-    tries, found = 0, True
+    left, found = REFERENCE_TRIES if wanted == REFERENCE else TRIES, True
     while found:
         found = False
         for tried in smaller(motion):
-            if tried == motion or tries >= TRIES:
+            if tried == motion or left == 0:
                 continue
-            tries += 1
+            left -= 1
             finding = examine(tried, make, wanted != REFERENCE)
             if wanted in (*finding.failed, kind(finding.refused)):
                 motion, found = tried, True

@@ -65,15 +65,21 @@ class Run:
     broken: str = ""
 
 
+def _input_speed(module: Module) -> float:
+    """Speed of link 1, rad/s: at the beginning of the step where it is given."""
+    return module["input_speed" if module["drive"] else "omega1"]
+
+
 def _look(run: Run, module: Module) -> None:
     """Take note of what shows at a communication point."""
     run.finite = run.finite and all(map(math.isfinite, module.outputs.numbers))
     run.residual = max(run.residual, abs(module["energy_residual"]))
     run.gained = max(run.gained, -module["energy_residual"])
-    fastest = max(abs(module["input_speed"]), abs(module["omega2"]))
+    link1 = _input_speed(module)
+    fastest = max(abs(link1), abs(module["omega2"]))
     possible = 0.5 * imbalance_inertia(module.derived) * fastest * fastest
     run.energy = max(run.energy, possible, *(abs(module[name]) for name in (*ENERGIES, "energy_stored")))
-    run.speed = max(run.speed, *(abs(module[name]) for name in ("input_speed", *SPEEDS)))
+    run.speed = max(run.speed, abs(link1), *(abs(module[name]) for name in SPEEDS))
     run.torque = max(run.torque, *(abs(module[name]) for name in TORQUES))
     if module["fidelity"] not in (RIGID, ELASTIC):
         return
@@ -135,7 +141,7 @@ def _go(run: Run, module: Module, segment: Segment, split: int) -> None:
         run.steps += 1
         if module["max_step"] > 0.0:
             run.fixed_steps += math.ceil(step / module["max_step"])
-        run.phase += step * _rate(module, module["input_speed"] if module["drive"] else omega1)
+        run.phase += step * _rate(module, _input_speed(module))
         for name in impulses:
             impulses[name] += module[name] * step
         _look(run, module)
