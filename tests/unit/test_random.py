@@ -75,7 +75,7 @@ class Stepwise(Module):
 
 
 class Preferring(Module):
-    """It turns a little slower above 50 rad/s."""
+    """Its output turns a little slower where link 1 is faster than 50 rad/s."""
 
     def advance(self, step_size):
         super().advance(step_size)
@@ -83,8 +83,8 @@ class Preferring(Module):
             self.outputs.omega_out *= 0.999
 
 
-class Endless(Module):
-    """It has no number for the torque where it has run for two steps."""
+class Numberless(Module):
+    """Its mean input torque is no number."""
 
     def advance(self, step_size):
         super().advance(step_size)
@@ -99,7 +99,7 @@ class Endless(Module):
         (Forgetful, "restored state"),
         (Stepwise, "long and short steps"),
         (Preferring, "scaling by the speed"),
-        (Endless, "finite"),
+        (Numberless, "finite"),
     ],
 )
 def test_planted_failure_is_found(planted, invariant):

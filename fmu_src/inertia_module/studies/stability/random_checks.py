@@ -26,7 +26,7 @@ Figures = dict[str, Figure]
 # of the module held to the reference, and the error from which on the motion has to explain it
 REFERENCE_TOLERANCE, REFERENCE_ERROR = 1e-9, 1e-7
 # evaluations that the reference may take
-MOST_EVALUATIONS = 1e4
+MOST_EVALUATIONS = 2e4
 SPLIT = 7
 SPEEDS, ENERGY = ("input_speed", "omega2", "omega_hub", "omega_out"), "energy_stored"
 FACTOR = 4.0  # whose powers are exact
