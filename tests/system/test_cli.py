@@ -213,6 +213,18 @@ def test_stability_leaves_the_map_as_tables_and_picture(tmp_path):
     assert all(Path(path).is_file() for path in printed["files"].values())
 
 
+def test_stability_tries_random_motions_of_a_seed(tmp_path):
+    arguments = ("stability", "--random", "12", "--seed", "5", "-o", tmp_path / "random")
+    done = command(*arguments, folder=tmp_path)
+    assert done.exit_code == 0, done.stdout + done.stderr
+    assert "restored state" in done.stdout
+    written = (tmp_path / "random" / "random.csv").read_text()
+    assert written.startswith("level,invariant,runs,sensitive,failed,worst,bound,number\n")
+    printed = json.loads(command(*arguments, "--json", folder=tmp_path).stdout)
+    assert printed["findings"] == []
+    assert Path(printed["files"]["invariants"]).read_text() == written
+
+
 def test_stability_of_an_unknown_axis_is_refused_in_one_line(tmp_path):
     done = command("stability", "--only", "weather", "-o", tmp_path / "map", folder=tmp_path)
     assert done.exit_code == 1

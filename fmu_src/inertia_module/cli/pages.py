@@ -38,8 +38,18 @@ def stability(
     as_json: Json = False,
     quick: Annotated[bool, typer.Option("--quick", help="Leave out the long runs.")] = False,
     only: Annotated[str | None, typer.Option("--only", metavar="AXIS", help="One axis of the map.")] = None,
+    random: Annotated[
+        int, typer.Option("--random", metavar="N", min=0, help="N random motions in place of the map.")
+    ] = 0,
+    seed: Annotated[int, typer.Option("--seed", metavar="S", help="Of the random motions.")] = 1,
 ) -> None:
-    """Try the extremes and give each a verdict (out/stability without -o); exit code 1 if one is broken."""
+    """Try the extremes and give each a verdict (out/stability without -o); exit code 1 if one is broken.
+
+    With --random they are random mechanisms under random inputs; exit code 1 if one fails.
+    """
+    if random:
+        _random_motions(random, seed, output, as_json)
+        return
     from ..harness.results import write_figure
     from ..harness.simulate import progress_bar
     from ..studies.stability.figure import verdict_map
@@ -65,6 +75,25 @@ def stability(
         for name, file in files.items():
             typer.echo(f"{name}: {file}")
     if any(verdict.outcome == "broken" for verdict in verdicts):
+        raise typer.Exit(1)
+
+
+def _random_motions(number: int, seed: int, output: Path | None, as_json: bool) -> None:
+    """Run random motions, print what does not hold with what reproduces it, write the counts."""
+    from ..harness.simulate import progress_bar
+    from ..studies.stability.random_study import findings, print_outcomes, run_random, write_rows
+
+    with one_line_errors():
+        folder = folder_for(output, "stability")
+        with progress_bar("trying random motions") as progress:
+            outcomes = run_random(number, seed, progress)
+        file = write_rows(folder / "random.csv", outcomes)
+    if as_json:
+        typer.echo(json.dumps({"findings": findings(outcomes), "files": {"invariants": str(file)}}))
+    else:
+        print_outcomes(outcomes)
+        typer.echo(f"invariants: {file}")
+    if any(outcome.finding.failed for outcome in outcomes):
         raise typer.Exit(1)
 
 

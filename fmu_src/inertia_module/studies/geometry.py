@@ -90,7 +90,7 @@ class Inertia:
         size = np.abs(terms).max(axis=0)
         kept = (size > 1e-15 * size.max()) & (orders >= 0.0)
         self._waves = 1j * orders[kept]
-        self.highest = float(orders[kept].max())
+        self.highest = float(orders[kept].max(initial=0.0))
         # a real series is twice its half of positive orders
         self._terms = terms[:, kept] * np.where(orders[kept] > 0.0, 2.0, 1.0)
 

@@ -7,13 +7,14 @@ q' = k (omega1 - omega2), I, B, G of geometry.py and M' = dM/dq; J3 and J4 turn 
     M alpha + M' q' w - 1/2 (w' M' w) (k, -k) = (M1, Th - Tc)
     J3 alpha3 = Tc - T    J4 (alpha4 - beta alpha3) = T - f omega4 - load    T = c twist + d (omega3 - omega4)
 
-A rigid output has no J4 and T = load. Of M1 and omega1 = constant one is given. 0 <= omega2 _|_ Th >= 0 and
+A rigid output has no J4 and T = load. Of M1 and omega1 one is given. 0 <= omega2 _|_ Th >= 0 and
 0 <= omega3 - omega2 _|_ Tc >= 0: a closed freewheel opens where its torque falls through zero, an open one
 closes where its speed does.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 import sys
 from collections.abc import Callable, Mapping
@@ -42,8 +43,9 @@ class Lagrange:
 
     Args:
         parameters: by name, those that differ from the defaults; fidelity elastic or, any other, rigid.
-        omega1: constant, or at the start where the drive gives a torque, rad/s.
+        omega1: until another is given, or at the start where the drive gives a torque, rad/s.
         load_torque, drive_torque: on the output shaft and, where the drive gives one, on link 1, N.m.
+        most: evaluations of the equations that it may take.
 
     Attributes:
         time: s. state: drive angle and angle of link 1, unwrapped, twist of the shaft, rad; speeds, rad/s.
@@ -51,11 +53,16 @@ class Lagrange:
 
     Raises:
         Unavailable: SciPy is not installed, or a freewheel turns backwards at the start.
-        ArithmeticError: the motion leaves the range of doubles.
+        ArithmeticError: the motion leaves the range of doubles, or takes more evaluations.
     """
 
     def __init__(
-        self, parameters: Mapping[str, float], omega1: float, load_torque: float, drive_torque: float = 0.0
+        self,
+        parameters: Mapping[str, float],
+        omega1: float,
+        load_torque: float,
+        drive_torque: float = 0.0,
+        most: float = math.inf,
     ) -> None:
         self.p = p = {**default_parameters(), **parameters}
         self._solver, self._root = library("scipy.integrate").DOP853, library("scipy.optimize").brentq
@@ -67,13 +74,13 @@ class Lagrange:
             self._own[3, 2] = -p["balancer"] * p["driven_inertia"]
         there = p["housing_freewheel"], p["output_freewheel"]
         self._freewheels = [wheel for wheel in (HOUSING, OUTPUT) if there[wheel]]
-        self.time, self.switches, self.evaluations = 0.0, list[float](), 0
+        self.time, self.switches, self.evaluations, self._most = 0.0, list[float](), 0, most
         speeds = omega1, p["omega2_start"], *[p["omega_out_start"]] * (1 + self._elastic)
         self.state = np.array([p["drive_angle_start"], 0.0, 0.0, *speeds], dtype=float)
         if any(self._speed(wheel, self.state) < 0.0 for wheel in self._freewheels):
             raise Unavailable("Lagrange's equations: a start with omega2 >= 0 and omega3 >= omega2 is needed")
         # of those left out, that of the housing is open for ever, that of the output closed
-        self._closed = [False, not there[OUTPUT]]
+        self._closed, self._slope = [False, not there[OUTPUT]], 0.0
         self.give(drive_torque, load_torque)
 
     @staticmethod
@@ -97,6 +104,19 @@ class Lagrange:
         shaft = p["shaft_stiffness"] * y[TWIST] + p["shaft_damping"] * (hub - driven)
         return [self.torque, 0.0, -shaft, shaft - p["driven_friction"] * driven - self.load]
 
+    def _moved(self, mass: Array, forces: Array, given: float, closed: list[bool]) -> Array:
+        """Accelerations that forces make with these freewheels closed, that of link 1 given unless free.
+
+        In the same way they are the speeds that momenta make.
+        """
+        # what moves: each row the speeds of all links where one of them has speed 1
+        moving = np.eye(len(mass))
+        moving[1, 2] = closed[OUTPUT]
+        moves = [self._by_torque, not closed[HOUSING], not closed[OUTPUT], True]
+        free, first = moving[moves[: len(mass)]], np.eye(len(mass))[0] * given
+        moved: Array = first + np.linalg.solve(free @ mass @ free.T, free @ (forces - mass @ first)) @ free
+        return moved
+
     def _motion(self, y: Array) -> tuple[Array, tuple[float, float]]:
         """The accelerations of all links, rad/s^2, and the torques (Th, Tc) in the freewheels, N.m."""
         self.evaluations += 1
@@ -106,15 +126,12 @@ class Lagrange:
         push, forces = slope @ w, np.array(self._outer(y))
         forces -= self.k * (w[0] - w[1]) * push
         forces[:2] += 0.5 * self.k * (w @ push) * np.array([1.0, -1.0])
-        # what moves: each row the speeds of all links where one of them has speed 1
-        moving = np.eye(w.size)
-        moving[1, 2] = self._closed[OUTPUT]
-        moves = [self._by_torque, not self._closed[HOUSING], not self._closed[OUTPUT], True]
-        free = moving[moves[: w.size]]
-        alpha = np.linalg.solve(free @ mass @ free.T, free @ forces) @ free
+        alpha = self._moved(mass, forces, self._slope, self._closed)
         # SciPy would look for a shorter step for ever
         if not np.isfinite(alpha).all():
             raise ArithmeticError("the motion leaves the range of doubles")
+        if self.evaluations > self._most:
+            raise ArithmeticError(f"the motion takes more than {self._most:g} evaluations")
         missing = mass @ alpha - forces
         return alpha, (float(missing[1] + missing[2]), float(missing[2]))
 
@@ -159,6 +176,28 @@ class Lagrange:
         for wheel in self._freewheels:
             self._closed[wheel] = self._closed[wheel] or self._speed(wheel, self.state) == 0.0
         self._let_go()
+
+    def turn(self, omega1: float, slope: float = 0.0) -> None:
+        """Give the speed of link 1, rad/s, from now on with a slope, rad/s^2.
+
+        Where it jumps the freewheels' conditions hold for impulses and the speeds after it (Moreau).
+        """
+        self._slope = slope
+        if omega1 != self.state[OMEGA1]:
+            mass = self._matrix(*self._inertia(self.state[Q])[0]) + self._own
+            momenta = mass @ self.state[OMEGA1:]
+
+            def breach(closed: list[bool]) -> float:
+                w = self._moved(mass, momenta, omega1, closed)
+                missing = mass @ w - momenta
+                impulses, slips = (missing[1] + missing[2], missing[2]), (w[1], w[2] - w[1])
+                return max((-(impulses if closed[n] else slips)[n] for n in self._freewheels), default=0.0)
+
+            there = [n in self._freewheels for n in (HOUSING, OUTPUT)]
+            choices = [(True, False) if there[n] else (n == OUTPUT,) for n in (HOUSING, OUTPUT)]
+            self._closed = min(map(list, itertools.product(*choices)), key=breach)
+            self.state[OMEGA1:] = self._moved(mass, momenta, omega1, self._closed)
+        self.give(self.torque, self.load)
 
     def _frequency(self) -> float:
         """Of the elastic shaft, rad/s, 0 without one."""

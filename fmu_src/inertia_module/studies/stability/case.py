@@ -31,6 +31,7 @@ class Segment:
 
     Attributes:
         duration: s. omega1: at its beginning, rad/s. load: N.m. slope: of omega1, rad/s^2.
+        drive: torque on link 1, where the drive gives one, N.m.
         steps: communication steps it takes at least (a step may be up to 1e6 s long).
         whole: whether its steps stay as they are in the run of many short ones.
     """
@@ -39,6 +40,7 @@ class Segment:
     omega1: float
     load: float
     slope: float = 0.0
+    drive: float = 0.0
     steps: int = 1
     whole: bool = False
 

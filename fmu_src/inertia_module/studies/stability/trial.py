@@ -35,10 +35,12 @@ class Run:
     Attributes:
         end: values at the end: speeds, energies, drive angle gone through, impulses of the torques.
         finite: whether every output was, at every communication point.
-        residual: largest energy residual, J. speed, torque: largest seen, rad/s, N.m.
+        residual: largest energy residual, J. gained: largest energy from nowhere, J. speed, torque: largest
+            seen, rad/s, N.m.
         energy: largest of input, output, stored, and what the imbalances can have at the speeds seen, J.
         reversal: deepest breach of omega2 >= 0 or omega3 >= omega2, rad/s.
         pull: deepest breach of Tc >= 0 or Th >= 0, N.m.
+        slipping: largest power of a freewheel, torque by slip, W.
         phase: advance of what has to be followed, rad. evaluations, steps: what it took.
         fixed_steps: internal steps of method timestepping.
         refused: message of the refusal that ended it, or "".
@@ -48,11 +50,13 @@ class Run:
     end: dict[str, float] = field(default_factory=dict)
     finite: bool = True
     residual: float = 0.0
+    gained: float = 0.0
     energy: float = 0.0
     speed: float = 0.0
     torque: float = 0.0
     reversal: float = 0.0
     pull: float = 0.0
+    slipping: float = 0.0
     phase: float = 0.0
     fixed_steps: int = 0
     evaluations: float = 0.0
@@ -61,23 +65,33 @@ class Run:
     broken: str = ""
 
 
+def _input_speed(module: Module) -> float:
+    """Speed of link 1, rad/s: at the beginning of the step where it is given."""
+    return module["input_speed" if module["drive"] else "omega1"]
+
+
 def _look(run: Run, module: Module) -> None:
     """Take note of what shows at a communication point."""
     run.finite = run.finite and all(map(math.isfinite, module.outputs.numbers))
     run.residual = max(run.residual, abs(module["energy_residual"]))
-    fastest = max(abs(module["omega1"]), abs(module["omega2"]))
+    run.gained = max(run.gained, -module["energy_residual"])
+    link1 = _input_speed(module)
+    fastest = max(abs(link1), abs(module["omega2"]))
     possible = 0.5 * imbalance_inertia(module.derived) * fastest * fastest
     run.energy = max(run.energy, possible, *(abs(module[name]) for name in (*ENERGIES, "energy_stored")))
-    run.speed = max(run.speed, *(abs(module[name]) for name in ("omega1", *SPEEDS)))
+    run.speed = max(run.speed, abs(link1), *(abs(module[name]) for name in SPEEDS))
     run.torque = max(run.torque, *(abs(module[name]) for name in TORQUES))
     if module["fidelity"] not in (RIGID, ELASTIC):
         return
     if module["housing_freewheel"]:
         run.reversal = max(run.reversal, -module["omega2"])
         run.pull = max(run.pull, -module["housing_torque"])
+        run.slipping = max(run.slipping, module["omega2"] * module["housing_torque"])
     if module["output_freewheel"]:
         run.reversal = max(run.reversal, module["omega2"] - module["omega_hub"])
         run.pull = max(run.pull, -module["output_torque"])
+        slip = module["omega_hub"] - module["omega2"]
+        run.slipping = max(run.slipping, slip * module["output_torque"])
 
 
 def _rate(module: Module, omega1: float) -> float:
@@ -114,7 +128,9 @@ def _go(run: Run, module: Module, segment: Segment, split: int) -> None:
     impulses = dict.fromkeys(IMPULSES, 0.0)
     for n in range(count):
         omega1 = segment.omega1 + segment.slope * n * step
-        module.set(omega1=omega1, load_torque=segment.load)
+        module.set(omega1=omega1, load_torque=segment.load, drive_torque=segment.drive)
+        if segment.slope and not module["input_hold"]:
+            module.set_rates(omega1=segment.slope)
         before = bytes(module.state)
         try:
             module.advance(step)
@@ -125,7 +141,7 @@ def _go(run: Run, module: Module, segment: Segment, split: int) -> None:
         run.steps += 1
         if module["max_step"] > 0.0:
             run.fixed_steps += math.ceil(step / module["max_step"])
-        run.phase += step * _rate(module, omega1)
+        run.phase += step * _rate(module, _input_speed(module))
         for name in impulses:
             impulses[name] += module[name] * step
         _look(run, module)
@@ -144,7 +160,7 @@ def run_once(
     run = Run()
     first = segments[0]
     try:
-        module.start(**parameters, omega1=first.omega1, load_torque=first.load)
+        module.start(**parameters, omega1=first.omega1, load_torque=first.load, drive_torque=first.drive)
     except Refused as error:
         run.refused = str(error)
         return run
@@ -210,10 +226,9 @@ def nudged(
     beside = []
     for part in (change, -change):
         start = parameters.get("drive_angle_start", 0.0) + part
-        loads = tuple(replace(one, load=one.load * (1.0 + part)) for one in segments)
-        speeds = tuple(
-            replace(one, omega1=one.omega1 * (1.0 + part), slope=one.slope * (1.0 + part)) for one in segments
-        )
+        factor = 1.0 + part
+        loads = tuple(replace(one, load=one.load * factor, drive=one.drive * factor) for one in segments)
+        speeds = tuple(replace(one, omega1=one.omega1 * factor, slope=one.slope * factor) for one in segments)
         turned = parameters | {"drive_angle_start": start}
         beside += [(turned, segments), (parameters, loads), (parameters, speeds)]
     return beside
