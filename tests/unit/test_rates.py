@@ -19,7 +19,14 @@ from inertia_module.kernel.contact import TORQUE_ROUNDING, is_held, select_mode
 from inertia_module.kernel.fields import WORKSPACE
 from inertia_module.kernel.guards import guard, guard_inside, instant, is_guarded
 from inertia_module.kernel.inertia import reduced_inertia, second_derivative_of_b
-from inertia_module.kernel.links import accelerations, given_at_input, held_torque, motion, torques
+from inertia_module.kernel.links import (
+    accelerations,
+    given_at_input,
+    held_torque,
+    inertia_at_output,
+    motion,
+    torques,
+)
 from inertia_module.kernel.shaft import load_behind_freewheel, relative_rate, shaft_torque
 from inertia_module.kernel.solvers.collocated_guards import fit_polynomials
 from inertia_module.kernel.solvers.dormand_prince import END
@@ -53,10 +60,10 @@ def values(request):
     return {**mechanism, "satellites": satellites, **inertias, **drive}
 
 
-@pytest.fixture(params=range(2), ids=lambda _: "")
+@pytest.fixture
 def chance(request):
-    """A source of random numbers, the same each run."""
-    return random.Random(request.param)
+    """A source of random numbers, for each test its own and the same each run."""
+    return random.Random(request.node.name)
 
 
 def random_motion(chance):
@@ -90,12 +97,12 @@ def test_acceleration_of_link_2(values, chance, carried):
     d = started("plain", values).derived
     *state, given, torque, torque_rate = random_motion(chance)
     path = moved(d, *state, given, False, carried, torque)
-    alpha1, alpha2, jerk2, *_ = motion(d, *state, given, False, carried, torque, torque_rate)
+    alpha1, alpha2, jerk2, _, _, momentum = motion(d, *state, given, False, carried, torque, torque_rate)
 
     def along(t):
-        return accelerations(d, *path(t), given, False, carried, torque + torque_rate * t)[:2]
+        return accelerations(d, *path(t), given, False, carried, torque + torque_rate * t)
 
-    assert (alpha1, alpha2) == pytest.approx(along(0.0), rel=1e-12)
+    assert (alpha1, alpha2, momentum) == pytest.approx(along(0.0), rel=1e-12)
     assert_rates(jerk2, lambda t: along(t)[1])
 
 
@@ -106,6 +113,13 @@ def test_mesh_torque_of_a_link_2_kept_at_its_speed(values, chance):
     _, _, _, torque, rate, _ = motion(d, *state, given, True, 0.0, 0.0, 0.0)
     assert torque == pytest.approx(mesh_torque(d, *state, given), rel=1e-9, abs=1e-12)
     assert_rates(rate, lambda t: mesh_torque(d, *path(t), given))
+
+
+def test_inertia_at_the_output_is_torque_over_acceleration(values, chance):
+    d = started("plain", values).derived
+    *state, given, torque, _ = random_motion(chance)
+    found = -1.0 / inertia_at_output(d, state[0])
+    assert_rates(found, lambda more: accelerations(d, *state, given, False, 0.0, torque + more)[1])
 
 
 def test_held_torque_is_that_of_the_motion(values, chance):
