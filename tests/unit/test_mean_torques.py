@@ -77,3 +77,15 @@ def test_means_are_those_of_the_torques_at_each_instant(compiled, scene):
         assert sums[name] / steps == pytest.approx(one[f"{name}_mean"], abs=1e-3 * largest)
     ripple = (squares / steps - one["output_torque_mean"] ** 2) ** 0.5
     assert one["torque_ripple"] == pytest.approx(ripple, rel=1e-3)
+
+
+@pytest.mark.parametrize("fidelity", [0, 2, 3])
+@pytest.mark.parametrize("freewheels", FREEWHEELS)
+def test_work_of_the_input_torque_closes_the_audit_under_a_ramp(compiled, scene, freewheels, fidelity):
+    module = started(compiled, scene, FREEWHEELS[freewheels], fidelity=fidelity, load_torque=3.0, tolerance=1e-9)
+    for step in (1e-3, 0.03, 0.06):
+        module.set_rates(omega1=700.0)
+        module.advance(step)
+        module.set(omega1=module["omega1"] + 700.0 * step)
+        turnover = max(abs(module[name]) for name in ("energy_in", "energy_out", "energy_stored"))
+        assert abs(module["energy_residual"]) < 1e-7 * turnover

@@ -10,7 +10,7 @@ from itertools import product
 
 import pytest
 from differences import assert_rates, difference
-from scenes import ENGINE, LAYOUTS, started
+from scenes import DRIVEN, ENGINE, LAYOUTS, SCENES, advanced, started
 
 from inertia_module.compiling.records import record_type
 from inertia_module.kernel.averaged import motion as steady
@@ -258,3 +258,26 @@ def test_guards_of_the_steady_motion(values, chance, direction, mode):
     for which in guards:
         _, rate = steady.guard(d, t, which, at)
         assert_rates(rate, lambda angle, which=which: steady.guard(d, t, which, there(angle))[0])
+
+
+@pytest.mark.parametrize("scene", ["bevel", "planar"])
+@pytest.mark.parametrize("values", [SCENES, DRIVEN], ids=["by speed", "by torque"])
+@pytest.mark.parametrize("output", [{}, ELASTIC_OUTPUT], ids=["rigid", "elastic"])
+def test_rates_of_the_outputs(values, scene, output):
+    module = advanced(started("plain", values[scene], output, tolerance=1e-9), 0.0234)
+    mesh, clutch, housing = (module[f"{name}_torque"] for name in ("mesh", "output", "housing"))
+    passed, inertia, pushed = clutch - module["load_torque"], module["output_inertia"], 0.0
+    if output:
+        d, shaft = module.derived, shaft_torque(module.derived, module.state)
+        passed, inertia = shaft - d.friction * module["omega_out"] - module["load_torque"], d.J4
+        pushed = d.balancer * (clutch - shaft) / d.J3
+    expected = {
+        "omega2": (mesh - clutch + housing) / module["link2_inertia"],
+        "omega_out": passed / inertia + pushed,
+        "input_speed": module.state.alpha1,
+        "input_torque_mean": 0.0,
+        "output_torque_mean": 0.0,
+    }
+    rates = module.rates()
+    found = {name: rates[name] for name in expected}
+    assert found == pytest.approx(expected, rel=1e-5, abs=1e-5 * abs(expected["omega2"]))
