@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from inertia_module.compiling.records import record_type
+from inertia_module.kernel.driven_shaft import propagator
 from inertia_module.kernel.fields import WORKSPACE
 from inertia_module.kernel.solvers import collocation, dormand_prince, dormand_prince_5, radau
 from inertia_module.kernel.solvers.interpolant import (
@@ -91,6 +92,12 @@ def test_collocation_integrates_powers_up_to_its_order(power):
             twice = node ** (power + 2) / (power + 2)
             assert collocation.row(radau.SQUARE, i, rates) == pytest.approx(twice, abs=1e-14)
         assert collocation.embedded_error(float(power == 0), rates) == pytest.approx(0.0, abs=1e-13)
+
+
+@pytest.mark.parametrize("power", range(10))
+def test_gauss_rule_integrates_powers_up_to_its_order(power):
+    rates = np.array(powers(propagator.NODES, power))
+    assert rates @ np.array(propagator.WEIGHTS) == pytest.approx(1.0, abs=1e-14)
 
 
 @pytest.mark.parametrize("sigma", SIGMAS)
