@@ -54,7 +54,7 @@ SELECTION = {
     "": """
         test_check_values.py test_methods.py test_elastic.py::test_check_values_of_the_design
         test_mean_torques.py test_elastic.py::test_the_work_of_the_balancer_is_in_the_audit
-        test_freewheels.py test_jumps.py test_invariants.py
+        test_rates.py::test_rates_of_the_outputs test_freewheels.py test_jumps.py test_invariants.py
         test_torque_driven.py::test_torque_with_a_rate_counts_by_its_mean_over_the_step
         test_elastic.py::test_means_of_the_step_are_the_momentum_they_give
         test_torque_driven.py::test_course_is_that_of_lagranges_equations_under_scipy

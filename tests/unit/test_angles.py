@@ -4,7 +4,7 @@ import math
 from fractions import Fraction
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from scenes import SCENES, advanced, drive_angle, started
 
@@ -114,6 +114,8 @@ def test_wrapped_angles_are_within_one_turn(turns, bit):
         assert abs(Fraction(found) + Fraction(low) + round(taken) * 2 * PI - Fraction(angle)) < 1e-21
 
 
+@example(value=1.0, change=1e-20)
+@example(value=1e-20, change=1.0)
 @given(value=st.floats(-1e6, 1e6), change=st.floats(-1e6, 1e6))
 def test_a_sum_keeps_what_rounding_has_lost(value, change):
     new, low = add(value, 0.0, change)

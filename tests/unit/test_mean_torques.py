@@ -110,3 +110,20 @@ def test_ramp_has_its_angle_and_its_work_closes_the_audit(compiled, scene, freew
     time, start = 0.091, scene["omega1"]
     angle = module["input_angle"] + TWO_PI * module["input_turns"]
     assert angle == pytest.approx(time * (start + 0.5 * 700.0 * time), rel=1e-12)
+
+
+def test_input_goes_on_as_over_the_last_step_where_it_is_held_so(kernel, scene):
+    module = advanced(started(kernel, scene, input_hold=1, omega1=90.0), 0.02)
+    advanced(module, 0.01, omega1=93.0)
+    assert module["input_speed"] == pytest.approx(93.0 + 3.0 * 0.01 / 0.02, rel=1e-14)
+
+
+@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-3])
+def test_peak_of_a_pulse_that_ends_within_a_long_step_is_of_the_pulse_alone(compiled, name, tolerance):
+    long_steps = advanced(started(compiled, SCENES[name], tolerance=tolerance), 0.05)
+    fine, peak = started(compiled, SCENES[name]), 0.0
+    for _ in range(2000):
+        fine.advance(2.5e-5)
+        peak = max(peak, fine["output_torque"])
+    assert long_steps["torque_peak"] == pytest.approx(peak, rel=0.02)
