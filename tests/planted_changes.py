@@ -134,7 +134,6 @@ solvers/held.py: looks = max(1, int(math.ceil(sigma {*|/} looks)))
 solvers/kinematic.py: weight * output * {ratio * |}speed
 solvers/elastic.py: d.k * (turned1 {-|+} change
 solvers/elastic.py: (mode == HELD or x.omega3 {<|>} 0.0)
-solvers/elastic.py: error_q {-|+}= d.k
 solvers/elastic_stages.py: (g1 * k * k {-|+} i1) * omega1
 solvers/elastic_stages.py: phi * rate1 - coupling * rate2 - w.given {+|-} r1
 solvers/elastic_stages.py: d.J3 * w.rate3[n] {+|-} w.stage_shaft

@@ -127,3 +127,18 @@ def test_peak_of_a_pulse_that_ends_within_a_long_step_is_of_the_pulse_alone(comp
         fine.advance(2.5e-5)
         peak = max(peak, fine["output_torque"])
     assert long_steps["torque_peak"] == pytest.approx(peak, rel=0.02)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_mean_input_torque_while_a_ramp_comes_up_to_the_load(compiled, name):
+    one, many = (started(compiled, SCENES[name], load_torque=100.0, tolerance=1e-9) for _ in range(2))
+    one.set_rates(omega1=700.0)
+    one.advance(0.05)
+    means = []
+    for n in range(200):
+        many.set(omega1=SCENES[name]["omega1"] + 700.0 * 0.05 / 200 * n)
+        many.set_rates(omega1=700.0)
+        many.advance(0.05 / 200)
+        means.append(many["input_torque_mean"])
+    assert one["omega_out"] > 0.0
+    assert one["input_torque_mean"] == pytest.approx(sum(means) / 200, rel=1e-7)
