@@ -25,7 +25,7 @@ FEW = ["--hypothesis-profile=few"]
 # tests that are quick in plain Python, in tests/unit, what notices most first; by the file that is changed
 SELECTION = {
     "averaged/": """
-        test_averaged_rates.py test_rates.py::test_guards_of_the_steady_motion
+        test_averaged_rates.py test_rates.py::test_speeds_and_guards_of_the_steady_motion
         test_averaged.py::test_input_passes_through_zero_and_back
         test_averaged.py::test_overrunning_shaft_leaves_the_input_behind_and_comes_back
         test_averaged.py::test_locked_shaft_slips_under_a_load_beyond_the_lock_up_torque

@@ -6,9 +6,11 @@ from itertools import product
 import pytest
 from differences import assert_rates
 from scenes import ENGINE, started
+from scipy.interpolate import PchipInterpolator
 
 from inertia_module.kernel.averaged.jump import input_inertia
 from inertia_module.kernel.averaged.rates import energy_at, flow, mean_input_torque
+from inertia_module.kernel.averaged.table import inner_slope
 
 
 @pytest.fixture(params=product([0, 1], [1.0, -1.0], range(4)), ids=str)
@@ -62,3 +64,9 @@ def test_mean_energy_and_input_torque(averaged):
         torque = flow(d, side, x, speed, 0.0, omega3)[3][0]
         given = mean_input_torque(d, side, x, v, alpha1, alpha3, torque) * v
         assert_rates(given - torque * omega3, lambda t: energy(alpha1 * t, alpha3 * t)[0])
+
+
+def test_slopes_of_the_table_are_those_of_scipy():
+    x, y = [0.0, 0.3, 1.0], [2.0, 1.5, 0.1]
+    found = inner_slope(x[1] - x[0], x[2] - x[1], *y)
+    assert found == pytest.approx(PchipInterpolator(x, y).derivative()(x[1]), rel=1e-13)

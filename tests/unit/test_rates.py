@@ -240,13 +240,15 @@ def test_torque_that_just_releases_link_2_or_not(values, chance, sign):
 
 @pytest.mark.parametrize("mode", [HELD, DRIVING, FREE])
 @pytest.mark.parametrize("direction", [1.0, -1.0])
-def test_guards_of_the_steady_motion(values, chance, direction, mode):
+def test_speeds_and_guards_of_the_steady_motion(values, chance, direction, mode):
     d = started("plain", values).derived
     t = d.travel
-    t.direction, t.mode, t.omega3 = direction, mode, chance.uniform(0.1, 1.0)
+    t.direction, t.mode, t.omega3 = direction, mode, chance.uniform(0.1, 0.8)
     t.given = chance.uniform(-1.0, 1.0) if d.by_torque else 0.0
-    q, slip = chance.uniform(-7.0, 7.0), chance.uniform(0.2, 2.0)
+    q, slip = chance.uniform(-7.0, 7.0), chance.uniform(1.0, 2.0)
     omega2 = {HELD: 0.0, DRIVING: t.omega3, FREE: 0.3 * t.omega3}[mode]
+    if not d.by_torque:
+        slip = abs(direction - omega2)  # link 1 has the speed 1 where it is given
     at = steady.instant(d, t, q, omega2 + direction * slip, omega2)
 
     def there(angle):
@@ -254,6 +256,13 @@ def test_guards_of_the_steady_motion(values, chance, direction, mode):
         speeds = at[0] + at[2] * time, at[1] + at[3] * time
         return steady.instant(d, t, q + direction * angle, *speeds)
 
+    t.q = q
+    steady.take_integrals(d, t, *at[:2])
+    assert_rates(
+        [at[2] / (d.k * slip), at[3] / (d.k * slip)],
+        lambda angle: steady.instant_after(d, t, at, angle)[:2],
+        1e-4,
+    )
     guards = (steady.LINK2_GUARD, steady.OUTPUT_GUARD) if mode == FREE else (steady.TORQUE_GUARD,)
     for which in guards:
         _, rate = steady.guard(d, t, which, at)
