@@ -6,6 +6,7 @@ from hypothesis import settings
 
 # the same examples each run; `pytest --hypothesis-profile=search` looks for new ones
 settings.register_profile("same", max_examples=40, deadline=None, derandomize=True, database=None)
+settings.register_profile("few", settings.get_profile("same"), max_examples=8)
 settings.register_profile("search", max_examples=400, deadline=None)
 settings.load_profile("same")
 # tests/planted_changes.py asks for that: nothing is translated

@@ -1,10 +1,11 @@
 """Do the tests notice? Single changes are planted in copies of the kernel, and tests run with each.
 
-    python tests/planted_changes.py                          the selection below, all changes
-    python tests/planted_changes.py -n 2 -k search tests/unit/test_dips.py
+    python tests/planted_changes.py -n 2                     all changes, each with the selection below
+    python tests/planted_changes.py -k search tests/unit/test_dips.py
 
 Prints for each change the first test that failed, or "survived". Nothing is translated: the tests run with
-INERTIA_MODULE_KERNEL=plain, so choose tests of the kernel itself, tests/unit, not of built FMUs.
+INERTIA_MODULE_KERNEL=plain and few examples each, so choose tests of the kernel itself, tests/unit, not of
+built FMUs.
 """
 
 import argparse
@@ -19,46 +20,154 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "fmu_src" / "inertia_module"
-TIME_LIMIT = 1200  # s a change: an endless run is noticed too
-# what is quick in plain Python, that which notices most first
-SELECTION = ["test_works", "test_links"]
+TIME_LIMIT = 400  # s a change: an endless run is noticed too
+FEW = ["--hypothesis-profile=few"]
+# tests that are quick in plain Python, in tests/unit, what notices most first; by the file that is changed
+SELECTION = {
+    "averaged/": """
+        test_averaged_rates.py test_rates.py::test_speeds_and_guards_of_the_steady_motion
+        test_averaged.py::test_input_passes_through_zero_and_back
+        test_averaged.py::test_overrunning_shaft_leaves_the_input_behind_and_comes_back
+        test_averaged.py::test_locked_shaft_slips_under_a_load_beyond_the_lock_up_torque
+        test_averaged.py::test_shaft_that_starts_at_the_end_of_the_map_comes_to_rest_within_one_step
+        test_averaged.py::test_shaft_is_braked_to_rest_and_stays_there
+        test_averaged_map.py::test_ripple_and_mean_speed_and_energy_are_those_of_the_rigid_motion[0.3-planar]
+        test_averaged_by_torque.py::test_behind_an_engine_of_great_inertia_the_motion_is_that_at_its_speed
+    """,
+    "driven_shaft/": "test_propagator.py test_driven_shaft.py",
+    "timestepping": "test_timestepping.py",
+    "solvers/": """
+        test_methods.py test_check_values.py test_elastic.py::test_check_values_of_the_design test_rates.py
+        test_torque_driven.py::test_course_is_that_of_lagranges_equations_under_scipy
+        test_elastic.py::test_means_of_the_step_are_the_momentum_they_give test_mean_torques.py
+        test_elastic.py::test_the_work_of_the_balancer_is_in_the_audit test_freewheels.py test_dips.py
+    """,
+    "^(inertia|layout|derive|sine|accumulate|clearance)": """
+        test_check_values.py test_circular.py test_clearance.py test_rates.py test_reduced_inertia.py
+        test_angles.py::test_wrapped_angles_are_within_one_turn
+        test_angles.py::test_link_2_held_by_its_freewheel_keeps_the_same_angles
+    """,
+    "^(links|contact|guards|search|shaft|output_shaft)": """
+        test_check_values.py test_rates.py test_freewheels.py test_mean_torques.py test_dips.py
+        test_torque_driven.py::test_course_is_that_of_lagranges_equations_under_scipy
+    """,
+    "": """
+        test_check_values.py test_methods.py test_elastic.py::test_check_values_of_the_design
+        test_mean_torques.py test_elastic.py::test_the_work_of_the_balancer_is_in_the_audit
+        test_rates.py::test_rates_of_the_outputs test_freewheels.py test_jumps.py test_invariants.py
+        test_torque_driven.py::test_torque_with_a_rate_counts_by_its_mean_over_the_step
+        test_elastic.py::test_means_of_the_step_are_the_momentum_they_give
+        test_torque_driven.py::test_course_is_that_of_lagranges_equations_under_scipy
+        test_angles.py::test_link_2_held_by_its_freewheel_keeps_the_same_angles
+    """,
+}
 # file of the kernel, and a place in it that is there once: {what stands there|what is planted}
 CHANGES = r"""
 links.py: drive {+|-} coupling * push) / determinant\n    return
 links.py: {-|+} 0.5 * i2 * rate_q * omega1 * omega1\n
 links.py: k * (b1 + {2.0|1.0} * k * g1) * rate_q * alpha1
+links.py: push_rate -= k * k * g1 * rate_q * {|-}alpha2
+links.py: drive_rate = coupling_rate * {|-}alpha2
+links.py: rate2_q = k * (alpha1 {-|+} alpha2)\n    coupling_rate
+links.py: return d.J2 + k * k * ((d.J1 + i) * g {-|+} b * b) / inertia
+links.py: return (d.J1 + i) * omega1 {+|-} b * d.k
+inertia.py: (s * s {+|-} 3.0) * radial1) * sin_a
+inertia.py: 2.0 * (z1 * z1 {+|-} z * z2)
+inertia.py: mass * (y * z2 {-|+} z * y2), g
+inertia.py: d.radial * d.axial * {|-}cosine
+layout.py: {+|-} coriolis * y1
+layout.py: across2 = tangential2 {+|-} 2.0 * radial1
+derive.py: 1.0 + 2.0 * s * {cosine|sine} + s * s
+derive.py: d.harmonic = 2.0 + {2.0|0.0} * d.s
+derive.py: least = fixed + moving * offset {*|+} offset
+derive.py: omega_out {<|<=} omega2
+derive.py: max({0.1|10.0} * p.tolerance
+sine.py: HALF_PI_2 = {6|7}.077
+sine.py: z * -1.1470745597729725e-1{1|2}
+accumulate.py: shift)) {+|-} (change - shift)
+accumulate.py: angle_low {-|+} periods * period_low
 contact.py: return value >= -zero and rate {>|<} 0.0
 contact.py: load == 0.0 and load_rate {>=|>} 0.0
 contact.py: TORQUE_ROUNDING = {1e-13|1e-5}
+contact.py: free - load, trend {-|+} load_rate
+contact.py: load_rate {+|-} d.J3 * jerk2
+shaft.py: (1.0 - d.balancer) * rate3 {-|+} driven
+shaft.py: d.stiffness * x.relative {+|-} d.damping
+output_shaft.py: d.J3 * x.omega3 {<|>} load
+output_shaft.py: x.output_square += load {*|+} load
 guards.py: x.omega3 {-|+} slowing * t - omega2
 guards.py: w.load + d.J3 * alpha2, {|-}d.J3 * jerk2
+guards.py: threshold(x, w) - torque, {-|}h * rate
 search.py: SHARE = {0.4|0.0}
-search.py: DIP_LOOKS = {30|1}
-search.py: if not value < {-zero|0.0}:\n            found
 works.py: (start1 + {0.5|1.0} * alpha1 * passed)
 works.py: d.friction * omega4 {-|+} balancing
 works.py: GAUSS_WEIGHT_1 = 0.11846{3|4}
 works.py: sigma < 0.0 or NODES[n] {<=|>=} end:
-engine.py: if passed {>=|>} remaining:
-engine.py: x.step_size {*|/}= STALLED
+works.py: stage_output_torque[n] {-|+} inside
+works.py: before * omega1 {+|-} alpha1 * integral_of_phi
 engine.py: w.load = {x.load_torque|abs(x.load_torque)}
-solvers/explicit.py: turned1 {-|+} change_q / d.k, integrated
-solvers/explicit.py: SAFETY * error ** ({-|}1.0 / order)
-solvers/dormand_prince.py: 0.20136540080403034, 0.0447{1|2}
 solvers/link_step.py: given * (mean_coupling * turned {-|+} 0.5 * (before + after))
 solvers/timestepping.py: lost {-|+}= d.balancer * d.J4 * (w.seen3
-solvers/elastic_stages.py: (g1 * k * k {-|+} i1) * omega1
-averaged/rates.py: 2.0 * speed * torque {-|+} omega3 * torque1
-averaged/step.py: h * (d0 - d1) / {12.0|6.0}
-averaged/run.py: 1.0 {+|-} share * share / 12.0
 impulse.py: impulse * (x.omega1 {+|-} 0.5 * jump)
 impulse.py: fraction = {|0.5 * }omega2 / -change
+impulse.py: (omega4 {+|-} 0.5 * change4)
+impulse.py: (jump - change2)) {-|+} d.J2
 outputs.py: housing = output {-|+} mesh
+outputs.py: output = mesh {-|+} d.J2
 step.py: x.output_square / h {-|+} mean * mean
-inertia.py: (s * s {+|-} 3.0) * radial1) * sin_a
-inertia.py: 2.0 * (z1 * z1 {+|-} z * z2)
-layout.py: {+|-} coriolis * y1
-derive.py: 1.0 + 2.0 * s * {cosine|sine} + s * s
+run.py: h * (start1 + {0.5|1.0} * x.alpha1
+inputs.py: torque + {0.5|1.0} * h * rate
+inputs.py: slope = (speed {-|+} x.held_input)
+rates.py: begin) * {4.0|2.0} - (y
+clearance.py: 2.0 * s * cosine {+|-} s * s
+solvers/explicit.py: turned1 {-|+} change_q / d.k, integrated
+solvers/explicit.py: SAFETY * error ** ({-|}1.0 / order)
+solvers/explicit.py: which == LINK2 or (d.housing {!=|==} 0.0
+solvers/explicit_events.py: sigma > 0.0 and (earliest < 0.0 or sigma {<|>} earliest)
+solvers/explicit_events.py: QUIET_PHASE = {2.0|20.0}
+solvers/explicit_stages.py: sum_13(q), sum_13(o1), sum_13({o2|o1})
+solvers/explicit_stages.py: x.q + h {*|/} mean_q
+solvers/interpolant.py: slope = dense[6] * rest {-|+} y
+solvers/interpolant.py: sum5 = q5 * q5 {+|-} v5 * v5
+solvers/dormand_prince.py: 0.20136540080403034, 0.0447{1|2}
+solvers/dormand_prince_5.py: 71 / 1920, {-|}17253 / 339200
+solvers/held.py: looks = max(1, int(math.ceil(sigma {*|/} looks)))
+solvers/kinematic.py: weight * output * {ratio * |}speed
+solvers/elastic.py: d.k * (turned1 {-|+} change
+solvers/elastic.py: (mode == HELD or x.omega3 {<|>} 0.0)
+solvers/elastic_stages.py: (g1 * k * k {-|+} i1) * omega1
+solvers/elastic_stages.py: phi * rate1 - coupling * rate2 - w.given {+|-} r1
+solvers/elastic_stages.py: d.J3 * w.rate3[n] {+|-} w.stage_shaft
+solvers/shaft_stages.py: (x.twist {+|-} relative * h
+solvers/shaft_stages.py: own + drag {-|+} uniform_torque
+solvers/collocation.py: target[m] * (h / (m + {1|2}.0))
+solvers/collocated_guards.py: return value3 - value2, rate3 {-|+} rate2
+solvers/collocated_guards.py: value - torque, rate {-|+} h * slope
+solvers/radau.py: 0.2231039010{8|9}357075
+solvers/followed.py: square / (half {+|-} math.sqrt
+averaged/rates.py: 2.0 * speed * torque {-|+} omega3 * torque1
+averaged/rates.py: share_rate = rate * (share {-|+} s * share1)
+averaged/rates.py: (2.0 * c2 + {3.0|2.0} * t * c3)
+averaged/instants.py: c = k * b {-|+} d.J2
+averaged/falls.py: (alpha1 - alpha2) / d.k {-|+} abs(least)
+averaged/instants.py: return t.energy + {2.0|1.0} * t.given
+averaged/torque_map.py: v**4) {-|+} torque * torque
+averaged/torque_map.py: t.given = omega3 * d.sum_torque {/|*} d.sum_omega1
+averaged/table.py: w0 = {2.0|1.0} * right + left
+averaged/table.py: return (3.0 * s {-|+} 2.0 * m0 - m1)
+averaged/step.py: (begin[1] - end[1]) / {12.0|6.0}
+averaged/step.py: rests = cut and -w.next {>|<} w.next - end
+averaged/legs.py: side.end * (x.drive_torque {-|+} x.load_torque)
+averaged/largest.py: (i {-|+} k * k * g)
+averaged/jump.py: x.energy_in_low, after {-|+} before
+averaged/outputs.py: y.housing_torque = torque {-|+} mesh
+averaged/run.py: 1.0 {+|-} share * share / 12.0
+averaged/run.py: {4.0|2.0} * centre
+driven_shaft/propagator.py: three += share * left * left / {2.0|3.0}
+driven_shaft/motion.py: one + d.rate * {two|one}
+driven_shaft/entry.py: * momentum {-|+} x.hub_slope * moment
+driven_shaft/entry.py: add(x.slip, x.slip_low, jump {-|+} push)
+driven_shaft/entry.py: y.shaft_torque {-|+} p.driven_friction
 """.strip().splitlines()
 
 
@@ -73,12 +182,19 @@ def planted(folder, change):
     return folder
 
 
+def tests_of(change):
+    """The tests selected for a change, by the file that is changed."""
+    file = change.partition(":")[0]
+    names = next(names for part, names in SELECTION.items() if re.search(part, file))
+    return [f"tests/unit/{name}" for name in names.split()]
+
+
 def noticed_by(change, selection):
-    """First test that fails with a change, or "survived"."""
+    """First test that fails with a change (without any, if it is empty), or "survived"."""
     with tempfile.TemporaryDirectory() as folder:
         place = planted(Path(folder), change) if change else PACKAGE.parent
         environment = os.environ | {"INERTIA_MODULE_KERNEL": "plain", "PYTHONPATH": str(place)}
-        command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *selection]
+        command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *FEW, *selection]
         try:
             done = subprocess.run(
                 command,
@@ -102,18 +218,18 @@ def noticed_by(change, selection):
 def main():
     """Run the tests without a change, then with each."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("tests", nargs="*", default=[f"tests/unit/test_{name}.py" for name in SELECTION])
+    parser.add_argument("tests", nargs="*", help="in place of the selection")
     parser.add_argument("-n", type=int, default=1, help="changes at a time")
     parser.add_argument("-k", default="", help="only changes of files whose name contains this")
     arguments = parser.parse_args()
-    before = noticed_by(None, arguments.tests)
-    if before != "survived":
-        sys.exit(f"without a change fails {before}")
     changes = [change for change in CHANGES if arguments.k in change.partition(":")[0]]
+    chosen = [arguments.tests or tests_of(change) for change in changes]
     survivors = 0
     with ThreadPoolExecutor(arguments.n) as pool:
-        results = pool.map(lambda change: noticed_by(change, arguments.tests), changes)
-        for change, found in zip(changes, results, strict=True):
+        for before in pool.map(lambda tests: noticed_by("", tests), {tuple(tests) for tests in chosen}):
+            if before != "survived":
+                sys.exit(f"without a change fails {before}")
+        for change, found in zip(changes, pool.map(noticed_by, changes, chosen), strict=True):
             print(f"{change:<70} {found}", flush=True)
             survivors += found == "survived"
     print(f"{len(changes) - survivors} of {len(changes)} noticed")

@@ -4,11 +4,13 @@ import math
 from fractions import Fraction
 
 import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
 from scenes import SCENES, advanced, drive_angle, started
 
 from inertia_module.compiling.records import record_type
 from inertia_module.kernel import fields
-from inertia_module.kernel.accumulate import wrap_drive_angle, wrap_input_angle
+from inertia_module.kernel.accumulate import add, wrap_drive_angle, wrap_input_angle
 
 # pi to 60 digits
 PI = Fraction(3141592653589793238462643383279502884197169399375105820974944, 10**60)
@@ -108,3 +110,14 @@ def test_wrapped_angles_are_within_one_turn(turns, bit):
     wrap_input_angle(x)
     assert 0.0 <= x.q <= 2.0 * math.pi
     assert 0.0 <= x.theta1 <= 2.0 * math.pi
+    for found, low, taken in ((x.q, x.q_low, x.drive_turns), (x.theta1, x.theta1_low, x.input_turns)):
+        assert abs(Fraction(found) + Fraction(low) + round(taken) * 2 * PI - Fraction(angle)) < 1e-21
+
+
+@example(value=1.0, change=1e-20)
+@example(value=1e-20, change=1.0)
+@given(value=st.floats(-1e6, 1e6), change=st.floats(-1e6, 1e6))
+def test_a_sum_keeps_what_rounding_has_lost(value, change):
+    new, low = add(value, 0.0, change)
+    assert new == value + change
+    assert Fraction(new) + Fraction(low) == Fraction(value) + Fraction(change)

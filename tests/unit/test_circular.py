@@ -21,6 +21,11 @@ def test_both_are_within_one_and_a_half_units(x):
             assert abs(found - wanted) <= 1.5 * ULP * abs(wanted) + 1e-30 * abs(x) + 5e-324
 
 
+def test_both_are_within_one_and_a_half_units_all_around():
+    for n in range(-100, 101):
+        test_both_are_within_one_and_a_half_units.hypothesis.inner_test(0.0707 * n)
+
+
 @given(st.integers(-600000, 600000), st.floats(-1e-3, 1e-3))
 def test_they_are_exact_close_to_their_zeros(n, offset):
     test_both_are_within_one_and_a_half_units.hypothesis.inner_test(n * math.pi / 2.0 + offset)

@@ -57,6 +57,19 @@ def test_reduced_inertia_and_its_derivatives_are_sums_over_the_imbalances(layout
     )
 
 
+@pytest.mark.parametrize("satellites", [1, 2, 3])
+@pytest.mark.parametrize(("z17", "z6"), [(34, 20), (20, 20), (13, 20)])
+@pytest.mark.parametrize("layout", [0, 1])
+def test_highest_harmonic_is_the_highest_there_is(layout, z17, z6, satellites):
+    d = derived({"layout": layout, "z17": z17, "z6": z6, "a": 0.7, "b": 1.3, "satellites": satellites})
+    turns = np.arange(256) / 256
+    spectrum = np.abs(np.fft.rfft([reduced_inertia(d, d.period * turn) for turn in turns], axis=0)).max(
+        axis=1
+    )
+    highest = np.flatnonzero(spectrum > 1e-9 * spectrum.max())[-1]
+    assert d.harmonic == pytest.approx(highest / d.period_turns)
+
+
 @pytest.mark.parametrize("layout", MECHANISMS)
 @given(data=st.data())
 def test_imbalance_and_its_derivatives_follow_the_chain_of_rigid_bodies(layout, data):

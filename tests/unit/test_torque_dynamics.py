@@ -1,13 +1,11 @@
-"""Torque or acceleration of link 1 given: accelerations, their rates, and the contact mode that follows."""
+"""The torque of link 1 given: accelerations, and the contact mode that follows."""
 
 from itertools import product
 
 import numpy as np
 import pytest
-from geometry import direct_derivatives, ratio
 from scenes import FREEWHEELS, LAYOUTS, parameters, started
 
-from inertia_module.kernel.inertia import second_derivative_of_b
 from inertia_module.kernel.links import accelerations, motion
 
 pytest.importorskip("mujoco")
@@ -56,41 +54,6 @@ def test_accelerations_take_the_drive_torque_by_inverse_dynamics(mechanism, stat
         else:
             taken = (mechanism["link2_inertia"] + inertia) * alpha2 + load
             assert mesh == pytest.approx(taken, abs=1e-8 * scale)
-
-
-@pytest.mark.parametrize("drive", [0, 1], ids=["speed given", "torque given"])
-def test_rates_of_acceleration_and_of_held_torque_are_those_along_the_motion(mechanism, states, drive):
-    d = started("plain", mechanism, drive=drive).derived
-    k = ratio(mechanism)
-    for (q, _, omega1, omega2, given), carried in product(states, CARRIED):
-        inertia, load, held = carried
-        load_rate = 0.0 if held else 40.0
-        state = np.array([q, omega1, 0.0 if held else omega2, load])
-
-        def at(time, given=given, state=state, inertia=inertia, held=held, load_rate=load_rate):
-            """(omega2', F) on the tangent of the motion."""
-            alpha1, alpha2, _ = accelerations(d, *state[:3], given, held, inertia, state[3])
-            slope = [k * (state[1] - state[2]), alpha1, alpha2, load_rate]
-            q, *speeds, torque = state + time * np.array(slope)
-            found = motion(d, q, *speeds, given, held, inertia, torque, load_rate)
-            return np.array([found[1], found[3]])
-
-        short = 1e-3 / (k * (abs(omega1) + abs(omega2)))
-        coarse, fine = ((at(step) - at(-step)) / (2.0 * step) for step in (short, 0.5 * short))
-        expected = (4.0 * fine - coarse) / 3.0
-        found = motion(d, *state[:3], given, held, inertia, load, load_rate)
-        scale = np.abs(expected) + np.abs(at(0.0)) * k * (abs(omega1) + abs(omega2))
-        assert np.all(np.abs(np.array([found[2], found[4]]) - expected) <= 1e-6 * scale)
-        same = accelerations(d, *state[:3], given, held, inertia, load)
-        # with the speed given the two sum in another order
-        assert (*found[:2], found[5]) == (same if drive else pytest.approx(same, rel=1e-12))
-
-
-def test_second_derivative_of_the_coupling_is_that_of_the_positions(mechanism, states):
-    d = started("plain", mechanism).derived
-    for q in states[:, 0]:
-        i, b, _ = direct_derivatives(mechanism, q)
-        assert second_derivative_of_b(d, q) == pytest.approx(b[2], abs=1e-10 * max(abs(i)))
 
 
 @pytest.mark.parametrize("freewheels", FREEWHEELS)

@@ -1,0 +1,21 @@
+"""Rates by central differences, for tests of the rates that the kernel writes out."""
+
+import numpy as np
+import pytest
+
+
+def difference(function, step=1e-3):
+    """Rate at 0 of what a function returns, by central differences of order 6."""
+    weights = {1: 45.0, 2: -9.0, 3: 1.0}
+    total = sum(
+        weight * (np.array(function(n * step)) - np.array(function(-n * step)))
+        for n, weight in weights.items()
+    )
+    return total / (60.0 * step)
+
+
+def assert_rates(found, function, step=1e-3):
+    """That these are the rates at 0 of what a function returns."""
+    expected = difference(function, step)
+    scale = np.abs(expected).max() + np.abs(function(0.0)).max()
+    assert found == pytest.approx(expected, rel=1e-7, abs=1e-8 * scale)

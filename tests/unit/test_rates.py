@@ -1,0 +1,292 @@
+"""Every rate of the kernel against differences of what it is the rate of, at random states.
+
+The rates decide whether a dip of a guard is looked for and which contact mode follows a tie: a wrong one
+costs steps, or shows in a rare motion alone. Those of fidelity averaged are in test_averaged_rates.py,
+velocities and accelerations of the imbalance in test_reduced_inertia.py.
+"""
+
+import random
+from itertools import product
+
+import pytest
+from differences import assert_rates, difference
+from scenes import DRIVEN, ENGINE, LAYOUTS, SCENES, advanced, started
+
+from inertia_module.compiling.records import record_type
+from inertia_module.kernel.averaged import falls, instants
+from inertia_module.kernel.codes import CLOSED_FORM, COLLOCATED, DRIVING, EXPLICIT, FREE, HELD, HELD_DRIVING
+from inertia_module.kernel.contact import TORQUE_ROUNDING, is_held, select_mode
+from inertia_module.kernel.fields import WORKSPACE
+from inertia_module.kernel.guards import guard, guard_inside, instant, is_guarded
+from inertia_module.kernel.inertia import reduced_inertia, second_derivative_of_b
+from inertia_module.kernel.links import (
+    accelerations,
+    given_at_input,
+    held_torque,
+    inertia_at_output,
+    motion,
+    torques,
+)
+from inertia_module.kernel.shaft import load_behind_freewheel, relative_rate, shaft_torque
+from inertia_module.kernel.solvers.collocated_guards import fit_polynomials
+from inertia_module.kernel.solvers.dormand_prince import END
+from inertia_module.kernel.solvers.elastic import start_rates
+from inertia_module.kernel.solvers.elastic_stages import solve_stages
+from inertia_module.kernel.solvers.explicit import end_of_step, set_changes
+from inertia_module.kernel.solvers.explicit_stages import evaluate_stages, fit_inside, keep_stage
+
+MODES = [HELD, FREE, DRIVING, HELD_DRIVING]
+ELASTIC_OUTPUT = {"fidelity": 3, "shaft_damping": 0.3, "driven_friction": 0.2, "balancer": 0.4}
+# phase of the highest harmonic in a step, rad: its inside is as exact as differences of it
+PHASE = 0.2
+
+
+def random_mechanisms(chance):
+    """A bevel and a planar mechanism of random teeth, angles and lengths."""
+    bevel = {name: chance.uniform(0.4, 1.6) for name in ("a", "b", "c", "epsilon", "gamma", "shaft_angle")}
+    bevel |= {name: chance.randint(15, 30) for name in ("z2", "z16", "z17", "z6")}
+    planar = {name: chance.uniform(0.02, 0.1) for name in ("sun_radius", "satellite_radius", "eccentricity")}
+    return {"layout": 0, **bevel}, {"layout": 1, **planar}
+
+
+MECHANISMS = [*LAYOUTS.values(), *random_mechanisms(random.Random(1))]
+
+
+@pytest.fixture(params=product(MECHANISMS, [1, 2, 3], [{}, ENGINE]), ids=lambda _: "")
+def values(request):
+    """A mechanism with so many satellites, its speed or its torque given."""
+    mechanism, satellites, drive = request.param
+    inertias = {"drive_inertia": 0.002, "link2_inertia": 0.02, "output_inertia": 0.03, "driven_inertia": 0.05}
+    return {**mechanism, "satellites": satellites, **inertias, **drive}
+
+
+@pytest.fixture
+def chance(request):
+    """A source of random numbers, for each test its own and the same each run."""
+    return random.Random(request.node.name)
+
+
+def random_motion(chance):
+    """(q, omega1, omega2, what is given, torque, its rate) with speeds of about 1 rad/s."""
+    return chance.uniform(-7.0, 7.0), *(chance.uniform(-2.0, 2.0) for _ in range(5))
+
+
+def moved(d, q, omega1, omega2, given, held, carried, torque):
+    """Where (q, omega1, omega2) are after a short time, with these accelerations."""
+    alpha1, alpha2, _ = accelerations(d, q, omega1, omega2, given, held, carried, torque)
+    return lambda t: (q + d.k * (omega1 - omega2) * t, omega1 + alpha1 * t, omega2 + alpha2 * t)
+
+
+def mesh_torque(d, q, omega1, omega2, given):
+    """F: the mesh torque while link 2 keeps its speed, N m."""
+    alpha1, _, _ = accelerations(d, q, omega1, omega2, given, True, 0.0, 0.0)
+    return torques(d, q, omega1, alpha1, omega2, 0.0)[1]
+
+
+def test_reduced_inertia(values, chance):
+    d = started("plain", values).derived
+    q = chance.uniform(-7.0, 7.0)
+    _, i1, i2, _, b1, _, g1, g2 = reduced_inertia(d, q)
+    sources = [0, 1, 3, 4, 5, 6]  # I, I', B, B', G, G'
+    rates = (i1, i2, b1, second_derivative_of_b(d, q), g1, g2)
+    assert_rates(rates, lambda t: [reduced_inertia(d, q + t)[n] for n in sources])
+
+
+@pytest.mark.parametrize("carried", [0.0, 0.03])
+def test_acceleration_of_link_2(values, chance, carried):
+    d = started("plain", values).derived
+    *state, given, torque, torque_rate = random_motion(chance)
+    path = moved(d, *state, given, False, carried, torque)
+    alpha1, alpha2, jerk2, _, _, momentum = motion(d, *state, given, False, carried, torque, torque_rate)
+
+    def along(t):
+        return accelerations(d, *path(t), given, False, carried, torque + torque_rate * t)
+
+    assert (alpha1, alpha2, momentum) == pytest.approx(along(0.0), rel=1e-12)
+    assert_rates(jerk2, lambda t: along(t)[1])
+
+
+def test_mesh_torque_of_a_link_2_kept_at_its_speed(values, chance):
+    d = started("plain", values).derived
+    *state, given, _, _ = random_motion(chance)
+    path = moved(d, *state, given, True, 0.0, 0.0)
+    _, _, _, torque, rate, _ = motion(d, *state, given, True, 0.0, 0.0, 0.0)
+    assert torque == pytest.approx(mesh_torque(d, *state, given), rel=1e-9, abs=1e-12)
+    assert_rates(rate, lambda t: mesh_torque(d, *path(t), given))
+
+
+def test_inertia_at_the_output_is_torque_over_acceleration(values, chance):
+    d = started("plain", values).derived
+    *state, given, torque, _ = random_motion(chance)
+    found = -1.0 / inertia_at_output(d, state[0])
+    assert_rates(found, lambda more: accelerations(d, *state, given, False, 0.0, torque + more)[1])
+
+
+def test_held_torque_is_that_of_the_motion(values, chance):
+    d = started("plain", values, drive=0).derived
+    q, omega1, _, alpha1, _, _ = random_motion(chance)
+    found = motion(d, q, omega1, 0.0, alpha1, True, 0.0, 0.0, 0.0)[3:5]
+    assert held_torque(d, q, omega1, alpha1) == pytest.approx(found, rel=1e-9, abs=1e-12)
+
+
+def in_mode(values, mode, chance):
+    """A module at a random state of this contact mode, and an empty workspace."""
+    module = started("plain", values)
+    x, d = module.state, module.derived
+    x.mode = mode
+    x.q, x.omega1, x.omega2, given, x.load_torque, _ = random_motion(chance)
+    x.alpha1 = x.drive_torque = given
+    x.omega2 = 0.0 if is_held(x) else abs(x.omega2)
+    x.omega3 = x.omega2 if mode in (DRIVING, HELD_DRIVING) else x.omega2 + chance.uniform(0.1, 2.0)
+    x.twist, x.relative = chance.uniform(-0.1, 0.1), chance.uniform(-1.0, 1.0)
+    w = record_type(WORKSPACE)()
+    w.given = given_at_input(d, x)
+    w.load = x.load_torque
+    return d, x, w, PHASE / (d.harmonic * d.k * (1.0 + abs(x.omega1) + abs(x.omega2)))
+
+
+def assert_guard_rates(d, x, w, which):
+    """That the rates of a guard inside the step in hand are those of its values."""
+    for sigma in (0.2, 0.5, 0.8):
+        _, rate = guard_inside(d, x, w, which, sigma)
+        assert_rates(rate, lambda s, sigma=sigma: guard_inside(d, x, w, which, sigma + s)[0], 0.05)
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_guards_in_an_explicit_step(values, chance, mode):
+    d, x, w, w.step = in_mode(values, mode, chance)
+    w.solver = EXPLICIT
+    w.carried, w.carried_torque = (d.J3, w.load) if mode == DRIVING else (0.0, 0.0)
+    begin = instant(d, x, w, x.q, x.omega1, x.omega2)
+    keep_stage(d, w, 0, x.omega1, x.omega2, begin[0], begin[1], begin[5])
+    evaluate_stages(d, x, w)
+    set_changes(d, w)
+    end = end_of_step(d, x, w, END)
+    fit_inside(d, x, w)
+    for which in (number for number in range(2) if is_guarded(d, x, number)):
+        assert_guard_rates(d, x, w, which)
+        for t, omega2, at in ((0.0, x.omega2, begin), (w.step, x.omega2 + w.change2, end)):
+            value, rate = guard(d, x, w, which, t, omega2, *at[1:5])
+            inside = guard_inside(d, x, w, which, t / w.step)
+            assert (value, w.step * rate) == pytest.approx(inside, rel=1e-6, abs=1e-9)
+
+
+@pytest.mark.parametrize("mode", [HELD, HELD_DRIVING])
+def test_guard_in_closed_form(values, chance, mode):
+    d, x, w, w.step = in_mode({**values, "drive": 0}, mode, chance)
+    w.solver = CLOSED_FORM
+    assert_guard_rates(d, x, w, 0)
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_guards_in_a_collocation_step(values, chance, mode):
+    d, x, w, step = in_mode({**values, **ELASTIC_OUTPUT}, mode, chance)
+    w.solver = COLLOCATED
+    start_rates(d, x, w)
+    assert solve_stages(d, x, w, step)
+    fit_polynomials(d, x, w)
+    for which in range(2):
+        assert_guard_rates(d, x, w, which)
+
+
+def test_load_behind_the_freewheel(values, chance):
+    d, x, _, _ = in_mode({**values, **ELASTIC_OUTPUT}, FREE, chance)
+    omega4, twist, relative = x.omega3 - x.relative, x.twist, x.relative
+    load, rate = load_behind_freewheel(d, x)
+    alpha4 = (load - d.friction * omega4 - x.load_torque) / d.J4
+    assert relative_rate(d, x, x.load_torque, load, 3.0) == pytest.approx(3.0 - (alpha4 + d.balancer * 3.0))
+
+    def along(t):
+        x.twist, x.relative = twist + relative * t, relative - alpha4 * t
+        return shaft_torque(d, x)
+
+    assert load == along(0.0)
+    assert_rates(rate, along)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_speeds_that_part_by_their_second_derivatives(values, chance, sign):
+    d = started("plain", values).derived
+    q, omega1, omega2, given, *_ = random_motion(chance)
+    path = moved(d, q, omega1, abs(omega2), given, False, 0.0, 0.0)
+    # link 2 alone and the shaft under its load accelerate alike, the one or the other more and more
+    alpha2 = accelerations(d, *path(0.0), given, False, 0.0, 0.0)[1]
+    jerk2 = difference(lambda t: accelerations(d, *path(t), given, False, 0.0, 0.0)[1])
+    jerk3 = jerk2 + sign * 1e-4 * (1.0 + abs(jerk2))
+    state = q, omega1, abs(omega2), abs(omega2), given, -d.J3 * alpha2, -d.J3 * jerk3
+    assert select_mode(d, *state, TORQUE_ROUNDING) == (FREE if sign > 0.0 else DRIVING)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_torque_that_just_releases_link_2_or_not(values, chance, sign):
+    d = started("plain", values).derived
+    q, omega1, _, given, *_ = random_motion(chance)
+    # against the load of a shaft at rest
+    path = moved(d, q, omega1, 0.0, given, True, 0.0, 0.0)
+    load = mesh_torque(d, q, omega1, 0.0, given)
+    if load > 0.0:
+        rate = difference(lambda t: mesh_torque(d, *path(t), given))
+        load_rate = rate + sign * 1e-4 * (1.0 + abs(rate))
+        found = select_mode(d, q, omega1, 0.0, 0.0, given, load, load_rate, TORQUE_ROUNDING)
+        assert found == (HELD_DRIVING if sign > 0.0 else DRIVING)
+    # against nothing: what is given makes F vanish
+    none, more = (mesh_torque(d, q, omega1, 0.0, given) for given in (0.0, 1.0))
+    given = -none / (more - none)
+    path = moved(d, q, omega1, 0.0, given, True, 0.0, 0.0)
+    rate = difference(lambda t: mesh_torque(d, *path(t), given))
+    found = select_mode(d, q, omega1, 0.0, 1.0, given, 0.0, 0.0, TORQUE_ROUNDING)
+    assert found == (FREE if rate > 0.0 else HELD)
+
+
+@pytest.mark.parametrize("mode", [HELD, DRIVING, FREE])
+@pytest.mark.parametrize("direction", [1.0, -1.0])
+def test_speeds_and_guards_of_the_steady_motion(values, chance, direction, mode):
+    d = started("plain", values).derived
+    t = d.travel
+    t.direction, t.mode, t.omega3 = direction, mode, chance.uniform(0.1, 0.8)
+    t.given = chance.uniform(-1.0, 1.0) if d.by_torque else 0.0
+    q, slip = chance.uniform(-7.0, 7.0), chance.uniform(1.0, 2.0)
+    omega2 = {HELD: 0.0, DRIVING: t.omega3, FREE: 0.3 * t.omega3}[mode]
+    if not d.by_torque:
+        slip = abs(direction - omega2)  # link 1 has the speed 1 where it is given
+    at = instants.instant(d, t, q, omega2 + direction * slip, omega2)
+
+    def there(angle):
+        time = angle / (d.k * slip)
+        speeds = at[0] + at[2] * time, at[1] + at[3] * time
+        return instants.instant(d, t, q + direction * angle, *speeds)
+
+    t.q = q
+    instants.take_integrals(d, t, *at[:2])
+    assert_rates(
+        [at[2] / (d.k * slip), at[3] / (d.k * slip)],
+        lambda angle: instants.instant_after(d, t, at, angle)[:2],
+        1e-4,
+    )
+    guards = (falls.LINK2_GUARD, falls.OUTPUT_GUARD) if mode == FREE else (falls.TORQUE_GUARD,)
+    for which in guards:
+        _, rate = falls.guard(d, t, which, at)
+        assert_rates(rate, lambda angle, which=which: falls.guard(d, t, which, there(angle))[0])
+
+
+@pytest.mark.parametrize("scene", ["bevel", "planar"])
+@pytest.mark.parametrize("values", [SCENES, DRIVEN], ids=["by speed", "by torque"])
+@pytest.mark.parametrize("output", [{}, ELASTIC_OUTPUT], ids=["rigid", "elastic"])
+def test_rates_of_the_outputs(values, scene, output):
+    module = advanced(started("plain", values[scene], output, tolerance=1e-9), 0.0234)
+    mesh, clutch, housing = (module[f"{name}_torque"] for name in ("mesh", "output", "housing"))
+    passed, inertia, pushed = clutch - module["load_torque"], module["output_inertia"], 0.0
+    if output:
+        d, shaft = module.derived, shaft_torque(module.derived, module.state)
+        passed, inertia = shaft - d.friction * module["omega_out"] - module["load_torque"], d.J4
+        pushed = d.balancer * (clutch - shaft) / d.J3
+    expected = {
+        "omega2": (mesh - clutch + housing) / module["link2_inertia"],
+        "omega_out": passed / inertia + pushed,
+        "input_speed": module.state.alpha1,
+        "input_torque_mean": 0.0,
+        "output_torque_mean": 0.0,
+    }
+    rates = module.rates()
+    found = {name: rates[name] for name in expected}
+    assert found == pytest.approx(expected, rel=1e-5, abs=1e-5 * abs(expected["omega2"]))
