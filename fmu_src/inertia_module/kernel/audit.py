@@ -10,8 +10,8 @@ from .codes import EVENT, NOT_BALANCED, OK
 TOLERANCES = 1e3
 LEAST = 1e-6
 MOST = 0.1
-# what fixed steps may make of nothing: rounding
-ROUNDING = 1e-9
+# what rounding of a speed may make of the energy of the inertias that turn with it
+ROUNDING = 1e-14
 
 
 def change(after, after_low, before, before_low):
@@ -34,8 +34,10 @@ def audit(p, d, x, before, stored):
     lost = change(x.energy_lost, x.energy_lost_low, before.energy_lost, before.energy_lost_low)
     missing = put_in - put_out - lost - (stored - before.energy_stored)
     energies = abs(put_in) + abs(put_out) + abs(lost) + stored + before.energy_stored
+    fastest = max(abs(x.omega1), abs(before.omega1))
+    rounded = ROUNDING * (d.J1 + d.J2 + d.J3 + d.J4) * fastest * fastest
     x.energy_stored = stored
     if p.method == EVENT:
         allowed = max(LEAST, min(TOLERANCES * d.tolerance, MOST)) * energies
-        return OK if abs(missing) <= allowed else NOT_BALANCED
-    return OK if missing >= -ROUNDING * energies else NOT_BALANCED
+        return OK if abs(missing) <= allowed + rounded else NOT_BALANCED
+    return OK if missing >= -LEAST * energies - rounded else NOT_BALANCED
