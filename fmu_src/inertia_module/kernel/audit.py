@@ -4,7 +4,7 @@ What the input has put in goes out, is lost or is stored. Whatever has gone wron
 thought of, energy from nowhere, a freewheel that let go too late, shows here.
 """
 
-from .codes import EVENT, NOT_BALANCED, OK
+from .codes import NOT_BALANCED, OK
 
 # what may be missing, of the energies of the step: so many tolerances, but neither rounding nor a tenth
 TOLERANCES = 1e3
@@ -19,7 +19,7 @@ def change(after, after_low, before, before_low):
     return (after - before) + (after_low - before_low)
 
 
-def audit(p, d, x, before, stored):
+def audit(d, x, before, stored):
     """Whether the energies of the step balance: OK or NOT_BALANCED.
 
     Between events to the tolerance; in fixed steps energy may be lost where they resolve nothing, but not
@@ -36,8 +36,5 @@ def audit(p, d, x, before, stored):
     energies = abs(put_in) + abs(put_out) + abs(lost) + stored + before.energy_stored
     fastest = max(abs(x.omega1), abs(before.omega1))
     rounded = ROUNDING * (d.J1 + d.J2 + d.J3 + d.J4) * fastest * fastest
-    x.energy_stored = stored
-    if p.method == EVENT:
-        allowed = max(LEAST, min(TOLERANCES * d.tolerance, MOST)) * energies
-        return OK if abs(missing) <= allowed + rounded else NOT_BALANCED
-    return OK if missing >= -LEAST * energies - rounded else NOT_BALANCED
+    allowed = max(LEAST, min(TOLERANCES * d.tolerance, MOST)) * energies
+    return OK if abs(missing) <= allowed + rounded else NOT_BALANCED

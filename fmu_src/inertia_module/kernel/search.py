@@ -78,6 +78,8 @@ def first_crossing(d, x, w, which, zero, bend, looks):
     high = part
     while low < 1.0:
         value, rate = guard_inside(d, x, w, which, high)
+        if not abs(value) < 1e300:
+            return -1.0  # a motion that overflows is refused at the end of the step
         h = high - low
         clear = is_surely_positive(value_low + zero, rate_low, value + zero, rate, h, bend)
         if not clear:

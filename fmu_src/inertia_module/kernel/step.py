@@ -121,7 +121,7 @@ def advance(p, d, u, x, y, w, h, operation):
         return status
     copy(w.before.numbers, x.numbers)
     status = run_audited(p, d, u, x, w, h)
-    if status == NOT_BALANCED and p.method == EVENT:
+    if status == NOT_BALANCED:
         status = run_again(p, d, u, x, w, h)
     if status != OK:
         copy(x.numbers, w.before.numbers)
@@ -138,7 +138,12 @@ def run_audited(p, d, u, x, w, h):
     if status != OK or p.fidelity == AVERAGED or p.fidelity == KINEMATIC:
         # (the averaged motion looks at each of its internal steps)
         return status
-    return audit(p, d, x, w.before, stored_energy(p, d, x))
+    stored = stored_energy(p, d, x)
+    if p.method == EVENT:
+        status = audit(d, x, w.before, stored)
+    # (fixed steps lose what they cannot resolve, and make nothing)
+    x.energy_stored = stored
+    return status
 
 
 def run_again(p, d, u, x, w, h):
