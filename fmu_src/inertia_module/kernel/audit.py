@@ -22,12 +22,8 @@ def change(after, after_low, before, before_low):
 def audit(d, x, before, stored):
     """Whether the energies of the step balance: OK or NOT_BALANCED.
 
-    Between events to the tolerance; in fixed steps energy may be lost where they resolve nothing, but not
-    made.
-
     Args:
-        x, before: state after and before the step; x.energy_stored is set to stored, the energy stored now,
-        J.
+        x, before: state after and before the step. stored: energy stored after it, J.
     """
     put_in = change(x.energy_in, x.energy_in_low, before.energy_in, before.energy_in_low)
     put_out = change(x.energy_out, x.energy_out_low, before.energy_out, before.energy_out_low)
