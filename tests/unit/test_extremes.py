@@ -52,7 +52,7 @@ LIMITS = [
     # averaged: more happens in a step than a mean can tell
     Limit("inertia ratio", "J2 1e.09", "bevel", "averaged", DISTANCES),
     Limit("reversal", "ramp through zero in 1e-06 s", ANY, "averaged", DISTANCES),
-    # timestepping is of first order: motions that multiply errors, steps too long for the motion or the shaft.
+    # timestepping is of first order: motions that multiply errors, steps too long for motion or shaft.
     # What it does not resolve it loses: a light link takes up or leaves all of its motion in a step
     Limit("grazing", ANY, "planar", FIXED, COARSE),
     Limit("inertia ratio", "J3 (1e-09|1e-06|0.001|1)", ANY, FIXED, COARSE),
