@@ -12,8 +12,8 @@ LEAST = 1e-6
 MOST = 0.1
 # what rounding of a speed may make of the energy of the inertias that turn with it
 ROUNDING = 1e-14
-# J: squares of speeds so slow have lost digits
-NOTHING = 1e-100
+# J: less than that is rounding of any machine that moves
+NOTHING = 1e-30
 
 
 def change(after, after_low, before, before_low):

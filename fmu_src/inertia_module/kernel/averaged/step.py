@@ -144,15 +144,14 @@ def take_step(d, side, x, w, speed, speed_rate, h, first, allowed):
 
 
 def unbalanced(d, side, x, w, speed, fastest, allowed):
-    """What the energies of a step miss, over what they may: some allowed errors of the speeds."""
+    """What the energies of a step under a torque miss, over what they may: some allowed errors of the speeds."""
     passed_on = x.load_torque * w.turned3
     gained = 0.5 * d.J3 * (w.next - x.omega3) * (w.next + x.omega3)
     square = fastest * fastest
     share = abs(w.work - passed_on - gained) / (d.J3 * square + abs(w.work) + abs(passed_on))
-    if d.by_torque != 0.0:
-        put_in = side.direction * x.drive_torque * w.turned1
-        gained = 0.5 * d.map_inertia * (w.next_speed - speed) * (w.next_speed + speed)
-        share += abs(put_in - w.work - gained) / (d.map_inertia * square + abs(put_in) + abs(w.work))
+    put_in = side.direction * x.drive_torque * w.turned1
+    gained = 0.5 * d.map_inertia * (w.next_speed - speed) * (w.next_speed + speed)
+    share += abs(put_in - w.work - gained) / (d.map_inertia * square + abs(put_in) + abs(w.work))
     return share * fastest / (BALANCE * allowed)
 
 
@@ -164,7 +163,7 @@ def take_accurate_step(d, side, x, w, speed, speed_rate, h, first, allowed, fast
     wanted = h
     for _ in range(TRIES):
         take_step(d, side, x, w, speed, speed_rate, h, first, allowed)
-        if h * steepness(first) <= LARGEST_EXPLICIT:
+        if d.by_torque != 0.0 and h * steepness(first) <= LARGEST_EXPLICIT:
             # (a transient that an implicit step damps out may miss much of the little that it moves)
             w.error = max(w.error, unbalanced(d, side, x, w, speed, fastest, allowed))
         if w.error <= 1.0:
