@@ -33,7 +33,10 @@ def add_node(d, t, q, at, weight):
     """Add one node of the quadrature, which stands for so much angle travelled, to the sums."""
     omega1, omega2, _, _, _, torque, _ = at
     torque = max(torque, 0.0) if t.mode == DRIVING else 0.0
-    time = weight / (d.k * abs(omega1 - omega2))
+    slip = abs(omega1 - omega2)
+    if t.mode == FREE and t.direction > 0.0:
+        slip = max(slip, omega1 - t.omega3)  # (link 2 is no faster than the output, but for rounding)
+    time = weight / (d.k * slip)
     d.sum_time += time
     d.sum_torque += time * torque
     d.sum_square += time * torque * torque

@@ -144,7 +144,7 @@ def take_step(d, side, x, w, speed, speed_rate, h, first, allowed):
 
 
 def unbalanced(d, side, x, w, speed, fastest, allowed):
-    """What the energies of a step under a torque miss, over what they may: some allowed errors of the speeds."""
+    """What the energies of a step under a torque miss, over what they may: some errors of the speeds."""
     passed_on = x.load_torque * w.turned3
     gained = 0.5 * d.J3 * (w.next - x.omega3) * (w.next + x.omega3)
     square = fastest * fastest
