@@ -4,7 +4,7 @@ What the input has put in goes out, is lost or is stored. Whatever has gone wron
 thought of, energy from nowhere, a freewheel that let go too late, shows here.
 """
 
-from .codes import NOT_BALANCED, OK
+from .codes import EVENT, NOT_BALANCED, OK, RIGID
 
 # what may be missing, of the energies of the step: so many tolerances, but neither rounding nor a tenth
 TOLERANCES = 1e3
@@ -16,6 +16,11 @@ ROUNDING = 1e-14
 NOTHING = 1e-30
 
 
+def is_audited(p):
+    """Whether steps are: fixed ones make no energy and may lose it, averaged ones look at themselves."""
+    return p.fidelity >= RIGID and p.method == EVENT
+
+
 def change(after, after_low, before, before_low):
     """Change of a compensated sum."""
     return (after - before) + (after_low - before_low)
@@ -25,13 +30,14 @@ def audit(d, x, before, stored):
     """Whether the energies of the step balance: OK or NOT_BALANCED.
 
     Args:
-        x, before: state after and before the step. stored: energy stored after it, J.
+        x, before: state after and before the step; x.energy_stored is set. stored: energy stored after it, J.
     """
     put_in = change(x.energy_in, x.energy_in_low, before.energy_in, before.energy_in_low)
     put_out = change(x.energy_out, x.energy_out_low, before.energy_out, before.energy_out_low)
     lost = change(x.energy_lost, x.energy_lost_low, before.energy_lost, before.energy_lost_low)
     missing = put_in - put_out - lost - (stored - before.energy_stored)
     energies = abs(put_in) + abs(put_out) + abs(lost) + stored + before.energy_stored
+    x.energy_stored = stored
     fastest = max(abs(x.omega1), abs(before.omega1))
     rounded = ROUNDING * (d.J1 + d.J2 + d.J3 + d.J4) * fastest * fastest
     allowed = max(LEAST, min(TOLERANCES * d.tolerance, MOST)) * energies

@@ -5,8 +5,9 @@ A shell may leave the late ones until they are read.
 
 import math
 
+from .audit import is_audited
 from .averaged.outputs import averaged_energy, write_averaged
-from .codes import AVERAGED, DRIVING, ELASTIC, FREE, HELD_DRIVING, KINEMATIC, RIGID
+from .codes import AVERAGED, DRIVING, ELASTIC, FREE, HELD_DRIVING, KINEMATIC
 from .layout import imbalance_in_fixed_frame
 from .links import kinetic_energy, torques
 from .run import accelerations_now
@@ -101,8 +102,7 @@ def write_late_outputs(p, d, x, y):
     """Outputs and locals that take more work than some steps do: torques, audit, imbalance."""
     y.torque_ripple = x.torque_ripple
     y.torque_peak = x.torque_peak
-    # (kept by the audit of a step where there are pulses)
-    stored = x.energy_stored if p.fidelity >= RIGID else stored_energy(p, d, x)
+    stored = x.energy_stored if is_audited(p) else stored_energy(p, d, x)
     passed = x.energy_in - x.energy_out - x.energy_lost
     y.energy_stored = stored
     y.energy_residual = passed - (stored - x.energy_start)

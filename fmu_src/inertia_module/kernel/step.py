@@ -3,7 +3,7 @@
 import math
 
 from .accumulate import copy, wrap_drive_angle
-from .audit import audit
+from .audit import audit, is_audited
 from .averaged.legs import RESTING
 from .averaged.run import end_step, speed_at_start
 from .averaged.torque_map import build_map
@@ -13,7 +13,6 @@ from .codes import (
     DRIVE_SPEED,
     DRIVE_TORQUE,
     DRIVING,
-    EVENT,
     KINEMATIC,
     NOT_BALANCED,
     NOT_FINITE,
@@ -135,15 +134,9 @@ def advance(p, d, u, x, y, w, h, operation):
 def run_audited(p, d, u, x, w, h):
     """Advance the state by h and look at the balance of its energies. Returns a status."""
     status = run(p, d, u, x, w, h)
-    if status != OK or p.fidelity == AVERAGED or p.fidelity == KINEMATIC:
-        # (the averaged motion looks at each of its internal steps)
+    if status != OK or not is_audited(p):
         return status
-    stored = stored_energy(p, d, x)
-    if p.method == EVENT:
-        status = audit(d, x, w.before, stored)
-    # (fixed steps lose what they cannot resolve, and make nothing)
-    x.energy_stored = stored
-    return status
+    return audit(d, x, w.before, stored_energy(p, d, x))
 
 
 def run_again(p, d, u, x, w, h):

@@ -7,7 +7,7 @@ import math
 
 from ..codes import DRIVING, FREE
 from ..inertia import reduced_inertia
-from ..links import kinetic_energy, motion
+from ..links import angular_momentum, inertia_of_link1, kinetic_energy, motion
 
 # square of a slip that is as good as none
 LEAST_SQUARE = 1e-24
@@ -25,13 +25,12 @@ def take_integrals(d, t, omega1, omega2):
     if d.by_torque == 0.0:
         t.energy = (d.J2 + d.k * d.k * g) * slip * slip - i
         return
-    own = d.J1 + i
-    t.momentum = own * omega1 + b * d.k * slip + d.J2 * omega2
+    t.momentum = angular_momentum(d, t.q, omega1, omega2)
     if t.mode == FREE:
         t.energy = 2.0 * kinetic_energy(d, t.q, omega1, omega2, 0.0)
     else:
-        phi = own + d.k * (2.0 * b + d.k * g)
-        t.energy = phi * slip * slip - (own + d.J2) * omega2 * omega2
+        phi = inertia_of_link1(d, i, b, g)
+        t.energy = phi * slip * slip - (d.J1 + i + d.J2) * omega2 * omega2
 
 
 def speeds_at(d, t, q, energy, momentum):
@@ -40,7 +39,6 @@ def speeds_at(d, t, q, energy, momentum):
     k = d.k
     own = d.J2 + k * k * g
     kept = t.omega3 if t.mode == DRIVING else 0.0
-    link1 = d.J1 + i
     d.map_evaluations += 1.0
     if d.by_torque == 0.0:
         if t.mode != FREE:
@@ -48,10 +46,10 @@ def speeds_at(d, t, q, energy, momentum):
         square = (energy + i) / own
         return t.direction, t.direction * (1.0 - signed_root(square)), square
     if t.mode != FREE:
-        square = (energy + (link1 + d.J2) * kept * kept) / (link1 + k * (2.0 * b + k * g))
+        square = (energy + (d.J1 + i + d.J2) * kept * kept) / inertia_of_link1(d, i, b, g)
         return kept + t.direction * signed_root(square), kept, square
     # 2 E = P^2 / a + (own - c^2 / a) slip^2 with the coefficients of omega1^2 and omega1 times the slip
-    a = link1 + d.J2
+    a = d.J1 + i + d.J2
     c = k * b - d.J2
     square = (energy - momentum * momentum / a) / (own - c * c / a)
     slip = t.direction * signed_root(square)

@@ -4,6 +4,7 @@ import math
 
 from ..derive import TWO_PI
 from ..inertia import reduced_inertia
+from ..links import inertia_of_link1
 from .instants import speeds_at
 
 # cycles of the highest harmonic that one mean is taken over at most
@@ -32,8 +33,7 @@ def value_at(d, t, which, q):
     if d.by_torque == 0.0:
         return t.direction * (i - k * k * g)
     # at constant energy
-    link1 = d.J1 + i
-    return t.direction * (link1 + k * b) / math.sqrt(link1 + k * (2.0 * b + k * g))
+    return t.direction * (d.J1 + i + k * b) / math.sqrt(inertia_of_link1(d, i, b, g))
 
 
 def find_largest(d, t, which, start, length):

@@ -23,6 +23,11 @@ def last_knot(side):
     return side.knots[int(side.count) - 1]
 
 
+def lock_ratio(d, side):
+    """omega3 / v in lock-up."""
+    return side.end if d.by_torque != 0.0 else 1.0
+
+
 def mean_acceleration(d, knot, rate):
     """Mean acceleration of link 1 in a leg in which v changes evenly at this knot of the map, rad/s^2."""
     return knot.input[0] * rate if d.by_torque != 0.0 else rate
@@ -41,7 +46,7 @@ def leg_rate(d, side, x, leg, alpha1):
 
 def most_locked_torque(d, side, v):
     """Largest torque that lock-up holds at this speed, N m; towards it the mean torque tends to no more."""
-    omega1 = side.end * v if d.by_torque != 0.0 else v
+    omega1 = lock_ratio(d, side) * v
     return max(d.map_lock * omega1 * omega1, last_knot(side).torque[0] * v * v)
 
 
@@ -60,11 +65,6 @@ def can_lock(d, side, x, v, alpha1, load):
     if rate < 0.0 and torque >= most * (1.0 - ROUNDING):
         return False  # it is just being lost
     return 0.0 <= torque <= most * (1.0 + ROUNDING)
-
-
-def lock_ratio(d, side):
-    """omega3 / v in lock-up."""
-    return side.end if d.by_torque != 0.0 else 1.0
 
 
 def choose_leg(d, side, x, v, alpha1):

@@ -40,9 +40,25 @@ def damped(h, begin, end):
     return h * (begin[0] / 3.0 + end[0] / 1.5 - h * end[1] / 6.0)
 
 
+def integral(h, begin, end, implicit):
+    """Integral over h by the rule of the step."""
+    return damped(h, begin, end) if implicit else hermite(h, begin, end)
+
+
 def with_product(omega3, now):
     """(T omega3, its rate) of a flow."""
     return now[3][0] * omega3, now[3][1] * omega3 + now[3][0] * now[1][0]
+
+
+def finish_step(d, x, w, h, first, last, found_speed, found, implicit):
+    """Leave the speeds at the end of a step and its integrals in w; first, last: flow at its ends."""
+    w.next_speed = found_speed
+    w.next = found
+    w.turned3 = integral(h, (x.omega3, first[1][0]), (found, last[1][0]), implicit)
+    w.work = integral(h, with_product(x.omega3, first), with_product(found, last), implicit)
+    w.turned2 = integral(h, first[4], last[4], implicit)
+    if d.by_torque != 0.0:
+        w.turned1 = integral(h, first[5], last[5], implicit)
 
 
 def explicit_step(d, side, x, w, speed, speed_rate, h, first, allowed):
@@ -57,13 +73,7 @@ def explicit_step(d, side, x, w, speed, speed_rate, h, first, allowed):
     # the corrector leaves h |lambda| / 2 of the predictor's error; across a knot T" jumps
     share = 0.2 if x.map_knot != knot else 0.5 * h * (steepness(first) + steepness(last))
     w.error = share * max(abs(found - guess), abs(found_speed - guess_speed)) / allowed
-    w.next_speed = found_speed
-    w.next = found
-    w.turned3 = hermite(h, (omega3, first[1][0]), (found, last[1][0]))
-    w.work = hermite(h, with_product(omega3, first), with_product(found, last))
-    w.turned2 = hermite(h, first[4], last[4])
-    if d.by_torque != 0.0:
-        w.turned1 = hermite(h, first[5], last[5])
+    finish_step(d, x, w, h, first, last, found_speed, found, False)
 
 
 def steepness(now):
@@ -120,13 +130,7 @@ def implicit_step(d, side, x, w, speed, speed_rate, h, first, allowed):
                 if h * slope > RESOLVED:
                     w.error = max(w.error, abs(first[1][0]) / (slope * TRANSIENT * allowed))
             break
-    w.next_speed = found_speed
-    w.next = found
-    w.turned3 = damped(h, (omega3, first[1][0]), (found, last[1][0]))
-    w.work = damped(h, with_product(omega3, first), with_product(found, last))
-    w.turned2 = damped(h, first[4], last[4])
-    if d.by_torque != 0.0:
-        w.turned1 = damped(h, first[5], last[5])
+    finish_step(d, x, w, h, first, last, found_speed, found, True)
 
 
 def bend(h, begin, end):
