@@ -31,8 +31,11 @@ NEEDED = ("numba", "llvmlite")
 
 
 @functools.cache
-def jitted_kernel(entry: str = "entry") -> dict[str, types.ModuleType]:
+def jitted_kernel(entry: str = "entry", **options: bool) -> dict[str, types.ModuleType]:
     """A second copy of a kernel module and all it imports, by name, every function wrapped by numba.
+
+    Args:
+        options: of numba.njit.
 
     Raises:
         ImportError: numba is not installed.
@@ -58,7 +61,7 @@ def jitted_kernel(entry: str = "entry") -> dict[str, types.ModuleType]:
         for name, value in list(vars(module).items()):
             if isinstance(value, types.FunctionType):
                 if id(value) not in wrapped:
-                    wrapped[id(value)] = numba.njit(error_model="numpy")(value)
+                    wrapped[id(value)] = numba.njit(error_model="numpy", **options)(value)
                 setattr(module, name, wrapped[id(value)])
             elif type(value) is int:
                 # numba compiles a function anew for each Python constant it is called with, not for these
@@ -96,7 +99,8 @@ def translate(which: Entry) -> str:
     numba: Any = importlib.import_module("numba")
     nt = numba.types
     carray = numba.carray
-    call = jitted_kernel(which.module)[which.module].call
+    lowered: Any = importlib.import_module(".lowered", __package__)
+    call = jitted_kernel(which.module, **lowered.OPTIONS)[which.module].call
 
     def entry(operation, p, d, u, x, y, w, h):  # type: ignore[no-untyped-def]
         return call(
@@ -112,9 +116,16 @@ def translate(which: Entry) -> str:
 
     pointers = [nt.CPointer(numba.from_dtype(data_type(fields))) for fields in which.records]
     signature = nt.int64(nt.int64, *pointers, nt.float64)
-    function = numba.cfunc(signature, error_model="numpy")(entry)
-    text: str = function.inspect_llvm()
-    return for_any_processor(text.replace(function.native_name, which.symbol))
+    with lowered.only_lowered():
+        function = numba.cfunc(signature, error_model="numpy")(entry)
+        text: str = function.inspect_llvm()
+    text = for_any_processor(text.replace(function.native_name, which.symbol))
+    return without_target(lowered.optimised(text, which.symbol))
+
+
+def without_target(ir: str) -> str:
+    """Without the lines that name a processor and a system."""
+    return re.sub(r"^target (datalayout|triple) = .*\n", "", ir, flags=re.M)
 
 
 def for_any_processor(ir: str) -> str:
@@ -122,7 +133,7 @@ def for_any_processor(ir: str) -> str:
 
     The kernel raises nothing and allocates nothing, so that path is never taken.
     """
-    ir = re.sub(r"^target (datalayout|triple) = .*\n", "", ir, flags=re.M)
+    ir = without_target(ir)
     # the counting of references of arrays, of which there are none: they belong to the caller
     ir = re.sub(r"@llvm\.x86\.atomic\.\w+(\.\w+)*", "@numba_atomic", ir)
     ir = re.sub(
@@ -174,7 +185,11 @@ def made_from() -> dict[str, bytes]:
         CompilationUnavailable: a tool is not installed.
     """
     return sources(
-        "kernel/**/*.py", "compiling/kernels.py", "compiling/records.py", "compiling/ir.py"
+        "kernel/**/*.py",
+        "compiling/kernels.py",
+        "compiling/records.py",
+        "compiling/lowered.py",
+        "compiling/ir.py",
     ) | tool_versions(*NEEDED)
 
 
@@ -188,7 +203,7 @@ def is_cached(name: str) -> bool:
 
 
 def kernel_ir(name: str) -> str:
-    """LLVM IR of an entry, from the cache or, the first time ever, translated: two minutes or three.
+    """LLVM IR of an entry, from the cache or, the first time ever, translated: about a minute.
 
     Args:
         name: one of ENTRIES.

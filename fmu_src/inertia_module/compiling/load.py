@@ -50,7 +50,7 @@ def _load_here(name: str) -> tuple[Callable[..., int], Any]:
 def load(name: str = MODULE) -> Callable[..., int]:
     """A compiled entry: entry(operation, p, d, u, x, y, w, h) with addresses of arrays of doubles.
 
-    Outside an FMU the first call ever on a machine compiles (two minutes or three for the module), later
+    Outside an FMU the first call ever on a machine compiles (about a minute for the module), later
     ones load from the cache.
 
     Args:

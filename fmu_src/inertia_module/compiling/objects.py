@@ -9,10 +9,6 @@ from ..common.files import cache_folder, content_hash, sources, write_atomically
 from . import ir as kernel_ir
 from .kernels import ENTRIES, CompilationUnavailable, Entry
 
-# what every evaluation of the equations of motion calls: made part of its callers, which then leave out
-# the derivatives they do not want. The compiler by itself finds them too long.
-INLINED = ("inertia.reduced_inertia", "sine.sine_cosine", "sine.sines_cosines")
-
 
 def binding() -> Any:
     """The binding of llvmlite.
@@ -54,28 +50,13 @@ def _machine(target: Any, processor: str, features: str) -> Any:
     )
 
 
-def _is_inlined(symbol: str) -> bool:
-    """Whether numba's symbol, in which each part of a name follows its length, is one of INLINED."""
-    names = ("".join(f"{len(part)}{part}" for part in name.split(".")) for name in INLINED)
-    return any(f"{name}B" in symbol for name in names)
-
-
 def compile_ir(ir: str, which: Entry, machine: Any) -> bytes:
     """Object file with the entry as its only visible function."""
     llvm = binding()
     module = llvm.parse_assembly(ir)
     module.triple = machine.triple
     module.data_layout = str(machine.target_data)
-    for function in module.functions:
-        if function.name == which.symbol:
-            function.visibility = "hidden"  # no other library may put its own in its place
-        elif not function.is_declaration:
-            function.linkage = "internal"
-        if _is_inlined(function.name):
-            function.add_function_attribute("alwaysinline")
-    for variable in module.global_variables:
-        if not variable.is_declaration:
-            variable.linkage = "internal"
+    module.get_function(which.symbol).visibility = "hidden"  # no other library may put its own in its place
     builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=3))
     builder.getModulePassManager().run(module, builder)
     return bytes(machine.emit_object(module))

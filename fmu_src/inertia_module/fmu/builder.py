@@ -64,7 +64,7 @@ def _translate(progress: Progress) -> None:
     try:
         missing = {fmu.model.entry for fmu in FMUS if not is_cached(fmu.model.entry)}
         if missing:
-            progress("translating the kernels for compilation, once: two minutes or three")
+            progress("translating the kernels for compilation, once: about a minute")
             with ThreadPoolExecutor(len(missing)) as pool:
                 list(pool.map(kernel_ir, sorted(missing)))
     except CompilationUnavailable:

@@ -1,0 +1,114 @@
+"""What numba makes of a function, kept as lowered: all of it is linked and optimised once, nothing is run.
+
+Numba itself optimises every function anew with all that it calls, makes machine code of it and wraps it for
+Python: two thirds of the time, for a text that is optimised as a whole in the end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import llvmlite.binding as llvm
+from numba.core.codegen import JITCodeLibrary
+from numba.core.registry import cpu_target
+
+# of numba.njit, for functions that only others of them call
+OPTIONS = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+# what every evaluation of the equations of motion calls: made part of its callers, which then leave out
+# the derivatives they do not want. The compiler by itself finds them too long.
+INLINED = ("inertia.reduced_inertia", "sine.sine_cosine", "sine.sines_cosines")
+# of all passes: what the first makes simple is short enough to become part of its callers in the second
+ROUNDS = 2
+
+
+def share(module: Any) -> None:
+    """Let several callers bring the functions of this module along."""
+    for function in module.functions:
+        if function.linkage == llvm.Linkage.external and not function.is_declaration:
+            function.linkage = "linkonce_odr"
+
+
+class Lowered(JITCodeLibrary):  # type: ignore[misc]
+    """The modules of one function and the libraries of those it calls."""
+
+    def __init__(self, codegen: Any, name: str) -> None:
+        super().__init__(codegen, name)  # type: ignore[no-untyped-call]
+        self._modules: list[Any] = []
+
+    def add_llvm_module(self, module: Any) -> None:
+        """Take a module of this function."""
+        self._modules.append(module)
+
+    def add_linking_library(self, library: Any) -> None:
+        """Take what this function calls."""
+        self._linking_libraries.append(library)
+
+    def finalize(self) -> None:
+        """Nothing to do before all are linked."""
+        self._finalized = True
+
+    def get_pointer_to_function(self, name: str) -> int:
+        """There is no machine code."""
+        return 0
+
+    def get_llvm_str(self) -> str:
+        """Text of this function and of all that it calls."""
+        called: dict[Any, None] = {}
+        self._collect(called)
+        for library in called:
+            own = isinstance(library, Lowered)
+            for module in library._modules if own else [library._get_module_for_linking()]:
+                if library is not self:
+                    share(module)
+                self._final_module.link_in(module, preserve=True)
+        return str(self._final_module)
+
+    def _collect(self, called: dict[Any, None]) -> None:
+        called[self] = None
+        for library in self._linking_libraries:
+            if isinstance(library, Lowered) and library not in called:
+                library._collect(called)
+            called[library] = None
+
+
+def _stand_in(library: Any, description: Any, environment: Any) -> Callable[..., Any]:
+    """What numba knows a compiled function by: a builtin of its own, never called."""
+    return [].append
+
+
+@contextmanager
+def only_lowered() -> Iterator[None]:
+    """Within it numba's functions are lowered and kept, not compiled."""
+    context = cpu_target.target_context
+    codegen = context.codegen()
+    codegen._library_class, context.get_executable = Lowered, _stand_in
+    try:
+        yield
+    finally:
+        del codegen._library_class, context.get_executable
+
+
+def is_inlined(symbol: str) -> bool:
+    """Whether numba's symbol, in which each part of a name follows its length, is one of INLINED."""
+    names = ("".join(f"{len(part)}{part}" for part in name.split(".")) for name in INLINED)
+    return any(f"{name}B" in symbol for name in names)
+
+
+def optimised(text: str, entry: str) -> str:
+    """LLVM text of a whole program after all passes; only the entry can be called from outside."""
+    module = llvm.parse_assembly(text)
+    for function in module.functions:
+        if function.name != entry and not function.is_declaration:
+            function.linkage = "internal"
+        if is_inlined(function.name):
+            function.add_function_attribute("alwaysinline")
+    for variable in module.global_variables:
+        if not variable.is_declaration:
+            variable.linkage = "internal"
+    machine = cpu_target.target_context.codegen()._tm
+    builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=3))
+    for _ in range(ROUNDS):
+        builder.getModulePassManager().run(module, builder)
+    return str(module)
