@@ -24,6 +24,7 @@ from inertia_module.kernel.links import (
     given_at_input,
     held_torque,
     inertia_at_output,
+    kinetic_energy,
     motion,
     torques,
 )
@@ -97,12 +98,14 @@ def test_acceleration_of_link_2(values, chance, carried):
     d = started("plain", values).derived
     *state, given, torque, torque_rate = random_motion(chance)
     path = moved(d, *state, given, False, carried, torque)
-    alpha1, alpha2, jerk2, _, _, momentum = motion(d, *state, given, False, carried, torque, torque_rate)
+    found = motion(d, *state, given, False, carried, torque, torque_rate)
+    alpha1, alpha2, jerk2, _, _, momentum, energy = found
 
     def along(t):
         return accelerations(d, *path(t), given, False, carried, torque + torque_rate * t)
 
     assert (alpha1, alpha2, momentum) == pytest.approx(along(0.0), rel=1e-12)
+    assert energy == pytest.approx(kinetic_energy(d, *state, 0.0), rel=1e-12)
     assert_rates(jerk2, lambda t: along(t)[1])
 
 
@@ -110,7 +113,7 @@ def test_mesh_torque_of_a_link_2_kept_at_its_speed(values, chance):
     d = started("plain", values).derived
     *state, given, _, _ = random_motion(chance)
     path = moved(d, *state, given, True, 0.0, 0.0)
-    _, _, _, torque, rate, _ = motion(d, *state, given, True, 0.0, 0.0, 0.0)
+    _, _, _, torque, rate, _, _ = motion(d, *state, given, True, 0.0, 0.0, 0.0)
     assert torque == pytest.approx(mesh_torque(d, *state, given), rel=1e-9, abs=1e-12)
     assert_rates(rate, lambda t: mesh_torque(d, *path(t), given))
 

@@ -44,12 +44,17 @@ def run_events(d, x, w, h):
     start1 = x.omega1
     w.given = given_at_input(d, x)
     w.load = x.load_torque
-    w.known = 0.0
     time = 0.0
     low = 0.0
     travel = 0.0
     stalls = 0
-    choose_mode(d, x, TORQUE_ROUNDING)
+    if x.goes_on == 0.0 or x.given != w.given or x.load_given != w.load:
+        choose_mode(d, x, TORQUE_ROUNDING)
+        x.known = 0.0
+    x.goes_on = 0.0
+    x.given = w.given
+    x.load_given = w.load
+    event = False
     while time < h:
         remaining = (h - time) - low
         speeds = abs(x.omega1) + abs(x.omega2)
@@ -67,6 +72,7 @@ def run_events(d, x, w, h):
         if d.elastic != 0.0:
             travel += passed * shaft_frequency(d, 1.0 / d.J3)
         if event:
+            x.known = 0.0
             stalls = 0 if choose_next_mode(d, x) else stalls + 1
             if stalls > STALLS_ALLOWED:
                 return TOO_MANY_SWITCHES
@@ -74,4 +80,5 @@ def run_events(d, x, w, h):
                 return TOO_MANY_SWITCHES
         if x.step_evaluations > MAX_EVALUATIONS:
             return TOO_MUCH_WORK
+    x.goes_on = 0.0 if event else 1.0
     return OK

@@ -66,6 +66,10 @@ STATE = (
     *("twist", "twist_low", "relative", "relative_low"),
     # averaged: the knot of the map last used; the speed that its torques go with, if that is not omega1
     *("map_knot", "map_speed"),
+    # by events: whether the contact mode goes on under the same torques, with what is given; whether what
+    # links.motion says now is known
+    *("goes_on", "given", "load_given", "known", "rate1", "rate2", "jerk2", "free", "free_rate"),
+    *("momentum", "motion_energy"),
 )
 
 # averaged: over the speed ratio mean torque, mean speed of link 2 and the mean energy or, under its torque,
@@ -97,11 +101,8 @@ CONSTANTS = (
 # nothing in it outlives the call
 WORKSPACE = (
     # what the solvers share: torque or acceleration given at link 1, load, step in hand, inertia and
-    # torque that
-    # link 2 carries; at its beginning (if known from the step before) the accelerations and P, and P
-    # at its end
-    *("solver", "short", "given", "load", "step", "carried", "carried_torque"),
-    *("known", "alpha1", "alpha2", "jerk2", "free", "free_rate", "momentum", "momentum_end"),
+    # torque that link 2 carries, mean alpha1, P at the end of the step
+    *("solver", "short", "given", "load", "step", "carried", "carried_torque", "alpha1", "momentum_end"),
     *("change_q", "change1", "change2"),
     # rates at the stages of the explicit pair, what is integrated besides, and the inside of the step
     *(("rate_q", STAGES), ("rate_omega1", STAGES), ("rate_omega2", STAGES), ("integrand", STAGES)),

@@ -43,6 +43,12 @@ def instant(d, x, w, q, omega1, omega2):
     return motion(d, q, omega1, omega2, w.given, is_held(x), w.carried, w.carried_torque, 0.0)
 
 
+def keep_motion(x, now):
+    """Keep what links.motion says of the present state."""
+    x.rate1, x.rate2, x.jerk2, x.free, x.free_rate, x.momentum, x.motion_energy = now
+    x.known = 1.0
+
+
 def guard_inside(d, x, w, which, sigma):
     """A guard at the fraction sigma of the step and its rate per unit of sigma.
 
@@ -64,7 +70,7 @@ def guard_inside(d, x, w, which, sigma):
     if is_held(x) or (which == OUTPUT and x.mode == DRIVING):
         omega1 = x.omega1 + (dense_change(w.dense_omega1, sigma) if d.by_torque != 0.0 else w.given * t)
         q = x.q + dense_change(w.dense_q, sigma)
-        _, alpha2, jerk2, free, free_rate, _ = instant(d, x, w, q, omega1, omega2)
+        _, alpha2, jerk2, free, free_rate, _, _ = instant(d, x, w, q, omega1, omega2)
         value, rate = guard(d, x, w, which, t, omega2, alpha2, jerk2, free, free_rate)
         return value, h * rate
     alpha2 = dense_rate(w.dense_omega2, sigma) / h

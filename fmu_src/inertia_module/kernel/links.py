@@ -67,13 +67,16 @@ def motion(d, q, omega1, omega2, given, held, carried, torque, torque_rate):
         torque_rate: rate of torque, N m/s. The others as for accelerations.
 
     Returns:
-        (alpha1, omega2', omega2'', F, F', P): F is the mesh torque while link 2 is held, N m, else 0.
+        (alpha1, omega2', omega2'', F, F', P, T): F is the mesh torque while link 2 is held, N m, else 0;
+        T is the kinetic energy of links 1, 2 and the imbalances, J.
     """
     i, i1, i2, b, b1, g, g1, g2 = reduced_inertia(d, q)
     k = d.k
     rate_q = k * (omega1 - omega2)
     link1 = d.J1 + i
     momentum = link1 * omega1 + b * rate_q + d.J2 * omega2
+    energy = 0.5 * (link1 * omega1 * omega1 + d.J2 * omega2 * omega2)
+    energy += (b * omega1 + 0.5 * g * rate_q) * rate_q
     coupling = k * (b + k * g)
     r2 = 0.5 * k * (g1 * rate_q * rate_q - i1 * omega1 * omega1)
     push = r2 - torque
@@ -110,11 +113,12 @@ def motion(d, q, omega1, omega2, given, held, carried, torque, torque_rate):
         drive_rate -= (second_derivative_of_b(d, q) * rate_q * rate_q + 2.0 * b1 * rate2_q) * rate_q
     if held:
         jerk1 = drive_rate / phi if d.by_torque != 0.0 else 0.0
-        return alpha1, 0.0, 0.0, r2 + coupling * alpha1, push_rate + coupling * jerk1, momentum
+        return alpha1, 0.0, 0.0, r2 + coupling * alpha1, push_rate + coupling * jerk1, momentum, energy
     push_rate -= k * k * g1 * rate_q * alpha2 + torque_rate
     if d.by_torque != 0.0:
-        return alpha1, alpha2, (phi * push_rate + coupling * drive_rate) / determinant, 0.0, 0.0, momentum
-    return alpha1, alpha2, push_rate / inertia, 0.0, 0.0, momentum
+        jerk2 = (phi * push_rate + coupling * drive_rate) / determinant
+        return alpha1, alpha2, jerk2, 0.0, 0.0, momentum, energy
+    return alpha1, alpha2, push_rate / inertia, 0.0, 0.0, momentum, energy
 
 
 def held_torque(d, q, omega1, alpha1):

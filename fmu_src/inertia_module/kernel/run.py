@@ -17,6 +17,8 @@ from .solvers.timestepping import begin_here, one_step, steps_in
 
 def accelerations_now(d, x):
     """Accelerations of links 1 and 2 in the present mode, rad/s^2."""
+    if x.known != 0.0:
+        return x.rate1, x.rate2
     driving = x.mode == DRIVING
     load, _ = load_behind_freewheel(d, x)
     carried, torque = (d.J3, load) if driving else (0.0, 0.0)
@@ -101,6 +103,7 @@ def run_at_speed(p, d, u, x, w, h, jump):
             else:
                 input_jump = jump_averaged(d, x, jump)
         else:
+            x.goes_on = 0.0
             stiff = p.fidelity == ELASTIC and is_stiff(d, x, u.omega1)
             input_jump, output_jump = jump_input(p, d, x, jump, stiff)
     start1 = x.omega1

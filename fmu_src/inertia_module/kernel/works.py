@@ -53,7 +53,7 @@ def add_explicit_works(d, x, w, start1, start2, passed, turned1, turned2, integr
 
     Args:
         turned1, turned2: angles of the links, rad. integrated: P over the time, with the speed given.
-        w.momentum: P at the beginning; w.momentum_end: at the end.
+        x.momentum: P at the beginning; w.momentum_end: at the end.
     """
     load = w.load
     end1 = x.omega1
@@ -66,11 +66,11 @@ def add_explicit_works(d, x, w, start1, start2, passed, turned1, turned2, integr
         add_work_in(x, w.given * turned1)
         return
     alpha1 = w.given
-    x.input_impulse += w.momentum_end - w.momentum + output_impulse
+    x.input_impulse += w.momentum_end - x.momentum + output_impulse
     if alpha1 == 0.0:
-        add_work_in(x, start1 * (w.momentum_end - w.momentum + output_impulse))
+        add_work_in(x, start1 * (w.momentum_end - x.momentum + output_impulse))
         return
-    work = end1 * w.momentum_end - start1 * w.momentum - alpha1 * integrated
+    work = end1 * w.momentum_end - start1 * x.momentum - alpha1 * integrated
     if x.mode == DRIVING:
         work += d.J3 * (end1 * x.omega2 - start1 * start2 - alpha1 * turned2)
         work += load * passed * (start1 + 0.5 * alpha1 * passed)
@@ -95,15 +95,19 @@ def inertia_integral(d, x, q, omega1, alpha1, start, end):
 
 
 def add_held_works(d, x, q, omega1, alpha1, h, integral_of_phi):
-    """Impulse and work of M1 over h while link 2 is held and the speed given: link 1 alone turns, with
-    Phi(q).
+    """Impulse and work of M1 over h with link 2 held and the speed given: link 1 alone turns, with Phi(q).
+
+    Returns:
+        Its kinetic energy at the end, J.
     """
     end = omega1 + alpha1 * h
     before = inertia_at_input(d, q)
     after = inertia_at_input(d, held_angle(d, q, omega1, alpha1, h))
     x.step_evaluations += 2.0
-    add_work_in(x, 0.5 * (after * end * end - before * omega1 * omega1))
+    energy = 0.5 * after * end * end
+    add_work_in(x, energy - 0.5 * before * omega1 * omega1)
     x.input_impulse += 0.5 * (after * end - before * omega1 + alpha1 * integral_of_phi)
+    return energy
 
 
 def add_shaft_works(d, x, w):

@@ -9,7 +9,7 @@ import math
 from ..accumulate import add, wrap_drive_angle, wrap_input_angle
 from ..codes import DRIVING, EXPLICIT, HELD, LINK2, NONE
 from ..contact import is_held
-from ..guards import instant, is_guarded
+from ..guards import instant, is_guarded, keep_motion
 from ..links import angular_momentum, response
 from ..output_shaft import coast, meet, pass_while_held, stop, time_to_stop
 from ..works import add_explicit_works, add_output_square
@@ -60,7 +60,7 @@ def longest_step(d, x, w, remaining):
     if scale * slip * step > phase:
         step = phase / (scale * slip)
     # under its torque a drive at rest has no phase but what it is accelerated to
-    growth = scale * abs(w.alpha1 - w.alpha2)
+    growth = scale * abs(x.rate1 - x.rate2)
     if d.by_torque != 0.0 and 0.5 * growth * step * step > phase:
         step = math.sqrt(2.0 * phase / growth)
     return step
@@ -227,12 +227,9 @@ def advance_explicit(d, x, w, remaining):
     stopping = time_to_stop(d, x, w.load, remaining) if x.mode == HELD else -1.0
     if stopping >= 0.0:
         remaining = stopping
-    begin = (w.alpha1, w.alpha2, w.jerk2, w.free, w.free_rate, w.momentum)
-    if w.known == 0.0:
-        begin = instant(d, x, w, x.q, x.omega1, x.omega2)
-        w.momentum = begin[5]
-    w.alpha1 = begin[0]
-    w.alpha2 = begin[1]
+    if x.known == 0.0:
+        keep_motion(x, instant(d, x, w, x.q, x.omega1, x.omega2))
+    begin = (x.rate1, x.rate2, x.jerk2, x.free, x.free_rate, x.momentum, x.motion_energy)
     keep_stage(d, w, 0, x.omega1, x.omega2, begin[0], begin[1], begin[5])
     limit = longest_step(d, x, w, remaining)
     done = False
@@ -250,10 +247,9 @@ def advance_explicit(d, x, w, remaining):
         end = end_of_step(d, x, w, END)
         sigma, which = first_event(d, x, w, fastest, begin, end)
     passed = sigma * w.step if sigma >= 0.0 else w.step
-    w.alpha1, w.alpha2, w.jerk2, w.free, w.free_rate, w.momentum_end = end
-    w.known = 1.0 if which == NONE else 0.0
+    w.momentum_end = end[5]
     commit(d, x, w, passed, sigma, which)
-    w.momentum = w.momentum_end
+    keep_motion(x, end)
     if stopping >= 0.0 and passed >= stopping and which == NONE:
         stop(x)
         return passed, True

@@ -26,7 +26,7 @@ def advance_of_phase(d, x, w):
 def torque_bound(d, x, w, fastest):
     """Upper bound of the torques in the step in hand, N m."""
     rate_q = d.k * fastest if is_held(x) else 2.0 * d.k * fastest
-    return torque_scale(d, fastest, w.alpha1, rate_q, w.given) + abs(w.load)
+    return torque_scale(d, fastest, x.rate1, rate_q, w.given) + abs(w.load)
 
 
 def is_quiet(d, x, w, which, begin, end):

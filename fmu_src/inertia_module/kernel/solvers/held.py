@@ -10,7 +10,7 @@ import math
 from ..accumulate import add, wrap_drive_angle
 from ..codes import CLOSED_FORM, HELD, LINK2
 from ..contact import TORQUE_ROUNDING
-from ..guards import held_bend, threshold
+from ..guards import held_bend, keep_motion, threshold
 from ..links import torque_scale
 from ..output_shaft import pass_while_held, stop, time_to_stop
 from ..search import first_crossing
@@ -34,6 +34,7 @@ def advance_held(d, x, w, remaining):
     stopping = time_to_stop(d, x, w.load, remaining) if x.mode == HELD else -1.0
     h = stopping if stopping >= 0.0 else remaining
     released = False
+    energy = 0.0
     if omega1 != 0.0 or alpha1 != 0.0:  # else nothing turns: the guard stays as it is
         interval = min(h, d.max_step)
         rate = d.harmonic * d.k * max(abs(omega1), abs(omega1 + alpha1 * h))
@@ -56,10 +57,11 @@ def advance_held(d, x, w, remaining):
         if alpha1 != 0.0:
             for n in range(looks):
                 phi += inertia_integral(d, x, x.q, omega1, alpha1, h * n / looks, h * (n + 1) / looks)
-        add_held_works(d, x, x.q, omega1, alpha1, h, phi)
+        energy = add_held_works(d, x, x.q, omega1, alpha1, h, phi)
         x.q, x.q_low = add(x.q, x.q_low, d.k * h * (omega1 + 0.5 * alpha1 * h))
         wrap_drive_angle(d, x)
         x.omega1, x.omega1_low = add(x.omega1, x.omega1_low, alpha1 * h)
+    keep_motion(x, (alpha1, 0.0, 0.0, 0.0, 0.0, 0.0, energy))  # only the last is looked at
     pass_while_held(d, x, w.load, h)
     if stopping >= 0.0 and h >= stopping and not released:
         stop(x)
