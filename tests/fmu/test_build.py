@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from inertia_module.compiling import ir as kernel_ir
+from inertia_module.compiling import ir as llvm_text
 from inertia_module.compiling.kernels import CompilationUnavailable
 from inertia_module.fmu import builder, linking, native_fmu, python_fmu
 from inertia_module.fmu.archive import DESCRIPTION, archive
@@ -150,7 +150,7 @@ def test_without_a_c_compiler_the_python_fmu_is_built_and_the_rest_is_skipped(tm
 
 
 def test_without_numba_the_reason_is_named(tmp_path, monkeypatch):
-    monkeypatch.setattr(kernel_ir, "NEEDED", ("numba_that_is_not_there", "llvmlite"))
+    monkeypatch.setattr(llvm_text, "NEEDED", ("numba_that_is_not_there", "llvmlite"))
     built = builder.build(tmp_path)
     assert [path.name for path in built.paths] == ["InertiaModulePy.fmu"]
     assert "numba_that_is_not_there is not installed" in built.skipped["InertiaModule.fmu"]

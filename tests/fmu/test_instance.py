@@ -38,16 +38,16 @@ def test_what_is_no_state_is_refused_and_the_run_goes_on(fmu, junk):
 
 
 def test_a_state_that_was_forgotten_or_is_of_another_instance_is_refused(fmu, fmu_path):
-    kept, forgotten = fmu.keep(), fmu.keep()
-    fmu.forget(forgotten)
-    words = "a state must be one that keep of this instance gave"
-    assert words in refusal(fmu.go_back, forgotten)
-    assert words in refusal(fmu.forget, forgotten)
-    assert words in refusal(fmu.go_back, None)
+    kept, forgotten = fmu.get_state(), fmu.get_state()
+    fmu.free_state(forgotten)
+    words = "a state must be one of get_state of this instance"
+    assert words in refusal(fmu.set_state, forgotten)
+    assert words in refusal(fmu.free_state, forgotten)
+    assert words in refusal(fmu.set_state, None)
     with Fmu(fmu_path, inputs=START) as other:
-        assert words in refusal(other.go_back, kept)
+        assert words in refusal(other.set_state, kept)
     fmu.advance(0.01)
-    fmu.go_back(kept)
+    fmu.set_state(kept)
     assert fmu.time == pytest.approx(0.01)
     fmu.advance(0.01)
 
@@ -57,7 +57,7 @@ USES = {
     "read one": lambda fmu: fmu["contact_mode"],
     "set": lambda fmu: fmu.set(omega1=1.0),
     "advance": lambda fmu: fmu.advance(0.01),
-    "keep": lambda fmu: fmu.keep(),
+    "get_state": lambda fmu: fmu.get_state(),
     "save": lambda fmu: fmu.save(),
     "restore": lambda fmu: fmu.restore(b"junk"),
     "rates": lambda fmu: fmu.rates(("omega_out",)),

@@ -9,7 +9,7 @@ import sys
 import pytest
 
 from inertia_module.common.files import PACKAGE_FOLDER, cache_folder
-from inertia_module.compiling.ir import kernel_ir
+from inertia_module.compiling.ir import llvm_text
 from inertia_module.compiling.kernels import DRIVEN_SHAFT, CompilationUnavailable
 from inertia_module.fmu.builder import FMUS, SHAFT_FMU, build
 from inertia_module.fmu.linking import compiler
@@ -24,20 +24,20 @@ from pathlib import Path
 from inertia_module.compiling.kernels import ENTRIES
 from inertia_module.fmu import linking
 from inertia_module.fmu.targets import TARGETS
-from inertia_module.compiling.ir import kernel_ir
+from inertia_module.compiling.ir import llvm_text
 from inertia_module.compiling.objects import compile_ir
 from inertia_module.contract.models import DRIVEN_SHAFT
 
-linking.object_file = lambda name, machine, label: compile_ir(kernel_ir(name), ENTRIES[name], machine)
+linking.object_file = lambda name, machine, label: compile_ir(llvm_text(name), ENTRIES[name], machine)
 for number, target in enumerate(TARGETS):
     library = linking.link(DRIVEN_SHAFT, "DrivenShaft", "{guid}", target)
     Path(sys.argv[1], str(number)).write_bytes(library)
 """
 TRANSLATE = """
 import sys
-from inertia_module.compiling.ir import kernel_ir
+from inertia_module.compiling.ir import llvm_text
 
-sys.stdout.buffer.write(kernel_ir(sys.argv[1]).encode())
+sys.stdout.buffer.write(llvm_text(sys.argv[1]).encode())
 """
 # a build after a change, whose compilers make nothing but a word
 BUILD = """
@@ -48,8 +48,8 @@ import sys
 from pathlib import Path
 
 from inertia_module.common import files
-from inertia_module.compiling import ir as kernel_ir
-from inertia_module.compiling import objects as machine_code
+from inertia_module.compiling import ir
+from inertia_module.compiling import objects
 from inertia_module.fmu import native_fmu
 from inertia_module.fmu.builder import SHAFT_FMU
 from inertia_module.fmu.targets import LINUX64
@@ -65,11 +65,11 @@ def translate(command, **_):
 
 files.cache_folder().mkdir(exist_ok=True)
 subprocess.run = translate
-machine_code.compile_ir = native_fmu.link = lambda *_: word.encode()
+objects.compile_ir = native_fmu.link = lambda *_: word.encode()
 entry = SHAFT_FMU.model.entry
 print(json.dumps({
-    "text": kernel_ir.kernel_ir(entry),
-    "object": machine_code.object_file(entry, None, "a machine").decode(),
+    "text": ir.llvm_text(entry),
+    "object": objects.object_file(entry, None, "a machine").decode(),
     "library": native_fmu.library(SHAFT_FMU, LINUX64).decode(),
     "guid": native_fmu.guid(SHAFT_FMU),
 }))
@@ -106,7 +106,7 @@ def tools():
     """What it takes to compile."""
     try:
         compiler()
-        kernel_ir(DRIVEN_SHAFT)
+        llvm_text(DRIVEN_SHAFT)
     except CompilationUnavailable as reason:
         pytest.skip(str(reason))
 
@@ -170,7 +170,7 @@ def test_kernel_is_translated_to_the_same_text_wherever_its_source_lies(tmp_path
     shutil.copytree(PACKAGE_FOLDER, moved / PACKAGE_FOLDER.name, ignore=shutil.ignore_patterns("__pycache__"))
     own = {"INERTIA_MODULE_CACHE": str(tmp_path / "cache"), "PYTHONPATH": str(moved)}
     text = elsewhere(tmp_path / "user", "-c", TRANSLATE, DRIVEN_SHAFT, **own)
-    assert text == kernel_ir(DRIVEN_SHAFT).encode()
+    assert text == llvm_text(DRIVEN_SHAFT).encode()
 
 
 def build_after(folder, cache, word, file="", change=""):

@@ -152,10 +152,10 @@ def measured_margins(
     """
     step = float(surrounding.dt)
     steps = round(periods * 2.0 * math.pi / expected.crossover / step)
-    begin = fmu.keep()
+    begin = fmu.get_state()
 
     def swing(**worse: Any) -> tuple[float, float]:
-        fmu.go_back(begin)
+        fmu.set_state(begin)
         rows = run_linear_loop(fmu, surrounding, point, kick, steps, limits=limits, **worse)
         return swings(rows[:, 0]) if len(rows) > steps else (0.0, math.inf)
 
@@ -172,8 +172,8 @@ def measured_margins(
         late = expected.delay / step
         late = stability_limit(lambda n: settles(delay=round(n)), 0.5 * late, 2.0 * late, _SHARE)
     finally:
-        fmu.go_back(begin)
-        fmu.forget(begin)
+        fmu.set_state(begin)
+        fmu.free_state(begin)
     return Margins(gain, late * step, expected.crossover)
 
 

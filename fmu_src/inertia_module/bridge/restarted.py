@@ -33,7 +33,7 @@ class RestartedFmu(Fmu):
             self._call("enterInitializationMode")
             # a value read here makes the native FMU derive its constants, for the state that is kept
             self._read_one(next(name for name, v in self.variables.items() if v.causality == "output"))
-            self._blank = self.keep()
+            self._blank = self.get_state()
             self._call("exitInitializationMode")
         except BaseException:
             self.close()
@@ -49,6 +49,6 @@ class RestartedFmu(Fmu):
             FmuError: a value is refused, alone or with others.
         """
         self.messages.clear()  # a run restarts every step: only what concerns this start is kept
-        self.go_back(self._blank)
+        self.set_state(self._blank)
         self._assign(values)
         self._call("exitInitializationMode")

@@ -101,10 +101,10 @@ def measured_response(
             raise ValueError("drive must be 0 (speed), is 1 (torque): omega1 is made to swing")
         bench = SineBench(fmu, point, as_names(outputs), step)
         rate = bench.settle(settling)
-        settled = fmu.keep()
+        settled = fmu.get_state()
         found = []
         for frequency in wanted:
-            fmu.go_back(settled)
+            fmu.set_state(settled)
             found.append(bench.response(excited, amplitude, float(frequency), settling, record))
     response = np.array([row for row, _ in found]).T
     mean = np.mean([row for _, row in found], axis=0)

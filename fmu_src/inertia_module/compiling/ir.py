@@ -198,11 +198,11 @@ def _path(name: str) -> Path:
 
 
 def is_cached(name: str) -> bool:
-    """Whether kernel_ir will find the text of this source in the cache."""
+    """Whether llvm_text will find the text of this source in the cache."""
     return _path(name).exists()
 
 
-def kernel_ir(name: str) -> str:
+def llvm_text(name: str) -> str:
     """LLVM IR of an entry, from the cache or, the first time ever, translated: about a minute.
 
     Args:

@@ -34,12 +34,12 @@ def _load_shipped(name: str) -> tuple[Callable[..., int], Any]:
 
 def _load_here(name: str) -> tuple[Callable[..., int], Any]:
     try:
-        from . import objects as machine_code
+        from . import objects
     except ImportError:
         raise CompilationUnavailable("this FMU was built without compiled kernels") from None
-    llvm = machine_code.binding()
-    machine, label = machine_code.host_machine()
-    content = machine_code.object_file(name, machine, label)
+    llvm = objects.binding()
+    machine, label = objects.host_machine()
+    content = objects.object_file(name, machine, label)
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
     engine.add_object_file(llvm.ObjectFileRef.from_data(content))
     engine.finalize_object()

@@ -6,7 +6,7 @@ import importlib
 from typing import Any
 
 from ..common.files import cache_folder, content_hash, sources, write_atomically
-from . import ir as kernel_ir
+from . import ir
 from .kernels import ENTRIES, CompilationUnavailable, Entry
 
 
@@ -50,10 +50,10 @@ def _machine(target: Any, processor: str, features: str) -> Any:
     )
 
 
-def compile_ir(ir: str, which: Entry, machine: Any) -> bytes:
+def compile_ir(text: str, which: Entry, machine: Any) -> bytes:
     """Object file with the entry as its only visible function."""
     llvm = binding()
-    module = llvm.parse_assembly(ir)
+    module = llvm.parse_assembly(text)
     module.triple = machine.triple
     module.data_layout = str(machine.target_data)
     module.get_function(which.symbol).visibility = "hidden"  # no other library may put its own in its place
@@ -68,7 +68,7 @@ def made_from() -> dict[str, bytes]:
     Raises:
         CompilationUnavailable: a tool is not installed.
     """
-    return kernel_ir.made_from() | sources("compiling/objects.py")
+    return ir.made_from() | sources("compiling/objects.py")
 
 
 def object_file(name: str, machine: Any, label: str) -> bytes:
@@ -83,5 +83,5 @@ def object_file(name: str, machine: Any, label: str) -> bytes:
     digest = content_hash(made_from() | {"platform": label.encode()})[:16]
     path = cache_folder() / f"{name}-{digest}.o"
     if not path.exists():
-        write_atomically(path, compile_ir(kernel_ir.kernel_ir(name), ENTRIES[name], machine))
+        write_atomically(path, compile_ir(ir.llvm_text(name), ENTRIES[name], machine))
     return path.read_bytes()

@@ -132,7 +132,7 @@ class CoupledEngine(EnginePlant):
 
     def _implicit(self, h: float) -> tuple[EngineState, _Answer]:
         """Try the step, take it back and make it again."""
-        engine, kept = self.engine, self.fmu.keep()
+        engine, kept = self.engine, self.fmu.get_state()
         try:
             first = engine.after(h, self._last.with_inertia(self._inertia)).speed
             rate = (first - engine.speed) / h
@@ -143,14 +143,14 @@ class CoupledEngine(EnginePlant):
             inertia = max(slope * h, least)
             wanted = engine.after(h, tried.with_inertia(inertia, rate)).speed
             if abs(wanted - first) > _AGREEMENT * abs(wanted):
-                self.fmu.go_back(kept)
+                self.fmu.set_state(kept)
                 answer = self._move_module(h, (wanted - engine.speed) / h)
                 # the secant is what the next step is tried with
                 inertia = max((answer.torque - tried.torque) / (wanted - first) * h, least)
         except FmuError:
-            self.fmu.go_back(kept)
+            self.fmu.set_state(kept)
             raise
         finally:
-            self.fmu.forget(kept)
+            self.fmu.free_state(kept)
         self._inertia = inertia
         return engine.after(h, LoadTorque(answer.torque)), answer

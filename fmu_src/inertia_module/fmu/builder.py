@@ -10,7 +10,7 @@ from typing import NamedTuple
 from xml.etree import ElementTree
 
 from ..common.files import writable_folder, write_atomically
-from ..compiling.ir import is_cached, kernel_ir
+from ..compiling.ir import is_cached, llvm_text
 from ..compiling.kernels import CompilationUnavailable
 from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE
 from .archive import DESCRIPTION
@@ -66,7 +66,7 @@ def _translate(progress: Progress) -> None:
         if missing:
             progress("translating the kernels for compilation, once: about a minute")
             with ThreadPoolExecutor(len(missing)) as pool:
-                list(pool.map(kernel_ir, sorted(missing)))
+                list(pool.map(llvm_text, sorted(missing)))
     except CompilationUnavailable:
         pass  # each FMU will say what is missing
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ..common.files import cache_folder, content_hash, sources, write_atomically
-from ..compiling import objects as machine_code
+from ..compiling import objects
 from ..compiling.ir import tool_versions
 from ..compiling.kernels import CompilationUnavailable
 from ..contract.models import Model
@@ -48,7 +48,7 @@ def guid(fmu: NativeFmu) -> str:
         CompilationUnavailable: the tools are not installed.
     """
     compiler()
-    made_from = machine_code.made_from() | sources("fmu/*.py", "fmu/shell/*") | tool_versions("ziglang")
+    made_from = objects.made_from() | sources("fmu/*.py", "fmu/shell/*") | tool_versions("ziglang")
     made_from |= {path.name: path.read_bytes() for path in header_folder().glob("fmi2*.h")}
     made_from |= papers(fmu.model, fmu.picture)
     made_from |= {name: text.encode() for name, text in generated(fmu.model, "").items()}

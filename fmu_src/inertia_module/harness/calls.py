@@ -99,7 +99,7 @@ class Instance:
             raise FmuError("; ".join(self._errors))
         return found
 
-    def keep(self) -> Kept:
+    def get_state(self) -> Kept:
         """Keep the state to go back to; cheaper than save, and good for this instance only.
 
         Raises:
@@ -111,23 +111,23 @@ class Instance:
     def _check_kept(self, kept: Kept) -> None:
         # some FMUs crash on a state that is not theirs
         if not any(kept is known for known in self._kept):
-            raise FmuError("a state must be one that keep of this instance gave and forget has not freed")
+            raise FmuError("a state must be one of get_state of this instance, not freed since")
 
-    def go_back(self, kept: Kept) -> None:
-        """Take over a state of keep, and its time.
+    def set_state(self, kept: Kept) -> None:
+        """Take over a state of get_state, and its time.
 
         Raises:
-            FmuError: it is not one, or forgotten.
+            FmuError: it is not one, or freed.
         """
         self._check_kept(kept)
         self._call("setFMUstate", kept.state)
         self.time = kept.time
 
-    def forget(self, kept: Kept) -> None:
-        """Free a state of keep; closing the instance frees all.
+    def free_state(self, kept: Kept) -> None:
+        """Free a state of get_state; closing the instance frees all.
 
         Raises:
-            FmuError: it is not one, or forgotten.
+            FmuError: it is not one, or freed.
         """
         self._check_kept(kept)
         self._kept = [known for known in self._kept if known is not kept]
@@ -139,11 +139,11 @@ class Instance:
         Raises:
             FmuError: the FMU cannot give its state.
         """
-        kept = self.keep()
+        kept = self.get_state()
         try:
             return bytes(self._call("serializeFMUstate", kept.state))
         finally:
-            self.forget(kept)
+            self.free_state(kept)
 
     def restore(self, saved: bytes, time: float | None = None) -> None:
         """Take over a state of save; time, s, is the communication point it belongs to.
@@ -153,7 +153,7 @@ class Instance:
         """
         if not isinstance(saved, bytes):
             raise FmuError(f"a state must be the bytes that save gave, is {type(saved).__name__}")
-        before = self.keep()
+        before = self.get_state()
         try:
             state = self._call("deSerializeFMUstate", saved)
             try:
@@ -165,7 +165,7 @@ class Instance:
             self._call("setFMUstate", before.state)
             raise
         finally:
-            self.forget(before)
+            self.free_state(before)
         if time is not None:
             self.time = time
 

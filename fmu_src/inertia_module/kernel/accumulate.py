@@ -13,7 +13,7 @@ def add(value, low, change):
     return new, (value - (new - shift)) + (change - shift)
 
 
-def later(time, low, passed):
+def time_later(time, low, passed):
     """Time and what rounding has kept from it, the time passed later. Returns (time, low)."""
     passed += low
     new = time + passed

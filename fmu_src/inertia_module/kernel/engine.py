@@ -3,7 +3,7 @@
 The contact mode is chosen, a solver follows it to the next event or to the end of the step, and so on.
 """
 
-from .accumulate import later
+from .accumulate import time_later
 from .codes import OK, STEP_TOO_SMALL, TOO_MANY_SWITCHES, TOO_MUCH_WORK
 from .contact import TORQUE_ROUNDING, choose_mode, is_held
 from .limits import MAX_EVALUATIONS, STALLS_ALLOWED, SWITCHES_ALLOWED, SWITCHES_PER_PULSE
@@ -64,7 +64,7 @@ def run_events(d, x, w, h):
         if passed >= remaining:
             time = h
         else:
-            time, low = later(time, low, passed)
+            time, low = time_later(time, low, passed)
         if d.by_torque == 0.0:
             x.omega1 = start1 + w.given * time
             x.omega1_low = 0.0

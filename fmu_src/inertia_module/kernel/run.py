@@ -1,6 +1,6 @@
 """A communication step by fidelity and method, with the speed or the torque of link 1 given."""
 
-from .accumulate import add, later, wrap_drive_angle, wrap_input_angle
+from .accumulate import add, time_later, wrap_drive_angle, wrap_input_angle
 from .averaged.jump import jump_averaged, takes_up_jump
 from .averaged.run import run_averaged
 from .codes import AVERAGED, DRIVING, ELASTIC, KINEMATIC, OK, TIMESTEPPING, TOO_MUCH_WORK
@@ -60,7 +60,7 @@ def run_kinematic(p, d, x, h):
         if passed >= remaining:
             time = h
         else:
-            time, low = later(time, low, passed)
+            time, low = time_later(time, low, passed)
         if x.step_evaluations > MAX_EVALUATIONS:
             return TOO_MUCH_WORK
     speed = p.kinematic_ratio * (x.omega1 + x.alpha1 * h)
