@@ -50,6 +50,11 @@ MESSAGES: Mapping[int, str] = {
         " {housing_freewheel} and {output_freewheel}: without both freewheels nothing rectifies the pulses"
         " and there is no mean torque"
     ),
+    codes.FRICTION_AVERAGED: (
+        f"with {named('fidelity')} (averaged) friction must be 0, is"
+        f" {named('input_friction', 'drive_friction', 'link2_friction', 'output_friction')} N.m.s/rad:"
+        " the map of the mean torque knows none"
+    ),
     codes.SINGULAR: (
         f"with {named('drive_inertia', 'a', 'b', 'eccentricity', 'imbalance_mass')} link2_inertia must be"
         " above 0 by more than rounding, is {link2_inertia}: the inertia behind link 2 vanishes where the"

@@ -16,6 +16,11 @@ def is_held(x):
     return x.mode == HELD or x.mode == HELD_DRIVING
 
 
+def torque_carried(d, load, load_rate, omega2, alpha2, jerk2):
+    """Tc that drives the output with link 2, N m, and its rate, N m/s: J3 omega3' = Tc - b3 omega3 - load."""
+    return load + d.b3 * omega2 + d.J3 * alpha2, load_rate + d.b3 * alpha2 + d.J3 * jerk2
+
+
 def sign_or_trend(value, rate, zero):
     """Whether value is positive, or zero within rounding and growing."""
     if value > zero:
@@ -40,7 +45,7 @@ def select_mode(d, q, omega1, omega2, omega3, given, load, load_rate, rounding):
     output = d.output == 0.0 or omega3 == omega2
     if not output and not housing:
         return FREE
-    alpha1, _, _, free, trend, _, _ = motion(d, q, omega1, omega2, given, True, 0.0, 0.0, 0.0)
+    alpha1, _, _, free, trend, _, _ = motion(d, q, omega1, omega2, given, True, 0.0, 0.0, 0.0, 0.0)
     # the same zeros as in the search for events: the load counts only where it takes part
     zero_free = rounding * torque_scale(d, omega1, alpha1, d.k * (omega1 - omega2), given)
     zero = zero_free + rounding * abs(load)
@@ -52,8 +57,9 @@ def select_mode(d, q, omega1, omega2, omega3, given, load, load_rate, rounding):
         return DRIVING
     if housing and not sign_or_trend(free, trend, zero_free):
         return HELD  # the load itself pulls the shaft away
-    _, alpha2, jerk2, _, _, _, _ = motion(d, q, omega1, omega2, given, False, d.J3, load, load_rate)
-    return DRIVING if sign_or_trend(load + d.J3 * alpha2, load_rate + d.J3 * jerk2, zero) else FREE
+    _, alpha2, jerk2, _, _, _, _ = motion(d, q, omega1, omega2, given, False, d.J3, d.b3, load, load_rate)
+    torque, rate = torque_carried(d, load, load_rate, omega2, alpha2, jerk2)
+    return DRIVING if sign_or_trend(torque, rate, zero + rounding * d.b3 * abs(omega2)) else FREE
 
 
 def settle(d, inertia2, free2, inertia3, free3):

@@ -9,6 +9,7 @@ from .codes import (
     BAD_START_RIGID,
     DRIVE_TORQUE,
     ELASTIC,
+    FRICTION_AVERAGED,
     KINEMATIC,
     NO_INPUT_INERTIA,
     NO_RECTIFIER,
@@ -144,7 +145,8 @@ def derive(p, d):
         d: derived constants, written.
 
     Returns:
-        Status: OK, PRESCRIBED, NO_INPUT_INERTIA, NO_RECTIFIER, SINGULAR or a BAD_START code.
+        Status: OK, FRICTION_AVERAGED, PRESCRIBED, NO_INPUT_INERTIA, NO_RECTIFIER, SINGULAR or a BAD_START
+        code.
     """
     d.planar = p.layout
     if p.layout != 0.0:
@@ -166,6 +168,11 @@ def derive(p, d):
     d.damping = p.shaft_damping
     d.friction = p.driven_friction
     d.balancer = p.balancer
+    d.b1 = p.input_friction
+    d.bq = p.drive_friction
+    d.b2 = p.link2_friction
+    d.b3 = p.output_friction
+    d.viscous = 1.0 if d.b1 + d.bq + d.b2 + d.b3 > 0.0 else 0.0
     d.housing = p.housing_freewheel
     d.output = p.output_freewheel
     # a tenth for each step, so that the error of the whole run is about the tolerance asked for
@@ -183,6 +190,8 @@ def derive(p, d):
             return NO_INPUT_INERTIA
     if p.fidelity == KINEMATIC:
         return OK
+    if p.fidelity == AVERAGED and d.viscous != 0.0:
+        return FRICTION_AVERAGED
     if p.fidelity == AVERAGED and (d.housing == 0.0 or d.output == 0.0):
         return NO_RECTIFIER
     if is_singular(d):

@@ -20,6 +20,7 @@ PARAMETERS = (
     *("sun_radius", "satellite_radius", "eccentricity", "imbalance_mass", "modules", "satellites"),
     *("drive_inertia", "input_inertia", "link2_inertia", "output_inertia", "driven_inertia"),
     *("shaft_stiffness", "shaft_damping", "driven_friction", "balancer"),
+    *("input_friction", "drive_friction", "link2_friction", "output_friction"),
     *("housing_freewheel", "output_freewheel", "fidelity", "method", "drive", "input_hold", "tolerance"),
     *("max_step", "kinematic_ratio", "omega2_start", "omega_out_start", "drive_angle_start"),
 )
@@ -41,6 +42,7 @@ OUTPUTS = (
     *("imbalance_x", "imbalance_y", "imbalance_z"),
     *("imbalance_velocity_x", "imbalance_velocity_y", "imbalance_velocity_z"),
     *("energy_in", "energy_out", "energy_stored", "energy_lost", "energy_residual"),
+    *("energy_lost_viscous", "energy_lost_shaft"),
     *("torque_ripple", "torque_peak", "contact_switches", "rhs_evaluations"),
 )
 
@@ -50,7 +52,8 @@ STATE = (
     *("q", "q_low", "drive_turns", "theta1", "theta1_low", "input_turns"),
     *("omega1", "omega1_low", "omega2", "omega2_low", "omega3", "omega3_low", "mode", "step_mode"),
     *("alpha1", "held_input", "held_step", "load_torque", "drive_torque", "step_size", "short_size"),
-    *("energy_in", "energy_in_low", "energy_out", "energy_out_low", "energy_lost", "energy_lost_low"),
+    *("energy_in", "energy_in_low", "energy_out", "energy_out_low", "lost_shaft", "lost_shaft_low"),
+    *("lost_viscous", "lost_viscous_low"),
     *(
         "energy_start",
         "energy_stored",
@@ -89,7 +92,7 @@ CONSTANTS = (
     *("period", "period_low", "period_turns", "harmonic", "F_by_slip", "F_by_speed", "F_by_alpha1"),
     # (F_by_...: bounds of |F|, the mesh torque, by the squares of slip and speed and by alpha1)
     *("J1", "J2", "J3", "J4", "J16", "housing", "output", "by_torque", "elastic", "tolerance", "max_step"),
-    *("stiffness", "damping", "friction", "balancer"),
+    *("stiffness", "damping", "friction", "balancer", "b1", "bq", "b2", "b3", "viscous"),
     # square of the slowest shaft whose own motion is followed, over that of the pulses
     "followed",
     # averaged: the map, the parameters it is of, and sums while it is built
@@ -101,8 +104,20 @@ CONSTANTS = (
 # nothing in it outlives the call
 WORKSPACE = (
     # what the solvers share: torque or acceleration given at link 1, load, step in hand, inertia and
-    # torque that link 2 carries, mean alpha1, P at the end of the step
-    *("solver", "short", "given", "load", "step", "carried", "carried_torque", "alpha1", "momentum_end"),
+    # friction and torque that link 2 carries, mean alpha1, P at the end of the step
+    *(
+        "solver",
+        "short",
+        "given",
+        "load",
+        "step",
+        "carried",
+        "carried_friction",
+        "carried_torque",
+        "alpha1",
+        "momentum_end",
+        "braking",
+    ),
     *("change_q", "change1", "change2"),
     # rates at the stages of the explicit pair, what is integrated besides, and the inside of the step
     *(("rate_q", STAGES), ("rate_omega1", STAGES), ("rate_omega2", STAGES), ("integrand", STAGES)),

@@ -7,8 +7,9 @@ the torque Tc. With an elastic output the hub or its shaft torque stands for the
 """
 
 from .codes import CLOSED_FORM, COLLOCATED, DRIVING, HELD_DRIVING, LINK2, OUTPUT
-from .contact import is_held
+from .contact import is_held, torque_carried
 from .links import held_torque, motion
+from .output_shaft import coasting, coasting_bend
 from .solvers.collocated_guards import collocated_bend, collocated_guard
 from .solvers.interpolant import dense_bend, dense_change, dense_rate, dense_rate_bend
 
@@ -32,15 +33,17 @@ def guard(d, x, w, which, t, omega2, alpha2, jerk2, free, free_rate):
     if which == LINK2:
         return omega2, alpha2
     if x.mode == DRIVING:
-        return w.load + d.J3 * alpha2, d.J3 * jerk2
-    slowing = w.load / d.J3
-    return x.omega3 - slowing * t - omega2, -slowing - alpha2
+        return torque_carried(d, w.load, 0.0, omega2, alpha2, jerk2)
+    omega3, rate3 = coasting(d, x, w.load, t)
+    return omega3 - omega2, rate3 - alpha2
 
 
 def instant(d, x, w, q, omega1, omega2):
     """links.motion in the step in hand."""
     x.step_evaluations += 1.0
-    return motion(d, q, omega1, omega2, w.given, is_held(x), w.carried, w.carried_torque, 0.0)
+    return motion(
+        d, q, omega1, omega2, w.given, is_held(x), w.carried, w.carried_friction, w.carried_torque, 0.0
+    )
 
 
 def keep_motion(x, now):
@@ -105,5 +108,6 @@ def bend_inside(d, x, w, which, scale, phase):
     if is_held(x):
         return scale * (phase * phase) * (phase * phase)
     if which == OUTPUT and x.mode == DRIVING:
-        return d.J3 * dense_rate_bend(w.dense_omega2) / w.step
-    return dense_bend(w.dense_omega2)
+        return d.J3 * dense_rate_bend(w.dense_omega2) / w.step + d.b3 * dense_bend(w.dense_omega2)
+    own = dense_bend(w.dense_omega2)
+    return own + coasting_bend(d, x, w.load, w.step) if which == OUTPUT else own

@@ -1,9 +1,9 @@
 """Equations of motion of links 1 and 2: one solver, the speed or the torque of link 1 given
 (docs/mechanics.md).
 
-    Phi alpha1 - N omega2' = M1 - R1                    Phi = J1 + I + 2 k B + k^2 G     N = k (B + k G)
-    (J2 + k^2 G) omega2' - N alpha1 = R2 - Tc + Th      R1 = I' q' omega1 + B' q'^2 + R2
-    R2 = k (G' q'^2 - I' omega1^2) / 2
+    Phi alpha1 - N omega2' = M1 - R1                               Phi = J1 + I + 2 k B + k^2 G
+    (J2 + k^2 G) omega2' - N alpha1 = R2 - b2 omega2 - Tc + Th     N = k (B + k G)
+    R1 = I' q' omega1 + B' q'^2 + b1 omega1 + R2     R2 = k (G' q'^2 - I' omega1^2) / 2 + k bq q'
 
 Of alpha1 and M1 one is given; omega2' = 0 while the housing freewheel holds link 2.
 """
@@ -16,30 +16,31 @@ def given_at_input(d, x):
     return x.drive_torque if d.by_torque != 0.0 else x.alpha1
 
 
-def accelerations(d, q, omega1, omega2, given, held, carried, torque):
+def accelerations(d, q, omega1, omega2, given, held, carried, friction, torque):
     """Accelerations of both links, and their angular momentum.
 
     Args:
         given: see given_at_input. held: whether link 2 is held.
-        carried, torque: inertia that link 2 carries while it moves, kg m^2, and torque against it, N m.
+        carried, friction, torque: what link 2 carries while it moves: inertia, kg m^2, viscous friction,
+            N m s/rad, and torque against it, N m.
 
     Returns:
         (alpha1, omega2', P): rad/s^2 and N m s, P = (J1 + I) omega1 + B q' + J2 omega2.
     """
     if d.by_torque != 0.0:
-        return accelerations_by_torque(d, q, omega1, omega2, given, held, carried, torque)
+        return accelerations_by_torque(d, q, omega1, omega2, given, held, carried, friction, torque)
     i, i1, _, b, _, g, g1, _ = reduced_inertia(d, q)
     k = d.k
     rate_q = k * (omega1 - omega2)
     momentum = (d.J1 + i) * omega1 + b * rate_q + d.J2 * omega2
     if held:
         return given, 0.0, momentum
-    r2 = 0.5 * k * (g1 * rate_q * rate_q - i1 * omega1 * omega1)
-    push = r2 - torque + k * (b + k * g) * given
+    r2 = 0.5 * k * (g1 * rate_q * rate_q - i1 * omega1 * omega1) + k * d.bq * rate_q
+    push = r2 - (d.b2 + friction) * omega2 - torque + k * (b + k * g) * given
     return given, push / (d.J2 + carried + k * k * g), momentum
 
 
-def accelerations_by_torque(d, q, omega1, omega2, given, held, carried, torque):
+def accelerations_by_torque(d, q, omega1, omega2, given, held, carried, friction, torque):
     """The same where the torque of link 1 is given: both equations."""
     i, i1, _, b, b1, g, g1, _ = reduced_inertia(d, q)
     k = d.k
@@ -47,20 +48,20 @@ def accelerations_by_torque(d, q, omega1, omega2, given, held, carried, torque):
     link1 = d.J1 + i
     momentum = link1 * omega1 + b * rate_q + d.J2 * omega2
     coupling = k * (b + k * g)
-    r2 = 0.5 * k * (g1 * rate_q * rate_q - i1 * omega1 * omega1)
+    r2 = 0.5 * k * (g1 * rate_q * rate_q - i1 * omega1 * omega1) + k * d.bq * rate_q
     own = d.J2 + carried
-    drive = given - (i1 * omega1 + b1 * rate_q) * rate_q - r2
+    drive = given - (i1 * omega1 + b1 * rate_q) * rate_q - d.b1 * omega1 - r2
     phi = link1 + k * (2.0 * b + k * g)
     if held:
         return drive / phi, 0.0, momentum
-    push = r2 - torque
+    push = r2 - (d.b2 + friction) * omega2 - torque
     # Phi (own + k^2 G) - N^2 without its cancellation: I G >= B^2
     determinant = own * phi + k * k * (link1 * g - b * b)
     alpha1 = ((own + k * k * g) * drive + coupling * push) / determinant
     return alpha1, (phi * push + coupling * drive) / determinant, momentum
 
 
-def motion(d, q, omega1, omega2, given, held, carried, torque, torque_rate):
+def motion(d, q, omega1, omega2, given, held, carried, friction, torque, torque_rate):
     """Accelerations of both links and their rates, what is given being constant.
 
     Args:
@@ -78,8 +79,9 @@ def motion(d, q, omega1, omega2, given, held, carried, torque, torque_rate):
     energy = 0.5 * (link1 * omega1 * omega1 + d.J2 * omega2 * omega2)
     energy += (b * omega1 + 0.5 * g * rate_q) * rate_q
     coupling = k * (b + k * g)
-    r2 = 0.5 * k * (g1 * rate_q * rate_q - i1 * omega1 * omega1)
-    push = r2 - torque
+    r2 = 0.5 * k * (g1 * rate_q * rate_q - i1 * omega1 * omega1) + k * d.bq * rate_q
+    friction += d.b2
+    push = r2 - friction * omega2 - torque
     own = d.J2 + carried
     inertia = own + k * k * g
     alpha1 = given
@@ -87,7 +89,7 @@ def motion(d, q, omega1, omega2, given, held, carried, torque, torque_rate):
     phi = 0.0
     determinant = 0.0
     if d.by_torque != 0.0:
-        drive = given - (i1 * omega1 + b1 * rate_q) * rate_q - r2
+        drive = given - (i1 * omega1 + b1 * rate_q) * rate_q - d.b1 * omega1 - r2
         phi = link1 + k * (2.0 * b + k * g)
         determinant = own * phi + k * k * (link1 * g - b * b)
         alpha1 = drive / phi
@@ -104,17 +106,19 @@ def motion(d, q, omega1, omega2, given, held, carried, torque, torque_rate):
         + g1 * rate_q * rate2_q
         - 0.5 * i2 * rate_q * omega1 * omega1
         - i1 * omega1 * alpha1
+        + d.bq * rate2_q
     )
     push_rate = r2_rate + coupling_rate * alpha1
     drive_rate = 0.0
     if d.by_torque != 0.0:
         drive_rate = coupling_rate * alpha2 - (i1 + k * (2.0 * b1 + k * g1)) * rate_q * alpha1 - r2_rate
+        drive_rate -= d.b1 * alpha1
         drive_rate -= i2 * rate_q * rate_q * omega1 + i1 * (rate2_q * omega1 + rate_q * alpha1)
         drive_rate -= (second_derivative_of_b(d, q) * rate_q * rate_q + 2.0 * b1 * rate2_q) * rate_q
     if held:
         jerk1 = drive_rate / phi if d.by_torque != 0.0 else 0.0
         return alpha1, 0.0, 0.0, r2 + coupling * alpha1, push_rate + coupling * jerk1, momentum, energy
-    push_rate -= k * k * g1 * rate_q * alpha2 + torque_rate
+    push_rate -= k * k * g1 * rate_q * alpha2 + friction * alpha2 + torque_rate
     if d.by_torque != 0.0:
         jerk2 = (phi * push_rate + coupling * drive_rate) / determinant
         return alpha1, alpha2, jerk2, 0.0, 0.0, momentum, energy
@@ -127,9 +131,9 @@ def held_torque(d, q, omega1, alpha1):
     k = d.k
     rate_q = k * omega1
     square = omega1 * omega1
-    torque = k * (b + k * g) * alpha1 + 0.5 * k * (k * k * g1 - i1) * square
+    torque = k * (b + k * g) * alpha1 + 0.5 * k * (k * k * g1 - i1) * square + k * d.bq * rate_q
     rate = k * (b1 + 2.0 * k * g1) * rate_q * alpha1 - k * i1 * omega1 * alpha1
-    return torque, rate + 0.5 * k * (k * k * g2 - i2) * square * rate_q
+    return torque, rate + 0.5 * k * (k * k * g2 - i2) * square * rate_q + k * k * d.bq * alpha1
 
 
 def torques(d, q, omega1, alpha1, omega2, alpha2):
@@ -138,8 +142,12 @@ def torques(d, q, omega1, alpha1, omega2, alpha2):
     k = d.k
     rate_q = k * (omega1 - omega2)
     rate2_q = k * (alpha1 - alpha2)
-    mesh = k * (g * rate2_q + 0.5 * g1 * rate_q * rate_q + b * alpha1 - 0.5 * i1 * omega1 * omega1)
-    drive = (d.J1 + i) * alpha1 + i1 * rate_q * omega1 + b * rate2_q + b1 * rate_q * rate_q + mesh
+    mesh = k * (
+        g * rate2_q + 0.5 * g1 * rate_q * rate_q + b * alpha1 - 0.5 * i1 * omega1 * omega1 + d.bq * rate_q
+    )
+    drive = (
+        (d.J1 + i) * alpha1 + d.b1 * omega1 + i1 * rate_q * omega1 + b * rate2_q + b1 * rate_q * rate_q + mesh
+    )
     return drive, mesh
 
 
@@ -147,6 +155,7 @@ def torque_scale(d, omega1, alpha1, rate_q, given):
     """Upper bound of |F| at these speeds, N m: what a torque is to be called zero against."""
     reach = d.F_by_alpha1
     scale = 0.5 * (d.F_by_slip * rate_q * rate_q + d.F_by_speed * omega1 * omega1) + reach * abs(alpha1)
+    scale += d.k * d.bq * abs(rate_q)
     if d.by_torque != 0.0 and reach > 0.0:
         scale += abs(given) * reach / (reach + d.J1)
     return scale

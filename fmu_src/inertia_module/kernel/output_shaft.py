@@ -1,14 +1,56 @@
 """The output shaft (rigid) while link 2 does not drive it: it coasts, rests, and is met by link 2."""
 
+import math
+
 from .accumulate import add
 from .codes import HELD_DRIVING, LINK2, OUTPUT
 
+# below it the mean of an exponential is a series
+SERIES = 0.3
+
+
+def slowed(z):
+    """Means over 0 <= t <= 1 of exp(-z t), (1 - exp(-z)) / z, and its integral, (z - 1 + exp(-z)) / z^2."""
+    if z < SERIES:
+        # the first eight terms: to rounding
+        first = 1.0
+        second = 0.5
+        term = 1.0
+        for n in range(2, 10):
+            term *= -z / n
+            first += term
+            second += term / (n + 1.0)
+        return first, second
+    first = -math.expm1(-z) / z
+    return first, (1.0 - first) / z
+
+
+def coasting(d, x, load, t):
+    """Speed and acceleration of the shaft that has coasted for the time t: J3 omega3' = -load - b3 omega3."""
+    rate = -(load + d.b3 * x.omega3) / d.J3
+    if d.b3 == 0.0:
+        return x.omega3 + rate * t, rate
+    z = d.b3 * t / d.J3
+    mean, _ = slowed(z)
+    return x.omega3 + rate * t * mean, rate * math.exp(-z)
+
+
+def coasting_bend(d, x, load, h):
+    """Bound of the fourth derivative of the coasting shaft's speed by the fraction of the step h."""
+    z = d.b3 * h / d.J3
+    return abs(load + d.b3 * x.omega3) / d.J3 * h * z * z * z
+
 
 def coast(d, x, load, h):
-    """Uniform deceleration by the load over h, with its work."""
-    change = -load * h / d.J3
-    work = load * h * (x.omega3 + 0.5 * change)
-    x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, work)
+    """The shaft slowed by load and friction over h, with its work and loss."""
+    rate = -(load + d.b3 * x.omega3) / d.J3
+    mean, turned = slowed(d.b3 * h / d.J3) if d.b3 != 0.0 else (1.0, 0.5)
+    change = rate * h * mean
+    angle = h * (x.omega3 + rate * h * turned)
+    x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, load * angle)
+    if d.b3 != 0.0:
+        lost = -d.J3 * change * (x.omega3 + 0.5 * change) - load * angle
+        x.lost_viscous, x.lost_viscous_low = add(x.lost_viscous, x.lost_viscous_low, max(0.0, lost))
     x.omega3, x.omega3_low = add(x.omega3, x.omega3_low, change)
 
 
@@ -20,9 +62,12 @@ def stop(x):
 
 def time_to_stop(d, x, load, remaining):
     """Time until the coasting shaft stops, or -1 if it does not in the time remaining."""
-    if load > 0.0 and d.J3 * x.omega3 < load * remaining:
-        return d.J3 * x.omega3 / load
-    return -1.0
+    if not (load > 0.0 and d.J3 * x.omega3 < (load + d.b3 * x.omega3) * remaining):
+        return -1.0
+    time = d.J3 * x.omega3 / load
+    if d.b3 != 0.0:
+        time = d.J3 / d.b3 * math.log1p(d.b3 * x.omega3 / load)
+    return time if time < remaining else -1.0
 
 
 def meet(d, x, which):

@@ -8,6 +8,7 @@ import math
 from .audit import is_audited
 from .averaged.outputs import averaged_energy, write_averaged
 from .codes import AVERAGED, DRIVING, ELASTIC, FREE, HELD_DRIVING, KINEMATIC
+from .contact import torque_carried
 from .layout import imbalance_in_fixed_frame
 from .links import kinetic_energy, torques
 from .run import accelerations_now
@@ -42,9 +43,9 @@ def write_torques(p, d, x, y):
         _, alpha2 = accelerations_now(d, x)
     drive, mesh = torques(d, x.q, x.omega1, x.alpha1, x.omega2, alpha2)
     if p.fidelity == KINEMATIC:
-        output = mesh - d.J2 * alpha2
+        output = mesh - d.J2 * alpha2 - d.b2 * x.omega2
     elif x.mode == DRIVING:
-        output = load + d.J3 * alpha2
+        output, _ = torque_carried(d, load, 0.0, x.omega2, alpha2, 0.0)
     elif x.mode != FREE:
         output = load if x.mode == HELD_DRIVING else 0.0
         housing = output - mesh
@@ -97,7 +98,9 @@ def write_outputs(x, y):
     y.rhs_evaluations = x.evaluations
     y.energy_in = x.energy_in
     y.energy_out = x.energy_out
-    y.energy_lost = x.energy_lost
+    y.energy_lost = x.lost_shaft + x.lost_viscous
+    y.energy_lost_viscous = x.lost_viscous
+    y.energy_lost_shaft = x.lost_shaft
 
 
 def write_late_outputs(p, d, x, y):
@@ -105,7 +108,7 @@ def write_late_outputs(p, d, x, y):
     y.torque_ripple = x.torque_ripple
     y.torque_peak = x.torque_peak
     stored = x.energy_stored if is_audited(p) else stored_energy(p, d, x)
-    passed = x.energy_in - x.energy_out - x.energy_lost
+    passed = x.energy_in - x.energy_out - y.energy_lost
     y.energy_stored = stored
     y.energy_residual = passed - (stored - x.energy_start)
     alpha2 = write_torques(p, d, x, y)

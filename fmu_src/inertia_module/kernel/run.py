@@ -21,9 +21,9 @@ def accelerations_now(d, x):
         return x.rate1, x.rate2
     driving = x.mode == DRIVING
     load, _ = load_behind_freewheel(d, x)
-    carried, torque = (d.J3, load) if driving else (0.0, 0.0)
+    carried, friction, torque = (d.J3, d.b3, load) if driving else (0.0, 0.0, 0.0)
     alpha1, alpha2, _ = accelerations(
-        d, x.q, x.omega1, x.omega2, given_at_input(d, x), is_held(x), carried, torque
+        d, x.q, x.omega1, x.omega2, given_at_input(d, x), is_held(x), carried, friction, torque
     )
     return alpha1, alpha2
 

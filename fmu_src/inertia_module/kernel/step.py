@@ -96,7 +96,7 @@ def is_finite(x):
     """Whether the motion, its energies and its means are: all else follows from them."""
     motion = (abs(x.q) + abs(x.theta1)) + (abs(x.omega2) + abs(x.omega3))
     shaft = (abs(x.relative) + abs(x.twist)) + abs(x.omega1)
-    energies = (abs(x.energy_in) + abs(x.energy_out)) + abs(x.energy_lost)
+    energies = (abs(x.energy_in) + abs(x.energy_out)) + (abs(x.lost_shaft) + x.lost_viscous)
     means = abs(x.input_torque_mean) + (abs(x.output_torque_mean) + abs(x.torque_ripple))
     return (motion + shaft) + (energies + means) < 1e300
 

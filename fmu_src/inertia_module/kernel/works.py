@@ -14,6 +14,7 @@ from .codes import DRIVING
 from .links import angular_momentum, inertia_at_input
 from .solvers.dormand_prince import END, NODES, STAGES
 from .solvers.dormand_prince_5 import END as SHORT_END
+from .solvers.dormand_prince_5 import NODES as SHORT_NODES
 from .solvers.interpolant import integral
 from .solvers.radau import MATRIX
 from .solvers.radau import NODES as RADAU_NODES
@@ -32,16 +33,50 @@ def add_work_in(x, work):
     x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, work)
 
 
+def stage_omega1(d, x, w, n):
+    """Speed of link 1 at a stage of the explicit step in hand, rad/s."""
+    if d.by_torque != 0.0:
+        return w.integrand[n]
+    return x.omega1 + w.given * w.step * (SHORT_NODES[n] if w.short != 0.0 else NODES[n])
+
+
+def stages_up_to(w, sigma):
+    """How many stages the integral over the explicit step or its part sigma takes."""
+    if sigma >= 0.0:
+        return STAGES
+    return SHORT_END if w.short != 0.0 else END
+
+
+def add_viscous_losses(d, x, w, sigma):
+    """What viscous friction takes in the explicit step or its part sigma. Overwrites the rates of omega2.
+
+    Leaves in w.braking the work, J, that the friction of links 1, 2 and the output they drive does at the
+    speed of link 1.
+    """
+    friction2 = d.b2 + w.carried_friction
+    count = stages_up_to(w, sigma)
+    for n in range(count):
+        omega1 = stage_omega1(d, x, w, n)
+        rate_q = w.rate_q[n]
+        omega2 = omega1 - rate_q / d.k
+        w.rate_omega2[n] = d.b1 * omega1 * omega1 + d.bq * rate_q * rate_q + friction2 * omega2 * omega2
+    lost = integral(w, w.rate_omega2, sigma)
+    x.lost_viscous, x.lost_viscous_low = add(x.lost_viscous, x.lost_viscous_low, lost)
+    for n in range(count):
+        omega1 = stage_omega1(d, x, w, n)
+        w.rate_omega2[n] = omega1 * (d.b1 * omega1 + friction2 * (omega1 - w.rate_q[n] / d.k))
+    w.braking = integral(w, w.rate_omega2, sigma)
+
+
 def add_output_square(d, x, w, sigma):
     """Integral of Tc^2 over the explicit step or its part sigma, and its peak. Overwrites the rates of
     omega2.
     """
     end = sigma if sigma >= 0.0 else 1.0
-    count = STAGES
-    if sigma < 0.0:
-        count = SHORT_END if w.short != 0.0 else END
-    for n in range(count):
+    for n in range(stages_up_to(w, sigma)):
         torque = w.load + d.J3 * w.rate_omega2[n]
+        if d.b3 != 0.0:
+            torque += d.b3 * (stage_omega1(d, x, w, n) - w.rate_q[n] / d.k)
         if sigma < 0.0 or NODES[n] <= end:
             x.torque_peak = max(x.torque_peak, abs(torque))
         w.rate_omega2[n] = torque * torque
@@ -59,21 +94,24 @@ def add_explicit_works(d, x, w, start1, start2, passed, turned1, turned2, integr
     end1 = x.omega1
     output_impulse = 0.0
     if x.mode == DRIVING:
-        output_impulse = d.J3 * (x.omega2 - start2) + load * passed
+        output_impulse = d.J3 * (x.omega2 - start2) + d.b3 * turned2 + load * passed
         x.output_impulse += output_impulse
         x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, load * turned2)
     if d.by_torque != 0.0:
         add_work_in(x, w.given * turned1)
         return
     alpha1 = w.given
-    x.input_impulse += w.momentum_end - x.momentum + output_impulse
+    impulse = w.momentum_end - x.momentum + output_impulse + d.b1 * turned1 + d.b2 * turned2
+    x.input_impulse += impulse
     if alpha1 == 0.0:
-        add_work_in(x, start1 * (w.momentum_end - x.momentum + output_impulse))
+        add_work_in(x, start1 * impulse)
         return
     work = end1 * w.momentum_end - start1 * x.momentum - alpha1 * integrated
     if x.mode == DRIVING:
         work += d.J3 * (end1 * x.omega2 - start1 * start2 - alpha1 * turned2)
         work += load * passed * (start1 + 0.5 * alpha1 * passed)
+    if d.viscous != 0.0:
+        work += w.braking
     add_work_in(x, work)
 
 
@@ -105,8 +143,13 @@ def add_held_works(d, x, q, omega1, alpha1, h, integral_of_phi):
     after = inertia_at_input(d, held_angle(d, q, omega1, alpha1, h))
     x.step_evaluations += 2.0
     energy = 0.5 * after * end * end
-    add_work_in(x, energy - 0.5 * before * omega1 * omega1)
+    # link 1 and the drives, which turn k times as fast
+    friction = d.b1 + d.k * d.k * d.bq
+    lost = friction * h * (omega1 * end + alpha1 * h * alpha1 * h / 3.0)
+    x.lost_viscous, x.lost_viscous_low = add(x.lost_viscous, x.lost_viscous_low, lost)
+    add_work_in(x, energy - 0.5 * before * omega1 * omega1 + lost)
     x.input_impulse += 0.5 * (after * end - before * omega1 + alpha1 * integral_of_phi)
+    x.input_impulse += friction * h * 0.5 * (omega1 + end)
     return energy
 
 
@@ -118,6 +161,7 @@ def add_shaft_works(d, x, w):
     h = w.step
     out = 0.0
     lost = 0.0
+    rubbed = 0.0
     for n in range(RADAU_STAGES):
         relative = w.stage_relative[n]
         omega4 = w.stage_omega3[n] - relative
@@ -126,11 +170,27 @@ def add_shaft_works(d, x, w):
         balancing = d.balancer * d.J4 * w.rate3[n]
         out += weight * omega4
         lost += weight * (d.damping * relative * relative + (d.friction * omega4 - balancing) * omega4)
+        rubbed += weight * d.b3 * w.stage_omega3[n] * w.stage_omega3[n]
         x.output_square += weight * output_torque * output_torque
         x.output_impulse += weight * output_torque
         x.torque_peak = max(x.torque_peak, abs(output_torque))
     x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, w.load * out)
-    x.energy_lost, x.energy_lost_low = add(x.energy_lost, x.energy_lost_low, lost)
+    x.lost_shaft, x.lost_shaft_low = add(x.lost_shaft, x.lost_shaft_low, lost)
+    x.lost_viscous, x.lost_viscous_low = add(x.lost_viscous, x.lost_viscous_low, rubbed)
+
+
+def add_link_losses(d, x, w):
+    """Collocation step: what the friction of links 1, 2 and the drives takes."""
+    if d.viscous == 0.0:
+        return
+    lost = 0.0
+    for n in range(RADAU_STAGES):
+        omega1 = w.stage_omega1[n]
+        omega2 = w.stage_omega2[n]
+        rate_q = d.k * (omega1 - omega2)
+        power = d.b1 * omega1 * omega1 + d.bq * rate_q * rate_q + d.b2 * omega2 * omega2
+        lost += w.step * MATRIX[RADAU_STAGES * (RADAU_STAGES - 1) + n] * power
+    x.lost_viscous, x.lost_viscous_low = add(x.lost_viscous, x.lost_viscous_low, lost)
 
 
 def add_moving_works(d, x, w, start1, momentum):
@@ -141,18 +201,19 @@ def add_moving_works(d, x, w, start1, momentum):
     alpha1 = w.given
     momentum_end = angular_momentum(d, x.q, x.omega1, x.omega2)
     x.step_evaluations += 2.0
-    output_impulse = 0.0
+    resisting_impulse = 0.0
     moment = 0.0
     for n in range(RADAU_STAGES):
         weight = h * MATRIX[RADAU_STAGES * (RADAU_STAGES - 1) + n]
-        output_impulse += weight * w.stage_output_torque[n]
+        resisting = w.stage_output_torque[n] + d.b1 * w.stage_omega1[n] + d.b2 * w.stage_omega2[n]
+        resisting_impulse += weight * resisting
         if alpha1 != 0.0:
             inside = angular_momentum(d, w.stage_q[n], w.stage_omega1[n], w.stage_omega2[n])
-            moment += weight * (h * RADAU_NODES[n] * w.stage_output_torque[n] - inside)
+            moment += weight * (h * RADAU_NODES[n] * resisting - inside)
             x.step_evaluations += 1.0
-    impulse = momentum_end - momentum + output_impulse
+    impulse = momentum_end - momentum + resisting_impulse
     x.input_impulse += impulse
     if alpha1 == 0.0:
         add_work_in(x, start1 * impulse)
     else:
-        add_work_in(x, x.omega1 * momentum_end - start1 * (momentum - output_impulse) + alpha1 * moment)
+        add_work_in(x, x.omega1 * momentum_end - start1 * (momentum - resisting_impulse) + alpha1 * moment)

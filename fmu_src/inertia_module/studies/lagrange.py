@@ -4,8 +4,9 @@ Nothing of the kernel is used. Links 1 and 2 have the energy 1/2 w' M(q) w of w 
 q' = k (omega1 - omega2), I, B, G of geometry.py and M' = dM/dq; J3 and J4 turn behind the output freewheel:
 
     M11 = J1 + I + 2 k B + k^2 G    M12 = -k (B + k G)    M22 = J2 + k^2 G
-    M alpha + M' q' w - 1/2 (w' M' w) (k, -k) = (M1, Th - Tc)
-    J3 alpha3 = Tc - T    J4 (alpha4 - beta alpha3) = T - f omega4 - load    T = c twist + d (omega3 - omega4)
+    M alpha + M' q' w - 1/2 (w' M' w) (k, -k) = (M1 - b1 omega1 - k bq q', Th - Tc - b2 omega2 + k bq q')
+    J3 alpha3 = Tc - T - b3 omega3
+    J4 (alpha4 - beta alpha3) = T - f omega4 - load    T = c twist + d (omega3 - omega4)
 
 A rigid output has no J4 and T = load. Of M1 and omega1 one is given. 0 <= omega2 _|_ Th >= 0 and
 0 <= omega3 - omega2 _|_ Tc >= 0: a closed freewheel opens where its torque falls through zero, an open one
@@ -98,11 +99,14 @@ class Lagrange:
 
     def _outer(self, y: Array) -> list[float]:
         """Torques on all links but those in the freewheels, N.m."""
+        p, (omega1, omega2, hub, *driven) = self.p, y[OMEGA1:]
+        turning = self.k * self.k * p["drive_friction"] * (omega1 - omega2)
+        link1 = self.torque - p["input_friction"] * omega1 - turning
+        link2, output = turning - p["link2_friction"] * omega2, -p["output_friction"] * hub
         if not self._elastic:
-            return [self.torque, 0.0, -self.load]
-        p, (hub, driven) = self.p, y[OMEGA3:]
-        shaft = p["shaft_stiffness"] * y[TWIST] + p["shaft_damping"] * (hub - driven)
-        return [self.torque, 0.0, -shaft, shaft - p["driven_friction"] * driven - self.load]
+            return [link1, link2, output - self.load]
+        shaft = p["shaft_stiffness"] * y[TWIST] + p["shaft_damping"] * (hub - driven[0])
+        return [link1, link2, output - shaft, shaft - p["driven_friction"] * driven[0] - self.load]
 
     def _moved(self, mass: Array, forces: Array, given: float, closed: list[bool]) -> Array:
         """Accelerations that forces make with these freewheels closed, that of link 1 given unless free.

@@ -82,7 +82,7 @@ def instant(d, t, q, omega1, omega2):
     """Accelerations and the torque that passes link 2, kept at its speed unless it is free."""
     d.map_evaluations += 1.0
     alpha1, alpha2, jerk2, torque, torque_rate, _, _ = motion(
-        d, q, omega1, omega2, t.given, t.mode != FREE, 0.0, 0.0, 0.0
+        d, q, omega1, omega2, t.given, t.mode != FREE, 0.0, 0.0, 0.0, 0.0
     )
     return omega1, omega2, alpha1, alpha2, jerk2, torque, torque_rate
 

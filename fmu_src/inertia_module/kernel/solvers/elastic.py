@@ -13,7 +13,14 @@ from ..guards import bend_inside
 from ..links import accelerations, angular_momentum, inertia_at_output, response, torque_scale
 from ..search import find_crossing, first_crossing, is_surely_positive
 from ..shaft import relative_rate, shaft_torque
-from ..works import add_held_works, add_moving_works, add_shaft_works, add_work_in, inertia_integral
+from ..works import (
+    add_held_works,
+    add_link_losses,
+    add_moving_works,
+    add_shaft_works,
+    add_work_in,
+    inertia_integral,
+)
 from .collocated_guards import collocated_guard, fit_polynomials, land
 from .collocation import change, embedded_error
 from .elastic_stages import guess_rates, solve_stages
@@ -106,12 +113,11 @@ def start_rates(d, x, w):
     held = is_held(x)
     driving = x.mode == DRIVING
     x.step_evaluations += 1.0
-    rate1, rate2, _ = accelerations(
-        d, x.q, x.omega1, x.omega2, w.given, held, d.J3 if driving else 0.0, torque if driving else 0.0
-    )
+    carried, friction, behind = (d.J3, d.b3, torque) if driving else (0.0, 0.0, 0.0)
+    rate1, rate2, _ = accelerations(d, x.q, x.omega1, x.omega2, w.given, held, carried, friction, behind)
     guess_rates(w, rate1, rate2)
     w.alpha1 = rate1
-    rate3 = rate2 if driving else (0.0 if x.mode == HELD_DRIVING else -torque / d.J3)
+    rate3 = rate2 if driving else (0.0 if x.mode == HELD_DRIVING else -(torque + d.b3 * x.omega3) / d.J3)
     rates = (rate1, rate2, rate3, relative_rate(d, x, w.load, torque, rate3))
     return rates, 0.0 if held else inertia_at_output(d, x.q)
 
@@ -277,9 +283,11 @@ def advance_elastic(d, x, w, remaining):
         x.theta1, x.theta1_low = add(x.theta1, x.theta1_low, turned1)
         wrap_input_angle(x)
         add_work_in(x, w.given * turned1)
+        add_link_losses(d, x, w)
     elif is_held(x):
         phi = inertia_integral(d, x, q, start1, w.given, 0.0, h) if w.given != 0.0 else 0.0
         add_held_works(d, x, q, start1, w.given, h, phi)
     else:
         add_moving_works(d, x, w, start1, momentum)
+        add_link_losses(d, x, w)
     return h, which != NONE

@@ -4,7 +4,8 @@ Unknown are the rates of omega1, omega2 and omega3 at the five stages; q follows
 and the
 driven mass from omega3 (:mod:`.shaft_stages`). The equations are those of :mod:`..links`, by Newton's method,
 
-    Phi alpha1 - N omega2' + R1 - M1 = 0        (J2 + k^2 G + carried) omega2' - N alpha1 - R2 + Ts = 0
+    Phi alpha1 - N omega2' + R1 - M1 = 0
+    (J2 + k^2 G + carried) omega2' - N alpha1 - R2 + b omega2 + Ts = 0
 
 the first of them only where M1 is given. While link 2 drives, omega2 and omega3 have the same rates.
 """
@@ -40,24 +41,25 @@ def set_equations(d, w, h, i, carried):
     """
     k = d.k
     omega1 = w.stage_omega1[i]
+    friction = d.b2 + (d.b3 if carried > 0.0 else 0.0)
     rate1 = w.rate1[i]
     rate2 = w.rate2[i]
     inertia, i1, i2, b, b1, g, g1, g2 = reduced_inertia(d, w.stage_q[i])
     rate_q = k * (omega1 - w.stage_omega2[i])
     coupling = k * (b + k * g)
     own = d.J2 + carried + k * k * g
-    r2 = 0.5 * k * (g1 * rate_q * rate_q - i1 * omega1 * omega1)
+    r2 = 0.5 * k * (g1 * rate_q * rate_q - i1 * omega1 * omega1) + k * d.bq * rate_q
     # derivatives of the demands by q, by q' and by omega1
     r2_q = 0.5 * k * (g2 * rate_q * rate_q - i2 * omega1 * omega1)
-    r2_rate = k * g1 * rate_q
+    r2_rate = k * g1 * rate_q + k * d.bq
     coupling_q = k * (b1 + k * g1)
     second_q = k * h * h * (k * k * g1 * rate2 - coupling_q * rate1 - r2_q)
     second_rate = -k * h * r2_rate
     base = STAGES * i
     for j in range(STAGES):
-        w.corner[base + j] = -second_q * SQUARE[base + j] - second_rate * MATRIX[base + j]
+        w.corner[base + j] = -second_q * SQUARE[base + j] - (second_rate - h * friction) * MATRIX[base + j]
     w.corner[base + i] += own
-    w.right_side[i] = own * rate2 - coupling * rate1 - r2
+    w.right_side[i] = own * rate2 - coupling * rate1 - r2 + friction * w.stage_omega2[i]
     if carried > 0.0:
         w.right_side[i] += w.stage_shaft_torque[i] + row(w.shaft, i, w.rate2)
         for j in range(STAGES):
@@ -66,11 +68,11 @@ def set_equations(d, w, h, i, carried):
         return
     bend = second_derivative_of_b(d, w.stage_q[i])
     phi = d.J1 + inertia + k * (2.0 * b + k * g)
-    r1 = (i1 * omega1 + b1 * rate_q) * rate_q + r2
+    r1 = (i1 * omega1 + b1 * rate_q) * rate_q + d.b1 * omega1 + r2
     r1_q = (i2 * omega1 + bend * rate_q) * rate_q + r2_q
     r1_rate = i1 * omega1 + 2.0 * b1 * rate_q + r2_rate
     r2_speed = -k * i1 * omega1
-    r1_speed = i1 * rate_q + r2_speed
+    r1_speed = i1 * rate_q + d.b1 + r2_speed
     phi_q = i1 + k * (2.0 * b1 + k * g1)
     first_q = k * h * h * (phi_q * rate1 - coupling_q * rate2 + r1_q)
     first_rate = k * h * r1_rate
@@ -166,18 +168,18 @@ def compute_release(d, x, w):
     for i in range(STAGES):
         omega1 = w.stage_omega1[i]
         _, i1, _, b, _, g, g1, _ = reduced_inertia(d, w.stage_q[i])
-        r2 = 0.5 * k * (g1 * k * k - i1) * omega1 * omega1
+        r2 = 0.5 * k * (g1 * k * k - i1) * omega1 * omega1 + k * k * d.bq * omega1
         w.stage_release[i] = r2 + k * (b + k * g) * w.rate1[i]
     x.step_evaluations += STAGES
 
 
-def solve_hub(d, w):
-    """Rates of the hub while nothing but the shaft acts on it: J3 v + Ts = 0."""
+def solve_hub(d, w, omega3):
+    """Rates of the hub while nothing but shaft and friction act on it: J3 v + b3 omega3 + Ts = 0."""
     for n in range(STAGES * STAGES):
-        w.jacobian[n] = w.shaft[n]
+        w.jacobian[n] = w.shaft[n] + w.step * d.b3 * MATRIX[n]
     for i in range(STAGES):
         w.jacobian[(STAGES + 1) * i] += d.J3
-        w.rate3[i] = -w.stage_shaft_torque[i]
+        w.rate3[i] = -w.stage_shaft_torque[i] - d.b3 * omega3
     eliminate(w.jacobian, 1, w.rate3)
 
 
@@ -199,12 +201,12 @@ def solve_stages(d, x, w, h):
         for n in range(STAGES):
             w.rate3[n] = w.rate2[n]
     elif mode != HELD_DRIVING:
-        solve_hub(d, w)
+        solve_hub(d, w, x.omega3)
     follow_hub(d, x, w, h, w.load)
     for n in range(STAGES):
         output_torque = 0.0
         if mode == DRIVING:
-            output_torque = d.J3 * w.rate3[n] + w.stage_shaft_torque[n]
+            output_torque = d.J3 * w.rate3[n] + d.b3 * w.stage_omega3[n] + w.stage_shaft_torque[n]
         elif mode == HELD_DRIVING:
             output_torque = w.stage_shaft_torque[n]
         w.stage_output_torque[n] = output_torque

@@ -12,7 +12,7 @@ from ..contact import is_held
 from ..guards import instant, is_guarded, keep_motion
 from ..links import angular_momentum, response
 from ..output_shaft import coast, meet, pass_while_held, stop, time_to_stop
-from ..works import add_explicit_works, add_output_square
+from ..works import add_explicit_works, add_output_square, add_viscous_losses
 from .dormand_prince import END
 from .dormand_prince_5 import END as SHORT_END
 from .explicit_events import QUIET_PHASE, advance_of_phase, first_event, is_quiet
@@ -187,6 +187,8 @@ def commit(d, x, w, passed, sigma, which):
         integrated = integral(w, w.integrand, sigma)
     if x.mode == DRIVING:
         add_output_square(d, x, w, sigma)
+    if d.viscous != 0.0:
+        add_viscous_losses(d, x, w, sigma)
     x.q, x.q_low = add(x.q, x.q_low, change_q)
     wrap_drive_angle(d, x)
     x.omega1, x.omega1_low = add(x.omega1, x.omega1_low, change1)
@@ -223,6 +225,7 @@ def advance_explicit(d, x, w, remaining):
     driving = x.mode == DRIVING
     w.solver = EXPLICIT
     w.carried = d.J3 if driving else 0.0
+    w.carried_friction = d.b3 if driving else 0.0
     w.carried_torque = w.load if driving else 0.0
     stopping = time_to_stop(d, x, w.load, remaining) if x.mode == HELD else -1.0
     if stopping >= 0.0:

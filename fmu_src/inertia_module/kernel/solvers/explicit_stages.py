@@ -42,7 +42,15 @@ def evaluate(d, x, w, n, node, mean_q, mean1, mean2):
     omega1 = x.omega1 + h * (mean1 if d.by_torque != 0.0 else node * w.given)
     omega2 = x.omega2 + h * mean2
     alpha1, alpha2, momentum = accelerations(
-        d, x.q + h * mean_q, omega1, omega2, w.given, is_held(x), w.carried, w.carried_torque
+        d,
+        x.q + h * mean_q,
+        omega1,
+        omega2,
+        w.given,
+        is_held(x),
+        w.carried,
+        w.carried_friction,
+        w.carried_torque,
     )
     keep_stage(d, w, n, omega1, omega2, alpha1, alpha2, momentum)
 

@@ -13,7 +13,7 @@ def add_node(d, x, ratio, omega1, alpha1, rate, t, weight):
     speed = omega1 + alpha1 * t
     angle = x.q + rate * t * (omega1 + 0.5 * alpha1 * t)
     drive, mesh = torques(d, angle, speed, alpha1, ratio * speed, ratio * alpha1)
-    output = mesh - d.J2 * ratio * alpha1
+    output = mesh - ratio * (d.J2 * alpha1 + d.b2 * speed)
     x.step_evaluations += 1.0
     x.input_impulse += weight * drive
     x.output_impulse += weight * output
@@ -21,6 +21,8 @@ def add_node(d, x, ratio, omega1, alpha1, rate, t, weight):
     x.torque_peak = max(x.torque_peak, abs(output))
     x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, weight * drive * speed)
     x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, weight * output * ratio * speed)
+    lost = weight * (d.b1 + d.bq * rate * rate + d.b2 * ratio * ratio) * speed * speed
+    x.lost_viscous, x.lost_viscous_low = add(x.lost_viscous, x.lost_viscous_low, lost)
 
 
 def advance_kinematic(d, x, ratio, omega1, alpha1, remaining):

@@ -150,7 +150,7 @@ def turn_shaft(d, x, w, end3, load, h):
         mean4 -= w.mean_relative
         lost = h * (d.damping * w.mean_relative * w.mean_relative + d.friction * mean4 * mean4)
         lost -= d.balancer * d.J4 * (w.seen3 - x.omega3) * mean4
-        x.energy_lost, x.energy_lost_low = add(x.energy_lost, x.energy_lost_low, lost)
+        x.lost_shaft, x.lost_shaft_low = add(x.lost_shaft, x.lost_shaft_low, lost)
         x.twist, x.twist_low = add(x.twist, x.twist_low, h * w.mean_relative)
         x.omega3 = w.seen3
         x.relative = w.seen3 - w.omega4
