@@ -4,8 +4,13 @@ import math
 
 import numpy as np
 import pytest
-from scenes import PLANAR, started
+from differences import assert_rates
+from scenes import DRIVEN, ENGINE, PLANAR, started
 
+from inertia_module.kernel.averaged.instants import speeds_at
+from inertia_module.kernel.averaged.largest import MOMENTUM, value_at
+from inertia_module.kernel.averaged.torque_map import settle
+from inertia_module.kernel.links import inertia_at_input, motion
 from inertia_module.memory import maps
 from inertia_module.memory.instances import Module
 
@@ -111,6 +116,30 @@ def test_ripple_and_mean_speed_and_energy_are_those_of_the_rigid_motion(compiled
     ripple = rigid["torque_ripple"]
     assert module["torque_ripple"] == pytest.approx(ripple, rel=0.02, abs=0.01 * module["torque_peak"])
     assert module["torque_peak"] == pytest.approx(rigid["torque_peak"], rel=0.06, abs=0.05)
+
+
+@pytest.mark.parametrize("mechanism", MECHANISMS)
+@pytest.mark.parametrize("drive", [{}, ENGINE], ids=["by speed", "by torque"])
+@pytest.mark.parametrize("direction", [1.0, -1.0])
+def test_momentum_while_link_2_is_held_changes_by_what_holds_it(mechanism, drive, direction):
+    d = started("plain", MECHANISMS[mechanism], drive).derived
+    d.travel.direction, q = direction, 0.3
+    # by its torque link 1 has the energy 1/2; by its speed, the drive takes as much again as the housing
+    omega1 = direction / inertia_at_input(d, q) ** 0.5 if drive else direction
+    housing = -motion(d, q, omega1, 0.0, 0.0, True, 0.0, 0.0, 0.0)[3]
+    rate = (1.0 if drive else 2.0) * housing / (d.k * omega1)
+    assert_rates(rate, lambda angle: value_at(d, d.travel, MOMENTUM, q + angle))
+
+
+@pytest.mark.parametrize("omega3", [0.1, 0.3])
+@pytest.mark.parametrize("inertia", [0.01, 0.2])
+@pytest.mark.parametrize("direction", [1.0, -1.0])
+def test_steady_motion_under_a_torque_ends_a_period_as_it_began(direction, inertia, omega3):
+    d = started("plain", DRIVEN["planar"], fidelity=1, input_inertia=inertia).derived
+    t, t.direction = d.travel, direction
+    assert settle(d, t, d.forward if direction > 0.0 else d.backward, omega3)
+    assert direction * t.given > 0.0
+    assert speeds_at(d, t, t.q, t.energy, t.momentum)[0] == pytest.approx(direction, rel=1e-5)
 
 
 def test_long_periods_of_coprime_teeth_are_averaged_too(compiled):

@@ -5,6 +5,7 @@ import math
 
 import mpmath
 import pytest
+from differences import assert_rates
 from driven_shaft_reference import exact
 
 from inertia_module.memory.instances import DrivenShaft, Refused
@@ -103,6 +104,23 @@ def test_twist_and_torque_keep_their_digits_after_the_hub_ran_to_a_huge_speed_an
             twist, omega4, end = right["twist"], right["omega_out"], hub + mpmath.mpf(slope) * h
     for name in ("twist", "shaft_torque", "driven_acceleration"):
         assert shaft[name] == pytest.approx(float(right[name]), rel=1e-13), name
+
+
+@pytest.mark.parametrize("shaft", ["underdamped", "critical", "overdamped"])
+def test_rates_of_the_outputs(compiled, shaft):
+    J, c, d, f = SHAFTS[shaft]
+
+    def after(t):
+        model = DrivenShaft(compiled).start(
+            driven_inertia=J, shaft_stiffness=c, shaft_damping=d, driven_friction=f, balancer=0.4
+        )
+        model.set_rates(hub_speed=7.0)
+        model.advance(0.2 + t)
+        return model
+
+    rates = after(0.0).rates()
+    assert rates.pop("shaft_torque_mean") == 0.0
+    assert_rates(list(rates.values()), lambda t: [after(t)[name] for name in rates])
 
 
 @pytest.mark.parametrize("shaft", ["underdamped", "critical", "overdamped"])

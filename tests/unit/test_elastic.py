@@ -165,26 +165,41 @@ def test_the_load_pulls_an_untwisted_shaft_away_from_the_freewheel(kernel):
     )
 
 
+def pulled_by_a_load(kernel, hub, stiffness, drag, tolerance, steps):
+    """A shaft between free masses, the driven one of 1 kg m^2, 0.1 s after a load pulls there from rest.
+
+    Returns (the module, its twist in closed form, modulus of the slowest eigenvalue).
+    """
+    shaft = {
+        "output_inertia": hub,
+        "driven_inertia": 1.0,
+        "shaft_stiffness": stiffness,
+        "shaft_damping": drag,
+    }
+    scene = (ELASTIC, shaft, {"omega1": 0.0, "load_torque": -10.0})
+    module = advanced(started(kernel, *scene, tolerance=tolerance), *[0.1 / steps] * steps)
+    mobility = 1.0 / hub + 1.0
+    fast, slow = np.roots([1.0, drag * mobility, stiffness * mobility])
+    left = (fast * np.exp(0.1 * slow) - slow * np.exp(0.1 * fast)) / (fast - slow)
+    return module, -10.0 / (stiffness * mobility) * (1.0 - left.real), abs(slow)
+
+
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8])
 @pytest.mark.parametrize("steps", [1, 10])
 @pytest.mark.parametrize("stiffness", [40.0, 400.0, 1e4])
 @pytest.mark.parametrize("hub", [1e-4, 1e-3, 0.1])
 def test_a_shaft_swung_by_its_load_follows_tolerance(compiled, tolerance, steps, stiffness, hub):
-    shaft = {
-        "output_inertia": hub,
-        "driven_inertia": 1.0,
-        "shaft_stiffness": stiffness,
-        "shaft_damping": 5e-3,
-    }
-    scene = (ELASTIC, shaft, {"omega1": 0.0, "load_torque": -10.0})
-    module = advanced(started(compiled, *scene, tolerance=tolerance), *[0.1 / steps] * steps)
-    # two masses with nothing but the shaft between them, from rest
-    mobility = 1.0 / hub + 1.0
-    decay = 0.5 * 5e-3 * mobility
-    rate = math.sqrt(stiffness * mobility - decay**2)
-    swing = math.cos(0.1 * rate) + decay / rate * math.sin(0.1 * rate)
-    twist = -10.0 / (stiffness * mobility) * (1.0 - math.exp(-0.1 * decay) * swing)
+    module, twist, rate = pulled_by_a_load(compiled, hub, stiffness, 5e-3, tolerance, steps)
     assert rate * abs(module["shaft_twist"] - twist) < 30.0 * tolerance * module["omega_out"]
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8])
+@pytest.mark.parametrize("steps", [1, 10])
+@pytest.mark.parametrize("stiffness", [40.0, 400.0, 1e4])
+@pytest.mark.parametrize("hub", [1e-4, 1e-3, 0.1])
+def test_the_twist_of_an_overdamped_shaft_follows_tolerance(compiled, tolerance, steps, stiffness, hub):
+    module, twist, _ = pulled_by_a_load(compiled, hub, stiffness, 100.0, tolerance, steps)
+    assert module["shaft_twist"] == pytest.approx(twist, rel=30.0 * tolerance, abs=0.0)
 
 
 def test_a_shaft_that_has_come_to_rest_costs_little(compiled):

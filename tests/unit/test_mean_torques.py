@@ -3,6 +3,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scenes import FREEWHEELS, SCENES, TWO_PI, advanced, started, vector
 
+from inertia_module.kernel.averaged.run import input_impulse
+
 SINGLE = {"satellites": 1, "imbalance_mass": 0.8, "link2_inertia": 0.004, "output_inertia": 0.3}
 JUMPS = st.floats(-150.0, 150.0)
 LOADS = st.floats(-20.0, 20.0)
@@ -142,3 +144,10 @@ def test_mean_input_torque_while_a_ramp_comes_up_to_the_load(compiled, name):
         means.append(many["input_torque_mean"])
     assert one["omega_out"] > 0.0
     assert one["input_torque_mean"] == pytest.approx(sum(means) / 200, rel=1e-7)
+
+
+@pytest.mark.parametrize("alpha1", [0.0, 20.0, 100.0, -150.0, -200.0, -500.0])
+def test_constant_torque_over_a_part_of_the_mean_motion_has_its_impulse_at_any_ramp(alpha1):
+    time, omega1, torque = 0.5, 50.0, 7.0
+    work = torque * (omega1 + 0.5 * alpha1 * time) * time
+    assert input_impulse(time, omega1, alpha1, work, torque, torque) == pytest.approx(torque * time)

@@ -1,0 +1,77 @@
+"""A step is answered only if its energies balance: what the input puts in goes out, is lost or is stored."""
+
+import itertools
+
+import pytest
+from scenes import PLANAR, advanced, started
+
+from inertia_module.kernel import step
+from inertia_module.kernel.audit import audit
+from inertia_module.kernel.codes import NOT_BALANCED, OK
+from inertia_module.memory.instances import Refused
+
+BEFORE = {"energy_in": 1.0, "energy_out": 2.0, "energy_lost": 3.0, "energy_stored": 10.0}
+AFTER = {"energy_in": 9.0, "energy_out": 6.0, "energy_lost": 4.0, "energy_stored": 13.0}
+# what of these comes and goes in the step, and is stored at its ends
+ENERGIES = 8.0 + 4.0 + 1.0 + 13.0 + 10.0
+
+
+@pytest.fixture
+def spoil(monkeypatch):
+    """Makes so many runs of a step take in 100 J from nowhere."""
+    run = step.run
+
+    def spoiled(times):
+        nowhere = itertools.chain([100.0] * times, itertools.repeat(0.0))
+
+        def run_with_more(p, d, u, x, w, h):
+            status = run(p, d, u, x, w, h)
+            x.energy_in += next(nowhere)
+            return status
+
+        monkeypatch.setattr(step, "run", run_with_more)
+
+    return spoiled
+
+
+def audited(tolerance, **energies):
+    """Status of a step between the energies above, some of them others."""
+    module = started("plain", omega1=0.0)
+    d, x, before = module.derived, module.state, type(module.state)()
+    d.tolerance = tolerance
+    for name, value in BEFORE.items():
+        setattr(before, name, value)
+        setattr(x, name, energies.get(name, AFTER[name]))
+    return audit(d, x, before, x.energy_stored)
+
+
+@pytest.mark.parametrize("name", AFTER)
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("tolerance, share", [(1e-3, 0.1), (1e-6, 1e-3), (1e-12, 1e-6)])
+def test_missing_may_be_a_thousand_tolerances_of_the_energies(name, sign, tolerance, share):
+    for part, expected in ((0.0, OK), (0.8, OK), (1.25, NOT_BALANCED)):
+        spoiled = {name: AFTER[name] + sign * part * share * ENERGIES}
+        assert audited(tolerance, **spoiled) == expected
+
+
+@pytest.mark.parametrize("values", [{"fidelity": 2}, {"fidelity": 3}])
+def test_step_that_does_not_balance_is_made_once_more_with_care_and_then_refused(spoil, values):
+    module, careful = (started("plain", PLANAR, values) for _ in range(2))
+    careful.derived.tolerance *= 1e-3
+    spoil(1)
+    assert bytes(advanced(module, 0.1).state) == bytes(advanced(careful, 0.1).state)
+    # what comes after has the tolerance asked for
+    assert advanced(module, 0.1)["rhs_evaluations"] < advanced(careful, 0.1)["rhs_evaluations"]
+    state, outputs = bytes(module.state), bytes(module.outputs)
+    spoil(2)
+    with pytest.raises(Refused, match="energies do not balance with tolerance = 1e-06"):
+        module.advance(0.01)
+    assert (bytes(module.state), bytes(module.outputs)) == (state, outputs)
+
+
+@pytest.mark.parametrize("values", [{"fidelity": 0}, {"fidelity": 1}, {"method": 1}], ids=str)
+def test_steps_that_lose_energy_by_what_they_are_made_of_are_not_refused(spoil, values):
+    module = started("plain", PLANAR, values)
+    spoil(1)
+    module.advance(0.01)
+    assert module["energy_residual"] > 50.0
