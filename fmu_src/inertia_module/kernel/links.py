@@ -35,8 +35,11 @@ def accelerations(d, q, omega1, omega2, given, held, carried, friction, torque):
     momentum = (d.J1 + i) * omega1 + b * rate_q + d.J2 * omega2
     if held:
         return given, 0.0, momentum
-    r2 = 0.5 * k * (g1 * rate_q * rate_q - i1 * omega1 * omega1) + k * d.bq * rate_q
-    push = r2 - (d.b2 + friction) * omega2 - torque + k * (b + k * g) * given
+    r2 = 0.5 * k * (g1 * rate_q * rate_q - i1 * omega1 * omega1)
+    if d.viscous != 0.0:
+        r2 += k * d.bq * rate_q
+        torque += (d.b2 + friction) * omega2
+    push = r2 - torque + k * (b + k * g) * given
     return given, push / (d.J2 + carried + k * k * g), momentum
 
 
@@ -48,13 +51,17 @@ def accelerations_by_torque(d, q, omega1, omega2, given, held, carried, friction
     link1 = d.J1 + i
     momentum = link1 * omega1 + b * rate_q + d.J2 * omega2
     coupling = k * (b + k * g)
-    r2 = 0.5 * k * (g1 * rate_q * rate_q - i1 * omega1 * omega1) + k * d.bq * rate_q
+    r2 = 0.5 * k * (g1 * rate_q * rate_q - i1 * omega1 * omega1)
+    if d.viscous != 0.0:
+        r2 += k * d.bq * rate_q
+        given -= d.b1 * omega1
+        torque += (d.b2 + friction) * omega2
     own = d.J2 + carried
-    drive = given - (i1 * omega1 + b1 * rate_q) * rate_q - d.b1 * omega1 - r2
+    drive = given - (i1 * omega1 + b1 * rate_q) * rate_q - r2
     phi = link1 + k * (2.0 * b + k * g)
     if held:
         return drive / phi, 0.0, momentum
-    push = r2 - (d.b2 + friction) * omega2 - torque
+    push = r2 - torque
     # Phi (own + k^2 G) - N^2 without its cancellation: I G >= B^2
     determinant = own * phi + k * k * (link1 * g - b * b)
     alpha1 = ((own + k * k * g) * drive + coupling * push) / determinant

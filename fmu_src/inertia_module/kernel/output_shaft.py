@@ -43,14 +43,16 @@ def coasting_bend(d, x, load, h):
 
 def coast(d, x, load, h):
     """The shaft slowed by load and friction over h, with its work and loss."""
-    rate = -(load + d.b3 * x.omega3) / d.J3
-    mean, turned = slowed(d.b3 * h / d.J3) if d.b3 != 0.0 else (1.0, 0.5)
-    change = rate * h * mean
-    angle = h * (x.omega3 + rate * h * turned)
-    x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, load * angle)
+    change = -load * h / d.J3
+    mean = x.omega3 + 0.5 * change
     if d.b3 != 0.0:
-        lost = -d.J3 * change * (x.omega3 + 0.5 * change) - load * angle
+        first, second = slowed(d.b3 * h / d.J3)
+        at_once = change - d.b3 * x.omega3 * h / d.J3
+        change = at_once * first
+        mean = x.omega3 + at_once * second
+        lost = -d.J3 * change * (x.omega3 + 0.5 * change) - load * h * mean
         x.lost_viscous, x.lost_viscous_low = add(x.lost_viscous, x.lost_viscous_low, max(0.0, lost))
+    x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, load * h * mean)
     x.omega3, x.omega3_low = add(x.omega3, x.omega3_low, change)
 
 

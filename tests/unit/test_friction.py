@@ -1,0 +1,95 @@
+"""Viscous friction takes what Lagrange's equations say it takes, and nothing else."""
+
+import math
+
+import pytest
+from scenes import DRIVEN, SCENES
+
+from inertia_module.common.errors import Refused
+from inertia_module.memory.instances import Module
+from inertia_module.studies.lagrange import OMEGA1, OMEGA2, OMEGA3, Lagrange
+
+INPUTS = ("omega1", "load_torque", "drive_torque")
+ELASTIC = {"fidelity": 3, "driven_inertia": 0.5, "shaft_stiffness": 400.0, "shaft_damping": 0.05}
+FRICTION = {
+    "input": {"input_friction": 0.02},
+    "drive": {"drive_friction": 0.01},
+    "link 2": {"link2_friction": 0.05},
+    "output": {"output_friction": 0.2},
+}
+ALL = {name: value for one in FRICTION.values() for name, value in one.items()}
+
+
+def module(values, **more):
+    return Module("compiled").start(**{**values, "tolerance": 1e-9, **more})
+
+
+def largest_energy(one):
+    return max(abs(one[name]) for name in ("energy_in", "energy_out", "energy_stored"))
+
+
+@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("drive", [SCENES, DRIVEN], ids=["speed", "torque"])
+@pytest.mark.parametrize("output", [{}, ELASTIC], ids=["rigid", "elastic"])
+@pytest.mark.parametrize("friction", [*FRICTION.values(), ALL], ids=[*FRICTION, "all"])
+def test_motion_is_that_of_lagranges_equations(scene, drive, output, friction):
+    values = {**drive[scene], **output, **friction}
+    found = module(values)
+    parameters = {name: value for name, value in values.items() if name not in INPUTS}
+    exact = Lagrange(parameters, *(values.get(name, 0.0) for name in INPUTS))
+    for time in (0.02, 0.05):
+        found.advance(time - exact.time)
+        exact.advance(time)
+        speeds = [found[name] for name in ("input_speed", "omega2", "omega_hub")]
+        assert speeds == pytest.approx(exact.state[[OMEGA1, OMEGA2, OMEGA3]], abs=1e-7 * found["input_speed"])
+        assert found["energy_stored"] == pytest.approx(exact.energy(), rel=1e-7)
+        assert abs(found["energy_residual"]) < 1e-8 * largest_energy(found)
+
+
+@pytest.mark.parametrize("drive", [SCENES, DRIVEN], ids=["speed", "torque"])
+@pytest.mark.parametrize("output", [{}, ELASTIC], ids=["rigid", "elastic"])
+def test_audit_closes_over_pulses_lock_up_and_ramps(drive, output):
+    one = module({**drive["bevel"], **output, **ALL}, input_hold=1)
+    lost = 0.0
+    for n in range(60):
+        one.set(omega1=100.0 - 2.0 * n, load_torque=10.0 if n % 20 < 10 else -3.0)
+        one.advance(0.01)
+        assert abs(one["energy_residual"]) < 1e-6 * largest_energy(one)
+        assert one["energy_lost_viscous"] > lost
+        lost = one["energy_lost_viscous"]
+        assert one["energy_lost"] == one["energy_lost_viscous"] + one["energy_lost_shaft"]
+
+
+@pytest.mark.parametrize("housing, load", [(1, 0.0), (1, 4.0), (0, -4.0)])
+def test_free_output_spins_down_exponentially(housing, load):
+    # link 1 at rest: nothing drives the shaft
+    one = module(
+        {}, omega1=0.0, load_torque=load, omega_out_start=50.0, output_friction=0.3, housing_freewheel=housing
+    )
+    rate, time = 0.3 / 0.5, 2.0
+    expected = (50.0 + load / 0.3) * math.exp(-rate * time) - load / 0.3
+    one.advance(time)
+    assert one["omega_out"] == pytest.approx(max(expected, 0.0), rel=1e-9)
+    gone = 0.25 * (50.0**2 - one["omega_out"] ** 2)
+    assert one["energy_lost_viscous"] == pytest.approx(gone - one["energy_out"], rel=1e-9)
+
+
+def test_prescribed_motion_pays_for_friction():
+    plain, rubbed = (
+        module(SCENES["bevel"], fidelity=0, kinematic_ratio=0.5, **friction) for friction in ({}, ALL)
+    )
+    for one in (plain, rubbed):
+        one.advance(0.5)
+    # k = 1: the drives turn at 50 rad/s, as link 2 does
+    power = 0.02 * 100.0**2 + 0.01 * 50.0**2 + 0.05 * 50.0**2
+    assert rubbed["energy_lost"] == pytest.approx(0.5 * power, rel=1e-12)
+    assert abs(rubbed["energy_residual"]) < 1e-10 * rubbed["energy_in"]
+    drag = 0.02 * 100.0 + 0.01 * 50.0
+    assert rubbed["input_torque_mean"] - plain["input_torque_mean"] == pytest.approx(drag, rel=1e-9)
+
+
+@pytest.mark.parametrize("values", [{"fidelity": 1}], ids=["averaged"])
+@pytest.mark.parametrize("name", ALL)
+def test_what_knows_no_friction_says_so(values, name):
+    with pytest.raises(Refused, match=f"{name} = 0.03"):
+        Module("compiled").start(**values, **{name: 0.03})
