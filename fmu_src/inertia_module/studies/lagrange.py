@@ -1,4 +1,4 @@
-"""The second reference: Lagrange's equations of the module, rigid or elastic, by SciPy from event to event.
+"""The independent reference: Lagrange's equations of the module, rigid or elastic, by SciPy from event to event.
 
 Nothing of the kernel is used. Links 1 and 2 have the energy 1/2 w' M(q) w of w = (omega1, omega2), with
 q' = k (omega1 - omega2), I, B, G of geometry.py and M' = dM/dq; J3 and J4 turn behind the output freewheel:
@@ -20,10 +20,11 @@ import sys
 from collections.abc import Callable, Mapping
 
 import numpy as np
+from scipy.integrate import DOP853
+from scipy.optimize import brentq
 
 from ..contract.variables import default_parameters
 from ..kernel.codes import DRIVE_TORQUE, ELASTIC
-from .extras import library
 from .geometry import Inertia, ratio
 from .trajectory import Array, Unavailable
 
@@ -52,7 +53,7 @@ class Lagrange:
         switches: times at which a freewheel opened or closed, s. evaluations: of the equations.
 
     Raises:
-        Unavailable: SciPy is not installed, or a freewheel turns backwards at the start.
+        Unavailable: a freewheel turns backwards at the start.
         ArithmeticError: the motion leaves the range of doubles, or takes more evaluations.
     """
 
@@ -65,7 +66,6 @@ class Lagrange:
         most: float = math.inf,
     ) -> None:
         self.p = p = {**default_parameters(), **parameters}
-        self._solver, self._root = library("scipy.integrate").DOP853, library("scipy.optimize").brentq
         self._inertia, self.k = Inertia(p), ratio(p)
         self._elastic, self._by_torque = p["fidelity"] == ELASTIC, p["drive"] == DRIVE_TORQUE
         names = ("input_inertia", "link2_inertia", "output_inertia", "driven_inertia")
@@ -213,14 +213,17 @@ class Lagrange:
         """
         while self.time < time:
             speed = 1.0 + abs(self.state[OMEGA1]) + abs(self.state[OMEGA2])
-            solver = self._solver(
+            longest = PHASE / (max(self._inertia.highest, 1.0) * self.k * speed + self._frequency())
+            solver = DOP853(
                 self._rates,
                 self.time,
                 self.state,
                 time,
                 rtol=TOLERANCE,
                 atol=TOLERANCE * speed,
-                max_step=PHASE / (max(self._inertia.highest, 1.0) * self.k * speed + self._frequency()),
+                max_step=longest,
+                # the error estimate changes its sign: a step far too long, SciPy's first, may pass by chance
+                first_step=min(0.1 * longest, time - self.time),
             )
             events: list[tuple[float, int]] = []
             while solver.status == "running" and not events:
@@ -243,6 +246,6 @@ class Lagrange:
             guard = self._guard(wheel)
             positive = np.array([guard(y) for y in states]) > 0.0
             for n in np.flatnonzero(positive[:-1] & ~positive[1:])[:1]:
-                root = self._root(lambda t, guard=guard: guard(path(t)), times[n], times[n + 1], xtol=1e-16)
+                root = brentq(lambda t, guard=guard: guard(path(t)), times[n], times[n + 1], xtol=1e-16)
                 found.append((float(root), wheel))
         return found
