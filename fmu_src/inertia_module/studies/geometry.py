@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -35,6 +35,12 @@ def ratio(p: Parameters) -> float:
 def satellite_ratio(p: Parameters) -> float:
     """s: turns of the satellite on the drive per turn of the drive."""
     return float(1.0 if p["layout"] else p["z17"] / p["z6"])
+
+
+def shaft_frequency(value: Callable[[str], float]) -> float:
+    """Frequency of the elastic shaft between its two inertias, rad/s, from the values of parameters."""
+    inertias = 1.0 / value("output_inertia") + 1.0 / value("driven_inertia")
+    return math.sqrt(value("shaft_stiffness") * inertias)
 
 
 def bevel_lengths(p: Parameters) -> tuple[float, float, float]:

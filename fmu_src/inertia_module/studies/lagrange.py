@@ -1,4 +1,4 @@
-"""The independent reference: Lagrange's equations of the module, rigid or elastic, by SciPy from event to event.
+"""The independent reference: Lagrange's equations, rigid or elastic, by SciPy from event to event.
 
 Nothing of the kernel is used. Links 1 and 2 have the energy 1/2 w' M(q) w of w = (omega1, omega2), with
 q' = k (omega1 - omega2), I, B, G of geometry.py and M' = dM/dq; J3 and J4 turn behind the output freewheel:
@@ -25,7 +25,7 @@ from scipy.optimize import brentq
 
 from ..contract.variables import default_parameters
 from ..kernel.codes import DRIVE_TORQUE, ELASTIC
-from .geometry import Inertia, ratio
+from .geometry import Inertia, ratio, shaft_frequency
 from .trajectory import Array, Unavailable
 
 TOLERANCE = 1e-13
@@ -199,21 +199,16 @@ class Lagrange:
             self.state[OMEGA1:] = self._moved(mass, momenta, omega1, self._closed)
         self.give(self.torque, self.load)
 
-    def _frequency(self) -> float:
-        """Of the elastic shaft, rad/s, 0 without one."""
-        p = self.p
-        inverse = 1.0 / p["output_inertia"] + 1.0 / p["driven_inertia"]
-        return math.sqrt(p["shaft_stiffness"] * inverse) if self._elastic else 0.0
-
     def advance(self, time: float) -> None:
         """Go on to a time, s.
 
         Raises:
             ArithmeticError: the integrator gives up, or the motion leaves the range of doubles.
         """
+        shaft = shaft_frequency(self.p.__getitem__) if self._elastic else 0.0
         while self.time < time:
             speed = 1.0 + abs(self.state[OMEGA1]) + abs(self.state[OMEGA2])
-            longest = PHASE / (max(self._inertia.highest, 1.0) * self.k * speed + self._frequency())
+            longest = PHASE / (max(self._inertia.highest, 1.0) * self.k * speed + shaft)
             solver = DOP853(
                 self._rates,
                 self.time,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ..contract.variables import LOCAL, OUTPUT, with_causality
@@ -32,10 +31,6 @@ class RecordedModule(Module):
         """Advance by a communication step, s."""
         self.given.append((self.inputs.omega1, self.inputs.load_torque, self.inputs.drive_torque))
         super().advance(step_size)
-
-    def read(self, names: Sequence[str]) -> tuple[float, ...]:
-        """Values by name."""
-        return tuple([self[name] for name in names])
 
 
 @dataclass(frozen=True)

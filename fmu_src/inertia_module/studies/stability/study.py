@@ -14,10 +14,6 @@ from .trial import try_case
 from .verdict import OUTCOMES, Verdict, judge
 
 
-class UnknownAxis(ValueError):
-    """An axis that is not on the map: the message names those that are."""
-
-
 def chosen_cases(only: str | None = None, quick: bool = False) -> list[Case]:
     """Cases of all axes, or of one.
 
@@ -25,10 +21,10 @@ def chosen_cases(only: str | None = None, quick: bool = False) -> list[Case]:
         only: name of an axis. quick: leave out those that take long.
 
     Raises:
-        UnknownAxis: there is none of this name.
+        ValueError: there is none of this name.
     """
     if only is not None and only not in AXES:
-        raise UnknownAxis(f"axis must be one of {', '.join(AXES)}, is {only}")
+        raise ValueError(f"axis must be one of {', '.join(AXES)}, is {only}")
     return [case for axis in ([only] if only else AXES) for case in cases(axis, quick)]
 
 
