@@ -72,10 +72,14 @@ class Fmu(Instance):
             self._assign(parameters or {})
             self._assign(inputs or {})
             self._call("enterInitializationMode")
+            self._before_start()
             self._call("exitInitializationMode")
         except BaseException:
             self.close()
             raise
+
+    def _before_start(self) -> None:
+        """What a kind of instance does before the end of its initialisation."""
 
     def _variable(self, name: str) -> Any:
         variable = self.variables.get(name)

@@ -9,11 +9,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from ..common.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from .rows import PEER, Row
 from .trajectory import Array
 
-# colours that the colour-blind tell apart: Okabe and Ito (2008), Color Universal Design
-_COLOURS = ("#D55E00", "#0072B2", "#009E73", "#E69F00", "#56B4E9", "#CC79A7", "#222222", "#8A8A8A")
+_COLOURS = (VERMILION, BLUE, GREEN, ORANGE, SKY, PURPLE, BLACK, GREY)
 _MARKERS = "osD^vPX*<>hp"
 _DPI = 110
 _COLUMNS = 4

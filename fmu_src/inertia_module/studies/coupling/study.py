@@ -13,7 +13,6 @@ from .case import CASES
 from .figure import map_figure
 from .reference import one_piece
 from .trial import COUPLINGS, Trial, trial
-from .urban import SCENE, UrbanRun, urban_runs
 
 MAP, URBAN = PARTS = ("map", "urban")
 RATIOS = (0.1, 0.3, 0.5, 1.0, 2.0, 5.0)
@@ -37,18 +36,6 @@ def coupling_map(fmu_path: Path, quick: bool, progress: Progress | None = None) 
                 if progress is not None:
                     progress(len(rows) / len(steps) / total)
     return rows
-
-
-def measure(
-    part: str, fmu_path: Path, scene: Path = SCENE, quick: bool = False, progress: Progress | None = None
-) -> Sequence[Trial | UrbanRun]:
-    """Rows of a part.
-
-    Args:
-        part: of PARTS. fmu_path: of the module. scene: of the urban cycle. quick: a corner of the map.
-        progress: told how much is done (0 to 1).
-    """
-    return urban_runs(fmu_path, scene, progress) if part == URBAN else coupling_map(fmu_path, quick, progress)
 
 
 def chosen_parts(only: str | None, quick: bool) -> tuple[str, ...]:
