@@ -27,6 +27,8 @@ _POINTS = 4000
 _LOWEST = 1e-4
 # relative width at which the search for a margin stops
 _SHARE = 0.02
+# periods of the expected crossover that a run lasts
+_PERIODS = 10.0
 # swings that the pulses leave, times this, count as settled
 _RIPPLE = 2.0
 
@@ -131,7 +133,6 @@ def measured_margins(
     expected: Margins,
     *,
     limits: tuple[float, float] = (-math.inf, math.inf),
-    periods: float = 10.0,
 ) -> Margins:
     """Margins of the loop around an FMU: made worse until a kick grows on, by bisection.
 
@@ -142,7 +143,6 @@ def measured_margins(
         fmu: started at the operating point; it is left there.
         surrounding, point, kick, limits: as in run_linear_loop.
         expected: by predicted_margins; looked for from half to twice of them, to 2 %.
-        periods: of the expected crossover that a run lasts.
 
     Returns:
         The margins found, with the crossover expected.
@@ -151,7 +151,7 @@ def measured_margins(
         ValueError: a margin is not within half and twice of the expected one.
     """
     step = float(surrounding.dt)
-    steps = round(periods * 2.0 * math.pi / expected.crossover / step)
+    steps = round(_PERIODS * 2.0 * math.pi / expected.crossover / step)
     begin = fmu.get_state()
 
     def swing(**worse: Any) -> tuple[float, float]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -120,19 +120,12 @@ class Result:
         """
         return cls.from_columns(*read_columns(path))
 
-    def figure(self, names: str | Sequence[str] | None = None) -> Any:
-        """A matplotlib Figure of columns over time, one panel for each unit.
-
-        Raises:
-            TableError: a name that is no column.
-        """
+    def figure(self) -> Any:
+        """A matplotlib Figure of the columns over time, one panel for each unit."""
         from matplotlib.figure import Figure
 
-        wanted = (names,) if isinstance(names, str) else names
-        chosen = [name for name in (wanted or self.names) if name != TIME]
         panels: dict[str, list[str]] = {}
-        for name in chosen:
-            self[name]
+        for name in self.names[1:]:
             panels.setdefault(self.units.get(name, ""), []).append(name)
         figure = Figure(figsize=(9, 1 + 2.2 * max(1, len(panels))), layout="constrained")
         axes = figure.subplots(max(1, len(panels)), 1, sharex=True, squeeze=False)[:, 0]

@@ -23,8 +23,8 @@ class RecordedModule(Module):
         given: (omega1, load_torque, drive_torque) of each step.
     """
 
-    def __init__(self, kernel: str = "auto") -> None:
-        super().__init__(kernel)
+    def __init__(self) -> None:
+        super().__init__()
         self.given: list[tuple[float, float, float]] = []
 
     def advance(self, step_size: float) -> None:

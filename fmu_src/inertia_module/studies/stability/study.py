@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 from ...common.terminal import terminal
-from ...memory.instances import Module
+from ...harness.simulate import Progress
 from .axes import AXES, cases
 from .case import LEVELS, Case
 from .table import Row, reasons
@@ -28,19 +28,11 @@ def chosen_cases(only: str | None = None, quick: bool = False) -> list[Case]:
     return [case for axis in ([only] if only else AXES) for case in cases(axis, quick)]
 
 
-def run_study(
-    chosen: Sequence[Case],
-    report: Callable[[float], None] = lambda done: None,
-    make: Callable[[], Module] = Module,
-) -> list[Verdict]:
-    """Verdicts on these cases, in their order.
-
-    Args:
-        report: called with the share that is done. make: makes a module not started yet.
-    """
+def run_study(chosen: Sequence[Case], report: Progress = lambda done: None) -> list[Verdict]:
+    """Verdicts on these cases, in their order; report is told how much is done (0 to 1)."""
     verdicts = []
     for number, case in enumerate(chosen, 1):
-        verdicts.append(judge(try_case(case, make)))
+        verdicts.append(judge(try_case(case)))
         report(number / len(chosen))
     return verdicts
 
