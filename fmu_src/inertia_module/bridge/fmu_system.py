@@ -92,7 +92,7 @@ class _Whole:
         return self._at.copy()
 
     def _go_to(self, x: Array) -> None:
-        """Take over a state; all zeros, the default of python-control, stand for the start."""
+        """Take over a state; all zeros, the default of python-control, mean the start."""
         wanted = x if x.any() else self.start
         if self._at is None or not np.array_equal(wanted, self._at):
             self._at = None
@@ -196,7 +196,7 @@ def fmu_system(
 
     Raises:
         FmuError: the FMU, a name or a value is refused, or the FMU has no such state.
-        ValueError: step is not positive, or state is none of the two.
+        ValueError: step is not positive, or state is neither of the two.
     """
     if not (math.isfinite(step) and step > 0.0):
         raise ValueError(must_be("step", "a positive number of seconds", step))

@@ -6,7 +6,7 @@
 - **Output.** A step mean belongs to the middle of its step and is fitted there; its sinc(f h) is divided out
   as well.
 - **Fit.** Least squares of mean, drift, sine and cosine, weighted by a Hann window over a whole number of
-  periods. The pulses are no multiple of the sine, but a record of N periods tells frequencies apart that
+  periods. The pulses are no multiple of the sine, but a record of N periods separates frequencies that
   differ by more than 2/N of it, and beyond that leakage falls with the cube of the distance. The step has to
   be so short that pulses do not alias: some 20 steps to a pulse.
 """

@@ -26,7 +26,7 @@ _HEAVY = 1e7
 _SHARE_OF_RATE = 0.05
 _SHARE_OF_SPEED = 0.005
 _STEPS_PER_CYCLE = 8.0
-# pulses that settle and that are recorded: beats of the pulses have to be told from the sine
+# pulses that settle and that are recorded: beats of the pulses have to be separated from the sine
 _SETTLING_PULSES = 40.0
 _RECORDED_PULSES = 600.0
 

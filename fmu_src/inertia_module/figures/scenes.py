@@ -71,7 +71,7 @@ def _energy_unit(*energies: Array) -> tuple[float, str]:
 
 
 def pulse_starts(table: Result) -> NDArray[np.int64]:
-    """Rows at which a torque pulse on the output shaft begins, as far as the rows tell."""
+    """Rows at which a torque pulse on the output shaft begins, as far as the rows show."""
     driving = table["output_torque_mean"] > 0.0
     return np.flatnonzero(~driving[:-1] & driving[1:]).astype(np.int64)
 

@@ -4,7 +4,7 @@ The chart of a hydrodynamic converter plots torque ratio, efficiency and capacit
 (SAE J643). Here everything goes with the square of the input speed as well, so one chart holds for all
 speeds. The mechanism is ideal: the efficiency is 1 and the torque ratio one over the speed ratio; at
 stall it passes torque and takes no power, so torque ratio and capacity factor are given above it only
-(converter_table). What tells mechanisms apart is the torque they pass.
+(converter_table). Mechanisms differ in the torque they pass.
 """
 
 from __future__ import annotations
@@ -124,7 +124,7 @@ class TorqueConverterChart:
         """Read what save has written.
 
         Raises:
-            TableError: the file is missing, or is no such chart.
+            TableError: the file is missing, or is not such a chart.
         """
         columns, _ = read_columns(path)
         wanted = [field.name for field in fields(cls)]

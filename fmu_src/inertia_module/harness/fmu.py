@@ -124,7 +124,7 @@ class Fmu(Instance):
         """Values by name, of any type, as floats.
 
         Raises:
-            FmuError: an unknown name, or the FMU refuses to tell.
+            FmuError: an unknown name, or the FMU refuses to give a value.
         """
         key = as_names(names)
         if key not in self._readers:

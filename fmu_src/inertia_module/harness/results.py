@@ -43,7 +43,7 @@ class Result:
         """Check and take over columns; time in another unit is converted to s.
 
         Raises:
-            TableError: no time, time that does not grow, lengths that differ, or a value that is no number.
+            TableError: no time, time that does not grow, lengths that differ, or a value that is not finite.
         """
         arrays = {name: np.atleast_1d(np.asarray(values, dtype=float)) for name, values in columns.items()}
         if TIME not in arrays:
@@ -176,7 +176,7 @@ def read_columns(path: Path | str) -> tuple[dict[str, list[float]], dict[str, st
         Columns by name, and their units by name, as written.
 
     Raises:
-        TableError: the file is missing, empty, names a column twice or not, or has a cell that is no number.
+        TableError: the file is missing, empty, names a column twice or not, or a cell is not a number.
     """
     rows = _rows(path)
     if len(rows) < 2:

@@ -79,7 +79,7 @@ class Lagrange:
         self.state = np.array([p["drive_angle_start"], 0.0, 0.0, *speeds], dtype=float)
         if any(self._speed(wheel, self.state) < 0.0 for wheel in self._freewheels):
             raise Unavailable("Lagrange's equations: a start with omega2 >= 0 and omega3 >= omega2 is needed")
-        # of those left out, that of the housing is open for ever, that of the output closed
+        # of those left out, that of the housing stays open, that of the output closed
         self._closed, self._slope = [False, not there[OUTPUT]], 0.0
         self.give(drive_torque, load_torque)
 
@@ -127,7 +127,7 @@ class Lagrange:
         forces -= self.k * (w[0] - w[1]) * push
         forces[:2] += 0.5 * self.k * (w @ push) * np.array([1.0, -1.0])
         alpha = self._moved(mass, forces, self._slope, self._closed)
-        # SciPy would look for a shorter step for ever
+        # SciPy would go on looking for a shorter step
         if not np.isfinite(alpha).all():
             raise ArithmeticError("the motion leaves the range of doubles")
         if self.evaluations > self._most:
@@ -142,7 +142,7 @@ class Lagrange:
     def _guard(self, wheel: int) -> Callable[[Array], float]:
         """What ends the contact mode by falling through zero: torque or speed of a freewheel."""
         if self._closed[wheel]:
-            # raised by next to nothing, as the speed: what is zero at first or throughout does not fall
+            # raised by the smallest double: what is zero at first or throughout does not fall
             return lambda y: self._motion(y)[1][wheel] + sys.float_info.min
         return lambda y: self._speed(wheel, y) + ROUNDING * (1.0 + abs(float(y[OMEGA1])))
 
@@ -155,7 +155,7 @@ class Lagrange:
             self._let_go()
 
     def _switch(self, wheel: int) -> None:
-        """Open or close a freewheel, with the equality that this stands for exactly."""
+        """Open or close a freewheel, with the equality of speeds that this means exactly."""
         self._closed[wheel] = not self._closed[wheel]
         if self._closed[HOUSING]:
             self.state[OMEGA2] = 0.0

@@ -17,7 +17,7 @@ _COLOURS = (VERMILION, BLUE, GREEN, ORANGE, SKY, PURPLE, BLACK, GREY)
 _MARKERS = "osD^vPX*<>hp"
 _DPI = 110
 _COLUMNS = 4
-# a slope is told of at least so many points
+# a slope is fitted to at least so many points
 _FITTED = 3
 
 Curve = list[Row]
@@ -108,7 +108,7 @@ def _slopes(curve: Curve, error: str) -> str:
 
 
 def work_precision(rows: Sequence[Row], error: str, title: str) -> Figure:
-    """One error against wall time and against right-hand sides; the legend tells both slopes.
+    """One error against wall time and against right-hand sides; the legend gives both slopes.
 
     Args:
         rows: measured. error: name in Row.errors. title: of the figure.

@@ -14,7 +14,7 @@ from ..memory.instances import Module
 _REFUSED_STEP = -1.0
 # no further call once so much time has passed, s
 _PATIENCE = 0.5
-# what cannot be told from nothing, s a call
+# shortest time that can be measured, s a call
 _RESOLUTION = 1e-8
 
 

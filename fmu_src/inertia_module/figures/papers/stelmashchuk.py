@@ -15,7 +15,7 @@ from ...papers.stelmashchuk.law import PHASES, law_of_motion, phase_starts
 from . import style
 from .style import Columns, Drawings, dress, sheet
 
-# the dwell of the paper's figures is not told
+# the paper does not give the dwell of its figures
 KAPPA2 = 1.0
 END = 3.5
 KAPPA = np.linspace(0.0, END, 1401)

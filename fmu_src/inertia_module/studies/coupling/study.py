@@ -58,7 +58,7 @@ def write_part(folder: Path, name: str, rows: Sequence[Any]) -> dict[str, str]:
         Paths by what they are.
     """
     names = [field.name for field in dataclasses.fields(rows[0])]
-    # six digits: more would tell of the machine
+    # six digits: further ones depend on the machine
     cells = ([f"{v:.6g}" if isinstance(v, float) else v for v in dataclasses.astuple(row)] for row in rows)
     written = {name: str(write_rows(folder / f"coupling_{name}.csv", names, cells))}
     if name == MAP:
