@@ -10,16 +10,19 @@ import numpy as np
 
 from .trajectory import Array
 
-EX, EY, EZ = np.eye(3)
+EX, _, EZ = np.eye(3)
 
 # all parameters of the module by name
 Parameters = Mapping[str, Any]
 
 
 def turn(axis: int, angle: float | Array) -> Array:
-    """Matrices of turns about axis 0, 1 or 2 (x, y, z) by angles, rad: shape of the angles, then (3, 3)."""
+    """Matrices of turns about axis 0, 1 or 2 (x, y, z) by angles, rad: shape of the angles, then (3, 3).
+
+    As positions, it may be continued to complex angles.
+    """
     i, j = (axis + 1) % 3, (axis + 2) % 3
-    matrix = np.zeros((*np.shape(angle), 3, 3))
+    matrix = np.zeros((*np.shape(angle), 3, 3), dtype=np.result_type(angle, 1.0))
     matrix[..., axis, axis] = 1.0
     matrix[..., i, i] = matrix[..., j, j] = np.cos(angle)
     matrix[..., j, i] = np.sin(angle)
