@@ -17,6 +17,7 @@ from typing import Any
 import control as ct
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import detrend
 
 from ..harness.fmu import Fmu, Plant
 
@@ -116,13 +117,8 @@ def swings(deviation: Array) -> tuple[float, float]:
         deviation: shape (n,), n at least 16.
     """
     quarter = deviation.size // 4
-    time = np.arange(quarter, dtype=float)
-
-    def swing(part: Array) -> float:
-        left = part - np.polyval(np.polyfit(time, part, 1), time)
-        return float(np.sqrt(np.mean(left**2)))
-
-    return swing(deviation[quarter : 2 * quarter]), swing(deviation[3 * quarter : 4 * quarter])
+    early, late = deviation[quarter : 2 * quarter], deviation[3 * quarter : 4 * quarter]
+    return float(np.std(detrend(early))), float(np.std(detrend(late)))
 
 
 def measured_margins(
