@@ -7,7 +7,7 @@ import pytest
 FLAVOURS = ("InertiaModule",)
 START = {"omega1": 100.0, "load_torque": 10.0, "drive_torque": 20.0}
 ELASTIC = {"output_inertia": 0.02, "driven_inertia": 0.5, "shaft_stiffness": 400.0, "shaft_damping": 0.05}
-RUNGS = {
+LEVELS = {
     "kinematic": {"fidelity": 0, "kinematic_ratio": 0.3},
     "averaged": {"fidelity": 1, "omega_out_start": 5.0, "omega2_start": 0.0},
     "rigid": {"fidelity": 2},
@@ -17,15 +17,15 @@ RUNGS = {
     "stiff": {"fidelity": 3, **ELASTIC, "shaft_stiffness": 1e9},
 }
 BY_TORQUE = {"drive": 1, "input_inertia": 0.3}
-RUNGS |= {f"{name}, by torque": {**RUNGS[name], **BY_TORQUE} for name in RUNGS if name != "kinematic"}
-STIFF = [settings for name, settings in RUNGS.items() if name.startswith("stiff")]
+LEVELS |= {f"{name}, by torque": {**LEVELS[name], **BY_TORQUE} for name in LEVELS if name != "kinematic"}
+STIFF = [settings for name, settings in LEVELS.items() if name.startswith("stiff")]
 KNOWNS = ("omega1", "load_torque", "drive_torque")
 UNKNOWNS = ("omega2", "omega_out", "input_speed", "input_torque_mean", "output_torque_mean")
 
 
-@pytest.fixture(params=RUNGS)
-def rung(request):
-    return RUNGS[request.param]
+@pytest.fixture(params=LEVELS)
+def level(request):
+    return LEVELS[request.param]
 
 
 def outputs_after(instances, settings, h, changes, names, tolerance=1e-12):
@@ -40,15 +40,15 @@ def outputs_after(instances, settings, h, changes, names, tolerance=1e-12):
 
 @pytest.mark.parametrize("h", [1e-3, 0.05])
 @pytest.mark.parametrize("known", KNOWNS)
-def test_directional_derivative_is_that_of_the_last_step_by_its_inputs(instances, rung, known, h):
-    instance = instances().start(tolerance=1e-6, **START, **rung)
+def test_directional_derivative_is_that_of_the_last_step_by_its_inputs(instances, level, known, h):
+    instance = instances().start(tolerance=1e-6, **START, **level)
     for _ in range(4):
         instance.step(0.01)
     instance.step(h)
     found = instance.directional(UNKNOWNS, (known,), (1.0,))
     delta = 1e-4 * START[known]
-    above = outputs_after(instances, rung, h, {known: delta}, UNKNOWNS)
-    below = outputs_after(instances, rung, h, {known: -delta}, UNKNOWNS)
+    above = outputs_after(instances, level, h, {known: delta}, UNKNOWNS)
+    below = outputs_after(instances, level, h, {known: -delta}, UNKNOWNS)
     for name, derivative, high, low in zip(UNKNOWNS, found, above, below, strict=True):
         expected = (high - low) / (2.0 * delta)
         scale = max(abs(expected), 1e-3 * abs(high) / START[known])
@@ -56,7 +56,7 @@ def test_directional_derivative_is_that_of_the_last_step_by_its_inputs(instances
         # followed in its own swings at the one, may be at the other
         # (most so beside what a torque changes in a step, which is little)
         stiff = 5e-2 if known == "drive_torque" else 1e-2
-        share = stiff if rung in STIFF else 2e-3
+        share = stiff if level in STIFF else 2e-3
         assert derivative == pytest.approx(expected, abs=share * scale + 1e-9), name
 
 
@@ -70,8 +70,8 @@ def test_directional_derivatives_are_linear_in_the_direction(instance):
         assert both == pytest.approx(3.0 * one - 2.0 * other, rel=1e-4, abs=1e-6 * (abs(one) + abs(other)))
 
 
-def test_taking_derivatives_changes_nothing(instances, rung):
-    watched, alone = (instances().start(tolerance=1e-6, **START, **rung) for _ in range(2))
+def test_taking_derivatives_changes_nothing(instances, level):
+    watched, alone = (instances().start(tolerance=1e-6, **START, **level) for _ in range(2))
     for n in range(10):
         for one in (watched, alone):
             one.set(omega1=100.0 + n, drive_torque=20.0 + n)
@@ -95,14 +95,14 @@ def test_derivatives_at_the_start_are_those_of_the_initial_values(instance, inst
     assert found == pytest.approx((values[0] - values[1]) / 0.02, rel=1e-5)
 
 
-def test_rates_of_outputs_are_those_of_the_motion_that_follows(instances, rung):
-    if rung in STIFF:
+def test_rates_of_outputs_are_those_of_the_motion_that_follows(instances, level):
+    if level in STIFF:
         pytest.skip("the swings of a shaft as stiff as that are not followed")
     torques = "input_torque", "mesh_torque", "output_torque"
     names = ("omega2", "omega_out", "input_speed", *torques, "imbalance_acceleration_y")
     h = 2e-6
     # somewhere in the middle of a pulse, far from a switch
-    instance, onwards = (instances().start(tolerance=1e-10, **START, **rung) for _ in range(2))
+    instance, onwards = (instances().start(tolerance=1e-10, **START, **level) for _ in range(2))
     for one in (instance, onwards):
         one.step(0.005)
     found = instance.rates(*names)
@@ -126,15 +126,15 @@ STANDING = {
 
 @pytest.mark.parametrize("state", STANDING)
 def test_rates_of_outputs_of_a_standing_shaft_are_those_of_the_motion_that_follows(
-    description, instances, rung, state
+    description, instances, level, state
 ):
-    if rung in STIFF:
+    if level in STIFF:
         pytest.skip("the swings of a shaft as stiff as that are not followed")
     outputs = [v.name for v in description.modelVariables if v.causality == "output"]
     names = [name for name in outputs if not name.endswith("_mean")]
     h = 1e-6
     for angle in (0.0, 3.15):
-        settings = rung | STANDING[state] | {"drive_angle_start": angle, "omega_out_start": 0.0}
+        settings = level | STANDING[state] | {"drive_angle_start": angle, "omega_out_start": 0.0}
         instance, onwards = (instances().start(tolerance=1e-10, **settings) for _ in range(2))
         found = instance.rates(*names)
         rows = []
@@ -149,15 +149,15 @@ def test_rates_of_outputs_of_a_standing_shaft_are_those_of_the_motion_that_follo
 
 @pytest.mark.parametrize("load", [0.05, 0.5, 5.0])
 @pytest.mark.parametrize(
-    "rung",
-    [settings for settings in RUNGS.values() if settings["fidelity"] >= 2 and settings not in STIFF],
-    ids=[name for name, settings in RUNGS.items() if settings["fidelity"] >= 2 and settings not in STIFF],
+    "level",
+    [settings for settings in LEVELS.values() if settings["fidelity"] >= 2 and settings not in STIFF],
+    ids=[name for name, settings in LEVELS.items() if settings["fidelity"] >= 2 and settings not in STIFF],
 )
-def test_rate_of_the_output_speed_in_lock_up_is_what_the_load_brings(instances, rung, load):
+def test_rate_of_the_output_speed_in_lock_up_is_what_the_load_brings(instances, level, load):
     # the output freewheel is on the verge of slip: even the shortest trial step may meet a switch
     locked = {"omega2_start": 100.0, "omega_out_start": 100.0, "load_torque": load, "drive_torque": 0.0}
-    instance = instances().start(tolerance=1e-10, **START | rung | locked)
-    carried = 0.5 if rung["fidelity"] == 3 else 0.505
+    instance = instances().start(tolerance=1e-10, **START | level | locked)
+    carried = 0.5 if level["fidelity"] == 3 else 0.505
     assert instance.rates("omega_out")[0] == pytest.approx(-load / carried, rel=0.05)
 
 

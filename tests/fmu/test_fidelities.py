@@ -10,7 +10,7 @@ LAYOUTS = {
     "bevel": {"omega1": 100.0, "load_torque": 10.0},
     "planar": {"layout": 1, "satellites": 3, "link2_inertia": 0.003, "omega1": 120.0, "load_torque": 8.0},
 }
-RUNGS = {
+LEVELS = {
     "kinematic": {"fidelity": 0, "kinematic_ratio": 0.3},
     "averaged": {"fidelity": 1},
     "rigid": {"fidelity": 2},
@@ -30,9 +30,9 @@ def layout(request):
     return LAYOUTS[request.param]
 
 
-@pytest.fixture(params=RUNGS)
-def rung(request):
-    return RUNGS[request.param]
+@pytest.fixture(params=LEVELS)
+def level(request):
+    return LEVELS[request.param]
 
 
 def test_elastic_scene_gives_the_check_values(instance):
@@ -48,9 +48,9 @@ def speeds(layout):
     return [layout["omega1"] * (1.0 + 0.3 * math.sin(0.5 * n)) for n in range(30)]
 
 
-def test_the_fmu_is_the_module_in_memory(instance, layout, rung):
-    instance.start(tolerance=1e-8, **layout, **rung)
-    module = Module("auto").start(tolerance=1e-8, **layout, **rung)
+def test_the_fmu_is_the_module_in_memory(instance, layout, level):
+    instance.start(tolerance=1e-8, **layout, **level)
+    module = Module("auto").start(tolerance=1e-8, **layout, **level)
     for omega1 in speeds(layout):
         instance.set(omega1=omega1)
         module.set(omega1=omega1)
@@ -59,8 +59,8 @@ def test_the_fmu_is_the_module_in_memory(instance, layout, rung):
     assert [instance.get(name) for name in OUTPUTS] == [module[name] for name in OUTPUTS]
 
 
-def test_a_state_taken_back_runs_the_same_again(instance, layout, rung):
-    instance.start(tolerance=1e-8, **layout, **rung)
+def test_a_state_taken_back_runs_the_same_again(instance, layout, level):
+    instance.start(tolerance=1e-8, **layout, **level)
     instance.step(0.05)
     state = instance.fmu.getFMUstate()
     results = []
@@ -74,9 +74,9 @@ def test_a_state_taken_back_runs_the_same_again(instance, layout, rung):
     assert results[0] == results[1]
 
 
-def test_energy_audit_is_within_what_the_rung_promises(instance, layout, rung):
-    promise = 0.05 if rung.get("method") else 1e-5
-    instance.start(tolerance=1e-8, **layout, **rung)
+def test_energy_audit_is_within_what_the_level_promises(instance, layout, level):
+    promise = 0.05 if level.get("method") else 1e-5
+    instance.start(tolerance=1e-8, **layout, **level)
     turnover = 0.0
     for omega1 in speeds(layout):
         instance.set(omega1=omega1)

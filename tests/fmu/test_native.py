@@ -17,7 +17,7 @@ SCENES = {
     "linear hold": {"input_hold": 1},
     "heavy input": {"input_inertia": 0.1, "drive_inertia": 0.002, "a": 0.8, "b": 1.1, "c": 0.9},
 }
-RUNGS = {
+LEVELS = {
     "kinematic": {"fidelity": 0, "kinematic_ratio": 0.3},
     "averaged": {"fidelity": 1},
     "rigid event": {"fidelity": 2},
@@ -26,7 +26,7 @@ RUNGS = {
     "elastic timestepping": {"fidelity": 3, "method": 1, "max_step": 1e-3, **ELASTIC},
 }
 BY_TORQUE = {"drive": 1, "input_inertia": 0.3}
-RUNGS |= {f"{name}, by torque": {**RUNGS[name], **BY_TORQUE} for name in RUNGS if name != "kinematic"}
+LEVELS |= {f"{name}, by torque": {**LEVELS[name], **BY_TORQUE} for name in LEVELS if name != "kinematic"}
 FLAVOURS = ("InertiaModule",)
 
 
@@ -49,13 +49,13 @@ def driven(instance, settings):
     return rows
 
 
-@pytest.mark.parametrize("rung", RUNGS)
+@pytest.mark.parametrize("level", LEVELS)
 @pytest.mark.parametrize("scene", SCENES)
-def test_native_and_python_fmu_agree_in_every_variable(instance, python_twin, scene, rung):
-    if rung.startswith("averaged") and scene == "no housing freewheel":
+def test_native_and_python_fmu_agree_in_every_variable(instance, python_twin, scene, level):
+    if level.startswith("averaged") and scene == "no housing freewheel":
         pytest.skip("averaged takes both freewheels")
     twin = Instance(*python_twin)
-    settings = {**SCENES[scene], **RUNGS[rung]}
+    settings = {**SCENES[scene], **LEVELS[level]}
     for row, (found, expected) in enumerate(
         zip(driven(instance, settings), driven(twin, settings), strict=True)
     ):

@@ -2,39 +2,14 @@
 
 import numpy as np
 
-from inertia_module.studies.geometry import bevel_lengths, ratio, satellite_ratio
+from inertia_module.studies.geometry import positions, ratio, satellite_ratio, turn
 
-__all__ = ["bevel_lengths", "ratio", "satellite_ratio"]
-
-EX, EY, EZ = np.eye(3)
-
-
-def turn_x(angle):
-    c, s = np.cos(angle), np.sin(angle)
-    return np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
-
-
-def turn_y(angle):
-    c, s = np.cos(angle), np.sin(angle)
-    return np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
-
-
-def turn_z(angle):
-    c, s = np.cos(angle), np.sin(angle)
-    return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+__all__ = ["ratio", "satellite_ratio", "turn"]
 
 
 def position(p, q, satellite=0):
     """Imbalance of one satellite in the frame of link 1; q may be complex."""
-    place = 2.0 * np.pi * satellite / p["satellites"]
-    if p["layout"]:
-        centre = (p["sun_radius"] + p["satellite_radius"]) * EZ
-        return turn_x(place) @ (centre + turn_x(q) @ (-p["eccentricity"] * EZ))
-    ad, qa, oq = bevel_lengths(p)
-    on_drive = (
-        turn_y(-p["shaft_angle"]) @ turn_z(satellite_ratio(p) * q + p["epsilon"]) @ np.array([-ad, 0, -qa])
-    )
-    return oq * EZ + turn_z(q + p["gamma"] + place) @ on_drive
+    return positions(p, np.array([q]), satellite)[0]
 
 
 def taylor(function, at, terms=4, radius=0.5, points=32):

@@ -85,7 +85,7 @@ def test_numbers_of_a_chart_have_units(compiled):
 
 
 def test_a_file_that_is_no_chart_is_refused(tmp_path):
-    with pytest.raises(TableError, match=r"none\.csv must be a saved chart: No such file"):
+    with pytest.raises(TableError, match=r"none\.csv must be a CSV file: No such file"):
         TorqueConverterChart.load(tmp_path / "none.csv")
     other = tmp_path / "other.csv"
     other.write_text("time,x\n0,1\n")

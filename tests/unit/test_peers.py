@@ -130,10 +130,9 @@ def test_a_case_that_is_not_for_them_is_refused_in_one_line(parameters):
         assert "\n" not in str(refused.value)
 
 
-@pytest.mark.parametrize("module", ["scipy.integrate", "sksundae.cvode", "mujoco"])
+@pytest.mark.parametrize("module", ["sksundae.cvode", "mujoco"])
 def test_a_missing_library_is_named_with_what_to_install(module, monkeypatch):
     runs = {
-        "scipy.integrate": lambda case: scipy_methods.simulate(case, "RK45", 1e-6),
         "sksundae.cvode": lambda case: cvode.simulate(case, "BDF", 1e-6, 1e4),
         "mujoco": lambda case: mujoco_model.simulate(case, "Euler", 1e-3),
     }

@@ -2,7 +2,7 @@ import math
 
 import numpy as np
 import pytest
-from geometry import derivatives, direct_sums, position, satellite_ratio, taylor, turn_x
+from geometry import derivatives, direct_sums, position, satellite_ratio, taylor, turn
 from hypothesis import given
 from hypothesis import strategies as st
 from scenes import parameters, started
@@ -86,7 +86,7 @@ def test_velocity_and_acceleration_are_rates_of_the_position_along_the_path(layo
     q, theta1, omega1, alpha1, rate_q, rate2_q = (data.draw(st.floats(-2.0, 2.0)) for _ in range(6))
 
     def place(t):
-        return turn_x(theta1 + omega1 * t + alpha1 * t * t / 2) @ position(
+        return turn(0, theta1 + omega1 * t + alpha1 * t * t / 2) @ position(
             p, q + rate_q * t + rate2_q * t * t / 2
         )
 
@@ -119,5 +119,5 @@ def test_inertia_near_the_rolling_point_keeps_its_digits(distance):
 def test_planar_imbalance_touching_the_held_sun_wheel_is_at_rest(theta1, omega1, sun, satellite):
     p = parameters(layout=1, sun_radius=sun, satellite_radius=satellite, eccentricity=satellite)
     found = imbalance_in_fixed_frame(derived(p), 0.0, theta1, omega1, 0.0, omega1 * sun / satellite, 0.0)
-    assert found[:3] == pytest.approx(turn_x(theta1) @ [0.0, 0.0, sun])
+    assert found[:3] == pytest.approx(turn(0, theta1) @ [0.0, 0.0, sun])
     assert found[3:6] == pytest.approx([0.0] * 3, abs=1e-14 * abs(omega1) * (sun + satellite))

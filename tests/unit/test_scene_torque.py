@@ -139,7 +139,7 @@ def test_example_speeds_up_a_flywheel_while_the_motor_sags(fmu):
     assert table["input_speed"].min() < 120.0
 
 
-def test_the_same_in_process_and_on_the_rungs_it_can_have(fmu):
+def test_the_same_in_process_and_at_the_levels_it_can_have(fmu):
     scene = read(TABLE)
     found = run_in_process(scene)
     assert found.record["omega_out"][-1] == pytest.approx(

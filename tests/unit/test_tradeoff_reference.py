@@ -7,7 +7,6 @@ import pytest
 from scenes import PLANAR
 
 from inertia_module.memory.instances import Module
-from inertia_module.studies.collocation import Collocation, tableau
 from inertia_module.studies.lagrange import OMEGA1, OMEGA3, Lagrange
 from inertia_module.studies.reference import agreement
 from inertia_module.studies.tradeoff import R1_ELASTIC
@@ -66,16 +65,3 @@ def test_second_method_keeps_the_energy_where_nothing_takes_it():
 def test_a_start_against_a_freewheel_is_refused():
     with pytest.raises(Unavailable, match="omega3 >= omega2"):
         Lagrange({"omega2_start": 5.0, "omega_out_start": 1.0}, 100.0, 10.0)
-
-
-def test_collocation_integrates_polynomials_of_its_order():
-    nodes, weights, matrix = tableau()
-    for power in range(2 * nodes.size):
-        assert weights @ nodes**power == pytest.approx(1.0 / (power + 1), rel=1e-15)
-    for power in range(nodes.size):
-        assert matrix @ nodes**power == pytest.approx(nodes ** (power + 1) / (power + 1), rel=1e-14)
-
-
-def test_collocation_turns_an_oscillator_to_rounding():
-    end, _ = Collocation().step(lambda y: np.array([y[1], -y[0]]), np.array([0.0, 1.0], np.longdouble), 1.0)
-    assert end.astype(float) == pytest.approx([np.sin(1.0), np.cos(1.0)], rel=1e-15)

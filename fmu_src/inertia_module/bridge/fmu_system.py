@@ -22,8 +22,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Literal, Protocol, Self
+from typing import Any, Literal, Self
 
 import control as ct
 import numpy as np
@@ -40,19 +39,6 @@ StateKind = Literal["motion", "whole"]
 
 # inputs whose jumps act impulsively
 _SPEEDS = ("omega1", "hub_speed")
-
-
-class _Stepper(Protocol):
-    """What update and output of a system do with the FMU."""
-
-    names: list[str]
-    start: Array
-
-    def update(self, x: Array, u: Array) -> Array:
-        """State after a step."""
-
-    def output(self, x: Array) -> Array:
-        """Outputs of a state."""
 
 
 class _Motion:
@@ -106,7 +92,7 @@ class _Whole:
         return self._at.copy()
 
     def _go_to(self, x: Array) -> None:
-        """Take over a state; all zeros, the default of python-control, stand for the start."""
+        """Take over a state; all zeros, the default of python-control, mean the start."""
         wanted = x if x.any() else self.start
         if self._at is None or not np.array_equal(wanted, self._at):
             self._at = None
@@ -139,7 +125,7 @@ class FmuSystem:
     def __init__(
         self,
         fmu: Fmu,
-        stepper: _Stepper,
+        stepper: _Motion | _Whole,
         step: float,
         inputs: Sequence[str],
         outputs: Sequence[str],
@@ -171,9 +157,7 @@ class FmuSystem:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *raised: object) -> None:
         self.close()
 
 
@@ -212,7 +196,7 @@ def fmu_system(
 
     Raises:
         FmuError: the FMU, a name or a value is refused, or the FMU has no such state.
-        ValueError: step is not positive, or state is none of the two.
+        ValueError: step is not positive, or state is neither of the two.
     """
     if not (math.isfinite(step) and step > 0.0):
         raise ValueError(must_be("step", "a positive number of seconds", step))
@@ -223,7 +207,7 @@ def fmu_system(
     fmu = kind(path, parameters, start, tolerance)
     try:
         check_inputs(fmu, inputs)
-        stepper: _Stepper
+        stepper: _Motion | _Whole
         if isinstance(fmu, RestartedFmu):
             stepper = _Motion(fmu, step, inputs, outputs)
         else:

@@ -17,6 +17,7 @@ from typing import Any
 import control as ct
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import detrend
 
 from ..harness.fmu import Fmu, Plant
 
@@ -27,6 +28,8 @@ _POINTS = 4000
 _LOWEST = 1e-4
 # relative width at which the search for a margin stops
 _SHARE = 0.02
+# periods of the expected crossover that a run lasts
+_PERIODS = 10.0
 # swings that the pulses leave, times this, count as settled
 _RIPPLE = 2.0
 
@@ -114,13 +117,8 @@ def swings(deviation: Array) -> tuple[float, float]:
         deviation: shape (n,), n at least 16.
     """
     quarter = deviation.size // 4
-    time = np.arange(quarter, dtype=float)
-
-    def swing(part: Array) -> float:
-        left = part - np.polyval(np.polyfit(time, part, 1), time)
-        return float(np.sqrt(np.mean(left**2)))
-
-    return swing(deviation[quarter : 2 * quarter]), swing(deviation[3 * quarter : 4 * quarter])
+    early, late = deviation[quarter : 2 * quarter], deviation[3 * quarter : 4 * quarter]
+    return float(np.std(detrend(early))), float(np.std(detrend(late)))
 
 
 def measured_margins(
@@ -131,7 +129,6 @@ def measured_margins(
     expected: Margins,
     *,
     limits: tuple[float, float] = (-math.inf, math.inf),
-    periods: float = 10.0,
 ) -> Margins:
     """Margins of the loop around an FMU: made worse until a kick grows on, by bisection.
 
@@ -142,7 +139,6 @@ def measured_margins(
         fmu: started at the operating point; it is left there.
         surrounding, point, kick, limits: as in run_linear_loop.
         expected: by predicted_margins; looked for from half to twice of them, to 2 %.
-        periods: of the expected crossover that a run lasts.
 
     Returns:
         The margins found, with the crossover expected.
@@ -151,7 +147,7 @@ def measured_margins(
         ValueError: a margin is not within half and twice of the expected one.
     """
     step = float(surrounding.dt)
-    steps = round(periods * 2.0 * math.pi / expected.crossover / step)
+    steps = round(_PERIODS * 2.0 * math.pi / expected.crossover / step)
     begin = fmu.get_state()
 
     def swing(**worse: Any) -> tuple[float, float]:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from ..contract.driven_shaft_variables import BY_NAME as OF_SHAFT
 from ..contract.variables import BY_NAME as OF_MODULE
-from ..contract.variables import DRIVE_ANGLE, LINK1_ANGLE, SINCE_START
+from ..contract.variables import DRIVE_ANGLE, ENUMERATIONS, LINK1_ANGLE, SINCE_START
 from ..harness.fmu import Fmu, FmuError
 from ..kernel.codes import DRIVE_TORQUE
 
@@ -16,7 +16,6 @@ _MOTION = {
     "averaged": ("omega_out",),
     "rigid": ("drive_angle", "omega2", "omega_out"),
 }
-_FIDELITIES = ("kinematic", "averaged", "rigid", "elastic")
 _SHAFT_MOTION = ("omega_out", "twist")
 # speed of link 1 where a torque drives the module, which starts at omega1
 _INPUT_SPEED = "input_speed"
@@ -87,7 +86,7 @@ def motion_of(fmu: Fmu) -> tuple[str, ...]:
         )
     if "fidelity" not in fmu.variables:
         return _SHAFT_MOTION
-    fidelity = _FIDELITIES[int(fmu["fidelity"])]
+    fidelity = ENUMERATIONS["Fidelity"][int(fmu["fidelity"])][0]
     if fidelity not in _MOTION:
         raise FmuError(
             f"with state = 'motion' fidelity must be one of {', '.join(_MOTION)}, is {fidelity}: that has no"

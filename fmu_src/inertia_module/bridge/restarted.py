@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 
 from ..harness.fmu import Fmu
 
@@ -17,27 +16,10 @@ class RestartedFmu(Fmu):
     Args: as Fmu.
     """
 
-    def __init__(
-        self,
-        path: Path | str,
-        parameters: Mapping[str, float | bool | str] | None = None,
-        inputs: Mapping[str, float] | None = None,
-        tolerance: float | None = None,
-    ) -> None:
-        super().__init__(path, parameters, inputs, tolerance)
-        try:
-            self._call("reset")
-            self._call("setupExperiment", tolerance, self.time, None)
-            self._assign(parameters or {})
-            self._assign(inputs or {})
-            self._call("enterInitializationMode")
-            # a value read here makes the native FMU derive its constants, for the state that is kept
-            self._read_one(next(name for name, v in self.variables.items() if v.causality == "output"))
-            self._blank = self.get_state()
-            self._call("exitInitializationMode")
-        except BaseException:
-            self.close()
-            raise
+    def _before_start(self) -> None:
+        # a value read here makes the native FMU derive its constants, for the state that is kept
+        self._read_one(next(name for name, v in self.variables.items() if v.causality == "output"))
+        self._blank = self.get_state()
 
     def restart(self, values: Mapping[str, float]) -> None:
         """Start anew with these start parameters and inputs; all others are those of the first start.

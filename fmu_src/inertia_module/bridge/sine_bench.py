@@ -6,7 +6,7 @@
 - **Output.** A step mean belongs to the middle of its step and is fitted there; its sinc(f h) is divided out
   as well.
 - **Fit.** Least squares of mean, drift, sine and cosine, weighted by a Hann window over a whole number of
-  periods. The pulses are no multiple of the sine, but a record of N periods tells frequencies apart that
+  periods. The pulses are no multiple of the sine, but a record of N periods separates frequencies that
   differ by more than 2/N of it, and beyond that leakage falls with the cube of the distance. The step has to
   be so short that pulses do not alias: some 20 steps to a pulse.
 """
@@ -14,14 +14,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..harness.fmu import Plant
+from ..harness.fmu import Fmu
 from ..memory.instances import Module
 
 Array = NDArray[np.float64]
@@ -30,25 +29,6 @@ Complex = NDArray[np.complex128]
 LEAST_PERIODS = 10
 SPEED, LOAD = "omega1", "load_torque"
 PULSES = "output_torque_mean"
-
-
-class RampedPlant(Plant, Protocol):
-    """A plant whose inputs can be given a rate over the coming step: Fmu has it, and ModulePlant."""
-
-    def set_rates(self, **rates: float) -> None:
-        """Give inputs a rate over the coming step, per second."""
-
-
-class ModulePlant:
-    """A module in memory as a plant."""
-
-    def __init__(self, module: Module) -> None:
-        self.set, self.set_rates, self.advance = module.set, module.set_rates, module.advance
-        self._module = module
-
-    def read(self, names: Sequence[str]) -> tuple[float, ...]:
-        """Values by name."""
-        return tuple(self._module[name] for name in names)
 
 
 def fit_sine(time: Array, values: Array, frequency: float) -> tuple[complex, float]:
@@ -75,7 +55,7 @@ class SineBench:
         step: communication step, s.
     """
 
-    plant: RampedPlant
+    plant: Fmu | Module
     point: Mapping[str, float]
     outputs: tuple[str, ...]
     step: float

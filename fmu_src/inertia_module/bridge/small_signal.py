@@ -75,7 +75,7 @@ def measured_response(
         frequencies: Hz, shape (n,).
         outputs: variables of the FMU; torques as step means.
         step: communication step, s: some 20 to a pulse. settling: time given to every transient, s.
-        record: time of the record, s, if 10 periods are not longer; tells beats of the pulses from the sine.
+        record: time of the record, s, if 10 periods are not longer: separates beats of pulses from the sine.
         tolerance: relative, of the FMU.
 
     Returns:

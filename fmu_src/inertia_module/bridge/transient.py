@@ -18,7 +18,7 @@ from collections.abc import Mapping
 from ..kernel import codes
 from ..memory.instances import Module
 from .averaged_system import TransientInertia, averaged_system
-from .sine_bench import LOAD, PULSES, SPEED, ModulePlant, SineBench
+from .sine_bench import LOAD, PULSES, SPEED, SineBench
 
 # inertia that no torque moves, kg m^2
 _HEAVY = 1e7
@@ -26,7 +26,7 @@ _HEAVY = 1e7
 _SHARE_OF_RATE = 0.05
 _SHARE_OF_SPEED = 0.005
 _STEPS_PER_CYCLE = 8.0
-# pulses that settle and that are recorded: beats of the pulses have to be told from the sine
+# pulses that settle and that are recorded: beats of the pulses have to be separated from the sine
 _SETTLING_PULSES = 40.0
 _RECORDED_PULSES = 600.0
 
@@ -68,7 +68,7 @@ def _sine(
     d = module.derived
     step = 2.0 * math.pi / (_STEPS_PER_CYCLE * d.harmonic * d.k * omega1)
     point = {SPEED: omega1, LOAD: load}
-    bench = SineBench(ModulePlant(module), point, ("omega_out", PULSES), step)
+    bench = SineBench(module, point, ("omega_out", PULSES), step)
     rate = bench.settle(2.0 * _SETTLING_PULSES * _STEPS_PER_CYCLE * step)
     if rate == 0.0:
         raise ValueError(

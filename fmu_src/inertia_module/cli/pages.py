@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -111,17 +112,21 @@ def coupling(
     from dataclasses import asdict
 
     from ..harness.simulate import progress_bar
-    from ..studies.coupling.study import chosen_parts, measure, print_rows, write_part
+    from ..studies.coupling.study import MAP, chosen_parts, coupling_map, print_rows, write_part
+    from ..studies.coupling.urban import urban_runs
 
     with one_line_errors():
         folder = folder_for(output, "coupling")
         chosen = chosen_parts(only, quick)
         fmu_path, _ = native_fmus()
-        found = {}
+        found: dict[str, Sequence[Any]] = {}
         written: dict[str, str] = {}
         for name in chosen:
             with progress_bar(f"measuring: {name}") as progress:
-                found[name] = measure(name, fmu_path, scene, quick, progress)
+                if name == MAP:
+                    found[name] = coupling_map(fmu_path, quick, progress)
+                else:
+                    found[name] = urban_runs(fmu_path, scene, progress)
             written.update(write_part(folder, name, found[name]))
     if as_json:
         rows = {name: [asdict(row) for row in part] for name, part in found.items()}

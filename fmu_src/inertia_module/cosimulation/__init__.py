@@ -2,7 +2,7 @@
 
 An engine (engine.py) is coupled through its speed (by_speed.py) or, its rotor being in the module, through
 its torque (by_torque.py); the ledger of either counts the energy lost between both. What the schemes are
-worth is measured in studies/coupling and told in docs/coupling.md.
+worth is measured in studies/coupling and described in docs/coupling.md.
 """
 
 from .by_speed import SCHEMES, CoupledEngine, Scheme

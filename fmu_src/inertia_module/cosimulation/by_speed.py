@@ -16,7 +16,7 @@ from .plant import EnginePlant, Exchange
 
 # a step has no need to be made again where the speeds at its end agree to this, relative
 _AGREEMENT = 1e-11
-# least of the inertia that a directional derivative may stand for, in engine inertias
+# least inertia that a directional derivative may give, in engine inertias
 _LEAST_SLOPE = -0.5
 
 
@@ -25,8 +25,8 @@ class Scheme(StrEnum):
 
     JACOBI: both step with what was known at the communication point; the module at a held speed.
     MODULE_FIRST: the engine has the torque of the same step; the module at a held speed.
-    INERTIA: the module first, along the speed extrapolated; the engine reckons with the interface inertia for
-        what its own acceleration changes in the torque.
+    INERTIA: the module first, along the speed extrapolated; the engine takes the interface inertia into
+        account for what its own acceleration changes in the torque.
     IMPLICIT: the step is tried, taken back and made again along the speed that the module's directional
         derivative says the engine will have.
     """
@@ -64,7 +64,7 @@ class CoupledEngine(EnginePlant):
         fmu: a started FMU of the module with omega1 = speed of the engine, whose drive is speed and whose
             input_hold is constant; a native one for INERTIA and IMPLICIT.
         engine: at the same speed. scheme: of coupling.
-        inertia: interface inertia the engine reckons with (INERTIA), kg.m2; see interface.py.
+        inertia: interface inertia the engine takes into account (INERTIA), kg.m2; see interface.py.
         substeps: equal communication steps between engine and module in each step of the plant.
 
     Attributes:

@@ -16,7 +16,7 @@ import numpy as np
 from ..kernel.links import inertia_at_input
 from ..memory.instances import Module
 
-# points over a period of the motion, for each tooth ratio's turn of the drive
+# points for each turn of the drive in a period of the motion
 _POINTS_A_TURN = 180
 
 
@@ -44,9 +44,7 @@ def interface_inertia(parameters: Mapping[str, float]) -> InterfaceInertia:
     """
     module = Module("plain")
     module.check(**{**parameters, "fidelity": 2.0})
-    turns = 1
-    if module["layout"] == 0.0:
-        turns = int(module["z6"]) // math.gcd(int(module["z17"]), int(module["z6"]))
+    turns = int(module.derived.period_turns)
     angles = np.linspace(0.0, 2.0 * math.pi * turns, _POINTS_A_TURN * turns, endpoint=False)
     values = [float(inertia_at_input(module.derived, float(q))) for q in angles]  # type: ignore[no-untyped-call]
     return InterfaceInertia(min(values), sum(values) / len(values), max(values))

@@ -8,8 +8,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from ..common.colours import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
 from ..harness.chart import TorqueConverterChart
-from .scenes import BLACK, BLUE, DPI, GREEN, ORANGE, PURPLE, SIZE, SKY, VERMILION
+from .scenes import DPI, SIZE
 
 COLOURS = (VERMILION, BLUE, GREEN, ORANGE, PURPLE, SKY, BLACK)
 LARGEST_TORQUE_RATIO = 6.0

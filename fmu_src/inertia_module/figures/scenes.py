@@ -7,14 +7,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from ..common.colours import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
 from ..harness.simulate import Result
 from ..loops.cycles import KILOMETRE_PER_HOUR, Cycle
 from ..scene import SceneResult
 from ..scene.summary import input_speed, work
-
-# colours that the colour-blind tell apart: Okabe and Ito (2008), Color Universal Design
-BLACK, ORANGE, SKY, GREEN = "#222222", "#E69F00", "#56B4E9", "#009E73"
-BLUE, VERMILION, PURPLE = "#0072B2", "#D55E00", "#CC79A7"
 
 # 1200 x 900 pixels
 SIZE = (12.0, 9.0)
@@ -74,7 +71,7 @@ def _energy_unit(*energies: Array) -> tuple[float, str]:
 
 
 def pulse_starts(table: Result) -> NDArray[np.int64]:
-    """Rows at which a torque pulse on the output shaft begins, as far as the rows tell."""
+    """Rows at which a torque pulse on the output shaft begins, as far as the rows show."""
     driving = table["output_torque_mean"] > 0.0
     return np.flatnonzero(~driving[:-1] & driving[1:]).astype(np.int64)
 

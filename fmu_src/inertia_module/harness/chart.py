@@ -4,24 +4,22 @@ The chart of a hydrodynamic converter plots torque ratio, efficiency and capacit
 (SAE J643). Here everything goes with the square of the input speed as well, so one chart holds for all
 speeds. The mechanism is ideal: the efficiency is 1 and the torque ratio one over the speed ratio; at
 stall it passes torque and takes no power, so torque ratio and capacity factor are given above it only
-(converter_table). What tells mechanisms apart is the torque they pass.
+(converter_table). Mechanisms differ in the torque they pass.
 """
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from ..kernel import codes
 from ..kernel.averaged import rates as average_rates
 from ..memory.instances import Module
-from .results import TableError, write_columns
+from .results import TableError, read_columns, write_columns
 
 Array = NDArray[np.float64]
 
@@ -72,18 +70,6 @@ class TorqueConverterChart:
         """Speed ratio from which on no torque is passed, 1 with lock-up."""
         return float(self.speed_ratio[-1])
 
-    @property
-    def lowest_ratio(self) -> float:
-        """Speed ratio with the least torque below the end."""
-        lowest = int(np.argmin(self.output_torque))
-        return float(self.speed_ratio[lowest])
-
-    def output_torque_at(self, speed_ratio: ArrayLike) -> Array:
-        """Mean output torque over omega1 squared at any ratios from 0 up, N m s^2, linear between rows."""
-        ratios = np.asarray(speed_ratio, dtype=float)
-        torque: Array = np.interp(ratios, self.speed_ratio, self.output_torque, right=0.0)
-        return torque
-
     def summary(self, omega1: float | None = None) -> dict[str, float]:
         """The numbers to compare mechanisms by.
 
@@ -93,7 +79,7 @@ class TorqueConverterChart:
         numbers = {
             "stall_torque": self.stall_torque,
             "least_torque": float(self.output_torque.min()),
-            "least_torque_ratio": self.lowest_ratio,
+            "least_torque_ratio": float(self.speed_ratio[np.argmin(self.output_torque)]),
             "end_ratio": self.end_ratio,
             "lock_up_torque": float(self.lock_up_torque[0]),
             "stall_peak_over_mean": float(self.peak[0] / self.stall_torque) if self.stall_torque else 0.0,
@@ -138,21 +124,13 @@ class TorqueConverterChart:
         """Read what save has written.
 
         Raises:
-            TableError: the file is missing, or is no such chart.
+            TableError: the file is missing, or is not such a chart.
         """
-        try:
-            rows = list(csv.reader(io.StringIO(Path(path).read_text(encoding="utf-8"))))
-        except OSError as error:
-            raise TableError(f"{path} must be a saved chart: {error.strerror}") from None
-        names = [heading.partition(" [")[0] for heading in rows[0]] if rows else []
+        columns, _ = read_columns(path)
         wanted = [field.name for field in fields(cls)]
-        if names != wanted or len(rows) < 2:
+        if list(columns) != wanted:
             raise TableError(f"{path} must be a chart with the columns {', '.join(wanted)}")
-        try:
-            values = np.array([[float(cell) for cell in row] for row in rows[1:]])
-        except ValueError as error:
-            raise TableError(f"{path} must hold rows of numbers: {error}") from None
-        return cls(*values.T)
+        return cls(*map(np.array, columns.values()))
 
 
 def torque_converter_chart(

@@ -72,10 +72,14 @@ class Fmu(Instance):
             self._assign(parameters or {})
             self._assign(inputs or {})
             self._call("enterInitializationMode")
+            self._before_start()
             self._call("exitInitializationMode")
         except BaseException:
             self.close()
             raise
+
+    def _before_start(self) -> None:
+        """What a kind of instance does before the end of its initialisation."""
 
     def _variable(self, name: str) -> Any:
         variable = self.variables.get(name)
@@ -120,7 +124,7 @@ class Fmu(Instance):
         """Values by name, of any type, as floats.
 
         Raises:
-            FmuError: an unknown name, or the FMU refuses to tell.
+            FmuError: an unknown name, or the FMU refuses to give a value.
         """
         key = as_names(names)
         if key not in self._readers:

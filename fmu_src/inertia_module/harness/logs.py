@@ -49,7 +49,7 @@ def _dispatcher() -> Any:
 def _logger() -> Any:
     """The log callback of all instances, made anew the one that fmpy's proxy passes messages to.
 
-    The proxy, which formats the messages, knows one callback a process: whoever came last.
+    The proxy, which formats the messages, knows one callback a process: the last one given.
     """
     from fmpy.fmi2 import fmi2CallbackFunctions
     from fmpy.logging import addLoggerProxy

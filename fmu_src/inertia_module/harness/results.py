@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -43,7 +43,7 @@ class Result:
         """Check and take over columns; time in another unit is converted to s.
 
         Raises:
-            TableError: no time, time that does not grow, lengths that differ, or a value that is no number.
+            TableError: no time, time that does not grow, lengths that differ, or a value that is not finite.
         """
         arrays = {name: np.atleast_1d(np.asarray(values, dtype=float)) for name, values in columns.items()}
         if TIME not in arrays:
@@ -120,19 +120,12 @@ class Result:
         """
         return cls.from_columns(*read_columns(path))
 
-    def figure(self, names: str | Sequence[str] | None = None) -> Any:
-        """A matplotlib Figure of columns over time, one panel for each unit.
-
-        Raises:
-            TableError: a name that is no column.
-        """
+    def figure(self) -> Any:
+        """A matplotlib Figure of the columns over time, one panel for each unit."""
         from matplotlib.figure import Figure
 
-        wanted = (names,) if isinstance(names, str) else names
-        chosen = [name for name in (wanted or self.names) if name != TIME]
         panels: dict[str, list[str]] = {}
-        for name in chosen:
-            self[name]
+        for name in self.names[1:]:
             panels.setdefault(self.units.get(name, ""), []).append(name)
         figure = Figure(figsize=(9, 1 + 2.2 * max(1, len(panels))), layout="constrained")
         axes = figure.subplots(max(1, len(panels)), 1, sharex=True, squeeze=False)[:, 0]
@@ -183,7 +176,7 @@ def read_columns(path: Path | str) -> tuple[dict[str, list[float]], dict[str, st
         Columns by name, and their units by name, as written.
 
     Raises:
-        TableError: the file is missing, empty, names a column twice or not, or has a cell that is no number.
+        TableError: the file is missing, empty, names a column twice or not, or a cell is not a number.
     """
     rows = _rows(path)
     if len(rows) < 2:

@@ -160,6 +160,12 @@ def simulate(
     return Result.from_columns({TIME: times, **columns, **recorded}, units)
 
 
+def whole_steps(duration: float, step: float) -> int:
+    """How many steps a duration is, both in s; 0 where it is no whole number of them (to a millionth)."""
+    number = duration / step
+    return max(round(number), 0) if math.isfinite(number) and abs(number - round(number)) <= 1e-6 else 0
+
+
 def communication_points(stop_time: float, step: float) -> NDArray[np.float64]:
     """Times 0, step, 2 step, ... and stop_time, s (a last sliver below 1e-9 of a step is dropped)."""
     count = math.ceil(stop_time / step - 1e-9)

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import contextlib
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from types import TracebackType
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -15,7 +13,8 @@ from ..common.errors import must_be
 from .descriptions import read_description
 from .fmu import Fmu, FmuError
 from .results import TIME, Result
-from .wires import SAME_STEP, Wire, WiringError, check_wiring
+from .simulate import whole_steps
+from .wires import Wire, WiringError, check_wiring
 
 JACOBI = "Jacobi"
 GAUSS_SEIDEL = "Gauss-Seidel"
@@ -137,16 +136,14 @@ class WiredFmus:
             WiringError: there is no such FMU, or stop_time is no whole number of steps away.
             FmuError: there is no such variable, or an FMU refuses a step.
         """
-        steps = (stop_time - self.time) / self.step
-        if not (
-            math.isfinite(steps) and round(steps) >= 1 and abs(steps - round(steps)) <= SAME_STEP * steps
-        ):
+        steps = whole_steps(stop_time - self.time, self.step)
+        if not steps:
             raise WiringError(
                 f"stop_time must be a whole number of steps of {self.step:g} s after {self.time:g} s, is"
                 f" {stop_time:g} s"
             )
         read = [(f"{name}.{output}", self._fmu(name), output) for name, output in outputs]
-        times = self.time + self.step * np.arange(round(steps) + 1)
+        times = self.time + self.step * np.arange(steps + 1)
         rows = np.empty((times.size, len(read)))
         for n in range(times.size):
             if n > 0:
@@ -166,7 +163,5 @@ class WiredFmus:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *raised: object) -> None:
         self.close()

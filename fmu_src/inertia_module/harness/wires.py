@@ -15,7 +15,7 @@ from ..kernel.codes import DRIVE_SPEED, DRIVE_TORQUE
 _IDLE = {DRIVE_SPEED: "drive_torque", DRIVE_TORQUE: "omega1"}
 _DRIVES: Mapping[Any, int] = {name: number for name, number, _ in ENUMERATIONS["Drive"]}
 # a step is a multiple of another within this share of it
-SAME_STEP = 1e-9
+_SAME_STEP = 1e-9
 
 
 class WiringError(Refused):
@@ -152,7 +152,7 @@ def _check_steps(descriptions: Mapping[str, Any], steps: Mapping[str, float], st
         ratio = step / own if own > 0.0 and math.isfinite(own) else math.nan
         if instance not in descriptions:
             problems.append(f"{instance} with a step of its own must be one of {', '.join(descriptions)}")
-        elif not (ratio >= 1.0 - SAME_STEP and abs(ratio - round(ratio)) <= SAME_STEP * ratio):
+        elif not (ratio >= 1.0 - _SAME_STEP and abs(ratio - round(ratio)) <= _SAME_STEP * ratio):
             problems.append(
                 f"the step of {instance} must be {step:g} s, at which values are exchanged, or a whole part"
                 f" of it, is {own:g} s"

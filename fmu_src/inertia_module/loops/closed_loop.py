@@ -10,7 +10,7 @@ import numpy as np
 
 from ..contract.variables import BY_NAME
 from ..harness.fmu import as_names
-from ..harness.simulate import Plant, Progress, Result
+from ..harness.simulate import Plant, Progress, Result, whole_steps
 
 PLANT_INPUTS = ("omega1", "load_torque", "drive_torque")
 _PROGRESS_CALLS = 200
@@ -128,8 +128,8 @@ class ClosedLoop:
         Raises:
             ValueError: it is not a whole number of them, or none.
         """
-        number = round(stop_time / self.step)
-        if number < 1 or abs(number * self.step - stop_time) > 1e-6 * self.step:
+        number = whole_steps(stop_time, self.step)
+        if not number:
             raise ValueError(
                 f"stop_time must be a whole number of communication steps of {self.step:g} s, and at least"
                 f" one, is {stop_time:g} s"

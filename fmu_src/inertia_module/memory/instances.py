@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 import os
 import struct
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, ClassVar, Self
 
 from ..common.errors import Refused, must_be
@@ -188,6 +188,10 @@ class ModelInstance:
             record = self.outputs
         value: float = getattr(record, name)
         return value
+
+    def read(self, names: Sequence[str]) -> tuple[float, ...]:
+        """Values of variables by name."""
+        return tuple([self[name] for name in names])
 
     @property
     def _magic(self) -> bytes:

@@ -12,6 +12,7 @@ from pydantic import Field, ValidationError, model_validator
 from .. import loops
 from ..common.errors import Refused
 from ..contract.variables import BY_NAME, LARGEST_STEP, LOCAL, OUTPUT, with_causality
+from ..harness.simulate import whole_steps
 from ..kernel.codes import ELASTIC
 from ..loops.cycles import Cycle
 from ..memory.instances import Module
@@ -51,8 +52,7 @@ class Run(Strict):
 
     @model_validator(mode="after")
     def _whole_steps(self) -> Run:
-        number = self.stop_time / self.communication_step
-        if round(number) < 1 or abs(number - round(number)) > 1e-6:
+        if not whole_steps(self.stop_time, self.communication_step):
             raise SceneError(
                 "run.stop_time must be a whole number of run.communication_step ="
                 f" {self.communication_step:g} s, is {self.stop_time:g} s"

@@ -48,7 +48,7 @@ def acceleration(case: Case, trajectory: Trajectory, modes: Array) -> Array:
     """Acceleration of the imbalance at the sampled states, m/s^2, shape (points + 1,).
 
     Args:
-        modes: contact modes of the reference, so that a switch a little early or late is told by
+        modes: contact modes of the reference, so that a switch a little early or late counts in
             event_time alone, and not by which sample it falls on.
     """
     if trajectory.acceleration is not None:

@@ -3,23 +3,26 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 
 from .trajectory import Array
 
-EX, EY, EZ = np.eye(3)
+EX, _, EZ = np.eye(3)
 
 # all parameters of the module by name
 Parameters = Mapping[str, Any]
 
 
 def turn(axis: int, angle: float | Array) -> Array:
-    """Matrices of turns about axis 0, 1 or 2 (x, y, z) by angles, rad: shape of the angles, then (3, 3)."""
+    """Matrices of turns about axis 0, 1 or 2 (x, y, z) by angles, rad: shape of the angles, then (3, 3).
+
+    As positions, it may be continued to complex angles.
+    """
     i, j = (axis + 1) % 3, (axis + 2) % 3
-    matrix = np.zeros((*np.shape(angle), 3, 3))
+    matrix = np.zeros((*np.shape(angle), 3, 3), dtype=np.result_type(angle, 1.0))
     matrix[..., axis, axis] = 1.0
     matrix[..., i, i] = matrix[..., j, j] = np.cos(angle)
     matrix[..., j, i] = np.sin(angle)
@@ -35,6 +38,12 @@ def ratio(p: Parameters) -> float:
 def satellite_ratio(p: Parameters) -> float:
     """s: turns of the satellite on the drive per turn of the drive."""
     return float(1.0 if p["layout"] else p["z17"] / p["z6"])
+
+
+def shaft_frequency(value: Callable[[str], float]) -> float:
+    """Frequency of the elastic shaft between its two inertias, rad/s, from the values of parameters."""
+    inertias = 1.0 / value("output_inertia") + 1.0 / value("driven_inertia")
+    return math.sqrt(value("shaft_stiffness") * inertias)
 
 
 def bevel_lengths(p: Parameters) -> tuple[float, float, float]:

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from ..harness.simulate import whole_steps
 from ..kernel.codes import AVERAGED, ELASTIC, EVENT, RIGID
 from ..memory.instances import Module
 from ..scene.mechanism import at_fidelity
@@ -33,8 +34,8 @@ class KernelRun:
     """
 
     def __init__(self, case: Case, settings: Mapping[str, float], communication_step: float) -> None:
-        number = round(case.stop_time / communication_step)
-        if number < 1 or abs(number * communication_step - case.stop_time) > 1e-9 * case.stop_time:
+        number = whole_steps(case.stop_time, communication_step)
+        if not number:
             raise ValueError(
                 f"the communication step must be a whole part of {case.stop_time:g} s,"
                 f" is {communication_step:g} s"

@@ -1,4 +1,4 @@
-"""The second reference: Lagrange's equations of the module, rigid or elastic, by SciPy from event to event.
+"""The independent reference: Lagrange's equations, rigid or elastic, by SciPy from event to event.
 
 Nothing of the kernel is used. Links 1 and 2 have the energy 1/2 w' M(q) w of w = (omega1, omega2), with
 q' = k (omega1 - omega2), I, B, G of geometry.py and M' = dM/dq; J3 and J4 turn behind the output freewheel:
@@ -21,11 +21,12 @@ import sys
 from collections.abc import Callable, Mapping
 
 import numpy as np
+from scipy.integrate import DOP853
+from scipy.optimize import brentq
 
 from ..contract.variables import default_parameters
 from ..kernel.codes import DRIVE_TORQUE, ELASTIC
-from .extras import library
-from .geometry import Inertia, ratio
+from .geometry import Inertia, ratio, shaft_frequency
 from .trajectory import Array, Unavailable
 
 TOLERANCE = 1e-13
@@ -53,7 +54,7 @@ class Lagrange:
         switches: times at which a freewheel opened or closed, s. evaluations: of the equations.
 
     Raises:
-        Unavailable: SciPy is not installed, or a freewheel turns backwards at the start.
+        Unavailable: a freewheel turns backwards at the start.
         ArithmeticError: the motion leaves the range of doubles, or takes more evaluations.
     """
 
@@ -66,7 +67,6 @@ class Lagrange:
         most: float = math.inf,
     ) -> None:
         self.p = p = {**default_parameters(), **parameters}
-        self._solver, self._root = library("scipy.integrate").DOP853, library("scipy.optimize").brentq
         self._inertia, self.k = Inertia(p), ratio(p)
         self._elastic, self._by_torque = p["fidelity"] == ELASTIC, p["drive"] == DRIVE_TORQUE
         names = ("input_inertia", "link2_inertia", "output_inertia", "driven_inertia")
@@ -80,7 +80,7 @@ class Lagrange:
         self.state = np.array([p["drive_angle_start"], 0.0, 0.0, *speeds], dtype=float)
         if any(self._speed(wheel, self.state) < 0.0 for wheel in self._freewheels):
             raise Unavailable("Lagrange's equations: a start with omega2 >= 0 and omega3 >= omega2 is needed")
-        # of those left out, that of the housing is open for ever, that of the output closed
+        # of those left out, that of the housing stays open, that of the output closed
         self._closed, self._slope = [False, not there[OUTPUT]], 0.0
         self.give(drive_torque, load_torque)
 
@@ -131,7 +131,7 @@ class Lagrange:
         forces -= self.k * (w[0] - w[1]) * push
         forces[:2] += 0.5 * self.k * (w @ push) * np.array([1.0, -1.0])
         alpha = self._moved(mass, forces, self._slope, self._closed)
-        # SciPy would look for a shorter step for ever
+        # SciPy would go on looking for a shorter step
         if not np.isfinite(alpha).all():
             raise ArithmeticError("the motion leaves the range of doubles")
         if self.evaluations > self._most:
@@ -146,7 +146,7 @@ class Lagrange:
     def _guard(self, wheel: int) -> Callable[[Array], float]:
         """What ends the contact mode by falling through zero: torque or speed of a freewheel."""
         if self._closed[wheel]:
-            # raised by next to nothing, as the speed: what is zero at first or throughout does not fall
+            # raised by the smallest double: what is zero at first or throughout does not fall
             return lambda y: self._motion(y)[1][wheel] + sys.float_info.min
         return lambda y: self._speed(wheel, y) + ROUNDING * (1.0 + abs(float(y[OMEGA1])))
 
@@ -159,7 +159,7 @@ class Lagrange:
             self._let_go()
 
     def _switch(self, wheel: int) -> None:
-        """Open or close a freewheel, with the equality that this stands for exactly."""
+        """Open or close a freewheel, with the equality of speeds that this means exactly."""
         self._closed[wheel] = not self._closed[wheel]
         if self._closed[HOUSING]:
             self.state[OMEGA2] = 0.0
@@ -203,28 +203,26 @@ class Lagrange:
             self.state[OMEGA1:] = self._moved(mass, momenta, omega1, self._closed)
         self.give(self.torque, self.load)
 
-    def _frequency(self) -> float:
-        """Of the elastic shaft, rad/s, 0 without one."""
-        p = self.p
-        inverse = 1.0 / p["output_inertia"] + 1.0 / p["driven_inertia"]
-        return math.sqrt(p["shaft_stiffness"] * inverse) if self._elastic else 0.0
-
     def advance(self, time: float) -> None:
         """Go on to a time, s.
 
         Raises:
             ArithmeticError: the integrator gives up, or the motion leaves the range of doubles.
         """
+        shaft = shaft_frequency(self.p.__getitem__) if self._elastic else 0.0
         while self.time < time:
             speed = 1.0 + abs(self.state[OMEGA1]) + abs(self.state[OMEGA2])
-            solver = self._solver(
+            longest = PHASE / (max(self._inertia.highest, 1.0) * self.k * speed + shaft)
+            solver = DOP853(
                 self._rates,
                 self.time,
                 self.state,
                 time,
                 rtol=TOLERANCE,
                 atol=TOLERANCE * speed,
-                max_step=PHASE / (max(self._inertia.highest, 1.0) * self.k * speed + self._frequency()),
+                max_step=longest,
+                # the error estimate changes its sign: a step far too long, SciPy's first, may pass by chance
+                first_step=min(0.1 * longest, time - self.time),
             )
             events: list[tuple[float, int]] = []
             while solver.status == "running" and not events:
@@ -247,6 +245,6 @@ class Lagrange:
             guard = self._guard(wheel)
             positive = np.array([guard(y) for y in states]) > 0.0
             for n in np.flatnonzero(positive[:-1] & ~positive[1:])[:1]:
-                root = self._root(lambda t, guard=guard: guard(path(t)), times[n], times[n + 1], xtol=1e-16)
+                root = brentq(lambda t, guard=guard: guard(path(t)), times[n], times[n + 1], xtol=1e-16)
                 found.append((float(root), wheel))
         return found

@@ -12,12 +12,7 @@ from .kernel_runs import KernelRun
 from .levels import Level, all_levels
 from .reference import Reference
 from .rows import PEER, Attempt, Row, attempt_all, head_of
-from .trajectory import Case, Peer, Trajectory
-
-
-def communication_steps(case: Case) -> tuple[float, ...]:
-    """The whole run, a hundredth and a thousandth of it, s."""
-    return case.stop_time, case.stop_time / 100.0, case.stop_time / 1000.0
+from .trajectory import Peer, Trajectory
 
 
 def measure(
@@ -31,7 +26,8 @@ def measure(
 
     Args:
         reference: of the case. levels: by default all. peers: beside them.
-        steps: communication steps, s. progress: told how much is done (0 to 1).
+        steps: communication steps, s; by default the whole run, a hundredth and a thousandth of it.
+        progress: told how much is done (0 to 1).
     """
     case = reference.case
 
@@ -51,10 +47,9 @@ def measure(
         return KernelRun(case, level.values, step).trajectory(hints=reference.trajectory.switches)[0]
 
     chosen = list(all_levels(is_elastic(case.parameters))) if levels is None else levels
+    lengths = [case.stop_time / number for number in (1, 100, 1000)] if steps is None else steps
     attempts: list[Attempt] = [
-        (head_of(level, step), compared(run_level, level, step))
-        for step in (communication_steps(case) if steps is None else steps)
-        for level in chosen
+        (head_of(level, step), compared(run_level, level, step)) for step in lengths for level in chosen
     ]
     attempts += [
         (Row(PEER, peer.name, label, case.stop_time), compared(peer.integrate, case, setting))

@@ -9,15 +9,15 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from ..common.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from .rows import PEER, Row
 from .trajectory import Array
 
-# colours that the colour-blind tell apart: Okabe and Ito (2008), Color Universal Design
-_COLOURS = ("#D55E00", "#0072B2", "#009E73", "#E69F00", "#56B4E9", "#CC79A7", "#222222", "#8A8A8A")
+_COLOURS = (VERMILION, BLUE, GREEN, ORANGE, SKY, PURPLE, BLACK, GREY)
 _MARKERS = "osD^vPX*<>hp"
 _DPI = 110
 _COLUMNS = 4
-# a slope is told of at least so many points
+# a slope is fitted to at least so many points
 _FITTED = 3
 
 Curve = list[Row]
@@ -108,7 +108,7 @@ def _slopes(curve: Curve, error: str) -> str:
 
 
 def work_precision(rows: Sequence[Row], error: str, title: str) -> Figure:
-    """One error against wall time and against right-hand sides; the legend tells both slopes.
+    """One error against wall time and against right-hand sides; the legend gives both slopes.
 
     Args:
         rows: measured. error: name in Row.errors. title: of the figure.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ..contract.variables import LOCAL, OUTPUT, with_causality
@@ -24,18 +23,14 @@ class RecordedModule(Module):
         given: (omega1, load_torque, drive_torque) of each step.
     """
 
-    def __init__(self, kernel: str = "auto") -> None:
-        super().__init__(kernel)
+    def __init__(self) -> None:
+        super().__init__()
         self.given: list[tuple[float, float, float]] = []
 
     def advance(self, step_size: float) -> None:
         """Advance by a communication step, s."""
         self.given.append((self.inputs.omega1, self.inputs.load_torque, self.inputs.drive_torque))
         super().advance(step_size)
-
-    def read(self, names: Sequence[str]) -> tuple[float, ...]:
-        """Values by name."""
-        return tuple([self[name] for name in names])
 
 
 @dataclass(frozen=True)

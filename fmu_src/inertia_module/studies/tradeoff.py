@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ..harness.results import write_figure
-from ..harness.simulate import Progress
+from ..harness.simulate import Progress, whole_steps
 from ..scene import Scene
 from .choice import Choice
 from .errors import MEASURES
@@ -113,7 +113,7 @@ def scene_study(scene: Scene, progress: Progress | None = None) -> Study:
     """
     duration = scene.run.stop_time
     longer = (factor * scene.run.communication_step for factor in _LONGER)
-    steps = [step for step in longer if abs(duration / step - round(duration / step)) < 1e-6]
+    steps = [step for step in longer if whole_steps(duration, step)]
     levels = list(all_levels(has_elastic_output(scene), kinematic=False))
     return _of_scene(scene, measure_scene(scene, levels, steps, progress))
 
@@ -127,7 +127,7 @@ def check_wanted(names: Sequence[str]) -> None:
     """Refuse errors that are not measured of an open-loop case.
 
     Raises:
-        ValueError: a name is none of MEASURES.
+        ValueError: a name is not in MEASURES.
     """
     for name in names:
         if name not in MEASURES:

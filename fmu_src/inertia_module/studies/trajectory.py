@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-import statistics
-import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -96,19 +94,3 @@ class Peer:
     name: str
     settings: Mapping[str, Any]
     integrate: Callable[[Case, Any], Trajectory]
-
-
-def median_time(run: Callable[[], Any], repeats: int = 11, patience: float = 0.5) -> float:
-    """Median wall time of some calls, s.
-
-    Args:
-        run: what is timed. repeats: at most so many calls; fewer (at least one) of what is slow.
-        patience: no further call once so much time has passed, s.
-    """
-    times: list[float] = []
-    begun = time.perf_counter()
-    while len(times) < repeats and (not times or time.perf_counter() - begun < patience):
-        begin = time.perf_counter()
-        run()
-        times.append(time.perf_counter() - begin)
-    return statistics.median(times)

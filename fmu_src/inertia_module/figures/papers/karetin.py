@@ -14,6 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
+from ...common.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION
 from ...papers.forms import Forms
 from ...papers.karetin import Motion, conclusions, exact
 from ...papers.karetin.as_printed import printed
@@ -21,7 +22,7 @@ from ...papers.karetin.cases import DYNAMIC, PAPER, STOP, period
 from ...papers.karetin.exact import modulus
 from . import style
 from .karetin_cones import layout
-from .style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SMALL, VERMILION, Columns, Drawings, dress, sheet
+from .style import SMALL, Columns, Drawings, dress, sheet
 
 POINTS = 1441
 OFFSET = 0.5

@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...common.colours import BLACK, BLUE, GREY, ORANGE, SKY, VERMILION
 from ...papers.karetin import Geometry, exact, stop_mode
-from .style import BLACK, BLUE, BROKEN, CENTRED, GREY, ORANGE, SKY, SMALL, VERMILION
+from .style import BROKEN, CENTRED, SMALL
 
 Array = NDArray[np.float64]
 

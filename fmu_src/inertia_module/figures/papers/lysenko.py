@@ -7,12 +7,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
+from ...common.colours import BLACK, BLUE, GREEN, GREY, ORANGE, VERMILION
 from ...papers.lysenko.as_printed import printed
 from ...papers.lysenko.exact import exact
 from ...papers.lysenko.mechanism import EXAMPLE as M
 from ...papers.lysenko.mechanism import EXAMPLE_SPEED as W
 from . import style
-from .style import BLACK, BLUE, CENTRED, GREEN, GREY, ORANGE, VERMILION, Columns, Drawings, dress, sheet
+from .style import CENTRED, Columns, Drawings, dress, sheet
 
 POINTS = 721
 # where the mechanism is drawn, rad

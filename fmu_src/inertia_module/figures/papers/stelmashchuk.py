@@ -8,25 +8,26 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from ...common.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from ...papers.stelmashchuk.criteria import Criteria
 from ...papers.stelmashchuk.exact import response
 from ...papers.stelmashchuk.law import PHASES, law_of_motion, phase_starts
 from . import style
 from .style import Columns, Drawings, dress, sheet
 
-# the dwell of the paper's figures is not told
+# the paper does not give the dwell of its figures
 KAPPA2 = 1.0
 END = 3.5
 KAPPA = np.linspace(0.0, END, 1401)
 
-STIFFNESSES = ((4.4, style.VERMILION), (8.0, style.BLUE), (100.0, style.GREEN))
+STIFFNESSES = ((4.4, VERMILION), (8.0, BLUE), (100.0, GREEN))
 DAMPINGS = (
-    (0.0, style.GREEN),
-    (0.5, style.BLUE),
-    (1.0, style.SKY),
-    (2.0, style.ORANGE),
-    (3.0, style.PURPLE),
-    (5.0, style.VERMILION),
+    (0.0, GREEN),
+    (0.5, BLUE),
+    (1.0, SKY),
+    (2.0, ORANGE),
+    (3.0, PURPLE),
+    (5.0, VERMILION),
 )
 
 
@@ -36,8 +37,8 @@ def _phases(axes: Axes) -> None:
     for number, name in enumerate(PHASES):
         start, end = starts[number : number + 2]
         if number % 2:
-            axes.axvspan(start, end, color=style.GREY, alpha=0.10, linewidth=0)
-        look: dict[str, Any] = {"ha": "center", "va": "top", "fontsize": 10, "color": style.GREY}
+            axes.axvspan(start, end, color=GREY, alpha=0.10, linewidth=0)
+        look: dict[str, Any] = {"ha": "center", "va": "top", "fontsize": 10, "color": GREY}
         axes.text(0.5 * (start + end), 0.98, name, transform=axes.get_xaxis_transform(), **look)
 
 
@@ -50,7 +51,7 @@ def _accelerations(curves: list[tuple[Criteria, str, str]], title: str) -> tuple
         axes.plot(
             KAPPA,
             sine,
-            color=style.BLACK,
+            color=BLACK,
             linewidth=1.0,
             linestyle=style.BROKEN,
             label="sine $S_κ$",

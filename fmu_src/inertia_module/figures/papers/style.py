@@ -9,13 +9,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from ...common.colours import BLACK, BLUE, VERMILION
+
 # the numbers of a figure by column, each of shape (n,)
 Columns = dict[str, NDArray[Any]]
 Drawings = dict[str, Callable[[], tuple[Figure, Columns]]]
 
-# colours that the colour-blind tell apart: Okabe and Ito (2008), Color Universal Design
-BLACK, ORANGE, SKY, GREEN = "#222222", "#E69F00", "#56B4E9", "#009E73"
-BLUE, VERMILION, PURPLE, GREY = "#0072B2", "#D55E00", "#CC79A7", "#8A8A8A"
 BROKEN = (0, (4, 2))
 SMALL: dict[str, Any] = {"fontsize": 9, "frameon": False}
 CENTRED: dict[str, Any] = {"fontsize": 11, "ha": "center", "va": "center"}

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from .trial import Trial
 
-# from blue (good) to red, which the colour-blind tell apart by lightness: ColorBrewer's RdYlBu turned round
+# from blue (good) to red, which the colour-blind tell apart by lightness: ColorBrewer's RdYlBu reversed
 _COLOURS = ListedColormap(["#313695", "#4575b4", "#abd9e9", "#ffffbf", "#fdae61", "#d73027"], name="errors")
 _BOUNDS = (1e-4, 1e-3, 3e-3, 1e-2, 3e-2, 1e-1, 1.0)
 _UNSTABLE = "#222222"

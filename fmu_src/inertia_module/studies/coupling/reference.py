@@ -7,14 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ...cosimulation import torque_driven
-from ..canonical import Canonical
-from ..fourier_inertia import REAL
+from ..lagrange import OMEGA1, OMEGA_OUT, THETA1, Lagrange
 from ..trajectory import Array
-from ..trajectory import Case as OpenCase
-from .case import STOP_TIME, WINDOW, WINDOWS, CoupledCase
-
-# that the highest harmonic turns in a step, rad: a sample's new torque may close a contact for a moment
-_STEP_ANGLE = 0.5
+from .case import WINDOW, WINDOWS, CoupledCase
 
 
 class Course(NamedTuple):
@@ -30,22 +25,21 @@ class Course(NamedTuple):
 
 
 def one_piece(case: CoupledCase) -> Course:
-    """The case from its start by the second reference, its torque being that of the governor."""
+    """The case from its start by Lagrange's equations, its torque being that of the governor."""
     engine = case.engine()
     governor = engine.governor
-    parameters = torque_driven(case.parameters, engine.inertia)
-    motion = Canonical(OpenCase(parameters, case.speed, case.load_torque, STOP_TIME))
+    motion = Lagrange(torque_driven(case.parameters, engine.inertia), case.speed, case.load_torque)
     samples = round(WINDOW / governor.sample_time)
     integral = work = 0.0
     omega1, omega_out = [], []
     for window in range(WINDOWS):
-        began = motion.state.theta1
+        began = motion.state[THETA1]
         for n in range(samples):
-            angle, speed = motion.state.theta1, float(motion.state.omega1)
+            angle, speed = motion.state[THETA1], motion.state[OMEGA1]
             torque, integral = governor.sample(integral, case.speed, speed, engine.limits.limits(speed))
-            motion.push(torque)
-            motion.advance(REAL(window * samples + n + 1) * governor.sample_time, _STEP_ANGLE)
-            work += torque * float(motion.state.theta1 - angle)
-        omega1.append(float(motion.state.theta1 - began) / WINDOW)
-        omega_out.append(float(motion.state.omega3))
+            motion.give(torque, case.load_torque)
+            motion.advance((window * samples + n + 1) * governor.sample_time)
+            work += torque * (motion.state[THETA1] - angle)
+        omega1.append((motion.state[THETA1] - began) / WINDOW)
+        omega_out.append(motion.state[OMEGA_OUT])
     return Course(np.array(omega1), np.array(omega_out), work)

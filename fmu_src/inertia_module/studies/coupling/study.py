@@ -13,7 +13,6 @@ from .case import CASES
 from .figure import map_figure
 from .reference import one_piece
 from .trial import COUPLINGS, Trial, trial
-from .urban import SCENE, UrbanRun, urban_runs
 
 MAP, URBAN = PARTS = ("map", "urban")
 RATIOS = (0.1, 0.3, 0.5, 1.0, 2.0, 5.0)
@@ -39,18 +38,6 @@ def coupling_map(fmu_path: Path, quick: bool, progress: Progress | None = None) 
     return rows
 
 
-def measure(
-    part: str, fmu_path: Path, scene: Path = SCENE, quick: bool = False, progress: Progress | None = None
-) -> Sequence[Trial | UrbanRun]:
-    """Rows of a part.
-
-    Args:
-        part: of PARTS. fmu_path: of the module. scene: of the urban cycle. quick: a corner of the map.
-        progress: told how much is done (0 to 1).
-    """
-    return urban_runs(fmu_path, scene, progress) if part == URBAN else coupling_map(fmu_path, quick, progress)
-
-
 def chosen_parts(only: str | None, quick: bool) -> tuple[str, ...]:
     """Names of the parts to run; quick: not the long one.
 
@@ -71,7 +58,7 @@ def write_part(folder: Path, name: str, rows: Sequence[Any]) -> dict[str, str]:
         Paths by what they are.
     """
     names = [field.name for field in dataclasses.fields(rows[0])]
-    # six digits: more would tell of the machine
+    # six digits: further ones depend on the machine
     cells = ([f"{v:.6g}" if isinstance(v, float) else v for v in dataclasses.astuple(row)] for row in rows)
     written = {name: str(write_rows(folder / f"coupling_{name}.csv", names, cells))}
     if name == MAP:

@@ -15,7 +15,8 @@ import numpy as np
 
 from ..extras import library
 from ..geometry import ratio, satellite_ratio
-from ..trajectory import Case, Trajectory, median_time
+from ..timing import median_time
+from ..trajectory import Case, Trajectory
 from .equations import data_of
 from .multibody import mechanism
 

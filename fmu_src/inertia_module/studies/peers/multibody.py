@@ -13,7 +13,7 @@ import numpy as np
 from ..geometry import EX, EZ, Parameters, bevel_lengths, turn
 from ..trajectory import Array
 
-NEXT_TO_NOTHING = 1e-13  # the engine wants every moving body to have mass and inertia
+NEGLIGIBLE = 1e-13  # kg, kg m^2: the engine wants every moving body to have mass and inertia
 
 
 def _numbers(values: Iterable[float]) -> str:
@@ -29,13 +29,13 @@ def _inertial(mass: float, *inertia: float) -> str:
 
 
 def _imbalance(p: Parameters, name: str, place: Iterable[float]) -> str:
-    inertial = _inertial(p["imbalance_mass"], *[NEXT_TO_NOTHING] * 3)
+    inertial = _inertial(p["imbalance_mass"], *[NEGLIGIBLE] * 3)
     return f'<body name="{name}" pos="{_numbers(place)}">{inertial}</body>'
 
 
 def _bevel_module(p: Parameters, module: int) -> str:
     """Drive about the z axis of link 1, satellites on it. Half of J16 across its axis is J1's."""
-    own = max(p["drive_inertia"] / p["modules"], NEXT_TO_NOTHING)
+    own = max(p["drive_inertia"] / p["modules"], NEGLIGIBLE)
     ad, qa, oq = bevel_lengths(p)
     satellites = ""
     for n in range(int(p["satellites"])):
@@ -43,18 +43,18 @@ def _bevel_module(p: Parameters, module: int) -> str:
         satellites += (
             f"<body {_frame(oq * EZ, turned)}>"
             f'<joint name="satellite {module} {n}" type="hinge" axis="0 0 1"/>'
-            f"{_inertial(NEXT_TO_NOTHING, *[NEXT_TO_NOTHING] * 3)}"
+            f"{_inertial(NEGLIGIBLE, *[NEGLIGIBLE] * 3)}"
             f"{_imbalance(p, f'imbalance {module} {n}', (-ad, 0.0, -qa))}</body>"
         )
     return (
         f'<joint name="drive {module}" type="hinge" axis="0 0 1"/>'
-        f"{_inertial(NEXT_TO_NOTHING, 0.5 * own, 0.5 * own, own)}{satellites}"
+        f"{_inertial(NEGLIGIBLE, 0.5 * own, 0.5 * own, own)}{satellites}"
     )
 
 
 def _planar_module(p: Parameters, module: int) -> str:
     """Satellites on link 1, their axes parallel to the central one."""
-    own = max(p["drive_inertia"] / p["modules"] / p["satellites"], NEXT_TO_NOTHING)
+    own = max(p["drive_inertia"] / p["modules"] / p["satellites"], NEGLIGIBLE)
     centre = (p["sun_radius"] + p["satellite_radius"]) * EZ
     satellites = ""
     for n in range(int(p["satellites"])):
@@ -62,16 +62,16 @@ def _planar_module(p: Parameters, module: int) -> str:
         satellites += (
             f"<body {_frame(turned @ centre, turned)}>"
             f'<joint name="drive {module} {n}" type="hinge" axis="1 0 0"/>'
-            f"{_inertial(NEXT_TO_NOTHING, own, own, own)}"
+            f"{_inertial(NEGLIGIBLE, own, own, own)}"
             f"{_imbalance(p, f'imbalance {module} {n}', (0.0, 0.0, -p['eccentricity']))}</body>"
         )
-    return f"{_inertial(NEXT_TO_NOTHING, *[NEXT_TO_NOTHING] * 3)}{satellites}"
+    return f"{_inertial(NEGLIGIBLE, *[NEGLIGIBLE] * 3)}{satellites}"
 
 
 def _shaft(name: str, inertia: float, children: str = "") -> str:
     return (
         f'<body><joint name="{name}" type="hinge" axis="{_numbers(EX)}"/>'
-        f"{_inertial(NEXT_TO_NOTHING, *[inertia] * 3)}{children}</body>"
+        f"{_inertial(NEGLIGIBLE, *[inertia] * 3)}{children}</body>"
     )
 
 

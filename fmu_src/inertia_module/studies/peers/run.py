@@ -11,7 +11,8 @@ import numpy as np
 from ...kernel import codes
 from ...kernel.contact import TORQUE_ROUNDING, select_mode
 from ...kernel.links import angular_momentum, kinetic_energy
-from ..trajectory import Array, Case, Trajectory, median_time
+from ..timing import median_time
+from ..trajectory import Array, Case, Trajectory
 from .equations import CLUTCHES, LINK2, OUTPUT, data_of, start_of
 
 # events a run may have: bounds a run that goes nowhere

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from scipy.integrate import odeint, solve_ivp
 
-from ..extras import library
 from ..trajectory import Array, Case, Trajectory
 from .equations import LINK2, OUTPUT, equations, in_array, largest_step
 from .run import Integrator, Segment, measure
@@ -29,11 +29,11 @@ def _falling(which: int) -> Any:
 
 
 def _solve_ivp(method: str, tolerance: float, **options: Any) -> Integrator:
-    solve, rates = library("scipy.integrate").solve_ivp, equations().new_rates
+    rates = equations().new_rates
 
     def integrate(data: Any, time: float, state: Array, times: Array) -> Segment:
         sampled = len(times) > 1
-        found = solve(
+        found = solve_ivp(
             rates,
             (time, times[-1]),
             state,
@@ -58,11 +58,11 @@ def _solve_ivp(method: str, tolerance: float, **options: Any) -> Integrator:
 
 def _odeint(tolerance: float) -> Integrator:
     """LSODA with its loop in compiled code, which knows no events."""
-    solve, rates = library("scipy.integrate").odeint, equations().new_rates
+    rates = equations().new_rates
     options = {"rtol": tolerance, "atol": tolerance, "mxstep": STEPS_ALLOWED}
 
     def integrate(data: Any, time: float, state: Array, times: Array) -> Segment:
-        states, found = solve(
+        states, found = odeint(
             rates, state, [time, *times], (in_array(data),), tfirst=True, full_output=True, **options
         )
         if found["message"] != "Integration successful.":

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from ...kernel.codes import ELASTIC, TIMESTEPPING
-from .case import Case, shaft_frequency
+from ..geometry import shaft_frequency
+from .case import Case
 
 # relative rounding that adds up over a run
 ROUNDING = 1e-12

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 from ...contract.variables import BY_NAME
@@ -85,9 +83,3 @@ class Case:
         if self.level.fidelity == AVERAGED:
             least = max(least, AVERAGED_ACCURACY)
         return max(self.parameter("tolerance"), least)
-
-
-def shaft_frequency(value: Callable[[str], float]) -> float:
-    """Frequency of the elastic shaft between its two inertias, rad/s, from the values of parameters."""
-    inertias = 1.0 / value("output_inertia") + 1.0 / value("driven_inertia")
-    return math.sqrt(value("shaft_stiffness") * inertias)

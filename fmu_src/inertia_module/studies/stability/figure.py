@@ -8,13 +8,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
+from ...common.colours import BLUE, GREEN, ORANGE, VERMILION
 from .case import LEVELS
 from .mechanisms import MECHANISMS
 from .table import Row
 from .verdict import OUTCOMES
 
-# colours that the colour-blind tell apart: Okabe and Ito (2008), Color Universal Design
-COLOURS = dict(zip(OUTCOMES, ("#009E73", "#0072B2", "#E69F00", "#BBBBBB", "#D55E00"), strict=True))
+COLOURS = dict(zip(OUTCOMES, (GREEN, BLUE, ORANGE, "#BBBBBB", VERMILION), strict=True))
 COLUMNS = tuple((mechanism.layout, level.name) for mechanism in MECHANISMS for level in LEVELS)
 ROW_HEIGHT = 0.17
 # sheets side by side, so that the picture is no ribbon

@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 from ...common.terminal import terminal
-from ...memory.instances import Module
+from ...harness.simulate import Progress
 from .axes import AXES, cases
 from .case import LEVELS, Case
 from .table import Row, reasons
 from .trial import try_case
 from .verdict import OUTCOMES, Verdict, judge
-
-
-class UnknownAxis(ValueError):
-    """An axis that is not on the map: the message names those that are."""
 
 
 def chosen_cases(only: str | None = None, quick: bool = False) -> list[Case]:
@@ -25,26 +21,18 @@ def chosen_cases(only: str | None = None, quick: bool = False) -> list[Case]:
         only: name of an axis. quick: leave out those that take long.
 
     Raises:
-        UnknownAxis: there is none of this name.
+        ValueError: there is none of this name.
     """
     if only is not None and only not in AXES:
-        raise UnknownAxis(f"axis must be one of {', '.join(AXES)}, is {only}")
+        raise ValueError(f"axis must be one of {', '.join(AXES)}, is {only}")
     return [case for axis in ([only] if only else AXES) for case in cases(axis, quick)]
 
 
-def run_study(
-    chosen: Sequence[Case],
-    report: Callable[[float], None] = lambda done: None,
-    make: Callable[[], Module] = Module,
-) -> list[Verdict]:
-    """Verdicts on these cases, in their order.
-
-    Args:
-        report: called with the share that is done. make: makes a module not started yet.
-    """
+def run_study(chosen: Sequence[Case], report: Progress = lambda done: None) -> list[Verdict]:
+    """Verdicts on these cases, in their order; report is told how much is done (0 to 1)."""
     verdicts = []
     for number, case in enumerate(chosen, 1):
-        verdicts.append(judge(try_case(case, make)))
+        verdicts.append(judge(try_case(case)))
         report(number / len(chosen))
     return verdicts
 

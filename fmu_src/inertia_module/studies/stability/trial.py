@@ -11,7 +11,8 @@ from ...common.errors import Refused
 from ...contract.variables import LARGEST_STEP
 from ...kernel.codes import ELASTIC, EVENT, KINEMATIC, RIGID, TIMESTEPPING
 from ...memory.instances import Module
-from .case import Case, Segment, shaft_frequency
+from ..geometry import shaft_frequency
+from .case import Case, Segment
 from .mechanisms import imbalance_inertia
 
 # the run the others are measured against: tighter by this, down to what doubles allow

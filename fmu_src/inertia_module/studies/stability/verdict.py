@@ -29,7 +29,7 @@ class Figure:
 
     @property
     def holds(self) -> bool:
-        """Whether it is within its bound (a value that is no number is not)."""
+        """Whether it is within its bound (NaN is not)."""
         return self.value <= self.bound
 
 
@@ -91,7 +91,7 @@ def judge(trial: Trial) -> Verdict:
     """The verdict on a trial.
 
     Where runs differ and a change of the problem by the tolerance alone moves the end by more than
-    LARGEST_ERROR, no method can tell which is right: sensitive. An exception, a number that is none, a
+    LARGEST_ERROR, no method can say which is right: sensitive. An exception, a value that is not finite, a
     refusal in short steps of what long ones did, or a refused step that leaves the module changed or
     unusable is broken: a bug.
     """
