@@ -128,7 +128,7 @@ WORKSPACE = (
     *("begin_i", "begin_i1", "begin_b", "begin_g", "end_i", "end_i1", "end_b", "end_g", "slip_angle"),
     # ... and where look_ahead looked, which a part of the step does not come to
     *("far_i", "far_i1", "far_b", "far_g", "far_angle"),
-    *("end1", "end2", "new_slip_angle", "angle1", "impulse1", "work1", "taken", "reached"),
+    *("end1", "end2", "new_slip_angle", "foreseen", "angle1", "impulse1", "work1", "taken", "reached"),
     # ... load of the hub and what follows from it, mean and end speed of the hub, its push; the driven mass
     *("hub_load", "hub_gain", "relative_load", "relative_gain", "stiff", "mean3", "end3", "pushed"),
     *("mean_relative", "seen3", "omega4", "held", "joined"),

@@ -55,6 +55,7 @@ def move_links(d, x, w, carried, load, gain, given, h):
     sigma = 2.0 * half + push * force * end_y
     if answer != 0.0:
         sigma += push * force * by_torque * answer * w.slip_angle / (h * per_root)
+    w.foreseen = h * sigma / weight * per_root
     # the energy allows weight sigma no more than reach to either side of the centre
     centre = half + by_torque * force * change * answer
     square = centre * centre + 2.0 * weight * force * change * end_y
@@ -102,3 +103,4 @@ def turn_link1(d, x, w, given, h):
         w.impulse1 = 0.5 * (end_inertia * w.end1 - inertia * x.omega1 + 0.5 * (inertia + end_inertia) * given)
         w.work1 = 0.5 * (end_inertia * w.end1 * w.end1 - inertia * x.omega1 * x.omega1)
     w.new_slip_angle = w.angle1
+    w.foreseen = w.angle1

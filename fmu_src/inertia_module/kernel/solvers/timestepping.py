@@ -255,7 +255,7 @@ def one_step(d, x, w, given, load, h):
     end2, end3, output, mode = follow_contacts(d, x, w, given, h)
     share = share_until_closed(d, x, w, mode)
     if share == 1.0:
-        look_ahead(d, x, w, w.new_slip_angle)
+        look_ahead(d, x, w, w.foreseen)
         end_at(w, 1.0)
         end2, end3, output, mode = follow(d, x, w, w.held != 0.0, w.joined != 0.0, given, h)
     elif close_within(d, x, w, given, load, h, share, mode == HELD):
