@@ -50,20 +50,27 @@ def end_at(w, part):
     w.slip_angle = part * w.far_angle
 
 
-def load_hub(d, x, w, load, h):
+def load_hub(d, x, w, held, joined, h):
     """Find the impulse on the hub, of the load or the shaft: hub_load + hub_gain u at its mean speed u.
 
     The mean relative speed behind it is relative_load + relative_gain u. Where the step does not resolve the
-    shaft its torque is that of the twist at the end, and the relative speed is taken out there (w.stiff).
+    shaft its torque is that of the twist at the end. A light hub that turns freely then ends at its mean
+    speed (w.late), but where not even link 2 with the hub is heavy enough it meets the driven mass (w.stiff).
     """
-    w.hub_load = load * h
+    w.hub_load = w.load * h
     w.hub_gain = 0.0
     w.stiff = 0.0
+    w.late = 0.5
     if d.elastic == 0.0:
         return
     damping = d.damping + 0.5 * d.stiffness * h
-    if (d.damping + d.stiffness * h) * h * (1.0 / d.J3 + 1.0 / d.J4) > RESOLVED:
+    pull = (d.damping + d.stiffness * h) * h
+    together = d.J3 + inertia_of_link2(d, w.begin_i, w.begin_b, w.begin_g)
+    if pull * (1.0 / together + 1.0 / d.J4) > RESOLVED:
         w.stiff = 1.0
+    elif not joined and pull * (1.0 / d.J3 + 1.0 / d.J4) > RESOLVED:
+        w.late = 1.0
+    if w.stiff != 0.0 or w.late == 1.0:
         damping += 0.5 * d.stiffness * h
     free = 2.0 * d.J4 * (1.0 - d.balancer)
     share = 1.0 / (2.0 * d.J4 + h * (d.friction + damping))
@@ -90,6 +97,7 @@ def follow(d, x, w, held, joined, given, h):
     Returns:
         As settle, impacts at the end of the step included.
     """
+    load_hub(d, x, w, held, joined, h)
     if held:
         turn_link1(d, x, w, given, h)
     elif joined:
@@ -102,8 +110,8 @@ def follow(d, x, w, held, joined, given, h):
         w.mean3 = 0.0 if held else (w.angle1 - w.new_slip_angle) / h
         w.pushed = w.hub_load if held else d.J3 * (w.end3 - x.omega3) + w.taken
     else:
-        w.end3 = x.omega3 - (w.hub_load + w.hub_gain * x.omega3) / (d.J3 + 0.5 * w.hub_gain)
-        w.mean3 = 0.5 * (x.omega3 + w.end3)
+        w.end3 = x.omega3 - (w.hub_load + w.hub_gain * x.omega3) / (d.J3 + w.late * w.hub_gain)
+        w.mean3 = x.omega3 + w.late * (w.end3 - x.omega3)
     inertia3 = d.J3
     if d.elastic != 0.0:
         drive_mass(d, x, w, h)
@@ -125,21 +133,20 @@ def follow(d, x, w, held, joined, given, h):
 def follow_contacts(d, x, w, given, h):
     """The same; what touches at the beginning stays together where nothing pulls it apart."""
     always = d.output == 0.0
-    touches = always or x.omega3 == x.omega2
-    joined = always or (touches and x.step_mode == DRIVING)
+    joined = always or x.omega3 == x.omega2
     end2, end3, output, mode = follow(d, x, w, False, joined, given, h)
-    if joined and not always and (mode != DRIVING or w.pushed <= 0.0):
+    if joined and not always and w.pushed <= 0.0:
         joined = False
         end2, end3, output, mode = follow(d, x, w, False, joined, given, h)
     held = d.housing != 0.0 and x.omega2 == 0.0 and (mode == HELD or mode == HELD_DRIVING)
-    driving = touches and (always or mode == DRIVING or mode == HELD_DRIVING)
-    if held or driving != joined:
-        end2, end3, output, mode = follow(d, x, w, held, driving, given, h)
+    if held:
+        joined = always or (x.omega3 == 0.0 and mode == HELD_DRIVING)
+        end2, end3, output, mode = follow(d, x, w, held, joined, given, h)
         if w.pushed < 0.0 and not always:
-            driving = False
-            end2, end3, output, mode = follow(d, x, w, held, driving, given, h)
+            joined = False
+            end2, end3, output, mode = follow(d, x, w, held, joined, given, h)
     w.held = 1.0 if held else 0.0
-    w.joined = 1.0 if driving else 0.0
+    w.joined = 1.0 if joined else 0.0
     return end2, end3, output, mode
 
 
@@ -191,7 +198,6 @@ def close_within(d, x, w, given, load, h, share, held):
         if not (0.0 < part < 1.0 and SHORTEST < share < 1.0):
             return False
         end_at(w, part)
-        load_hub(d, x, w, load, share * h)
         end2, end3, output, mode = follow(d, x, w, False, False, share * given, share * h)
         gap = x.omega2 if held else x.omega3 - x.omega2
         left = w.end2 if held else w.end3 - w.end2
@@ -207,7 +213,6 @@ def close_within(d, x, w, given, load, h, share, held):
     end_at(w, 1.0)
     w.slip_angle = (1.0 - part) * angle
     rest = 1.0 - share
-    load_hub(d, x, w, load, rest * h)
     end2, end3, output, mode = follow_contacts(d, x, w, rest * given, rest * h)
     if w.reached == 0.0:
         copy(x.numbers, w.part.numbers)
@@ -248,10 +253,10 @@ def one_step(d, x, w, given, load, h):
     Args:
         given: change of omega1, rad/s, or impulse of the input torque, N m s. load: N m.
     """
+    w.load = load
     w.begin_i, w.begin_i1, w.begin_b, w.begin_g = w.end_i, w.end_i1, w.end_b, w.end_g
     look_ahead(d, x, w, h * (x.omega1 - x.omega2))
     end_at(w, 1.0)
-    load_hub(d, x, w, load, h)
     end2, end3, output, mode = follow_contacts(d, x, w, given, h)
     share = share_until_closed(d, x, w, mode)
     if share == 1.0:
@@ -263,7 +268,6 @@ def one_step(d, x, w, given, load, h):
         return
     if share < 1.0 or (w.pushed < 0.0 and d.output != 0.0):
         end_at(w, 1.0)
-        load_hub(d, x, w, load, h)
         end2, end3, output, mode = follow_contacts(d, x, w, given, h)
     if w.reached == 0.0:
         # the drive stays where it is: there the energy always suffices
