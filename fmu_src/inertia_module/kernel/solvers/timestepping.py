@@ -35,18 +35,17 @@ def look_ahead(d, x, w, slip_angle):
     x.step_evaluations += 1.0
 
 
-def begin_here(d, x, w):
-    """Take I, I', B, G for the first step to begin with."""
-    look_ahead(d, x, w, 0.0)
-    w.end_i, w.end_i1, w.end_b, w.end_g = w.far_i, w.far_i1, w.far_b, w.far_g
+def begin_here(d, x):
+    """Take I, I', B, G where the drive is at the start; each step then leaves those at its end."""
+    x.i, x.i1, _, x.b, _, x.g, _, _ = reduced_inertia(d, x.q)
 
 
-def end_at(w, part):
+def end_at(x, w, part):
     """End this part of the way ahead, with the inertia between; 1 is where look_ahead looked."""
-    w.end_i = w.begin_i + part * (w.far_i - w.begin_i)
-    w.end_i1 = w.begin_i1 + part * (w.far_i1 - w.begin_i1)
-    w.end_b = w.begin_b + part * (w.far_b - w.begin_b)
-    w.end_g = w.begin_g + part * (w.far_g - w.begin_g)
+    w.end_i = x.i + part * (w.far_i - x.i)
+    w.end_i1 = x.i1 + part * (w.far_i1 - x.i1)
+    w.end_b = x.b + part * (w.far_b - x.b)
+    w.end_g = x.g + part * (w.far_g - x.g)
     w.slip_angle = part * w.far_angle
 
 
@@ -65,7 +64,7 @@ def load_hub(d, x, w, held, joined, h):
         return
     damping = d.damping + 0.5 * d.stiffness * h
     pull = (d.damping + d.stiffness * h) * h
-    together = d.J3 + inertia_of_link2(d, w.begin_i, w.begin_b, w.begin_g)
+    together = d.J3 + inertia_of_link2(d, x.i, x.b, x.g)
     if pull * (1.0 / together + 1.0 / d.J4) > RESOLVED:
         w.stiff = 1.0
     elif not joined and pull * (1.0 / d.J3 + 1.0 / d.J4) > RESOLVED:
@@ -197,7 +196,7 @@ def close_within(d, x, w, given, load, h, share, held):
     for n in range(3):
         if not (0.0 < part < 1.0 and SHORTEST < share < 1.0):
             return False
-        end_at(w, part)
+        end_at(x, w, part)
         end2, end3, output, mode = follow(d, x, w, False, False, share * given, share * h)
         gap = x.omega2 if held else x.omega3 - x.omega2
         left = w.end2 if held else w.end3 - w.end2
@@ -206,17 +205,14 @@ def close_within(d, x, w, given, load, h, share, held):
             part = LATER * gap / (gap - left) * w.new_slip_angle / angle
     if w.reached == 0.0:
         return False
-    begin_i, begin_i1, begin_b, begin_g = w.begin_i, w.begin_i1, w.begin_b, w.begin_g
     copy(w.part.numbers, x.numbers)
     finish(d, x, w, end2, end3, output, mode, load, share * h)
-    w.begin_i, w.begin_i1, w.begin_b, w.begin_g = w.end_i, w.end_i1, w.end_b, w.end_g
-    end_at(w, 1.0)
+    end_at(x, w, 1.0)
     w.slip_angle = (1.0 - part) * angle
     rest = 1.0 - share
     end2, end3, output, mode = follow_contacts(d, x, w, rest * given, rest * h)
     if w.reached == 0.0:
         copy(x.numbers, w.part.numbers)
-        w.begin_i, w.begin_i1, w.begin_b, w.begin_g = begin_i, begin_i1, begin_b, begin_g
         return False
     finish(d, x, w, end2, end3, output, mode, load, rest * h)
     return True
@@ -238,6 +234,7 @@ def finish(d, x, w, end2, end3, output, mode, load, h):
     x.output_impulse += output
     x.output_square += output * output / h
     x.torque_peak = max(x.torque_peak, abs(output) / h)
+    x.i, x.i1, x.b, x.g = w.end_i, w.end_i1, w.end_b, w.end_g
     x.omega1 = w.end1
     x.omega1_low = 0.0
     x.omega2 = end2
@@ -248,30 +245,29 @@ def finish(d, x, w, end2, end3, output, mode, load, h):
 
 
 def one_step(d, x, w, given, load, h):
-    """One fixed step from where begin_here or the step before has left w.
+    """One fixed step.
 
     Args:
         given: change of omega1, rad/s, or impulse of the input torque, N m s. load: N m.
     """
     w.load = load
-    w.begin_i, w.begin_i1, w.begin_b, w.begin_g = w.end_i, w.end_i1, w.end_b, w.end_g
     look_ahead(d, x, w, h * (x.omega1 - x.omega2))
-    end_at(w, 1.0)
+    end_at(x, w, 1.0)
     end2, end3, output, mode = follow_contacts(d, x, w, given, h)
     share = share_until_closed(d, x, w, mode)
     if share == 1.0:
         look_ahead(d, x, w, w.foreseen)
-        end_at(w, 1.0)
+        end_at(x, w, 1.0)
         end2, end3, output, mode = follow(d, x, w, w.held != 0.0, w.joined != 0.0, given, h)
     elif close_within(d, x, w, given, load, h, share, mode == HELD):
         advance_drive(d, x, w.far_angle)
         return
     if share < 1.0 or (w.pushed < 0.0 and d.output != 0.0):
-        end_at(w, 1.0)
+        end_at(x, w, 1.0)
         end2, end3, output, mode = follow_contacts(d, x, w, given, h)
     if w.reached == 0.0:
         # the drive stays where it is: there the energy always suffices
-        end_at(w, 0.0)
+        end_at(x, w, 0.0)
         end2, end3, output, mode = follow_contacts(d, x, w, given, h)
     finish(d, x, w, end2, end3, output, mode, load, h)
     advance_drive(d, x, w.slip_angle)
