@@ -60,18 +60,15 @@ def move_links(d, x, w, carried, load, gain, given, h):
     twice = 2.0 * root * slip
     rise = (2.0 * pull - surplus * twice + push) / weight
     w.foreseen = h * (twice + rise) * per_root
-    w.reached = 1.0
-    # what the potential gives is for the way foreseen; on a longer one it must not be more than that
-    beyond = twice + rise - w.slip_angle / (h * per_root)
-    if push * beyond > 0.0:
-        centre = 0.5 * twice + pull
-        allowed = weight * push * w.slip_angle / (h * per_root)
-        w.reached = 1.0 if centre * centre + allowed >= 0.0 else 0.0
-        reach = math.copysign(
-            math.sqrt(max(0.0, centre * centre + allowed)), weight * (twice + rise) - centre
-        )
+    # the energy must not be more than the potential gives: it is where that is for a shorter way than comes out
+    centre = 0.5 * twice + pull
+    way = w.slip_angle / (h * per_root)
+    square = centre * centre + weight * push * way
+    w.reached = 1.0 if square >= 0.0 else 0.0
+    if square >= 0.0 and push * (twice + rise - way) > 0.0:
+        reach = math.copysign(math.sqrt(square), weight * (twice + rise) - centre)
         # reach - centre, without its cancellation
-        push = allowed / (reach + centre) if reach * centre > 0.0 else reach - centre
+        push = weight * push * way / (reach + centre) if reach * centre > 0.0 else reach - centre
         rise = (2.0 * pull - surplus * twice + push) / weight
     turned = (twice + rise) * per_root
     # rho by its change: else omega2 would take over the rounding of omega1
