@@ -26,7 +26,9 @@ def move_links(d, x, w, carried, load, gain, given, h):
     end_total, end_coupling, end_inertia = slip_inertia(d, w.end_i, w.end_b, w.end_g, carried)
     root = math.sqrt(inertia)
     end_root = math.sqrt(end_inertia)
-    per_root = 1.0 / (root + end_root)
+    roots = root + end_root
+    per_root = 1.0 / roots
+    per_end = 1.0 / end_root
     mean_coupling = 0.5 * (coupling + end_coupling)
     by_torque = d.by_torque
     # y = omega1, or the angular momentum P: it changes by what is given (P by the load, too)
@@ -43,36 +45,36 @@ def move_links(d, x, w, carried, load, gain, given, h):
         speed = 0.5 * (x.omega1 - coupling * slip) + (y + given) * end_rate
         force = (x.omega1 - coupling * slip) * end_rate
         change = end_inertia - inertia
+    slope = 0.5 * d.k * (x.i1 + w.end_i1)
+    if abs(d.k * w.slip_angle) > SMALLEST_DIFFERENCE:
+        slope = (w.end_i - x.i) / w.slip_angle
+    force *= slope
     # sigma = sum of s = sqrt(mu) rho at both ends; the impulse of the load is load - answer sigma
     give = 1.0 / (1.0 + gain * end_rate)
     load = (load + gain * speed) * give
     answer = gain * give * share * per_root
     surplus = 2.0 * answer * share * per_root
     weight = 1.0 + surplus
+    per_weight = 1.0 / weight
     end_y = y + given - by_torque * load
-    slope = 0.5 * d.k * (x.i1 + w.end_i1)
-    if abs(d.k * w.slip_angle) > SMALLEST_DIFFERENCE:
-        slope = (w.end_i - x.i) / w.slip_angle
-    push = 2.0 * h * slope * per_root * force * end_y
-    pull = (
-        given * mean_coupling + share * load
-    ) * per_root + by_torque * force * slope * w.slip_angle * answer
+    push = 2.0 * h * per_root * force * end_y
+    pull = (given * mean_coupling + share * load) * per_root + by_torque * force * w.slip_angle * answer
     twice = 2.0 * root * slip
-    rise = (2.0 * pull - surplus * twice + push) / weight
+    rise = (2.0 * pull - surplus * twice + push) * per_weight
     w.foreseen = h * (twice + rise) * per_root
-    # the energy must not be more than the potential gives: it is where that is for a shorter way than comes out
+    # the energy at the end allows weight sigma no more than reach to either side of the centre
     centre = 0.5 * twice + pull
-    way = w.slip_angle / (h * per_root)
+    way = w.slip_angle * roots / h
     square = centre * centre + weight * push * way
     w.reached = 1.0 if square >= 0.0 else 0.0
     if square >= 0.0 and push * (twice + rise - way) > 0.0:
         reach = math.copysign(math.sqrt(square), weight * (twice + rise) - centre)
         # reach - centre, without its cancellation
         push = weight * push * way / (reach + centre) if reach * centre > 0.0 else reach - centre
-        rise = (2.0 * pull - surplus * twice + push) / weight
+        rise = (2.0 * pull - surplus * twice + push) * per_weight
     turned = (twice + rise) * per_root
     # rho by its change: else omega2 would take over the rounding of omega1
-    change_slip = (rise - change * per_root * slip) / end_root
+    change_slip = (rise - change * per_root * slip) * per_end
     end_slip = slip + change_slip
     w.new_slip_angle = h * turned
     w.taken = load - answer * (twice + rise)

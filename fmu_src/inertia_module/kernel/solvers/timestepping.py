@@ -251,17 +251,19 @@ def one_step(d, x, w, given, load, h):
         given: change of omega1, rad/s, or impulse of the input torque, N m s. load: N m.
     """
     w.load = load
-    look_ahead(d, x, w, h * (x.omega1 - x.omega2))
+    slip = x.omega1 - x.omega2
+    look_ahead(d, x, w, h * (slip if d.by_torque != 0.0 else slip + 0.5 * given))
     end_at(x, w, 1.0)
     end2, end3, output, mode = follow_contacts(d, x, w, given, h)
     share = share_until_closed(d, x, w, mode)
-    if share == 1.0:
+    if share < 1.0:
+        if close_within(d, x, w, given, load, h, share, mode == HELD):
+            advance_drive(d, x, w.far_angle)
+            return
+    elif w.foreseen != w.far_angle:
         look_ahead(d, x, w, w.foreseen)
         end_at(x, w, 1.0)
         end2, end3, output, mode = follow(d, x, w, w.held != 0.0, w.joined != 0.0, given, h)
-    elif close_within(d, x, w, given, load, h, share, mode == HELD):
-        advance_drive(d, x, w.far_angle)
-        return
     if share < 1.0 or (w.pushed < 0.0 and d.output != 0.0):
         end_at(x, w, 1.0)
         end2, end3, output, mode = follow_contacts(d, x, w, given, h)
