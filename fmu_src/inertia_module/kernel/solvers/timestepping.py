@@ -62,15 +62,15 @@ def load_hub(d, x, w, held, joined, h):
     w.late = 0.5
     if d.elastic == 0.0:
         return
-    damping = d.damping + 0.5 * d.stiffness * h
-    pull = (d.damping + d.stiffness * h) * h
+    damping = d.damping + d.stiffness * h
+    pull = damping * h
     together = d.J3 + inertia_of_link2(d, x.i, x.b, x.g)
-    if pull * (1.0 / together + 1.0 / d.J4) > RESOLVED:
+    if pull * (together + d.J4) > RESOLVED * together * d.J4:
         w.stiff = 1.0
-    elif not joined and pull * (1.0 / d.J3 + 1.0 / d.J4) > RESOLVED:
+    elif not joined and pull * (d.J3 + d.J4) > RESOLVED * d.J3 * d.J4:
         w.late = 1.0
-    if w.stiff != 0.0 or w.late == 1.0:
-        damping += 0.5 * d.stiffness * h
+    else:
+        damping -= 0.5 * d.stiffness * h
     free = 2.0 * d.J4 * (1.0 - d.balancer)
     share = 1.0 / (2.0 * d.J4 + h * (d.friction + damping))
     spring = h * d.stiffness * x.twist
