@@ -133,7 +133,7 @@ WORKSPACE = (
     *("end1", "end2", "new_slip_angle", "foreseen", "angle1", "impulse1", "work1", "taken", "reached"),
     # ... load of the hub and what follows from it, mean and end speed of the hub, its push; the driven mass
     *("hub_load", "hub_gain", "relative_load", "relative_gain", "stiff", "late", "mean3", "end3", "pushed"),
-    *("mean_relative", "seen3", "omega4", "held", "joined"),
+    *("mean_relative", "seen3", "omega4"),
     # internal step of the averaged motion: both speeds at its end, its error, integrals of omega3, T omega3,
     # omega2 and, under its torque, omega1
     *("next", "next_speed", "error", "turned3", "work", "turned2", "turned1"),

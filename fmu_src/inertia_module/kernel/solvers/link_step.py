@@ -7,8 +7,8 @@ import math
 
 from ..links import inertia_of_link1, slip_inertia
 
-# below this change of q, rad, the derivative of I is more exact than its difference
-SMALLEST_DIFFERENCE = 1e-5
+# below this change of q, rad, the difference of I is rounding, and its derivative gives it as exactly
+SMALLEST_DIFFERENCE = 1e-8
 
 
 def move_links(d, x, w, carried, load, gain, given, h):
@@ -26,8 +26,7 @@ def move_links(d, x, w, carried, load, gain, given, h):
     end_total, end_coupling, end_inertia = slip_inertia(d, w.end_i, w.end_b, w.end_g, carried)
     root = math.sqrt(inertia)
     end_root = math.sqrt(end_inertia)
-    roots = root + end_root
-    per_root = 1.0 / roots
+    per_root = 1.0 / (root + end_root)
     per_end = 1.0 / end_root
     mean_coupling = 0.5 * (coupling + end_coupling)
     by_torque = d.by_torque
@@ -64,7 +63,7 @@ def move_links(d, x, w, carried, load, gain, given, h):
     w.foreseen = h * (twice + rise) * per_root
     # the energy at the end allows weight sigma no more than reach to either side of the centre
     centre = 0.5 * twice + pull
-    way = w.slip_angle * roots / h
+    way = w.slip_angle / (h * per_root)
     square = centre * centre + weight * push * way
     w.reached = 1.0 if square >= 0.0 else 0.0
     if square >= 0.0 and push * (twice + rise - way) > 0.0:
@@ -112,5 +111,4 @@ def turn_link1(d, x, w, given, h):
         w.angle1 = h * (x.omega1 + 0.5 * given)
         w.impulse1 = 0.5 * (end_inertia * w.end1 - inertia * x.omega1 + 0.5 * (inertia + end_inertia) * given)
         w.work1 = 0.5 * (end_inertia * w.end1 * w.end1 - inertia * x.omega1 * x.omega1)
-    w.new_slip_angle = w.angle1
-    w.foreseen = w.angle1
+    w.new_slip_angle = w.foreseen = w.angle1

@@ -29,10 +29,11 @@ def steps_in(d, h):
 
 
 def look_ahead(d, x, w, slip_angle):
-    """Take I, I', B, G where the step ends if link 1 turns by this angle relative to link 2."""
+    """End the step where link 1 has turned by this angle relative to link 2: I, I', B, G there."""
     w.far_angle = slip_angle
     w.far_i, w.far_i1, _, w.far_b, _, w.far_g, _, _ = reduced_inertia(d, x.q + d.k * slip_angle)
     x.step_evaluations += 1.0
+    end_at(x, w, 1.0)
 
 
 def begin_here(d, x):
@@ -135,21 +136,16 @@ def follow_contacts(d, x, w, given, h):
     joined = always or x.omega3 == x.omega2
     end2, end3, output, mode = follow(d, x, w, False, joined, given, h)
     if joined and not always and w.pushed <= 0.0:
-        joined = False
-        end2, end3, output, mode = follow(d, x, w, False, joined, given, h)
-    held = d.housing != 0.0 and x.omega2 == 0.0 and (mode == HELD or mode == HELD_DRIVING)
-    if held:
+        end2, end3, output, mode = follow(d, x, w, False, False, given, h)
+    if d.housing != 0.0 and x.omega2 == 0.0 and (mode == HELD or mode == HELD_DRIVING):
         joined = always or (x.omega3 == 0.0 and mode == HELD_DRIVING)
-        end2, end3, output, mode = follow(d, x, w, held, joined, given, h)
+        end2, end3, output, mode = follow(d, x, w, True, joined, given, h)
         if w.pushed < 0.0 and not always:
-            joined = False
-            end2, end3, output, mode = follow(d, x, w, held, joined, given, h)
-    w.held = 1.0 if held else 0.0
-    w.joined = 1.0 if joined else 0.0
+            end2, end3, output, mode = follow(d, x, w, True, False, given, h)
     return end2, end3, output, mode
 
 
-def turn_shaft(d, x, w, end3, load, h):
+def turn_shaft(d, x, w, end3, h):
     """The hub to its end speed, with twist, driven mass and works of the shaft behind it."""
     mean4 = w.mean3
     if d.elastic != 0.0:
@@ -167,9 +163,8 @@ def turn_shaft(d, x, w, end3, load, h):
             x.relative = 0.0
             x.relative_low = 0.0
         push_driven_mass(d, x, end3 - w.end3, w.stiff != 0.0)
-    x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, load * h * mean4)
+    x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, w.load * h * mean4)
     x.omega3 = end3
-    x.omega3_low = 0.0
 
 
 def share_until_closed(d, x, w, mode):
@@ -181,7 +176,7 @@ def share_until_closed(d, x, w, mode):
     return 1.0
 
 
-def close_within(d, x, w, given, load, h, share, held):
+def close_within(d, x, w, given, h, share, held):
     """Go the step in two, parted where a freewheel closes and holds link 2 or joins it with the hub.
 
     No part makes energy with any inertia between, so nothing is evaluated there. Returns whether it went.
@@ -206,7 +201,7 @@ def close_within(d, x, w, given, load, h, share, held):
     if w.reached == 0.0:
         return False
     copy(w.part.numbers, x.numbers)
-    finish(d, x, w, end2, end3, output, mode, load, share * h)
+    finish(d, x, w, end2, end3, output, mode, share * h)
     end_at(x, w, 1.0)
     w.slip_angle = (1.0 - part) * angle
     rest = 1.0 - share
@@ -214,11 +209,11 @@ def close_within(d, x, w, given, load, h, share, held):
     if w.reached == 0.0:
         copy(x.numbers, w.part.numbers)
         return False
-    finish(d, x, w, end2, end3, output, mode, load, rest * h)
+    finish(d, x, w, end2, end3, output, mode, rest * h)
     return True
 
 
-def finish(d, x, w, end2, end3, output, mode, load, h):
+def finish(d, x, w, end2, end3, output, mode, h):
     """Take over what the step, or a part of it, ends with."""
     # links 1 and 2 take the impact that brings link 2 to its end speed
     reaction = d.k * (w.end_b + d.k * w.end_g) * (end2 - w.end2)
@@ -229,16 +224,17 @@ def finish(d, x, w, end2, end3, output, mode, load, h):
     else:
         x.input_impulse += w.impulse1 - reaction
         w.work1 -= w.end1 * reaction
-    turn_shaft(d, x, w, end3, load, h)
+    turn_shaft(d, x, w, end3, h)
+    # on to just where the inertia at the end is that of: with another the energy would not be the same
+    x.q, x.q_low = add(x.q, x.q_low, d.k * w.slip_angle)
+    wrap_drive_angle(d, x)
     x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, w.work1)
     x.output_impulse += output
     x.output_square += output * output / h
     x.torque_peak = max(x.torque_peak, abs(output) / h)
     x.i, x.i1, x.b, x.g = w.end_i, w.end_i1, w.end_b, w.end_g
     x.omega1 = w.end1
-    x.omega1_low = 0.0
     x.omega2 = end2
-    x.omega2_low = 0.0
     if mode != x.step_mode:
         x.step_mode = mode
         x.step_switches += 1.0
@@ -253,29 +249,18 @@ def one_step(d, x, w, given, load, h):
     w.load = load
     slip = x.omega1 - x.omega2
     look_ahead(d, x, w, h * (slip if d.by_torque != 0.0 else slip + 0.5 * given))
-    end_at(x, w, 1.0)
     end2, end3, output, mode = follow_contacts(d, x, w, given, h)
     share = share_until_closed(d, x, w, mode)
     if share < 1.0:
-        if close_within(d, x, w, given, load, h, share, mode == HELD):
-            advance_drive(d, x, w.far_angle)
+        if close_within(d, x, w, given, h, share, mode == HELD):
             return
+        end_at(x, w, 1.0)
+        end2, end3, output, mode = follow_contacts(d, x, w, given, h)
     elif w.foreseen != w.far_angle:
         look_ahead(d, x, w, w.foreseen)
-        end_at(x, w, 1.0)
-        end2, end3, output, mode = follow(d, x, w, w.held != 0.0, w.joined != 0.0, given, h)
-    if share < 1.0 or (w.pushed < 0.0 and d.output != 0.0):
-        end_at(x, w, 1.0)
         end2, end3, output, mode = follow_contacts(d, x, w, given, h)
     if w.reached == 0.0:
         # the drive stays where it is: there the energy always suffices
         end_at(x, w, 0.0)
         end2, end3, output, mode = follow_contacts(d, x, w, given, h)
-    finish(d, x, w, end2, end3, output, mode, load, h)
-    advance_drive(d, x, w.slip_angle)
-
-
-def advance_drive(d, x, slip_angle):
-    """On to just where the inertia at the end is that of: with another the energy would not be the same."""
-    x.q, x.q_low = add(x.q, x.q_low, d.k * slip_angle)
-    wrap_drive_angle(d, x)
+    finish(d, x, w, end2, end3, output, mode, h)
