@@ -131,10 +131,11 @@ audit.py: max(LEAST, {min|max}(TOLERANCES
 audit.py: p.fidelity {>=|>} RIGID and
 step.py: MORE_CARE = 1e-{3|0}
 step.py: d.tolerance = {tolerance|d.tolerance}\n    return status
-solvers/link_step.py: centre * centre {+|-} 2.0 * weight
+solvers/link_step.py: centre * centre {+|-} weight * push
+solvers/link_step.py: (rise {-|+} change * per_root * slip)
 solvers/link_step.py: speed - w.taken * end_rate {+|-} mean_coupling * turned
-solvers/link_step.py: given * (mean_coupling * turned {-|+} 0.5 * (before + after))
-solvers/timestepping.py: damping = d.damping + {0.5|0.25} * d.stiffness
+solvers/link_step.py: missing = mean_coupling * turned {-|+} 0.5
+solvers/timestepping.py: damping -= {0.5|0.75} * d.stiffness
 solvers/timestepping.py: reaction = d.k * (w.end_b {+|-} d.k * w.end_g)
 solvers/timestepping.py: w.end3 {+|-}= d.J4 * (mass3 - w.end3)
 solvers/timestepping.py: lost {-|+}= d.balancer * d.J4 * (w.seen3

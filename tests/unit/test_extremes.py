@@ -32,7 +32,6 @@ EVENT, FIXED, ANY = ".*event", ".*timestepping", ".*"
 ERRORS = ("error", "error, short steps")
 DISTANCES = ("long against short steps", *ERRORS)
 ENERGIES = ("energy residual", "energy residual, short steps")
-COARSE = DISTANCES + ENERGIES
 CUSP = "the inertia behind link 2 vanishes"
 NO_MEAN = "without both freewheels"
 
@@ -52,26 +51,18 @@ LIMITS = [
     # averaged: more happens in a step than a mean can tell
     Limit("inertia ratio", "J2 1e.09", "bevel", "averaged", DISTANCES),
     Limit("reversal", "ramp through zero in 1e-06 s", ANY, "averaged", DISTANCES),
-    # timestepping is of first order: motions that multiply errors, steps too long for motion or shaft.
-    # What it does not resolve it loses: a light link takes up or leaves all of its motion in a step
-    Limit("grazing", ANY, "planar", FIXED, COARSE),
-    Limit("inertia ratio", "J3 (1e-09|1e-06|0.001|1)", ANY, FIXED, COARSE),
-    Limit("mass", "1e-(12|09|06) kg, load in proportion", ANY, FIXED, COARSE),
-    Limit("satellites", "8", "planar", FIXED, COARSE),
-    Limit("freewheels", "no housing, (ordinary load|0 N.m)", "planar", FIXED, COARSE),
-    Limit("shaft", "c 0.001.*", "planar", FIXED, COARSE),
+    # timestepping: motions that multiply errors, steps too long for the motion or the shaft
     Limit("communication step", "1000 s", "bevel", FIXED, ERRORS),
     Limit("fixed step", "10?0? rad", ANY, FIXED, DISTANCES + ENERGIES),
     Limit(
         "input speed under load", "-?([02].*|1|1e-.*) rad/s", ANY, "elastic, timestepping", ERRORS + ENERGIES
     ),
     Limit("load", "-1e.09 N.m", "bevel", "elastic, timestepping", ERRORS),
-    Limit("mass", "(1000|1e.0[69]) kg.*", ANY, FIXED, COARSE),
-    Limit("reversal", "jumps .* to -100000 rad/s|ramp through zero in 100 s", ANY, FIXED, COARSE),
-    Limit("satellites", "(32|64).*", ANY, FIXED, COARSE),
-    Limit("shaft", "hub 1e-9 kg.m2", ANY, FIXED, COARSE),
-    Limit("teeth", "z17/z6 (200/1|999983/4999)|z2/z16 200/1", "bevel", FIXED, ERRORS),
-    Limit("teeth", "z2/z16 1/200|R0/r 0.005", ANY, "elastic, timestepping", DISTANCES + ENERGIES),
+    Limit("mass", "(1000|1e.0[69]) kg.*", ANY, FIXED, ERRORS),
+    Limit("reversal", "jumps .* to -100000 rad/s", ANY, FIXED, DISTANCES),
+    Limit("satellites", "64( in 1000 modules)?", ANY, FIXED, ERRORS),
+    Limit("teeth", "(z17/z6|z2/z16) 200/1", "bevel", FIXED, ERRORS),
+    Limit("teeth", "z2/z16 1/200|R0/r 0.005", ANY, "elastic, timestepping", DISTANCES),
     Limit("freewheels", "no housing, 1000 N.m", "bevel", FIXED, ERRORS),
 ]
 

@@ -73,15 +73,15 @@ def test_error_falls_at_first_order_or_better(compiled, scene, output):
 
 @pytest.mark.parametrize("omega1", [1e-3, 1.0, 100.0, 1e5])
 @pytest.mark.parametrize("count", [1, 7, 1000])
-def test_every_step_costs_the_same(kernel, scene, output, omega1, count):
+def test_no_step_takes_more_than_two_evaluations(kernel, scene, output, omega1, count):
     module = started(kernel, scene, output, method=1, max_step=1e-3, omega1=omega1)
     advanced(module, count * 1e-3)
-    assert module["rhs_evaluations"] == 1 + 2 * count
+    assert count <= module["rhs_evaluations"] <= 2 * count
 
 
 def test_without_max_step_a_communication_step_is_one_step(kernel, scene, output):
     module = advanced(started(kernel, scene, output, method=1), 0.1)
-    assert module["rhs_evaluations"] == 3
+    assert module["rhs_evaluations"] <= 2
 
 
 @given(

@@ -45,21 +45,24 @@ def select_mode(d, q, omega1, omega2, omega3, given, load, load_rate, rounding):
     output = d.output == 0.0 or omega3 == omega2
     if not output and not housing:
         return FREE
-    alpha1, _, _, free, trend, _, _ = motion(d, q, omega1, omega2, given, True, 0.0, 0.0, 0.0, 0.0)
-    # the same zeros as in the search for events: the load counts only where it takes part
-    zero_free = rounding * torque_scale(d, omega1, alpha1, d.k * (omega1 - omega2), given)
-    zero = zero_free + rounding * abs(load)
-    if not output:
-        return FREE if sign_or_trend(free, trend, zero_free) else HELD
-    if housing and (d.output == 0.0 or (load > 0.0 or (load == 0.0 and load_rate >= 0.0))):
-        return DRIVING if sign_or_trend(free - load, trend - load_rate, zero) else HELD_DRIVING
+    slip = d.k * (omega1 - omega2)
+    if housing:
+        alpha1, _, _, free, trend, _, _ = motion(d, q, omega1, omega2, given, True, 0.0, 0.0, 0.0, 0.0)
+        # the same zeros as in the search for events: the load counts only where it takes part
+        zero_free = rounding * torque_scale(d, omega1, alpha1, slip, given)
+        zero = zero_free + rounding * abs(load)
+        if not output:
+            return FREE if sign_or_trend(free, trend, zero_free) else HELD
+        if d.output == 0.0 or (load > 0.0 or (load == 0.0 and load_rate >= 0.0)):
+            return DRIVING if sign_or_trend(free - load, trend - load_rate, zero) else HELD_DRIVING
+        if not sign_or_trend(free, trend, zero_free):
+            return HELD  # the load itself pulls the shaft away
     if d.output == 0.0:
         return DRIVING
-    if housing and not sign_or_trend(free, trend, zero_free):
-        return HELD  # the load itself pulls the shaft away
-    _, alpha2, jerk2, _, _, _, _ = motion(d, q, omega1, omega2, given, False, d.J3, d.b3, load, load_rate)
+    alpha1, alpha2, jerk2, _, _, _, _ = motion(d, q, omega1, omega2, given, False, d.J3, d.b3, load, load_rate)
     torque, rate = torque_carried(d, load, load_rate, omega2, alpha2, jerk2)
-    return DRIVING if sign_or_trend(torque, rate, zero + rounding * d.b3 * abs(omega2)) else FREE
+    zero = rounding * (torque_scale(d, omega1, alpha1, slip, given) + abs(load) + d.b3 * abs(omega2))
+    return DRIVING if sign_or_trend(torque, rate, zero) else FREE
 
 
 def settle(d, inertia2, free2, inertia3, free3):

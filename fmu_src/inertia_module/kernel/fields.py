@@ -67,6 +67,8 @@ STATE = (
     *("input_impulse", "output_impulse", "output_square", "step_switches", "step_evaluations"),
     # elastic output: twist, and omega3 - omega4, which would cancel if omega4 were kept instead
     *("twist", "twist_low", "relative", "relative_low"),
+    # fixed steps: I, I', B, G at q
+    *("i", "i1", "b", "g"),
     # averaged: the knot of the map last used; the speed that its torques go with, if that is not omega1
     *("map_knot", "map_speed"),
     # by events: whether the contact mode goes on under the same torques, with what is given; whether what
@@ -139,14 +141,14 @@ WORKSPACE = (
         ("polynomial_3", COLLOCATED + 1),
         ("polynomial_torque", COLLOCATED + 1),
     ),
-    # fixed steps: I, I', B, G at both ends and the slip angle between; what links 1 and 2 come to there
-    *("begin_i", "begin_i1", "begin_b", "begin_g", "end_i", "end_i1", "end_b", "end_g", "slip_angle"),
+    # fixed steps: I, I', B, G at the end and the slip angle to there; what links 1 and 2 come to
+    *("end_i", "end_i1", "end_b", "end_g", "slip_angle"),
     # ... and where look_ahead looked, which a part of the step does not come to
     *("far_i", "far_i1", "far_b", "far_g", "far_angle"),
-    *("end1", "end2", "new_slip_angle", "angle1", "impulse1", "work1", "taken", "reached"),
+    *("end1", "end2", "new_slip_angle", "foreseen", "angle1", "impulse1", "work1", "taken", "reached"),
     # ... load of the hub and what follows from it, mean and end speed of the hub, its push; the driven mass
-    *("hub_load", "hub_gain", "relative_load", "relative_gain", "stiff", "mean3", "end3", "pushed"),
-    *("mean_relative", "seen3", "omega4", "held", "joined"),
+    *("hub_load", "hub_gain", "relative_load", "relative_gain", "stiff", "late", "mean3", "end3", "pushed"),
+    *("mean_relative", "seen3", "omega4"),
     # internal step of the averaged motion: both speeds at its end, its error, integrals of omega3, T omega3,
     # omega2 and, under its torque, omega1
     *("next", "next_speed", "error", "turned3", "work", "turned2", "turned1"),

@@ -232,7 +232,8 @@ def slip_inertia(d, i, b, g, carried):
     if d.by_torque == 0.0:
         return total, coupling, own + k * k * g
     determinant = own * inertia_of_link1(d, i, b, g) + k * k * (link1 * g - b * b)
-    return total, coupling / total, determinant / total
+    per_total = 1.0 / total
+    return total, coupling * per_total, determinant * per_total
 
 
 def kinetic_energy(d, q, omega1, omega2, omega3):

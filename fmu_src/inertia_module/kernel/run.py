@@ -12,7 +12,7 @@ from .links import accelerations, given_at_input
 from .shaft import load_behind_freewheel
 from .solvers.followed import is_stiff
 from .solvers.kinematic import advance_kinematic
-from .solvers.timestepping import begin_here, one_step, steps_in
+from .solvers.timestepping import one_step, steps_in
 
 
 def accelerations_now(d, x):
@@ -36,7 +36,6 @@ def run_timestepping(d, x, w, h):
     part = h / count
     number = 0.0
     start1 = x.omega1
-    begin_here(d, x, w)
     while number < count:
         number += 1.0
         if d.by_torque != 0.0:

@@ -18,6 +18,7 @@ from .codes import (
     NOT_FINITE,
     OK,
     STEP_ONLY,
+    TIMESTEPPING,
 )
 from .contact import TORQUE_ROUNDING, present_mode
 from .derive import derive
@@ -25,6 +26,7 @@ from .inputs import begin, check_inputs, check_rates, input_speed
 from .limits import LARGEST_STEP
 from .outputs import stored_energy, write_late_outputs, write_outputs
 from .run import accelerations_now, run_at_speed, run_by_torque
+from .solvers.timestepping import begin_here
 
 # share of the tolerance that a step is tried again with whose energies do not balance
 MORE_CARE = 1e-3
@@ -72,6 +74,8 @@ def start(p, d, u, x, y):
         else:
             x.mode = present_mode(d, x, TORQUE_ROUNDING)
             x.step_mode = x.mode
+            if p.method == TIMESTEPPING:
+                begin_here(d, x)
             if p.drive == DRIVE_TORQUE:
                 x.alpha1, _ = accelerations_now(d, x)
     x.energy_start = stored_energy(p, d, x)

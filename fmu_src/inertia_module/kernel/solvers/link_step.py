@@ -7,8 +7,8 @@ import math
 
 from ..links import inertia_of_link1, slip_inertia
 
-# below this change of q, rad, the derivative of I is more exact than its difference
-SMALLEST_DIFFERENCE = 1e-5
+# below this change of q, rad, the difference of I is rounding, and its derivative gives it as exactly
+SMALLEST_DIFFERENCE = 1e-8
 
 
 def move_links(d, x, w, carried, load, gain, given, h):
@@ -22,11 +22,12 @@ def move_links(d, x, w, carried, load, gain, given, h):
         given: change of omega1, rad/s, or impulse of the input torque, N m s.
     """
     slip = x.omega1 - x.omega2
-    total, coupling, inertia = slip_inertia(d, w.begin_i, w.begin_b, w.begin_g, carried)
+    total, coupling, inertia = slip_inertia(d, x.i, x.b, x.g, carried)
     end_total, end_coupling, end_inertia = slip_inertia(d, w.end_i, w.end_b, w.end_g, carried)
     root = math.sqrt(inertia)
     end_root = math.sqrt(end_inertia)
     per_root = 1.0 / (root + end_root)
+    per_end = 1.0 / end_root
     mean_coupling = 0.5 * (coupling + end_coupling)
     by_torque = d.by_torque
     # y = omega1, or the angular momentum P: it changes by what is given (P by the load, too)
@@ -35,38 +36,47 @@ def move_links(d, x, w, carried, load, gain, given, h):
     end_rate = 0.0
     speed = y + 0.5 * given
     force = 0.5 * y
+    change = d.k * d.k * (w.end_g - x.g)
     if by_torque != 0.0:
         y = total * (x.omega1 - coupling * slip)
         share -= mean_coupling
         end_rate = 0.5 / end_total
         speed = 0.5 * (x.omega1 - coupling * slip) + (y + given) * end_rate
         force = (x.omega1 - coupling * slip) * end_rate
-    # sigma = sum of sqrt(mu) rho at both ends; the impulse of the load is load - answer sigma
+        change = end_inertia - inertia
+    slope = 0.5 * d.k * (x.i1 + w.end_i1)
+    if abs(d.k * w.slip_angle) > SMALLEST_DIFFERENCE:
+        slope = (w.end_i - x.i) / w.slip_angle
+    force *= slope
+    # sigma = sum of s = sqrt(mu) rho at both ends; the impulse of the load is load - answer sigma
     give = 1.0 / (1.0 + gain * end_rate)
     load = (load + gain * speed) * give
     answer = gain * give * share * per_root
-    weight = 1.0 + 2.0 * answer * share * per_root
-    half = root * slip + (given * mean_coupling + share * load) * per_root
+    surplus = 2.0 * answer * share * per_root
+    weight = 1.0 + surplus
+    per_weight = 1.0 / weight
     end_y = y + given - by_torque * load
-    change = w.end_i - w.begin_i
-    push = d.k * h * (w.begin_i1 + w.end_i1) * per_root
-    if abs(d.k * w.slip_angle) > SMALLEST_DIFFERENCE:
-        push = 2.0 * h * change / w.slip_angle * per_root
-    sigma = 2.0 * half + push * force * end_y
-    if answer != 0.0:
-        sigma += push * force * by_torque * answer * w.slip_angle / (h * per_root)
-    # the energy allows weight sigma no more than reach to either side of the centre
-    centre = half + by_torque * force * change * answer
-    square = centre * centre + 2.0 * weight * force * change * end_y
+    push = 2.0 * h * per_root * force * end_y
+    pull = (given * mean_coupling + share * load) * per_root + by_torque * force * w.slip_angle * answer
+    twice = 2.0 * root * slip
+    rise = (2.0 * pull - surplus * twice + push) * per_weight
+    w.foreseen = h * (twice + rise) * per_root
+    # the energy at the end allows weight sigma no more than reach to either side of the centre
+    centre = 0.5 * twice + pull
+    way = w.slip_angle / (h * per_root)
+    square = centre * centre + weight * push * way
     w.reached = 1.0 if square >= 0.0 else 0.0
-    if square >= 0.0:
-        reach = math.sqrt(square)
-        sigma = centre + max(-reach, min(reach, sigma - centre))
-    sigma /= weight
-    end_slip = (sigma - root * slip) / end_root
-    turned = sigma * per_root
+    if square >= 0.0 and push * (twice + rise - way) > 0.0:
+        reach = math.copysign(math.sqrt(square), weight * (twice + rise) - centre)
+        # reach - centre, without its cancellation
+        push = weight * push * way / (reach + centre) if reach * centre > 0.0 else reach - centre
+        rise = (2.0 * pull - surplus * twice + push) * per_weight
+    turned = (twice + rise) * per_root
+    # rho by its change: else omega2 would take over the rounding of omega1
+    change_slip = (rise - change * per_root * slip) * per_end
+    end_slip = slip + change_slip
     w.new_slip_angle = h * turned
-    w.taken = load - answer * sigma
+    w.taken = load - answer * (twice + rise)
     if by_torque != 0.0:
         end_y = y + given - w.taken
         w.end1 = 2.0 * end_rate * end_y + end_coupling * end_slip
@@ -75,16 +85,16 @@ def move_links(d, x, w, carried, load, gain, given, h):
     else:
         w.end1 = end_y
         w.angle1 = h * speed
-        before = coupling * slip
-        after = end_coupling * end_slip
-        w.impulse1 = (end_total * end_y - after) - (total * y - before) + w.taken
-        w.work1 = speed * w.impulse1 + given * (mean_coupling * turned - 0.5 * (before + after))
-    w.end2 = w.end1 - end_slip
+        kept = mean_coupling * change_slip - d.k * (w.end_b - x.b) * (slip + 0.5 * change_slip)
+        w.impulse1 = 0.5 * (total + end_total) * given + (w.end_i - x.i) * speed - kept + w.taken
+        missing = mean_coupling * turned - 0.5 * (coupling * slip + end_coupling * end_slip)
+        w.work1 = speed * w.impulse1 + given * missing
+    w.end2 = x.omega2 + ((w.end1 - x.omega1) - change_slip)
 
 
 def turn_link1(d, x, w, given, h):
     """The same with link 2 held: link 1 turns the inertia Phi."""
-    inertia = inertia_of_link1(d, w.begin_i, w.begin_b, w.begin_g)
+    inertia = inertia_of_link1(d, x.i, x.b, x.g)
     end_inertia = inertia_of_link1(d, w.end_i, w.end_b, w.end_g)
     w.reached = 1.0
     w.end2 = 0.0
@@ -101,4 +111,4 @@ def turn_link1(d, x, w, given, h):
         w.angle1 = h * (x.omega1 + 0.5 * given)
         w.impulse1 = 0.5 * (end_inertia * w.end1 - inertia * x.omega1 + 0.5 * (inertia + end_inertia) * given)
         w.work1 = 0.5 * (end_inertia * w.end1 * w.end1 - inertia * x.omega1 * x.omega1)
-    w.new_slip_angle = w.angle1
+    w.new_slip_angle = w.foreseen = w.angle1

@@ -1,8 +1,8 @@
 """Method `timestepping`: fixed steps, complementarity of impulses and end velocities in each (Moreau).
 
-No event is searched for, so every step costs the same. No step makes energy, however coarse: links 1 and 2
-move by a discrete gradient, freewheels close by inelastic impacts, an elastic shaft moves by the midpoint
-rule (docs/mechanics.md).
+No event is searched for, so no step takes more than two evaluations. No step makes energy, however
+coarse: links 1 and 2 move by a discrete gradient, freewheels close by inelastic impacts, an elastic shaft
+moves by the midpoint rule (docs/mechanics.md).
 """
 
 import math
@@ -29,42 +29,49 @@ def steps_in(d, h):
 
 
 def look_ahead(d, x, w, slip_angle):
-    """Take I, I', B, G where the step ends if link 1 turns by this angle relative to link 2."""
+    """End the step where link 1 has turned by this angle relative to link 2: I, I', B, G there."""
     w.far_angle = slip_angle
     w.far_i, w.far_i1, _, w.far_b, _, w.far_g, _, _ = reduced_inertia(d, x.q + d.k * slip_angle)
     x.step_evaluations += 1.0
+    end_at(x, w, 1.0)
 
 
-def begin_here(d, x, w):
-    """Take I, I', B, G for the first step to begin with."""
-    look_ahead(d, x, w, 0.0)
-    w.end_i, w.end_i1, w.end_b, w.end_g = w.far_i, w.far_i1, w.far_b, w.far_g
+def begin_here(d, x):
+    """Take I, I', B, G where the drive is at the start; each step then leaves those at its end."""
+    x.i, x.i1, _, x.b, _, x.g, _, _ = reduced_inertia(d, x.q)
 
 
-def end_at(w, part):
+def end_at(x, w, part):
     """End this part of the way ahead, with the inertia between; 1 is where look_ahead looked."""
-    w.end_i = w.begin_i + part * (w.far_i - w.begin_i)
-    w.end_i1 = w.begin_i1 + part * (w.far_i1 - w.begin_i1)
-    w.end_b = w.begin_b + part * (w.far_b - w.begin_b)
-    w.end_g = w.begin_g + part * (w.far_g - w.begin_g)
+    w.end_i = x.i + part * (w.far_i - x.i)
+    w.end_i1 = x.i1 + part * (w.far_i1 - x.i1)
+    w.end_b = x.b + part * (w.far_b - x.b)
+    w.end_g = x.g + part * (w.far_g - x.g)
     w.slip_angle = part * w.far_angle
 
 
-def load_hub(d, x, w, load, h):
+def load_hub(d, x, w, held, joined, h):
     """Find the impulse on the hub, of the load or the shaft: hub_load + hub_gain u at its mean speed u.
 
     The mean relative speed behind it is relative_load + relative_gain u. Where the step does not resolve the
-    shaft its torque is that of the twist at the end, and the relative speed is taken out there (w.stiff).
+    shaft its torque is that of the twist at the end. A light hub that turns freely then ends at its mean
+    speed (w.late), but where not even link 2 with the hub is heavy enough it meets the driven mass (w.stiff).
     """
-    w.hub_load = load * h
+    w.hub_load = w.load * h
     w.hub_gain = 0.0
     w.stiff = 0.0
+    w.late = 0.5
     if d.elastic == 0.0:
         return
-    damping = d.damping + 0.5 * d.stiffness * h
-    if (d.damping + d.stiffness * h) * h * (1.0 / d.J3 + 1.0 / d.J4) > RESOLVED:
+    damping = d.damping + d.stiffness * h
+    pull = damping * h
+    together = d.J3 + inertia_of_link2(d, x.i, x.b, x.g)
+    if pull * (together + d.J4) > RESOLVED * together * d.J4:
         w.stiff = 1.0
-        damping += 0.5 * d.stiffness * h
+    elif not joined and pull * (d.J3 + d.J4) > RESOLVED * d.J3 * d.J4:
+        w.late = 1.0
+    else:
+        damping -= 0.5 * d.stiffness * h
     free = 2.0 * d.J4 * (1.0 - d.balancer)
     share = 1.0 / (2.0 * d.J4 + h * (d.friction + damping))
     spring = h * d.stiffness * x.twist
@@ -90,6 +97,7 @@ def follow(d, x, w, held, joined, given, h):
     Returns:
         As settle, impacts at the end of the step included.
     """
+    load_hub(d, x, w, held, joined, h)
     if held:
         turn_link1(d, x, w, given, h)
     elif joined:
@@ -102,8 +110,8 @@ def follow(d, x, w, held, joined, given, h):
         w.mean3 = 0.0 if held else (w.angle1 - w.new_slip_angle) / h
         w.pushed = w.hub_load if held else d.J3 * (w.end3 - x.omega3) + w.taken
     else:
-        w.end3 = x.omega3 - (w.hub_load + w.hub_gain * x.omega3) / (d.J3 + 0.5 * w.hub_gain)
-        w.mean3 = 0.5 * (x.omega3 + w.end3)
+        w.end3 = x.omega3 - (w.hub_load + w.hub_gain * x.omega3) / (d.J3 + w.late * w.hub_gain)
+        w.mean3 = x.omega3 + w.late * (w.end3 - x.omega3)
     inertia3 = d.J3
     if d.elastic != 0.0:
         drive_mass(d, x, w, h)
@@ -125,25 +133,19 @@ def follow(d, x, w, held, joined, given, h):
 def follow_contacts(d, x, w, given, h):
     """The same; what touches at the beginning stays together where nothing pulls it apart."""
     always = d.output == 0.0
-    touches = always or x.omega3 == x.omega2
-    joined = always or (touches and x.step_mode == DRIVING)
+    joined = always or x.omega3 == x.omega2
     end2, end3, output, mode = follow(d, x, w, False, joined, given, h)
-    if joined and not always and (mode != DRIVING or w.pushed <= 0.0):
-        joined = False
-        end2, end3, output, mode = follow(d, x, w, False, joined, given, h)
-    held = d.housing != 0.0 and x.omega2 == 0.0 and (mode == HELD or mode == HELD_DRIVING)
-    driving = touches and (always or mode == DRIVING or mode == HELD_DRIVING)
-    if held or driving != joined:
-        end2, end3, output, mode = follow(d, x, w, held, driving, given, h)
+    if joined and not always and w.pushed <= 0.0:
+        end2, end3, output, mode = follow(d, x, w, False, False, given, h)
+    if d.housing != 0.0 and x.omega2 == 0.0 and (mode == HELD or mode == HELD_DRIVING):
+        joined = always or (x.omega3 == 0.0 and mode == HELD_DRIVING)
+        end2, end3, output, mode = follow(d, x, w, True, joined, given, h)
         if w.pushed < 0.0 and not always:
-            driving = False
-            end2, end3, output, mode = follow(d, x, w, held, driving, given, h)
-    w.held = 1.0 if held else 0.0
-    w.joined = 1.0 if driving else 0.0
+            end2, end3, output, mode = follow(d, x, w, True, False, given, h)
     return end2, end3, output, mode
 
 
-def turn_shaft(d, x, w, end3, load, h):
+def turn_shaft(d, x, w, end3, h):
     """The hub to its end speed, with twist, driven mass and works of the shaft behind it."""
     mean4 = w.mean3
     if d.elastic != 0.0:
@@ -161,9 +163,8 @@ def turn_shaft(d, x, w, end3, load, h):
             x.relative = 0.0
             x.relative_low = 0.0
         push_driven_mass(d, x, end3 - w.end3, w.stiff != 0.0)
-    x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, load * h * mean4)
+    x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, w.load * h * mean4)
     x.omega3 = end3
-    x.omega3_low = 0.0
 
 
 def share_until_closed(d, x, w, mode):
@@ -175,7 +176,7 @@ def share_until_closed(d, x, w, mode):
     return 1.0
 
 
-def close_within(d, x, w, given, load, h, share, held):
+def close_within(d, x, w, given, h, share, held):
     """Go the step in two, parted where a freewheel closes and holds link 2 or joins it with the hub.
 
     No part makes energy with any inertia between, so nothing is evaluated there. Returns whether it went.
@@ -190,8 +191,7 @@ def close_within(d, x, w, given, load, h, share, held):
     for n in range(3):
         if not (0.0 < part < 1.0 and SHORTEST < share < 1.0):
             return False
-        end_at(w, part)
-        load_hub(d, x, w, load, share * h)
+        end_at(x, w, part)
         end2, end3, output, mode = follow(d, x, w, False, False, share * given, share * h)
         gap = x.omega2 if held else x.omega3 - x.omega2
         left = w.end2 if held else w.end3 - w.end2
@@ -200,24 +200,20 @@ def close_within(d, x, w, given, load, h, share, held):
             part = LATER * gap / (gap - left) * w.new_slip_angle / angle
     if w.reached == 0.0:
         return False
-    begin_i, begin_i1, begin_b, begin_g = w.begin_i, w.begin_i1, w.begin_b, w.begin_g
     copy(w.part.numbers, x.numbers)
-    finish(d, x, w, end2, end3, output, mode, load, share * h)
-    w.begin_i, w.begin_i1, w.begin_b, w.begin_g = w.end_i, w.end_i1, w.end_b, w.end_g
-    end_at(w, 1.0)
+    finish(d, x, w, end2, end3, output, mode, share * h)
+    end_at(x, w, 1.0)
     w.slip_angle = (1.0 - part) * angle
     rest = 1.0 - share
-    load_hub(d, x, w, load, rest * h)
     end2, end3, output, mode = follow_contacts(d, x, w, rest * given, rest * h)
     if w.reached == 0.0:
         copy(x.numbers, w.part.numbers)
-        w.begin_i, w.begin_i1, w.begin_b, w.begin_g = begin_i, begin_i1, begin_b, begin_g
         return False
-    finish(d, x, w, end2, end3, output, mode, load, rest * h)
+    finish(d, x, w, end2, end3, output, mode, rest * h)
     return True
 
 
-def finish(d, x, w, end2, end3, output, mode, load, h):
+def finish(d, x, w, end2, end3, output, mode, h):
     """Take over what the step, or a part of it, ends with."""
     # links 1 and 2 take the impact that brings link 2 to its end speed
     reaction = d.k * (w.end_b + d.k * w.end_g) * (end2 - w.end2)
@@ -228,52 +224,43 @@ def finish(d, x, w, end2, end3, output, mode, load, h):
     else:
         x.input_impulse += w.impulse1 - reaction
         w.work1 -= w.end1 * reaction
-    turn_shaft(d, x, w, end3, load, h)
+    turn_shaft(d, x, w, end3, h)
+    # on to just where the inertia at the end is that of: with another the energy would not be the same
+    x.q, x.q_low = add(x.q, x.q_low, d.k * w.slip_angle)
+    wrap_drive_angle(d, x)
     x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, w.work1)
     x.output_impulse += output
     x.output_square += output * output / h
     x.torque_peak = max(x.torque_peak, abs(output) / h)
+    x.i, x.i1, x.b, x.g = w.end_i, w.end_i1, w.end_b, w.end_g
     x.omega1 = w.end1
-    x.omega1_low = 0.0
     x.omega2 = end2
-    x.omega2_low = 0.0
     if mode != x.step_mode:
         x.step_mode = mode
         x.step_switches += 1.0
 
 
 def one_step(d, x, w, given, load, h):
-    """One fixed step from where begin_here or the step before has left w.
+    """One fixed step.
 
     Args:
         given: change of omega1, rad/s, or impulse of the input torque, N m s. load: N m.
     """
-    w.begin_i, w.begin_i1, w.begin_b, w.begin_g = w.end_i, w.end_i1, w.end_b, w.end_g
-    look_ahead(d, x, w, h * (x.omega1 - x.omega2))
-    end_at(w, 1.0)
-    load_hub(d, x, w, load, h)
+    w.load = load
+    slip = x.omega1 - x.omega2
+    look_ahead(d, x, w, h * (slip if d.by_torque != 0.0 else slip + 0.5 * given))
     end2, end3, output, mode = follow_contacts(d, x, w, given, h)
     share = share_until_closed(d, x, w, mode)
-    if share == 1.0:
-        look_ahead(d, x, w, w.new_slip_angle)
-        end_at(w, 1.0)
-        end2, end3, output, mode = follow(d, x, w, w.held != 0.0, w.joined != 0.0, given, h)
-    elif close_within(d, x, w, given, load, h, share, mode == HELD):
-        advance_drive(d, x, w.far_angle)
-        return
-    if share < 1.0 or (w.pushed < 0.0 and d.output != 0.0):
-        end_at(w, 1.0)
-        load_hub(d, x, w, load, h)
+    if share < 1.0:
+        if close_within(d, x, w, given, h, share, mode == HELD):
+            return
+        end_at(x, w, 1.0)
+        end2, end3, output, mode = follow_contacts(d, x, w, given, h)
+    elif w.foreseen != w.far_angle:
+        look_ahead(d, x, w, w.foreseen)
         end2, end3, output, mode = follow_contacts(d, x, w, given, h)
     if w.reached == 0.0:
         # the drive stays where it is: there the energy always suffices
-        end_at(w, 0.0)
+        end_at(x, w, 0.0)
         end2, end3, output, mode = follow_contacts(d, x, w, given, h)
-    finish(d, x, w, end2, end3, output, mode, load, h)
-    advance_drive(d, x, w.slip_angle)
-
-
-def advance_drive(d, x, slip_angle):
-    """On to just where the inertia at the end is that of: with another the energy would not be the same."""
-    x.q, x.q_low = add(x.q, x.q_low, d.k * slip_angle)
-    wrap_drive_angle(d, x)
+    finish(d, x, w, end2, end3, output, mode, h)
