@@ -126,7 +126,7 @@ def test_momentum_while_link_2_is_held_changes_by_what_holds_it(mechanism, drive
     d.travel.direction, q = direction, 0.3
     # by its torque link 1 has the energy 1/2; by its speed, the drive takes as much again as the housing
     omega1 = direction / inertia_at_input(d, q) ** 0.5 if drive else direction
-    housing = -motion(d, q, omega1, 0.0, 0.0, True, 0.0, 0.0, 0.0)[3]
+    housing = -motion(d, q, omega1, 0.0, 0.0, True, 0.0, 0.0, 0.0, 0.0)[3]
     rate = (1.0 if drive else 2.0) * housing / (d.k * omega1)
     assert_rates(rate, lambda angle: value_at(d, d.travel, MOMENTUM, q + angle))
 

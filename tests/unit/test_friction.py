@@ -88,8 +88,39 @@ def test_prescribed_motion_pays_for_friction():
     assert rubbed["input_torque_mean"] - plain["input_torque_mean"] == pytest.approx(drag, rel=1e-9)
 
 
-@pytest.mark.parametrize("values", [{"fidelity": 1}], ids=["averaged"])
+@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("drive", [SCENES, DRIVEN], ids=["speed", "torque"])
+@pytest.mark.parametrize("output", [{}, ELASTIC], ids=["rigid", "elastic"])
+def test_fixed_steps_converge_by_second_order_and_make_no_energy(scene, drive, output):
+    values = {**drive[scene], **output, **ALL}
+    exact = module(values)
+    exact.advance(0.05)
+    errors = []
+    for step in (8e-4, 5e-5):
+        coarse = module(values, method=1, max_step=step)
+        coarse.advance(0.05)
+        off = (abs(coarse[name] - exact[name]) for name in ("input_speed", "omega2", "omega_out"))
+        errors.append(max(off) / exact["input_speed"])
+        assert coarse["energy_residual"] > -1e-12 * largest_energy(coarse)
+        assert coarse["energy_lost_viscous"] == pytest.approx(exact["energy_lost_viscous"], rel=1e-3)
+    assert errors[1] < max(errors[0] / 50.0, 1e-6)
+
+
+@pytest.mark.parametrize("step", [1e-4, 1e-2, 1.0])
+@pytest.mark.parametrize("size", [1e-12, 1.0, 1e3])
+@pytest.mark.parametrize("drive", [SCENES, DRIVEN], ids=["speed", "torque"])
+@pytest.mark.parametrize("output", [{}, ELASTIC], ids=["rigid", "elastic"])
+def test_no_friction_makes_energy_in_steps_of_any_length(drive, output, size, step):
+    for name in ALL:
+        one = module({**drive["bevel"], **output, name: size}, method=1)
+        for load in (10.0, -10.0, 3.0):
+            one.set(load_torque=load)
+            one.advance(step)
+            assert one["energy_residual"] > -1e-10 * max(largest_energy(one), one["energy_lost"])
+            assert one["energy_lost_viscous"] >= 0.0
+
+
 @pytest.mark.parametrize("name", ALL)
-def test_what_knows_no_friction_says_so(values, name):
+def test_the_averaged_motion_knows_no_friction_and_says_so(name):
     with pytest.raises(Refused, match=f"{name} = 0.03"):
-        Module("compiled").start(**values, **{name: 0.03})
+        Module("compiled").start(fidelity=1, **{name: 0.03})

@@ -76,7 +76,7 @@ def test_link_2_accelerates_as_the_multibody_engine_says(multibody, states, iner
         drive, mesh = multibody.prescribe(q, theta1, omega1, alpha1, omega2, alpha2)
         expected = (alpha1, alpha2, drive, torque + inertia * alpha2, mesh)
         scale = largest([still, drive, torque])
-        *found, _ = accelerations(d, q, omega1, omega2, alpha1, False, inertia, torque)
+        *found, _ = accelerations(d, q, omega1, omega2, alpha1, False, inertia, 0.0, torque)
         found += torques(d, q, omega1, alpha1, omega2, found[1])
         found.insert(3, found[3] - multibody.p["link2_inertia"] * found[1])  # what link 2 passes on
         assert found == pytest.approx(expected, rel=1e-8, abs=1e-8 * scale)

@@ -43,13 +43,13 @@ def test_accelerations_take_the_drive_torque_by_inverse_dynamics(mechanism, stat
     d = started("plain", mechanism).derived
     for (q, theta1, omega1, omega2, torque), (inertia, load, held) in product(states, CARRIED):
         speed2 = 0.0 if held else omega2
-        alpha1, alpha2, _ = accelerations(d, q, omega1, speed2, torque, held, inertia, load)
+        alpha1, alpha2, _ = accelerations(d, q, omega1, speed2, torque, held, inertia, 0.0, load)
         drive, mesh = engine.prescribe(q, theta1, omega1, alpha1, speed2, alpha2)
         scale = abs(torque) + abs(mesh) + abs(load)
         assert drive == pytest.approx(torque, abs=1e-8 * scale)
         if held:
             assert alpha2 == 0.0
-            held_torque = motion(d, q, omega1, 0.0, torque, held, inertia, load, 0.0)[3]
+            held_torque = motion(d, q, omega1, 0.0, torque, held, inertia, 0.0, load, 0.0)[3]
             assert held_torque == pytest.approx(mesh, abs=1e-8 * scale)
         else:
             taken = (mechanism["link2_inertia"] + inertia) * alpha2 + load

@@ -59,7 +59,9 @@ def select_mode(d, q, omega1, omega2, omega3, given, load, load_rate, rounding):
             return HELD  # the load itself pulls the shaft away
     if d.output == 0.0:
         return DRIVING
-    alpha1, alpha2, jerk2, _, _, _, _ = motion(d, q, omega1, omega2, given, False, d.J3, d.b3, load, load_rate)
+    alpha1, alpha2, jerk2, _, _, _, _ = motion(
+        d, q, omega1, omega2, given, False, d.J3, d.b3, load, load_rate
+    )
     torque, rate = torque_carried(d, load, load_rate, omega2, alpha2, jerk2)
     zero = rounding * (torque_scale(d, omega1, alpha1, slip, given) + abs(load) + d.b3 * abs(omega2))
     return DRIVING if sign_or_trend(torque, rate, zero) else FREE

@@ -145,7 +145,18 @@ WORKSPACE = (
     *("end_i", "end_i1", "end_b", "end_g", "slip_angle"),
     # ... and where look_ahead looked, which a part of the step does not come to
     *("far_i", "far_i1", "far_b", "far_g", "far_angle"),
-    *("end1", "end2", "new_slip_angle", "foreseen", "angle1", "impulse1", "work1", "taken", "reached"),
+    *(
+        "end1",
+        "end2",
+        "new_slip_angle",
+        "foreseen",
+        "angle1",
+        "impulse1",
+        "work1",
+        "taken",
+        "rubbed",
+        "reached",
+    ),
     # ... load of the hub and what follows from it, mean and end speed of the hub, its push; the driven mass
     *("hub_load", "hub_gain", "relative_load", "relative_gain", "stiff", "late", "mean3", "end3", "pushed"),
     *("mean_relative", "seen3", "omega4"),

@@ -15,7 +15,8 @@ def move_links(d, x, w, carried, load, gain, given, h):
     """Links 1 and 2 over the step, link 2 against the impulse load + gain u, u its mean speed.
 
     Writes w.end1, end2, new_slip_angle, angle1 (of link 1), impulse1 and work1 (of the input torque), taken
-    (the impulse of the load) and reached: whether the energy suffices to come to where the step is to end.
+    (the impulse of the load), rubbed (the work of the links' friction) and reached: whether the energy
+    suffices to come to where the step is to end.
 
     Args:
         carried: inertia that link 2 carries, kg m^2.
@@ -48,16 +49,24 @@ def move_links(d, x, w, carried, load, gain, given, h):
     if abs(d.k * w.slip_angle) > SMALLEST_DIFFERENCE:
         slope = (w.end_i - x.i) / w.slip_angle
     force *= slope
-    # sigma = sum of s = sqrt(mu) rho at both ends; the impulse of the load is load - answer sigma
-    give = 1.0 / (1.0 + gain * end_rate)
-    load = (load + gain * speed) * give
-    answer = gain * give * share * per_root
-    surplus = 2.0 * answer * share * per_root
+    # what resists goes by the mean speeds: of link 1 mean1 + answer1 rho, of link 2 less by the mean slip rho
+    resisting = gain + h * d.b2
+    give = 1.0 / (1.0 + (resisting + h * d.b1) * end_rate)
+    mean1 = (speed - load * end_rate) * give
+    answer1 = by_torque * (mean_coupling + resisting * end_rate) * give
+    resist2 = load + resisting * mean1
+    resist1 = h * d.b1 * mean1
+    less2 = resisting * (1.0 - answer1)
+    more1 = h * d.b1 * answer1
+    # sigma = sum of s = sqrt(mu) rho at both ends
+    surplus = share * less2 + by_torque * mean_coupling * more1 + h * d.k * d.k * d.bq
+    surplus *= 2.0 * per_root * per_root
     weight = 1.0 + surplus
     per_weight = 1.0 / weight
-    end_y = y + given - by_torque * load
+    end_y = y + given - by_torque * (resist2 + resist1)
     push = 2.0 * h * per_root * force * end_y
-    pull = (given * mean_coupling + share * load) * per_root + by_torque * force * w.slip_angle * answer
+    pull = given * mean_coupling + share * resist2 - by_torque * mean_coupling * resist1
+    pull = (pull + by_torque * force * w.slip_angle * (less2 - more1)) * per_root
     twice = 2.0 * root * slip
     rise = (2.0 * pull - surplus * twice + push) * per_weight
     w.foreseen = h * (twice + rise) * per_root
@@ -76,17 +85,21 @@ def move_links(d, x, w, carried, load, gain, given, h):
     change_slip = (rise - change * per_root * slip) * per_end
     end_slip = slip + change_slip
     w.new_slip_angle = h * turned
-    w.taken = load - answer * (twice + rise)
+    mean1 += answer1 * turned
+    mean2 = mean1 - turned
+    w.taken = load + gain * mean2
+    w.rubbed = h * (d.b1 * mean1 * mean1 + d.k * d.k * d.bq * turned * turned + d.b2 * mean2 * mean2)
+    resisted = w.taken + h * (d.b1 * mean1 + d.b2 * mean2)
     if by_torque != 0.0:
-        end_y = y + given - w.taken
+        end_y = y + given - resisted
         w.end1 = 2.0 * end_rate * end_y + end_coupling * end_slip
-        w.angle1 = h * (speed - w.taken * end_rate + mean_coupling * turned)
+        w.angle1 = h * mean1
         w.work1 = given / h * w.angle1
     else:
         w.end1 = end_y
         w.angle1 = h * speed
         kept = mean_coupling * change_slip - d.k * (w.end_b - x.b) * (slip + 0.5 * change_slip)
-        w.impulse1 = 0.5 * (total + end_total) * given + (w.end_i - x.i) * speed - kept + w.taken
+        w.impulse1 = 0.5 * (total + end_total) * given + (w.end_i - x.i) * speed - kept + resisted
         missing = mean_coupling * turned - 0.5 * (coupling * slip + end_coupling * end_slip)
         w.work1 = speed * w.impulse1 + given * missing
     w.end2 = x.omega2 + ((w.end1 - x.omega1) - change_slip)
@@ -98,11 +111,13 @@ def turn_link1(d, x, w, given, h):
     end_inertia = inertia_of_link1(d, w.end_i, w.end_b, w.end_g)
     w.reached = 1.0
     w.end2 = 0.0
+    friction = h * (d.b1 + d.k * d.k * d.bq)
     if d.by_torque != 0.0:
         start = math.sqrt(inertia) * x.omega1
         end_root = math.sqrt(end_inertia)
         twice = math.sqrt(inertia) + end_root
-        end = start + 2.0 * given / twice
+        slowed = 2.0 * friction / (twice * twice)
+        end = (start * (1.0 - slowed) + 2.0 * given / twice) / (1.0 + slowed)
         w.end1 = end / end_root
         w.angle1 = h * (start + end) / twice
         w.work1 = given / h * w.angle1
@@ -110,5 +125,8 @@ def turn_link1(d, x, w, given, h):
         w.end1 = x.omega1 + given
         w.angle1 = h * (x.omega1 + 0.5 * given)
         w.impulse1 = 0.5 * (end_inertia * w.end1 - inertia * x.omega1 + 0.5 * (inertia + end_inertia) * given)
+        w.impulse1 += friction * w.angle1 / h
         w.work1 = 0.5 * (end_inertia * w.end1 * w.end1 - inertia * x.omega1 * x.omega1)
+        w.work1 += friction * w.angle1 * w.angle1 / (h * h)
+    w.rubbed = friction * w.angle1 * w.angle1 / (h * h)
     w.new_slip_angle = w.foreseen = w.angle1

@@ -58,9 +58,10 @@ def load_hub(d, x, w, held, joined, h):
     speed (w.late), but where not even link 2 with the hub is heavy enough it meets the driven mass (w.stiff).
     """
     w.hub_load = w.load * h
-    w.hub_gain = 0.0
+    w.hub_gain = d.b3 * h
     w.stiff = 0.0
-    w.late = 0.5
+    # one that friction stops within the step does not turn back
+    w.late = 0.5 if w.hub_gain < 2.0 * d.J3 else 1.0
     if d.elastic == 0.0:
         return
     damping = d.damping + d.stiffness * h
@@ -78,7 +79,7 @@ def load_hub(d, x, w, held, joined, h):
     w.relative_gain = share * (free + h * d.friction)
     w.relative_load = share * (2.0 * d.J4 * x.relative - free * x.omega3 + w.hub_load - spring)
     w.hub_load = spring + h * damping * w.relative_load
-    w.hub_gain = h * damping * w.relative_gain
+    w.hub_gain += h * damping * w.relative_gain
 
 
 def drive_mass(d, x, w, h):
@@ -148,6 +149,9 @@ def follow_contacts(d, x, w, given, h):
 def turn_shaft(d, x, w, end3, h):
     """The hub to its end speed, with twist, driven mass and works of the shaft behind it."""
     mean4 = w.mean3
+    if d.viscous != 0.0:
+        lost = w.rubbed + h * d.b3 * w.mean3 * w.mean3
+        x.lost_viscous, x.lost_viscous_low = add(x.lost_viscous, x.lost_viscous_low, lost)
     if d.elastic != 0.0:
         mean4 -= w.mean_relative
         lost = h * (d.damping * w.mean_relative * w.mean_relative + d.friction * mean4 * mean4)
