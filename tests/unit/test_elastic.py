@@ -1,5 +1,6 @@
 """Fidelity `elastic`: hub, shaft and driven mass behind the output freewheel."""
 
+import itertools
 import math
 
 import numpy as np
@@ -186,8 +187,9 @@ def pulled_by_a_load(kernel, hub, stiffness, drag, tolerance, steps):
 
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8])
 @pytest.mark.parametrize("steps", [1, 10])
-@pytest.mark.parametrize("stiffness", [40.0, 400.0, 1e4])
-@pytest.mark.parametrize("hub", [1e-4, 1e-3, 0.1])
+@pytest.mark.parametrize(
+    ("stiffness", "hub"), [*itertools.product([40.0, 400.0, 1e4], [1e-4, 1e-3, 0.1]), (1e7, 1e-3), (1e7, 0.1)]
+)
 def test_a_shaft_swung_by_its_load_follows_tolerance(compiled, tolerance, steps, stiffness, hub):
     module, twist, rate = pulled_by_a_load(compiled, hub, stiffness, 5e-3, tolerance, steps)
     assert rate * abs(module["shaft_twist"] - twist) < 30.0 * tolerance * module["omega_out"]

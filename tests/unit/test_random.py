@@ -9,7 +9,7 @@ from inertia_module.common.errors import Refused
 from inertia_module.kernel.codes import EVENT, RIGID
 from inertia_module.memory.instances import Module
 from inertia_module.studies.stability import random_checks, random_study
-from inertia_module.studies.stability.case import LEVELS
+from inertia_module.studies.stability.case import LEVELS, Segment
 from inertia_module.studies.stability.random_checks import REFERENCE, examine
 from inertia_module.studies.stability.random_motions import Motion, draw_motion
 from inertia_module.studies.stability.random_study import cause, findings, rows_of, shrunk, try_number
@@ -17,6 +17,56 @@ from inertia_module.studies.stability.random_study import cause, findings, rows_
 SEED = 1
 EACH, WITH_REFERENCE = 30, 4
 RIGID_EVENT = next(level for level in LEVELS if (level.fidelity, level.method) == (RIGID, EVENT))
+
+
+BEVEL = {"satellites": 4, "z6": 80, "b": 0.8, "wheel_radius": 0.3, "shaft_angle": 1.0}
+JOINED = {"housing_freewheel": 0, "output_freewheel": 0}
+# what a campaign has found: parameters, and segments (duration, omega1, load, slope, drive)
+FOUND = {
+    "shaft swung by a load": (
+        {"fidelity": 3, "output_inertia": 60.0, "driven_inertia": 1e-3, "tolerance": 5e-5},
+        [(2.0, 0.0, 1.0)],
+    ),
+    "shaft swung by a load taken off": (
+        {"fidelity": 3, "output_inertia": 8e-4, "shaft_stiffness": 6e3},
+        [(2.0, 0.0, 0.2), (2.0, 0.0, 0.0)],
+    ),
+    "undamped shaft swung by a load": (
+        {"fidelity": 3, "output_inertia": 4e-4, "shaft_damping": 0.0, "tolerance": 4e-9},
+        [(0.012, 0.0, -1.0)],
+    ),
+    "shaft without pulses": (
+        {"fidelity": 3, "imbalance_mass": 0.0, "shaft_stiffness": 8e5},
+        [(0.02, -0.2, 0.05)],
+    ),
+    "jump of a swinging shaft": (
+        {"fidelity": 3, **BEVEL, **JOINED, "shaft_stiffness": 14695000.0, "tolerance": 2e-9},
+        [(0.0069986, 0.0, 0.0, -4.0), (0.011583, 0.10526, 0.00010081, 7.7782)],
+    ),
+    "prescribed ramp from rest": (
+        {
+            **{"fidelity": 0, "kinematic_ratio": -1.0, "tolerance": 3e-10},
+            **{"layout": 1, "sun_radius": 0.09, "satellite_radius": 0.14, "eccentricity": 0.1},
+        },
+        [(0.3, 0.0, 0.0, -7.0)],
+    ),
+    "averaged at a small tolerance": (
+        {
+            **{"fidelity": 1, "drive": 1, "input_inertia": 6e-4, "tolerance": 1e-10},
+            **{"output_inertia": 20.0, "z17": 20, "b": 0.01, "wheel_radius": 0.05},
+        },
+        [(0.6, 0.0, -0.02, 0.0, 0.02)],
+    ),
+}
+
+
+@pytest.mark.parametrize("found", FOUND)
+def test_what_was_found_stays_mended(kernel, found):
+    parameters, segments = FOUND[found]
+    motion = Motion(parameters, tuple(Segment(*segment) for segment in segments))
+    finding = examine(motion, lambda: Module(kernel), without_reference=kernel == "plain")
+    assert not finding.failed, finding.figures
+    assert not finding.refused
 
 
 def motions(level, count):

@@ -6,12 +6,11 @@ thought of, energy from nowhere, a freewheel that let go too late, shows here.
 
 from .codes import EVENT, NOT_BALANCED, OK, RIGID
 
-# what may be missing, of the energies of the step: so many tolerances, but neither rounding nor a tenth
+# share of the energies of the step and of the speeds that may be missing: so many tolerances, but neither
+# rounding nor a tenth
 TOLERANCES = 1e3
 LEAST = 1e-6
 MOST = 0.1
-# what rounding of a speed may make of the energy of the inertias that turn with it
-ROUNDING = 1e-14
 # J: less than that is rounding of any machine that moves
 NOTHING = 1e-30
 
@@ -40,6 +39,7 @@ def audit(d, x, before, stored):
     energies = abs(put_in) + abs(put_out) + abs(lost) + stored + before.energy_stored
     x.energy_stored = stored
     fastest = max(abs(x.omega1), abs(before.omega1))
-    rounded = ROUNDING * (d.J1 + d.J2 + d.J3 + d.J4) * fastest * fastest
-    allowed = max(LEAST, min(TOLERANCES * d.tolerance, MOST)) * energies
-    return OK if abs(missing) <= allowed + rounded + NOTHING else NOT_BALANCED
+    share = max(LEAST, min(TOLERANCES * d.tolerance, MOST))
+    slow = share * fastest  # speeds that may be missing: of a slow swing all that there is
+    allowed = share * energies + (d.J1 + d.J2 + d.J3 + d.J4) * slow * slow
+    return OK if abs(missing) <= allowed + NOTHING else NOT_BALANCED

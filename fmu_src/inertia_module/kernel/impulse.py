@@ -27,10 +27,11 @@ def push_driven_mass(d, x, change3, stiff):
     """
     omega4 = x.omega3 - x.relative
     change4 = change3 if stiff else d.balancer * change3
+    balancing = d.balancer * d.J4 * change3
+    lost = (d.J4 * change4 - balancing) * (x.relative + 0.5 * (change3 - change4))
+    lost -= balancing * (omega4 + 0.5 * change4)
     x.relative, x.relative_low = add(x.relative, x.relative_low, change3 - change4)
-    x.lost_shaft, x.lost_shaft_low = add(
-        x.lost_shaft, x.lost_shaft_low, -d.balancer * d.J4 * change3 * (omega4 + 0.5 * change4)
-    )
+    x.lost_shaft, x.lost_shaft_low = add(x.lost_shaft, x.lost_shaft_low, lost)
 
 
 def jump_input(p, d, x, jump, stiff):

@@ -24,7 +24,7 @@ from ..works import (
 from .collocated_guards import collocated_guard, fit_polynomials, land
 from .collocation import change, embedded_error
 from .elastic_stages import guess_rates, solve_stages
-from .followed import hub_compliance, is_followed, shaft_frequency, widest_rate
+from .followed import hub_compliance, is_slow, shaft_frequency, share_of_pulses, swing_of_load, widest_rate
 from .radau import GAMMA, STAGES
 from .shaft_stages import damp_error
 
@@ -41,6 +41,9 @@ LARGEST_FACTOR = 5.0
 TWIST_SHARE = 1e-3
 # error of the inside of a step, as a fraction of the one allowed to the embedded formula
 INSIDE = 0.01
+# the method's error of a swing with the amplitude A is A (error / A)^(5/3), error being the embedded
+# formula's: A^(2/5) V^(3/5) instead of V allows it the same share of the speed V
+SWING_POWER = 0.4
 # a velocity below this fraction of the fastest one is zero
 VELOCITY_ROUNDING = 1e-13
 # a torque below this fraction of its scale is zero: more than where the mode is chosen, so that it sees it
@@ -66,15 +69,15 @@ def fastest_at_end(w):
     return max(max(abs(w.stage_omega1[last]), abs(w.stage_omega2[last])), shaft)
 
 
-def step_error(d, x, w, rates, compliance, followed, fastest):
+def step_error(d, x, w, rates, compliance, followed, swing, fastest):
     """Estimated error of the step in hand over the allowed one.
 
     Args:
         rates: (alpha1, omega2', omega3', rate of omega3 - omega4) at the beginning.
+        followed, swing: whether the shaft's own motion is, and its amplitude if a load excites it, rad/s.
     """
     h = w.step
-    static = TWIST_SHARE * shaft_frequency(d, compliance) * abs(x.twist)
-    fastest = max(max(fastest, static), fastest_at_end(w))
+    fastest = max(fastest, fastest_at_end(w))
     rate1, rate2, rate3, rate_relative = rates
     error_q = d.k * h * embedded_error(x.omega2, w.stage_omega2)
     if d.by_torque != 0.0:
@@ -102,8 +105,11 @@ def step_error(d, x, w, rates, compliance, followed, fastest):
             error = max(error, abs(error1) / max(share * fastest, abs(change(w, w.rate1))))
         if followed:
             speed = max(abs(relative), shaft_frequency(d, compliance) * abs(twist))
-            moved = max(moved, abs(moved_relative))
-            error = max(error, speed / max(response(d, d.J2 + d.J3) * fastest, moved))
+            share = share_of_pulses(d) if swing > 0.0 else response(d, d.J2 + d.J3)
+            allowed = max(max(share * fastest, swing), max(moved, abs(moved_relative)))
+            if 0.0 < swing < allowed:
+                allowed *= (swing / allowed) ** SWING_POWER
+            error = max(error, speed / allowed)
     return error / embedded_tolerance(d.tolerance)
 
 
@@ -144,9 +150,10 @@ def try_steps(d, x, w, remaining, fastest):
     rates, inertia2 = start_rates(d, x, w)
     compliance = hub_compliance(d, x, inertia2)
     pulse_rate = highest_rate(d, x, w, remaining)
-    # a load moves the shaft at the rate of the step that it is given for
-    widest = max(1.0 / remaining, widest_rate(d, x, fastest, compliance))
-    followed = is_followed(d, compliance, max(pulse_rate, widest))
+    widest = max(pulse_rate, widest_rate(d, fastest))
+    fastest = max(fastest, TWIST_SHARE * shaft_frequency(d, compliance) * abs(x.twist))
+    swing = swing_of_load(d, x, compliance, widest, fastest, rates[3])
+    followed = swing > 0.0 or is_slow(d, compliance, widest)
     limit = min(remaining, d.max_step)
     if pulse_rate * limit > STEP_PHASE:  # else its guards cannot be searched
         limit = STEP_PHASE / pulse_rate
@@ -154,7 +161,7 @@ def try_steps(d, x, w, remaining, fastest):
     h = min(limit, carried) if carried > 0.0 else 0.1 * limit
     for attempt in range(REJECTIONS):
         if solve_stages(d, x, w, h):
-            error = step_error(d, x, w, rates, compliance, followed, fastest)
+            error = step_error(d, x, w, rates, compliance, followed, swing, fastest)
             factor = LARGEST_FACTOR
             if not error < 1e300:
                 factor = SMALLEST_FACTOR

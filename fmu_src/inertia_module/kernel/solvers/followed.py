@@ -1,13 +1,14 @@
 """Which of the shaft's own motion is resolved by the steps, and which is damped out.
 
-An oscillation of rate Omega holds about (pulse rate / Omega)^2 of the energy of a pulse, so one is followed
-up to Omega = pulse rate / sqrt(tolerance).
+An oscillation of rate Omega that pulses excite holds about (pulse rate / Omega)^2 of the energy of a pulse,
+so one is followed up to Omega = pulse rate / sqrt(tolerance). Pulses make it swing with pulse rate / Omega of
+their speed at most. One that swings further has been excited by a load and is followed whatever its rate.
 """
 
 import math
 
 from ..codes import DRIVING, HELD_DRIVING
-from ..links import inertia_at_output
+from ..links import inertia_at_output, response
 
 
 def hub_compliance(d, x, inertia2):
@@ -32,9 +33,26 @@ def slowest_rate(d, compliance):
     return square / (half + math.sqrt(half * half - square))
 
 
-def is_followed(d, compliance, pulse_rate):
-    """Whether the shaft's own motion is resolved, not damped out."""
+def is_slow(d, compliance, pulse_rate):
+    """Whether the shaft is too slow for what pulses excite of its own motion to be damped out."""
     return slowest_rate(d, compliance) ** 2 <= d.followed * pulse_rate * pulse_rate
+
+
+def share_of_pulses(d):
+    """How much of its own speed the mechanism can impart to link 2 and the hub, 0 to 1."""
+    return response(d, d.J2 + d.J3) if d.F_by_alpha1 > 0.0 else 0.0
+
+
+def swing_of_load(d, x, compliance, pulse_rate, fastest, rate_relative):
+    """Amplitude of the relative speed the shaft swings with, rad/s, or 0 if pulses may have made it swing.
+
+    Args:
+        rate_relative: rate of omega3 - omega4 now, rad/s^2.
+    """
+    frequency = shaft_frequency(d, compliance)
+    swing = max(abs(x.relative), abs(rate_relative) / frequency)
+    pulses = share_of_pulses(d) * pulse_rate / frequency
+    return swing if swing > max(d.tolerance, pulses) * fastest else 0.0
 
 
 def is_stiff(d, x, omega1):
@@ -42,9 +60,9 @@ def is_stiff(d, x, omega1):
     compliance = 1.0 / (d.J3 + inertia_at_output(d, x.q))
     shaft = max(abs(x.omega3), abs(x.omega3 - x.relative))
     speeds = max(max(abs(x.omega1), abs(omega1)), shaft)
-    return not is_followed(d, compliance, widest_rate(d, x, speeds, compliance))
+    return not is_slow(d, compliance, widest_rate(d, speeds))
 
 
-def widest_rate(d, x, fastest, compliance):
+def widest_rate(d, fastest):
     """Rate of the pulses if their slip were the fastest speed around, rad/s."""
-    return d.harmonic * d.k * max(fastest, abs(x.twist) * shaft_frequency(d, compliance))
+    return d.harmonic * d.k * fastest
