@@ -10,8 +10,8 @@ from inertia_module.kernel.audit import audit
 from inertia_module.kernel.codes import NOT_BALANCED, OK
 from inertia_module.memory.instances import Refused
 
-BEFORE = {"energy_in": 1.0, "energy_out": 2.0, "energy_lost": 3.0, "energy_stored": 10.0}
-AFTER = {"energy_in": 9.0, "energy_out": 6.0, "energy_lost": 4.0, "energy_stored": 13.0}
+BEFORE = {"energy_in": 1.0, "energy_out": 2.0, "lost_shaft": 2.0, "lost_viscous": 1.0, "energy_stored": 10.0}
+AFTER = {"energy_in": 9.0, "energy_out": 6.0, "lost_shaft": 2.5, "lost_viscous": 1.5, "energy_stored": 13.0}
 # what of these comes and goes in the step, and is stored at its ends
 ENERGIES = 8.0 + 4.0 + 1.0 + 13.0 + 10.0
 

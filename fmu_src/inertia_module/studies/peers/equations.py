@@ -63,7 +63,7 @@ def equations() -> Equations:
 
     @jit  # type: ignore[untyped-decorator]
     def alpha2(y, data, carried, torque):  # type: ignore[no-untyped-def]
-        return accelerations(data.d, y[0], data.omega1, y[1], 0.0, False, carried, torque)[1]
+        return accelerations(data.d, y[0], data.omega1, y[1], 0.0, False, carried, 0.0, torque)[1]
 
     @jit  # type: ignore[untyped-decorator]
     def rates(t, y, result, array):  # type: ignore[no-untyped-def]
