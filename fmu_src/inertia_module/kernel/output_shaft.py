@@ -1,14 +1,19 @@
-"""The output shaft (rigid) while link 2 does not drive it: it coasts, rests, and is met by link 2."""
+"""The output shaft turns against the load; while link 2 does not drive it (rigid) it coasts and rests."""
 
 from .accumulate import add
 from .codes import HELD_DRIVING, LINK2, OUTPUT
 
 
+def turn(x, load, angle):
+    """Count an angle of the output, driven mass if elastic, and the work on the load."""
+    x.turned3 += angle
+    x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, load * angle)
+
+
 def coast(d, x, load, h):
     """Uniform deceleration by the load over h, with its work."""
     change = -load * h / d.J3
-    work = load * h * (x.omega3 + 0.5 * change)
-    x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, work)
+    turn(x, load, h * (x.omega3 + 0.5 * change))
     x.omega3, x.omega3_low = add(x.omega3, x.omega3_low, change)
 
 

@@ -59,4 +59,8 @@ def write_rates(p, d, u, x, y, w):
         y.numbers[n] = ((w.outputs_1.numbers[n] - begin) * 4.0 - (y.numbers[n] - begin)) / (2.0 * h)
     y.input_torque_mean = 0.0
     y.output_torque_mean = 0.0
+    y.mesh_torque_mean = 0.0
+    y.housing_torque_mean = 0.0
+    y.loss_power_mean = 0.0
+    y.satellite_force_peak = 0.0
     return OK
