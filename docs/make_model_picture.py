@@ -28,7 +28,7 @@ def main():
     module = Module("plain").start()
     parameters, d = module.parameters, module.derived
     q = np.linspace(0, d.period, 3000)
-    path = np.array([layout.imbalance(d, angle)[:3] for angle in q])
+    path = np.array([layout.imbalance(d, angle, 0.0)[:3] for angle in q])
     ratio = parameters.z17 / parameters.z6
     phi = math.atan2(1.0, ratio)
     psi = math.pi / 2 - phi

@@ -22,6 +22,9 @@ OUTPUTS = (
     "omega2", "omega_out", "omega_hub", "shaft_twist", "input_torque", "mesh_torque", "output_torque", "housing_torque",
     "input_torque_mean", "output_torque_mean", "imbalance_acceleration", "drive_angle", "contact_mode", "energy_in",
     "energy_out", "energy_stored", "energy_lost", "torque_ripple", "torque_peak", "contact_switches",
+    "mesh_torque_mean", "housing_torque_mean", "input_acceleration", "output_acceleration", "output_angle", "output_turns",
+    "loss_power_mean", "satellite_force", "satellite_force_peak", "shaking_force_x", "shaking_force_y", "shaking_force_z",
+    "shaking_moment_x", "shaking_moment_y", "shaking_moment_z",
 )  # fmt: skip
 
 

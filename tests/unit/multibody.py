@@ -45,6 +45,24 @@ class Multibody:
         mujoco.mj_energyVel(self.model, self.data)
         return self.data.energy[1]
 
+    def on_the_mount(self):
+        """(F, Mo) of the motion prescribed last: what the world gives to links 1 and 2, the other way round.
+
+        Their own inertia and the torques that turn them are left out.
+        """
+        mujoco.mj_rnePostConstraint(self.model, self.data)
+        force, moment = np.zeros(3), np.zeros(3)
+        for name, inertia, hinge in (
+            ("link 1", self.p["input_inertia"], self.link1),
+            ("link 2", self.p["link2_inertia"], self.link2),
+        ):
+            body = self.model.joint(name).bodyid[0]
+            torque, given = np.split(self.data.cfrc_int[body], 2)
+            force -= given
+            moment -= torque + np.cross(self.data.subtree_com[body], given)
+            moment[0] += inertia * (hinge @ self.data.qacc)
+        return force, moment
+
     def imbalance(self):
         """(position, velocity, acceleration) of imbalance 0 of module 0 in the motion prescribed last."""
         body = self.model.body("imbalance 0 0").id

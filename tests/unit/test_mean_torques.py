@@ -3,7 +3,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scenes import FREEWHEELS, SCENES, TWO_PI, advanced, started, vector
 
-from inertia_module.kernel.averaged.run import input_impulse
+from inertia_module.kernel.averaged.run import impulse_with_work
 
 SINGLE = {"satellites": 1, "imbalance_mass": 0.8, "link2_inertia": 0.004, "output_inertia": 0.3}
 JUMPS = st.floats(-150.0, 150.0)
@@ -150,4 +150,4 @@ def test_mean_input_torque_while_a_ramp_comes_up_to_the_load(compiled, name):
 def test_constant_torque_over_a_part_of_the_mean_motion_has_its_impulse_at_any_ramp(alpha1):
     time, omega1, torque = 0.5, 50.0, 7.0
     work = torque * (omega1 + 0.5 * alpha1 * time) * time
-    assert input_impulse(time, omega1, alpha1, work, torque, torque) == pytest.approx(torque * time)
+    assert impulse_with_work(time, omega1, alpha1, work, torque, torque) == pytest.approx(torque * time)

@@ -1,10 +1,11 @@
 import numpy as np
 import pytest
 from geometry import ratio
-from scenes import LAYOUTS, parameters, started
+from scenes import LAYOUTS, parameters, started, vector
 
 from inertia_module.kernel.layout import imbalance_in_fixed_frame
 from inertia_module.kernel.links import accelerations, kinetic_energy, torques
+from inertia_module.kernel.loads import write_loads
 
 pytest.importorskip("mujoco")
 from multibody import Multibody
@@ -88,10 +89,24 @@ def test_imbalance_moves_and_accelerates_as_in_the_multibody_engine(multibody, s
     for q, theta1, omega1, alpha1, omega2, alpha2 in states:
         multibody.prescribe(q, theta1, omega1, alpha1, omega2, alpha2)
         found = imbalance_in_fixed_frame(
-            d, q, theta1, omega1, alpha1, k * (omega1 - omega2), k * (alpha1 - alpha2)
+            d, q, theta1, omega1, alpha1, k * (omega1 - omega2), k * (alpha1 - alpha2), 0.0
         )
-        for expected, vector in zip(multibody.imbalance(), np.reshape(found, (3, 3)), strict=True):
-            assert largest(vector - expected) < 1e-8 * largest(expected)
+        for expected, values in zip(multibody.imbalance(), np.reshape(found, (3, 3)), strict=True):
+            assert largest(values - expected) < 1e-8 * largest(expected)
+
+
+def test_mount_feels_what_the_multibody_engine_says(multibody, states):
+    module = started("plain", multibody.p)
+    for q, theta1, omega1, alpha1, omega2, alpha2 in states:
+        multibody.prescribe(q, theta1, omega1, alpha1, omega2, alpha2)
+        motion = {"q": q, "theta1": theta1, "omega1": omega1, "alpha1": alpha1, "omega2": omega2}
+        for name, value in motion.items():
+            setattr(module.state, name, value)
+        write_loads(module.parameters, module.derived, module.state, module.outputs, alpha2)
+        largest_force = multibody.p["imbalance_mass"] * module["imbalance_acceleration"]
+        scale = largest_force * multibody.p["modules"] * multibody.p["satellites"]
+        for name, expected in zip(("force", "moment"), multibody.on_the_mount(), strict=True):
+            assert largest(vector(module, f"shaking_{name}") - expected) < 1e-8 * scale
 
 
 def test_kinetic_energy_is_that_of_the_multibody_engine(multibody, states):

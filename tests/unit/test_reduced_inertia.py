@@ -76,7 +76,9 @@ def test_imbalance_and_its_derivatives_follow_the_chain_of_rigid_bodies(layout, 
     p = parameters(**data.draw(MECHANISMS[layout]))
     q = data.draw(PHASES)
     expected = np.concatenate(derivatives(taylor(lambda q: position(p, q), q)))
-    assert imbalance(derived(p), q) == pytest.approx(expected, rel=1e-11, abs=1e-12 * np.abs(expected).max())
+    assert imbalance(derived(p), q, 0.0) == pytest.approx(
+        expected, rel=1e-11, abs=1e-12 * np.abs(expected).max()
+    )
 
 
 @pytest.mark.parametrize("layout", MECHANISMS)
@@ -91,7 +93,7 @@ def test_velocity_and_acceleration_are_rates_of_the_position_along_the_path(layo
         )
 
     expected = np.concatenate(derivatives(taylor(place, 0.0, radius=0.25)))
-    found = imbalance_in_fixed_frame(derived(p), q, theta1, omega1, alpha1, rate_q, rate2_q)
+    found = imbalance_in_fixed_frame(derived(p), q, theta1, omega1, alpha1, rate_q, rate2_q, 0.0)
     assert found == pytest.approx(expected, rel=1e-11, abs=1e-11 * np.abs(expected).max())
 
 
@@ -101,7 +103,7 @@ def test_bevel_imbalance_with_equal_a_and_b_is_at_rest_in_link_1_at_the_rolling_
     p = parameters(epsilon=epsilon, a=a, b=a, drive_inertia=0.02)
     q = (2.0 * math.pi * turn - epsilon) / satellite_ratio(p)
     d = derived(p)
-    assert imbalance(d, q)[3:6] == pytest.approx([0.0] * 3, abs=1e-14)
+    assert imbalance(d, q, 0.0)[3:6] == pytest.approx([0.0] * 3, abs=1e-14)
     inertia, *_ = reduced_inertia(d, q)
     assert reduced_inertia(d, q)[5] - 0.02 == pytest.approx(0.0, abs=1e-14 * inertia)
 
@@ -118,6 +120,6 @@ def test_inertia_near_the_rolling_point_keeps_its_digits(distance):
 @given(theta1=PHASES, omega1=st.floats(-300.0, 300.0), sun=LENGTHS, satellite=LENGTHS)
 def test_planar_imbalance_touching_the_held_sun_wheel_is_at_rest(theta1, omega1, sun, satellite):
     p = parameters(layout=1, sun_radius=sun, satellite_radius=satellite, eccentricity=satellite)
-    found = imbalance_in_fixed_frame(derived(p), 0.0, theta1, omega1, 0.0, omega1 * sun / satellite, 0.0)
+    found = imbalance_in_fixed_frame(derived(p), 0.0, theta1, omega1, 0.0, omega1 * sun / satellite, 0.0, 0.0)
     assert found[:3] == pytest.approx(turn(0, theta1) @ [0.0, 0.0, sun])
     assert found[3:6] == pytest.approx([0.0] * 3, abs=1e-14 * abs(omega1) * (sun + satellite))

@@ -143,25 +143,19 @@ INERTIA_MODULE = Model(
     messages=messages.MESSAGES,
     warnings=messages.WARNINGS,
     idle_at_start=frozenset(
+        {"tolerance", "max_step", "method", "input_hold", "shaft_stiffness", "shaft_damping"}
+    ),
+    zero_at_start=frozenset(
         {
-            *("tolerance", "max_step", "method", "input_hold"),
-            *("driven_inertia", "shaft_stiffness", "shaft_damping", "driven_friction", "balancer"),
+            *("input_torque_mean", "output_torque_mean", "mesh_torque_mean", "housing_torque_mean"),
+            *("loss_power_mean", "output_angle", "output_turns"),
         }
     ),
-    zero_at_start=frozenset({"input_torque_mean", "output_torque_mean"}),
     given_at_start={
         "input_speed": frozenset({"omega1"}),
         "omega_out": frozenset({"omega1", "fidelity", "kinematic_ratio", "omega_out_start"}),
     },
-    late=frozenset(
-        {
-            *("input_torque", "mesh_torque", "output_torque", "housing_torque"),
-            *("torque_ripple", "torque_peak", "energy_stored", "energy_residual", "imbalance_acceleration"),
-            *(f"imbalance_{axis}" for axis in "xyz"),
-            *(f"imbalance_velocity_{axis}" for axis in "xyz"),
-            *(f"imbalance_acceleration_{axis}" for axis in "xyz"),
-        }
-    ),
+    late=frozenset(fields.LATE),
     traced=("contact_mode", "contact_switches", "rhs_evaluations", "omega2", "omega_out"),
     bounds=(
         Bound("d", place(fields.CONSTANTS, "forward.count"), fields.KNOTS),

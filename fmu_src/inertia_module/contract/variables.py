@@ -51,6 +51,8 @@ UNITS: dict[str, dict[str, int]] = {
     "N.m/rad": {"kg": 1, "m": 2, "s": -2, "rad": -1},
     "N.m.s/rad": {"kg": 1, "m": 2, "s": -1, "rad": -1},
     "J": {"kg": 1, "m": 2, "s": -2},
+    "N": {"kg": 1, "m": 1, "s": -2},
+    "W": {"kg": 1, "m": 2, "s": -3},
 }
 
 # display units: name and factor from the base unit
@@ -186,8 +188,10 @@ def _signal(
     )
 
 
-def _counter(name: str, text: str, minimum: float | None = 0.0) -> Variable:
-    return Variable(name, REAL, LOCAL, "discrete", "1", None, minimum, None, None, text, follows=SINCE_START)
+def _counter(name: str, text: str, minimum: float | None = 0.0, causality: str = LOCAL) -> Variable:
+    return Variable(
+        name, REAL, causality, "discrete", "1", None, minimum, None, None, text, follows=SINCE_START
+    )
 
 
 def _real(
@@ -247,6 +251,21 @@ VARIABLES: tuple[Variable, ...] = (
     _signal(OUTPUT, "imbalance_acceleration_y", "m/s2", 1e3, "its component along Oy (fixed frame)", follows=LINK1_ANGLE),
     _signal(OUTPUT, "imbalance_acceleration_z", "m/s2", 1e3, "its component along Oz (fixed frame)", follows=LINK1_ANGLE),
     _signal(OUTPUT, "input_speed", "rad/s", 100.0, "speed of link 1 at this instant: what omega1 has come to, or drive_torque has made of it"),
+    _signal(OUTPUT, "mesh_torque_mean", "N.m", 100.0, "mean of M2 over the last communication step, impulses included"),
+    _signal(OUTPUT, "housing_torque_mean", "N.m", 100.0, "mean of Th over the last communication step, impulses included"),
+    _signal(OUTPUT, "input_acceleration", "rad/s2", 1e3, "acceleration of link 1 at this instant, jumps of omega1 apart"),
+    _signal(OUTPUT, "output_acceleration", "rad/s2", 1e3, "acceleration of the output shaft (driven mass if elastic) at this instant"),
+    _signal(OUTPUT, "output_angle", "rad", 1.0, "angle of the output shaft (driven mass if elastic) since the start without output_turns whole turns", 0.0, follows=SINCE_START),
+    _counter("output_turns", "whole turns of the output shaft taken off output_angle", None, OUTPUT),
+    _signal(OUTPUT, "loss_power_mean", "W", 1e3, "mean power lost over the last communication step: energy_lost gained over its length"),
+    _signal(OUTPUT, "satellite_force", "N", 1e3, "force of imbalance 0 on the bearing of its satellite, m |a|, at this instant", 0.0, follows=DRIVE_ANGLE),
+    _signal(OUTPUT, "satellite_force_peak", "N", 1e3, "largest satellite_force seen over the last communication step", 0.0, follows=DRIVE_ANGLE),
+    _signal(OUTPUT, "shaking_force_x", "N", 1e3, "force of all imbalances on the mount along the central axis Ox (fixed frame)", follows=DRIVE_ANGLE),
+    _signal(OUTPUT, "shaking_force_y", "N", 1e3, "their force along Oy", follows=LINK1_ANGLE),
+    _signal(OUTPUT, "shaking_force_z", "N", 1e3, "their force along Oz", follows=LINK1_ANGLE),
+    _signal(OUTPUT, "shaking_moment_x", "N.m", 100.0, "moment of all imbalances and drives on the mount about Ox", follows=DRIVE_ANGLE),
+    _signal(OUTPUT, "shaking_moment_y", "N.m", 100.0, "their moment about Oy", follows=LINK1_ANGLE),
+    _signal(OUTPUT, "shaking_moment_z", "N.m", 100.0, "their moment about Oz", follows=LINK1_ANGLE),
     _signal(LOCAL, "drive_angle", "rad", 1.0, "drive angle q without drive_turns whole turns: q = drive_angle + 2 pi drive_turns", 0.0, follows=DRIVE_ANGLE),
     _counter("drive_turns", "whole turns of the drive taken off drive_angle (a multiple of the turns in one period of the motion)", None),
     _signal(LOCAL, "input_angle", "rad", 1.0, "angle theta1 of link 1 without input_turns whole turns", 0.0, follows=SINCE_START),

@@ -64,3 +64,13 @@ def wrap_input_angle(x):
     if not 0.0 <= x.theta1 < TWO_PI:
         x.theta1, x.theta1_low, periods = wrap(x.theta1, x.theta1_low, TWO_PI, TWO_PI_LOW)
         x.input_turns += periods
+
+
+def turn_output(x):
+    """Add the angle of the step to that of the output shaft, in [0, 2 pi); whole turns are counted."""
+    x.output_angle, x.output_angle_low = add(x.output_angle, x.output_angle_low, x.turned3)
+    if not 0.0 <= x.output_angle < TWO_PI:
+        x.output_angle, x.output_angle_low, turns = wrap(
+            x.output_angle, x.output_angle_low, TWO_PI, TWO_PI_LOW
+        )
+        x.output_turns += turns

@@ -24,8 +24,8 @@ PARAMETERS = (
     *("housing_freewheel", "output_freewheel", "fidelity", "method", "drive", "input_hold", "tolerance"),
     *("max_step", "kinematic_ratio", "omega2_start", "omega_out_start", "drive_angle_start"),
 )
-# the parameters that the map of fidelity averaged depends on, the last where the torque of link 1 is given
-MAP_KEY = (*PARAMETERS[: PARAMETERS.index("drive_inertia") + 1], "link2_inertia", "input_inertia")
+# the parameters that the map of fidelity averaged depends on, and whether the torque of link 1 is given
+MAP_KEY = (*PARAMETERS[: PARAMETERS.index("drive_inertia") + 1], "link2_inertia", "input_inertia", "drive")
 
 # inputs, their rates over the coming step, and whether each rate is given
 INPUTS = (
@@ -34,17 +34,30 @@ INPUTS = (
     *("omega1_rate_given", "load_torque_rate_given", "drive_torque_rate_given"),
 )
 
-OUTPUTS = (
-    *("omega2", "omega_out", "input_torque", "mesh_torque", "output_torque", "housing_torque"),
-    *("input_torque_mean", "output_torque_mean", "imbalance_acceleration"),
-    *("imbalance_acceleration_x", "imbalance_acceleration_y", "imbalance_acceleration_z", "input_speed"),
-    *("drive_angle", "drive_turns", "input_angle", "input_turns", "contact_mode", "omega_hub", "shaft_twist"),
-    *("imbalance_x", "imbalance_y", "imbalance_z"),
-    *("imbalance_velocity_x", "imbalance_velocity_y", "imbalance_velocity_z"),
-    *("energy_in", "energy_out", "energy_stored", "energy_lost", "energy_residual"),
+# outputs and locals that stand in the state as they are
+READY = (
+    *("omega2", "omega_out", "input_torque_mean", "output_torque_mean", "input_speed", "omega_hub"),
+    *("drive_angle", "drive_turns", "input_angle", "input_turns", "output_angle", "output_turns"),
+    *("contact_mode", "shaft_twist", "energy_in", "energy_out", "energy_lost"),
     *("energy_lost_viscous", "energy_lost_shaft"),
-    *("torque_ripple", "torque_peak", "contact_switches", "rhs_evaluations"),
+    *("contact_switches", "rhs_evaluations"),
 )
+# those that take more work than some steps do: STEP_ONLY leaves them out and OUTPUTS fills them in
+LATE = (
+    *("input_torque", "mesh_torque", "output_torque", "housing_torque"),
+    *("mesh_torque_mean", "housing_torque_mean", "loss_power_mean", "torque_ripple", "torque_peak"),
+    *("input_acceleration", "output_acceleration", "energy_stored", "energy_residual"),
+    *("imbalance_x", "imbalance_y", "imbalance_z"),
+    *("imbalance_velocity_x", "imbalance_velocity_y", "imbalance_velocity_z", "imbalance_acceleration"),
+    *("imbalance_acceleration_x", "imbalance_acceleration_y", "imbalance_acceleration_z"),
+    *("satellite_force", "satellite_force_peak", "shaking_force_x", "shaking_force_y", "shaking_force_z"),
+    *("shaking_moment_x", "shaking_moment_y", "shaking_moment_z"),
+)
+OUTPUTS = (*READY, *LATE)
+
+# motion of links 1 and 2 at a moment, and how many moments of a step are kept (see loads)
+MOMENT = ("q", "omega1", "omega2", "alpha1", "alpha2")
+MOMENTS = 8
 
 # a ..._low is what the field before it lost to rounding (compensated sums), so that a billion tiny
 # communication steps add up to the same motion as one long step
@@ -62,9 +75,16 @@ STATE = (
         "torque_ripple",
         "torque_peak",
     ),
-    *("switches", "evaluations"),
-    # sums over the communication step in hand
-    *("input_impulse", "output_impulse", "output_square", "step_switches", "step_evaluations"),
+    *("switches", "evaluations", "output_angle", "output_angle_low", "output_turns"),
+    # the communication step in hand, or the last one: its length, the state it began with
+    *("length", "begin_q", "begin_omega1", "begin_omega2"),
+    *("begin_theta1", "begin_input_turns", "begin_drive_turns"),
+    *("begin_shaft", "begin_shaft_low", "begin_viscous", "begin_viscous_low"),
+    # ... and sums over it: impulses, angle of the output
+    *("input_impulse", "output_impulse", "mesh_impulse", "output_square", "turned3"),
+    *("step_switches", "step_evaluations"),
+    # ... how many moments of it were seen, the last of them, the largest |a|^2 of imbalance 0 before
+    *("seen", ("moments", MOMENT, MOMENTS), "largest_square"),
     # elastic output: twist, and omega3 - omega4, which would cancel if omega4 were kept instead
     *("twist", "twist_low", "relative", "relative_low"),
     # fixed steps: I, I', B, G at q

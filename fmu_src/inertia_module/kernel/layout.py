@@ -1,31 +1,31 @@
-"""Where the imbalance is: position and its derivatives in q, in the frame of link 1.
+"""Where an imbalance is: position and its derivatives in q, in the frame of link 1, and its motion.
 
 Source: Karetin (2020), equation 2, with U5 U4 put right to U3 cos(phi + psi); Lysenko, equation 1.
 """
 
 import math
 
+from .sine import sine_cosine, sines_cosines
 
-def imbalance(d, q):
-    """Imbalance 0 of module 0 in the frame of link 1.
+
+def imbalance(d, q, turned):
+    """An imbalance of module 0 in the frame of link 1.
 
     Args:
         d: derived constants.
         q: drive angle, rad.
+        turned: angle of its satellite from satellite 0 about the axis of the drive, rad (bevel).
 
     Returns:
         (x, y, z, x', y', z', x'', y'', z''), m and m per rad of q to the power 1 and 2.
     """
-    s = d.s
-    sin_a = math.sin(q + d.phase_a)
-    cos_a = math.cos(q + d.phase_a)
     if d.planar != 0.0:
-        arm = d.radial
-        y = arm * sin_a
-        z = arm * cos_a
+        sine, cosine = sine_cosine(q)
+        y = d.radial * sine
+        z = d.radial * cosine
         return 0.0, y, d.axial - z, 0.0, z, y, 0.0, -y, z
-    sin_b = math.sin(s * q + d.phase_b)
-    cos_b = math.cos(s * q + d.phase_b)
+    s = d.s
+    sin_a, sin_b, cos_a, cos_b = sines_cosines(q + d.phase_a + turned, s * q + d.phase_b)
     radial = d.radial - d.radial_cos * cos_b
     tangential = -d.arm * sin_b
     radial1 = s * d.radial_cos * sin_b
@@ -57,25 +57,41 @@ def to_fixed_frame(theta1, x, y, z):
     return x, y * cosine - z * sine, y * sine + z * cosine
 
 
-def imbalance_in_fixed_frame(d, q, theta1, omega1, alpha1, rate_q, rate2_q):
-    """Position, velocity and acceleration of the imbalance in the fixed frame Oxyz.
+def acceleration(place, omega1, alpha1, rate_q, rate2_q):
+    """Absolute acceleration of an imbalance in the frame of link 1, m/s^2.
 
-    Exact form of DESIGN section 4: Rx(theta1)[r], Rx[r' q' + w x r] and
-    Rx[r'' q'^2 + r' q'' + 2 w x r' q' + alpha x r + w x (w x r)], with w along Ox.
+    r'' q'^2 + r' q'' + 2 w x r' q' + alpha x r + w x (w x r) with w along Ox.
 
-    Returns:
-        nine doubles: position (m), velocity (m/s), acceleration (m/s^2).
+    Args:
+        place: of imbalance(). omega1, alpha1: of link 1. rate_q, rate2_q: q' and q''.
     """
-    x, y, z, x1, y1, z1, x2, y2, z2 = imbalance(d, q)
-    px, py, pz = to_fixed_frame(theta1, x, y, z)
-    vx, vy, vz = to_fixed_frame(theta1, x1 * rate_q, y1 * rate_q - omega1 * z, z1 * rate_q + omega1 * y)
+    _, y, z, x1, y1, z1, x2, y2, z2 = place
     square = rate_q * rate_q
     coriolis = 2.0 * omega1 * rate_q
     central = omega1 * omega1
-    ax, ay, az = to_fixed_frame(
-        theta1,
+    return (
         x2 * square + x1 * rate2_q,
         y2 * square + y1 * rate2_q - coriolis * z1 - alpha1 * z - central * y,
         z2 * square + z1 * rate2_q + coriolis * y1 + alpha1 * y - central * z,
     )
+
+
+def imbalance_in_fixed_frame(d, q, theta1, omega1, alpha1, rate_q, rate2_q, turned):
+    """Position, velocity and acceleration of an imbalance of module 0 in the fixed frame Oxyz.
+
+    Args:
+        theta1, omega1, alpha1: of link 1. rate_q, rate2_q: q' and q''.
+        turned: angle of its satellite from satellite 0, rad, about the axis of the drive (bevel) or Ox.
+
+    Returns:
+        nine doubles: position (m), velocity (m/s), acceleration (m/s^2).
+    """
+    if d.planar != 0.0:
+        theta1 += turned
+    place = imbalance(d, q, turned)
+    x, y, z, x1, y1, z1, _, _, _ = place
+    px, py, pz = to_fixed_frame(theta1, x, y, z)
+    vx, vy, vz = to_fixed_frame(theta1, x1 * rate_q, y1 * rate_q - omega1 * z, z1 * rate_q + omega1 * y)
+    ax, ay, az = acceleration(place, omega1, alpha1, rate_q, rate2_q)
+    ax, ay, az = to_fixed_frame(theta1, ax, ay, az)
     return px, py, pz, vx, vy, vz, ax, ay, az

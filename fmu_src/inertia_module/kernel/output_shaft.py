@@ -1,4 +1,4 @@
-"""The output shaft (rigid) while link 2 does not drive it: it coasts, rests, and is met by link 2."""
+"""The output shaft turns against the load; while link 2 does not drive it (rigid) it coasts and rests."""
 
 import math
 
@@ -41,6 +41,12 @@ def coasting_bend(d, x, load, h):
     return abs(load + d.b3 * x.omega3) / d.J3 * h * z * z * z
 
 
+def turn(x, load, angle):
+    """Count an angle of the output, driven mass if elastic, and the work on the load."""
+    x.turned3 += angle
+    x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, load * angle)
+
+
 def coast(d, x, load, h):
     """The shaft slowed by load and friction over h, with its work and loss."""
     change = -load * h / d.J3
@@ -52,7 +58,7 @@ def coast(d, x, load, h):
         mean = x.omega3 + at_once * second
         lost = -d.J3 * change * (x.omega3 + 0.5 * change) - load * h * mean
         x.lost_viscous, x.lost_viscous_low = add(x.lost_viscous, x.lost_viscous_low, max(0.0, lost))
-    x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, load * h * mean)
+    turn(x, load, h * mean)
     x.omega3, x.omega3_low = add(x.omega3, x.omega3_low, change)
 
 

@@ -3,16 +3,15 @@
 A shell may leave the late ones until they are read.
 """
 
-import math
-
-from .audit import is_audited
+from .audit import change, is_audited
 from .averaged.outputs import averaged_energy, write_averaged
 from .codes import AVERAGED, DRIVING, ELASTIC, FREE, HELD_DRIVING, KINEMATIC
 from .contact import torque_carried
-from .layout import imbalance_in_fixed_frame
-from .links import kinetic_energy, torques
+from .derive import TWO_PI
+from .links import angular_momentum, kinetic_energy, torques
+from .loads import write_loads
 from .run import accelerations_now
-from .shaft import load_behind_freewheel, stored_in_shaft
+from .shaft import hub_rate, load_behind_freewheel, relative_rate, stored_in_shaft
 
 
 def shaft_in_energy(p, x):
@@ -39,8 +38,13 @@ def write_torques(p, d, x, y):
     load, _ = load_behind_freewheel(d, x)
     if p.fidelity == KINEMATIC:
         alpha2 = p.kinematic_ratio * x.alpha1
+        y.output_acceleration = alpha2
     else:
         _, alpha2 = accelerations_now(d, x)
+        alpha3 = hub_rate(d, x, load, alpha2)
+        elastic = p.fidelity == ELASTIC
+        relative = relative_rate(d, x, x.load_torque, load, alpha3) if elastic else 0.0
+        y.output_acceleration = alpha3 - relative
     drive, mesh = torques(d, x.q, x.omega1, x.alpha1, x.omega2, alpha2)
     if p.fidelity == KINEMATIC:
         output = mesh - d.J2 * alpha2 - d.b2 * x.omega2
@@ -56,28 +60,34 @@ def write_torques(p, d, x, y):
     return alpha2
 
 
-def write_imbalance(d, x, y, alpha2):
-    """Position, velocity and acceleration of imbalance 0 of module 0 in the fixed frame."""
-    k = d.k
-    px, py, pz, vx, vy, vz, ax, ay, az = imbalance_in_fixed_frame(
-        d,
-        x.q,
-        x.theta1,
-        x.omega1,
-        x.alpha1,
-        k * (x.omega1 - x.omega2),
-        k * (x.alpha1 - alpha2),
-    )
-    y.imbalance_x = px
-    y.imbalance_y = py
-    y.imbalance_z = pz
-    y.imbalance_velocity_x = vx
-    y.imbalance_velocity_y = vy
-    y.imbalance_velocity_z = vz
-    y.imbalance_acceleration = math.sqrt(ax * ax + ay * ay + az * az)
-    y.imbalance_acceleration_x = ax
-    y.imbalance_acceleration_y = ay
-    y.imbalance_acceleration_z = az
+def write_means(p, d, x, y):
+    """Means over the step, all impulses included: the changes of momenta leave nothing to integrate.
+
+    Links 1, 2 and imbalances: P' = M1 - b1 omega1 - b2 omega2 - Tc + Th. Link 2: J2 omega2' = M2 - b2 omega2
+    - Tc + Th.
+    """
+    per_step = 1.0 / x.length if x.length > 0.0 else 0.0
+    mesh = per_step * x.mesh_impulse
+    housing = x.output_torque_mean - mesh
+    if p.fidelity != AVERAGED:
+        gained = angular_momentum(d, x.q, x.omega1, x.omega2)
+        gained -= angular_momentum(d, x.begin_q, x.begin_omega1, x.begin_omega2)
+        housing = per_step * gained + x.output_torque_mean - x.input_torque_mean
+        rubbed = 0.0
+        if d.viscous != 0.0:
+            turned1 = x.theta1 - x.begin_theta1 + TWO_PI * (x.input_turns - x.begin_input_turns)
+            turned = x.q - x.begin_q + TWO_PI * (x.drive_turns - x.begin_drive_turns)
+            rubbed = per_step * d.b2 * (turned1 - turned / d.k)
+            housing += per_step * d.b1 * turned1 + rubbed
+        if p.fidelity == KINEMATIC or d.housing == 0.0:
+            housing = 0.0
+        housing = max(housing, 0.0)  # it only pushes: below zero is rounding
+        mesh = per_step * d.J2 * (x.omega2 - x.begin_omega2) + rubbed + x.output_torque_mean - housing
+    y.mesh_torque_mean = mesh
+    y.housing_torque_mean = housing
+    lost = change(x.lost_shaft, x.lost_shaft_low, x.begin_shaft, x.begin_shaft_low)
+    lost += change(x.lost_viscous, x.lost_viscous_low, x.begin_viscous, x.begin_viscous_low)
+    y.loss_power_mean = per_step * lost
 
 
 def write_outputs(x, y):
@@ -93,6 +103,8 @@ def write_outputs(x, y):
     y.drive_turns = x.drive_turns
     y.input_angle = x.theta1
     y.input_turns = x.input_turns
+    y.output_angle = x.output_angle
+    y.output_turns = x.output_turns
     y.contact_mode = x.mode
     y.contact_switches = x.switches
     y.rhs_evaluations = x.evaluations
@@ -112,4 +124,6 @@ def write_late_outputs(p, d, x, y):
     y.energy_stored = stored
     y.energy_residual = passed - (stored - x.energy_start)
     alpha2 = write_torques(p, d, x, y)
-    write_imbalance(d, x, y, alpha2)
+    y.input_acceleration = x.alpha1
+    write_means(p, d, x, y)
+    write_loads(p, d, x, y, alpha2)

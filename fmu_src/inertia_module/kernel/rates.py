@@ -34,7 +34,7 @@ def go_on(u, x):
 def write_rates(p, d, u, x, y, w):
     """Put the rate of each output in its place in y, one-sided towards later times, per second.
 
-    A step mean holds for its step: its rate is 0. u and x are left as they become in between.
+    A mean or peak holds for its step: its rate is 0. u and x are left as they become in between.
     Returns a status.
     """
     h = SHARE / fastest_rate(p, d, x)
@@ -59,4 +59,11 @@ def write_rates(p, d, u, x, y, w):
         y.numbers[n] = ((w.outputs_1.numbers[n] - begin) * 4.0 - (y.numbers[n] - begin)) / (2.0 * h)
     y.input_torque_mean = 0.0
     y.output_torque_mean = 0.0
+    y.mesh_torque_mean = 0.0
+    y.housing_torque_mean = 0.0
+    y.loss_power_mean = 0.0
+    y.satellite_force_peak = 0.0
+    # the angle may just have come around
+    y.output_angle = w.outputs_0.omega_out
+    y.output_turns = 0.0
     return OK

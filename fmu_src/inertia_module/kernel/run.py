@@ -9,6 +9,7 @@ from .engine import run_events
 from .impulse import jump_input, jump_kinematic
 from .limits import MAX_EVALUATIONS, MAX_STEPS
 from .links import accelerations, given_at_input
+from .loads import see
 from .shaft import load_behind_freewheel
 from .solvers.followed import is_stiff
 from .solvers.kinematic import advance_kinematic
@@ -42,7 +43,9 @@ def run_timestepping(d, x, w, h):
             given = x.drive_torque * part
         else:
             given = start1 + x.alpha1 * part * number - x.omega1
+        omega1, omega2 = x.omega1, x.omega2
         one_step(d, x, w, given, x.load_torque, part)
+        see(d, x, x.q, x.omega1, x.omega2, (x.omega1 - omega1) / part, (x.omega2 - omega2) / part)
     x.mode = present_mode(d, x, TORQUE_ROUNDING)  # what the torques now follow from
     return OK
 

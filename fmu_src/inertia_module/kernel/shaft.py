@@ -3,6 +3,8 @@
 Ts = c delta + d (omega3 - omega4)        J4 omega4' = Ts - f omega4 - T_load + beta J4 omega3'
 """
 
+from .codes import DRIVING, HELD_DRIVING
+
 
 def shaft_torque(d, x):
     """Ts now, N m."""
@@ -20,6 +22,13 @@ def load_behind_freewheel(d, x):
         return load, 0.0
     torque = shaft_torque(d, x)
     return torque, d.stiffness * x.relative + d.damping * relative_rate(d, x, load, torque, 0.0)
+
+
+def hub_rate(d, x, torque, alpha2):
+    """Acceleration of the hub: with link 2, at rest with it, or by friction and the torque behind it alone."""
+    if x.mode == DRIVING:
+        return alpha2
+    return 0.0 if x.mode == HELD_DRIVING else -(torque + d.b3 * x.omega3) / d.J3
 
 
 def relative_rate(d, x, load, torque, rate3):

@@ -2,7 +2,7 @@
 
 import math
 
-from .accumulate import copy, wrap_drive_angle
+from .accumulate import copy, turn_output, wrap_drive_angle
 from .audit import audit, is_audited
 from .averaged.legs import RESTING
 from .averaged.run import end_step, speed_at_start
@@ -92,6 +92,7 @@ def end(x, h, input_jump, output_jump):
     mean = x.output_impulse / h
     variance = x.output_square / h - mean * mean
     x.torque_ripple = math.sqrt(variance) if variance > 0.0 else 0.0
+    turn_output(x)
     x.switches += x.step_switches
     x.evaluations += x.step_evaluations
 

@@ -12,6 +12,7 @@ integral of P as well: that of omega1 dP is omega1 P less alpha1 times it.
 from .accumulate import add
 from .codes import DRIVING
 from .links import angular_momentum, inertia_at_input
+from .output_shaft import turn
 from .solvers.dormand_prince import END, NODES, STAGES
 from .solvers.dormand_prince_5 import END as SHORT_END
 from .solvers.dormand_prince_5 import NODES as SHORT_NODES
@@ -96,7 +97,7 @@ def add_explicit_works(d, x, w, start1, start2, passed, turned1, turned2, integr
     if x.mode == DRIVING:
         output_impulse = d.J3 * (x.omega2 - start2) + d.b3 * turned2 + load * passed
         x.output_impulse += output_impulse
-        x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, load * turned2)
+        turn(x, load, turned2)
     if d.by_torque != 0.0:
         add_work_in(x, w.given * turned1)
         return
@@ -174,7 +175,7 @@ def add_shaft_works(d, x, w):
         x.output_square += weight * output_torque * output_torque
         x.output_impulse += weight * output_torque
         x.torque_peak = max(x.torque_peak, abs(output_torque))
-    x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, w.load * out)
+    turn(x, w.load, out)
     x.lost_shaft, x.lost_shaft_low = add(x.lost_shaft, x.lost_shaft_low, lost)
     x.lost_viscous, x.lost_viscous_low = add(x.lost_viscous, x.lost_viscous_low, rubbed)
 

@@ -6,7 +6,7 @@ import threading
 from collections import OrderedDict
 from typing import Any
 
-from ..kernel import codes, fields
+from ..kernel import fields
 
 MOST_MAPS = 64
 # what the kernel's build_map writes and is to find again
@@ -17,9 +17,8 @@ _maps: OrderedDict[tuple[float, ...], Any] = OrderedDict()
 
 
 def _key(parameters: Any) -> tuple[float, ...]:
-    """The parameters the map depends on: the inertia of link 1 only if that is free under its torque."""
-    *numbers, inertia = (getattr(parameters, name) for name in fields.MAP_KEY)
-    return (*numbers, inertia if parameters.drive == codes.DRIVE_TORQUE else 0.0)
+    """The parameters the map depends on."""
+    return tuple(getattr(parameters, name) for name in fields.MAP_KEY)
 
 
 def recall(parameters: Any, derived: Any) -> None:

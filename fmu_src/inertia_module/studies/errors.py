@@ -59,7 +59,7 @@ def acceleration(case: Case, trajectory: Trajectory, modes: Array) -> Array:
         carried = (d.J3, case.load_torque) if mode == DRIVING else (0.0, 0.0)
         held = mode not in (DRIVING, FREE)
         _, alpha2, _ = accelerations(d, q, omega1, omega2, 0.0, held, *carried)  # type: ignore[no-untyped-call]
-        place = (d, q, 0.0, omega1, 0.0, k * (omega1 - omega2), -k * alpha2)
+        place = (d, q, 0.0, omega1, 0.0, k * (omega1 - omega2), -k * alpha2, 0.0)
         found.append(np.linalg.norm(imbalance_in_fixed_frame(*place)[6:]))  # type: ignore[no-untyped-call]
     return np.array(found)
 

@@ -11,14 +11,18 @@ from ..kernel.codes import AVERAGED, ELASTIC, EVENT, KINEMATIC, RIGID, TIMESTEPP
 FIDELITIES = {number: name for name, number, _ in ENUMERATIONS["Fidelity"]}
 METHODS = {number: name for name, number, _ in ENUMERATIONS["Method"]}
 
-_SPEEDS = ("omega2", "omega_out", "omega_hub")
+_SPEEDS = (*("omega2", "omega_out", "omega_hub", "output_acceleration", "output_angle", "output_turns"),)
 _PULSES = (
     *("omega2", "input_torque", "mesh_torque", "output_torque", "housing_torque"),
     *("contact_mode", "contact_switches", "torque_ripple", "torque_peak"),
+    *("input_acceleration", "output_acceleration"),
 )
-_VECTORS = ("imbalance_", "imbalance_velocity_", "imbalance_acceleration_")
+_VECTORS = (
+    *("imbalance_", "imbalance_velocity_", "imbalance_acceleration_"),
+    *("shaking_force_", "shaking_moment_"),
+)
 _PHASE = (
-    *("imbalance_acceleration", "drive_angle", "drive_turns"),
+    *("imbalance_acceleration", "satellite_force", "satellite_force_peak", "drive_angle", "drive_turns"),
     *(f"{vector}{axis}" for vector in _VECTORS for axis in "xyz"),
 )
 _NO_SHAFT = {"shaft_twist": "has no elastic shaft"}

@@ -33,6 +33,7 @@ def write_averaged(d, x, y):
     y.input_torque = mean_input_torque(d, side, x, v, alpha1, alpha3, torque)
     y.mesh_torque = mesh
     y.output_torque = torque
+    y.output_acceleration = alpha3
     y.housing_torque = torque - mesh
     ripple = 0.0
     peak = abs(torque)

@@ -12,6 +12,7 @@ import math
 
 from ..accumulate import add, wrap_drive_angle, wrap_input_angle
 from ..codes import DRIVING, FREE, HELD_DRIVING, OK, STEP_TOO_SMALL, TOO_MUCH_WORK
+from ..output_shaft import turn
 from .legs import (
     COASTING,
     LOCKED,
@@ -25,7 +26,7 @@ from .legs import (
     rest,
     turn_locked,
 )
-from .rates import energy_at, flow, input_speed, look_up_input, mean_input_torque, side_at
+from .rates import energy_at, flow, input_speed, look_up_input, mean_input_torque, mesh_share, side_at
 from .step import slip
 
 # legs and internal steps before a communication step is given up
@@ -59,18 +60,19 @@ def leg_speed(x, leg):
     return max(x.omega3, STARTING) if leg == COASTING else x.omega3
 
 
-def input_torque_at(d, side, x, leg, omega1, alpha1):
-    """Mean input torque now, the speed of link 1 being given."""
+def torques_at(d, side, x, leg, omega1, alpha1):
+    """Mean input torque and mean mesh torque now, the speed of link 1 being given."""
     omega3 = x.omega3
     x.omega3 = leg_speed(x, leg)
     torque, alpha3, _, _ = torque_at(d, side, x, leg, omega1, alpha1)
     mean = mean_input_torque(d, side, x, omega1, alpha1, alpha3, torque)
+    mesh = mesh_share(x, omega1, torque)
     x.omega3 = omega3
-    return mean
+    return mean, mesh
 
 
-def input_impulse(passed, omega1, alpha1, work, torque0, torque1):
-    """Integral of M1 over a part with its work, by the values at both ends where omega1 changes."""
+def impulse_with_work(passed, omega1, alpha1, work, torque0, torque1):
+    """Integral over a part of a torque with its work on link 1, by its ends where omega1 changes."""
     middle = omega1 + 0.5 * alpha1 * passed
     if alpha1 == 0.0:
         return work / omega1 if omega1 != 0.0 else 0.0
@@ -89,7 +91,7 @@ def advance_leg(d, side, x, w, leg, v, alpha1, remaining):
     energy0, share, _ = energy_at(d, side, x, v)
     given = d.by_torque == 0.0
     impulse = 0.0
-    torque0 = 0.0
+    torque0, mesh0 = 0.0, 0.0
     if leg == RESTING:
         h, impulse = rest(d, side, x, w, v, alpha1, remaining)
     elif leg == LOCKED:
@@ -98,20 +100,23 @@ def advance_leg(d, side, x, w, leg, v, alpha1, remaining):
         h = coast(d, side, x, w, v, alpha1, remaining)
     else:
         if alpha1 != 0.0 and given:
-            torque0 = input_torque_at(d, side, x, leg, v, alpha1)
+            torque0, mesh0 = torques_at(d, side, x, leg, v, alpha1)
         h, impulse = slip(d, side, x, w, v, alpha1, remaining)
         if h < 0.0:
             return -1.0, v
     end = v + alpha1 * h if given else side.direction * w.next_speed
     x.output_impulse += impulse
-    x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, x.load_torque * w.turned3)
+    turn(x, x.load_torque, w.turned3)
     if given:
         energy1, _, _ = energy_at(d, side, x, end)
         work = w.work + energy1 - energy0
         turned = h * (v + 0.5 * alpha1 * h)
         if leg == SLIPPING:
-            torque1 = input_torque_at(d, side, x, leg, end, alpha1) if alpha1 != 0.0 else 0.0
-            x.input_impulse += input_impulse(h, v, alpha1, work, torque0, torque1)
+            torque1, mesh1 = 0.0, 0.0
+            if alpha1 != 0.0:
+                torque1, mesh1 = torques_at(d, side, x, leg, end, alpha1)
+            x.input_impulse += impulse_with_work(h, v, alpha1, work, torque0, torque1)
+            x.mesh_impulse += impulse_with_work(h, v, alpha1, w.work, mesh0, mesh1)
         else:
             x.input_impulse += share * (end - v) + (impulse if leg == LOCKED else 0.0)
     else:
@@ -119,6 +124,10 @@ def advance_leg(d, side, x, w, leg, v, alpha1, remaining):
         work = x.drive_torque * turned
         x.theta1, x.theta1_low = add(x.theta1, x.theta1_low, turned)
         wrap_input_angle(x)
+        if leg == SLIPPING and turned != 0.0:
+            x.mesh_impulse += h * w.work / turned
+    if leg == LOCKED:
+        x.mesh_impulse += impulse
     x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, work)
     x.q, x.q_low = add(x.q, x.q_low, d.k * (turned - w.turned2))
     return h, end

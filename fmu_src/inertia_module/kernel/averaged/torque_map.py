@@ -62,11 +62,13 @@ def is_map_of(p, d):
 
 
 def key_number(p, d, n):
-    """Number n of what the map depends on: parameters, and the inertia of link 1 if it is free."""
+    """Number n of what the map depends on (fields.MAP_KEY)."""
     last = len(d.map_key) - 1
     if n == last:
-        return d.J1 if d.by_torque != 0.0 else 0.0
-    return p.link2_inertia if n == last - 1 else p.numbers[n]
+        return p.drive
+    if n == last - 1:
+        return p.input_inertia
+    return p.link2_inertia if n == last - 2 else p.numbers[n]
 
 
 def mark_map(p, d):

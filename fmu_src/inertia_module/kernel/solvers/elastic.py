@@ -11,8 +11,9 @@ from ..codes import COLLOCATED, DRIVING, FREE, HELD, HELD_DRIVING, LINK2, NONE, 
 from ..contact import TORQUE_ROUNDING, is_held
 from ..guards import bend_inside
 from ..links import accelerations, angular_momentum, inertia_at_output, response, torque_scale
+from ..loads import INSIDE_PHASE, see
 from ..search import find_crossing, first_crossing, is_surely_positive
-from ..shaft import relative_rate, shaft_torque
+from ..shaft import hub_rate, relative_rate, shaft_torque
 from ..works import (
     add_held_works,
     add_link_losses,
@@ -28,6 +29,8 @@ from .followed import hub_compliance, is_slow, shaft_frequency, share_of_pulses,
 from .radau import GAMMA, STAGES
 from .shaft_stages import damp_error
 
+# stage inside the step at which the force on the bearing is seen
+SEEN = 2
 # phase of the highest harmonic within one step, rad
 STEP_PHASE = 2.0
 # phase between two looks at a guard, rad
@@ -123,7 +126,8 @@ def start_rates(d, x, w):
     rate1, rate2, _ = accelerations(d, x.q, x.omega1, x.omega2, w.given, held, carried, friction, behind)
     guess_rates(w, rate1, rate2)
     w.alpha1 = rate1
-    rate3 = rate2 if driving else (0.0 if x.mode == HELD_DRIVING else -(torque + d.b3 * x.omega3) / d.J3)
+    see(d, x, x.q, x.omega1, x.omega2, rate1, rate2)
+    rate3 = hub_rate(d, x, torque, rate2)
     rates = (rate1, rate2, rate3, relative_rate(d, x, w.load, torque, rate3))
     return rates, 0.0 if held else inertia_at_output(d, x.q)
 
@@ -265,6 +269,11 @@ def commit(d, x, w, which, turned1):
         x.omega2_low = x.omega3_low
 
 
+def see_stage(d, x, w, n):
+    """See the bearing's force at a stage of the step."""
+    see(d, x, w.stage_q[n], w.stage_omega1[n], w.stage_omega2[n], w.rate1[n], w.rate2[n])
+
+
 def advance_elastic(d, x, w, remaining):
     """Advance by one step, or to the first event in it.
 
@@ -277,6 +286,8 @@ def advance_elastic(d, x, w, remaining):
     if not found:
         return -1.0, False
     which = end_at_event(d, x, w, rate, followed, fastest)
+    if rate * w.step > INSIDE_PHASE:
+        see_stage(d, x, w, SEEN)
     h = w.step
     q = x.q
     start1 = x.omega1

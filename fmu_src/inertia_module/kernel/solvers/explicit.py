@@ -11,14 +11,17 @@ from ..codes import DRIVING, EXPLICIT, HELD, LINK2, NONE
 from ..contact import is_held
 from ..guards import instant, is_guarded, keep_motion
 from ..links import angular_momentum, response
+from ..loads import INSIDE_PHASE, see
 from ..output_shaft import coast, meet, pass_while_held, stop, time_to_stop
 from ..works import add_explicit_works, add_output_square, add_viscous_losses
-from .dormand_prince import END
+from .dormand_prince import END, NODES, sum_9
 from .dormand_prince_5 import END as SHORT_END
 from .explicit_events import QUIET_PHASE, advance_of_phase, first_event, is_quiet
 from .explicit_stages import evaluate_short_stages, evaluate_stages, keep_stage
 from .interpolant import dense_change, error_norm, integral, short_error_norm, step_mean
 
+# stage inside the step at which the force on the bearing is seen
+SEEN = 9
 # phase of the highest harmonic within one step, rad
 STEP_PHASE = 12.0
 # the same where the inertia behind link 2 all but vanishes at an angle, or that of link 1 is light: the
@@ -171,6 +174,19 @@ def end_of_step(d, x, w, last):
     return end
 
 
+def see_inside(d, x, w, sigma):
+    """See the bearing's force at a stage inside the step, or its part sigma, where the drive turns far."""
+    inside = 0.0 <= sigma < NODES[SEEN]
+    if w.short != 0.0 or inside or d.harmonic * abs(w.change_q) < INSIDE_PHASE:
+        return
+    omega1 = x.omega1 + NODES[SEEN] * w.step * w.given
+    if d.by_torque != 0.0:
+        omega1 = w.integrand[SEEN]
+    alpha1 = w.rate_omega1[SEEN]
+    q = x.q + w.step * sum_9(w.rate_q)
+    see(d, x, q, omega1, omega1 - w.rate_q[SEEN] / d.k, alpha1, w.rate_omega2[SEEN])
+
+
 def commit(d, x, w, passed, sigma, which):
     """Take over the step or its part sigma, with its works; a velocity that met its limit is set there."""
     start1 = x.omega1
@@ -182,6 +198,7 @@ def commit(d, x, w, passed, sigma, which):
         change_q = dense_change(w.dense_q, sigma)
         change2 = dense_change(w.dense_omega2, sigma)
         change1 = dense_change(w.dense_omega1, sigma) if d.by_torque != 0.0 else w.given * passed
+    see_inside(d, x, w, sigma)
     integrated = 0.0
     if d.by_torque != 0.0 or w.given != 0.0:
         integrated = integral(w, w.integrand, sigma)
@@ -234,6 +251,7 @@ def advance_explicit(d, x, w, remaining):
         keep_motion(x, instant(d, x, w, x.q, x.omega1, x.omega2))
     begin = (x.rate1, x.rate2, x.jerk2, x.free, x.free_rate, x.momentum, x.motion_energy)
     keep_stage(d, w, 0, x.omega1, x.omega2, begin[0], begin[1], begin[5])
+    see(d, x, x.q, x.omega1, x.omega2, begin[0], begin[1])
     limit = longest_step(d, x, w, remaining)
     done = False
     end = begin

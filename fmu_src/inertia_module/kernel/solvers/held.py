@@ -12,9 +12,10 @@ from ..codes import CLOSED_FORM, HELD, LINK2
 from ..contact import TORQUE_ROUNDING
 from ..guards import held_bend, keep_motion, threshold
 from ..links import torque_scale
+from ..loads import see
 from ..output_shaft import pass_while_held, stop, time_to_stop
 from ..search import first_crossing
-from ..works import add_held_works, inertia_integral
+from ..works import add_held_works, held_angle, inertia_integral
 
 # phase of the highest harmonic between two looks at the guard, rad
 SCAN_PHASE = 1.5
@@ -57,6 +58,9 @@ def advance_held(d, x, w, remaining):
         if alpha1 != 0.0:
             for n in range(looks):
                 phi += inertia_integral(d, x, x.q, omega1, alpha1, h * n / looks, h * (n + 1) / looks)
+        for n in range(2 * looks):
+            t = h * n / (2 * looks)
+            see(d, x, held_angle(d, x.q, omega1, alpha1, t), omega1 + alpha1 * t, 0.0, alpha1, 0.0)
         energy = add_held_works(d, x, x.q, omega1, alpha1, h, phi)
         x.q, x.q_low = add(x.q, x.q_low, d.k * h * (omega1 + 0.5 * alpha1 * h))
         wrap_drive_angle(d, x)

@@ -4,6 +4,7 @@ import math
 
 from ..accumulate import add
 from ..links import torques
+from ..loads import see
 from ..works import GAUSS_NODE_1, GAUSS_NODE_2, GAUSS_WEIGHT_1, GAUSS_WEIGHT_2, GAUSS_WEIGHT_3
 
 # phase of the highest harmonic within one Gauss interval, rad
@@ -44,5 +45,8 @@ def advance_kinematic(d, x, ratio, omega1, alpha1, remaining):
     add_node(d, x, ratio, omega1, alpha1, rate, 0.5 * h, GAUSS_WEIGHT_3 * h)
     add_node(d, x, ratio, omega1, alpha1, rate, h - GAUSS_NODE_2 * h, GAUSS_WEIGHT_2 * h)
     add_node(d, x, ratio, omega1, alpha1, rate, h - GAUSS_NODE_1 * h, GAUSS_WEIGHT_1 * h)
-    x.q, x.q_low = add(x.q, x.q_low, rate * h * (omega1 + 0.5 * alpha1 * h))
+    see(d, x, x.q, omega1, ratio * omega1, alpha1, ratio * alpha1)
+    turned1 = h * (omega1 + 0.5 * alpha1 * h)
+    x.turned3 += ratio * turned1
+    x.q, x.q_low = add(x.q, x.q_low, rate * turned1)
     return h

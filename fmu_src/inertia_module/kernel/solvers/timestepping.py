@@ -13,6 +13,7 @@ from ..contact import settle
 from ..impulse import push_driven_mass
 from ..inertia import reduced_inertia
 from ..links import inertia_of_link1, inertia_of_link2
+from ..output_shaft import turn
 from .link_step import move_links, turn_link1
 
 # what a torque of the shaft may change of the speed it acts on in a step that resolves it
@@ -167,7 +168,7 @@ def turn_shaft(d, x, w, end3, h):
             x.relative = 0.0
             x.relative_low = 0.0
         push_driven_mass(d, x, end3 - w.end3, w.stiff != 0.0)
-    x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, w.load * h * mean4)
+    turn(x, w.load, h * mean4)
     x.omega3 = end3
 
 

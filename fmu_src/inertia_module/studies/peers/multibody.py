@@ -88,7 +88,7 @@ def mechanism(
     module = _planar_module if p["layout"] else _bevel_module
     # of the input inertia J1 the drives of the bevel layout already bring half of J16
     rest = p["input_inertia"] - (0.0 if p["layout"] else 0.5 * p["drive_inertia"]) + flywheel
-    frames = [_frame(np.zeros(3), turn(0, 1.1 * n)) for n in range(int(p["modules"]))]
+    frames = [_frame(np.zeros(3), turn(0, 2.0 * np.pi * n / p["modules"])) for n in range(int(p["modules"]))]
     modules = "".join(f"<body {frame}>{module(p, n)}</body>" for n, frame in enumerate(frames))
     shafts = _shaft("link 1", rest, modules) + _shaft("link 2", p["link2_inertia"])
     if output_shaft:
