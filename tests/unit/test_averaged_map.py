@@ -158,7 +158,7 @@ def test_map_is_kept_between_instances_that_are_alike(compiled, monkeypatch):
     assert first.derived.map_evaluations > 0.0
     (known,) = kept.values()
     known.map_evaluations = -1.0  # a map built anew counts from zero
-    second = Module(compiled).start(fidelity=1, omega1=50.0, output_inertia=3.0, input_inertia=1.0)
+    second = Module(compiled).start(fidelity=1, omega1=50.0, output_inertia=3.0)
     assert second.derived.map_evaluations == -1.0
     for side in ("forward", "backward"):
         assert bytes(getattr(second.derived, side)) == bytes(getattr(first.derived, side))

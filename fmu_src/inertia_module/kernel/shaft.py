@@ -25,7 +25,7 @@ def load_behind_freewheel(d, x):
 
 
 def hub_rate(d, x, torque, alpha2):
-    """Acceleration of the hub: with link 2, at rest with it, or by friction and the torque behind it alone."""
+    """Acceleration of the hub: with link 2, at rest with it, or by what brakes it alone."""
     if x.mode == DRIVING:
         return alpha2
     return 0.0 if x.mode == HELD_DRIVING else -(torque + d.b3 * x.omega3) / d.J3
