@@ -21,7 +21,7 @@ ALL = {name: value for one in FRICTION.values() for name, value in one.items()}
 
 
 def module(values, **more):
-    return Module("compiled").start(**{**values, "tolerance": 1e-9, **more})
+    return Module("auto").start(**{**values, "tolerance": 1e-9, **more})
 
 
 def largest_energy(one):
@@ -123,4 +123,4 @@ def test_no_friction_makes_energy_in_steps_of_any_length(drive, output, size, st
 @pytest.mark.parametrize("name", ALL)
 def test_the_averaged_motion_knows_no_friction_and_says_so(name):
     with pytest.raises(Refused, match=f"{name} = 0.03"):
-        Module("compiled").start(fidelity=1, **{name: 0.03})
+        Module("auto").start(fidelity=1, **{name: 0.03})
