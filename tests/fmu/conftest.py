@@ -8,7 +8,7 @@ from fmpy import extract, read_model_description
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave, fmi2Discard, fmi2Error
 
-from inertia_module.contract.variables import BOOLEAN, PARAMETER, REAL
+from inertia_module.contract.variable import BOOLEAN, PARAMETER, REAL
 from inertia_module.harness.logs import messages_of_others
 
 # the FMUs a test runs with, unless its file says otherwise by a FLAVOURS of its own

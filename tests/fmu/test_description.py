@@ -7,7 +7,7 @@ import pytest
 from fmpy.validation import validate_fmu
 
 from inertia_module.contract.models import DRIVEN_SHAFT, INERTIA_MODULE
-from inertia_module.contract.variables import DISPLAY_UNITS, ENUMERATIONS, UNITS
+from inertia_module.contract.variable import DISPLAY_UNITS, ENUMERATIONS, UNITS
 from inertia_module.fmu import python_fmu
 from inertia_module.fmu.builder import FMUS, PYTHON_FMU, content_of
 

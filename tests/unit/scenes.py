@@ -2,7 +2,8 @@
 
 import math
 
-from inertia_module.contract.variables import PARAMETER, with_causality
+from inertia_module.contract.variable import PARAMETER
+from inertia_module.contract.variables import with_causality
 from inertia_module.memory.instances import Module
 from inertia_module.studies.lagrange import Lagrange
 

@@ -6,9 +6,8 @@ import pytest
 from scenes import advanced, started
 
 from inertia_module.contract.models import DRIVEN_SHAFT, INERTIA_MODULE
-from inertia_module.contract.variables import (
+from inertia_module.contract.variable import (
     BOOLEAN,
-    BY_NAME,
     ENUMERATION,
     ENUMERATIONS,
     INPUT,
@@ -17,8 +16,8 @@ from inertia_module.contract.variables import (
     OUTPUT,
     PARAMETER,
     REAL,
-    with_causality,
 )
+from inertia_module.contract.variables import BY_NAME, with_causality
 from inertia_module.memory.instances import DrivenShaft, Module, Refused
 
 NO_NUMBERS = (math.nan, math.inf, -math.inf)

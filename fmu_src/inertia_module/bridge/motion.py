@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ..contract.driven_shaft_variables import BY_NAME as OF_SHAFT
+from ..contract.variable import DRIVE_ANGLE, ENUMERATIONS, LINK1_ANGLE, SINCE_START
 from ..contract.variables import BY_NAME as OF_MODULE
-from ..contract.variables import DRIVE_ANGLE, ENUMERATIONS, LINK1_ANGLE, SINCE_START
 from ..harness.fmu import Fmu, FmuError
 from ..kernel.codes import DRIVE_TORQUE
 

@@ -109,7 +109,7 @@ def share(option: str, text: str | None) -> float | None:
 def turning(text: str) -> float:
     """An input speed given on the command line, such as "3000 rpm", in rad/s; negative backwards."""
     from ..common.units import to_si
-    from ..contract.variables import LARGEST_SPEED
+    from ..contract.variable import LARGEST_SPEED
 
     try:
         omega1 = to_si(text, "rad/s")

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from .variable import OUTPUT, PARAMETER, REAL, Variable
 from .variables import BY_NAME as OF_MODULE
-from .variables import OUTPUT, PARAMETER, REAL, Variable
 
 _LOST = "energy turned to heat by damping and friction since the start, less the work of the balancer"
 

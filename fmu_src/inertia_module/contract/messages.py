@@ -11,7 +11,8 @@ from collections.abc import Mapping
 
 from ..common.errors import must_be
 from ..kernel import codes
-from .variables import BY_NAME, LARGEST_STEP, Variable
+from .variable import LARGEST_STEP, Variable
+from .variables import BY_NAME
 
 
 def named(*names: str) -> str:

@@ -14,7 +14,8 @@ from ..compiling.records import Field, place
 from ..kernel import codes, entry, fields
 from ..kernel.driven_shaft import entry as driven_shaft
 from . import driven_shaft_messages, driven_shaft_variables, messages, variables
-from .variables import INPUT, LOCAL, OUTPUT, PARAMETER, Variable, with_causality
+from .variable import INPUT, LOCAL, OUTPUT, PARAMETER, Variable
+from .variables import with_causality
 
 
 class Bound(NamedTuple):

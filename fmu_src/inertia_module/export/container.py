@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from .. import __version__
-from ..contract.variables import UNITS, Variable
+from ..contract.variable import UNITS, Variable
 from ..fmu.archive import DESCRIPTION, archive, generation_date, guid_of
 from ..fmu.linking import join_for_mac
 from .osp import structure

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE, Model
-from ..contract.variables import PARAMETER, Variable
+from ..contract.variable import PARAMETER, Variable
 from ..fmu.builder import MODULE_FMU, SHAFT_FMU
 from ..fmu.native_fmu import NativeFmu
 from ..harness.wires import Wire

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from xml.etree.ElementTree import Element, SubElement, indent, register_namespace, tostring
 
 from .. import __version__
-from ..contract.variables import UNITS, Variable
+from ..contract.variable import UNITS, Variable
 from ..fmu.archive import archive, generation_date
 from .plan import Part, Plan, typed
 

@@ -7,7 +7,7 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from .. import __version__
 from ..contract.models import Model
-from ..contract.variables import (
+from ..contract.variable import (
     BOOLEAN,
     DISPLAY_UNITS,
     ENUMERATION,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from html import escape
 
 from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE, Model
-from ..contract.variables import ENUMERATION, ENUMERATIONS, INPUT, LOCAL, OUTPUT, PARAMETER, Variable
+from ..contract.variable import ENUMERATION, ENUMERATIONS, INPUT, LOCAL, OUTPUT, PARAMETER, Variable
 
 HEADINGS = {
     INPUT: "Inputs",

@@ -15,7 +15,7 @@ from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
 from ..common.errors import Refused, must_be
-from ..contract.variables import BOOLEAN, INPUT, PARAMETER, REAL, Variable
+from ..contract.variable import BOOLEAN, INPUT, PARAMETER, REAL, Variable
 from ..kernel import codes
 from ..memory.instances import NO_STATE, ModelInstance
 

@@ -8,7 +8,7 @@ from string import Formatter
 
 from ..compiling.kernels import ENTRIES
 from ..contract.models import Bound, Model
-from ..contract.variables import BOOLEAN, ENUMERATION, ENUMERATIONS, INPUT, OUTPUT, PARAMETER, REAL, Variable
+from ..contract.variable import BOOLEAN, ENUMERATION, ENUMERATIONS, INPUT, OUTPUT, PARAMETER, REAL, Variable
 from ..kernel import codes
 
 _ARRAYS = {PARAMETER: "PARAMETERS", INPUT: "INPUTS"}

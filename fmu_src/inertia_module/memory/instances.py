@@ -13,7 +13,8 @@ from ..compiling import load as compiled
 from ..compiling.kernels import MODULE, CompilationUnavailable, source_hash
 from ..compiling.records import record_type
 from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE, Model
-from ..contract.variables import INPUT, OUTPUT, PARAMETER, default_parameters, refused_parameters
+from ..contract.variable import INPUT, OUTPUT, PARAMETER
+from ..contract.variables import default_parameters, refused_parameters
 from ..kernel import codes
 from . import maps
 

@@ -12,7 +12,7 @@ from pydantic import BeforeValidator, Field, ValidationInfo, model_validator
 
 from .. import loops
 from ..common.errors import must_be
-from ..contract.variables import LARGEST_SPEED
+from ..contract.variable import LARGEST_SPEED
 from ..loops.cycles import CYCLES, Cycle
 from .drives import AngularSpeed
 from .loads import Torque

@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import BaseModel, Field
 
 from .. import loops
-from ..contract.variables import ENUMERATIONS, LARGEST_SPEED
+from ..contract.variable import ENUMERATIONS, LARGEST_SPEED
 from ..kernel.codes import DRIVE_SPEED, DRIVE_TORQUE
 from ..loops import Table
 from .errors import SceneError

@@ -7,7 +7,7 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field, model_validator
 
 from .. import loops
-from ..contract.variables import LARGEST_TORQUE
+from ..contract.variable import LARGEST_TORQUE
 from .tables import Strict, Tabulated, Times
 from .units import quantities, quantity
 

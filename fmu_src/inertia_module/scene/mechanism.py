@@ -8,7 +8,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, BeforeValidator, create_model
 
 from ..common.units import number_of
-from ..contract.variables import BY_NAME, PARAMETER, Variable, with_causality
+from ..contract.variable import PARAMETER, Variable
+from ..contract.variables import BY_NAME, with_causality
 from ..kernel.codes import ELASTIC
 from .tables import Strict
 

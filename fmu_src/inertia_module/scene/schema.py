@@ -11,7 +11,8 @@ from pydantic import Field, ValidationError, model_validator
 
 from .. import loops
 from ..common.errors import Refused
-from ..contract.variables import BY_NAME, LARGEST_STEP, LOCAL, OUTPUT, with_causality
+from ..contract.variable import LARGEST_STEP, LOCAL, OUTPUT
+from ..contract.variables import BY_NAME, with_causality
 from ..harness.simulate import whole_steps
 from ..kernel.codes import ELASTIC
 from ..loops.cycles import Cycle

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
-from ..contract.variables import ENUMERATIONS
+from ..contract.variable import ENUMERATIONS
 from ..kernel.codes import AVERAGED, ELASTIC, EVENT, KINEMATIC, RIGID, TIMESTEPPING
 
 FIDELITIES = {number: name for name, number, _ in ENUMERATIONS["Fidelity"]}

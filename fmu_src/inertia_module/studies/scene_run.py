@@ -5,7 +5,8 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass
 
-from ..contract.variables import LOCAL, OUTPUT, with_causality
+from ..contract.variable import LOCAL, OUTPUT
+from ..contract.variables import with_causality
 from ..harness.simulate import Progress, Result
 from ..loops import ClosedLoop
 from ..memory.instances import Module

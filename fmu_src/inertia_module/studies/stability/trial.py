@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 from ...common.errors import Refused
-from ...contract.variables import LARGEST_STEP
+from ...contract.variable import LARGEST_STEP
 from ...kernel.codes import ELASTIC, EVENT, KINEMATIC, RIGID, TIMESTEPPING
 from ...memory.instances import Module
 from ..geometry import shaft_frequency

@@ -1,0 +1,166 @@
+"""What a variable of a model is: its kind, causality, unit, range and what its value follows from."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from ..common.errors import Refused, must_be
+from ..common.units import BOOLEANS, number_of
+from ..kernel import limits
+
+REAL = "Real"
+INTEGER = "Integer"
+BOOLEAN = "Boolean"
+ENUMERATION = "Enumeration"
+
+INPUT = "input"
+OUTPUT = "output"
+LOCAL = "local"
+PARAMETER = "parameter"
+
+# what a value depends on besides the speeds: the start, whence it is a sum, or an angle
+SINCE_START = "a sum since the start"
+LINK1_ANGLE = "the angle of link 1"
+DRIVE_ANGLE = "the angle of the drive"
+
+# what the kernel takes for absurd
+LARGEST_SPEED: float = limits.LARGEST_SPEED
+LARGEST_TORQUE: float = limits.LARGEST_TORQUE
+LARGEST_STEP: float = limits.LARGEST_STEP
+
+# FMI base units: exponents of kg, m, s, rad
+UNITS: dict[str, dict[str, int]] = {
+    "1": {},
+    "rad": {"rad": 1},
+    "rad/s": {"rad": 1, "s": -1},
+    "rad/s2": {"rad": 1, "s": -2},
+    "m": {"m": 1},
+    "m/s": {"m": 1, "s": -1},
+    "m/s2": {"m": 1, "s": -2},
+    "s": {"s": 1},
+    "kg": {"kg": 1},
+    "kg.m2": {"kg": 1, "m": 2},
+    "N.m": {"kg": 1, "m": 2, "s": -2},
+    "N.m/rad": {"kg": 1, "m": 2, "s": -2, "rad": -1},
+    "N.m.s/rad": {"kg": 1, "m": 2, "s": -1, "rad": -1},
+    "J": {"kg": 1, "m": 2, "s": -2},
+    "N": {"kg": 1, "m": 1, "s": -2},
+    "W": {"kg": 1, "m": 2, "s": -3},
+}
+
+# display units: name and factor from the base unit
+DISPLAY_UNITS: dict[str, tuple[str, float]] = {
+    "rad": ("deg", 180.0 / math.pi),
+    "rad/s": ("rpm", 30.0 / math.pi),
+}
+
+ENUMERATIONS: dict[str, tuple[tuple[str, int, str], ...]] = {
+    "Layout": (
+        ("bevel", 0, "bevel differential, satellites on a bevel wheel (Karetin)"),
+        ("planar", 1, "planar differential, satellites rolling on a sun wheel (Lysenko)"),
+    ),
+    "Fidelity": (
+        ("kinematic", 0, "speed ratio prescribed, torques by inverse dynamics"),
+        ("averaged", 1, "mean torques and speeds"),
+        ("rigid", 2, "pulses and freewheels, rigid shafts"),
+        ("elastic", 3, "rigid, with an elastic output shaft and a driven mass behind it"),
+    ),
+    "Method": (
+        ("event", 0, "high order between located events"),
+        ("timestepping", 1, "fixed steps of max_step, complementarity on impulses"),
+    ),
+    "Drive": (
+        ("speed", 0, "omega1 is given, the input torque follows"),
+        ("torque", 1, "drive_torque is given, the speed of link 1 follows"),
+    ),
+    "InputHold": (
+        ("constant", 0, "omega1 constant between communication points"),
+        ("linear", 1, "omega1 extrapolated linearly from the last two values"),
+    ),
+    "ContactMode": (
+        ("held", 0, "link 2 held by the housing freewheel, output shaft coasting"),
+        ("free", 1, "both freewheels open"),
+        ("driving", 2, "link 2 drives the output shaft"),
+        ("held_driving", 3, "link 2 and the output shaft both at rest"),
+    ),
+}
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One variable of the module.
+
+    Attributes:
+        name: name in the FMU. kind: Real, Integer, Boolean or Enumeration.
+        causality, variability: as in FMI 2.0. unit: of UNITS ("" where it has none).
+        start: start value (None: calculated). minimum, maximum, nominal: or None.
+        description: one sentence. enumeration: name in ENUMERATIONS, or "".
+        follows: what it depends on besides the speeds: SINCE_START, LINK1_ANGLE, DRIVE_ANGLE, or "".
+    """
+
+    name: str
+    kind: str
+    causality: str
+    variability: str
+    unit: str
+    start: float | None
+    minimum: float | None
+    maximum: float | None
+    nominal: float | None
+    description: str
+    enumeration: str = ""
+    follows: str = ""
+
+    @property
+    def allowed(self) -> str:
+        """The allowed values, as they follow "must be"."""
+        if self.kind == BOOLEAN:
+            return "true or false"
+        if self.kind == ENUMERATION:
+            *others, last = (f"{number} ({name})" for name, number, _ in ENUMERATIONS[self.enumeration])
+            return f"{', '.join(others)} or {last}"
+        low = -math.inf if self.minimum is None else self.minimum
+        high = math.inf if self.maximum is None else self.maximum
+        unit = f" {self.unit}" if self.unit not in ("", "1") else ""
+        number = "a whole number " if self.kind == INTEGER else ""
+        return f"{number}between {low:.16g} and {high:.16g}{unit}"
+
+    @property
+    def items(self) -> Mapping[str, float] | None:
+        """Numbers by name, where it is an enumeration or a Boolean."""
+        if self.kind == BOOLEAN:
+            return BOOLEANS
+        if self.kind == ENUMERATION:
+            return {name: float(number) for name, number, _ in ENUMERATIONS[self.enumeration]}
+        return None
+
+    def number(self, value: Any) -> float:
+        """The number that it accepts for a value: a number, a string with a unit, the name of an item.
+
+        Raises:
+            Refused: it is none of these, or out of its range.
+        """
+        try:
+            number = value if isinstance(value, float) else number_of(value, self.unit or "1", self.items)
+        except ValueError:
+            raise Refused(must_be(self.name, self.allowed, repr(value))) from None
+        if not self.accepts(number):
+            raise Refused(must_be(self.name, self.allowed, number))
+        return number
+
+    def accepts(self, value: float) -> bool:
+        """Whether a value is finite, whole where it has to be, and within the range."""
+        if not math.isfinite(value):
+            return False
+        if self.kind != REAL and value != math.floor(value):
+            return False
+        if self.kind == BOOLEAN:
+            return value in (0.0, 1.0)
+        if self.kind == ENUMERATION:
+            return any(value == number for _, number, _ in ENUMERATIONS[self.enumeration])
+        return (self.minimum is None or value >= self.minimum) and (
+            self.maximum is None or value <= self.maximum
+        )
