@@ -130,7 +130,7 @@ works.py: d.friction * omega4 {-|+} balancing
 works.py: GAUSS_WEIGHT_1 = 0.11846{3|4}
 works.py: sigma < 0.0 or NODES[n] {<=|>=} end:
 works.py: NODES[n] * resisting {-|+} inside
-works.py: d.b1 * omega1 * omega1 {+|-} d.bq * rate_q * rate_q + friction2
+links.py: d.b1 * omega1 * omega1 {+|-} d.bq * rate_q * rate_q + friction
 works.py: w.stage_output_torque[n] {+|-} d.b1
 works.py: before * omega1 {+|-} alpha1 * integral_of_phi
 engine.py: w.load = {x.load_torque|abs(x.load_torque)}

@@ -21,6 +21,14 @@ PLANAR = {
     "load_torque": 8.0,
 }
 SCENES = {"bevel": REFERENCE, "planar": PLANAR}
+# an elastic output of the bevel one, as in the design
+ELASTIC = {
+    "fidelity": 3,
+    "output_inertia": 0.02,
+    "driven_inertia": 0.5,
+    "shaft_stiffness": 400.0,
+    "shaft_damping": 0.05,
+}
 # the same two with an engine of this inertia that gives a torque
 ENGINE = {"drive": 1, "input_inertia": 0.2}
 DRIVEN = {

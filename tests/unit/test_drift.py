@@ -1,21 +1,13 @@
 """What is lost over very long runs stays within the bound that the documentation gives."""
 
 import pytest
-from scenes import PLANAR
+from scenes import ELASTIC, PLANAR
 
 from inertia_module.memory.instances import Module
 
 # the residual over the largest energy: tolerances at once, and for each turn of link 1 and of the drives
 AT_ONCE = 100.0
 PER_TURN = 0.1
-
-ELASTIC = {
-    "fidelity": 3,
-    "output_inertia": 0.02,
-    "driven_inertia": 0.5,
-    "shaft_stiffness": 400.0,
-    "shaft_damping": 0.05,
-}
 
 
 KINDS = {

@@ -5,15 +5,8 @@ import math
 
 import numpy as np
 import pytest
-from scenes import FREEWHEELS, REFERENCE, SCENES, advanced, drive_angle, lagrange, started
+from scenes import ELASTIC, FREEWHEELS, REFERENCE, SCENES, advanced, drive_angle, lagrange, started
 
-ELASTIC = {
-    "fidelity": 3,
-    "output_inertia": 0.02,
-    "driven_inertia": 0.5,
-    "shaft_stiffness": 400.0,
-    "shaft_damping": 0.05,
-}
 # damping over the critical one
 DAMPINGS = {"undamped": 0.0, "underdamped": 0.1, "critical": 1.0, "overdamped": 10.0}
 

@@ -1,15 +1,8 @@
 """The freewheels: what holds, what slips, and that nothing pulls where it cannot."""
 
 import pytest
-from scenes import FREEWHEELS, SCENES, advanced, started
+from scenes import ELASTIC, FREEWHEELS, SCENES, advanced, started
 
-ELASTIC = {
-    "fidelity": 3,
-    "output_inertia": 0.02,
-    "driven_inertia": 0.5,
-    "shaft_stiffness": 400.0,
-    "shaft_damping": 0.05,
-}
 OUTPUTS = {"rigid": {}, "elastic": ELASTIC}
 METHODS = {"event": {}, "timestepping": {"method": 1}}
 DRIVES = {"speed": {}, "torque": {"drive": 1, "input_inertia": 0.3, "drive_torque": 0.0}}

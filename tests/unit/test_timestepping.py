@@ -7,16 +7,9 @@ import pytest
 from energy_runs import COMBINATIONS, ROUNDING, largest_gain
 from hypothesis import given
 from hypothesis import strategies as st
-from scenes import DRIVEN, FREEWHEELS, SCENES, advanced, started
+from scenes import DRIVEN, ELASTIC, FREEWHEELS, SCENES, advanced, started
 
-SHAFT = {
-    "fidelity": 3,
-    "output_inertia": 0.02,
-    "driven_inertia": 0.5,
-    "shaft_stiffness": 400.0,
-    "shaft_damping": 0.05,
-}
-OUTPUTS = {"rigid": {}, "elastic": SHAFT}
+OUTPUTS = {"rigid": {}, "elastic": ELASTIC}
 
 
 @pytest.fixture(params=SCENES)

@@ -13,6 +13,11 @@ def add(value, low, change):
     return new, (value - (new - shift)) + (change - shift)
 
 
+def add_viscous(x, lost):
+    """Add what viscous friction has taken, J."""
+    x.lost_viscous, x.lost_viscous_low = add(x.lost_viscous, x.lost_viscous_low, lost)
+
+
 def time_later(time, low, passed):
     """Time and what rounding has kept from it, the time passed later. Returns (time, low)."""
     passed += low

@@ -67,14 +67,8 @@ STATE = (
     *("alpha1", "held_input", "held_step", "load_torque", "drive_torque", "step_size", "short_size"),
     *("energy_in", "energy_in_low", "energy_out", "energy_out_low", "lost_shaft", "lost_shaft_low"),
     *("lost_viscous", "lost_viscous_low"),
-    *(
-        "energy_start",
-        "energy_stored",
-        "input_torque_mean",
-        "output_torque_mean",
-        "torque_ripple",
-        "torque_peak",
-    ),
+    *("energy_start", "energy_stored", "input_torque_mean", "output_torque_mean"),
+    *("torque_ripple", "torque_peak"),
     *("switches", "evaluations", "output_angle", "output_angle_low", "output_turns"),
     # the communication step in hand, or the last one: its length, the state it began with
     *("length", "begin_q", "begin_omega1", "begin_omega2"),
@@ -104,8 +98,7 @@ KNOT = ("ratio", ("torque", 4), ("input", 4), ("omega2", 4), "ripple", "peak", "
 # one side of the map for each sign of omega1: where the torque ends, whether lock-up is reached there
 SIDE = ("direction", "count", "end", "locks", "start", ("knots", KNOT, KNOTS))
 
-# the steady motion that a knot is of: torque of link 1, contact mode, drive angle; integrals while link 2 is
-# free
+# the steady motion that a knot is of: torque of link 1, contact mode, drive angle; integrals while free
 TRAVEL = ("direction", "given", "omega3", "mode", "q", "energy", "momentum")
 
 CONSTANTS = (
@@ -127,19 +120,8 @@ CONSTANTS = (
 WORKSPACE = (
     # what the solvers share: torque or acceleration given at link 1, load, step in hand, inertia and
     # friction and torque that link 2 carries, mean alpha1, P at the end of the step
-    *(
-        "solver",
-        "short",
-        "given",
-        "load",
-        "step",
-        "carried",
-        "carried_friction",
-        "carried_torque",
-        "alpha1",
-        "momentum_end",
-        "braking",
-    ),
+    *("solver", "short", "given", "load", "step", "carried", "carried_friction", "carried_torque"),
+    *("alpha1", "momentum_end", "braking"),
     *("change_q", "change1", "change2"),
     # rates at the stages of the explicit pair, what is integrated besides, and the inside of the step
     *(("rate_q", STAGES), ("rate_omega1", STAGES), ("rate_omega2", STAGES), ("integrand", STAGES)),
@@ -165,18 +147,8 @@ WORKSPACE = (
     *("end_i", "end_i1", "end_b", "end_g", "slip_angle"),
     # ... and where look_ahead looked, which a part of the step does not come to
     *("far_i", "far_i1", "far_b", "far_g", "far_angle"),
-    *(
-        "end1",
-        "end2",
-        "new_slip_angle",
-        "foreseen",
-        "angle1",
-        "impulse1",
-        "work1",
-        "taken",
-        "rubbed",
-        "reached",
-    ),
+    *("end1", "end2", "new_slip_angle", "foreseen", "angle1", "impulse1"),
+    *("work1", "taken", "rubbed", "reached"),
     # ... load of the hub and what follows from it, mean and end speed of the hub, its push; the driven mass
     *("hub_load", "hub_gain", "relative_load", "relative_gain", "stiff", "late", "mean3", "end3", "pushed"),
     *("mean_relative", "seen3", "omega4"),

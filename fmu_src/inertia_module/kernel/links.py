@@ -168,6 +168,12 @@ def torque_scale(d, omega1, alpha1, rate_q, given):
     return scale
 
 
+def friction_power(d, omega1, omega2, friction):
+    """What viscous friction takes from links 1, 2 and drives, W; friction: of link 2 and what it carries."""
+    rate_q = d.k * (omega1 - omega2)
+    return d.b1 * omega1 * omega1 + d.bq * rate_q * rate_q + friction * omega2 * omega2
+
+
 def response(d, inertia):
     """How much of its own speed the mechanism can impart to a link of this inertia, 0 to 1.
 

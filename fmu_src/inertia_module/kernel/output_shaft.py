@@ -2,8 +2,9 @@
 
 import math
 
-from .accumulate import add
+from .accumulate import add, add_viscous
 from .codes import HELD_DRIVING, LINK2, OUTPUT
+from .shaft import rate_alone
 
 # below it the mean of an exponential is a series
 SERIES = 0.3
@@ -27,7 +28,7 @@ def slowed(z):
 
 def coasting(d, x, load, t):
     """Speed and acceleration of the shaft that has coasted for the time t: J3 omega3' = -load - b3 omega3."""
-    rate = -(load + d.b3 * x.omega3) / d.J3
+    rate = rate_alone(d, x, load)
     if d.b3 == 0.0:
         return x.omega3 + rate * t, rate
     z = d.b3 * t / d.J3
@@ -38,7 +39,7 @@ def coasting(d, x, load, t):
 def coasting_bend(d, x, load, h):
     """Bound of the fourth derivative of the coasting shaft's speed by the fraction of the step h."""
     z = d.b3 * h / d.J3
-    return abs(load + d.b3 * x.omega3) / d.J3 * h * z * z * z
+    return abs(rate_alone(d, x, load)) * h * z * z * z
 
 
 def turn(x, load, angle):
@@ -57,7 +58,7 @@ def coast(d, x, load, h):
         change = at_once * first
         mean = x.omega3 + at_once * second
         lost = -d.J3 * change * (x.omega3 + 0.5 * change) - load * h * mean
-        x.lost_viscous, x.lost_viscous_low = add(x.lost_viscous, x.lost_viscous_low, max(0.0, lost))
+        add_viscous(x, max(0.0, lost))
     turn(x, load, h * mean)
     x.omega3, x.omega3_low = add(x.omega3, x.omega3_low, change)
 

@@ -3,14 +3,14 @@
 from .accumulate import add, time_later, wrap_drive_angle, wrap_input_angle
 from .averaged.jump import jump_averaged, takes_up_jump
 from .averaged.run import run_averaged
-from .codes import AVERAGED, DRIVING, ELASTIC, KINEMATIC, OK, TIMESTEPPING, TOO_MUCH_WORK
+from .codes import AVERAGED, ELASTIC, KINEMATIC, OK, TIMESTEPPING, TOO_MUCH_WORK
 from .contact import TORQUE_ROUNDING, is_held, present_mode
 from .engine import run_events
 from .impulse import jump_input, jump_kinematic
 from .limits import MAX_EVALUATIONS, MAX_STEPS
 from .links import accelerations, given_at_input
 from .loads import see
-from .shaft import load_behind_freewheel
+from .shaft import carried_by_link2, load_behind_freewheel
 from .solvers.followed import is_stiff
 from .solvers.kinematic import advance_kinematic
 from .solvers.timestepping import one_step, steps_in
@@ -20,9 +20,8 @@ def accelerations_now(d, x):
     """Accelerations of links 1 and 2 in the present mode, rad/s^2."""
     if x.known != 0.0:
         return x.rate1, x.rate2
-    driving = x.mode == DRIVING
     load, _ = load_behind_freewheel(d, x)
-    carried, friction, torque = (d.J3, d.b3, load) if driving else (0.0, 0.0, 0.0)
+    carried, friction, torque = carried_by_link2(d, x, load)
     alpha1, alpha2, _ = accelerations(
         d, x.q, x.omega1, x.omega2, given_at_input(d, x), is_held(x), carried, friction, torque
     )

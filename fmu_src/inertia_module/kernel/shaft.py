@@ -24,11 +24,21 @@ def load_behind_freewheel(d, x):
     return torque, d.stiffness * x.relative + d.damping * relative_rate(d, x, load, torque, 0.0)
 
 
+def carried_by_link2(d, x, torque):
+    """Inertia, friction and torque against it that link 2 carries now (see links.accelerations)."""
+    return (d.J3, d.b3, torque) if x.mode == DRIVING else (0.0, 0.0, 0.0)
+
+
+def rate_alone(d, x, torque):
+    """Acceleration of the output shaft, or the hub, that friction and this torque brake: rad/s^2."""
+    return -(torque + d.b3 * x.omega3) / d.J3
+
+
 def hub_rate(d, x, torque, alpha2):
     """Acceleration of the hub: with link 2, at rest with it, or by what brakes it alone."""
     if x.mode == DRIVING:
         return alpha2
-    return 0.0 if x.mode == HELD_DRIVING else -(torque + d.b3 * x.omega3) / d.J3
+    return 0.0 if x.mode == HELD_DRIVING else rate_alone(d, x, torque)
 
 
 def relative_rate(d, x, load, torque, rate3):

@@ -9,9 +9,9 @@ takes the
 integral of P as well: that of omega1 dP is omega1 P less alpha1 times it.
 """
 
-from .accumulate import add
+from .accumulate import add, add_viscous
 from .codes import DRIVING
-from .links import angular_momentum, inertia_at_input
+from .links import angular_momentum, friction_power, inertia_at_input
 from .output_shaft import turn
 from .solvers.dormand_prince import END, NODES, STAGES
 from .solvers.dormand_prince_5 import END as SHORT_END
@@ -34,11 +34,13 @@ def add_work_in(x, work):
     x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, work)
 
 
-def stage_omega1(d, x, w, n):
-    """Speed of link 1 at a stage of the explicit step in hand, rad/s."""
+def stage_speeds(d, x, w, n):
+    """Speeds of links 1 and 2 at a stage of the explicit step in hand, rad/s."""
     if d.by_torque != 0.0:
-        return w.integrand[n]
-    return x.omega1 + w.given * w.step * (SHORT_NODES[n] if w.short != 0.0 else NODES[n])
+        omega1 = w.integrand[n]
+    else:
+        omega1 = x.omega1 + w.given * w.step * (SHORT_NODES[n] if w.short != 0.0 else NODES[n])
+    return omega1, omega1 - w.rate_q[n] / d.k
 
 
 def stages_up_to(w, sigma):
@@ -51,33 +53,31 @@ def stages_up_to(w, sigma):
 def add_viscous_losses(d, x, w, sigma):
     """What viscous friction takes in the explicit step or its part sigma. Overwrites the rates of omega2.
 
-    Leaves in w.braking the work, J, that the friction of links 1, 2 and the output they drive does at the
-    speed of link 1.
+    Leaves in w.braking, where the speed of link 1 is given and changes, the work, J, that the friction of
+    links 1, 2 and the output they drive does at that speed.
     """
-    friction2 = d.b2 + w.carried_friction
+    friction = d.b2 + w.carried_friction
     count = stages_up_to(w, sigma)
     for n in range(count):
-        omega1 = stage_omega1(d, x, w, n)
-        rate_q = w.rate_q[n]
-        omega2 = omega1 - rate_q / d.k
-        w.rate_omega2[n] = d.b1 * omega1 * omega1 + d.bq * rate_q * rate_q + friction2 * omega2 * omega2
-    lost = integral(w, w.rate_omega2, sigma)
-    x.lost_viscous, x.lost_viscous_low = add(x.lost_viscous, x.lost_viscous_low, lost)
+        omega1, omega2 = stage_speeds(d, x, w, n)
+        w.rate_omega2[n] = friction_power(d, omega1, omega2, friction)
+    add_viscous(x, integral(w, w.rate_omega2, sigma))
+    if d.by_torque != 0.0 or w.given == 0.0:
+        return
     for n in range(count):
-        omega1 = stage_omega1(d, x, w, n)
-        w.rate_omega2[n] = omega1 * (d.b1 * omega1 + friction2 * (omega1 - w.rate_q[n] / d.k))
+        omega1, omega2 = stage_speeds(d, x, w, n)
+        w.rate_omega2[n] = omega1 * (d.b1 * omega1 + friction * omega2)
     w.braking = integral(w, w.rate_omega2, sigma)
 
 
 def add_output_square(d, x, w, sigma):
-    """Integral of Tc^2 over the explicit step or its part sigma, and its peak. Overwrites the rates of
-    omega2.
-    """
+    """Integral of Tc^2 over the explicit step or its part sigma, and its peak. Overwrites rates of omega2."""
     end = sigma if sigma >= 0.0 else 1.0
     for n in range(stages_up_to(w, sigma)):
         torque = w.load + d.J3 * w.rate_omega2[n]
         if d.b3 != 0.0:
-            torque += d.b3 * (stage_omega1(d, x, w, n) - w.rate_q[n] / d.k)
+            _, omega2 = stage_speeds(d, x, w, n)
+            torque += d.b3 * omega2
         if sigma < 0.0 or NODES[n] <= end:
             x.torque_peak = max(x.torque_peak, abs(torque))
         w.rate_omega2[n] = torque * torque
@@ -147,7 +147,7 @@ def add_held_works(d, x, q, omega1, alpha1, h, integral_of_phi):
     # link 1 and the drives, which turn k times as fast
     friction = d.b1 + d.k * d.k * d.bq
     lost = friction * h * (omega1 * end + alpha1 * h * alpha1 * h / 3.0)
-    x.lost_viscous, x.lost_viscous_low = add(x.lost_viscous, x.lost_viscous_low, lost)
+    add_viscous(x, lost)
     add_work_in(x, energy - 0.5 * before * omega1 * omega1 + lost)
     x.input_impulse += 0.5 * (after * end - before * omega1 + alpha1 * integral_of_phi)
     x.input_impulse += friction * h * 0.5 * (omega1 + end)
@@ -177,7 +177,7 @@ def add_shaft_works(d, x, w):
         x.torque_peak = max(x.torque_peak, abs(output_torque))
     turn(x, w.load, out)
     x.lost_shaft, x.lost_shaft_low = add(x.lost_shaft, x.lost_shaft_low, lost)
-    x.lost_viscous, x.lost_viscous_low = add(x.lost_viscous, x.lost_viscous_low, rubbed)
+    add_viscous(x, rubbed)
 
 
 def add_link_losses(d, x, w):
@@ -186,12 +186,9 @@ def add_link_losses(d, x, w):
         return
     lost = 0.0
     for n in range(RADAU_STAGES):
-        omega1 = w.stage_omega1[n]
-        omega2 = w.stage_omega2[n]
-        rate_q = d.k * (omega1 - omega2)
-        power = d.b1 * omega1 * omega1 + d.bq * rate_q * rate_q + d.b2 * omega2 * omega2
+        power = friction_power(d, w.stage_omega1[n], w.stage_omega2[n], d.b2)
         lost += w.step * MATRIX[RADAU_STAGES * (RADAU_STAGES - 1) + n] * power
-    x.lost_viscous, x.lost_viscous_low = add(x.lost_viscous, x.lost_viscous_low, lost)
+    add_viscous(x, lost)
 
 
 def add_moving_works(d, x, w, start1, momentum):

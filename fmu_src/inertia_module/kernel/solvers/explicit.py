@@ -13,6 +13,7 @@ from ..guards import instant, is_guarded, keep_motion
 from ..links import angular_momentum, response
 from ..loads import INSIDE_PHASE, see
 from ..output_shaft import coast, meet, pass_while_held, stop, time_to_stop
+from ..shaft import carried_by_link2
 from ..works import add_explicit_works, add_output_square, add_viscous_losses
 from .dormand_prince import END, NODES, sum_9
 from .dormand_prince_5 import END as SHORT_END
@@ -25,8 +26,7 @@ SEEN = 9
 # phase of the highest harmonic within one step, rad
 STEP_PHASE = 12.0
 # the same where the inertia behind link 2 all but vanishes at an angle, or that of link 1 is light: the
-# speeds
-# have spikes there, which are not to be stepped over
+# speeds have spikes there, which are not to be stepped over
 CUSP_PHASE = 1.0
 CUSP_RATIO = 1e-2
 SAFETY = 0.9
@@ -239,11 +239,8 @@ def advance_explicit(d, x, w, remaining):
     Returns:
         (time passed or -1 if no step is small enough, whether the contact mode may change then).
     """
-    driving = x.mode == DRIVING
     w.solver = EXPLICIT
-    w.carried = d.J3 if driving else 0.0
-    w.carried_friction = d.b3 if driving else 0.0
-    w.carried_torque = w.load if driving else 0.0
+    w.carried, w.carried_friction, w.carried_torque = carried_by_link2(d, x, w.load)
     stopping = time_to_stop(d, x, w.load, remaining) if x.mode == HELD else -1.0
     if stopping >= 0.0:
         remaining = stopping

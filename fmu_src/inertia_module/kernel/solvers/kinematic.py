@@ -2,8 +2,8 @@
 
 import math
 
-from ..accumulate import add
-from ..links import torques
+from ..accumulate import add, add_viscous
+from ..links import friction_power, torques
 from ..loads import see
 from ..works import GAUSS_NODE_1, GAUSS_NODE_2, GAUSS_WEIGHT_1, GAUSS_WEIGHT_2, GAUSS_WEIGHT_3
 
@@ -27,8 +27,7 @@ def add_node(d, x, ratio, omega1, alpha1, rate, t, weight):
     x.torque_peak = max(x.torque_peak, abs(output))
     x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, weight * drive * speed)
     x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, weight * output * ratio * speed)
-    lost = weight * (d.b1 + d.bq * rate * rate + d.b2 * ratio * ratio) * speed * speed
-    x.lost_viscous, x.lost_viscous_low = add(x.lost_viscous, x.lost_viscous_low, lost)
+    add_viscous(x, weight * friction_power(d, speed, ratio * speed, d.b2))
 
 
 def advance_kinematic(d, x, ratio, omega1, alpha1, remaining):

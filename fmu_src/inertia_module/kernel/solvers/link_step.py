@@ -5,7 +5,7 @@ The speed or the torque of link 1 is given; derivation in docs/mechanics.md, met
 
 import math
 
-from ..links import inertia_of_link1, slip_inertia
+from ..links import friction_power, inertia_of_link1, slip_inertia
 
 # below this change of q, rad, the difference of I is rounding, and its derivative gives it as exactly
 SMALLEST_DIFFERENCE = 1e-8
@@ -88,7 +88,7 @@ def move_links(d, x, w, carried, load, gain, given, h):
     mean1 += answer1 * turned
     mean2 = mean1 - turned
     w.taken = load + gain * mean2
-    w.rubbed = h * (d.b1 * mean1 * mean1 + d.k * d.k * d.bq * turned * turned + d.b2 * mean2 * mean2)
+    w.rubbed = h * friction_power(d, mean1, mean2, d.b2)
     resisted = w.taken + h * (d.b1 * mean1 + d.b2 * mean2)
     if by_torque != 0.0:
         end_y = y + given - resisted
@@ -128,5 +128,5 @@ def turn_link1(d, x, w, given, h):
         w.impulse1 += friction * w.angle1 / h
         w.work1 = 0.5 * (end_inertia * w.end1 * w.end1 - inertia * x.omega1 * x.omega1)
         w.work1 += friction * w.angle1 * w.angle1 / (h * h)
-    w.rubbed = friction * w.angle1 * w.angle1 / (h * h)
+    w.rubbed = h * friction_power(d, w.angle1 / h, 0.0, 0.0)
     w.new_slip_angle = w.foreseen = w.angle1

@@ -7,7 +7,7 @@ moves by the midpoint rule (docs/mechanics.md).
 
 import math
 
-from ..accumulate import add, copy, wrap_drive_angle, wrap_input_angle
+from ..accumulate import add, add_viscous, copy, wrap_drive_angle, wrap_input_angle
 from ..codes import DRIVING, HELD, HELD_DRIVING
 from ..contact import settle
 from ..impulse import push_driven_mass
@@ -152,7 +152,7 @@ def turn_shaft(d, x, w, end3, h):
     mean4 = w.mean3
     if d.viscous != 0.0:
         lost = w.rubbed + h * d.b3 * w.mean3 * w.mean3
-        x.lost_viscous, x.lost_viscous_low = add(x.lost_viscous, x.lost_viscous_low, lost)
+        add_viscous(x, lost)
     if d.elastic != 0.0:
         mean4 -= w.mean_relative
         lost = h * (d.damping * w.mean_relative * w.mean_relative + d.friction * mean4 * mean4)
