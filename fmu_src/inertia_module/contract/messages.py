@@ -45,6 +45,11 @@ def not_finite(*inputs: Variable) -> str:
     return f"{_GIVEN_UP}the motion leaves the range of doubles with {listed}; it must stay below 1e300"
 
 
+_GENERAL = (
+    *("mesh_efficiency", "satellite_mesh_efficiency", "journal_friction", "gravity"),
+    *("housing_drag", "housing_drag_viscous", "output_drag", "output_drag_viscous"),
+)
+
 MESSAGES: Mapping[int, str] = {
     codes.NO_RECTIFIER: (
         f"with {named('fidelity')} (averaged) housing_freewheel and output_freewheel must both be 1, are"
@@ -52,9 +57,13 @@ MESSAGES: Mapping[int, str] = {
         " and there is no mean torque"
     ),
     codes.FRICTION_AVERAGED: (
-        f"with {named('fidelity')} (averaged) friction must be 0, is"
-        f" {named('input_friction', 'drive_friction', 'link2_friction', 'output_friction')} N.m.s/rad:"
+        f"with {named('fidelity')} (averaged) losses and gravity must be off, are"
+        f" {named('input_friction', 'drive_friction', 'link2_friction', 'output_friction', *_GENERAL)}:"
         " the map of the mean torque knows none"
+    ),
+    codes.LOSSES_STEPPED: (
+        f"with {named('fidelity')} (kinematic) or {named('method')} (timestepping) losses by load, drag and"
+        f" gravity must be off, are {named(*_GENERAL)}"
     ),
     codes.SINGULAR: (
         f"with {named('drive_inertia', 'a', 'b', 'eccentricity', 'imbalance_mass')} link2_inertia must be"

@@ -13,9 +13,18 @@ def add(value, low, change):
     return new, (value - (new - shift)) + (change - shift)
 
 
-def add_viscous(x, lost):
-    """Add what viscous friction has taken, J."""
-    x.lost_viscous, x.lost_viscous_low = add(x.lost_viscous, x.lost_viscous_low, lost)
+def add_loss(x, cause, lost):
+    """Add what a cause (codes.VISCOUS ...) has taken, J."""
+    x.lost[cause], x.lost_low[cause] = add(x.lost[cause], x.lost_low[cause], lost)
+    x.step_lost += lost
+
+
+def lost_in_all(x):
+    """What all causes have taken since the start, J."""
+    total = 0.0
+    for cause in range(len(x.lost)):
+        total += x.lost[cause]
+    return total
 
 
 def time_later(time, low, passed):

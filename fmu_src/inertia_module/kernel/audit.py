@@ -33,8 +33,7 @@ def audit(d, x, before, stored):
     """
     put_in = change(x.energy_in, x.energy_in_low, before.energy_in, before.energy_in_low)
     put_out = change(x.energy_out, x.energy_out_low, before.energy_out, before.energy_out_low)
-    lost = change(x.lost_shaft, x.lost_shaft_low, before.lost_shaft, before.lost_shaft_low)
-    lost += change(x.lost_viscous, x.lost_viscous_low, before.lost_viscous, before.lost_viscous_low)
+    lost = x.step_lost
     missing = put_in - put_out - lost - (stored - before.energy_stored)
     energies = abs(put_in) + abs(put_out) + abs(lost) + stored + before.energy_stored
     x.energy_stored = stored

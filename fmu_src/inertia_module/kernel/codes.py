@@ -16,6 +16,14 @@ NONE = -1
 LINK2 = 0
 OUTPUT = 1
 
+# causes of losses: viscous friction of links, drives and output; the elastic shaft; meshes; journals of the
+# satellites; freewheels
+VISCOUS = 0
+SHAFT = 1
+MESH = 2
+JOURNAL = 3
+FREEWHEEL = 4
+
 # fidelities and methods
 KINEMATIC = 0
 AVERAGED = 1
@@ -60,6 +68,7 @@ NO_RECTIFIER = 7
 NO_INPUT_INERTIA = 8
 PRESCRIBED = 9
 FRICTION_AVERAGED = 17
+LOSSES_STEPPED = 18
 BAD_OMEGA1 = 10
 BAD_LOAD_TORQUE = 11
 BAD_STEP = 12

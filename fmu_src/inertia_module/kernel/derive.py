@@ -11,11 +11,13 @@ from .codes import (
     ELASTIC,
     FRICTION_AVERAGED,
     KINEMATIC,
+    LOSSES_STEPPED,
     NO_INPUT_INERTIA,
     NO_RECTIFIER,
     OK,
     PRESCRIBED,
     SINGULAR,
+    TIMESTEPPING,
 )
 
 TWO_PI = 6.283185307179586
@@ -97,6 +99,30 @@ def derive_planar(p, d):
     d.F_by_alpha1 = d.k * arm * arm + arm * (arm + centre)
 
 
+def derive_general(p, d):
+    """What only the general equations of motion know (kernel.general)."""
+    d.mesh_loss = 1.0 - p.mesh_efficiency
+    d.satellite_loss = 0.0 if d.planar != 0.0 else 1.0 - p.satellite_mesh_efficiency
+    d.journal = p.journal_friction
+    d.number = p.satellites
+    # of modules that stand evenly about the axis the weights balance
+    d.weight = d.mass * p.gravity if p.modules == 1.0 else 0.0
+    d.housing_drag = p.housing_drag
+    d.housing_drag_viscous = p.housing_drag_viscous
+    d.output_drag = p.output_drag
+    d.output_drag_viscous = p.output_drag_viscous
+    d.housing_stiffness = 0.0
+    d.freewheel_stiffness = 0.0
+    if p.fidelity == ELASTIC:
+        d.housing_stiffness = p.housing_stiffness
+        d.freewheel_stiffness = p.freewheel_stiffness
+    d.housing_damping = p.housing_damping
+    d.freewheel_damping = p.freewheel_damping
+    by_load = d.mesh_loss + d.satellite_loss + d.journal + d.weight
+    drag = d.housing_drag + d.housing_drag_viscous + d.output_drag + d.output_drag_viscous
+    d.general = 1.0 if by_load + drag + d.housing_stiffness + d.freewheel_stiffness > 0.0 else 0.0
+
+
 def derive_harmonic(p, d):
     """Highest harmonic of q in the reduced inertia: how finely a guard has to be sampled."""
     if d.planar != 0.0:
@@ -173,6 +199,7 @@ def derive(p, d):
     d.b2 = p.link2_friction
     d.b3 = p.output_friction
     d.viscous = 1.0 if d.b1 + d.bq + d.b2 + d.b3 > 0.0 else 0.0
+    derive_general(p, d)
     d.housing = p.housing_freewheel
     d.output = p.output_freewheel
     # a tenth for each step, so that the error of the whole run is about the tolerance asked for
@@ -188,9 +215,11 @@ def derive(p, d):
             return PRESCRIBED
         if not d.J1 > SINGULAR_RATIO * d.F_by_alpha1:
             return NO_INPUT_INERTIA
+    if d.general != 0.0 and (p.fidelity == KINEMATIC or p.method == TIMESTEPPING):
+        return LOSSES_STEPPED
     if p.fidelity == KINEMATIC:
         return OK
-    if p.fidelity == AVERAGED and d.viscous != 0.0:
+    if p.fidelity == AVERAGED and d.viscous + d.general != 0.0:
         return FRICTION_AVERAGED
     if p.fidelity == AVERAGED and (d.housing == 0.0 or d.output == 0.0):
         return NO_RECTIFIER

@@ -12,6 +12,8 @@ COLLOCATED = 5
 STAGES = 16
 DENSE = 7
 MATRIX = COLLOCATED * COLLOCATED
+# causes of losses (codes.VISCOUS ...)
+CAUSES = 5
 # knots of the averaged map at most, for one sign of omega1
 KNOTS = 64
 
@@ -21,6 +23,10 @@ PARAMETERS = (
     *("drive_inertia", "input_inertia", "link2_inertia", "output_inertia", "driven_inertia"),
     *("shaft_stiffness", "shaft_damping", "driven_friction", "balancer"),
     *("input_friction", "drive_friction", "link2_friction", "output_friction"),
+    *("mesh_efficiency", "satellite_mesh_efficiency", "journal_friction"),
+    *("housing_drag", "housing_drag_viscous", "output_drag", "output_drag_viscous"),
+    *("housing_stiffness", "housing_damping", "freewheel_stiffness", "freewheel_damping"),
+    *("satellite_inertia", "satellite_transverse_inertia", "gravity"),
     *("housing_freewheel", "output_freewheel", "fidelity", "method", "drive", "input_hold", "tolerance"),
     *("max_step", "kinematic_ratio", "omega2_start", "omega_out_start", "drive_angle_start"),
 )
@@ -39,7 +45,8 @@ READY = (
     *("omega2", "omega_out", "input_torque_mean", "output_torque_mean", "input_speed", "omega_hub"),
     *("drive_angle", "drive_turns", "input_angle", "input_turns", "output_angle", "output_turns"),
     *("contact_mode", "shaft_twist", "energy_in", "energy_out", "energy_lost"),
-    *("energy_lost_viscous", "energy_lost_shaft"),
+    *("energy_lost_viscous", "energy_lost_shaft", "energy_lost_mesh", "energy_lost_journal"),
+    "energy_lost_freewheel",
     *("contact_switches", "rhs_evaluations"),
 )
 # those that take more work than some steps do: STEP_ONLY leaves them out and OUTPUTS fills them in
@@ -65,15 +72,14 @@ STATE = (
     *("q", "q_low", "drive_turns", "theta1", "theta1_low", "input_turns"),
     *("omega1", "omega1_low", "omega2", "omega2_low", "omega3", "omega3_low", "mode", "step_mode"),
     *("alpha1", "held_input", "held_step", "load_torque", "drive_torque", "step_size", "short_size"),
-    *("energy_in", "energy_in_low", "energy_out", "energy_out_low", "lost_shaft", "lost_shaft_low"),
-    *("lost_viscous", "lost_viscous_low"),
+    *("energy_in", "energy_in_low", "energy_out", "energy_out_low"),
+    *(("lost", CAUSES), ("lost_low", CAUSES), "step_lost"),
     *("energy_start", "energy_stored", "input_torque_mean", "output_torque_mean"),
     *("torque_ripple", "torque_peak"),
     *("switches", "evaluations", "output_angle", "output_angle_low", "output_turns"),
     # the communication step in hand, or the last one: its length, the state it began with
     *("length", "begin_q", "begin_omega1", "begin_omega2"),
     *("begin_theta1", "begin_input_turns", "begin_drive_turns"),
-    *("begin_shaft", "begin_shaft_low", "begin_viscous", "begin_viscous_low"),
     # ... and sums over it: impulses, angle of the output
     *("input_impulse", "output_impulse", "mesh_impulse", "output_square", "turned3"),
     *("step_switches", "step_evaluations"),
@@ -108,6 +114,10 @@ CONSTANTS = (
     # (F_by_...: bounds of |F|, the mesh torque, by the squares of slip and speed and by alpha1)
     *("J1", "J2", "J3", "J4", "J16", "housing", "output", "by_torque", "elastic", "tolerance", "max_step"),
     *("stiffness", "damping", "friction", "balancer", "b1", "bq", "b2", "b3", "viscous"),
+    # what only the general equations of motion know, and whether any of it is there (kernel.general)
+    *("general", "mesh_loss", "satellite_loss", "journal", "weight", "number"),
+    *("housing_drag", "housing_drag_viscous", "output_drag", "output_drag_viscous"),
+    *("housing_stiffness", "housing_damping", "freewheel_stiffness", "freewheel_damping"),
     # square of the slowest shaft whose own motion is followed, over that of the pulses
     "followed",
     # averaged: the map, the parameters it is of, and sums while it is built

@@ -5,8 +5,8 @@ link 2 moves freely; after, with what it has met. The end velocities are those o
 of DESIGN section 3, and as ideal contacts close at zero relative speed no energy is lost.
 """
 
-from .accumulate import add
-from .codes import ELASTIC
+from .accumulate import add, add_loss
+from .codes import ELASTIC, SHAFT
 from .inertia import reduced_inertia
 
 
@@ -31,7 +31,7 @@ def push_driven_mass(d, x, change3, stiff):
     lost = (d.J4 * change4 - balancing) * (x.relative + 0.5 * (change3 - change4))
     lost -= balancing * (omega4 + 0.5 * change4)
     x.relative, x.relative_low = add(x.relative, x.relative_low, change3 - change4)
-    x.lost_shaft, x.lost_shaft_low = add(x.lost_shaft, x.lost_shaft_low, lost)
+    add_loss(x, SHAFT, lost)
 
 
 def jump_input(p, d, x, jump, stiff):

@@ -74,10 +74,7 @@ def begin(p, u, x, h):
     x.begin_q = x.q
     x.begin_omega1 = x.omega1
     x.begin_omega2 = x.omega2
-    x.begin_shaft = x.lost_shaft
-    x.begin_shaft_low = x.lost_shaft_low
-    x.begin_viscous = x.lost_viscous
-    x.begin_viscous_low = x.lost_viscous_low
+    x.step_lost = 0.0
     x.begin_theta1 = x.theta1
     x.begin_input_turns = x.input_turns
     x.begin_drive_turns = x.drive_turns

@@ -2,8 +2,8 @@
 
 import math
 
-from .accumulate import add, add_viscous
-from .codes import HELD_DRIVING, LINK2, OUTPUT
+from .accumulate import add, add_loss
+from .codes import HELD_DRIVING, LINK2, OUTPUT, VISCOUS
 from .shaft import rate_alone
 
 # below it the mean of an exponential is a series
@@ -58,7 +58,7 @@ def coast(d, x, load, h):
         change = at_once * first
         mean = x.omega3 + at_once * second
         lost = -d.J3 * change * (x.omega3 + 0.5 * change) - load * h * mean
-        add_viscous(x, max(0.0, lost))
+        add_loss(x, VISCOUS, max(0.0, lost))
     turn(x, load, h * mean)
     x.omega3, x.omega3_low = add(x.omega3, x.omega3_low, change)
 

@@ -3,9 +3,22 @@
 A shell may leave the late ones until they are read.
 """
 
-from .audit import change, is_audited
+from .accumulate import lost_in_all
+from .audit import is_audited
 from .averaged.outputs import averaged_energy, write_averaged
-from .codes import AVERAGED, DRIVING, ELASTIC, FREE, HELD_DRIVING, KINEMATIC
+from .codes import (
+    AVERAGED,
+    DRIVING,
+    ELASTIC,
+    FREE,
+    FREEWHEEL,
+    HELD_DRIVING,
+    JOURNAL,
+    KINEMATIC,
+    MESH,
+    SHAFT,
+    VISCOUS,
+)
 from .contact import torque_carried
 from .derive import TWO_PI
 from .links import angular_momentum, kinetic_energy, torques
@@ -85,9 +98,7 @@ def write_means(p, d, x, y):
         mesh = per_step * d.J2 * (x.omega2 - x.begin_omega2) + rubbed + x.output_torque_mean - housing
     y.mesh_torque_mean = mesh
     y.housing_torque_mean = housing
-    lost = change(x.lost_shaft, x.lost_shaft_low, x.begin_shaft, x.begin_shaft_low)
-    lost += change(x.lost_viscous, x.lost_viscous_low, x.begin_viscous, x.begin_viscous_low)
-    y.loss_power_mean = per_step * lost
+    y.loss_power_mean = per_step * x.step_lost
 
 
 def write_outputs(x, y):
@@ -110,9 +121,12 @@ def write_outputs(x, y):
     y.rhs_evaluations = x.evaluations
     y.energy_in = x.energy_in
     y.energy_out = x.energy_out
-    y.energy_lost = x.lost_shaft + x.lost_viscous
-    y.energy_lost_viscous = x.lost_viscous
-    y.energy_lost_shaft = x.lost_shaft
+    y.energy_lost = lost_in_all(x)
+    y.energy_lost_viscous = x.lost[VISCOUS]
+    y.energy_lost_shaft = x.lost[SHAFT]
+    y.energy_lost_mesh = x.lost[MESH]
+    y.energy_lost_journal = x.lost[JOURNAL]
+    y.energy_lost_freewheel = x.lost[FREEWHEEL]
 
 
 def write_late_outputs(p, d, x, y):

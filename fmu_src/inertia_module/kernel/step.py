@@ -2,7 +2,7 @@
 
 import math
 
-from .accumulate import copy, turn_output, wrap_drive_angle
+from .accumulate import copy, lost_in_all, turn_output, wrap_drive_angle
 from .audit import audit, is_audited
 from .averaged.legs import RESTING
 from .averaged.run import end_step, speed_at_start
@@ -101,7 +101,7 @@ def is_finite(x):
     """Whether the motion, its energies and its means are: all else follows from them."""
     motion = (abs(x.q) + abs(x.theta1)) + (abs(x.omega2) + abs(x.omega3))
     shaft = (abs(x.relative) + abs(x.twist)) + abs(x.omega1)
-    energies = (abs(x.energy_in) + abs(x.energy_out)) + (abs(x.lost_shaft) + x.lost_viscous)
+    energies = (abs(x.energy_in) + abs(x.energy_out)) + abs(lost_in_all(x))
     means = abs(x.input_torque_mean) + (abs(x.output_torque_mean) + abs(x.torque_ripple))
     return (motion + shaft) + (energies + means) < 1e300
 

@@ -9,8 +9,8 @@ takes the
 integral of P as well: that of omega1 dP is omega1 P less alpha1 times it.
 """
 
-from .accumulate import add, add_viscous
-from .codes import DRIVING
+from .accumulate import add, add_loss
+from .codes import DRIVING, SHAFT, VISCOUS
 from .links import angular_momentum, friction_power, inertia_at_input
 from .output_shaft import turn
 from .solvers.dormand_prince import END, NODES, STAGES
@@ -61,7 +61,7 @@ def add_viscous_losses(d, x, w, sigma):
     for n in range(count):
         omega1, omega2 = stage_speeds(d, x, w, n)
         w.rate_omega2[n] = friction_power(d, omega1, omega2, friction)
-    add_viscous(x, integral(w, w.rate_omega2, sigma))
+    add_loss(x, VISCOUS, integral(w, w.rate_omega2, sigma))
     if d.by_torque != 0.0 or w.given == 0.0:
         return
     for n in range(count):
@@ -147,7 +147,7 @@ def add_held_works(d, x, q, omega1, alpha1, h, integral_of_phi):
     # link 1 and the drives, which turn k times as fast
     friction = d.b1 + d.k * d.k * d.bq
     lost = friction * h * (omega1 * end + alpha1 * h * alpha1 * h / 3.0)
-    add_viscous(x, lost)
+    add_loss(x, VISCOUS, lost)
     add_work_in(x, energy - 0.5 * before * omega1 * omega1 + lost)
     x.input_impulse += 0.5 * (after * end - before * omega1 + alpha1 * integral_of_phi)
     x.input_impulse += friction * h * 0.5 * (omega1 + end)
@@ -176,8 +176,8 @@ def add_shaft_works(d, x, w):
         x.output_impulse += weight * output_torque
         x.torque_peak = max(x.torque_peak, abs(output_torque))
     turn(x, w.load, out)
-    x.lost_shaft, x.lost_shaft_low = add(x.lost_shaft, x.lost_shaft_low, lost)
-    add_viscous(x, rubbed)
+    add_loss(x, SHAFT, lost)
+    add_loss(x, VISCOUS, rubbed)
 
 
 def add_link_losses(d, x, w):
@@ -188,7 +188,7 @@ def add_link_losses(d, x, w):
     for n in range(RADAU_STAGES):
         power = friction_power(d, w.stage_omega1[n], w.stage_omega2[n], d.b2)
         lost += w.step * MATRIX[RADAU_STAGES * (RADAU_STAGES - 1) + n] * power
-    add_viscous(x, lost)
+    add_loss(x, VISCOUS, lost)
 
 
 def add_moving_works(d, x, w, start1, momentum):

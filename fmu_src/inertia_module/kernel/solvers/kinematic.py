@@ -2,7 +2,8 @@
 
 import math
 
-from ..accumulate import add, add_viscous
+from ..accumulate import add, add_loss
+from ..codes import VISCOUS
 from ..links import friction_power, torques
 from ..loads import see
 from ..works import GAUSS_NODE_1, GAUSS_NODE_2, GAUSS_WEIGHT_1, GAUSS_WEIGHT_2, GAUSS_WEIGHT_3
@@ -27,7 +28,7 @@ def add_node(d, x, ratio, omega1, alpha1, rate, t, weight):
     x.torque_peak = max(x.torque_peak, abs(output))
     x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, weight * drive * speed)
     x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, weight * output * ratio * speed)
-    add_viscous(x, weight * friction_power(d, speed, ratio * speed, d.b2))
+    add_loss(x, VISCOUS, weight * friction_power(d, speed, ratio * speed, d.b2))
 
 
 def advance_kinematic(d, x, ratio, omega1, alpha1, remaining):

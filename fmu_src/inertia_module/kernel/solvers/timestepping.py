@@ -7,8 +7,8 @@ moves by the midpoint rule (docs/mechanics.md).
 
 import math
 
-from ..accumulate import add, add_viscous, copy, wrap_drive_angle, wrap_input_angle
-from ..codes import DRIVING, HELD, HELD_DRIVING
+from ..accumulate import add, add_loss, copy, wrap_drive_angle, wrap_input_angle
+from ..codes import DRIVING, HELD, HELD_DRIVING, SHAFT, VISCOUS
 from ..contact import settle
 from ..impulse import push_driven_mass
 from ..inertia import reduced_inertia
@@ -152,12 +152,12 @@ def turn_shaft(d, x, w, end3, h):
     mean4 = w.mean3
     if d.viscous != 0.0:
         lost = w.rubbed + h * d.b3 * w.mean3 * w.mean3
-        add_viscous(x, lost)
+        add_loss(x, VISCOUS, lost)
     if d.elastic != 0.0:
         mean4 -= w.mean_relative
         lost = h * (d.damping * w.mean_relative * w.mean_relative + d.friction * mean4 * mean4)
         lost -= d.balancer * d.J4 * (w.seen3 - x.omega3) * mean4
-        x.lost_shaft, x.lost_shaft_low = add(x.lost_shaft, x.lost_shaft_low, lost)
+        add_loss(x, SHAFT, lost)
         x.twist, x.twist_low = add(x.twist, x.twist_low, h * w.mean_relative)
         x.omega3 = w.seen3
         x.relative = w.seen3 - w.omega4
