@@ -10,6 +10,7 @@ HELD_DRIVING = 3
 EXPLICIT = 0.0
 CLOSED_FORM = 1.0
 COLLOCATED = 2.0
+GENERAL = 3.0
 
 # guards of a contact mode: of the speed of link 2 or its release, and of the output freewheel
 NONE = -1

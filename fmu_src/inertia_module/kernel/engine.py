@@ -6,6 +6,8 @@ The contact mode is chosen, a solver follows it to the next event or to the end 
 from .accumulate import time_later
 from .codes import OK, STEP_TOO_SMALL, TOO_MANY_SWITCHES, TOO_MUCH_WORK
 from .contact import TORQUE_ROUNDING, choose_mode, is_held
+from .general.advance import advance_general
+from .general.choice import choose_next_states, choose_states
 from .limits import MAX_EVALUATIONS, STALLS_ALLOWED, SWITCHES_ALLOWED, SWITCHES_PER_PULSE
 from .links import given_at_input
 from .solvers.elastic import advance_elastic
@@ -21,6 +23,8 @@ def advance_mode(d, x, w, remaining):
     """Advance in the present contact mode, at most to its end: (time passed or -1, whether it may change
     then).
     """
+    if d.general != 0.0:
+        return advance_general(d, x, w, remaining)
     if d.elastic != 0.0:
         return advance_elastic(d, x, w, remaining)
     if d.by_torque == 0.0 and is_held(x):
@@ -28,8 +32,10 @@ def advance_mode(d, x, w, remaining):
     return advance_explicit(d, x, w, remaining)
 
 
-def choose_next_mode(d, x):
+def choose_next_mode(d, x, w):
     """Choose the contact mode after an event. Returns whether it has changed."""
+    if d.general != 0.0:
+        return choose_next_states(d, x, w)
     before = x.mode
     choose_mode(d, x, TORQUE_ROUNDING)
     if x.mode == before:
@@ -49,7 +55,10 @@ def run_events(d, x, w, h):
     travel = 0.0
     stalls = 0
     if x.goes_on == 0.0 or x.given != w.given or x.load_given != w.load:
-        choose_mode(d, x, TORQUE_ROUNDING)
+        if d.general != 0.0:
+            choose_states(d, x, False)
+        else:
+            choose_mode(d, x, TORQUE_ROUNDING)
         x.known = 0.0
     x.goes_on = 0.0
     x.given = w.given
@@ -73,7 +82,7 @@ def run_events(d, x, w, h):
             travel += passed * shaft_frequency(d, 1.0 / d.J3)
         if event:
             x.known = 0.0
-            stalls = 0 if choose_next_mode(d, x) else stalls + 1
+            stalls = 0 if choose_next_mode(d, x, w) else stalls + 1
             if stalls > STALLS_ALLOWED:
                 return TOO_MANY_SWITCHES
             if x.step_switches > SWITCHES_ALLOWED + SWITCHES_PER_PULSE * d.harmonic * travel:

@@ -12,6 +12,8 @@ COLLOCATED = 5
 STAGES = 16
 DENSE = 7
 MATRIX = COLLOCATED * COLLOCATED
+# quantities followed by the general equations of motion
+FOLLOWED = 22
 # causes of losses (codes.VISCOUS ...)
 CAUSES = 5
 # knots of the averaged map at most, for one sign of omega1
@@ -89,6 +91,8 @@ STATE = (
     *("twist", "twist_low", "relative", "relative_low"),
     # fixed steps: I, I', B, G at q
     *("i", "i1", "b", "g"),
+    # general: what freewheels and slip do, wind-up; impulse of Th in the step
+    *("housing_state", "output_state", "slip_sign", "wound_housing", "wound_output", "housing_impulse"),
     # averaged: the knot of the map last used; the speed that its torques go with, if that is not omega1
     *("map_knot", "map_speed"),
     # by events: whether the contact mode goes on under the same torques, with what is given; whether what
@@ -107,6 +111,14 @@ SIDE = ("direction", "count", "end", "locks", "start", ("knots", KNOT, KNOTS))
 # the steady motion that a knot is of: torque of link 1, contact mode, drive angle; integrals while free
 TRAVEL = ("direction", "given", "omega3", "mode", "q", "energy", "momentum")
 
+# general equations of motion: motion of an instant, its weights, accelerations, torques; of the satellites
+# journals and mesh, of links that stick together the torque at the drives that is needed and the rest
+MACHINE = (
+    *("q", "theta1", "omega1", "omega2", "omega3", "twist", "relative", "wound_housing", "wound_output"),
+    *("potential", "weight1", "weight_q", "alpha1", "alpha2", "alpha3", "rate_relative"),
+    *("drive", "mesh", "output", "housing", "journals", "spun", "needed", "margin"),
+)
+
 CONSTANTS = (
     *("k", "s", "mass", "planar", "single", "paired", "phase_a", "phase_b"),
     *("radial", "radial_cos", "arm", "axial", "axial_cos", "pole_offset", "pole_arm", "spin"),
@@ -118,6 +130,7 @@ CONSTANTS = (
     *("general", "mesh_loss", "satellite_loss", "journal", "weight", "number"),
     *("housing_drag", "housing_drag_viscous", "output_drag", "output_drag_viscous"),
     *("housing_stiffness", "housing_damping", "freewheel_stiffness", "freewheel_damping"),
+    ("machine", MACHINE),
     # square of the slowest shaft whose own motion is followed, over that of the pulses
     "followed",
     # averaged: the map, the parameters it is of, and sums while it is built
@@ -136,6 +149,10 @@ WORKSPACE = (
     # rates at the stages of the explicit pair, what is integrated besides, and the inside of the step
     *(("rate_q", STAGES), ("rate_omega1", STAGES), ("rate_omega2", STAGES), ("integrand", STAGES)),
     *(("dense_q", DENSE), ("dense_omega1", DENSE), ("dense_omega2", DENSE), ("dense_other", DENSE)),
+    # general: all that is followed, the guards, and how the last step has ended
+    ("followed", (("rate", STAGES), "change"), FOLLOWED),
+    ("watched", (("value", STAGES), ("rate", STAGES), ("dense", DENSE)), 3),
+    *("ended", "met_slip"),
     # collocation: matrices of the shaft, and numbers at the stages
     *(("inverse", MATRIX), ("gain", MATRIX), ("shaft", MATRIX), ("jacobian", MATRIX)),
     *(("rate1", COLLOCATED), ("rate2", COLLOCATED), ("rate3", COLLOCATED), ("rate_relative", COLLOCATED)),

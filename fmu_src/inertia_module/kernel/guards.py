@@ -6,8 +6,9 @@ omega2 and
 the torque Tc. With an elastic output the hub or its shaft torque stands for the load.
 """
 
-from .codes import CLOSED_FORM, COLLOCATED, DRIVING, HELD_DRIVING, LINK2, OUTPUT
+from .codes import CLOSED_FORM, COLLOCATED, DRIVING, GENERAL, HELD_DRIVING, LINK2, OUTPUT
 from .contact import is_held, torque_carried
+from .general.guards import general_guard
 from .links import held_torque, motion
 from .output_shaft import coasting, coasting_bend
 from .solvers.collocated_guards import collocated_bend, collocated_guard
@@ -60,6 +61,8 @@ def guard_inside(d, x, w, which, sigma):
     """
     if w.solver == COLLOCATED:
         return collocated_guard(d, x, w, which, sigma)
+    if w.solver == GENERAL:
+        return general_guard(x, w, which, sigma)
     h = w.step
     t = sigma * h
     if w.solver == CLOSED_FORM:

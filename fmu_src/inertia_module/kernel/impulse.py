@@ -51,17 +51,20 @@ def jump_input(p, d, x, jump, stiff):
     omega2 = x.omega2
     omega3 = x.omega3
     target = x.omega1 + jump
-    joined = d.output == 0.0 or (omega3 == omega2 and push > 0.0)
+    # freewheels that wind up take no impulse
+    stops = d.housing != 0.0 and d.housing_stiffness == 0.0
+    meets = d.freewheel_stiffness == 0.0
+    joined = d.output == 0.0 or (meets and omega3 == omega2 and push > 0.0)
     if joined:
         inertia += shaft
     change = push / inertia if push != 0.0 else 0.0
     fraction = 1.0
     output_impulse = 0.0
     end2 = omega2 + change
-    if d.housing != 0.0 and end2 < 0.0:
+    if stops and end2 < 0.0:
         fraction = omega2 / -change  # the rest of the way link 2 is held
         end2 = 0.0
-    elif not joined and end2 > omega3:
+    elif meets and not joined and end2 > omega3:
         fraction = (omega3 - omega2) / change  # the rest of the way it drives the shaft
         end2 = omega3 + (1.0 - fraction) * push / (inertia + shaft)
     part = fraction * jump
@@ -71,7 +74,7 @@ def jump_input(p, d, x, jump, stiff):
     x.omega1 = target
     x.omega2 = end2
     x.omega2_low = 0.0
-    if end2 > omega3 or d.output == 0.0:
+    if (meets and end2 > omega3) or d.output == 0.0:
         output_impulse = shaft * (end2 - omega3)
         if p.fidelity == ELASTIC:
             push_driven_mass(d, x, end2 - omega3, stiff)

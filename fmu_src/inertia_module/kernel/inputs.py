@@ -81,6 +81,7 @@ def begin(p, u, x, h):
     x.input_impulse = 0.0
     x.output_impulse = 0.0
     x.mesh_impulse = 0.0
+    x.housing_impulse = 0.0
     x.output_square = 0.0
     x.turned3 = 0.0
     x.largest_square = 0.0

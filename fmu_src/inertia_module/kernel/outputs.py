@@ -21,6 +21,7 @@ from .codes import (
 )
 from .contact import torque_carried
 from .derive import TWO_PI
+from .general.motion import stored_besides
 from .links import angular_momentum, kinetic_energy, torques
 from .loads import write_loads
 from .run import accelerations_now
@@ -38,14 +39,29 @@ def stored_energy(p, d, x):
         return averaged_energy(d, x)
     if x.known != 0.0:
         return x.motion_energy + 0.5 * d.J3 * x.omega3 * x.omega3
-    stored = kinetic_energy(d, x.q, x.omega1, x.omega2, shaft_in_energy(p, x))
+    besides = stored_besides(d, x) if d.general != 0.0 else 0.0
+    stored = besides + kinetic_energy(d, x.q, x.omega1, x.omega2, shaft_in_energy(p, x))
     return stored + stored_in_shaft(d, x) if p.fidelity == ELASTIC else stored
+
+
+def write_general(d, x, y):
+    """The same by the general equations of motion."""
+    accelerations_now(d, x)
+    m = d.machine
+    y.output_acceleration = m.alpha3 - m.rate_relative
+    y.input_torque = m.drive
+    y.mesh_torque = m.mesh
+    y.output_torque = m.output
+    y.housing_torque = m.housing
+    return m.alpha2
 
 
 def write_torques(p, d, x, y):
     """Instantaneous torques in the present mode. Returns the acceleration of link 2."""
     if p.fidelity == AVERAGED:
         return write_averaged(d, x, y)
+    if d.general != 0.0:
+        return write_general(d, x, y)
     output = 0.0
     housing = 0.0
     load, _ = load_behind_freewheel(d, x)
@@ -82,7 +98,9 @@ def write_means(p, d, x, y):
     per_step = 1.0 / x.length if x.length > 0.0 else 0.0
     mesh = per_step * x.mesh_impulse
     housing = x.output_torque_mean - mesh
-    if p.fidelity != AVERAGED:
+    if d.general != 0.0:
+        housing = per_step * x.housing_impulse
+    elif p.fidelity != AVERAGED:
         gained = angular_momentum(d, x.q, x.omega1, x.omega2)
         gained -= angular_momentum(d, x.begin_q, x.begin_omega1, x.begin_omega2)
         housing = per_step * gained + x.output_torque_mean - x.input_torque_mean

@@ -6,6 +6,8 @@ from .averaged.run import run_averaged
 from .codes import AVERAGED, ELASTIC, KINEMATIC, OK, TIMESTEPPING, TOO_MUCH_WORK
 from .contact import TORQUE_ROUNDING, is_held, present_mode
 from .engine import run_events
+from .general.jump import jump_general
+from .general.motion import evaluate, take_state
 from .impulse import jump_input, jump_kinematic
 from .limits import MAX_EVALUATIONS, MAX_STEPS
 from .links import accelerations, given_at_input
@@ -18,6 +20,10 @@ from .solvers.timestepping import one_step, steps_in
 
 def accelerations_now(d, x):
     """Accelerations of links 1 and 2 in the present mode, rad/s^2."""
+    if d.general != 0.0:
+        take_state(d, x)
+        evaluate(d, x, given_at_input(d, x), x.load_torque)
+        return d.machine.alpha1, d.machine.alpha2
     if x.known != 0.0:
         return x.rate1, x.rate2
     load, _ = load_behind_freewheel(d, x)
@@ -79,10 +85,11 @@ def run_pulses(p, d, x, w, h):
     return run_events(d, x, w, h)
 
 
-def turn_input(x, start1, h):
+def turn_input(d, x, start1, h):
     """Angle and speed of link 1 at the end of the step, its speed given from start1 on."""
-    x.theta1, x.theta1_low = add(x.theta1, x.theta1_low, h * (start1 + 0.5 * x.alpha1 * h))
-    wrap_input_angle(x)
+    if d.general == 0.0:  # else it has turned with all the rest
+        x.theta1, x.theta1_low = add(x.theta1, x.theta1_low, h * (start1 + 0.5 * x.alpha1 * h))
+        wrap_input_angle(x)
     x.omega1 = start1 + x.alpha1 * h
     x.omega1_low = 0.0
 
@@ -106,7 +113,10 @@ def run_at_speed(p, d, u, x, w, h, jump):
         else:
             x.goes_on = 0.0
             stiff = p.fidelity == ELASTIC and is_stiff(d, x, u.omega1)
-            input_jump, output_jump = jump_input(p, d, x, jump, stiff)
+            if d.general != 0.0:
+                input_jump, output_jump = jump_general(p, d, x, jump, stiff)
+            else:
+                input_jump, output_jump = jump_input(p, d, x, jump, stiff)
     start1 = x.omega1
     if p.fidelity == KINEMATIC:
         status = run_kinematic(p, d, x, h)
@@ -115,7 +125,7 @@ def run_at_speed(p, d, u, x, w, h, jump):
     else:
         status = run_pulses(p, d, x, w, h)
     if status == OK:
-        turn_input(x, start1, h)
+        turn_input(d, x, start1, h)
     return status, input_jump, output_jump
 
 

@@ -22,6 +22,7 @@ from .codes import (
 )
 from .contact import TORQUE_ROUNDING, present_mode
 from .derive import derive
+from .general.choice import choose_states
 from .inputs import begin, check_inputs, check_rates, input_speed
 from .limits import LARGEST_STEP
 from .outputs import stored_energy, write_late_outputs, write_outputs
@@ -72,7 +73,10 @@ def start(p, d, u, x, y):
             end_step(d, x, RESTING, -1.0, speed_at_start(d, x))
             x.step_switches = 0.0
         else:
-            x.mode = present_mode(d, x, TORQUE_ROUNDING)
+            if d.general != 0.0:
+                choose_states(d, x, False)
+            else:
+                x.mode = present_mode(d, x, TORQUE_ROUNDING)
             x.step_mode = x.mode
             if p.method == TIMESTEPPING:
                 begin_here(d, x)

@@ -1,0 +1,276 @@
+"""The module with losses by load, drag, wind-up or gravity: step by step up to the next event."""
+
+import math
+
+from ..accumulate import add, add_loss, wrap_drive_angle, wrap_input_angle
+from ..codes import FREEWHEEL, GENERAL, NONE
+from ..links import response
+from ..loads import INSIDE_PHASE, see
+from ..search import first_crossing
+from ..solvers.dormand_prince import END, fifth, sum_9, third
+from .choice import take_speeds
+from .guards import HOUSING, OUTPUT, SLIP, fit_guard, general_bend, is_clear, is_speed, is_watched
+from .motion import evaluate, take_state
+from .stages import (
+    LOST,
+    OF_DRIVE,
+    OF_HOUSING,
+    OF_MESH,
+    OF_OUTPUT,
+    OMEGA1,
+    OMEGA2,
+    OMEGA3,
+    RELATIVE,
+    SQUARE,
+    THETA,
+    TURNED,
+    TWIST,
+    WORK_IN,
+    WORK_OUT,
+    WOUND_HOUSING,
+    WOUND_OUTPUT,
+    Q,
+    how_many_move,
+    keep_rates,
+    make_inside,
+    make_step,
+)
+from .states import LOCKED, WOUND, is_rough
+
+# stage inside the step at which the force on the bearing is seen
+SEEN = 9
+# phase of the highest harmonic within one step, and between two looks at a guard, rad
+STEP_PHASE = 4.0
+LOOK_PHASE = 1.0
+SAFETY = 0.9
+SMALLEST_FACTOR = 0.2
+LARGEST_FACTOR = 5.0
+REJECTIONS = 100
+# a guard below this share of the speeds, or of the torques, is zero
+VELOCITY_ROUNDING = 1e-13
+TORQUE_ROUNDING = 1e-11
+
+
+def longest_step(d, x, w, remaining):
+    """Longest step that is searched for events: a bounded phase of the highest harmonic."""
+    m = d.machine
+    step = min(remaining, d.max_step)
+    scale = d.harmonic * d.k
+    slip = abs(x.omega1 - x.omega2)
+    if scale * slip * step > STEP_PHASE:
+        step = STEP_PHASE / (scale * slip)
+    growth = scale * abs(m.alpha1 - m.alpha2)
+    if 0.5 * growth * step * step > STEP_PHASE:
+        step = math.sqrt(2.0 * STEP_PHASE / growth)
+    return step
+
+
+def fastest_speed(d, x, w):
+    """Largest speed at the ends of the step in hand, rad/s."""
+    f = w.followed
+    links = max(abs(x.omega1), abs(x.omega1 + f[OMEGA1].change))
+    output = max(abs(x.omega3), abs(x.omega3 + f[OMEGA3].change))
+    behind = abs(x.omega3 - x.relative) if d.elastic != 0.0 else 0.0
+    return max(links, output, behind, abs(x.omega2), abs(x.omega2 + f[OMEGA2].change))
+
+
+def scale_of(d, x, w, n, fastest):
+    """What the error of a followed quantity is measured by."""
+    change = abs(w.followed[n].change)
+    if n == Q:
+        return 1.0
+    if n == OMEGA1:
+        return max(response(d, d.J1) * fastest, change)
+    if n == OMEGA2:
+        return max(response(d, d.J2 + (d.J3 if x.output_state == LOCKED else 0.0)) * fastest, change)
+    speed = response(d, d.J2 + d.J3) * fastest
+    if n == OMEGA3 or n == RELATIVE:
+        return max(speed, change)
+    if n == TWIST:
+        return max(speed * math.sqrt(d.J3 / d.stiffness), max(abs(x.twist), change))
+    if n == WOUND_HOUSING:
+        return max(fastest * math.sqrt(d.J2 / max(d.housing_stiffness, 1e-300)), change)
+    return max(fastest * math.sqrt(d.J2 / max(d.freewheel_stiffness, 1e-300)), change)
+
+
+def step_error(d, x, w, fastest):
+    """Estimated error of the step in hand over the allowed one (Hairer's mix of orders 5 and 3)."""
+    if not fastest < 1e300:
+        return 1e300
+    sum5 = 0.0
+    sum3 = 0.0
+    count = 0
+    moving = how_many_move(d)
+    inertia = (d.F_by_alpha1 + 0.5 * d.F_by_speed) / d.k + d.J1 + d.J2
+    for n in range(moving + 1):
+        if n == THETA or (n == OMEGA1 and d.by_torque == 0.0):
+            continue
+        if n < moving:
+            rates = w.followed[n].rate
+            scale = d.tolerance * scale_of(d, x, w, n, fastest)
+        else:
+            rates = w.followed[WORK_IN].rate
+            scale = d.tolerance * inertia * fastest * fastest
+        if scale > 0.0:
+            error5 = fifth(rates) / scale
+            error3 = third(rates) / scale
+            sum5 += error5 * error5
+            sum3 += error3 * error3
+            count += 1
+    mix = sum5 + 0.01 * sum3
+    return w.step * sum5 / math.sqrt(count * mix) if mix > 0.0 else 0.0
+
+
+def try_steps(d, x, w, limit):
+    """Make the longest step whose error is allowed. Returns the largest speed in it, or -1 if none will do."""
+    carried = x.step_size
+    h = min(limit, carried) if carried > 0.0 else 0.1 * limit
+    for attempt in range(REJECTIONS):
+        make_step(d, x, w, h)
+        fastest = fastest_speed(d, x, w)
+        error = step_error(d, x, w, fastest)
+        factor = SMALLEST_FACTOR
+        if error < 1e300:
+            factor = LARGEST_FACTOR
+            if error > 0.0:
+                factor = min(LARGEST_FACTOR, max(SMALLEST_FACTOR, SAFETY * error ** (-0.125)))
+        if error <= 1.0:
+            # a step cut short by the end of the communication step says little about longer ones
+            x.step_size = max(factor * h, carried) if attempt == 0 and h < carried else factor * h
+            return fastest
+        h *= factor
+    return -1.0
+
+
+def zero_of(d, x, w, which, fastest):
+    """What a guard has to fall below to have fallen."""
+    if is_speed(x, which):
+        taken = max(abs(x.omega2), max(abs(x.omega2 + w.followed[OMEGA2].change), abs(x.omega3)))
+        return VELOCITY_ROUNDING * max(response(d, d.J2) * fastest, taken)
+    m = d.machine
+    return TORQUE_ROUNDING * (abs(m.mesh) + abs(m.housing) + abs(m.output) + abs(w.load))
+
+
+def first_event(d, x, w, fastest):
+    """Earliest fall of a guard in the step just made: (fraction of the step or -1, which guard)."""
+    earliest = -1.0
+    which = NONE
+    inside = False
+    rough = is_rough(d)
+    phase = w.step * d.harmonic * d.k * max(abs(x.omega1 - x.omega2), fastest if d.by_torque != 0.0 else 0.0)
+    looks = 1 + int(math.floor(min(phase, STEP_PHASE) / LOOK_PHASE))
+    for guard in range(3):
+        if not is_watched(d, guard, rough) or is_clear(w, guard, END + 1):
+            continue
+        if not inside:
+            make_inside(d, x, w)
+            inside = True
+        fit_guard(w, guard)
+        zero = zero_of(d, x, w, guard, fastest)
+        sigma = first_crossing(d, x, w, guard, zero, general_bend(x, w, guard), looks)
+        if sigma > 0.0 and (earliest < 0.0 or sigma < earliest):
+            earliest = sigma
+            which = guard
+    return earliest, which
+
+
+def commit(d, x, w):
+    """Take the step in hand over, with its sums."""
+    f = w.followed
+    x.q, x.q_low = add(x.q, x.q_low, f[Q].change)
+    wrap_drive_angle(d, x)
+    x.theta1, x.theta1_low = add(x.theta1, x.theta1_low, f[THETA].change)
+    wrap_input_angle(x)
+    x.omega1, x.omega1_low = add(x.omega1, x.omega1_low, f[OMEGA1].change)
+    x.omega2, x.omega2_low = add(x.omega2, x.omega2_low, f[OMEGA2].change)
+    x.omega3, x.omega3_low = add(x.omega3, x.omega3_low, f[OMEGA3].change)
+    if d.elastic != 0.0:
+        x.twist, x.twist_low = add(x.twist, x.twist_low, f[TWIST].change)
+        x.relative, x.relative_low = add(x.relative, x.relative_low, f[RELATIVE].change)
+        x.wound_housing += f[WOUND_HOUSING].change
+        x.wound_output += f[WOUND_OUTPUT].change
+    x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, f[WORK_IN].change)
+    x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, f[WORK_OUT].change)
+    for cause in range(len(x.lost)):
+        add_loss(x, cause, f[LOST + cause].change)
+    x.input_impulse += f[OF_DRIVE].change
+    x.mesh_impulse += f[OF_MESH].change
+    x.housing_impulse += f[OF_HOUSING].change
+    x.output_impulse += f[OF_OUTPUT].change
+    x.output_square += f[SQUARE].change
+    x.turned3 += f[TURNED].change
+    for n in range(END + 1):
+        x.torque_peak = max(x.torque_peak, abs(f[OF_OUTPUT].rate[n]))
+
+
+def meet(d, x, which):
+    """Set a speed that has met its limit there exactly."""
+    if not is_speed(x, which):
+        return
+    if which == HOUSING:
+        x.omega2 = 0.0
+        x.omega2_low = 0.0
+    elif which == OUTPUT:
+        x.omega2 = x.omega3
+        x.omega2_low = x.omega3_low
+    elif x.housing_state == LOCKED:
+        if d.by_torque != 0.0:
+            x.omega1 = 0.0
+            x.omega1_low = 0.0
+    else:
+        x.omega2 = x.omega1
+        x.omega2_low = x.omega1_low
+
+
+def unwind(d, x, which):
+    """Forget the wind-up of a freewheel whose torque has come to zero; what its spring still holds is lost."""
+    if which == HOUSING and x.housing_state == WOUND:
+        add_loss(x, FREEWHEEL, 0.5 * d.housing_stiffness * x.wound_housing * x.wound_housing)
+        x.wound_housing = 0.0
+    if which == OUTPUT and x.output_state == WOUND:
+        add_loss(x, FREEWHEEL, 0.5 * d.freewheel_stiffness * x.wound_output * x.wound_output)
+        x.wound_output = 0.0
+
+
+def see_inside(d, x, w):
+    """See the bearing's force at a stage inside the step, where the drive turns far."""
+    f = w.followed
+    if d.harmonic * abs(f[Q].change) < INSIDE_PHASE:
+        return
+    omega1 = f[THETA].rate[SEEN]
+    omega2 = omega1 - f[Q].rate[SEEN] / d.k
+    q = x.q + w.step * sum_9(f[Q].rate)
+    see(d, x, q, omega1, omega2, f[OMEGA1].rate[SEEN], f[OMEGA2].rate[SEEN])
+
+
+def advance_general(d, x, w, remaining):
+    """Advance by one step, or to the first event in it.
+
+    Returns:
+        (time passed or -1 if no step is small enough, whether what freewheels and slip do may change then).
+    """
+    w.solver = GENERAL
+    m = d.machine
+    take_speeds(x)
+    take_state(d, x)
+    evaluate(d, x, w.given, w.load)
+    x.step_evaluations += 1.0
+    keep_rates(d, x, w, 0)
+    see(d, x, x.q, x.omega1, x.omega2, m.alpha1, m.alpha2)
+    fastest = try_steps(d, x, w, longest_step(d, x, w, remaining))
+    if fastest < 0.0:
+        return -1.0, False
+    sigma, which = first_event(d, x, w, fastest)
+    if sigma >= 0.0:
+        make_step(d, x, w, sigma * w.step)
+    see_inside(d, x, w)
+    commit(d, x, w)
+    w.ended = 0.0
+    w.met_slip = 0.0
+    if which != NONE:
+        w.ended = 0.0 if is_speed(x, which) else 1.0
+        w.met_slip = 1.0 if which == SLIP and is_speed(x, which) and x.housing_state != LOCKED else 0.0
+        if w.ended != 0.0:
+            unwind(d, x, which)
+        meet(d, x, which)
+    return w.step, which != NONE

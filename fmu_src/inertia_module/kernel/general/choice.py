@@ -1,0 +1,103 @@
+"""What freewheels and slip do from now on: the one of all combinations that hurts no condition.
+
+0 <= omega2 _|_ Th + drag >= 0      0 <= omega3 - omega2 _|_ Tc + drag >= 0      slip _|_ what friction leaves
+"""
+
+from ..links import given_at_input
+from .motion import evaluate, take_state
+from .states import LOCKED, OPEN, WOUND, contact_mode, is_rough, may_be_housing, may_be_output, may_slip
+
+# share of the torques by which what has just ended seems to go on, and still has ended
+ENDED = 1e-3
+# share of the torques that is rounding: the one before goes on
+ROUNDING = 1e-12
+NO_TORQUE = 1e-300
+
+
+def worst_of_freewheel(state, drag, torque, speed, wound, push):
+    """By how much a freewheel misses its condition, N m; push: torque that its slip accelerates with."""
+    if state == OPEN:
+        return -push if speed <= 0.0 else 0.0
+    if state == WOUND:
+        return push - drag if speed == 0.0 and wound == 0.0 else 0.0
+    return -torque - drag
+
+
+def violation(d, x, given, load):
+    """By how much the states in x miss their conditions, as a share of the torques."""
+    m = d.machine
+    evaluate(d, x, given, load)
+    inertia = d.J2 + d.J3 + d.F_by_alpha1
+    worst = worst_of_freewheel(
+        x.housing_state,
+        d.housing_drag,
+        m.housing,
+        m.omega2,
+        m.wound_housing,
+        inertia * m.alpha2,
+    )
+    if d.output != 0.0:
+        slip = m.omega3 - m.omega2
+        push = inertia * (m.alpha3 - m.alpha2)
+        output = worst_of_freewheel(x.output_state, d.output_drag, m.output, slip, m.wound_output, push)
+        worst = max(worst, output)
+    if x.slip_sign == 0.0:
+        worst = max(worst, -d.k * m.margin)
+    elif m.omega1 == m.omega2 and is_rough(d):
+        worst = max(worst, -x.slip_sign * inertia * (m.alpha1 - m.alpha2))
+    torques = abs(m.mesh) + abs(m.housing) + abs(m.output) + abs(load) + d.housing_drag + d.output_drag
+    accelerated = abs(m.alpha1) + abs(m.alpha2) + abs(m.alpha3)
+    return max(worst, 0.0) / (torques + inertia * accelerated + NO_TORQUE)
+
+
+def take_speeds(x):
+    """Speeds of parts that move together, exactly equal."""
+    if x.slip_sign == 0.0:
+        x.omega2 = x.omega1
+        x.omega2_low = x.omega1_low
+    if x.output_state == LOCKED:
+        x.omega3 = x.omega2
+        x.omega3_low = x.omega2_low
+
+
+def choose_states(d, x, ended):
+    """Choose what freewheels and slip do from now on, into x; ended: what they did has come to an end."""
+    take_state(d, x)
+    given = given_at_input(d, x)
+    before = (x.housing_state, x.output_state, x.slip_sign)
+    best = before
+    least = 1e300
+    for number in range(27):
+        housing = float(number % 3)
+        output = float(number // 3 % 3)
+        sign = float(number // 9 - 1)
+        possible = may_be_housing(d, x, housing) and may_be_output(d, x, output) and may_slip(d, x, sign)
+        if not possible:
+            continue
+        x.housing_state, x.output_state, x.slip_sign = housing, output, sign
+        missing = violation(d, x, given, x.load_torque)
+        if (housing, output, sign) == before:
+            missing += ENDED if ended else -ROUNDING
+        if missing < least:
+            least = missing
+            best = (housing, output, sign)
+    x.housing_state, x.output_state, x.slip_sign = best
+    x.step_evaluations += 1.0
+    take_speeds(x)
+    mode = contact_mode(x)
+    if mode != x.mode:
+        x.mode = mode
+        x.step_switches += 1.0
+
+
+def choose_next_states(d, x, w):
+    """Choose them after an event. Returns whether they have changed."""
+    before = (x.housing_state, x.output_state, x.slip_sign)
+    if w.met_slip != 0.0:
+        x.omega2 = x.omega1
+        x.omega2_low = x.omega1_low
+        if x.output_state == LOCKED:
+            x.omega3 = x.omega2
+            x.omega3_low = x.omega2_low
+    choose_states(d, x, w.ended != 0.0)
+    return before != (x.housing_state, x.output_state, x.slip_sign)

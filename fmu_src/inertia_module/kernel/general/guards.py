@@ -1,0 +1,85 @@
+"""What has to stay positive while the freewheels and the slip of links 1 and 2 do what they do.
+
+A freewheel that overruns: its speed; one that is locked: its torque with its drag. Slip: itself, by its sign; links that stick together: what is left of the friction that holds them.
+"""
+
+from ..solvers.interpolant import dense_bend, dense_change, dense_rate, dense_rate_bend, fit_dense
+from .states import OPEN
+
+HOUSING = 0
+OUTPUT = 1
+SLIP = 2
+# share of the step over which the slope of a torque inside it is differenced
+APART = 1e-4
+# share of its range in the step that a guard stays above at all stages if it does between them
+CLEAR = 0.25
+
+
+def is_watched(d, which, rough):
+    """Whether this guard can end what is; rough: see states.is_rough."""
+    if which == SLIP:
+        return rough
+    return (d.housing if which == HOUSING else d.output) != 0.0
+
+
+def is_speed(x, which):
+    """Whether the guard is a speed, else a torque."""
+    if which == HOUSING:
+        return x.housing_state == OPEN
+    return x.output_state == OPEN if which == OUTPUT else x.slip_sign != 0.0
+
+
+def value_and_rate(d, x, m, which):
+    """A guard, and its rate if it is a speed, else itself once more; m: d.machine after motion.evaluate."""
+    if which == SLIP:
+        return m.margin, (x.slip_sign * (m.alpha1 - m.alpha2) if x.slip_sign != 0.0 else m.margin)
+    if which == HOUSING:
+        if x.housing_state == OPEN:
+            return m.omega2, m.alpha2
+        return m.housing + d.housing_drag, m.housing + d.housing_drag
+    if x.output_state == OPEN:
+        return m.omega3 - m.omega2, m.alpha3 - m.alpha2
+    return m.output + d.output_drag, m.output + d.output_drag
+
+
+def watch(d, x, w, n):
+    """Keep the guards at stage n."""
+    for which in range(3):
+        w.watched[which].value[n], w.watched[which].rate[n] = value_and_rate(d, x, d.machine, which)
+
+
+def is_clear(w, which, count):
+    """Whether a guard is far above zero at the first so many stages."""
+    values = w.watched[which].value
+    low = values[0]
+    high = values[0]
+    for n in range(1, count):
+        low = min(low, values[n])
+        high = max(high, values[n])
+    return low > CLEAR * (high - low)
+
+
+def fit_guard(w, which):
+    """Fit the inside of the step in hand."""
+    fit_dense(w.step, w.watched[which].rate, w.watched[which].dense)
+
+
+def general_guard(x, w, which, sigma):
+    """A guard at the fraction sigma of the step and its rate per unit of sigma, from its fit.
+
+    What the guard lacks of zero at the beginning is rounding, and left out.
+    """
+    one = w.watched[which]
+    start = one.value[0]
+    if is_speed(x, which):
+        return max(start, 0.0) + dense_change(one.dense, sigma), dense_rate(one.dense, sigma)
+    per_step = 1.0 / w.step
+    value = per_step * dense_rate(one.dense, sigma)
+    slope = per_step * (dense_rate(one.dense, sigma + APART) - dense_rate(one.dense, sigma - APART))
+    return value - min(start, 0.0), 0.5 * slope / APART
+
+
+def general_bend(x, w, which):
+    """Bound of the fourth derivative of the fit."""
+    dense = w.watched[which].dense
+    return dense_bend(dense) if is_speed(x, which) else dense_rate_bend(dense) / w.step

@@ -1,0 +1,175 @@
+"""Accelerations, torques and losses at an instant by the general equations of motion (docs/mechanics.md).
+
+    tau = G q'' + B alpha1 + (G' q'^2 - I' omega1^2) / 2 + bq q' + V_q + sigma (C + S)      M2 = f k tau
+    M1 = (J1 + I) alpha1 + B q'' + I' q' omega1 + B' q'^2 + b1 omega1 + V_theta + M2
+    J2 omega2' = M2 - b2 omega2 - Tc + Th
+
+sigma is the sign of the slip, C and S what journals and the mesh 17-6 resist it with; f = 1/eta or
+1/(2 - eta) makes the loss of the mesh 2-16 (1 - eta) |M2| |omega1 - omega2| whichever way the power flows.
+"""
+
+from ..inertia import reduced_inertia
+from .satellites import spin_torques, weight_torques
+from .states import LOCKED, OPEN, WOUND
+
+# patterns of signs tried: each step of this Newton's method leaves it only for one closer to the solution
+PATTERNS = 50
+
+
+def take_state(d, x):
+    """The present motion into d.machine."""
+    m = d.machine
+    m.q = x.q
+    m.theta1 = x.theta1
+    m.omega1 = x.omega1
+    m.omega2 = x.omega2
+    m.omega3 = x.omega3
+    m.twist = x.twist
+    m.relative = x.relative
+    m.wound_housing = x.wound_housing
+    m.wound_output = x.wound_output
+
+
+def freewheel_torques(d, x, m):
+    """Th and Tc that follow from speeds and wind-up, into m: of freewheels that overrun or are wound up."""
+    m.housing = 0.0
+    if x.housing_state == WOUND:
+        m.housing = d.housing_stiffness * m.wound_housing - d.housing_damping * m.omega2
+    elif x.housing_state == OPEN and d.housing != 0.0:
+        m.housing = -d.housing_drag - d.housing_drag_viscous * m.omega2
+    m.output = 0.0
+    if x.output_state == WOUND:
+        m.output = d.freewheel_stiffness * m.wound_output + d.freewheel_damping * (m.omega2 - m.omega3)
+    elif x.output_state == OPEN:
+        m.output = -d.output_drag - d.output_drag_viscous * (m.omega3 - m.omega2)
+
+
+def accelerate_links(d, x, m, given, inertia, carried, resisting):
+    """alpha1, alpha2 and the mesh torque of links that slip, into m.
+
+    Args:
+        given: acceleration or torque of link 1. inertia: of links.reduced_inertia.
+        carried, resisting: inertia that link 2 carries, kg m^2, and torque against it, N m.
+    """
+    i, i1, _, b, b1, g, g1, _ = inertia
+    k = d.k
+    sign = x.slip_sign
+    rate_q = k * (m.omega1 - m.omega2)
+    own1 = d.J1 + i
+    own2 = d.J2 + carried
+    rest1 = d.b1 * m.omega1 + (i1 * m.omega1 + b1 * rate_q) * rate_q + m.weight1
+    rest = 0.5 * (g1 * rate_q * rate_q - i1 * m.omega1 * m.omega1) + d.bq * rate_q + m.weight_q
+    alpha1 = given if d.by_torque == 0.0 else 0.0
+    alpha2 = 0.0
+    factor = 1.0 / (1.0 - d.mesh_loss)
+    journals = mesh = by_alpha1 = by_rate2 = 0.0
+    loaded = d.journal + d.satellite_loss > 0.0
+    for _ in range(PATTERNS):
+        if loaded:
+            rate2_q = k * (alpha1 - alpha2)
+            journals, mesh, by_alpha1, by_rate2 = spin_torques(d, m.q, m.omega1, rate_q, alpha1, rate2_q)
+        passed = factor * k
+        by_q = g + sign * by_rate2
+        coupling = b + sign * by_alpha1 + k * by_q
+        demand = rest + sign * (journals + mesh)
+        before1 = alpha1
+        before2 = alpha2
+        push = passed * demand - resisting
+        if d.by_torque == 0.0:
+            if x.housing_state != LOCKED:
+                alpha2 = (push + passed * coupling * alpha1) / (own2 + passed * k * by_q)
+        else:
+            drive = given - rest1 - passed * demand
+            phi = own1 + k * b + passed * coupling
+            if x.housing_state == LOCKED:
+                alpha1 = drive / phi
+            else:
+                back = k * (b + passed * by_q)
+                link2 = own2 + passed * k * by_q
+                # phi link2 - passed coupling back, without its cancellation
+                determinant = own2 * phi + passed * k * (own1 * by_q - b * (b + sign * by_alpha1))
+                alpha1 = (link2 * drive + back * push) / determinant
+                alpha2 = (phi * push + passed * coupling * drive) / determinant
+        torque = demand + coupling * alpha1 - k * by_q * alpha2
+        m.mesh = passed * torque
+        loss = d.mesh_loss if sign * torque > 0.0 else -d.mesh_loss
+        same = factor == 1.0 / (1.0 - loss)
+        factor = 1.0 / (1.0 - loss)
+        if same and (d.satellite_loss == 0.0 or (alpha1 == before1 and alpha2 == before2)):
+            break
+    m.alpha1 = alpha1
+    m.alpha2 = alpha2
+    m.journals = journals
+    m.spun = mesh + by_alpha1 * alpha1 + by_rate2 * k * (alpha1 - alpha2)
+    m.drive = own1 * alpha1 + k * b * (alpha1 - alpha2) + rest1 + m.mesh
+    m.margin = sign * (m.omega1 - m.omega2)
+
+
+def stick_links(d, x, m, given, inertia, carried, resisting):
+    """The same of links that stick together, and what is left of the friction that holds them, N m."""
+    i, i1, _, b, _, _, _, _ = inertia
+    omega1 = m.omega1
+    rest1 = d.b1 * omega1 + m.weight1
+    own2 = d.J2 + carried
+    held = x.housing_state == LOCKED
+    alpha = given
+    if held:
+        alpha = 0.0
+    elif d.by_torque != 0.0:
+        alpha = (given - rest1 - resisting) / (d.J1 + i + own2)
+    ideal = b * alpha - 0.5 * i1 * omega1 * omega1 + m.weight_q
+    journals, mesh, by_alpha1, _ = spin_torques(d, m.q, omega1, 0.0, alpha, 0.0)
+    m.mesh = own2 * alpha + resisting
+    if held:
+        # at rest: what the drive torque leaves, or with the speed given what friction need not hold
+        m.mesh = min(d.k * ideal, resisting + d.housing_drag)
+        if d.by_torque != 0.0:
+            m.mesh = given - rest1
+    m.journals = journals
+    m.spun = mesh + by_alpha1 * alpha
+    m.alpha1 = alpha
+    m.alpha2 = alpha
+    m.drive = (d.J1 + i) * alpha + rest1 + m.mesh
+    m.needed = m.mesh / d.k - ideal
+    m.margin = journals + m.spun + d.mesh_loss * abs(m.mesh) / d.k - abs(m.needed)
+
+
+def evaluate(d, x, given, load):
+    """Accelerations, torques and what the guards look at, of the motion in d.machine, into it.
+
+    Args:
+        x: state, for what the freewheels and the slip do. given: see links.given_at_input. load: N m.
+    """
+    m = d.machine
+    inertia = reduced_inertia(d, m.q)
+    m.potential, m.weight1, m.weight_q = weight_torques(d, m.q, m.theta1)
+    freewheel_torques(d, x, m)
+    shaft = load
+    if d.elastic != 0.0:
+        shaft = d.stiffness * m.twist + d.damping * m.relative
+    against3 = shaft + d.b3 * m.omega3
+    locked = x.output_state == LOCKED
+    carried = d.J3 if locked else 0.0
+    resisting = d.b2 * m.omega2 - m.housing + (against3 if locked else m.output)
+    if x.slip_sign == 0.0:
+        stick_links(d, x, m, given, inertia, carried, resisting)
+    else:
+        accelerate_links(d, x, m, given, inertia, carried, resisting)
+    if locked:
+        m.output = against3 + d.J3 * m.alpha2
+        m.alpha3 = m.alpha2
+    else:
+        m.alpha3 = (m.output - against3) / d.J3
+    if x.housing_state == LOCKED:
+        m.housing = m.output - m.mesh
+    m.rate_relative = 0.0
+    if d.elastic != 0.0:
+        driven = shaft - d.friction * (m.omega3 - m.relative) - load
+        m.rate_relative = (1.0 - d.balancer) * m.alpha3 - driven / d.J4
+
+
+def stored_besides(d, x):
+    """Potential energy of the imbalances and of wound up freewheels, J."""
+    potential, _, _ = weight_torques(d, x.q, x.theta1)
+    housing = 0.5 * d.housing_stiffness * x.wound_housing * x.wound_housing
+    return potential + housing + 0.5 * d.freewheel_stiffness * x.wound_output * x.wound_output

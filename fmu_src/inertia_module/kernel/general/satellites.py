@@ -1,0 +1,63 @@
+"""What resists the spin of the satellites: friction in their journals and in the mesh with wheel 17."""
+
+import math
+
+from ..derive import TWO_PI
+from ..layout import acceleration, imbalance
+
+
+def spin_torques(d, q, omega1, rate_q, alpha1, rate2_q):
+    """Torque that resists q, whatever its sign, by the loads of all satellites (docs/mechanics.md, "Losses").
+
+    Journals: coefficient times radius, times m |a| without what alpha1 and q'' add to a, times the spin s.
+    Mesh 17-6: its loss times s |tau6|, tau6 = m a . dr/dB, linear in the accelerations.
+
+    Args:
+        q, omega1, rate_q: motion of link 1 and the drives. alpha1, rate2_q: accelerations that decide the
+            signs of tau6.
+
+    Returns:
+        (journals, mesh, mesh by alpha1, mesh by q''): N m, and kg m^2; mesh is what remains without both.
+    """
+    journals = 0.0
+    rest = 0.0
+    by_alpha1 = 0.0
+    by_rate2 = 0.0
+    number = 1.0 if d.planar != 0.0 else d.number
+    for n in range(int(number)):
+        place = imbalance(d, q, TWO_PI * n / number)
+        px, y, z, x1, y1, z1, _, _, _ = place
+        ax, ay, az = acceleration(place, omega1, 0.0, rate_q, 0.0)
+        journals += math.sqrt(ax * ax + ay * ay + az * az)
+        # s dr/dB = r' - dr/dA
+        spin_x = x1 + y
+        spin_y = y1 - px
+        own = ax * spin_x + ay * spin_y + az * z1
+        with_alpha1 = y * z1 - z * spin_y
+        with_rate2 = x1 * spin_x + y1 * spin_y + z1 * z1
+        sign = 1.0 if own + with_alpha1 * alpha1 + with_rate2 * rate2_q >= 0.0 else -1.0
+        rest += sign * own
+        by_alpha1 += sign * with_alpha1
+        by_rate2 += sign * with_rate2
+    mass = d.mass / number
+    share = mass * d.satellite_loss
+    return d.journal * d.s * mass * journals, share * rest, share * by_alpha1, share * by_rate2
+
+
+def weight_torques(d, q, theta1):
+    """Potential energy of the imbalances and its derivatives in theta1 and q: J, N m (gravity along -Oz)."""
+    if d.weight == 0.0:
+        return 0.0, 0.0, 0.0
+    _, y, z, _, y1, z1, _, _, _ = imbalance(d, q, 0.0)
+    if d.single == 0.0:
+        # of several satellites what turns with the drives balances; in the planar layout all of it does
+        y = y1 = 0.0
+        if d.planar != 0.0:
+            z = z1 = 0.0
+    sine = math.sin(theta1)
+    cosine = math.cos(theta1)
+    return (
+        d.weight * (y * sine + z * cosine),
+        d.weight * (y * cosine - z * sine),
+        d.weight * (y1 * sine + z1 * cosine),
+    )

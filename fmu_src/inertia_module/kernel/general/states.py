@@ -1,0 +1,53 @@
+"""What the two freewheels and the slip of links 1 and 2 do, and what that allows."""
+
+from ..codes import DRIVING, FREE, HELD, HELD_DRIVING
+
+# of a freewheel: overrunning; locked, rigid; locked, winding up
+OPEN = 0.0
+LOCKED = 1.0
+WOUND = 2.0
+
+
+def contact_mode(x):
+    """The contact mode by what the freewheels do."""
+    if x.housing_state != OPEN:
+        return HELD if x.output_state == OPEN else HELD_DRIVING
+    return FREE if x.output_state == OPEN else DRIVING
+
+
+def is_rough(d):
+    """Whether something resists the slip of links 1 and 2 at any speed, so that they can stick together."""
+    return d.mesh_loss + d.satellite_loss + d.journal > 0.0
+
+
+def may_be_housing(d, x, state):
+    """Whether the housing freewheel may be in this state with these speeds."""
+    if d.housing == 0.0:
+        return state == OPEN
+    return may_be(x.omega2, d.housing_stiffness, x.wound_housing, state)
+
+
+def may_be_output(d, x, state):
+    """The same of the output freewheel; without one link 2 is locked to the output."""
+    if d.output == 0.0:
+        return state == LOCKED
+    return may_be(x.omega3 - x.omega2, d.freewheel_stiffness, x.wound_output, state)
+
+
+def may_be(speed, stiffness, wound, state):
+    """Whether a freewheel of this speed and wind-up may be in this state."""
+    if stiffness != 0.0 and (wound != 0.0 or speed < 0.0):
+        return state == WOUND
+    if state == OPEN:
+        return True
+    if speed > 0.0:
+        return False
+    return (stiffness != 0.0) == (state == WOUND)
+
+
+def may_slip(d, x, sign):
+    """Whether the slip may have this sign, 0 for links that stick together."""
+    if not is_rough(d):
+        return sign > 0.0
+    slip = x.omega1 - x.omega2
+    return slip == 0.0 or sign * slip > 0.0
