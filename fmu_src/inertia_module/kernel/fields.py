@@ -92,7 +92,16 @@ STATE = (
     # fixed steps: I, I', B, G at q
     *("i", "i1", "b", "g"),
     # general: what freewheels and slip do, wind-up; impulse of Th in the step
-    *("housing_state", "output_state", "slip_sign", "wound_housing", "wound_output", "housing_impulse"),
+    *(
+        "housing_state",
+        "output_state",
+        "slip_sign",
+        "flow_sign",
+        "spin_sign",
+        "wound_housing",
+        "wound_output",
+        "housing_impulse",
+    ),
     # averaged: the knot of the map last used; the speed that its torques go with, if that is not omega1
     *("map_knot", "map_speed"),
     # by events: whether the contact mode goes on under the same torques, with what is given; whether what
@@ -116,7 +125,7 @@ TRAVEL = ("direction", "given", "omega3", "mode", "q", "energy", "momentum")
 MACHINE = (
     *("q", "theta1", "omega1", "omega2", "omega3", "twist", "relative", "wound_housing", "wound_output"),
     *("potential", "weight1", "weight_q", "alpha1", "alpha2", "alpha3", "rate_relative"),
-    *("drive", "mesh", "output", "housing", "journals", "spun", "needed", "margin"),
+    *("drive", "mesh", "output", "housing", "journals", "spun", "torque", "flow_sign", "spin_sign", "margin"),
 )
 
 CONSTANTS = (
@@ -151,7 +160,7 @@ WORKSPACE = (
     *(("dense_q", DENSE), ("dense_omega1", DENSE), ("dense_omega2", DENSE), ("dense_other", DENSE)),
     # general: all that is followed, the guards, and how the last step has ended
     ("followed", (("rate", STAGES), "change"), FOLLOWED),
-    ("watched", (("value", STAGES), ("rate", STAGES), ("dense", DENSE)), 3),
+    ("watched", (("value", STAGES), ("rate", STAGES), ("dense", DENSE)), 5),
     *("ended", "met_slip"),
     # collocation: matrices of the shaft, and numbers at the stages
     *(("inverse", MATRIX), ("gain", MATRIX), ("shaft", MATRIX), ("jacobian", MATRIX)),

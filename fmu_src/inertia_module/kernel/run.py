@@ -22,7 +22,7 @@ def accelerations_now(d, x):
     """Accelerations of links 1 and 2 in the present mode, rad/s^2."""
     if d.general != 0.0:
         take_state(d, x)
-        evaluate(d, x, given_at_input(d, x), x.load_torque)
+        evaluate(d, x, given_at_input(d, x), x.load_torque, False)
         return d.machine.alpha1, d.machine.alpha2
     if x.known != 0.0:
         return x.rate1, x.rate2

@@ -9,7 +9,18 @@ from ..loads import INSIDE_PHASE, see
 from ..search import first_crossing
 from ..solvers.dormand_prince import END, fifth, sum_9, third
 from .choice import take_speeds
-from .guards import HOUSING, OUTPUT, SLIP, fit_guard, general_bend, is_clear, is_speed, is_watched
+from .guards import (
+    FLOW,
+    GUARDS,
+    HOUSING,
+    OUTPUT,
+    SLIP,
+    fit_guard,
+    general_bend,
+    is_clear,
+    is_speed,
+    is_watched,
+)
 from .motion import evaluate, take_state
 from .stages import (
     LOST,
@@ -30,6 +41,7 @@ from .stages import (
     WOUND_HOUSING,
     WOUND_OUTPUT,
     Q,
+    cut_step,
     how_many_move,
     keep_rates,
     make_inside,
@@ -159,8 +171,8 @@ def first_event(d, x, w, fastest):
     rough = is_rough(d)
     phase = w.step * d.harmonic * d.k * max(abs(x.omega1 - x.omega2), fastest if d.by_torque != 0.0 else 0.0)
     looks = 1 + int(math.floor(min(phase, STEP_PHASE) / LOOK_PHASE))
-    for guard in range(3):
-        if not is_watched(d, guard, rough) or is_clear(w, guard, END + 1):
+    for guard in range(GUARDS):
+        if not is_watched(d, x, guard, rough) or is_clear(w, guard, END + 1):
             continue
         if not inside:
             make_inside(d, x, w)
@@ -253,7 +265,7 @@ def advance_general(d, x, w, remaining):
     m = d.machine
     take_speeds(x)
     take_state(d, x)
-    evaluate(d, x, w.given, w.load)
+    evaluate(d, x, w.given, w.load, True)
     x.step_evaluations += 1.0
     keep_rates(d, x, w, 0)
     see(d, x, x.q, x.omega1, x.omega2, m.alpha1, m.alpha2)
@@ -262,15 +274,20 @@ def advance_general(d, x, w, remaining):
         return -1.0, False
     sigma, which = first_event(d, x, w, fastest)
     if sigma >= 0.0:
-        make_step(d, x, w, sigma * w.step)
-    see_inside(d, x, w)
+        cut_step(d, w, sigma)
+    else:
+        see_inside(d, x, w)
     commit(d, x, w)
     w.ended = 0.0
     w.met_slip = 0.0
-    if which != NONE:
+    if which == FLOW:
+        x.flow_sign = -x.flow_sign
+    elif which > FLOW:
+        x.spin_sign = -x.spin_sign
+    elif which != NONE:
         w.ended = 0.0 if is_speed(x, which) else 1.0
         w.met_slip = 1.0 if which == SLIP and is_speed(x, which) and x.housing_state != LOCKED else 0.0
         if w.ended != 0.0:
             unwind(d, x, which)
         meet(d, x, which)
-    return w.step, which != NONE
+    return w.step, NONE != which < FLOW

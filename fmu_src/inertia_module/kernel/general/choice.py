@@ -26,7 +26,7 @@ def worst_of_freewheel(state, drag, torque, speed, wound, push):
 def violation(d, x, given, load):
     """By how much the states in x miss their conditions, as a share of the torques."""
     m = d.machine
-    evaluate(d, x, given, load)
+    evaluate(d, x, given, load, False)
     inertia = d.J2 + d.J3 + d.F_by_alpha1
     worst = worst_of_freewheel(
         x.housing_state,
@@ -67,6 +67,7 @@ def choose_states(d, x, ended):
     before = (x.housing_state, x.output_state, x.slip_sign)
     best = before
     least = 1e300
+    flow = spin = 1.0
     for number in range(27):
         housing = float(number % 3)
         output = float(number // 3 % 3)
@@ -81,7 +82,9 @@ def choose_states(d, x, ended):
         if missing < least:
             least = missing
             best = (housing, output, sign)
+            flow, spin = d.machine.flow_sign, d.machine.spin_sign
     x.housing_state, x.output_state, x.slip_sign = best
+    x.flow_sign, x.spin_sign = flow, spin
     x.step_evaluations += 1.0
     take_speeds(x)
     mode = contact_mode(x)

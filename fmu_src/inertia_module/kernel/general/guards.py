@@ -1,6 +1,7 @@
 """What has to stay positive while the freewheels and the slip of links 1 and 2 do what they do.
 
-A freewheel that overruns: its speed; one that is locked: its torque with its drag. Slip: itself, by its sign; links that stick together: what is left of the friction that holds them.
+A freewheel that overruns: its speed; one that is locked: its torque with its drag. Slip: itself, by its sign; links that stick together: what is left of the friction that holds them. The loads of
+the meshes: their torques, by the signs that their losses go by.
 """
 
 from ..solvers.interpolant import dense_bend, dense_change, dense_rate, dense_rate_bend, fit_dense
@@ -9,16 +10,22 @@ from .states import OPEN
 HOUSING = 0
 OUTPUT = 1
 SLIP = 2
+FLOW = 3
+SPIN = 4
+GUARDS = 5
 # share of the step over which the slope of a torque inside it is differenced
 APART = 1e-4
 # share of its range in the step that a guard stays above at all stages if it does between them
 CLEAR = 0.25
 
 
-def is_watched(d, which, rough):
+def is_watched(d, x, which, rough):
     """Whether this guard can end what is; rough: see states.is_rough."""
     if which == SLIP:
         return rough
+    if which >= FLOW:
+        loss = d.mesh_loss if which == FLOW else d.satellite_loss
+        return loss != 0.0 and x.slip_sign != 0.0 and (which == FLOW or d.number == 1.0)
     return (d.housing if which == HOUSING else d.output) != 0.0
 
 
@@ -26,11 +33,17 @@ def is_speed(x, which):
     """Whether the guard is a speed, else a torque."""
     if which == HOUSING:
         return x.housing_state == OPEN
-    return x.output_state == OPEN if which == OUTPUT else x.slip_sign != 0.0
+    if which == OUTPUT:
+        return x.output_state == OPEN
+    return which == SLIP and x.slip_sign != 0.0
 
 
 def value_and_rate(d, x, m, which):
     """A guard, and its rate if it is a speed, else itself once more; m: d.machine after motion.evaluate."""
+    if which == FLOW:
+        return x.flow_sign * m.torque, x.flow_sign * m.torque
+    if which == SPIN:
+        return x.spin_sign * m.spun, x.spin_sign * m.spun
     if which == SLIP:
         return m.margin, (x.slip_sign * (m.alpha1 - m.alpha2) if x.slip_sign != 0.0 else m.margin)
     if which == HOUSING:
@@ -44,7 +57,7 @@ def value_and_rate(d, x, m, which):
 
 def watch(d, x, w, n):
     """Keep the guards at stage n."""
-    for which in range(3):
+    for which in range(GUARDS):
         w.watched[which].value[n], w.watched[which].rate[n] = value_and_rate(d, x, d.machine, which)
 
 

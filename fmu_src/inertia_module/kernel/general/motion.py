@@ -44,12 +44,16 @@ def freewheel_torques(d, x, m):
         m.output = -d.output_drag - d.output_drag_viscous * (m.omega3 - m.omega2)
 
 
-def accelerate_links(d, x, m, given, inertia, carried, resisting):
-    """alpha1, alpha2 and the mesh torque of links that slip, into m.
+def accelerate_links(d, x, m, given, inertia, carried, resisting, fixed):
+    """Accelerations of links that slip and the torques between them, into m.
+
+    The sign of tau gives f, that of tau6 the way its loss acts; both are followed as what the freewheels do, and
+    found here by Newton's method where they may have changed.
 
     Args:
         given: acceleration or torque of link 1. inertia: of links.reduced_inertia.
         carried, resisting: inertia that link 2 carries, kg m^2, and torque against it, N m.
+        fixed: whether the signs in x hold.
     """
     i, i1, _, b, b1, g, g1, _ = inertia
     k = d.k
@@ -61,17 +65,19 @@ def accelerate_links(d, x, m, given, inertia, carried, resisting):
     rest = 0.5 * (g1 * rate_q * rate_q - i1 * m.omega1 * m.omega1) + d.bq * rate_q + m.weight_q
     alpha1 = given if d.by_torque == 0.0 else 0.0
     alpha2 = 0.0
-    factor = 1.0 / (1.0 - d.mesh_loss)
-    journals = mesh = by_alpha1 = by_rate2 = 0.0
     loaded = d.journal + d.satellite_loss > 0.0
+    many = d.satellite_loss != 0.0 and d.number > 1.0
+    flow = x.flow_sign if fixed else 1.0
+    spin = x.spin_sign if fixed and not many else 1.0
+    journals = mesh = by_alpha1 = by_rate2 = 0.0
+    if loaded:
+        journals, mesh, by_alpha1, by_rate2 = spin_torques(d, m.q, m.omega1, rate_q, alpha1, k * alpha1, many)
     for _ in range(PATTERNS):
-        if loaded:
-            rate2_q = k * (alpha1 - alpha2)
-            journals, mesh, by_alpha1, by_rate2 = spin_torques(d, m.q, m.omega1, rate_q, alpha1, rate2_q)
-        passed = factor * k
-        by_q = g + sign * by_rate2
-        coupling = b + sign * by_alpha1 + k * by_q
-        demand = rest + sign * (journals + mesh)
+        passed = k / (1.0 - flow * d.mesh_loss)
+        way = sign * spin
+        by_q = g + way * by_rate2
+        coupling = b + way * by_alpha1 + k * by_q
+        demand = rest + sign * journals + way * mesh
         before1 = alpha1
         before2 = alpha2
         push = passed * demand - resisting
@@ -87,20 +93,33 @@ def accelerate_links(d, x, m, given, inertia, carried, resisting):
                 back = k * (b + passed * by_q)
                 link2 = own2 + passed * k * by_q
                 # phi link2 - passed coupling back, without its cancellation
-                determinant = own2 * phi + passed * k * (own1 * by_q - b * (b + sign * by_alpha1))
+                determinant = own2 * phi + passed * k * (own1 * by_q - b * (b + way * by_alpha1))
                 alpha1 = (link2 * drive + back * push) / determinant
                 alpha2 = (phi * push + passed * coupling * drive) / determinant
-        torque = demand + coupling * alpha1 - k * by_q * alpha2
-        m.mesh = passed * torque
-        loss = d.mesh_loss if sign * torque > 0.0 else -d.mesh_loss
-        same = factor == 1.0 / (1.0 - loss)
-        factor = 1.0 / (1.0 - loss)
-        if same and (d.satellite_loss == 0.0 or (alpha1 == before1 and alpha2 == before2)):
+        m.torque = sign * (demand + coupling * alpha1 - k * by_q * alpha2)
+        m.mesh = passed * sign * m.torque
+        rate2_q = k * (alpha1 - alpha2)
+        m.spun = mesh + by_alpha1 * alpha1 + by_rate2 * rate2_q
+        if fixed and not many:
             break
+        agree = fixed or flow * m.torque >= 0.0
+        if not agree:
+            flow = -flow
+        if not many and spin * m.spun < 0.0:
+            spin = -spin
+            agree = False
+        if many:
+            agree = agree and alpha1 == before1 and alpha2 == before2
+            journals, mesh, by_alpha1, by_rate2 = spin_torques(
+                d, m.q, m.omega1, rate_q, alpha1, rate2_q, many
+            )
+        if agree:
+            break
+    m.flow_sign = flow
+    m.spin_sign = spin
     m.alpha1 = alpha1
     m.alpha2 = alpha2
     m.journals = journals
-    m.spun = mesh + by_alpha1 * alpha1 + by_rate2 * k * (alpha1 - alpha2)
     m.drive = own1 * alpha1 + k * b * (alpha1 - alpha2) + rest1 + m.mesh
     m.margin = sign * (m.omega1 - m.omega2)
 
@@ -118,7 +137,7 @@ def stick_links(d, x, m, given, inertia, carried, resisting):
     elif d.by_torque != 0.0:
         alpha = (given - rest1 - resisting) / (d.J1 + i + own2)
     ideal = b * alpha - 0.5 * i1 * omega1 * omega1 + m.weight_q
-    journals, mesh, by_alpha1, _ = spin_torques(d, m.q, omega1, 0.0, alpha, 0.0)
+    journals, mesh, by_alpha1, _ = spin_torques(d, m.q, omega1, 0.0, alpha, 0.0, True)
     m.mesh = own2 * alpha + resisting
     if held:
         # at rest: what the drive torque leaves, or with the speed given what friction need not hold
@@ -127,18 +146,21 @@ def stick_links(d, x, m, given, inertia, carried, resisting):
             m.mesh = given - rest1
     m.journals = journals
     m.spun = mesh + by_alpha1 * alpha
+    m.flow_sign = 1.0
+    m.spin_sign = 1.0
     m.alpha1 = alpha
     m.alpha2 = alpha
     m.drive = (d.J1 + i) * alpha + rest1 + m.mesh
-    m.needed = m.mesh / d.k - ideal
-    m.margin = journals + m.spun + d.mesh_loss * abs(m.mesh) / d.k - abs(m.needed)
+    needed = m.mesh / d.k - ideal
+    m.margin = journals + m.spun + d.mesh_loss * abs(m.mesh) / d.k - abs(needed)
 
 
-def evaluate(d, x, given, load):
+def evaluate(d, x, given, load, fixed):
     """Accelerations, torques and what the guards look at, of the motion in d.machine, into it.
 
     Args:
         x: state, for what the freewheels and the slip do. given: see links.given_at_input. load: N m.
+        fixed: whether the signs of the loads in x hold (see accelerate_links).
     """
     m = d.machine
     inertia = reduced_inertia(d, m.q)
@@ -154,7 +176,7 @@ def evaluate(d, x, given, load):
     if x.slip_sign == 0.0:
         stick_links(d, x, m, given, inertia, carried, resisting)
     else:
-        accelerate_links(d, x, m, given, inertia, carried, resisting)
+        accelerate_links(d, x, m, given, inertia, carried, resisting, fixed)
     if locked:
         m.output = against3 + d.J3 * m.alpha2
         m.alpha3 = m.alpha2

@@ -6,15 +6,15 @@ from ..derive import TWO_PI
 from ..layout import acceleration, imbalance
 
 
-def spin_torques(d, q, omega1, rate_q, alpha1, rate2_q):
+def spin_torques(d, q, omega1, rate_q, alpha1, rate2_q, signed):
     """Torque that resists q, whatever its sign, by the loads of all satellites (docs/mechanics.md, "Losses").
 
     Journals: coefficient times radius, times m |a| without what alpha1 and q'' add to a, times the spin s.
     Mesh 17-6: its loss times s |tau6|, tau6 = m a . dr/dB, linear in the accelerations.
 
     Args:
-        q, omega1, rate_q: motion of link 1 and the drives. alpha1, rate2_q: accelerations that decide the
-            signs of tau6.
+        q, omega1, rate_q: motion of link 1 and the drives. alpha1, rate2_q: accelerations.
+        signed: whether each tau6 counts with its sign at these accelerations, else as it is.
 
     Returns:
         (journals, mesh, mesh by alpha1, mesh by q''): N m, and kg m^2; mesh is what remains without both.
@@ -35,7 +35,9 @@ def spin_torques(d, q, omega1, rate_q, alpha1, rate2_q):
         own = ax * spin_x + ay * spin_y + az * z1
         with_alpha1 = y * z1 - z * spin_y
         with_rate2 = x1 * spin_x + y1 * spin_y + z1 * z1
-        sign = 1.0 if own + with_alpha1 * alpha1 + with_rate2 * rate2_q >= 0.0 else -1.0
+        sign = 1.0
+        if signed and own + with_alpha1 * alpha1 + with_rate2 * rate2_q < 0.0:
+            sign = -1.0
         rest += sign * own
         by_alpha1 += sign * with_alpha1
         by_rate2 += sign * with_rate2

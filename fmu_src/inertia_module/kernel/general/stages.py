@@ -23,6 +23,7 @@ from ..solvers.dormand_prince import (
     sum_14,
     sum_15,
 )
+from ..solvers.interpolant import integral
 from .guards import watch
 from .motion import evaluate
 from .states import LOCKED, OPEN, WOUND
@@ -121,7 +122,7 @@ def keep_rates(d, x, w, n):
     f[LOST].rate[n] = friction_power(d, m.omega1, m.omega2, d.b2) + d.b3 * m.omega3 * m.omega3
     shaft = d.damping * m.relative * m.relative + d.friction * turning * turning
     f[LOST + 1].rate[n] = shaft - d.balancer * d.J4 * m.alpha3 * turning
-    f[LOST + 2].rate[n] = d.mesh_loss * abs(m.mesh * slip) + abs(m.spun * rate_q)
+    f[LOST + 2].rate[n] = d.mesh_loss * x.flow_sign * m.mesh * slip + x.spin_sign * m.spun * abs(rate_q)
     f[LOST + 3].rate[n] = m.journals * abs(rate_q)
     f[LOST + 4].rate[n] = power_of_freewheels(d, x, m)
     f[OF_DRIVE].rate[n] = m.drive
@@ -154,7 +155,7 @@ def evaluate_stage(d, x, w, n, moving):
     if moving > WITHOUT_WIND_UP:
         m.wound_housing = x.wound_housing + h * weighed(n, f[WOUND_HOUSING].rate)
         m.wound_output = x.wound_output + h * weighed(n, f[WOUND_OUTPUT].rate)
-    evaluate(d, x, w.given, w.load)
+    evaluate(d, x, w.given, w.load, True)
     keep_rates(d, x, w, n)
     x.step_evaluations += 1.0
 
@@ -169,6 +170,15 @@ def make_step(d, x, w, h):
         w.followed[n].change = h * sum_12(w.followed[n].rate)
     if d.by_torque == 0.0:
         w.followed[OMEGA1].change = h * w.given
+
+
+def cut_step(d, w, sigma):
+    """Make the step in hand, its inside known, one of its part sigma."""
+    for n in range(FOLLOWED):
+        w.followed[n].change = integral(w, w.followed[n].rate, sigma)
+    w.step *= sigma
+    if d.by_torque == 0.0:
+        w.followed[OMEGA1].change = w.step * w.given
 
 
 def make_inside(d, x, w):
