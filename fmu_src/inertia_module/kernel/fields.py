@@ -124,7 +124,7 @@ TRAVEL = ("direction", "given", "omega3", "mode", "q", "energy", "momentum")
 # journals and mesh, of links that stick together the torque at the drives that is needed and the rest
 MACHINE = (
     *("q", "theta1", "omega1", "omega2", "omega3", "twist", "relative", "wound_housing", "wound_output"),
-    *("potential", "weight1", "weight_q", "alpha1", "alpha2", "alpha3", "rate_relative"),
+    *("weight1", "weight_q", "alpha1", "alpha2", "alpha3", "rate_relative"),
     *("drive", "mesh", "output", "housing", "journals", "spun", "torque", "flow_sign", "spin_sign", "margin"),
 )
 

@@ -172,7 +172,7 @@ def first_event(d, x, w, fastest):
     phase = w.step * d.harmonic * d.k * max(abs(x.omega1 - x.omega2), fastest if d.by_torque != 0.0 else 0.0)
     looks = 1 + int(math.floor(min(phase, STEP_PHASE) / LOOK_PHASE))
     for guard in range(GUARDS):
-        if not is_watched(d, x, guard, rough) or is_clear(w, guard, END + 1):
+        if not is_watched(d, x, guard, rough) or is_clear(w, guard):
             continue
         if not inside:
             make_inside(d, x, w)

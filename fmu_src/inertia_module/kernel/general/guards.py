@@ -4,6 +4,7 @@ A freewheel that overruns: its speed; one that is locked: its torque with its dr
 the meshes: their torques, by the signs that their losses go by.
 """
 
+from ..solvers.dormand_prince import END, NODES
 from ..solvers.interpolant import dense_bend, dense_change, dense_rate, dense_rate_bend, fit_dense
 from .states import OPEN
 
@@ -61,15 +62,21 @@ def watch(d, x, w, n):
         w.watched[which].value[n], w.watched[which].rate[n] = value_and_rate(d, x, d.machine, which)
 
 
-def is_clear(w, which, count):
-    """Whether a guard is far above zero at the first so many stages."""
+def is_clear(w, which):
+    """Whether a guard is far above zero, or grows away from what it begins with, at all stages of the step."""
     values = w.watched[which].value
-    low = values[0]
-    high = values[0]
-    for n in range(1, count):
+    start = values[0]
+    low = high = start
+    least = most = (values[END] - start) / NODES[END]
+    for n in range(1, END):
         low = min(low, values[n])
         high = max(high, values[n])
-    return low > CLEAR * (high - low)
+        growth = (values[n] - start) / NODES[n]
+        least = min(least, growth)
+        most = max(most, growth)
+    low = min(low, values[END])
+    high = max(high, values[END])
+    return low > CLEAR * (high - low) or (start >= 0.0 and least > CLEAR * (most - least))
 
 
 def fit_guard(w, which):

@@ -9,6 +9,7 @@ sigma is the sign of the slip, C and S what journals and the mesh 17-6 resist it
 """
 
 from ..inertia import reduced_inertia
+from ..layout import imbalance
 from .satellites import spin_torques, weight_torques
 from .states import LOCKED, OPEN, WOUND
 
@@ -44,14 +45,14 @@ def freewheel_torques(d, x, m):
         m.output = -d.output_drag - d.output_drag_viscous * (m.omega3 - m.omega2)
 
 
-def accelerate_links(d, x, m, given, inertia, carried, resisting, fixed):
+def accelerate_links(d, x, m, given, inertia, place, carried, resisting, fixed):
     """Accelerations of links that slip and the torques between them, into m.
 
     The sign of tau gives f, that of tau6 the way its loss acts; both are followed as what the freewheels do, and
     found here by Newton's method where they may have changed.
 
     Args:
-        given: acceleration or torque of link 1. inertia: of links.reduced_inertia.
+        given: acceleration or torque of link 1. inertia, place: of reduced_inertia and imbalance.
         carried, resisting: inertia that link 2 carries, kg m^2, and torque against it, N m.
         fixed: whether the signs in x hold.
     """
@@ -71,7 +72,9 @@ def accelerate_links(d, x, m, given, inertia, carried, resisting, fixed):
     spin = x.spin_sign if fixed and not many else 1.0
     journals = mesh = by_alpha1 = by_rate2 = 0.0
     if loaded:
-        journals, mesh, by_alpha1, by_rate2 = spin_torques(d, m.q, m.omega1, rate_q, alpha1, k * alpha1, many)
+        journals, mesh, by_alpha1, by_rate2 = spin_torques(
+            d, m.q, place, m.omega1, rate_q, alpha1, k * alpha1, many
+        )
     for _ in range(PATTERNS):
         passed = k / (1.0 - flow * d.mesh_loss)
         way = sign * spin
@@ -111,7 +114,7 @@ def accelerate_links(d, x, m, given, inertia, carried, resisting, fixed):
         if many:
             agree = agree and alpha1 == before1 and alpha2 == before2
             journals, mesh, by_alpha1, by_rate2 = spin_torques(
-                d, m.q, m.omega1, rate_q, alpha1, rate2_q, many
+                d, m.q, place, m.omega1, rate_q, alpha1, rate2_q, many
             )
         if agree:
             break
@@ -124,7 +127,7 @@ def accelerate_links(d, x, m, given, inertia, carried, resisting, fixed):
     m.margin = sign * (m.omega1 - m.omega2)
 
 
-def stick_links(d, x, m, given, inertia, carried, resisting):
+def stick_links(d, x, m, given, inertia, place, carried, resisting):
     """The same of links that stick together, and what is left of the friction that holds them, N m."""
     i, i1, _, b, _, _, _, _ = inertia
     omega1 = m.omega1
@@ -137,7 +140,7 @@ def stick_links(d, x, m, given, inertia, carried, resisting):
     elif d.by_torque != 0.0:
         alpha = (given - rest1 - resisting) / (d.J1 + i + own2)
     ideal = b * alpha - 0.5 * i1 * omega1 * omega1 + m.weight_q
-    journals, mesh, by_alpha1, _ = spin_torques(d, m.q, omega1, 0.0, alpha, 0.0, True)
+    journals, mesh, by_alpha1, _ = spin_torques(d, m.q, place, omega1, 0.0, alpha, 0.0, True)
     m.mesh = own2 * alpha + resisting
     if held:
         # at rest: what the drive torque leaves, or with the speed given what friction need not hold
@@ -164,7 +167,12 @@ def evaluate(d, x, given, load, fixed):
     """
     m = d.machine
     inertia = reduced_inertia(d, m.q)
-    m.potential, m.weight1, m.weight_q = weight_torques(d, m.q, m.theta1)
+    place = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    if d.journal + d.satellite_loss + d.weight > 0.0:
+        place = imbalance(d, m.q, 0.0)
+    m.weight1 = m.weight_q = 0.0
+    if d.weight != 0.0:
+        _, m.weight1, m.weight_q = weight_torques(d, place, m.theta1)
     freewheel_torques(d, x, m)
     shaft = load
     if d.elastic != 0.0:
@@ -174,9 +182,9 @@ def evaluate(d, x, given, load, fixed):
     carried = d.J3 if locked else 0.0
     resisting = d.b2 * m.omega2 - m.housing + (against3 if locked else m.output)
     if x.slip_sign == 0.0:
-        stick_links(d, x, m, given, inertia, carried, resisting)
+        stick_links(d, x, m, given, inertia, place, carried, resisting)
     else:
-        accelerate_links(d, x, m, given, inertia, carried, resisting, fixed)
+        accelerate_links(d, x, m, given, inertia, place, carried, resisting, fixed)
     if locked:
         m.output = against3 + d.J3 * m.alpha2
         m.alpha3 = m.alpha2
@@ -192,6 +200,6 @@ def evaluate(d, x, given, load, fixed):
 
 def stored_besides(d, x):
     """Potential energy of the imbalances and of wound up freewheels, J."""
-    potential, _, _ = weight_torques(d, x.q, x.theta1)
+    potential, _, _ = weight_torques(d, imbalance(d, x.q, 0.0), x.theta1)
     housing = 0.5 * d.housing_stiffness * x.wound_housing * x.wound_housing
     return potential + housing + 0.5 * d.freewheel_stiffness * x.wound_output * x.wound_output

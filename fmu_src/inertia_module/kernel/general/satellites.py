@@ -4,16 +4,17 @@ import math
 
 from ..derive import TWO_PI
 from ..layout import acceleration, imbalance
+from ..sine import sine_cosine
 
 
-def spin_torques(d, q, omega1, rate_q, alpha1, rate2_q, signed):
+def spin_torques(d, q, first, omega1, rate_q, alpha1, rate2_q, signed):
     """Torque that resists q, whatever its sign, by the loads of all satellites (docs/mechanics.md, "Losses").
 
     Journals: coefficient times radius, times m |a| without what alpha1 and q'' add to a, times the spin s.
     Mesh 17-6: its loss times s |tau6|, tau6 = m a . dr/dB, linear in the accelerations.
 
     Args:
-        q, omega1, rate_q: motion of link 1 and the drives. alpha1, rate2_q: accelerations.
+        first: place of the first imbalance (layout.imbalance). q, omega1, rate_q: motion of link 1 and the drives. alpha1, rate2_q: accelerations.
         signed: whether each tau6 counts with its sign at these accelerations, else as it is.
 
     Returns:
@@ -25,7 +26,7 @@ def spin_torques(d, q, omega1, rate_q, alpha1, rate2_q, signed):
     by_rate2 = 0.0
     number = 1.0 if d.planar != 0.0 else d.number
     for n in range(int(number)):
-        place = imbalance(d, q, TWO_PI * n / number)
+        place = imbalance(d, q, TWO_PI * n / number) if n > 0 else first
         px, y, z, x1, y1, z1, _, _, _ = place
         ax, ay, az = acceleration(place, omega1, 0.0, rate_q, 0.0)
         journals += math.sqrt(ax * ax + ay * ay + az * az)
@@ -46,18 +47,19 @@ def spin_torques(d, q, omega1, rate_q, alpha1, rate2_q, signed):
     return d.journal * d.s * mass * journals, share * rest, share * by_alpha1, share * by_rate2
 
 
-def weight_torques(d, q, theta1):
-    """Potential energy of the imbalances and its derivatives in theta1 and q: J, N m (gravity along -Oz)."""
-    if d.weight == 0.0:
-        return 0.0, 0.0, 0.0
-    _, y, z, _, y1, z1, _, _, _ = imbalance(d, q, 0.0)
+def weight_torques(d, place, theta1):
+    """Potential energy of the imbalances and its derivatives in theta1 and q: J, N m (gravity along -Oz).
+
+    Args:
+        place: of the first imbalance (layout.imbalance). theta1: angle of link 1, rad.
+    """
+    _, y, z, _, y1, z1, _, _, _ = place
     if d.single == 0.0:
         # of several satellites what turns with the drives balances; in the planar layout all of it does
         y = y1 = 0.0
         if d.planar != 0.0:
             z = z1 = 0.0
-    sine = math.sin(theta1)
-    cosine = math.cos(theta1)
+    sine, cosine = sine_cosine(theta1)
     return (
         d.weight * (y * sine + z * cosine),
         d.weight * (y * cosine - z * sine),

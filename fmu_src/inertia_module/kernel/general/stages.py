@@ -167,15 +167,18 @@ def make_step(d, x, w, h):
     for n in range(1, END + 1):
         evaluate_stage(d, x, w, n, moving)
     for n in range(FOLLOWED):
-        w.followed[n].change = h * sum_12(w.followed[n].rate)
+        if n < moving or n >= MOVING:
+            w.followed[n].change = h * sum_12(w.followed[n].rate)
     if d.by_torque == 0.0:
         w.followed[OMEGA1].change = h * w.given
 
 
 def cut_step(d, w, sigma):
     """Make the step in hand, its inside known, one of its part sigma."""
+    moving = how_many_move(d)
     for n in range(FOLLOWED):
-        w.followed[n].change = integral(w, w.followed[n].rate, sigma)
+        if n < moving or n >= MOVING:
+            w.followed[n].change = integral(w, w.followed[n].rate, sigma)
     w.step *= sigma
     if d.by_torque == 0.0:
         w.followed[OMEGA1].change = w.step * w.given
