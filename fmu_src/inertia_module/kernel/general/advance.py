@@ -134,7 +134,7 @@ def step_error(d, x, w, fastest):
 
 
 def try_steps(d, x, w, limit):
-    """Make the longest step whose error is allowed. Returns the largest speed in it, or -1 if none will do."""
+    """Make the longest step of allowed error. Returns the largest speed in it, or -1 where none will do."""
     carried = x.step_size
     h = min(limit, carried) if carried > 0.0 else 0.1 * limit
     for attempt in range(REJECTIONS):
@@ -235,7 +235,7 @@ def meet(d, x, which):
 
 
 def unwind(d, x, which):
-    """Forget the wind-up of a freewheel whose torque has come to zero; what its spring still holds is lost."""
+    """Forget the wind-up of a freewheel that lets go; what its spring still holds is lost."""
     if which == HOUSING and x.housing_state == WOUND:
         add_loss(x, FREEWHEEL, 0.5 * d.housing_stiffness * x.wound_housing * x.wound_housing)
         x.wound_housing = 0.0

@@ -1,7 +1,8 @@
 """What has to stay positive while the freewheels and the slip of links 1 and 2 do what they do.
 
-A freewheel that overruns: its speed; one that is locked: its torque with its drag. Slip: itself, by its sign; links that stick together: what is left of the friction that holds them. The loads of
-the meshes: their torques, by the signs that their losses go by.
+Of a freewheel that overruns its speed, of one that is locked its torque with its drag. Of links that slip the
+slip by its sign, of links that stick together what is left of the friction that holds them. Of the meshes their
+torques, by the signs that the losses go by.
 """
 
 from ..solvers.dormand_prince import END, NODES

@@ -48,8 +48,8 @@ def freewheel_torques(d, x, m):
 def accelerate_links(d, x, m, given, inertia, place, carried, resisting, fixed):
     """Accelerations of links that slip and the torques between them, into m.
 
-    The sign of tau gives f, that of tau6 the way its loss acts; both are followed as what the freewheels do, and
-    found here by Newton's method where they may have changed.
+    The sign of tau gives f, that of tau6 the way its loss acts; both are followed as what the freewheels do,
+    and found here by Newton's method where they may have changed.
 
     Args:
         given: acceleration or torque of link 1. inertia, place: of reduced_inertia and imbalance.
