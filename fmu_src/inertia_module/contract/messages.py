@@ -65,6 +65,11 @@ MESSAGES: Mapping[int, str] = {
         f"with {named('fidelity')} (kinematic) or {named('method')} (timestepping) losses by load, drag and"
         f" gravity must be off, are {named(*_GENERAL)}"
     ),
+    codes.JAMMED: (
+        f"the meshes jam with {named('link2_inertia', 'input_inertia', 'drive_inertia')}: mesh_efficiency and"
+        " satellite_mesh_efficiency must be higher, are {mesh_efficiency} and {satellite_mesh_efficiency}, or"
+        " these inertias larger"
+    ),
     codes.SINGULAR: (
         f"with {named('drive_inertia', 'a', 'b', 'eccentricity', 'imbalance_mass')} link2_inertia must be"
         " above 0 by more than rounding, is {link2_inertia}: the inertia behind link 2 vanishes where the"

@@ -13,6 +13,7 @@ from .codes import (
     DRIVE_SPEED,
     DRIVE_TORQUE,
     DRIVING,
+    JAMMED,
     KINEMATIC,
     NOT_BALANCED,
     NOT_FINITE,
@@ -23,6 +24,7 @@ from .codes import (
 from .contact import TORQUE_ROUNDING, present_mode
 from .derive import derive
 from .general.choice import choose_states
+from .general.jam import jams
 from .inputs import begin, check_inputs, check_rates, input_speed
 from .limits import LARGEST_STEP
 from .outputs import stored_energy, write_late_outputs, write_outputs
@@ -36,6 +38,8 @@ MORE_CARE = 1e-3
 def check(p, d, u):
     """Derive the constants and check parameters and inputs. Returns a status."""
     status = derive(p, d)
+    if status == OK and d.general != 0.0 and jams(d):
+        return JAMMED
     return check_inputs(u) if status == OK else status
 
 

@@ -160,7 +160,12 @@ def zero_of(d, x, w, which, fastest):
         taken = max(abs(x.omega2), max(abs(x.omega2 + w.followed[OMEGA2].change), abs(x.omega3)))
         return VELOCITY_ROUNDING * max(response(d, d.J2) * fastest, taken)
     m = d.machine
-    return TORQUE_ROUNDING * (abs(m.mesh) + abs(m.housing) + abs(m.output) + abs(w.load))
+    zero = TORQUE_ROUNDING * (abs(m.mesh) + abs(m.housing) + abs(m.output) + abs(w.load))
+    if which > OUTPUT:
+        return zero
+    # of a spring: by the error its wind-up may have
+    stiffness = d.housing_stiffness if which == HOUSING else d.freewheel_stiffness
+    return max(zero, d.tolerance * fastest * math.sqrt((d.J2 + d.F_by_alpha1) * stiffness))
 
 
 def first_event(d, x, w, fastest):
