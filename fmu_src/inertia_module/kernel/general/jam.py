@@ -12,7 +12,7 @@ ANGLES = 64
 
 
 def jams(d):
-    """Whether the equations of motion lose their solution at an angle of the drive, for some signs of loads."""
+    """Whether the equations of motion have no single solution at some angle, for some signs of the loads."""
     if d.mesh_loss + d.satellite_loss == 0.0:
         return False
     count = int(ANGLES * d.harmonic * d.period_turns)
