@@ -63,8 +63,8 @@ SELECTION = {
         test_elastic.py::test_means_of_the_step_are_the_momentum_they_give test_mean_torques.py
         test_elastic.py::test_the_work_of_the_balancer_is_in_the_audit test_freewheels.py test_dips.py
     """,
-    "^(inertia|bodies|layout|derive|sine|accumulate|clearance)": """
-        test_bodies.py
+    "^bodies": "test_multibody.py",
+    "^(inertia|layout|derive|sine|accumulate|clearance)": """
         test_check_values.py test_circular.py test_clearance.py test_rates.py test_reduced_inertia.py
         test_angles.py::test_wrapped_angles_are_within_one_turn
         test_angles.py::test_link_2_held_by_its_freewheel_keeps_the_same_angles
