@@ -54,7 +54,9 @@ SEEN = 9
 # phase of the highest harmonic within one step, and between two looks at a guard, rad
 STEP_PHASE = 4.0
 LOOK_PHASE = 1.0
-SAFETY = 0.9
+SAFETY = 0.8
+# share of its size that a step keeps where a freewheel has switched
+AFRESH = 0.5
 SMALLEST_FACTOR = 0.2
 LARGEST_FACTOR = 5.0
 REJECTIONS = 100
@@ -290,6 +292,7 @@ def advance_general(d, x, w, remaining):
     elif which > FLOW:
         x.spin_sign = -x.spin_sign
     elif which != NONE:
+        x.step_size *= AFRESH
         w.ended = 0.0 if is_speed(x, which) else 1.0
         w.met_slip = 1.0 if which == SLIP and is_speed(x, which) and x.housing_state != LOCKED else 0.0
         if w.ended != 0.0:
