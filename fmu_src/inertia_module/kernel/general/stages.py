@@ -107,6 +107,8 @@ def keep_rates(d, x, w, n):
     f = w.followed
     slip = 0.0 if x.slip_sign == 0.0 else m.omega1 - m.omega2
     rate_q = d.k * slip
+    # of one sign up to the event, and smooth beyond it
+    turned = x.slip_sign * rate_q
     turning = m.omega3 - m.relative
     f[Q].rate[n] = rate_q
     f[THETA].rate[n] = m.omega1
@@ -122,8 +124,8 @@ def keep_rates(d, x, w, n):
     f[LOST].rate[n] = friction_power(d, m.omega1, m.omega2, d.b2) + d.b3 * m.omega3 * m.omega3
     shaft = d.damping * m.relative * m.relative + d.friction * turning * turning
     f[LOST + 1].rate[n] = shaft - d.balancer * d.J4 * m.alpha3 * turning
-    f[LOST + 2].rate[n] = d.mesh_loss * x.flow_sign * m.mesh * slip + x.spin_sign * m.spun * abs(rate_q)
-    f[LOST + 3].rate[n] = m.journals * abs(rate_q)
+    f[LOST + 2].rate[n] = d.mesh_loss * x.flow_sign * m.mesh * slip + x.spin_sign * m.spun * turned
+    f[LOST + 3].rate[n] = m.journals * turned
     f[LOST + 4].rate[n] = power_of_freewheels(d, x, m)
     f[OF_DRIVE].rate[n] = m.drive
     f[OF_MESH].rate[n] = m.mesh
