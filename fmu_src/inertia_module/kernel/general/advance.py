@@ -3,7 +3,7 @@
 import math
 
 from ..accumulate import add, add_loss, wrap_drive_angle, wrap_input_angle
-from ..codes import FREEWHEEL, GENERAL, NONE
+from ..codes import FREEWHEEL, GENERAL, NONE, SHAFT
 from ..links import response
 from ..loads import INSIDE_PHASE, see
 from ..search import first_crossing
@@ -211,7 +211,8 @@ def commit(d, x, w):
     x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, f[WORK_IN].change)
     x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, f[WORK_OUT].change)
     for cause in range(len(x.lost)):
-        add_loss(x, cause, f[LOST + cause].change)
+        if cause != SHAFT or d.elastic != 0.0:
+            add_loss(x, cause, f[LOST + cause].change)
     x.input_impulse += f[OF_DRIVE].change
     x.mesh_impulse += f[OF_MESH].change
     x.housing_impulse += f[OF_HOUSING].change
@@ -230,6 +231,9 @@ def meet(d, x, which):
         x.omega2 = 0.0
         x.omega2_low = 0.0
     elif which == OUTPUT:
+        if x.housing_state == LOCKED or (d.housing != 0.0 and d.housing_stiffness == 0.0 and x.omega3 < 0.0):
+            x.omega3 = 0.0
+            x.omega3_low = 0.0
         x.omega2 = x.omega3
         x.omega2_low = x.omega3_low
     elif x.housing_state == LOCKED:

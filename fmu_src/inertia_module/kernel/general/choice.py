@@ -28,14 +28,12 @@ def violation(d, x, given, load):
     m = d.machine
     evaluate(d, x, given, load, False)
     inertia = d.J2 + d.J3 + d.F_by_alpha1
-    worst = worst_of_freewheel(
-        x.housing_state,
-        d.housing_drag,
-        m.housing,
-        m.omega2,
-        m.wound_housing,
-        inertia * m.alpha2,
-    )
+    worst = 0.0
+    if d.housing != 0.0:
+        push = inertia * m.alpha2
+        worst = worst_of_freewheel(
+            x.housing_state, d.housing_drag, m.housing, m.omega2, m.wound_housing, push
+        )
     if d.output != 0.0:
         slip = m.omega3 - m.omega2
         push = inertia * (m.alpha3 - m.alpha2)
