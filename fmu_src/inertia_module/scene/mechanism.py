@@ -73,6 +73,10 @@ ELASTIC_PARAMETERS = (
     "shaft_damping",
     "driven_friction",
     "balancer",
+    "housing_stiffness",
+    "housing_damping",
+    "freewheel_stiffness",
+    "freewheel_damping",
 )
 
 
