@@ -147,10 +147,15 @@ def chart(
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Torque converter charts of mechanisms: a CSV each and one figure (out/chart without -o)."""
+    """Torque converter charts of mechanisms: a CSV each and one figure (out/chart without -o).
+
+    Of mechanisms with losses the charts are those of one input speed, and there is a map of the
+    efficiency over speed ratio and input speed.
+    """
     from ..figures.chart import chart_figure
-    from ..harness.chart import torque_converter_chart
+    from ..harness.chart import NOMINAL_SPEED, efficiency_map, torque_converter_chart
     from ..harness.results import write_columns, write_figure
+    from ..harness.simulate import progress_bar
     from ..scene import load_scene
 
     with one_line_errors():
@@ -159,17 +164,24 @@ def chart(
         if len(set(names)) < len(names):
             raise ValueError(f"scenes must be files of different names, are {', '.join(names)}")
         omega1 = None if speed is None else turning(speed)
+        at = omega1 or NOMINAL_SPEED
+        mechanisms = {name: load_scene(scene).parameters() for name, scene in zip(names, scenes, strict=True)}
         charts = {
-            name: torque_converter_chart(load_scene(scene).parameters(), (omega1 or 0.0) < 0.0)
-            for name, scene in zip(names, scenes, strict=True)
+            name: torque_converter_chart(values, at < 0.0, omega1=abs(at))
+            for name, values in mechanisms.items()
         }
+        maps = {}
+        for name in (name for name, found in charts.items() if not found.lossless):
+            with progress_bar(f"efficiency of {name}") as progress:
+                maps[name] = efficiency_map(mechanisms[name], at, progress=progress)
         files = [str(found.save(folder / f"{name}.csv")) for name, found in charts.items()]
+        files += [str(found.save(folder / f"{name}_efficiency.csv")) for name, found in maps.items()]
         if omega1 is not None:
             tables = {name: found.converter_table(omega1) for name, found in charts.items()}
             files += [
                 str(write_columns(folder / f"{name}_converter.csv", table)) for name, table in tables.items()
             ]
-        files.append(str(write_figure(folder / "chart.png", chart_figure(charts))))
+        files.append(str(write_figure(folder / "chart.png", chart_figure(charts, maps))))
     summaries = {name: found.summary(omega1) for name, found in charts.items()}
     units = {name: found.units(omega1) for name, found in charts.items()}
     if as_json:
@@ -177,5 +189,6 @@ def chart(
         return
     for name, numbers in summaries.items():
         rows = {key: f"{value:.6g} {units[name][key]}".rstrip() for key, value in numbers.items()}
-        show_table(name, {key.replace("_", " "): text for key, text in rows.items()})
+        title = f"{name}, losses at {at:g} rad/s" if name in maps else name
+        show_table(title, {key.replace("_", " "): text for key, text in rows.items()})
     typer.echo("\n".join(files))
