@@ -10,7 +10,7 @@ from matplotlib.figure import Figure, SubFigure
 
 from ..common.colours import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
 from ..harness.chart import EfficiencyMap, TorqueConverterChart
-from .scenes import DPI, SIZE
+from .panels import DPI, SIZE
 
 COLOURS = (VERMILION, BLUE, GREEN, ORANGE, PURPLE, SKY, BLACK)
 LARGEST_TORQUE_RATIO = 6.0

@@ -8,6 +8,9 @@ from numpy.typing import NDArray
 
 from ..harness.simulate import Result
 
+# 1200 x 900 pixels
+SIZE = (12.0, 9.0)
+DPI = 100
 # a weighted mean over this time, s, shows the drive behind the pulses
 SMOOTHING = 1.0
 

@@ -12,11 +12,8 @@ from ..loops.cycles import KILOMETRE_PER_HOUR, Cycle
 from ..scene import SceneResult
 from ..scene.summary import forces, input_speed, work
 from .losses import FORCES, force_panel, loss_panel, losses, power_panel
-from .panels import Array, dress, headline, in_thousands, pulse_starts, smooth
+from .panels import DPI, SIZE, Array, dress, headline, in_thousands, pulse_starts, smooth
 
-# 1200 x 900 pixels
-SIZE = (12.0, 9.0)
-DPI = 100
 PULSES_SHOWN = 4
 # more of them one below the other make the figure higher
 MOST_PANELS = 4

@@ -63,7 +63,8 @@ def _speeds_and_torques(table: Result) -> dict[str, Quantity]:
     }
 
 
-def _energy(table: Result) -> dict[str, Quantity]:
+def energy(table: Result) -> dict[str, Quantity]:
+    """Energies since the start, losses by cause where there are any, efficiency, and how well they add up."""
     last = table.last()
     stored = last["energy_stored"] - float(table["energy_stored"][0])
     scale = max(abs(last["energy_in"]), abs(last["energy_out"]), abs(stored))
@@ -72,7 +73,7 @@ def _energy(table: Result) -> dict[str, Quantity]:
         "energy_out": Quantity(last["energy_out"], "J"),
         "energy_stored_gain": Quantity(stored, "J"),
         "energy_lost": Quantity(last["energy_lost"], "J"),
-        **{name: Quantity(last[name], "J") for name in LOSSES if last[name] != 0.0},
+        **{name: Quantity(last[name], "J") for name in LOSSES if last.get(name)},
         **_efficiency(last["energy_in"], last["energy_out"], stored, last["energy_lost"]),
         "energy_residual": Quantity(last["energy_residual"], "J"),
         "energy_residual_relative": Quantity(abs(last["energy_residual"]) / scale if scale else 0.0, ""),
@@ -165,7 +166,7 @@ def summarise(
     summary = {
         "simulated_time": Quantity(simulated, "s"),
         **_speeds_and_torques(table),
-        **_energy(table),
+        **energy(table),
         **_forces(table),
     }
     if "vehicle_speed" in table:
