@@ -58,7 +58,7 @@ def test_without_losses_they_are_those_of_the_map(compiled, mechanism, omega1):
 def test_lock_up_holds_what_the_map_says(compiled, mechanism):
     parameters = MECHANISMS[mechanism]
     exact = torque_converter_chart(parameters, kernel=compiled).lock_up_torque[0]
-    assert SteadyMachine(parameters, compiled).lock_up_torque(70.0) == pytest.approx(4900.0 * exact, rel=3e-3)
+    assert SteadyMachine(parameters, compiled).lock_up_torque(70.0) == pytest.approx(4900.0 * exact, rel=1e-3)
 
 
 @pytest.mark.parametrize("omega1", [60.0, -60.0])

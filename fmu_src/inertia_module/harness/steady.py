@@ -13,6 +13,7 @@ from typing import NamedTuple
 from scipy.optimize import brentq
 
 from ..common.errors import Refused
+from ..kernel.inertia import reduced_inertia
 from ..memory.instances import Module
 
 # the shaft's inertia over that of the imbalances: in a period its speed changes by some 1e-7 of omega1
@@ -22,7 +23,7 @@ FEWEST_TURNS, MOST_TURNS = 10, 100
 # of the time of a period, which only decides what little of a pulse is missed at its end
 TIME_ERROR = 1e-8
 # drive angles at which lock-up is looked at
-ANGLES = 1000
+ANGLES = 3000
 
 
 class SteadyPulses(NamedTuple):
@@ -71,15 +72,14 @@ class SteadyMachine:
             )
         d = module.derived
         self.ideal = d.viscous == 0.0 and d.general == 0.0
-        self._k: float = d.k
+        self._derived = d
         period = int(d.period_turns)
         self._turns = min(period * math.ceil(FEWEST_TURNS / period), MOST_TURNS)
         self._values["output_inertia"] = HELD * (2.0 * module["energy_stored"] + module["link2_inertia"])
 
-    def _started(self, omega1: float, omega_out: float, **values: float) -> Module:
-        return Module(self._kernel).start(
-            **{**self._values, "omega1": omega1, "load_torque": 0.0, "omega_out_start": omega_out, **values}
-        )
+    def _started(self, omega1: float, omega_out: float) -> Module:
+        inputs = {"omega1": omega1, "load_torque": 0.0, "omega_out_start": omega_out}
+        return Module(self._kernel).start(**{**self._values, **inputs})
 
     def at(self, omega1: float, ratio: float) -> SteadyPulses:
         """The steady pulses.
@@ -88,7 +88,7 @@ class SteadyMachine:
             omega1: speed of link 1, rad/s, not 0. ratio: output over input speed, from 0 to below 1.
         """
         module = self._started(omega1, ratio * abs(omega1))
-        slowest = self._turns * math.tau / (self._k * abs(omega1))
+        slowest = self._turns * math.tau / (self._derived.k * abs(omega1))
         # link 2 turns between 0 and the speed of the shaft
         moved = 1.0 - ratio if omega1 > 0.0 else 1.0 + ratio
         between = sorted((0.999 * slowest / max(moved, 1.0), 1.001 * slowest / min(moved, 1.0)))
@@ -118,11 +118,13 @@ class SteadyMachine:
         )
 
     def lock_up_torque(self, omega1: float) -> float:
-        """The largest torque on the load at which the drive can stand still in link 1, N m; stick apart."""
-        speed = abs(omega1)
-        angles = (n / ANGLES * self._turns * math.tau for n in range(ANGLES))
-        locked = (self._started(speed, speed, omega2_start=speed, drive_angle_start=q) for q in angles)
-        held = max(module["output_torque"] - module["output_friction"] * speed for module in locked)
+        """The largest torque on the load at which the drive can stand still in link 1, N m; stick apart.
+
+        That of the imbalances, - k I' omega1^2 / 2, less the viscous friction of link 2 and output shaft.
+        """
+        d, angles = self._derived, (n / ANGLES * self._turns * math.tau for n in range(ANGLES))
+        slope: float = min(reduced_inertia(d, q)[1] for q in angles)  # type: ignore[no-untyped-call]
+        held: float = -0.5 * d.k * slope * omega1**2 - (d.b2 + d.b3) * abs(omega1)
         return max(held, 0.0)
 
 
