@@ -11,6 +11,7 @@ from inertia_module.figures.losses import losses
 from inertia_module.figures.scenes import scene_figure
 from inertia_module.harness.results import Result
 from inertia_module.scene import SceneError, read_scene, run_scene
+from inertia_module.scene.export import scene_plan
 from inertia_module.scene.summary import SUMMARISED, forces, summarise
 
 SCENE = """
@@ -84,6 +85,14 @@ def test_every_parameter_is_a_key():
     from inertia_module.scene.mechanism import Mechanism
 
     assert set(Mechanism.model_fields) == {v.name for v in with_causality(PARAMETER)} - {"tolerance"}
+
+
+@pytest.mark.parametrize("name", ["housing_stiffness", "freewheel_stiffness"])
+def test_freewheels_that_wind_up_are_not_exported_as_rigid_ones(tmp_path, name):
+    scene = read(tmp_path, f'fidelity = "elastic"\n{name} = 6000')
+    with pytest.raises(SceneError, match=f"^mechanism.{name} must be 0 for an export, is 6000: "):
+        scene_plan(scene)
+    assert scene_plan(read(tmp_path, f"{name} = 6000")).part("module").values[name] == 6000.0
 
 
 # --- summary ---
