@@ -9,10 +9,10 @@ from ..common.colours import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
 from ..contract.variables import LOSSES, LOST_TO
 from ..harness.simulate import Result
 from ..scene.summary import forces
-from .panels import Array, dress, in_thousands, smooth
+from .panels import SMOOTHING, Array, dress, in_thousands, smooth
 
 COLOURS = (VERMILION, ORANGE, PURPLE, SKY, BLUE)
-# share of the run over which its powers are averaged
+# largest share of the run over which its powers are averaged
 WINDOW = 1.0 / 8.0
 FORCES = {"satellite_force": (PURPLE, "on the satellite's bearing"), "shaking_force": (BLUE, "on the mount")}
 
@@ -35,10 +35,10 @@ def _powers(
     if zoomed:
         shown = slice(rows.start, None)
     else:
-        window = WINDOW * float(time[-1] - time[0])
+        window = min(SMOOTHING, WINDOW * float(time[-1] - time[0]))
         powers = {name: smooth(time, power, window) for name, power in powers.items()}
         # at the ends the window is cut off within a pulse
-        cut = round(0.5 * WINDOW * len(time))
+        cut = round(0.5 * window / float(time[1] - time[0]))
         shown = slice(cut, len(time) - cut)
     factor, unit = in_thousands("W", *(power[shown] for power in powers.values()))
     for name, power in powers.items():

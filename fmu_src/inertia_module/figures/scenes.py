@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..common.colours import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
+from ..common.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from ..harness.simulate import Result
 from ..loops.cycles import KILOMETRE_PER_HOUR, Cycle
 from ..scene import SceneResult
@@ -223,7 +223,7 @@ def _energy_shares(axes: Axes, table: Result) -> None:
     }
     parts = {name: part for name, part in parts.items() if np.abs(part[0]).max() > 0.0}
     if table["energy_lost"].any():
-        parts["lost"] = (table["energy_lost"], VERMILION)
+        parts["lost"] = (table["energy_lost"], GREY)
     # module, car and, if it is elastic, the coupling between them
     parts["in motion"] = (table["energy_in"] - sum(energy for energy, _ in parts.values()), PURPLE)
     factor, unit = in_thousands("J", table["energy_in"])
