@@ -1,6 +1,7 @@
 """A scene of a machine with losses: keys, efficiency, losses by cause, forces, and their panels."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,10 +11,11 @@ from inertia_module.contract.variables import BY_NAME, LOSSES, with_causality
 from inertia_module.figures.losses import losses
 from inertia_module.figures.scenes import scene_figure
 from inertia_module.harness.results import Result
-from inertia_module.scene import SceneError, read_scene, run_scene
+from inertia_module.scene import SceneError, load_scene, read_scene, run_scene
 from inertia_module.scene.export import scene_plan
 from inertia_module.scene.summary import SUMMARISED, forces, summarise
 
+EXAMPLES = Path(__file__).parents[2] / "examples"
 SCENE = """
 [drive]
 kind = "constant"
@@ -206,3 +208,31 @@ input_friction = 0.05
     figure = scene_figure(result)
     assert len(figure.axes) == 5
     assert {"lost", "viscous"} <= labels(figure)
+
+
+# --- the examples of real machines ---
+
+REAL = ("real_machine", "real_bevel")
+
+
+def test_examples_have_every_loss_body_and_weight():
+    names = [variable.name for variable in with_causality(PARAMETER)]
+    lossy = names[names.index("input_friction") : names.index("gravity") + 1]
+    # what only the elastic output has
+    lossy = [name for name in lossy if not name.endswith(("_stiffness", "_damping"))]
+    given = {name for example in REAL for name in load_scene(EXAMPLES / f"{example}.toml").parameters()}
+    assert set(lossy) <= given
+
+
+@pytest.mark.parametrize("example", REAL)
+def test_examples_lose_to_every_cause_but_the_shaft_and_balance(fmu, example):
+    scene = load_scene(EXAMPLES / f"{example}.toml").replaced(run={"stop_time": 0.5})
+    result = run_scene(scene, fmu)
+    numbers = result.summary
+    assert {name for name in LOSSES if name in numbers} == set(LOSSES) - {"energy_lost_shaft"}
+    assert all(numbers[name] > 0.0 for name in LOSSES if name in numbers)
+    total = sum(numbers[name] for name in LOSSES if name in numbers)
+    assert total == pytest.approx(numbers["energy_lost"], rel=1e-12)
+    assert numbers["energy_residual_relative"] < 1e-6
+    assert 0.3 < numbers["efficiency"] < 1.0
+    assert {"mesh", "journal", "freewheel", "viscous"} <= labels(scene_figure(result))

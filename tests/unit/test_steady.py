@@ -160,3 +160,21 @@ def test_figure_has_a_panel_for_each_map(compiled):
     found = efficiency_map({**PLANAR_MECHANISM, "input_friction": 0.01}, 100.0, compiled)
     titles = [axes.get_title(loc="left") for axes in chart_figure(charts, {"rubbed": found}).axes]
     assert "efficiency of rubbed" in titles
+
+
+def test_losses_by_load_take_the_same_share_at_every_speed(compiled):
+    """Forces go with the square of the speed, and so do the torques that mesh and journals take."""
+    parameters = {**PLANAR_MECHANISM, "mesh_efficiency": 0.98, "journal_friction": 3e-5}
+    machine = SteadyMachine(parameters, compiled)
+    slow, fast = (machine.at(omega1, 0.4) for omega1 in (20.0, 200.0))
+    assert 0.5 < fast.efficiency < 0.99
+    assert slow.efficiency == pytest.approx(fast.efficiency, abs=1e-5)
+    assert slow.output_torque * 100.0 == pytest.approx(fast.output_torque, rel=1e-4)
+
+
+def test_drag_of_the_freewheels_takes_less_of_more_power(compiled):
+    machine = SteadyMachine({**PLANAR_MECHANISM, "housing_drag": 0.5, "output_drag": 0.5}, compiled)
+    slow, fast = (machine.at(omega1, 0.4).efficiency for omega1 in (30.0, 120.0))
+    # both losses are torques times speeds that go with omega1, the power goes with its cube
+    assert 1.0 - fast == pytest.approx((1.0 - slow) / 16.0, rel=0.2)
+    assert slow < fast < 1.0
