@@ -214,6 +214,10 @@ VARIABLES: tuple[Variable, ...] = (
 
 BY_NAME: dict[str, Variable] = {variable.name: variable for variable in VARIABLES}
 
+# parts of energy_lost by what they begin with: what follows is the cause
+LOST_TO = "energy_lost_"
+LOSSES: tuple[str, ...] = tuple(name for name in BY_NAME if name.startswith(LOST_TO))
+
 
 def with_causality(*causalities: str, table: Iterable[Variable] = VARIABLES) -> Iterator[Variable]:
     """Variables of these causalities, in the order of the table."""
