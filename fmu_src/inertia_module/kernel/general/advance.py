@@ -132,7 +132,9 @@ def step_error(d, x, w, fastest):
             sum3 += error3 * error3
             count += 1
     mix = sum5 + 0.01 * sum3
-    return w.step * sum5 / math.sqrt(count * mix) if mix > 0.0 else 0.0
+    if mix == 0.0:
+        return 0.0
+    return w.step * sum5 / math.sqrt(count * mix) if mix < 1e300 else 1e300
 
 
 def try_steps(d, x, w, limit):

@@ -5,7 +5,7 @@
 
 from ..links import given_at_input
 from .motion import evaluate, take_state
-from .states import LOCKED, OPEN, WOUND, contact_mode, is_rough, may_be_housing, may_be_output, may_slip
+from .states import LOCKED, OPEN, contact_mode, is_rough, may_be_housing, may_be_output, may_slip
 
 # share of the torques by which what has just ended seems to go on, and still has ended
 ENDED = 1e-3
@@ -14,13 +14,14 @@ ROUNDING = 1e-12
 NO_TORQUE = 1e-300
 
 
-def worst_of_freewheel(state, drag, torque, speed, wound, push):
-    """By how much a freewheel misses its condition, N m; push: torque that its slip accelerates with."""
+def worst_of_freewheel(state, drag, torque, speed, push):
+    """By how much a freewheel misses its condition, N m; push: torque that its slip accelerates with.
+
+    A spring may always be there that does not overrun: it settles on less than the drag, or lets go.
+    """
     if state == OPEN:
         return -push if speed <= 0.0 else 0.0
-    if state == WOUND:
-        return push - drag if speed == 0.0 and wound == 0.0 else 0.0
-    return -torque - drag
+    return -torque - drag if state == LOCKED else 0.0
 
 
 def violation(d, x, given, load):
@@ -31,13 +32,11 @@ def violation(d, x, given, load):
     worst = 0.0
     if d.housing != 0.0:
         push = inertia * m.alpha2
-        worst = worst_of_freewheel(
-            x.housing_state, d.housing_drag, m.housing, m.omega2, m.wound_housing, push
-        )
+        worst = worst_of_freewheel(x.housing_state, d.housing_drag, m.housing, m.omega2, push)
     if d.output != 0.0:
         slip = m.omega3 - m.omega2
         push = inertia * (m.alpha3 - m.alpha2)
-        output = worst_of_freewheel(x.output_state, d.output_drag, m.output, slip, m.wound_output, push)
+        output = worst_of_freewheel(x.output_state, d.output_drag, m.output, slip, push)
         worst = max(worst, output)
     if x.slip_sign == 0.0:
         worst = max(worst, -d.k * m.margin)
