@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from .variable import OUTPUT, PARAMETER, REAL, Variable
+from .variable import FIXED, OUTPUT, PARAMETER, REAL, Variable
 from .variables import BY_NAME as OF_MODULE
 
 _LOST = "energy turned to heat by damping and friction since the start, less the work of the balancer"
@@ -41,7 +41,7 @@ VARIABLES: tuple[Variable, ...] = (
     _as_in_module("balancer", "gain beta of the balancer: the driven mass is pushed by beta J4 times the hub's acceleration"),
     _as_in_module("input_hold", "hub_speed between communication points"),
     _as_in_module("omega_out_start", "speed of the driven mass at the start"),
-    Variable("twist_start", REAL, PARAMETER, "fixed", "rad", 0.0, -1e6, 1e6, None, "twist of the shaft at the start"),
+    Variable("twist_start", REAL, PARAMETER, FIXED, "rad", 0.0, -1e6, 1e6, None, "twist of the shaft at the start"),
 )  # fmt: skip
 
 BY_NAME: dict[str, Variable] = {variable.name: variable for variable in VARIABLES}
