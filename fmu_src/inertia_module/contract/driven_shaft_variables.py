@@ -21,9 +21,14 @@ def _output(name: str, unit: str, nominal: float, text: str) -> Variable:
     return Variable(name, REAL, OUTPUT, "continuous", unit, None, None, None, nominal, text)
 
 
+def _input(of_module: str, name: str, text: str) -> Variable:
+    """An input of the module; at rest unless it is set, as the driven mass is: a hub that jumps is a shock."""
+    return replace(_as_in_module(of_module, text, name), start=0.0)
+
+
 VARIABLES: tuple[Variable, ...] = (
-    _as_in_module("omega1", "speed of the hub, where the shaft is driven", name="hub_speed"),
-    _as_in_module("load_torque", "torque of the load on the driven mass, positive against the motion"),
+    _input("omega1", "hub_speed", "speed of the hub, where the shaft is driven"),
+    _input("load_torque", "load_torque", "torque of the load on the driven mass, positive against the motion"),
     _output("shaft_torque", "N.m", 100.0, "torque Ts of spring and damper at this instant: drives the driven mass, brakes the hub"),
     _output("shaft_torque_mean", "N.m", 100.0, "mean of Ts over the last communication step"),
     _as_in_module("omega_out", "speed omega4 of the driven mass"),

@@ -33,8 +33,8 @@ from .variable import (
 )
 
 
-def _input(name: str, unit: str, limit: float, nominal: float, text: str) -> Variable:
-    return Variable(name, REAL, INPUT, "continuous", unit, 0.0, -limit, limit, nominal, text)
+def _input(name: str, unit: str, start: float, limit: float, nominal: float, text: str) -> Variable:
+    return Variable(name, REAL, INPUT, "continuous", unit, start, -limit, limit, nominal, text)
 
 
 def _signal(
@@ -103,9 +103,9 @@ _INERTIA_LIMIT = 1e12
 _SPEED_START_LIMIT = 1e6
 
 VARIABLES: tuple[Variable, ...] = (
-    _input("omega1", "rad/s", LARGEST_SPEED, 100.0, "speed of link 1 (with drive = torque only that at the start)"),
-    _input("load_torque", "N.m", LARGEST_TORQUE, 10.0, "torque of the load on the output shaft, positive against the motion"),
-    _input("drive_torque", "N.m", LARGEST_TORQUE, 10.0, "torque on link 1 (with drive = torque, else without effect)"),
+    _input("omega1", "rad/s", 100.0, LARGEST_SPEED, 100.0, "speed of link 1 (with drive = torque only that at the start)"),
+    _input("load_torque", "N.m", 10.0, LARGEST_TORQUE, 10.0, "torque of the load on the output shaft, positive against the motion"),
+    _input("drive_torque", "N.m", 0.0, LARGEST_TORQUE, 10.0, "torque on link 1 (with drive = torque, else without effect)"),
     _signal(OUTPUT, "omega2", "rad/s", 100.0, "speed of link 2, the output link of the differential"),
     _signal(OUTPUT, "omega_out", "rad/s", 100.0, "speed of the output shaft (driven mass if elastic)"),
     _signal(OUTPUT, "input_torque", "N.m", 100.0, "torque M1 on link 1 at this instant"),
@@ -228,11 +228,9 @@ def with_causality(*causalities: str, table: Iterable[Variable] = VARIABLES) -> 
     return (variable for variable in table if variable.causality in causalities)
 
 
-def default_parameters(table: Iterable[Variable] = VARIABLES) -> dict[str, float]:
-    """Start values of all parameters by name (those of the module are scene R1)."""
-    return {
-        variable.name: float(variable.start or 0.0) for variable in with_causality(PARAMETER, table=table)
-    }
+def default_parameters() -> dict[str, float]:
+    """Start values of all parameters of the module by name: scene R1."""
+    return {variable.name: float(variable.start or 0.0) for variable in with_causality(PARAMETER)}
 
 
 def refused_parameters(values: Mapping[str, float], table: Iterable[Variable] = VARIABLES) -> list[str]:

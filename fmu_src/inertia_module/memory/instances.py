@@ -14,7 +14,7 @@ from ..compiling.kernels import MODULE, CompilationUnavailable, source_hash
 from ..compiling.records import record_type
 from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE, Model
 from ..contract.variable import INPUT, OUTPUT, PARAMETER
-from ..contract.variables import default_parameters, refused_parameters
+from ..contract.variables import refused_parameters
 from ..kernel import codes
 from . import maps
 
@@ -66,8 +66,7 @@ class ModelInstance:
         self.kernel = ""
         self._records = tuple(record_type(fields)() for fields in self.model.records)
         self.parameters, self.derived, self.inputs, self.state, self.outputs, _ = self._records
-        for name, value in default_parameters(self.model.variables).items():
-            setattr(self.parameters, name, value)
+        self._write({v.name: float(v.start or 0.0) for v in self.model.with_causality(INPUT, PARAMETER)})
         self._addresses = tuple(ctypes.addressof(record) for record in self._records)
         self.started = False
 
