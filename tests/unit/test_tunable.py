@@ -2,7 +2,7 @@
 
 import pytest
 from geometry import direct_sums, ratio
-from scenes import DRIVEN, SCENES, advanced, parameters, started
+from scenes import DRIVEN, SCENES, advanced, drive_angle, parameters, started
 
 from inertia_module.common.errors import Refused
 from inertia_module.contract.models import DRIVEN_SHAFT, INERTIA_MODULE
@@ -15,6 +15,10 @@ INPUTS = [variable.name for variable in INERTIA_MODULE.with_causality(INPUT)]
 FRICTION = {"input_friction": 0.02, "drive_friction": 0.01, "link2_friction": 0.05, "output_friction": 0.2}
 SHAFT = {"shaft_damping": 0.4, "driven_friction": 0.1, "balancer": 0.5}
 ELASTIC = {"fidelity": 3, "output_inertia": 0.02, "shaft_damping": 0.05}
+LOSSES = {
+    **{"journal_friction": 2e-3, "housing_drag": 0.5, "housing_drag_viscous": 1e-3},
+    **{"output_drag": 0.4, "output_drag_viscous": 2e-3},
+}
 TUNED = {**FRICTION, **SHAFT, "kinematic_ratio": 0.7}
 
 
@@ -42,6 +46,21 @@ def test_motion_goes_on_by_lagranges_equations_with_the_new_parameters(compiled,
     speeds = [module[name] for name in ("input_speed", "omega2", "omega_out")]
     assert speeds == pytest.approx(after.state[[OMEGA1, OMEGA2, OMEGA_OUT]], abs=1e-7 * module["input_speed"])
     assert abs(module["energy_residual"]) < 1e-8 * largest_energy(module)
+
+
+@pytest.mark.parametrize("time", [0.006, 0.02, 0.1])
+def test_losses_by_load_and_drag_set_in_and_end_as_in_a_module_started_there(compiled, time):
+    module = advanced(started(compiled, SCENES["bevel"], tolerance=1e-9), time)
+    for tuned in (LOSSES, dict.fromkeys(LOSSES, 0.0)):
+        module.set(**tuned)
+        start = {"omega2_start": module["omega2"], "omega_out_start": module["omega_out"]}
+        start |= {"drive_angle_start": drive_angle(module), "tolerance": 1e-9}
+        other = started(compiled, SCENES["bevel"], tuned, start)
+        for one in (module, other):
+            advanced(one, 0.01, 0.013)
+        for name in ("omega2", "omega_out", "input_torque", "output_torque_mean"):
+            assert module[name] == pytest.approx(other[name], rel=1e-6, abs=1e-6), name
+        assert abs(module["energy_residual"]) < 1e-7 * largest_energy(module)
 
 
 @pytest.mark.parametrize("drive", [SCENES, DRIVEN], ids=["speed", "torque"])
