@@ -52,6 +52,8 @@ STEP_PRECISELY = 5
 RATES = 6
 # the sum of the warnings that hold; nothing is changed
 WARN = 7
+# parameters have changed between steps: derives d anew and forgets what x knows of the last step
+TUNE = 8
 
 # warnings
 PLANAR_OVERLAP = 1
