@@ -9,8 +9,8 @@ from .states import LOCKED, OPEN, contact_mode, is_rough, may_be_housing, may_be
 
 # share of the torques by which what has just ended seems to go on, and still has ended
 ENDED = 1e-3
-# share of the torques that is rounding: the one before goes on
-ROUNDING = 1e-12
+# share of the torques that is rounding, so that at the beginning of a step the one before goes on
+GOES_ON = -1e-12
 NO_TORQUE = 1e-300
 
 
@@ -57,8 +57,12 @@ def take_speeds(x):
         x.omega3_low = x.omega2_low
 
 
-def choose_states(d, x, ended):
-    """Choose what freewheels and slip do from now on, into x; ended: what they did has come to an end."""
+def choose_states(d, x, before_misses):
+    """Choose what freewheels and slip do from now on, into x.
+
+    Args:
+        before_misses: what is added to the violation of what they did before, as a share of the torques.
+    """
     take_state(d, x)
     given = given_at_input(d, x)
     before = (x.housing_state, x.output_state, x.slip_sign)
@@ -75,7 +79,7 @@ def choose_states(d, x, ended):
         x.housing_state, x.output_state, x.slip_sign = housing, output, sign
         missing = violation(d, x, given, x.load_torque)
         if (housing, output, sign) == before:
-            missing += ENDED if ended else -ROUNDING
+            missing += before_misses
         if missing < least:
             least = missing
             best = (housing, output, sign)
@@ -99,5 +103,5 @@ def choose_next_states(d, x, w):
         if x.output_state == LOCKED:
             x.omega3 = x.omega2
             x.omega3_low = x.omega2_low
-    choose_states(d, x, w.ended != 0.0)
+    choose_states(d, x, ENDED if w.ended != 0.0 else 0.0)
     return before != (x.housing_state, x.output_state, x.slip_sign)
