@@ -127,7 +127,7 @@ def test_long_and_short_steps_are_one_motion_and_a_state_is_restored(scene):
 
 
 def test_locked_up_machine_with_friction_stays_so():
-    """At a speed ratio of one, under a load that friction holds, nothing slips and nothing is lost for ever."""
+    """At a speed ratio of one, under a load that friction holds, nothing slips or is lost for ever."""
     module = started(
         KERNEL,
         SCENES["bevel"],
