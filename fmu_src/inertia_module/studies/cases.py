@@ -49,7 +49,7 @@ class Forces(NamedTuple):
 
     Attributes:
         teeth: torque of each satellite, N.m, (satellites,). journal, satellites: C and S, N.m.
-        free: tau_q without C and S, N.m.
+        free: tau_q without C and S, N.m. size: of the torques there are, N.m.
     """
 
     x: Array
@@ -57,6 +57,7 @@ class Forces(NamedTuple):
     journal: float
     satellites: float
     free: float
+    size: float
 
 
 @dataclass(frozen=True)
@@ -179,7 +180,9 @@ class Machine:
         x = np.linalg.solve(a, b)
         torques = teeth @ x[:2] + work.teeth_rest
         satellites = self.teeth * p["modules"] * float(np.abs(torques).sum())
-        return Forces(np.asarray(x), torques, journal, satellites, float(inertia[1] @ x[:2] + rest[1]))
+        size = float(np.abs(x[M1:]).sum() + self._work.largest * (omega1 * omega1 + rate * rate))
+        free = float(inertia[1] @ x[:2] + rest[1])
+        return Forces(np.asarray(x), torques, journal, satellites, free, size)
 
     def rates(self, y: Array, mode: Mode) -> Array:
         """Of the state: those of the integrals are powers, W, and torques, N.m."""

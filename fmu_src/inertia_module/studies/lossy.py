@@ -45,6 +45,8 @@ from .cases import (
 from .lagrange import ROUNDING, TOLERANCE, Lagrange
 from .trajectory import Array, Unavailable
 
+# rad of the highest harmonic by which one looks ahead
+AHEAD = 1e-2
 # what a case may miss of torques and accelerations and hold all the same
 MISSED = 1e-9
 
@@ -81,6 +83,9 @@ class Lossy:
             raise Unavailable("losses: a start with omega2 >= 0 and omega3 >= omega2 is needed")
         self._start = self.energy()
         self.give(drive_torque, load_torque)
+
+    def _fastest(self) -> float:
+        return 1.0 + abs(float(self.state[OMEGA1])) + abs(float(self.state[OMEGA2]))
 
     def _guards(self, y: Array, mode: Mode) -> Array:
         """What must not fall below zero in a case, for each of its places (infinite: nothing).
@@ -129,12 +134,13 @@ class Lossy:
     def _breach(self, mode: Mode) -> float:
         """By how much a case does not hold, as a part of the torques and accelerations there are."""
         try:
-            x, guards = self.machine.forces(self.state, mode).x, self._guards(self.state, mode)
+            found, guards = self.machine.forces(self.state, mode), self._guards(self.state, mode)
         except np.linalg.LinAlgError:
             return math.inf
+        x = found.x
         if mode[SLIP] == 0 and abs(x[A1] - x[A2]) > MISSED * abs(x[A1]):
             return math.inf
-        scales = np.full(len(mode), 1e-9 + np.abs(x[M1:]).sum())
+        scales = np.full(len(mode), 1e-9 + found.size)
         fastest = float(np.abs(self.state[OMEGA1 : OMEGA4 + 1]).max())
         for place, way, gained in (
             (HOUSING, mode[HOUSING] == OPEN, x[A2]),
@@ -147,14 +153,22 @@ class Lossy:
                 scales[place] = 1e-9 + np.abs(x[: A4 + 1]).sum() + fastest**2
         return float(max(0.0, *(-guards / scales)))
 
+    def _goes_on(self, mode: Mode) -> bool:
+        """Whether a case that holds also does a moment later: of several that hold now that is the one."""
+        machine, y = self.machine, self.state
+        moment = AHEAD / (machine.highest * machine.k * self._fastest() + machine.frequency)
+        middle = y + 0.5 * moment * machine.rates(y, mode)
+        return bool(self._guards(y + moment * machine.rates(middle, mode), mode).min() >= 0.0)
+
     def _choose(self, ended: int | None = None) -> None:
         """Take the case that holds; one whose place that has ended is as it was only if there is no other."""
         was, cases = self.mode, list(self._cases())
         breaches = [self._breach(case) for case in cases]
 
-        def rank(n: int) -> tuple[bool, bool, float]:
+        def rank(n: int) -> tuple[bool, bool, bool, float]:
             missed = breaches[n] > MISSED
-            return missed, ended is not None and cases[n][ended] == was[ended], breaches[n] if missed else 0.0
+            as_it_was = ended is not None and cases[n][ended] == was[ended]
+            return missed, missed or not self._goes_on(cases[n]), as_it_was, breaches[n] if missed else 0.0
 
         best = min(range(len(cases)), key=rank)
         if not breaches[best] < 1e3 * MISSED:
@@ -204,7 +218,7 @@ class Lossy:
         """
         machine = self.machine
         while self.time < time:
-            mode, speed = self.mode, 1.0 + abs(self.state[OMEGA1]) + abs(self.state[OMEGA2])
+            mode, speed = self.mode, self._fastest()
             longest = PHASE / (machine.highest * machine.k * speed + machine.frequency)
 
             def rates(_: float, y: Array, mode: Mode = mode) -> Array:

@@ -47,6 +47,7 @@ class VirtualWork:
 
     Attributes:
         highest: order of the highest harmonic of the torques, per turn of the drive.
+        largest: inertia of all imbalances where they are farthest out, kg m^2.
     """
 
     def __init__(self, p: Parameters) -> None:
@@ -61,6 +62,7 @@ class VirtualWork:
         self._series = Series(np.array(samples), orders)
         self.highest = 2.0 * self._series.highest
         self._mass, self._modules = p["imbalance_mass"], p["modules"]
+        self.largest = self._mass * self._modules * float(sum((r * r).sum(axis=0).max() for r, *_ in samples))
         self._weight = p["imbalance_mass"] * p["gravity"] * (p["modules"] == 1)
         self._across = p["satellite_transverse_inertia"]
         self._along = p["satellite_inertia"] - self._across
