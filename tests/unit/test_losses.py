@@ -153,11 +153,11 @@ def test_lock_up_ends_where_the_load_is_more_than_friction_holds():
     start = started(KERNEL, SCENES["bevel"], LOCKED_UP, load_torque=0.0)
     _, i1, *_ = reduced_inertia(start.derived, start.state.q)
     holds = friction * 1.7 * start["imbalance_acceleration"] - 0.5 * i1 * 100.0**2
-    for share, sticks in ((1.0 - 1e-9, True), (1.0 + 1e-9, False)):
+    for share, sticks in ((1.0 - 1e-6, True), (1.0 + 1e-6, False)):
         module = started(
             KERNEL, SCENES["bevel"], LOCKED_UP, journal_friction=friction, load_torque=share * holds
         )
-        assert (advanced(module, 1e-4)["omega2"] == 100.0) == sticks
+        assert (advanced(module, 1e-3)["omega2"] == 100.0) == sticks
 
 
 def test_drag_of_the_output_freewheel_slows_the_shaft_alone():
