@@ -150,7 +150,7 @@ def test_locked_up_machine_with_friction_stays_so():
 def test_lock_up_ends_where_the_load_is_more_than_friction_holds():
     """The threshold is that of the journals: |T / k + I' omega1^2 / 2| = mu r s m |a|."""
     friction = 0.01
-    start = started(KERNEL, SCENES["bevel"], LOCKED_UP, load_torque=0.0)
+    start = started(KERNEL, SCENES["bevel"], LOCKED_UP, journal_friction=friction, load_torque=0.0)
     _, i1, *_ = reduced_inertia(start.derived, start.state.q)
     holds = friction * 1.7 * start["imbalance_acceleration"] - 0.5 * i1 * 100.0**2
     for share, sticks in ((1.0 - 1e-6, True), (1.0 + 1e-6, False)):
