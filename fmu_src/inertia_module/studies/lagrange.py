@@ -15,6 +15,7 @@ closes where its speed does.
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
 import sys
@@ -22,7 +23,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 from scipy.integrate import DOP853
-from scipy.optimize import brentq
+from scipy.optimize import brentq, minimize_scalar
 
 from ..contract.variables import default_parameters
 from ..kernel.codes import DRIVE_TORQUE, ELASTIC
@@ -32,12 +33,44 @@ from .trajectory import Array, Unavailable
 TOLERANCE = 1e-13
 # rad of the highest harmonic in a step, and parts of it at whose ends the search for events looks
 PHASE, LOOKED_AT = 0.5, 8
+# closeness to the bottom of a dip between two looks, of their distance
+DIP = 1e-6
 # a speed below this part of that of link 1 is zero
 ROUNDING = 1e-14
 # freewheels, and the places of the state; behind them, elastic, omega4: the speed of the output is the last
 HOUSING, OUTPUT = range(2)
 Q, THETA1, TWIST, OMEGA1, OMEGA2, OMEGA3 = range(6)
 OMEGA_OUT = -1
+Interval = tuple[float, float]
+
+
+@functools.cache
+def _free(count: int, by_torque: bool, held: bool, joined: bool) -> Array:
+    """What moves of so many links: each row the speeds of all where one of them has speed 1."""
+    moving = np.eye(count)
+    moving[1, 2] = joined
+    free: Array = moving[[by_torque, not held, not joined, True][:count]]
+    return free
+
+
+def _falls(value: Callable[[float], float], times: Array, looked: Array) -> list[Interval]:
+    """Intervals from a time at which value is positive to one at which it is not.
+
+    It is looked at at these times; between two of them only where their neighbours let a dip below zero be.
+    """
+    falls = []
+    for n, (here, after) in enumerate(itertools.pairwise(looked)):
+        left, right = (float(time) for time in times[n : n + 2])
+        if here > 0.0 >= after:
+            falls.append((left, right))
+        before, beyond = looked[max(n - 1, 0)], looked[n + 2 : n + 3]
+        sinks, rises = n == 0 or 2.0 * here < before, not beyond.size or 2.0 * after < beyond[0]
+        if min(here, after) > 0.0 and sinks and rises:
+            closeness = {"xatol": DIP * (right - left)}
+            lowest = minimize_scalar(value, bounds=(left, right), method="bounded", options=closeness)
+            if lowest.fun <= 0.0:
+                falls.append((left, float(lowest.x)))
+    return falls
 
 
 class Lagrange:
@@ -73,6 +106,13 @@ class Lagrange:
         self._own = np.diag([p[name] for name in names[: 3 + self._elastic]])
         if self._elastic:
             self._own[3, 2] = -p["balancer"] * p["driven_inertia"]
+        # what I, B, G, each 1, are of M
+        self._parts = np.zeros((3, *self._own.shape))
+        self._parts[:, :2, :2] = [
+            [[1.0, 0.0], [0.0, 0.0]],
+            [[2.0 * self.k, -self.k], [-self.k, 0.0]],
+            [[self.k**2, -(self.k**2)], [-(self.k**2), self.k**2]],
+        ]
         there = p["housing_freewheel"], p["output_freewheel"]
         self._freewheels = [wheel for wheel in (HOUSING, OUTPUT) if there[wheel]]
         self.time, self.switches, self.evaluations, self._most = 0.0, list[float](), 0, most
@@ -89,12 +129,9 @@ class Lagrange:
         """Speed at which a freewheel turns, rad/s."""
         return float(y[OMEGA2] if wheel == HOUSING else y[OMEGA3] - y[OMEGA2])
 
-    def _matrix(self, i: float, b: float, g: float) -> Array:
+    def _matrix(self, ibg: Array) -> Array:
         """M of I, B, G or M' of their derivatives, without own inertias, for all speeds."""
-        k = self.k
-        matrix = np.zeros_like(self._own)
-        matrix[0, 0], matrix[1, 1] = i + k * (2.0 * b + k * g), k * k * g
-        matrix[0, 1] = matrix[1, 0] = -k * (b + k * g)
+        matrix: Array = (ibg @ self._parts.reshape(3, -1)).reshape(self._own.shape)
         return matrix
 
     def _outer(self, y: Array) -> list[float]:
@@ -113,11 +150,7 @@ class Lagrange:
 
         In the same way they are the speeds that momenta make.
         """
-        # what moves: each row the speeds of all links where one of them has speed 1
-        moving = np.eye(len(mass))
-        moving[1, 2] = closed[OUTPUT]
-        moves = [self._by_torque, not closed[HOUSING], not closed[OUTPUT], True]
-        free, first = moving[moves[: len(mass)]], np.eye(len(mass))[0] * given
+        free, first = _free(len(mass), self._by_torque, *closed), np.eye(1, len(mass))[0] * given
         moved: Array = first + np.linalg.solve(free @ mass @ free.T, free @ (forces - mass @ first)) @ free
         return moved
 
@@ -125,7 +158,7 @@ class Lagrange:
         """The accelerations of all links, rad/s^2, and the torques (Th, Tc) in the freewheels, N.m."""
         self.evaluations += 1
         ibg, slopes = self._inertia(y[Q])
-        mass, slope = self._matrix(*ibg) + self._own, self._matrix(*slopes)
+        mass, slope = self._matrix(ibg) + self._own, self._matrix(slopes)
         w = y[OMEGA1:]
         push, forces = slope @ w, np.array(self._outer(y))
         forces -= self.k * (w[0] - w[1]) * push
@@ -171,7 +204,7 @@ class Lagrange:
     def energy(self) -> float:
         """Kinetic energy of links 1 and 2 and of what turns behind them, and that of the twisted shaft, J."""
         w, twist = self.state[OMEGA1:], self.state[TWIST]
-        mass = self._matrix(*self._inertia(self.state[Q])[0]) + np.diag(np.diag(self._own))
+        mass = self._matrix(self._inertia(self.state[Q])[0]) + np.diag(np.diag(self._own))
         return float(0.5 * (w @ mass @ w + self.p["shaft_stiffness"] * twist * twist))
 
     def give(self, drive_torque: float, load_torque: float) -> None:
@@ -188,7 +221,7 @@ class Lagrange:
         """
         self._slope = slope
         if omega1 != self.state[OMEGA1]:
-            mass = self._matrix(*self._inertia(self.state[Q])[0]) + self._own
+            mass = self._matrix(self._inertia(self.state[Q])[0]) + self._own
             momenta = mass @ self.state[OMEGA1:]
 
             def breach(closed: list[bool]) -> float:
@@ -243,8 +276,11 @@ class Lagrange:
         states, found = path(times).T, []
         for wheel in self._freewheels:
             guard = self._guard(wheel)
-            positive = np.array([guard(y) for y in states]) > 0.0
-            for n in np.flatnonzero(positive[:-1] & ~positive[1:])[:1]:
-                root = brentq(lambda t, guard=guard: guard(path(t)), times[n], times[n + 1], xtol=1e-16)
-                found.append((float(root), wheel))
+            looked = np.array([guard(y) for y in states])
+
+            def value(t: float, guard: Callable[[Array], float] = guard) -> float:
+                return guard(path(t))
+
+            for fall in _falls(value, times, looked)[:1]:
+                found.append((float(brentq(value, *fall, xtol=1e-16)), wheel))
         return found

@@ -23,7 +23,7 @@ HEADINGS = ("level", "invariant", "runs", "explained", "sensitive", "failed", "w
 # rows that count: motions that take too long to be run again in other ways, and those refused
 SHORT, TAKEN = "not long", "not refused"
 # motions tried to make one that fails smaller; fewer where the reference or work without end is slow
-TRIES, SLOW_TRIES = 300, 60
+TRIES, SLOW_TRIES = 300, 20
 _NUMBER = re.compile(r"(?<![\w.])-?\d+(\.\d+)?(e[-+]?\d+)?")
 
 

@@ -180,11 +180,14 @@ def run_once(
     return run
 
 
-def distance(one: Run, other: Run) -> float:
+def distance(one: Run, other: Run, inertia: float = 0.0) -> float:
     """Largest difference of what two runs end with, relative to the largest seen in them.
 
     Speeds to the fastest, energies to the largest, impulses to energy over speed, the drive angle to
     what it has gone through (at least a radian).
+
+    Args:
+        inertia: kg m^2, that takes up the output's impulse: that is known as well as its speed is.
     """
     speed = max(one.speed, other.speed)
     energy = max(one.energy, other.energy)
@@ -192,6 +195,7 @@ def distance(one: Run, other: Run) -> float:
     scales["angle"] = max(1.0, abs(one.end["angle"]))
     for name in IMPULSES:
         scales[name] = max(abs(one.end[name]), energy / speed if speed > 0.0 else 0.0)
+    scales["output_torque_mean"] = max(scales["output_torque_mean"], inertia * speed)
     return max(relative(one.end[name] - other.end[name], scale) for name, scale in scales.items())
 
 
