@@ -76,7 +76,8 @@ def of_one_run(motion: Motion, found: Run, make: Make) -> Figures:
     """All outputs are finite, energy does not come from nowhere, freewheels neither pull nor slip back."""
     figures = {"finite": Figure(float(not found.finite), 0.0)}
     # a velocity within rounding of the fastest is zero: so much energy comes and goes
-    rounding = ROUNDING * sum(motion[name] for name in INERTIAS) * found.speed**2
+    fastest = max(found.speed, *(abs(part.omega1 + part.slope * part.duration) for part in motion.segments))
+    rounding = ROUNDING * sum(motion[name] for name in INERTIAS) * fastest**2
     if motion.level.method == TIMESTEPPING:
         bound = energy_bound(TIMESTEPPING_ACCURACY)
         figures["energy from nowhere"] = Figure(
