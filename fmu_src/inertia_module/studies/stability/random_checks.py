@@ -103,13 +103,13 @@ def of_steps(motion: Motion, found: Run, make: Make) -> Figures:
     tolerance, short = motion["tolerance"], run(motion, make, SPLIT)
     if short.refused or short.broken:
         return {STEPS: Figure(math.inf, 0.0)}
-    # impulses that swing a driven mass are as small as they may be beside the momentum of the fastest speed
-    behind = motion["driven_inertia"] if motion.level.fidelity == ELASTIC else 0.0
-    apart, bound = distance(found, short, behind), EXPLAINED * tolerance + ROUNDING
+    # what swings far slower than the fastest speed is followed to the tolerance of that alone
+    swinging = motion["driven_inertia"] if motion.level.fidelity == ELASTIC else 0.0, tolerance
+    apart, bound = distance(found, short, *swinging), EXPLAINED * tolerance + ROUNDING
     if apart <= bound:
         return {STEPS: Figure(apart, bound)}
     runs = [run(beside, make) for beside in changed(motion, tolerance)]
-    spreads = [distance(found, other, behind) for other in runs if not other.refused]
+    spreads = [distance(found, other, *swinging) for other in runs if not other.refused]
     return {STEPS: explained(apart, bound, spreads)}
 
 

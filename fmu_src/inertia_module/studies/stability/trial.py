@@ -180,17 +180,18 @@ def run_once(
     return run
 
 
-def distance(one: Run, other: Run, inertia: float = 0.0) -> float:
+def distance(one: Run, other: Run, inertia: float = 0.0, share: float = 0.0) -> float:
     """Largest difference of what two runs end with, relative to the largest seen in them.
 
     Speeds to the fastest, energies to the largest, impulses to energy over speed, the drive angle to
     what it has gone through (at least a radian).
 
     Args:
-        inertia: kg m^2, that takes up the output's impulse: that is known as well as its speed is.
+        inertia: driven, kg m^2: the output's impulse is known as well as its speed is.
+        share: of the fastest speed: with a slower swing the inertia may have any energy.
     """
     speed = max(one.speed, other.speed)
-    energy = max(one.energy, other.energy)
+    energy = max(one.energy, other.energy, inertia * share * speed * speed)
     scales = dict.fromkeys(SPEEDS, speed) | dict.fromkeys(ENERGIES, energy)
     scales["angle"] = max(1.0, abs(one.end["angle"]))
     for name in IMPULSES:
