@@ -69,7 +69,7 @@ def random_counts(rows):
         "compared": compared,
         "by_events": count("runs", random_study.TAKEN, levels=levels),
         "within": 1.0 - sum(beyond.values()) / compared,
-        "beyond": ", ".join(f"{number} are {head}" for head, number in beyond.items()),
+        "beyond": ", ".join(f"{head}: {number}" for head, number in beyond.items()),
     }
 
 

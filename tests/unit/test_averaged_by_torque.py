@@ -145,3 +145,21 @@ def test_light_shaft_keeps_up_with_a_drive_that_changes_at_little_cost(drive_tor
     assert abs(module["omega1"] - module["input_speed"]) > 30.0
     assert module["output_torque"] == pytest.approx(1.0, rel=1e-2)
     assert module["rhs_evaluations"] - before < 2000
+
+
+def test_lock_up_makes_no_energy_where_the_output_was_faster_than_a_light_link_1():
+    mechanism = {
+        "satellites": 5,
+        "imbalance_mass": 80.0,
+        "z2": 33,
+        "z17": 40,
+        "z6": 50,
+        "a": 0.64293,
+        "c": 0.0,
+    }
+    values = {"wheel_radius": 0.2, "input_inertia": 2e-4, "output_inertia": 1e-3, "tolerance": 1e-9}
+    module = started("auto", AVERAGED, mechanism, values, omega1=3.4835, load_torque=59.438)
+    advanced(module, 0.38778)
+    advanced(module, 0.042248, load_torque=2.1151, drive_torque=10.263)
+    assert module["omega_out"] == pytest.approx(module["input_speed"], rel=1e-9)
+    audit(module, 1e-9)
