@@ -6,7 +6,6 @@ w.followed holds for each quantity its rates at the stages and its change over t
 from ..codes import SHAFT
 from ..links import friction_power
 from ..solvers.dormand_prince import (
-    END,
     NODES,
     STAGES,
     sum_1,
