@@ -97,6 +97,7 @@ def values():
         "long": random_checks.LONGEST,
         "friction": random_motions.FRICTION_SHARE,
         "explained": random_checks.EXPLAINED,
+        "swinging": random_checks.SWINGING,
         "random_split": random_checks.SPLIT,
         "extremes": len({(row.axis, row.value) for row in rows}),
         "axes": len({row.axis for row in rows}),

@@ -130,6 +130,9 @@ def zero_of(d, x, w, which, fastest):
         share = response(d, d.J2 + (d.J3 if mode == DRIVING else 0.0)) if d.F_by_alpha1 > 0.0 else 0.0
         return VELOCITY_ROUNDING * max(taken, fastest * share)
     torque = shaft_torque(d, x)
+    if which == OUTPUT and mode == HELD_DRIVING:
+        # the shaft alone presses the hub on link 2: by what it swings with behind it
+        return CROSSING * (abs(torque) + abs(x.relative) * math.sqrt(d.stiffness * d.J4))
     scale = torque_scale(d, x.omega1, w.alpha1, 2.0 * d.k * fastest, 0.0)
     if d.by_torque != 0.0:
         scale += abs(w.given)

@@ -36,6 +36,8 @@ FACTOR = 4.0  # whose powers are exact
 REFERENCE, STEPS = "Lagrange's equations", "long and short steps"
 # distances that a change of the problem by the tolerance makes, that two runs may be apart
 EXPLAINED = 10.0
+# tolerances that they may be apart where a shaft swings, as in the bound of the energy residual
+SWINGING = 100.0
 SENSITIVE = math.inf  # bound where the motion multiplies errors so much that no method can tell
 
 
@@ -104,8 +106,10 @@ def of_steps(motion: Motion, found: Run, make: Make) -> Figures:
     if short.refused or short.broken:
         return {STEPS: Figure(math.inf, 0.0)}
     # what swings far slower than the fastest speed is followed to the tolerance of that alone
-    swinging = motion["driven_inertia"] if motion.level.fidelity == ELASTIC else 0.0, tolerance
-    apart, bound = distance(found, short, *swinging), EXPLAINED * tolerance + ROUNDING
+    elastic = motion.level.fidelity == ELASTIC
+    swinging = motion["driven_inertia"] if elastic else 0.0, tolerance
+    allowed = (SWINGING if elastic else EXPLAINED) * tolerance + ROUNDING
+    apart, bound = distance(found, short, *swinging), allowed
     if apart <= bound:
         return {STEPS: Figure(apart, bound)}
     runs = [run(beside, make) for beside in changed(motion, tolerance)]
