@@ -1,0 +1,66 @@
+"""Estimated error of a step of the general equations over the allowed one."""
+
+import math
+
+from ..links import response
+from ..solvers.dormand_prince import fifth, third
+from .stages import OMEGA1, OMEGA2, OMEGA3, RELATIVE, THETA, TWIST, WORK_IN, WOUND_HOUSING, Q, how_many_move
+from .states import LOCKED
+
+
+def fastest_speed(d, x, w):
+    """Largest speed at the ends of the step in hand, rad/s."""
+    f = w.followed
+    links = max(abs(x.omega1), abs(x.omega1 + f[OMEGA1].change))
+    output = max(abs(x.omega3), abs(x.omega3 + f[OMEGA3].change))
+    behind = abs(x.omega3 - x.relative) if d.elastic != 0.0 else 0.0
+    return max(links, output, behind, abs(x.omega2), abs(x.omega2 + f[OMEGA2].change))
+
+
+def scale_of(d, x, w, n, fastest):
+    """What the error of a followed quantity is measured by."""
+    change = abs(w.followed[n].change)
+    if n == Q:
+        return 1.0
+    if n == OMEGA1:
+        return max(response(d, d.J1) * fastest, change)
+    if n == OMEGA2:
+        return max(response(d, d.J2 + (d.J3 if x.output_state == LOCKED else 0.0)) * fastest, change)
+    speed = response(d, d.J2 + d.J3) * fastest
+    if n == OMEGA3 or n == RELATIVE:
+        return max(speed, change)
+    if n == TWIST:
+        return max(speed * math.sqrt(d.J3 / d.stiffness), max(abs(x.twist), change))
+    if n == WOUND_HOUSING:
+        return max(fastest * math.sqrt(d.J2 / max(d.housing_stiffness, 1e-300)), change)
+    return max(fastest * math.sqrt(d.J2 / max(d.freewheel_stiffness, 1e-300)), change)
+
+
+def step_error(d, x, w, fastest):
+    """Estimated error of the step in hand over the allowed one (Hairer's mix of orders 5 and 3)."""
+    if not fastest < 1e300:
+        return 1e300
+    sum5 = 0.0
+    sum3 = 0.0
+    count = 0
+    moving = how_many_move(d)
+    inertia = (d.F_by_alpha1 + 0.5 * d.F_by_speed) / d.k + d.J1 + d.J2
+    for n in range(moving + 1):
+        if n == THETA or (n == OMEGA1 and d.by_torque == 0.0):
+            continue
+        if n < moving:
+            rates = w.followed[n].rate
+            scale = d.tolerance * scale_of(d, x, w, n, fastest)
+        else:
+            rates = w.followed[WORK_IN].rate
+            scale = d.tolerance * inertia * fastest * fastest
+        if scale > 0.0:
+            error5 = fifth(rates) / scale
+            error3 = third(rates) / scale
+            sum5 += error5 * error5
+            sum3 += error3 * error3
+            count += 1
+    mix = sum5 + 0.01 * sum3
+    if mix == 0.0:
+        return 0.0
+    return w.step * sum5 / math.sqrt(count * mix) if mix < 1e300 else 1e300
