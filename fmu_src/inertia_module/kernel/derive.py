@@ -163,6 +163,12 @@ def check_start(p):
     return OK
 
 
+def is_event_only(d):
+    """Whether fixed steps do not know something that is asked for."""
+    swung = d.weight != 0.0 and d.by_torque != 0.0
+    return d.housing_stiffness + d.freewheel_stiffness > 0.0 or swung
+
+
 def derive(p, d):
     """Fill d from p and check what only shows in combination.
 
@@ -171,8 +177,8 @@ def derive(p, d):
         d: derived constants, written.
 
     Returns:
-        Status: OK, FRICTION_AVERAGED, PRESCRIBED, NO_INPUT_INERTIA, NO_RECTIFIER, SINGULAR or a BAD_START
-        code.
+        Status: OK, FRICTION_AVERAGED, LOSSES_STEPPED, PRESCRIBED, NO_INPUT_INERTIA, NO_RECTIFIER, SINGULAR
+        or a BAD_START code.
     """
     d.planar = p.layout
     if p.layout != 0.0:
@@ -215,10 +221,10 @@ def derive(p, d):
             return PRESCRIBED
         if not d.J1 > SINGULAR_RATIO * d.F_by_alpha1:
             return NO_INPUT_INERTIA
-    if d.general != 0.0 and (p.fidelity == KINEMATIC or p.method == TIMESTEPPING):
-        return LOSSES_STEPPED
     if p.fidelity == KINEMATIC:
         return OK
+    if p.method == TIMESTEPPING and p.fidelity != AVERAGED and is_event_only(d):
+        return LOSSES_STEPPED
     if p.fidelity == AVERAGED and d.viscous + d.general != 0.0:
         return FRICTION_AVERAGED
     if p.fidelity == AVERAGED and (d.housing == 0.0 or d.output == 0.0):
