@@ -6,6 +6,7 @@ from .averaged.run import run_averaged
 from .codes import AVERAGED, ELASTIC, KINEMATIC, OK, TIMESTEPPING, TOO_MUCH_WORK
 from .contact import TORQUE_ROUNDING, is_held, present_mode
 from .engine import run_events
+from .general.choice import choose_states
 from .general.jump import jump_general
 from .general.motion import evaluate, take_state
 from .impulse import jump_input, jump_kinematic
@@ -51,7 +52,13 @@ def run_timestepping(d, x, w, h):
         omega1, omega2 = x.omega1, x.omega2
         one_step(d, x, w, given, x.load_torque, part)
         see(d, x, x.q, x.omega1, x.omega2, (x.omega1 - omega1) / part, (x.omega2 - omega2) / part)
-    x.mode = present_mode(d, x, TORQUE_ROUNDING)  # what the torques now follow from
+    # what the torques now follow from
+    if d.general != 0.0:
+        switches = x.step_switches
+        choose_states(d, x, False)
+        x.step_switches = switches
+    else:
+        x.mode = present_mode(d, x, TORQUE_ROUNDING)
     return OK
 
 

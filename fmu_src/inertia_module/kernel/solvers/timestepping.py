@@ -8,13 +8,14 @@ moves by the midpoint rule (docs/mechanics.md).
 import math
 
 from ..accumulate import add, add_loss, copy, wrap_drive_angle, wrap_input_angle
-from ..codes import DRIVING, HELD, HELD_DRIVING, SHAFT, VISCOUS
+from ..codes import DRIVING, FREEWHEEL, HELD, HELD_DRIVING, JOURNAL, MESH, SHAFT, VISCOUS
 from ..contact import settle
 from ..impulse import push_driven_mass
 from ..inertia import reduced_inertia
 from ..links import inertia_of_link1, inertia_of_link2
 from ..output_shaft import turn
-from .link_step import move_links, turn_link1
+from .freewheel_drag import find_drags, lose_by_drag, take_drags
+from .slip_friction import STOPPED, load_satellites, mesh_impulse, move_with_friction, weigh
 
 # what a torque of the shaft may change of the speed it acts on in a step that resolves it
 RESOLVED = 4.0
@@ -22,6 +23,8 @@ RESOLVED = 4.0
 SHORTEST = 1e-6
 # how much later than foreseen a step is parted: what has not met there meets at its end
 LATER = 1.001
+# how often the loads of the satellites are taken from the step found with those before
+LOADED = 2
 
 
 def steps_in(d, h):
@@ -34,6 +37,8 @@ def look_ahead(d, x, w, slip_angle):
     w.far_angle = slip_angle
     w.far_i, w.far_i1, _, w.far_b, _, w.far_g, _, _ = reduced_inertia(d, x.q + d.k * slip_angle)
     x.step_evaluations += 1.0
+    if d.weight != 0.0:
+        weigh(d, x, w)
     end_at(x, w, 1.0)
 
 
@@ -100,20 +105,25 @@ def follow(d, x, w, held, joined, given, h):
         As settle, impacts at the end of the step included.
     """
     load_hub(d, x, w, held, joined, h)
-    if held:
-        turn_link1(d, x, w, given, h)
-    elif joined:
-        move_links(d, x, w, d.J3, w.hub_load, w.hub_gain, given, h)
+    find_drags(d, x, w, held, joined, h)
+    load = w.drag_load - w.over_load
+    gain = w.drag_gain + w.over_gain
+    if joined:
+        move_with_friction(d, x, w, held, d.J3, w.hub_load + load, w.hub_gain + gain, given, h)
     else:
-        move_links(d, x, w, 0.0, 0.0, 0.0, given, h)
-    w.pushed = 0.0
+        move_with_friction(d, x, w, held, 0.0, load, gain, given, h)
+    mean2 = 0.0 if held else (w.angle1 - w.new_slip_angle) / h
+    take_drags(w, mean2)
     if joined:
         w.end3 = w.end2
-        w.mean3 = 0.0 if held else (w.angle1 - w.new_slip_angle) / h
-        w.pushed = w.hub_load if held else d.J3 * (w.end3 - x.omega3) + w.taken
+        w.mean3 = mean2
+        w.pushed = w.hub_load if held else d.J3 * (w.end3 - x.omega3) + (w.taken - w.drag)
     else:
-        w.end3 = x.omega3 - (w.hub_load + w.hub_gain * x.omega3) / (d.J3 + w.late * w.hub_gain)
+        w.pushed = -w.overrun
+        braking = w.hub_load + w.hub_gain * x.omega3 + w.overrun
+        w.end3 = x.omega3 - braking / (d.J3 + w.late * w.hub_gain)
         w.mean3 = x.omega3 + w.late * (w.end3 - x.omega3)
+    lose_by_drag(w, mean2)
     inertia3 = d.J3
     if d.elastic != 0.0:
         drive_mass(d, x, w, h)
@@ -122,27 +132,38 @@ def follow(d, x, w, held, joined, given, h):
             mass3 = w.omega4 + d.balancer * (w.end3 - w.seen3)
             w.end3 += d.J4 * (mass3 - w.end3) / inertia3
     inertia2 = inertia_of_link2(d, w.end_i, w.end_b, w.end_g)
-    if w.pushed > 0.0 and d.output != 0.0:
-        # it is the impulse over the whole step that must not pull
-        back = 0.0 if held else w.pushed / inertia2
-        settled = settle(d, inertia2, w.end2 + back, inertia3, w.end3 - w.pushed / inertia3)
-        if settled[3] == DRIVING or settled[3] == HELD_DRIVING:
-            return settled
+    push = w.pushed + w.holding
+    if push > 0.0 and d.output != 0.0:
+        # it is the impulse over the whole step that must not pull, but for the drag
+        back = 0.0 if held else push / inertia2
+        end2, end3, output, mode = settle(d, inertia2, w.end2 + back, inertia3, w.end3 - push / inertia3)
+        if mode == DRIVING or mode == HELD_DRIVING:
+            return end2, end3, output - w.holding, mode
     end2, end3, output, mode = settle(d, inertia2, w.end2, inertia3, w.end3)
     return end2, end3, output + w.pushed, mode
 
 
 def follow_contacts(d, x, w, given, h):
+    """The same with contacts as below; without drag in a step that would turn back against it."""
+    end2, end3, output, mode = follow_closed(d, x, w, given, h)
+    if w.reversed != 0.0:
+        w.dragging = 0.0
+        end2, end3, output, mode = follow_closed(d, x, w, given, h)
+        w.dragging = d.general
+    return end2, end3, output, mode
+
+
+def follow_closed(d, x, w, given, h):
     """The same; what touches at the beginning stays together where nothing pulls it apart."""
     always = d.output == 0.0
     joined = always or x.omega3 == x.omega2
     end2, end3, output, mode = follow(d, x, w, False, joined, given, h)
-    if joined and not always and w.pushed <= 0.0:
+    if joined and not always and w.pushed + w.holding <= 0.0:
         end2, end3, output, mode = follow(d, x, w, False, False, given, h)
     if d.housing != 0.0 and x.omega2 == 0.0 and (mode == HELD or mode == HELD_DRIVING):
         joined = always or (x.omega3 == 0.0 and mode == HELD_DRIVING)
         end2, end3, output, mode = follow(d, x, w, True, joined, given, h)
-        if w.pushed < 0.0 and not always:
+        if joined and not always and w.pushed + w.holding < 0.0:
             end2, end3, output, mode = follow(d, x, w, True, False, given, h)
     return end2, end3, output, mode
 
@@ -203,7 +224,7 @@ def close_within(d, x, w, given, h, share, held):
         if n < 2 and gap > left:
             share *= LATER * gap / (gap - left)
             part = LATER * gap / (gap - left) * w.new_slip_angle / angle
-    if w.reached == 0.0:
+    if w.reached == 0.0 or w.reversed != 0.0:
         return False
     copy(w.part.numbers, x.numbers)
     finish(d, x, w, end2, end3, output, mode, share * h)
@@ -218,8 +239,26 @@ def close_within(d, x, w, given, h, share, held):
     return True
 
 
+def add_general(d, x, w, end2, output, h):
+    """Add losses by load and drag, the impulses at mesh and housing, and with the speed given theta1."""
+    w.end2 = end2
+    mesh = mesh_impulse(d, x, w, h)
+    x.mesh_impulse += mesh
+    x.housing_impulse += d.J2 * (end2 - x.omega2) + d.b2 * (w.angle1 - w.new_slip_angle) + output - mesh
+    add_loss(x, MESH, w.lost_mesh)
+    add_loss(x, JOURNAL, w.lost_journal)
+    add_loss(x, FREEWHEEL, w.lost_freewheel)
+    if d.by_torque == 0.0:
+        x.theta1, x.theta1_low = add(x.theta1, x.theta1_low, w.angle1)
+        wrap_input_angle(x)
+
+
 def finish(d, x, w, end2, end3, output, mode, h):
     """Take over what the step, or a part of it, ends with."""
+    if w.stuck != 0.0 and abs(end2 - w.end1) <= STOPPED * abs(w.end1):
+        if end3 == end2:
+            end3 = w.end1
+        end2 = w.end1
     # links 1 and 2 take the impact that brings link 2 to its end speed
     reaction = d.k * (w.end_b + d.k * w.end_g) * (end2 - w.end2)
     if d.by_torque != 0.0:
@@ -227,8 +266,11 @@ def finish(d, x, w, end2, end3, output, mode, h):
         x.theta1, x.theta1_low = add(x.theta1, x.theta1_low, w.angle1)
         wrap_input_angle(x)
     else:
-        x.input_impulse += w.impulse1 - reaction
+        w.impulse1 -= reaction
+        x.input_impulse += w.impulse1
         w.work1 -= w.end1 * reaction
+    if d.general != 0.0:
+        add_general(d, x, w, end2, output, h)
     turn_shaft(d, x, w, end3, h)
     # on to just where the inertia at the end is that of: with another the energy would not be the same
     x.q, x.q_low = add(x.q, x.q_low, d.k * w.slip_angle)
@@ -252,9 +294,17 @@ def one_step(d, x, w, given, load, h):
         given: change of omega1, rad/s, or impulse of the input torque, N m s. load: N m.
     """
     w.load = load
+    w.dragging = d.general
+    w.journals = w.spin = w.spin_by_alpha1 = w.spin_by_rate2 = w.weight1 = w.weight_slip = 0.0
+    w.far_angle1 = h * (x.omega1 + 0.5 * given)
     slip = x.omega1 - x.omega2
     look_ahead(d, x, w, h * (slip if d.by_torque != 0.0 else slip + 0.5 * given))
     end2, end3, output, mode = follow_contacts(d, x, w, given, h)
+    if d.journal + d.satellite_loss > 0.0:
+        for _ in range(LOADED):
+            load_satellites(d, x, w, h)
+            look_ahead(d, x, w, w.foreseen)
+            end2, end3, output, mode = follow_contacts(d, x, w, given, h)
     share = share_until_closed(d, x, w, mode)
     if share < 1.0:
         if close_within(d, x, w, given, h, share, mode == HELD):
@@ -267,5 +317,8 @@ def one_step(d, x, w, given, load, h):
     if w.reached == 0.0:
         # the drive stays where it is: there the energy always suffices
         end_at(x, w, 0.0)
+        if d.weight != 0.0:
+            w.far_angle = 0.0
+            weigh(d, x, w)
         end2, end3, output, mode = follow_contacts(d, x, w, given, h)
     finish(d, x, w, end2, end3, output, mode, h)
