@@ -11,13 +11,13 @@ from .codes import (
     ELASTIC,
     FRICTION_AVERAGED,
     KINEMATIC,
-    LOSSES_STEPPED,
     NO_INPUT_INERTIA,
     NO_RECTIFIER,
     OK,
     PRESCRIBED,
     SINGULAR,
     TIMESTEPPING,
+    WIND_UP_STEPPED,
 )
 
 TWO_PI = 6.283185307179586
@@ -163,12 +163,6 @@ def check_start(p):
     return OK
 
 
-def is_event_only(d):
-    """Whether fixed steps do not know something that is asked for."""
-    swung = d.weight != 0.0 and d.by_torque != 0.0
-    return d.housing_stiffness + d.freewheel_stiffness > 0.0 or swung
-
-
 def derive(p, d):
     """Fill d from p and check what only shows in combination.
 
@@ -177,7 +171,7 @@ def derive(p, d):
         d: derived constants, written.
 
     Returns:
-        Status: OK, FRICTION_AVERAGED, LOSSES_STEPPED, PRESCRIBED, NO_INPUT_INERTIA, NO_RECTIFIER, SINGULAR
+        Status: OK, FRICTION_AVERAGED, WIND_UP_STEPPED, PRESCRIBED, NO_INPUT_INERTIA, NO_RECTIFIER, SINGULAR
         or a BAD_START code.
     """
     d.planar = p.layout
@@ -223,8 +217,8 @@ def derive(p, d):
             return NO_INPUT_INERTIA
     if p.fidelity == KINEMATIC:
         return OK
-    if p.method == TIMESTEPPING and p.fidelity != AVERAGED and is_event_only(d):
-        return LOSSES_STEPPED
+    if p.method == TIMESTEPPING and d.housing_stiffness + d.freewheel_stiffness > 0.0:
+        return WIND_UP_STEPPED
     if p.fidelity == AVERAGED and d.viscous + d.general != 0.0:
         return FRICTION_AVERAGED
     if p.fidelity == AVERAGED and (d.housing == 0.0 or d.output == 0.0):

@@ -5,13 +5,13 @@ It never drives the slip on, whatever its size, so no step makes energy with it 
 
 import math
 
-from ..general.satellites import spin_torques, weight_torques
+from ..general.satellites import spin_torques
 from ..general.states import is_rough
 from ..layout import imbalance
-from .link_step import SMALLEST_DIFFERENCE, move_links, turn_link1
+from .link_step import move_links, turn_link1
 
 # share of the speeds by which a slip misses zero that friction has stopped
-STOPPED = 1e-10
+STOPPED = 1e-14
 
 
 def load_satellites(d, x, w, h):
@@ -26,26 +26,8 @@ def load_satellites(d, x, w, h):
     )
 
 
-def weigh(d, x, w):
-    """Differences of the potential of the imbalances on the way ahead, by the angles of link 1 and the slip.
-
-    Both are means over the way of the other, so that together they are its change to the last term.
-    """
-    half = 0.5 * w.far_angle1
-    theta1 = x.theta1 + half
-    here, by_theta1, by_q = weight_torques(d, imbalance(d, x.q, 0.0), theta1)
-    angle = d.k * w.far_angle
-    there, far_by_theta1, _ = weight_torques(d, imbalance(d, x.q + angle, 0.0), theta1)
-    w.weight1 = 0.5 * (by_theta1 + far_by_theta1)
-    if half != 0.0:
-        w.weight1 *= math.sin(half) / half
-    w.weight_slip = d.k * by_q
-    if abs(angle) > SMALLEST_DIFFERENCE:
-        w.weight_slip = (there - here) / w.far_angle * math.cos(half)
-
-
 def move_rubbing(d, x, w, held, carried, load, gain, given, h, rub):
-    """Links 1 and 2 over the step against this impulse on their slip, N m s: see move_links and turn_link1."""
+    """Links 1 and 2 over the step against this impulse on their slip, N m s (see link_step)."""
     w.rub = rub
     if held:
         turn_link1(d, x, w, given, h)
@@ -62,7 +44,7 @@ def mesh_impulse(d, x, w, h):
 
 
 def solve_friction(base, by_base, loss, mesh, by_mesh):
-    """The impulse f = base + by_base f + loss |mesh + by_mesh f|, N m s: all there is where nothing solves it."""
+    """The impulse f = base + by_base f + loss |mesh + by_mesh f|, N m s; without end where none solves it."""
     for sign in (1.0, -1.0):
         share = 1.0 - by_base - sign * loss * by_mesh
         if share > 0.0:

@@ -8,17 +8,15 @@ moves by the midpoint rule (docs/mechanics.md).
 import math
 
 from ..accumulate import add, add_loss, copy, wrap_drive_angle, wrap_input_angle
-from ..codes import DRIVING, FREEWHEEL, HELD, HELD_DRIVING, JOURNAL, MESH, SHAFT, VISCOUS
+from ..codes import DRIVING, FREEWHEEL, HELD, HELD_DRIVING, JOURNAL, MESH
 from ..contact import settle
-from ..impulse import push_driven_mass
 from ..inertia import reduced_inertia
 from ..links import inertia_of_link1, inertia_of_link2
-from ..output_shaft import turn
 from .freewheel_drag import find_drags, lose_by_drag, take_drags
-from .slip_friction import STOPPED, load_satellites, mesh_impulse, move_with_friction, weigh
+from .hub_step import drive_mass, load_hub, turn_shaft
+from .slip_friction import STOPPED, load_satellites, mesh_impulse, move_with_friction
+from .weights import begin_fall, end_fall, weigh
 
-# what a torque of the shaft may change of the speed it acts on in a step that resolves it
-RESOLVED = 4.0
 # parts of a step that are too short to be told from none
 SHORTEST = 1e-6
 # how much later than foreseen a step is parted: what has not met there meets at its end
@@ -54,48 +52,6 @@ def end_at(x, w, part):
     w.end_b = x.b + part * (w.far_b - x.b)
     w.end_g = x.g + part * (w.far_g - x.g)
     w.slip_angle = part * w.far_angle
-
-
-def load_hub(d, x, w, held, joined, h):
-    """Find the impulse on the hub, of the load or the shaft: hub_load + hub_gain u at its mean speed u.
-
-    The mean relative speed behind it is relative_load + relative_gain u. Where the step does not resolve the
-    shaft its torque is that of the twist at the end. A light hub that turns freely then ends at its mean
-    speed (w.late), but where not even link 2 with the hub is heavy enough it meets the driven mass (w.stiff).
-    """
-    w.hub_load = w.load * h
-    w.hub_gain = d.b3 * h
-    w.stiff = 0.0
-    # one that friction stops within the step does not turn back
-    w.late = 0.5 if w.hub_gain < 2.0 * d.J3 else 1.0
-    if d.elastic == 0.0:
-        return
-    damping = d.damping + d.stiffness * h
-    pull = damping * h
-    together = d.J3 + inertia_of_link2(d, x.i, x.b, x.g)
-    if pull * (together + d.J4) > RESOLVED * together * d.J4:
-        w.stiff = 1.0
-    elif not joined and pull * (d.J3 + d.J4) > RESOLVED * d.J3 * d.J4:
-        w.late = 1.0
-    else:
-        damping -= 0.5 * d.stiffness * h
-    free = 2.0 * d.J4 * (1.0 - d.balancer)
-    share = 1.0 / (2.0 * d.J4 + h * (d.friction + damping))
-    spring = h * d.stiffness * x.twist
-    w.relative_gain = share * (free + h * d.friction)
-    w.relative_load = share * (2.0 * d.J4 * x.relative - free * x.omega3 + w.hub_load - spring)
-    w.hub_load = spring + h * damping * w.relative_load
-    w.hub_gain += h * damping * w.relative_gain
-
-
-def drive_mass(d, x, w, h):
-    """The driven mass over the step, behind a hub whose speed changes evenly (to w.seen3) about its mean."""
-    w.mean_relative = w.relative_load + w.relative_gain * w.mean3
-    w.seen3 = 2.0 * w.mean3 - x.omega3
-    w.omega4 = w.seen3 - 2.0 * w.mean_relative + x.relative
-    if d.friction * h > RESOLVED * d.J4:
-        mean4 = abs(w.mean3 - w.mean_relative)
-        w.omega4 = max(-mean4, min(mean4, w.omega4))
 
 
 def follow(d, x, w, held, joined, given, h):
@@ -168,31 +124,6 @@ def follow_closed(d, x, w, given, h):
     return end2, end3, output, mode
 
 
-def turn_shaft(d, x, w, end3, h):
-    """The hub to its end speed, with twist, driven mass and works of the shaft behind it."""
-    mean4 = w.mean3
-    if d.viscous != 0.0:
-        lost = w.rubbed + h * d.b3 * w.mean3 * w.mean3
-        add_loss(x, VISCOUS, lost)
-    if d.elastic != 0.0:
-        mean4 -= w.mean_relative
-        lost = h * (d.damping * w.mean_relative * w.mean_relative + d.friction * mean4 * mean4)
-        lost -= d.balancer * d.J4 * (w.seen3 - x.omega3) * mean4
-        add_loss(x, SHAFT, lost)
-        x.twist, x.twist_low = add(x.twist, x.twist_low, h * w.mean_relative)
-        x.omega3 = w.seen3
-        x.relative = w.seen3 - w.omega4
-        x.relative_low = 0.0
-        push_driven_mass(d, x, w.end3 - w.seen3, False)
-        x.omega3 = w.end3
-        if w.stiff != 0.0:
-            x.relative = 0.0
-            x.relative_low = 0.0
-        push_driven_mass(d, x, end3 - w.end3, w.stiff != 0.0)
-    turn(x, w.load, h * mean4)
-    x.omega3 = end3
-
-
 def share_until_closed(d, x, w, mode):
     """Share of the step after which a freewheel closes in it, 1 where none does (what follow has found)."""
     if (mode == DRIVING or mode == HELD_DRIVING) and x.omega3 > x.omega2 and w.end2 > w.end3:
@@ -234,6 +165,7 @@ def close_within(d, x, w, given, h, share, held):
     end2, end3, output, mode = follow_contacts(d, x, w, rest * given, rest * h)
     if w.reached == 0.0:
         copy(x.numbers, w.part.numbers)
+        w.weighed = 0.0
         return False
     finish(d, x, w, end2, end3, output, mode, rest * h)
     return True
@@ -245,6 +177,7 @@ def add_general(d, x, w, end2, output, h):
     mesh = mesh_impulse(d, x, w, h)
     x.mesh_impulse += mesh
     x.housing_impulse += d.J2 * (end2 - x.omega2) + d.b2 * (w.angle1 - w.new_slip_angle) + output - mesh
+    w.weighed += w.weighing
     add_loss(x, MESH, w.lost_mesh)
     add_loss(x, JOURNAL, w.lost_journal)
     add_loss(x, FREEWHEEL, w.lost_freewheel)
@@ -294,14 +227,25 @@ def one_step(d, x, w, given, load, h):
         given: change of omega1, rad/s, or impulse of the input torque, N m s. load: N m.
     """
     w.load = load
+    falls = d.weight * d.by_torque != 0.0
+    if falls:
+        begin_fall(d, x, w)
+    move_all(d, x, w, given, h)
+    if falls:
+        end_fall(d, x, w)
+
+
+def move_all(d, x, w, given, h):
+    """Follow the step to its end, in parts where a freewheel closes within it."""
     w.dragging = d.general
     w.journals = w.spin = w.spin_by_alpha1 = w.spin_by_rate2 = w.weight1 = w.weight_slip = 0.0
-    w.far_angle1 = h * (x.omega1 + 0.5 * given)
+    w.far_angle1 = h * (x.omega1 if d.by_torque != 0.0 else x.omega1 + 0.5 * given)
     slip = x.omega1 - x.omega2
     look_ahead(d, x, w, h * (slip if d.by_torque != 0.0 else slip + 0.5 * given))
     end2, end3, output, mode = follow_contacts(d, x, w, given, h)
-    if d.journal + d.satellite_loss > 0.0:
+    if d.journal + d.satellite_loss + d.weight > 0.0:
         for _ in range(LOADED):
+            w.far_angle1 = w.angle1
             load_satellites(d, x, w, h)
             look_ahead(d, x, w, w.foreseen)
             end2, end3, output, mode = follow_contacts(d, x, w, given, h)
