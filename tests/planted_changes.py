@@ -63,6 +63,7 @@ SELECTION = {
         test_elastic.py::test_means_of_the_step_are_the_momentum_they_give test_mean_torques.py
         test_elastic.py::test_the_work_of_the_balancer_is_in_the_audit test_freewheels.py test_dips.py
     """,
+    "^bodies": "test_multibody.py",
     "^(inertia|layout|derive|sine|accumulate|clearance)": """
         test_check_values.py test_circular.py test_clearance.py test_rates.py test_reduced_inertia.py
         test_angles.py::test_wrapped_angles_are_within_one_turn
@@ -98,7 +99,14 @@ links.py: return d.J2 + k * k * ((d.J1 + i) * g {-|+} b * b) / inertia
 links.py: return (d.J1 + i) * omega1 {+|-} b * d.k
 inertia.py: (s * s {+|-} 3.0) * radial1) * sin_a
 inertia.py: 2.0 * (z1 * z1 {+|-} z * z2)
-inertia.py: mass * (y * z2 {-|+} z * y2), g
+inertia.py: b1 = mass * (y * z2 {-|+} z * y2)
+inertia.py: i2 -= 2.0 * d.body_i * (cos_a {-|+} sin_a)
+inertia.py: b1 {-|+}= d.body_b * sin_a
+inertia.py: bend {-|+} d.body_b * cos_a
+bodies.py: sine * (across * cosine {-|+} own * spin)
+bodies.py: d.J1 += {0.5|1.0} * (own - across)
+bodies.py: own * spin * spin {+|-} across * sine * sine
+bodies.py: alpha1 {-|+} across * rate_q * omega1
 inertia.py: d.radial * d.axial * {|-}cosine
 layout.py: {+|-} coriolis * y1
 layout.py: across2 = tangential2 {+|-} 2.0 * radial1

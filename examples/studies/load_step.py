@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from launch import FMU, MECHANISM
 
-from inertia_module.figures.scenes import smooth
+from inertia_module.figures.panels import smooth
 from inertia_module.harness.chart import torque_converter_chart
 from inertia_module.harness.results import Result, write_figure
 from inertia_module.harness.simulate import simulate
@@ -76,7 +76,9 @@ def main():
     # pulses blur a picture of half a minute: means over a tenth of a second
     torques = ("output_torque_mean", "input_torque_mean")
     shown = {"time": table.time, "load_torque": table["load_torque"]}
-    shown |= {name: smooth(table, name, SMOOTHING) for name in torques} | {"omega_out": table["omega_out"]}
+    shown |= {name: smooth(table.time, table[name], SMOOTHING) for name in torques} | {
+        "omega_out": table["omega_out"]
+    }
     units = {name: "rad/s" if name == "omega_out" else "N.m" for name in shown if name != "time"}
     folder = Path("out") / "load_step"
     print(table.to_csv(folder / "table.csv"))

@@ -60,6 +60,20 @@ def test_directional_derivative_is_that_of_the_last_step_by_its_inputs(instances
         assert derivative == pytest.approx(expected, abs=share * scale + 1e-9), name
 
 
+def test_directional_derivative_after_a_parameter_is_tuned_is_with_its_new_value(instances):
+    tuned = {"link2_friction": 0.05, "output_friction": 0.2}
+    before, after = (instances().start(tolerance=1e-6, **START) for _ in range(2))
+    for instance in (before, after):
+        for _ in range(4):
+            instance.step(0.01)
+    before.set(**tuned)
+    for instance in (before, after):
+        instance.step(0.02)
+    after.set(**tuned)
+    found = [instance.directional(UNKNOWNS, ("omega1",), (1.0,)) for instance in (before, after)]
+    assert found[0] == pytest.approx(found[1], rel=1e-4)
+
+
 def test_directional_derivatives_are_linear_in_the_direction(instance):
     instance.start(tolerance=1e-6, **START)
     instance.step(0.02)

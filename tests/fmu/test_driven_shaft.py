@@ -26,6 +26,12 @@ def test_fmu_gives_the_bits_of_the_model_in_memory(instance, settings):
     instance.start(**GOOD, **settings)
     drive(instance, instance.step)
     assert instance.all_values() == model.snapshot()
+    for one in (model, instance):
+        one.set(shaft_damping=0.7, driven_friction=0.2, balancer=0.3)
+    assert instance.all_values() == model.snapshot()
+    drive(instance, instance.step)
+    drive(model, model.advance)
+    assert instance.all_values() == model.snapshot()
 
 
 def test_parameter_out_of_range_is_named_with_what_is_allowed(instance):

@@ -15,6 +15,7 @@ SCENES = {
     "two modules": {"modules": 2, "satellites": 2, "epsilon": 0.3, "gamma": 0.4},
     "no housing freewheel": {"housing_freewheel": False},
     "linear hold": {"input_hold": 1},
+    "bodies": {"satellite_inertia": 0.002, "satellite_transverse_inertia": 0.0015},
     "heavy input": {"input_inertia": 0.1, "drive_inertia": 0.002, "a": 0.8, "b": 1.1, "c": 0.9},
 }
 LEVELS = {

@@ -18,7 +18,7 @@ static void run(const struct setting *changes, double speed)
     double *const p = doubles(model.p_size), *const d = doubles(model.d_size), *const u = doubles(model.u_size);
     double *const x = doubles(model.x_size), *const y = doubles(model.y_size), *const w = doubles(model.w_size);
     static const int operations[] = {OPERATION_STEP_ONLY, OPERATION_OUTPUTS, OPERATION_STEP_PRECISELY,
-                                     OPERATION_RATES};
+                                     OPERATION_RATES, OPERATION_TUNE};
     for (size_t n = 0; n < model.variable_count; n++)
         if (model.variables[n].array == PARAMETERS)
             p[model.variables[n].slot] = model.variables[n].start;
@@ -29,8 +29,8 @@ static void run(const struct setting *changes, double speed)
     CHECK(inertia_module_kernel(OPERATION_START, p, d, u, x, y, w, 0.0) == STATUS_OK, "start");
     for (int n = 0; n < 40; n++) {
         u[0] = speed + 10.0 * (n % 3); /* jumps */
-        const int64_t status = inertia_module_kernel(operations[n % 4], p, d, u, x, y, w, 2e-3);
-        CHECK(status == STATUS_OK, "operation %d answers %d", operations[n % 4], (int)status);
+        const int64_t status = inertia_module_kernel(operations[n % 5], p, d, u, x, y, w, 2e-3);
+        CHECK(status == STATUS_OK, "operation %d answers %d", operations[n % 5], (int)status);
     }
     free(p);
     free(d);

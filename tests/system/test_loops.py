@@ -64,7 +64,7 @@ def test_friction_spins_the_coasting_shaft_down_exponentially(compiled):
     for step in (0.02, 0.01):
         load = loops.shaft_load(step, driven, friction)
         inertia = own + load.rigid_inertia
-        plant = Module(compiled).start(omega_out_start=50.0, output_inertia=inertia)
+        plant = Module(compiled).start(omega1=0.0, omega_out_start=50.0, output_inertia=inertia)
         table = spin(plant, load, 2.0)
         exact = 50.0 * np.exp(-friction / inertia * table.time)
         errors.append(np.abs(table["omega_out"] - exact).max())
@@ -179,7 +179,7 @@ def test_brake_holds_on_a_hill(compiled, slope):
     """At standstill the load never pushes the shaft: with the brake on, downhill neither."""
     step = 0.01
     load = vehicle(step, slope=slope)
-    plant = Module(compiled).start(output_inertia=load.rigid_inertia)
+    plant = Module(compiled).start(output_inertia=load.rigid_inertia, omega1=0.0)
     table = spin(plant, load, 2.0, loops.source("brake_force", 2000.0, step))
     assert np.all(table["omega_out"] == 0.0)
     assert table["load_torque"].min() >= 0.0
@@ -188,7 +188,7 @@ def test_brake_holds_on_a_hill(compiled, slope):
 def test_vehicle_rolls_downhill_without_brake(compiled):
     step = 0.01
     load = vehicle(step, slope=-0.1, rolling_resistance=0.01)
-    plant = Module(compiled).start(output_inertia=load.rigid_inertia)
+    plant = Module(compiled).start(output_inertia=load.rigid_inertia, omega1=0.0)
     table = spin(plant, load, 5.0, no_brake(step))
     angle = math.atan(0.1)
     acceleration = 9.80665 * (math.sin(angle) - 0.01 * math.cos(angle))

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from inertia_module.studies.geometry import positions, ratio, satellite_ratio, turn
+from inertia_module.studies.geometry import masses, positions, ratio, satellite_ratio, turn
 
 __all__ = ["ratio", "satellite_ratio", "turn"]
 
@@ -10,6 +10,11 @@ __all__ = ["ratio", "satellite_ratio", "turn"]
 def position(p, q, satellite=0):
     """Imbalance of one satellite in the frame of link 1; q may be complex."""
     return positions(p, np.array([q]), satellite)[0]
+
+
+def places(p, q, satellite):
+    """Positions of all point masses of one satellite, a row each; q may be complex."""
+    return np.array([r[0] for _, r in masses(p, np.array([q]), satellite)])
 
 
 def taylor(function, at, terms=4, radius=0.5, points=32):
@@ -35,23 +40,24 @@ def derivatives(series):
 
 
 def direct_derivatives(p, q):
-    """I, B and G (rows) and their first two derivatives, summed over the imbalances, the drives with them."""
+    """I, B and G (rows) and their first two derivatives, summed over the imbalances, gears and drives."""
     sums = np.zeros((3, 3))
     for satellite in range(p["satellites"]):
-        r = taylor(lambda q, satellite=satellite: position(p, q, satellite), q, terms=5)
-        rate = series_rate(r)
-        (_, y, z), (x1, y1, z1) = r.T, rate.T
-        sums += (
-            p["imbalance_mass"]
-            * p["modules"]
-            * np.array(
-                [
-                    derivatives(series_product(y, y) + series_product(z, z)),
-                    derivatives(series_product(y, z1) - series_product(z, y1)),
-                    derivatives(series_product(x1, x1) + series_product(y1, y1) + series_product(z1, z1)),
-                ]
+        weights, _ = zip(*masses(p, np.array([q]), satellite), strict=True)
+        path = taylor(lambda q, satellite=satellite: places(p, q, satellite), q, terms=5)
+        for mass, r in zip(weights, np.moveaxis(path, 1, 0), strict=True):
+            (_, y, z), (x1, y1, z1) = r.T, series_rate(r).T
+            sums += (
+                mass
+                * p["modules"]
+                * np.array(
+                    [
+                        derivatives(series_product(y, y) + series_product(z, z)),
+                        derivatives(series_product(y, z1) - series_product(z, y1)),
+                        derivatives(series_product(x1, x1) + series_product(y1, y1) + series_product(z1, z1)),
+                    ]
+                )
             )
-        )
     own = p["drive_inertia"]
     sums[2, 0] += own
     if p["layout"]:  # the satellite's axis is parallel to the central one: J16 (omega1 + q')^2 / 2

@@ -62,8 +62,11 @@ TWO_PI = 2.0 * math.pi
 
 
 def started(kernel, *scenes, **values):
-    """A module started with these scenes, later ones over earlier ones, and values over all."""
-    settings = {}
+    """A module started with these scenes, later ones over earlier ones, and values over all.
+
+    What they do not give is 0: speed of link 1 and load.
+    """
+    settings = {"omega1": 0.0, "load_torque": 0.0}
     for scene in (*scenes, values):
         settings.update(scene)
     return Module(kernel).start(**settings)

@@ -53,6 +53,15 @@ def test_bevel_imbalance_is_outside_where_it_leaves_the_pitch_cone(a, b, shaft_a
     assert warned(OUTSIDE, **values) == (room < g.AD)
 
 
+@given(own=st.floats(0.0, 1e-2), across=st.floats(0.0, 1e-2), layout=st.sampled_from([0, 1]))
+def test_bevel_satellite_is_too_flat_where_no_masses_have_its_inertias(own, across, layout):
+    # own: twice the sum of m x^2 of a body alike about z; across: that and the sum of m z^2
+    along = across - 0.5 * own
+    assume(abs(along) > 1e-9)
+    values = {"satellite_inertia": own, "satellite_transverse_inertia": across}
+    assert warned("no body has such inertias", layout=layout, **values) == (layout == 0 and along < 0.0)
+
+
 @pytest.mark.parametrize("values", [{}, PLANAR, {**PLANAR, "satellites": 3}, {"satellites": 5}, {"b": 1.2}])
 def test_what_can_be_built_is_not_warned_of(values):
     assert Module("plain").start(**values).warnings() == []
@@ -67,6 +76,8 @@ def test_what_can_be_built_is_not_warned_of(values):
         # flat cones of four side by side: sin(pi/4) sqrt(1 + s^2) = 1 at s = 1 and Sigma = pi/2
         {"satellites": 4, "z17": 20, "z6": 20},
         {"a": 0.7, "b": 0.7},
+        # a thin disc
+        {"satellite_inertia": 3e-3, "satellite_transverse_inertia": 1.5e-3},
     ],
 )
 def test_parts_that_touch_are_not_warned_of(values):

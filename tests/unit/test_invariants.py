@@ -25,6 +25,8 @@ MECHANISMS = st.fixed_dictionaries(
         "gamma": ANGLES,
         "imbalance_mass": st.floats(0.1, 2.0),
         "drive_inertia": st.one_of(st.just(0.0), st.floats(1e-5, 1e-2)),
+        "satellite_inertia": st.one_of(st.just(0.0), st.floats(1e-5, 1e-2)),
+        "satellite_transverse_inertia": st.one_of(st.just(0.0), st.floats(1e-5, 1e-2)),
         "input_inertia": st.sampled_from([0.0, 0.1]),
         "link2_inertia": st.floats(1e-3, 0.1),
         "output_inertia": st.floats(1e-2, 10.0),

@@ -70,6 +70,8 @@ def test_moment_about_the_axis_is_what_link_1_and_link_2_are_given(
         satellites=satellites,
         modules=modules,
         drive_inertia=0.003,
+        satellite_inertia=0.004,
+        satellite_transverse_inertia=0.003,
         omega1=60.0,
     )
     for step in (0.0, 0.003, 0.01):

@@ -64,6 +64,7 @@ def values(request):
     """A mechanism with so many satellites, its speed or its torque given."""
     mechanism, satellites, drive = request.param
     inertias = {"drive_inertia": 0.002, "link2_inertia": 0.02, "output_inertia": 0.03, "driven_inertia": 0.05}
+    inertias |= {"satellite_inertia": 0.004, "satellite_transverse_inertia": 0.003}
     return {**mechanism, "satellites": satellites, **inertias, **FRICTION, **drive}
 
 

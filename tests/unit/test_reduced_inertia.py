@@ -17,6 +17,8 @@ MECHANISM = {
     "modules": st.integers(1, 3),
     "imbalance_mass": st.floats(0.01, 10.0),
     "drive_inertia": st.sampled_from([0.0, 0.02]),
+    "satellite_inertia": st.sampled_from([0.0, 0.03]),
+    "satellite_transverse_inertia": st.sampled_from([0.0, 0.02]),
     "link2_inertia": st.just(0.1),
 }
 MECHANISMS = {
@@ -48,13 +50,14 @@ def derived(p):
 @pytest.mark.parametrize("satellites", [1, 2, 3, 4, 5])
 @pytest.mark.parametrize("layout", MECHANISMS)
 @given(data=st.data())
-def test_reduced_inertia_and_its_derivatives_are_sums_over_the_imbalances(layout, satellites, data):
+def test_reduced_inertia_and_its_derivatives_are_sums_over_imbalances_and_gears(layout, satellites, data):
     p = parameters(**data.draw(MECHANISMS[layout]), satellites=satellites)
     q = data.draw(PHASES)
     expected = direct_sums(p, q)
-    assert reduced_inertia(derived(p), q) == pytest.approx(
-        expected, rel=1e-11, abs=1e-12 * np.abs(expected).max()
-    )
+    expected[0] += p["input_inertia"]
+    d = derived(p)
+    inertia, *others = reduced_inertia(d, q)
+    assert (d.J1 + inertia, *others) == pytest.approx(expected, rel=1e-11, abs=1e-12 * np.abs(expected).max())
 
 
 @pytest.mark.parametrize("satellites", [1, 2, 3])

@@ -16,15 +16,17 @@ STATES = 10
 CARRIED = [(0.0, 0.0, True), (0.0, 0.0, False), (0.5, 30.0, False)]  # held, free, driving
 
 
-@pytest.fixture(params=product(LAYOUTS, [1, 2, 3], [2], [0.0, 0.004]), ids=str)
+@pytest.fixture(params=product(LAYOUTS, [1, 2, 3], [2], [0.0, 0.004], [0.0, 0.006]), ids=str)
 def mechanism(request):
-    layout, satellites, modules, own = request.param
+    layout, satellites, modules, own, gear = request.param
     return parameters(
         **LAYOUTS[layout],
         satellites=satellites,
         modules=modules,
         imbalance_mass=0.8,
         drive_inertia=own,
+        satellite_inertia=gear,
+        satellite_transverse_inertia=0.6 * gear,
         input_inertia=0.02,
         link2_inertia=0.006,
         drive=1,

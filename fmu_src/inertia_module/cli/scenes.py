@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -14,11 +14,17 @@ from .shared import (
     app,
     current_fmu,
     folder_for,
+    native_fmus,
     one_line_errors,
     share,
     show_table,
     turning,
 )
+
+if TYPE_CHECKING:
+    from ..scene import Scene
+    from ..scene.run import Outcome
+    from ..studies.choice import Choice
 
 
 @app.command()
@@ -40,32 +46,35 @@ def run(
 ) -> None:
     """Run a scene: leaves table.csv, summary.json and plot.png in a folder (out/SCENE without -o)."""
     from ..figures.scenes import scene_figure
+    from ..figures.shaft import shaft_figure
     from ..harness.results import write_figure, write_text
     from ..harness.simulate import progress_bar
-    from ..scene import load_scene, run_scene
-    from ..studies.trials import choose
+    from ..scene import ShaftScene, load_any_scene, run_scene, run_shaft_scene
 
     choice = None
+    result: Outcome
     with one_line_errors():
         folder = folder_for(output, scene.stem)
-        read = load_scene(scene)
-        allowed = share("--error", error)
-        if fidelity is not None or (allowed is not None and read.chooses_fidelity):
-            read = read.with_fidelity(fidelity or "auto", allowed)
-        if allowed is not None and not read.chooses_fidelity:
-            raise ValueError(f"--error = {error} must come with fidelity auto")
-        if read.chooses_fidelity:
-            with progress_bar("measuring the levels of fidelity") as progress:
-                read, choice = choose(read, progress)
-        path = fmu or current_fmu()
-        with progress_bar(read.title) as progress:
-            result = run_scene(read, path, progress)
+        read = load_any_scene(scene)
+        if isinstance(read, ShaftScene):
+            if fidelity is not None or error is not None:
+                raise ValueError("--fidelity and --error must come with a scene of the module")
+            path = fmu or native_fmus()[1]
+            with progress_bar(read.title) as progress:
+                of_shaft = run_shaft_scene(read, path, progress)
+            result, figure = of_shaft, shaft_figure(of_shaft)
+        else:
+            read, choice = _at_fidelity(read, fidelity, error)
+            path = fmu or current_fmu()
+            with progress_bar(read.title) as progress:
+                of_module = run_scene(read, path, progress)
+            result, figure = of_module, scene_figure(of_module)
         chosen = {} if choice is None else {"fidelity_choice": choice.as_dict()}
         summary = {**result.summary, **chosen}
         files = {
             "table": result.table.to_csv(folder / "table.csv"),
             "summary": write_text(folder / "summary.json", json.dumps(summary, indent=2) + "\n"),
-            "plot": write_figure(folder / "plot.png", scene_figure(result)),
+            "plot": write_figure(folder / "plot.png", figure),
         }
     if as_json:
         listed = {name: str(file) for name, file in files.items()}
@@ -83,6 +92,22 @@ def run(
         typer.echo(line)
     for name, file in files.items():
         typer.echo(f"{name}: {file}")
+
+
+def _at_fidelity(read: Scene, fidelity: str | None, error: str | None) -> tuple[Scene, Choice | None]:
+    """A scene at the fidelity asked for, or at one chosen by measuring, and then why."""
+    from ..harness.simulate import progress_bar
+    from ..studies.trials import choose
+
+    allowed = share("--error", error)
+    if fidelity is not None or (allowed is not None and read.chooses_fidelity):
+        read = read.with_fidelity(fidelity or "auto", allowed)
+    if not read.chooses_fidelity:
+        if allowed is not None:
+            raise ValueError(f"--error = {error} must come with fidelity auto")
+        return read, None
+    with progress_bar("measuring the levels of fidelity") as progress:
+        return choose(read, progress)
 
 
 @app.command()
@@ -147,10 +172,15 @@ def chart(
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Torque converter charts of mechanisms: a CSV each and one figure (out/chart without -o)."""
+    """Torque converter charts of mechanisms: a CSV each and one figure (out/chart without -o).
+
+    Of mechanisms with losses the charts are those of one input speed, and there is a map of the
+    efficiency over speed ratio and input speed.
+    """
     from ..figures.chart import chart_figure
-    from ..harness.chart import torque_converter_chart
+    from ..harness.chart import NOMINAL_SPEED, efficiency_map, torque_converter_chart
     from ..harness.results import write_columns, write_figure
+    from ..harness.simulate import progress_bar
     from ..scene import load_scene
 
     with one_line_errors():
@@ -159,17 +189,24 @@ def chart(
         if len(set(names)) < len(names):
             raise ValueError(f"scenes must be files of different names, are {', '.join(names)}")
         omega1 = None if speed is None else turning(speed)
+        at = omega1 or NOMINAL_SPEED
+        mechanisms = {name: load_scene(scene).parameters() for name, scene in zip(names, scenes, strict=True)}
         charts = {
-            name: torque_converter_chart(load_scene(scene).parameters(), (omega1 or 0.0) < 0.0)
-            for name, scene in zip(names, scenes, strict=True)
+            name: torque_converter_chart(values, at < 0.0, omega1=abs(at))
+            for name, values in mechanisms.items()
         }
+        maps = {}
+        for name in (name for name, found in charts.items() if not found.lossless):
+            with progress_bar(f"efficiency of {name}") as progress:
+                maps[name] = efficiency_map(mechanisms[name], at, progress=progress)
         files = [str(found.save(folder / f"{name}.csv")) for name, found in charts.items()]
+        files += [str(found.save(folder / f"{name}_efficiency.csv")) for name, found in maps.items()]
         if omega1 is not None:
             tables = {name: found.converter_table(omega1) for name, found in charts.items()}
             files += [
                 str(write_columns(folder / f"{name}_converter.csv", table)) for name, table in tables.items()
             ]
-        files.append(str(write_figure(folder / "chart.png", chart_figure(charts))))
+        files.append(str(write_figure(folder / "chart.png", chart_figure(charts, maps))))
     summaries = {name: found.summary(omega1) for name, found in charts.items()}
     units = {name: found.units(omega1) for name, found in charts.items()}
     if as_json:
@@ -177,5 +214,6 @@ def chart(
         return
     for name, numbers in summaries.items():
         rows = {key: f"{value:.6g} {units[name][key]}".rstrip() for key, value in numbers.items()}
-        show_table(name, {key.replace("_", " "): text for key, text in rows.items()})
+        title = f"{name}, losses at {at:g} rad/s" if name in maps else name
+        show_table(title, {key.replace("_", " "): text for key, text in rows.items()})
     typer.echo("\n".join(files))

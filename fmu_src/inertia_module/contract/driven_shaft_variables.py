@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from .variable import OUTPUT, PARAMETER, REAL, Variable
+from .variable import FIXED, OUTPUT, PARAMETER, REAL, Variable
 from .variables import BY_NAME as OF_MODULE
 
 _LOST = "energy turned to heat by damping and friction since the start, less the work of the balancer"
@@ -21,9 +21,14 @@ def _output(name: str, unit: str, nominal: float, text: str) -> Variable:
     return Variable(name, REAL, OUTPUT, "continuous", unit, None, None, None, nominal, text)
 
 
+def _input(of_module: str, name: str, text: str) -> Variable:
+    """An input of the module; at rest unless it is set, as the driven mass is: a hub that jumps is a shock."""
+    return replace(_as_in_module(of_module, text, name), start=0.0)
+
+
 VARIABLES: tuple[Variable, ...] = (
-    _as_in_module("omega1", "speed of the hub, where the shaft is driven", name="hub_speed"),
-    _as_in_module("load_torque", "torque of the load on the driven mass, positive against the motion"),
+    _input("omega1", "hub_speed", "speed of the hub, where the shaft is driven"),
+    _input("load_torque", "load_torque", "torque of the load on the driven mass, positive against the motion"),
     _output("shaft_torque", "N.m", 100.0, "torque Ts of spring and damper at this instant: drives the driven mass, brakes the hub"),
     _output("shaft_torque_mean", "N.m", 100.0, "mean of Ts over the last communication step"),
     _as_in_module("omega_out", "speed omega4 of the driven mass"),
@@ -41,7 +46,7 @@ VARIABLES: tuple[Variable, ...] = (
     _as_in_module("balancer", "gain beta of the balancer: the driven mass is pushed by beta J4 times the hub's acceleration"),
     _as_in_module("input_hold", "hub_speed between communication points"),
     _as_in_module("omega_out_start", "speed of the driven mass at the start"),
-    Variable("twist_start", REAL, PARAMETER, "fixed", "rad", 0.0, -1e6, 1e6, None, "twist of the shaft at the start"),
+    Variable("twist_start", REAL, PARAMETER, FIXED, "rad", 0.0, -1e6, 1e6, None, "twist of the shaft at the start"),
 )  # fmt: skip
 
 BY_NAME: dict[str, Variable] = {variable.name: variable for variable in VARIABLES}

@@ -65,11 +65,16 @@ MESSAGES: Mapping[int, str] = {
         f"with {named('method')} (timestepping) housing_stiffness and freewheel_stiffness must be 0, are"
         " {housing_stiffness} and {freewheel_stiffness}: only the event method winds freewheels up"
     ),
+    codes.JAMMED: (
+        f"the meshes jam with {named('link2_inertia', 'input_inertia', 'drive_inertia')}: mesh_efficiency and"
+        " satellite_mesh_efficiency must be higher, are {mesh_efficiency} and {satellite_mesh_efficiency}, or"
+        " these inertias larger"
+    ),
     codes.SINGULAR: (
         f"with {named('drive_inertia', 'a', 'b', 'eccentricity', 'imbalance_mass')} link2_inertia must be"
         " above 0 by more than rounding, is {link2_inertia}: the inertia behind link 2 vanishes where the"
-        " imbalance rests in link 1 (a = b, or no eccentricity); drive_inertia above 0 or a different from b"
-        " helps too"
+        " imbalance rests in link 1 (a = b, or no eccentricity); drive_inertia or satellite_inertia above 0"
+        " or a different from b helps too"
     ),
     codes.BAD_START_HOUSING: (
         "with the housing freewheel omega2_start must be at least 0, is {omega2_start}"
@@ -133,5 +138,9 @@ WARNINGS: Mapping[int, str] = {
     codes.BEVEL_OUTSIDE: (
         "the imbalance is outside the pitch cone of its satellite: a must be at most 1 and at most b = {b},"
         " is {a}"
+    ),
+    codes.GEAR_TOO_FLAT: (
+        "no body has such inertias: satellite_inertia must be at most twice satellite_transverse_inertia ="
+        " {satellite_transverse_inertia} kg.m2, is {satellite_inertia} kg.m2"
     ),
 }

@@ -21,6 +21,10 @@ OUTPUT = "output"
 LOCAL = "local"
 PARAMETER = "parameter"
 
+# variabilities of parameters
+FIXED = "fixed"
+TUNABLE = "tunable"
+
 # what a value depends on besides the speeds: the start, whence it is a sum, or an angle
 SINCE_START = "a sum since the start"
 LINK1_ANGLE = "the angle of link 1"
@@ -113,6 +117,11 @@ class Variable:
     description: str
     enumeration: str = ""
     follows: str = ""
+
+    @property
+    def is_tunable(self) -> bool:
+        """Whether it is a parameter that may change between steps."""
+        return self.variability == TUNABLE
 
     @property
     def allowed(self) -> str:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 
 from ..common.errors import must_be
 from .variable import (
@@ -15,6 +16,7 @@ from .variable import (
     DRIVE_ANGLE,
     ENUMERATION,
     ENUMERATIONS,
+    FIXED,
     INPUT,
     INTEGER,
     LARGEST_SPEED,
@@ -26,12 +28,13 @@ from .variable import (
     PARAMETER,
     REAL,
     SINCE_START,
+    TUNABLE,
     Variable,
 )
 
 
-def _input(name: str, unit: str, limit: float, nominal: float, text: str) -> Variable:
-    return Variable(name, REAL, INPUT, "continuous", unit, 0.0, -limit, limit, nominal, text)
+def _input(name: str, unit: str, start: float, limit: float, nominal: float, text: str) -> Variable:
+    return Variable(name, REAL, INPUT, "continuous", unit, start, -limit, limit, nominal, text)
 
 
 def _signal(
@@ -63,11 +66,16 @@ def _real(
     text: str,
     nominal: float | None = None,
 ) -> Variable:
-    return Variable(name, REAL, PARAMETER, "fixed", unit, start, low, high, nominal, text)
+    return Variable(name, REAL, PARAMETER, FIXED, unit, start, low, high, nominal, text)
+
+
+def _tunable(name: str, unit: str, start: float, low: float, high: float, text: str) -> Variable:
+    """A parameter that may change between steps."""
+    return replace(_real(name, unit, start, low, high, text), variability=TUNABLE)
 
 
 def _whole(name: str, start: int, low: int, high: int, text: str) -> Variable:
-    return Variable(name, INTEGER, PARAMETER, "fixed", "", start, low, high, None, text)
+    return Variable(name, INTEGER, PARAMETER, FIXED, "", start, low, high, None, text)
 
 
 def _choice(name: str, enumeration: str, start: int, text: str) -> Variable:
@@ -76,7 +84,7 @@ def _choice(name: str, enumeration: str, start: int, text: str) -> Variable:
         name,
         ENUMERATION,
         PARAMETER,
-        "fixed",
+        FIXED,
         "",
         start,
         items[0][1],
@@ -88,16 +96,16 @@ def _choice(name: str, enumeration: str, start: int, text: str) -> Variable:
 
 
 def _switch(name: str, start: bool, text: str) -> Variable:
-    return Variable(name, BOOLEAN, PARAMETER, "fixed", "", float(start), None, None, None, text)
+    return Variable(name, BOOLEAN, PARAMETER, FIXED, "", float(start), None, None, None, text)
 
 
 _INERTIA_LIMIT = 1e12
 _SPEED_START_LIMIT = 1e6
 
 VARIABLES: tuple[Variable, ...] = (
-    _input("omega1", "rad/s", LARGEST_SPEED, 100.0, "speed of link 1 (with drive = torque only that at the start)"),
-    _input("load_torque", "N.m", LARGEST_TORQUE, 10.0, "torque of the load on the output shaft, positive against the motion"),
-    _input("drive_torque", "N.m", LARGEST_TORQUE, 10.0, "torque on link 1 (with drive = torque, else without effect)"),
+    _input("omega1", "rad/s", 100.0, LARGEST_SPEED, 100.0, "speed of link 1 (with drive = torque only that at the start)"),
+    _input("load_torque", "N.m", 10.0, LARGEST_TORQUE, 10.0, "torque of the load on the output shaft, positive against the motion"),
+    _input("drive_torque", "N.m", 0.0, LARGEST_TORQUE, 10.0, "torque on link 1 (with drive = torque, else without effect)"),
     _signal(OUTPUT, "omega2", "rad/s", 100.0, "speed of link 2, the output link of the differential"),
     _signal(OUTPUT, "omega_out", "rad/s", 100.0, "speed of the output shaft (driven mass if elastic)"),
     _signal(OUTPUT, "input_torque", "N.m", 100.0, "torque M1 on link 1 at this instant"),
@@ -123,7 +131,7 @@ VARIABLES: tuple[Variable, ...] = (
     _signal(OUTPUT, "shaking_force_x", "N", 1e3, "force of all imbalances on the mount along the central axis Ox (fixed frame)", follows=DRIVE_ANGLE),
     _signal(OUTPUT, "shaking_force_y", "N", 1e3, "their force along Oy", follows=LINK1_ANGLE),
     _signal(OUTPUT, "shaking_force_z", "N", 1e3, "their force along Oz", follows=LINK1_ANGLE),
-    _signal(OUTPUT, "shaking_moment_x", "N.m", 100.0, "moment of all imbalances and drives on the mount about Ox", follows=DRIVE_ANGLE),
+    _signal(OUTPUT, "shaking_moment_x", "N.m", 100.0, "moment of all imbalances, satellites and drives on the mount about Ox", follows=DRIVE_ANGLE),
     _signal(OUTPUT, "shaking_moment_y", "N.m", 100.0, "their moment about Oy", follows=LINK1_ANGLE),
     _signal(OUTPUT, "shaking_moment_z", "N.m", 100.0, "their moment about Oz", follows=LINK1_ANGLE),
     _signal(LOCAL, "drive_angle", "rad", 1.0, "drive angle q without drive_turns whole turns: q = drive_angle + 2 pi drive_turns", 0.0, follows=DRIVE_ANGLE),
@@ -177,25 +185,25 @@ VARIABLES: tuple[Variable, ...] = (
     _real("output_inertia", "kg.m2", 0.5, 1e-12, _INERTIA_LIMIT, "inertia J3 of the output shaft (hub if elastic)"),
     _real("driven_inertia", "kg.m2", 0.5, 1e-12, _INERTIA_LIMIT, "inertia J4 of the driven mass (elastic)"),
     _real("shaft_stiffness", "N.m/rad", 400.0, 1e-6, 1e15, "stiffness c of the output shaft (elastic)"),
-    _real("shaft_damping", "N.m.s/rad", 0.05, 0.0, 1e12, "damping d of the output shaft (elastic)"),
-    _real("driven_friction", "N.m.s/rad", 0.0, 0.0, 1e12, "viscous friction f of the driven mass (elastic)"),
-    _real("balancer", "1", 0.0, -10.0, 10.0, "gain beta of the balancer (elastic)"),
-    _real("input_friction", "N.m.s/rad", 0.0, 0.0, 1e3, "viscous friction b1 of link 1"),
-    _real("drive_friction", "N.m.s/rad", 0.0, 0.0, 1e3, "viscous friction bq of all drives and satellites, as a torque against q"),
-    _real("link2_friction", "N.m.s/rad", 0.0, 0.0, 1e3, "viscous friction b2 of link 2"),
-    _real("output_friction", "N.m.s/rad", 0.0, 0.0, 1e3, "viscous friction b3 of the output shaft (hub if elastic)"),
+    _tunable("shaft_damping", "N.m.s/rad", 0.05, 0.0, 1e12, "damping d of the output shaft (elastic)"),
+    _tunable("driven_friction", "N.m.s/rad", 0.0, 0.0, 1e12, "viscous friction f of the driven mass (elastic)"),
+    _tunable("balancer", "1", 0.0, -10.0, 10.0, "gain beta of the balancer (elastic)"),
+    _tunable("input_friction", "N.m.s/rad", 0.0, 0.0, 1e3, "viscous friction b1 of link 1"),
+    _tunable("drive_friction", "N.m.s/rad", 0.0, 0.0, 1e3, "viscous friction bq of all drives and satellites, as a torque against q"),
+    _tunable("link2_friction", "N.m.s/rad", 0.0, 0.0, 1e3, "viscous friction b2 of link 2"),
+    _tunable("output_friction", "N.m.s/rad", 0.0, 0.0, 1e3, "viscous friction b3 of the output shaft (hub if elastic)"),
     _real("mesh_efficiency", "1", 1.0, 0.1, 1.0, "efficiency of the mesh of link 2 with the drives, gears turning, link 1 at rest"),
     _real("satellite_mesh_efficiency", "1", 1.0, 0.1, 1.0, "efficiency of the mesh of the satellites with wheel 17 (bevel)"),
-    _real("journal_friction", "m", 0.0, 0.0, 1e3, "coefficient of friction of a satellite's bearing times the radius of its journal"),
-    _real("housing_drag", "N.m", 0.0, 0.0, 1e9, "drag of the overrunning housing freewheel"),
-    _real("housing_drag_viscous", "N.m.s/rad", 0.0, 0.0, 1e3, "its part that grows with the speed of link 2"),
-    _real("output_drag", "N.m", 0.0, 0.0, 1e9, "drag of the overrunning output freewheel"),
-    _real("output_drag_viscous", "N.m.s/rad", 0.0, 0.0, 1e3, "its part that grows with the speed of the output shaft over link 2"),
+    _tunable("journal_friction", "m", 0.0, 0.0, 1e3, "coefficient of friction of a satellite's bearing times the radius of its journal"),
+    _tunable("housing_drag", "N.m", 0.0, 0.0, 1e9, "drag of the overrunning housing freewheel"),
+    _tunable("housing_drag_viscous", "N.m.s/rad", 0.0, 0.0, 1e3, "its part that grows with the speed of link 2"),
+    _tunable("output_drag", "N.m", 0.0, 0.0, 1e9, "drag of the overrunning output freewheel"),
+    _tunable("output_drag_viscous", "N.m.s/rad", 0.0, 0.0, 1e3, "its part that grows with the speed of the output shaft over link 2"),
     _real("housing_stiffness", "N.m/rad", 0.0, 0.0, 1e15, "stiffness of the locked housing freewheel, 0: rigid (elastic)"),
-    _real("housing_damping", "N.m.s/rad", 0.0, 0.0, 1e12, "damping of the locked housing freewheel (elastic)"),
+    _tunable("housing_damping", "N.m.s/rad", 0.0, 0.0, 1e12, "damping of the locked housing freewheel (elastic)"),
     _real("freewheel_stiffness", "N.m/rad", 0.0, 0.0, 1e15, "stiffness of the locked output freewheel, 0: rigid (elastic)"),
-    _real("freewheel_damping", "N.m.s/rad", 0.0, 0.0, 1e12, "damping of the locked output freewheel (elastic)"),
-    _real("satellite_inertia", "kg.m2", 0.0, 0.0, _INERTIA_LIMIT, "inertia Ja of one satellite gear about its own axis (bevel)"),
+    _tunable("freewheel_damping", "N.m.s/rad", 0.0, 0.0, 1e12, "damping of the locked output freewheel (elastic)"),
+    _real("satellite_inertia", "kg.m2", 0.0, 0.0, _INERTIA_LIMIT, "inertia Ja of one satellite gear, imbalance apart, about its own axis"),
     _real("satellite_transverse_inertia", "kg.m2", 0.0, 0.0, _INERTIA_LIMIT, "its inertia Jt about any axis across (bevel)"),
     _real("gravity", "m/s2", 0.0, 0.0, 1e3, "gravity on the imbalances, along -Oz (the central axis Ox is level)"),
     _switch("housing_freewheel", True, "whether link 2 has a freewheel to the housing"),
@@ -206,7 +214,7 @@ VARIABLES: tuple[Variable, ...] = (
     _choice("input_hold", "InputHold", 0, "omega1 between communication points"),
     _real("tolerance", "1", 1e-6, 1e-13, 0.1, "relative tolerance; one given to setupExperiment wins", 1e-6),
     _real("max_step", "s", 0.0, 0.0, LARGEST_STEP, "longest internal step, 0 for no limit (timestepping: the communication step)"),
-    _real("kinematic_ratio", "1", 0.0, -10.0, 10.0, "prescribed omega2/omega1 (kinematic)"),
+    _tunable("kinematic_ratio", "1", 0.0, -10.0, 10.0, "prescribed omega2/omega1 (kinematic)"),
     _real("omega2_start", "rad/s", 0.0, -_SPEED_START_LIMIT, _SPEED_START_LIMIT, "speed of link 2 at the start"),
     _real("omega_out_start", "rad/s", 0.0, -_SPEED_START_LIMIT, _SPEED_START_LIMIT, "speed of the output shaft at the start"),
     _real("drive_angle_start", "rad", 0.0, -1e6, 1e6, "drive angle q at the start"),
@@ -214,17 +222,19 @@ VARIABLES: tuple[Variable, ...] = (
 
 BY_NAME: dict[str, Variable] = {variable.name: variable for variable in VARIABLES}
 
+# parts of energy_lost by what they begin with: what follows is the cause
+LOST_TO = "energy_lost_"
+LOSSES: tuple[str, ...] = tuple(name for name in BY_NAME if name.startswith(LOST_TO))
+
 
 def with_causality(*causalities: str, table: Iterable[Variable] = VARIABLES) -> Iterator[Variable]:
     """Variables of these causalities, in the order of the table."""
     return (variable for variable in table if variable.causality in causalities)
 
 
-def default_parameters(table: Iterable[Variable] = VARIABLES) -> dict[str, float]:
-    """Start values of all parameters by name (those of the module are scene R1)."""
-    return {
-        variable.name: float(variable.start or 0.0) for variable in with_causality(PARAMETER, table=table)
-    }
+def default_parameters() -> dict[str, float]:
+    """Start values of all parameters of the module by name: scene R1."""
+    return {variable.name: float(variable.start or 0.0) for variable in with_causality(PARAMETER)}
 
 
 def refused_parameters(values: Mapping[str, float], table: Iterable[Variable] = VARIABLES) -> list[str]:

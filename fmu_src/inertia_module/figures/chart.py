@@ -6,38 +6,51 @@ from collections.abc import Mapping
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, SubFigure
 
 from ..common.colours import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
-from ..harness.chart import TorqueConverterChart
-from .scenes import DPI, SIZE
+from ..harness.chart import EfficiencyMap, TorqueConverterChart
+from .panels import DPI, SIZE
 
 COLOURS = (VERMILION, BLUE, GREEN, ORANGE, PURPLE, SKY, BLACK)
 LARGEST_TORQUE_RATIO = 6.0
+# of the lines of equal efficiency
+LEVELS = (0.0, 0.2, 0.4, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95, 1.0)
 
 
-def chart_figure(charts: Mapping[str, TorqueConverterChart]) -> Figure:
+def chart_figure(
+    charts: Mapping[str, TorqueConverterChart], maps: Mapping[str, EfficiencyMap] | None = None
+) -> Figure:
     """Torque ratio and efficiency, output and input torque, capacity and ripple over the speed ratio.
 
     Args:
-        charts: by the names for the legend.
+        charts: by the names for the legend. maps: of the efficiency of those with losses.
 
     Returns:
-        A matplotlib Figure of 1200 x 900 pixels.
+        A matplotlib Figure of 1200 x 900 pixels, with maps higher by half.
     """
     figure = Figure(figsize=SIZE, dpi=DPI, layout="constrained")
     figure.suptitle("Torque converter chart", fontsize=15, fontweight="bold")
-    panels = figure.subplots(2, 2, sharex=True)
+    upper: Figure | SubFigure = figure
+    if maps:
+        figure.set_figheight(1.5 * SIZE[1])
+        parts = figure.subfigures(2, 1, squeeze=False, height_ratios=(2, 1))
+        upper, below = parts[0, 0], parts[1, 0].subplots(1, len(maps), squeeze=False)
+        for axes, (name, found) in zip(below.flat, maps.items(), strict=True):
+            _efficiency(axes, found, name)
+    panels = upper.subplots(2, 2, sharex=True)
     for number, (name, chart) in enumerate(charts.items()):
         colour = COLOURS[number % len(COLOURS)]
-        _ratios(panels[0, 0], chart, colour if len(charts) == 1 else BLACK)
+        _ratios(panels[0, 0], chart, name, colour)
         _output(panels[0, 1], chart, name, colour)
         _input(panels[1, 0], chart, name, colour)
         _ripple(panels[1, 1], chart, name, colour)
     for axes, title in zip(
         panels.flat,
         (
-            "torque ratio and efficiency of an ideal module (no losses)",
+            "torque ratio, and efficiency (broken line)"
+            if maps
+            else "torque ratio (no losses: efficiency 1)",
             "mean output torque / ω1²; bar: lock-up holds up to",
             "mean input torque / ω1² (what the drive has to give)",
             "RMS ripple over mean output torque",
@@ -48,7 +61,7 @@ def chart_figure(charts: Mapping[str, TorqueConverterChart]) -> Figure:
         axes.grid(alpha=0.25)
         for side in ("top", "right"):
             axes.spines[side].set_visible(False)
-    for axes in (panels[0, 1], panels[1, 0], panels[1, 1]):
+    for axes in panels.flat:
         axes.set_ylim(bottom=0.0)
         axes.legend(fontsize=9, frameon=False)
     for axes in panels[1]:
@@ -56,14 +69,27 @@ def chart_figure(charts: Mapping[str, TorqueConverterChart]) -> Figure:
     return figure
 
 
-def _ratios(axes: Axes, chart: TorqueConverterChart, colour: str) -> None:
-    shown = chart.speed_ratio > 1.0 / LARGEST_TORQUE_RATIO
-    label = None if axes.lines else "torque ratio"
-    axes.plot(chart.speed_ratio[shown], 1.0 / chart.speed_ratio[shown], color=colour, label=label)
-    label = None if len(axes.lines) > 1 else "efficiency"
-    axes.plot(chart.speed_ratio, chart.efficiency, "--", color=GREEN, label=label)
+def _ratios(axes: Axes, chart: TorqueConverterChart, name: str, colour: str) -> None:
+    """Output over input torque, where that is not too steep, and the efficiency on the same axis."""
+    taken = chart.input_torque * LARGEST_TORQUE_RATIO > chart.output_torque
+    ratio = chart.output_torque[taken] / chart.input_torque[taken]
+    axes.plot(chart.speed_ratio[taken], ratio, color=colour, label=name)
+    axes.plot(chart.speed_ratio, chart.efficiency, "--", color=colour)
     axes.set_ylim(0.0, LARGEST_TORQUE_RATIO)
-    axes.legend(fontsize=9, frameon=False)
+
+
+def _efficiency(axes: Axes, found: EfficiencyMap, name: str) -> None:
+    """Lines of equal efficiency."""
+    speeds = np.abs(found.omega1)
+    end = max(np.flatnonzero(found.efficiency.any(axis=0)), default=0) + 1
+    filled = axes.contourf(found.speed_ratio, speeds, found.efficiency, LEVELS, cmap="viridis")
+    lines = axes.contour(found.speed_ratio, speeds, found.efficiency, LEVELS, colors="white", linewidths=0.6)
+    axes.clabel(lines, fontsize=8)
+    axes.set_xlim(0.0, found.speed_ratio[min(end, found.speed_ratio.size - 1)])
+    axes.figure.colorbar(filled, ax=axes)
+    axes.set_title(f"efficiency of {name}", loc="left", fontsize=11)
+    axes.set_xlabel("speed ratio, output / input")
+    axes.set_ylabel("input speed [rad/s]")
 
 
 def _output(axes: Axes, chart: TorqueConverterChart, name: str, colour: str) -> None:

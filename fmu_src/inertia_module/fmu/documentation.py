@@ -13,11 +13,12 @@ HEADINGS = {
     LOCAL: "Locals",
     PARAMETER: "Parameters",
 }
-COLUMNS = ("name", "unit", "start", "allowed", "nominal", "meaning")
+COLUMNS = ("name", "unit", "start", "allowed", "nominal", "variability", "meaning")
 
 _REFUSALS = (
-    "A parameter out of range, alone or together with others, is refused at the end of initialisation;"
-    " a bad input or step is refused by fmi2Discard, and the next good step works. Refusals are logged with"
+    "A parameter out of range, alone or together with others, is refused at the end of initialisation. A"
+    " tunable one may change between steps; a bad value is then refused by fmi2Discard and the old one stays."
+    " A bad input or step is refused by fmi2Discard, and the next good step works. Refusals are logged with"
     " the name, the value and what is allowed: instantiate with loggingOn."
 )
 
@@ -32,7 +33,7 @@ def _cells(variable: Variable) -> tuple[str, ...]:
     else:
         listed = variable.allowed if settable else ""
     nominal = "" if variable.nominal is None else f"{variable.nominal:g}"
-    return variable.name, variable.unit, start, listed, nominal, variable.description
+    return variable.name, variable.unit, start, listed, nominal, variable.variability, variable.description
 
 
 def _tables(model: Model) -> list[str]:

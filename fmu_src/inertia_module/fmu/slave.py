@@ -203,32 +203,38 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
             return _no_reference(reference, kinds[0])
         if variable.causality not in (INPUT, PARAMETER):
             return f"a variable that is set must be an input or a parameter, {variable.name} is calculated"
-        if variable.causality == PARAMETER and self._phase not in (INSTANTIATED, INITIALIZING):
-            call = f"setting {variable.name}"
+        if self._phase in (INSTANTIATED, INITIALIZING):
+            return ""  # values are checked at the end of initialization
+        call = f"setting {variable.name}"
+        if variable.causality == PARAMETER and not variable.is_tunable:
             return f"{call} must come before the end of initialization, the instance is {self._phase}"
-        if self._phase in (REFUSED, TERMINATED):
-            return f"setting an input must come before terminate, the instance is {self._phase}"
+        if self._phase is not STEPPING:
+            return f"{call} must come before terminate, the instance is {self._phase}"
         return ""
 
     def _set(self, references: list[int], values: list[Any], kinds: tuple[str, ...]) -> None:
         """Set all of the values or, if one cannot be set, none."""
 
         def assign() -> None:
-            for reference in references:
-                message = self._why_not_set(self._variable(reference), reference, kinds)
+            numbers = {}
+            for reference, value in zip(references, values, strict=True):
+                variable = self._variable(reference)
+                message = self._why_not_set(variable, reference, kinds)
                 if message:
                     self._say(message, Fmi2Status.error)
                     return
+                numbers[variable.name] = value
             if self._phase is INITIALIZING:
                 self._calculated = self._instance.started = False
-            for reference, value in zip(references, values, strict=True):
-                place, slot = self._places[reference]
-                place[slot] = value
+            try:
+                self._instance.assign(numbers)
+            except Refused as refused:
+                self._say(str(refused), Fmi2Status.discard)
 
         self._guarded(assign)
 
     def set_real(self, vrs: list[int], values: list[float]) -> None:
-        """Set Real inputs and parameters; they are checked where they are used."""
+        """Set Real inputs and parameters: checked where they are used, tuned parameters here."""
         self._set(vrs, values, (REAL,))
 
     def set_integer(self, vrs: list[int], values: list[int]) -> None:

@@ -58,6 +58,7 @@ def _variable(variable: Variable, model: Model) -> str:
         *_rate_places(variable, model),
         str(int(variable.name in model.late)),
         str(int(variable.causality == OUTPUT)),
+        str(int(variable.is_tunable)),
         number(variable.start or 0.0),
         number(low),
         number(high),
@@ -101,7 +102,7 @@ def _bound(bound: Bound) -> str:
 
 def c_codes() -> str:
     """C header of the operations of a kernel and its good status."""
-    operations = ("START", "STEP_ONLY", "OUTPUTS", "STEP_PRECISELY", "RATES", "WARN")
+    operations = ("START", "CHECK", "STEP_ONLY", "OUTPUTS", "STEP_PRECISELY", "RATES", "WARN", "TUNE")
     numbers = ", ".join(f"OPERATION_{name} = {getattr(codes, name)}" for name in operations)
     lines = [
         "/* Made from kernel/codes.py. */",

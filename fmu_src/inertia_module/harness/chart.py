@@ -1,10 +1,11 @@
 """Torque converter chart of a mechanism: what it makes of the input torque over the speed ratio.
 
 The chart of a hydrodynamic converter plots torque ratio, efficiency and capacity over the speed ratio
-(SAE J643). Here everything goes with the square of the input speed as well, so one chart holds for all
-speeds. The mechanism is ideal: the efficiency is 1 and the torque ratio one over the speed ratio; at
+(SAE J643). In a mechanism without losses everything goes with the square of the input speed as well, so
+one chart holds for all speeds. Its efficiency is 1 and its torque ratio one over the speed ratio; at
 stall it passes torque and takes no power, so torque ratio and capacity factor are given above it only
-(converter_table). Mechanisms differ in the torque they pass.
+(converter_table). Mechanisms differ in the torque they pass. With losses the chart is that of one input
+speed, and a map tells the efficiency over speed ratio and input speed.
 """
 
 from __future__ import annotations
@@ -16,15 +17,22 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ..contract.variables import BY_NAME
 from ..kernel import codes
 from ..kernel.averaged import rates as average_rates
 from ..memory.instances import Module
 from .results import TableError, read_columns, write_columns
+from .simulate import Progress
+from .steady import SteadyMachine
 
 Array = NDArray[np.float64]
 
+NOMINAL_SPEED: float = BY_NAME["omega1"].nominal or 1.0
 # points between the first and the last ratio of the map, besides its knots
 POINTS = 200
+# ratios at which a mechanism with losses is measured, and speeds of its map up to the one given
+RATIOS = np.linspace(0.0, 0.98, 29)
+MAP_SPEEDS = np.geomspace(0.1, 1.0, 8)
 
 _UNITS = {
     "output_torque": "N.m.s2",
@@ -34,7 +42,10 @@ _UNITS = {
     "lock_up_torque": "N.m.s2",
 }
 # the numbers of summary that are no torques
-_RATIOS = ("least_torque_ratio", "end_ratio", "stall_peak_over_mean")
+_RATIOS = (
+    *("least_torque_ratio", "end_ratio", "stall_peak_over_mean"),
+    *("efficiency_maximum", "efficiency_maximum_ratio"),
+)
 
 
 @dataclass(frozen=True)
@@ -43,11 +54,12 @@ class TorqueConverterChart:
 
     Attributes:
         speed_ratio: output over input speed, magnitudes, rising from 0.
-        output_torque, input_torque: mean torques, N m s^2.
+        output_torque, input_torque: mean torques, N m s^2; with losses the output torque is below 0 where
+            the shaft would have to be driven.
         efficiency: output over input power, 1.
         link2_ratio: mean speed of link 2 over the input speed.
         ripple: RMS of the output torque about its mean, N m s^2. peak: its largest value.
-        lock_up_torque: what lock-up at ratio 1 can hold, N m s^2, the same in all rows;
+        lock_up_torque: what lock-up at ratio 1 can hold, stick apart, N m s^2, the same in all rows;
             0 where it is not reached.
     """
 
@@ -66,8 +78,13 @@ class TorqueConverterChart:
         return float(self.output_torque[0])
 
     @property
+    def lossless(self) -> bool:
+        """Whether nothing is lost at any ratio."""
+        return bool((self.efficiency == 1.0).all())
+
+    @property
     def end_ratio(self) -> float:
-        """Speed ratio from which on no torque is passed, 1 with lock-up."""
+        """Speed ratio from which on no torque is passed, 1 with lock-up; with losses the last one found."""
         return float(self.speed_ratio[-1])
 
     def summary(self, omega1: float | None = None) -> dict[str, float]:
@@ -82,6 +99,8 @@ class TorqueConverterChart:
             "least_torque_ratio": float(self.speed_ratio[np.argmin(self.output_torque)]),
             "end_ratio": self.end_ratio,
             "lock_up_torque": float(self.lock_up_torque[0]),
+            "efficiency_maximum": float(self.efficiency.max()),
+            "efficiency_maximum_ratio": float(self.speed_ratio[np.argmax(self.efficiency)]),
             "stall_peak_over_mean": float(self.peak[0] / self.stall_torque) if self.stall_torque else 0.0,
         }
         square = 1.0 if omega1 is None else omega1 * omega1
@@ -95,13 +114,13 @@ class TorqueConverterChart:
     def converter_table(self, omega1: float) -> dict[str, Array]:
         """What models of torque converters ask for, at an input speed, by heading; shape (m,), all finite.
 
-        The rows are those in which power is taken: without stall, and without an end at which no torque is
-        passed. The capacity factor is K = omega1 / sqrt(input torque).
+        The rows are those in which power is taken and torque passed: without losses not stall. The capacity
+        factor is K = omega1 / sqrt(input torque).
 
         Args:
             omega1: speed of the input, rad/s, not 0.
         """
-        taken = self.input_torque > 0.0
+        taken = (self.input_torque > 0.0) & (self.output_torque > 0.0)
         given, passed = self.input_torque[taken], self.output_torque[taken]
         return {
             "speed_ratio": self.speed_ratio[taken],
@@ -133,8 +152,53 @@ class TorqueConverterChart:
         return cls(*map(np.array, columns.values()))
 
 
+@dataclass(frozen=True)
+class EfficiencyMap:
+    """Efficiency over input speed and speed ratio.
+
+    Attributes:
+        omega1: rad/s, shape (m,). speed_ratio: shape (n,). efficiency: shape (m, n).
+    """
+
+    omega1: Array
+    speed_ratio: Array
+    efficiency: Array
+
+    def save(self, path: Path | str) -> Path:
+        """Write as CSV, a row for each speed and ratio, whole or not at all."""
+        speeds, ratios = (part.ravel() for part in np.meshgrid(self.omega1, self.speed_ratio, indexing="ij"))
+        columns = {"omega1 [rad/s]": speeds, "speed_ratio": ratios, "efficiency": self.efficiency.ravel()}
+        return write_columns(Path(path), columns)
+
+
+def efficiency_map(
+    parameters: Mapping[str, float | str],
+    omega1: float,
+    kernel: str = "auto",
+    progress: Progress | None = None,
+) -> EfficiencyMap:
+    """Efficiency of a mechanism from a tenth of an input speed up to that.
+
+    Args:
+        parameters, kernel: as in torque_converter_chart. omega1: rad/s, not 0. progress: told the share done.
+
+    Raises:
+        Refused: as torque_converter_chart.
+    """
+    machine, speeds = SteadyMachine(parameters, kernel), omega1 * MAP_SPEEDS
+    found = np.empty((speeds.size, RATIOS.size))
+    for row, speed in enumerate(speeds):
+        found[row] = [machine.at(speed, ratio).efficiency for ratio in RATIOS]
+        if progress is not None:
+            progress((row + 1) / speeds.size)
+    return EfficiencyMap(speeds, RATIOS, found)
+
+
 def torque_converter_chart(
-    parameters: Mapping[str, float | str], backward: bool = False, kernel: str = "auto"
+    parameters: Mapping[str, float | str],
+    backward: bool = False,
+    kernel: str = "auto",
+    omega1: float = NOMINAL_SPEED,
 ) -> TorqueConverterChart:
     """The chart of a mechanism.
 
@@ -142,10 +206,40 @@ def torque_converter_chart(
         parameters: of the module by name, those that differ from the defaults; as in Module.set.
         backward: for omega1 < 0, where the drive turns the other way; the torque is another.
         kernel: as in Module.
+        omega1: magnitude of the input speed at which a mechanism with losses is measured, rad/s; without
+            losses the chart is that of all speeds.
 
     Raises:
         Refused: the parameters cannot be, or there is no mean torque (a freewheel is missing).
     """
+    machine = SteadyMachine(parameters, kernel)
+    if machine.ideal:
+        return _chart_of_map(parameters, backward, kernel)
+    return _measured_chart(machine, -omega1 if backward else omega1)
+
+
+def _measured_chart(machine: SteadyMachine, omega1: float) -> TorqueConverterChart:
+    """The chart of a mechanism with losses, up to the last ratio at which the load gets a torque."""
+    found = np.array([machine.at(omega1, ratio) for ratio in RATIOS])
+    number = max(np.flatnonzero(found[:, 0] > 0.0), default=0) + 1
+    torque, taken, efficiency, link2, ripple, peak = found[:number].T
+    square, one = omega1 * omega1, np.ones(number)
+    locks = omega1 > 0.0 and number == RATIOS.size
+    lock = machine.lock_up_torque(omega1) / square if locks else 0.0
+    return TorqueConverterChart(
+        RATIOS[:number],
+        torque / square,
+        taken / square,
+        efficiency,
+        link2,
+        ripple / square,
+        peak / square,
+        lock * one,
+    )
+
+
+def _chart_of_map(parameters: Mapping[str, float | str], backward: bool, kernel: str) -> TorqueConverterChart:
+    """The chart of a mechanism without losses: the map of fidelity averaged."""
     # torques at given speeds, whatever drives the module
     given = {"fidelity": float(codes.AVERAGED), "drive": float(codes.DRIVE_SPEED)}
     module = Module(kernel).start(**{**parameters, **given})

@@ -22,6 +22,11 @@ def as_names(names: str | Sequence[str]) -> tuple[str, ...]:
     return (names,) if isinstance(names, str) else tuple(names)
 
 
+def _kind(variable: Any) -> str:
+    """The kind of call that reads and sets a variable: FMI has none of its own for enumerations."""
+    return variable.type if variable.type in ("Real", "Boolean") else "Integer"
+
+
 class Plant(Protocol):
     """What a loop needs of an instance: Fmu has it."""
 
@@ -90,21 +95,19 @@ class Fmu(Instance):
 
     def _assign(self, values: Mapping[str, float | bool | str]) -> None:
         """Set variables by name: all of them or, on an unknown name or value, none."""
-        found = [(self._variable(name), value) for name, value in values.items()]
-        for variable, number in [(variable, number_for(variable, value)) for variable, value in found]:
-            reference = [variable.valueReference]
-            if variable.type == "Real":
-                self._call("setReal", reference, [number])
-            elif variable.type == "Boolean":
-                self._call("setBoolean", reference, [bool(number)])
-            else:
-                self._call("setInteger", reference, [int(number)])
+        calls: dict[str, dict[int, float]] = {}
+        for variable, value in [(self._variable(name), value) for name, value in values.items()]:
+            calls.setdefault(_kind(variable), {})[variable.valueReference] = number_for(variable, value)
+        for kind, numbers in calls.items():
+            convert = {"Real": float, "Boolean": bool, "Integer": int}[kind]
+            self._call(f"set{kind}", list(numbers), [convert(number) for number in numbers.values()])
 
     def set(self, **values: float | str) -> None:
-        """Set inputs by name, as numbers or strings with a unit; all or, on an unknown name or value, none.
+        """Set inputs and tunable parameters by name, as numbers or strings with a unit; all or none.
 
         Raises:
-            FmuError: an unknown name, no quantity, or a variable that cannot be set now.
+            FmuError: an unknown name, no quantity, a variable that cannot be set now, or a value of a tunable
+                parameter that the FMU refuses.
         """
         self._assign(values)
 
@@ -142,8 +145,7 @@ class Fmu(Instance):
 
     def _read_one(self, name: str) -> float:
         variable = self._variable(name)
-        kind = variable.type if variable.type in ("Real", "Boolean") else "Integer"
-        return float(self._call(f"get{kind}", [variable.valueReference])[0])
+        return float(self._call(f"get{_kind(variable)}", [variable.valueReference])[0])
 
     def __getitem__(self, name: str) -> float:
         return self.read(name)[0]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Set
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -62,6 +62,11 @@ class Result:
             raise TableError(f"{TIME} must not go back, is {arrays[TIME][row]} in row {row}")
         ordered = {TIME: arrays.pop(TIME), **arrays}
         return cls(ordered, {TIME: "s", **given})
+
+    def without(self, names: Set[str]) -> Result:
+        """The table without some columns."""
+        columns = {name: values for name, values in self.columns.items() if name not in names}
+        return Result(columns, {name: unit for name, unit in self.units.items() if name in columns})
 
     @property
     def time(self) -> NDArray[np.float64]:

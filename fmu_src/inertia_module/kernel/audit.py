@@ -35,7 +35,7 @@ def audit(d, x, before, stored):
     put_out = change(x.energy_out, x.energy_out_low, before.energy_out, before.energy_out_low)
     lost = x.step_lost
     missing = put_in - put_out - lost - (stored - before.energy_stored)
-    energies = abs(put_in) + abs(put_out) + abs(lost) + stored + before.energy_stored
+    energies = abs(put_in) + abs(put_out) + abs(lost) + abs(stored) + abs(before.energy_stored)
     x.energy_stored = stored
     fastest = max(abs(x.omega1), abs(before.omega1))
     share = max(LEAST, min(TOLERANCES * d.tolerance, MOST))

@@ -1,11 +1,12 @@
 """Whether a mechanism has room for its parts: what is computed all the same, but cannot be built.
 
-All is said of the pitch circles (planar) and the pitch cones (bevel) of one module.
+Room is said of the pitch circles (planar) and the pitch cones (bevel) of one module. No body has an inertia
+above the sum of the other two.
 """
 
 import math
 
-from .codes import BEVEL_OUTSIDE, BEVEL_OVERLAP, PLANAR_OUTSIDE, PLANAR_OVERLAP
+from .codes import BEVEL_OUTSIDE, BEVEL_OVERLAP, GEAR_TOO_FLAT, PLANAR_OUTSIDE, PLANAR_OVERLAP
 
 # parts that touch do not overlap
 ROUNDING = 1e-12
@@ -42,4 +43,6 @@ def warnings(p):
     # the rim of an internal satellite is outside its pitch cone
     if s + cosine > 0.0 and p.a > min(1.0, p.b) * (1.0 + ROUNDING):
         found += BEVEL_OUTSIDE
+    if p.satellite_inertia > 2.0 * p.satellite_transverse_inertia * (1.0 + ROUNDING):
+        found += GEAR_TOO_FLAT
     return found

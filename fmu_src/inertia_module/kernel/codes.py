@@ -52,12 +52,15 @@ STEP_PRECISELY = 5
 RATES = 6
 # the sum of the warnings that hold; nothing is changed
 WARN = 7
+# parameters have changed between steps: derives d anew and forgets what x knows of the last step
+TUNE = 8
 
 # warnings
 PLANAR_OVERLAP = 1
 BEVEL_OVERLAP = 2
 PLANAR_OUTSIDE = 4
 BEVEL_OUTSIDE = 8
+GEAR_TOO_FLAT = 16
 
 # status codes
 OK = 0
@@ -70,6 +73,7 @@ NO_INPUT_INERTIA = 8
 PRESCRIBED = 9
 FRICTION_AVERAGED = 17
 WIND_UP_STEPPED = 18
+JAMMED = 19
 BAD_OMEGA1 = 10
 BAD_LOAD_TORQUE = 11
 BAD_STEP = 12

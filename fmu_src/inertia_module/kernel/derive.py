@@ -2,6 +2,7 @@
 
 import math
 
+from .bodies import add_bodies
 from .codes import (
     AVERAGED,
     BAD_START_HOUSING,
@@ -210,10 +211,11 @@ def derive(p, d):
     d.F_by_slip *= scale
     d.F_by_speed *= scale
     d.F_by_alpha1 = scale * d.F_by_alpha1 + d.k * (1.0 + d.k) * d.J16
+    add_bodies(p, d)
     if p.drive == DRIVE_TORQUE:
         if p.fidelity == KINEMATIC:
             return PRESCRIBED
-        if not d.J1 > SINGULAR_RATIO * d.F_by_alpha1:
+        if not p.input_inertia > SINGULAR_RATIO * d.F_by_alpha1:
             return NO_INPUT_INERTIA
     if p.fidelity == KINEMATIC:
         return OK

@@ -7,7 +7,7 @@ from .accumulate import time_later
 from .codes import OK, STEP_TOO_SMALL, TOO_MANY_SWITCHES, TOO_MUCH_WORK
 from .contact import TORQUE_ROUNDING, choose_mode, is_held
 from .general.advance import advance_general
-from .general.choice import choose_next_states, choose_states
+from .general.choice import GOES_ON, choose_next_states, choose_states
 from .limits import MAX_EVALUATIONS, STALLS_ALLOWED, SWITCHES_ALLOWED, SWITCHES_PER_PULSE
 from .links import given_at_input
 from .solvers.elastic import advance_elastic
@@ -56,7 +56,7 @@ def run_events(d, x, w, h):
     stalls = 0
     if x.goes_on == 0.0 or x.given != w.given or x.load_given != w.load:
         if d.general != 0.0:
-            choose_states(d, x, False)
+            choose_states(d, x, GOES_ON)
         else:
             choose_mode(d, x, TORQUE_ROUNDING)
         x.known = 0.0

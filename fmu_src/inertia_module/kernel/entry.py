@@ -1,10 +1,10 @@
 """The one entry of the compiled kernel of the module: all its operations (see :mod:`.codes`)."""
 
 from .clearance import warnings
-from .codes import CHECK, OK, OUTPUTS, RATES, START, STEP_PRECISELY, WARN
+from .codes import CHECK, OK, OUTPUTS, RATES, START, STEP_PRECISELY, TUNE, WARN
 from .outputs import write_late_outputs
 from .rates import write_rates
-from .step import advance, check, start
+from .step import advance, check, start, tune
 
 # tolerance of a step whose results are to be differenced
 PRECISE = 1e-11
@@ -30,6 +30,8 @@ def call(operation, p, d, u, x, y, w, h):
         return check(p, d, u)
     if operation == WARN:
         return warnings(p)
+    if operation == TUNE:
+        return tune(p, d, x)
     if operation == OUTPUTS:
         write_late_outputs(p, d, x, y)
         return OK

@@ -22,18 +22,19 @@ KNOTS = 64
 PARAMETERS = (
     *("layout", "z2", "z16", "z17", "z6", "shaft_angle", "wheel_radius", "a", "b", "c", "epsilon", "gamma"),
     *("sun_radius", "satellite_radius", "eccentricity", "imbalance_mass", "modules", "satellites"),
-    *("drive_inertia", "input_inertia", "link2_inertia", "output_inertia", "driven_inertia"),
+    *("drive_inertia", "satellite_inertia", "satellite_transverse_inertia"),
+    *("input_inertia", "link2_inertia", "output_inertia", "driven_inertia"),
     *("shaft_stiffness", "shaft_damping", "driven_friction", "balancer"),
     *("input_friction", "drive_friction", "link2_friction", "output_friction"),
     *("mesh_efficiency", "satellite_mesh_efficiency", "journal_friction"),
     *("housing_drag", "housing_drag_viscous", "output_drag", "output_drag_viscous"),
     *("housing_stiffness", "housing_damping", "freewheel_stiffness", "freewheel_damping"),
-    *("satellite_inertia", "satellite_transverse_inertia", "gravity"),
-    *("housing_freewheel", "output_freewheel", "fidelity", "method", "drive", "input_hold", "tolerance"),
+    *("gravity", "housing_freewheel", "output_freewheel"),
+    *("fidelity", "method", "drive", "input_hold", "tolerance"),
     *("max_step", "kinematic_ratio", "omega2_start", "omega_out_start", "drive_angle_start"),
 )
 # the parameters that the map of fidelity averaged depends on, and whether the torque of link 1 is given
-MAP_KEY = (*PARAMETERS[: PARAMETERS.index("drive_inertia") + 1], "link2_inertia", "input_inertia", "drive")
+MAP_KEY = (*PARAMETERS[: PARAMETERS.index("input_inertia")], "link2_inertia", "input_inertia", "drive")
 
 # inputs, their rates over the coming step, and whether each rate is given
 INPUTS = (
@@ -133,6 +134,8 @@ CONSTANTS = (
     *("radial", "radial_cos", "arm", "axial", "axial_cos", "pole_offset", "pole_arm", "spin"),
     *("period", "period_low", "period_turns", "harmonic", "F_by_slip", "F_by_speed", "F_by_alpha1"),
     # (F_by_...: bounds of |F|, the mesh torque, by the squares of slip and speed and by alpha1)
+    # (J1 and J16 with what the turning satellite gears add at every angle, body_...: what varies, see bodies)
+    *("bodies", "body_i", "body_b"),
     *("J1", "J2", "J3", "J4", "J16", "housing", "output", "by_torque", "elastic", "tolerance", "max_step"),
     *("stiffness", "damping", "friction", "balancer", "b1", "bq", "b2", "b3", "viscous"),
     # what only the general equations of motion know, and whether any of it is there (kernel.general)

@@ -84,15 +84,17 @@ def jump_input(p, d, x, jump, stiff):
 
 
 def jump_kinematic(d, x, jump, ratio):
-    """The same where omega2 = ratio omega1 is prescribed.
+    """The same where omega2 = ratio omega1 is prescribed; the ratio may have changed too.
 
     Returns:
         (P1, Pc): impulses at the input and at the output that keeps the ratio, N m s.
     """
+    change2 = ratio * (x.omega1 + jump) - x.omega2
+    if jump == 0.0 and change2 == 0.0:
+        return 0.0, 0.0
     i, _, _, b, _, g, _, _ = reduced_inertia(d, x.q)
-    change2 = ratio * jump
     output_impulse = d.k * (b * jump + g * d.k * (jump - change2)) - d.J2 * change2
-    mean2 = ratio * (x.omega1 + 0.5 * jump)
+    mean2 = x.omega2 + 0.5 * change2
     impulse = apply_part(d, x, i, b, g, jump, change2)
     x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, output_impulse * mean2)
     x.mesh_impulse += d.J2 * change2 + output_impulse

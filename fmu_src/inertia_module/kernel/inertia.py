@@ -4,12 +4,13 @@ from .sine import sine_cosine, sines_cosines
 
 
 def reduced_inertia(d, q):
-    """I = sum m (y^2 + z^2), B = sum m (y z' - z y'), G = sum m |r'|^2 + J16.
+    """I = sum m (y^2 + z^2), B = sum m (y z' - z y'), G = sum m |r'|^2 + J16, and the satellite gears' own.
 
     The sums over the satellites of a module are closed: with two or more spread evenly B vanishes,
     with three or more the harmonics of A vanish from I. Modules are alike about the central axis.
     In the planar layout the drive turns about an axis parallel to the central one, so its own
-    inertia J16 is carried by link 1 as well: it enters I and B as it enters G.
+    inertia J16 is carried by link 1 as well: it enters I and B as it enters G. What the turning gears add
+    at every angle is in J1 and J16.
 
     Args:
         d: derived constants.
@@ -81,9 +82,18 @@ def reduced_inertia(d, q):
     i = mass * (y * y + z * z)
     i1 = 2.0 * mass * (y * y1 + z * z1)
     i2 = 2.0 * mass * (y1 * y1 + y * y2 + z1 * z1 + z * z2)
+    if d.bodies != 0.0:
+        i += d.body_i * cos_a * cos_a
+        i1 -= 2.0 * d.body_i * cos_a * sin_a
+        i2 -= 2.0 * d.body_i * (cos_a - sin_a) * (cos_a + sin_a)
     if d.single == 0.0:
         return i, i1, i2, 0.0, 0.0, g, g1, g2
-    return i, i1, i2, mass * (y * z1 - z * y1), mass * (y * z2 - z * y2), g, g1, g2
+    b = mass * (y * z1 - z * y1)
+    b1 = mass * (y * z2 - z * y2)
+    if d.bodies != 0.0:
+        b += d.body_b * cos_a
+        b1 -= d.body_b * sin_a
+    return i, i1, i2, b, b1, g, g1, g2
 
 
 def second_derivative_of_b(d, q):
@@ -111,4 +121,5 @@ def second_derivative_of_b(d, q):
     z = d.axial - d.axial_cos * cos_b
     z1 = s * d.axial_cos * sin_b
     z2 = s * s * d.axial_cos * cos_b
-    return d.mass * (y1 * z2 - y * s * s * z1 - z1 * y2 - z * y3)
+    bend = d.mass * (y1 * z2 - y * s * s * z1 - z1 * y2 - z * y3)
+    return bend - d.body_b * cos_a if d.bodies != 0.0 else bend

@@ -7,6 +7,7 @@ nothing for it. Of a long one, with its many pulses, only a share is seen from s
 
 import math
 
+from .bodies import momentum_rate
 from .derive import TWO_PI
 from .layout import acceleration, imbalance, imbalance_in_fixed_frame, to_fixed_frame
 
@@ -64,10 +65,12 @@ def write_loads(p, d, x, y, alpha2):
     number = min(p.satellites, 3.0)
     mass = d.mass / number
     # the drives turn about Oz of link 1, or about an axis parallel to Ox
-    mx, my, mz = to_fixed_frame(x.theta1, 0.0, d.J16 * x.omega1 * rate_q, -d.J16 * rate2_q)
+    drives = p.drive_inertia
+    mx, my, mz = to_fixed_frame(x.theta1, 0.0, drives * x.omega1 * rate_q, -drives * rate2_q)
     if d.planar != 0.0:
         mx, my, mz = -d.J16 * (x.alpha1 + rate2_q), 0.0, 0.0
     fx, fy, fz = 0.0, 0.0, 0.0
+    gears = p.modules * p.satellites / number
     for n in range(int(number)):
         px, py, pz, vx, vy, vz, ax, ay, az = imbalance_in_fixed_frame(
             d, x.q, x.theta1, x.omega1, x.alpha1, rate_q, rate2_q, TWO_PI * n / number
@@ -78,6 +81,13 @@ def write_loads(p, d, x, y, alpha2):
         mx -= mass * (py * az - pz * ay)
         my -= mass * (pz * ax - px * az)
         mz -= mass * (px * ay - py * ax)
+        if d.bodies != 0.0:
+            azimuth = x.q + d.phase_a + TWO_PI * n / number
+            lx, ly, lz = momentum_rate(p, x.omega1, x.alpha1, rate_q, rate2_q, azimuth)
+            lx, ly, lz = to_fixed_frame(x.theta1, lx, ly, lz)
+            mx -= gears * lx
+            my -= gears * ly
+            mz -= gears * lz
         if n == 0:
             square = ax * ax + ay * ay + az * az
             y.imbalance_x = px

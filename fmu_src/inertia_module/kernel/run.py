@@ -3,7 +3,7 @@
 from .accumulate import add, time_later, wrap_drive_angle, wrap_input_angle
 from .averaged.jump import jump_averaged, takes_up_jump
 from .averaged.run import run_averaged
-from .codes import AVERAGED, ELASTIC, KINEMATIC, OK, TIMESTEPPING, TOO_MUCH_WORK
+from .codes import AVERAGED, DRIVE_TORQUE, DRIVING, ELASTIC, KINEMATIC, OK, TIMESTEPPING, TOO_MUCH_WORK
 from .contact import TORQUE_ROUNDING, is_held, present_mode
 from .engine import run_events
 from .general.choice import choose_states
@@ -33,6 +33,21 @@ def accelerations_now(d, x):
         d, x.q, x.omega1, x.omega2, given_at_input(d, x), is_held(x), carried, friction, torque
     )
     return alpha1, alpha2
+
+
+def follow_parameters(p, d, x):
+    """What the parameters ask for at once: the prescribed speed of link 2, or contact mode and alpha1."""
+    if p.fidelity == KINEMATIC:
+        x.omega2 = p.kinematic_ratio * x.omega1
+        x.omega3 = x.omega2
+        x.mode = DRIVING
+    elif p.fidelity != AVERAGED:
+        if d.general != 0.0:
+            choose_states(d, x, False)
+        else:
+            x.mode = present_mode(d, x, TORQUE_ROUNDING)
+        if p.drive == DRIVE_TORQUE:
+            x.alpha1, _ = accelerations_now(d, x)
 
 
 def run_timestepping(d, x, w, h):
@@ -102,17 +117,17 @@ def turn_input(d, x, start1, h):
 
 
 def run_at_speed(p, d, u, x, w, h, jump):
-    """Advance by h with the speed of link 1 given, after a jump of it.
+    """Advance by h with the speed of link 1 given, after a jump of it (or of a prescribed ratio).
 
     Returns:
         (status, impulses of the input torque and of the output freewheel in the jump, N m s).
     """
     input_jump = 0.0
     output_jump = 0.0
-    if jump != 0.0:
-        if p.fidelity == KINEMATIC:
-            input_jump, output_jump = jump_kinematic(d, x, jump, p.kinematic_ratio)
-        elif p.fidelity == AVERAGED:
+    if p.fidelity == KINEMATIC:
+        input_jump, output_jump = jump_kinematic(d, x, jump, p.kinematic_ratio)
+    elif jump != 0.0:
+        if p.fidelity == AVERAGED:
             if takes_up_jump(d, x, jump, h):
                 x.alpha1 += jump / h
             else:

@@ -11,31 +11,34 @@ from .codes import (
     AVERAGED,
     BAD_STEP,
     DRIVE_SPEED,
-    DRIVE_TORQUE,
-    DRIVING,
-    KINEMATIC,
+    JAMMED,
     NOT_BALANCED,
     NOT_FINITE,
     OK,
     STEP_ONLY,
     TIMESTEPPING,
 )
-from .contact import TORQUE_ROUNDING, present_mode
 from .derive import derive
-from .general.choice import choose_states
+from .general.jam import jams
 from .inputs import begin, check_inputs, check_rates, input_speed
 from .limits import LARGEST_STEP
 from .outputs import stored_energy, write_late_outputs, write_outputs
-from .run import accelerations_now, run_at_speed, run_by_torque
+from .run import follow_parameters, run_at_speed, run_by_torque
 from .solvers.timestepping import begin_here
 
 # share of the tolerance that a step is tried again with whose energies do not balance
 MORE_CARE = 1e-3
 
 
+def check_parameters(p, d):
+    """Derive the constants and check the parameters together. Returns a status."""
+    status = derive(p, d)
+    return JAMMED if status == OK and d.general != 0.0 and jams(d) else status
+
+
 def check(p, d, u):
     """Derive the constants and check parameters and inputs. Returns a status."""
-    status = derive(p, d)
+    status = check_parameters(p, d)
     return check_inputs(u) if status == OK else status
 
 
@@ -62,31 +65,36 @@ def start(p, d, u, x, y):
     x.drive_torque = u.drive_torque
     x.q = p.drive_angle_start
     wrap_drive_angle(d, x)
-    if p.fidelity == KINEMATIC:
-        x.omega2 = p.kinematic_ratio * x.omega1
-        x.omega3 = x.omega2
-        x.mode = DRIVING
+    x.omega2 = p.omega2_start
+    x.omega3 = p.omega_out_start
+    if p.fidelity == AVERAGED:
+        end_step(d, x, RESTING, -1.0, speed_at_start(d, x))
+        x.step_switches = 0.0
     else:
-        x.omega2 = p.omega2_start
-        x.omega3 = p.omega_out_start
-        if p.fidelity == AVERAGED:
-            end_step(d, x, RESTING, -1.0, speed_at_start(d, x))
-            x.step_switches = 0.0
-        else:
-            if d.general != 0.0:
-                choose_states(d, x, False)
-            else:
-                x.mode = present_mode(d, x, TORQUE_ROUNDING)
-            x.step_mode = x.mode
-            if p.method == TIMESTEPPING:
-                begin_here(d, x)
-            if p.drive == DRIVE_TORQUE:
-                x.alpha1, _ = accelerations_now(d, x)
+        follow_parameters(p, d, x)
+        x.step_mode = x.mode
+        if p.method == TIMESTEPPING:
+            begin_here(d, x)
     x.energy_start = stored_energy(p, d, x)
     x.energy_stored = x.energy_start
     write_outputs(x, y)
     write_late_outputs(p, d, x, y)
     return OK
+
+
+def tune(p, d, x):
+    """Derive the constants anew from parameters that have changed between steps.
+
+    What the state knows of the last step no longer holds.
+
+    Returns:
+        Status: OK, or one of check_parameters, which leaves x as it was.
+    """
+    status = check_parameters(p, d)
+    if status == OK:
+        x.goes_on = 0.0
+        x.known = 0.0
+    return status
 
 
 def end(x, h, input_jump, output_jump):

@@ -14,7 +14,7 @@ from ..compiling.kernels import MODULE, CompilationUnavailable, source_hash
 from ..compiling.records import record_type
 from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE, Model
 from ..contract.variable import INPUT, OUTPUT, PARAMETER
-from ..contract.variables import default_parameters, refused_parameters
+from ..contract.variables import refused_parameters
 from ..kernel import codes
 from . import maps
 
@@ -66,8 +66,7 @@ class ModelInstance:
         self.kernel = ""
         self._records = tuple(record_type(fields)() for fields in self.model.records)
         self.parameters, self.derived, self.inputs, self.state, self.outputs, _ = self._records
-        for name, value in default_parameters(self.model.variables).items():
-            setattr(self.parameters, name, value)
+        self._write({v.name: float(v.start or 0.0) for v in self.model.with_causality(INPUT, PARAMETER)})
         self._addresses = tuple(ctypes.addressof(record) for record in self._records)
         self.started = False
 
@@ -83,27 +82,54 @@ class ModelInstance:
         return self.model.call(operation, *self._records, step_size)
 
     def set(self, **values: float | str) -> None:
-        """Set parameters (before start) and inputs by name; all of them or, on an error, none.
+        """Set parameters (after start only tunable ones) and inputs by name; all or, on an error, none.
 
         Args:
             values: numbers, strings with a unit, names of items of enumerations.
 
         Raises:
-            Refused: an unknown name, a value out of its range, or a parameter after start.
+            Refused: an unknown name, a value out of its range, a parameter that is not tunable after start,
+                or tunable ones that do not go with the others.
         """
-        places = []
+        numbers = {}
         known = self.model.by_name
         for name, value in values.items():
             variable = known.get(name)
             if variable is None or variable.causality not in (INPUT, PARAMETER):
                 settable = ", ".join(v.name for v in known.values() if v.causality in (INPUT, PARAMETER))
                 raise Refused(f"{name} must be a parameter or an input: {settable}")
-            if variable.causality == PARAMETER and self.started:
-                raise Refused(f"{name} = {value} must be set before the start: parameters are fixed after it")
-            record = self.inputs if variable.causality == INPUT else self.parameters
-            places.append((record, name, variable.number(value)))
-        for record, name, number in places:
-            setattr(record, name, number)
+            if variable.causality == PARAMETER and self.started and not variable.is_tunable:
+                raise Refused(f"{name} = {value} must be set before the start: it is fixed after it")
+            numbers[name] = variable.number(value)
+        self.assign(numbers)
+
+    def assign(self, numbers: Mapping[str, float]) -> None:
+        """Set parameters and inputs; what follows from parameters tuned after start is derived anew.
+
+        Raises:
+            Refused: a tuned parameter out of its range, alone or with others; nothing is changed.
+        """
+        changed = [name for name, number in numbers.items() if self.started and number != self[name]]
+        tuned = [name for name in changed if self._record(name) is self.parameters]
+        for name in tuned:
+            self.model.by_name[name].number(numbers[name])
+        before = {name: self[name] for name in numbers}
+        self._write(numbers)
+        status = self.call(codes.TUNE, 0.0) if tuned else codes.OK
+        if status != codes.OK:
+            reason = self.model.explain(status, self.parameters, self.inputs, 0.0)
+            self._write(before)
+            self.call(codes.CHECK, 0.0)
+            raise Refused(reason)
+
+    def _write(self, numbers: Mapping[str, float]) -> None:
+        for name, number in numbers.items():
+            setattr(self._record(name), name, number)
+
+    def _record(self, name: str) -> Any:
+        """The record that holds a variable."""
+        causality = self.model.by_name[name].causality
+        return {INPUT: self.inputs, PARAMETER: self.parameters}.get(causality, self.outputs)
 
     def set_rates(self, **rates: float) -> None:
         """Give inputs a constant rate over the coming step, per second: they start it from their values.
@@ -180,14 +206,7 @@ class ModelInstance:
 
     def __getitem__(self, name: str) -> float:
         """Value of any variable by its name."""
-        variable = self.model.by_name[name]
-        if variable.causality == INPUT:
-            record = self.inputs
-        elif variable.causality == PARAMETER:
-            record = self.parameters
-        else:
-            record = self.outputs
-        value: float = getattr(record, name)
+        value: float = getattr(self._record(name), name)
         return value
 
     def read(self, names: Sequence[str]) -> tuple[float, ...]:

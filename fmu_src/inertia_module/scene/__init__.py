@@ -1,7 +1,19 @@
 """Scene files: what is to be simulated, how accurately, and what is wanted of it."""
 
 from .errors import SceneError
+from .reading import load_any_scene, load_scene, read_scene
 from .run import SceneResult, run_scene
-from .schema import Scene, load_scene, read_scene
+from .schema import Scene
+from .shaft import ShaftScene, run_shaft_scene
 
-__all__ = ["Scene", "SceneError", "SceneResult", "load_scene", "read_scene", "run_scene"]
+__all__ = [
+    "Scene",
+    "SceneError",
+    "SceneResult",
+    "ShaftScene",
+    "load_any_scene",
+    "load_scene",
+    "read_scene",
+    "run_scene",
+    "run_shaft_scene",
+]

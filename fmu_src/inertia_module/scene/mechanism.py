@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, create_model
@@ -42,17 +42,18 @@ def _type(variable: Variable) -> Any:
     return Annotated[number | Literal["auto"] if variable.name == FIDELITY else number, _validator(variable)]
 
 
+def keys_of(variables: Iterable[Variable]) -> Any:
+    """Keys of a table for variables: each may be given, as a number in SI, with a unit, or by name."""
+    return {variable.name: (_type(variable), None) for variable in variables}
+
+
 # tolerance has a table of its own: [accuracy]
 Mechanism: type[BaseModel] = create_model(
     "Mechanism",
     __base__=Strict,
     __doc__="Parameters of the module that differ from the defaults (scene R1).",
-    **{
-        variable.name: (_type(variable), None)
-        for variable in with_causality(PARAMETER)
-        if variable.name != "tolerance"
-    },
-)  # type: ignore[call-overload]
+    **keys_of(variable for variable in with_causality(PARAMETER) if variable.name != "tolerance"),
+)
 
 
 def parameters(mechanism: BaseModel) -> dict[str, float]:
@@ -73,6 +74,10 @@ ELASTIC_PARAMETERS = (
     "shaft_damping",
     "driven_friction",
     "balancer",
+    "housing_stiffness",
+    "housing_damping",
+    "freewheel_stiffness",
+    "freewheel_damping",
 )
 
 

@@ -15,18 +15,16 @@ from .schema import Scene
 from .summary import SUMMARISED, Quantity, summarise
 
 
-@dataclass(frozen=True)
-class SceneResult:
+@dataclass(frozen=True, kw_only=True)
+class Outcome:
     """What a scene gave.
 
     Attributes:
-        scene: as it was run.
         record: everything recorded: outputs wanted, outputs summarised, signals of the loop.
         summary: the numbers by name. units: of these numbers, "" for counts and ratios.
         warnings: that the FMU logged.
     """
 
-    scene: Scene
     record: Result
     quantities: dict[str, Quantity] = field(repr=False)
     warnings: tuple[str, ...] = ()
@@ -41,13 +39,21 @@ class SceneResult:
         """Units of the numbers of the summary, "" for counts and ratios."""
         return {name: quantity.unit for name, quantity in self.quantities.items()}
 
+
+@dataclass(frozen=True, kw_only=True)
+class SceneResult(Outcome):
+    """What a scene of the module gave.
+
+    Attributes:
+        scene: as it was run.
+    """
+
+    scene: Scene
+
     @property
     def table(self) -> Result:
         """The outputs the scene wants and the signals of its loop, at each communication point."""
-        extra = set(SUMMARISED) - set(self.scene.run.outputs)
-        names = [name for name in self.record.names if name not in extra]
-        units = {name: self.record.units[name] for name in names}
-        return Result.from_columns({name: self.record[name] for name in names}, units)
+        return self.record.without(set(SUMMARISED) - set(self.scene.run.outputs))
 
 
 def start_of(scene: Scene) -> tuple[Any, dict[str, float], dict[str, float]]:
@@ -89,4 +95,4 @@ def run_scene(scene: Scene, fmu_path: Path | str, progress: Progress | None = No
         wall_time = time.perf_counter() - began
     measured = scene.measured if scene.controller is not None else None
     summary = summarise(record, measured, scene.cycle, wall_time)
-    return SceneResult(scene, record, summary, tuple(fmu.warnings))
+    return SceneResult(scene=scene, record=record, quantities=summary, warnings=tuple(fmu.warnings))

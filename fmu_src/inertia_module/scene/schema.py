@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterator, Mapping
-from pathlib import Path
 from typing import Annotated, Any
 
 from pydantic import Field, ValidationError, model_validator
@@ -248,43 +246,3 @@ def _without_files(data: dict[str, Any]) -> dict[str, Any]:
         for name, value in data.items()
         if name != "file"
     }
-
-
-def read_scene(text: str, folder: Path) -> Scene:
-    """Check the text of a scene file.
-
-    Args:
-        text: TOML. folder: where paths of CSV files in it start.
-
-    Raises:
-        SceneError: in one line, the key, the value and what is allowed.
-    """
-    try:
-        data = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise SceneError(f"the scene is no TOML: {' '.join(str(error).split())}") from None
-    load = data.get("load")
-    kind = load.get("kind") if isinstance(load, dict) else None
-    try:
-        return Scene.model_validate(data, context={"folder": folder, "measured": measured_speed(kind)})
-    except ValidationError as failure:
-        raise SceneError(one_line(Scene, failure)) from None
-
-
-def load_scene(path: Path | str) -> Scene:
-    """Read and check a scene file.
-
-    Raises:
-        SceneError: in one line, the file, the key, the value and what is allowed.
-    """
-    path = Path(path)
-    try:
-        text = path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise SceneError(f"{path} must be a scene file (TOML): {error.strerror}") from None
-    except UnicodeDecodeError as error:
-        raise SceneError(f"{path} must be a scene file (TOML): {error}") from None
-    try:
-        return read_scene(text, path.parent)
-    except SceneError as error:
-        raise SceneError(f"{path.name}: {error}") from None

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..contract.variables import LOSSES
 from ..harness.simulate import Result
 from ..loops.cycles import KILOMETRE_PER_HOUR, Cycle
 
@@ -21,6 +22,7 @@ SUMMARISED = (
     "energy_out",
     "energy_stored",
     "energy_lost",
+    *LOSSES,
     "energy_residual",
     "contact_switches",
     "rhs_evaluations",
@@ -61,7 +63,8 @@ def _speeds_and_torques(table: Result) -> dict[str, Quantity]:
     }
 
 
-def _energy(table: Result) -> dict[str, Quantity]:
+def energy(table: Result) -> dict[str, Quantity]:
+    """Energies since the start, losses by cause where there are any, efficiency, and how well they add up."""
     last = table.last()
     stored = last["energy_stored"] - float(table["energy_stored"][0])
     scale = max(abs(last["energy_in"]), abs(last["energy_out"]), abs(stored))
@@ -70,9 +73,43 @@ def _energy(table: Result) -> dict[str, Quantity]:
         "energy_out": Quantity(last["energy_out"], "J"),
         "energy_stored_gain": Quantity(stored, "J"),
         "energy_lost": Quantity(last["energy_lost"], "J"),
+        **{name: Quantity(last[name], "J") for name in LOSSES if last.get(name)},
+        **_efficiency(last["energy_in"], last["energy_out"], stored, last["energy_lost"]),
         "energy_residual": Quantity(last["energy_residual"], "J"),
         "energy_residual_relative": Quantity(abs(last["energy_residual"]) / scale if scale else 0.0, ""),
     }
+
+
+def _efficiency(given: float, taken: float, stored: float, lost: float) -> dict[str, Quantity]:
+    """What is not lost of all energy put in: by the drive, by a load that drives, by motion used up.
+
+    So energy still stored at the end counts as kept. A balancer that gives more than is lost (lost < 0) is
+    a source of its own, and there is no efficiency.
+    """
+    put_in = max(given, 0.0) + max(-taken, 0.0) + max(-stored, 0.0)
+    return {"efficiency": Quantity(1.0 - lost / put_in, "")} if lost >= 0.0 and put_in > 0.0 else {}
+
+
+def forces(table: Result) -> dict[str, NDArray[np.float64]]:
+    """Magnitudes of the forces, N, and moments, N m, that are recorded and known: on bearing and mount."""
+    found = {"satellite_force": table["satellite_force"]} if "satellite_force" in table else {}
+    for name in ("shaking_force", "shaking_moment"):
+        parts = [f"{name}_{axis}" for axis in "xyz"]
+        if all(part in table for part in parts):
+            found[name] = np.sqrt(sum(table[part] ** 2 for part in parts))
+    return {name: values for name, values in found.items() if values.any()}
+
+
+def _forces(table: Result) -> dict[str, Quantity]:
+    """Peak and RMS at the communication points; of the bearing the peak in between, where recorded."""
+    numbers: dict[str, Quantity] = {}
+    for name, values in forces(table).items():
+        unit = "N.m" if name == "shaking_moment" else "N"
+        numbers[f"{name}_peak"] = Quantity(float(values.max()), unit)
+        numbers[f"{name}_rms"] = Quantity(float(np.sqrt(np.mean(values**2))), unit)
+    if "satellite_force_peak" in table and table["satellite_force_peak"].any():
+        numbers["satellite_force_peak"] = Quantity(float(table["satellite_force_peak"].max()), "N")
+    return numbers
 
 
 def work(table: Result, torque: str) -> NDArray[np.float64]:
@@ -129,7 +166,8 @@ def summarise(
     summary = {
         "simulated_time": Quantity(simulated, "s"),
         **_speeds_and_torques(table),
-        **_energy(table),
+        **energy(table),
+        **_forces(table),
     }
     if "vehicle_speed" in table:
         summary |= _vehicle(table)

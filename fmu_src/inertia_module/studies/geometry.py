@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -60,22 +61,49 @@ def bevel_lengths(p: Parameters) -> tuple[float, float, float]:
     )
 
 
-def positions(p: Parameters, q: Array, satellite: int) -> Array:
-    """Imbalance of a satellite in the frame of link 1 at drive angles q (points,), m, shape (points, 3)."""
+def attitudes(p: Parameters, q: Array, satellite: int) -> Array:
+    """Matrices that turn a satellite to where it is in link 1 at drive angles q (points,): (points, 3, 3).
+
+    Its own axis is x (planar) or z (bevel).
+    """
     place = 2.0 * np.pi * satellite / p["satellites"]
     if p["layout"]:
-        arm = turn(0, q) @ (-p["eccentricity"] * EZ)
-        planar: Array = ((p["sun_radius"] + p["satellite_radius"]) * EZ + arm) @ turn(0, place).T
+        planar: Array = turn(0, q + place)
         return planar
-    ad, qa, oq = bevel_lengths(p)
-    spun = turn(2, satellite_ratio(p) * q + p["epsilon"]) @ np.array([-ad, 0.0, -qa])
-    on_drive = spun @ turn(1, -p["shaft_angle"]).T
-    bevel: Array = oq * EZ + np.einsum("nij,nj->ni", turn(2, q + p["gamma"] + place), on_drive)
+    spun = turn(1, -p["shaft_angle"]) @ turn(2, satellite_ratio(p) * q + p["epsilon"])
+    bevel: Array = turn(2, q + p["gamma"] + place) @ spun
     return bevel
 
 
+def positions(p: Parameters, q: Array, satellite: int) -> Array:
+    """Imbalance of a satellite in the frame of link 1 at drive angles q (points,), m, shape (points, 3)."""
+    turned = attitudes(p, q, satellite)
+    if p["layout"]:
+        place = turn(0, 2.0 * np.pi * satellite / p["satellites"])
+        centre = (p["sun_radius"] + p["satellite_radius"]) * EZ
+        planar: Array = place @ centre - p["eccentricity"] * turned @ EZ
+        return planar
+    ad, qa, oq = bevel_lengths(p)
+    bevel: Array = oq * EZ + turned @ np.array([-ad, 0.0, -qa])
+    return bevel
+
+
+def masses(p: Parameters, q: Array, satellite: int) -> list[tuple[float, Array]]:
+    """Point masses that move as a satellite does: kg, and positions in link 1, shape (points, 3), m.
+
+    The imbalance, and three at 1 m on the axes of the gear that have its inertias about its centre (that on
+    its own axis may be negative).
+    """
+    axes = attitudes(p, q, satellite)
+    across = 0.5 * p["satellite_inertia"]
+    own = p["satellite_transverse_inertia"] - across
+    shares = (own, across, across) if p["layout"] else (across, across, own)
+    gear = [(share, axes[..., n]) for n, share in enumerate(shares)]
+    return [(p["imbalance_mass"], positions(p, q, satellite)), *gear]
+
+
 class Inertia:
-    """I, B, G of the imbalances and drives (docs/mechanics.md) as Fourier series in the drive angle.
+    """I, B, G of imbalances, gears and drives (docs/mechanics.md) as Fourier series in the drive angle.
 
     Attributes:
         highest: order of the highest harmonic, per turn of the drive.
@@ -87,12 +115,12 @@ class Inertia:
         angles = np.linspace(0.0, 2.0 * np.pi * turns, points, endpoint=False)
         orders = np.fft.fftfreq(points, turns / points)
         sums = np.zeros((3, points))
-        for satellite in range(int(p["satellites"])):
-            r = positions(p, angles, satellite)
+        moving = (masses(p, angles, satellite) for satellite in range(int(p["satellites"])))
+        for mass, r in itertools.chain.from_iterable(moving):
             rate = np.fft.ifft(1j * orders[:, None] * np.fft.fft(r, axis=0), axis=0).real
             (_, y, z), (_, y1, z1) = r.T, rate.T
-            sums += np.array([y * y + z * z, y * z1 - z * y1, (rate**2).sum(axis=1)])
-        sums *= p["imbalance_mass"] * p["modules"]
+            sums += mass * np.array([y * y + z * z, y * z1 - z * y1, (rate**2).sum(axis=1)])
+        sums *= p["modules"]
         # the drive's own: of the planar layout it turns with link 1 too
         sums += p["drive_inertia"] * np.array([[p["layout"]], [p["layout"]], [1.0]])
         terms = np.fft.fft(sums, axis=1) / points

@@ -55,10 +55,10 @@ void set_start_values(struct instance *c)
 static void lay_out(struct instance *c, double *memory)
 {
     double **const arrays[] = {&c->head, &c->p, &c->d, &c->u, &c->x, &c->y, &c->x_before, &c->u_before,
-                               &c->w, &c->x_trial, &c->u_trial, &c->y_trial, &c->y_other};
+                               &c->w, &c->p_trial, &c->x_trial, &c->u_trial, &c->y_trial, &c->y_other};
     const size_t sizes[] = {HEAD_SIZE, model.p_size, model.d_size, model.u_size, model.x_size, model.y_size,
-                            model.x_size, model.u_size, model.w_size, model.x_size, model.u_size,
-                            model.y_size, model.y_size};
+                            model.x_size, model.u_size, model.w_size, model.p_size, model.x_size,
+                            model.u_size, model.y_size, model.y_size};
     c->block = memory;
     for (size_t n = 0; n < sizeof sizes / sizeof *sizes; n++) {
         *arrays[n] = memory;
@@ -90,7 +90,7 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
         return refuse(callbacks, name, "the type of the instance must be fmi2CoSimulation, is another");
     if (!guid || strcmp(guid, model.guid) != 0)
         return refuse(callbacks, name, "the GUID must be that of modelDescription.xml, is of another build");
-    const size_t trials = model.w_size + model.x_size + model.u_size + 2 * model.y_size;
+    const size_t trials = model.w_size + model.p_size + model.x_size + model.u_size + 2 * model.y_size;
     const size_t doubles = (block_size() + trials) * sizeof(double);
     const size_t letters = strlen(name) + 1;
     struct instance *c = allocate(callbacks, sizeof *c);

@@ -30,7 +30,7 @@ struct instance {
     double *head, *p, *d, *u, *x, *y, *x_before, *u_before;
     double *values[ARRAYS];
     /* not part of the state: workspace of the kernel, and arrays to try things out on */
-    double *w, *x_trial, *u_trial, *y_trial, *y_other;
+    double *w, *p_trial, *x_trial, *u_trial, *y_trial, *y_other;
 };
 
 /* doubles in the block of a state */

@@ -22,6 +22,7 @@ struct variable {
     int given_slot;
     int late;            /* filled in by OPERATION_OUTPUTS only, when it is read */
     int output;          /* whether its causality is output */
+    int tunable;         /* whether it is a parameter that may change between steps */
     double start;        /* of parameters and inputs */
     double minimum;
     double maximum;

@@ -22,6 +22,7 @@ from ..codes import (
     OUTPUTS,
     RATES,
     START,
+    TUNE,
 )
 from ..inputs import mean_torque, take_speed
 from ..limits import LARGEST_SPEED, LARGEST_STEP, LARGEST_TORQUE
@@ -78,15 +79,25 @@ def write_outputs(p, x, y):
     y.energy_residual = passed - (y.energy_stored - x.energy_start)
 
 
-def start(p, d, u, x, y):
-    """Derive d from p; set x and y at the end of initialisation. Returns OK or the status of bad inputs."""
-    status = check_inputs(u)
-    if status != OK:
-        return status
+def derive(p, d):
+    """Fill d from p; no parameters within their ranges are refused together."""
     d.rate = (p.shaft_damping + p.driven_friction) / p.driven_inertia
     d.square = p.shaft_stiffness / p.driven_inertia
     d.swing, d.slow, d.fast = characteristic(d.rate, d.square)
     d.step = 0.0
+
+
+def check(p, d, u):
+    """Derive the constants and check the inputs. Returns a status."""
+    derive(p, d)
+    return check_inputs(u)
+
+
+def start(p, d, u, x, y):
+    """Derive d from p; set x and y at the end of initialisation. Returns OK or the status of bad inputs."""
+    status = check(p, d, u)
+    if status != OK:
+        return status
     for n in range(len(x.numbers)):
         x.numbers[n] = 0.0
     x.twist = p.twist_start
@@ -185,7 +196,10 @@ def call(operation, p, d, u, x, y, w, h):
     if operation == START:
         return start(p, d, u, x, y)
     if operation == CHECK:
-        return check_inputs(u)
+        return check(p, d, u)
+    if operation == TUNE:
+        derive(p, d)
+        return OK
     if operation == OUTPUTS:
         write_outputs(p, x, y)
         return OK

@@ -3,7 +3,7 @@
 import math
 
 from ..accumulate import add, add_loss, wrap_drive_angle, wrap_input_angle
-from ..codes import FREEWHEEL, GENERAL, NONE
+from ..codes import FREEWHEEL, GENERAL, NONE, SHAFT
 from ..links import response
 from ..loads import INSIDE_PHASE, see
 from ..search import first_crossing
@@ -54,7 +54,9 @@ SEEN = 9
 # phase of the highest harmonic within one step, and between two looks at a guard, rad
 STEP_PHASE = 4.0
 LOOK_PHASE = 1.0
-SAFETY = 0.9
+SAFETY = 0.8
+# share of its size that a step keeps where a freewheel has switched
+AFRESH = 0.5
 SMALLEST_FACTOR = 0.2
 LARGEST_FACTOR = 5.0
 REJECTIONS = 100
@@ -130,7 +132,9 @@ def step_error(d, x, w, fastest):
             sum3 += error3 * error3
             count += 1
     mix = sum5 + 0.01 * sum3
-    return w.step * sum5 / math.sqrt(count * mix) if mix > 0.0 else 0.0
+    if mix == 0.0:
+        return 0.0
+    return w.step * sum5 / math.sqrt(count * mix) if mix < 1e300 else 1e300
 
 
 def try_steps(d, x, w, limit):
@@ -160,7 +164,12 @@ def zero_of(d, x, w, which, fastest):
         taken = max(abs(x.omega2), max(abs(x.omega2 + w.followed[OMEGA2].change), abs(x.omega3)))
         return VELOCITY_ROUNDING * max(response(d, d.J2) * fastest, taken)
     m = d.machine
-    return TORQUE_ROUNDING * (abs(m.mesh) + abs(m.housing) + abs(m.output) + abs(w.load))
+    zero = TORQUE_ROUNDING * (abs(m.mesh) + abs(m.housing) + abs(m.output) + abs(w.load))
+    if which > OUTPUT:
+        return zero
+    # of a spring: by the error its wind-up may have
+    stiffness = d.housing_stiffness if which == HOUSING else d.freewheel_stiffness
+    return max(zero, d.tolerance * fastest * math.sqrt((d.J2 + d.F_by_alpha1) * stiffness))
 
 
 def first_event(d, x, w, fastest):
@@ -204,7 +213,8 @@ def commit(d, x, w):
     x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, f[WORK_IN].change)
     x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, f[WORK_OUT].change)
     for cause in range(len(x.lost)):
-        add_loss(x, cause, f[LOST + cause].change)
+        if cause != SHAFT or d.elastic != 0.0:
+            add_loss(x, cause, f[LOST + cause].change)
     x.input_impulse += f[OF_DRIVE].change
     x.mesh_impulse += f[OF_MESH].change
     x.housing_impulse += f[OF_HOUSING].change
@@ -223,6 +233,9 @@ def meet(d, x, which):
         x.omega2 = 0.0
         x.omega2_low = 0.0
     elif which == OUTPUT:
+        if x.housing_state == LOCKED or (d.housing != 0.0 and d.housing_stiffness == 0.0 and x.omega3 < 0.0):
+            x.omega3 = 0.0
+            x.omega3_low = 0.0
         x.omega2 = x.omega3
         x.omega2_low = x.omega3_low
     elif x.housing_state == LOCKED:
@@ -285,6 +298,7 @@ def advance_general(d, x, w, remaining):
     elif which > FLOW:
         x.spin_sign = -x.spin_sign
     elif which != NONE:
+        x.step_size *= AFRESH
         w.ended = 0.0 if is_speed(x, which) else 1.0
         w.met_slip = 1.0 if which == SLIP and is_speed(x, which) and x.housing_state != LOCKED else 0.0
         if w.ended != 0.0:

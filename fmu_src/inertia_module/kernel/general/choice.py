@@ -5,22 +5,23 @@
 
 from ..links import given_at_input
 from .motion import evaluate, take_state
-from .states import LOCKED, OPEN, WOUND, contact_mode, is_rough, may_be_housing, may_be_output, may_slip
+from .states import LOCKED, OPEN, contact_mode, is_rough, may_be_housing, may_be_output, may_slip
 
 # share of the torques by which what has just ended seems to go on, and still has ended
 ENDED = 1e-3
-# share of the torques that is rounding: the one before goes on
-ROUNDING = 1e-12
+# share of the torques that is rounding, so that at the beginning of a step the one before goes on
+GOES_ON = -1e-12
 NO_TORQUE = 1e-300
 
 
-def worst_of_freewheel(state, drag, torque, speed, wound, push):
-    """By how much a freewheel misses its condition, N m; push: torque that its slip accelerates with."""
+def worst_of_freewheel(state, drag, torque, speed, push):
+    """By how much a freewheel misses its condition, N m; push: torque that its slip accelerates with.
+
+    A spring may always be there that does not overrun: it settles on less than the drag, or lets go.
+    """
     if state == OPEN:
         return -push if speed <= 0.0 else 0.0
-    if state == WOUND:
-        return push - drag if speed == 0.0 and wound == 0.0 else 0.0
-    return -torque - drag
+    return -torque - drag if state == LOCKED else 0.0
 
 
 def violation(d, x, given, load):
@@ -28,18 +29,14 @@ def violation(d, x, given, load):
     m = d.machine
     evaluate(d, x, given, load, False)
     inertia = d.J2 + d.J3 + d.F_by_alpha1
-    worst = worst_of_freewheel(
-        x.housing_state,
-        d.housing_drag,
-        m.housing,
-        m.omega2,
-        m.wound_housing,
-        inertia * m.alpha2,
-    )
+    worst = 0.0
+    if d.housing != 0.0:
+        push = inertia * m.alpha2
+        worst = worst_of_freewheel(x.housing_state, d.housing_drag, m.housing, m.omega2, push)
     if d.output != 0.0:
         slip = m.omega3 - m.omega2
         push = inertia * (m.alpha3 - m.alpha2)
-        output = worst_of_freewheel(x.output_state, d.output_drag, m.output, slip, m.wound_output, push)
+        output = worst_of_freewheel(x.output_state, d.output_drag, m.output, slip, push)
         worst = max(worst, output)
     if x.slip_sign == 0.0:
         worst = max(worst, -d.k * m.margin)
@@ -60,8 +57,12 @@ def take_speeds(x):
         x.omega3_low = x.omega2_low
 
 
-def choose_states(d, x, ended):
-    """Choose what freewheels and slip do from now on, into x; ended: what they did has come to an end."""
+def choose_states(d, x, before_misses):
+    """Choose what freewheels and slip do from now on, into x.
+
+    Args:
+        before_misses: what is added to the violation of what they did before, as a share of the torques.
+    """
     take_state(d, x)
     given = given_at_input(d, x)
     before = (x.housing_state, x.output_state, x.slip_sign)
@@ -78,7 +79,7 @@ def choose_states(d, x, ended):
         x.housing_state, x.output_state, x.slip_sign = housing, output, sign
         missing = violation(d, x, given, x.load_torque)
         if (housing, output, sign) == before:
-            missing += ENDED if ended else -ROUNDING
+            missing += before_misses
         if missing < least:
             least = missing
             best = (housing, output, sign)
@@ -102,5 +103,5 @@ def choose_next_states(d, x, w):
         if x.output_state == LOCKED:
             x.omega3 = x.omega2
             x.omega3_low = x.omega2_low
-    choose_states(d, x, w.ended != 0.0)
+    choose_states(d, x, ENDED if w.ended != 0.0 else 0.0)
     return before != (x.housing_state, x.output_state, x.slip_sign)

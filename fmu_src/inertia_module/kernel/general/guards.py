@@ -1,8 +1,8 @@
 """What has to stay positive while the freewheels and the slip of links 1 and 2 do what they do.
 
-Of a freewheel that overruns its speed, of one that is locked its torque with its drag. Of links that slip the
-slip by its sign, of links that stick together what is left of the friction that holds them. Of the meshes their
-torques, by the signs that the losses go by.
+Of a freewheel that overruns its speed, of one that is locked its torque with its drag. Of links that slip
+the slip by its sign, of links that stick together what is left of the friction that holds them. Of the meshes
+their torques, by the signs that the losses go by.
 """
 
 from ..solvers.dormand_prince import END, NODES
@@ -64,7 +64,7 @@ def watch(d, x, w, n):
 
 
 def is_clear(w, which):
-    """Whether a guard is far above zero, or grows away from what it begins with, at all stages of the step."""
+    """Whether a guard is far above zero, or grows away from its beginning, at all stages of the step."""
     values = w.watched[which].value
     start = values[0]
     low = high = start

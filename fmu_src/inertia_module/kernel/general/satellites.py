@@ -14,7 +14,8 @@ def spin_torques(d, q, first, omega1, rate_q, alpha1, rate2_q, signed):
     Mesh 17-6: its loss times s |tau6|, tau6 = m a . dr/dB, linear in the accelerations.
 
     Args:
-        first: place of the first imbalance (layout.imbalance). q, omega1, rate_q: motion of link 1 and the drives. alpha1, rate2_q: accelerations.
+        first: place of the first imbalance (layout.imbalance).
+        q, omega1, rate_q, alpha1, rate2_q: motion of link 1 and the drives.
         signed: whether each tau6 counts with its sign at these accelerations, else as it is.
 
     Returns:

@@ -3,6 +3,7 @@
 w.followed holds for each quantity its rates at the stages and its change over the step.
 """
 
+from ..codes import SHAFT
 from ..links import friction_power
 from ..solvers.dormand_prince import (
     END,
@@ -53,6 +54,11 @@ def how_many_move(d):
     if d.elastic == 0.0:
         return RIGID_OUTPUT
     return MOVING if d.housing_stiffness + d.freewheel_stiffness > 0.0 else WITHOUT_WIND_UP
+
+
+def is_followed(d, n, moving):
+    """Whether this quantity is one of the motion or of the sums that there are."""
+    return n < moving or (n >= MOVING and (n != LOST + SHAFT or d.elastic != 0.0))
 
 
 def weighed(n, rates):
@@ -107,6 +113,8 @@ def keep_rates(d, x, w, n):
     f = w.followed
     slip = 0.0 if x.slip_sign == 0.0 else m.omega1 - m.omega2
     rate_q = d.k * slip
+    # of one sign up to the event, and smooth beyond it
+    turned = x.slip_sign * rate_q
     turning = m.omega3 - m.relative
     f[Q].rate[n] = rate_q
     f[THETA].rate[n] = m.omega1
@@ -120,10 +128,11 @@ def keep_rates(d, x, w, n):
     f[WORK_IN].rate[n] = m.drive * m.omega1
     f[WORK_OUT].rate[n] = w.load * turning
     f[LOST].rate[n] = friction_power(d, m.omega1, m.omega2, d.b2) + d.b3 * m.omega3 * m.omega3
-    shaft = d.damping * m.relative * m.relative + d.friction * turning * turning
-    f[LOST + 1].rate[n] = shaft - d.balancer * d.J4 * m.alpha3 * turning
-    f[LOST + 2].rate[n] = d.mesh_loss * x.flow_sign * m.mesh * slip + x.spin_sign * m.spun * abs(rate_q)
-    f[LOST + 3].rate[n] = m.journals * abs(rate_q)
+    if d.elastic != 0.0:
+        shaft = d.damping * m.relative * m.relative + d.friction * turning * turning
+        f[LOST + 1].rate[n] = shaft - d.balancer * d.J4 * m.alpha3 * turning
+    f[LOST + 2].rate[n] = d.mesh_loss * x.flow_sign * m.mesh * slip + x.spin_sign * m.spun * turned
+    f[LOST + 3].rate[n] = m.journals * turned
     f[LOST + 4].rate[n] = power_of_freewheels(d, x, m)
     f[OF_DRIVE].rate[n] = m.drive
     f[OF_MESH].rate[n] = m.mesh
@@ -167,7 +176,7 @@ def make_step(d, x, w, h):
     for n in range(1, END + 1):
         evaluate_stage(d, x, w, n, moving)
     for n in range(FOLLOWED):
-        if n < moving or n >= MOVING:
+        if is_followed(d, n, moving):
             w.followed[n].change = h * sum_12(w.followed[n].rate)
     if d.by_torque == 0.0:
         w.followed[OMEGA1].change = h * w.given
@@ -177,7 +186,7 @@ def cut_step(d, w, sigma):
     """Make the step in hand, its inside known, one of its part sigma."""
     moving = how_many_move(d)
     for n in range(FOLLOWED):
-        if n < moving or n >= MOVING:
+        if is_followed(d, n, moving):
             w.followed[n].change = integral(w, w.followed[n].rate, sigma)
     w.step *= sigma
     if d.by_torque == 0.0:

@@ -36,6 +36,8 @@ def _imbalance(p: Parameters, name: str, place: Iterable[float]) -> str:
 def _bevel_module(p: Parameters, module: int) -> str:
     """Drive about the z axis of link 1, satellites on it. Half of J16 across its axis is J1's."""
     own = max(p["drive_inertia"] / p["modules"], NEGLIGIBLE)
+    across = max(p["satellite_transverse_inertia"], NEGLIGIBLE)
+    gear = across, across, max(p["satellite_inertia"], NEGLIGIBLE)
     ad, qa, oq = bevel_lengths(p)
     satellites = ""
     for n in range(int(p["satellites"])):
@@ -43,7 +45,7 @@ def _bevel_module(p: Parameters, module: int) -> str:
         satellites += (
             f"<body {_frame(oq * EZ, turned)}>"
             f'<joint name="satellite {module} {n}" type="hinge" axis="0 0 1"/>'
-            f"{_inertial(NEGLIGIBLE, *[NEGLIGIBLE] * 3)}"
+            f"{_inertial(NEGLIGIBLE, *gear)}"
             f"{_imbalance(p, f'imbalance {module} {n}', (-ad, 0.0, -qa))}</body>"
         )
     return (
@@ -54,7 +56,7 @@ def _bevel_module(p: Parameters, module: int) -> str:
 
 def _planar_module(p: Parameters, module: int) -> str:
     """Satellites on link 1, their axes parallel to the central one."""
-    own = max(p["drive_inertia"] / p["modules"] / p["satellites"], NEGLIGIBLE)
+    own = max(p["drive_inertia"] / p["modules"] / p["satellites"] + p["satellite_inertia"], NEGLIGIBLE)
     centre = (p["sun_radius"] + p["satellite_radius"]) * EZ
     satellites = ""
     for n in range(int(p["satellites"])):

@@ -97,7 +97,7 @@ def grazing_speed(mechanism: Mechanism) -> float:
 
     def engages(speed: float) -> bool:
         values = mechanism.parameters | {"omega_out_start": speed, "tolerance": 1e-13}
-        module = Module().start(**values, omega1=mechanism.omega1)
+        module = Module().start(**values, omega1=mechanism.omega1, load_torque=0.0)
         module.advance(TRAVEL / mechanism.omega1)
         return module["output_torque_mean"] != 0.0
 

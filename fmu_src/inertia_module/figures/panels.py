@@ -1,0 +1,65 @@
+"""What the panels of a scene's figure have in common: their dress, pulses, means over pulses."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from numpy.typing import NDArray
+
+from ..harness.simulate import Result
+
+# 1200 x 900 pixels
+SIZE = (12.0, 9.0)
+DPI = 100
+# a weighted mean over this time, s, shows the drive behind the pulses
+SMOOTHING = 1.0
+
+Array = NDArray[np.float64]
+
+
+def dress(axes: Axes, label: str) -> None:
+    """Label, grid and, above the panel where it hides nothing, legend."""
+    axes.set_ylabel(label)
+    axes.grid(alpha=0.25)
+    axes.margins(x=0.0)
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(False)
+    if axes.get_legend_handles_labels()[1]:
+        axes.legend(
+            loc="lower left",
+            bbox_to_anchor=(0.0, 1.0),
+            ncols=6,
+            fontsize=9,
+            frameon=False,
+            borderpad=0.1,
+            columnspacing=1.2,
+        )
+
+
+def headline(axes: Axes, text: str) -> None:
+    """A line above the legend of a panel."""
+    axes.set_title(text, loc="left", fontsize=11, pad=22)
+
+
+def in_thousands(unit: str, *values: Array) -> tuple[float, str]:
+    """What values are to be divided by to be shown, and in which unit: with a k where they are large."""
+    largest = max(float(np.abs(part).max()) for part in values)
+    return (1e3, f"k{unit}") if largest > 2e3 else (1.0, unit)
+
+
+def pulse_starts(table: Result) -> NDArray[np.int64]:
+    """Rows at which a torque pulse on the output shaft begins, as far as the rows show."""
+    driving = table["output_torque_mean"] > 0.0
+    return np.flatnonzero(~driving[:-1] & driving[1:]).astype(np.int64)
+
+
+def smooth(time: Array, values: Array, window: float = SMOOTHING) -> Array:
+    """Mean of values over a Hann window, s, around each row (cut off at the ends).
+
+    Args:
+        time, values: shape (n,), time in equal steps.
+    """
+    rows = round(window / float(time[1] - time[0]))
+    weights = np.hanning(min(max(rows, 1), len(time)) + 2)[1:-1]
+    total = np.convolve(values, weights, mode="same")
+    return total / np.convolve(np.ones(len(time)), weights, mode="same")

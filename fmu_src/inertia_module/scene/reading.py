@@ -1,0 +1,90 @@
+"""Scene files: TOML, checked; of a module or, where there is a table [shaft], of a driven shaft alone."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pydantic import BaseModel, ValidationError
+
+from .controllers import measured_speed
+from .errors import SceneError, one_line
+from .schema import Scene
+from .shaft import ShaftScene
+
+Read = TypeVar("Read")
+Model = TypeVar("Model", bound=BaseModel)
+
+
+def read_scene(text: str, folder: Path) -> Scene:
+    """Check the text of a scene file.
+
+    Args:
+        text: TOML. folder: where paths of CSV files in it start.
+
+    Raises:
+        SceneError: in one line, the key, the value and what is allowed.
+    """
+    return _check(Scene, _tables(text), folder)
+
+
+def _tables(text: str) -> dict[str, Any]:
+    """The tables of a scene file, not checked.
+
+    Raises:
+        SceneError: it is no TOML.
+    """
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise SceneError(f"the scene is no TOML: {' '.join(str(error).split())}") from None
+
+
+def _check(model: type[Model], data: dict[str, Any], folder: Path) -> Model:
+    """Tables as a scene of a kind; see read_scene."""
+    load = data.get("load")
+    kind = load.get("kind") if isinstance(load, dict) else None
+    try:
+        return model.model_validate(data, context={"folder": folder, "measured": measured_speed(kind)})
+    except ValidationError as failure:
+        raise SceneError(one_line(model, failure)) from None
+
+
+def load_scene(path: Path | str) -> Scene:
+    """Read and check a scene file.
+
+    Raises:
+        SceneError: in one line, the file, the key, the value and what is allowed.
+    """
+    return _load(path, read_scene)
+
+
+def _load(path: Path | str, read: Callable[[str, Path], Read]) -> Read:
+    """Read a scene file by what checks its text; see load_scene."""
+    path = Path(path)
+    try:
+        text = path.read_text(encoding="utf-8")
+    except OSError as error:
+        raise SceneError(f"{path} must be a scene file (TOML): {error.strerror}") from None
+    except UnicodeDecodeError as error:
+        raise SceneError(f"{path} must be a scene file (TOML): {error}") from None
+    try:
+        return read(text, path.parent)
+    except SceneError as error:
+        raise SceneError(f"{path.name}: {error}") from None
+
+
+def load_any_scene(path: Path | str) -> Scene | ShaftScene:
+    """Read and check a scene file, of a module or of a driven shaft alone.
+
+    Raises:
+        SceneError: as load_scene.
+    """
+
+    def read(text: str, folder: Path) -> Scene | ShaftScene:
+        data = _tables(text)
+        return _check(ShaftScene, data, folder) if "shaft" in data else _check(Scene, data, folder)
+
+    return _load(path, read)

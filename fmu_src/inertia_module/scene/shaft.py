@@ -1,0 +1,209 @@
+"""A scene of the driven shaft alone: its parameters, how its hub turns, its load. It is told by [shaft]."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from pydantic import BaseModel, Field, create_model, model_validator
+
+from ..common.errors import Refused
+from ..contract.driven_shaft_variables import BY_NAME, VARIABLES
+from ..contract.variable import LOCAL, OUTPUT, PARAMETER
+from ..contract.variables import with_causality
+from ..harness.simulate import Progress, Result, communication_points, simulate
+from ..loops.sources import evaluate
+from ..memory.instances import DrivenShaft
+from ..papers.stelmashchuk.law import law_of_motion
+from .errors import SceneError
+from .loads import TorqueLoad
+from .mechanism import keys_of
+from .run import Outcome
+from .schema import Run
+from .summary import Quantity, energy
+from .tables import Duration, Strict, Tabulated, Times
+from .units import quantities, quantity
+
+_OUTPUTS = tuple(variable.name for variable in with_causality(OUTPUT, table=VARIABLES))
+_READABLE = tuple(variable.name for variable in with_causality(OUTPUT, LOCAL, table=VARIABLES))
+_PEAKS = ("omega_out", "driven_acceleration", "shaft_torque", "twist")
+
+Array = NDArray[np.float64]
+
+
+class Similar(Strict):
+    """Criteria of similarity of Stelmashchuk, in place of stiffness and friction: they take T of the drive.
+
+    Attributes:
+        nu: nu^2 = c T^2 / J4. Pi: 2 Pi = f T / J4.
+    """
+
+    nu: Annotated[float, quantity("1", above=0.0)] | None = None
+    Pi: Annotated[float, quantity("1", 0.0)] | None = None
+
+
+Shaft: type[BaseModel] = create_model(
+    "Shaft",
+    __base__=Similar,
+    __doc__="Parameters of the driven shaft that differ from the defaults.",
+    **keys_of(with_causality(PARAMETER, table=VARIABLES)),
+)
+
+
+class SteppingDrive(Strict):
+    """The hub by Stelmashchuk's law: up to speed within T/2, steady for kappa2 T, to rest within T/2.
+
+    Attributes:
+        T: s. kappa2: relative length of the steady phase. angle: turned in both other phases together, rad.
+    """
+
+    kind: Literal["stepping"]
+    T: Duration
+    kappa2: Annotated[float, quantity("1", 0.0)]
+    angle: Annotated[float, quantity("rad", above=0.0)]
+
+    def speeds(self, times: Array) -> Array:
+        """Speed of the hub, rad/s, at times, s, shape (n,)."""
+        return law_of_motion(times / self.T, self.kappa2)[1] * self.angle / self.T
+
+
+class HubTable(Tabulated):
+    """The speed of the hub over time."""
+
+    VALUES: ClassVar[str] = "hub_speed"
+    UNITS: ClassVar[tuple[str, str]] = ("s", "rad/s")
+
+    kind: Literal["table"]
+    time: Times
+    hub_speed: Annotated[list[float], quantities("rad/s")]
+
+    def speeds(self, times: Array) -> Array:
+        """Speed of the hub, rad/s, at times, s, shape (n,)."""
+        return np.array([self.table()(at) for at in times])
+
+
+class ShaftRun(Run):
+    """How long, in which steps, and what is recorded."""
+
+    outputs: list[str] = Field(default=list(_OUTPUTS), min_length=1)
+
+    @model_validator(mode="after")
+    def _outputs_known(self) -> ShaftRun:
+        for name in self.outputs:
+            if name not in _READABLE:
+                raise SceneError(f"run.outputs must be of {', '.join(_READABLE)}, has {name!r}")
+        return self
+
+
+class ShaftScene(Strict):
+    """A scene of the driven shaft, checked; all quantities in SI units.
+
+    Attributes:
+        title, description: for people. shaft: parameters that differ from the defaults.
+        drive, load: what turns the hub and hangs on the driven mass. run: how it is simulated.
+    """
+
+    title: str = "scene"
+    description: str = ""
+    shaft: Shaft  # type: ignore[valid-type]
+    drive: Annotated[SteppingDrive | HubTable, Field(discriminator="kind")]
+    load: TorqueLoad = TorqueLoad(kind="torque", torque=0.0)
+    run: ShaftRun
+
+    @model_validator(mode="after")
+    def _shaft_possible(self) -> ShaftScene:
+        """Let the shaft itself look at all parameters together."""
+        try:
+            DrivenShaft("plain").start(**self.parameters())
+        except SceneError:
+            raise
+        except Refused as error:
+            raise SceneError(f"shaft: {error}") from None
+        return self
+
+    def parameters(self) -> dict[str, float]:
+        """The parameters that the scene gives, as numbers for the FMU, its criteria turned into them.
+
+        Raises:
+            SceneError: a criterion without its T, or besides what it stands for.
+        """
+        given: BaseModel = self.shaft
+        values: dict[str, float] = given.model_dump(exclude_none=True)
+        inertia = values.get("driven_inertia", BY_NAME["driven_inertia"].start or 0.0)
+        for name, stands_for in (("nu", "shaft_stiffness"), ("Pi", "driven_friction")):
+            criterion = values.pop(name, None)
+            if criterion is None:
+                continue
+            if stands_for in values:
+                raise SceneError(f"one of shaft.{name} and shaft.{stands_for} must be given, both are")
+            if not isinstance(self.drive, SteppingDrive):
+                raise SceneError(f"with shaft.{name} drive.kind must be 'stepping', is {self.drive.kind!r}")
+            per_time = criterion / self.drive.T
+            values[stands_for] = inertia * (per_time**2 if name == "nu" else 2.0 * per_time)
+        return values
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShaftResult(Outcome):
+    """What a scene of a shaft gave; record: all outputs of the shaft and its inputs.
+
+    Attributes:
+        scene: as it was run.
+    """
+
+    scene: ShaftScene
+
+    @property
+    def table(self) -> Result:
+        """The inputs and the outputs the scene wants, at each communication point."""
+        return self.record.without(set(_READABLE) - set(self.scene.run.outputs))
+
+
+def _summary(table: Result, wall_time: float) -> dict[str, Quantity]:
+    simulated = float(table.time[-1])
+    peaks = {
+        f"{name}_peak": Quantity(float(np.abs(table[name]).max()), BY_NAME[name].unit) for name in _PEAKS
+    }
+    return {
+        "simulated_time": Quantity(simulated, "s"),
+        **peaks,
+        **energy(table),
+        "wall_time": Quantity(wall_time, "s"),
+        "real_time_factor": Quantity(simulated / wall_time, ""),
+    }
+
+
+def run_shaft_scene(scene: ShaftScene, fmu_path: Path | str, progress: Progress | None = None) -> ShaftResult:
+    """Run a scene with an FMU of the driven shaft.
+
+    Args:
+        scene: of load_any_scene. fmu_path: DrivenShaft.fmu.
+        progress: told how much of the run is done (0 to 1).
+
+    Raises:
+        FmuError: the FMU cannot be loaded, or refuses a value or a step.
+    """
+    times = communication_points(scene.run.stop_time, scene.run.communication_step)
+    over_time = scene.load.torque_over_time
+    torque = scene.load.torque or 0.0 if over_time is None else over_time.table()
+    inputs: dict[str, ArrayLike] = {
+        "time": times,
+        "hub_speed": scene.drive.speeds(times),
+        "load_torque": [evaluate(torque, at) for at in times],
+    }
+    run, began = scene.run, time.perf_counter()
+    record = simulate(
+        fmu_path,
+        inputs,
+        run.stop_time,
+        run.communication_step,
+        _READABLE,
+        scene.parameters(),
+        progress=progress,
+    )
+    quantities = _summary(record, time.perf_counter() - began)
+    return ShaftResult(scene=scene, record=record, quantities=quantities)

@@ -1,0 +1,170 @@
+"""The papers set up as scenes: what runs is what their exact forms say. And scenes of a shaft alone."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from inertia_module.cli import app
+from inertia_module.figures.scenes import scene_figure
+from inertia_module.figures.shaft import shaft_figure
+from inertia_module.papers.karetin import Geometry, dynamic_mode, exact
+from inertia_module.papers.lysenko.exact import speed_ratio
+from inertia_module.papers.lysenko.mechanism import EXAMPLE
+from inertia_module.papers.stelmashchuk.criteria import Criteria
+from inertia_module.papers.stelmashchuk.exact import response
+from inertia_module.papers.symbols import symbols_tables
+from inertia_module.scene import SceneError, load_any_scene, load_scene, run_scene, run_shaft_scene
+
+PAPERS = Path(__file__).parents[2] / "examples" / "papers"
+SHAFT = """
+[shaft]
+driven_inertia = 0.2
+{shaft}
+[drive]
+{drive}
+[run]
+stop_time = 1
+communication_step = 0.01
+{run}
+"""
+STEPPING = 'kind = "stepping"\nT = 0.2\nkappa2 = 1\nangle = 0.5'
+TABLE = 'kind = "table"\ntime = [0, 1]\nhub_speed = [0, "60 rpm"]'
+
+
+def shaft_scene(tmp_path, shaft="", drive=STEPPING, run=""):
+    file = tmp_path / "shaft.toml"
+    file.write_text(SHAFT.format(shaft=shaft, drive=drive, run=run))
+    return load_any_scene(file)
+
+
+# --- the papers ---
+
+
+@pytest.mark.parametrize("name, i", [("karetin_stop", math.inf), ("karetin_dynamic", 2.0)])
+def test_karetins_modes_move_the_imbalance_as_the_exact_form(built, name, i):
+    result = run_scene(load_scene(PAPERS / f"{name}.toml"), built / "InertiaModule.fmu")
+    table = result.table
+    found = exact(Geometry(z17=40, z6=20), dynamic_mode(100.0, i), table.time)
+    for column, expected in (
+        ("imbalance", found.position),
+        ("imbalance_velocity", found.velocity),
+        ("imbalance_acceleration", found.acceleration),
+    ):
+        there = np.array([table[f"{column}_{axis}"] for axis in "xyz"])
+        assert np.abs(there - expected).max() < 1e-10 * np.abs(expected).max()
+    scene_figure(result)
+
+
+def test_lysenkos_wheel_left_to_itself_swings_in_speed_and_keeps_its_energy(built):
+    scene = load_scene(PAPERS / "lysenko_wheel.toml")
+    values = scene.parameters()
+    names = (
+        "sun_radius",
+        "satellite_radius",
+        "eccentricity",
+        "imbalance_mass",
+        "input_inertia",
+        "drive_inertia",
+    )
+    there = (EXAMPLE.R0, EXAMPLE.r, EXAMPLE.arm, EXAMPLE.m, EXAMPLE.J_carrier, EXAMPLE.J_wheel)
+    assert [values[name] for name in names] == pytest.approx(there)
+    table = run_scene(scene, built / "InertiaModule.fmu").table
+    speed, energy = table["input_speed"], table["energy_stored"]
+    assert np.ptp(energy) < 1e-9 * energy[0]
+    # rows are 1 ms apart, so the slowest is met closely and the fastest is that of the start
+    assert speed[0] / speed.min() == pytest.approx(speed_ratio(EXAMPLE), rel=1e-4)
+
+
+def test_stelmashchuks_scene_gives_his_motion(built):
+    scene = load_any_scene(PAPERS / "stelmashchuk_stepping.toml")
+    table = run_shaft_scene(scene, built / "DrivenShaft.fmu").table
+    T, angle = scene.drive.T, scene.drive.angle
+    found = response(table.time / T, Criteria(8.0, 0.5), 1.0)
+    assert table["omega_out"] * T / angle == pytest.approx(found.velocity, abs=1e-4)
+    assert table["twist"] / angle == pytest.approx(-found.twist, abs=1e-4)
+    # the balancer pushes with the slope of the step before: 3/2 of a step late, of a wave of 4 pi^2
+    late = 1.5 * 4.0 * math.pi**2 * scene.run.communication_step / T
+    assert table["driven_acceleration"] * T**2 / angle == pytest.approx(found.acceleration, abs=1.01 * late)
+
+
+def test_every_symbol_is_a_variable_of_the_fmus():
+    tables = symbols_tables()
+    assert set(tables) == {"karetin", "lysenko", "stelmashchuk"}
+    for text in tables.values():
+        widths = {line.replace(r"\|", "").count("|") for line in text.splitlines()}
+        assert widths == {6}
+
+
+# --- a shaft alone ---
+
+
+def test_criteria_are_stiffness_and_friction(tmp_path):
+    scene = shaft_scene(tmp_path, "nu = 8\nPi = 0.5")
+    assert scene.parameters() == pytest.approx(
+        {"driven_inertia": 0.2, "shaft_stiffness": 64.0 * 0.2 / 0.04, "driven_friction": 0.2 / 0.2}
+    )
+
+
+def test_hub_turns_by_the_angles_of_the_law(tmp_path):
+    drive = shaft_scene(tmp_path).drive
+    times = np.linspace(0.0, 1.0, 100_001)
+    speeds = drive.speeds(times)
+    # phases I and III turn the angle together, the dwell twice kappa2 times as much
+    assert np.trapezoid(speeds, times) == pytest.approx(0.5 + 2.0 * 0.5, rel=1e-8)
+    assert speeds[0] == speeds[-1] == 0.0
+
+
+def test_hub_by_table_with_a_load(built, tmp_path):
+    drive = TABLE + '\n[load]\nkind = "torque"\ntorque = "2 N.m"'
+    scene = shaft_scene(tmp_path, 'shaft_damping = 5\ninput_hold = "linear"', drive, 'outputs = ["twist"]')
+    result = run_shaft_scene(scene, built / "DrivenShaft.fmu")
+    assert result.table.names == ["time", "hub_speed", "load_torque", "twist"]
+    assert result.table["hub_speed"][-1] == pytest.approx(2.0 * math.pi)
+    # in the end the shaft carries the load and what speeds the mass up
+    torque = 2.0 + 0.2 * 2.0 * math.pi
+    assert result.record["shaft_torque"][-1] == pytest.approx(torque, rel=0.02)
+    assert result.summary["energy_residual_relative"] < 1e-12
+    shaft_figure(result).savefig(tmp_path / "plot.png")
+
+
+@pytest.mark.parametrize(
+    "keys, line",
+    [
+        (
+            {"shaft": "nu = 8\nshaft_stiffness = 3"},
+            "one of shaft.nu and shaft.shaft_stiffness must be given, both are",
+        ),
+        ({"shaft": "Pi = 8", "drive": TABLE}, "with shaft.Pi drive.kind must be 'stepping', is 'table'"),
+        ({"shaft": "nu = 0"}, "shaft.nu must be a number above 0, is 0"),
+        ({"shaft": "imbalance_mass = 1"}, "shaft.imbalance_mass = 1: there is no such key"),
+        (
+            {"shaft": "shaft_stiffness = -1"},
+            "shaft.shaft_stiffness must be between 1e-06 and 1000000000000000 N.m/rad, is -1",
+        ),
+        ({"drive": 'kind = "ramp"'}, "drive.kind must be one of 'stepping', 'table', is 'ramp'"),
+        ({"run": 'outputs = ["omega2"]'}, "run.outputs must be of shaft_torque, .*, has 'omega2'"),
+    ],
+)
+def test_one_line_says_what_is_wrong(tmp_path, keys, line):
+    with pytest.raises(SceneError, match=f"^shaft.toml: {line}"):
+        shaft_scene(tmp_path, **keys)
+
+
+def test_a_scene_of_a_shaft_is_none_of_the_module(tmp_path):
+    shaft_scene(tmp_path)
+    with pytest.raises(SceneError, match=r"there is no such key, it must be one of title"):
+        load_scene(tmp_path / "shaft.toml")
+    done = CliRunner().invoke(app, ["run", str(tmp_path / "shaft.toml"), "--fidelity", "rigid"])
+    assert done.exit_code == 1
+    assert "--fidelity and --error must come with a scene of the module" in done.output
+
+
+def test_command_runs_a_shaft(built, tmp_path):
+    shaft_scene(tmp_path, "nu = 8")
+    arguments = ["run", str(tmp_path / "shaft.toml"), "--fmu", str(built / "DrivenShaft.fmu")]
+    done = CliRunner().invoke(app, [*arguments, "-o", str(tmp_path / "out")])
+    assert done.exit_code == 0, done.output
+    assert {file.name for file in (tmp_path / "out").iterdir()} == {"table.csv", "summary.json", "plot.png"}

@@ -1,0 +1,140 @@
+"""Parameters that change between steps: the motion goes on as the equations with the new ones say."""
+
+import pytest
+from geometry import direct_sums, ratio
+from scenes import DRIVEN, SCENES, advanced, drive_angle, parameters, started
+
+from inertia_module.common.errors import Refused
+from inertia_module.contract.models import DRIVEN_SHAFT, INERTIA_MODULE
+from inertia_module.contract.variable import INPUT
+from inertia_module.kernel import codes
+from inertia_module.memory.instances import DrivenShaft, Module
+from inertia_module.studies.lagrange import OMEGA1, OMEGA2, OMEGA_OUT, Lagrange
+
+INPUTS = [variable.name for variable in INERTIA_MODULE.with_causality(INPUT)]
+FRICTION = {"input_friction": 0.02, "drive_friction": 0.01, "link2_friction": 0.05, "output_friction": 0.2}
+SHAFT = {"shaft_damping": 0.4, "driven_friction": 0.1, "balancer": 0.5}
+ELASTIC = {"fidelity": 3, "output_inertia": 0.02, "shaft_damping": 0.05}
+LOSSES = {
+    **{"journal_friction": 2e-3, "housing_drag": 0.5, "housing_drag_viscous": 1e-3},
+    **{"output_drag": 0.4, "output_drag_viscous": 2e-3},
+}
+TUNED = {**FRICTION, **SHAFT, "kinematic_ratio": 0.7}
+
+
+def largest_energy(one):
+    return max(abs(one[name]) for name in ("energy_in", "energy_out", "energy_stored"))
+
+
+@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("drive", [SCENES, DRIVEN], ids=["speed", "torque"])
+@pytest.mark.parametrize(
+    "output, tuned", [({}, FRICTION), (ELASTIC, {**FRICTION, **SHAFT})], ids=["rigid", "elastic"]
+)
+def test_motion_goes_on_by_lagranges_equations_with_the_new_parameters(compiled, scene, drive, output, tuned):
+    values = {**drive[scene], **output}
+    given = [values.get(name, 0.0) for name in INPUTS]
+    own = {name: value for name, value in values.items() if name not in INPUTS}
+    module = started(compiled, values, tolerance=1e-9)
+    before, after = Lagrange(own, *given), Lagrange({**own, **tuned}, *given)
+    before.advance(0.023)
+    advanced(module, 0.01, 0.013).set(**tuned)
+    after.time, after.state = before.time, before.state
+    after.give(after.torque, after.load)
+    after.advance(0.05)
+    advanced(module, 0.01, 0.017)
+    speeds = [module[name] for name in ("input_speed", "omega2", "omega_out")]
+    assert speeds == pytest.approx(after.state[[OMEGA1, OMEGA2, OMEGA_OUT]], abs=1e-7 * module["input_speed"])
+    assert abs(module["energy_residual"]) < 1e-8 * largest_energy(module)
+
+
+@pytest.mark.parametrize("time", [0.006, 0.02, 0.1])
+def test_losses_by_load_and_drag_set_in_and_end_as_in_a_module_started_there(compiled, time):
+    module = advanced(started(compiled, SCENES["bevel"], tolerance=1e-9), time)
+    for tuned in (LOSSES, dict.fromkeys(LOSSES, 0.0)):
+        module.set(**tuned)
+        start = {"omega2_start": module["omega2"], "omega_out_start": module["omega_out"]}
+        start |= {"drive_angle_start": drive_angle(module), "tolerance": 1e-9}
+        other = started(compiled, SCENES["bevel"], tuned, start)
+        for one in (module, other):
+            advanced(one, 0.01, 0.013)
+        for name in ("omega2", "omega_out", "input_torque", "output_torque_mean"):
+            assert module[name] == pytest.approx(other[name], rel=1e-6, abs=1e-6), name
+        assert abs(module["energy_residual"]) < 1e-7 * largest_energy(module)
+
+
+@pytest.mark.parametrize("drive", [SCENES, DRIVEN], ids=["speed", "torque"])
+@pytest.mark.parametrize("settings", [{}, ELASTIC, {"method": 1}], ids=["rigid", "elastic", "fixed steps"])
+def test_rates_are_those_of_the_motion_that_goes_on(compiled, drive, settings):
+    module = advanced(started(compiled, drive["bevel"], settings, max_step=1e-5, tolerance=1e-11), 0.02)
+    module.set(**FRICTION, **SHAFT)
+    rates, h = module.rates(), 1e-6
+    first = advanced(module, h).snapshot()
+    second = advanced(module, h).snapshot()
+    for name in ("omega2", "omega_out", "input_speed", "input_torque", "mesh_torque", "output_acceleration"):
+        expected = (second[name] - first[name]) / h
+        assert rates[name] == pytest.approx(expected, rel=1e-2, abs=1e-2 * abs(first[name])), name
+
+
+def test_jump_of_the_prescribed_ratio_is_an_impulse(compiled):
+    moment = 1e-13  # s: too short for anything but the jump
+    p = parameters(fidelity=0, kinematic_ratio=0.3, drive_angle_start=1.0)
+    module, k = started(compiled, p, omega1=100.0), ratio(p)
+    i, _, _, b, _, g, _, _ = direct_sums(p, 1.0)
+    for new, speed in ((0.8, 100.0), (0.8, 60.0), (-0.2, 90.0)):
+        change, change2 = speed - module["input_speed"], new * speed - module["omega2"]
+        held = module["omega2"]
+        module.set(kinematic_ratio=new, omega1=speed)
+        assert (module["omega2"], module.rates()["omega2"]) == (held, 0.0)
+        advanced(module, moment)
+        assert module["omega2"] == module["omega_out"] == new * speed
+        slipped = k * (change - change2)
+        passed = k * (b * change + g * slipped)
+        driven = i * change + b * slipped + passed
+        assert module["input_torque_mean"] * moment == pytest.approx(driven, rel=1e-7)
+        carried = passed - p["link2_inertia"] * change2
+        assert module["output_torque_mean"] * moment == pytest.approx(carried, rel=1e-7)
+        assert abs(module["energy_residual"]) < 1e-12 * largest_energy(module)
+
+
+def test_shaft_alone_goes_on_as_one_started_there(compiled):
+    tuned = {name: value for name, value in TUNED.items() if name in DRIVEN_SHAFT.by_name}
+    shaft = advanced(DrivenShaft(compiled).start(hub_speed=50.0, load_torque=3.0), 0.02)
+    shaft.set(**tuned)
+    other = DrivenShaft(compiled).start(
+        **tuned,
+        hub_speed=50.0,
+        load_torque=3.0,
+        omega_out_start=shaft["omega_out"],
+        twist_start=shaft["twist"],
+    )
+    for one in (shaft, other):
+        advanced(one, 0.02, 0.013, hub_speed=57.0)
+    for name in ("shaft_torque", "shaft_torque_mean", "omega_out", "driven_acceleration", "twist"):
+        assert shaft[name] == pytest.approx(other[name], rel=1e-12), name
+    assert abs(shaft["energy_residual"]) < 1e-12 * shaft["energy_in"]
+
+
+def test_what_does_not_go_together_is_refused_and_leaves_all_as_it_was(compiled):
+    module = advanced(started(compiled, SCENES["bevel"], fidelity=1), 0.1)
+    before = module.save()
+    with pytest.raises(
+        Refused,
+        match=r"with fidelity = 1 \(averaged\) losses and gravity must be off, .* link2_friction = 0.05",
+    ):
+        module.set(omega1=50.0, balancer=0.3, link2_friction=0.05)
+    assert module.save() == before
+    module.set(balancer=0.3)
+    undisturbed = Module(compiled)
+    undisturbed.restore(before)
+    assert advanced(module, 0.1)["omega_out"] == advanced(undisturbed, 0.1)["omega_out"]
+
+
+def test_what_the_step_before_has_found_no_longer_holds(compiled):
+    module = advanced(started(compiled, SCENES["bevel"]), 0.02)
+    assert module.state.goes_on == module.state.known == 1.0
+    module.set(**{name: module[name] for name in TUNED})
+    assert module.state.known == 1.0, "nothing has changed"
+    module.set(drive_friction=0.01)
+    assert module.state.goes_on == module.state.known == 0.0
+    assert module.call(codes.OUTPUTS, 0.0) == codes.OK
