@@ -43,7 +43,7 @@ def follow_parameters(p, d, x):
         x.mode = DRIVING
     elif p.fidelity != AVERAGED:
         if d.general != 0.0:
-            choose_states(d, x, False)
+            choose_states(d, x, 0.0)
         else:
             x.mode = present_mode(d, x, TORQUE_ROUNDING)
         if p.drive == DRIVE_TORQUE:
@@ -70,7 +70,7 @@ def run_timestepping(d, x, w, h):
     # what the torques now follow from
     if d.general != 0.0:
         switches = x.step_switches
-        choose_states(d, x, False)
+        choose_states(d, x, 0.0)
         x.step_switches = switches
     else:
         x.mode = present_mode(d, x, TORQUE_ROUNDING)
