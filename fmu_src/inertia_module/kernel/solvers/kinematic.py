@@ -54,7 +54,7 @@ def advance_kinematic(d, x, ratio, omega1, alpha1, remaining):
     """Advance by one interval. Returns the time passed."""
     rate = d.k * (1.0 - ratio)
     h = min(remaining, d.max_step)
-    scale = d.harmonic * abs(rate)
+    scale = d.harmonic * abs(rate) + (1.0 if d.weight != 0.0 else 0.0)
     fastest = scale * max(abs(omega1), abs(omega1 + alpha1 * remaining))
     fastest += RAMP * math.sqrt(scale * abs(alpha1))
     if fastest * h > GAUSS_PHASE:

@@ -91,10 +91,13 @@ def move_with_friction(d, x, w, held, carried, load, gain, given, h):
     if rub * w.new_slip_angle < 0.0:
         rub = 0.0
         move_rubbing(d, x, w, held, carried, load, gain, given, h, rub)
-    if rub == stop and abs(w.end1 - w.end2) <= STOPPED * (abs(slip) + abs(w.end1)):
+    if friction >= most and abs(w.end1 - w.end2) <= STOPPED * (abs(slip) + abs(w.end1)):
         w.stuck = 1.0
         w.end2 = w.end1
+        if slip == 0.0:
+            w.new_slip_angle = w.foreseen = 0.0
+            return
     if rub != 0.0 and friction > 0.0:
         lost = rub * w.new_slip_angle / h
-        w.lost_journal = lost * (journals / friction)
+        w.lost_journal = lost * min(1.0, journals / friction)
         w.lost_mesh = lost - w.lost_journal
