@@ -13,6 +13,10 @@ LEVELS = {
     "rigid": {"fidelity": 2},
     "timestepping": {"fidelity": 2, "method": 1, "max_step": 1e-3},
     "elastic": {"fidelity": 3, "shaft_damping": 0.5, "driven_friction": 0.01},
+    "with losses": {
+        **{"mesh_efficiency": 0.97, "satellite_mesh_efficiency": 0.98, "journal_friction": 1e-3},
+        **{"housing_drag": 0.3, "output_drag": 0.2, "link2_friction": 0.01},
+    },
     "by torque": {"drive": 1, "drive_torque": 20.0, "input_inertia": 1.0},
 }
 # greatest force, moment across Ox and about it of scene R1 at half the speed of link 1, by satellites

@@ -18,12 +18,19 @@ SCENES = {
     "bodies": {"satellite_inertia": 0.002, "satellite_transverse_inertia": 0.0015},
     "heavy input": {"input_inertia": 0.1, "drive_inertia": 0.002, "a": 0.8, "b": 1.1, "c": 0.9},
 }
+LOSSES = {
+    **{"mesh_efficiency": 0.97, "satellite_mesh_efficiency": 0.98, "journal_friction": 1e-3, "gravity": 9.81},
+    **{"housing_drag": 0.3, "output_drag": 0.2, "output_drag_viscous": 0.01, "drive_friction": 0.01},
+}
+WIND_UP = {"housing_stiffness": 1e4, "freewheel_stiffness": 1e4, "freewheel_damping": 1.0}
 LEVELS = {
     "kinematic": {"fidelity": 0, "kinematic_ratio": 0.3},
     "averaged": {"fidelity": 1},
     "rigid event": {"fidelity": 2},
     "rigid timestepping": {"fidelity": 2, "method": 1, "max_step": 1e-3},
     "elastic event": {"fidelity": 3, **ELASTIC},
+    "rigid with losses": {"fidelity": 2, **LOSSES},
+    "elastic with losses": {"fidelity": 3, **ELASTIC, **LOSSES, **WIND_UP},
     "elastic timestepping": {"fidelity": 3, "method": 1, "max_step": 1e-3, **ELASTIC},
 }
 BY_TORQUE = {"drive": 1, "input_inertia": 0.3}

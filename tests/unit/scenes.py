@@ -6,6 +6,7 @@ from inertia_module.contract.variable import PARAMETER
 from inertia_module.contract.variables import with_causality
 from inertia_module.memory.instances import Module
 from inertia_module.studies.lagrange import Lagrange
+from inertia_module.studies.lossy import Lossy
 
 REFERENCE = {"omega1": 100.0, "load_torque": 10.0}  # R1: everything else is at its default
 PLANAR = {
@@ -92,6 +93,13 @@ def drive_angle(module):
 def lagrange(values, duration):
     """The scene after a while by the second reference: nothing of the kernel takes part."""
     motion = Lagrange(values, values["omega1"], values["load_torque"], values.get("drive_torque", 0.0))
+    motion.advance(duration)
+    return motion
+
+
+def lossy(values, duration):
+    """The scene after a while by the reference of the machine with losses."""
+    motion = Lossy(values, values["omega1"], values["load_torque"], values.get("drive_torque", 0.0))
     motion.advance(duration)
     return motion
 

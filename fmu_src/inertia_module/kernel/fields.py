@@ -164,7 +164,7 @@ WORKSPACE = (
     # general: all that is followed, the guards, and how the last step has ended
     ("followed", (("rate", STAGES), "change"), FOLLOWED),
     ("watched", (("value", STAGES), ("rate", STAGES), ("dense", DENSE)), 5),
-    *("ended", "met_slip"),
+    *(("weights", STAGES), "ended", "met_slip"),
     # collocation: matrices of the shaft, and numbers at the stages
     *(("inverse", MATRIX), ("gain", MATRIX), ("shaft", MATRIX), ("jacobian", MATRIX)),
     *(("rate1", COLLOCATED), ("rate2", COLLOCATED), ("rate3", COLLOCATED), ("rate_relative", COLLOCATED)),

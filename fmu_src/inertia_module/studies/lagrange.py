@@ -21,17 +21,14 @@ import sys
 from collections.abc import Callable, Mapping
 
 import numpy as np
-from scipy.integrate import DOP853
-from scipy.optimize import brentq
 
 from ..contract.variables import default_parameters
 from ..kernel.codes import DRIVE_TORQUE, ELASTIC
+from .arcs import PHASE, Arc, follow
 from .geometry import Inertia, ratio, shaft_frequency
 from .trajectory import Array, Unavailable
 
 TOLERANCE = 1e-13
-# rad of the highest harmonic in a step, and parts of it at whose ends the search for events looks
-PHASE, LOOKED_AT = 0.5, 8
 # a speed below this part of that of link 1 is zero
 ROUNDING = 1e-14
 # freewheels, and the places of the state; behind them, elastic, omega4: the speed of the output is the last
@@ -213,38 +210,12 @@ class Lagrange:
         while self.time < time:
             speed = 1.0 + abs(self.state[OMEGA1]) + abs(self.state[OMEGA2])
             longest = PHASE / (max(self._inertia.highest, 1.0) * self.k * speed + shaft)
-            solver = DOP853(
-                self._rates,
-                self.time,
-                self.state,
-                time,
-                rtol=TOLERANCE,
-                atol=TOLERANCE * speed,
-                max_step=longest,
-                # the error estimate changes its sign: a step far too long, SciPy's first, may pass by chance
-                first_step=min(0.1 * longest, time - self.time),
-            )
-            events: list[tuple[float, int]] = []
-            while solver.status == "running" and not events:
-                message = solver.step()
-                path = solver.dense_output()
-                events = self._events(path, np.linspace(solver.t_old, solver.t, LOOKED_AT + 1))
-            if solver.status == "failed":
-                raise ArithmeticError(f"DOP853 gave up at {solver.t:g} s: {message}")
-            if events:
-                self.time, wheel = min(events)
-                self.state = path(self.time)
-                self._switch(wheel)
-            else:
-                self.time, self.state = time, solver.y
+            guards = [self._guard(wheel) for wheel in self._freewheels]
 
-    def _events(self, path: Callable[[float | Array], Array], times: Array) -> list[tuple[float, int]]:
-        """Times at which a torque or a speed falls through zero on the path of a step, and the freewheels."""
-        states, found = path(times).T, []
-        for wheel in self._freewheels:
-            guard = self._guard(wheel)
-            positive = np.array([guard(y) for y in states]) > 0.0
-            for n in np.flatnonzero(positive[:-1] & ~positive[1:])[:1]:
-                root = brentq(lambda t, guard=guard: guard(path(t)), times[n], times[n + 1], xtol=1e-16)
-                found.append((float(root), wheel))
-        return found
+            def values(y: Array, guards: list[Callable[[Array], float]] = guards) -> Array:
+                return np.array([guard(y) for guard in guards])
+
+            arc = Arc(self._rates, values, longest, TOLERANCE, TOLERANCE * speed)
+            self.time, self.state, first = follow(arc, self.time, self.state, time)
+            if first is not None:
+                self._switch(self._freewheels[first])

@@ -8,6 +8,7 @@ from ..links import friction_power
 from ..solvers.dormand_prince import (
     END,
     NODES,
+    STAGES,
     sum_1,
     sum_2,
     sum_3,
@@ -24,7 +25,7 @@ from ..solvers.dormand_prince import (
     sum_14,
     sum_15,
 )
-from ..solvers.interpolant import integral
+from ..solvers.interpolant import inside_weights
 from .guards import watch
 from .motion import evaluate
 from .states import LOCKED, OPEN, WOUND
@@ -185,9 +186,13 @@ def make_step(d, x, w, h):
 def cut_step(d, w, sigma):
     """Make the step in hand, its inside known, one of its part sigma."""
     moving = how_many_move(d)
+    inside_weights(sigma, w.weights)
     for n in range(FOLLOWED):
         if is_followed(d, n, moving):
-            w.followed[n].change = integral(w, w.followed[n].rate, sigma)
+            change = 0.0
+            for stage in range(STAGES):
+                change += w.weights[stage] * w.followed[n].rate[stage]
+            w.followed[n].change = w.step * change
     w.step *= sigma
     if d.by_torque == 0.0:
         w.followed[OMEGA1].change = w.step * w.given
@@ -196,5 +201,5 @@ def cut_step(d, w, sigma):
 def make_inside(d, x, w):
     """The stages for the inside of the step in hand."""
     moving = how_many_move(d)
-    for n in range(END + 1, 16):
+    for n in range(END + 1, STAGES):
         evaluate_stage(d, x, w, n, moving)

@@ -2,7 +2,21 @@
 
 import math
 
-from .dormand_prince import END, dense_3, dense_4, dense_5, dense_6, fifth, third
+from .dormand_prince import (
+    DENSE_3,
+    DENSE_4,
+    DENSE_5,
+    DENSE_6,
+    END,
+    RESULT,
+    STAGES,
+    dense_3,
+    dense_4,
+    dense_5,
+    dense_6,
+    fifth,
+    third,
+)
 from .dormand_prince import sum_12 as result
 from .dormand_prince_5 import fourth
 from .dormand_prince_5 import sum_6 as short_result
@@ -104,3 +118,15 @@ def integral(w, values, sigma):
         return w.step * step_mean(w, values)
     fit_dense(w.step, values, w.dense_other)
     return dense_change(w.dense_other, sigma)
+
+
+def inside_weights(sigma, weights):
+    """What dense_change at the fraction sigma weighs the rates at the stages with, into weights."""
+    rest = 1.0 - sigma
+    for n in range(STAGES):
+        whole = RESULT[n] if n < END else 0.0
+        begin = 1.0 if n == 0 else 0.0
+        end = 1.0 if n == END else 0.0
+        y = DENSE_4[n] + rest * (DENSE_5[n] + sigma * DENSE_6[n])
+        y = 2.0 * whole - begin - end + rest * (DENSE_3[n] + sigma * y)
+        weights[n] = sigma * (whole + rest * (begin - whole + sigma * y))

@@ -1,0 +1,137 @@
+"""The kernel's machine with losses does what the independent reference says, loss by loss."""
+
+import math
+from itertools import product
+
+import pytest
+from scenes import DRIVEN, ELASTIC, SCENES, drive_angle, started
+
+from inertia_module.studies.cases import CAUSES, OMEGA1, OMEGA4, TWIST, Q
+from inertia_module.studies.lossy import Lossy
+
+INPUTS = ("omega1", "load_torque", "drive_torque")
+LOSSES = {
+    "mesh": {"mesh_efficiency": 0.97},
+    "satellite mesh": {"satellite_mesh_efficiency": 0.95},
+    "journal": {"journal_friction": 1e-3},
+    "housing drag": {"housing_drag": 0.5, "housing_drag_viscous": 0.004},
+    "output drag": {"output_drag": 0.3, "output_drag_viscous": 0.003},
+    "gravity": {"gravity": 9.81},
+    "bodies": {"satellite_inertia": 4e-4, "satellite_transverse_inertia": 3e-4},
+}
+VISCOUS = {"input_friction": 0.02, "drive_friction": 0.01, "link2_friction": 0.05, "output_friction": 0.2}
+WITHOUT_BODIES = {
+    name: value
+    for key, one in (LOSSES | {"viscous": VISCOUS}).items()
+    if key != "bodies"
+    for name, value in one.items()
+}
+ALL = {**WITHOUT_BODIES, **LOSSES["bodies"]}
+# much friction: links 1 and 2 stick together and part again
+STICKING = {
+    **WITHOUT_BODIES,
+    "mesh_efficiency": 0.7,
+    "journal_friction": 0.02,
+    "omega2_start": 90.0,
+    "omega_out_start": 90.0,
+}
+CASES = {**LOSSES, "all but bodies": WITHOUT_BODIES, "all": ALL, "sticking": STICKING}
+DRIVES = {"speed": SCENES, "torque": DRIVEN}
+TIMES = (0.01, 0.05)
+
+
+def reference(values):
+    parameters = {name: value for name, value in values.items() if name not in INPUTS}
+    return Lossy(parameters, *(values.get(name, 0.0) for name in INPUTS))
+
+
+def expected(exact):
+    omega1, omega2, omega3, omega4 = exact.state[OMEGA1 : OMEGA4 + 1]
+    integrals = exact.integrals()
+    return {
+        "drive_angle": exact.state[Q],
+        "shaft_twist": exact.state[TWIST] if exact.machine.elastic else 0.0,
+        **{"input_speed": omega1, "omega2": omega2, "omega_hub": omega3, "omega_out": omega4},
+        **{f"energy_{name}": integrals[f"energy_{name}"] for name in ("in", "out")},
+        "energy_stored": exact.energy(),
+        **{f"energy_lost_{name}": integrals[name] for name in CAUSES},
+    }
+
+
+def held_to(found, exact, accuracy):
+    """All that differs: by name what is found and what is expected."""
+    wanted = expected(exact)
+    speed = max(1.0, abs(wanted["input_speed"]))
+    energy = max(1.0, *(abs(wanted[f"energy_{name}"]) for name in ("in", "out", "stored")))
+    apart = {}
+    for name, value in wanted.items():
+        got = drive_angle(found) if name == "drive_angle" else found[name]
+        scale = energy if name.startswith("energy") else speed if "omega" in name or "speed" in name else 1.0
+        if not abs(got - value) <= accuracy * scale:
+            apart[name] = got, value
+    return apart
+
+
+def cases():
+    """Everything at once in every layout, drive and output, each loss alone in one of them."""
+    for scene, (drive, given), losses in product(SCENES, DRIVES.items(), ("all", "sticking")):
+        yield pytest.param(scene, given, {}, losses, id=f"{scene} by {drive}, {losses}")
+    for losses in LOSSES:
+        yield pytest.param("bevel", SCENES, {}, losses, id=f"bevel by speed, {losses}")
+    for scene in SCENES:
+        yield pytest.param(scene, DRIVEN, ELASTIC, "all but bodies", id=f"{scene} elastic by torque")
+
+
+@pytest.mark.parametrize(("scene", "drive", "output", "losses"), list(cases()))
+def test_motion_and_losses_are_those_of_the_reference(scene, drive, output, losses):
+    values = {**drive[scene], **output, **CASES[losses]}
+    found, exact = started("auto", values, tolerance=1e-12), reference(values)
+    for time in TIMES:
+        found.advance(time - exact.time)
+        exact.advance(time)
+        assert held_to(found, exact, 1e-9) == {}, time
+        torques = [found[f"{name}_torque"] for name in ("input", "mesh", "output", "housing")]
+        largest = max(map(abs, exact.torques()))
+        assert torques == pytest.approx(list(exact.torques()), rel=1e-6, abs=1e-6 * largest)
+    assert math.isclose(
+        sum(found[f"energy_lost_{cause}"] for cause in CAUSES), found["energy_lost"], rel_tol=1e-12
+    )
+    assert abs(found["energy_residual"]) < 1e-9 * max(found["energy_stored"], found["energy_in"])
+
+
+@pytest.mark.parametrize("satellites, modules", [(2, 1), (3, 2)])
+@pytest.mark.parametrize("scene", SCENES)
+def test_several_satellites_and_modules(scene, satellites, modules):
+    values = {**DRIVEN[scene], **WITHOUT_BODIES, "satellites": satellites, "modules": modules}
+    found, exact = started("auto", values, tolerance=1e-12), reference(values)
+    found.advance(0.05)
+    exact.advance(0.05)
+    assert held_to(found, exact, 1e-9) == {}
+
+
+@pytest.mark.parametrize(
+    "springs",
+    [{"housing_stiffness": 3000.0}, {"freewheel_stiffness": 2000.0}],
+    ids=["housing", "output"],
+)
+def test_freewheels_that_wind_up(springs):
+    springs = {**springs, "housing_damping": 0.05, "freewheel_damping": 0.05}
+    values = {**SCENES["bevel"], **ELASTIC, **springs, **WITHOUT_BODIES}
+    found, exact = started("auto", values, tolerance=1e-12), reference(values)
+    for time in TIMES:
+        found.advance(time - exact.time)
+        exact.advance(time)
+        assert held_to(found, exact, 1e-8) == {}, time
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_loads_that_change(scene):
+    values = {**SCENES[scene], **WITHOUT_BODIES}
+    found, exact = started("auto", values, tolerance=1e-12), reference(values)
+    for n in range(1, 7):
+        load = values["load_torque"] * (1.0 if n % 4 < 2 else -0.5)
+        found.set(load_torque=load)
+        exact.give(0.0, load)
+        found.advance(0.01)
+        exact.advance(0.01 * n)
+        assert held_to(found, exact, 1e-9) == {}, n

@@ -1,0 +1,274 @@
+"""The reference of the machine with losses, held to closed forms, to quadrature, to Lagrange's equations."""
+
+import math
+
+import numpy as np
+import pytest
+from scenes import DRIVEN, ELASTIC, LAYOUTS, PLANAR, SCENES, lagrange, lossy, parameters
+from scipy.linalg import expm
+
+from inertia_module.studies.cases import CAUSES, OMEGA1, OMEGA3, OMEGA4, SLIP, WOUND, Q
+from inertia_module.studies.geometry import Inertia, positions, ratio, satellite_ratio, turn
+from inertia_module.studies.trajectory import Unavailable
+from inertia_module.studies.virtual_work import VirtualWork
+
+MESHES = {"mesh_efficiency": 0.9, "satellite_mesh_efficiency": 0.92, "journal_friction": 2e-3}
+DRAGS = {"housing_drag": 0.5, "housing_drag_viscous": 0.004, "output_drag": 0.3, "output_drag_viscous": 0.003}
+VISCOUS = {"input_friction": 0.02, "drive_friction": 0.01, "link2_friction": 0.05, "output_friction": 0.2}
+BODIES = {"satellite_inertia": 4e-4, "satellite_transverse_inertia": 3e-4, "drive_inertia": 1e-3}
+ALL = {**MESHES, **DRAGS, **VISCOUS, **BODIES, "gravity": 9.81}
+SPRINGS = {"housing_stiffness": 3000.0, "freewheel_stiffness": 2000.0, "freewheel_damping": 0.05}
+NO_FREEWHEELS = {"housing_freewheel": 0, "output_freewheel": 0}
+# a link 2 that nothing slows down
+STEADY = {**NO_FREEWHEELS, "link2_inertia": 1e9}
+# central differences of sixth order: of what is a radian wide, to about 1e-11
+STEP, FIRST = 1e-2, np.array([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0]) / 60.0
+SECOND = np.array([2.0, -27.0, 270.0, -490.0, 270.0, -27.0, 2.0]) / 180.0
+
+
+@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("drive", [SCENES, DRIVEN], ids=["speed", "torque"])
+@pytest.mark.parametrize("output", [{}, ELASTIC], ids=["rigid", "elastic"])
+def test_without_losses_by_load_it_is_lagranges_equations(scene, drive, output):
+    values = {**drive[scene], **output, **VISCOUS, **BODIES}
+    found, expected = lossy(values, 0.05), lagrange(values, 0.05)
+    assert found.state[: expected.state.size] == pytest.approx(expected.state, rel=1e-10, abs=1e-10)
+    assert found.energy() == pytest.approx(expected.energy(), rel=1e-11)
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+@pytest.mark.parametrize("satellites, modules", [(1, 1), (1, 2), (2, 1), (3, 2)])
+def test_virtual_work_is_that_of_the_reduced_inertia(layout, satellites, modules):
+    p = parameters(**LAYOUTS[layout], **BODIES, satellites=satellites, modules=modules)
+    work, inertia = VirtualWork(p), Inertia(p)
+    for q, theta1, omega1, rate in np.random.default_rng(1).uniform(-50.0, 50.0, (10, 4)):
+        (i, b, g), (i1, b1, g1) = inertia(q)
+        found, largest = work(q, theta1, omega1, rate), i + g
+        assert found.inertia == pytest.approx(np.array([[i, b], [b, g]]), abs=1e-11 * largest)
+        rest = i1 * omega1 * rate + b1 * rate**2, 0.5 * (g1 * rate**2 - i1 * omega1**2)
+        assert found.rest == pytest.approx(rest, abs=1e-11 * largest * (omega1**2 + rate**2))
+
+
+@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("satellites", [1, 2])
+def test_weight_is_the_slope_of_the_height(scene, satellites):
+    work = VirtualWork(parameters(**{**SCENES[scene], "satellites": satellites}, gravity=9.81))
+
+    def height(theta1, q):
+        return work(q, theta1, 0.0, 0.0).height
+
+    for theta1, q in np.random.default_rng(1).uniform(-5.0, 5.0, (10, 2)):
+        steps = STEP * np.arange(-3.0, 4.0)
+        slopes = [
+            FIRST @ [height(theta1 + step, q) for step in steps] / STEP,
+            FIRST @ [height(theta1, q + step) for step in steps] / STEP,
+        ]
+        assert work(q, theta1, 0.0, 0.0).weight == pytest.approx(slopes, abs=1e-9)
+    assert VirtualWork(parameters(gravity=9.81, modules=2))(0.3, 0.2, 1.0, 1.0).height == 0.0
+
+
+def powers_of_a_steady_motion(p, omega1, omega2, times):
+    """(mesh, journal) losses, W, where both links turn evenly: from places in the fixed frame alone."""
+    k, s = ratio(p), satellite_ratio(p)
+    rate, sigma = k * (omega1 - omega2), np.sign(omega1 - omega2)
+    dt = STEP / (abs(omega1) + (1.0 + s) * abs(rate))
+
+    def places(satellite, late=0.0, drive=0.0, spin=0.0):
+        moved = p | {"epsilon": p["epsilon"] + spin}
+        q = p["drive_angle_start"] + rate * (times + late) + drive
+        in_link1 = positions(moved, q, satellite)
+        return np.einsum("nij,nj->ni", turn(0, omega1 * (times + late)), in_link1)
+
+    torque, bearings, teeth = (np.zeros_like(times) for _ in range(3))
+    for satellite in range(int(p["satellites"])):
+        offsets = np.arange(-3.0, 4.0)
+        force = p["imbalance_mass"] * np.tensordot(
+            SECOND, [places(satellite, late=n * dt) for n in offsets], 1
+        ) / dt**2  # fmt: skip
+        by_q, by_b = (
+            np.tensordot(FIRST, [places(satellite, **{name: n * STEP}) for n in offsets], 1) / STEP
+            for name in ("drive", "spin")
+        )
+        torque += (force * by_q).sum(axis=1)
+        bearings += np.linalg.norm(force, axis=1)
+        teeth += np.abs((force * by_b).sum(axis=1))
+    journal = p["journal_friction"] * s * bearings
+    satellites = 0.0 if p["layout"] else (1.0 - p["satellite_mesh_efficiency"]) * s * teeth
+    passed = p["modules"] * k * (torque + sigma * (journal + satellites))
+    eta = p["mesh_efficiency"]
+    m2 = passed * np.where(passed * sigma > 0.0, 1.0 / eta, 1.0 / (2.0 - eta))
+    slip = abs(omega1 - omega2)
+    return (1.0 - eta) * np.abs(m2) * slip + p["modules"] * satellites * k * slip, p[
+        "modules"
+    ] * journal * k * slip
+
+
+@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("omega2", [0.0, 40.0, 130.0])
+@pytest.mark.parametrize("satellites, modules", [(1, 1), (2, 2)])
+def test_losses_of_a_steady_slip_are_those_of_quadrature(scene, omega2, satellites, modules):
+    values = {**SCENES[scene], **STEADY, **MESHES, "omega2_start": omega2, "omega_out_start": omega2}
+    values |= {"satellites": satellites, "modules": modules, "drive_angle_start": 0.7}
+    found = lossy(values, 0.05).integrals()
+    times = np.linspace(0.0, 0.05, 20001)
+    powers = powers_of_a_steady_motion(parameters(**values), values["omega1"], omega2, times)
+    for name, power in zip(("mesh", "journal"), powers, strict=True):
+        assert found[name] == pytest.approx(np.trapezoid(power, times), rel=1e-6), name
+
+
+def constant_friction(**more):
+    """Imbalances on the axes of their satellites: the journals rub evenly, whatever link 2 does."""
+    values = {**PLANAR, **NO_FREEWHEELS, "eccentricity": 0.0, "journal_friction": 0.05, "load_torque": 0.0}
+    force = 3 * 0.8 * 120.0**2 * 0.08
+    return {**values, **more}, 0.05 * force
+
+
+def test_even_friction_takes_link_2_along_at_a_constant_rate_and_then_it_sticks():
+    eta = 0.8
+    values, friction = constant_friction(mesh_efficiency=eta)
+    k, inertia = 0.05 / 0.03, 0.003 + 0.4
+    torque = k * friction / eta
+    stuck = inertia * 120.0 / torque
+    motion = lossy(values, 0.5 * stuck)
+    assert motion.state[OMEGA3] == pytest.approx(60.0, rel=1e-11)
+    assert motion.integrals()["journal"] == pytest.approx(friction * k * 90.0 * 0.5 * stuck, rel=1e-11)
+    assert motion.integrals()["mesh"] == pytest.approx((1.0 - eta) * torque * 90.0 * 0.5 * stuck, rel=1e-11)
+    motion.advance(2.0 * stuck)
+    assert motion.mode[SLIP] == 0
+    assert list(motion.state[OMEGA1 : OMEGA4 + 1]) == [120.0] * 4
+    lost = motion.integrals()
+    assert lost["journal"] + lost["mesh"] == pytest.approx(0.5 * inertia * 120.0**2, rel=1e-11)
+    # and a brake that is stronger tears them apart: it slips as fast as the two differ
+    motion.give(0.0, 2.0 * torque)
+    motion.advance(2.0 * stuck + 0.1)
+    assert motion.state[OMEGA3] == pytest.approx(120.0 - 0.1 * torque / inertia, rel=1e-11)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0], ids=["carried", "driven"])
+@pytest.mark.parametrize("scene", SCENES)
+def test_links_1_and_2_stick_up_to_the_torque_that_friction_holds(scene, sign):
+    values = {**SCENES[scene], **MESHES, **NO_FREEWHEELS, "satellites": 1}
+    omega1, p = values["omega1"], parameters(**values)
+    k, s = ratio(p), satellite_ratio(p)
+    for q in np.linspace(0.5, 5.5, 5):
+        offsets, at = STEP * np.arange(-3.0, 4.0), np.array([q])
+        (_, y, z), teeth = positions(p, at, 0)[0], 0.0
+        force = -p["imbalance_mass"] * omega1**2 * np.array([0.0, y, z])
+        if not p["layout"]:
+            spun = [positions(p | {"epsilon": offset}, at, 0)[0] for offset in offsets]
+            teeth = abs(force @ np.tensordot(FIRST, spun, 1)) / STEP
+        friction = 2e-3 * s * np.linalg.norm(force) + (1.0 - 0.92) * s * teeth
+        _, (i1, _, _) = Inertia(p)(q)
+        # |T/k + I' omega1^2/2| = friction + (1 - eta) |T|/k, the load to this side
+        inertial = 0.5 * i1 * omega1**2
+        roots = [
+            k * (side * friction - inertial) / (1.0 - 0.1 * side * np.sign(load))
+            for side in (1.0, -1.0)
+            for load in (1.0, -1.0)
+            if load * (side * friction - inertial) > 0.0
+        ]
+        limit = max(roots) if sign > 0.0 else min(roots)
+        start = {**values, "drive_angle_start": q, "omega2_start": omega1, "omega_out_start": omega1}
+        for share, held in ((1.0 - 1e-6, True), (1.0 + 1e-6, False)):
+            middle = 0.5 * (max(roots) + min(roots))
+            motion = lossy({**start, "load_torque": middle + share * (limit - middle)}, 0.0)
+            assert (motion.mode[SLIP] == 0) == held
+        motion = lossy({**start, "load_torque": middle}, 0.02)
+        assert motion.state[Q] == q
+        assert sum(motion.integrals()[name] for name in CAUSES) == 0.0
+
+
+@pytest.mark.parametrize("freewheel", ["housing", "output"])
+def test_a_shaft_coasts_against_the_drag_of_its_freewheel(freewheel):
+    # nothing else is there: link 1 at rest, no imbalance
+    values = {"imbalance_mass": 0.0, "omega1": 0.0, "load_torque": 0.0, "omega_out_start": 50.0}
+    drag, viscous, friction, time = 20.0, 1.2, 0.8, 0.3
+    values |= {f"{freewheel}_drag": drag, f"{freewheel}_drag_viscous": viscous, "output_friction": friction}
+    # that of the output would take link 2 along
+    more = (
+        {"output_freewheel": 0, "omega2_start": 50.0} if freewheel == "housing" else {"housing_drag": 100.0}
+    )
+    values |= more
+    inertia = 0.505 if freewheel == "housing" else 0.5
+    rate, far = (viscous + friction) / inertia, drag / (viscous + friction)
+    motion = lossy(values, time)
+    speed = (50.0 + far) * math.exp(-rate * time) - far
+    assert motion.state[OMEGA3] == pytest.approx(speed, rel=1e-11)
+    lost = motion.integrals()
+    assert lost["freewheel"] + lost["viscous"] == pytest.approx(
+        0.5 * inertia * (2500.0 - speed**2), rel=1e-11
+    )
+    turned = (50.0 - speed - drag / inertia * time) / rate
+    # the rest of it goes as the viscous parts
+    assert (lost["freewheel"] - drag * turned) / viscous == pytest.approx(
+        lost["viscous"] / friction, rel=1e-9
+    )
+    stop = math.log(1.0 + 50.0 / far) / rate
+    motion.advance(stop + 0.1)
+    assert motion.state[OMEGA3] == 0.0
+    assert motion.switches == [pytest.approx(stop, rel=1e-11)]
+
+
+def test_drag_alone_stops_at_a_constant_rate_and_holds_a_load_up_to_itself():
+    values = {"imbalance_mass": 0.0, "omega1": 0.0, "omega2_start": 20.0, "omega_out_start": 20.0}
+    values |= {"output_freewheel": 0, "housing_drag": 2.0}
+    for pull, rest in ((1.999, True), (2.001, False)):
+        motion = lossy({**values, "load_torque": -pull}, 1.0)
+        assert motion.state[OMEGA3] == pytest.approx(20.0 - (2.0 - pull) / 0.505, rel=1e-12)
+        still = lossy({**values, "load_torque": -pull, "omega2_start": 0.0, "omega_out_start": 0.0}, 1.0)
+        assert (still.state[OMEGA3] == 0.0) == rest
+
+
+@pytest.mark.parametrize("damping", [0.0, 3.0])
+def test_a_locked_freewheel_is_a_spring(damping):
+    # no imbalance: a load turns link 2, hub and driven mass back against the housing
+    values = {"imbalance_mass": 0.0, "omega1": 0.0, "load_torque": 5.0, "output_freewheel": 0, **ELASTIC}
+    motion = lossy({**values, "housing_stiffness": 700.0, "housing_damping": damping}, 0.05)
+    hub, c, d = 0.005 + 0.02, 400.0, 0.05
+    # (phi, twist, omega2, omega4) and a constant
+    system = np.zeros((5, 5))
+    system[0, 2], system[1, 2], system[1, 3] = -1.0, 1.0, -1.0
+    system[2] = np.array([700.0, -c, -damping - d, d, 0.0]) / hub
+    system[3] = np.array([0.0, c, d, -d, -5.0]) / 0.5
+    end = expm(0.05 * system) @ [0.0, 0.0, 0.0, 0.0, 1.0]
+    assert motion.switches == []
+    assert motion.state[WOUND] == pytest.approx(end[0], rel=1e-9)
+    assert motion.state[OMEGA3 : OMEGA4 + 1] == pytest.approx(end[2:4], rel=1e-9)
+    assert motion.torques()[3] == pytest.approx(700.0 * end[0] - damping * end[2], rel=1e-9)
+
+
+@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("drive", [SCENES, DRIVEN], ids=["speed", "torque"])
+@pytest.mark.parametrize("output", [{}, ELASTIC, {**ELASTIC, **SPRINGS}], ids=["rigid", "elastic", "springs"])
+def test_energy_is_accounted_for(scene, drive, output):
+    motion = lossy({**drive[scene], **output, **ALL}, 0.1)
+    found = motion.integrals()
+    assert abs(motion.residual()) < 1e-10 * found["energy_in"]
+    causes = CAUSES if output else CAUSES[:-1]
+    assert all(found[cause] > 0.0 for cause in causes)
+
+
+def test_a_jump_knows_no_friction():
+    values = {**SCENES["bevel"], "omega_out_start": 5.0}
+    ideal, rubbed = lagrange(values, 0.003), lossy({**values, **MESHES}, 0.0)
+    rubbed.time, rubbed.state[:OMEGA4] = ideal.time, ideal.state
+    rubbed.state[OMEGA4] = rubbed.state[OMEGA3]
+    before = rubbed.energy()
+    for motion in (ideal, rubbed):
+        motion.turn(130.0)
+    assert rubbed.state[:OMEGA4] == pytest.approx(ideal.state, rel=1e-14)
+    found = rubbed.integrals()
+    assert found["energy_in"] == pytest.approx(rubbed.energy() - before, rel=1e-14)
+    assert found["mesh"] == found["journal"] == 0.0
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"omega2_start": -1.0, "omega_out_start": 1.0},
+        {**ELASTIC, "freewheel_stiffness": 1.0, "output_freewheel": 0},
+    ],
+)
+def test_what_it_does_not_take_it_says(values):
+    with pytest.raises(Unavailable):
+        lossy({**SCENES["bevel"], **values}, 0.0)
