@@ -16,7 +16,7 @@ from .loads import see
 from .shaft import carried_by_link2, load_behind_freewheel
 from .solvers.followed import is_stiff
 from .solvers.kinematic import advance_kinematic
-from .solvers.timestepping import one_step, steps_in
+from .solvers.timestepping import clear_losses, one_step, steps_in
 
 
 def accelerations_now(d, x):
@@ -56,6 +56,7 @@ def run_timestepping(d, x, w, h):
     if count > MAX_STEPS:
         return TOO_MUCH_WORK
     part = h / count
+    clear_losses(d, w)
     number = 0.0
     start1 = x.omega1
     while number < count:

@@ -23,14 +23,16 @@ def find_drags(d, x, w, held, joined, h):
     w.over_load = drag + w.over_gain * mean3
 
 
-def take_drags(w, mean2):
+def take_drags(w, held, h):
     """Impulses of drag at the mean speed of link 2 that the step has come to."""
+    mean2 = 0.0 if held else (w.angle1 - w.new_slip_angle) / h
     w.drag = w.drag_load + w.drag_gain * mean2
     w.overrun = w.over_load - w.over_gain * mean2
 
 
-def lose_by_drag(w, mean2):
+def lose_by_drag(w, held, h):
     """What drag has taken, and whether a mean slip went against its drag (w.reversed)."""
+    mean2 = 0.0 if held else (w.angle1 - w.new_slip_angle) / h
     housing = w.drag * mean2
     output = w.overrun * (w.mean3 - mean2)
     w.lost_freewheel = housing + output

@@ -59,11 +59,12 @@ def move_with_friction(d, x, w, held, carried, load, gain, given, h):
 
     All it depends on is linear in it but for signs, so two steps tell it, and a third is made with it.
     """
-    w.lost_mesh = w.lost_journal = w.stuck = 0.0
-    w.straight = 1.0 if is_rough(d) else 0.0
-    move_rubbing(d, x, w, held, carried, load, gain, given, h, 0.0)
-    if w.straight == 0.0:
+    if not is_rough(d):
+        move_rubbing(d, x, w, held, carried, load, gain, given, h, 0.0)
         return
+    w.lost_mesh = w.lost_journal = w.stuck = 0.0
+    w.straight = 1.0
+    move_rubbing(d, x, w, held, carried, load, gain, given, h, 0.0)
     k = d.k
     slip = x.omega1 - x.omega2
     end_slip, mean, end1 = w.end1 - w.end2, w.new_slip_angle / h, w.end1

@@ -61,25 +61,27 @@ def follow(d, x, w, held, joined, given, h):
         As settle, impacts at the end of the step included.
     """
     load_hub(d, x, w, held, joined, h)
-    find_drags(d, x, w, held, joined, h)
+    if d.general != 0.0:
+        find_drags(d, x, w, held, joined, h)
     load = w.drag_load - w.over_load
     gain = w.drag_gain + w.over_gain
     if joined:
         move_with_friction(d, x, w, held, d.J3, w.hub_load + load, w.hub_gain + gain, given, h)
     else:
         move_with_friction(d, x, w, held, 0.0, load, gain, given, h)
-    mean2 = 0.0 if held else (w.angle1 - w.new_slip_angle) / h
-    take_drags(w, mean2)
+    if d.general != 0.0:
+        take_drags(w, held, h)
     if joined:
         w.end3 = w.end2
-        w.mean3 = mean2
+        w.mean3 = 0.0 if held else (w.angle1 - w.new_slip_angle) / h
         w.pushed = w.hub_load if held else d.J3 * (w.end3 - x.omega3) + (w.taken - w.drag)
     else:
         w.pushed = -w.overrun
         braking = w.hub_load + w.hub_gain * x.omega3 + w.overrun
         w.end3 = x.omega3 - braking / (d.J3 + w.late * w.hub_gain)
         w.mean3 = x.omega3 + w.late * (w.end3 - x.omega3)
-    lose_by_drag(w, mean2)
+    if d.general != 0.0:
+        lose_by_drag(w, held, h)
     inertia3 = d.J3
     if d.elastic != 0.0:
         drive_mass(d, x, w, h)
@@ -235,15 +237,23 @@ def one_step(d, x, w, given, load, h):
         end_fall(d, x, w)
 
 
+def clear_losses(d, w):
+    """Nothing is known yet of losses and weights; ideal steps leave all of it so."""
+    w.journals = w.spin = w.spin_by_alpha1 = w.spin_by_rate2 = w.weight1 = w.weight_slip = 0.0
+    w.rub = w.straight = w.stuck = w.reversed = w.lost_mesh = w.lost_journal = 0.0
+    w.drag_load = w.drag_gain = w.over_load = w.over_gain = w.holding = w.drag = w.overrun = 0.0
+    w.dragging = d.general
+
+
 def move_all(d, x, w, given, h):
     """Follow the step to its end, in parts where a freewheel closes within it."""
-    w.dragging = d.general
-    w.journals = w.spin = w.spin_by_alpha1 = w.spin_by_rate2 = w.weight1 = w.weight_slip = 0.0
+    if d.general != 0.0:
+        clear_losses(d, w)
     w.far_angle1 = h * (x.omega1 if d.by_torque != 0.0 else x.omega1 + 0.5 * given)
     slip = x.omega1 - x.omega2
     look_ahead(d, x, w, h * (slip if d.by_torque != 0.0 else slip + 0.5 * given))
     end2, end3, output, mode = follow_contacts(d, x, w, given, h)
-    if d.journal + d.satellite_loss + d.weight > 0.0:
+    if d.general != 0.0 and d.journal + d.satellite_loss + d.weight > 0.0:
         for _ in range(LOADED):
             w.far_angle1 = w.angle1
             load_satellites(d, x, w, h)
