@@ -51,7 +51,24 @@ def mechanism(dice):
     }
 
 
-def largest_gain(seed, combination, kernel="auto"):
+def losses(dice):
+    """Losses by load and drag of any size, some of them absent, and gravity."""
+    drawn = {
+        "mesh_efficiency": dice.uniform(0.5, 1.0),
+        "satellite_mesh_efficiency": dice.uniform(0.9, 1.0),
+        "journal_friction": exponential(dice, -4.0, -1.0),
+        "housing_drag": exponential(dice, -3.0, 1.0),
+        "housing_drag_viscous": exponential(dice, -4.0, 0.0),
+        "output_drag": exponential(dice, -3.0, 1.0),
+        "output_drag_viscous": exponential(dice, -4.0, 0.0),
+        "drive_friction": exponential(dice, -3.0, 0.0),
+        "link2_friction": exponential(dice, -3.0, 0.0),
+        "gravity": dice.choice([9.81, 1000.0]),
+    }
+    return {name: value for name, value in drawn.items() if dice.random() < 0.6}
+
+
+def largest_gain(seed, combination, kernel="auto", lossy=False):
     """Largest energy that a step, or all of the run, made out of nothing, of the largest energy there was.
 
     Each step lets the drive turn by 0.03 to 30 rad at the first speed of link 1; speed, torque, load change.
@@ -61,6 +78,8 @@ def largest_gain(seed, combination, kernel="auto"):
     speed = exponential(dice, 0.0, 3.0)
     values = mechanism(dice) | {"method": 1, "fidelity": OUTPUTS[output], "drive": DRIVES[drive]}
     values |= {"input_hold": dice.choice([0, 1]), "omega1": dice.choice([-speed, speed])}
+    if lossy:
+        values |= losses(dice)
     module = Module(kernel).start(**values, **FREEWHEELS[freewheels])
     step = exponential(dice, -1.5, 1.5) / (float(module.derived.k) * speed)
     # what changes the speed of link 1, or of the output shaft, by up to three times that in a step

@@ -61,9 +61,9 @@ MESSAGES: Mapping[int, str] = {
         f" {named('input_friction', 'drive_friction', 'link2_friction', 'output_friction', *_GENERAL)}:"
         " the map of the mean torque knows none"
     ),
-    codes.LOSSES_STEPPED: (
-        f"with {named('fidelity')} (kinematic) or {named('method')} (timestepping) losses by load, drag and"
-        f" gravity must be off, are {named(*_GENERAL)}"
+    codes.WIND_UP_STEPPED: (
+        f"with {named('method')} (timestepping) housing_stiffness and freewheel_stiffness must be 0, are"
+        " {housing_stiffness} and {freewheel_stiffness}: only the event method winds freewheels up"
     ),
     codes.JAMMED: (
         f"the meshes jam with {named('link2_inertia', 'input_inertia', 'drive_inertia')}: mesh_efficiency and"

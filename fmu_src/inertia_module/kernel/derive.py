@@ -12,13 +12,13 @@ from .codes import (
     ELASTIC,
     FRICTION_AVERAGED,
     KINEMATIC,
-    LOSSES_STEPPED,
     NO_INPUT_INERTIA,
     NO_RECTIFIER,
     OK,
     PRESCRIBED,
     SINGULAR,
     TIMESTEPPING,
+    WIND_UP_STEPPED,
 )
 
 TWO_PI = 6.283185307179586
@@ -172,8 +172,8 @@ def derive(p, d):
         d: derived constants, written.
 
     Returns:
-        Status: OK, FRICTION_AVERAGED, PRESCRIBED, NO_INPUT_INERTIA, NO_RECTIFIER, SINGULAR or a BAD_START
-        code.
+        Status: OK, FRICTION_AVERAGED, WIND_UP_STEPPED, PRESCRIBED, NO_INPUT_INERTIA, NO_RECTIFIER, SINGULAR
+        or a BAD_START code.
     """
     d.planar = p.layout
     if p.layout != 0.0:
@@ -217,10 +217,10 @@ def derive(p, d):
             return PRESCRIBED
         if not p.input_inertia > SINGULAR_RATIO * d.F_by_alpha1:
             return NO_INPUT_INERTIA
-    if d.general != 0.0 and (p.fidelity == KINEMATIC or p.method == TIMESTEPPING):
-        return LOSSES_STEPPED
     if p.fidelity == KINEMATIC:
         return OK
+    if p.method == TIMESTEPPING and d.housing_stiffness + d.freewheel_stiffness > 0.0:
+        return WIND_UP_STEPPED
     if p.fidelity == AVERAGED and d.viscous + d.general != 0.0:
         return FRICTION_AVERAGED
     if p.fidelity == AVERAGED and (d.housing == 0.0 or d.output == 0.0):

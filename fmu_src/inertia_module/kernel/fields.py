@@ -191,6 +191,16 @@ WORKSPACE = (
     # ... load of the hub and what follows from it, mean and end speed of the hub, its push; the driven mass
     *("hub_load", "hub_gain", "relative_load", "relative_gain", "stiff", "late", "mean3", "end3", "pushed"),
     *("mean_relative", "seen3", "omega4"),
+    # ... losses by load: what the satellites resist q with, the impulse against the slip, what it takes,
+    # whether it has stopped the slip, whether the step is linear in it
+    *("journals", "spin", "spin_by_alpha1", "spin_by_rate2", "rub", "lost_mesh", "lost_journal", "stuck"),
+    "straight",
+    # ... weights by the angles of the slip and of link 1, this angle, works of the weights; state before
+    *("weight_slip", "weight1", "far_angle1", "weighing", "weighed", ("fallen", STATE)),
+    # ... drag of the freewheels: whether it acts, its impulses by the mean speed of link 2 and at it, what
+    # it takes, whether a mean slip went against it
+    *("dragging", "drag_load", "drag_gain", "over_load", "over_gain", "holding", "drag", "overrun"),
+    *("lost_freewheel", "reversed"),
     # internal step of the averaged motion: both speeds at its end, its error, integrals of omega3, T omega3,
     # omega2 and, under its torque, omega1
     *("next", "next_speed", "error", "turned3", "work", "turned2", "turned1"),

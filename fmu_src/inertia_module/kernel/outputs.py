@@ -22,6 +22,7 @@ from .codes import (
 from .contact import torque_carried
 from .derive import TWO_PI
 from .general.motion import stored_besides
+from .general.prescribed import prescribed_torques
 from .links import angular_momentum, kinetic_energy, torques
 from .loads import write_loads
 from .run import accelerations_now
@@ -60,7 +61,7 @@ def write_torques(p, d, x, y):
     """Instantaneous torques in the present mode. Returns the acceleration of link 2."""
     if p.fidelity == AVERAGED:
         return write_averaged(d, x, y)
-    if d.general != 0.0:
+    if d.general != 0.0 and p.fidelity != KINEMATIC:
         return write_general(d, x, y)
     output = 0.0
     housing = 0.0
@@ -75,8 +76,11 @@ def write_torques(p, d, x, y):
         relative = relative_rate(d, x, x.load_torque, load, alpha3) if elastic else 0.0
         y.output_acceleration = alpha3 - relative
     drive, mesh = torques(d, x.q, x.omega1, x.alpha1, x.omega2, alpha2)
+    if d.general != 0.0:
+        prescribed_torques(d, x.q, x.theta1, x.omega1, x.alpha1, x.omega2, alpha2)
+        drive, mesh, housing = d.machine.drive, d.machine.mesh, d.machine.housing
     if p.fidelity == KINEMATIC:
-        output = mesh - d.J2 * alpha2 - d.b2 * x.omega2
+        output = mesh - d.J2 * alpha2 - d.b2 * x.omega2 + housing
     elif x.mode == DRIVING:
         output, _ = torque_carried(d, load, 0.0, x.omega2, alpha2, 0.0)
     elif x.mode != FREE:

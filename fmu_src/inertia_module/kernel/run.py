@@ -16,7 +16,7 @@ from .loads import see
 from .shaft import carried_by_link2, load_behind_freewheel
 from .solvers.followed import is_stiff
 from .solvers.kinematic import advance_kinematic
-from .solvers.timestepping import one_step, steps_in
+from .solvers.timestepping import clear_losses, one_step, steps_in
 
 
 def accelerations_now(d, x):
@@ -43,7 +43,7 @@ def follow_parameters(p, d, x):
         x.mode = DRIVING
     elif p.fidelity != AVERAGED:
         if d.general != 0.0:
-            choose_states(d, x, False)
+            choose_states(d, x, 0.0)
         else:
             x.mode = present_mode(d, x, TORQUE_ROUNDING)
         if p.drive == DRIVE_TORQUE:
@@ -56,6 +56,7 @@ def run_timestepping(d, x, w, h):
     if count > MAX_STEPS:
         return TOO_MUCH_WORK
     part = h / count
+    clear_losses(d, w)
     number = 0.0
     start1 = x.omega1
     while number < count:
@@ -67,7 +68,13 @@ def run_timestepping(d, x, w, h):
         omega1, omega2 = x.omega1, x.omega2
         one_step(d, x, w, given, x.load_torque, part)
         see(d, x, x.q, x.omega1, x.omega2, (x.omega1 - omega1) / part, (x.omega2 - omega2) / part)
-    x.mode = present_mode(d, x, TORQUE_ROUNDING)  # what the torques now follow from
+    # what the torques now follow from
+    if d.general != 0.0:
+        switches = x.step_switches
+        choose_states(d, x, 0.0)
+        x.step_switches = switches
+    else:
+        x.mode = present_mode(d, x, TORQUE_ROUNDING)
     return OK
 
 

@@ -2,8 +2,9 @@
 
 import math
 
-from ..accumulate import add, add_loss
-from ..codes import VISCOUS
+from ..accumulate import add, add_loss, wrap_input_angle
+from ..codes import FREEWHEEL, JOURNAL, MESH, VISCOUS
+from ..general.prescribed import prescribed_torques
 from ..links import friction_power, torques
 from ..loads import see
 from ..works import GAUSS_NODE_1, GAUSS_NODE_2, GAUSS_WEIGHT_1, GAUSS_WEIGHT_2, GAUSS_WEIGHT_3
@@ -15,12 +16,30 @@ GAUSS_PHASE = 1.0
 RAMP = 2.0
 
 
+def add_general(d, x, omega2, rate_q, weight):
+    """Add what prescribed_torques has found at a node to the sums; rate_q: |q'|, rad/s."""
+    m = d.machine
+    x.mesh_impulse += weight * m.mesh
+    x.housing_impulse += weight * m.housing
+    add_loss(x, MESH, weight * rate_q * (d.mesh_loss * abs(m.mesh) / d.k + m.spun))
+    add_loss(x, JOURNAL, weight * rate_q * m.journals)
+    add_loss(x, FREEWHEEL, -weight * m.housing * omega2)
+
+
 def add_node(d, x, ratio, omega1, alpha1, rate, t, weight):
     """Add one Gauss node, the time t into the interval, to the sums over the communication step."""
     speed = omega1 + alpha1 * t
     angle = x.q + rate * t * (omega1 + 0.5 * alpha1 * t)
-    drive, mesh = torques(d, angle, speed, alpha1, ratio * speed, ratio * alpha1)
+    if d.general != 0.0:
+        theta1 = x.theta1 + t * (omega1 + 0.5 * alpha1 * t)
+        prescribed_torques(d, angle, theta1, speed, alpha1, ratio * speed, ratio * alpha1)
+        drive, mesh = d.machine.drive, d.machine.mesh
+        add_general(d, x, ratio * speed, abs(rate * speed), weight)
+    else:
+        drive, mesh = torques(d, angle, speed, alpha1, ratio * speed, ratio * alpha1)
     output = mesh - ratio * (d.J2 * alpha1 + d.b2 * speed)
+    if d.general != 0.0:
+        output += d.machine.housing
     x.step_evaluations += 1.0
     x.input_impulse += weight * drive
     x.output_impulse += weight * output
@@ -35,7 +54,7 @@ def advance_kinematic(d, x, ratio, omega1, alpha1, remaining):
     """Advance by one interval. Returns the time passed."""
     rate = d.k * (1.0 - ratio)
     h = min(remaining, d.max_step)
-    scale = d.harmonic * abs(rate)
+    scale = d.harmonic * abs(rate) + (1.0 if d.weight != 0.0 else 0.0)
     fastest = scale * max(abs(omega1), abs(omega1 + alpha1 * remaining))
     fastest += RAMP * math.sqrt(scale * abs(alpha1))
     if fastest * h > GAUSS_PHASE:
@@ -47,6 +66,9 @@ def advance_kinematic(d, x, ratio, omega1, alpha1, remaining):
     add_node(d, x, ratio, omega1, alpha1, rate, h - GAUSS_NODE_1 * h, GAUSS_WEIGHT_1 * h)
     see(d, x, x.q, omega1, ratio * omega1, alpha1, ratio * alpha1)
     turned1 = h * (omega1 + 0.5 * alpha1 * h)
+    if d.general != 0.0:
+        x.theta1, x.theta1_low = add(x.theta1, x.theta1_low, turned1)
+        wrap_input_angle(x)
     x.turned3 += ratio * turned1
     x.q, x.q_low = add(x.q, x.q_low, rate * turned1)
     return h

@@ -16,7 +16,9 @@ def move_links(d, x, w, carried, load, gain, given, h):
 
     Writes w.end1, end2, new_slip_angle, angle1 (of link 1), impulse1 and work1 (of the input torque), taken
     (the impulse of the load), rubbed (the work of the links' friction) and reached: whether the energy
-    suffices to come to where the step is to end.
+    suffices to come to where the step is to end. Besides the load w.rub, N m s, resists the mean slip, and
+    weights w.weight1 and w.weight_slip, N m, the angles of link 1 and of the slip.
+    With w.straight the energy is not looked at, so that all is linear in w.rub.
 
     Args:
         carried: inertia that link 2 carries, kg m^2.
@@ -38,11 +40,12 @@ def move_links(d, x, w, carried, load, gain, given, h):
     speed = y + 0.5 * given
     force = 0.5 * y
     change = d.k * d.k * (w.end_g - x.g)
+    driven = given - by_torque * h * w.weight1
     if by_torque != 0.0:
         y = total * (x.omega1 - coupling * slip)
         share -= mean_coupling
         end_rate = 0.5 / end_total
-        speed = 0.5 * (x.omega1 - coupling * slip) + (y + given) * end_rate
+        speed = 0.5 * (x.omega1 - coupling * slip) + (y + driven) * end_rate
         force = (x.omega1 - coupling * slip) * end_rate
         change = end_inertia - inertia
     slope = 0.5 * d.k * (x.i1 + w.end_i1)
@@ -63,10 +66,10 @@ def move_links(d, x, w, carried, load, gain, given, h):
     surplus *= 2.0 * per_root * per_root
     weight = 1.0 + surplus
     per_weight = 1.0 / weight
-    end_y = y + given - by_torque * (resist2 + resist1)
-    push = 2.0 * h * per_root * force * end_y
-    pull = given * mean_coupling + share * resist2 - by_torque * mean_coupling * resist1
-    pull = (pull + by_torque * force * w.slip_angle * (less2 - more1)) * per_root
+    end_y = y + driven - by_torque * (resist2 + resist1)
+    push = 2.0 * h * per_root * force * end_y - 2.0 * h * per_root * w.weight_slip
+    pull = driven * mean_coupling + share * resist2 - by_torque * mean_coupling * resist1
+    pull = (pull + by_torque * force * w.slip_angle * (less2 - more1)) * per_root - w.rub * per_root
     twice = 2.0 * root * slip
     rise = (2.0 * pull - surplus * twice + push) * per_weight
     w.foreseen = h * (twice + rise) * per_root
@@ -75,7 +78,7 @@ def move_links(d, x, w, carried, load, gain, given, h):
     way = w.slip_angle / (h * per_root)
     square = centre * centre + weight * push * way
     w.reached = 1.0 if square >= 0.0 else 0.0
-    if square >= 0.0 and push * (twice + rise - way) > 0.0:
+    if square >= 0.0 and push * (twice + rise - way) > 0.0 and w.straight == 0.0:
         reach = math.copysign(math.sqrt(square), weight * (twice + rise) - centre)
         # reach - centre, without its cancellation
         push = weight * push * way / (reach + centre) if reach * centre > 0.0 else reach - centre
@@ -91,7 +94,7 @@ def move_links(d, x, w, carried, load, gain, given, h):
     w.rubbed = h * friction_power(d, mean1, mean2, d.b2)
     resisted = w.taken + h * (d.b1 * mean1 + d.b2 * mean2)
     if by_torque != 0.0:
-        end_y = y + given - resisted
+        end_y = y + driven - resisted
         w.end1 = 2.0 * end_rate * end_y + end_coupling * end_slip
         w.angle1 = h * mean1
         w.work1 = given / h * w.angle1
@@ -100,9 +103,11 @@ def move_links(d, x, w, carried, load, gain, given, h):
         w.angle1 = h * speed
         kept = mean_coupling * change_slip - d.k * (w.end_b - x.b) * (slip + 0.5 * change_slip)
         w.impulse1 = 0.5 * (total + end_total) * given + (w.end_i - x.i) * speed - kept + resisted
+        w.impulse1 += h * w.weight1
         missing = mean_coupling * turned - 0.5 * (coupling * slip + end_coupling * end_slip)
         w.work1 = speed * w.impulse1 + given * missing
     w.end2 = x.omega2 + ((w.end1 - x.omega1) - change_slip)
+    w.weighing = w.weight1 * w.angle1 + w.weight_slip * w.slip_angle
 
 
 def turn_link1(d, x, w, given, h):
@@ -112,12 +117,13 @@ def turn_link1(d, x, w, given, h):
     w.reached = 1.0
     w.end2 = 0.0
     friction = h * (d.b1 + d.k * d.k * d.bq)
+    against = w.rub + h * (w.weight1 + w.weight_slip)
     if d.by_torque != 0.0:
         start = math.sqrt(inertia) * x.omega1
         end_root = math.sqrt(end_inertia)
         twice = math.sqrt(inertia) + end_root
         slowed = 2.0 * friction / (twice * twice)
-        end = (start * (1.0 - slowed) + 2.0 * given / twice) / (1.0 + slowed)
+        end = (start * (1.0 - slowed) + 2.0 * (given - against) / twice) / (1.0 + slowed)
         w.end1 = end / end_root
         w.angle1 = h * (start + end) / twice
         w.work1 = given / h * w.angle1
@@ -125,8 +131,10 @@ def turn_link1(d, x, w, given, h):
         w.end1 = x.omega1 + given
         w.angle1 = h * (x.omega1 + 0.5 * given)
         w.impulse1 = 0.5 * (end_inertia * w.end1 - inertia * x.omega1 + 0.5 * (inertia + end_inertia) * given)
-        w.impulse1 += friction * w.angle1 / h
+        w.impulse1 += friction * w.angle1 / h + against
         w.work1 = 0.5 * (end_inertia * w.end1 * w.end1 - inertia * x.omega1 * x.omega1)
         w.work1 += friction * w.angle1 * w.angle1 / (h * h)
+        w.work1 += against * w.angle1 / h + w.weight_slip * (w.slip_angle - w.angle1)
     w.rubbed = h * friction_power(d, w.angle1 / h, 0.0, 0.0)
     w.new_slip_angle = w.foreseen = w.angle1
+    w.weighing = (w.weight1 + w.weight_slip) * w.angle1

@@ -8,20 +8,21 @@ moves by the midpoint rule (docs/mechanics.md).
 import math
 
 from ..accumulate import add, add_loss, copy, wrap_drive_angle, wrap_input_angle
-from ..codes import DRIVING, HELD, HELD_DRIVING, SHAFT, VISCOUS
+from ..codes import DRIVING, FREEWHEEL, HELD, HELD_DRIVING, JOURNAL, MESH
 from ..contact import settle
-from ..impulse import push_driven_mass
 from ..inertia import reduced_inertia
 from ..links import inertia_of_link1, inertia_of_link2
-from ..output_shaft import turn
-from .link_step import move_links, turn_link1
+from .freewheel_drag import find_drags, lose_by_drag, take_drags
+from .hub_step import drive_mass, load_hub, turn_shaft
+from .slip_friction import STOPPED, load_satellites, mesh_impulse, move_with_friction
+from .weights import begin_fall, end_fall, weigh
 
-# what a torque of the shaft may change of the speed it acts on in a step that resolves it
-RESOLVED = 4.0
 # parts of a step that are too short to be told from none
 SHORTEST = 1e-6
 # how much later than foreseen a step is parted: what has not met there meets at its end
 LATER = 1.001
+# how often the loads of the satellites are taken from the step found with those before
+LOADED = 2
 
 
 def steps_in(d, h):
@@ -34,6 +35,8 @@ def look_ahead(d, x, w, slip_angle):
     w.far_angle = slip_angle
     w.far_i, w.far_i1, _, w.far_b, _, w.far_g, _, _ = reduced_inertia(d, x.q + d.k * slip_angle)
     x.step_evaluations += 1.0
+    if d.weight != 0.0:
+        weigh(d, x, w)
     end_at(x, w, 1.0)
 
 
@@ -51,48 +54,6 @@ def end_at(x, w, part):
     w.slip_angle = part * w.far_angle
 
 
-def load_hub(d, x, w, held, joined, h):
-    """Find the impulse on the hub, of the load or the shaft: hub_load + hub_gain u at its mean speed u.
-
-    The mean relative speed behind it is relative_load + relative_gain u. Where the step does not resolve the
-    shaft its torque is that of the twist at the end. A light hub that turns freely then ends at its mean
-    speed (w.late), but where not even link 2 with the hub is heavy enough it meets the driven mass (w.stiff).
-    """
-    w.hub_load = w.load * h
-    w.hub_gain = d.b3 * h
-    w.stiff = 0.0
-    # one that friction stops within the step does not turn back
-    w.late = 0.5 if w.hub_gain < 2.0 * d.J3 else 1.0
-    if d.elastic == 0.0:
-        return
-    damping = d.damping + d.stiffness * h
-    pull = damping * h
-    together = d.J3 + inertia_of_link2(d, x.i, x.b, x.g)
-    if pull * (together + d.J4) > RESOLVED * together * d.J4:
-        w.stiff = 1.0
-    elif not joined and pull * (d.J3 + d.J4) > RESOLVED * d.J3 * d.J4:
-        w.late = 1.0
-    else:
-        damping -= 0.5 * d.stiffness * h
-    free = 2.0 * d.J4 * (1.0 - d.balancer)
-    share = 1.0 / (2.0 * d.J4 + h * (d.friction + damping))
-    spring = h * d.stiffness * x.twist
-    w.relative_gain = share * (free + h * d.friction)
-    w.relative_load = share * (2.0 * d.J4 * x.relative - free * x.omega3 + w.hub_load - spring)
-    w.hub_load = spring + h * damping * w.relative_load
-    w.hub_gain += h * damping * w.relative_gain
-
-
-def drive_mass(d, x, w, h):
-    """The driven mass over the step, behind a hub whose speed changes evenly (to w.seen3) about its mean."""
-    w.mean_relative = w.relative_load + w.relative_gain * w.mean3
-    w.seen3 = 2.0 * w.mean3 - x.omega3
-    w.omega4 = w.seen3 - 2.0 * w.mean_relative + x.relative
-    if d.friction * h > RESOLVED * d.J4:
-        mean4 = abs(w.mean3 - w.mean_relative)
-        w.omega4 = max(-mean4, min(mean4, w.omega4))
-
-
 def follow(d, x, w, held, joined, given, h):
     """Follow all over the step with link 2 held or not, joined with the hub or not.
 
@@ -100,20 +61,27 @@ def follow(d, x, w, held, joined, given, h):
         As settle, impacts at the end of the step included.
     """
     load_hub(d, x, w, held, joined, h)
-    if held:
-        turn_link1(d, x, w, given, h)
-    elif joined:
-        move_links(d, x, w, d.J3, w.hub_load, w.hub_gain, given, h)
+    if d.general != 0.0:
+        find_drags(d, x, w, held, joined, h)
+    load = w.drag_load - w.over_load
+    gain = w.drag_gain + w.over_gain
+    if joined:
+        move_with_friction(d, x, w, held, d.J3, w.hub_load + load, w.hub_gain + gain, given, h)
     else:
-        move_links(d, x, w, 0.0, 0.0, 0.0, given, h)
-    w.pushed = 0.0
+        move_with_friction(d, x, w, held, 0.0, load, gain, given, h)
+    if d.general != 0.0:
+        take_drags(w, held, h)
     if joined:
         w.end3 = w.end2
         w.mean3 = 0.0 if held else (w.angle1 - w.new_slip_angle) / h
-        w.pushed = w.hub_load if held else d.J3 * (w.end3 - x.omega3) + w.taken
+        w.pushed = w.hub_load if held else d.J3 * (w.end3 - x.omega3) + (w.taken - w.drag)
     else:
-        w.end3 = x.omega3 - (w.hub_load + w.hub_gain * x.omega3) / (d.J3 + w.late * w.hub_gain)
+        w.pushed = -w.overrun
+        braking = w.hub_load + w.hub_gain * x.omega3 + w.overrun
+        w.end3 = x.omega3 - braking / (d.J3 + w.late * w.hub_gain)
         w.mean3 = x.omega3 + w.late * (w.end3 - x.omega3)
+    if d.general != 0.0:
+        lose_by_drag(w, held, h)
     inertia3 = d.J3
     if d.elastic != 0.0:
         drive_mass(d, x, w, h)
@@ -122,54 +90,40 @@ def follow(d, x, w, held, joined, given, h):
             mass3 = w.omega4 + d.balancer * (w.end3 - w.seen3)
             w.end3 += d.J4 * (mass3 - w.end3) / inertia3
     inertia2 = inertia_of_link2(d, w.end_i, w.end_b, w.end_g)
-    if w.pushed > 0.0 and d.output != 0.0:
-        # it is the impulse over the whole step that must not pull
-        back = 0.0 if held else w.pushed / inertia2
-        settled = settle(d, inertia2, w.end2 + back, inertia3, w.end3 - w.pushed / inertia3)
-        if settled[3] == DRIVING or settled[3] == HELD_DRIVING:
-            return settled
+    push = w.pushed + w.holding
+    if push > 0.0 and d.output != 0.0:
+        # it is the impulse over the whole step that must not pull, but for the drag
+        back = 0.0 if held else push / inertia2
+        end2, end3, output, mode = settle(d, inertia2, w.end2 + back, inertia3, w.end3 - push / inertia3)
+        if mode == DRIVING or mode == HELD_DRIVING:
+            return end2, end3, output - w.holding, mode
     end2, end3, output, mode = settle(d, inertia2, w.end2, inertia3, w.end3)
     return end2, end3, output + w.pushed, mode
 
 
 def follow_contacts(d, x, w, given, h):
+    """The same with contacts as below; without drag in a step that would turn back against it."""
+    end2, end3, output, mode = follow_closed(d, x, w, given, h)
+    if w.reversed != 0.0:
+        w.dragging = 0.0
+        end2, end3, output, mode = follow_closed(d, x, w, given, h)
+        w.dragging = d.general
+    return end2, end3, output, mode
+
+
+def follow_closed(d, x, w, given, h):
     """The same; what touches at the beginning stays together where nothing pulls it apart."""
     always = d.output == 0.0
     joined = always or x.omega3 == x.omega2
     end2, end3, output, mode = follow(d, x, w, False, joined, given, h)
-    if joined and not always and w.pushed <= 0.0:
+    if joined and not always and w.pushed + w.holding <= 0.0:
         end2, end3, output, mode = follow(d, x, w, False, False, given, h)
     if d.housing != 0.0 and x.omega2 == 0.0 and (mode == HELD or mode == HELD_DRIVING):
         joined = always or (x.omega3 == 0.0 and mode == HELD_DRIVING)
         end2, end3, output, mode = follow(d, x, w, True, joined, given, h)
-        if w.pushed < 0.0 and not always:
+        if joined and not always and w.pushed + w.holding < 0.0:
             end2, end3, output, mode = follow(d, x, w, True, False, given, h)
     return end2, end3, output, mode
-
-
-def turn_shaft(d, x, w, end3, h):
-    """The hub to its end speed, with twist, driven mass and works of the shaft behind it."""
-    mean4 = w.mean3
-    if d.viscous != 0.0:
-        lost = w.rubbed + h * d.b3 * w.mean3 * w.mean3
-        add_loss(x, VISCOUS, lost)
-    if d.elastic != 0.0:
-        mean4 -= w.mean_relative
-        lost = h * (d.damping * w.mean_relative * w.mean_relative + d.friction * mean4 * mean4)
-        lost -= d.balancer * d.J4 * (w.seen3 - x.omega3) * mean4
-        add_loss(x, SHAFT, lost)
-        x.twist, x.twist_low = add(x.twist, x.twist_low, h * w.mean_relative)
-        x.omega3 = w.seen3
-        x.relative = w.seen3 - w.omega4
-        x.relative_low = 0.0
-        push_driven_mass(d, x, w.end3 - w.seen3, False)
-        x.omega3 = w.end3
-        if w.stiff != 0.0:
-            x.relative = 0.0
-            x.relative_low = 0.0
-        push_driven_mass(d, x, end3 - w.end3, w.stiff != 0.0)
-    turn(x, w.load, h * mean4)
-    x.omega3 = end3
 
 
 def share_until_closed(d, x, w, mode):
@@ -203,7 +157,7 @@ def close_within(d, x, w, given, h, share, held):
         if n < 2 and gap > left:
             share *= LATER * gap / (gap - left)
             part = LATER * gap / (gap - left) * w.new_slip_angle / angle
-    if w.reached == 0.0:
+    if w.reached == 0.0 or w.reversed != 0.0:
         return False
     copy(w.part.numbers, x.numbers)
     finish(d, x, w, end2, end3, output, mode, share * h)
@@ -213,13 +167,33 @@ def close_within(d, x, w, given, h, share, held):
     end2, end3, output, mode = follow_contacts(d, x, w, rest * given, rest * h)
     if w.reached == 0.0:
         copy(x.numbers, w.part.numbers)
+        w.weighed = 0.0
         return False
     finish(d, x, w, end2, end3, output, mode, rest * h)
     return True
 
 
+def add_general(d, x, w, end2, output, h):
+    """Add losses by load and drag, the impulses at mesh and housing, and with the speed given theta1."""
+    w.end2 = end2
+    mesh = mesh_impulse(d, x, w, h)
+    x.mesh_impulse += mesh
+    x.housing_impulse += d.J2 * (end2 - x.omega2) + d.b2 * (w.angle1 - w.new_slip_angle) + output - mesh
+    w.weighed += w.weighing
+    add_loss(x, MESH, w.lost_mesh)
+    add_loss(x, JOURNAL, w.lost_journal)
+    add_loss(x, FREEWHEEL, w.lost_freewheel)
+    if d.by_torque == 0.0:
+        x.theta1, x.theta1_low = add(x.theta1, x.theta1_low, w.angle1)
+        wrap_input_angle(x)
+
+
 def finish(d, x, w, end2, end3, output, mode, h):
     """Take over what the step, or a part of it, ends with."""
+    if w.stuck != 0.0 and abs(end2 - w.end1) <= STOPPED * abs(w.end1):
+        if end3 == end2:
+            end3 = w.end1
+        end2 = w.end1
     # links 1 and 2 take the impact that brings link 2 to its end speed
     reaction = d.k * (w.end_b + d.k * w.end_g) * (end2 - w.end2)
     if d.by_torque != 0.0:
@@ -227,8 +201,11 @@ def finish(d, x, w, end2, end3, output, mode, h):
         x.theta1, x.theta1_low = add(x.theta1, x.theta1_low, w.angle1)
         wrap_input_angle(x)
     else:
-        x.input_impulse += w.impulse1 - reaction
+        w.impulse1 -= reaction
+        x.input_impulse += w.impulse1
         w.work1 -= w.end1 * reaction
+    if d.general != 0.0:
+        add_general(d, x, w, end2, output, h)
     turn_shaft(d, x, w, end3, h)
     # on to just where the inertia at the end is that of: with another the energy would not be the same
     x.q, x.q_low = add(x.q, x.q_low, d.k * w.slip_angle)
@@ -252,9 +229,36 @@ def one_step(d, x, w, given, load, h):
         given: change of omega1, rad/s, or impulse of the input torque, N m s. load: N m.
     """
     w.load = load
+    falls = d.weight * d.by_torque != 0.0
+    if falls:
+        begin_fall(d, x, w)
+    move_all(d, x, w, given, h)
+    if falls:
+        end_fall(d, x, w)
+
+
+def clear_losses(d, w):
+    """Nothing is known yet of losses and weights; ideal steps leave all of it so."""
+    w.journals = w.spin = w.spin_by_alpha1 = w.spin_by_rate2 = w.weight1 = w.weight_slip = 0.0
+    w.rub = w.straight = w.stuck = w.reversed = w.lost_mesh = w.lost_journal = 0.0
+    w.drag_load = w.drag_gain = w.over_load = w.over_gain = w.holding = w.drag = w.overrun = 0.0
+    w.dragging = d.general
+
+
+def move_all(d, x, w, given, h):
+    """Follow the step to its end, in parts where a freewheel closes within it."""
+    if d.general != 0.0:
+        clear_losses(d, w)
+    w.far_angle1 = h * (x.omega1 if d.by_torque != 0.0 else x.omega1 + 0.5 * given)
     slip = x.omega1 - x.omega2
     look_ahead(d, x, w, h * (slip if d.by_torque != 0.0 else slip + 0.5 * given))
     end2, end3, output, mode = follow_contacts(d, x, w, given, h)
+    if d.general != 0.0 and d.journal + d.satellite_loss + d.weight > 0.0:
+        for _ in range(LOADED):
+            w.far_angle1 = w.angle1
+            load_satellites(d, x, w, h)
+            look_ahead(d, x, w, w.foreseen)
+            end2, end3, output, mode = follow_contacts(d, x, w, given, h)
     share = share_until_closed(d, x, w, mode)
     if share < 1.0:
         if close_within(d, x, w, given, h, share, mode == HELD):
@@ -267,5 +271,8 @@ def one_step(d, x, w, given, load, h):
     if w.reached == 0.0:
         # the drive stays where it is: there the energy always suffices
         end_at(x, w, 0.0)
+        if d.weight != 0.0:
+            w.far_angle = 0.0
+            weigh(d, x, w)
         end2, end3, output, mode = follow_contacts(d, x, w, given, h)
     finish(d, x, w, end2, end3, output, mode, h)
