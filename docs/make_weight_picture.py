@@ -1,0 +1,131 @@
+"""Writes docs/weight.csv, draws docs/weight.png: what gravity and the satellites' own inertia change."""
+
+import csv
+import math
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from inertia_module.common.colours import BLACK, BLUE, GREEN, VERMILION
+from inertia_module.memory.instances import Module
+
+HERE = Path(__file__).parent
+PICTURE, TABLE = HERE / "weight.png", HERE / "weight.csv"
+SPEEDS = np.geomspace(10.0, 300.0, 19)
+RATIOS = (0.2, 0.5, 0.8)
+GRAVITY, INERTIA = "gravity", "satellite inertia"
+# of the ideal machine all four go with omega1 squared, whatever their unit
+QUANTITIES = ("mean torque", "ripple", "peak torque", "bearing force")
+READ = ("output_torque_mean", "torque_ripple", "torque_peak", "satellite_force_peak")
+COLOURS = (BLUE, GREEN, VERMILION, BLACK)
+# turns of the drive against a link 2 at rest: to settle, to look at; short steps see every peak
+SETTLED, TURNS, PARTS = 20, 600, 40
+# kg m^2: next to it a pulse hardly changes the speed of the shaft
+HELD = 1e8
+SMALL = 0.01
+
+
+def disc(radius, width=0.015):
+    """Inertias of a satellite that is a disc of steel of its pitch radius, m: m r^2/2, m r^2/4 + m w^2/12."""
+    mass = 7850.0 * math.pi * radius**2 * width
+    across = mass * (radius**2 / 4.0 + width**2 / 12.0)
+    return {"satellite_inertia": mass * radius**2 / 2.0, "satellite_transverse_inertia": across}
+
+
+# scene R1, z6 = 20 on z17 = 34 of 80 mm, and the planar module of the defaults; one satellite each
+MECHANISMS = {"R1": ({}, disc(0.08 * 20 / 34)), "planar": ({"layout": "planar"}, disc(0.03))}
+
+
+def measured(omega1, ratio, **parameters):
+    """The four quantities at a speed, rad/s, the output shaft held at a ratio to it; over omega1 squared."""
+    module = Module().start(
+        omega1=omega1, load_torque=0.0, omega_out_start=ratio * omega1, output_inertia=HELD, **parameters
+    )
+    turn = 2.0 * math.pi / (module.derived.k * omega1)
+    module.advance(SETTLED * turn)
+    found = np.empty((TURNS * PARTS, len(READ)))
+    for row in found:
+        module.advance(turn / PARTS)
+        row[:] = module.read(READ)
+    mean, ripple, peak, force = found.T
+    about_mean = math.sqrt(np.mean(ripple**2 + mean**2) - mean.mean() ** 2)
+    return np.array([mean.mean(), about_mean, peak.max(), force.max()]) / omega1**2
+
+
+def rows():
+    """(mechanism, ratio, cause, omega1, relative changes of the four quantities)."""
+    for name, (mechanism, body) in MECHANISMS.items():
+        for ratio in RATIOS:
+            ideal = measured(100.0, ratio, **mechanism)
+            for omega1 in SPEEDS:
+                found = measured(omega1, ratio, gravity=9.81, **mechanism)
+                yield name, ratio, GRAVITY, omega1, *(found / ideal - 1.0)
+            # goes with omega1 squared as well: one speed would do
+            for omega1 in SPEEDS[[0, -1]]:
+                found = measured(omega1, ratio, **mechanism, **body)
+                yield name, ratio, INERTIA, omega1, *(found / ideal - 1.0)
+
+
+def read():
+    """The committed table: {(mechanism, ratio, cause): rows of omega1 and the changes, shape (n, 5)}."""
+    found = {}
+    with TABLE.open(encoding="utf-8", newline="") as file:
+        _, *lines = csv.reader(file)
+    for name, ratio, cause, *numbers in lines:
+        found.setdefault((name, float(ratio), cause), []).append([float(number) for number in numbers])
+    return {key: np.array(part) for key, part in found.items()}
+
+
+def small_from(part):
+    """Speed from which on each quantity changes by less than SMALL, rad/s; inf where there is none."""
+    large = np.abs(part[:, 1:]) >= SMALL
+    return [float(np.append(part[:, 0], math.inf)[max(np.flatnonzero(c), default=-1) + 1]) for c in large.T]
+
+
+def lines_of_page(table):
+    """The rows for docs/mechanics.md: from which speed on gravity is small, what the inertia changes."""
+    for (name, ratio, cause), part in table.items():
+        if cause == GRAVITY:
+            speeds = (f"{speed:.0f}" if speed < math.inf else "above 300" for speed in small_from(part))
+            changes = (
+                f"{round(100.0 * change, 1) + 0.0:.1f}" for change in table[name, ratio, INERTIA][-1, 1:]
+            )
+            yield f"| {name}, {ratio:g} | {' | '.join((*speeds, *changes))} |"
+
+
+def draw(table):
+    """A panel for each mechanism and ratio, a line for each quantity, dashed with the satellites' inertia."""
+    figure = Figure(figsize=(11, 6.5), dpi=100, layout="constrained")
+    grid = figure.subplots(len(MECHANISMS), len(RATIOS), sharex=True, sharey=True)
+    for (name, ratio, cause), part in table.items():
+        axes = grid[list(MECHANISMS).index(name), RATIOS.index(ratio)]
+        for label, colour, values in zip(QUANTITIES, COLOURS, part[:, 1:].T, strict=True):
+            style = "-" if cause == GRAVITY else "--"
+            axes.loglog(part[:, 0], 100.0 * np.abs(values), style, color=colour, label=f"{label}, {cause}")
+        axes.axhline(100.0 * SMALL, color="grey", linewidth=0.7)
+        axes.set_ylim(1e-3, 1e4)
+        axes.set_title(f"{name}, speed ratio {ratio:g}", size=10)
+        axes.grid(alpha=0.3)
+    for axes in grid[-1]:
+        axes.set_xlabel("ω1 [rad/s]")
+    for axes in grid[:, 0]:
+        axes.set_ylabel("change [%]")
+    handles, labels = grid[0, 0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize=8, frameon=False)
+    figure.savefig(PICTURE)
+
+
+def main():
+    with TABLE.open("w", encoding="utf-8", newline="") as file:
+        lines = csv.writer(file)
+        lines.writerow(["mechanism", "speed ratio", "cause", "omega1 [rad/s]", *QUANTITIES])
+        for name, ratio, cause, omega1, *changes in rows():
+            lines.writerow([name, ratio, cause, f"{omega1:.5g}", *(f"{change:.6f}" for change in changes)])
+    table = read()
+    draw(table)
+    print(*lines_of_page(table), sep="\n")
+
+
+if __name__ == "__main__":
+    main()
