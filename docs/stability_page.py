@@ -7,13 +7,15 @@ from operator import itemgetter
 from pathlib import Path
 
 from inertia_module.kernel import limits
-from inertia_module.studies.stability import bounds, case, random_checks, trial
+from inertia_module.studies.stability import bounds, case, random_checks, random_motions, random_study, trial
 from inertia_module.studies.stability.study import counts
 from inertia_module.studies.stability.table import read_rows
 from inertia_module.studies.stability.verdict import BROKEN, EXACT, OUTCOMES, REFUSED
 
 TABLE = Path(__file__).parent / "stability.csv"
 RANDOM = Path(__file__).parent / "random.csv"
+# columns of the table of random motions: all runs, and of them those beyond the bound asked for
+COUNTS = "runs", "explained", "sensitive", "failed"
 
 
 def exceptions(rows):
@@ -42,9 +44,33 @@ def random_rows(rows):
     for name, group in groupby(sorted(rows, key=itemgetter("invariant")), itemgetter("invariant")):
         found = list(group)
         worst = max(found, key=share)
-        counts = (str(sum(int(row[head]) for row in found)) for head in ("runs", "sensitive", "failed"))
+        counts = (str(sum(int(row[head]) for row in found)) for head in COUNTS)
         cells = (name, *counts, worst["worst"], worst["bound"], worst["level"], worst["number"])
-        yield f"| {' | '.join(cells if worst['worst'] else (*cells[:4], '', '', '', ''))} |"
+        yield f"| {' | '.join(cells if worst['worst'] else (*cells[:5], '', '', '', ''))} |"
+
+
+def random_counts(rows):
+    """What the random motions count to: tried, refused, and those within the error of the reference."""
+
+    def count(head, *invariants, levels=None):
+        chosen = (
+            row for row in rows if row["invariant"] in invariants and (not levels or row["level"] in levels)
+        )
+        return sum(int(row[head]) for row in chosen)
+
+    reference, compared = random_checks.REFERENCE, count("runs", random_checks.REFERENCE)
+    beyond = {head: count(head, reference) for head in COUNTS[1:]}
+    levels = {row["level"] for row in rows if row["invariant"] == reference}
+    counters = random_study.SHORT, random_study.TAKEN
+    return {
+        "random": count("runs", random_study.TAKEN),
+        "random_refused": count("failed", random_study.TAKEN),
+        "random_failed": count("failed", *{row["invariant"] for row in rows}.difference(counters)),
+        "compared": compared,
+        "by_events": count("runs", random_study.TAKEN, levels=levels),
+        "within": 1.0 - sum(beyond.values()) / compared,
+        "beyond": ", ".join(f"{head}: {number}" for head, number in beyond.items()),
+    }
 
 
 def values():
@@ -62,14 +88,16 @@ def values():
         ),
     ]
     drawn = list(csv.DictReader(RANDOM.read_text().splitlines()))
-    tried = [row for row in drawn if row["invariant"] == "not refused"]
     return {
-        "random": sum(int(row["runs"]) for row in tried),
-        "random_refused": sum(int(row["failed"]) for row in tried),
+        **random_counts(drawn),
         "random_rows": "\n".join(random_rows(drawn)),
         "reference_tolerance": random_checks.REFERENCE_TOLERANCE,
         "reference_error": random_checks.REFERENCE_ERROR,
+        "reference_work": random_checks.MOST_EVALUATIONS,
+        "long": random_checks.LONGEST,
+        "friction": random_motions.FRICTION_SHARE,
         "explained": random_checks.EXPLAINED,
+        "swinging": random_checks.SWINGING,
         "random_split": random_checks.SPLIT,
         "extremes": len({(row.axis, row.value) for row in rows}),
         "axes": len({row.axis for row in rows}),

@@ -219,7 +219,7 @@ def test_stability_tries_random_motions_of_a_seed(tmp_path):
     assert done.exit_code == 0, done.stdout + done.stderr
     assert "restored state" in done.stdout
     written = (tmp_path / "random" / "random.csv").read_text()
-    assert written.startswith("level,invariant,runs,sensitive,failed,worst,bound,number\n")
+    assert written.startswith("level,invariant,runs,explained,sensitive,failed,worst,bound,number\n")
     printed = json.loads(command(*arguments, "--json", folder=tmp_path).stdout)
     assert printed["findings"] == []
     assert Path(printed["files"]["invariants"]).read_text() == written

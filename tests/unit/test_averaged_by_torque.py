@@ -133,3 +133,33 @@ def test_start_from_rest(load, torque):
         audit(module, 1e-4)
     assert module["input_speed"] * torque >= 0.0
     assert (module["input_speed"] != 0.0) == (torque != 0.0)
+
+
+@pytest.mark.parametrize("drive_torque", [500.0, -500.0])
+def test_light_shaft_keeps_up_with_a_drive_that_changes_at_little_cost(drive_torque):
+    values = {"omega1": 100.0, "input_inertia": 1.0, "output_inertia": 1e-6, "load_torque": 1.0}
+    module = started("auto", AVERAGED, values)
+    advanced(module, 0.05)
+    before = module["rhs_evaluations"]
+    advanced(module, 0.1, drive_torque=drive_torque)
+    assert abs(module["omega1"] - module["input_speed"]) > 30.0
+    assert module["output_torque"] == pytest.approx(1.0, rel=1e-2)
+    assert module["rhs_evaluations"] - before < 2000
+
+
+def test_lock_up_makes_no_energy_where_the_output_was_faster_than_a_light_link_1():
+    mechanism = {
+        "satellites": 5,
+        "imbalance_mass": 80.0,
+        "z2": 33,
+        "z17": 40,
+        "z6": 50,
+        "a": 0.64293,
+        "c": 0.0,
+    }
+    values = {"wheel_radius": 0.2, "input_inertia": 2e-4, "output_inertia": 1e-3, "tolerance": 1e-9}
+    module = started("auto", AVERAGED, mechanism, values, omega1=3.4835, load_torque=59.438)
+    advanced(module, 0.38778)
+    advanced(module, 0.042248, load_torque=2.1151, drive_torque=10.263)
+    assert module["omega_out"] == pytest.approx(module["input_speed"], rel=1e-9)
+    audit(module, 1e-9)

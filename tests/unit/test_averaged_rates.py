@@ -9,8 +9,8 @@ from scenes import ENGINE, started
 from scipy.interpolate import PchipInterpolator
 
 from inertia_module.kernel.averaged.jump import input_inertia
-from inertia_module.kernel.averaged.rates import energy_at, flow, mean_input_torque
-from inertia_module.kernel.averaged.table import inner_slope
+from inertia_module.kernel.averaged.rates import energy_at, flow, look_up, look_up_input, mean_input_torque
+from inertia_module.kernel.averaged.table import finish_table, inner_slope
 
 
 @pytest.fixture(params=product([0, 1], [1.0, -1.0], range(4)), ids=str)
@@ -70,3 +70,16 @@ def test_slopes_of_the_table_are_those_of_scipy():
     x, y = [0.0, 0.3, 1.0], [2.0, 1.5, 0.1]
     found = inner_slope(x[1] - x[0], x[2] - x[1], *y)
     assert found == pytest.approx(PchipInterpolator(x, y).derivative()(x[1]), rel=1e-13)
+
+
+def test_table_of_two_knots_is_a_straight_line():
+    module = started("plain", ENGINE, drive=1)
+    side = module.derived.forward
+    side.count, side.end = 2.0, 0.9
+    for knot, values in zip(side.knots, [(0.1, 3.0, 1.0, 0.0), (0.9, 1.0, 2.0, 0.4)], strict=False):
+        knot.ratio, knot.torque[0], knot.input[0], knot.omega2[0] = values
+    finish_table(side)
+    torque, torque_slope, omega2, omega2_slope = look_up(side, module.state, 1.0, 0.3)
+    assert (torque, torque_slope) == pytest.approx((2.5, -2.5))
+    assert (omega2, omega2_slope) == pytest.approx((0.1, 0.5))
+    assert look_up_input(side, module.state, 1.0, 0.3) == pytest.approx((1.25, 1.25))

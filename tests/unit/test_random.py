@@ -1,63 +1,33 @@
 """Random motions hold all invariants; where a module does not, that is found and made small."""
 
 import itertools
+import json
 import math
 
 import pytest
+from random_found import FOUND
 
 from inertia_module.common.errors import Refused
-from inertia_module.kernel.codes import EVENT, RIGID
+from inertia_module.kernel.codes import ELASTIC, EVENT, KINEMATIC, RIGID
 from inertia_module.memory.instances import Module
 from inertia_module.studies.stability import random_checks, random_study
 from inertia_module.studies.stability.case import LEVELS, Segment
-from inertia_module.studies.stability.random_checks import REFERENCE, examine
-from inertia_module.studies.stability.random_motions import Motion, draw_motion
-from inertia_module.studies.stability.random_study import cause, findings, rows_of, shrunk, try_number
+from inertia_module.studies.stability.random_checks import REFERENCE, Finding, examine
+from inertia_module.studies.stability.random_motions import FRICTIONS, Motion, draw_motion
+from inertia_module.studies.stability.random_outcomes import Outcome, as_line, read_outcomes
+from inertia_module.studies.stability.random_study import (
+    cause,
+    findings,
+    rows_of,
+    run_random,
+    shrunk,
+    try_number,
+)
+from inertia_module.studies.stability.verdict import Figure
 
 SEED = 1
 EACH, WITH_REFERENCE = 30, 4
 RIGID_EVENT = next(level for level in LEVELS if (level.fidelity, level.method) == (RIGID, EVENT))
-
-
-BEVEL = {"satellites": 4, "z6": 80, "b": 0.8, "wheel_radius": 0.3, "shaft_angle": 1.0}
-JOINED = {"housing_freewheel": 0, "output_freewheel": 0}
-# what a campaign has found: parameters, and segments (duration, omega1, load, slope, drive)
-FOUND = {
-    "shaft swung by a load": (
-        {"fidelity": 3, "output_inertia": 60.0, "driven_inertia": 1e-3, "tolerance": 5e-5},
-        [(2.0, 0.0, 1.0)],
-    ),
-    "shaft swung by a load taken off": (
-        {"fidelity": 3, "output_inertia": 8e-4, "shaft_stiffness": 6e3},
-        [(2.0, 0.0, 0.2), (2.0, 0.0, 0.0)],
-    ),
-    "undamped shaft swung by a load": (
-        {"fidelity": 3, "output_inertia": 4e-4, "shaft_damping": 0.0, "tolerance": 4e-9},
-        [(0.012, 0.0, -1.0)],
-    ),
-    "shaft without pulses": (
-        {"fidelity": 3, "imbalance_mass": 0.0, "shaft_stiffness": 8e5},
-        [(0.02, -0.2, 0.05)],
-    ),
-    "jump of a swinging shaft": (
-        {"fidelity": 3, **BEVEL, **JOINED, "shaft_stiffness": 14695000.0, "tolerance": 2e-9},
-        [(0.0069986, 0.0, 0.0, -4.0), (0.011583, 0.10526, 0.00010081, 7.7782)],
-    ),
-    "prescribed ramp from rest": (
-        {
-            **{"fidelity": 0, "kinematic_ratio": -1.0, "tolerance": 3e-10},
-            **{"layout": 1, "sun_radius": 0.09, "satellite_radius": 0.14, "eccentricity": 0.1},
-        },
-        [(0.3, 0.0, 0.0, -7.0)],
-    ),
-    "averaged at a small tolerance": (
-        {
-            **{"fidelity": 1, "drive": 1, "input_inertia": 6e-4, "tolerance": 1e-10},
-            **{"output_inertia": 20.0, "z17": 20, "b": 0.01, "wheel_radius": 0.05},
-        },
-        [(0.6, 0.0, -0.02, 0.0, 0.02)],
-    ),
-}
 
 
 @pytest.mark.parametrize("found", FOUND)
@@ -90,6 +60,53 @@ def test_motion_is_that_of_its_seed_and_number_and_of_its_dictionary():
     assert draw_motion(SEED, 7) == motion != draw_motion(SEED, 8)
     assert draw_motion(SEED + 1, 7) != motion
     assert Motion.of(motion.as_dict()) == motion
+
+
+def test_share_of_the_motions_has_friction_but_none_averaged():
+    drawn = [draw_motion(SEED, number) for number in range(400)]
+    rough = [motion for motion in drawn if any(motion[name] for name in FRICTIONS)]
+    assert 0.15 < len(rough) / len(drawn) < 0.35
+    assert {motion.level.fidelity for motion in rough} == {KINEMATIC, RIGID, ELASTIC}
+    for name in FRICTIONS:
+        assert any(motion[name] > 0.0 for motion in rough)
+
+
+def test_stopped_campaign_goes_on_behind_what_it_has_kept(tmp_path):
+    whole = run_random(10, SEED, tmp_path)
+    (kept,) = tmp_path.iterdir()
+    lines = kept.read_text().splitlines(keepends=True)
+    assert [json.loads(line)["number"] for line in lines] == list(range(10))
+    # stopped while it wrote the fourth; the third is marked, to tell it from one that is made again
+    lines[2] = lines[2].replace(f'"level": "{whole[2].level}"', '"level": "kept"')
+    kept.write_text("".join(lines[:3]) + lines[3][:20])
+    again = run_random(9, SEED, tmp_path)
+    assert again[2].level == "kept"
+    assert [*again[:2], *again[3:]] == [*whole[:2], *whole[3:9]]
+    assert len(kept.read_text().splitlines()) == 9
+    assert run_random(4, SEED, tmp_path) == again[:4]
+
+
+def test_kept_outcome_is_the_same_outcome(tmp_path):
+    explained = Figure(0.1 + 0.2, math.inf, explained=True)
+    motion = draw_motion(SEED, 3).as_dict()
+    outcomes = [
+        Outcome(0, "averaged", Finding({"finite": Figure(0.0, 0.0), REFERENCE: explained}, long=True)),
+        Outcome(1, "kinematic", Finding(refused="it takes too long"), motion),
+    ]
+    (tmp_path / "kept").write_text("".join(map(as_line, outcomes)))
+    assert read_outcomes(tmp_path / "kept") == outcomes
+
+
+def test_motion_that_takes_long_is_run_once_and_counted(monkeypatch):
+    motion = motions(RIGID_EVENT, 1)[0]
+    often = set(examine(motion).figures)
+    assert {"restored state", "long and short steps", REFERENCE} < often
+    monkeypatch.setattr(random_checks, "LONGEST", 1.0)
+    finding = examine(motion)
+    assert finding.long
+    assert {"finite", "energy residual"} <= set(finding.figures) < often - {"restored state", REFERENCE}
+    (row,) = (row for row in rows_of([Outcome(7, motion.level.name, finding)]) if row[1] == "not long")
+    assert row[2:] == (1, 0, 0, 1, "", "", 7)
 
 
 class Pulling(Module):
@@ -182,7 +199,7 @@ def test_refusals_are_counted_by_their_sentence_and_are_no_failures(monkeypatch)
     assert sum(kind["count"] for kind in kinds) == 2
     assert {kind["what"] for kind in kinds} == {"communication step = # s is given up: too long"}
     refused = [row for row in rows_of(outcomes) if row[1] == "not refused"]
-    assert sum(row[4] for row in refused) == 2
+    assert sum(row[5] for row in refused) == 2
     assert not any(outcome.finding.failed for outcome in outcomes)
 
 

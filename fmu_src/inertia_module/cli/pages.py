@@ -87,7 +87,7 @@ def _random_motions(number: int, seed: int, output: Path | None, as_json: bool) 
     with one_line_errors():
         folder = folder_for(output, "stability")
         with progress_bar("trying random motions") as progress:
-            outcomes = run_random(number, seed, progress)
+            outcomes = run_random(number, seed, folder, progress)
         file = write_rows(folder / "random.csv", outcomes)
     if as_json:
         typer.echo(json.dumps({"findings": findings(outcomes), "files": {"invariants": str(file)}}))

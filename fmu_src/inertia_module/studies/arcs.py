@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.integrate import DOP853
-from scipy.optimize import brentq
+from scipy.optimize import brentq, minimize_scalar
 
 from .trajectory import Array
 
 # rad of the highest harmonic in a step, and parts of it at whose ends the search for events looks
 PHASE, LOOKED_AT = 0.5, 8
+# closeness to the bottom of a dip between two looks, of their distance
+DIP = 1e-6
+Interval = tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -73,14 +77,36 @@ def _step(solver: DOP853) -> None:
         raise ArithmeticError(f"DOP853 gave up at {solver.t:g} s: {message}")
 
 
+def _falls(value: Callable[[float], float], times: Array, looked: Array) -> list[Interval]:
+    """Intervals from a time at which value is positive to one at which it is not.
+
+    It is looked at at these times; between two of them only where their neighbours let a dip below zero be.
+    """
+    falls = []
+    for n, (here, after) in enumerate(itertools.pairwise(looked)):
+        left, right = (float(time) for time in times[n : n + 2])
+        if here > 0.0 >= after:
+            falls.append((left, right))
+        before, beyond = looked[max(n - 1, 0)], looked[n + 2 : n + 3]
+        sinks, rises = n == 0 or 2.0 * here < before, not beyond.size or 2.0 * after < beyond[0]
+        if min(here, after) > 0.0 and sinks and rises:
+            closeness = {"xatol": DIP * (right - left)}
+            lowest = minimize_scalar(value, bounds=(left, right), method="bounded", options=closeness)
+            if lowest.fun <= 0.0:
+                falls.append((left, float(lowest.x)))
+    return falls
+
+
 def _events(
     path: Callable[[float | Array], Array], guards: Callable[[Array], Array], times: Array
 ) -> list[tuple[float, int]]:
     """Times at which guards fall through zero on the path of a step, and their numbers."""
     found = []
-    positive = np.array([guards(y) for y in path(times).T]) > 0.0
-    for guard, falls in enumerate((positive[:-1] & ~positive[1:]).T):
-        for n in np.flatnonzero(falls)[:1]:
-            root = brentq(lambda t, guard=guard: guards(path(t))[guard], times[n], times[n + 1], xtol=1e-16)
-            found.append((float(root), guard))
+    for guard, looked in enumerate(np.array([guards(y) for y in path(times).T]).T):
+
+        def value(t: float, guard: int = guard) -> float:
+            return float(guards(path(t))[guard])
+
+        for fall in _falls(value, times, looked)[:1]:
+            found.append((float(brentq(value, *fall, xtol=1e-16)), guard))
     return found

@@ -15,6 +15,7 @@ closes where its speed does.
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
 import sys
@@ -35,6 +36,15 @@ ROUNDING = 1e-14
 HOUSING, OUTPUT = range(2)
 Q, THETA1, TWIST, OMEGA1, OMEGA2, OMEGA3 = range(6)
 OMEGA_OUT = -1
+
+
+@functools.cache
+def _free(count: int, by_torque: bool, held: bool, joined: bool) -> Array:
+    """What moves of so many links: each row the speeds of all where one of them has speed 1."""
+    moving = np.eye(count)
+    moving[1, 2] = joined
+    free: Array = moving[[by_torque, not held, not joined, True][:count]]
+    return free
 
 
 class Lagrange:
@@ -70,6 +80,13 @@ class Lagrange:
         self._own = np.diag([p[name] for name in names[: 3 + self._elastic]])
         if self._elastic:
             self._own[3, 2] = -p["balancer"] * p["driven_inertia"]
+        # what I, B, G, each 1, are of M
+        self._parts = np.zeros((3, *self._own.shape))
+        self._parts[:, :2, :2] = [
+            [[1.0, 0.0], [0.0, 0.0]],
+            [[2.0 * self.k, -self.k], [-self.k, 0.0]],
+            [[self.k**2, -(self.k**2)], [-(self.k**2), self.k**2]],
+        ]
         there = p["housing_freewheel"], p["output_freewheel"]
         self._freewheels = [wheel for wheel in (HOUSING, OUTPUT) if there[wheel]]
         self.time, self.switches, self.evaluations, self._most = 0.0, list[float](), 0, most
@@ -86,12 +103,9 @@ class Lagrange:
         """Speed at which a freewheel turns, rad/s."""
         return float(y[OMEGA2] if wheel == HOUSING else y[OMEGA3] - y[OMEGA2])
 
-    def _matrix(self, i: float, b: float, g: float) -> Array:
+    def _matrix(self, ibg: Array) -> Array:
         """M of I, B, G or M' of their derivatives, without own inertias, for all speeds."""
-        k = self.k
-        matrix = np.zeros_like(self._own)
-        matrix[0, 0], matrix[1, 1] = i + k * (2.0 * b + k * g), k * k * g
-        matrix[0, 1] = matrix[1, 0] = -k * (b + k * g)
+        matrix: Array = (ibg @ self._parts.reshape(3, -1)).reshape(self._own.shape)
         return matrix
 
     def _outer(self, y: Array) -> list[float]:
@@ -110,11 +124,7 @@ class Lagrange:
 
         In the same way they are the speeds that momenta make.
         """
-        # what moves: each row the speeds of all links where one of them has speed 1
-        moving = np.eye(len(mass))
-        moving[1, 2] = closed[OUTPUT]
-        moves = [self._by_torque, not closed[HOUSING], not closed[OUTPUT], True]
-        free, first = moving[moves[: len(mass)]], np.eye(len(mass))[0] * given
+        free, first = _free(len(mass), self._by_torque, *closed), np.eye(1, len(mass))[0] * given
         moved: Array = first + np.linalg.solve(free @ mass @ free.T, free @ (forces - mass @ first)) @ free
         return moved
 
@@ -122,7 +132,7 @@ class Lagrange:
         """The accelerations of all links, rad/s^2, and the torques (Th, Tc) in the freewheels, N.m."""
         self.evaluations += 1
         ibg, slopes = self._inertia(y[Q])
-        mass, slope = self._matrix(*ibg) + self._own, self._matrix(*slopes)
+        mass, slope = self._matrix(ibg) + self._own, self._matrix(slopes)
         w = y[OMEGA1:]
         push, forces = slope @ w, np.array(self._outer(y))
         forces -= self.k * (w[0] - w[1]) * push
@@ -168,7 +178,7 @@ class Lagrange:
     def energy(self) -> float:
         """Kinetic energy of links 1 and 2 and of what turns behind them, and that of the twisted shaft, J."""
         w, twist = self.state[OMEGA1:], self.state[TWIST]
-        mass = self._matrix(*self._inertia(self.state[Q])[0]) + np.diag(np.diag(self._own))
+        mass = self._matrix(self._inertia(self.state[Q])[0]) + np.diag(np.diag(self._own))
         return float(0.5 * (w @ mass @ w + self.p["shaft_stiffness"] * twist * twist))
 
     def give(self, drive_torque: float, load_torque: float) -> None:
@@ -185,7 +195,7 @@ class Lagrange:
         """
         self._slope = slope
         if omega1 != self.state[OMEGA1]:
-            mass = self._matrix(*self._inertia(self.state[Q])[0]) + self._own
+            mass = self._matrix(self._inertia(self.state[Q])[0]) + self._own
             momenta = mass @ self.state[OMEGA1:]
 
             def breach(closed: list[bool]) -> float:

@@ -128,7 +128,7 @@ def implicit_step(d, side, x, w, speed, speed_rate, h, first, allowed):
                 # a transient that is damped out within the step would be wrong in the angle and the work
                 slope = abs(first[2][3])
                 if h * slope > RESOLVED:
-                    w.error = max(w.error, abs(first[1][0]) / (slope * TRANSIENT * allowed))
+                    w.error = max(w.error, abs(first[1][1]) / (slope * slope * TRANSIENT * allowed))
             break
     finish_step(d, x, w, h, first, last, found_speed, found, True)
 

@@ -35,7 +35,7 @@ def end_slope(near, far, here, following, beyond):
 
 
 def set_slopes(side, n):
-    """Write the slopes at knot n of three or more."""
+    """Write the slopes at knot n of two, which are a straight line, or more."""
     last = int(side.count) - 1
     here = side.knots[n]
     if 0 < n < last:
@@ -49,8 +49,13 @@ def set_slopes(side, n):
         return
     step = 1 if n == 0 else -1
     a = side.knots[n + step]
-    b = side.knots[n + 2 * step]
     near = a.ratio - here.ratio
+    if last == 1:
+        here.torque[1] = (a.torque[0] - here.torque[0]) / near
+        here.input[1] = (a.input[0] - here.input[0]) / near
+        here.omega2[1] = (a.omega2[0] - here.omega2[0]) / near
+        return
+    b = side.knots[n + 2 * step]
     far = b.ratio - a.ratio
     here.torque[1] = end_slope(near, far, here.torque[0], a.torque[0], b.torque[0])
     here.input[1] = end_slope(near, far, here.input[0], a.input[0], b.input[0])

@@ -226,9 +226,9 @@ def end_map(d, side, end):
     last = side.knots[count - 1]
     if side.locks != 0.0:
         if d.by_torque != 0.0:
-            share = last.input[0]
-            ratio = max(share, last.ratio * (1.0 + LAST_SLIP))
-            insert_knot(side, count, ratio, last.torque[0], share, share, last.ripple, last.peak, 0.0)
+            # there both turn alike, faster than link 1 on average before where it is light
+            ratio = max(last.input[0], last.ratio * (1.0 + LAST_SLIP))
+            insert_knot(side, count, ratio, last.torque[0], ratio, ratio, last.ripple, last.peak, 0.0)
     elif d.by_torque != 0.0 and last.torque[0] > MAP_ERROR * side.knots[0].torque[0]:
         v = last.omega3 / last.ratio if last.ratio > 0.0 else 1.0
         ratio = max(end / v, last.ratio * (1.0 + RAMP))

@@ -10,7 +10,7 @@ sigma is the sign of the slip, C and S what journals and the mesh 17-6 resist it
 
 from ..inertia import reduced_inertia
 from ..layout import imbalance
-from .satellites import spin_torques, weight_torques
+from .satellites import inertia_at, spin_torques, weight_torques
 from .states import LOCKED, OPEN, WOUND
 
 # patterns of signs tried: each step of this Newton's method leaves it only for one closer to the solution
@@ -56,7 +56,7 @@ def accelerate_links(d, x, m, given, inertia, place, carried, resisting, fixed):
         carried, resisting: inertia that link 2 carries, kg m^2, and torque against it, N m.
         fixed: whether the signs in x hold.
     """
-    i, i1, _, b, b1, g, g1, _ = inertia
+    i, i1, b, b1, g, g1 = inertia
     k = d.k
     sign = x.slip_sign
     rate_q = k * (m.omega1 - m.omega2)
@@ -129,7 +129,7 @@ def accelerate_links(d, x, m, given, inertia, place, carried, resisting, fixed):
 
 def stick_links(d, x, m, given, inertia, place, carried, resisting):
     """The same of links that stick together, and what is left of the friction that holds them, N m."""
-    i, i1, _, b, _, _, _, _ = inertia
+    i, i1, b, _, _, _ = inertia
     omega1 = m.omega1
     rest1 = d.b1 * omega1 + m.weight1
     own2 = d.J2 + carried
@@ -166,10 +166,15 @@ def evaluate(d, x, given, load, fixed):
         fixed: whether the signs of the loads in x hold (see accelerate_links).
     """
     m = d.machine
-    inertia = reduced_inertia(d, m.q)
     place = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    if d.journal + d.satellite_loss + d.weight > 0.0:
+    known = d.journal + d.satellite_loss + d.weight > 0.0
+    if known:
         place = imbalance(d, m.q, 0.0)
+    if known and d.single != 0.0 and d.planar + d.bodies == 0.0:
+        inertia = inertia_at(d, place)
+    else:
+        i, i1, _, b, b1, g, g1, _ = reduced_inertia(d, m.q)
+        inertia = i, i1, b, b1, g, g1
     m.weight1 = m.weight_q = 0.0
     if d.weight != 0.0:
         _, m.weight1, m.weight_q = weight_torques(d, place, m.theta1)

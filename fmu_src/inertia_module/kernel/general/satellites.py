@@ -7,6 +7,20 @@ from ..layout import acceleration, imbalance
 from ..sine import sine_cosine
 
 
+def inertia_at(d, place):
+    """What motion.evaluate needs of inertia.reduced_inertia, of one bevel imbalance whose place is known."""
+    _, y, z, x1, y1, z1, x2, y2, z2 = place
+    mass = d.mass
+    return (
+        mass * (y * y + z * z),
+        2.0 * mass * (y * y1 + z * z1),
+        mass * (y * z1 - z * y1),
+        mass * (y * z2 - z * y2),
+        mass * (x1 * x1 + y1 * y1 + z1 * z1) + d.J16,
+        2.0 * mass * (x1 * x2 + y1 * y2 + z1 * z2),
+    )
+
+
 def spin_torques(d, q, first, omega1, rate_q, alpha1, rate2_q, signed):
     """Torque that resists q, whatever its sign, by the loads of all satellites (docs/mechanics.md, "Losses").
 

@@ -6,7 +6,6 @@ w.followed holds for each quantity its rates at the stages and its change over t
 from ..codes import SHAFT
 from ..links import friction_power
 from ..solvers.dormand_prince import (
-    END,
     NODES,
     STAGES,
     sum_1,
@@ -144,25 +143,20 @@ def keep_rates(d, x, w, n):
     watch(d, x, w, n)
 
 
-def evaluate_stage(d, x, w, n, moving):
-    """Rates at stage n, from those at the stages before."""
+def evaluate_stage(d, x, w, n, rate_q, mean1, mean2, mean3):
+    """Rates at stage n, from weighed rates of q and of the speeds at the stages before."""
     h = w.step
     f = w.followed
     m = d.machine
-    m.q = x.q + h * weighed(n, f[Q].rate)
-    m.theta1 = x.theta1 + h * weighed(n, f[THETA].rate)
-    m.omega2 = x.omega2 + h * weighed(n, f[OMEGA2].rate)
-    m.omega3 = x.omega3 + h * weighed(n, f[OMEGA3].rate)
-    if d.by_torque != 0.0:
-        m.omega1 = x.omega1 + h * weighed(n, f[OMEGA1].rate)
-    else:
-        m.omega1 = x.omega1 + h * NODES[n] * w.given
-    if x.output_state == LOCKED:
-        m.omega3 = m.omega2
-    if moving > RIGID_OUTPUT:
+    m.q = x.q + h * rate_q
+    m.omega2 = x.omega2 + h * mean2
+    m.omega3 = m.omega2 if x.output_state == LOCKED else x.omega3 + h * mean3
+    m.omega1 = x.omega1 + h * (mean1 if d.by_torque != 0.0 else NODES[n] * w.given)
+    if d.weight != 0.0:
+        m.theta1 = x.theta1 + h * weighed(n, f[THETA].rate)
+    if d.elastic != 0.0:
         m.twist = x.twist + h * weighed(n, f[TWIST].rate)
         m.relative = x.relative + h * weighed(n, f[RELATIVE].rate)
-    if moving > WITHOUT_WIND_UP:
         m.wound_housing = x.wound_housing + h * weighed(n, f[WOUND_HOUSING].rate)
         m.wound_output = x.wound_output + h * weighed(n, f[WOUND_OUTPUT].rate)
     evaluate(d, x, w.given, w.load, True)
@@ -173,9 +167,21 @@ def evaluate_stage(d, x, w, n, moving):
 def make_step(d, x, w, h):
     """All stages of the step h, and the changes of all that is followed."""
     w.step = h
+    f = w.followed
+    q, o1, o2, o3 = f[Q].rate, f[OMEGA1].rate, f[OMEGA2].rate, f[OMEGA3].rate
+    evaluate_stage(d, x, w, 1, sum_1(q), sum_1(o1), sum_1(o2), sum_1(o3))
+    evaluate_stage(d, x, w, 2, sum_2(q), sum_2(o1), sum_2(o2), sum_2(o3))
+    evaluate_stage(d, x, w, 3, sum_3(q), sum_3(o1), sum_3(o2), sum_3(o3))
+    evaluate_stage(d, x, w, 4, sum_4(q), sum_4(o1), sum_4(o2), sum_4(o3))
+    evaluate_stage(d, x, w, 5, sum_5(q), sum_5(o1), sum_5(o2), sum_5(o3))
+    evaluate_stage(d, x, w, 6, sum_6(q), sum_6(o1), sum_6(o2), sum_6(o3))
+    evaluate_stage(d, x, w, 7, sum_7(q), sum_7(o1), sum_7(o2), sum_7(o3))
+    evaluate_stage(d, x, w, 8, sum_8(q), sum_8(o1), sum_8(o2), sum_8(o3))
+    evaluate_stage(d, x, w, 9, sum_9(q), sum_9(o1), sum_9(o2), sum_9(o3))
+    evaluate_stage(d, x, w, 10, sum_10(q), sum_10(o1), sum_10(o2), sum_10(o3))
+    evaluate_stage(d, x, w, 11, sum_11(q), sum_11(o1), sum_11(o2), sum_11(o3))
+    evaluate_stage(d, x, w, 12, sum_12(q), sum_12(o1), sum_12(o2), sum_12(o3))
     moving = how_many_move(d)
-    for n in range(1, END + 1):
-        evaluate_stage(d, x, w, n, moving)
     for n in range(FOLLOWED):
         if is_followed(d, n, moving):
             w.followed[n].change = h * sum_12(w.followed[n].rate)
@@ -200,6 +206,8 @@ def cut_step(d, w, sigma):
 
 def make_inside(d, x, w):
     """The stages for the inside of the step in hand."""
-    moving = how_many_move(d)
-    for n in range(END + 1, STAGES):
-        evaluate_stage(d, x, w, n, moving)
+    f = w.followed
+    q, o1, o2, o3 = f[Q].rate, f[OMEGA1].rate, f[OMEGA2].rate, f[OMEGA3].rate
+    evaluate_stage(d, x, w, 13, sum_13(q), sum_13(o1), sum_13(o2), sum_13(o3))
+    evaluate_stage(d, x, w, 14, sum_14(q), sum_14(o1), sum_14(o2), sum_14(o3))
+    evaluate_stage(d, x, w, 15, sum_15(q), sum_15(o1), sum_15(o2), sum_15(o3))

@@ -114,14 +114,25 @@ def try_steps(d, x, w, remaining, fastest):
     return False, False, 0.0
 
 
+def rounding_of(x, which):
+    """Share of its scale below which a guard is zero: of a velocity or of a torque."""
+    mode = x.mode
+    if (mode == FREE) or (mode == DRIVING and which == LINK2) or (mode == HELD and which == OUTPUT):
+        return VELOCITY_ROUNDING
+    return CROSSING
+
+
 def zero_of(d, x, w, which, fastest):
     """What a guard has to fall below to have fallen: velocities by what link 2 and the hub take on."""
     mode = x.mode
-    if (mode == FREE) or (mode == DRIVING and which == LINK2) or (mode == HELD and which == OUTPUT):
+    if rounding_of(x, which) == VELOCITY_ROUNDING:
         taken = max(abs(x.omega2), abs(x.omega3))
         share = response(d, d.J2 + (d.J3 if mode == DRIVING else 0.0)) if d.F_by_alpha1 > 0.0 else 0.0
         return VELOCITY_ROUNDING * max(taken, fastest * share)
     torque = shaft_torque(d, x)
+    if which == OUTPUT and mode == HELD_DRIVING:
+        # the shaft alone presses the hub on link 2: by what it swings with behind it
+        return CROSSING * (abs(torque) + abs(x.relative) * math.sqrt(d.stiffness * d.J4))
     scale = torque_scale(d, x.omega1, w.alpha1, 2.0 * d.k * fastest, 0.0)
     if d.by_torque != 0.0:
         scale += abs(w.given)
@@ -144,8 +155,6 @@ def first_event(d, x, w, rate, followed, fastest, cleared):
     fit_polynomials(d, x, w)
     earliest = -1.0
     which = NONE
-    # the inside of a step is less accurate than its end: a dip that is shallower than its error is none
-    shallow = 1.0 + INSIDE * embedded_tolerance(d.tolerance) / VELOCITY_ROUNDING
     looks = min(MOST_LOOKS, 1 + int(math.floor(rate * w.step / LOOK_PHASE)))
     for guard in range(2):
         if guard == cleared or (d.housing if guard == LINK2 else d.output) == 0.0:
@@ -154,6 +163,8 @@ def first_event(d, x, w, rate, followed, fastest, cleared):
         bend = bend_inside(d, x, w, guard, zero / CROSSING, rate * w.step)
         if looks == 1 and is_clear(d, x, w, guard, followed, bend):
             continue
+        # the inside of a step is less accurate than its end: a dip that is shallower than its error is none
+        shallow = 1.0 + INSIDE * embedded_tolerance(d.tolerance) / rounding_of(x, guard)
         sigma = first_crossing(d, x, w, guard, zero * shallow, bend, looks)
         value, slope = collocated_guard(d, x, w, guard, 1.0)
         if sigma < 0.0 and value < -zero:

@@ -16,6 +16,9 @@ from .trial import Parameters
 
 # digits of every number
 DIGITS = 5
+# viscous friction of the links, the drives and the output shaft; the share of the motions that have some
+FRICTIONS = ("input_friction", "drive_friction", "link2_friction", "output_friction")
+FRICTION_SHARE, MOST_FRICTION = 0.3, 100.0
 # how often each of LEVELS is drawn
 WEIGHTS = (1, 3, 5, 3, 4, 2)
 
@@ -119,6 +122,14 @@ def _drive_and_output(draw: _Draw, level: Level, omega: float) -> Parameters:
     return p
 
 
+def _friction(draw: _Draw, scale: float) -> Parameters:
+    """Of some links, up to a scale, N.m.s/rad."""
+    if draw.random() >= FRICTION_SHARE:
+        return {}
+    drawn = {name: draw.choice([0.0, draw.decades(1e-5, 1.0)]) * scale for name in FRICTIONS}
+    return {name: min(rounded(value), MOST_FRICTION) for name, value in drawn.items()}
+
+
 def draw_motion(seed: int, number: int) -> Motion:
     """The motion of this number in the campaign of this seed."""
     draw = _Draw(f"{seed}/{number}")
@@ -139,4 +150,5 @@ def draw_motion(seed: int, number: int) -> Motion:
         omega1 = draw.choice([omega1, omega1, omega1 + slope * duration, omega * draw.uniform(-1.0, 1.0)])
     if level.method == TIMESTEPPING:
         motion.parameters["max_step"] = draw.decades(0.003, 3.0) / rate
-    return Motion(motion.parameters, tuple(segments))
+    friction = _friction(draw, torque / omega) if level.fidelity != AVERAGED else {}
+    return Motion(motion.parameters | friction, tuple(segments))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from itertools import groupby
 from operator import itemgetter
@@ -16,38 +16,15 @@ from ...harness import results
 from ...memory.instances import Module
 from .random_checks import REFERENCE, SENSITIVE, Finding, Make, examine
 from .random_motions import Motion, draw_motion, rounded
+from .random_outcomes import Outcome, as_line, outcomes_file, read_outcomes
 from .verdict import Figure
 
-HEADINGS = ("level", "invariant", "runs", "sensitive", "failed", "worst", "bound", "number")
-# motions tried to make one that fails smaller; fewer where the reference, which is slow, has to judge
-TRIES, REFERENCE_TRIES = 300, 60
+HEADINGS = ("level", "invariant", "runs", "explained", "sensitive", "failed", "worst", "bound", "number")
+# rows that count: motions that take too long to be run again in other ways, and those refused
+SHORT, TAKEN = "not long", "not refused"
+# motions tried to make one that fails smaller; fewer where the reference or work without end is slow
+TRIES, SLOW_TRIES = 300, 20
 _NUMBER = re.compile(r"(?<![\w.])-?\d+(\.\d+)?(e[-+]?\d+)?")
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """One motion of a campaign.
-
-    Attributes:
-        number: in the campaign. level: of fidelity. finding: what it showed.
-        reproducer: the smallest motion found that fails or is refused in the same way, or None.
-    """
-
-    number: int
-    level: str
-    finding: Finding
-    reproducer: dict[str, Any] | None = None
-
-    @property
-    def told(self) -> dict[str, Any]:
-        """Its number, what fails or is refused, and what reproduces it."""
-        figures = self.finding.figures
-        failed = [
-            f"{name}: {figures[name].value:.1e}, bound {figures[name].bound:.0e}"
-            for name in self.finding.failed
-        ]
-        sentence = "; ".join(failed) or self.finding.refused
-        return {"number": self.number, "sentence": sentence, "reproducer": self.reproducer}
 
 
 def kind(message: str) -> str:
@@ -80,7 +57,8 @@ def smaller(motion: Motion) -> Iterator[Motion]:
 
 def shrunk(motion: Motion, wanted: str, make: Make = Module) -> Motion:
     """A smaller motion with the same cause of failure or refusal."""
-    left, found = REFERENCE_TRIES if wanted == REFERENCE else TRIES, True
+    slow = wanted == REFERENCE or "given up" in wanted
+    left, found = SLOW_TRIES if slow else TRIES, True
     while found:
         found = False
         for tried in smaller(motion):
@@ -103,40 +81,53 @@ def try_number(seed: int, number: int, make: Make = Module) -> Outcome:
     return Outcome(number, motion.level.name, finding, reproducer)
 
 
-def run_random(number: int, seed: int, report: Callable[[float], None] = lambda done: None) -> list[Outcome]:
+def run_random(
+    number: int, seed: int, folder: Path, report: Callable[[float], None] = lambda done: None
+) -> list[Outcome]:
     """The outcomes of so many random motions, on all processors; the same for the same seed.
 
+    Each is kept in the folder (see outcomes_file): a run that was stopped goes on behind the last one.
+
     Args:
-        number: of motions. seed: of all of them. report: called with the share that is done.
+        number: of motions. seed: of all of them. folder: to keep them. report: called with the share done.
     """
     from concurrent.futures import ProcessPoolExecutor
 
     Module().load_kernel()  # compiled once, before there are many who would
-    outcomes = []
-    with ProcessPoolExecutor() as pool:
-        for outcome in pool.map(partial(try_number, seed), range(number), chunksize=4):
+    path = outcomes_file(folder, seed)
+    outcomes = read_outcomes(path)
+    results.write_text(path, "".join(map(as_line, outcomes)))
+    report(len(outcomes) / number)
+    with ProcessPoolExecutor() as pool, path.open("a") as file:
+        left = range(len(outcomes), number)
+        for outcome in pool.map(partial(try_number, seed), left, chunksize=4):
+            file.write(as_line(outcome))
+            file.flush()
             outcomes.append(outcome)
             report(len(outcomes) / number)
-    return outcomes
+    return outcomes[:number]
 
 
 def rows_of(outcomes: Sequence[Outcome]) -> list[tuple[Any, ...]]:
-    """A row of HEADINGS for each level and invariant; the last of a level counts what was refused."""
+    """A row of HEADINGS for each level and invariant; the last of a level count what was long, or refused."""
     rows: list[tuple[Any, ...]] = []
     for level in sorted({outcome.level for outcome in outcomes}):
         here = [outcome for outcome in outcomes if outcome.level == level]
         for name in dict.fromkeys(name for one in here for name in one.finding.figures):
             figures = [(one.finding.figures[name], one.number) for one in here if name in one.finding.figures]
             rows.append((level, name, *_counted(figures)))
+        long = [one.number for one in here if one.finding.long]
         refused = [one.number for one in here if one.finding.refused]
-        rows.append((level, "not refused", len(here), 0, len(refused), "", "", refused[0] if refused else ""))
+        for name, numbers in ((SHORT, long), (TAKEN, refused)):
+            rows.append((level, name, len(here), 0, 0, len(numbers), "", "", numbers[0] if numbers else ""))
     return rows
 
 
 def _counted(figures: Sequence[tuple[Figure, int]]) -> tuple[Any, ...]:
-    """Runs, those that are sensitive, failures; the value next to its bound, or furthest over, where."""
+    """Runs, those explained, sensitive, failed; the value next to its bound, or furthest over, where."""
     told = [(figure, number) for figure, number in figures if figure.bound < SENSITIVE]
-    counts = len(figures), len(figures) - len(told), sum(not figure.holds for figure, _ in told)
+    explained = sum(figure.explained for figure, _ in told)
+    counts = len(figures), explained, len(figures) - len(told), sum(not figure.holds for figure, _ in told)
     if not told:
         return (*counts, "", "", "")
     worst, number = max(told, key=lambda one: one[0].value / max(one[0].bound, 1e-300))

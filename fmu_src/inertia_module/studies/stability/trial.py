@@ -180,18 +180,23 @@ def run_once(
     return run
 
 
-def distance(one: Run, other: Run) -> float:
+def distance(one: Run, other: Run, inertia: float = 0.0, share: float = 0.0) -> float:
     """Largest difference of what two runs end with, relative to the largest seen in them.
 
     Speeds to the fastest, energies to the largest, impulses to energy over speed, the drive angle to
     what it has gone through (at least a radian).
+
+    Args:
+        inertia: driven, kg m^2: the output's impulse is known as well as its speed is.
+        share: of the fastest speed: with a slower swing the inertia may have any energy.
     """
     speed = max(one.speed, other.speed)
-    energy = max(one.energy, other.energy)
+    energy = max(one.energy, other.energy, inertia * share * speed * speed)
     scales = dict.fromkeys(SPEEDS, speed) | dict.fromkeys(ENERGIES, energy)
     scales["angle"] = max(1.0, abs(one.end["angle"]))
     for name in IMPULSES:
         scales[name] = max(abs(one.end[name]), energy / speed if speed > 0.0 else 0.0)
+    scales["output_torque_mean"] = max(scales["output_torque_mean"], inertia * speed)
     return max(relative(one.end[name] - other.end[name], scale) for name, scale in scales.items())
 
 

@@ -22,10 +22,11 @@ RELATIVE = ("energy residual", "energy residual, short steps", *COMPARED)
 
 @dataclass(frozen=True)
 class Figure:
-    """One measured figure and the bound it is held to."""
+    """One measured figure and the bound it is held to; explained: the motion's own sensitivity widened it."""
 
     value: float
     bound: float
+    explained: bool = False
 
     @property
     def holds(self) -> bool:
