@@ -152,3 +152,16 @@ def test_wind_up_is_refused_in_fixed_steps(kernel):
     for name in ("housing_stiffness", "freewheel_stiffness"):
         with pytest.raises(Refused, match=sentence):
             started(kernel, fidelity=3, method=1, **{name: WIND_UP[name]})
+
+
+def test_pendulum_falls_from_rest_as_by_events(compiled):
+    values = {**DRIVEN["bevel"], **HEAVY, "gravity": 9.81, "drive_angle_start": 2.5, "input_inertia": 0.02}
+    values |= {"omega1": 0.0, "load_torque": 0.0, "drive_torque": 0.0}
+    exact = advanced(started(compiled, values, tolerance=1e-9), 1.0)
+    assert abs(exact["input_speed"]) > 0.1
+    errors = []
+    for step in (2e-3, 2.5e-4):
+        module = advanced(started(compiled, values, method=1, max_step=step), 1.0)
+        errors.append(abs(module["input_speed"] - exact["input_speed"]))
+        assert module["energy_residual"] > -1e-12 * passed(module)
+    assert errors[1] < min(0.25 * errors[0], 1e-4)

@@ -6,7 +6,6 @@ It never drives the slip on, whatever its size, so no step makes energy with it 
 import math
 
 from ..general.satellites import spin_torques
-from ..general.states import is_rough
 from ..layout import imbalance
 from .link_step import move_links, turn_link1
 
@@ -59,9 +58,6 @@ def move_with_friction(d, x, w, held, carried, load, gain, given, h):
 
     All it depends on is linear in it but for signs, so two steps tell it, and a third is made with it.
     """
-    if not is_rough(d):
-        move_rubbing(d, x, w, held, carried, load, gain, given, h, 0.0)
-        return
     w.lost_mesh = w.lost_journal = w.stuck = 0.0
     w.straight = 1.0
     move_rubbing(d, x, w, held, carried, load, gain, given, h, 0.0)

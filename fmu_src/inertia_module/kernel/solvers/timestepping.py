@@ -10,10 +10,12 @@ import math
 from ..accumulate import add, add_loss, copy, wrap_drive_angle, wrap_input_angle
 from ..codes import DRIVING, FREEWHEEL, HELD, HELD_DRIVING, JOURNAL, MESH
 from ..contact import settle
+from ..general.states import is_rough
 from ..inertia import reduced_inertia
 from ..links import inertia_of_link1, inertia_of_link2
 from .freewheel_drag import find_drags, lose_by_drag, take_drags
 from .hub_step import drive_mass, load_hub, turn_shaft
+from .link_step import move_links, turn_link1
 from .slip_friction import STOPPED, load_satellites, mesh_impulse, move_with_friction
 from .weights import begin_fall, end_fall, weigh
 
@@ -63,12 +65,19 @@ def follow(d, x, w, held, joined, given, h):
     load_hub(d, x, w, held, joined, h)
     if d.general != 0.0:
         find_drags(d, x, w, held, joined, h)
+    carried = 0.0
     load = w.drag_load - w.over_load
     gain = w.drag_gain + w.over_gain
     if joined:
-        move_with_friction(d, x, w, held, d.J3, w.hub_load + load, w.hub_gain + gain, given, h)
+        carried = d.J3
+        load += w.hub_load
+        gain += w.hub_gain
+    if d.general != 0.0 and is_rough(d):
+        move_with_friction(d, x, w, held, carried, load, gain, given, h)
+    elif held:
+        turn_link1(d, x, w, given, h)
     else:
-        move_with_friction(d, x, w, held, 0.0, load, gain, given, h)
+        move_links(d, x, w, carried, load, gain, given, h)
     if d.general != 0.0:
         take_drags(w, held, h)
     if joined:

@@ -8,6 +8,9 @@ from ..layout import imbalance
 from ..links import kinetic_energy
 from .link_step import SMALLEST_DIFFERENCE
 
+# share of the kinetic energy that the speeds give back
+UNFALLEN = 0.5
+
 
 def weigh(d, x, w):
     """Differences of the potential of the imbalances on the way ahead, by the angles of link 1 and the slip.
@@ -42,17 +45,19 @@ def begin_fall(d, x, w):
 def end_fall(d, x, w):
     """Take from the speeds what the weights have worked more than they have fallen.
 
-    That happens only with the torque of link 1 given, for the angle it comes to is not known beforehand. What
-    all the speeds do not hold has not happened: then the step ends where it began, at rest.
+    That happens only with the torque of link 1 given, for its angle is not known beforehand. Where that is
+    much of what moves the step ends where it began, at rest.
     """
     gained = potential(d, x) - potential(d, w.fallen) - w.weighed
     if gained <= 0.0:
         return
     omega4 = x.omega3 - x.relative
     moving = kinetic_energy(d, x.q, x.omega1, x.omega2, x.omega3) + 0.5 * d.elastic * d.J4 * omega4 * omega4
-    if gained >= moving:
+    slower = 0.0
+    if gained < UNFALLEN * moving:
+        slower = math.sqrt(1.0 - gained / moving)
+    else:
         copy(x.numbers, w.fallen.numbers)
-    slower = math.sqrt(1.0 - gained / moving) if gained < moving else 0.0
     x.omega1 *= slower
     x.omega2 *= slower
     x.omega3 *= slower
