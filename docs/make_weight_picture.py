@@ -20,7 +20,7 @@ QUANTITIES = ("mean torque", "ripple", "peak torque", "bearing force")
 READ = ("output_torque_mean", "torque_ripple", "torque_peak", "satellite_force_peak")
 COLOURS = (BLUE, GREEN, VERMILION, BLACK)
 # turns of the drive against a link 2 at rest: to settle, to look at; short steps see every peak
-SETTLED, TURNS, PARTS = 20, 600, 40
+SETTLED, TURNS, PARTS = 1000, 600, 40
 # kg m^2: next to it a pulse hardly changes the speed of the shaft
 HELD = 1e8
 SMALL = 0.01

@@ -35,6 +35,23 @@ def test_mean_power_of_the_drive_is_what_is_lost():
     assert machine._power(EXAMPLE, **loss).mean() == pytest.approx(viscous + journal + mesh, rel=0.01)
 
 
+def test_mesh_loses_its_share_of_the_power_that_passes_it_steady_and_free():
+    m, alpha = EXAMPLE, np.linspace(0.0, 2.0 * np.pi, 20001)
+    inertia = m.J_wheel + m.m * m.arm * (m.arm - m.centre_distance * np.cos(alpha))
+    for speed, found in zip((1.0, exact(m, alpha).free_speed), machine.circulation().share, strict=True):
+        square = (m.b * speed) ** 2 * np.ones_like(alpha)
+        acceleration = 0.5 * np.gradient(square, m.b * alpha)
+        # by links.py with omega2 = 0: k ((k G + B) alpha1 - I' omega1^2 / 2)
+        torque = ((m.J_wheel + m.m * m.arm**2) / m.b + inertia) * acceleration
+        torque -= m.m * m.arm * m.centre_distance * np.sin(alpha) * square
+        lost = (1.0 - machine.LOSSES["mesh_efficiency"]) * np.trapezoid(np.abs(torque) / m.b, alpha)
+        time = 1.0 / speed * np.ones_like(alpha)
+        energy = 0.5 * exact(m, alpha).reduced_inertia * square
+        mean = np.trapezoid(energy * time, alpha) / np.trapezoid(time, alpha)
+        # three cycles a turn, each m.b of it; free, the energy falls by some percent in it
+        assert found == pytest.approx(100.0 * lost / mean, rel=0.03)
+
+
 @pytest.mark.parametrize("load", [1.0, 0.1])
 @pytest.mark.parametrize("Pi", [5.0, 0.1])
 def test_efficiency_of_the_driven_shaft_is_that_of_the_closed_form(Pi, load):
