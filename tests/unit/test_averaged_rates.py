@@ -8,8 +8,9 @@ from differences import assert_rates
 from scenes import ENGINE, started
 from scipy.interpolate import PchipInterpolator
 
+from inertia_module.kernel.averaged.balance import mean_input_torque
 from inertia_module.kernel.averaged.jump import input_inertia
-from inertia_module.kernel.averaged.rates import energy_at, flow, look_up, look_up_input, mean_input_torque
+from inertia_module.kernel.averaged.rates import energy_at, flow, look_up, look_up_input
 from inertia_module.kernel.averaged.table import finish_table, inner_slope
 
 
