@@ -91,10 +91,8 @@ def is_one_way(side, x, b3, speed, found, rate):
         here = knot.ratio * speed
         if here >= high:
             break
-        if (
-            here > low
-            and (speed * speed * torque_at_knot(side, knot, speed) - x.load_torque - b3 * here) * rate < 0.0
-        ):
+        left = speed * speed * torque_at_knot(side, knot, speed) - x.load_torque - b3 * here
+        if here > low and left * rate < 0.0:
             return False
     return True
 

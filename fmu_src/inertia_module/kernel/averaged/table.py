@@ -35,7 +35,7 @@ def end_slope(near, far, here, following, beyond):
 
 
 def slope_at(inner, near, far, a, here, b):
-    """Slope of a cubic at a knot by those before and after it, or at an end by the two next, or one (far = 0)."""
+    """Slope of a cubic at a knot by those on both sides, or at an end by the two next (far = 0: by one)."""
     if inner:
         return inner_slope(near, far, a[0], here[0], b[0])
     if far == 0.0:
