@@ -121,11 +121,12 @@ def test_bad_value_is_discarded_with_a_sentence_and_nothing_changes(instances, n
 
 
 def test_parameters_that_do_not_go_together_are_discarded(instances):
-    instance, undisturbed = (instances().start(**START, fidelity=1) for _ in range(2))
+    driven = {**START, **LEVELS["by torque"], "fidelity": 1}
+    instance, undisturbed = (instances().start(**driven) for _ in range(2))
     before = run(instance, 0.1)
     said = discarded(lambda: tune(instance, omega1=50.0, balancer=0.3, link2_friction=0.05))
     assert said.startswith(
-        "with fidelity = 1 (averaged) losses and gravity must be off, are input_friction = 0, "
+        "with fidelity = 1 (averaged) and drive = 1 (torque) losses must be off, are input_friction = 0, "
     )
     assert "link2_friction = 0.05" in said
     assert instance.all_values() == before == run(undisturbed, 0.1)

@@ -5,7 +5,6 @@ import math
 import pytest
 from scenes import DRIVEN, SCENES
 
-from inertia_module.common.errors import Refused
 from inertia_module.memory.instances import Module
 from inertia_module.studies.lagrange import OMEGA1, OMEGA2, OMEGA3, Lagrange
 
@@ -118,9 +117,3 @@ def test_no_friction_makes_energy_in_steps_of_any_length(drive, output, size, st
             one.advance(step)
             assert one["energy_residual"] > -1e-10 * max(largest_energy(one), one["energy_lost"])
             assert one["energy_lost_viscous"] >= 0.0
-
-
-@pytest.mark.parametrize("name", ALL)
-def test_the_averaged_motion_knows_no_friction_and_says_so(name):
-    with pytest.raises(Refused, match=f"{name} = 0.03"):
-        Module("auto").start(fidelity=1, **{name: 0.03})

@@ -116,11 +116,12 @@ def test_shaft_alone_goes_on_as_one_started_there(compiled):
 
 
 def test_what_does_not_go_together_is_refused_and_leaves_all_as_it_was(compiled):
-    module = advanced(started(compiled, SCENES["bevel"], fidelity=1), 0.1)
+    driven = {**SCENES["bevel"], "drive": 1, "input_inertia": 0.3, "drive_torque": 20.0}
+    module = advanced(started(compiled, driven, fidelity=1), 0.1)
     before = module.save()
     with pytest.raises(
         Refused,
-        match=r"with fidelity = 1 \(averaged\) losses and gravity must be off, .* link2_friction = 0.05",
+        match=r"with fidelity = 1 \(averaged\) and drive = 1 .* losses must be off, .* link2_friction = 0.05",
     ):
         module.set(omega1=50.0, balancer=0.3, link2_friction=0.05)
     assert module.save() == before

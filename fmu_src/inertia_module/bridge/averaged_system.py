@@ -22,6 +22,7 @@ import numpy as np
 from ..contract.variables import BY_NAME
 from ..harness.fmu import as_names
 from ..kernel import codes
+from ..kernel.averaged import balance as average_balance
 from ..kernel.averaged import legs as average_legs
 from ..kernel.averaged import outputs as average_outputs
 from ..kernel.averaged import rates as average_rates
@@ -77,9 +78,10 @@ class _AveragedModule:
         leg = average_legs.choose_leg(d, side, x, omega1, rate)  # type: ignore[no-untyped-call]
         torque, acceleration, _, _ = average.torque_at(d, side, x, leg, omega1, rate)  # type: ignore[no-untyped-call]
         if leg == average_legs.SLIPPING and self._transient != QUASI_STEADY:
-            driving = torque - load + self._transient.input * rate
+            carried = load + d.b3 * x.omega3
+            driving = torque - carried + self._transient.input * rate
             acceleration = driving / (d.J3 + self._transient.output)
-            torque = load + d.J3 * acceleration
+            torque = carried + d.J3 * acceleration
         return x, side, torque, acceleration
 
     def acceleration(self, omega_out: float, omega1: float, load: float, rate: float) -> float:
@@ -93,10 +95,11 @@ class _AveragedModule:
         average.end_step(d, x, average_legs.RESTING, -1.0, x.omega1)  # type: ignore[no-untyped-call]
         average_outputs.write_averaged(d, x, y)  # type: ignore[no-untyped-call]
         values = {name: getattr(y, name) for name in OUTPUTS}
-        mesh = average_rates.mesh_share(x, omega1, torque)  # type: ignore[no-untyped-call]
-        taken = average_rates.mean_input_torque(d, side, x, omega1, rate, acceleration, torque)  # type: ignore[no-untyped-call]
+        mesh = average_balance.mesh_share(d, side, x, omega1, torque)  # type: ignore[no-untyped-call]
+        taken = average_balance.mean_input_torque(d, side, x, omega1, rate, acceleration, torque)  # type: ignore[no-untyped-call]
         values |= {"omega_out": omega_out, "omega2": x.omega2, "input_torque": taken}
-        return values | {"output_torque": torque, "mesh_torque": mesh, "housing_torque": torque - mesh}
+        housing = torque + d.b2 * x.omega2 - mesh
+        return values | {"output_torque": torque, "mesh_torque": mesh, "housing_torque": housing}
 
 
 def averaged_system(

@@ -45,10 +45,11 @@ def not_finite(*inputs: Variable) -> str:
     return f"{_GIVEN_UP}the motion leaves the range of doubles with {listed}; it must stay below 1e300"
 
 
-_GENERAL = (
-    *("mesh_efficiency", "satellite_mesh_efficiency", "journal_friction", "gravity"),
+_LOSSES = (
+    *("mesh_efficiency", "satellite_mesh_efficiency", "journal_friction"),
     *("housing_drag", "housing_drag_viscous", "output_drag", "output_drag_viscous"),
 )
+_GENERAL = (*_LOSSES, "gravity")
 
 MESSAGES: Mapping[int, str] = {
     codes.NO_RECTIFIER: (
@@ -57,9 +58,9 @@ MESSAGES: Mapping[int, str] = {
         " and there is no mean torque"
     ),
     codes.FRICTION_AVERAGED: (
-        f"with {named('fidelity')} (averaged) losses and gravity must be off, are"
-        f" {named('input_friction', 'drive_friction', 'link2_friction', 'output_friction', *_GENERAL)}:"
-        " the map of the mean torque knows none"
+        f"with {named('fidelity')} (averaged) and {named('drive')} (torque) losses must be off, are"
+        f" {named('input_friction', 'drive_friction', 'link2_friction', 'output_friction', *_LOSSES)}:"
+        " fidelity 2 (rigid) has them, or drive 0 (speed)"
     ),
     codes.WIND_UP_STEPPED: (
         f"with {named('method')} (timestepping) housing_stiffness and freewheel_stiffness must be 0, are"

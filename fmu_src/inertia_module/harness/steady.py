@@ -1,7 +1,7 @@
 """Steady pulses of a mechanism at a speed ratio: the rigid module, its output shaft held by a large inertia.
 
 Whatever is lost is in it: mean torques, and what is lost of the energy put in, over whole periods of the
-drive. Fidelity `averaged` has these means in a map, but of machines without losses only.
+drive. Fidelity `averaged` has these means in a map, found once and interpolated.
 """
 
 from __future__ import annotations

@@ -122,6 +122,12 @@ def derive_general(p, d):
     by_load = d.mesh_loss + d.satellite_loss + d.journal + d.weight
     drag = d.housing_drag + d.housing_drag_viscous + d.output_drag + d.output_drag_viscous
     d.general = 1.0 if by_load + drag + d.housing_stiffness + d.freewheel_stiffness > 0.0 else 0.0
+    d.lossy = 0.0
+    if p.fidelity == AVERAGED:
+        # its own equations; the weights' mean over turns of link 1 is nothing
+        d.lossy = 1.0 if d.viscous + by_load - d.weight + drag > 0.0 else 0.0
+        d.weight = 0.0
+        d.general = 0.0
 
 
 def derive_harmonic(p, d):
@@ -221,7 +227,7 @@ def derive(p, d):
         return OK
     if p.method == TIMESTEPPING and d.housing_stiffness + d.freewheel_stiffness > 0.0:
         return WIND_UP_STEPPED
-    if p.fidelity == AVERAGED and d.viscous + d.general != 0.0:
+    if d.lossy != 0.0 and d.by_torque != 0.0:
         return FRICTION_AVERAGED
     if p.fidelity == AVERAGED and (d.housing == 0.0 or d.output == 0.0):
         return NO_RECTIFIER

@@ -25,13 +25,13 @@ def advance_precisely(p, d, u, x, y, w, h):
 def call(operation, p, d, u, x, y, w, h):
     """Carry out one of the operations START, STEP ... of :mod:`.codes`. Returns a status."""
     if operation == START:
-        return start(p, d, u, x, y)
+        return start(p, d, u, x, y, w)
     if operation == CHECK:
         return check(p, d, u)
     if operation == WARN:
         return warnings(p)
     if operation == TUNE:
-        return tune(p, d, x)
+        return tune(p, d, x, w)
     if operation == OUTPUTS:
         write_late_outputs(p, d, x, y)
         return OK

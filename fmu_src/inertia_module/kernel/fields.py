@@ -33,8 +33,15 @@ PARAMETERS = (
     *("fidelity", "method", "drive", "input_hold", "tolerance"),
     *("max_step", "kinematic_ratio", "omega2_start", "omega_out_start", "drive_angle_start"),
 )
-# the parameters that the map of fidelity averaged depends on, and whether the torque of link 1 is given
-MAP_KEY = (*PARAMETERS[: PARAMETERS.index("input_inertia")], "link2_inertia", "input_inertia", "drive")
+# the parameters that the map of fidelity averaged depends on, shape and losses, and whether the torque of
+# link 1 is given
+MAP_SHAPE = PARAMETERS.index("input_inertia")
+MAP_LOSSES = PARAMETERS.index("drive_friction")
+MAP_KEY = (
+    *PARAMETERS[:MAP_SHAPE],
+    *PARAMETERS[MAP_LOSSES : PARAMETERS.index("output_drag_viscous") + 1],
+    *("link2_inertia", "input_inertia", "drive"),
+)
 
 # inputs, their rates over the coming step, and whether each rate is given
 INPUTS = (
@@ -113,10 +120,16 @@ STATE = (
 
 # averaged: over the speed ratio mean torque, mean speed of link 2 and the mean energy or, under its torque,
 # speed of link 1 (see averaged.torque_map): cubics from one knot to the next; while the map is built the
-# output speed of the motion it is of and the error of the interval that follows
-KNOT = ("ratio", ("torque", 4), ("input", 4), ("omega2", 4), "ripple", "peak", "omega3", "error")
-# one side of the map for each sign of omega1: where the torque ends, whether lock-up is reached there
-SIDE = ("direction", "count", "end", "locks", "start", ("knots", KNOT, KNOTS))
+# output speed of the motion it is of and the error of the interval that follows. With losses the power lost
+# by cause; torque, omega2 and losses once more at the three lower speeds of averaged.losses
+SLOWER = (("torque", 4), ("omega2", 4), ("lost", CAUSES))
+KNOT = (
+    *("ratio", ("torque", 4), ("input", 4), ("omega2", 4), "ripple", "peak", "omega3", "error"),
+    *(("lost", CAUSES), ("slower", SLOWER, 3)),
+)
+# one side of the map for each sign of omega1: where the torque ends, whether lock-up is reached there; with
+# losses the lowest of the three speeds
+SIDE = ("direction", "count", "end", "locks", "start", "slow", ("knots", KNOT, KNOTS))
 
 # the steady motion that a knot is of: torque of link 1, contact mode, drive angle; integrals while free
 TRAVEL = ("direction", "given", "omega3", "mode", "q", "energy", "momentum")
@@ -138,6 +151,8 @@ CONSTANTS = (
     *("bodies", "body_i", "body_b"),
     *("J1", "J2", "J3", "J4", "J16", "housing", "output", "by_torque", "elastic", "tolerance", "max_step"),
     *("stiffness", "damping", "friction", "balancer", "b1", "bq", "b2", "b3", "viscous"),
+    # whether fidelity averaged has losses
+    "lossy",
     # what only the general equations of motion know, and whether any of it is there (kernel.general)
     *("general", "mesh_loss", "satellite_loss", "journal", "weight", "number"),
     *("housing_drag", "housing_drag_viscous", "output_drag", "output_drag_viscous"),
@@ -146,9 +161,9 @@ CONSTANTS = (
     # square of the slowest shaft whose own motion is followed, over that of the pulses
     "followed",
     # averaged: the map, the parameters it is of, and sums while it is built
-    *("map_ready", ("map_key", len(MAP_KEY)), "map_lock", "map_inertia", "map_evaluations"),
+    *("map_ready", "map_failed", ("map_key", len(MAP_KEY)), "map_lock", "map_inertia", "map_evaluations"),
     *("sum_time", "sum_torque", "sum_square", "sum_energy", "sum_omega1", "sum_omega2", "sum_peak"),
-    *(("travel", TRAVEL), ("forward", SIDE), ("backward", SIDE)),
+    *(("sum_lost", CAUSES), ("travel", TRAVEL), ("forward", SIDE), ("backward", SIDE)),
 )
 
 # nothing in it outlives the call

@@ -101,19 +101,19 @@ def write_means(p, d, x, y):
     """
     per_step = 1.0 / x.length if x.length > 0.0 else 0.0
     mesh = per_step * x.mesh_impulse
-    housing = x.output_torque_mean - mesh
+    turned1 = rubbed = 0.0
+    if d.viscous != 0.0:
+        turned1 = x.theta1 - x.begin_theta1 + TWO_PI * (x.input_turns - x.begin_input_turns)
+        turned = x.q - x.begin_q + TWO_PI * (x.drive_turns - x.begin_drive_turns)
+        rubbed = per_step * d.b2 * (turned1 - turned / d.k)
+    housing = x.output_torque_mean + rubbed - mesh
     if d.general != 0.0:
         housing = per_step * x.housing_impulse
     elif p.fidelity != AVERAGED:
         gained = angular_momentum(d, x.q, x.omega1, x.omega2)
         gained -= angular_momentum(d, x.begin_q, x.begin_omega1, x.begin_omega2)
         housing = per_step * gained + x.output_torque_mean - x.input_torque_mean
-        rubbed = 0.0
-        if d.viscous != 0.0:
-            turned1 = x.theta1 - x.begin_theta1 + TWO_PI * (x.input_turns - x.begin_input_turns)
-            turned = x.q - x.begin_q + TWO_PI * (x.drive_turns - x.begin_drive_turns)
-            rubbed = per_step * d.b2 * (turned1 - turned / d.k)
-            housing += per_step * d.b1 * turned1 + rubbed
+        housing += per_step * d.b1 * turned1 + rubbed
         if p.fidelity == KINEMATIC or d.housing == 0.0:
             housing = 0.0
         housing = max(housing, 0.0)  # it only pushes: below zero is rounding

@@ -33,7 +33,7 @@ MORE_CARE = 1e-3
 def check_parameters(p, d):
     """Derive the constants and check the parameters together. Returns a status."""
     status = derive(p, d)
-    return JAMMED if status == OK and d.general != 0.0 and jams(d) else status
+    return JAMMED if status == OK and d.general + d.lossy != 0.0 and jams(d) else status
 
 
 def check(p, d, u):
@@ -42,12 +42,12 @@ def check(p, d, u):
     return check_inputs(u) if status == OK else status
 
 
-def start(p, d, u, x, y):
+def start(p, d, u, x, y, w):
     """Derive the constants and set the state at the end of initialisation.
 
     Args:
         p: parameters, each within its range. u: inputs.
-        d: derived constants, x: state, y: outputs, all written.
+        d: derived constants, x: state, y: outputs, all written. w: workspace.
 
     Returns:
         Status: OK, one of derive's or of check_inputs.
@@ -56,7 +56,9 @@ def start(p, d, u, x, y):
     if status != OK:
         return status
     if p.fidelity == AVERAGED:
-        build_map(p, d)
+        status = build_map(p, d, w)
+        if status != OK:
+            return status
     for n in range(len(x.numbers)):
         x.numbers[n] = 0.0
     x.omega1 = input_speed(u)
@@ -82,15 +84,17 @@ def start(p, d, u, x, y):
     return OK
 
 
-def tune(p, d, x):
+def tune(p, d, x, w):
     """Derive the constants anew from parameters that have changed between steps.
 
     What the state knows of the last step no longer holds.
 
     Returns:
-        Status: OK, or one of check_parameters, which leaves x as it was.
+        Status: OK, or one of check_parameters or of build_map, which leave x as it was.
     """
     status = check_parameters(p, d)
+    if status == OK and p.fidelity == AVERAGED:
+        status = build_map(p, d, w)
     if status == OK:
         x.goes_on = 0.0
         x.known = 0.0

@@ -2,7 +2,7 @@
 
 from ..accumulate import add
 from ..works import GAUSS_NODE_1, GAUSS_NODE_2, GAUSS_WEIGHT_1, GAUSS_WEIGHT_2, GAUSS_WEIGHT_3
-from .legs import can_lock
+from .legs import can_lock, locked_torque, most_locked_torque
 from .rates import energy_at, ratio, side_at
 
 # a jump up to this fraction of omega1 changes next to nothing in the inertia on its way
@@ -17,7 +17,10 @@ def takes_up_jump(d, x, jump, h):
     if not can_lock(d, d.forward, x, omega1, 0.0, max(load, 0.0)):
         return False
     lowest = min(omega1, omega1 + ramp * h)
-    return lowest > 0.0 and 0.0 <= load + d.J3 * ramp <= d.map_lock * lowest * lowest
+    if not lowest > 0.0:
+        return False
+    torque = locked_torque(d, d.forward, load, lowest, ramp)
+    return -d.output_drag <= torque <= most_locked_torque(d, d.forward, lowest)
 
 
 def input_inertia(d, side, x, omega1):

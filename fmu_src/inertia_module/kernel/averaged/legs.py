@@ -8,6 +8,8 @@ w.work, w.turned2, w.turned1, and |v| at its end in w.next_speed.
 import math
 
 from ..accumulate import add
+from ..output_shaft import slowed
+from .rates import torque_at_knot
 
 # a torque or speed within this fraction of another is at it
 ROUNDING = 1e-12
@@ -16,6 +18,8 @@ RESTING = 0
 LOCKED = 1
 COASTING = 2
 SLIPPING = 3
+# a coasting shaft within this fraction of the end of the map is at it
+ARRIVED = 1e-9
 
 
 def last_knot(side):
@@ -44,10 +48,29 @@ def leg_rate(d, side, x, leg, alpha1):
     return x.drive_torque * share / d.map_inertia
 
 
+def locked_torque(d, side, load, v, rate):
+    """Output torque of a shaft that turns with link 1, N m."""
+    return load + d.J3 * lock_ratio(d, side) * rate + d.b3 * lock_ratio(d, side) * v
+
+
 def most_locked_torque(d, side, v):
-    """Largest torque that lock-up holds at this speed, N m; towards it the mean torque tends to no more."""
+    """Largest torque that lock-up holds at this speed, N m; towards it the mean torque tends to no more.
+
+    It is that of the ideal mechanism, less what resists link 2: friction only holds more.
+    """
     omega1 = lock_ratio(d, side) * v
-    return max(d.map_lock * omega1 * omega1, last_knot(side).torque[0] * v * v)
+    held = d.map_lock * omega1 * omega1 - d.housing_drag - (d.b2 + d.housing_drag_viscous) * omega1
+    return max(held, torque_at_knot(side, last_knot(side), v) * v * v)
+
+
+def coasting_torque(d, side, x, speed):
+    """Output torque beyond the end of the map, N m: what drag takes from the shaft."""
+    if d.lossy == 0.0:
+        return 0.0
+    beyond = d.output_drag_viscous * (x.omega3 - side.end * speed)
+    if side.locks != 0.0:
+        return -d.output_drag - beyond
+    return torque_at_knot(side, last_knot(side), speed) * speed * speed - beyond
 
 
 def can_lock(d, side, x, v, alpha1, load):
@@ -60,11 +83,19 @@ def can_lock(d, side, x, v, alpha1, load):
     elif x.omega3 != v or (side.locks == 0.0 and x.omega2 != v):
         return False  # (without locks the mean motion never comes up to link 1)
     rate = leg_rate(d, side, x, LOCKED, alpha1)
-    torque = load + d.J3 * lock_ratio(d, side) * rate
+    torque = locked_torque(d, side, load, v, rate)
     most = most_locked_torque(d, side, v)
     if rate < 0.0 and torque >= most * (1.0 - ROUNDING):
         return False  # it is just being lost
-    return 0.0 <= torque <= most * (1.0 + ROUNDING)
+    return -d.output_drag <= torque <= most * (1.0 + ROUNDING)
+
+
+def closing_in(d, side, x, v, alpha1):
+    """How far a coasting shaft is beyond the end of the map, rad/s, how fast it slows and comes nearer."""
+    speed = abs(v)
+    slowing = (x.load_torque + d.b3 * x.omega3 - coasting_torque(d, side, x, speed)) / d.J3
+    closing = slowing + side.end * side.direction * leg_rate(d, side, x, COASTING, alpha1)
+    return x.omega3 - side.end * speed, slowing, closing
 
 
 def choose_leg(d, side, x, v, alpha1):
@@ -74,7 +105,7 @@ def choose_leg(d, side, x, v, alpha1):
     if can_lock(d, side, x, v, alpha1, load):
         return LOCKED
     if x.omega3 == 0.0 and load >= 0.0:
-        stall = side.knots[0].torque[0]
+        stall = torque_at_knot(side, side.knots[0], speed)
         torque = stall * speed * speed
         if torque < load * (1.0 - ROUNDING) or stall == 0.0:
             return RESTING
@@ -82,8 +113,7 @@ def choose_leg(d, side, x, v, alpha1):
         if torque <= load * (1.0 + ROUNDING) and growing <= 0.0:
             return RESTING
         return SLIPPING
-    gap = x.omega3 - side.end * speed
-    closing = load / d.J3 + side.end * side.direction * leg_rate(d, side, x, COASTING, alpha1)
+    gap, _, closing = closing_in(d, side, x, v, alpha1)
     if gap > 0.0 or (gap == 0.0 and closing <= 0.0):
         return COASTING
     return SLIPPING
@@ -93,17 +123,20 @@ def time_at_rest(side, load, v, rate, remaining):
     """Time the shaft stays at rest: until the stall torque is up to the load."""
     speed = abs(v)
     growing = side.direction * rate
-    stall = side.knots[0].torque[0]
+    stall = torque_at_knot(side, side.knots[0], speed)
     if growing <= 0.0 or stall * (speed + growing * remaining) ** 2 <= load or stall <= 0.0:
         return remaining
     return min(max((math.sqrt(load / stall) - speed) / growing, 0.0), remaining)
 
 
-def time_locked(d, side, torque, v, rate, remaining):
+def time_locked(d, side, load, v, rate, remaining):
     """Time lock-up holds while link 1 slows down."""
+    torque = locked_torque(d, side, load, v, rate)
     if rate >= 0.0 or torque <= 0.0 or most_locked_torque(d, side, v + rate * remaining) >= torque:
         return remaining
-    most = most_locked_torque(d, side, 1.0)
+    most = most_locked_torque(d, side, 1.0 if d.lossy == 0.0 else v)
+    if d.lossy != 0.0:
+        most = max(most, torque) / (v * v)
     return min(max((v - math.sqrt(torque / most)) / -rate, 0.0), remaining)
 
 
@@ -131,11 +164,11 @@ def turn_locked(d, side, x, w, v, alpha1, remaining):
     """Let the shaft turn with link 1. Returns (time, impulse of the output torque)."""
     rate = leg_rate(d, side, x, LOCKED, alpha1)
     ratio = lock_ratio(d, side)
-    torque = x.load_torque + d.J3 * ratio * rate
-    h = time_locked(d, side, torque, v, rate, remaining)
+    h = time_locked(d, side, x.load_torque, v, rate, remaining)
+    torque = locked_torque(d, side, x.load_torque, v + 0.5 * rate * h, rate)
     turn_input(d, side, x, w, LOCKED, v, rate, h)
     w.turned3 = ratio * h * (v + 0.5 * rate * h)
-    w.work = torque * w.turned3
+    w.work = torque * w.turned3 + d.b3 * h * (ratio * rate * h) ** 2 / 12.0
     w.turned2 = w.turned3
     x.omega3 = ratio * (v + rate * h)
     x.omega3_low = 0.0
@@ -143,21 +176,25 @@ def turn_locked(d, side, x, w, v, alpha1, remaining):
 
 
 def coast(d, side, x, w, v, alpha1, remaining):
-    """Let the shaft coast until it comes down to where the map ends. Returns the time."""
+    """Let the shaft coast until it comes down to where the map ends. Returns (time, impulse of the drag)."""
     speed = abs(v)
     rate = leg_rate(d, side, x, COASTING, alpha1)
-    growing = side.direction * rate
-    gap = x.omega3 - side.end * speed
-    closing = x.load_torque / d.J3 + side.end * growing
+    gap, slowing, closing = closing_in(d, side, x, v, alpha1)
     arrives = closing > 0.0 and gap < closing * remaining
     h = gap / closing if arrives else remaining
     turn_input(d, side, x, w, COASTING, v, rate, h)
-    change = -x.load_torque * h / d.J3
-    w.turned3 = h * (x.omega3 + 0.5 * change)
-    w.work = 0.0
-    w.turned2 = last_knot(side).omega2[0] * h * (speed + 0.5 * growing * h)
+    # friction and drag let the rate fade
+    first, second = 1.0, 0.5
+    if d.lossy != 0.0:
+        first, second = slowed((d.b3 + d.output_drag_viscous) * h / d.J3)
+    change = -slowing * h * first
+    w.turned3 = h * (x.omega3 - slowing * h * second)
+    impulse = d.J3 * change + x.load_torque * h + d.b3 * w.turned3 if d.lossy != 0.0 else 0.0
+    w.work = impulse * (x.omega3 + 0.5 * change)
+    w.turned2 = last_knot(side).omega2[0] * h * (speed + 0.5 * side.direction * rate * h)
     x.omega3, x.omega3_low = add(x.omega3, x.omega3_low, change)
-    if arrives or x.omega3 < 0.0:
-        x.omega3 = side.end * abs(v + rate * h)
+    end = side.end * abs(v + rate * h)
+    if (arrives and x.omega3 <= end * (1.0 + ARRIVED)) or x.omega3 < 0.0:
+        x.omega3 = end
         x.omega3_low = 0.0
-    return h
+    return h, impulse

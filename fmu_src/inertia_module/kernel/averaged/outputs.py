@@ -1,7 +1,8 @@
 """Outputs of fidelity averaged: the means of the torques, their ripple and peak, the mean energy."""
 
+from .balance import mean_input_torque, mesh_share
 from .legs import LOCKED, RESTING, choose_leg
-from .rates import energy_at, mean_input_torque, mesh_share, ripple_at, side_at
+from .rates import energy_at, ripple_at, side_at
 from .run import leg_speed, torque_at, trend
 
 
@@ -29,12 +30,12 @@ def write_averaged(d, x, y):
     omega3 = x.omega3
     x.omega3 = leg_speed(x, leg)
     torque, alpha3, alpha2, _ = torque_at(d, side, x, leg, v, alpha1)
-    mesh = mesh_share(x, x.omega1, torque)
+    mesh = mesh_share(d, side, x, x.omega1, torque)
     y.input_torque = mean_input_torque(d, side, x, v, alpha1, alpha3, torque)
     y.mesh_torque = mesh
     y.output_torque = torque
     y.output_acceleration = alpha3
-    y.housing_torque = torque - mesh
+    y.housing_torque = torque + d.b2 * x.omega2 - mesh
     ripple = 0.0
     peak = abs(torque)
     if leg != LOCKED and leg != RESTING:

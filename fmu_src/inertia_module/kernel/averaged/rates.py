@@ -6,6 +6,8 @@ speed v: omega1, or where its torque is given that of the energy J* v^2 / 2 of l
 
 # a ratio beyond the end of the map by this fraction is at it
 ROUNDING = 1e-14
+# how far the cubics over 1 / |omega1| go on, beyond the lowest speed of the map
+SLOWEST = 2.0
 
 
 def side_at(d, omega1, trend):
@@ -34,6 +36,43 @@ def cubic_at(cubic, t):
     return cubic[0] + t * (c1 + t * (c2 + t * c3)), c1 + t * (2.0 * c2 + 3.0 * t * c3)
 
 
+def by_speed(fast, slower, w):
+    """Value at w (see slowness) of the cubic through those at 0 and 1/3, 2/3, 1, and its slope times w."""
+    a, b, c = slower
+    a -= fast
+    b -= fast
+    c -= fast
+    c1 = 9.0 * a - 4.5 * b + c
+    c2 = 18.0 * b - 22.5 * a - 4.5 * c
+    c3 = 13.5 * (a - b) + 4.5 * c
+    value = fast + w * (c1 + w * (c2 + w * c3))
+    # slower than that it stays
+    return value, w * (c1 + w * (2.0 * c2 + w * 3.0 * c3)) if w < SLOWEST else 0.0
+
+
+def slowness(side, speed):
+    """Lowest speed of the map over this one; slower than at SLOWEST the shares of friction stay."""
+    return side.slow / speed if SLOWEST * speed > side.slow else SLOWEST
+
+
+def torque_at_knot(side, knot, speed):
+    """Mean output torque at a knot over the square of the speed, N m s^2."""
+    if side.slow == 0.0:
+        return knot.torque[0]
+    slower = knot.slower[0].torque[0], knot.slower[1].torque[0], knot.slower[2].torque[0]
+    return by_speed(knot.torque[0], slower, slowness(side, speed))[0]
+
+
+def cubics_at(fast, a, b, c, t, w):
+    """Value of a cubic with its like at lower speeds, slope, and slope in w times w (see by_speed)."""
+    value, slope = cubic_at(fast, t)
+    a0, a1 = cubic_at(a, t)
+    b0, b1 = cubic_at(b, t)
+    c0, c1 = cubic_at(c, t)
+    value, value_w = by_speed(value, (a0, b0, c0), w)
+    return value, by_speed(slope, (a1, b1, c1), w)[0], value_w
+
+
 def ratio(omega3, speed):
     """omega3 / |omega1|; where link 1 rests, 0 or beyond any map."""
     if omega3 <= 0.0:
@@ -49,16 +88,23 @@ def look_up(side, x, speed, omega3):
         speed: |v|. omega3: of the output shaft.
 
     Returns:
-        (F, its slope in s, mean omega2 / |v|, its slope).
+        (F, its slope in s, mean omega2 / |v|, its slope, what both fall with 1 / |v|, times 1 / |v|).
     """
     s = ratio(omega3, speed)
     knot = side.knots[find_knot(side, x, s)]
-    if s > side.end * (1.0 + ROUNDING):
-        return knot.torque[0], 0.0, knot.omega2[0], 0.0
-    t = s - knot.ratio
+    beyond = s > side.end * (1.0 + ROUNDING)
+    t = 0.0 if beyond else s - knot.ratio
     torque, torque1 = cubic_at(knot.torque, t)
     part, part1 = cubic_at(knot.omega2, t)
-    return torque, torque1, part, part1
+    torque_w, part_w = 0.0, 0.0
+    if side.slow != 0.0:
+        w = slowness(side, speed)
+        a, b, c = knot.slower[0], knot.slower[1], knot.slower[2]
+        torque, torque1, torque_w = cubics_at(knot.torque, a.torque, b.torque, c.torque, t, w)
+        part, part1, part_w = cubics_at(knot.omega2, a.omega2, b.omega2, c.omega2, t, w)
+    if beyond:
+        return torque, 0.0, part, 0.0, torque_w, part_w
+    return torque, torque1, part, part1, torque_w, part_w
 
 
 def look_up_input(side, x, speed, omega3):
@@ -73,7 +119,7 @@ def look_up_input(side, x, speed, omega3):
 def flow(d, side, x, speed, speed_rate, omega3):
     """Rates of |v| and omega3 and of what is integrated besides, and how they change.
 
-        J* v' = M1 g - v F omega3        J3 omega3' = v^2 F - load
+        J* v' = M1 g - v F omega3        J3 omega3' = v^2 F - b3 omega3 - load
 
     Args:
         speed: |v|. speed_rate: its rate where the speed of link 1 is given, else without effect.
@@ -81,7 +127,7 @@ def flow(d, side, x, speed, speed_rate, omega3):
     Returns:
         (v', omega3', the slopes of both in v and omega3, T, omega2, |omega1|, the rates of these five).
     """
-    torque, torque1, part, part1 = look_up(side, x, speed, omega3)
+    torque, torque1, part, part1, torque_w, part_w = look_up(side, x, speed, omega3)
     share, share1 = 1.0, 0.0
     if d.by_torque != 0.0:
         share, share1 = look_up_input(side, x, speed, omega3)
@@ -89,30 +135,30 @@ def flow(d, side, x, speed, speed_rate, omega3):
             # from rest the ratio is that of the accelerations, and stays
             start = max(-x.load_torque, 0.0) / d.J3
             growing = abs(x.drive_torque) / d.map_inertia
-            _, _, part, _ = look_up(side, x, growing, start)
+            _, _, part, _, _, _ = look_up(side, x, growing, start)
             share, _ = look_up_input(side, x, growing, start)
             torque1, part1, share1 = 0.0, 0.0, 0.0
     s = ratio(omega3, speed)
     passed = speed * speed * torque
-    passed_by_speed = 2.0 * speed * torque - omega3 * torque1
+    passed_by_speed = speed * (2.0 * torque - torque_w) - omega3 * torque1
     passed_by_omega3 = speed * torque1
-    rate3 = (passed - x.load_torque) / d.J3
+    rate3 = (passed - x.load_torque - d.b3 * omega3) / d.J3
     rate = speed_rate
-    by_speed = 0.0
+    own_by_speed = 0.0
     by_omega3 = 0.0
     if d.by_torque != 0.0:
         drive = side.direction * x.drive_torque
         rate = (drive * share - speed * torque * omega3) / d.map_inertia
         share_by_omega3 = share1 / speed if share1 != 0.0 else 0.0
-        by_speed = -(drive * s * share_by_omega3 + omega3 * (torque - s * torque1)) / d.map_inertia
+        own_by_speed = -(drive * s * share_by_omega3 + omega3 * (torque - s * torque1)) / d.map_inertia
         by_omega3 = (drive * share_by_omega3 - speed * torque - omega3 * torque1) / d.map_inertia
-    part_rate = rate * (part - s * part1) + rate3 * part1
+    part_rate = rate * (part - s * part1 - part_w) + rate3 * part1
     share_rate = rate * (share - s * share1) + rate3 * share1
     passed_rate = passed_by_speed * rate + passed_by_omega3 * rate3
     return (
-        (rate, by_speed * rate + by_omega3 * rate3),
-        (rate3, passed_rate / d.J3),
-        (by_speed, by_omega3, passed_by_speed / d.J3, passed_by_omega3 / d.J3),
+        (rate, own_by_speed * rate + by_omega3 * rate3),
+        (rate3, (passed_rate - d.b3 * rate3) / d.J3),
+        (own_by_speed, by_omega3, passed_by_speed / d.J3, (passed_by_omega3 - d.b3) / d.J3),
         (passed, passed_rate),
         (speed * part, part_rate),
         (speed * share, share_rate),
@@ -148,20 +194,3 @@ def ripple_at(side, x, v):
     ripple = knot.ripple + t * (after.ripple - knot.ripple)
     peak = knot.peak + t * (after.peak - knot.peak)
     return v * v * ripple, v * v * peak
-
-
-def mesh_share(x, omega1, torque):
-    """Mean mesh torque, the part rho = omega3 / omega1 of the mean output torque: power balances."""
-    return torque * x.omega3 / omega1 if torque != 0.0 and omega1 != 0.0 else 0.0
-
-
-def mean_input_torque(d, side, x, omega1, alpha1, alpha3, torque):
-    """M1 of the mean balance M1 omega1 = T omega3 + dE/dt, E = omega1^2 epsilon(sigma) / 2."""
-    if d.by_torque != 0.0:
-        return x.drive_torque
-    _, share, share1 = energy_at(d, side, x, omega1)
-    sigma = ratio(x.omega3, abs(omega1))
-    if sigma >= side.end:
-        return share * alpha1 + mesh_share(x, omega1, torque)
-    sign = 1.0 if omega1 >= 0.0 else -1.0
-    return sign * torque * sigma + (share - 0.5 * sigma * share1) * alpha1 + sign * 0.5 * share1 * alpha3

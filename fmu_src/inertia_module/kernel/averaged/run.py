@@ -13,20 +13,23 @@ import math
 from ..accumulate import add, wrap_drive_angle, wrap_input_angle
 from ..codes import DRIVING, FREE, HELD_DRIVING, OK, STEP_TOO_SMALL, TOO_MUCH_WORK
 from ..output_shaft import turn
+from .balance import lose, mean_input_torque, mesh_share
 from .legs import (
     COASTING,
     LOCKED,
     RESTING,
     SLIPPING,
     choose_leg,
+    closing_in,
     coast,
+    coasting_torque,
     last_knot,
     leg_rate,
     mean_acceleration,
     rest,
     turn_locked,
 )
-from .rates import energy_at, flow, input_speed, look_up_input, mean_input_torque, mesh_share, side_at
+from .rates import energy_at, flow, input_speed, look_up_input, side_at
 from .step import slip
 
 # legs and internal steps before a communication step is given up
@@ -47,10 +50,12 @@ def torque_at(d, side, x, leg, v, alpha1):
         return load, 0.0, 0.0, mean_acceleration(d, side.knots[0], rate)
     if leg == LOCKED:
         alpha = mean_acceleration(d, last_knot(side), rate)
-        return load + d.J3 * alpha, alpha, alpha, alpha
+        return load + d.J3 * alpha + d.b3 * x.omega3, alpha, alpha, alpha
     now = flow(d, side, x, abs(v), side.direction * rate, x.omega3)
     if leg == COASTING:
-        return 0.0, -load / d.J3, now[4][1], mean_acceleration(d, last_knot(side), rate)
+        torque = coasting_torque(d, side, x, abs(v))
+        _, slowing, _ = closing_in(d, side, x, v, alpha1)
+        return torque, -slowing, now[4][1], mean_acceleration(d, last_knot(side), rate)
     alpha1 = side.direction * now[5][1] if d.by_torque != 0.0 else rate
     return now[3][0], now[1][0], now[4][1], alpha1
 
@@ -66,7 +71,7 @@ def torques_at(d, side, x, leg, omega1, alpha1):
     x.omega3 = leg_speed(x, leg)
     torque, alpha3, _, _ = torque_at(d, side, x, leg, omega1, alpha1)
     mean = mean_input_torque(d, side, x, omega1, alpha1, alpha3, torque)
-    mesh = mesh_share(x, omega1, torque)
+    mesh = mesh_share(d, side, x, omega1, torque)
     x.omega3 = omega3
     return mean, mesh
 
@@ -90,6 +95,7 @@ def advance_leg(d, side, x, w, leg, v, alpha1, remaining):
     """Advance speeds and sums by one leg or internal step. Returns (time passed or -1, v at its end)."""
     energy0, share, _ = energy_at(d, side, x, v)
     given = d.by_torque == 0.0
+    omega3 = x.omega3
     impulse = 0.0
     torque0, mesh0 = 0.0, 0.0
     if leg == RESTING:
@@ -97,7 +103,7 @@ def advance_leg(d, side, x, w, leg, v, alpha1, remaining):
     elif leg == LOCKED:
         h, impulse = turn_locked(d, side, x, w, v, alpha1, remaining)
     elif leg == COASTING:
-        h = coast(d, side, x, w, v, alpha1, remaining)
+        h, impulse = coast(d, side, x, w, v, alpha1, remaining)
     else:
         if alpha1 != 0.0 and given:
             torque0, mesh0 = torques_at(d, side, x, leg, v, alpha1)
@@ -111,14 +117,26 @@ def advance_leg(d, side, x, w, leg, v, alpha1, remaining):
         energy1, _, _ = energy_at(d, side, x, end)
         work = w.work + energy1 - energy0
         turned = h * (v + 0.5 * alpha1 * h)
+        mesh_work = w.work
+        mesh_taken = impulse if leg == LOCKED else 0.0
+        input_taken = mesh_taken
+        if d.lossy != 0.0:
+            own, inner, own_impulse, inner_impulse = lose(d, side, x, v, end, h, omega3, w.turned3)
+            if leg == COASTING and turned != 0.0:
+                mesh_taken = w.work * h / turned
+            mesh_taken += inner_impulse
+            input_taken = mesh_taken + own_impulse
+            mesh_work += inner
+            work += inner + own
         if leg == SLIPPING:
             torque1, mesh1 = 0.0, 0.0
             if alpha1 != 0.0:
                 torque1, mesh1 = torques_at(d, side, x, leg, end, alpha1)
             x.input_impulse += impulse_with_work(h, v, alpha1, work, torque0, torque1)
-            x.mesh_impulse += impulse_with_work(h, v, alpha1, w.work, mesh0, mesh1)
+            x.mesh_impulse += impulse_with_work(h, v, alpha1, mesh_work, mesh0, mesh1)
         else:
-            x.input_impulse += share * (end - v) + (impulse if leg == LOCKED else 0.0)
+            x.input_impulse += share * (end - v) + input_taken
+            x.mesh_impulse += mesh_taken
     else:
         turned = side.direction * w.turned1
         work = x.drive_torque * turned
@@ -126,7 +144,7 @@ def advance_leg(d, side, x, w, leg, v, alpha1, remaining):
         wrap_input_angle(x)
         if leg == SLIPPING and turned != 0.0:
             x.mesh_impulse += h * w.work / turned
-    if leg == LOCKED:
+    if leg == LOCKED and not given:
         x.mesh_impulse += impulse
     x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, work)
     x.q, x.q_low = add(x.q, x.q_low, d.k * (turned - w.turned2))
@@ -172,6 +190,8 @@ def trend(d, x, alpha1):
 
 def run_averaged(d, x, w, h):
     """Advance the mean motion by h. Returns a status."""
+    if d.map_ready == 0.0:
+        return TOO_MUCH_WORK  # that of parameters tuned could not be found
     alpha1 = x.alpha1
     time = 0.0
     v = x.omega1 if d.by_torque == 0.0 else x.map_speed

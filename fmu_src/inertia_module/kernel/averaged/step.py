@@ -13,7 +13,7 @@ allowed one, and w.turned3, w.work, w.turned2 and w.turned1, the integrals of om
 import math
 
 from ..accumulate import add
-from .rates import flow
+from .rates import flow, torque_at_knot
 
 # largest h |df/domega3| of an explicit step
 LARGEST_EXPLICIT = 0.4
@@ -82,7 +82,7 @@ def steepness(now):
     return max(abs(e), max(abs(a), math.sqrt(abs(b * c))))
 
 
-def is_one_way(side, x, speed, found, rate):
+def is_one_way(side, x, b3, speed, found, rate):
     """Whether the torque left keeps the sign of rate at the knots between: no balance is skipped."""
     low = min(x.omega3, found)
     high = max(x.omega3, found)
@@ -91,7 +91,8 @@ def is_one_way(side, x, speed, found, rate):
         here = knot.ratio * speed
         if here >= high:
             break
-        if here > low and (speed * speed * knot.torque[0] - x.load_torque) * rate < 0.0:
+        left = speed * speed * torque_at_knot(side, knot, speed) - x.load_torque - b3 * here
+        if here > low and left * rate < 0.0:
             return False
     return True
 
@@ -122,7 +123,7 @@ def implicit_step(d, side, x, w, speed, speed_rate, h, first, allowed):
         moved = max(abs(move), abs(move_speed))
         if moved <= 1e-3 * allowed or moved <= 1e-15 * (abs(found) + abs(found_speed)):
             # where the slope is positive the balance repels: a damped step would be drawn to it
-            if e <= 0.0 and is_one_way(side, x, found_speed, found, first[1][0]):
+            if e <= 0.0 and is_one_way(side, x, d.b3, found_speed, found, first[1][0]):
                 bent = max(bend(h, first[0], last[0]), bend(h, first[1], last[1]))
                 w.error = abs(bent / steep) / allowed
                 # a transient that is damped out within the step would be wrong in the angle and the work
@@ -247,4 +248,4 @@ def slip(d, side, x, w, v, rate, remaining):
     elif cut or x.omega3 > end:
         x.omega3 = end
         x.omega3_low = 0.0
-    return h, d.J3 * (w.next - omega3) + x.load_torque * h
+    return h, d.J3 * (w.next - omega3) + x.load_torque * h + d.b3 * w.turned3

@@ -34,32 +34,37 @@ def end_slope(near, far, here, following, beyond):
     return slope
 
 
+def slope_at(inner, near, far, a, here, b):
+    """Slope of a cubic at a knot by those on both sides, or at an end by the two next (far = 0: by one)."""
+    if inner:
+        return inner_slope(near, far, a[0], here[0], b[0])
+    if far == 0.0:
+        return (a[0] - here[0]) / near
+    return end_slope(near, far, here[0], a[0], b[0])
+
+
 def set_slopes(side, n):
     """Write the slopes at knot n of two, which are a straight line, or more."""
     last = int(side.count) - 1
     here = side.knots[n]
-    if 0 < n < last:
-        a = side.knots[n - 1]
-        b = side.knots[n + 1]
-        left = here.ratio - a.ratio
-        right = b.ratio - here.ratio
-        here.torque[1] = inner_slope(left, right, a.torque[0], here.torque[0], b.torque[0])
-        here.input[1] = inner_slope(left, right, a.input[0], here.input[0], b.input[0])
-        here.omega2[1] = inner_slope(left, right, a.omega2[0], here.omega2[0], b.omega2[0])
-        return
+    inner = 0 < n < last
     step = 1 if n == 0 else -1
-    a = side.knots[n + step]
-    near = a.ratio - here.ratio
-    if last == 1:
-        here.torque[1] = (a.torque[0] - here.torque[0]) / near
-        here.input[1] = (a.input[0] - here.input[0]) / near
-        here.omega2[1] = (a.omega2[0] - here.omega2[0]) / near
-        return
-    b = side.knots[n + 2 * step]
-    far = b.ratio - a.ratio
-    here.torque[1] = end_slope(near, far, here.torque[0], a.torque[0], b.torque[0])
-    here.input[1] = end_slope(near, far, here.input[0], a.input[0], b.input[0])
-    here.omega2[1] = end_slope(near, far, here.omega2[0], a.omega2[0], b.omega2[0])
+    a = side.knots[n - 1 if inner else n + step]
+    b = side.knots[n + 1 if inner else n + step * min(last, 2)]
+    near = here.ratio - a.ratio if inner else a.ratio - here.ratio
+    far = b.ratio - here.ratio if inner else b.ratio - a.ratio
+    here.torque[1] = slope_at(inner, near, far, a.torque, here.torque, b.torque)
+    here.input[1] = slope_at(inner, near, far, a.input, here.input, b.input)
+    here.omega2[1] = slope_at(inner, near, far, a.omega2, here.omega2, b.omega2)
+    if side.slow != 0.0:
+        for m in range(len(here.slower)):
+            slower = here.slower[m]
+            slower.torque[1] = slope_at(
+                inner, near, far, a.slower[m].torque, slower.torque, b.slower[m].torque
+            )
+            slower.omega2[1] = slope_at(
+                inner, near, far, a.slower[m].omega2, slower.omega2, b.slower[m].omega2
+            )
 
 
 def bends(here, after, h):
@@ -141,3 +146,7 @@ def finish_table(side):
         set_bends(here.torque, after.torque, h)
         set_bends(here.input, after.input, h)
         set_bends(here.omega2, after.omega2, h)
+        if side.slow != 0.0:
+            for m in range(len(here.slower)):
+                set_bends(here.slower[m].torque, after.slower[m].torque, h)
+                set_bends(here.slower[m].omega2, after.slower[m].omega2, h)

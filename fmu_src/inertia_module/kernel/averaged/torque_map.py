@@ -13,7 +13,7 @@ Tc (1 - sigma).
 
 import math
 
-from ..codes import FREE
+from ..codes import FREE, OK, TOO_MUCH_WORK
 from .instants import speeds_at, take_integrals
 from .largest import (
     LARGEST_CYCLES,
@@ -27,6 +27,8 @@ from .largest import (
     parts_of_period,
     period_of_map,
 )
+from .losses import set_losses, settle_losses, slow_speed
+from .map_key import is_map_of, mark_map
 from .motion import begin_travel, travel
 from .table import UNKNOWN_ERROR, finish_table, insert_knot, table_error, worst_interval
 
@@ -34,6 +36,8 @@ from .table import UNKNOWN_ERROR, finish_table, insert_knot, table_error, worst_
 MAP_ERROR = 1e-4
 # ... under its torque, where the averaged motion itself is no better
 MAP_ERROR_BY_TORQUE = 5e-4
+# ... and with losses, where a knot costs four motions more
+LOSSY_MAP_ERROR = 2e-4
 # three or more
 FIRST_KNOTS = 9
 # the last ratio below lock-up
@@ -51,31 +55,6 @@ FASTEST = 1.2
 BISECTIONS = 14
 # share of the ratio in which the torque goes to zero at least, where the pulses fail at once
 RAMP = 0.02
-
-
-def is_map_of(p, d):
-    """Whether the map in d is that of these parameters (fields.MAP_KEY)."""
-    for n in range(len(d.map_key)):
-        if d.map_key[n] != key_number(p, d, n):
-            return False
-    return d.map_ready == 1.0
-
-
-def key_number(p, d, n):
-    """Number n of what the map depends on (fields.MAP_KEY)."""
-    last = len(d.map_key) - 1
-    if n == last:
-        return p.drive
-    if n == last - 1:
-        return p.input_inertia
-    return p.link2_inertia if n == last - 2 else p.numbers[n]
-
-
-def mark_map(p, d):
-    """Mark the map in d as that of these parameters."""
-    for n in range(len(d.map_key)):
-        d.map_key[n] = key_number(p, d, n)
-    d.map_ready = 1.0
 
 
 def add_part(d, t, start, warm, length):
@@ -170,7 +149,8 @@ def find_end(d, t, side):
     locks = t.direction > 0.0 and square < LAST_SLIP * LAST_SLIP
     side.locks = 1.0 if locks else 0.0
     if d.by_torque == 0.0:
-        end = 1.0 if locks else max(end, 0.0)
+        # with losses link 2 may be faster than what it is thrown with
+        end = 1.0 if locks or (d.lossy != 0.0 and t.direction > 0.0) else max(end, 0.0)
         return end, end
     # light as link 1 may be, the drive has to get past the output: the torque that keeps the energy only
     # helps
@@ -189,10 +169,12 @@ def find_end(d, t, side):
     return low, end
 
 
-def add_knot(d, t, side, n, omega3):
+def add_knot(p, d, w, side, n, omega3):
     """Find the knot at this output speed and insert it as number n, where its ratio belongs there."""
-    fastest = 1.0 - LAST_SLIP if d.by_torque == 0.0 and side.locks != 0.0 else omega3
-    settle(d, t, side, min(omega3, fastest))
+    locks = d.by_torque == 0.0 and side.locks != 0.0
+    fastest = 1.0 - LAST_SLIP if locks or (d.lossy != 0.0 and side.direction > 0.0) else omega3
+    held = min(omega3, fastest)
+    settle(d, d.travel, side, held)
     v = speed_of_energy(d)
     time = d.sum_time
     ratio = omega3 / v
@@ -203,16 +185,35 @@ def add_knot(d, t, side, n, omega3):
         # one
         side.knots[n - 1].error = 0.0
         return
-    torque = d.sum_torque / (time * v * v)
-    variance = d.sum_square / (time * v**4) - torque * torque
     # mean energy of links 1 and 2 without J1, or the mean speed of link 1
     input1 = 2.0 * d.sum_energy / time - d.J1 if d.by_torque == 0.0 else abs(d.sum_omega1) / (time * v)
+    if d.lossy != 0.0:
+        settle_losses(p, d, w, side, held, 0.0)
+        time = d.sum_time
+    torque = d.sum_torque / (time * v * v)
+    variance = d.sum_square / (time * v**4) - torque * torque
     omega2 = min(max(0.0, d.sum_omega2 / (time * v)), ratio)
     error = table_error(side, n - 1, ratio, torque, input1, omega2) if n < count else UNKNOWN_ERROR
     insert_knot(
         side, n, ratio, torque, input1, omega2, math.sqrt(max(variance, 0.0)), d.sum_peak / (v * v), error
     )
     side.knots[n].omega3 = omega3
+    if d.lossy != 0.0:
+        add_losses(p, d, w, side, side.knots[n], held)
+
+
+def add_losses(p, d, w, side, knot, held):
+    """Find what losses leave at this knot, those without friction and drag being in the sums."""
+    for cause in range(len(knot.lost)):
+        knot.lost[cause] = d.sum_lost[cause] / d.sum_time
+    for m in range(len(knot.slower)):
+        slower = knot.slower[m]
+        if side.slow != 0.0:
+            settle_losses(p, d, w, side, held, (m + 1.0) / (3.0 * side.slow))
+        slower.torque[0] = d.sum_torque / d.sum_time
+        slower.omega2[0] = min(max(0.0, d.sum_omega2 / d.sum_time), knot.ratio)
+        for cause in range(len(knot.lost)):
+            slower.lost[cause] = d.sum_lost[cause] / d.sum_time
 
 
 def end_map(d, side, end):
@@ -233,13 +234,13 @@ def end_map(d, side, end):
         v = last.omega3 / last.ratio if last.ratio > 0.0 else 1.0
         ratio = max(end / v, last.ratio * (1.0 + RAMP))
         insert_knot(side, count, ratio, 0.0, last.input[0], last.omega2[0], 0.0, 0.0, 0.0)
-    else:
+    elif d.lossy == 0.0:
         last.torque[0] = 0.0
         last.ripple = 0.0
         last.peak = 0.0
 
 
-def build_side(d, side, direction):
+def build_side(p, d, w, side, direction):
     """Knots for one sign of omega1, refined where the table is worst."""
     for n in range(len(side.numbers)):
         side.numbers[n] = 0.0
@@ -250,30 +251,45 @@ def build_side(d, side, direction):
     if d.map_inertia == 0.0:
         settle(d, t, side, 0.0)
         d.map_inertia = 2.0 * d.sum_energy * d.sum_time / (d.sum_omega1 * d.sum_omega1)
+    if d.lossy != 0.0:
+        settle(d, t, side, 0.0)
+        side.slow = slow_speed(p, d, d.sum_torque / d.sum_time)
     allowed = MAP_ERROR if d.by_torque == 0.0 else MAP_ERROR_BY_TORQUE
+    if d.lossy != 0.0:
+        allowed = LOSSY_MAP_ERROR
     last = FIRST_KNOTS - 1 if end > 0.0 else 0
     for n in range(last + 1):
-        add_knot(d, t, side, int(side.count), n * last_speed / max(last, 1))
+        add_knot(p, d, w, side, int(side.count), n * last_speed / max(last, 1))
     end_map(d, side, end)
     d.map_evaluations = 0.0
     while side.count < len(side.knots) and end > 0.0 and d.map_evaluations < MOST_EVALUATIONS:
         n, error = worst_interval(side)
         if error < allowed:
             break
-        add_knot(d, t, side, n + 1, 0.5 * (side.knots[n].omega3 + side.knots[n + 1].omega3))
+        add_knot(p, d, w, side, n + 1, 0.5 * (side.knots[n].omega3 + side.knots[n + 1].omega3))
     finish_table(side)
     side.end = side.knots[int(side.count) - 1].ratio
 
 
-def build_map(p, d):
-    """Fill d with the map of these parameters, unless it is there."""
+def build_map(p, d, w):
+    """Fill d with the map of these parameters, unless it is there; w: workspace.
+
+    Returns:
+        Status: OK, or TOO_MUCH_WORK where a motion with losses does not come to the end of its period.
+    """
     if is_map_of(p, d):
-        return
+        return OK
     d.map_ready = 0.0
+    d.map_failed = 0.0
     d.map_inertia = 0.0
     t = d.travel
     _, _, lock = find_largest_anywhere(d, t, LOCK)
     d.map_lock = max(0.5 * d.k * lock, 0.0)
-    build_side(d, d.forward, 1.0)
-    build_side(d, d.backward, -1.0)
+    set_losses(p, d, 0.0)
+    build_side(p, d, w, d.forward, 1.0)
+    build_side(p, d, w, d.backward, -1.0)
+    set_losses(p, d, 1.0)
+    if d.map_failed != 0.0:
+        return TOO_MUCH_WORK
     mark_map(p, d)
+    return OK

@@ -1,0 +1,169 @@
+"""Steady motion with losses, the output speed held: one period of it by the general equations of motion.
+
+Link 1 turns at the speed 1. What loads lose is the same at every speed; friction and drag are those of an
+input speed, scaled: b / |omega1| and drag / omega1^2. To first order torque and losses, so scaled, are
+parabolas of 1 / |omega1|; here they are cubics through four speeds: without bound; that at which friction and
+drag would take the stall torque; 3/2 of it and 3 times it. Friction of link 1 and of the output needs no map.
+"""
+
+import math
+
+from ..accumulate import copy
+from ..derive import TWO_PI
+from ..general.advance import advance_general
+from ..general.choice import choose_next_states, choose_states
+from .largest import LARGEST_CYCLES, go_to_part, is_long, parts_of_period, period_of_map
+
+# inertia that holds the output speed, over that of the mechanism
+HEAVY = 1e15
+TOLERANCE = 1e-6
+# periods until it comes back to where it was, and how near, rad/s
+PERIODS = 6
+BACK = 1e-6
+# internal steps before a period is given up, and the share of it that is as good as its end
+MOST_STEPS = 40000
+END = 1e-9
+NO_LIMIT = 1e9
+# phase of the highest harmonic, at the speed of link 1, in the first step after an event
+FIRST_PHASE = 1.0
+# share of the largest torque that stands for a stall torque of nothing
+LEAST_STALL = 0.01
+
+
+def slow_speed(p, d, stall):
+    """Input speed, rad/s, at which friction and drag would take the stall torque, stall omega1^2; 0: none."""
+    rubbed = p.link2_friction + p.housing_drag_viscous + p.output_drag_viscous + d.k * d.k * p.drive_friction
+    drag = p.housing_drag + p.output_drag
+    stall = max(stall, LEAST_STALL * d.F_by_speed)
+    if not stall > 0.0:
+        return 0.0
+    return (rubbed + math.sqrt(rubbed * rubbed + 4.0 * stall * drag)) / (2.0 * stall)
+
+
+def set_losses(p, d, slowness):
+    """Set the friction and drag that links of speed 1 have for the input speed 1 / slowness."""
+    square = slowness * slowness
+    d.bq = slowness * p.drive_friction
+    d.b2 = slowness * p.link2_friction
+    d.housing_drag_viscous = slowness * p.housing_drag_viscous
+    d.output_drag_viscous = slowness * p.output_drag_viscous
+    d.housing_drag = square * p.housing_drag
+    d.output_drag = square * p.output_drag
+
+
+def angle_travelled(x):
+    """Angle of the drive since the sums were cleared, rad, without sign."""
+    return abs(x.q - x.begin_q + TWO_PI * x.drive_turns)
+
+
+def clear_sums(x):
+    """Clear the sums of the motion in x."""
+    x.begin_q = x.q
+    x.drive_turns = 0.0
+    x.output_impulse = 0.0
+    x.output_square = 0.0
+    x.torque_peak = 0.0
+    for cause in range(len(x.lost)):
+        x.lost[cause] = 0.0
+        x.lost_low[cause] = 0.0
+
+
+def follow(d, x, w, length):
+    """Follow the motion in x over so much angle of the drive. Returns the time it takes, or -1."""
+    time = 0.0
+    left = length
+    limit = NO_LIMIT
+    for _ in range(MOST_STEPS):
+        copy(w.kept.numbers, x.numbers)
+        passed, event = advance_general(d, x, w, limit)
+        if passed < 0.0:
+            return -1.0
+        rest = length - angle_travelled(x)
+        if rest < -END * length:
+            # back, and no further than at the present speed: exact where link 2 is held or drives
+            copy(x.numbers, w.kept.numbers)
+            limit = min(0.5 * limit, left / (d.k * abs(x.omega1 - x.omega2)))
+            continue
+        if event:
+            choose_next_states(d, x, w)
+            # what was locked for long moves at once now
+            x.step_size = min(x.step_size, FIRST_PHASE / (d.harmonic * d.k))
+        time += passed
+        left = rest
+        if left <= END * length:
+            return time
+        if limit < NO_LIMIT:
+            limit = left / (d.k * abs(x.omega1 - x.omega2))
+    return -1.0
+
+
+def add_steady(d, x, w, q, direction, ratio, length, before):
+    """Add the steady motion over an angle of the drive to the sums in d; it begins at rest at q.
+
+    Args:
+        before: whether it goes over the same angle once before, not counted.
+
+    Returns:
+        Whether there is one.
+    """
+    for n in range(len(x.numbers)):
+        x.numbers[n] = 0.0
+    x.q = q % d.period
+    x.omega1 = direction
+    x.omega3 = ratio
+    choose_states(d, x, False)
+    time = -1.0
+    for n in range(PERIODS):
+        clear_sums(x)
+        x.omega3 = ratio
+        omega2 = x.omega2
+        time = follow(d, x, w, length)
+        if time < 0.0:
+            return False
+        if n > 0 if before else abs(x.omega2 - omega2) <= BACK:
+            break
+    d.sum_time += time
+    d.sum_torque += x.output_impulse
+    d.sum_square += x.output_square
+    d.sum_omega2 += direction * (time - angle_travelled(x) / d.k)
+    d.sum_peak = max(d.sum_peak, x.torque_peak)
+    for cause in range(len(x.lost)):
+        d.sum_lost[cause] += x.lost[cause]
+    return True
+
+
+def settle_losses(p, d, w, side, ratio, slowness):
+    """Sums in d over the steady motion with losses at this speed ratio, friction as at 1 / slowness.
+
+    Where there is none, d.map_failed is set.
+
+    Args:
+        w: workspace; w.part is the state that is followed.
+    """
+    x = w.part
+    inertia, tolerance, b1, b3 = d.J3, d.tolerance, d.b1, d.b3
+    d.J3 = HEAVY * (d.J2 + d.F_by_alpha1)
+    d.tolerance = TOLERANCE
+    d.b1 = d.b3 = 0.0
+    set_losses(p, d, slowness)
+    d.sum_time = d.sum_torque = d.sum_square = d.sum_omega2 = d.sum_peak = 0.0
+    for cause in range(len(d.sum_lost)):
+        d.sum_lost[cause] = 0.0
+    w.given = 0.0
+    w.load = 0.0
+    direction = side.direction
+    through = True
+    if not is_long(d):
+        through = add_steady(d, x, w, side.start, direction, ratio, period_of_map(d), False)
+    else:
+        part, parts = parts_of_period(d, 0.25 * LARGEST_CYCLES)
+        phase = d.phase_b
+        for n in range(parts):
+            begin = go_to_part(d, phase, part, parts, n)
+            through = through and add_steady(d, x, w, begin, direction, ratio, part, True)
+        d.phase_b = phase
+    d.J3, d.tolerance, d.b1, d.b3 = inertia, tolerance, b1, b3
+    set_losses(p, d, 0.0)
+    if not through:
+        d.map_failed = 1.0
+        d.sum_time = max(d.sum_time, 1.0)

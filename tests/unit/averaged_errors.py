@@ -1,0 +1,58 @@
+"""Fidelity averaged with losses against steady pulses of the rigid module.
+
+Run: python tests/unit/averaged_errors.py, for the table in docs/mechanics.md.
+"""
+
+from scenes import PLANAR
+
+from inertia_module.harness.steady import SteadyMachine
+from inertia_module.memory.instances import Module
+
+REALISTIC = {
+    "mesh_efficiency": 0.98,
+    "satellite_mesh_efficiency": 0.98,
+    "journal_friction": 1e-3,
+    "input_friction": 0.01,
+    "drive_friction": 0.01,
+    "link2_friction": 0.01,
+    "output_friction": 0.01,
+    "housing_drag": 0.3,
+    "output_drag": 0.3,
+}
+MECHANISMS = {
+    "bevel": {},
+    "planar": {name: value for name, value in PLANAR.items() if name not in ("omega1", "load_torque")},
+}
+
+
+def of_pulses(kernel, values, omega1, ratio):
+    """Torque on the load and input torque, N m, of its sign, efficiency, mean speed of link 2 over omega1."""
+    return SteadyMachine(values, kernel).at(omega1, ratio)[:4]
+
+
+def of_map(kernel, values, omega1, ratio):
+    """The same by fidelity averaged."""
+    module = Module(kernel).start(
+        **{**values, "fidelity": 1, "output_inertia": 1e6},
+        omega1=omega1,
+        omega_out_start=ratio * abs(omega1),
+        load_torque=0.0,
+    )
+    module.advance(1e-3)
+    friction = module["output_friction"] * module["omega_out"]
+    kept = 1.0 - module["energy_lost"] / module["energy_in"]
+    taken = module["input_torque_mean"] * (1.0 if omega1 > 0.0 else -1.0)
+    return module["output_torque_mean"] - friction, taken, max(kept, 0.0), module["omega2"] / abs(omega1)
+
+
+if __name__ == "__main__":
+    print("| | ω1, rad/s | ratio | torque on the load, N·m | error, % | efficiency, % | error |")
+    print("|---|---|---|---|---|---|---|")
+    for mechanism, shape in MECHANISMS.items():
+        for omega1 in (15.0, 30.0, 100.0, 300.0):
+            for ratio in (0.1, 0.5, 0.9):
+                case = "auto", {**shape, **REALISTIC}, omega1, ratio
+                rigid, ours = of_pulses(*case), of_map(*case)
+                share, gap = 100.0 * (ours[0] / rigid[0] - 1.0), 100.0 * (ours[2] - rigid[2])
+                numbers = f"{rigid[0]:.3g} | {share:+.2f} | {100.0 * rigid[2]:.1f} | {gap:+.2f}"
+                print(f"| {mechanism} | {omega1:g} | {ratio} | {numbers} |", flush=True)
