@@ -160,6 +160,19 @@ def test_lock_up_ends_where_the_load_is_more_than_friction_holds():
         assert (advanced(module, 1e-3)["omega2"] == 100.0) == sticks
 
 
+@pytest.mark.parametrize("load", [5000.0, 0.01, -1.0])
+@pytest.mark.parametrize("losses", ["mesh", "satellite_mesh", "journal", "all"])
+def test_ramp_from_rest_breaks_friction_loose(losses, load):
+    module = started(KERNEL, ALL if losses == "all" else LOSSES[losses], omega1=0.0, load_torque=load)
+    for omega1 in (0.0, 2.0):
+        module.set(omega1=omega1)
+        module.set_rates(omega1=400.0)
+        module.advance(0.005)
+        assert abs(module["energy_residual"]) < 1e-4 * passed(module)
+    assert module["input_speed"] == pytest.approx(4.0, rel=1e-12)
+    assert module["drive_angle"] + module["drive_turns"] > 0.0
+
+
 def test_drag_of_the_output_freewheel_slows_the_shaft_alone():
     """Link 2 is held by the drag of its own freewheel: the output coasts down evenly; its heat."""
     drag, inertia = 2.0, 0.5

@@ -156,6 +156,8 @@ def stick_links(d, x, m, given, inertia, place, carried, resisting):
     m.drive = (d.J1 + i) * alpha + rest1 + m.mesh
     needed = m.mesh / d.k - ideal
     m.margin = journals + m.spun + d.mesh_loss * abs(m.mesh) / d.k - abs(needed)
+    if held and d.by_torque == 0.0 and given != 0.0:
+        m.margin = -(d.J2 + d.F_by_alpha1) * abs(given)  # link 1 turns, whatever the friction
 
 
 def evaluate(d, x, given, load, fixed):
