@@ -220,6 +220,21 @@ def test_wound_up_freewheel_swings_at_its_own_frequency():
     assert module["omega2"] == pytest.approx(-load / inertia / frequency * math.sin(0.25 * math.pi), rel=1e-3)
 
 
+def test_wound_up_freewheel_never_pulls():
+    """A random motion in which the spring began steps slightly below zero, and once did not let go."""
+    planar = {"layout": 1, "sun_radius": 0.020447, "satellite_radius": 0.21185, "eccentricity": 0.099414}
+    heavy = {"satellites": 2, "imbalance_mass": 10.525, "drive_inertia": 0.03, "link2_inertia": 2e-5}
+    losses = {"mesh_efficiency": 0.5, "housing_drag": 0.004}
+    spring = {"freewheel_stiffness": 84645.0, "freewheel_damping": 8.4645}
+    start = {"fidelity": 3, "omega_out_start": 1.0, "drive_angle_start": -6.4794}
+    module = started(KERNEL, planar, heavy, losses, spring, start, omega1=1.1326, load_torque=-0.085738)
+    for n in range(1, 81):
+        module.set_rates(omega1=-0.1)
+        module.advance(0.1)
+        module.set(omega1=1.1326 - 0.01 * n)
+        assert module["contact_mode"] not in (2, 3) or module["output_torque"] > -1e-4
+
+
 @pytest.mark.parametrize("efficiency", [0.5, 0.9, 1.0 - 1e-12])
 @pytest.mark.parametrize("name", ["mesh_efficiency", "satellite_mesh_efficiency"])
 def test_any_efficiency_up_to_one_is_followed(name, efficiency):

@@ -7,7 +7,7 @@ their torques, by the signs that the losses go by.
 
 from ..solvers.dormand_prince import END, NODES
 from ..solvers.interpolant import dense_bend, dense_change, dense_rate, dense_rate_bend, fit_dense
-from .states import OPEN
+from .states import OPEN, WOUND
 
 HOUSING = 0
 OUTPUT = 1
@@ -88,7 +88,7 @@ def fit_guard(w, which):
 def general_guard(x, w, which, sigma):
     """A guard at the fraction sigma of the step and its rate per unit of sigma, from its fit.
 
-    What the guard lacks of zero at the beginning is rounding, and left out.
+    What the guard lacks of zero at the beginning is rounding, and left out, but that of a spring.
     """
     one = w.watched[which]
     start = one.value[0]
@@ -97,7 +97,8 @@ def general_guard(x, w, which, sigma):
     per_step = 1.0 / w.step
     value = per_step * dense_rate(one.dense, sigma)
     slope = per_step * (dense_rate(one.dense, sigma + APART) - dense_rate(one.dense, sigma - APART))
-    return value - min(start, 0.0), 0.5 * slope / APART
+    wound = (x.housing_state if which == HOUSING else x.output_state) == WOUND and which < SLIP
+    return value - (0.0 if wound else min(start, 0.0)), 0.5 * slope / APART
 
 
 def general_bend(x, w, which):
