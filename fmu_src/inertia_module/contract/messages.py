@@ -49,7 +49,6 @@ _LOSSES = (
     *("mesh_efficiency", "satellite_mesh_efficiency", "journal_friction"),
     *("housing_drag", "housing_drag_viscous", "output_drag", "output_drag_viscous"),
 )
-_GENERAL = (*_LOSSES, "gravity")
 
 MESSAGES: Mapping[int, str] = {
     codes.NO_RECTIFIER: (
