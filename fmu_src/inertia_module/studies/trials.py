@@ -103,7 +103,7 @@ def measurement_file(scene: Scene) -> Path:
     content["accuracy"] = {"window": scene.accuracy.window}
     content["run"].pop("outputs")
     # and by the code that a measurement depends on: kernel, loops and this study
-    code = sources("kernel/*.py", "loops/*.py", "studies/*.py")
+    code = sources("kernel/**/*.py", "loops/*.py", "studies/*.py")
     name = content_hash(code | {"scene": json.dumps(content, sort_keys=True).encode()})[:24]
     return cache_folder() / f"trials-{name}.csv"
 
