@@ -3,7 +3,7 @@
 w.followed holds for each quantity its rates at the stages and its change over the step.
 """
 
-from ..codes import SHAFT
+from ..codes import FREEWHEEL, JOURNAL, MESH, SHAFT, VISCOUS
 from ..links import friction_power
 from ..solvers.dormand_prince import (
     NODES,
@@ -127,13 +127,14 @@ def keep_rates(d, x, w, n):
     f[WOUND_OUTPUT].rate[n] = m.omega2 - m.omega3 if x.output_state == WOUND else 0.0
     f[WORK_IN].rate[n] = m.drive * m.omega1
     f[WORK_OUT].rate[n] = w.load * turning
-    f[LOST].rate[n] = friction_power(d, m.omega1, m.omega2, d.b2) + d.b3 * m.omega3 * m.omega3
+    viscous = friction_power(d, m.omega1, m.omega2, d.b2)
+    f[LOST + VISCOUS].rate[n] = viscous + d.b3 * m.omega3 * m.omega3
     if d.elastic != 0.0:
         shaft = d.damping * m.relative * m.relative + d.friction * turning * turning
-        f[LOST + 1].rate[n] = shaft - d.balancer * d.J4 * m.alpha3 * turning
-    f[LOST + 2].rate[n] = d.mesh_loss * x.flow_sign * m.mesh * slip + x.spin_sign * m.spun * turned
-    f[LOST + 3].rate[n] = m.journals * turned
-    f[LOST + 4].rate[n] = power_of_freewheels(d, x, m)
+        f[LOST + SHAFT].rate[n] = shaft - d.balancer * d.J4 * m.alpha3 * turning
+    f[LOST + MESH].rate[n] = d.mesh_loss * x.flow_sign * m.mesh * slip + x.spin_sign * m.spun * turned
+    f[LOST + JOURNAL].rate[n] = m.journals * turned
+    f[LOST + FREEWHEEL].rate[n] = power_of_freewheels(d, x, m)
     f[OF_DRIVE].rate[n] = m.drive
     f[OF_MESH].rate[n] = m.mesh
     f[OF_HOUSING].rate[n] = m.housing
