@@ -23,8 +23,8 @@ from .stages import (
 )
 from .states import LOCKED
 
-# sums that are held to the tolerance, for the motion tells nothing of their errors: the losses have kinks that
-# are no events, and where link 1 stands still no energy shows what turns it
+# sums that are held to the tolerance, for the motion tells nothing of their errors: the losses have kinks
+# that are no events, and where link 1 stands still no energy shows what torque holds it
 HELD_SUMS = (WORK_IN, LOST + MESH, LOST + JOURNAL, OF_DRIVE, OF_MESH)
 # the error of a work is measured by so many present kinetic energies, from rest by this share of the largest
 OF_ENERGY = 10.0

@@ -190,19 +190,43 @@ def make_step(d, x, w, h):
         w.followed[OMEGA1].change = h * w.given
 
 
-def cut_step(d, w, sigma):
-    """Make the step in hand, its inside known, one of its part sigma."""
+def change_inside(d, w, sigma, count):
+    """Changes of the first of the followed quantities up to the part sigma of the step in hand."""
     moving = how_many_move(d)
     inside_weights(sigma, w.weights)
-    for n in range(FOLLOWED):
+    for n in range(count):
         if is_followed(d, n, moving):
             change = 0.0
             for stage in range(STAGES):
                 change += w.weights[stage] * w.followed[n].rate[stage]
             w.followed[n].change = w.step * change
-    w.step *= sigma
     if d.by_torque == 0.0:
-        w.followed[OMEGA1].change = w.step * w.given
+        w.followed[OMEGA1].change = sigma * w.step * w.given
+
+
+def cut_step(d, w, sigma):
+    """Make the step in hand, its inside known, one of its part sigma."""
+    change_inside(d, w, sigma, FOLLOWED)
+    w.step *= sigma
+
+
+def evaluate_inside(d, x, w, sigma):
+    """The general equations at the part sigma of the step in hand, its inside known, into d.machine."""
+    change_inside(d, w, sigma, MOVING)
+    f = w.followed
+    m = d.machine
+    m.q = x.q + f[Q].change
+    m.theta1 = x.theta1 + f[THETA].change
+    m.omega1 = x.omega1 + f[OMEGA1].change
+    m.omega2 = x.omega2 + f[OMEGA2].change
+    m.omega3 = m.omega2 if x.output_state == LOCKED else x.omega3 + f[OMEGA3].change
+    if d.elastic != 0.0:
+        m.twist = x.twist + f[TWIST].change
+        m.relative = x.relative + f[RELATIVE].change
+        m.wound_housing = x.wound_housing + f[WOUND_HOUSING].change
+        m.wound_output = x.wound_output + f[WOUND_OUTPUT].change
+    evaluate(d, x, w.given, w.load, True)
+    x.step_evaluations += 1.0
 
 
 def make_inside(d, x, w):
