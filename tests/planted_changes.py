@@ -44,6 +44,20 @@ SELECTION = {
         test_averaged.py::test_shaft_that_starts_at_the_end_of_the_map_comes_to_rest_within_one_step
     """,
     "driven_shaft/": "test_propagator.py test_driven_shaft.py",
+    "general/": """
+        test_losses_kernel.py::test_losses_of_several_satellites_follow_the_tolerance
+        test_losses_kernel.py::test_impulse_of_the_input_is_that_of_the_momentum_though_it_does_no_work
+        test_losses.py::test_meshes_that_jam_are_refused
+        test_losses.py::test_ramp_from_rest_breaks_friction_loose[mesh-0.01]
+        test_losses.py::test_locked_up_machine_with_friction_stays_so
+        test_losses_steps.py::test_prescribed_motion_has_the_efficiency_of_planetary_gears
+        test_losses_steps.py::test_prescribed_motion_pays_for_each_loss_and_nothing_else[gravity-0.5-planar]
+        test_losses_kernel.py::test_loads_that_change
+        test_losses_kernel.py::test_freewheels_that_wind_up
+        test_losses_kernel.py::test_several_satellites_and_modules
+        test_losses_kernel.py::test_motion_and_losses_are_those_of_the_reference
+        test_losses_kernel.py::test_links_part_at_the_same_instant_at_any_tolerance
+    """,
     "timestepping|link_step": """
         test_friction.py::test_fixed_steps_converge_by_second_order_and_make_no_energy
         test_timestepping.py::test_many_pulses_in_a_step_make_no_energy
@@ -217,6 +231,33 @@ averaged/jump.py: x.energy_in_low, after {-|+} before
 averaged/outputs.py: y.housing_torque = torque {-|+} mesh
 averaged/run.py: 1.0 {+|-} share * share / 12.0
 averaged/run.py: {4.0|2.0} * centre
+general/motion.py: passed = k / (1.0 {-|+} flow * d.mesh_loss)
+general/motion.py: passed * k * (own1 * by_q {-|+} b * (b
+general/motion.py: mesh + by_alpha1 * alpha1 {+|-} by_rate2
+general/motion.py: m.margin = journals + m.spun {+|-} d.mesh_loss
+general/motion.py: -d.housing_drag {-|+} d.housing_drag_viscous
+general/motion.py: d.freewheel_damping * (m.omega2 {-|+} m.omega3)
+general/motion.py: (1.0 {-|+} d.balancer) * m.alpha3
+general/motion.py: d.friction * (m.omega3 {-|+} m.relative)
+general/motion.py: return potential + housing {+|-} 0.5
+general/satellites.py: spin_x = x1 {+|-} y
+general/satellites.py: d.weight * (y1 * sine {+|-} z1 * cosine)
+general/satellites.py: alpha1 + with_rate2 * rate2_q {<|>} 0.0
+general/satellites.py: mass * (y * z1 {-|+} z * y1)
+general/stages.py: lost {-|+}= m.output * slip
+general/stages.py: m.mesh * slip {+|-} x.spin_sign
+general/stages.py: f[TWIST].rate[n] = {|-}m.relative
+general/stages.py: m.theta1 = x.theta1 {+|-} h * weighed
+general/error.py: max(momentum if n {>=|<} OF_DRIVE
+general/error.py: OF_ENERGY = {10|1000}.0
+general/error.py: FROM_REST = 0.0{1|}
+general/error.py: LOST + JOURNAL, {OF_DRIVE, |}OF_MESH)
+general/instant.py: if value {<|>} 0.0
+general/instant.py: abs(value) {<=|>=} zero
+general/choice.py: return -push if speed {<=|<} 0.0
+general/choice.py: -x.slip_sign * inertia * (m.alpha1 {-|+} m.alpha2)
+general/states.py: return slip == 0.0 or sign * slip {>|<} 0.0
+general/prescribed.py: ideal / k {+|-} m.weight_q
 driven_shaft/propagator.py: three += share * left * left / {2.0|3.0}
 driven_shaft/motion.py: one + d.rate * {two|one}
 driven_shaft/entry.py: * momentum {-|+} x.hub_slope * moment

@@ -44,7 +44,7 @@ MEANS = (
     "housing_torque_mean",
     "torque_ripple",
 )
-KERNEL = "compiled"
+KERNEL = "auto"
 
 
 def all_scenes():

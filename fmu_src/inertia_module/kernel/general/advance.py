@@ -22,6 +22,7 @@ from .guards import (
     is_speed,
     is_watched,
 )
+from .instant import part_at
 from .motion import evaluate, take_state
 from .stages import (
     LOST,
@@ -229,6 +230,8 @@ def advance_general(d, x, w, remaining):
         return -1.0, False
     sigma, which = first_event(d, x, w, fastest)
     if sigma >= 0.0:
+        if which == SLIP and x.slip_sign == 0.0:
+            sigma = part_at(d, x, w, zero_of(d, x, w, SLIP, fastest), sigma)
         cut_step(d, w, sigma)
     else:
         see_inside(d, x, w)

@@ -3,7 +3,7 @@
 w.followed holds for each quantity its rates at the stages and its change over the step.
 """
 
-from ..codes import SHAFT
+from ..codes import FREEWHEEL, JOURNAL, MESH, SHAFT, VISCOUS
 from ..links import friction_power
 from ..solvers.dormand_prince import (
     NODES,
@@ -127,13 +127,14 @@ def keep_rates(d, x, w, n):
     f[WOUND_OUTPUT].rate[n] = m.omega2 - m.omega3 if x.output_state == WOUND else 0.0
     f[WORK_IN].rate[n] = m.drive * m.omega1
     f[WORK_OUT].rate[n] = w.load * turning
-    f[LOST].rate[n] = friction_power(d, m.omega1, m.omega2, d.b2) + d.b3 * m.omega3 * m.omega3
+    viscous = friction_power(d, m.omega1, m.omega2, d.b2)
+    f[LOST + VISCOUS].rate[n] = viscous + d.b3 * m.omega3 * m.omega3
     if d.elastic != 0.0:
         shaft = d.damping * m.relative * m.relative + d.friction * turning * turning
-        f[LOST + 1].rate[n] = shaft - d.balancer * d.J4 * m.alpha3 * turning
-    f[LOST + 2].rate[n] = d.mesh_loss * x.flow_sign * m.mesh * slip + x.spin_sign * m.spun * turned
-    f[LOST + 3].rate[n] = m.journals * turned
-    f[LOST + 4].rate[n] = power_of_freewheels(d, x, m)
+        f[LOST + SHAFT].rate[n] = shaft - d.balancer * d.J4 * m.alpha3 * turning
+    f[LOST + MESH].rate[n] = d.mesh_loss * x.flow_sign * m.mesh * slip + x.spin_sign * m.spun * turned
+    f[LOST + JOURNAL].rate[n] = m.journals * turned
+    f[LOST + FREEWHEEL].rate[n] = power_of_freewheels(d, x, m)
     f[OF_DRIVE].rate[n] = m.drive
     f[OF_MESH].rate[n] = m.mesh
     f[OF_HOUSING].rate[n] = m.housing
@@ -189,19 +190,43 @@ def make_step(d, x, w, h):
         w.followed[OMEGA1].change = h * w.given
 
 
-def cut_step(d, w, sigma):
-    """Make the step in hand, its inside known, one of its part sigma."""
+def change_inside(d, w, sigma, count):
+    """Changes of the first of the followed quantities up to the part sigma of the step in hand."""
     moving = how_many_move(d)
     inside_weights(sigma, w.weights)
-    for n in range(FOLLOWED):
+    for n in range(count):
         if is_followed(d, n, moving):
             change = 0.0
             for stage in range(STAGES):
                 change += w.weights[stage] * w.followed[n].rate[stage]
             w.followed[n].change = w.step * change
-    w.step *= sigma
     if d.by_torque == 0.0:
-        w.followed[OMEGA1].change = w.step * w.given
+        w.followed[OMEGA1].change = sigma * w.step * w.given
+
+
+def cut_step(d, w, sigma):
+    """Make the step in hand, its inside known, one of its part sigma."""
+    change_inside(d, w, sigma, FOLLOWED)
+    w.step *= sigma
+
+
+def evaluate_inside(d, x, w, sigma):
+    """The general equations at the part sigma of the step in hand, its inside known, into d.machine."""
+    change_inside(d, w, sigma, MOVING)
+    f = w.followed
+    m = d.machine
+    m.q = x.q + f[Q].change
+    m.theta1 = x.theta1 + f[THETA].change
+    m.omega1 = x.omega1 + f[OMEGA1].change
+    m.omega2 = x.omega2 + f[OMEGA2].change
+    m.omega3 = m.omega2 if x.output_state == LOCKED else x.omega3 + f[OMEGA3].change
+    if d.elastic != 0.0:
+        m.twist = x.twist + f[TWIST].change
+        m.relative = x.relative + f[RELATIVE].change
+        m.wound_housing = x.wound_housing + f[WOUND_HOUSING].change
+        m.wound_output = x.wound_output + f[WOUND_OUTPUT].change
+    evaluate(d, x, w.given, w.load, True)
+    x.step_evaluations += 1.0
 
 
 def make_inside(d, x, w):
