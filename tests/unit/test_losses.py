@@ -6,6 +6,7 @@ import pytest
 from scenes import DRIVEN, ELASTIC, SCENES, advanced, started
 
 from inertia_module.contract.variables import BY_NAME
+from inertia_module.kernel.general import jam
 from inertia_module.kernel.inertia import reduced_inertia
 from inertia_module.memory.instances import Refused
 
@@ -284,3 +285,29 @@ def test_meshes_that_jam_are_refused():
         Refused, match=r"the meshes jam .* satellite_mesh_efficiency must be higher, are 1 and 0.1"
     ):
         started("plain", SCENES["bevel"], askew)
+
+
+@pytest.mark.parametrize("drive", [0, 1], ids=["by speed", "by torque"])
+@pytest.mark.parametrize("loss", ["mesh_efficiency", "satellite_mesh_efficiency"])
+def test_jamming_is_looked_for_in_few_turns_of_many_teeth(monkeypatch, drive, loss):
+    looks = []
+    monkeypatch.setattr(jam, "jams_at", lambda *arguments: looks.append(arguments))
+    teeth = {"z2": 99999, "z16": 100001, "z17": 99991, "z6": 99989}
+    started("plain", teeth, {loss: 0.97}, drive=drive, input_inertia=0.01)
+    assert len(looks) < 1e5
+    assert bool(looks) == (drive == 1 or loss == "satellite_mesh_efficiency")
+
+
+@pytest.mark.parametrize("drive", [0, 1], ids=["by speed", "by torque"])
+@pytest.mark.parametrize("z6", [13, 61], ids=["all turns", "some turns"])
+def test_meshes_jam_as_at_all_angles_of_the_period(drive, z6, monkeypatch):
+    monkeypatch.setattr(jam, "ANGLES", 16)
+    scene = {"a": 1.4, "b": 0.7, "z17": 31, "z6": z6, "satellite_mesh_efficiency": 0.2}
+    d = started("plain", scene, drive=drive, input_inertia=10.0, link2_inertia=10.0).derived
+    found = []
+    for exponent in range(-12, 3):
+        d.J1 = d.J2 = 10.0 ** (0.5 * exponent)
+        whole = jam.jams_between(d, 0.0, d.period, jam.ANGLES * d.harmonic * d.period_turns)
+        found.append(jam.jams(d))
+        assert found[-1] == whole
+    assert {True, False} == set(found)
