@@ -8,6 +8,7 @@ from ..links import response
 from ..loads import INSIDE_PHASE, see
 from ..search import first_crossing
 from ..solvers.dormand_prince import END, sum_9
+from ..solvers.step_size import REJECTIONS, carry_size, first_size, next_factor
 from .choice import take_speeds
 from .error import fastest_speed, step_error
 from .guards import (
@@ -54,12 +55,10 @@ SEEN = 9
 # phase of the highest harmonic within one step, and between two looks at a guard, rad
 STEP_PHASE = 4.0
 LOOK_PHASE = 1.0
+# steps are often as long as is stable, and a little longer are tried in vain
 SAFETY = 0.8
 # share of its size that a step keeps where a freewheel has switched
 AFRESH = 0.5
-SMALLEST_FACTOR = 0.2
-LARGEST_FACTOR = 5.0
-REJECTIONS = 100
 # a guard below this share of the speeds, or of the torques, is zero
 VELOCITY_ROUNDING = 1e-13
 TORQUE_ROUNDING = 1e-11
@@ -81,20 +80,14 @@ def longest_step(d, x, w, remaining):
 
 def try_steps(d, x, w, limit):
     """Make the longest step of allowed error. Returns the largest speed in it, or -1 where none will do."""
-    carried = x.step_size
-    h = min(limit, carried) if carried > 0.0 else 0.1 * limit
+    h = first_size(x, limit)
     for attempt in range(REJECTIONS):
         make_step(d, x, w, h)
         fastest = fastest_speed(d, x, w)
         error = step_error(d, x, w, fastest)
-        factor = SMALLEST_FACTOR
-        if error < 1e300:
-            factor = LARGEST_FACTOR
-            if error > 0.0:
-                factor = min(LARGEST_FACTOR, max(SMALLEST_FACTOR, SAFETY * error ** (-0.125)))
+        factor = next_factor(error, 8.0, SAFETY)
         if error <= 1.0:
-            # a step cut short by the end of the communication step says little about longer ones
-            x.step_size = max(factor * h, carried) if attempt == 0 and h < carried else factor * h
+            carry_size(x, h, factor, attempt)
             return fastest
         h *= factor
     return -1.0
