@@ -236,6 +236,34 @@ def test_wound_up_freewheel_never_pulls():
         assert module["contact_mode"] not in (2, 3) or module["output_torque"] > -1e-4
 
 
+def test_stiff_freewheels_on_a_light_link_do_not_chatter():
+    """A random motion of 1000 switches and more: the inside of steps as long as is stable is coarse."""
+    planar = {"layout": 1, "sun_radius": 0.012402, "link2_inertia": 1.2678e-5, "input_inertia": 9.8187e-4}
+    losses = {"drive_friction": 0.0173, "output_friction": 0.0029, "satellite_transverse_inertia": 1.1718e-5}
+    shaft = {"fidelity": 3, "drive": 1, "driven_inertia": 0.41141, "shaft_stiffness": 164.17}
+    springs = {"housing_stiffness": 514280.0, "housing_damping": 514.28, "freewheel_stiffness": 476.58}
+    scene = planar | losses | shaft | springs | {"shaft_damping": 0.0, "tolerance": 4.3352e-7}
+    module = started(KERNEL, scene, omega1=22.811, load_torque=0.091088)
+    module.advance(0.06)
+    assert module["contact_switches"] < 100
+    assert abs(module["energy_residual"]) < 1e-6 * module["energy_stored"]
+
+
+def test_jump_after_many_short_steps_of_a_freewheel_at_its_limit():
+    """A random motion in which omega2 fell below zero by rounding step by step, and then omega1 jumped."""
+    output = {"output_inertia": 0.016992, "driven_inertia": 60.0, "shaft_stiffness": 10.0}
+    scene = output | {"fidelity": 3, "imbalance_mass": 0.0, "link2_inertia": 9e-4, "shaft_damping": 0.02}
+
+    def run(split):
+        module = started(KERNEL, scene, freewheel_stiffness=400.0, omega1=100.0, load_torque=0.04)
+        for _ in range(split):
+            module.advance(0.0010221 / split)
+        assert module["omega2"] >= 0.0
+        return advanced(module, 0.0075385, omega1=30.945, load_torque=-0.14931)
+
+    assert run(7)["omega_hub"] == pytest.approx(run(1)["omega_hub"], rel=1e-6, abs=1e-9)
+
+
 @pytest.mark.parametrize("efficiency", [0.5, 0.9, 1.0 - 1e-12])
 @pytest.mark.parametrize("name", ["mesh_efficiency", "satellite_mesh_efficiency"])
 def test_any_efficiency_up_to_one_is_followed(name, efficiency):

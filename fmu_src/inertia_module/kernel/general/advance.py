@@ -22,6 +22,7 @@ from .guards import (
     is_clear,
     is_speed,
     is_watched,
+    value_and_rate,
 )
 from .motion import evaluate, take_state
 from .stages import (
@@ -48,7 +49,7 @@ from .stages import (
     make_inside,
     make_step,
 )
-from .states import LOCKED, WOUND, is_rough
+from .states import LOCKED, OPEN, WOUND, is_rough, is_wound
 
 # stage inside the step at which the force on the bearing is seen
 SEEN = 9
@@ -102,9 +103,12 @@ def zero_of(d, x, w, which, fastest):
     zero = TORQUE_ROUNDING * (abs(m.mesh) + abs(m.housing) + abs(m.output) + abs(w.load))
     if which > OUTPUT:
         return zero
-    # of a spring: by the error its wind-up may have
-    stiffness = d.housing_stiffness if which == HOUSING else d.freewheel_stiffness
-    return max(zero, d.tolerance * fastest * math.sqrt((d.J2 + d.F_by_alpha1) * stiffness))
+    # of a spring: by the errors that its wind-up and its speed may have
+    stiffness, damping = d.housing_stiffness, d.housing_damping
+    if which == OUTPUT:
+        stiffness, damping = d.freewheel_stiffness, d.freewheel_damping
+    torque = math.sqrt((d.J2 + d.F_by_alpha1) * stiffness) + damping
+    return max(zero, d.tolerance * fastest * torque)
 
 
 def first_event(d, x, w, fastest):
@@ -162,8 +166,6 @@ def commit(d, x, w):
 
 def meet(d, x, which):
     """Set a speed that has met its limit there exactly."""
-    if not is_speed(x, which):
-        return
     if which == HOUSING:
         x.omega2 = 0.0
         x.omega2_low = 0.0
@@ -180,6 +182,23 @@ def meet(d, x, which):
     else:
         x.omega2 = x.omega1
         x.omega2_low = x.omega1_low
+
+
+def meet_limits(d, x):
+    """Set speeds of freewheels that overrun, but not by more than rounding, exactly to their limits."""
+    if d.housing != 0.0 and x.housing_state == OPEN and x.omega2 < 0.0:
+        meet(d, x, HOUSING)
+    if d.output != 0.0 and x.output_state == OPEN and x.omega3 < x.omega2:
+        meet(d, x, OUTPUT)
+
+
+def has_fallen(d, x, w, which):
+    """Whether a guard has, by the state at the end of the step in hand."""
+    take_state(d, x)
+    evaluate(d, x, w.given, w.load, True)
+    x.step_evaluations += 1.0
+    value, _ = value_and_rate(d, x, d.machine, which)
+    return value <= 0.0
 
 
 def unwind(d, x, which):
@@ -221,11 +240,19 @@ def advance_general(d, x, w, remaining):
     if fastest < 0.0:
         return -1.0, False
     sigma, which = first_event(d, x, w, fastest)
-    if sigma >= 0.0:
-        cut_step(d, w, sigma)
-    else:
+    wound = is_wound(x)
+    if sigma < 0.0:
         see_inside(d, x, w)
+    elif wound:
+        make_step(d, x, w, sigma * w.step)
+    else:
+        cut_step(d, w, sigma)
     commit(d, x, w)
+    meet_limits(d, x)
+    if wound and which != NONE and not has_fallen(d, x, w, which):
+        # stiff springs make the inside of a step coarse: where an event seems to be a step has to end with it
+        x.step_size *= AFRESH
+        which = NONE
     w.ended = 0.0
     w.met_slip = 0.0
     if which == FLOW:
@@ -234,9 +261,10 @@ def advance_general(d, x, w, remaining):
         x.spin_sign = -x.spin_sign
     elif which != NONE:
         x.step_size *= AFRESH
-        w.ended = 0.0 if is_speed(x, which) else 1.0
-        w.met_slip = 1.0 if which == SLIP and is_speed(x, which) and x.housing_state != LOCKED else 0.0
-        if w.ended != 0.0:
+        if is_speed(x, which):
+            w.met_slip = 1.0 if which == SLIP and x.housing_state != LOCKED else 0.0
+            meet(d, x, which)
+        else:
+            w.ended = 1.0
             unwind(d, x, which)
-        meet(d, x, which)
     return w.step, NONE != which < FLOW
