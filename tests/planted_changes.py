@@ -186,7 +186,7 @@ inputs.py: slope = (speed {-|+} x.held_input)
 rates.py: begin) * {4.0|2.0} - (y
 clearance.py: 2.0 * s * cosine {+|-} s * s
 solvers/explicit.py: turned1 {-|+} change_q / d.k, integrated
-solvers/explicit.py: SAFETY * error ** ({-|}1.0 / order)
+solvers/step_size.py: safety * error ** ({-|}1.0 / order)
 solvers/explicit.py: which == LINK2 or (d.housing {!=|==} 0.0
 solvers/explicit_events.py: sigma > 0.0 and (earliest < 0.0 or sigma {<|>} earliest)
 solvers/explicit_events.py: QUIET_PHASE = {2.0|20.0}

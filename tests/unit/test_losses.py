@@ -6,6 +6,7 @@ import pytest
 from scenes import DRIVEN, ELASTIC, SCENES, advanced, started
 
 from inertia_module.contract.variables import BY_NAME
+from inertia_module.kernel.general import jam
 from inertia_module.kernel.inertia import reduced_inertia
 from inertia_module.memory.instances import Refused
 
@@ -235,6 +236,34 @@ def test_wound_up_freewheel_never_pulls():
         assert module["contact_mode"] not in (2, 3) or module["output_torque"] > -1e-4
 
 
+def test_stiff_freewheels_on_a_light_link_do_not_chatter():
+    """A random motion of 1000 switches and more: the inside of steps as long as is stable is coarse."""
+    planar = {"layout": 1, "sun_radius": 0.012402, "link2_inertia": 1.2678e-5, "input_inertia": 9.8187e-4}
+    losses = {"drive_friction": 0.0173, "output_friction": 0.0029, "satellite_transverse_inertia": 1.1718e-5}
+    shaft = {"fidelity": 3, "drive": 1, "driven_inertia": 0.41141, "shaft_stiffness": 164.17}
+    springs = {"housing_stiffness": 514280.0, "housing_damping": 514.28, "freewheel_stiffness": 476.58}
+    scene = planar | losses | shaft | springs | {"shaft_damping": 0.0, "tolerance": 4.3352e-7}
+    module = started(KERNEL, scene, omega1=22.811, load_torque=0.091088)
+    module.advance(0.06)
+    assert module["contact_switches"] < 100
+    assert abs(module["energy_residual"]) < 1e-6 * module["energy_stored"]
+
+
+def test_jump_after_many_short_steps_of_a_freewheel_at_its_limit():
+    """A random motion in which omega2 fell below zero by rounding step by step, and then omega1 jumped."""
+    output = {"output_inertia": 0.016992, "driven_inertia": 60.0, "shaft_stiffness": 10.0}
+    scene = output | {"fidelity": 3, "imbalance_mass": 0.0, "link2_inertia": 9e-4, "shaft_damping": 0.02}
+
+    def run(split):
+        module = started(KERNEL, scene, freewheel_stiffness=400.0, omega1=100.0, load_torque=0.04)
+        for _ in range(split):
+            module.advance(0.0010221 / split)
+        assert module["omega2"] >= 0.0
+        return advanced(module, 0.0075385, omega1=30.945, load_torque=-0.14931)
+
+    assert run(7)["omega_hub"] == pytest.approx(run(1)["omega_hub"], rel=1e-6, abs=1e-9)
+
+
 @pytest.mark.parametrize("efficiency", [0.5, 0.9, 1.0 - 1e-12])
 @pytest.mark.parametrize("name", ["mesh_efficiency", "satellite_mesh_efficiency"])
 def test_any_efficiency_up_to_one_is_followed(name, efficiency):
@@ -284,3 +313,34 @@ def test_meshes_that_jam_are_refused():
         Refused, match=r"the meshes jam .* satellite_mesh_efficiency must be higher, are 1 and 0.1"
     ):
         started("plain", SCENES["bevel"], askew)
+
+
+@pytest.mark.parametrize("drive", [0, 1], ids=["by speed", "by torque"])
+@pytest.mark.parametrize("loss", ["mesh_efficiency", "satellite_mesh_efficiency"])
+def test_jamming_is_looked_for_in_few_turns_of_many_teeth(monkeypatch, drive, loss):
+    looks = []
+
+    def look(*arguments):
+        looks.append(True)
+        assert len(looks) < 1e5
+        return False
+
+    monkeypatch.setattr(jam, "jams_at", look)
+    teeth = {"z2": 99999, "z16": 100001, "z17": 99991, "z6": 99989}
+    started("plain", teeth, {loss: 0.97}, drive=drive, input_inertia=0.01)
+    assert bool(looks) == (drive == 1 or loss == "satellite_mesh_efficiency")
+
+
+@pytest.mark.parametrize("drive", [0, 1], ids=["by speed", "by torque"])
+@pytest.mark.parametrize("z6", [13, 61], ids=["all turns", "some turns"])
+def test_meshes_jam_as_at_all_angles_of_the_period(drive, z6, monkeypatch):
+    monkeypatch.setattr(jam, "ANGLES", 16)
+    scene = {"a": 1.4, "b": 0.7, "z17": 31, "z6": z6, "satellite_mesh_efficiency": 0.2}
+    d = started("plain", scene, drive=drive, input_inertia=10.0, link2_inertia=10.0).derived
+    found = []
+    for exponent in range(-12, 3):
+        d.J1 = d.J2 = 10.0 ** (0.5 * exponent)
+        whole = jam.jams_between(d, 0.0, d.period, jam.ANGLES * d.harmonic * d.period_turns)
+        found.append(jam.jams(d))
+        assert found[-1] == whole
+    assert {True, False} == set(found)

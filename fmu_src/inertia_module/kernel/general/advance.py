@@ -8,6 +8,7 @@ from ..links import response
 from ..loads import INSIDE_PHASE, see
 from ..search import first_crossing
 from ..solvers.dormand_prince import END, sum_9
+from ..solvers.step_size import REJECTIONS, carry_size, first_size, next_factor
 from .choice import take_speeds
 from .error import fastest_speed, step_error
 from .guards import (
@@ -21,6 +22,7 @@ from .guards import (
     is_clear,
     is_speed,
     is_watched,
+    value_and_rate,
 )
 from .instant import part_at
 from .motion import evaluate, take_state
@@ -48,19 +50,17 @@ from .stages import (
     make_inside,
     make_step,
 )
-from .states import LOCKED, WOUND, is_rough
+from .states import LOCKED, OPEN, WOUND, is_rough, is_wound
 
 # stage inside the step at which the force on the bearing is seen
 SEEN = 9
 # phase of the highest harmonic within one step, and between two looks at a guard, rad
 STEP_PHASE = 4.0
 LOOK_PHASE = 1.0
+# steps are often as long as is stable, and a little longer are tried in vain
 SAFETY = 0.8
 # share of its size that a step keeps where a freewheel has switched
 AFRESH = 0.5
-SMALLEST_FACTOR = 0.2
-LARGEST_FACTOR = 5.0
-REJECTIONS = 100
 # a guard below this share of the speeds, or of the torques, is zero
 VELOCITY_ROUNDING = 1e-13
 TORQUE_ROUNDING = 1e-11
@@ -82,20 +82,14 @@ def longest_step(d, x, w, remaining):
 
 def try_steps(d, x, w, limit):
     """Make the longest step of allowed error. Returns the largest speed in it, or -1 where none will do."""
-    carried = x.step_size
-    h = min(limit, carried) if carried > 0.0 else 0.1 * limit
+    h = first_size(x, limit)
     for attempt in range(REJECTIONS):
         make_step(d, x, w, h)
         fastest = fastest_speed(d, x, w)
         error = step_error(d, x, w, fastest)
-        factor = SMALLEST_FACTOR
-        if error < 1e300:
-            factor = LARGEST_FACTOR
-            if error > 0.0:
-                factor = min(LARGEST_FACTOR, max(SMALLEST_FACTOR, SAFETY * error ** (-0.125)))
+        factor = next_factor(error, 8.0, SAFETY)
         if error <= 1.0:
-            # a step cut short by the end of the communication step says little about longer ones
-            x.step_size = max(factor * h, carried) if attempt == 0 and h < carried else factor * h
+            carry_size(x, h, factor, attempt)
             return fastest
         h *= factor
     return -1.0
@@ -110,9 +104,12 @@ def zero_of(d, x, w, which, fastest):
     zero = TORQUE_ROUNDING * (abs(m.mesh) + abs(m.housing) + abs(m.output) + abs(w.load))
     if which > OUTPUT:
         return zero
-    # of a spring: by the error its wind-up may have
-    stiffness = d.housing_stiffness if which == HOUSING else d.freewheel_stiffness
-    return max(zero, d.tolerance * fastest * math.sqrt((d.J2 + d.F_by_alpha1) * stiffness))
+    # of a spring: by the errors that its wind-up and its speed may have
+    stiffness, damping = d.housing_stiffness, d.housing_damping
+    if which == OUTPUT:
+        stiffness, damping = d.freewheel_stiffness, d.freewheel_damping
+    torque = math.sqrt((d.J2 + d.F_by_alpha1) * stiffness) + damping
+    return max(zero, d.tolerance * fastest * torque)
 
 
 def first_event(d, x, w, fastest):
@@ -170,8 +167,6 @@ def commit(d, x, w):
 
 def meet(d, x, which):
     """Set a speed that has met its limit there exactly."""
-    if not is_speed(x, which):
-        return
     if which == HOUSING:
         x.omega2 = 0.0
         x.omega2_low = 0.0
@@ -188,6 +183,23 @@ def meet(d, x, which):
     else:
         x.omega2 = x.omega1
         x.omega2_low = x.omega1_low
+
+
+def meet_limits(d, x):
+    """Set speeds of freewheels that overrun, but not by more than rounding, exactly to their limits."""
+    if d.housing != 0.0 and x.housing_state == OPEN and x.omega2 < 0.0:
+        meet(d, x, HOUSING)
+    if d.output != 0.0 and x.output_state == OPEN and x.omega3 < x.omega2:
+        meet(d, x, OUTPUT)
+
+
+def has_fallen(d, x, w, which):
+    """Whether a guard has, by the state at the end of the step in hand."""
+    take_state(d, x)
+    evaluate(d, x, w.given, w.load, True)
+    x.step_evaluations += 1.0
+    value, _ = value_and_rate(d, x, d.machine, which)
+    return value <= 0.0
 
 
 def unwind(d, x, which):
@@ -229,13 +241,21 @@ def advance_general(d, x, w, remaining):
     if fastest < 0.0:
         return -1.0, False
     sigma, which = first_event(d, x, w, fastest)
-    if sigma >= 0.0:
-        if which == SLIP and x.slip_sign == 0.0:
-            sigma = part_at(d, x, w, zero_of(d, x, w, SLIP, fastest), sigma)
-        cut_step(d, w, sigma)
-    else:
+    if sigma >= 0.0 and which == SLIP and x.slip_sign == 0.0:
+        sigma = part_at(d, x, w, zero_of(d, x, w, SLIP, fastest), sigma)
+    wound = is_wound(x)
+    if sigma < 0.0:
         see_inside(d, x, w)
+    elif wound:
+        make_step(d, x, w, sigma * w.step)
+    else:
+        cut_step(d, w, sigma)
     commit(d, x, w)
+    meet_limits(d, x)
+    if wound and which != NONE and not has_fallen(d, x, w, which):
+        # stiff springs make the inside of a step coarse: where an event seems to be a step has to end with it
+        x.step_size *= AFRESH
+        which = NONE
     w.ended = 0.0
     w.met_slip = 0.0
     if which == FLOW:
@@ -244,9 +264,10 @@ def advance_general(d, x, w, remaining):
         x.spin_sign = -x.spin_sign
     elif which != NONE:
         x.step_size *= AFRESH
-        w.ended = 0.0 if is_speed(x, which) else 1.0
-        w.met_slip = 1.0 if which == SLIP and is_speed(x, which) and x.housing_state != LOCKED else 0.0
-        if w.ended != 0.0:
+        if is_speed(x, which):
+            w.met_slip = 1.0 if which == SLIP and x.housing_state != LOCKED else 0.0
+            meet(d, x, which)
+        else:
+            w.ended = 1.0
             unwind(d, x, which)
-        meet(d, x, which)
     return w.step, NONE != which < FLOW

@@ -3,21 +3,52 @@
 Where the losses are large and links light, no motion, or more than one, agrees with the loads.
 """
 
+import math
+
+from ..derive import TWO_PI
 from ..inertia import reduced_inertia
 from ..layout import imbalance
 from .satellites import spin_torques
 
-# angles in one period of the motion at which it is looked at, for each of its highest harmonics
+# angles in one turn at which it is looked at, for each of its highest harmonics; turns looked at
 ANGLES = 64
 
 
 def jams(d):
-    """Whether the equations of motion have no single solution at some angle, for some signs of the loads."""
-    if d.mesh_loss + d.satellite_loss == 0.0:
+    """Whether the equations of motion have no single solution at some angle, for some signs of the loads.
+
+    With the speed given only the loss of the mesh 17-6 can do it, by the angle B of the satellite alone.
+    """
+    if d.satellite_loss == 0.0 and (d.by_torque == 0.0 or d.mesh_loss == 0.0):
         return False
-    count = int(ANGLES * d.harmonic * d.period_turns)
-    for n in range(count):
-        q = d.period * n / count
+    if d.by_torque == 0.0:
+        return jams_between(d, 0.0, TWO_PI / d.s, 2.0 * ANGLES)
+    # of many turns those that are so many places of B apart
+    places = float(math.ceil(d.period_turns / ANGLES))
+    apart = places * turns_to_next_place(d)
+    for n in range(int(math.ceil(d.period_turns / places))):
+        begin = TWO_PI * (n * apart % d.period_turns)
+        if jams_between(d, begin, TWO_PI, ANGLES * d.harmonic):
+            return True
+    return False
+
+
+def turns_to_next_place(d):
+    """Turns of the drive after which the angle B, at its beginning, is one place further.
+
+    Over a period B stands at so many even places as the period has turns, once at each: n z17/z6 turns.
+    """
+    ahead = float(math.floor(d.s * d.period_turns + 0.5))
+    turns = 1.0
+    while turns * ahead % d.period_turns > 1.0:
+        turns += 1.0
+    return turns
+
+
+def jams_between(d, begin, length, count):
+    """Whether they jam at one of so many angles of the drive from begin on, rad."""
+    for n in range(int(count)):
+        q = begin + length * n / count
         i, _, _, b, _, g, _, _ = reduced_inertia(d, q)
         by_alpha1 = by_rate2 = 0.0
         if d.satellite_loss != 0.0:

@@ -15,6 +15,11 @@ def contact_mode(x):
     return FREE if x.output_state == OPEN else DRIVING
 
 
+def is_wound(x):
+    """Whether a freewheel is locked by its spring."""
+    return x.housing_state == WOUND or x.output_state == WOUND
+
+
 def is_rough(d):
     """Whether something resists the slip of links 1 and 2 at any speed, so that they can stick together."""
     return d.mesh_loss + d.satellite_loss + d.journal > 0.0

@@ -27,6 +27,7 @@ from .collocation import change
 from .elastic_error import embedded_tolerance, fastest_speed, step_error
 from .elastic_stages import guess_rates, solve_stages
 from .followed import hub_compliance, is_slow, shaft_frequency, swing_of_load, widest_rate
+from .step_size import REJECTIONS, SAFETY, carry_size, first_size, next_factor
 
 # stage inside the step at which the force on the bearing is seen
 SEEN = 2
@@ -35,10 +36,6 @@ STEP_PHASE = 2.0
 # phase between two looks at a guard, rad
 LOOK_PHASE = 0.7
 MOST_LOOKS = 12
-REJECTIONS = 100
-SAFETY = 0.9
-SMALLEST_FACTOR = 0.2
-LARGEST_FACTOR = 5.0
 # a twisted shaft at rest: speeds are measured by this share of what its energy could drive
 TWIST_SHARE = 1e-3
 # error of the inside of a step, as a fraction of the one allowed to the embedded formula
@@ -93,19 +90,13 @@ def try_steps(d, x, w, remaining, fastest):
     limit = min(remaining, d.max_step)
     if pulse_rate * limit > STEP_PHASE:  # else its guards cannot be searched
         limit = STEP_PHASE / pulse_rate
-    carried = x.step_size
-    h = min(limit, carried) if carried > 0.0 else 0.1 * limit
+    h = first_size(x, limit)
     for attempt in range(REJECTIONS):
         if solve_stages(d, x, w, h):
             error = step_error(d, x, w, rates, compliance, followed, swing, fastest)
-            factor = LARGEST_FACTOR
-            if not error < 1e300:
-                factor = SMALLEST_FACTOR
-            elif error > 0.0:
-                factor = min(LARGEST_FACTOR, max(SMALLEST_FACTOR, SAFETY * error ** (-1.0 / 6.0)))
+            factor = next_factor(error, 6.0, SAFETY)
             if error <= 1.0:
-                # a step cut short by the end of the communication step says little about longer ones
-                x.step_size = max(factor * h, carried) if attempt == 0 and h < carried else factor * h
+                carry_size(x, h, factor, attempt)
                 rate = max(pulse_rate, shaft_frequency(d, compliance)) if followed else pulse_rate
                 return True, followed, rate
             h *= factor

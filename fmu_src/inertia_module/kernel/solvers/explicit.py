@@ -20,6 +20,7 @@ from .dormand_prince_5 import END as SHORT_END
 from .explicit_events import QUIET_PHASE, advance_of_phase, first_event, is_quiet
 from .explicit_stages import evaluate_short_stages, evaluate_stages, keep_stage
 from .interpolant import dense_change, error_norm, integral, short_error_norm, step_mean
+from .step_size import REJECTIONS, SAFETY, carry_size, first_size, next_factor
 
 # stage inside the step at which the force on the bearing is seen
 SEEN = 9
@@ -29,10 +30,6 @@ STEP_PHASE = 12.0
 # speeds have spikes there, which are not to be stepped over
 CUSP_PHASE = 1.0
 CUSP_RATIO = 1e-2
-SAFETY = 0.9
-SMALLEST_FACTOR = 0.2
-LARGEST_FACTOR = 5.0
-REJECTIONS = 100
 # share of the allowed error that a step of the pair of order 5 may have: there are many of them
 SHORT_SHARE = 0.1
 # how fast the longest step of the pair of order 5 is thought to grow while the other one is used
@@ -101,15 +98,6 @@ def step_error(d, x, w):
     return error_norm(w, tolerance, allowed2, others, allowed), fastest
 
 
-def next_factor(error, order):
-    """By how much the next step may be longer, with this error over the allowed one."""
-    if not error < 1e300:
-        return SMALLEST_FACTOR
-    if error == 0.0:
-        return LARGEST_FACTOR
-    return min(LARGEST_FACTOR, max(SMALLEST_FACTOR, SAFETY * error ** (-1.0 / order)))
-
-
 def try_short_step(d, x, w, remaining, begin):
     """Make the step to the end of the time remaining by the pair of order 5, where that will do.
 
@@ -128,7 +116,7 @@ def try_short_step(d, x, w, remaining, begin):
     end = end_of_step(d, x, w, SHORT_END)
     error, _ = step_error(d, x, w)
     error /= SHORT_SHARE
-    x.short_size = next_factor(error, 5.0) * remaining
+    x.short_size = next_factor(error, 5.0, SAFETY) * remaining
     if not error <= 1.0:
         return False, end
     if advance_of_phase(d, x, w) > QUIET_PHASE:
@@ -149,17 +137,15 @@ def try_steps(d, x, w, limit):
         Largest speed in the step, rad/s, or -1 if no step will do.
     """
     w.short = 0.0
-    carried = x.step_size
-    h = min(limit, carried) if carried > 0.0 else 0.1 * limit
+    h = first_size(x, limit)
     for attempt in range(REJECTIONS):
         w.step = h
         evaluate_stages(d, x, w)
         set_changes(d, w)
         error, fastest = step_error(d, x, w)
-        factor = next_factor(error, 8.0)
+        factor = next_factor(error, 8.0, SAFETY)
         if error <= 1.0:
-            # a step cut short by the end of the communication step says little about longer ones
-            x.step_size = max(factor * h, carried) if attempt == 0 and h < carried else factor * h
+            carry_size(x, h, factor, attempt)
             return fastest
         h *= factor
     return -1.0
