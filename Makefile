@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 QUIET ?= -q
 
-.PHONY: demo test lint docs build bench stability coupling install clean help
+.PHONY: demo test lint docs build page bench stability coupling install clean help
 
 help: ## what there is to make
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
@@ -26,6 +26,9 @@ install: $(VENV)/.all ## set up a virtual environment with everything
 build: $(VENV)/.run ## build the FMUs into build/
 	$(BIN)/inertia-module build
 
+page: $(VENV)/.all ## build the page that `inertia-module view` fills
+	$(BIN)/python page/make.py
+
 demo: $(VENV)/.run ## set up, build the FMU, drive a car through the urban cycle
 	$(BIN)/inertia-module build
 	$(BIN)/inertia-module run examples/urban.toml -o out/urban
@@ -33,11 +36,12 @@ demo: $(VENV)/.run ## set up, build the FMU, drive a car through the urban cycle
 test: $(VENV)/.all ## run all tests
 	$(BIN)/python -m pytest -n auto --dist worksteal
 
-lint: $(VENV)/.all ## style, types, floors
+lint: $(VENV)/.all ## style, types, floors; the page's too
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/python page/make.py check
 
 docs: $(VENV)/.all ## build the documentation into site/
 	$(BIN)/python docs/make_pages.py --check

@@ -11,6 +11,8 @@ import typer
 
 BUILD_FOLDER = Path("build")
 OUTPUT_FOLDER = Path("out")
+# name of the page of a scene
+PAGE = "page.html"
 
 app = typer.Typer(
     help="Inertia module: an inertial torque transformer as an FMI 2.0 co-simulation FMU.",

@@ -1,5 +1,6 @@
 // The kernel in WebAssembly and its memory: one block of doubles for each instance.
 
+import { unpacked } from "./packed";
 import { embedded, tables } from "./tables";
 
 /** Operation, addresses of the records p, d, u, x, y and w, communication step in s. Answers a status. */
@@ -19,9 +20,7 @@ let end = 0;
 
 /** Unpack and compile the kernel that the page holds. */
 async function load(): Promise<void> {
-  const packed = Uint8Array.from(atob(embedded("kernel")), (letter) => letter.charCodeAt(0));
-  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate-raw"));
-  const { instance } = await WebAssembly.instantiate(await new Response(stream).arrayBuffer(), {});
+  const { instance } = await WebAssembly.instantiate(await unpacked(embedded("kernel")), {});
   const { memory, __heap_base: base } = instance.exports;
   if (!(memory instanceof WebAssembly.Memory) || !(base instanceof WebAssembly.Global)) {
     throw new Error("the kernel must export its memory and __heap_base");

@@ -1,5 +1,6 @@
 // What the page shows: a run, integrated here in slices or recorded elsewhere.
 
+import { withAngles } from "./angles";
 import { Refused } from "../kernel/instance";
 import { variables } from "../kernel/tables";
 import type { Input } from "./signals";
@@ -13,7 +14,7 @@ export type { Input, Signal } from "./signals";
 export interface Run {
   /** s */
   time: Float64Array;
-  /** By the names of the outputs and locals of the module, in their units; and those of ANGLES. */
+  /** By the names of the outputs and locals of the module, in their units; and angles (see withAngles). */
   columns: Record<string, Float64Array>;
   parameters: Record<string, number>;
   complete: boolean;
@@ -34,12 +35,6 @@ export interface Request {
 /** Longest time in a row that an integration takes from the page, ms. */
 const SLICE = 6;
 const shown = variables.filter((v) => v.causality === "output" || v.causality === "local").map((v) => v.name);
-/** Angles with their whole turns, rad: of the drives (q), of link 1 and of the output shaft. */
-const ANGLES = {
-  q: ["drive_angle", "drive_turns"],
-  theta1: ["input_angle", "input_turns"],
-  theta_out: ["output_angle", "output_turns"],
-} as const;
 
 /** Integrate and tell, after every slice, how far it has come; the last call has it complete or refused. */
 export function integrate(request: Request, onProgress: (run: Run) => void): { cancel: () => void } {
@@ -91,16 +86,6 @@ function soFar(stepping: Stepping, parameters: Record<string, number>, refusal: 
   const time = stepping.time.subarray(0, length);
   const { complete, warnings } = stepping;
   return { time, columns: withAngles(columns), parameters, complete, refusal, warnings };
-}
-
-/** Columns with the angles of the drives, of link 1 and of the output shaft, turns and all. */
-function withAngles(columns: Record<string, Float64Array>): Record<string, Float64Array> {
-  const added: Record<string, Float64Array> = {};
-  for (const [name, [rest, turns]] of Object.entries(ANGLES)) {
-    const [angles, whole] = [columns[rest], columns[turns]];
-    if (angles && whole) added[name] = angles.map((angle, n) => angle + 2 * Math.PI * (whole[n] ?? NaN));
-  }
-  return { ...columns, ...added };
 }
 
 /** Integrate at once: arrays of the outputs, the start and then every step. For tests and tinkerers.
