@@ -1,6 +1,8 @@
 // The page begins here.
 
+import { App } from "./app";
 import { integrate, ready, simulate, variables } from "./run/run";
 
 await ready;
-Object.assign(window, { inertiaModule: { simulate, integrate, variables } });
+const app = new App();
+Object.assign(window, { inertiaModule: { simulate, integrate, variables, state: () => app.state() } });
