@@ -1,4 +1,4 @@
-"""The kernel in WebAssembly, for pages. It imports nothing: sin, exp and the like of the C library are in it."""
+"""The kernel in WebAssembly, for pages. It imports nothing: sin, exp and so on of the C library are in it."""
 
 from __future__ import annotations
 
