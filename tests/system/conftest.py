@@ -21,7 +21,8 @@ class Opened:
     """A page in the browser, and what it has said and asked for since.
 
     Attributes:
-        page: of Playwright. path: the file. errors: on the console or thrown. requests: URLs besides the file.
+        page: of Playwright. path: the file.
+        errors: on the console or thrown. requests: URLs besides the file.
     """
 
     def __init__(self, page, path):
@@ -72,7 +73,7 @@ def browser():
 
 
 @pytest.fixture(scope="session")
-def written(tmp_path_factory):
+def written(built, tmp_path_factory):
     """A function from a scene file to its page, by `inertia-module view`."""
     if not TEMPLATE.exists():
         pytest.skip("the page is not built: `make page` builds it")
@@ -81,7 +82,9 @@ def written(tmp_path_factory):
     def write(scene):
         path = folder / f"{Path(scene).stem}.html"
         if not path.exists():
-            done = CliRunner().invoke(app, ["view", str(scene), "-o", str(path)])
+            done = CliRunner().invoke(
+                app, ["view", str(scene), "-o", str(path), "--fmu", str(built / "InertiaModule.fmu")]
+            )
             assert done.exit_code == 0, done.output
         return path
 
