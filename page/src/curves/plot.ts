@@ -1,0 +1,93 @@
+// One plot: axes and lines by uPlot, a mark that follows the picture over it.
+
+import uPlot, { type AlignedData, type Options, type Series } from "uplot";
+import { element } from "../controls/dom";
+import { numberText } from "../controls/units";
+
+/** Colours of axes and grid, from the style of the page. */
+function themed(host: HTMLElement): { text: string; grid: string } {
+  const style = getComputedStyle(host);
+  return { text: style.getPropertyValue("--muted"), grid: style.getPropertyValue("--grid") };
+}
+
+export interface Axis {
+  readonly label: string;
+  readonly scale?: "y" | "right";
+}
+
+/** What a plot is made of; lines beside that of x have their scale. */
+export interface Look {
+  readonly x: string;
+  readonly axes: readonly Axis[];
+  readonly lines: readonly { readonly label: string; readonly colour: string; readonly right?: boolean; readonly dash?: boolean }[];
+  /** Limits of x and y; without them those of the data. */
+  readonly range?: { x?: () => [number, number]; y?: () => [number, number] };
+  readonly paint?: (plot: uPlot) => void;
+}
+
+/** A plot in an element that it fills. */
+export class Plot {
+  readonly plot: uPlot;
+  private readonly mark = element("div", { class: "mark", "aria-hidden": "true" });
+  private size = "";
+
+  constructor(private readonly host: HTMLElement, look: Look, data: AlignedData) {
+    const { text, grid } = themed(host);
+    const axis = { stroke: text, grid: { stroke: grid, width: 1 }, ticks: { stroke: grid, width: 1 }, font: "12px system-ui", labelFont: "12px system-ui" };
+    const values = (_: uPlot, ticks: number[]): string[] => ticks.map((tick) => numberText(tick, 5));
+    const options: Options = {
+      ...this.room(),
+      legend: { show: false },
+      cursor: { show: false },
+      scales: {
+        x: { time: false, ...(look.range?.x && { range: look.range.x }) },
+        y: look.range?.y ? { range: look.range.y } : {},
+      },
+      axes: [
+        { ...axis, label: look.x, labelSize: 18, size: 30, values },
+        ...look.axes.map(({ label, scale }) => ({
+          ...axis, label, scale: scale ?? "y", labelSize: 18, size: 54, values,
+          ...(scale === "right" && { side: 1 as const, grid: { show: false } }),
+        })),
+      ],
+      series: [{}, ...look.lines.map(({ label, colour, right, dash }): Series => ({
+        label, stroke: colour, width: 1.5, scale: right ? "right" : "y", points: { show: false },
+        ...(dash && { dash: [6, 4] }),
+      }))],
+      hooks: { draw: look.paint ? [look.paint] : [] },
+    };
+    this.plot = new uPlot(options, data, host);
+    this.plot.over.append(this.mark);
+  }
+
+  /** Fill the element anew if its size has changed. */
+  resize(): void {
+    const room = this.room();
+    const size = `${room.width}x${room.height}`;
+    if (size !== this.size) this.plot.setSize(room);
+    this.size = size;
+  }
+
+  /** Stand at a value of x: a line from top to bottom. */
+  stand(x: number): void {
+    this.mark.className = "mark line";
+    this.mark.style.transform = `translateX(${this.plot.valToPos(x, "x").toFixed(1)}px)`;
+  }
+
+  /** Stand on a point. */
+  point(x: number, y: number): void {
+    const seen = Number.isFinite(x) && Number.isFinite(y);
+    this.mark.className = seen ? "mark point" : "mark";
+    if (!seen) return;
+    const [left, top] = [this.plot.valToPos(x, "x"), this.plot.valToPos(y, "y")];
+    this.mark.style.transform = `translate(${left.toFixed(1)}px, ${top.toFixed(1)}px)`;
+  }
+
+  destroy(): void {
+    this.plot.destroy();
+  }
+
+  private room(): { width: number; height: number } {
+    return { width: Math.max(this.host.clientWidth, 80), height: Math.max(this.host.clientHeight, 80) };
+  }
+}

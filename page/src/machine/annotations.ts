@@ -1,0 +1,86 @@
+// Names of the parts and arrows of what acts on them.
+
+import { Group, Vector3 } from "three";
+import { aboutAxis, imbalance, type Geometry } from "./geometry";
+import type { Labels } from "./labels";
+import type { Mechanism } from "./mechanism";
+import { COLOURS } from "./palette";
+import type { Shafts } from "./shafts";
+import { Arrow, TorqueArc } from "./vectors";
+import type { Instant, Shown } from "./view";
+
+/** Torque, its colour and where it is drawn on the axis. */
+const TORQUES = ["input_torque", "mesh_torque", "housing_torque", "output_torque"] as const;
+
+/** All that is written and drawn on the machine besides itself. */
+export class Annotations {
+  readonly group = new Group();
+  private readonly acceleration: Arrow;
+  private readonly force: Arrow;
+  private readonly arcs: Record<(typeof TORQUES)[number], TorqueArc>;
+  private readonly arcGroup = new Group();
+  private readonly origin = new Vector3();
+  private readonly imbalance = new Vector3();
+  private readonly marker = new Group();
+  private readonly longest: number;
+  private largest = { acceleration: 1, force: 1, torque: 1 };
+
+  constructor(mechanism: Mechanism, shafts: Shafts, private readonly shape: Geometry, labels: Labels) {
+    const { reach } = mechanism;
+    const { stations } = shafts;
+    this.longest = 0.95 * reach;
+    this.acceleration = new Arrow(COLOURS.imbalance, 0.016 * reach);
+    this.force = new Arrow("#8a5cc2", 0.02 * reach);
+    const arc = (colour: string, at: number, radius: number): TorqueArc => {
+      const found = new TorqueArc(colour, radius * reach, 0.018 * reach);
+      found.position.x = at;
+      this.arcGroup.add(found);
+      return found;
+    };
+    this.arcs = {
+      input_torque: arc(COLOURS.link1, stations.input - 0.02 * reach, 0.34),
+      mesh_torque: arc(COLOURS.link2, stations.link2, 0.34),
+      housing_torque: arc(COLOURS.housing, stations.housing, 0.45),
+      output_torque: arc(COLOURS.output, stations.output, 0.4),
+    };
+    this.group.add(this.acceleration, this.force, this.arcGroup, this.marker);
+    this.name(labels, mechanism, shafts);
+  }
+
+  show({ acceleration, force, torques }: Shown): void {
+    this.acceleration.visible = acceleration;
+    this.force.visible = force;
+    this.arcGroup.visible = torques;
+  }
+
+  /** The largest values, m/s2, N and N.m, get the longest arrows. */
+  scale(acceleration: number, force: number, torque: number): void {
+    this.largest = { acceleration: acceleration || 1, force: force || 1, torque: torque || 1 };
+  }
+
+  place({ q, theta1, column }: Instant): void {
+    this.imbalance.set(...aboutAxis(imbalance(this.shape, q), theta1));
+    this.marker.position.copy(this.imbalance);
+    if (this.acceleration.visible) this.point(this.acceleration, this.imbalance, "imbalance_acceleration", column, this.largest.acceleration);
+    if (this.force.visible) this.point(this.force, this.origin, "shaking_force", column, this.largest.force);
+    if (!this.arcGroup.visible) return;
+    for (const name of TORQUES) this.arcs[name].bend(column(name) / this.largest.torque || 0);
+  }
+
+  private point(arrow: Arrow, from: Vector3, name: string, column: (name: string) => number, largest: number): void {
+    const size = this.longest / largest;
+    const [x, y, z] = ["x", "y", "z"].map((axis) => (column(`${name}_${axis}`) || 0) * size) as [number, number, number];
+    arrow.point(from, x, y, z);
+  }
+
+  private name(labels: Labels, mechanism: Mechanism, { stations }: Shafts): void {
+    const { reach } = mechanism;
+    const axis = (at: number, above: number): Vector3 => new Vector3(at, 0, above * reach);
+    labels.add("input shaft, link 1 (carrier)", "link1", this.group, axis(stations.input, 0.22));
+    labels.add("link 2", "link2", this.group, axis(stations.link2, 0.1));
+    labels.add("housing freewheel", "housing", this.group, axis(stations.housing, 0.36));
+    labels.add("output freewheel", "output", this.group, axis(stations.freewheel, -0.52));
+    labels.add("output shaft", "output", this.group, axis(stations.end, 0.12));
+    labels.add("imbalance", "imbalance", this.marker, new Vector3(0, 0, 0.14 * reach));
+  }
+}

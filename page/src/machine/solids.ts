@@ -1,0 +1,40 @@
+// Plain bodies of shafts and arms, all with the central axis or another given axis, merged to few meshes.
+
+import { BoxGeometry, BufferGeometry, CylinderGeometry, LatheGeometry, Quaternion, Vector2, Vector3 } from "three";
+import { mergeGeometries } from "three/addons/utils/BufferGeometryUtils.js";
+import type { Vector } from "./geometry";
+
+/** A round bar from one point to another. */
+export function bar(from: Vector, to: Vector, radius: number, sides = 40): BufferGeometry {
+  const start = new Vector3(...from);
+  const along = new Vector3(...to).sub(start);
+  const solid = new CylinderGeometry(radius, radius, along.length(), sides);
+  solid.applyQuaternion(new Quaternion().setFromUnitVectors(new Vector3(0, 1, 0), along.clone().normalize()));
+  return solid.translate(start.x + along.x / 2, start.y + along.y / 2, start.z + along.z / 2);
+}
+
+/** A box between two opposite corners. */
+export function box(low: Vector, high: Vector): BufferGeometry {
+  const size = [high[0] - low[0], high[1] - low[1], high[2] - low[2]] as const;
+  return new BoxGeometry(...size).translate(low[0] + size[0] / 2, low[1] + size[1] / 2, low[2] + size[2] / 2);
+}
+
+/** A ring about the central axis Ox from x = from to x = to. */
+export function race(from: number, to: number, inner: number, outer: number): BufferGeometry {
+  const profile = [[inner, from], [outer, from], [outer, to], [inner, to], [inner, from]] as const;
+  const solid = new LatheGeometry(profile.map(([radius, height]) => new Vector2(radius, height)), 48);
+  // a lathe turns about y: y becomes x
+  return solid.rotateZ(-Math.PI / 2);
+}
+
+/** One body of several: fewer calls to draw. */
+export function merged(parts: BufferGeometry[]): BufferGeometry {
+  const plain = parts.map((part) => {
+    const flat = part.index ? part.toNonIndexed() : part;
+    for (const name of Object.keys(flat.attributes)) if (name !== "position") flat.deleteAttribute(name);
+    return flat;
+  });
+  const whole = mergeGeometries(plain);
+  for (const part of parts) part.dispose();
+  return whole;
+}
