@@ -10,6 +10,7 @@ import typer
 
 from .shared import (
     PAGE,
+    FmuToRun,
     Json,
     OutputFolder,
     app,
@@ -40,9 +41,7 @@ def run(
         str | None,
         typer.Option(help='Error allowed in the outputs, such as 0.01 or "1 %", for fidelity auto.'),
     ] = None,
-    fmu: Annotated[
-        Path | None, typer.Option(metavar="FILE.fmu", help="FMU to run (build/InertiaModule.fmu).")
-    ] = None,
+    fmu: FmuToRun = None,
     view: Annotated[bool, typer.Option("--view", help="Leave page.html too: see view.")] = False,
     as_json: Json = False,
 ) -> None:

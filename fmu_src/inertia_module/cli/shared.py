@@ -25,6 +25,9 @@ OutputFolder = Annotated[
     Path | None,
     typer.Option("--output", "-o", metavar="DIR", help="Folder to write to; made if it is not there."),
 ]
+FmuToRun = Annotated[
+    Path | None, typer.Option("--fmu", metavar="FILE.fmu", help="FMU to run (build/InertiaModule.fmu).")
+]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object for machines.")]
 
 

@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from .scenes import at_fidelity
-from .shared import OUTPUT_FOLDER, PAGE, Json, app, current_fmu, one_line_errors
+from .shared import OUTPUT_FOLDER, PAGE, FmuToRun, Json, app, current_fmu, one_line_errors
 
 
 @app.command()
@@ -21,6 +21,7 @@ def view(
         typer.Option("--output", "-o", metavar="FILE.html", help="The page (out/SCENE/page.html)."),
     ] = None,
     show: Annotated[bool, typer.Option("--open", help="Open it in the browser.")] = False,
+    fmu: FmuToRun = None,
     as_json: Json = False,
 ) -> None:
     """Leave a scene as a page: one HTML file that shows the machine moving, with the kernel in it.
@@ -42,7 +43,7 @@ def view(
         outcome = None
         if not is_exact(read):
             with progress_bar(read.title) as progress:
-                outcome = run_scene(read, current_fmu(), progress, SHOWN)
+                outcome = run_scene(read, fmu or current_fmu(), progress, SHOWN)
         content = html_file(read, outcome)
         write_atomically(path, content)
     if as_json:

@@ -1,4 +1,4 @@
-"""The kernel in WebAssembly, for pages. It imports nothing: sin, exp and the like of the C library are in it."""
+"""The kernel in WebAssembly, for pages. It imports nothing: sin, exp and so on of the C library are in it."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ..common.files import cache_folder, content_hash, sources, write_atomically
-from ..compiling import objects
 from ..compiling.ir import tool_versions
 from ..compiling.kernels import ENTRIES
+from ..compiling.objects import made_from, object_file, target_machine
 from ..contract.models import Model
-from .linking import run_tool
+from .linking import compiler, run_tool
 
 # for machine code and for the linker; any browser since 2021 knows what a "generic" processor may
 TRIPLE, PROCESSOR, LINKED_FOR = "wasm32-unknown-wasi", "generic", "wasm32-wasi"
-# bytes; the deepest calls of the kernel take some kilobytes
-STACK = 1 << 18
+# bytes, of which the deepest calls of the kernel take 800
+STACK = 1 << 16
 
 Progress = Callable[[str], None]
 
@@ -42,20 +42,26 @@ def web_kernel(kernel: WebKernel, progress: Progress = lambda stage: None) -> by
     Raises:
         CompilationUnavailable: what it takes is not installed, or fails.
     """
-    made_from = objects.made_from() | tool_versions("ziglang")
-    made_from |= sources("fmu/web_kernel.py", "fmu/linking.py")
-    path = cache_folder() / f"{kernel.identifier}-{content_hash(made_from)[:16]}.wasm"
+    compiler()
+    depends_on = made_from() | tool_versions("ziglang")
+    depends_on |= sources("fmu/web_kernel.py", "fmu/linking.py")
+    path = cache_folder() / f"{kernel.identifier}-{content_hash(depends_on)[:16]}.wasm"
     if not path.exists():
         progress(f"compiling {kernel.identifier} for browsers")
-        write_atomically(path, _link(kernel.model))
+        write_atomically(path, link(kernel.model))
     return path.read_bytes()
 
 
-def _link(model: Model) -> bytes:
-    machine, label = objects.target_machine(TRIPLE, PROCESSOR)
+def link(model: Model) -> bytes:
+    """The kernel of a model as a module of WebAssembly.
+
+    Raises:
+        CompilationUnavailable: what it takes is not installed, or fails.
+    """
+    machine, label = target_machine(TRIPLE, PROCESSOR)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        (folder / "kernel.o").write_bytes(objects.object_file(model.entry, machine, label))
+        (folder / "kernel.o").write_bytes(object_file(model.entry, machine, label))
         exported = [f"-Wl,--export={symbol}" for symbol in (ENTRIES[model.entry].symbol, "__heap_base")]
         given = ["-target", LINKED_FOR, "-mexec-model=reactor", "-s", *exported, f"-Wl,-z,stack-size={STACK}"]
         run_tool("cc", [*given, "-o", "kernel.wasm", "kernel.o"], folder)

@@ -18,6 +18,10 @@ const SYMBOLS: Readonly<Record<Torque, string>> = {
 const PART: Readonly<Record<Torque, string>> = {
   input_torque: "link1", mesh_torque: "link2", housing_torque: "housing", output_torque: "output",
 };
+/** Where the number of a torque stands above the axis, as a part of the reach: beside names and other numbers. */
+const HEIGHT: Readonly<Record<Torque, number>> = {
+  input_torque: -0.62, mesh_torque: -0.85, housing_torque: -1.02, output_torque: -0.78,
+};
 /** Numbers in the picture change no faster than they can be read, ms. */
 const READABLE = 120;
 
@@ -96,12 +100,12 @@ export class Annotations {
       this.texts.push({ element: labels.add("−0000.00 N·m", part, on, at), text });
     };
     for (const name of TORQUES) {
-      const arc = this.arcs[name];
-      add(PART[name], arc, new Vector3(0, 0, -0.5 * reach), (column) => `${SYMBOLS[name]} ${steadyText(column(name), this.largest.torque)} N·m`);
+      const at = new Vector3(this.arcs[name].position.x, 0, HEIGHT[name] * reach);
+      add(PART[name], this.arcGroup, at, (column) => `${SYMBOLS[name]} ${steadyText(column(name), this.largest.torque)} N·m`);
     }
-    add("imbalance", this.acceleration, new Vector3(0, 0, -0.2 * reach),
+    add("imbalance", this.acceleration.tip, new Vector3(0, 0.16 * reach, 0),
       (column) => `${steadyText(column("imbalance_acceleration"), this.largest.acceleration)} m/s²`);
-    add("force", this.force, new Vector3(0, 0, -0.16 * reach), (column) => {
+    add("force", this.force.tip, new Vector3(0, 0.16 * reach, 0), (column) => {
       const size = Math.hypot(column("shaking_force_x"), column("shaking_force_y"), column("shaking_force_z"));
       return `${steadyText(size, this.largest.force)} N on the mount`;
     });
