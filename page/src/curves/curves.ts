@@ -18,6 +18,7 @@ export class Curves {
   private turns = 0;
   private window: [number, number] = [0, 1];
   private told = 0;
+  private time = 0;
 
   constructor(host: HTMLElement, scrub: (time: number) => void) {
     this.panels = ["speeds", "torques"].map((id) => new TimePanel(id, scrub));
@@ -56,8 +57,8 @@ export class Curves {
     const tell = !playing || now - this.told > 100;
     if (tell) this.told = now;
     for (const panel of this.panels) panel.stand(time, tell);
-    if (this.phase.root.hidden) this.chart.stand(time);
-    else this.phase.stand(time);
+    this.time = time;
+    this.standThird();
   }
 
   /** Draw anew, in the colours of the page. */
@@ -65,6 +66,7 @@ export class Curves {
     for (const panel of this.panels) panel.rebuild();
     this.phase.rebuild();
     this.chart.rebuild();
+    this.standThird();
   }
 
   private turnTo(shown: string): void {
@@ -73,6 +75,12 @@ export class Curves {
     this.chart.root.hidden = this.chart.note.hidden = !chart;
     this.phase.rebuild();
     this.chart.rebuild();
+    this.standThird();
+  }
+
+  private standThird(): void {
+    if (this.phase.root.hidden) this.chart.stand(this.time);
+    else this.phase.stand(this.time);
   }
 
   private resize(): void {
@@ -90,8 +98,8 @@ export class Curves {
     if (this.turns === 0 || !(span < length)) return [0, length];
     // of changing speed each page begins where the last ended only roughly: what counts is that the time is on it
     const known = this.window;
-    if (time >= known[0] && time < known[1]) return known;
-    const from = span * Math.floor(time / span);
+    if (time >= known[0] && time <= known[1]) return known;
+    const from = Math.min(span * Math.floor(time / span), length - span);
     return [from, from + span];
   }
 }
