@@ -6,7 +6,7 @@ import { nextSwitch, pulseAround } from "./controls/pulses";
 import { calmSpeed, Player } from "./controls/player";
 import { SCENES } from "./controls/scenes";
 import { Session } from "./controls/session";
-import { currentValue, Store, type Settings } from "./controls/settings";
+import { currentValue, requestOf, Store, type Settings } from "./controls/settings";
 import { Curves } from "./curves/curves";
 import type { Shown } from "./machine/view";
 import { variables, type Run } from "./run/run";
@@ -59,7 +59,8 @@ export class App {
     this.player.clock.time = linked.time;
     this.player.clock.speed = linked.speed ?? calmSpeed(currentValue(this.scene, linked.settings.changed, "omega1"));
     this.player.clock.playing = linked.time === 0 && !matchMedia("(prefers-reduced-motion: reduce)").matches;
-    this.session.ask(this.scene, linked.settings.changed);
+    this.picture.still(requestOf(this.scene, linked.settings.changed).parameters);
+    void this.session.ask(this.scene, linked.settings.changed);
     requestAnimationFrame((now) => { this.tick(now); });
   }
 
@@ -136,8 +137,8 @@ export class App {
   /** A new run, or more of one. */
   private show(run: Run): void {
     this.run = run;
-    this.player.reach(lengthOf(run));
-    this.picture.run(run, this.player.clock.time === 0);
+    this.player.reach(lengthOf(run), run.complete || run.refusal !== null);
+    this.picture.run(run);
     this.curves.show(run);
     this.wanted = true;
   }
@@ -166,7 +167,7 @@ export class App {
     this.last = now;
     if (this.asked) {
       this.asked = false;
-      this.session.ask(this.scene, this.store.get().changed);
+      void this.session.ask(this.scene, this.store.get().changed);
     }
     this.player.advance(passed);
     if (!this.wanted || !this.run) return;

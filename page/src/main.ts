@@ -1,12 +1,12 @@
-// The page begins here.
+// The page begins here. What can be called is there once the kernel is.
 
 import { App } from "./app";
-import { integrate, ready, simulate, variables } from "./run/run";
+import { START } from "./controls/scenes";
 import { playable } from "./run/recorded";
-import { readStart } from "./run/start";
+import { integrate, ready, simulate, variables } from "./run/run";
 
-await ready;
 const app = new App();
+await ready;
 Object.assign(window, {
-  inertiaModule: { simulate, integrate, playable, variables, start: readStart(), state: () => app.state() },
+  inertiaModule: { simulate, integrate, playable, variables, start: START, state: () => app.state() },
 });

@@ -17,7 +17,7 @@ import type { Picture } from "./picture";
 import type { Run } from "./run/run";
 import { lengthOf } from "./run/sample";
 
-const SWITCHES: readonly (readonly [keyof Shown & string, string])[] = [
+const SWITCHES: readonly (readonly [keyof Shown, string])[] = [
   ["labels", "names"], ["cut", "cut-away"], ["follow", "follow carrier"],
   ["acceleration", "acceleration"], ["force", "shaking force"], ["torques", "torques"],
 ];

@@ -3,7 +3,7 @@
 import { byId } from "./controls/dom";
 import { holding, pulseAround } from "./controls/pulses";
 import { View, type Shown } from "./machine/view";
-import { value } from "./machine/geometry";
+import { value, type Parameters } from "./machine/geometry";
 import type { Run } from "./run/run";
 import { largest, lengthOf, nearest, valueAt } from "./run/sample";
 
@@ -44,14 +44,23 @@ export class Picture {
     this.again();
   }
 
+  /** The machine before there is a run of it, so that something is seen at once. */
+  still(parameters: Parameters): void {
+    const column = (): number => 0;
+    this.view.build(parameters, true);
+    this.view.draw({
+      q: 0, theta1: 0, thetaOut: 0, twist: 0, holds: this.holds, column, past: () => ({ q: 0, theta1: 0 }),
+    });
+  }
+
   /** The machine of a run; built anew only if it is another one. */
-  run(run: Run, look: boolean): void {
+  run(run: Run): void {
     const parameters = JSON.stringify(run.parameters);
     if (parameters !== this.built) {
-      this.view.build(run.parameters, this.homeWanted && look);
+      this.view.build(run.parameters, this.homeWanted);
       this.built = parameters;
-    } else if (this.homeWanted && look) this.view.lookHome();
-    this.homeWanted &&= !look;
+    } else if (this.homeWanted) this.view.lookHome();
+    this.homeWanted = false;
     this.view.scale(
       largest(run, AXES.map((axis) => `imbalance_acceleration_${axis}`)),
       largest(run, AXES.map((axis) => `shaking_force_${axis}`)), largest(run, TORQUES));

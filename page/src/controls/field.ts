@@ -3,7 +3,7 @@
 import type { Variable } from "../run/run";
 import { element } from "./dom";
 import { reachOf } from "./groups";
-import { spoken, unitText } from "./units";
+import { labelOf, spoken, unitText } from "./units";
 
 const STEPS = 400;
 
@@ -22,7 +22,7 @@ function listField(variable: Variable, change: (value: number) => void): Field {
   }
   select.addEventListener("change", () => { change(Number(select.value)); });
   const root = element("div", { class: "field", title: variable.description },
-    element("label", { for: id }, spoken(variable.name)), select);
+    element("label", { for: id }, labelOf(variable.name, variable.description)), select);
   return { root, show: (value) => { select.value = String(value); } };
 }
 
@@ -38,7 +38,7 @@ function numberField(variable: Variable, change: (value: number) => void): Field
   });
   const slider = element("input", {
     type: "range", min: "0", max: String(whole ? to - from : STEPS), step: "1",
-    "aria-label": `${spoken(variable.name)}${unit ? `, ${unit}` : ""}`,
+    "aria-label": `${labelOf(variable.name, variable.description)}${unit ? `, ${unit}` : ""}`,
   });
   const atPart = (part: number): number => {
     if (whole) return from + part;
@@ -67,7 +67,7 @@ function numberField(variable: Variable, change: (value: number) => void): Field
     change(number.value.trim() === "" ? NaN : value);
   });
   const root = element("div", { class: "field", title: variable.description },
-    element("label", { for: id }, spoken(variable.name)),
+    element("label", { for: id }, labelOf(variable.name, variable.description)),
     element("span", { class: "number" }, number, element("span", { class: "unit" }, unit)), slider);
   return { root, show };
 }

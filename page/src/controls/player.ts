@@ -17,10 +17,10 @@ export class Player {
 
   constructor(private readonly changed: () => void) {}
 
-  /** How far the run goes, s. */
-  reach(length: number): void {
+  /** How far the run goes, s; the clock may be beyond what is not yet its end. */
+  reach(length: number, ended: boolean): void {
     this.length = length;
-    if (this.clock.time > length) this.clock.time = length;
+    if (ended && this.clock.time > length) this.clock.time = length;
   }
 
   set(change: Partial<Clock>): void {

@@ -19,7 +19,7 @@ function signal(name: string, part: string, column: string, unit: string): Row {
 
 function freewheel(name: string, which: "housing" | "output"): Row {
   return {
-    name, part: "holds", unit: "",
+    name, part: which, unit: "",
     text: (run, time) => holding(nearest(run, "contact_mode", time))[which] ? "holds" : "overruns",
   };
 }
@@ -51,29 +51,31 @@ const AUDIT: readonly Row[] = [
     text: (run, time) => steadyText(
       valueAt(run, "energy_stored", time) - (run.columns.energy_stored?.[0] ?? NaN), largest(run, ["energy_stored"])),
   },
-  { name: "missing (error of the integration)", part: "", unit: "J", text: (run, time) => numberText(valueAt(run, "energy_residual", time), 3) },
+  { name: "missing: error of the run", part: "", unit: "J", text: (run, time) => numberText(valueAt(run, "energy_residual", time), 3) },
 ];
 
 /** A table of rows that is told the time. */
 class Instruments {
   readonly root: HTMLTableElement;
-  private readonly cells: HTMLElement[];
+  private readonly cells: { cell: HTMLElement; text: Row["text"] }[];
 
-  constructor(title: string, private readonly rows: readonly Row[]) {
-    this.cells = rows.map(() => element("td"));
-    this.root = element("table", { class: "instruments" }, element("caption", {}, title),
-      element("tbody", {}, ...rows.map(({ name, part, unit }, n) => element("tr", {},
-        element("th", { scope: "row" }, element("i", { class: `dot part-${part || "none"}` }), name),
-        this.cells[n]!, element("td", { class: "unit" }, unit)))));
+  constructor(title: string, rows: readonly Row[]) {
+    const body = element("tbody");
+    this.cells = rows.map(({ name, part, unit, text }) => {
+      const cell = element("td");
+      const head = element("th", { scope: "row" }, element("i", { class: `dot part-${part || "none"}` }), name);
+      body.append(element("tr", {}, head, cell, element("td", { class: "unit" }, unit)));
+      return { cell, text };
+    });
+    this.root = element("table", { class: "instruments" }, element("caption", {}, title), body);
   }
 
   show(run: Run, time: number): void {
-    this.rows.forEach(({ text }, n) => {
-      const cell = this.cells[n]!;
+    for (const { cell, text } of this.cells) {
       const now = text(run, time);
       if (cell.textContent !== now) cell.textContent = now;
       cell.classList.toggle("holds", now === "holds");
-    });
+    }
   }
 }
 

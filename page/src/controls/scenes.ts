@@ -1,8 +1,8 @@
 // The scenes of this page by the names that links have.
 
-import { readStart, type Scene } from "../run/start";
+import { readStart, type Scene, type Start } from "../run/start";
 
-export const START = readStart();
+export const START: Start = readStart();
 
 /** All scenes by name, that of the page first. */
 export const SCENES: ReadonlyMap<string, Scene> = new Map(

@@ -1,7 +1,9 @@
 // The run that is shown: of the scene as it is set, integrated anew after every change; a refusal keeps the last good one.
 
-import { integrate, type Run } from "../run/run";
+import { playable } from "../run/recorded";
+import { integrate, ready, type Request, type Run } from "../run/run";
 import type { Scene } from "../run/start";
+import { START } from "./scenes";
 import { requestOf, type Settings } from "./settings";
 
 export interface News {
@@ -18,39 +20,66 @@ const PATIENCE = 150;
 /** More points than this are not kept. */
 const MOST_STEPS = 60_000;
 
+const CONSTANT = "Load and drive that follow the motion in this scene are constant here.";
+
+function recordedNote(every: number): string {
+  const which = every === 1 ? "" : `, of every ${every} points one`;
+  return `This is the run as it was recorded${which}. Change anything, and the page integrates its own.`;
+}
+
 export class Session {
   private running: { cancel: () => void } | null = null;
   private asked = 0;
 
   constructor(private readonly news: News) {}
 
-  /** Integrate a scene with what has been changed in it. */
-  ask(scene: Scene, changed: Settings["changed"]): void {
+  /** Show the run of a scene with what has been changed in it: integrated here, or recorded if there is such a run. */
+  async ask(scene: Scene, changed: Settings["changed"]): Promise<void> {
     this.running?.cancel();
+    const mine = ++this.asked;
     const request = requestOf(scene, changed);
-    const { step, duration } = request;
-    const steps = Math.round(duration / step);
-    if (!(steps >= 1 && steps <= MOST_STEPS)) {
-      const least = Number((duration / MOST_STEPS).toPrecision(3));
-      this.news.say(`a run of the page must have between 1 and ${MOST_STEPS} steps: duration is ${duration} s, step ${step} s`
-        + (steps > MOST_STEPS ? `, at least ${least} s` : ""), []);
+    this.news.busy(true);
+    if (START.run && scene.name === START.scene.name && Object.keys(changed).length === 0) {
+      const run = await playable(START.run, request.parameters);
+      if (mine === this.asked) this.end(run, [recordedNote(START.run.every), ...run.warnings]);
+      return;
+    }
+    await ready;
+    if (mine === this.asked) this.integrate(request, scene.exact ? [] : [CONSTANT]);
+  }
+
+  private integrate(request: Request, notes: readonly string[]): void {
+    const bad = tooLong(request);
+    if (bad !== "") {
+      this.news.busy(false);
+      this.news.say(bad, []);
       return;
     }
     const began = performance.now();
-    const mine = ++this.asked;
+    const mine = this.asked;
     let shown = false;
-    this.news.busy(true);
     this.running = integrate(request, (run) => {
       if (mine !== this.asked) return;
-      const ended = run.complete || run.refusal !== null;
-      const useful = run.time.length > 1;
-      if (useful && (ended || shown || performance.now() - began > PATIENCE)) {
+      if (run.complete || run.refusal !== null) this.end(run, [...notes, ...run.warnings]);
+      else if (run.time.length > 1 && (shown || performance.now() - began > PATIENCE)) {
         shown = true;
         this.news.run(run);
       }
-      if (!ended) return;
-      this.news.busy(false);
-      this.news.say(run.refusal ?? "", run.warnings);
     });
   }
+
+  private end(run: Run, notes: readonly string[]): void {
+    if (run.time.length > 1) this.news.run(run);
+    this.news.busy(false);
+    this.news.say(run.refusal ?? "", notes);
+  }
+}
+
+/** What is wrong with the length of a run, or nothing. */
+function tooLong({ step, duration }: Request): string {
+  const steps = Math.round(duration / step);
+  if (steps >= 1 && steps <= MOST_STEPS) return "";
+  const least = Number((duration / MOST_STEPS).toPrecision(3));
+  const advice = steps > MOST_STEPS ? `; step must be at least ${least} s` : "";
+  return `a run must have between 1 and ${MOST_STEPS} steps: duration is ${duration} s, step is ${step} s${advice}`;
 }

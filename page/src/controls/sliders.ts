@@ -3,7 +3,7 @@
 import { variables, type Variable } from "../run/run";
 import { element } from "./dom";
 import { fieldOf, type Field } from "./field";
-import { GROUPS } from "./groups";
+import { GROUPS, type Group } from "./groups";
 
 /** Length and step of the run stand with the variables of the table. */
 const TIMES: readonly Variable[] = [
@@ -13,6 +13,8 @@ const TIMES: readonly Variable[] = [
   min: 0, max: null, allowed: "", items: [], place: -1, ratePlace: -1, rateGivenPlace: -1,
 }));
 
+const RUN: Group = { title: "Run", names: ["duration", "step"] };
+
 /** The fields of all variables. */
 export class Sliders {
   readonly root = element("div", { class: "sliders" });
@@ -21,9 +23,9 @@ export class Sliders {
 
   constructor(change: (name: string, value: number) => void) {
     const all = new Map([...variables, ...TIMES].map((v) => [v.name, v]));
-    for (const group of [...GROUPS, { title: "Run", names: ["duration", "step"] }]) {
+    for (const group of [...GROUPS, RUN]) {
       const details = element("details", {}, element("summary", {}, group.title));
-      details.open = "open" in group && group.open === true;
+      details.open = group.open ?? false;
       for (const name of group.names) {
         const variable = all.get(name);
         if (!variable) throw new Error(`there is no variable ${name} for the group ${group.title}`);
@@ -32,7 +34,7 @@ export class Sliders {
         details.append(field.root);
       }
       this.root.append(details);
-      this.groups.push({ details, counts: ("counts" in group && group.counts) || (() => true) });
+      this.groups.push({ details, counts: group.counts ?? (() => true) });
     }
   }
 

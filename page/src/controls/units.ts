@@ -21,6 +21,7 @@ export function numberText(value: number, digits = 4): string {
 /** A number with so many decimals that its place does not jump while it runs. */
 export function steadyText(value: number, largest: number): string {
   if (!Number.isFinite(value)) return "–";
+  if (largest === 0) return "0";
   const decimals = Math.min(Math.max(3 - Math.floor(Math.log10(Math.max(largest, 1e-9))), 0), 6);
   return value.toFixed(decimals).replace("-", "−");
 }
@@ -28,4 +29,13 @@ export function steadyText(value: number, largest: number): string {
 /** A name of the table as it is spoken: "imbalance_mass" is imbalance mass. */
 export function spoken(name: string): string {
   return name.replaceAll("_", " ");
+}
+
+const GREEK: readonly (readonly [RegExp, string])[] = [[/omega/g, "ω"], [/epsilon/g, "ε"], [/gamma/g, "γ"], [/ out\b/g, "3"]];
+
+/** What stands beside a field: the name; a symbol also with what it means, as the table has it. */
+export function labelOf(name: string, description: string): string {
+  const text = GREEK.reduce((so, [from, to]) => so.replace(from, to), spoken(name));
+  if (text.replace(/\d|start/g, "").trim().length > 2) return text;
+  return `${text}, ${description.replace(/[,(].*/, "").trim()}`;
 }

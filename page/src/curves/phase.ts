@@ -75,7 +75,7 @@ export class PhasePlot {
       before = angle;
     }
     ctx.strokeStyle = GREEN;
-    ctx.globalAlpha = 0.6;
+    ctx.globalAlpha = 0.85;
     ctx.lineWidth = devicePixelRatio;
     ctx.stroke();
     ctx.restore();

@@ -25,6 +25,9 @@ export interface Look {
   readonly paint?: (plot: uPlot) => void;
 }
 
+// eslint-disable-next-line @typescript-eslint/no-unsafe-enum-assignment -- uPlot's types name the sides, its code does not
+const ON_THE_RIGHT: Partial<uPlot.Axis> = { side: 1, grid: { show: false } };
+
 /** A plot in an element that it fills. */
 export class Plot {
   readonly plot: uPlot;
@@ -47,7 +50,7 @@ export class Plot {
         { ...axis, label: look.x, labelSize: 18, size: 30, values },
         ...look.axes.map(({ label, scale }) => ({
           ...axis, label, scale: scale ?? "y", labelSize: 18, size: 54, values,
-          ...(scale === "right" && { side: 1 as const, grid: { show: false } }),
+          ...(scale === "right" && ON_THE_RIGHT),
         })),
       ],
       series: [{}, ...look.lines.map(({ label, colour, right, dash }): Series => ({

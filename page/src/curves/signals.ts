@@ -68,7 +68,7 @@ export const PANELS: readonly Panel[] = [
     series: [
       column("ω1 input", "input_speed", BLUE),
       column("ω2 link 2", "omega2", GREEN),
-      column("ω3 output", "omega_out", PURPLE),
+      column("output", "omega_out", PURPLE),
     ],
   },
   {

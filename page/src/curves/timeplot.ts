@@ -7,6 +7,12 @@ import { indexAt } from "../run/sample";
 import { Plot } from "./plot";
 import { PANELS, type Panel } from "./signals";
 
+function panelOf(id: string): Panel {
+  const found = PANELS.find((panel) => panel.id === id);
+  if (!found) throw new Error(`there is no panel ${id}`);
+  return found;
+}
+
 /** A panel of curves over time. */
 export class TimePanel {
   readonly root: HTMLElement;
@@ -20,9 +26,9 @@ export class TimePanel {
   private window: [number, number] = [0, 1];
 
   constructor(first: string, private readonly scrub: (time: number) => void) {
-    this.panel = PANELS.find((panel) => panel.id === first) ?? PANELS[0]!;
+    this.panel = panelOf(first);
     const select = choice("Curves", PANELS.map(({ id, title, unit }) => [id, `${title} [${unit}]`]), first, (id) => {
-      this.panel = PANELS.find((panel) => panel.id === id) ?? this.panel;
+      this.panel = panelOf(id);
       this.rebuild();
     });
     this.root = element("section", { class: "panel", "aria-label": "Curves over time" },
@@ -84,9 +90,12 @@ export class TimePanel {
   }
 
   private legendOf(panel: Panel): void {
-    this.cells = panel.series.map(() => ({ cell: element("output", { "aria-live": "off" }), largest: 0 }));
-    this.legend.replaceChildren(...panel.series.map(({ label, colour }, n) => element(
-      "li", {}, element("i", { style: `background:${colour}` }), `${label} `, this.cells[n]!.cell, ` ${panel.unit}`)));
+    this.legend.replaceChildren();
+    this.cells = panel.series.map(({ label, colour }) => {
+      const cell = element("output", { "aria-live": "off" });
+      this.legend.append(element("li", {}, element("i", { style: `background:${colour}` }), `${label} `, cell, ` ${panel.unit}`));
+      return { cell, largest: 0 };
+    });
   }
 
   private listen(): void {

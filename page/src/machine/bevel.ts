@@ -6,10 +6,12 @@ import { Group, Matrix4, Mesh, SphereGeometry, Vector3, type BufferGeometry } fr
 import type { Bevel } from "./geometry";
 import { bevelGear, drawnTeeth, toothOffset } from "./gears";
 import type { Palette } from "./palette";
-import { bar, box, merged, race } from "./solids";
+import { bar, box, merged, race, spokes } from "./solids";
 import type { Mechanism } from "./mechanism";
 
 const TURN = 2 * Math.PI;
+// teeth of the large wheels are short, so that the satellites can be seen behind them
+const RING = 0.86;
 
 /** Room that satellites and imbalances need: radius about the drive's axis, height above the central axis. */
 function room(shape: Bevel, imbalanceRadius: number): { radius: number; top: number; bottom: number } {
@@ -47,7 +49,7 @@ function satellite(shape: Bevel, teeth: number, gap: number, radius: number, pal
 }
 
 /** Drive 16 with the arms of its satellites, turned by q about z. */
-function driveBody(shape: Bevel, wheel: BufferGeometry, outer: number, bottom: number, thick: number): BufferGeometry {
+function driveBody(shape: Bevel, wheel: BufferGeometry[], outer: number, bottom: number, thick: number): BufferGeometry {
   const arms: BufferGeometry[] = [];
   const end = shape.axis * 1.06;
   for (let j = 0; j < shape.satellites; j++) {
@@ -56,7 +58,7 @@ function driveBody(shape: Bevel, wheel: BufferGeometry, outer: number, bottom: n
     const tip = [across * Math.cos(azimuth), across * Math.sin(azimuth), shape.apex - end * Math.cos(shape.sigma)] as const;
     arms.push(bar([0, 0, shape.apex], tip, thick * 0.7));
   }
-  return merged([wheel, bar([0, 0, bottom], [0, 0, outer], thick), ...arms]);
+  return merged([...wheel, bar([0, 0, bottom], [0, 0, outer], thick), ...arms]);
 }
 
 /** The frame of link 1 for one module: holds wheel 17 and the bearing of drive 16. */
@@ -66,7 +68,8 @@ function bracket(shape: Bevel, flange: number, bearing: number, bottom: number, 
   const foot = bottom - 2.2 * half;
   return merged([
     wheel,
-    bar([0, 0, foot], [0, 0, bottom + half], shape.slant * Math.sin(shape.psi) * 0.8),
+    ...spokes(3, bottom + half * 0.4, 0, shape.slant * Math.sin(shape.psi) * 0.85, half * 0.8).map((spoke) => spoke.rotateY(-Math.PI / 2)),
+    bar([0, 0, foot], [0, 0, bottom + 2 * half], thick * 1.6),
     box([-flange, -half, foot - half], [0, half, foot + half]),
     box([-flange, -half, bearing - half], [0, half, bearing + half]),
     box([-flange - half, -half, foot - half], [-flange + half, half, bearing + half]),
@@ -91,10 +94,12 @@ export function bevelMechanism(shape: Bevel, imbalanceRadius: number, drawn: num
   const [teeth17, teeth6] = drawnTeeth(z17, z6);
   const flange = needs.radius * 1.12 + thick;
 
-  const wheel2 = bevelGear(teeth2, Math.atan2(radius2, radius16), slant, 1).rotateZ(Math.PI / teeth2);
+  const wheel2 = bevelGear(teeth2, Math.atan2(radius2, radius16), slant, 1, RING).rotateZ(Math.PI / teeth2);
   // its axis z becomes Ox, its azimuth 0 the axis of module 0
   wheel2.applyMatrix4(new Matrix4().makeBasis(new Vector3(0, 0, 1), new Vector3(0, -1, 0), new Vector3(1, 0, 0)));
-  link2.add(new Mesh(merged([wheel2, race(radius16 * 0.9, radius16 * 0.97, thick, radius2 * 0.86)]), palette.materials.link2));
+  const at2 = radius16 * 0.96;
+  const hub2 = race(at2 - 2 * thick, at2 + 2 * thick, 0, thick * 2.2);
+  link2.add(new Mesh(merged([wheel2, hub2, ...spokes(6, at2, 0, radius2 * 0.9, thick * 0.7)]), palette.materials.link2));
 
   const satellites: Satellite[] = [];
   const drives: Group[] = [];
@@ -106,9 +111,9 @@ export function bevelMechanism(shape: Bevel, imbalanceRadius: number, drawn: num
     const drive = new Group();
     // teeth of wheel 16 into the gaps of wheel 2; satellites keep their place on the drive
     const mesh16 = -toothOffset(teeth2, turned) * (TURN / teeth16);
-    const wheel16 = bevelGear(teeth16, Math.atan2(radius16, radius2), slant, 1).rotateZ(mesh16);
-    const web = race(radius2 * 0.9, radius2 * 0.97, thick, radius16 * 0.86).rotateY(-Math.PI / 2);
-    const body = driveBody(shape, merged([wheel16, web]), radius2, needs.bottom - 2 * thick, thick);
+    const wheel16 = bevelGear(teeth16, Math.atan2(radius16, radius2), slant, 1, RING).rotateZ(mesh16);
+    const web = spokes(4, radius2 * 0.96, 0, radius16 * 0.9, thick * 0.6).map((spoke) => spoke.rotateY(-Math.PI / 2));
+    const body = driveBody(shape, [wheel16, ...web], radius2, needs.bottom - 2 * thick, thick);
     drive.add(new Mesh(body, palette.materials.drive));
     for (let j = 0; j < shape.satellites; j++) {
       const azimuth = shape.gamma + (TURN * j) / shape.satellites;
@@ -130,10 +135,12 @@ export function bevelMechanism(shape: Bevel, imbalanceRadius: number, drawn: num
     link1.add(module);
   }
   link1.add(new Mesh(race(-flange - thick, -flange + thick, 0, thick * 4), palette.materials.link1));
+  const first = satellites[0];
+  if (!first) throw new Error("a mechanism must have a satellite");
   return {
     link1, link2,
     from: -flange, to: radius16, reach: Math.max(slant, Math.hypot(needs.radius, bearing)), thick,
-    shift: 0, imbalance: satellites[0]?.imbalance ?? new Mesh(), imbalanceAt: new Vector3(shape.arm, 0, -shape.axis),
+    shift: 0, imbalance: first.imbalance, imbalanceAt: new Vector3(shape.arm, 0, -shape.axis),
     turn(q) {
       link2.rotation.x = -q / shape.k;
       for (const drive of drives) drive.rotation.z = q;

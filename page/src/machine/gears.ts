@@ -42,11 +42,11 @@ function ring(teeth: number, place: Place, bore: Place): BufferGeometry {
  * @param halfAngle of the pitch cone, rad
  * @param slant length of the pitch cone, m
  * @param side +1: the gear is on the side of positive z, -1: of negative z
+ * @param inner where the teeth end towards the apex, as a part of the cone
  */
-export function bevelGear(teeth: number, halfAngle: number, slant: number, side: 1 | -1): BufferGeometry {
+export function bevelGear(teeth: number, halfAngle: number, slant: number, side: 1 | -1, inner = 0.74): BufferGeometry {
   const height = (2 * Math.sin(halfAngle)) / teeth;
-  const body = Math.min(3.5 * height, 0.22);
-  const inner = 0.74;
+  const body = Math.min(3 * height, 0.22);
   const at = (distance: number, angle: number, azimuth: number): Vector => [
     distance * Math.sin(angle) * Math.cos(azimuth),
     distance * Math.sin(angle) * Math.sin(azimuth),

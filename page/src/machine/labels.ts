@@ -6,6 +6,7 @@ interface Label {
   readonly element: HTMLElement;
   readonly on: Object3D;
   readonly at: Vector3;
+  readonly half: number;
 }
 
 /** Labels hang on points of things and follow them. */
@@ -32,19 +33,24 @@ export class Labels {
     element.className = `label part-${part}`;
     element.textContent = text;
     this.host.append(element);
-    this.labels.push({ element, on, at });
+    this.labels.push({ element, on, at, half: element.offsetWidth / 2 });
     return element;
   }
 
   /** Put every label where its point is seen. */
   place(camera: Camera, width: number, height: number): void {
     if (this.host.hidden) return;
-    for (const { element, on, at } of this.labels) {
+    for (const { element, on, at, half } of this.labels) {
       this.point.copy(at).applyMatrix4(on.matrixWorld).project(camera);
-      const x = (0.5 + this.point.x / 2) * width;
+      const x = Math.min(Math.max((0.5 + this.point.x / 2) * width, half), width - half);
       const y = (0.5 - this.point.y / 2) * height;
       element.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px) translate(-50%, -100%)`;
-      element.hidden = !on.visible;
+      element.hidden = !isShown(on);
     }
   }
+}
+
+/** Whether a thing and all that it belongs to are shown. */
+function isShown(thing: Object3D): boolean {
+  return thing.visible && (thing.parent === null || isShown(thing.parent));
 }

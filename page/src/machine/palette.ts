@@ -12,6 +12,7 @@ export const COLOURS = {
   steel: "#9aa2ab",
   housing: "#7d858e",
   holds: "#f2a900",
+  force: "#8a5cc2",
 } as const;
 
 export type Part = keyof typeof COLOURS;

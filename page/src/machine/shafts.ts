@@ -4,7 +4,7 @@ import { Group, Mesh, type BufferGeometry, type MeshPhongMaterial } from "three"
 import { value, type Parameters } from "./geometry";
 import type { Mechanism } from "./mechanism";
 import type { Palette } from "./palette";
-import { bar, box, merged, race } from "./solids";
+import { bar, box, merged, race, spokes } from "./solids";
 
 const TURN = 2 * Math.PI;
 
@@ -37,16 +37,11 @@ export interface Shafts {
 
 /** A flywheel with spokes, so that its turning shows. */
 function wheel(at: number, radius: number, width: number, shaft: number): BufferGeometry {
-  const parts = [
+  return merged([
     race(at - width / 2, at + width / 2, radius * 0.82, radius),
     race(at - width / 2, at + width / 2, 0, shaft * 1.8),
-  ];
-  for (let n = 0; n < 5; n++) {
-    const angle = (TURN * n) / 5;
-    const [y, z] = [Math.cos(angle), Math.sin(angle)];
-    parts.push(bar([at, 0, 0], [at, 0.85 * radius * y, 0.85 * radius * z], width * 0.28));
-  }
-  return merged(parts);
+    ...spokes(5, at, 0, radius * 0.85, width * 0.28),
+  ]);
 }
 
 /** The rollers between the races of a freewheel. */
@@ -116,12 +111,11 @@ export function buildShafts(parameters: Parameters, mechanism: Mechanism, palett
   // output: the outer race, its shaft and the flywheel
   const hubEnd = elastic ? stations.flywheel : stations.end;
   const cup = stations.freewheel + width * 0.75;
-  const hubRadius = elastic ? wheelRadius(value(parameters, "output_inertia"), reach) : 0;
   hub.add(new Mesh(merged([
     race(stations.freewheel - width / 2, cup, inner + 2 * roller, outer),
     race(cup - width * 0.12, cup, 0, outer),
     bar([cup, 0, 0], [hubEnd, 0, 0], radius),
-    wheel(stations.flywheel, elastic ? hubRadius : wheelRadius(value(parameters, "output_inertia"), reach), width * 0.8, radius),
+    wheel(stations.flywheel, wheelRadius(value(parameters, "output_inertia"), reach), width * 0.8, radius),
   ]), material.output));
   const marks: Mesh[] = [];
   if (elastic) {

@@ -27,6 +27,14 @@ export function race(from: number, to: number, inner: number, outer: number): Bu
   return solid.rotateZ(-Math.PI / 2);
 }
 
+/** Spokes of a wheel about Ox, so that its turning shows and what is behind it can be seen. */
+export function spokes(count: number, at: number, inner: number, outer: number, thick: number): BufferGeometry[] {
+  return Array.from({ length: count }, (_, n) => {
+    const [y, z] = [Math.cos((2 * Math.PI * n) / count), Math.sin((2 * Math.PI * n) / count)];
+    return bar([at, inner * y, inner * z], [at, outer * y, outer * z], thick, 20);
+  });
+}
+
 /** One body of several: fewer calls to draw. */
 export function merged(parts: BufferGeometry[]): BufferGeometry {
   const plain = parts.map((part) => {

@@ -11,7 +11,8 @@ const UP = new Vector3(0, 1, 0);
 /** A straight arrow. */
 export class Arrow extends Group {
   private readonly shaft: Mesh;
-  private readonly head: Mesh;
+  /** Its head: what is written on it stands at the end. */
+  readonly tip: Mesh;
   private readonly turn = new Quaternion();
   private readonly along = new Vector3();
 
@@ -19,8 +20,8 @@ export class Arrow extends Group {
     super();
     const material = new MeshBasicMaterial({ color: colour });
     this.shaft = new Mesh(new CylinderGeometry(thick, thick, 1, 12).translate(0, 0.5, 0), material);
-    this.head = new Mesh(new ConeGeometry(2.6 * thick, 6 * thick, 16).translate(0, 3 * thick, 0), material);
-    this.add(this.shaft, this.head);
+    this.tip = new Mesh(new ConeGeometry(2.6 * thick, 6 * thick, 16).translate(0, 3 * thick, 0), material);
+    this.add(this.shaft, this.tip);
   }
 
   /** From a point along a vector whose length is in metres of the picture. */
@@ -29,8 +30,8 @@ export class Arrow extends Group {
     const length = this.along.length();
     this.position.copy(from);
     this.shaft.scale.set(1, Math.max(length - 6 * this.thick, 1e-9), 1);
-    this.head.scale.setScalar(Math.min(1, length / (6 * this.thick) + 1e-9));
-    this.head.position.y = Math.max(length - 6 * this.thick, 0);
+    this.tip.scale.setScalar(Math.min(1, length / (6 * this.thick) + 1e-9));
+    this.tip.position.y = Math.max(length - 6 * this.thick, 0);
     if (length > 0) this.quaternion.copy(this.turn.setFromUnitVectors(UP, this.along.divideScalar(length)));
   }
 }

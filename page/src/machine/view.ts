@@ -97,14 +97,25 @@ export class View {
     if (!this.built) return;
     const { mechanism, shafts } = this.built;
     const { input, end } = shafts.stations;
-    const middle = (input + end) / 2;
-    const half = Math.hypot((end - input) / 2, 0);
-    const aspect = this.size.width / this.size.height;
-    const tangent = Math.tan((this.camera.fov * Math.PI) / 360);
-    const distance = Math.max(half / (tangent * aspect), (mechanism.reach * 1.25) / tangent) * 1.12;
-    this.controls.target.set(middle, 0, -0.05 * mechanism.reach);
-    const from = new Vector3(-0.42, -1, 0.36).normalize().multiplyScalar(distance);
-    this.camera.position.copy(this.controls.target).add(from);
+    const { reach } = mechanism;
+    const away = new Vector3(-0.42, -1, 0.34).normalize();
+    const right = new Vector3().crossVectors(this.camera.up, away).normalize();
+    const up = new Vector3().crossVectors(away, right);
+    const corners = [input - 0.15 * reach, end + 0.1 * reach].flatMap((x) =>
+      [[-0.5, -1.2], [0.5, -1.2], [-0.7, 0.7], [0.7, 0.7]].map(([y = 0, z = 0]) => new Vector3(x, y * reach, z * reach)));
+    const target = new Vector3();
+    for (const axis of [right, up, away]) {
+      const along = corners.map((corner) => corner.dot(axis));
+      target.addScaledVector(axis, (Math.min(...along) + Math.max(...along)) / 2);
+    }
+    const room = 0.94 * Math.tan((this.camera.fov * Math.PI) / 360);
+    const distance = Math.max(...corners.map((corner) => {
+      const from = corner.clone().sub(target);
+      const across = Math.max(Math.abs(from.dot(right)) / this.camera.aspect, Math.abs(from.dot(up)));
+      return across / room + from.dot(away);
+    }));
+    this.controls.target.copy(target);
+    this.camera.position.copy(target).addScaledVector(away, distance);
     this.camera.near = distance / 100;
     this.camera.far = distance * 10;
     this.camera.updateProjectionMatrix();
