@@ -48,7 +48,11 @@ def measure(page):
         browser, native = (statistics.median(times) for times in zip(*rounds, strict=True))
         ratio = statistics.median(one / other for one, other in rounds)
         print(f"{name}: page {browser:.3f} ms, compiled kernel {native:.3f} ms, ratio {ratio:.2f}")
-        figures += [(name, "page", browser, "ms"), (name, "compiled kernel", native, "ms"), (name, "ratio", ratio, "")]
+        figures += [
+            (name, "page", browser, "ms"),
+            (name, "compiled kernel", native, "ms"),
+            (name, "ratio", ratio, ""),
+        ]
     return figures
 
 
@@ -56,7 +60,9 @@ def main():
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as driver:
         path = Path(folder) / "page.html"
         path.write_bytes(html_file(load_scene(SCENE), None))
-        browser = driver.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox", "--disable-gpu"])
+        browser = driver.chromium.launch(
+            executable_path=shutil.which("chromium"), args=["--no-sandbox", "--disable-gpu"]
+        )
         page = browser.new_page()
         page.goto(path.as_uri())
         page.wait_for_function("window.inertiaModule")
