@@ -1,5 +1,6 @@
 """Chromium, in which the page is opened as people open it: from disk."""
 
+import contextlib
 import shutil
 from pathlib import Path
 
@@ -9,7 +10,8 @@ from typer.testing import CliRunner
 from inertia_module.cli import app
 from inertia_module.page.html import TEMPLATE
 
-OUT = Path(__file__).parents[2] / "out" / "page"
+ROOT = Path(__file__).parents[2]
+OUT, REFERENCE = ROOT / "out" / "page", ROOT / "examples" / "reference.toml"
 # no sandbox: the tests may run as root. WebGL without a graphics card; nothing that calls home
 FLAGS = (
     *("--no-sandbox", "--no-first-run", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"),
@@ -91,15 +93,17 @@ def written(built, tmp_path_factory):
     return write
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def opened(browser, written):
     """A function that opens the page of a scene file, with options of Playwright's new_page."""
-    pages = []
+    with contextlib.ExitStack() as pages:
+        yield lambda scene, **options: Opened(
+            pages.enter_context(browser.new_page(**options)), written(scene)
+        )
 
-    def open_page(scene, **options):
-        pages.append(browser.new_page(**options))
-        return Opened(pages[-1], written(scene))
 
-    yield open_page
-    for page in pages:
-        page.close()
+@pytest.fixture(scope="module")
+def still(browser, written):
+    """The page of scene R1, not moving: for what it computes."""
+    with browser.new_page(reduced_motion="reduce") as page:
+        yield Opened(page, written(REFERENCE))

@@ -1,7 +1,5 @@
 """The kernel in the page computes what the native FMU computes, and says what that says."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from tests.unit.scenes import DRIVEN, ELASTIC, SCENES
@@ -10,7 +8,6 @@ from inertia_module.contract.variable import LOCAL, OUTPUT
 from inertia_module.contract.variables import with_causality
 from inertia_module.harness.fmu import Fmu, FmuError
 
-REFERENCE = Path("examples/reference.toml")
 INPUTS = ("omega1", "load_torque", "drive_torque")
 READ = [variable.name for variable in with_causality(OUTPUT, LOCAL)]
 LOSSES = {
@@ -35,11 +32,6 @@ CASES = {
 STEP, STEPS = 1e-3, 400
 
 
-@pytest.fixture(scope="module")
-def page(opened):
-    return opened(REFERENCE)
-
-
 def options(values):
     """What simulate takes, from parameters and inputs in one."""
     parameters = {name: float(value) for name, value in values.items() if name not in INPUTS}
@@ -58,9 +50,9 @@ def native(built, given):
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_simulate_is_the_native_fmu_in_every_output(page, built, case):
+def test_simulate_is_the_native_fmu_in_every_output(still, built, case):
     given = options(CASES[case])
-    expected, found = native(built, given), page.simulate(given)
+    expected, found = native(built, given), still.simulate(given)
     assert found["time"] == pytest.approx([n * STEP for n in range(STEPS + 1)], abs=0.0, rel=1e-15)
     off = {
         name: np.abs(np.array(found[name]) - values).max() / max(np.abs(values).max(), 1.0)
@@ -81,8 +73,8 @@ BAD = {
 
 
 @pytest.mark.parametrize("case", BAD)
-def test_bad_value_gives_the_sentence_of_the_native_fmu(page, built, case):
+def test_bad_value_gives_the_sentence_of_the_native_fmu(still, built, case):
     given = options(BAD[case])
     with pytest.raises(FmuError) as refused:
         native(built, given)
-    assert page.simulate(given) == str(refused.value)
+    assert still.simulate(given) == str(refused.value)
