@@ -3,6 +3,7 @@
 import { choice, element } from "../controls/dom";
 import type { Run } from "../run/run";
 import { lengthOf, valueAt } from "../run/sample";
+import type { ChartPoint } from "./chart";
 import { ChartPanel } from "./chartpanel";
 import { PhasePlot } from "./phase";
 import { TimePanel } from "./timeplot";
@@ -28,8 +29,6 @@ export class Curves {
       element("header", {}, select), this.note, this.chart.note, this.phase.root, this.chart.root);
     host.append(...this.panels.map((panel) => panel.root), third);
     this.chart.root.hidden = this.chart.note.hidden = true;
-    const resize = new ResizeObserver(() => { this.resize(); });
-    resize.observe(host);
   }
 
   show(run: Run): void {
@@ -69,6 +68,11 @@ export class Curves {
     this.standThird();
   }
 
+  /** The converter chart as far as it has been computed. */
+  chartPoints(): readonly ChartPoint[] {
+    return this.chart.points;
+  }
+
   private turnTo(shown: string): void {
     const chart = shown === "chart";
     this.phase.root.hidden = this.note.hidden = chart;
@@ -81,12 +85,6 @@ export class Curves {
   private standThird(): void {
     if (this.phase.root.hidden) this.chart.stand(this.time);
     else this.phase.stand(this.time);
-  }
-
-  private resize(): void {
-    for (const panel of this.panels) panel.resize();
-    this.phase.resize();
-    this.chart.resize();
   }
 
   /** The page of the curves that a time is on, as an oscilloscope turns them. */

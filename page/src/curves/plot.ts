@@ -32,7 +32,7 @@ const ON_THE_RIGHT: Partial<uPlot.Axis> = { side: 1, grid: { show: false } };
 export class Plot {
   readonly plot: uPlot;
   private readonly mark = element("div", { class: "mark", "aria-hidden": "true" });
-  private size = "";
+  private readonly sizes = new ResizeObserver(() => { this.plot.setSize(this.room()); });
   private place: () => void = () => undefined;
 
   constructor(private readonly host: HTMLElement, look: Look, data: AlignedData) {
@@ -63,14 +63,7 @@ export class Plot {
     };
     this.plot = new uPlot(options, data, host);
     this.plot.over.append(this.mark);
-  }
-
-  /** Fill the element anew if its size has changed. */
-  resize(): void {
-    const room = this.room();
-    const size = `${room.width}x${room.height}`;
-    if (size !== this.size) this.plot.setSize(room);
-    this.size = size;
+    this.sizes.observe(host);
   }
 
   /** Stand at a value of x: a line from top to bottom. */
@@ -94,6 +87,7 @@ export class Plot {
   }
 
   destroy(): void {
+    this.sizes.disconnect();
     this.plot.destroy();
   }
 

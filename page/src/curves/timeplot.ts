@@ -69,10 +69,6 @@ export class TimePanel {
     this.stand(this.time, true);
   }
 
-  resize(): void {
-    this.plot?.resize();
-  }
-
   /** Stand at the time of the picture; the values go into the legend when `tell`. */
   stand(time: number, tell: boolean): void {
     this.time = time;
