@@ -135,7 +135,7 @@ def test_steps_go_from_switch_to_switch_and_a_pulse_is_repeated(page):
     page.page.get_by_role("button", name="Back to the last switch of a freewheel").click()
     assert state(page, "time") == pytest.approx(switches[1], abs=1e-9)
     page.page.get_by_role("slider", name="time", exact=True).fill("5000")
-    page.page.get_by_role("button", name="Repeat one pulse, slowly").click()
+    page.page.get_by_role("button", name="one pulse").click()
     begin, end = state(page, "loop")
     assert begin <= 0.5 < end
     assert 2 <= ((switches > begin - 1e-9) & (switches <= end + 1e-9)).sum() <= 6
@@ -181,7 +181,7 @@ def test_bad_value_shows_a_sentence_and_keeps_the_last_good_run(page, name, text
     page.page.wait_for_function("document.querySelector('#sentence').textContent !== ''")
     assert page.page.locator("#sentence").inner_text() == sentence
     assert (shown(page, "omega_out") == good).all()
-    page.page.get_by_role("button", name="Back to the scene as it was").click()
+    page.page.get_by_role("button", name="Reset").click()
     page.page.wait_for_function("document.querySelector('#sentence').textContent === ''")
     assert page.errors == []
 
@@ -216,7 +216,7 @@ def test_presets_are_all_accepted(page):
     names = page.page.eval_on_selector_all("select[aria-label=Scene] option", "all => all.map(one => one.value)")
     assert len(names) >= 8
     for name in names:
-        page.page.get_by_label("Scene").select_option(name)
+        page.page.get_by_label("Scene", exact=True).select_option(name)
         page.page.wait_for_function("name => inertiaModule.state().settings.scene === name", arg=name)
         settled(page)
         assert state(page, "refusal") == ""
@@ -229,9 +229,9 @@ def test_files_of_the_run_and_the_scene(page, tmp_path):
     page.page.get_by_label("layout", exact=True).select_option("planar")
     settled(page)
     with page.page.expect_download() as table:
-        page.page.get_by_role("button", name="Download the run as CSV").click()
+        page.page.get_by_role("button", name="CSV").click()
     with page.page.expect_download() as scene:
-        page.page.get_by_role("button", name="Download the scene as TOML").click()
+        page.page.get_by_role("button", name="TOML").click()
     heading, *rows = Path(table.value.path()).read_text().splitlines()
     assert heading.startswith("time [s],omega2 [rad/s],omega_out [rad/s]")
     assert len(rows) == 2001

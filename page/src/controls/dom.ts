@@ -19,9 +19,10 @@ export function byId(id: string): HTMLElement {
   return found;
 }
 
-/** A button with a name for those who do not see its sign. */
+/** A button with a word on it, or a sign and a name for those who do not see it; the name is what it does. */
 export function button(sign: string, name: string, press: () => void): HTMLButtonElement {
-  const found = element("button", { type: "button", "aria-label": name, title: name }, sign);
+  const word = /[a-z]/i.test(sign);
+  const found = element("button", { type: "button", title: name, ...(!word && { "aria-label": name }) }, sign);
   found.addEventListener("click", press);
   return found;
 }

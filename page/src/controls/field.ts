@@ -42,8 +42,9 @@ function numberField(variable: Variable, change: (value: number) => void): Field
   });
   const atPart = (part: number): number => {
     if (whole) return from + part;
+    // a digit more than the steps of the slider need, so that none leads back to where it began
     const value = powers ? from * (to / from) ** (part / STEPS) : from + ((to - from) * part) / STEPS;
-    return Number(value.toPrecision(3));
+    return Number(value.toPrecision(4));
   };
   const partOf = (value: number): number => {
     if (whole) return value - from;

@@ -39,7 +39,7 @@ export class PlayBar {
   constructor(private readonly player: Player, actions: PlayActions) {
     this.play = button("▶", "Play", actions.toggle);
     this.play.classList.add("play");
-    this.pulse = button("↻ pulse", "Repeat one pulse, slowly", actions.pulse);
+    this.pulse = button("↻ one pulse", "Repeat one pulse, slowly", actions.pulse);
     this.speed = choice("Speed of play", SPEEDS.map((speed) => [String(speed), speedText(speed)]), "0.05", (text) => {
       player.set({ speed: Number(text) });
     });

@@ -120,8 +120,8 @@ export class Annotations {
   private name(labels: Labels, mechanism: Mechanism, { stations }: Shafts): void {
     const { reach } = mechanism;
     const axis = (at: number, above: number): Vector3 => new Vector3(at, 0, above * reach);
-    labels.add("input shaft, link 1 (carrier)", "link1", this.group, axis(stations.input, 0.22));
-    labels.add("link 2", "link2", this.group, axis(stations.link2, 0.1));
+    labels.add("link 1, carrier", "link1", this.group, axis(stations.input, 0.22));
+    labels.add("link 2", "link2", this.group, axis(stations.link2, -0.3));
     labels.add("housing freewheel", "housing", this.group, axis(stations.housing, 0.36));
     labels.add("output freewheel", "output", this.group, axis(stations.freewheel, -0.52));
     labels.add("output shaft", "output", this.group, axis(stations.end, 0.12));

@@ -13,6 +13,7 @@ export const COLOURS = {
   housing: "#7d858e",
   holds: "#f2a900",
   force: "#8a5cc2",
+  trace: "#cc1f1a",
 } as const;
 
 export type Part = keyof typeof COLOURS;

@@ -1,6 +1,9 @@
 // The way of the imbalance: Karetin's curve in the frame of link 1, or what it has passed lately in the fixed frame.
 
 import { BufferAttribute, BufferGeometry, Group, Line, LineBasicMaterial } from "three";
+import { Line2 } from "three/addons/lines/Line2.js";
+import { LineGeometry } from "three/addons/lines/LineGeometry.js";
+import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 import { aboutAxis, imbalance, period, type Geometry } from "./geometry";
 import type { Mechanism } from "./mechanism";
 import { COLOURS } from "./palette";
@@ -12,36 +15,41 @@ const MOST_POINTS = 12000;
 const TRAIL = 900;
 const MOST_LINES = 24;
 
-function line(points: number, opacity: number): Line<BufferGeometry, LineBasicMaterial> {
+/** A line of so many points that are laid anew for every picture. */
+function movingLine(points: number): Line<BufferGeometry, LineBasicMaterial> {
   const shape = new BufferGeometry();
   shape.setAttribute("position", new BufferAttribute(new Float32Array(3 * points), 3));
-  const found = new Line(shape, new LineBasicMaterial({ color: COLOURS.imbalance, transparent: true, opacity }));
+  const found = new Line(shape, new LineBasicMaterial({ color: COLOURS.trace }));
   found.frustumCulled = false;
   return found;
+}
+
+/** A look for lines of this width, in pixels of the page. */
+function drawn(linewidth: number, opacity: number): LineMaterial {
+  return new LineMaterial({ color: COLOURS.trace, linewidth, transparent: true, opacity });
 }
 
 /** All traces of a mechanism. `closed` belongs into the frame of link 1, `trail` into the fixed frame. */
 export class Trace {
   readonly closed = new Group();
-  readonly trail = line(TRAIL, 0.9);
+  readonly trail = movingLine(TRAIL);
 
   constructor(private readonly shape: Geometry, { shift, front }: Pick<Mechanism, "shift" | "front">) {
     this.closed.position.x = this.trail.position.x = front;
     const span = period(shape);
     const points = Math.min(Math.ceil((span / (2 * Math.PI)) * POINTS_A_TURN), MOST_POINTS) + 1;
     const satellites = shape.layout === "planar" ? shape.satellites : 1;
-    const first = line(points, 0.85);
-    const place = first.geometry.getAttribute("position") as BufferAttribute;
-    for (let n = 0; n < points; n++) place.setXYZ(n, ...imbalance(shape, (span * n) / (points - 1)));
-    this.closed.add(first);
-    const others = Math.min(shape.modules * satellites, MOST_LINES);
-    for (let n = 1; n < others; n++) {
-      const other = new Line(first.geometry, first.material.clone());
-      other.material.opacity = 0.3;
+    const geometry = new LineGeometry();
+    geometry.setPositions(
+      Array.from({ length: points }, (_, n) => imbalance(shape, (span * n) / (points - 1))).flat());
+    const [first, other] = [drawn(2, 0.9), drawn(1.2, 0.45)];
+    const lines = Math.min(shape.modules * satellites, MOST_LINES);
+    for (let n = 0; n < lines; n++) {
+      const line = new Line2(geometry, n === 0 ? first : other);
       const module = Math.floor(n / satellites);
-      other.rotation.x = 2 * Math.PI * (module / shape.modules + (n % satellites) / satellites);
-      other.position.x = module * shift;
-      this.closed.add(other);
+      line.rotation.x = 2 * Math.PI * (module / shape.modules + (n % satellites) / satellites);
+      line.position.x = module * shift;
+      this.closed.add(line);
     }
     this.show("link1");
   }
