@@ -131,6 +131,7 @@ export class App {
     return {
       ...this.player.clock, settings: this.store.get(), run: this.run, refusal: this.refusal, busy: this.busy || this.asked,
       frame: this.frame, hash: this.hash(), imbalance: this.picture.drawnImbalance(),
+      chart: this.curves.chartPoints(),
     };
   }
 

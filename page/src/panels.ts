@@ -62,7 +62,9 @@ export class Panels {
     this.scenes.value = scene;
     this.reset.disabled = Object.keys(changed).length === 0;
     this.sliders.show((name) => app.value(name), (name) => name in changed);
-    byId("story").textContent = app.scene.description.replaceAll("\n", " ");
+    const story = app.scene.description.replaceAll("\n", " ");
+    byId("story").textContent = story;
+    this.scenes.title = story;
     this.boxes(shown);
   }
 

@@ -50,7 +50,7 @@ function numberField(variable: Variable, change: (value: number) => void): Field
     return STEPS * (powers ? Math.log(value / from) / Math.log(to / from) : (value - from) / (to - from));
   };
   const show = (value: number): void => {
-    number.value = String(Number(value.toPrecision(10)));
+    number.value = String(Number(value.toPrecision(7)));
     slider.value = String(partOf(value));
     slider.setAttribute("aria-valuetext", `${number.value} ${unit}`);
   };

@@ -16,7 +16,7 @@ export class ChartPanel {
   readonly note = element("p", { class: "note" });
   private plot: Plot | null = null;
   private run: Run | null = null;
-  private points: ChartPoint[] = [];
+  points: ChartPoint[] = [];
   private made = "";
   private waiting = 0;
 
@@ -40,10 +40,6 @@ export class ChartPanel {
       range: { x: () => [0, 1] },
     }, this.data());
     this.refresh();
-  }
-
-  resize(): void {
-    this.plot?.resize();
   }
 
   stand(time: number): void {

@@ -3,6 +3,7 @@
 import { choice, element } from "../controls/dom";
 import type { Run } from "../run/run";
 import { lengthOf, valueAt } from "../run/sample";
+import type { ChartPoint } from "./chart";
 import { ChartPanel } from "./chartpanel";
 import { PhasePlot } from "./phase";
 import { TimePanel } from "./timeplot";
@@ -18,6 +19,7 @@ export class Curves {
   private turns = 0;
   private window: [number, number] = [0, 1];
   private told = 0;
+  private time = 0;
 
   constructor(host: HTMLElement, scrub: (time: number) => void) {
     this.panels = ["speeds", "torques"].map((id) => new TimePanel(id, scrub));
@@ -27,8 +29,6 @@ export class Curves {
       element("header", {}, select), this.note, this.chart.note, this.phase.root, this.chart.root);
     host.append(...this.panels.map((panel) => panel.root), third);
     this.chart.root.hidden = this.chart.note.hidden = true;
-    const resize = new ResizeObserver(() => { this.resize(); });
-    resize.observe(host);
   }
 
   show(run: Run): void {
@@ -56,8 +56,8 @@ export class Curves {
     const tell = !playing || now - this.told > 100;
     if (tell) this.told = now;
     for (const panel of this.panels) panel.stand(time, tell);
-    if (this.phase.root.hidden) this.chart.stand(time);
-    else this.phase.stand(time);
+    this.time = time;
+    this.standThird();
   }
 
   /** Draw anew, in the colours of the page. */
@@ -65,6 +65,12 @@ export class Curves {
     for (const panel of this.panels) panel.rebuild();
     this.phase.rebuild();
     this.chart.rebuild();
+    this.standThird();
+  }
+
+  /** The converter chart as far as it has been computed. */
+  chartPoints(): readonly ChartPoint[] {
+    return this.chart.points;
   }
 
   private turnTo(shown: string): void {
@@ -73,12 +79,12 @@ export class Curves {
     this.chart.root.hidden = this.chart.note.hidden = !chart;
     this.phase.rebuild();
     this.chart.rebuild();
+    this.standThird();
   }
 
-  private resize(): void {
-    for (const panel of this.panels) panel.resize();
-    this.phase.resize();
-    this.chart.resize();
+  private standThird(): void {
+    if (this.phase.root.hidden) this.chart.stand(this.time);
+    else this.phase.stand(this.time);
   }
 
   /** The page of the curves that a time is on, as an oscilloscope turns them. */
@@ -90,8 +96,8 @@ export class Curves {
     if (this.turns === 0 || !(span < length)) return [0, length];
     // of changing speed each page begins where the last ended only roughly: what counts is that the time is on it
     const known = this.window;
-    if (time >= known[0] && time < known[1]) return known;
-    const from = span * Math.floor(time / span);
+    if (time >= known[0] && time <= known[1]) return known;
+    const from = Math.min(span * Math.floor(time / span), length - span);
     return [from, from + span];
   }
 }

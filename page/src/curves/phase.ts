@@ -39,10 +39,6 @@ export class PhasePlot {
     }, this.limits(this.run));
   }
 
-  resize(): void {
-    this.plot?.resize();
-  }
-
   stand(time: number): void {
     if (this.run) this.plot?.point(inTurn(valueAt(this.run, "q", time)), valueAt(this.run, "omega2", time));
   }

@@ -32,7 +32,8 @@ const ON_THE_RIGHT: Partial<uPlot.Axis> = { side: 1, grid: { show: false } };
 export class Plot {
   readonly plot: uPlot;
   private readonly mark = element("div", { class: "mark", "aria-hidden": "true" });
-  private size = "";
+  private readonly sizes = new ResizeObserver(() => { this.plot.setSize(this.room()); });
+  private place: () => void = () => undefined;
 
   constructor(private readonly host: HTMLElement, look: Look, data: AlignedData) {
     const { text, grid } = themed(host);
@@ -57,36 +58,36 @@ export class Plot {
         label, stroke: colour, width: 1.5, scale: right ? "right" : "y", points: { show: false },
         ...(dash && { dash: [6, 4] }),
       }))],
-      hooks: { draw: look.paint ? [look.paint] : [] },
+      // what stands over the plot moves with its axes
+      hooks: { draw: [(plot) => { look.paint?.(plot); this.place(); }] },
     };
     this.plot = new uPlot(options, data, host);
     this.plot.over.append(this.mark);
-  }
-
-  /** Fill the element anew if its size has changed. */
-  resize(): void {
-    const room = this.room();
-    const size = `${room.width}x${room.height}`;
-    if (size !== this.size) this.plot.setSize(room);
-    this.size = size;
+    this.sizes.observe(host);
   }
 
   /** Stand at a value of x: a line from top to bottom. */
   stand(x: number): void {
-    this.mark.className = "mark line";
-    this.mark.style.transform = `translateX(${this.plot.valToPos(x, "x").toFixed(1)}px)`;
+    this.place = () => {
+      this.mark.className = "mark line";
+      this.mark.style.transform = `translateX(${this.plot.valToPos(x, "x").toFixed(1)}px)`;
+    };
+    this.place();
   }
 
   /** Stand on a point. */
   point(x: number, y: number): void {
-    const seen = Number.isFinite(x) && Number.isFinite(y);
-    this.mark.className = seen ? "mark point" : "mark";
-    if (!seen) return;
-    const [left, top] = [this.plot.valToPos(x, "x"), this.plot.valToPos(y, "y")];
-    this.mark.style.transform = `translate(${left.toFixed(1)}px, ${top.toFixed(1)}px)`;
+    this.place = () => {
+      const [left, top] = [this.plot.valToPos(x, "x"), this.plot.valToPos(y, "y")];
+      const seen = Number.isFinite(left) && Number.isFinite(top);
+      this.mark.className = seen ? "mark point" : "mark";
+      if (seen) this.mark.style.transform = `translate(${left.toFixed(1)}px, ${top.toFixed(1)}px)`;
+    };
+    this.place();
   }
 
   destroy(): void {
+    this.sizes.disconnect();
     this.plot.destroy();
   }
 

@@ -38,28 +38,43 @@ function magnitude(label: string, name: string, colour: string): Series {
   };
 }
 
-/** Steps that a mean over a turn of link 1 takes, at least one. */
-function stepsOfTurn(run: Run): number {
-  const angle = Math.abs((run.columns.theta1?.at(-1) ?? 0) - (run.columns.theta1?.[0] ?? 0));
-  const steps = run.time.length - 1;
-  return angle > 0 ? Math.max(1, Math.min(steps, Math.round((2 * Math.PI * steps) / angle))) : 1;
+/** Over how many points a power is averaged: an eighth of a run, at most a second, as in the pictures of scenes. */
+function pointsOfMean(run: Run): number {
+  const points = run.time.length - 1;
+  const length = run.time.at(-1) ?? 0;
+  return Math.max(1, Math.round(points * Math.min(1 / 8, length > 0 ? 1 / length : 1)));
 }
 
-/** Rate of an energy, its mean over about a turn of link 1: a power. */
+/** Rate of an energy, its running mean: a power. The mean is taken twice, so that pulses do not beat with its length. */
 function power(label: string, name: string, colour: string): Series {
   return {
     label, colour,
     of: (run) => {
       const energy = run.columns[name] ?? new Float64Array(run.time.length);
-      const half = Math.ceil(stepsOfTurn(run) / 2);
-      const last = run.time.length - 1;
-      return energy.map((_, n) => {
-        const [from, to] = [Math.max(0, n - half), Math.min(last, n + half)];
-        const span = (run.time[to] ?? 0) - (run.time[from] ?? 0);
-        return span > 0 ? ((energy[to] ?? 0) - (energy[from] ?? 0)) / span : 0;
-      });
+      const half = Math.ceil(pointsOfMean(run) / 4);
+      return runningMean(rate(run.time, energy, half), half);
     },
   };
+}
+
+/** Slope of values over so many points to both sides, as far as there are. */
+function rate(time: Float64Array, values: Float64Array, half: number): Float64Array {
+  const last = time.length - 1;
+  return values.map((_, n) => {
+    const [from, to] = [Math.max(0, n - half), Math.min(last, n + half)];
+    const span = (time[to] ?? 0) - (time[from] ?? 0);
+    return span > 0 ? ((values[to] ?? 0) - (values[from] ?? 0)) / span : 0;
+  });
+}
+
+/** Mean of so many values to both sides, as far as there are. */
+function runningMean(values: Float64Array, half: number): Float64Array {
+  const sums = new Float64Array(values.length + 1);
+  values.forEach((value, n) => { sums[n + 1] = (sums[n] ?? 0) + value; });
+  return values.map((_, n) => {
+    const [from, to] = [Math.max(0, n - half), Math.min(values.length, n + half + 1)];
+    return ((sums[to] ?? 0) - (sums[from] ?? 0)) / (to - from);
+  });
 }
 
 export const PANELS: readonly Panel[] = [
@@ -81,7 +96,7 @@ export const PANELS: readonly Panel[] = [
     ],
   },
   {
-    id: "power", title: "Power, mean of a turn", unit: "W",
+    id: "power", title: "Power, running mean", unit: "W",
     series: [
       power("in", "energy_in", BLUE),
       power("out to the load", "energy_out", PURPLE),
@@ -90,7 +105,7 @@ export const PANELS: readonly Panel[] = [
     ],
   },
   {
-    id: "losses", title: "Losses, mean of a turn", unit: "W",
+    id: "losses", title: "Losses, running mean", unit: "W",
     series: [
       power("meshes", "energy_lost_mesh", ORANGE),
       power("journals", "energy_lost_journal", BLUE),

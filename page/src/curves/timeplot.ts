@@ -24,6 +24,7 @@ export class TimePanel {
   private data: Float64Array[] = [];
   private cells: { cell: HTMLElement; largest: number }[] = [];
   private window: [number, number] = [0, 1];
+  private time = 0;
 
   constructor(first: string, private readonly scrub: (time: number) => void) {
     this.panel = panelOf(first);
@@ -65,14 +66,12 @@ export class TimePanel {
       lines: this.panel.series,
       range: { x: () => this.window },
     }, [run.time, ...this.data]);
-  }
-
-  resize(): void {
-    this.plot?.resize();
+    this.stand(this.time, true);
   }
 
   /** Stand at the time of the picture; the values go into the legend when `tell`. */
   stand(time: number, tell: boolean): void {
+    this.time = time;
     this.plot?.stand(time);
     if (!tell || !this.run) return;
     const index = indexAt(this.run.time, time);

@@ -18,6 +18,10 @@ const SYMBOLS: Readonly<Record<Torque, string>> = {
 const PART: Readonly<Record<Torque, string>> = {
   input_torque: "link1", mesh_torque: "link2", housing_torque: "housing", output_torque: "output",
 };
+// other shades than those of the parts, so that they stand out on them
+const ARC: Readonly<Record<Torque, string>> = {
+  input_torque: "#1d4f91", mesh_torque: "#0c5c40", housing_torque: "#2f3840", output_torque: "#7a2c68",
+};
 /** Where the number of a torque stands above the axis, as a part of the reach: beside names and other numbers. */
 const HEIGHT: Readonly<Record<Torque, number>> = {
   input_torque: -0.62, mesh_torque: -0.85, housing_torque: -1.02, output_torque: -0.78,
@@ -53,10 +57,10 @@ export class Annotations {
       return found;
     };
     this.arcs = {
-      input_torque: arc(COLOURS.link1, stations.input + 0.14 * reach, 0.36),
-      mesh_torque: arc(COLOURS.link2, stations.link2, 0.42),
-      housing_torque: arc(COLOURS.housing, stations.housing, 0.48),
-      output_torque: arc(COLOURS.output, stations.output, 0.42),
+      input_torque: arc(ARC.input_torque, stations.input + 0.14 * reach, 0.36),
+      mesh_torque: arc(ARC.mesh_torque, stations.link2, 0.42),
+      housing_torque: arc(ARC.housing_torque, stations.housing, 0.48),
+      output_torque: arc(ARC.output_torque, stations.output, 0.42),
     };
     this.group.add(this.acceleration, this.force, this.arcGroup, this.marker);
     this.name(labels, mechanism, shafts);
@@ -66,6 +70,8 @@ export class Annotations {
   show({ acceleration, force, torques }: Shown): void {
     this.acceleration.visible = acceleration;
     this.force.visible = force;
+    // with its acceleration the imbalance is named at the arrow
+    this.marker.visible = !acceleration;
     this.arcGroup.visible = torques;
   }
 
@@ -104,7 +110,7 @@ export class Annotations {
       add(PART[name], this.arcGroup, at, (column) => `${SYMBOLS[name]} ${steadyText(column(name), this.largest.torque)} N·m`);
     }
     add("imbalance", this.acceleration.tip, new Vector3(0, 0.16 * reach, 0),
-      (column) => `${steadyText(column("imbalance_acceleration"), this.largest.acceleration)} m/s²`);
+      (column) => `imbalance ${steadyText(column("imbalance_acceleration"), this.largest.acceleration)} m/s²`);
     add("force", this.force.tip, new Vector3(0, 0.16 * reach, 0), (column) => {
       const size = Math.hypot(column("shaking_force_x"), column("shaking_force_y"), column("shaking_force_z"));
       return `${steadyText(size, this.largest.force)} N on the mount`;

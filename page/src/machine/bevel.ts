@@ -140,7 +140,7 @@ export function bevelMechanism(shape: Bevel, imbalanceRadius: number, drawn: num
   return {
     link1, link2,
     from: -flange, to: radius16, reach: Math.max(slant, Math.hypot(needs.radius, bearing)), thick,
-    shift: 0, imbalance: first.imbalance, imbalanceAt: new Vector3(shape.arm, 0, -shape.axis),
+    shift: 0, front: 0, imbalance: first.imbalance, imbalanceAt: new Vector3(shape.arm, 0, -shape.axis),
     turn(q) {
       link2.rotation.x = -q / shape.k;
       for (const drive of drives) drive.rotation.z = q;

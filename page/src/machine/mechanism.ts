@@ -19,6 +19,8 @@ export interface Mechanism {
   readonly thick: number;
   /** Distance along Ox from module to module (planar: drawn side by side), m. */
   readonly shift: number;
+  /** Where on Ox the path of an imbalance is drawn, so that its satellite does not hide it, m. */
+  readonly front: number;
   /** Imbalance 0 of module 0 as it is drawn, and its centre in the frame of its mesh. */
   readonly imbalance: Mesh;
   readonly imbalanceAt: Vector3;

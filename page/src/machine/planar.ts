@@ -76,7 +76,7 @@ export function planarMechanism(shape: Planar, imbalanceRadius: number, drawn: n
   const first = slugs[0];
   if (!first) throw new Error("a mechanism must have a satellite");
   return {
-    link1, link2, from: -width * 0.95, to: last + width * 0.3, reach, thick, shift: step,
+    link1, link2, from: -width * 0.95, to: last + width * 0.3, reach, thick, shift: step, front: -width * 0.68,
     imbalance: first, imbalanceAt: new Vector3(0, 0, -shape.arm),
     turn(q) {
       link2.rotation.x = -q / shape.k;

@@ -2,6 +2,7 @@
 
 import { BufferAttribute, BufferGeometry, Group, Line, LineBasicMaterial } from "three";
 import { aboutAxis, imbalance, period, type Geometry } from "./geometry";
+import type { Mechanism } from "./mechanism";
 import { COLOURS } from "./palette";
 
 export type TraceFrame = "link1" | "fixed" | "off";
@@ -24,7 +25,8 @@ export class Trace {
   readonly closed = new Group();
   readonly trail = line(TRAIL, 0.9);
 
-  constructor(private readonly shape: Geometry, shift: number) {
+  constructor(private readonly shape: Geometry, { shift, front }: Pick<Mechanism, "shift" | "front">) {
+    this.closed.position.x = this.trail.position.x = front;
     const span = period(shape);
     const points = Math.min(Math.ceil((span / (2 * Math.PI)) * POINTS_A_TURN), MOST_POINTS) + 1;
     const satellites = shape.layout === "planar" ? shape.satellites : 1;

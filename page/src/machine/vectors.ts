@@ -8,6 +8,11 @@ import { merged } from "./solids";
 
 const UP = new Vector3(0, 1, 0);
 
+/** Arrows lie over the machine: they say what acts, wherever that is. */
+function over(colour: string): MeshBasicMaterial {
+  return new MeshBasicMaterial({ color: colour, depthTest: false, transparent: true, opacity: 0.92 });
+}
+
 /** A straight arrow. */
 export class Arrow extends Group {
   private readonly shaft: Mesh;
@@ -18,7 +23,7 @@ export class Arrow extends Group {
 
   constructor(colour: string, private readonly thick: number) {
     super();
-    const material = new MeshBasicMaterial({ color: colour });
+    const material = over(colour);
     this.shaft = new Mesh(new CylinderGeometry(thick, thick, 1, 12).translate(0, 0.5, 0), material);
     this.tip = new Mesh(new ConeGeometry(2.6 * thick, 6 * thick, 16).translate(0, 3 * thick, 0), material);
     this.add(this.shaft, this.tip);
@@ -47,7 +52,7 @@ export class TorqueArc extends Group {
 
   constructor(colour: string, private readonly radius: number, thick: number) {
     super();
-    const material = new MeshBasicMaterial({ color: colour });
+    const material = over(colour);
     const points = Array.from({ length: 65 }, (_, n) => {
       const angle = (WIDEST * n) / 64;
       return new Vector3(0, radius * Math.cos(angle), radius * Math.sin(angle));

@@ -83,7 +83,7 @@ export class View {
     }
     const { mechanism, shape } = buildMechanism(parameters, this.palette);
     const shafts = buildShafts(parameters, mechanism, this.palette);
-    const trace = new Trace(shape, mechanism.shift);
+    const trace = new Trace(shape, mechanism);
     const annotations = new Annotations(mechanism, shafts, shape, this.labels);
     mechanism.link1.add(trace.closed);
     this.world.add(mechanism.link1, mechanism.link2, shafts.hub, shafts.driven, shafts.mount, trace.trail, annotations.group);
@@ -95,10 +95,11 @@ export class View {
   /** Turn the eye to where it sees the whole machine. */
   lookHome(): void {
     if (!this.built) return;
-    const { mechanism, shafts } = this.built;
+    const { mechanism, shafts, shape } = this.built;
     const { input, end } = shafts.stations;
     const { reach } = mechanism;
-    const away = new Vector3(-0.42, -1, 0.34).normalize();
+    // planar wheels show their faces along the axis
+    const away = new Vector3(shape.layout === "planar" ? -0.75 : -0.42, -1, 0.36).normalize();
     const right = new Vector3().crossVectors(this.camera.up, away).normalize();
     const up = new Vector3().crossVectors(away, right);
     const corners = [input - 0.15 * reach, end + 0.1 * reach].flatMap((x) =>
@@ -108,7 +109,7 @@ export class View {
       const along = corners.map((corner) => corner.dot(axis));
       target.addScaledVector(axis, (Math.min(...along) + Math.max(...along)) / 2);
     }
-    const room = 0.94 * Math.tan((this.camera.fov * Math.PI) / 360);
+    const room = 0.97 * Math.tan((this.camera.fov * Math.PI) / 360);
     const distance = Math.max(...corners.map((corner) => {
       const from = corner.clone().sub(target);
       const across = Math.max(Math.abs(from.dot(right)) / this.camera.aspect, Math.abs(from.dot(up)));
