@@ -78,3 +78,91 @@ def test_bad_value_gives_the_sentence_of_the_native_fmu(still, built, case):
     with pytest.raises(FmuError) as refused:
         native(built, given)
     assert still.simulate(given) == str(refused.value)
+
+
+INTEGRATE = """request => new Promise(done => {
+  let calls = 0;
+  window.inertiaModule.integrate(request, run => {
+    calls++;
+    if (run.complete || run.refusal !== null) {
+      const columns = Object.entries(run.columns).map(([name, array]) => [name, [...array]]);
+      done({ ...run, columns: Object.fromEntries(columns), time: [...run.time], calls });
+    }
+  });
+})"""
+# up to speed and, by a jump, to another load
+OVER_TIME = {
+    "omega1": {"times": [0.0, 0.05, 0.2], "values": [0.0, 20.0, 120.0]},
+    "load_torque": {"times": [0.0, 0.1, 0.1, 0.3], "values": [2.0, 2.0, 12.0, 8.0]},
+}
+
+
+def over_time(signal, time):
+    """Value of a signal just after a time, and its rate until the next point."""
+    times, values = signal["times"], signal["values"]
+    at = np.searchsorted(times, time, side="right")
+    if at in (0, len(times)):
+        return values[0 if at == 0 else -1], 0.0
+    rate = (values[at] - values[at - 1]) / (times[at] - times[at - 1])
+    return values[at - 1] + rate * (time - times[at - 1]), rate
+
+
+def test_inputs_over_time_are_straight_lines_as_the_fmu_takes_them(still, built):
+    found = still.simulate({**options({}), "inputs": OVER_TIME})
+    start = {name: over_time(signal, 0.0)[0] for name, signal in OVER_TIME.items()}
+    with Fmu(built / "InertiaModule.fmu", {}, start) as fmu:
+        rows = [fmu.read(READ)]
+        for n in range(STEPS):
+            now = {name: over_time(signal, n * STEP) for name, signal in OVER_TIME.items()}
+            fmu.set(**{name: value for name, (value, _) in now.items()})
+            fmu.set_rates(**{name: rate for name, (_, rate) in now.items()})
+            fmu.advance(STEP)
+            rows.append(fmu.read(READ))
+    for name, values in zip(READ, np.array(rows).T, strict=True):
+        assert found[name] == pytest.approx(values, rel=1e-9, abs=1e-9 * max(np.abs(values).max(), 1.0)), name
+
+
+def test_integrate_is_simulate_in_slices_with_angles_whole(still):
+    given = options(CASES["planar, rigid, speed"])
+    request = {**given, "duration": 2.0}
+    run = still.page.evaluate(INTEGRATE, request)
+    at_once = still.simulate({**given, "steps": 2000})
+    assert run["complete"]
+    assert run["calls"] > 1
+    assert run["time"] == at_once["time"]
+    assert {name: run["columns"][name] for name in READ} == {name: at_once[name] for name in READ}
+    turned = np.array(at_once["drive_angle"]) + 2.0 * np.pi * np.array(at_once["drive_turns"])
+    assert run["columns"]["q"] == pytest.approx(turned, rel=1e-15)
+
+
+def test_run_that_is_refused_on_its_way_keeps_what_it_has(still):
+    given = options({"load_torque": 10.0})
+    given["inputs"]["omega1"] = {"times": [0.0, 0.0105, 0.0105], "values": [100.0, 100.0, 1e300]}
+    run = still.page.evaluate(INTEGRATE, {**given, "duration": 1.0})
+    assert not run["complete"]
+    assert len(run["time"]) == len(run["columns"]["omega2"]) == 12
+    assert run["refusal"] == still.simulate(given)
+    assert run["refusal"].startswith("omega1 must be between ")
+
+
+def test_warnings_are_those_of_the_native_fmu(still, built):
+    given = options({"layout": 1, "eccentricity": 0.05, "satellites": 12, "omega1": 10.0})
+    run = still.page.evaluate(INTEGRATE, {**given, "duration": 0.01})
+    with Fmu(built / "InertiaModule.fmu", given["parameters"], given["inputs"]) as fmu:
+        assert run["warnings"] == fmu.warnings
+    assert len(run["warnings"]) == 2
+
+
+def test_thousand_instances_take_the_memory_of_one(still):
+    """Instances are given back, also those that are refused."""
+    used = """([good, bad]) => {
+      const { simulate } = window.inertiaModule;
+      for (let n = 0; n < 1000; n++) {
+        simulate(good);
+        try { simulate(bad); } catch { /* refused */ }
+      }
+      return simulate(good).omega_out.at(-1);
+    }"""
+    good = {**options({"omega1": 100.0}), "steps": 2, "outputs": ["omega_out"]}
+    bad = {**good, "parameters": {"tolerance": 7.0}}
+    assert still.page.evaluate(used, [good, bad]) == still.simulate(good)["omega_out"][-1]

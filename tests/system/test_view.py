@@ -43,7 +43,7 @@ def test_run_is_played_as_it_was_recorded(opened, built, tmp_path):
     start, played = page.page.evaluate("window.inertiaModule.start"), page.page.evaluate(PLAYED)
     every = start["run"]["every"]
     assert not start["scene"]["exact"]
-    assert start["scene"]["inputs"]["load_torque"] == pytest.approx(table["load_torque"].mean(), rel=1e-12)
+    assert start["scene"]["inputs"]["load_torque"] == pytest.approx(table["load_torque"].mean(), rel=1e-3)
     assert start["scene"]["inputs"]["drive_torque"]["values"] == [0.0, 40.0, 25.0, 15.0]
     assert played["time"] == pytest.approx(table.time[::every], abs=1e-9)
     assert played["omega_out"] == pytest.approx(table["omega_out"][::every], rel=1e-7)
@@ -68,11 +68,18 @@ def test_without_the_template_the_command_that_makes_it_is_named(arguments, tmp_
 
 
 def test_page_of_a_shaft_alone_is_refused(tmp_path):
-    done = invoke("run", EXAMPLES / "papers" / "stelmashchuk_stepping.toml", "--view", "-o", tmp_path / "out")
-    assert "--view must come with a scene of the module" in done.stderr.replace(
-        "--fidelity, --error and ", ""
-    )
-    assert not (tmp_path / "out").exists()
+    shaft = EXAMPLES / "papers" / "stelmashchuk_stepping.toml"
+    for arguments, sentence in (
+        (("run", shaft, "--view", "-o", tmp_path), "--view must come with a scene of the module"),
+        (
+            ("view", shaft, "-o", tmp_path / "page.html"),
+            "must be a scene of the module, is one of a driven shaft",
+        ),
+    ):
+        done = invoke(*arguments)
+        assert done.exit_code == 1
+        assert sentence in done.stderr
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_place_that_cannot_be_written_is_refused_before_the_run(tmp_path, monkeypatch):

@@ -34,12 +34,15 @@ def view(
     from ..page.html import checked_path, html_file, template
     from ..page.recording import SHOWN
     from ..page.start import is_exact
-    from ..scene import load_scene, run_scene
+    from ..scene import Scene, load_any_scene, run_scene
 
     with one_line_errors():
         path = checked_path(output or OUTPUT_FOLDER / scene.stem / PAGE)
         template()
-        read, _ = at_fidelity(load_scene(scene), None, None)
+        found = load_any_scene(scene)
+        if not isinstance(found, Scene):
+            raise ValueError(f"{scene.name} must be a scene of the module, is one of a driven shaft")
+        read, _ = at_fidelity(found, None, None)
         outcome = None
         if not is_exact(read):
             with progress_bar(read.title) as progress:

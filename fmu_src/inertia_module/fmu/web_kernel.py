@@ -18,6 +18,8 @@ from .linking import compiler, run_tool
 TRIPLE, PROCESSOR, LINKED_FOR = "wasm32-unknown-wasi", "generic", "wasm32-wasi"
 # bytes, of which the deepest calls of the kernel take 800
 STACK = 1 << 16
+# bytes: two hundred instances at once
+MEMORY = 1 << 24
 
 Progress = Callable[[str], None]
 
@@ -63,6 +65,7 @@ def link(model: Model) -> bytes:
         folder = Path(name)
         (folder / "kernel.o").write_bytes(object_file(model.entry, machine, label))
         exported = [f"-Wl,--export={symbol}" for symbol in (ENTRIES[model.entry].symbol, "__heap_base")]
-        given = ["-target", LINKED_FOR, "-mexec-model=reactor", "-s", *exported, f"-Wl,-z,stack-size={STACK}"]
+        given = ["-target", LINKED_FOR, "-mexec-model=reactor", "-s", *exported]
+        given += [f"-Wl,-z,stack-size={STACK}", f"-Wl,--max-memory={MEMORY}"]
         run_tool("cc", [*given, "-o", "kernel.wasm", "kernel.o"], folder)
         return (folder / "kernel.wasm").read_bytes()

@@ -19,11 +19,11 @@ def page_scene(scene: Scene, record: Result | None = None) -> dict[str, Any]:
 
     Args:
         scene: whose fidelity is chosen. record: a run of it. An input that follows from what the module does
-            becomes constant: its mean over the run, without a run its value at the start.
+            becomes constant: its mean over the run to four digits, without a run its value at the start.
     """
     _, parameters, inputs = start_of(scene)
     if record is not None:
-        inputs |= {name: float(record[name].mean()) for name in PLANT_INPUTS if name in record}
+        inputs |= {name: float(f"{record[name].mean():.4g}") for name in PLANT_INPUTS if name in record}
     if scene.accuracy.tolerance is not None:
         parameters = {**parameters, "tolerance": scene.accuracy.tolerance}
     return {
