@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 QUIET ?= -q
 
-.PHONY: demo test lint docs build bench stability coupling install clean help
+.PHONY: demo test lint docs build page bench stability coupling install clean help
 
 help: ## what there is to make
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
@@ -26,26 +26,31 @@ install: $(VENV)/.all ## set up a virtual environment with everything
 build: $(VENV)/.run ## build the FMUs into build/
 	$(BIN)/inertia-module build
 
+page: $(VENV)/.all ## build the page that `inertia-module view` fills
+	$(BIN)/python page/make.py
+
 demo: $(VENV)/.run ## set up, build the FMU, drive a car through the urban cycle
 	$(BIN)/inertia-module build
 	$(BIN)/inertia-module run examples/urban.toml -o out/urban
 
-test: $(VENV)/.all ## run all tests
+test: $(VENV)/.all page ## run all tests
 	$(BIN)/python -m pytest -n auto --dist worksteal
 
-lint: $(VENV)/.all ## style, types, floors
+lint: $(VENV)/.all ## style, types, floors; the page's too
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/python page/make.py check
 
 docs: $(VENV)/.all ## build the documentation into site/
 	$(BIN)/python docs/make_pages.py --check
 	$(BIN)/mkdocs build -q --strict
 
-bench: $(VENV)/.all ## measure speed and errors, write docs/*.csv, the picture and the page on performance
+bench: $(VENV)/.all page ## measure speed and errors, write docs/*.csv, the picture and the page on performance
 	$(BIN)/python benchmarks/speed.py
 	$(BIN)/python benchmarks/trade.py
+	$(BIN)/python benchmarks/page.py
 	$(BIN)/python docs/make_pages.py
 
 stability: $(VENV)/.all ## try the extremes, write docs/stability.csv, its picture and page
@@ -59,4 +64,4 @@ coupling: $(VENV)/.all ## couple an engine, write docs/coupling*.csv, the pictur
 	$(BIN)/python docs/make_pages.py
 
 clean: ## remove what was built
-	rm -rf $(VENV) out site build/*.fmu
+	rm -rf $(VENV) out site build/*.fmu build/*.wasm page/node_modules

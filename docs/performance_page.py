@@ -112,6 +112,8 @@ def values():
         "python_fmu": shell["InertiaModulePy"],
         "python_ratio": shell["InertiaModulePy"] / shell["trivial pythonfmu FMU"],
         "start": found["instantiation"]["time"],
+        "page": found["scene R1 in the page"]["page"],
+        "page_ratio": found["scene R1 in the page"]["ratio"],
         "urban": urban_choice(),
         "averaged_short": rigid / short,
         "averaged_long": rigid / long,

@@ -11,7 +11,7 @@ import pytest
 from inertia_module.common.files import PACKAGE_FOLDER, cache_folder
 from inertia_module.compiling.ir import llvm_text
 from inertia_module.compiling.kernels import DRIVEN_SHAFT, CompilationUnavailable
-from inertia_module.fmu.builder import FMUS, SHAFT_FMU, build
+from inertia_module.fmu.builder import FMUS, SHAFT_FMU, WEB_KERNEL, build
 from inertia_module.fmu.linking import compiler
 from inertia_module.fmu.native_fmu import guid
 from inertia_module.fmu.targets import TARGETS
@@ -32,6 +32,18 @@ linking.object_file = lambda name, machine, label: compile_ir(llvm_text(name), E
 for number, target in enumerate(TARGETS):
     library = linking.link(DRIVEN_SHAFT, "DrivenShaft", "{guid}", target)
     Path(sys.argv[1], str(number)).write_bytes(library)
+"""
+LINK_FOR_BROWSERS = """
+import sys
+
+from inertia_module.compiling.kernels import ENTRIES
+from inertia_module.fmu import web_kernel
+from inertia_module.fmu.builder import WEB_KERNEL
+from inertia_module.compiling.ir import llvm_text
+from inertia_module.compiling.objects import compile_ir
+
+web_kernel.object_file = lambda name, machine, label: compile_ir(llvm_text(name), ENTRIES[name], machine)
+sys.stdout.buffer.write(web_kernel.link(WEB_KERNEL.model))
 """
 TRANSLATE = """
 import sys
@@ -148,6 +160,14 @@ def test_fmu_is_the_same_file_wherever_it_is_built(fmu, built_twice):
 def test_second_build_leaves_the_same_files(built, tmp_path):
     for path in build(tmp_path).paths:
         assert path.read_bytes() == (built / path.name).read_bytes()
+
+
+def test_web_kernel_is_the_same_wherever_it_is_linked_and_tells_no_path(built, tmp_path):
+    here = (built / WEB_KERNEL.file_name).read_bytes()
+    assert elsewhere(tmp_path / "user", "-c", LINK_FOR_BROWSERS) == here
+    assert here.startswith(b"\0asm")
+    assert b"inertia_module_entry" in here
+    assert (os.path.expanduser("~") + os.sep).encode() not in here
 
 
 def test_library_is_the_same_wherever_it_is_linked_and_tells_no_path_and_no_user(tmp_path):

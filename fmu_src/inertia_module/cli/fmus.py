@@ -13,7 +13,10 @@ from .shared import BUILD_FOLDER, Json, OutputFolder, app, folder_for, one_line_
 
 @app.command()
 def build(output: OutputFolder = None, as_json: Json = False) -> None:
-    """Build the FMUs, each whole or not at all (into build/ without -o); exit code 1 if one is skipped."""
+    """Build the FMUs and the kernel for pages, each whole or not at all (into build/ without -o).
+
+    Exit code 1 if one is skipped.
+    """
     from rich.text import Text
 
     from ..common.terminal import terminal
@@ -29,7 +32,9 @@ def build(output: OutputFolder = None, as_json: Json = False) -> None:
 
         built = build_fmus(folder, stage)
     if as_json:
-        typer.echo(json.dumps({"fmus": [str(path) for path in built.paths], "skipped": built.skipped}))
+        fmus = [str(path) for path in built.paths if path.suffix == ".fmu"]
+        kernels = [str(path) for path in built.paths if path.suffix != ".fmu"]
+        typer.echo(json.dumps({"fmus": fmus, "kernels": kernels, "skipped": built.skipped}))
     else:
         for path in built.paths:
             typer.echo(f"built {path} ({path.stat().st_size / 1024:.0f} kB)")

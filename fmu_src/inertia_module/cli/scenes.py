@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from .shared import (
+    PAGE,
+    FmuToRun,
     Json,
     OutputFolder,
     app,
@@ -39,36 +41,41 @@ def run(
         str | None,
         typer.Option(help='Error allowed in the outputs, such as 0.01 or "1 %", for fidelity auto.'),
     ] = None,
-    fmu: Annotated[
-        Path | None, typer.Option(metavar="FILE.fmu", help="FMU to run (build/InertiaModule.fmu).")
-    ] = None,
+    fmu: FmuToRun = None,
+    view: Annotated[bool, typer.Option("--view", help="Leave page.html too: see view.")] = False,
     as_json: Json = False,
 ) -> None:
     """Run a scene: leaves table.csv, summary.json and plot.png in a folder (out/SCENE without -o)."""
+    from ..common.files import write_atomically
     from ..figures.scenes import scene_figure
     from ..figures.shaft import shaft_figure
     from ..harness.results import write_figure, write_text
     from ..harness.simulate import progress_bar
+    from ..page.html import html_file, template
+    from ..page.recording import SHOWN
     from ..scene import ShaftScene, load_any_scene, run_scene, run_shaft_scene
 
-    choice = None
+    choice, page = None, None
     result: Outcome
     with one_line_errors():
         folder = folder_for(output, scene.stem)
         read = load_any_scene(scene)
         if isinstance(read, ShaftScene):
-            if fidelity is not None or error is not None:
-                raise ValueError("--fidelity and --error must come with a scene of the module")
+            if fidelity is not None or error is not None or view:
+                raise ValueError("--fidelity, --error and --view must come with a scene of the module")
             path = fmu or native_fmus()[1]
             with progress_bar(read.title) as progress:
                 of_shaft = run_shaft_scene(read, path, progress)
             result, figure = of_shaft, shaft_figure(of_shaft)
         else:
-            read, choice = _at_fidelity(read, fidelity, error)
+            if view:
+                template()
+            read, choice = at_fidelity(read, fidelity, error)
             path = fmu or current_fmu()
             with progress_bar(read.title) as progress:
-                of_module = run_scene(read, path, progress)
+                of_module = run_scene(read, path, progress, SHOWN if view else ())
             result, figure = of_module, scene_figure(of_module)
+            page = html_file(read, of_module) if view else None
         chosen = {} if choice is None else {"fidelity_choice": choice.as_dict()}
         summary = {**result.summary, **chosen}
         files = {
@@ -76,6 +83,9 @@ def run(
             "summary": write_text(folder / "summary.json", json.dumps(summary, indent=2) + "\n"),
             "plot": write_figure(folder / "plot.png", figure),
         }
+        if page is not None:
+            files["page"] = folder / PAGE
+            write_atomically(files["page"], page)
     if as_json:
         listed = {name: str(file) for name, file in files.items()}
         warned = {"warnings": list(result.warnings)}
@@ -94,7 +104,7 @@ def run(
         typer.echo(f"{name}: {file}")
 
 
-def _at_fidelity(read: Scene, fidelity: str | None, error: str | None) -> tuple[Scene, Choice | None]:
+def at_fidelity(read: Scene, fidelity: str | None, error: str | None) -> tuple[Scene, Choice | None]:
     """A scene at the fidelity asked for, or at one chosen by measuring, and then why."""
     from ..harness.simulate import progress_bar
     from ..studies.trials import choose

@@ -11,6 +11,8 @@ import typer
 
 BUILD_FOLDER = Path("build")
 OUTPUT_FOLDER = Path("out")
+# name of the page of a scene
+PAGE = "page.html"
 
 app = typer.Typer(
     help="Inertia module: an inertial torque transformer as an FMI 2.0 co-simulation FMU.",
@@ -22,6 +24,9 @@ app = typer.Typer(
 OutputFolder = Annotated[
     Path | None,
     typer.Option("--output", "-o", metavar="DIR", help="Folder to write to; made if it is not there."),
+]
+FmuToRun = Annotated[
+    Path | None, typer.Option("--fmu", metavar="FILE.fmu", help="FMU to run (build/InertiaModule.fmu).")
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object for machines.")]
 

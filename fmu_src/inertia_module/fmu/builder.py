@@ -1,4 +1,4 @@
-"""Builds all FMUs, each of them whole or not at all."""
+"""Builds all FMUs and the kernel for pages, each of them whole or not at all."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ from .native_fmu import guid as native_guid
 from .python_fmu import PythonFmu, python_fmu
 from .python_fmu import guid as python_guid
 from .targets import TARGETS
+from .web_kernel import WebKernel, web_kernel
 
 Progress = Callable[[str], None]
 
@@ -26,24 +27,27 @@ MODULE_FMU = NativeFmu("InertiaModule", INERTIA_MODULE, "model.png")
 SHAFT_FMU = NativeFmu("DrivenShaft", DRIVEN_SHAFT, "driven_shaft.png")
 PYTHON_FMU = PythonFmu("InertiaModulePy", INERTIA_MODULE, "model.png", MODULE_FMU)
 FMUS: tuple[NativeFmu | PythonFmu, ...] = (MODULE_FMU, PYTHON_FMU, SHAFT_FMU)
+WEB_KERNEL = WebKernel("InertiaModule", INERTIA_MODULE)
 
 
 class Built(NamedTuple):
-    """What a build has left: paths of the FMUs, and what was skipped, with the reason."""
+    """What a build has left: paths of the FMUs, then of the kernel; what was skipped, with the reason."""
 
     paths: list[Path]
     skipped: dict[str, str]
 
 
 def content_of(
-    fmu: NativeFmu | PythonFmu, progress: Progress = lambda stage: None
+    what: NativeFmu | PythonFmu | WebKernel, progress: Progress = lambda stage: None
 ) -> tuple[bytes, dict[str, str]]:
-    """The content of an FMU's file, and what was skipped, with the reason.
+    """The content of a file, and what was skipped, with the reason.
 
     Raises:
-        CompilationUnavailable: it is native, and there is no target at all it could be compiled for.
+        CompilationUnavailable: it is compiled, and there is no target at all it could be compiled for.
     """
-    return native_fmu(fmu, progress) if isinstance(fmu, NativeFmu) else python_fmu(fmu, progress)
+    if isinstance(what, WebKernel):
+        return web_kernel(what, progress), {}
+    return native_fmu(what, progress) if isinstance(what, NativeFmu) else python_fmu(what, progress)
 
 
 def is_current(path: Path, fmu: NativeFmu | PythonFmu) -> bool:
@@ -72,7 +76,7 @@ def _translate(progress: Progress) -> None:
 
 
 def build(folder: Path, progress: Progress = lambda stage: None) -> Built:
-    """Build all FMUs into a folder, each of them whole or not at all.
+    """Build all FMUs and the kernel for pages into a folder, each of them whole or not at all.
 
     Args:
         folder: where to; made if it is not there. progress: told each stage as it begins.
@@ -83,14 +87,14 @@ def build(folder: Path, progress: Progress = lambda stage: None) -> Built:
     built = Built([], {})
     writable_folder(folder)
     _translate(progress)
-    for fmu in FMUS:
-        progress(f"building {fmu.file_name}")
+    for what in (*FMUS, WEB_KERNEL):
+        progress(f"building {what.file_name}")
         try:
-            content, skipped = content_of(fmu, progress)
+            content, skipped = content_of(what, progress)
         except CompilationUnavailable as reason:
-            built.skipped[fmu.file_name] = str(reason)
+            built.skipped[what.file_name] = str(reason)
             continue
         built.skipped.update(skipped)
-        write_atomically(folder / fmu.file_name, content)
-        built.paths.append(folder / fmu.file_name)
+        write_atomically(folder / what.file_name, content)
+        built.paths.append(folder / what.file_name)
     return built

@@ -9,7 +9,7 @@ from pydantic import BaseModel, Field
 from .. import loops
 from ..contract.variable import ENUMERATIONS, LARGEST_SPEED
 from ..kernel.codes import DRIVE_SPEED, DRIVE_TORQUE
-from ..loops import Table
+from ..loops.sources import Signal, Table
 from .errors import SceneError
 from .loads import Torque
 from .tables import Duration, Strict, Tabulated, Time, Times
@@ -18,30 +18,32 @@ from .units import quantities, quantity
 AngularSpeed = Annotated[float, quantity("rad/s", -LARGEST_SPEED, LARGEST_SPEED)]
 
 
-class SpeedDrive(Strict):
-    """Link 1 turns at a given speed."""
+class GivenDrive(Strict):
+    """An input of the module is given, whatever the module does; INPUT is its name."""
 
-    def signal(self) -> float | Table:
-        """Speed of link 1, constant or over time, rad/s."""
+    INPUT: ClassVar[str] = "omega1"
+
+    def signal(self) -> Signal:
+        """The input, constant or over time, rad/s or N.m."""
         raise NotImplementedError
 
     def systems(self, step: float) -> list[Any]:
-        """The system that gives omega1, of this step, s."""
-        return [loops.source("omega1", self.signal(), step)]
+        """The system that gives the input, of this step, s."""
+        return [loops.source(self.INPUT, self.signal(), step)]
 
 
-class ConstantDrive(SpeedDrive):
+class ConstantDrive(GivenDrive):
     """Link 1 turns at constant speed."""
 
     kind: Literal["constant"]
     omega1: AngularSpeed
 
-    def signal(self) -> float | Table:
+    def signal(self) -> Signal:
         """Speed of link 1, rad/s."""
         return self.omega1
 
 
-class RampDrive(SpeedDrive):
+class RampDrive(GivenDrive):
     """The speed of link 1 changes linearly between two values and is held before and after."""
 
     kind: Literal["ramp"]
@@ -50,12 +52,12 @@ class RampDrive(SpeedDrive):
     start: Time = 0.0
     duration: Duration
 
-    def signal(self) -> float | Table:
+    def signal(self) -> Signal:
         """Speed of link 1 over time, rad/s."""
         return Table([self.start, self.start + self.duration], [self.initial, self.final])
 
 
-class TableDrive(Tabulated, SpeedDrive):
+class TableDrive(Tabulated, GivenDrive):
     """The speed of link 1 over time."""
 
     VALUES: ClassVar[str] = "omega1"
@@ -65,7 +67,7 @@ class TableDrive(Tabulated, SpeedDrive):
     time: Times
     omega1: Annotated[list[float], quantities("rad/s")]
 
-    def signal(self) -> float | Table:
+    def signal(self) -> Signal:
         """Speed of link 1 over time, rad/s."""
         return self.table()
 
@@ -95,29 +97,32 @@ class ControlledTorque(Strict):
         return []
 
 
-class ConstantTorque(Strict):
+class ConstantTorque(GivenDrive):
     """A constant torque on link 1, whose speed follows from it.
 
     Attributes:
         drive_torque: N.m. omega1: speed of link 1 at the start, rad/s.
     """
 
+    INPUT: ClassVar[str] = "drive_torque"
+
     kind: Literal["torque"]
     drive_torque: Torque
     omega1: AngularSpeed = 0.0
 
-    def systems(self, step: float) -> list[Any]:
-        """The system that gives drive_torque, of this step, s."""
-        return [loops.source("drive_torque", self.drive_torque, step)]
+    def signal(self) -> Signal:
+        """Torque on link 1, N.m."""
+        return self.drive_torque
 
 
-class TorqueTable(Tabulated):
+class TorqueTable(Tabulated, GivenDrive):
     """A torque on link 1 over time, whose speed follows from it.
 
     Attributes:
         time, drive_torque: s, N.m. omega1: speed of link 1 at the start, rad/s.
     """
 
+    INPUT: ClassVar[str] = "drive_torque"
     VALUES: ClassVar[str] = "drive_torque"
     UNITS: ClassVar[tuple[str, str]] = ("s", "N.m")
 
@@ -126,9 +131,9 @@ class TorqueTable(Tabulated):
     drive_torque: Annotated[list[float], quantities("N.m")]
     omega1: AngularSpeed = 0.0
 
-    def systems(self, step: float) -> list[Any]:
-        """The system that gives drive_torque, of this step, s."""
-        return [loops.source("drive_torque", self.table(), step)]
+    def signal(self) -> Signal:
+        """Torque on link 1 over time, N.m."""
+        return self.table()
 
 
 # drives that take the module's drive = torque

@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 
 from .. import loops
 from ..contract.variable import LARGEST_TORQUE
+from ..loops.sources import Signal
 from .tables import Strict, Tabulated, Times
 from .units import quantities, quantity
 
@@ -60,11 +61,13 @@ class TorqueLoad(Strict):
             raise ValueError(f"one of torque and torque_over_time must be given, {given}")
         return self
 
+    def signal(self) -> Signal:
+        """The torque, constant or over time, N.m."""
+        return (self.torque or 0.0) if self.torque_over_time is None else self.torque_over_time.table()
+
     def build(self, step: float, one_way: bool) -> loops.Load:
         """The load as a system of this step, s; one_way: the shaft cannot turn backwards."""
-        if self.torque_over_time is not None:
-            return loops.torque_source(self.torque_over_time.table(), step)
-        return loops.torque_source(self.torque or 0.0, step)
+        return loops.torque_source(self.signal(), step)
 
 
 class ShaftLoad(Strict):

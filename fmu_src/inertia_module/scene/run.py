@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from ..contract.variable import LOCAL, OUTPUT
+from ..contract.variables import with_causality
 from ..harness.simulate import Fmu, Progress, Result
 from ..loops import ClosedLoop, connect, initial_inputs
 from .drives import TORQUE_DRIVES
@@ -53,7 +56,8 @@ class SceneResult(Outcome):
     @property
     def table(self) -> Result:
         """The outputs the scene wants and the signals of its loop, at each communication point."""
-        return self.record.without(set(SUMMARISED) - set(self.scene.run.outputs))
+        unwanted = {variable.name for variable in with_causality(OUTPUT, LOCAL)} - set(self.scene.run.outputs)
+        return self.record.without(unwanted)
 
 
 def start_of(scene: Scene) -> tuple[Any, dict[str, float], dict[str, float]]:
@@ -66,12 +70,15 @@ def start_of(scene: Scene) -> tuple[Any, dict[str, float], dict[str, float]]:
     return surroundings, values, inputs
 
 
-def run_scene(scene: Scene, fmu_path: Path | str, progress: Progress | None = None) -> SceneResult:
+def run_scene(
+    scene: Scene, fmu_path: Path | str, progress: Progress | None = None, also: Iterable[str] = ()
+) -> SceneResult:
     """Run a scene with an FMU of the module.
 
     Args:
         scene: of load_scene. fmu_path: InertiaModule.fmu, or another with its contract.
         progress: told how much of the run is done (0 to 1).
+        also: outputs and locals of the FMU to record besides those that the scene wants.
 
     Raises:
         FmuError: the FMU cannot be loaded, or refuses a value or a step.
@@ -80,7 +87,7 @@ def run_scene(scene: Scene, fmu_path: Path | str, progress: Progress | None = No
     if scene.chooses_fidelity:
         raise SceneError("mechanism.fidelity must be chosen first (studies.trials.choose), is 'auto'")
     surroundings, values, inputs = start_of(scene)
-    outputs = [*scene.run.outputs, *SUMMARISED]
+    outputs = [*scene.run.outputs, *SUMMARISED, *also]
     fmu = Fmu(
         fmu_path,
         parameters=values,

@@ -1,0 +1,71 @@
+"""The kernel in WebAssembly, for pages. It imports nothing: sin, exp and so on of the C library are in it."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+from ..common.files import cache_folder, content_hash, sources, write_atomically
+from ..compiling.ir import tool_versions
+from ..compiling.kernels import ENTRIES
+from ..compiling.objects import made_from, object_file, target_machine
+from ..contract.models import Model
+from .linking import compiler, run_tool
+
+# for machine code and for the linker; any browser since 2021 knows what a "generic" processor may
+TRIPLE, PROCESSOR, LINKED_FOR = "wasm32-unknown-wasi", "generic", "wasm32-wasi"
+# bytes, of which the deepest calls of the kernel take 800
+STACK = 1 << 16
+# bytes: two hundred instances at once
+MEMORY = 1 << 24
+
+Progress = Callable[[str], None]
+
+
+class WebKernel(NamedTuple):
+    """A kernel to build: its name, and its model."""
+
+    identifier: str
+    model: Model
+
+    @property
+    def file_name(self) -> str:
+        """Name of its file."""
+        return f"{self.identifier}.wasm"
+
+
+def web_kernel(kernel: WebKernel, progress: Progress = lambda stage: None) -> bytes:
+    """The kernel as a module of WebAssembly, from the cache if it was built before.
+
+    It exports its entry (see kernel.entry), its memory, and __heap_base: where free memory begins.
+
+    Raises:
+        CompilationUnavailable: what it takes is not installed, or fails.
+    """
+    compiler()
+    depends_on = made_from() | tool_versions("ziglang")
+    depends_on |= sources("fmu/web_kernel.py", "fmu/linking.py")
+    path = cache_folder() / f"{kernel.identifier}-{content_hash(depends_on)[:16]}.wasm"
+    if not path.exists():
+        progress(f"compiling {kernel.identifier} for browsers")
+        write_atomically(path, link(kernel.model))
+    return path.read_bytes()
+
+
+def link(model: Model) -> bytes:
+    """The kernel of a model as a module of WebAssembly.
+
+    Raises:
+        CompilationUnavailable: what it takes is not installed, or fails.
+    """
+    machine, label = target_machine(TRIPLE, PROCESSOR)
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / "kernel.o").write_bytes(object_file(model.entry, machine, label))
+        exported = [f"-Wl,--export={symbol}" for symbol in (ENTRIES[model.entry].symbol, "__heap_base")]
+        given = ["-target", LINKED_FOR, "-mexec-model=reactor", "-s", *exported]
+        given += [f"-Wl,-z,stack-size={STACK}", f"-Wl,--max-memory={MEMORY}"]
+        run_tool("cc", [*given, "-o", "kernel.wasm", "kernel.o"], folder)
+        return (folder / "kernel.wasm").read_bytes()

@@ -1,0 +1,181 @@
+// The page put together: what is set, the run, the clock, the picture and the curves.
+
+import { byId } from "./controls/dom";
+import { fromHash, toHash } from "./controls/link";
+import { nextSwitch, pulseAround } from "./controls/pulses";
+import { calmSpeed, Player } from "./controls/player";
+import { SCENES } from "./controls/scenes";
+import { Session } from "./controls/session";
+import { currentValue, requestOf, Store, type Settings } from "./controls/settings";
+import { Curves } from "./curves/curves";
+import type { Shown } from "./machine/view";
+import { variables, type Run } from "./run/run";
+import { indexAt, lengthOf } from "./run/sample";
+import type { Scene } from "./run/start";
+import { Panels } from "./panels";
+import { Picture } from "./picture";
+
+const SETTABLE = new Set([
+  ...variables.filter((v) => v.causality === "input" || v.causality === "parameter").map((v) => v.name), "duration", "step",
+]);
+
+/** The page. */
+export class App {
+  readonly store: Store<Settings>;
+  readonly player: Player;
+  run: Run | null = null;
+  refusal = "";
+  busy = false;
+  /** Mean time of script that a frame takes, ms. */
+  frame = 0;
+  private readonly session: Session;
+  private readonly picture: Picture;
+  private readonly curves: Curves;
+  private readonly panels: Panels;
+  private wanted = true;
+  private asked = false;
+  private linking = 0;
+  private last = 0;
+
+  constructor() {
+    const linked = fromHash(location.hash, [...SCENES.keys()], SETTABLE);
+    this.store = new Store(linked.settings);
+    this.player = new Player(() => { this.changed(); });
+    this.picture = new Picture(() => { this.wanted = true; });
+    this.curves = new Curves(byId("curves"), (time) => { this.player.set({ time, loop: null }); });
+    this.panels = new Panels(this, this.curves, this.picture);
+    this.session = new Session({
+      run: (run) => { this.show(run); },
+      say: (refusal, warnings) => {
+        this.refusal = [refusal, linked.unknown.length > 0 ? `not understood in the address: ${linked.unknown.join(", ")}` : ""]
+          .filter((text) => text !== "").join("; ");
+        this.panels.say(this.refusal, warnings);
+      },
+      busy: (busy) => { this.busy = busy; },
+    });
+    this.store.watch(() => { this.settled(); });
+    this.picture.show(linked.settings.shown);
+    this.panels.settings();
+    this.player.clock.time = linked.time;
+    this.player.clock.speed = linked.speed ?? calmSpeed(currentValue(this.scene, linked.settings.changed, "omega1"));
+    this.player.clock.playing = linked.time === 0 && !matchMedia("(prefers-reduced-motion: reduce)").matches;
+    this.picture.still(requestOf(this.scene, linked.settings.changed).parameters);
+    void this.session.ask(this.scene, linked.settings.changed);
+    requestAnimationFrame((now) => { this.tick(now); });
+  }
+
+  get scene(): Scene {
+    const found = SCENES.get(this.store.get().scene);
+    if (!found) throw new Error(`there is no scene ${this.store.get().scene}`);
+    return found;
+  }
+
+  value(name: string): number {
+    return currentValue(this.scene, this.store.get().changed, name);
+  }
+
+  /** Set a variable, duration or step. */
+  set(name: string, value: number): void {
+    this.store.set({ changed: { ...this.store.get().changed, [name]: value } });
+  }
+
+  /** Take a scene as it is. */
+  choose(scene: string): void {
+    this.store.set({ scene, changed: {} });
+    this.player.set({ time: 0, loop: null, speed: calmSpeed(this.value("omega1")) });
+    this.picture.home();
+  }
+
+  showAlso(change: Partial<Shown>): void {
+    this.store.set({ shown: { ...this.store.get().shown, ...change } });
+  }
+
+  toggle(): void {
+    const { playing, time, loop } = this.player.clock;
+    const ended = this.run !== null && loop === null && time >= lengthOf(this.run);
+    this.player.set({ playing: !playing, ...(ended && { time: 0 }) });
+  }
+
+  /** To the next or last switch of a freewheel. */
+  toSwitch(forwards: boolean): void {
+    const time = this.run && nextSwitch(this.run, this.player.clock.time, forwards);
+    if (time !== null) this.player.set({ time, playing: false, loop: null });
+  }
+
+  /** To the next or last point of the run. */
+  toPoint(forwards: boolean): void {
+    if (!this.run) return;
+    const { time } = this.run;
+    const index = indexAt(time, this.player.clock.time);
+    const before = (time[index] ?? 0) < this.player.clock.time ? index : index - 1;
+    this.player.set({ time: time[forwards ? index + 1 : Math.max(before, 0)] ?? lengthOf(this.run), playing: false, loop: null });
+  }
+
+  /** Repeat the pulse around the clock, or no longer. */
+  pulse(): void {
+    if (!this.run) return;
+    const { loop, time } = this.player.clock;
+    if (loop) { this.player.set({ loop: null }); return; }
+    const around = pulseAround(this.run, time);
+    // a pulse takes four seconds on the wall
+    this.player.set({ loop: around, time: around[0], playing: true, speed: Number(((around[1] - around[0]) / 4).toPrecision(1)) });
+  }
+
+  hash(): string {
+    const { time, speed } = this.player.clock;
+    return toHash({ settings: this.store.get(), time, speed });
+  }
+
+  /** All that is shown, for tests and tinkerers. */
+  state(): object {
+    return {
+      ...this.player.clock, settings: this.store.get(), run: this.run, refusal: this.refusal, busy: this.busy || this.asked,
+      frame: this.frame, hash: this.hash(), imbalance: this.picture.drawnImbalance(),
+      chart: this.curves.chartPoints(),
+    };
+  }
+
+  /** A new run, or more of one. */
+  private show(run: Run): void {
+    this.run = run;
+    this.player.reach(lengthOf(run), run.complete || run.refusal !== null);
+    this.picture.run(run);
+    this.curves.show(run);
+    this.wanted = true;
+  }
+
+  private settled(): void {
+    this.picture.show(this.store.get().shown);
+    this.panels.settings();
+    this.changed();
+    // sliders move many times in a frame
+    this.asked = true;
+  }
+
+  private changed(): void {
+    this.wanted = true;
+    if (this.linking !== 0) return;
+    this.linking = window.setTimeout(() => {
+      this.linking = 0;
+      if (!this.player.clock.playing) history.replaceState(null, "", this.hash());
+    }, 300);
+  }
+
+  private tick(now: number): void {
+    requestAnimationFrame((next) => { this.tick(next); });
+    const began = performance.now();
+    const passed = (now - this.last) / 1000;
+    this.last = now;
+    if (this.asked) {
+      this.asked = false;
+      void this.session.ask(this.scene, this.store.get().changed);
+    }
+    this.player.advance(passed);
+    if (!this.wanted || !this.run) return;
+    const { clock } = this.player;
+    this.wanted = this.picture.draw(this.run, clock.time, clock.playing ? passed : Infinity);
+    this.curves.stand(clock.time, clock.playing);
+    this.panels.stand(this.run, clock.time, clock.playing);
+    this.frame += 0.05 * (performance.now() - began - this.frame);
+  }
+}

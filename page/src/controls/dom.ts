@@ -1,0 +1,47 @@
+// Elements of the page in a line each.
+
+type Child = Node | string;
+
+/** An element with attributes and children. */
+export function element<Name extends keyof HTMLElementTagNameMap>(
+  name: Name, attributes: Readonly<Record<string, string>> = {}, ...children: Child[]
+): HTMLElementTagNameMap[Name] {
+  const found = document.createElement(name);
+  for (const [key, text] of Object.entries(attributes)) found.setAttribute(key, text);
+  found.append(...children);
+  return found;
+}
+
+/** The element of the page with this id. */
+export function byId(id: string): HTMLElement {
+  const found = document.getElementById(id);
+  if (!found) throw new Error(`the page must have an element ${id}`);
+  return found;
+}
+
+/** A button with a word on it, or a sign and a name for those who do not see it; the name is what it does. */
+export function button(sign: string, name: string, press: () => void): HTMLButtonElement {
+  const word = /[a-z]/i.test(sign);
+  const found = element("button", { type: "button", title: name, ...(!word && { "aria-label": name }) }, sign);
+  found.addEventListener("click", press);
+  return found;
+}
+
+/** Options of a choice as a select element. */
+export function choice(
+  name: string, options: readonly (readonly [string, string])[], chosen: string, choose: (value: string) => void,
+): HTMLSelectElement {
+  const found = element("select", { "aria-label": name });
+  for (const [value, text] of options) found.append(element("option", { value }, text));
+  found.value = chosen;
+  found.addEventListener("change", () => { choose(found.value); });
+  return found;
+}
+
+/** A box to be ticked, with its text. */
+export function tick(text: string, ticked: boolean, change: (ticked: boolean) => void): HTMLLabelElement {
+  const input = element("input", { type: "checkbox" });
+  input.checked = ticked;
+  input.addEventListener("change", () => { change(input.checked); });
+  return element("label", { class: "tick" }, input, text);
+}

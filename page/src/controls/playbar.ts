@@ -1,0 +1,74 @@
+// Play, pause, scrub, slow motion, steps.
+
+import type { Player } from "./player";
+import { button, choice, element } from "./dom";
+import { steadyText } from "./units";
+
+export interface PlayActions {
+  toggle: () => void;
+  step: (forwards: boolean) => void;
+  pulse: () => void;
+  window: (choice: string) => void;
+}
+
+const PARTS = 10000;
+const SPEEDS = [0.0005, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10];
+
+/** A speed of play as a fraction. */
+function speedText(speed: number): string {
+  return speed < 1 ? `1/${Math.round(1 / speed)} of real speed` : speed === 1 ? "real speed" : `${speed} × real speed`;
+}
+
+/** The nearest speed that can be chosen. */
+function nearestSpeed(speed: number): number {
+  return SPEEDS.reduce((best, other) => Math.abs(Math.log(other / speed)) < Math.abs(Math.log(best / speed)) ? other : best);
+}
+
+/** The bar under the picture. */
+export class PlayBar {
+  readonly root: HTMLElement;
+  private readonly play: HTMLButtonElement;
+  private readonly pulse: HTMLButtonElement;
+  private readonly scrub = element("input", {
+    type: "range", min: "0", max: String(PARTS), step: "1", value: "0", class: "scrub", "aria-label": "time",
+  });
+  private readonly time = element("output", { class: "time", "aria-live": "off" });
+  private readonly speed: HTMLSelectElement;
+  private length = 1;
+
+  constructor(private readonly player: Player, actions: PlayActions) {
+    this.play = button("▶", "Play", actions.toggle);
+    this.play.classList.add("play");
+    this.pulse = button("↻ one pulse", "Repeat one pulse, slowly", actions.pulse);
+    this.speed = choice("Speed of play", SPEEDS.map((speed) => [String(speed), speedText(speed)]), "0.05", (text) => {
+      player.set({ speed: Number(text) });
+    });
+    this.scrub.addEventListener("input", () => {
+      player.set({ time: (Number(this.scrub.value) / PARTS) * this.length, loop: null });
+    });
+    this.root = element("div", { class: "playbar", role: "group", "aria-label": "Play" },
+      this.play,
+      button("⇤", "Back to the last switch of a freewheel", () => { actions.step(false); }),
+      button("⇥", "On to the next switch of a freewheel", () => { actions.step(true); }),
+      this.pulse, this.scrub, this.time, this.speed,
+      choice("Time shown in the curves", [["0", "curves: whole run"], ["10", "curves: 10 turns"], ["2", "curves: 2 turns"]], "0", actions.window));
+  }
+
+  show(length: number): void {
+    const { time, playing, speed, loop } = this.player.clock;
+    this.length = length || 1;
+    const sign = playing ? "❚❚" : "▶";
+    if (this.play.textContent !== sign) {
+      this.play.textContent = sign;
+      this.play.setAttribute("aria-label", playing ? "Pause" : "Play");
+      this.play.title = playing ? "Pause (space)" : "Play (space)";
+    }
+    this.pulse.setAttribute("aria-pressed", String(loop !== null));
+    this.scrub.value = String(Math.round((time / this.length) * PARTS));
+    const text = `${steadyText(time * 1000, length * 1000)} ms`;
+    this.time.textContent = text;
+    this.scrub.setAttribute("aria-valuetext", text);
+    const chosen = String(nearestSpeed(speed));
+    if (this.speed.value !== chosen) this.speed.value = chosen;
+  }
+}

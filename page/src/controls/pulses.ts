@@ -1,0 +1,46 @@
+// Switches of the freewheels and pulses in a run.
+
+import type { Run } from "../run/run";
+import { indexAt, lengthOf } from "../run/sample";
+
+/** Contact modes of the table: held, free, driving, held and driving. */
+export function holding(mode: number): { housing: boolean; output: boolean } {
+  return { housing: mode === 0 || mode === 3, output: mode === 2 || mode === 3 };
+}
+
+/** Times at which a freewheel locks or lets go, s: the first points after it. */
+export function switches(run: Run): number[] {
+  const modes = run.columns.contact_mode ?? new Float64Array();
+  return Array.from(run.time).filter((_, n) => n > 0 && modes[n] !== modes[n - 1]);
+}
+
+/** The next switch after a time, or the last one before it; null where there is none. */
+export function nextSwitch(run: Run, at: number, forwards: boolean): number | null {
+  const margin = 1e-9 * (1 + lengthOf(run));
+  const found = switches(run);
+  const next = forwards ? found.find((time) => time > at + margin) : found.findLast((time) => time < at - margin);
+  return next ?? null;
+}
+
+/** Beginning and end of the pulse around a time: from one locking of the output freewheel to the next, else a turn of the drive. */
+export function pulseAround(run: Run, at: number): [number, number] {
+  const modes = run.columns.contact_mode ?? new Float64Array();
+  const begins = Array.from(run.time).filter(
+    (_, n) => n > 0 && holding(modes[n] ?? 0).output && !holding(modes[n - 1] ?? 0).output);
+  const from = begins.findLast((time) => time <= at);
+  const to = begins.find((time) => time > at);
+  if (from !== undefined && to !== undefined) return [from, to];
+  return turnAround(run, at);
+}
+
+/** Beginning and end of the turn of the drive around a time, as far as the run has it. */
+function turnAround(run: Run, at: number): [number, number] {
+  const angles = run.columns.q ?? new Float64Array();
+  const now = indexAt(run.time, at);
+  const turn = (n: number): number => Math.floor((angles[n] ?? 0) / (2 * Math.PI));
+  let from = now;
+  while (from > 0 && turn(from - 1) === turn(now)) from--;
+  let to = now;
+  while (to < run.time.length - 1 && turn(to) === turn(now)) to++;
+  return [run.time[from] ?? 0, run.time[to] ?? 0];
+}

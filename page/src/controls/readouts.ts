@@ -1,0 +1,83 @@
+// What the instruments say now, and the energy audit.
+
+import type { Run } from "../run/run";
+import { largest, nearest, valueAt } from "../run/sample";
+import { element } from "./dom";
+import { holding } from "./pulses";
+import { numberText, steadyText } from "./units";
+
+interface Row {
+  readonly name: string;
+  readonly part: string;
+  readonly unit: string;
+  readonly text: (run: Run, time: number) => string;
+}
+
+function signal(name: string, part: string, column: string, unit: string): Row {
+  return { name, part, unit, text: (run, time) => steadyText(valueAt(run, column, time), largest(run, [column])) };
+}
+
+function freewheel(name: string, which: "housing" | "output"): Row {
+  return {
+    name, part: which, unit: "",
+    text: (run, time) => holding(nearest(run, "contact_mode", time))[which] ? "holds" : "overruns",
+  };
+}
+
+const NOW: readonly Row[] = [
+  signal("speed of link 1, ω1", "link1", "input_speed", "rad/s"),
+  signal("speed of link 2, ω2", "link2", "omega2", "rad/s"),
+  signal("output speed, ω3", "output", "omega_out", "rad/s"),
+  {
+    name: "speed ratio, ω3/ω1", part: "", unit: "",
+    text: (run, time) => steadyText(valueAt(run, "omega_out", time) / valueAt(run, "input_speed", time), 1),
+  },
+  signal("input torque, M1", "link1", "input_torque", "N·m"),
+  signal("mesh torque, M2", "link2", "mesh_torque", "N·m"),
+  signal("output torque, Tc", "output", "output_torque", "N·m"),
+  freewheel("housing freewheel", "housing"),
+  freewheel("output freewheel", "output"),
+  signal("imbalance acceleration", "imbalance", "imbalance_acceleration", "m/s²"),
+];
+
+const ENERGY: readonly Row[] = [
+  ["put in by the drive", "energy_in"], ["given to the load", "energy_out"], ["lost", "energy_lost"],
+].map(([name = "", column = ""]) => signal(name, "", column, "J"));
+
+const AUDIT: readonly Row[] = [
+  ...ENERGY,
+  {
+    name: "gain of stored", part: "", unit: "J",
+    text: (run, time) => steadyText(
+      valueAt(run, "energy_stored", time) - (run.columns.energy_stored?.[0] ?? NaN), largest(run, ["energy_stored"])),
+  },
+  { name: "missing: error of the run", part: "", unit: "J", text: (run, time) => numberText(valueAt(run, "energy_residual", time), 3) },
+];
+
+/** A table of rows that is told the time. */
+class Instruments {
+  readonly root: HTMLTableElement;
+  private readonly cells: { cell: HTMLElement; text: Row["text"] }[];
+
+  constructor(title: string, rows: readonly Row[]) {
+    const body = element("tbody");
+    this.cells = rows.map(({ name, part, unit, text }) => {
+      const cell = element("td");
+      const head = element("th", { scope: "row" }, element("i", { class: `dot part-${part || "none"}` }), name);
+      body.append(element("tr", {}, head, cell, element("td", { class: "unit" }, unit)));
+      return { cell, text };
+    });
+    this.root = element("table", { class: "instruments" }, element("caption", {}, title), body);
+  }
+
+  show(run: Run, time: number): void {
+    for (const { cell, text } of this.cells) {
+      const now = text(run, time);
+      if (cell.textContent !== now) cell.textContent = now;
+      cell.classList.toggle("holds", now === "holds");
+    }
+  }
+}
+
+export const instruments = (): Instruments => new Instruments("Now", NOW);
+export const audit = (): Instruments => new Instruments("Energy audit", AUDIT);

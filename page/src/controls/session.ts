@@ -1,0 +1,85 @@
+// The run that is shown: of the scene as it is set, integrated anew after every change; a refusal keeps the last good one.
+
+import { playable } from "../run/recorded";
+import { integrate, ready, type Request, type Run } from "../run/run";
+import type { Scene } from "../run/start";
+import { START } from "./scenes";
+import { requestOf, type Settings } from "./settings";
+
+export interface News {
+  /** A run to show, as far as it has come. */
+  run: (run: Run) => void;
+  /** Sentences about what was asked for: empty if all is well. */
+  say: (refusal: string, warnings: readonly string[]) => void;
+  /** Whether an integration is under way. */
+  busy: (busy: boolean) => void;
+}
+
+/** A run that takes longer than this is shown as it grows, ms. */
+const PATIENCE = 150;
+/** More points than this are not kept. */
+const MOST_STEPS = 60_000;
+
+const CONSTANT = "Load and drive that follow the motion in this scene are constant here.";
+
+function recordedNote(every: number): string {
+  const which = every === 1 ? "" : `, of every ${every} points one`;
+  return `This is the run as it was recorded${which}. Change anything, and the page integrates its own.`;
+}
+
+export class Session {
+  private running: { cancel: () => void } | null = null;
+  private asked = 0;
+
+  constructor(private readonly news: News) {}
+
+  /** Show the run of a scene with what has been changed in it: integrated here, or recorded if there is such a run. */
+  async ask(scene: Scene, changed: Settings["changed"]): Promise<void> {
+    this.running?.cancel();
+    const mine = ++this.asked;
+    const request = requestOf(scene, changed);
+    this.news.busy(true);
+    if (START.run && scene.name === START.scene.name && Object.keys(changed).length === 0) {
+      const run = await playable(START.run, request.parameters);
+      if (mine === this.asked) this.end(run, [recordedNote(START.run.every), ...run.warnings]);
+      return;
+    }
+    await ready;
+    if (mine === this.asked) this.integrate(request, scene.exact ? [] : [CONSTANT]);
+  }
+
+  private integrate(request: Request, notes: readonly string[]): void {
+    const bad = tooLong(request);
+    if (bad !== "") {
+      this.news.busy(false);
+      this.news.say(bad, []);
+      return;
+    }
+    const began = performance.now();
+    const mine = this.asked;
+    let shown = false;
+    this.running = integrate(request, (run) => {
+      if (mine !== this.asked) return;
+      if (run.complete || run.refusal !== null) this.end(run, [...notes, ...run.warnings]);
+      else if (run.time.length > 1 && (shown || performance.now() - began > PATIENCE)) {
+        shown = true;
+        this.news.run(run);
+      }
+    });
+  }
+
+  private end(run: Run, notes: readonly string[]): void {
+    if (run.time.length > 1) this.news.run(run);
+    this.news.busy(false);
+    this.news.say(run.refusal ?? "", notes);
+  }
+}
+
+/** What is wrong with the length of a run, or nothing. */
+function tooLong({ step, duration }: Request): string {
+  const steps = Math.round(duration / step);
+  if (steps >= 1 && steps <= MOST_STEPS) return "";
+  const least = Number((duration / MOST_STEPS).toPrecision(3));
+  const advice = steps > MOST_STEPS ? `; step must be at least ${least} s` : "";
+  return `a run must have between 1 and ${MOST_STEPS} steps: duration is ${duration} s, step is ${step} s${advice}`;
+}

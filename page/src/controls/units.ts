@@ -1,0 +1,41 @@
+// Numbers and units as they are read.
+
+const SUPERSCRIPTS: readonly (readonly [RegExp, string])[] = [[/\./g, "·"], [/2\b/g, "²"]];
+
+/** A unit of the table as it is printed: "kg.m2" is kg·m². */
+export function unitText(unit: string): string {
+  if (unit === "1") return "";
+  return SUPERSCRIPTS.reduce((text, [from, to]) => text.replace(from, to), unit);
+}
+
+/** A number in four digits, with a true minus. */
+export function numberText(value: number, digits = 4): string {
+  if (!Number.isFinite(value)) return "–";
+  const size = Math.abs(value);
+  const text = size !== 0 && (size < 1e-3 || size >= 1e6)
+    ? value.toExponential(digits - 2)
+    : String(Number(value.toPrecision(digits)));
+  return text.replace("-", "−");
+}
+
+/** A number with so many decimals that its place does not jump while it runs. */
+export function steadyText(value: number, largest: number): string {
+  if (!Number.isFinite(value)) return "–";
+  if (largest === 0) return "0";
+  const decimals = Math.min(Math.max(3 - Math.floor(Math.log10(Math.max(largest, 1e-9))), 0), 6);
+  return value.toFixed(decimals).replace("-", "−");
+}
+
+/** A name of the table as it is spoken: "imbalance_mass" is imbalance mass. */
+export function spoken(name: string): string {
+  return name.replaceAll("_", " ");
+}
+
+const GREEK: readonly (readonly [RegExp, string])[] = [[/omega/g, "ω"], [/epsilon/g, "ε"], [/gamma/g, "γ"], [/ out\b/g, "3"]];
+
+/** What stands beside a field: the name; a symbol also with what it means, as the table has it. */
+export function labelOf(name: string, description: string): string {
+  const text = GREEK.reduce((so, [from, to]) => so.replace(from, to), spoken(name));
+  if (text.replace(/\d|start/g, "").trim().length > 2) return text;
+  return `${text}, ${description.replace(/[,(].*/, "").trim()}`;
+}

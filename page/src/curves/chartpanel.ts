@@ -1,0 +1,94 @@
+// The converter chart as a plot, computed point by point while the page is idle.
+
+import type { Run } from "../run/run";
+import { valueAt } from "../run/sample";
+import { element } from "../controls/dom";
+import { chartPoint, chartRatios, operatingPoint, type ChartPoint } from "./chart";
+import { Plot } from "./plot";
+
+const COLOURS = { input: "#3a86c8", output: "#b565a0", efficiency: "#858d96" };
+
+/** Parameters that a chart does not depend on: held, or only of the start. */
+const APART = new Set(["output_inertia", "omega_out_start", "omega2_start", "fidelity", "drive", "driven_inertia"]);
+
+export class ChartPanel {
+  readonly root = element("div", { class: "plot" });
+  readonly note = element("p", { class: "note" });
+  private plot: Plot | null = null;
+  private run: Run | null = null;
+  points: ChartPoint[] = [];
+  private made = "";
+  private waiting = 0;
+
+  show(run: Run): void {
+    this.run = run;
+    this.refresh();
+  }
+
+  rebuild(): void {
+    this.plot?.destroy();
+    this.plot = null;
+    if (!this.root.isConnected || this.root.hidden) return;
+    this.plot = new Plot(this.root, {
+      x: "speed ratio ω3/ω1",
+      axes: [{ label: "mean torque [N·m]" }, { label: "efficiency [%]", scale: "right" }],
+      lines: [
+        { label: "input", colour: COLOURS.input },
+        { label: "output", colour: COLOURS.output },
+        { label: "efficiency", colour: COLOURS.efficiency, right: true, dash: true },
+      ],
+      range: { x: () => [0, 1] },
+    }, this.data());
+    this.refresh();
+  }
+
+  stand(time: number): void {
+    if (!this.run || !this.plot) return;
+    const { ratio, torque } = operatingPoint(this.run, time);
+    this.plot.point(ratio >= 0 && ratio <= 1.02 ? ratio : NaN, torque);
+  }
+
+  /** Compute what is not there yet, one point at a time. */
+  private refresh(): void {
+    if (!this.run || this.root.hidden || !this.root.isConnected) return;
+    const speed = Number(Math.abs(valueAt(this.run, "input_speed", Infinity)).toPrecision(3));
+    const { parameters } = this.run;
+    const counts = Object.entries(parameters).filter(([name]) => !APART.has(name));
+    const wanted = JSON.stringify([speed, counts]);
+    if (wanted === this.made) return;
+    this.made = wanted;
+    this.points = [];
+    clearTimeout(this.waiting);
+    if (!(speed > 0)) {
+      this.tell("There is no chart of an input at rest.");
+      return;
+    }
+    this.next(parameters, speed, chartRatios());
+  }
+
+  private next(parameters: Run["parameters"], speed: number, [ratio, ...rest]: number[]): void {
+    if (ratio === undefined) {
+      this.tell(`Steady pulses at ω1 = ${speed} rad/s: input and output torque, dashed the efficiency. The dot is the run now.`);
+      return;
+    }
+    this.waiting = window.setTimeout(() => {
+      try {
+        this.points.push(chartPoint(parameters, speed, ratio));
+      } catch (refused) {
+        this.tell(`No chart: ${(refused as Error).message}`);
+        return;
+      }
+      this.plot?.plot.setData(this.data());
+      this.next(parameters, speed, rest);
+    }, 5);
+  }
+
+  private data(): [number[], ...number[][]] {
+    const of = (name: keyof ChartPoint): number[] => this.points.map((point) => point[name]);
+    return [of("ratio"), of("input"), of("output"), of("efficiency")];
+  }
+
+  private tell(text: string): void {
+    this.note.textContent = text;
+  }
+}

@@ -1,0 +1,103 @@
+// The row of curves: two panels over time, and the phase plot or the converter chart.
+
+import { choice, element } from "../controls/dom";
+import type { Run } from "../run/run";
+import { lengthOf, valueAt } from "../run/sample";
+import type { ChartPoint } from "./chart";
+import { ChartPanel } from "./chartpanel";
+import { PhasePlot } from "./phase";
+import { TimePanel } from "./timeplot";
+
+const PHASE_NOTE = "The drive turns at q′ = k (ω1 − ω2); all turns of the run lie over one another. The dot is now.";
+
+export class Curves {
+  private readonly panels: TimePanel[];
+  private readonly phase = new PhasePlot();
+  private readonly chart = new ChartPanel();
+  private readonly note = element("p", { class: "note" }, PHASE_NOTE);
+  private run: Run | null = null;
+  private turns = 0;
+  private window: [number, number] = [0, 1];
+  private told = 0;
+  private time = 0;
+
+  constructor(host: HTMLElement, scrub: (time: number) => void) {
+    this.panels = ["speeds", "torques"].map((id) => new TimePanel(id, scrub));
+    const select = choice("Phase plot or converter chart",
+      [["phase", "Phase plot, ω2 over q"], ["chart", "Converter chart"]], "phase", (shown) => { this.turnTo(shown); });
+    const third = element("section", { class: "panel", "aria-label": "Phase plot and converter chart" },
+      element("header", {}, select), this.note, this.chart.note, this.phase.root, this.chart.root);
+    host.append(...this.panels.map((panel) => panel.root), third);
+    this.chart.root.hidden = this.chart.note.hidden = true;
+  }
+
+  show(run: Run): void {
+    this.run = run;
+    this.window = this.windowAt(0);
+    for (const panel of this.panels) panel.show(run, this.window);
+    this.phase.show(run);
+    this.chart.show(run);
+  }
+
+  /** Show so many turns of link 1 at a time, 0: the whole run. */
+  zoom(turns: number): void {
+    this.turns = turns;
+    this.window = [NaN, NaN];
+  }
+
+  /** Stand at the time of the picture. Numbers change ten times a second, or at once if nothing plays. */
+  stand(time: number, playing: boolean): void {
+    const window = this.windowAt(time);
+    if (window[0] !== this.window[0] || window[1] !== this.window[1]) {
+      this.window = window;
+      for (const panel of this.panels) panel.move(window);
+    }
+    const now = performance.now();
+    const tell = !playing || now - this.told > 100;
+    if (tell) this.told = now;
+    for (const panel of this.panels) panel.stand(time, tell);
+    this.time = time;
+    this.standThird();
+  }
+
+  /** Draw anew, in the colours of the page. */
+  rebuild(): void {
+    for (const panel of this.panels) panel.rebuild();
+    this.phase.rebuild();
+    this.chart.rebuild();
+    this.standThird();
+  }
+
+  /** The converter chart as far as it has been computed. */
+  chartPoints(): readonly ChartPoint[] {
+    return this.chart.points;
+  }
+
+  private turnTo(shown: string): void {
+    const chart = shown === "chart";
+    this.phase.root.hidden = this.note.hidden = chart;
+    this.chart.root.hidden = this.chart.note.hidden = !chart;
+    this.phase.rebuild();
+    this.chart.rebuild();
+    this.standThird();
+  }
+
+  private standThird(): void {
+    if (this.phase.root.hidden) this.chart.stand(this.time);
+    else this.phase.stand(this.time);
+  }
+
+  /** The page of the curves that a time is on, as an oscilloscope turns them. */
+  private windowAt(time: number): [number, number] {
+    if (!this.run) return [0, 1];
+    const length = lengthOf(this.run);
+    const speed = Math.abs(valueAt(this.run, "input_speed", time));
+    const span = (2 * Math.PI * this.turns) / Math.max(speed, 1e-9);
+    if (this.turns === 0 || !(span < length)) return [0, length];
+    // of changing speed each page begins where the last ended only roughly: what counts is that the time is on it
+    const known = this.window;
+    if (time >= known[0] && time <= known[1]) return known;
+    const from = Math.min(span * Math.floor(time / span), length - span);
+    return [from, from + span];
+  }
+}

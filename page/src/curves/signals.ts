@@ -1,0 +1,124 @@
+// What the curves show of a run.
+
+import type { Run } from "../run/run";
+
+export interface Series {
+  readonly label: string;
+  readonly colour: string;
+  readonly of: (run: Run) => Float64Array;
+}
+
+export interface Panel {
+  readonly id: string;
+  readonly title: string;
+  readonly unit: string;
+  readonly series: readonly Series[];
+}
+
+// dark enough on white and light enough on black: 3 : 1 at least on both
+const BLUE = "#3a86c8";
+const GREEN = "#229a6f";
+const PURPLE = "#b565a0";
+const ORANGE = "#c77f12";
+const RED = "#d0532b";
+const GREY = "#858d96";
+
+function column(label: string, name: string, colour: string): Series {
+  return { label, colour, of: (run) => run.columns[name] ?? new Float64Array(run.time.length) };
+}
+
+/** Length of a vector of three columns. */
+function magnitude(label: string, name: string, colour: string): Series {
+  return {
+    label, colour,
+    of: (run) => {
+      const [x, y, z] = ["x", "y", "z"].map((axis) => run.columns[`${name}_${axis}`] ?? new Float64Array(run.time.length));
+      return run.time.map((_, n) => Math.hypot(x?.[n] ?? 0, y?.[n] ?? 0, z?.[n] ?? 0));
+    },
+  };
+}
+
+/** Over how many points a power is averaged: an eighth of a run, at most a second, as in the pictures of scenes. */
+function pointsOfMean(run: Run): number {
+  const points = run.time.length - 1;
+  const length = run.time.at(-1) ?? 0;
+  return Math.max(1, Math.round(points * Math.min(1 / 8, length > 0 ? 1 / length : 1)));
+}
+
+/** Rate of an energy, its running mean: a power. The mean is taken twice, so that pulses do not beat with its length. */
+function power(label: string, name: string, colour: string): Series {
+  return {
+    label, colour,
+    of: (run) => {
+      const energy = run.columns[name] ?? new Float64Array(run.time.length);
+      const half = Math.ceil(pointsOfMean(run) / 4);
+      return runningMean(rate(run.time, energy, half), half);
+    },
+  };
+}
+
+/** Slope of values over so many points to both sides, as far as there are. */
+function rate(time: Float64Array, values: Float64Array, half: number): Float64Array {
+  const last = time.length - 1;
+  return values.map((_, n) => {
+    const [from, to] = [Math.max(0, n - half), Math.min(last, n + half)];
+    const span = (time[to] ?? 0) - (time[from] ?? 0);
+    return span > 0 ? ((values[to] ?? 0) - (values[from] ?? 0)) / span : 0;
+  });
+}
+
+/** Mean of so many values to both sides, as far as there are. */
+function runningMean(values: Float64Array, half: number): Float64Array {
+  const sums = new Float64Array(values.length + 1);
+  values.forEach((value, n) => { sums[n + 1] = (sums[n] ?? 0) + value; });
+  return values.map((_, n) => {
+    const [from, to] = [Math.max(0, n - half), Math.min(values.length, n + half + 1)];
+    return ((sums[to] ?? 0) - (sums[from] ?? 0)) / (to - from);
+  });
+}
+
+export const PANELS: readonly Panel[] = [
+  {
+    id: "speeds", title: "Speeds", unit: "rad/s",
+    series: [
+      column("ω1 input", "input_speed", BLUE),
+      column("ω2 link 2", "omega2", GREEN),
+      column("output", "omega_out", PURPLE),
+    ],
+  },
+  {
+    id: "torques", title: "Torques", unit: "N·m",
+    series: [
+      column("M1 input", "input_torque", BLUE),
+      column("M2 mesh", "mesh_torque", GREEN),
+      column("Tc output freewheel", "output_torque", PURPLE),
+      column("Th housing freewheel", "housing_torque", GREY),
+    ],
+  },
+  {
+    id: "power", title: "Power, running mean", unit: "W",
+    series: [
+      power("in", "energy_in", BLUE),
+      power("out to the load", "energy_out", PURPLE),
+      power("stored", "energy_stored", GREEN),
+      power("lost", "energy_lost", RED),
+    ],
+  },
+  {
+    id: "losses", title: "Losses, running mean", unit: "W",
+    series: [
+      power("meshes", "energy_lost_mesh", ORANGE),
+      power("journals", "energy_lost_journal", BLUE),
+      power("freewheels", "energy_lost_freewheel", PURPLE),
+      power("viscous friction", "energy_lost_viscous", GREEN),
+      power("elastic shaft", "energy_lost_shaft", GREY),
+    ],
+  },
+  {
+    id: "forces", title: "Forces", unit: "N",
+    series: [
+      column("on a satellite's bearing", "satellite_force", RED),
+      magnitude("on the mount", "shaking_force", GREY),
+    ],
+  },
+];

@@ -1,0 +1,113 @@
+// A panel of curves over time: choice of signals, legend with values at the clock, scrubbing.
+
+import { choice, element } from "../controls/dom";
+import { steadyText } from "../controls/units";
+import type { Run } from "../run/run";
+import { indexAt } from "../run/sample";
+import { Plot } from "./plot";
+import { PANELS, type Panel } from "./signals";
+
+function panelOf(id: string): Panel {
+  const found = PANELS.find((panel) => panel.id === id);
+  if (!found) throw new Error(`there is no panel ${id}`);
+  return found;
+}
+
+/** A panel of curves over time. */
+export class TimePanel {
+  readonly root: HTMLElement;
+  private readonly area = element("div", { class: "plot" });
+  private readonly legend = element("ul", { class: "legend" });
+  private plot: Plot | null = null;
+  private panel: Panel;
+  private run: Run | null = null;
+  private data: Float64Array[] = [];
+  private cells: { cell: HTMLElement; largest: number }[] = [];
+  private window: [number, number] = [0, 1];
+  private time = 0;
+
+  constructor(first: string, private readonly scrub: (time: number) => void) {
+    this.panel = panelOf(first);
+    const select = choice("Curves", PANELS.map(({ id, title, unit }) => [id, `${title} [${unit}]`]), first, (id) => {
+      this.panel = panelOf(id);
+      this.rebuild();
+    });
+    this.root = element("section", { class: "panel", "aria-label": "Curves over time" },
+      element("header", {}, select), this.legend, this.area);
+    this.listen();
+  }
+
+  /** Show a run between two times, s. */
+  show(run: Run, window: [number, number]): void {
+    this.run = run;
+    this.window = window;
+    if (!this.plot) { this.rebuild(); return; }
+    this.compute(run);
+    this.plot.plot.setData([run.time, ...this.data]);
+  }
+
+  /** Move the window without another run. */
+  move(window: [number, number]): void {
+    this.window = window;
+    this.plot?.plot.setScale("x", { min: window[0], max: window[1] });
+  }
+
+  /** Make the plot anew: of other colours or another size. */
+  rebuild(): void {
+    const { run } = this;
+    this.plot?.destroy();
+    this.plot = null;
+    if (!run || !this.area.isConnected) return;
+    this.legendOf(this.panel);
+    this.compute(run);
+    this.plot = new Plot(this.area, {
+      x: "time [s]",
+      axes: [{ label: `[${this.panel.unit}]` }],
+      lines: this.panel.series,
+      range: { x: () => this.window },
+    }, [run.time, ...this.data]);
+    this.stand(this.time, true);
+  }
+
+  /** Stand at the time of the picture; the values go into the legend when `tell`. */
+  stand(time: number, tell: boolean): void {
+    this.time = time;
+    this.plot?.stand(time);
+    if (!tell || !this.run) return;
+    const index = indexAt(this.run.time, time);
+    this.cells.forEach(({ cell, largest }, n) => {
+      cell.textContent = steadyText(this.data[n]?.[index] ?? NaN, largest);
+    });
+  }
+
+  private compute(run: Run): void {
+    this.data = this.panel.series.map((series) => series.of(run));
+    this.data.forEach((values, n) => {
+      const cell = this.cells[n];
+      if (cell) cell.largest = values.reduce((most, value) => Math.max(most, Math.abs(value)), 0);
+    });
+  }
+
+  private legendOf(panel: Panel): void {
+    this.legend.replaceChildren();
+    this.cells = panel.series.map(({ label, colour }) => {
+      const cell = element("output", { "aria-live": "off" });
+      this.legend.append(element("li", {}, element("i", { style: `background:${colour}` }), `${label} `, cell, ` ${panel.unit}`));
+      return { cell, largest: 0 };
+    });
+  }
+
+  private listen(): void {
+    const move = (event: PointerEvent): void => {
+      const over = this.plot?.plot.over.getBoundingClientRect();
+      if (over && this.plot) this.scrub(this.plot.plot.posToVal(event.clientX - over.left, "x"));
+    };
+    this.area.addEventListener("pointerdown", (event) => {
+      this.area.setPointerCapture(event.pointerId);
+      move(event);
+    });
+    this.area.addEventListener("pointermove", (event) => {
+      if (this.area.hasPointerCapture(event.pointerId)) move(event);
+    });
+  }
+}

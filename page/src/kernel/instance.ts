@@ -1,0 +1,111 @@
+// One inertia module: set, start, step, read, as the FMU does.
+
+import { Records } from "./memory";
+import { accepts, explained, mustBe, shown, warned } from "./sentences";
+import { type Variable, byName, tables, variables } from "./tables";
+
+/** What the kernel, or the table of variables, does not accept: its sentence. */
+export class Refused extends Error {}
+
+/** Place of the record of a variable among p, d, u, x, y and w. */
+const RECORD = { parameter: 0, input: 2, output: 4, local: 4 };
+const settable = variables.filter((v) => v.causality === "input" || v.causality === "parameter");
+
+export class Instance {
+  private readonly records = new Records();
+
+  /** An instance with the start values of the table. */
+  constructor() {
+    for (const variable of settable) this.write(variable, variable.start ?? 0);
+  }
+
+  /** Set parameters and inputs by name.
+   *  @throws Refused for an unknown name; ranges are looked at by start and step. */
+  set(values: Readonly<Record<string, number>>): void {
+    for (const [name, value] of Object.entries(values)) {
+      const variable = settable.find((found) => found.name === name);
+      if (!variable) {
+        throw new Refused(`${name} must be a parameter or an input: ${settable.map((v) => v.name).join(", ")}`);
+      }
+      this.write(variable, value);
+    }
+  }
+
+  /** Give an input a constant rate over the coming step, per second. */
+  setRate(name: string, rate: number): void {
+    const input = found(name);
+    const numbers = this.records.view();
+    numbers[this.records.offset(RECORD.input) + input.ratePlace] = rate;
+    numbers[this.records.offset(RECORD.input) + input.rateGivenPlace] = 1;
+  }
+
+  /** Check the parameters, alone and together, and take the initial state.
+   *  @throws Refused with one sentence for each thing that is wrong. */
+  start(): void {
+    const bad = settable
+      .filter((v) => v.causality === "parameter" && !accepts(v, this.value(v.name)))
+      .map((v) => mustBe(v.name, v.allowed, shown(this.value(v.name))));
+    if (bad.length > 0) throw new Refused(bad.join("; "));
+    this.call(tables.operations.START, 0);
+  }
+
+  /** Advance by a communication step, s.
+   *  @throws Refused for bad inputs or a bad step; the state is as it was. */
+  advance(step: number): void {
+    this.call(tables.operations.STEP, step);
+    const numbers = this.records.view();
+    for (const input of variables.filter((v) => v.causality === "input")) {
+      numbers[this.records.offset(RECORD.input) + input.ratePlace] = 0;
+      numbers[this.records.offset(RECORD.input) + input.rateGivenPlace] = 0;
+    }
+  }
+
+  /** What cannot be built of a mechanism whose parameters are accepted: a sentence each. */
+  warnings(): string[] {
+    return warned(this.records.call(tables.operations.WARN, 0), (name) => this.value(name));
+  }
+
+  /** Value of any variable. */
+  value(name: string): number {
+    return this.records.view()[this.place(name)] ?? NaN;
+  }
+
+  /** Where a variable stands in the doubles that numbers gives. */
+  place(name: string): number {
+    const variable = found(name);
+    return this.records.offset(RECORD[variable.causality]) + variable.place;
+  }
+
+  /** All doubles of the instance, for reading many of them; not to be kept. */
+  numbers(): Float64Array {
+    return this.records.view();
+  }
+
+  /** End the use of this instance. */
+  release(): void {
+    this.records.release();
+  }
+
+  private call(operation: number, step: number): void {
+    const status = this.records.call(operation, step);
+    if (status === tables.ok) return;
+    throw new Refused(explained(status, (name) => (name === "step" ? step : this.filling(name))));
+  }
+
+  /** Value for a name in a sentence: a variable, or the rate of an input. */
+  private filling(name: string): number {
+    if (byName.has(name)) return this.value(name);
+    const input = found(name.replace(/_rate$/, ""));
+    return this.records.view()[this.records.offset(RECORD.input) + input.ratePlace] ?? NaN;
+  }
+
+  private write(variable: Variable, value: number): void {
+    this.records.view()[this.place(variable.name)] = value;
+  }
+}
+
+function found(name: string): Variable {
+  const variable = byName.get(name);
+  if (!variable) throw new Refused(`${name} must be a variable of the module`);
+  return variable;
+}

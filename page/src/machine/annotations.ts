@@ -1,0 +1,130 @@
+// Names of the parts and arrows of what acts on them.
+
+import { Group, Vector3, type Object3D } from "three";
+import { aboutAxis, imbalance, type Geometry } from "./geometry";
+import type { Labels } from "./labels";
+import type { Mechanism } from "./mechanism";
+import { COLOURS } from "./palette";
+import type { Shafts } from "./shafts";
+import { steadyText } from "../controls/units";
+import { Arrow, TorqueArc } from "./vectors";
+import type { Instant, Shown } from "./view";
+
+const TORQUES = ["input_torque", "mesh_torque", "housing_torque", "output_torque"] as const;
+type Torque = (typeof TORQUES)[number];
+const SYMBOLS: Readonly<Record<Torque, string>> = {
+  input_torque: "M1", mesh_torque: "M2", housing_torque: "Th", output_torque: "Tc",
+};
+const PART: Readonly<Record<Torque, string>> = {
+  input_torque: "link1", mesh_torque: "link2", housing_torque: "housing", output_torque: "output",
+};
+// other shades than those of the parts, so that they stand out on them
+const ARC: Readonly<Record<Torque, string>> = {
+  input_torque: "#1d4f91", mesh_torque: "#0c5c40", housing_torque: "#2f3840", output_torque: "#7a2c68",
+};
+/** Where the number of a torque stands above the axis, as a part of the reach: beside names and other numbers. */
+const HEIGHT: Readonly<Record<Torque, number>> = {
+  input_torque: -0.62, mesh_torque: -0.85, housing_torque: -1.02, output_torque: -0.78,
+};
+/** Numbers in the picture change no faster than they can be read, ms. */
+const READABLE = 120;
+
+/** All that is written and drawn on the machine besides itself. */
+export class Annotations {
+  readonly group = new Group();
+  private readonly acceleration: Arrow;
+  private readonly force: Arrow;
+  private readonly arcs: Record<Torque, TorqueArc>;
+  private readonly arcGroup = new Group();
+  private readonly origin = new Vector3();
+  private readonly imbalance = new Vector3();
+  private readonly marker = new Group();
+  private readonly longest: number;
+  private readonly texts: { element: HTMLElement; text: (column: (name: string) => number) => string }[] = [];
+  private told = 0;
+  private largest = { acceleration: 1, force: 1, torque: 1 };
+
+  constructor(mechanism: Mechanism, shafts: Shafts, private readonly shape: Geometry, labels: Labels) {
+    const { reach } = mechanism;
+    const { stations } = shafts;
+    this.longest = 0.95 * reach;
+    this.acceleration = new Arrow(COLOURS.imbalance, 0.016 * reach);
+    this.force = new Arrow(COLOURS.force, 0.02 * reach);
+    const arc = (colour: string, at: number, radius: number): TorqueArc => {
+      const found = new TorqueArc(colour, radius * reach, 0.022 * reach);
+      found.position.x = at;
+      this.arcGroup.add(found);
+      return found;
+    };
+    this.arcs = {
+      input_torque: arc(ARC.input_torque, stations.input + 0.14 * reach, 0.36),
+      mesh_torque: arc(ARC.mesh_torque, stations.link2, 0.42),
+      housing_torque: arc(ARC.housing_torque, stations.housing, 0.48),
+      output_torque: arc(ARC.output_torque, stations.output, 0.42),
+    };
+    this.group.add(this.acceleration, this.force, this.arcGroup, this.marker);
+    this.name(labels, mechanism, shafts);
+    this.number(labels, mechanism.reach);
+  }
+
+  show({ acceleration, force, torques }: Shown): void {
+    this.acceleration.visible = acceleration;
+    this.force.visible = force;
+    // with its acceleration the imbalance is named at the arrow
+    this.marker.visible = !acceleration;
+    this.arcGroup.visible = torques;
+  }
+
+  /** The largest values, m/s2, N and N.m, get the longest arrows. */
+  scale(acceleration: number, force: number, torque: number): void {
+    this.largest = { acceleration: acceleration || 1, force: force || 1, torque: torque || 1 };
+  }
+
+  place({ q, theta1, column }: Instant): void {
+    const now = performance.now();
+    if (now - this.told > READABLE) {
+      this.told = now;
+      for (const { element, text } of this.texts) element.textContent = text(column);
+    }
+    this.imbalance.set(...aboutAxis(imbalance(this.shape, q), theta1));
+    this.marker.position.copy(this.imbalance);
+    if (this.acceleration.visible) this.point(this.acceleration, this.imbalance, "imbalance_acceleration", column, this.largest.acceleration);
+    if (this.force.visible) this.point(this.force, this.origin, "shaking_force", column, this.largest.force);
+    if (!this.arcGroup.visible) return;
+    for (const name of TORQUES) this.arcs[name].bend(column(name) / this.largest.torque || 0);
+  }
+
+  private point(arrow: Arrow, from: Vector3, name: string, column: (name: string) => number, largest: number): void {
+    const size = this.longest / largest;
+    const [x, y, z] = ["x", "y", "z"].map((axis) => (column(`${name}_${axis}`) || 0) * size) as [number, number, number];
+    arrow.point(from, x, y, z);
+  }
+
+  /** Numbers beside the arrows. */
+  private number(labels: Labels, reach: number): void {
+    const add = (part: string, on: Object3D, at: Vector3, text: (column: (name: string) => number) => string): void => {
+      this.texts.push({ element: labels.add("−0000.00 N·m", part, on, at), text });
+    };
+    for (const name of TORQUES) {
+      const at = new Vector3(this.arcs[name].position.x, 0, HEIGHT[name] * reach);
+      add(PART[name], this.arcGroup, at, (column) => `${SYMBOLS[name]} ${steadyText(column(name), this.largest.torque)} N·m`);
+    }
+    add("imbalance", this.acceleration.tip, new Vector3(0, 0.16 * reach, 0),
+      (column) => `imbalance ${steadyText(column("imbalance_acceleration"), this.largest.acceleration)} m/s²`);
+    add("force", this.force.tip, new Vector3(0, 0.16 * reach, 0), (column) => {
+      const size = Math.hypot(column("shaking_force_x"), column("shaking_force_y"), column("shaking_force_z"));
+      return `${steadyText(size, this.largest.force)} N on the mount`;
+    });
+  }
+
+  private name(labels: Labels, mechanism: Mechanism, { stations }: Shafts): void {
+    const { reach } = mechanism;
+    const axis = (at: number, above: number): Vector3 => new Vector3(at, 0, above * reach);
+    labels.add("link 1, carrier", "link1", this.group, axis(stations.input, 0.22));
+    labels.add("link 2", "link2", this.group, axis(stations.link2, -0.3));
+    labels.add("housing freewheel", "housing", this.group, axis(stations.housing, 0.36));
+    labels.add("output freewheel", "output", this.group, axis(stations.freewheel, -0.52));
+    labels.add("output shaft", "output", this.group, axis(stations.end, 0.12));
+    labels.add("imbalance", "imbalance", this.marker, new Vector3(0, 0, 0.14 * reach));
+  }
+}

@@ -1,0 +1,183 @@
+// The picture: the machine, the light on it and the eye that looks at it.
+
+import {
+  DirectionalLight, Group, HemisphereLight, type MeshPhongMaterial, PerspectiveCamera, Plane, Scene, Vector3, WebGLRenderer,
+} from "three";
+import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import { Annotations } from "./annotations";
+import type { Geometry, Parameters } from "./geometry";
+import { Labels } from "./labels";
+import { buildMechanism, discard, type Mechanism } from "./mechanism";
+import { COLOURS, Palette } from "./palette";
+import { buildShafts, type Shafts } from "./shafts";
+import { Trace, type TraceFrame } from "./trace";
+
+/** What is to be seen besides the machine. */
+export interface Shown {
+  follow: boolean;
+  cut: boolean;
+  labels: boolean;
+  trace: TraceFrame;
+  acceleration: boolean;
+  force: boolean;
+  torques: boolean;
+}
+
+/** Angles (rad), mode and signals of one instant. */
+export interface Instant {
+  readonly q: number;
+  readonly theta1: number;
+  readonly thetaOut: number;
+  readonly twist: number;
+  /** How far each freewheel holds, 0 to 1. */
+  readonly holds: { readonly housing: number; readonly output: number };
+  readonly column: (name: string) => number;
+  /** Angles of the recent past, part 0 the oldest, 1 now. */
+  readonly past: (part: number) => { q: number; theta1: number };
+}
+
+const AMBER = COLOURS.holds;
+
+interface Built {
+  readonly mechanism: Mechanism;
+  readonly shape: Geometry;
+  readonly shafts: Shafts;
+  readonly trace: Trace;
+  readonly annotations: Annotations;
+}
+
+/** A view of the machine on a canvas. Nothing is drawn until `draw` is called. */
+export class View {
+  readonly controls: OrbitControls;
+  private readonly renderer: WebGLRenderer;
+  private readonly scene = new Scene();
+  private readonly camera = new PerspectiveCamera(26, 1, 0.001, 1000);
+  private readonly world = new Group();
+  private readonly palette = new Palette();
+  private readonly labels: Labels;
+  private readonly steel = this.palette.materials.steel.color.clone();
+  private readonly amber = this.palette.materials.holds.color.clone();
+  private built: Built | null = null;
+  private shown: Shown | null = null;
+  private size = { width: 1, height: 1 };
+
+  constructor(canvas: HTMLCanvasElement, labelHost: HTMLElement) {
+    this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true });
+    this.renderer.localClippingEnabled = true;
+    this.camera.up.set(0, 0, 1);
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.enableDamping = false;
+    this.labels = new Labels(labelHost);
+    const sun = new DirectionalLight(0xffffff, 2.2);
+    sun.position.set(-0.6, -1, 1.6);
+    const fill = new DirectionalLight(0xffffff, 0.7);
+    fill.position.set(1.2, -0.6, 0.2);
+    this.scene.add(new HemisphereLight(0xffffff, 0x8d95a0, 1.5), sun, fill, this.world);
+  }
+
+  /** Build the machine of these parameters anew; the eye stays where it is unless `look`. */
+  build(parameters: Parameters, look: boolean): void {
+    if (this.built) {
+      for (const thing of [...this.world.children]) discard(thing);
+      this.labels.clear();
+    }
+    const { mechanism, shape } = buildMechanism(parameters, this.palette);
+    const shafts = buildShafts(parameters, mechanism, this.palette);
+    const trace = new Trace(shape, mechanism);
+    const annotations = new Annotations(mechanism, shafts, shape, this.labels);
+    mechanism.link1.add(trace.closed);
+    this.world.add(mechanism.link1, mechanism.link2, shafts.hub, shafts.driven, shafts.mount, trace.trail, annotations.group);
+    this.built = { mechanism, shape, shafts, trace, annotations };
+    if (look) this.lookHome();
+    if (this.shown) this.show(this.shown);
+  }
+
+  /** Turn the eye to where it sees the whole machine. */
+  lookHome(): void {
+    if (!this.built) return;
+    const { mechanism, shafts, shape } = this.built;
+    const { input, end } = shafts.stations;
+    const { reach } = mechanism;
+    // planar wheels show their faces along the axis
+    const away = new Vector3(shape.layout === "planar" ? -0.75 : -0.42, -1, 0.36).normalize();
+    const right = new Vector3().crossVectors(this.camera.up, away).normalize();
+    const up = new Vector3().crossVectors(away, right);
+    const corners = [input - 0.15 * reach, end + 0.1 * reach].flatMap((x) =>
+      [[-0.5, -1.2], [0.5, -1.2], [-0.7, 0.7], [0.7, 0.7]].map(([y = 0, z = 0]) => new Vector3(x, y * reach, z * reach)));
+    const target = new Vector3();
+    for (const axis of [right, up, away]) {
+      const along = corners.map((corner) => corner.dot(axis));
+      target.addScaledVector(axis, (Math.min(...along) + Math.max(...along)) / 2);
+    }
+    const room = 0.97 * Math.tan((this.camera.fov * Math.PI) / 360);
+    const distance = Math.max(...corners.map((corner) => {
+      const from = corner.clone().sub(target);
+      const across = Math.max(Math.abs(from.dot(right)) / this.camera.aspect, Math.abs(from.dot(up)));
+      return across / room + from.dot(away);
+    }));
+    this.controls.target.copy(target);
+    this.camera.position.copy(target).addScaledVector(away, distance);
+    this.camera.near = distance / 100;
+    this.camera.far = distance * 10;
+    this.camera.updateProjectionMatrix();
+    this.controls.update();
+  }
+
+  show(shown: Shown): void {
+    this.shown = { ...shown };
+    this.labels.visible = shown.labels;
+    // a quarter is cut away: what is in front of the central axis and above it
+    this.palette.cut(shown.cut ? [new Plane(new Vector3(0, 1, 0), 0), new Plane(new Vector3(0, 0, -1), 0)] : null);
+    this.built?.trace.show(shown.trace);
+    this.built?.annotations.show(shown);
+  }
+
+  /** The longest arrows are those of these values: m/s2, N, N.m. */
+  scale(acceleration: number, force: number, torque: number): void {
+    this.built?.annotations.scale(acceleration, force, torque);
+  }
+
+  resize(width: number, height: number, ratio: number): void {
+    this.size = { width, height };
+    this.renderer.setPixelRatio(ratio);
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+  }
+
+  /** Draw the machine at an instant. */
+  draw(now: Instant): void {
+    const { built, shown } = this;
+    if (!built || !shown) return;
+    const { mechanism, shafts, trace, annotations } = built;
+    this.world.rotation.x = shown.follow ? -now.theta1 : 0;
+    mechanism.turn(now.q);
+    mechanism.link1.rotation.x = now.theta1;
+    mechanism.link2.rotation.x += now.theta1;
+    shafts.hub.rotation.x = now.thetaOut + now.twist;
+    shafts.driven.rotation.x = now.thetaOut;
+    shafts.marks.forEach((mark, n) => {
+      mark.rotation.x = now.thetaOut + now.twist * (1 - n / shafts.marks.length);
+    });
+    this.tint(shafts.rollers.housing, now.holds.housing);
+    this.tint(shafts.rollers.output, now.holds.output);
+    trace.follow(now.past);
+    annotations.place(now);
+    this.renderer.render(this.scene, this.camera);
+    this.labels.place(this.camera, this.size.width, this.size.height);
+  }
+
+  /** Where the drawn imbalance 0 of module 0 is in the fixed frame, m: what the picture says, for tests. */
+  drawnImbalance(): number[] | null {
+    const { built } = this;
+    if (!built) return null;
+    this.world.updateMatrixWorld(true);
+    const place = built.mechanism.imbalance.localToWorld(built.mechanism.imbalanceAt.clone());
+    return this.world.worldToLocal(place).toArray();
+  }
+
+  private tint(material: MeshPhongMaterial, part: number): void {
+    material.color.lerpColors(this.steel, this.amber, part);
+    material.emissive.set(AMBER).multiplyScalar(0.35 * part);
+  }
+}

@@ -1,0 +1,129 @@
+// All that is around the picture: tools, bar, instruments, sliders, sentences, keys.
+
+import type { App } from "./app";
+import { button, byId, choice, element, tick } from "./controls/dom";
+import { csv, download, toml } from "./controls/files";
+import { helpButton } from "./controls/help";
+import { listen } from "./controls/keyboard";
+import { PlayBar } from "./controls/playbar";
+import { audit, instruments } from "./controls/readouts";
+import { SCENES } from "./controls/scenes";
+import { Sliders } from "./controls/sliders";
+import { followTheme, switchTheme } from "./controls/theme";
+import type { Curves } from "./curves/curves";
+import type { TraceFrame } from "./machine/trace";
+import type { Shown } from "./machine/view";
+import type { Picture } from "./picture";
+import type { Run } from "./run/run";
+import { lengthOf } from "./run/sample";
+
+const SWITCHES: readonly (readonly [keyof Shown, string])[] = [
+  ["labels", "names"], ["cut", "cut-away"], ["follow", "follow carrier"],
+  ["acceleration", "acceleration"], ["force", "shaking force"], ["torques", "torques"],
+];
+const TRACES: readonly (readonly [TraceFrame, string])[] = [
+  ["link1", "path: seen from carrier"], ["fixed", "path: in space"], ["off", "no path"],
+];
+
+export class Panels {
+  private readonly bar: PlayBar;
+  private readonly now = instruments();
+  private readonly audit = audit();
+  private readonly sliders: Sliders;
+  private readonly sentence = byId("sentence");
+  private readonly scenes: HTMLSelectElement;
+  private readonly reset: HTMLButtonElement;
+  private told = 0;
+
+  constructor(private readonly app: App, curves: Curves, picture: Picture) {
+    this.scenes = choice("Scene", [...SCENES].map(([name, { title }]) => [name, title]), app.store.get().scene, (name) => { app.choose(name); });
+    this.reset = button("Reset", "Back to the scene as it was", () => { app.store.set({ changed: {} }); });
+    byId("scene").append(this.scenes, this.reset);
+    this.tools();
+    this.bar = new PlayBar(app.player, {
+      toggle: () => { app.toggle(); },
+      step: (forwards) => { app.toSwitch(forwards); },
+      pulse: () => { app.pulse(); },
+      window: (turns) => { curves.zoom(Number(turns)); app.player.set({}); },
+    });
+    byId("play").append(this.bar.root);
+    this.sliders = new Sliders((name, value) => { app.set(name, value); });
+    byId("side").append(
+      element("div", { class: "tables" }, this.now.root, this.audit.root),
+      element("h2", {}, "Settings"), this.sliders.root);
+    followTheme(() => { curves.rebuild(); });
+    this.keys(picture);
+  }
+
+  /** Show what is set. */
+  settings(): void {
+    const { app } = this;
+    const { scene, changed, shown } = app.store.get();
+    this.scenes.value = scene;
+    this.reset.disabled = Object.keys(changed).length === 0;
+    this.sliders.show((name) => app.value(name), (name) => name in changed);
+    const story = app.scene.description.replaceAll("\n", " ");
+    byId("story").textContent = story;
+    this.scenes.title = story;
+    this.boxes(shown);
+  }
+
+  say(refusal: string, warnings: readonly string[]): void {
+    this.sentence.textContent = refusal === "" ? warnings.join("; ") : refusal;
+    this.sentence.classList.toggle("refused", refusal !== "");
+  }
+
+  stand(run: Run, time: number, playing: boolean): void {
+    this.bar.show(lengthOf(run));
+    const now = performance.now();
+    if (playing && now - this.told < 100) return;
+    this.told = now;
+    this.now.show(run, time);
+    this.audit.show(run, time);
+  }
+
+  private tools(): void {
+    const { app } = this;
+    const name = (): string => app.scene.name;
+    const share = button("Copy link", "Copy a link that shows the same", () => {
+      history.replaceState(null, "", app.hash());
+      void navigator.clipboard.writeText(location.href).then(() => { this.say("", ["the link is copied"]); });
+    });
+    byId("tools").append(
+      button("CSV", "Download the run as CSV", () => { if (app.run) download(`${name()}.csv`, csv(app.run), "text/csv"); }),
+      button("TOML", "Download the scene as TOML", () => {
+        download(`${name()}.toml`, toml(app.scene, app.store.get().changed), "application/toml");
+      }),
+      share, button("◐", "Light or dark", switchTheme), helpButton());
+  }
+
+  private boxes(shown: Shown): void {
+    const { app } = this;
+    byId("shown").replaceChildren(
+      ...SWITCHES.map(([name, text]) => tick(text, shown[name] === true, (on) => { app.showAlso({ [name]: on }); })),
+      choice("Path of the imbalance", TRACES, shown.trace, (frame) => { app.showAlso({ trace: frame as TraceFrame }); }));
+  }
+
+  private keys(picture: Picture): void {
+    const { app } = this;
+    const flip = (name: "follow" | "cut" | "torques"): void => { app.showAlso({ [name]: !app.store.get().shown[name] }); };
+    const faster = (factor: number): void => { app.player.set({ speed: app.player.clock.speed * factor }); };
+    listen({
+      " ": () => { app.toggle(); },
+      ArrowLeft: () => { app.toPoint(false); },
+      ArrowRight: () => { app.toPoint(true); },
+      ",": () => { app.toSwitch(false); },
+      ".": () => { app.toSwitch(true); },
+      l: () => { app.pulse(); },
+      "+": () => { faster(2); },
+      "=": () => { faster(2); },
+      "-": () => { faster(0.5); },
+      Home: () => { app.player.set({ time: 0, loop: null }); },
+      End: () => { app.player.set({ time: Infinity, loop: null, playing: false }); },
+      f: () => { flip("follow"); },
+      c: () => { flip("cut"); },
+      t: () => { flip("torques"); },
+      v: () => { picture.look(); },
+    });
+  }
+}

@@ -1,0 +1,104 @@
+// The picture of a run: the machine as it stands at a time.
+
+import { byId } from "./controls/dom";
+import { holding, pulseAround } from "./controls/pulses";
+import { View, type Shown } from "./machine/view";
+import { value, type Parameters } from "./machine/geometry";
+import type { Run } from "./run/run";
+import { largest, lengthOf, nearest, valueAt } from "./run/sample";
+
+const AXES = ["x", "y", "z"] as const;
+const TORQUES = ["input_torque", "mesh_torque", "housing_torque", "output_torque"];
+/** The colour of a freewheel follows it so slowly that nothing flashes, s. */
+const CALM = 0.15;
+
+export class Picture {
+  private readonly view: View;
+  private readonly holds = { housing: 0, output: 0 };
+  private built = "";
+  private homeWanted = true;
+  private trail = 0.1;
+
+  constructor(private readonly again: () => void) {
+    const host = byId("machine");
+    const canvas = host.querySelector("canvas");
+    if (!canvas) throw new Error("the page must have a canvas");
+    this.view = new View(canvas, byId("labels"));
+    this.view.controls.addEventListener("change", again);
+    new ResizeObserver(() => { this.resize(host); }).observe(host);
+    this.resize(host);
+  }
+
+  /** Look at all of it again when the next run comes. */
+  home(): void {
+    this.homeWanted = true;
+  }
+
+  look(): void {
+    this.view.lookHome();
+    this.again();
+  }
+
+  show(shown: Shown): void {
+    this.view.show(shown);
+    this.again();
+  }
+
+  /** The machine before there is a run of it, so that something is seen at once. */
+  still(parameters: Parameters): void {
+    const column = (): number => 0;
+    this.view.build(parameters, true);
+    this.view.draw({
+      q: 0, theta1: 0, thetaOut: 0, twist: 0, holds: this.holds, column, past: () => ({ q: 0, theta1: 0 }),
+    });
+  }
+
+  /** The machine of a run; built anew only if it is another one. */
+  run(run: Run): void {
+    const parameters = JSON.stringify(run.parameters);
+    if (parameters !== this.built) {
+      this.view.build(run.parameters, this.homeWanted);
+      this.built = parameters;
+    } else if (this.homeWanted) this.view.lookHome();
+    this.homeWanted = false;
+    this.view.scale(
+      largest(run, AXES.map((axis) => `imbalance_acceleration_${axis}`)),
+      largest(run, AXES.map((axis) => `shaking_force_${axis}`)), largest(run, TORQUES));
+    // the trail of the imbalance in the fixed frame is that of two pulses
+    const [from, to] = pulseAround(run, lengthOf(run) / 2);
+    this.trail = 2 * (to - from) || lengthOf(run);
+  }
+
+  /** Draw the machine; says whether it is still changing its colours. */
+  draw(run: Run, time: number, passed: number): boolean {
+    const mode = holding(nearest(run, "contact_mode", time));
+    const part = 1 - Math.exp(-passed / CALM);
+    let changing = false;
+    for (const name of ["housing", "output"] as const) {
+      const missing = Number(mode[name]) - this.holds[name];
+      changing ||= Math.abs(missing) > 0.01;
+      this.holds[name] += missing * part;
+    }
+    this.view.draw({
+      q: valueAt(run, "q", time), theta1: valueAt(run, "theta1", time), thetaOut: valueAt(run, "theta_out", time),
+      twist: value(run.parameters, "fidelity") === 3 ? valueAt(run, "shaft_twist", time) : 0,
+      holds: this.holds,
+      column: (name) => valueAt(run, name, time),
+      past: (part) => {
+        const at = Math.max(0, time - this.trail * (1 - part));
+        return { q: valueAt(run, "q", at), theta1: valueAt(run, "theta1", at) };
+      },
+    });
+    return changing;
+  }
+
+  /** Where the imbalance is drawn, m, for tests. */
+  drawnImbalance(): number[] | null {
+    return this.view.drawnImbalance();
+  }
+
+  private resize(host: HTMLElement): void {
+    this.view.resize(Math.max(host.clientWidth, 1), Math.max(host.clientHeight, 1), Math.min(devicePixelRatio, 2));
+    this.again();
+  }
+}

@@ -1,0 +1,75 @@
+// A run step by step: a module, its inputs over time, and what it has put into columns.
+
+import { Instance } from "../kernel/instance";
+import { type Input, inputAt } from "./signals";
+
+export interface Plan {
+  parameters: Readonly<Record<string, number>>;
+  inputs: Readonly<Record<string, Input>>;
+  /** Communication step, s, and how many of them. */
+  step: number;
+  steps: number;
+  outputs: readonly string[];
+}
+
+/** A run that has been started and can be carried on as far as one likes. */
+export class Stepping {
+  readonly time: Float64Array;
+  readonly columns: Record<string, Float64Array> = {};
+  readonly warnings: string[];
+  done = 0;
+  private readonly instance = new Instance();
+  private readonly targets: [number, Float64Array][];
+
+  /** @throws Refused where the module refuses the parameters. */
+  constructor(private readonly plan: Plan) {
+    this.time = new Float64Array(plan.steps + 1);
+    this.targets = plan.outputs.map((name) => {
+      const column = new Float64Array(plan.steps + 1);
+      this.columns[name] = column;
+      return [this.instance.place(name), column];
+    });
+    try {
+      this.instance.set(plan.parameters);
+      this.setInputs();
+      this.instance.start();
+    } catch (error) {
+      this.instance.release();
+      throw error;
+    }
+    this.warnings = this.instance.warnings();
+    this.keep();
+  }
+
+  get complete(): boolean {
+    return this.done >= this.plan.steps;
+  }
+
+  /** Take one communication step.
+   *  @throws Refused where the module refuses it. */
+  advance(): void {
+    this.setInputs();
+    this.instance.advance(this.plan.step);
+    this.done += 1;
+    this.keep();
+  }
+
+  release(): void {
+    this.instance.release();
+  }
+
+  private setInputs(): void {
+    const time = this.done * this.plan.step;
+    for (const [name, input] of Object.entries(this.plan.inputs)) {
+      const { value, rate } = inputAt(input, time);
+      this.instance.set({ [name]: value });
+      if (typeof input !== "number") this.instance.setRate(name, rate);
+    }
+  }
+
+  private keep(): void {
+    const numbers = this.instance.numbers();
+    this.time[this.done] = this.done * this.plan.step;
+    for (const [place, column] of this.targets) column[this.done] = numbers[place] ?? NaN;
+  }
+}

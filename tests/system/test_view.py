@@ -1,0 +1,118 @@
+"""The command view, and run --view: a page whole or not at all, bad places refused before the run."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from inertia_module.cli import app
+from inertia_module.harness.results import Result
+from inertia_module.page import html
+
+EXAMPLES = Path("examples").absolute()
+REFERENCE, PLANAR, ENGINE = (EXAMPLES / f"{name}.toml" for name in ("reference", "planar", "engine"))
+MOST_BYTES = 2_500_000
+PLAYED = """async () => {
+  const { start, playable } = window.inertiaModule;
+  const { time, columns } = await playable(start.run, start.scene.parameters);
+  return { time: [...time], omega_out: [...columns.omega_out], q: [...columns.q] };
+}"""
+
+
+def invoke(*arguments):
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+
+@pytest.mark.parametrize("scene", [REFERENCE, PLANAR, ENGINE], ids=lambda scene: scene.stem)
+def test_page_opens_from_disk_and_asks_for_nothing(opened, scene):
+    page = opened(scene)
+    page.page.wait_for_timeout(500)
+    assert (page.errors, page.requests) == ([], [])
+    assert page.path.stat().st_size < MOST_BYTES
+    page.keep_picture(scene.stem)
+
+
+def test_run_is_played_as_it_was_recorded(opened, built, tmp_path):
+    """The load of this scene follows the motion: the page cannot run it, so it holds the run."""
+    page = opened(ENGINE)
+    done = invoke("run", ENGINE, "-o", tmp_path, "--fmu", built / "InertiaModule.fmu")
+    assert done.exit_code == 0, done.output
+    table = Result.from_csv(tmp_path / "table.csv")
+    start, played = page.page.evaluate("window.inertiaModule.start"), page.page.evaluate(PLAYED)
+    every = start["run"]["every"]
+    assert not start["scene"]["exact"]
+    assert start["scene"]["inputs"]["load_torque"] == pytest.approx(table["load_torque"].mean(), rel=1e-3)
+    assert start["scene"]["inputs"]["drive_torque"]["values"] == [0.0, 40.0, 25.0, 15.0]
+    assert played["time"] == pytest.approx(table.time[::every], abs=1e-9)
+    assert played["omega_out"] == pytest.approx(table["omega_out"][::every], rel=1e-7)
+    assert np.diff(played["q"]).max() < 0.4 * every  # no whole turn is lost between rows
+
+
+def test_run_leaves_the_page_beside_its_table(built, tmp_path):
+    done = invoke("run", REFERENCE, "--view", "--json", "--fmu", built / "InertiaModule.fmu", "-o", tmp_path)
+    assert done.exit_code == 0, done.output
+    assert json.loads(done.stdout)["files"]["page"] == str(tmp_path / "page.html")
+    assert "drive_turns" not in Result.from_csv(tmp_path / "table.csv")
+    assert (tmp_path / "page.html").stat().st_size < MOST_BYTES
+
+
+@pytest.mark.parametrize("arguments", [("view", REFERENCE), ("run", REFERENCE, "--view")], ids=str)
+def test_without_the_template_the_command_that_makes_it_is_named(arguments, tmp_path, monkeypatch):
+    monkeypatch.setattr(html, "TEMPLATE", tmp_path / "template.html")
+    done = invoke(*arguments, "-o", tmp_path / "page.html")
+    assert done.exit_code == 1
+    assert done.stderr == "error: the page has not been built yet: `make page` builds it\n"
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_page_of_a_shaft_alone_is_refused(tmp_path):
+    shaft = EXAMPLES / "papers" / "stelmashchuk_stepping.toml"
+    for arguments, sentence in (
+        (("run", shaft, "--view", "-o", tmp_path), "--view must come with a scene of the module"),
+        (
+            ("view", shaft, "-o", tmp_path / "page.html"),
+            "must be a scene of the module, is one of a driven shaft",
+        ),
+    ):
+        done = invoke(*arguments)
+        assert done.exit_code == 1
+        assert sentence in done.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_place_that_cannot_be_written_is_refused_before_the_run(tmp_path, monkeypatch):
+    def worked(*_, **__):
+        raise AssertionError("the work was begun, and what it gives would be lost")
+
+    monkeypatch.setattr("inertia_module.scene.run_scene", worked)
+    (tmp_path / "folder.html").mkdir()
+    (tmp_path / "file").write_text("a file")
+    places = {
+        "folder.html": "the page must be a file, is the folder ",
+        "page.txt": "the page must be a file with the ending .html, is ",
+        "file/page.html": "file must be a folder that can be written to",
+    }
+    for place, sentence in places.items():
+        done = invoke("view", ENGINE, "-o", tmp_path / place)
+        assert done.exit_code == 1
+        assert sentence in done.stderr
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "folder.html"]
+
+
+def test_page_is_whole_or_not_there(tmp_path, monkeypatch):
+    monkeypatch.setattr("os.replace", lambda *_: (_ for _ in ()).throw(OSError("the disk is full")))
+    done = invoke("view", REFERENCE, "-o", tmp_path / "page.html")
+    assert (done.exit_code, done.stderr) == (1, "error: the disk is full\n")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_text_of_a_scene_cannot_break_out_of_the_page(opened, tmp_path):
+    title = "</script><script>window.broken = 1</script><!-- & <b>"
+    scene = tmp_path / "hostile.toml"
+    scene.write_text(f'title = "{title}"\n' + REFERENCE.read_text().split("\n", 1)[1])
+    page = opened(scene)
+    assert page.page.title() == title
+    assert page.page.evaluate("[window.inertiaModule.start.scene.title, window.broken]") == [title, None]
+    assert page.errors == []
