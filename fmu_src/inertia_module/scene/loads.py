@@ -8,7 +8,8 @@ from pydantic import Field, model_validator
 
 from .. import loops
 from ..contract.variable import LARGEST_TORQUE
-from .tables import Strict, Tabulated, Times
+from ..loops.cycles import KILOMETRE_PER_HOUR
+from .tables import Strict, Tabulated, Times, one_signal
 from .units import quantities, quantity
 
 Torque = Annotated[float, quantity("N.m", -LARGEST_TORQUE, LARGEST_TORQUE)]
@@ -55,16 +56,16 @@ class TorqueLoad(Strict):
 
     @model_validator(mode="after")
     def _one_of_both(self) -> TorqueLoad:
-        if (self.torque is None) == (self.torque_over_time is None):
-            given = "both are" if self.torque is not None else "neither is"
-            raise ValueError(f"one of torque and torque_over_time must be given, {given}")
+        self.signal()
         return self
+
+    def signal(self) -> float | loops.Table:
+        """Torque on the shaft, constant or over time, N.m."""
+        return one_signal("torque", self.torque, self.torque_over_time)
 
     def build(self, step: float, one_way: bool) -> loops.Load:
         """The load as a system of this step, s; one_way: the shaft cannot turn backwards."""
-        if self.torque_over_time is not None:
-            return loops.torque_source(self.torque_over_time.table(), step)
-        return loops.torque_source(self.torque or 0.0, step)
+        return loops.torque_source(self.signal(), step)
 
 
 class ShaftLoad(Strict):
@@ -84,7 +85,11 @@ class ShaftLoad(Strict):
 
 
 class VehicleLoad(Strict):
-    """A vehicle on a road, behind a final drive."""
+    """A vehicle on a road, behind a final drive.
+
+    Attributes:
+        times_to: speeds, m/s, to which the summary gives the time from standstill.
+    """
 
     kind: Literal["vehicle"]
     mass: Annotated[float, quantity("kg", above=0.0)]
@@ -96,6 +101,9 @@ class VehicleLoad(Strict):
     slope: Annotated[float, quantity("1", -1.0, 1.0)] = 0.0
     slope_over_distance: SlopeOverDistance | None = None
     coupling: Coupling | None = None
+    times_to: Annotated[list[float], quantities("m/s", 0.0)] = Field(
+        default=[50.0 * KILOMETRE_PER_HOUR, 100.0 * KILOMETRE_PER_HOUR]
+    )
 
     def build(self, step: float, one_way: bool) -> loops.Load:
         """The load as a system of this step, s; one_way: the shaft cannot turn backwards."""

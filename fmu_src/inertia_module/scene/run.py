@@ -60,10 +60,12 @@ def start_of(scene: Scene) -> tuple[Any, dict[str, float], dict[str, float]]:
     """What a scene starts from: its surroundings, connected; parameters and inputs of the FMU by name."""
     surroundings = connect(list(scene.systems()))
     values = scene.parameters()
-    inputs = initial_inputs(surroundings, {"omega_out": values.get("omega_out_start", 0.0)})
-    if isinstance(scene.drive, TORQUE_DRIVES):
-        inputs["omega1"] = scene.drive.omega1
-    return surroundings, values, inputs
+    speeds = {"omega_out": values.get("omega_out_start", 0.0)}
+    if not isinstance(scene.drive, TORQUE_DRIVES):
+        return surroundings, values, initial_inputs(surroundings, speeds)
+    omega1 = scene.drive.start_speed
+    inputs = initial_inputs(surroundings, {**speeds, "input_speed": omega1})
+    return surroundings, values, {**inputs, "omega1": omega1}
 
 
 def run_scene(scene: Scene, fmu_path: Path | str, progress: Progress | None = None) -> SceneResult:
@@ -94,5 +96,6 @@ def run_scene(scene: Scene, fmu_path: Path | str, progress: Progress | None = No
         record = loop.run(scene.run.stop_time, progress)
         wall_time = time.perf_counter() - began
     measured = scene.measured if scene.controller is not None else None
-    summary = summarise(record, measured, scene.cycle, wall_time)
+    times_to = getattr(scene.load, "times_to", ())
+    summary = summarise(record, measured, scene.cycle, wall_time, times_to)
     return SceneResult(scene=scene, record=record, quantities=summary, warnings=tuple(fmu.warnings))

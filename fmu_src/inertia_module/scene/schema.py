@@ -16,7 +16,8 @@ from ..kernel.codes import ELASTIC
 from ..loops.cycles import Cycle
 from ..memory.instances import Module
 from .controllers import SPEED_UNITS, VEHICLE_SPEED, Controller, CycleReference, measured_speed
-from .drives import CONTROLLED_DRIVES, Drive, check_drive, drive_parameter
+from .drives import CONTROLLED_DRIVES, Drive, check_drive, with_drive
+from .engine import EngineDrive
 from .errors import SceneError, one_line
 from .loads import Load
 from .mechanism import AUTO, DRIVE, FIDELITY, Mechanism, at_fidelity, is_auto, parameters
@@ -164,7 +165,7 @@ class Scene(Strict):
 
     def parameters(self) -> dict[str, float]:
         """Parameters for the FMU, that of the drive too; a load coupled rigidly is in what it hangs on."""
-        values = {**parameters(self.mechanism), **drive_parameter(self.drive)}
+        values = with_drive(self.drive, parameters(self.mechanism))
         rigid = self.build_load().rigid_inertia
         return {**values, self._carrying: self._shaft_inertia() + rigid} if rigid else values
 
@@ -225,6 +226,8 @@ class Scene(Strict):
     def _step_short_enough(self) -> Scene:
         try:
             self.build_load().check_step(self._shaft_inertia())
+            if isinstance(self.drive, EngineDrive):
+                self.drive.check_step(self.run.communication_step, self.parameters()["input_inertia"])
         except ValueError as error:
             raise SceneError(f"run.communication_step: {error}") from None
         return self
