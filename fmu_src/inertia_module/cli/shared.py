@@ -106,6 +106,16 @@ def share(option: str, text: str | None) -> float | None:
         raise ValueError(f"{option} {error}") from None
 
 
+def quantity_of(option: str, text: str, unit: str) -> float:
+    """A quantity given on the command line, such as "2 s", in SI."""
+    from ..scene.units import checked
+
+    try:
+        return checked(text, unit)
+    except ValueError as error:
+        raise ValueError(f"{option} {error}") from None
+
+
 def turning(text: str) -> float:
     """An input speed given on the command line, such as "3000 rpm", in rad/s; negative backwards."""
     from ..common.units import to_si
