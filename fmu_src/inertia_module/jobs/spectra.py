@@ -1,9 +1,9 @@
 """Order spectra: how much of torques, speeds and forces swings how often a turn of link 1, or a pulse.
 
 What is recorded over time is resampled in equal steps of the angle, so that a machine that runs up has the
-same lines as one at a steady speed. Sources: K. R. Fyfe and E. D. S. Munck, Analysis of computed order tracking,
-Mechanical Systems and Signal Processing 11 (1997) 187-205; averages over windows that overlap: P. D. Welch, IEEE
-Transactions on Audio and Electroacoustics 15 (1967) 70-73.
+same lines as one at a steady speed. Sources: K. R. Fyfe and E. D. S. Munck, Analysis of computed order
+tracking, Mechanical Systems and Signal Processing 11 (1997) 187-205; averages over windows that overlap:
+P. D. Welch, IEEE Transactions on Audio and Electroacoustics 15 (1967) 70-73.
 """
 
 from __future__ import annotations
