@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import Annotated, Any
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import Annotated, Any, TypeVar
 
-from pydantic import Field, ValidationError, model_validator
+from pydantic import BaseModel, Field, ValidationError, model_validator
 
 from .. import loops
 from ..common.errors import Refused
@@ -23,6 +25,8 @@ from .loads import Load
 from .mechanism import AUTO, DRIVE, FIDELITY, Mechanism, at_fidelity, is_auto, parameters
 from .tables import Duration, Strict
 from .units import quantity
+
+Model = TypeVar("Model", bound=BaseModel)
 
 _TOLERANCE = BY_NAME["tolerance"]
 _OUTPUTS = tuple(variable.name for variable in with_causality(OUTPUT))
@@ -98,16 +102,25 @@ class Scene(Strict):
         """Units of signals that depend on the scene."""
         return {"reference": SPEED_UNITS[self.measured]}
 
-    def build_load(self) -> loops.Load:
+    @cached_property
+    def built_load(self) -> loops.Load:
         """The load as a system."""
-        mechanism = parameters(self.mechanism)
-        one_way = all(mechanism.get(name, 1.0) for name in ("housing_freewheel", "output_freewheel"))
-        return self.load.build(self.run.communication_step, one_way)
+        return self.load.build(self.run.communication_step, self._one_way)
+
+    @cached_property
+    def tables(self) -> dict[str, Any]:
+        """All keys that are given, by table, in SI units."""
+        return _without_files(self.model_dump(exclude_none=True))
+
+    @cached_property
+    def surroundings(self) -> Any:
+        """The systems, connected: what is around the FMU."""
+        return loops.connect(list(self.systems()))
 
     def systems(self) -> Iterator[Any]:
         """Load, and drive or controller, as systems to connect."""
         step = self.run.communication_step
-        load = self.build_load().system
+        load = self.built_load.system
         yield load
         if self.controller is not None:
             yield from self.controller.build(step, self.measured)
@@ -125,14 +138,38 @@ class Scene(Strict):
         Raises:
             SceneError: as read_scene.
         """
-        data = _without_files(self.model_dump(exclude_none=True))
-        for name, changes in tables.items():
-            kept = {**data.get(name, {}), **changes}
-            data[name] = {key: value for key, value in kept.items() if value is not None}
-        try:
-            return Scene.model_validate(data, context={"measured": self.measured})
-        except ValidationError as failure:
-            raise SceneError(one_line(Scene, failure)) from None
+        return self.with_keys(
+            {f"{table}.{key}": value for table, keys in tables.items() for key, value in keys.items()}
+        )
+
+    def with_keys(self, keys: Mapping[str, Any]) -> Scene:
+        """The scene with other keys, named by dots, checked anew.
+
+        Args:
+            keys: such as {"load.coupling.stiffness": "2 kN.m/rad"}; None takes a key away.
+
+        Raises:
+            SceneError: as read_scene.
+        """
+        data = self.tables
+        for name, value in keys.items():
+            data = _changed(data, name.split("."), value)
+        scene = validated(Scene, data)
+        if scene._around == self._around:
+            # connecting systems costs as much as a short run
+            scene.__dict__["surroundings"] = self.surroundings
+        return scene
+
+    @property
+    def _around(self) -> tuple[Any, ...]:
+        """What the surroundings follow from."""
+        return self.drive, self.load, self.controller, self.run.communication_step, self._one_way
+
+    @property
+    def _one_way(self) -> bool:
+        """Whether the freewheels keep the output shaft from turning backwards."""
+        mechanism = parameters(self.mechanism)
+        return all(mechanism.get(name, 1.0) for name in ("housing_freewheel", "output_freewheel"))
 
     def with_fidelity(self, fidelity: str, error: float | None = None) -> Scene:
         """The scene at a named fidelity, or at one to be chosen for this error.
@@ -166,7 +203,7 @@ class Scene(Strict):
     def parameters(self) -> dict[str, float]:
         """Parameters for the FMU, that of the drive too; a load coupled rigidly is in what it hangs on."""
         values = with_drive(self.drive, parameters(self.mechanism))
-        rigid = self.build_load().rigid_inertia
+        rigid = self.built_load.rigid_inertia
         return {**values, self._carrying: self._shaft_inertia() + rigid} if rigid else values
 
     @model_validator(mode="after")
@@ -215,17 +252,16 @@ class Scene(Strict):
 
     @model_validator(mode="after")
     def _outputs_known(self) -> Scene:
-        signals = loops.connect(list(self.systems())).output_labels
         for name in self.run.outputs:
-            if name not in _READABLE and name not in signals:
-                known = ", ".join([*_READABLE, *signals])
+            if name not in _READABLE and name not in self.surroundings.output_labels:
+                known = ", ".join([*_READABLE, *self.surroundings.output_labels])
                 raise SceneError(f"run.outputs must be of {known}, has {name!r}")
         return self
 
     @model_validator(mode="after")
     def _step_short_enough(self) -> Scene:
         try:
-            self.build_load().check_step(self._shaft_inertia())
+            self.built_load.check_step(self._shaft_inertia())
             if isinstance(self.drive, EngineDrive):
                 self.drive.check_step(self.run.communication_step, self.parameters()["input_inertia"])
         except ValueError as error:
@@ -249,3 +285,31 @@ def _without_files(data: dict[str, Any]) -> dict[str, Any]:
         for name, value in data.items()
         if name != "file"
     }
+
+
+def _changed(tables: dict[str, Any], path: Sequence[str], value: Any) -> dict[str, Any]:
+    """Tables with one key changed, in copies; None takes it away."""
+    head, *rest = path
+    if rest:
+        table = tables.get(head)
+        value = _changed(table if isinstance(table, dict) else {}, rest, value)
+    others = {name: kept for name, kept in tables.items() if name != head}
+    return others if value is None else {**others, head: value}
+
+
+def validated(model: type[Model], tables: dict[str, Any], folder: Path = Path()) -> Model:
+    """Tables as a scene of a kind.
+
+    Args:
+        model: Scene, or another kind. tables: as read from TOML, or Scene.tables.
+        folder: where paths of CSV files in them start.
+
+    Raises:
+        SceneError: in one line, the key, the value and what is allowed.
+    """
+    load = tables.get("load")
+    kind = load.get("kind") if isinstance(load, dict) else None
+    try:
+        return model.model_validate(tables, context={"folder": folder, "measured": measured_speed(kind)})
+    except ValidationError as failure:
+        raise SceneError(one_line(model, failure)) from None
