@@ -83,3 +83,47 @@ def sweep(
         typer.echo(f"refused first: {found.refused[0].point}: {found.refused[0].refused}")
     for name, file in listed.items():
         typer.echo(f"{name}: {file}")
+
+
+@app.command()
+def design(
+    spec: Annotated[Path, typer.Argument(metavar="SPEC.toml", help="Scene with [free] and [figures].")],
+    output: OutputFolder = None,
+    fmu: FmuFile = None,
+    scheduler: Scheduler = None,
+    workers: Workers = None,
+    as_json: Json = False,
+) -> None:
+    """Search the designs that meet the limits of a specification and are best for its goals.
+
+    Leaves pareto.csv, checked.csv (and .parquet), plot.png and each checked design as a scene, design_1.toml
+    and so on, in a folder (out/SPEC_design without -o).
+    """
+    from .. import jobs
+    from ..figures.designs import design_figure
+    from ..harness.results import write_figure
+    from ..harness.simulate import progress_bar
+
+    with one_line_errors():
+        folder = folder_for(output, f"{spec.stem}_design")
+        with progress_bar(f"design of {spec.name}") as progress:
+            found = jobs.design(
+                spec,
+                output=folder,
+                fmu=fmu or current_fmu(),
+                scheduler=scheduler,
+                workers=workers,
+                progress=progress,
+            )
+        files = {**found.files, "plot": write_figure(folder / "plot.png", design_figure(found))}
+    files |= {one.file.stem.replace("_", " "): one.file for one in found.finalists}
+    listed = {name: str(file) for name, file in files.items()}
+    if as_json:
+        numbers = {"designs": len(found.rows), "new": found.new, "chosen": len(found.chosen)}
+        typer.echo(json.dumps({"spec": str(spec), **numbers, "verdict": found.verdict(), "files": listed}))
+        return
+    for one in found.finalists:
+        show_table(one.file.stem.replace("_", " "), found.lines(one))
+    typer.echo(found.verdict())
+    for name, file in listed.items():
+        typer.echo(f"{name}: {file}")

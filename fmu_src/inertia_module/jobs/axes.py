@@ -85,6 +85,12 @@ class Axis:
                     raise
 
 
+def units_of(axes: Sequence[Axis]) -> dict[str, str]:
+    """Units of the keys that are parameters of the mechanism, by name."""
+    bare = {one.name: one.name.removeprefix(MECHANISM) for one in axes}
+    return {name: BY_NAME[key].unit for name, key in bare.items() if key in BY_NAME}
+
+
 def full_name(name: str) -> str:
     """A key by dots; those of the mechanism may go without their table."""
     return name if "." in name else f"{MECHANISM}{name}"
@@ -202,11 +208,16 @@ def of_shares(axes: Sequence[Axis], shares: NDArray[np.float64]) -> list[Point]:
 
 
 def sampled(axes: Sequence[Axis], sample: str, seed: int) -> list[Point]:
-    """Points spread over the ranges, not in a grid.
+    """Points spread over the ranges, not in a grid; see shares_sampled."""
+    return of_shares(axes, shares_sampled(len(axes), sample, seed))
+
+
+def shares_sampled(number: int, sample: str, seed: int) -> NDArray[np.float64]:
+    """Shares (0 to 1) of ranges, shape (points, number).
 
     Args:
-        sample: "latin:COUNT" (Latin hypercube) or "sobol:COUNT" (Sobol's sequence, scrambled; COUNT is best
-            a power of 2). seed: same seed, same points.
+        number: of ranges. sample: "latin:COUNT" (Latin hypercube) or "sobol:COUNT" (Sobol's sequence,
+            scrambled; COUNT is best a power of 2). seed: same seed, same points.
 
     Raises:
         Refused: it is neither.
@@ -216,5 +227,5 @@ def sampled(axes: Sequence[Axis], sample: str, seed: int) -> list[Point]:
     kind, _, count = sample.partition(":")
     if kind not in SAMPLES or not count.isdigit() or int(count) < 1:
         raise Refused(f"sample must be latin:COUNT or sobol:COUNT, such as latin:200, is {sample!r}")
-    sampler = (qmc.LatinHypercube if kind == "latin" else qmc.Sobol)(len(axes), rng=seed)
-    return of_shares(axes, np.atleast_2d(sampler.random(int(count))))
+    sampler = (qmc.LatinHypercube if kind == "latin" else qmc.Sobol)(number, rng=seed)
+    return np.atleast_2d(sampler.random(int(count)))

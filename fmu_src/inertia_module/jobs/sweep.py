@@ -11,10 +11,9 @@ import numpy as np
 
 from ..common.errors import Refused
 from ..common.files import OUTPUT_FOLDER
-from ..contract.variables import BY_NAME
 from ..harness.simulate import Progress
 from ..scene import Scene
-from .axes import MECHANISM, Axis, axes_of, grid, sampled
+from .axes import Axis, axes_of, grid, sampled, units_of
 from .evaluator import Evaluator, fmu_content, read
 from .sensitivity import Sensitivity, indices
 from .store import write_tables
@@ -104,8 +103,7 @@ def sweep(
         if sensitivity is not None:
             found, points = indices(axes, sensitivity, seed, evaluator)
         rows = evaluator(points)
-    units = {a.name: BY_NAME[key].unit for a in axes if (key := a.name.removeprefix(MECHANISM)) in BY_NAME}
-    units |= evaluator.journal.units
+    units = {**units_of(axes), **evaluator.journal.units}
     files = write_tables(folder, "sweep", rows, units)
     if found is not None:
         files["sensitivity"] = found.save(folder / "sensitivity.csv")

@@ -14,8 +14,9 @@ from typing import Any, NamedTuple, Protocol
 
 from ..common.errors import Refused
 from ..common.files import content_hash
+from ..scene.keys import validated
 from ..scene.run import SceneRunner
-from ..scene.schema import Scene, validated
+from ..scene.schema import Scene
 from ..scene.summary import Quantity
 from .axes import Point
 

@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from .errors import SceneError
-from .schema import Scene, validated
+from .keys import validated
+from .schema import Scene
 from .shaft import ShaftScene
 
 Read = TypeVar("Read")

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from functools import cached_property
-from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any
 
-from pydantic import BaseModel, Field, ValidationError, model_validator
+from pydantic import Field, model_validator
 
 from .. import loops
 from ..common.errors import Refused
@@ -20,13 +19,12 @@ from ..memory.instances import Module
 from .controllers import SPEED_UNITS, VEHICLE_SPEED, Controller, CycleReference, measured_speed
 from .drives import CONTROLLED_DRIVES, Drive, check_drive, with_drive
 from .engine import EngineDrive
-from .errors import SceneError, one_line
+from .errors import SceneError
+from .keys import changed, validated, without_files
 from .loads import Load
 from .mechanism import AUTO, DRIVE, FIDELITY, Mechanism, at_fidelity, is_auto, parameters
 from .tables import Duration, Strict
 from .units import quantity
-
-Model = TypeVar("Model", bound=BaseModel)
 
 _TOLERANCE = BY_NAME["tolerance"]
 _OUTPUTS = tuple(variable.name for variable in with_causality(OUTPUT))
@@ -110,7 +108,7 @@ class Scene(Strict):
     @cached_property
     def tables(self) -> dict[str, Any]:
         """All keys that are given, by table, in SI units."""
-        return _without_files(self.model_dump(exclude_none=True))
+        return without_files(self.model_dump(exclude_none=True))
 
     @cached_property
     def surroundings(self) -> Any:
@@ -153,7 +151,7 @@ class Scene(Strict):
         """
         data = self.tables
         for name, value in keys.items():
-            data = _changed(data, name.split("."), value)
+            data = changed(data, name.split("."), value)
         scene = validated(Scene, data)
         if scene._around == self._around:
             # connecting systems costs as much as a short run
@@ -276,40 +274,3 @@ class Scene(Strict):
         except Refused as error:
             raise SceneError(f"mechanism: {error}") from None
         return self
-
-
-def _without_files(data: dict[str, Any]) -> dict[str, Any]:
-    """Tables without the names of the CSV files whose columns they hold."""
-    return {
-        name: _without_files(value) if isinstance(value, dict) else value
-        for name, value in data.items()
-        if name != "file"
-    }
-
-
-def _changed(tables: dict[str, Any], path: Sequence[str], value: Any) -> dict[str, Any]:
-    """Tables with one key changed, in copies; None takes it away."""
-    head, *rest = path
-    if rest:
-        table = tables.get(head)
-        value = _changed(table if isinstance(table, dict) else {}, rest, value)
-    others = {name: kept for name, kept in tables.items() if name != head}
-    return others if value is None else {**others, head: value}
-
-
-def validated(model: type[Model], tables: dict[str, Any], folder: Path = Path()) -> Model:
-    """Tables as a scene of a kind.
-
-    Args:
-        model: Scene, or another kind. tables: as read from TOML, or Scene.tables.
-        folder: where paths of CSV files in them start.
-
-    Raises:
-        SceneError: in one line, the key, the value and what is allowed.
-    """
-    load = tables.get("load")
-    kind = load.get("kind") if isinstance(load, dict) else None
-    try:
-        return model.model_validate(tables, context={"folder": folder, "measured": measured_speed(kind)})
-    except ValidationError as failure:
-        raise SceneError(one_line(model, failure)) from None
