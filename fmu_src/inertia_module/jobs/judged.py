@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from .named import NAMED
 from .spec import Spec, unit_of
 from .task import Row
 
@@ -36,7 +37,8 @@ class Limit(NamedTuple):
         value = row.figures.get(self.figure)
         if value is None or not math.isfinite(value):
             return MISSING
-        return self.side * (value - self.bound) / (abs(self.bound) or 1.0) + margin
+        narrower = 0.0 if self.figure in NAMED else margin
+        return self.side * (value - self.bound) / (abs(self.bound) or 1.0) + narrower
 
     def text(self, row: Row, unit: str) -> str:
         """What a row has and what the limit is, in a line."""

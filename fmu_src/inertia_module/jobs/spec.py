@@ -65,7 +65,8 @@ class Search(Strict):
     Attributes:
         population, generations: of NSGA-II. seed: same seed, same result. fidelity: of the search.
         check: fidelity at which the finalists are run. finalists: how many of them.
-        margin: by which all limits are narrower in the search, for what the cheap fidelity leaves out.
+        margin: by which limits of what the scene gives are narrower in the search, for what the cheap
+            fidelity leaves out; steady figures and sizes are the same at all.
     """
 
     population: int = Field(default=40, ge=4, le=10_000)
