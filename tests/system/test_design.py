@@ -71,8 +71,8 @@ def test_designs_that_meet_all_limits_are_found_and_no_other_is_better(found):
     assert found.verdict().startswith("3 of 3 checked designs meet all limits; nearest to its limit")
 
 
-def test_the_same_seed_gives_the_same_whatever_the_number_of_workers(found, spec, module, tmp_path):
-    two = jobs.design(spec, output=tmp_path, fmu=module, workers=2)
+def test_the_same_seed_gives_the_same_whatever_the_number_of_workers(found, spec, module, cluster, tmp_path):
+    two = jobs.design(spec, output=tmp_path, fmu=module, scheduler=cluster.address)
     assert told(two.rows) == told(found.rows)
     assert told(one.checked for one in two.finalists) == told(one.checked for one in found.finalists)
 
@@ -87,11 +87,11 @@ def test_a_chosen_design_is_a_scene_that_runs_and_gives_its_figures(found, modul
         assert read.mechanism.fidelity == 2.0
 
 
-def test_another_search_of_the_same_scene_takes_what_is_there(found, spec, module, tmp_path):
-    longer = spec.with_name("longer.toml")
-    longer.write_text(SPEC.replace("150 rad/s\", minimum = \"20 N.m\"", "150 rad/s\", minimum = \"2 kN.m\""))
+def test_another_search_of_the_same_scene_takes_what_is_there(found, spec, module, cluster):
+    harder = spec.with_name("harder.toml")
+    harder.write_text(SPEC.replace('150 rad/s", minimum = "20 N.m"', '150 rad/s", minimum = "2 kN.m"'))
     folder = found.files["checked csv"].parent
-    stopped = jobs.design(longer, output=folder, fmu=module, workers=1)
+    stopped = jobs.design(harder, output=folder, fmu=module, scheduler=cluster.address)
     assert 0 < stopped.new < len(stopped.rows)
     assert stopped.chosen == []
     assert "no design of" in stopped.verdict()
@@ -99,8 +99,8 @@ def test_another_search_of_the_same_scene_takes_what_is_there(found, spec, modul
     assert "must be at least 2000 N.m" in stopped.verdict()
 
 
-def test_a_figure_that_no_run_has_is_refused(spec, module, tmp_path):
+def test_a_figure_that_no_run_has_is_refused(spec, module, cluster, tmp_path):
     wrong = spec.with_name("wrong.toml")
     wrong.write_text(SPEC.replace("omega_out_final", "omega_out_last"))
-    with pytest.raises(SceneError, match="figures.omega_out_last must be one of stall_torque, .*omega_out_final"):
-        jobs.design(wrong, output=tmp_path, fmu=module, workers=1)
+    with pytest.raises(SceneError, match=r"figures.omega_out_last must be one of .*omega_out_final"):
+        jobs.design(wrong, output=tmp_path, fmu=module, scheduler=cluster.address)

@@ -1,4 +1,4 @@
-"""Sweeps on a cluster of processes started by hand, on one of this machine; workers and clients that die."""
+"""Sweeps on a cluster of processes started by hand; workers and clients that die."""
 
 import json
 import os
@@ -6,15 +6,17 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import ExitStack
 
 import pytest
 
 from inertia_module import jobs
 from inertia_module.common.errors import Refused
+from inertia_module.jobs.axes import axes_of, grid
 from inertia_module.jobs.task import SceneTask, evaluate
 from inertia_module.scene import load_scene, run_scene
 
-pytest.importorskip("distributed")
+Client = pytest.importorskip("distributed").Client
 pytest.importorskip("pyarrow")
 
 SCENE = """
@@ -48,57 +50,30 @@ def module(built):
     return built / "InertiaModule.fmu"
 
 
-def dask(*arguments):
-    return subprocess.Popen([sys.executable, "-m", "dask", *arguments], stderr=subprocess.DEVNULL)
-
-
-class Cluster:
-    """A scheduler and workers as processes of their own."""
-
-    def __init__(self, folder):
-        self.file = folder / "scheduler.json"
-        self.folder = folder
-        self.processes = [
-            dask("scheduler", "--scheduler-file", str(self.file), "--port", "0", "--no-dashboard")
-        ]
-        deadline = time.monotonic() + 60.0
-        while not self.file.exists() and time.monotonic() < deadline:
-            time.sleep(0.05)
-        self.address = json.loads(self.file.read_text())["address"]
-
-    def worker(self):
-        """Start a worker."""
-        process = dask(
-            "worker", self.address, "--no-nanny", "--nthreads", "1", "--local-directory", str(self.folder)
-        )
-        self.processes.append(process)
-        return process
-
-    def end(self):
-        for process in reversed(self.processes):
-            process.kill()
-            process.wait()
-
-
-@pytest.fixture(scope="module")
-def cluster(tmp_path_factory):
-    cluster = Cluster(tmp_path_factory.mktemp("cluster"))
-    cluster.worker()
-    cluster.worker()
-    yield cluster
-    cluster.end()
-
-
 def told(rows):
     """Rows without what they cost."""
     return [row._replace(cost=0.0) for row in rows]
 
 
+def evaluated(read, module, points):
+    """Rows of points, computed in this process."""
+    with ExitStack() as closing:
+        figures_of = SceneTask(read.tables, module.read_bytes()).opened(module, closing)
+        return evaluate(figures_of, points).rows
+
+
 @pytest.fixture(scope="module")
-def expected(scene, module, tmp_path_factory):
-    """The sweep, on a cluster of this machine."""
-    folder = tmp_path_factory.mktemp("local")
-    return jobs.sweep(scene, VARY, output=folder, fmu=module, workers=1)
+def expected(scene, module):
+    """The rows of the sweep, computed in this process."""
+    read = load_scene(scene)
+    return evaluated(read, module, grid(axes_of(VARY, read)))
+
+
+@pytest.fixture(scope="module")
+def found(scene, module, cluster, tmp_path_factory):
+    """The sweep on the cluster."""
+    folder = tmp_path_factory.mktemp("sweep")
+    return jobs.sweep(scene, VARY, output=folder, fmu=module, scheduler=cluster.address)
 
 
 def test_one_instance_after_the_other_gives_what_run_scene_gives(scene, module):
@@ -111,8 +86,7 @@ def test_one_instance_after_the_other_gives_what_run_scene_gives(scene, module):
         {"load.inertia": 1.0},
         {},
     ]
-    figures_of = SceneTask(read.tables, module.read_bytes()).opened(module)
-    rows = evaluate(figures_of, points).rows
+    rows = evaluated(read, module, points)
     assert "z17 must be a whole number between" in rows.pop(3).refused
     for row in rows:
         summary = run_scene(read.with_keys(row.point), module).summary
@@ -121,30 +95,27 @@ def test_one_instance_after_the_other_gives_what_run_scene_gives(scene, module):
     assert rows[1].figures == rows[-1].figures
 
 
-def test_a_cluster_started_by_hand_gives_the_same_table(scene, module, cluster, expected, tmp_path):
-    found = jobs.sweep(scene, VARY, output=tmp_path, fmu=module, scheduler=cluster.address)
+def test_a_cluster_started_by_hand_gives_the_same_table(found, expected):
     assert len(found.rows) == 32 == found.new
-    assert told(found.rows) == told(expected.rows)
+    assert told(found.rows) == told(expected)
 
 
-def test_a_refusal_is_a_row_with_its_sentence(expected):
-    assert len(expected.refused) == 8
-    for row in expected.refused:
+def test_a_refusal_is_a_row_with_its_sentence(found):
+    assert len(found.refused) == 8
+    for row in found.refused:
         assert "housing_freewheel" in row.refused
         assert row.figures == {}
-        assert (row.point["mechanism.housing_freewheel"], row.point["mechanism.fidelity"]) == (
-            "false",
-            "averaged",
-        )
-    assert all(row.figures["energy_in"] > 0.0 for row in expected.rows if not row.refused)
+        assert row.point["mechanism.housing_freewheel"] == "false"
+        assert row.point["mechanism.fidelity"] == "averaged"
+    assert all(row.figures["energy_in"] > 0.0 for row in found.rows if not row.refused)
 
 
-def test_what_is_done_is_not_done_again(scene, module, expected, tmp_path):
-    folder = expected.files["csv"].parent
+def test_what_is_done_is_not_done_again(scene, module, found):
+    folder = found.files["csv"].parent
     # nothing listens there: no worker is asked for
     again = jobs.sweep(scene, VARY, output=folder, fmu=module, scheduler="tcp://127.0.0.1:1")
     assert again.new == 0
-    assert again.rows == expected.rows
+    assert again.rows == found.rows
     other = load_scene(scene).replaced(run={"stop_time": 0.2})
     with pytest.raises(Refused, match="another scene"):
         jobs.sweep(other, VARY, output=folder, fmu=module)
@@ -180,7 +151,9 @@ def test_a_client_that_is_killed_loses_nothing(slow_scene, module, cluster, tmp_
 
 
 def test_a_worker_that_is_killed_loses_nothing(slow_scene, module, cluster, tmp_path):
-    victims = [cluster.processes[1]]
+    victims = [cluster.worker()]
+    with Client(cluster.address) as client:
+        client.wait_for_workers(3, timeout=60)
 
     def kill_one(share):
         if victims:
@@ -192,6 +165,5 @@ def test_a_worker_that_is_killed_loses_nothing(slow_scene, module, cluster, tmp_
     assert not victims
     assert len(found.rows) == 60 == found.new
     assert not found.refused
-    runner = SceneTask(load_scene(slow_scene).tables, module.read_bytes()).opened(module)
     some = found.rows[::20]
-    assert told(some) == told(evaluate(runner, [row.point for row in some]).rows)
+    assert told(some) == told(evaluated(load_scene(slow_scene), module, [row.point for row in some]))

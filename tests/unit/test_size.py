@@ -4,7 +4,8 @@ import math
 
 import pytest
 
-from inertia_module.jobs.size import envelope_diameter, total_imbalance_mass
+from inertia_module.common.errors import Refused
+from inertia_module.jobs.size import check_room, envelope_diameter, total_imbalance_mass
 from inertia_module.kernel.layout import imbalance
 from inertia_module.memory.instances import Module
 
@@ -40,3 +41,12 @@ def test_envelope_of_a_planar_mechanism():
 def test_mass_of_all_imbalances():
     assert total_imbalance_mass({"modules": 2.0, "satellites": 3.0, "imbalance_mass": "250 g"}) == 1.5
     assert total_imbalance_mass({}) == 1.0
+
+
+def test_what_cannot_be_built_is_refused():
+    planar = {"layout": "planar", "sun_radius": 0.1, "satellite_radius": 0.06}
+    check_room({**planar, "eccentricity": 0.06})
+    with pytest.raises(Refused, match="eccentricity"):
+        check_room({**planar, "eccentricity": 0.061})
+    with pytest.raises(Refused, match="satellites"):
+        check_room({**planar, "satellites": 9.0})

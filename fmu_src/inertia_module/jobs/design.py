@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,7 @@ from .evaluator import Evaluator, fmu_content
 from .judged import Judge
 from .named import NAMED, Wanted, named_figures
 from .search import search
+from .size import check_room
 from .spec import OPTIONAL, Spec, check_limits, read_spec, unit_of
 from .store import write_tables
 from .task import TIMES, Figures, Row, identity
@@ -48,14 +50,15 @@ class DesignTask:
         """See Task."""
         return identity({**self.scenes, "named": self.named, "runs": self.runs}, self.fmu)
 
-    def opened(self, fmu: Path) -> Callable[[Point], Figures]:
+    def opened(self, fmu: Path, closing: ExitStack) -> Callable[[Point], Figures]:
         """See Task."""
-        runner = SceneRunner(fmu)
+        runner = closing.enter_context(SceneRunner(fmu))
         scenes = {level: validated(Scene, tables) for level, tables in self.scenes.items()}
 
         def figures(point: Point) -> Figures:
             keys = {name: value for name, value in point.items() if name != LEVEL}
             scene = scenes[str(point[LEVEL])].with_keys(keys)
+            check_room(scene.parameters())
             found = named_figures(scene.parameters(), self.named)
             if self.runs:
                 summary = runner.run(scene).quantities

@@ -1,4 +1,4 @@
-"""How large a mechanism is: its envelope and the mass of its imbalances, from the geometry alone."""
+"""Room and size of a mechanism: its envelope and the mass of its imbalances, from the geometry alone."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from ..common.errors import Refused
 from ..memory.instances import Module
 
 
@@ -39,6 +40,22 @@ def envelope_diameter(parameters: Mapping[str, float | str]) -> float:
     rim = Module("plain")
     rim.check(**{**parameters, "a": 1.0, "b": 1.0, "eccentricity": module["satellite_radius"]})
     return 2.0 * max(_farthest(module.derived), _farthest(rim.derived))
+
+
+def check_room(parameters: Mapping[str, float | str]) -> None:
+    """Refuse what can be computed but not built.
+
+    Args:
+        parameters: as in envelope_diameter.
+
+    Raises:
+        Refused: the module warns that there is no room for its parts, or that they are no bodies.
+    """
+    module = Module("plain")
+    module.check(**parameters)
+    found = module.warnings()
+    if found:
+        raise Refused("; ".join(found))
 
 
 def total_imbalance_mass(parameters: Mapping[str, float | str]) -> float:

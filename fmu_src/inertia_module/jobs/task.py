@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
@@ -68,11 +69,11 @@ class Task(Protocol):
     def identity(self) -> str:
         """Changes with anything that results depend on, other than the point."""
 
-    def opened(self, fmu: Path) -> Callable[[Point], Figures]:
+    def opened(self, fmu: Path, closing: ExitStack) -> Callable[[Point], Figures]:
         """What gives the figures of a point, of one thread alone; it may raise Refused.
 
         Args:
-            fmu: the FMU, unpacked to a file.
+            fmu: the FMU as a file. closing: what is to be closed in the end.
         """
 
 
@@ -92,9 +93,9 @@ class SceneTask:
         """See Task."""
         return identity(self.tables, self.fmu)
 
-    def opened(self, fmu: Path) -> Callable[[Point], Figures]:
+    def opened(self, fmu: Path, closing: ExitStack) -> Callable[[Point], Figures]:
         """See Task."""
-        scene, runner = validated(Scene, self.tables), SceneRunner(fmu)
+        scene, runner = validated(Scene, self.tables), closing.enter_context(SceneRunner(fmu))
 
         def figures(point: Point) -> Figures:
             found = runner.run(scene.with_keys(point)).quantities

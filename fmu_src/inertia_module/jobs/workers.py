@@ -38,20 +38,20 @@ class TaskPlugin(WorkerPlugin):  # type: ignore[misc]
         self.name = task.identity
 
     def setup(self, worker: Worker) -> None:
-        """Unpack the FMU."""
-        self.folder = TemporaryDirectory()
-        self.path = Path(self.folder.name) / "Module.fmu"
+        """Write the FMU to a file."""
+        self.closing = contextlib.ExitStack()
+        self.path = Path(self.closing.enter_context(TemporaryDirectory())) / "Module.fmu"
         self.path.write_bytes(self.task.fmu)
         self.local = threading.local()
 
     def teardown(self, worker: Worker) -> None:
-        """Remove the FMU."""
-        self.folder.cleanup()
+        """Close the instances of the FMU and remove it."""
+        self.closing.close()
 
     def evaluate(self, points: list[Point]) -> Batch:
         """Evaluate points."""
         if not hasattr(self.local, "figures_of"):
-            self.local.figures_of = self.task.opened(self.path)
+            self.local.figures_of = self.task.opened(self.path, self.closing)
         figures_of: Callable[[Point], Figures] = self.local.figures_of
         return evaluate(figures_of, points)
 
@@ -81,7 +81,7 @@ def pool(task: Task, scheduler: str | None = None, workers: int | None = None) -
                 n_workers=workers,
                 threads_per_worker=1,
                 memory_limit=0,
-                dashboard_address=None,
+                dashboard_address=":0",
                 silence_logs=logging.CRITICAL,
             )
             cluster = stack.enter_context(local)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 from ..bridge.restarted import RestartedFmu
 from ..harness.simulate import Fmu, Progress, Result
@@ -88,9 +88,10 @@ def run_scene(scene: Scene, fmu_path: Path | str, progress: Progress | None = No
 
 
 class SceneRunner:
-    """Runs one scene after the other with one instance of an FMU: what a run costs besides is a tenth.
+    """Runs one scene after the other with one instance of an FMU; a context manager.
 
-    The results are those of run_scene, bit for bit; but not its warnings.
+    That costs a tenth of what an instance for each run does. The results are those of run_scene, bit for
+    bit; but not its warnings.
 
     Args:
         fmu_path: as in run_scene; an FMU with states.
@@ -111,8 +112,10 @@ class SceneRunner:
         self._fmu.restart({**values, **inputs, **given})
         return _run_on(self._fmu, scene, surroundings)
 
-    def close(self) -> None:
-        """Free the instance."""
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *raised: object) -> None:
         self._fmu.close()
 
 
