@@ -1,64 +1,18 @@
-"""Chromium, in which the page is opened as people open it: from disk."""
+"""Chromium, in which pages are opened as people open them; a cluster as people start it."""
 
 import contextlib
 import shutil
 from pathlib import Path
 
 import pytest
+from chromium import FLAGS, Opened
+from cluster import Cluster
 from typer.testing import CliRunner
 
 from inertia_module.cli import app
 from inertia_module.page.html import TEMPLATE
 
-ROOT = Path(__file__).parents[2]
-OUT, REFERENCE = ROOT / "out" / "page", ROOT / "examples" / "reference.toml"
-# no sandbox: the tests may run as root. WebGL without a graphics card; nothing that calls home
-FLAGS = (
-    *("--no-sandbox", "--no-first-run", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"),
-    *("--disable-quic", "--disable-background-networking", "--disable-component-update", "--disable-sync"),
-)
-
-
-class Opened:
-    """A page in the browser, and what it has said and asked for since.
-
-    Attributes:
-        page: of Playwright. path: the file.
-        errors: on the console or thrown. requests: URLs besides the file.
-    """
-
-    def __init__(self, page, path):
-        self.page, self.path = page, path
-        self.errors, self.requests = [], []
-        page.on("console", lambda said: said.type == "error" and self.errors.append(said.text))
-        page.on("pageerror", lambda error: self.errors.append(str(error)))
-        page.on("request", lambda asked: asked.url != self.url and self.requests.append(asked.url))
-        page.goto(self.url)
-        page.wait_for_function("window.inertiaModule")
-
-    @property
-    def url(self):
-        """Of the file, without what follows #."""
-        return self.path.absolute().as_uri()
-
-    def simulate(self, options):
-        """Arrays by name from the page's own simulate, or the sentence it refuses with."""
-        return self.page.evaluate(
-            """options => {
-              try {
-                const found = window.inertiaModule.simulate(options);
-                return Object.fromEntries(Object.entries(found).map(([name, array]) => [name, [...array]]));
-              } catch (error) {
-                return error.message;
-              }
-            }""",
-            options,
-        )
-
-    def keep_picture(self, name):
-        """Leave a screenshot in out/page."""
-        OUT.mkdir(parents=True, exist_ok=True)
-        self.page.screenshot(path=OUT / f"{name}.png")
+REFERENCE = Path(__file__).parents[2] / "examples" / "reference.toml"
 
 
 @pytest.fixture(scope="session")
@@ -107,3 +61,14 @@ def still(browser, written):
     """The page of scene R1, not moving: for what it computes."""
     with browser.new_page(reduced_motion="reduce") as page:
         yield Opened(page, written(REFERENCE))
+
+
+@pytest.fixture(scope="session")
+def cluster(tmp_path_factory):
+    """A cluster with two workers."""
+    pytest.importorskip("distributed")
+    cluster = Cluster(tmp_path_factory.mktemp("cluster"))
+    cluster.worker()
+    cluster.worker()
+    yield cluster
+    cluster.end()

@@ -35,21 +35,6 @@ def test_launch_stall_torque_grows_with_the_square_and_averaged_times_are_those_
     assert most == pytest.approx(rigid_most, rel=0.02)
 
 
-def test_engine_launch_by_torque_is_that_by_speed_but_for_what_the_coupling_loses(fmu, monkeypatch):
-    import engine_launch
-
-    monkeypatch.setattr(engine_launch, "ASKED", (250.0,))
-    rows, _ = engine_launch.study(fmu)
-    (_, _, sag, reached, energies, seconds), (_, _, other_sag, other_reached, others, longer) = rows
-    assert sag == pytest.approx(other_sag, rel=0.03)
-    assert 100.0 < sag < 200.0
-    assert reached == pytest.approx(other_reached, rel=0.02)
-    assert abs(energies["missing"]) < 1e-8 * energies["engine"]
-    assert 1e-4 < abs(others["missing"]) / others["engine"] < 0.01
-    assert energies["load"] == pytest.approx(others["load"], rel=0.01)
-    assert seconds < longer
-
-
 def test_load_step_above_stall_torque_is_held_locked_up_and_beyond_that_the_shaft_rests_and_comes_back(fmu):
     import load_step
 

@@ -9,8 +9,9 @@ from typing import Annotated
 
 import typer
 
+from ..common.files import OUTPUT_FOLDER
 from .scenes import at_fidelity
-from .shared import OUTPUT_FOLDER, PAGE, FmuToRun, Json, app, current_fmu, one_line_errors
+from .shared import PAGE, FmuToRun, Json, app, current_fmu, one_line_errors
 
 
 @app.command()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -81,9 +83,18 @@ def _pulse_panels(figure: Figure, result: SceneResult) -> None:
     headline(
         grid[0, 0],
         f"whole run: output shaft at {numbers['omega_out_final']:.4g} rad/s after"
-        f" {numbers['simulated_time']:g} s, mean torque {numbers['output_torque_mean']:.3g} N·m",
+        f" {numbers['simulated_time']:g} s, {_reached(result.summary)}"
+        f"mean torque {numbers['output_torque_mean']:.3g} N·m",
     )
     headline(grid[0, 1], f"{shown} ({numbers['contact_switches']:.0f} switches in all)")
+
+
+def _reached(numbers: Mapping[str, float]) -> str:
+    """The first speed of a vehicle that was asked for and reached, and when."""
+    times = (name for name in numbers if name.startswith("time_to_"))
+    for name in times:
+        return f"{name.split('_')[2]} km/h in {numbers[name]:.3g} s, "
+    return ""
 
 
 def _speeds(axes: Axes, table: Result, rows: slice, zoomed: bool) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 from ..harness.simulate import Result
-from ..loops import connect
 from ..loops.closed_loop import PLANT_INPUTS
 from ..loops.sources import Signal, Table
 from ..scene import Scene
@@ -41,7 +40,7 @@ def page_scene(scene: Scene, record: Result | None = None) -> dict[str, Any]:
 
 def is_exact(scene: Scene) -> bool:
     """Whether the inputs of the module follow from nothing it does: the page can run the scene itself."""
-    return not connect(list(scene.systems())).input_labels
+    return not scene.surroundings.input_labels
 
 
 def _given_inputs(scene: Scene) -> dict[str, Signal]:

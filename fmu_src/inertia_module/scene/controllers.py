@@ -14,9 +14,8 @@ from .. import loops
 from ..common.errors import must_be
 from ..contract.variable import LARGEST_SPEED
 from ..loops.cycles import CYCLES, Cycle
-from .drives import AngularSpeed
 from .loads import Torque
-from .tables import Strict, Tabulated, Times
+from .tables import AngularSpeed, Strict, Tabulated, Times
 from .units import checked, quantity
 
 VEHICLE_SPEED = "vehicle_speed"

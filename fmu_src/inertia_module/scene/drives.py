@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BaseModel, Field
 
 from .. import loops
-from ..contract.variable import ENUMERATIONS, LARGEST_SPEED
+from ..contract.variable import ENUMERATIONS
+from ..cosimulation import torque_driven
 from ..kernel.codes import DRIVE_SPEED, DRIVE_TORQUE
 from ..loops.sources import Signal, Table
+from .engine import EngineDrive
 from .errors import SceneError
 from .loads import Torque
-from .tables import Duration, Strict, Tabulated, Time, Times
-from .units import quantities, quantity
-
-AngularSpeed = Annotated[float, quantity("rad/s", -LARGEST_SPEED, LARGEST_SPEED)]
+from .tables import AngularSpeed, Duration, Strict, Tabulated, Time, Times
+from .units import quantities
 
 
 class GivenDrive(Strict):
@@ -82,45 +83,46 @@ class ControlledDrive(Strict):
         return []
 
 
-class ControlledTorque(Strict):
-    """The torque on link 1 is what [controller] commands.
+class TorqueDrive(Strict):
+    """A torque on link 1, whose speed follows from it.
 
     Attributes:
         omega1: speed of link 1 at the start, rad/s.
     """
 
-    kind: Literal["controlled_torque"]
     omega1: AngularSpeed = 0.0
+
+    @property
+    def start_speed(self) -> float:
+        """Speed of link 1 at the start, rad/s."""
+        return self.omega1
+
+
+class ControlledTorque(TorqueDrive):
+    """The torque on link 1 is what [controller] commands."""
+
+    kind: Literal["controlled_torque"]
 
     def systems(self, _: float) -> list[Any]:
         """None: the command is that of the controller."""
         return []
 
 
-class ConstantTorque(GivenDrive):
-    """A constant torque on link 1, whose speed follows from it.
-
-    Attributes:
-        drive_torque: N.m. omega1: speed of link 1 at the start, rad/s.
-    """
+class ConstantTorque(TorqueDrive, GivenDrive):
+    """A constant torque on link 1, N.m."""
 
     INPUT: ClassVar[str] = "drive_torque"
 
     kind: Literal["torque"]
     drive_torque: Torque
-    omega1: AngularSpeed = 0.0
 
     def signal(self) -> Signal:
         """Torque on link 1, N.m."""
         return self.drive_torque
 
 
-class TorqueTable(Tabulated, GivenDrive):
-    """A torque on link 1 over time, whose speed follows from it.
-
-    Attributes:
-        time, drive_torque: s, N.m. omega1: speed of link 1 at the start, rad/s.
-    """
+class TorqueTable(Tabulated, TorqueDrive, GivenDrive):
+    """A torque on link 1 over time, s, N.m."""
 
     INPUT: ClassVar[str] = "drive_torque"
     VALUES: ClassVar[str] = "drive_torque"
@@ -129,7 +131,6 @@ class TorqueTable(Tabulated, GivenDrive):
     kind: Literal["torque_table"]
     time: Times
     drive_torque: Annotated[list[float], quantities("N.m")]
-    omega1: AngularSpeed = 0.0
 
     def signal(self) -> Signal:
         """Torque on link 1 over time, N.m."""
@@ -137,7 +138,7 @@ class TorqueTable(Tabulated, GivenDrive):
 
 
 # drives that take the module's drive = torque
-TORQUE_DRIVES = (ConstantTorque, TorqueTable, ControlledTorque)
+TORQUE_DRIVES = (TorqueDrive, EngineDrive)
 # drives that leave it to [controller]
 CONTROLLED_DRIVES = (ControlledDrive, ControlledTorque)
 
@@ -148,14 +149,19 @@ Drive = Annotated[
     | ControlledDrive
     | ConstantTorque
     | TorqueTable
-    | ControlledTorque,
+    | ControlledTorque
+    | EngineDrive,
     Field(discriminator="kind"),
 ]
 
 
-def drive_parameter(drive: BaseModel) -> dict[str, float]:
-    """The parameter drive of the module, where it is not its default."""
-    return {"drive": float(DRIVE_TORQUE)} if isinstance(drive, TORQUE_DRIVES) else {}
+def with_drive(drive: BaseModel, parameters: Mapping[str, float]) -> dict[str, float]:
+    """Parameters of the module with what its drive adds to them: how it is driven, the rotor of an engine."""
+    if isinstance(drive, EngineDrive):
+        return torque_driven(parameters, drive.inertia)
+    return (
+        {**parameters, "drive": float(DRIVE_TORQUE)} if isinstance(drive, TORQUE_DRIVES) else {**parameters}
+    )
 
 
 def check_drive(drive: Any, given: float | None) -> None:

@@ -8,8 +8,9 @@ from pydantic import Field, model_validator
 
 from .. import loops
 from ..contract.variable import LARGEST_TORQUE
+from ..loops.cycles import KILOMETRE_PER_HOUR
 from ..loops.sources import Signal
-from .tables import Strict, Tabulated, Times
+from .tables import Strict, Tabulated, Times, one_signal
 from .units import quantities, quantity
 
 Torque = Annotated[float, quantity("N.m", -LARGEST_TORQUE, LARGEST_TORQUE)]
@@ -56,14 +57,12 @@ class TorqueLoad(Strict):
 
     @model_validator(mode="after")
     def _one_of_both(self) -> TorqueLoad:
-        if (self.torque is None) == (self.torque_over_time is None):
-            given = "both are" if self.torque is not None else "neither is"
-            raise ValueError(f"one of torque and torque_over_time must be given, {given}")
+        self.signal()
         return self
 
     def signal(self) -> Signal:
         """The torque, constant or over time, N.m."""
-        return (self.torque or 0.0) if self.torque_over_time is None else self.torque_over_time.table()
+        return one_signal("torque", self.torque, self.torque_over_time)
 
     def build(self, step: float, one_way: bool) -> loops.Load:
         """The load as a system of this step, s; one_way: the shaft cannot turn backwards."""
@@ -87,7 +86,11 @@ class ShaftLoad(Strict):
 
 
 class VehicleLoad(Strict):
-    """A vehicle on a road, behind a final drive."""
+    """A vehicle on a road, behind a final drive.
+
+    Attributes:
+        times_to: speeds, m/s, to which the summary gives the time from standstill.
+    """
 
     kind: Literal["vehicle"]
     mass: Annotated[float, quantity("kg", above=0.0)]
@@ -99,6 +102,9 @@ class VehicleLoad(Strict):
     slope: Annotated[float, quantity("1", -1.0, 1.0)] = 0.0
     slope_over_distance: SlopeOverDistance | None = None
     coupling: Coupling | None = None
+    times_to: Annotated[list[float], quantities("m/s", 0.0)] = Field(
+        default=[50.0 * KILOMETRE_PER_HOUR, 100.0 * KILOMETRE_PER_HOUR]
+    )
 
     def build(self, step: float, one_way: bool) -> loops.Load:
         """The load as a system of this step, s; one_way: the shaft cannot turn backwards."""

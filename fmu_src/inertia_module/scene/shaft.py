@@ -188,8 +188,7 @@ def run_shaft_scene(scene: ShaftScene, fmu_path: Path | str, progress: Progress 
         FmuError: the FMU cannot be loaded, or refuses a value or a step.
     """
     times = communication_points(scene.run.stop_time, scene.run.communication_step)
-    over_time = scene.load.torque_over_time
-    torque = scene.load.torque or 0.0 if over_time is None else over_time.table()
+    torque = scene.load.signal()
     inputs: dict[str, ArrayLike] = {
         "time": times,
         "hub_speed": scene.drive.speeds(times),

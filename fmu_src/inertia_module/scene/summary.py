@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -123,13 +124,28 @@ def work(table: Result, torque: str) -> NDArray[np.float64]:
     return np.concatenate([[0.0], np.cumsum(done)])
 
 
-def _vehicle(table: Result) -> dict[str, Quantity]:
+def _times_to(table: Result, speeds: Sequence[float]) -> dict[str, Quantity]:
+    """Time, s, to each speed, m/s, that is reached: since the car last stood, or the run began."""
+    found, vehicle_speed = {}, table["vehicle_speed"]
+    for speed in speeds:
+        reached = int(np.argmax(vehicle_speed >= speed))
+        if reached:  # 0 where it never is, or is from the start
+            around = slice(reached - 1, reached + 1)
+            stood = np.flatnonzero(vehicle_speed[:reached] <= 0.0)
+            begun = table.time[stood[-1] if stood.size else 0]
+            time = float(np.interp(speed, vehicle_speed[around], table.time[around]) - begun)
+            found[f"time_to_{speed / KILOMETRE_PER_HOUR:.6g}_kmh"] = Quantity(time, "s")
+    return found
+
+
+def _vehicle(table: Result, times_to: Sequence[float]) -> dict[str, Quantity]:
     parts = ("rolling", "drag", "slope", "brake")
     energies = {f"energy_{part}": Quantity(float(work(table, f"{part}_torque")[-1]), "J") for part in parts}
     speed = float(table["vehicle_speed"].max()) / KILOMETRE_PER_HOUR
     return {
         "distance": Quantity(float(table["distance"][-1]), "m"),
         "vehicle_speed_maximum": Quantity(speed, "km/h"),
+        **_times_to(table, times_to),
         **energies,
     }
 
@@ -157,14 +173,18 @@ def _out_of_tolerance(table: Result, cycle: Cycle) -> dict[str, Quantity]:
 
 
 def summarise(
-    table: Result, measured: str | None, cycle: Cycle | None, wall_time: float
+    table: Result,
+    measured: str | None,
+    cycle: Cycle | None,
+    wall_time: float,
+    times_to: Sequence[float] = (),
 ) -> dict[str, Quantity]:
     """Numbers of a run.
 
     Args:
         table: all of SUMMARISED, and the signals of the loop.
         measured: name of the speed under control, or None. cycle: to be followed, or None.
-        wall_time: of the run, s.
+        wall_time: of the run, s. times_to: speeds of a vehicle to which the time is asked, m/s.
     """
     simulated = float(table.time[-1] - table.time[0])
     summary = {
@@ -174,7 +194,7 @@ def summarise(
         **_forces(table),
     }
     if "vehicle_speed" in table:
-        summary |= _vehicle(table)
+        summary |= _vehicle(table, times_to)
     if measured is not None:
         summary |= _tracking(table, measured, table.units["reference"])
     if cycle is not None:

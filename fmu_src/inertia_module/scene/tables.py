@@ -7,6 +7,7 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict, ValidationInfo, model_validator
 
+from ..contract.variable import LARGEST_SPEED
 from ..harness.results import TableError, read_columns
 from ..loops import Table
 from .units import checked, quantities, quantity
@@ -14,6 +15,7 @@ from .units import checked, quantities, quantity
 Time = Annotated[float, quantity("s", 0.0)]
 Duration = Annotated[float, quantity("s", above=0.0)]
 Times = Annotated[list[float], quantities("s")]
+AngularSpeed = Annotated[float, quantity("rad/s", -LARGEST_SPEED, LARGEST_SPEED)]
 
 
 class Strict(BaseModel):
@@ -76,3 +78,17 @@ class Tabulated(Strict):
     def table(self) -> Table:
         """The quantity over time, s, or distance, m; linear in between, held at the ends."""
         return Table(getattr(self, self.POINTS), getattr(self, self.VALUES))
+
+
+def one_signal(name: str, constant: float | None, over_time: Tabulated | None) -> float | Table:
+    """A quantity that is either constant or given over time, by two keys of which one must be there.
+
+    Raises:
+        ValueError: both are given, or neither.
+    """
+    if constant is not None and over_time is None:
+        return constant
+    if over_time is not None and constant is None:
+        return over_time.table()
+    given = "neither is" if constant is None else "both are"
+    raise ValueError(f"one of {name} and {name}_over_time must be given, {given}")

@@ -42,14 +42,14 @@ def quantity(
     return BeforeValidator(lambda value: checked(value, unit, minimum, maximum, above))
 
 
-def quantities(unit: str) -> BeforeValidator:
-    """Pydantic validator of a list of quantities in a unit; one that is a number is left to the next."""
+def quantities(unit: str, minimum: float | None = None, maximum: float | None = None) -> BeforeValidator:
+    """Pydantic validator of a list of quantities in a unit within a range."""
 
     def check(value: Any) -> list[float]:
         if not isinstance(value, list) or not value:
             raise ValueError(
                 f"must be a list of at least one number in {unit}, or strings with a unit, is {value!r}"
             )
-        return [checked(item, unit) for item in value]
+        return [checked(item, unit, minimum, maximum) for item in value]
 
     return BeforeValidator(check)

@@ -1,0 +1,81 @@
+"""Commands for the engineer's jobs."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .shared import Json, OutputFolder, app, current_fmu, folder_for, one_line_errors, quantity_of, show_table
+
+
+@app.command()
+def orders(
+    scene: Annotated[Path, typer.Argument(metavar="SCENE.toml", help="Scene file.")],
+    output: OutputFolder = None,
+    of: Annotated[str, typer.Option(help="Orders of link1, cycles a turn of it, or of pulses.")] = "link1",
+    signals: Annotated[
+        list[str] | None,
+        typer.Option("--signal", metavar="NAME", help="Output to look at; may be repeated."),
+    ] = None,
+    highest: Annotated[float | None, typer.Option(metavar="ORDER", help="Highest order.")] = None,
+    turns: Annotated[
+        float | None, typer.Option(help="Turns of link 1 (or pulses) in a window: 1 / resolution.")
+    ] = None,
+    begin: Annotated[
+        str, typer.Option("--from", metavar="TIME", help="Begin of what is looked at: '2 s'.")
+    ] = "0",
+    end: Annotated[str | None, typer.Option("--to", metavar="TIME", help="Its end.")] = None,
+    fmu: Annotated[
+        Path | None, typer.Option(metavar="FILE.fmu", help="FMU to run (build/InertiaModule.fmu).")
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Run a scene and find the orders of torques, speeds and shaking force, with a waterfall over the run.
+
+    Leaves orders.csv, waterfall.csv, summary.json and orders.png in a folder (out/orders/SCENE without -o).
+    """
+    from .. import jobs
+    from ..figures.orders import order_figure
+    from ..harness.results import write_figure
+    from ..harness.simulate import progress_bar
+    from ..jobs.spectra import BASES, SIGNALS
+    from ..scene import load_scene
+
+    with one_line_errors():
+        folder = folder_for(output, "orders", scene.stem)
+        read = load_scene(scene)
+        first = quantity_of("--from", begin, "s")
+        last = None if end is None else quantity_of("--to", end, "s")
+        path = fmu or current_fmu()
+        with progress_bar(read.title) as progress:
+            found = jobs.orders(
+                read,
+                path,
+                of=of,
+                signals=signals or SIGNALS,
+                highest=highest,
+                turns=turns,
+                begin=first,
+                end=last,
+                progress=progress,
+            )
+        files = found.write(folder)
+        files["picture"] = write_figure(folder / "orders.png", order_figure(found, read.title))
+    if as_json:
+        listed = {name: str(file) for name, file in files.items()}
+        typer.echo(json.dumps({"scene": str(scene), **found.as_dict(), "files": listed}))
+        return
+    typer.echo(f"{read.title}: largest orders, cycles a {BASES[of]}")
+    for name, lines in found.largest().items():
+        unit = found.units[name]
+        rows = {
+            f"order {line.order:.4g}": f"{line.amplitude:.4g} {unit}, most at {line.speed:.4g} rad/s:"
+            f" {line.greatest:.4g} {unit}"
+            for line in lines
+        }
+        show_table(name.replace("_", " "), rows)
+    for name, file in files.items():
+        typer.echo(f"{name}: {file}")

@@ -1,0 +1,52 @@
+"""Chromium, and what a page in it has said and asked for."""
+
+from pathlib import Path
+
+OUT = Path(__file__).parents[2] / "out" / "page"
+# no sandbox: the tests may run as root. WebGL without a graphics card; nothing that calls home
+FLAGS = (
+    *("--no-sandbox", "--no-first-run", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"),
+    *("--disable-quic", "--disable-background-networking", "--disable-component-update", "--disable-sync"),
+)
+
+
+class Opened:
+    """A page in the browser, and what it has said and asked for since.
+
+    Attributes:
+        page: of Playwright. path: the file.
+        errors: on the console or thrown. requests: URLs besides the file.
+    """
+
+    def __init__(self, page, path):
+        self.page, self.path = page, path
+        self.errors, self.requests = [], []
+        page.on("console", lambda said: said.type == "error" and self.errors.append(said.text))
+        page.on("pageerror", lambda error: self.errors.append(str(error)))
+        page.on("request", lambda asked: asked.url != self.url and self.requests.append(asked.url))
+        page.goto(self.url)
+        page.wait_for_function("window.inertiaModule")
+
+    @property
+    def url(self):
+        """Of the file, without what follows #."""
+        return self.path.absolute().as_uri()
+
+    def simulate(self, options):
+        """Arrays by name from the page's own simulate, or the sentence it refuses with."""
+        return self.page.evaluate(
+            """options => {
+              try {
+                const found = window.inertiaModule.simulate(options);
+                return Object.fromEntries(Object.entries(found).map(([name, array]) => [name, [...array]]));
+              } catch (error) {
+                return error.message;
+              }
+            }""",
+            options,
+        )
+
+    def keep_picture(self, name):
+        """Leave a screenshot in out/page."""
+        OUT.mkdir(parents=True, exist_ok=True)
+        self.page.screenshot(path=OUT / f"{name}.png")

@@ -1,0 +1,250 @@
+"""Orders: of signals that are known, of modules whose lines follow from their geometry, what is refused."""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from inertia_module import jobs
+from inertia_module.cli import app
+from inertia_module.common.errors import Refused
+from inertia_module.harness.results import Result, read_columns
+from inertia_module.harness.simulate import Fmu
+from inertia_module.jobs.spectra import pulses_a_turn, spectra
+from inertia_module.kernel.inertia import reduced_inertia
+from inertia_module.memory.instances import Module
+from inertia_module.scene import load_scene, read_scene
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+OMEGA1 = 100.0
+# the output is too heavy to move: link 2 is at rest
+HELD = """
+[mechanism]
+output_inertia = 1e9
+{mechanism}
+[drive]
+kind = "constant"
+omega1 = {omega1}
+[load]
+kind = "torque"
+torque = 0
+[accuracy]
+tolerance = 1e-8
+[run]
+stop_time = {stop}
+communication_step = "0.5 ms"
+"""
+PLANAR = """layout = "planar"
+sun_radius = 0.1
+satellite_radius = 0.06
+eccentricity = 0.04
+satellites = 3
+link2_inertia = 0.01"""
+
+
+@pytest.fixture(scope="module")
+def fmu(built):
+    return built / "InertiaModule.fmu"
+
+
+def held(mechanism="", stop=4.0, omega1=OMEGA1):
+    return read_scene(HELD.format(mechanism=mechanism, stop=stop, omega1=omega1), Path())
+
+
+def imbalance_lines(scene, turns):
+    """Amplitudes of k I'(q) omega1^2 / 2 over cycles a turn of q: the torque of the imbalances on link 2."""
+    module = Module("plain")
+    module.check(**scene.parameters())
+    d = module.derived
+    q = np.linspace(0.0, math.tau * turns, 1000 * turns, endpoint=False)
+    torque = [0.5 * d.k * reduced_inertia(d, float(angle))[1] * OMEGA1**2 for angle in q]
+    found = 2.0 * np.abs(np.fft.rfft(torque)) / q.size
+    return d.k, {place / turns: height for place, height in enumerate(found) if height > 1e-6}
+
+
+def by_order(lines):
+    return {round(line.order, 6): line.amplitude for line in lines}
+
+
+# --- signals that are known ---
+
+
+def known(highest=None, turns=None):
+    """A run-up from 20 to 200 rad/s with two lines, a mean and a trend."""
+    time = np.arange(0.0, 10.0, 2e-4)
+    speed = 20.0 + 18.0 * time
+    turned = (20.0 * time + 9.0 * time**2) / math.tau
+    swing = 3.0 * np.cos(math.tau * 2.5 * turned) + 0.5 * np.sin(math.tau * 7.0 * turned)
+    columns = {"time": time, "input_speed": speed, "x": 10.0 + 0.1 * time + swing}
+    return spectra(Result.from_columns(columns, {"x": "N.m"}), turned, ["x"], "link1", highest, turns), swing
+
+
+@pytest.mark.parametrize("turns", [None, 8.0])
+def test_lines_of_a_known_run_up_have_their_orders_and_amplitudes(turns):
+    found, _ = known(turns=turns)
+    first, second = found.largest(2)["x"]
+    assert (first.order, second.order) == (2.5, 7.0)
+    assert (first.amplitude, second.amplitude) == pytest.approx((3.0, 0.5), rel=2e-3)
+    edges = 0.5 * found.turns * np.arange(found.time.size + 2)
+    speed = np.sqrt(20.0**2 + 36.0 * math.tau * edges)
+    assert found.speed == pytest.approx(0.5 * (speed[:-2] + speed[2:]), rel=1e-3)
+    # at every speed they are the same
+    at = int(np.argmin(np.abs(found.order - 2.5)))
+    assert found.waterfall["x"][:, at] == pytest.approx(3.0, rel=5e-3)
+
+
+def test_all_that_swings_is_in_the_spectrum():
+    found, swing = known()
+    assert found.rms("x") == pytest.approx(math.sqrt(0.5 * (3.0**2 + 0.5**2)), rel=2e-3)
+    assert found.rms("x") == pytest.approx(float(np.std(swing)), rel=1e-2)
+    low, _ = known(highest=5.0)
+    assert low.rms("x") == pytest.approx(3.0 / math.sqrt(2.0), rel=2e-3)
+
+
+def test_parseval_holds_for_the_torque_of_a_run(fmu):
+    scene = held()
+    found = jobs.orders(scene, fmu, signals=["mesh_torque"])
+    with Fmu(fmu, scene.parameters(), {"omega1": OMEGA1, "load_torque": 0.0}, tolerance=1e-8) as started:
+        torque = []
+        for _ in range(8000):
+            started.advance(5e-4)
+            torque.append(started["mesh_torque"])
+    assert found.rms("mesh_torque") == pytest.approx(float(np.std(torque)), rel=0.01)
+
+
+# --- modules whose lines are known ---
+
+
+def test_orders_of_r1_held_follow_from_its_teeth(fmu):
+    """Its reduced inertia is made of functions of q, twice a turn, and of s q, with s = z17 / z6."""
+    found = jobs.orders(held(stop=4.0), fmu, signals=["mesh_torque"], turns=20.0, highest=9.0)
+    s = 1.7
+    lines = by_order(found.largest(5)["mesh_torque"])
+    assert set(lines) == {s, 2.0, round(2.0 + s, 6), 2.0 * s, round(2.0 + 2.0 * s, 6)}
+    _, expected = imbalance_lines(held(), 10)
+    # the others have a part of the coupling of both links as well
+    for order in (2.0, 3.7, 5.4):
+        assert lines[order] == pytest.approx(expected[order], rel=1e-3)
+
+
+def test_output_torque_of_a_planar_module_held_is_a_sine_rectified(fmu):
+    scene = held(PLANAR)
+    k, expected = imbalance_lines(scene, 1)
+    (sine,) = expected.values()
+    found = jobs.orders(scene, fmu, signals=["output_torque"], turns=30.0, highest=9.0)
+    first, second, fourth = found.largest(3)["output_torque"]
+    for line, times, share in (
+        (first, 1, 1.0 / 2.0),
+        (second, 2, 2.0 / (3.0 * math.pi)),
+        (fourth, 4, 2.0 / (15.0 * math.pi)),
+    ):
+        assert line.order == pytest.approx(times * k, abs=0.5 / 30.0)
+        assert line.amplitude == pytest.approx(share * sine, rel=5e-3)
+    assert found.rms("output_torque") == pytest.approx(sine * math.sqrt(0.25 - 1.0 / math.pi**2), rel=0.01)
+
+
+@pytest.mark.parametrize("omega1", [OMEGA1, -OMEGA1])
+def test_over_pulses_the_first_order_is_the_pulse_whatever_the_output_does(fmu, omega1):
+    text = HELD.replace("1e9", "3.0").format(mechanism=PLANAR, stop=1.0, omega1=omega1)
+    scene = read_scene(text, Path())
+    assert pulses_a_turn(scene.parameters()) == 1.0
+    found = jobs.orders(scene, fmu, of="pulses", signals=["mesh_torque"], turns=8.0, end=0.9)
+    assert found.largest(1)["mesh_torque"][0].order == pytest.approx(1.0, abs=0.04)
+    over_turns = jobs.orders(scene, fmu, signals=["mesh_torque"], turns=6.0, end=0.9)
+    order = over_turns.largest(1)["mesh_torque"][0].order
+    # over turns of link 1 it moves away from sun radius over satellite radius as the shaft comes along
+    assert abs(order - 5.0 / 3.0) > 0.07
+
+
+def test_r1_has_as_many_pulses_as_its_reduced_inertia_rises():
+    assert pulses_a_turn(held().parameters()) == 3.6
+
+
+def test_example_shows_the_orders_and_the_speed_of_the_resonance(fmu):
+    found = jobs.orders(
+        EXAMPLES / "orders.toml", fmu, signals=["shaft_twist", "shaking_force_y"], highest=8.0
+    )
+    twist = found.largest(1)["shaft_twist"][0]
+    assert twist.order == pytest.approx(5.0 / 3.0, rel=0.05)
+    # the twist is greatest on the way, the force at the top
+    assert 130.0 < twist.speed < 165.0
+    lines = found.largest(2)["shaking_force_y"]
+    assert {round(line.order, 1) for line in lines} == {1.0, 2.6}
+    assert all(line.speed > 220.0 for line in lines)
+
+
+# --- what is left out and refused ---
+
+
+def test_what_does_not_swing_is_left_out(fmu):
+    found = jobs.orders(held(PLANAR), fmu)
+    assert set(found.amplitude) == {"input_torque", "output_torque"}
+
+
+@pytest.mark.parametrize(
+    "options, words",
+    [
+        ({"of": "wheel"}, "orders must be link1 or pulses, is 'wheel'"),
+        ({"signals": ["torque"]}, "run.outputs must be of .*, has 'torque'"),
+        ({"signals": ["omega2", "input_speed"]}, "signals must swing, of omega2, input_speed none does"),
+        ({"highest": 100.0}, "highest order must be above 0 and at most 49.09, is 100: .*communication_step"),
+        ({"turns": 2.0}, "turns of a window must be of 4 to the 15.92 .*, is 2"),
+        ({"end": 0.1}, "turns of a window must be of 4 to the 1.592 .*, is 4"),
+        ({"begin": 0.9, "end": 0.5}, "times must be in order and within 0 to 1 s, is 0.9 to 0.5 s"),
+    ],
+)
+def test_what_cannot_be_is_one_line(fmu, options, words):
+    with pytest.raises(Refused, match=words):
+        jobs.orders(held(stop=1.0), fmu, **options)
+
+
+def test_a_run_without_pulses_is_refused(fmu):
+    with pytest.raises(Refused, match="fidelity must be kinematic, rigid or elastic for orders, is averaged"):
+        jobs.orders(held('fidelity = "averaged"'), fmu)
+    locked = load_scene(EXAMPLES / "planar.toml").replaced(run={"stop_time": 3.0})
+    with pytest.raises(Refused, match=r"must rise, does not at .* s: choose other times"):
+        jobs.orders(locked, fmu, of="pulses")
+
+
+def test_command_leaves_spectrum_waterfall_summary_and_picture(fmu, tmp_path):
+    scene = EXAMPLES / "planar.toml"
+    options = [
+        "--signal",
+        "input_torque",
+        "--from",
+        "0 s",
+        "--to",
+        "600 ms",
+        "--turns",
+        "4",
+        "--highest",
+        "20",
+    ]
+    done = CliRunner().invoke(app, ["orders", str(scene), *options, "--fmu", str(fmu), "-o", str(tmp_path)])
+    assert done.exit_code == 0, done.output
+    found = jobs.orders(scene, fmu, signals=["input_torque"], end=0.6, turns=4.0, highest=20.0)
+    first = found.largest()["input_torque"][0]
+    assert f"order {first.order:.4g}" in done.output
+    told = json.loads((tmp_path / "summary.json").read_text())
+    assert told == json.loads(json.dumps(found.as_dict()))
+    assert told["signals"]["input_torque"]["largest"][0]["amplitude"] == first.amplitude
+    columns, units = read_columns(tmp_path / "orders.csv")
+    assert columns["input_torque"] == found.amplitude["input_torque"].tolist()
+    assert units["input_torque"] == "N.m"
+    rows, _ = read_columns(tmp_path / "waterfall.csv")
+    assert sorted(set(rows["time"])) == found.time.tolist()
+    assert (tmp_path / "orders.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_command_for_machines_and_its_refusal(fmu, tmp_path):
+    scene = str(EXAMPLES / "planar.toml")
+    arguments = ["orders", scene, "--fmu", str(fmu), "-o", str(tmp_path), "--json"]
+    done = CliRunner().invoke(app, [*arguments, "--signal", "input_torque"])
+    assert done.exit_code == 0, done.output
+    assert json.loads(done.output)["signals"]["input_torque"]["unit"] == "N.m"
+    refused = CliRunner().invoke(app, [*arguments, "--to", "2 m"])
+    assert refused.exit_code == 1
+    assert "error: --to must be a number in s" in refused.output
