@@ -4,11 +4,12 @@ import {
   DirectionalLight, Group, HemisphereLight, type MeshPhongMaterial, PerspectiveCamera, Plane, Scene, Vector3, WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import { PARTS } from "../common/colours";
 import { Annotations } from "./annotations";
 import type { Geometry, Parameters } from "./geometry";
 import { Labels } from "./labels";
 import { buildMechanism, discard, type Mechanism } from "./mechanism";
-import { COLOURS, Palette } from "./palette";
+import { Palette } from "./palette";
 import { buildShafts, type Shafts } from "./shafts";
 import { Trace, type TraceFrame } from "./trace";
 
@@ -35,8 +36,6 @@ export interface Instant {
   /** Angles of the recent past, part 0 the oldest, 1 now. */
   readonly past: (part: number) => { q: number; theta1: number };
 }
-
-const AMBER = COLOURS.holds;
 
 interface Built {
   readonly mechanism: Mechanism;
@@ -167,17 +166,17 @@ export class View {
     this.labels.place(this.camera, this.size.width, this.size.height);
   }
 
-  /** Where the drawn imbalance 0 of module 0 is in the fixed frame, m: what the picture says, for tests. */
-  drawnImbalance(): number[] | null {
+  /** Where imbalance 0 of module 0 is drawn, and where its arrow begins, m in the fixed frame. */
+  imbalance(): { drawn: number[]; arrow: number[] } | null {
     const { built } = this;
     if (!built) return null;
     this.world.updateMatrixWorld(true);
     const place = built.mechanism.imbalance.localToWorld(built.mechanism.imbalanceAt.clone());
-    return this.world.worldToLocal(place).toArray();
+    return { drawn: this.world.worldToLocal(place).toArray(), arrow: built.annotations.imbalance.toArray() };
   }
 
   private tint(material: MeshPhongMaterial, part: number): void {
     material.color.lerpColors(this.steel, this.amber, part);
-    material.emissive.set(AMBER).multiplyScalar(0.35 * part);
+    material.emissive.set(PARTS.holds).multiplyScalar(0.35 * part);
   }
 }
