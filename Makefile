@@ -23,7 +23,7 @@ $(VENV)/.all: $(VENV)/.made pyproject.toml
 
 install: $(VENV)/.all ## set up a virtual environment with everything
 
-build: $(VENV)/.run ## build the FMUs into build/
+build: $(VENV)/.run ## build the FMUs and the kernel for pages into build/
 	$(BIN)/inertia-module build
 
 page: $(VENV)/.all ## build the page that `inertia-module view` fills
