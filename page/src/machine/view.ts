@@ -86,6 +86,8 @@ export class View {
     const annotations = new Annotations(mechanism, shafts, shape, this.labels);
     mechanism.link1.add(trace.closed);
     this.world.add(mechanism.link1, mechanism.link2, shafts.hub, shafts.driven, shafts.mount, trace.trail, annotations.group);
+    // a machine of any size fills the picture
+    this.world.scale.setScalar(1 / mechanism.reach);
     this.built = { mechanism, shape, shafts, trace, annotations };
     if (look) this.lookHome();
     if (this.shown) this.show(this.shown);
@@ -95,14 +97,13 @@ export class View {
   lookHome(): void {
     if (!this.built) return;
     const { mechanism, shafts, shape } = this.built;
-    const { input, end } = shafts.stations;
-    const { reach } = mechanism;
+    const [input, end] = [shafts.stations.input / mechanism.reach, shafts.stations.end / mechanism.reach];
     // planar wheels show their faces along the axis
     const away = new Vector3(shape.layout === "planar" ? -0.75 : -0.42, -1, 0.36).normalize();
     const right = new Vector3().crossVectors(this.camera.up, away).normalize();
     const up = new Vector3().crossVectors(away, right);
-    const corners = [input - 0.15 * reach, end + 0.1 * reach].flatMap((x) =>
-      [[-0.5, -1.2], [0.5, -1.2], [-0.7, 0.7], [0.7, 0.7]].map(([y = 0, z = 0]) => new Vector3(x, y * reach, z * reach)));
+    const corners = [input - 0.15, end + 0.1].flatMap((x) =>
+      [[-0.5, -1.2], [0.5, -1.2], [-0.7, 0.7], [0.7, 0.7]].map(([y = 0, z = 0]) => new Vector3(x, y, z)));
     const target = new Vector3();
     for (const axis of [right, up, away]) {
       const along = corners.map((corner) => corner.dot(axis));
