@@ -1,6 +1,6 @@
 // The page put together: what is set, the run, the clock, the picture and the curves.
 
-import { byId } from "./controls/dom";
+import { byId } from "./common/dom";
 import { fromHash, toHash } from "./controls/link";
 import { nextSwitch, pulseAround } from "./controls/pulses";
 import { calmSpeed, Player } from "./controls/player";
@@ -26,8 +26,6 @@ export class App {
   run: Run | null = null;
   refusal = "";
   busy = false;
-  /** Mean time of script that a frame takes, ms. */
-  frame = 0;
   private readonly session: Session;
   private readonly picture: Picture;
   private readonly curves: Curves;
@@ -130,7 +128,7 @@ export class App {
   state(): object {
     return {
       ...this.player.clock, settings: this.store.get(), run: this.run, refusal: this.refusal, busy: this.busy || this.asked,
-      frame: this.frame, hash: this.hash(), imbalance: this.picture.drawnImbalance(),
+      hash: this.hash(), imbalance: this.picture.imbalance(),
       chart: this.curves.chartPoints(),
     };
   }
@@ -163,7 +161,6 @@ export class App {
 
   private tick(now: number): void {
     requestAnimationFrame((next) => { this.tick(next); });
-    const began = performance.now();
     const passed = (now - this.last) / 1000;
     this.last = now;
     if (this.asked) {
@@ -176,6 +173,5 @@ export class App {
     this.wanted = this.picture.draw(this.run, clock.time, clock.playing ? passed : Infinity);
     this.curves.stand(clock.time, clock.playing);
     this.panels.stand(this.run, clock.time, clock.playing);
-    this.frame += 0.05 * (performance.now() - began - this.frame);
   }
 }

@@ -6,7 +6,14 @@ import { playable } from "./run/recorded";
 import { integrate, ready, simulate, variables } from "./run/run";
 
 const app = new App();
+// a link that is followed while the page is open; the page itself changes its address without this event
+addEventListener("hashchange", () => { location.reload(); });
 await ready;
 Object.assign(window, {
-  inertiaModule: { simulate, integrate, playable, variables, start: START, state: () => app.state() },
+  inertiaModule: {
+    simulate, integrate, playable, variables,
+    start: START,
+    state: () => app.state(),
+    seek: (time: number) => { app.player.set({ time, playing: false, loop: null }); },
+  },
 });

@@ -1,7 +1,7 @@
 // All that is around the picture: tools, bar, instruments, sliders, sentences, keys.
 
 import type { App } from "./app";
-import { button, byId, choice, element, tick } from "./controls/dom";
+import { button, byId, choice, element, tick } from "./common/dom";
 import { csv, download, toml } from "./controls/files";
 import { helpButton } from "./controls/help";
 import { listen } from "./controls/keyboard";
@@ -33,6 +33,7 @@ export class Panels {
   private readonly sentence = byId("sentence");
   private readonly scenes: HTMLSelectElement;
   private readonly reset: HTMLButtonElement;
+  private readonly showBoxes: (shown: Shown) => void;
   private told = 0;
 
   constructor(private readonly app: App, curves: Curves, picture: Picture) {
@@ -40,6 +41,7 @@ export class Panels {
     this.reset = button("Reset", "Back to the scene as it was", () => { app.store.set({ changed: {} }); });
     byId("scene").append(this.scenes, this.reset);
     this.tools();
+    this.showBoxes = this.boxes();
     this.bar = new PlayBar(app.player, {
       toggle: () => { app.toggle(); },
       step: (forwards) => { app.toSwitch(forwards); },
@@ -65,7 +67,7 @@ export class Panels {
     const story = app.scene.description.replaceAll("\n", " ");
     byId("story").textContent = story;
     this.scenes.title = story;
-    this.boxes(shown);
+    this.showBoxes(shown);
   }
 
   say(refusal: string, warnings: readonly string[]): void {
@@ -97,11 +99,16 @@ export class Panels {
       share, button("◐", "Light or dark", switchTheme), helpButton());
   }
 
-  private boxes(shown: Shown): void {
+  /** Boxes and list of what is shown; the answer sets them. */
+  private boxes(): (shown: Shown) => void {
     const { app } = this;
-    byId("shown").replaceChildren(
-      ...SWITCHES.map(([name, text]) => tick(text, shown[name] === true, (on) => { app.showAlso({ [name]: on }); })),
-      choice("Path of the imbalance", TRACES, shown.trace, (frame) => { app.showAlso({ trace: frame as TraceFrame }); }));
+    const ticks = SWITCHES.map(([name, text]) => ({ name, box: tick(text, (on) => { app.showAlso({ [name]: on }); }) }));
+    const path = choice("Path of the imbalance", TRACES, "link1", (frame) => { app.showAlso({ trace: frame as TraceFrame }); });
+    byId("shown").append(...ticks.map(({ box }) => box.root), path);
+    return (shown) => {
+      for (const { name, box } of ticks) box.show(shown[name] === true);
+      path.value = shown.trace;
+    };
   }
 
   private keys(picture: Picture): void {

@@ -1,6 +1,6 @@
 // The picture of a run: the machine as it stands at a time.
 
-import { byId } from "./controls/dom";
+import { byId } from "./common/dom";
 import { holding, pulseAround } from "./controls/pulses";
 import { View, type Shown } from "./machine/view";
 import { value, type Parameters } from "./machine/geometry";
@@ -92,9 +92,9 @@ export class Picture {
     return changing;
   }
 
-  /** Where the imbalance is drawn, m, for tests. */
-  drawnImbalance(): number[] | null {
-    return this.view.drawnImbalance();
+  /** Where imbalance 0 is as it is drawn, and where its arrow begins, m in the fixed frame: for tests. */
+  imbalance(): { drawn: number[]; arrow: number[] } | null {
+    return this.view.imbalance();
   }
 
   private resize(host: HTMLElement): void {

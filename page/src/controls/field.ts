@@ -1,9 +1,9 @@
 // One variable: its name, a field for any number with its unit, and a slider.
 
 import type { Variable } from "../run/run";
-import { element } from "./dom";
+import { element } from "../common/dom";
 import { reachOf } from "./groups";
-import { labelOf, spoken, unitText } from "./units";
+import { labelOf, spoken, unitText } from "../common/units";
 
 const STEPS = 400;
 

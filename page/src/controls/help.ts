@@ -1,6 +1,6 @@
 // What the page says about itself.
 
-import { button, element } from "./dom";
+import { button, element } from "../common/dom";
 import { KEY_HELP } from "./keyboard";
 
 const PARAGRAPHS = [

@@ -1,8 +1,8 @@
 // Play, pause, scrub, slow motion, steps.
 
 import type { Player } from "./player";
-import { button, choice, element } from "./dom";
-import { steadyText } from "./units";
+import { button, choice, element } from "../common/dom";
+import { steadyText } from "../common/units";
 
 export interface PlayActions {
   toggle: () => void;

@@ -2,9 +2,9 @@
 
 import type { Run } from "../run/run";
 import { largest, nearest, valueAt } from "../run/sample";
-import { element } from "./dom";
+import { element } from "../common/dom";
 import { holding } from "./pulses";
-import { numberText, steadyText } from "./units";
+import { numberText, steadyText } from "../common/units";
 
 interface Row {
   readonly name: string;

@@ -1,7 +1,7 @@
 // All that can be set while the machine runs, in groups.
 
 import { variables, type Variable } from "../run/run";
-import { element } from "./dom";
+import { element } from "../common/dom";
 import { fieldOf, type Field } from "./field";
 import { GROUPS, type Group } from "./groups";
 

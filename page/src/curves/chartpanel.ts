@@ -1,12 +1,11 @@
 // The converter chart as a plot, computed point by point while the page is idle.
 
+import { CURVES } from "../common/colours";
 import type { Run } from "../run/run";
 import { valueAt } from "../run/sample";
-import { element } from "../controls/dom";
+import { element } from "../common/dom";
 import { chartPoint, chartRatios, operatingPoint, type ChartPoint } from "./chart";
 import { Plot } from "./plot";
-
-const COLOURS = { input: "#3a86c8", output: "#b565a0", efficiency: "#858d96" };
 
 /** Parameters that a chart does not depend on: held, or only of the start. */
 const APART = new Set(["output_inertia", "omega_out_start", "omega2_start", "fidelity", "drive", "driven_inertia"]);
@@ -33,9 +32,9 @@ export class ChartPanel {
       x: "speed ratio ω3/ω1",
       axes: [{ label: "mean torque [N·m]" }, { label: "efficiency [%]", scale: "right" }],
       lines: [
-        { label: "input", colour: COLOURS.input },
-        { label: "output", colour: COLOURS.output },
-        { label: "efficiency", colour: COLOURS.efficiency, right: true, dash: true },
+        { label: "input", colour: CURVES.blue },
+        { label: "output", colour: CURVES.purple },
+        { label: "efficiency", colour: CURVES.grey, right: true, dash: true },
       ],
       range: { x: () => [0, 1] },
     }, this.data());

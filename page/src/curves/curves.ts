@@ -1,6 +1,6 @@
 // The row of curves: two panels over time, and the phase plot or the converter chart.
 
-import { choice, element } from "../controls/dom";
+import { choice, element } from "../common/dom";
 import type { Run } from "../run/run";
 import { lengthOf, valueAt } from "../run/sample";
 import type { ChartPoint } from "./chart";

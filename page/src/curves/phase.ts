@@ -1,13 +1,13 @@
 // The phase plot: speed of link 2 over the drive angle in its turn.
 
 import type uPlot from "uplot";
-import { element } from "../controls/dom";
+import { CURVES } from "../common/colours";
+import { element } from "../common/dom";
 import type { Run } from "../run/run";
 import { valueAt } from "../run/sample";
 import { Plot } from "./plot";
 
 const TURN = 2 * Math.PI;
-const GREEN = "#229a6f";
 
 /** An angle within one turn, rad. */
 export function inTurn(angle: number): number {
@@ -70,7 +70,7 @@ export class PhasePlot {
       else ctx.moveTo(x, y);
       before = angle;
     }
-    ctx.strokeStyle = GREEN;
+    ctx.strokeStyle = CURVES.green;
     ctx.globalAlpha = 0.85;
     ctx.lineWidth = devicePixelRatio;
     ctx.stroke();

@@ -1,8 +1,8 @@
 // One plot: axes and lines by uPlot, a mark that follows the picture over it.
 
 import uPlot, { type AlignedData, type Options, type Series } from "uplot";
-import { element } from "../controls/dom";
-import { numberText } from "../controls/units";
+import { element } from "../common/dom";
+import { numberText } from "../common/units";
 
 /** Colours of axes and grid, from the style of the page. */
 function themed(host: HTMLElement): { text: string; grid: string } {

@@ -1,5 +1,6 @@
 // What the curves show of a run.
 
+import { CURVES } from "../common/colours";
 import type { Run } from "../run/run";
 
 export interface Series {
@@ -14,14 +15,6 @@ export interface Panel {
   readonly unit: string;
   readonly series: readonly Series[];
 }
-
-// dark enough on white and light enough on black: 3 : 1 at least on both
-const BLUE = "#3a86c8";
-const GREEN = "#229a6f";
-const PURPLE = "#b565a0";
-const ORANGE = "#c77f12";
-const RED = "#d0532b";
-const GREY = "#858d96";
 
 function column(label: string, name: string, colour: string): Series {
   return { label, colour, of: (run) => run.columns[name] ?? new Float64Array(run.time.length) };
@@ -81,44 +74,44 @@ export const PANELS: readonly Panel[] = [
   {
     id: "speeds", title: "Speeds", unit: "rad/s",
     series: [
-      column("ω1 input", "input_speed", BLUE),
-      column("ω2 link 2", "omega2", GREEN),
-      column("output", "omega_out", PURPLE),
+      column("ω1 input", "input_speed", CURVES.blue),
+      column("ω2 link 2", "omega2", CURVES.green),
+      column("output", "omega_out", CURVES.purple),
     ],
   },
   {
     id: "torques", title: "Torques", unit: "N·m",
     series: [
-      column("M1 input", "input_torque", BLUE),
-      column("M2 mesh", "mesh_torque", GREEN),
-      column("Tc output freewheel", "output_torque", PURPLE),
-      column("Th housing freewheel", "housing_torque", GREY),
+      column("M1 input", "input_torque", CURVES.blue),
+      column("M2 mesh", "mesh_torque", CURVES.green),
+      column("Tc output freewheel", "output_torque", CURVES.purple),
+      column("Th housing freewheel", "housing_torque", CURVES.grey),
     ],
   },
   {
     id: "power", title: "Power, running mean", unit: "W",
     series: [
-      power("in", "energy_in", BLUE),
-      power("out to the load", "energy_out", PURPLE),
-      power("stored", "energy_stored", GREEN),
-      power("lost", "energy_lost", RED),
+      power("in", "energy_in", CURVES.blue),
+      power("out to the load", "energy_out", CURVES.purple),
+      power("stored", "energy_stored", CURVES.green),
+      power("lost", "energy_lost", CURVES.red),
     ],
   },
   {
     id: "losses", title: "Losses, running mean", unit: "W",
     series: [
-      power("meshes", "energy_lost_mesh", ORANGE),
-      power("journals", "energy_lost_journal", BLUE),
-      power("freewheels", "energy_lost_freewheel", PURPLE),
-      power("viscous friction", "energy_lost_viscous", GREEN),
-      power("elastic shaft", "energy_lost_shaft", GREY),
+      power("meshes", "energy_lost_mesh", CURVES.orange),
+      power("journals", "energy_lost_journal", CURVES.blue),
+      power("freewheels", "energy_lost_freewheel", CURVES.purple),
+      power("viscous friction", "energy_lost_viscous", CURVES.green),
+      power("elastic shaft", "energy_lost_shaft", CURVES.grey),
     ],
   },
   {
     id: "forces", title: "Forces", unit: "N",
     series: [
-      column("on a satellite's bearing", "satellite_force", RED),
-      magnitude("on the mount", "shaking_force", GREY),
+      column("on a satellite's bearing", "satellite_force", CURVES.red),
+      magnitude("on the mount", "shaking_force", CURVES.grey),
     ],
   },
 ];

@@ -1,7 +1,7 @@
 // A panel of curves over time: choice of signals, legend with values at the clock, scrubbing.
 
-import { choice, element } from "../controls/dom";
-import { steadyText } from "../controls/units";
+import { choice, element } from "../common/dom";
+import { steadyText } from "../common/units";
 import type { Run } from "../run/run";
 import { indexAt } from "../run/sample";
 import { Plot } from "./plot";

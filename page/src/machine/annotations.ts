@@ -1,12 +1,12 @@
 // Names of the parts and arrows of what acts on them.
 
 import { Group, Vector3, type Object3D } from "three";
+import { PARTS } from "../common/colours";
+import { steadyText } from "../common/units";
 import { aboutAxis, imbalance, type Geometry } from "./geometry";
 import type { Labels } from "./labels";
 import type { Mechanism } from "./mechanism";
-import { COLOURS } from "./palette";
 import type { Shafts } from "./shafts";
-import { steadyText } from "../controls/units";
 import { Arrow, TorqueArc } from "./vectors";
 import type { Instant, Shown } from "./view";
 
@@ -37,7 +37,8 @@ export class Annotations {
   private readonly arcs: Record<Torque, TorqueArc>;
   private readonly arcGroup = new Group();
   private readonly origin = new Vector3();
-  private readonly imbalance = new Vector3();
+  /** Imbalance 0 of module 0 by the formulas, m in the fixed frame. */
+  readonly imbalance = new Vector3();
   private readonly marker = new Group();
   private readonly longest: number;
   private readonly texts: { element: HTMLElement; text: (column: (name: string) => number) => string }[] = [];
@@ -48,8 +49,8 @@ export class Annotations {
     const { reach } = mechanism;
     const { stations } = shafts;
     this.longest = 0.95 * reach;
-    this.acceleration = new Arrow(COLOURS.imbalance, 0.016 * reach);
-    this.force = new Arrow(COLOURS.force, 0.02 * reach);
+    this.acceleration = new Arrow(PARTS.imbalance, 0.016 * reach);
+    this.force = new Arrow(PARTS.force, 0.02 * reach);
     const arc = (colour: string, at: number, radius: number): TorqueArc => {
       const found = new TorqueArc(colour, radius * reach, 0.022 * reach);
       found.position.x = at;

@@ -1,22 +1,9 @@
-// Colours and materials: one colour for a part and for its curves, apart for the colour-blind (Okabe and Ito).
+// What the parts of the machine are made of.
 
 import { DoubleSide, MeshPhongMaterial, type Plane } from "three";
+import { PARTS } from "../common/colours";
 
-export const COLOURS = {
-  link1: "#3f7fb5",
-  drive: "#7fb2d6",
-  satellite: "#d3a04a",
-  imbalance: "#c8501e",
-  link2: "#2f9c78",
-  output: "#b0729a",
-  steel: "#9aa2ab",
-  housing: "#7d858e",
-  holds: "#f2a900",
-  force: "#8a5cc2",
-  trace: "#cc1f1a",
-} as const;
-
-export type Part = keyof typeof COLOURS;
+export type Part = keyof typeof PARTS;
 
 /** The materials of all parts. Those of races, wheels and housing give way to the cut-away. */
 export class Palette {
@@ -26,7 +13,7 @@ export class Palette {
     const make = (colour: string): MeshPhongMaterial =>
       new MeshPhongMaterial({ color: colour, flatShading: true, side: DoubleSide, shininess: 30, specular: 0x222222 });
     this.materials = Object.fromEntries(
-      Object.entries(COLOURS).map(([part, colour]) => [part, make(colour)]),
+      Object.entries(PARTS).map(([part, colour]) => [part, make(colour)]),
     ) as Record<Part, MeshPhongMaterial>;
   }
 

@@ -4,9 +4,9 @@ import { BufferAttribute, BufferGeometry, Group, Line, LineBasicMaterial } from 
 import { Line2 } from "three/addons/lines/Line2.js";
 import { LineGeometry } from "three/addons/lines/LineGeometry.js";
 import { LineMaterial } from "three/addons/lines/LineMaterial.js";
+import { PARTS } from "../common/colours";
 import { aboutAxis, imbalance, period, type Geometry } from "./geometry";
 import type { Mechanism } from "./mechanism";
-import { COLOURS } from "./palette";
 
 export type TraceFrame = "link1" | "fixed" | "off";
 
@@ -19,14 +19,14 @@ const MOST_LINES = 24;
 function movingLine(points: number): Line<BufferGeometry, LineBasicMaterial> {
   const shape = new BufferGeometry();
   shape.setAttribute("position", new BufferAttribute(new Float32Array(3 * points), 3));
-  const found = new Line(shape, new LineBasicMaterial({ color: COLOURS.trace }));
+  const found = new Line(shape, new LineBasicMaterial({ color: PARTS.trace }));
   found.frustumCulled = false;
   return found;
 }
 
 /** A look for lines of this width, in pixels of the page. */
 function drawn(linewidth: number, opacity: number): LineMaterial {
-  return new LineMaterial({ color: COLOURS.trace, linewidth, transparent: true, opacity });
+  return new LineMaterial({ color: PARTS.trace, linewidth, transparent: true, opacity });
 }
 
 /** All traces of a mechanism. `closed` belongs into the frame of link 1, `trail` into the fixed frame. */
@@ -42,7 +42,7 @@ export class Trace {
     const geometry = new LineGeometry();
     geometry.setPositions(
       Array.from({ length: points }, (_, n) => imbalance(shape, (span * n) / (points - 1))).flat());
-    const [first, other] = [drawn(2, 0.9), drawn(1.2, 0.45)];
+    const [first, other] = [drawn(1.6, 0.9), drawn(1.2, 0.45)];
     const lines = Math.min(shape.modules * satellites, MOST_LINES);
     for (let n = 0; n < lines; n++) {
       const line = new Line2(geometry, n === 0 ? first : other);

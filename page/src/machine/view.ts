@@ -4,11 +4,12 @@ import {
   DirectionalLight, Group, HemisphereLight, type MeshPhongMaterial, PerspectiveCamera, Plane, Scene, Vector3, WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import { PARTS } from "../common/colours";
 import { Annotations } from "./annotations";
 import type { Geometry, Parameters } from "./geometry";
 import { Labels } from "./labels";
 import { buildMechanism, discard, type Mechanism } from "./mechanism";
-import { COLOURS, Palette } from "./palette";
+import { Palette } from "./palette";
 import { buildShafts, type Shafts } from "./shafts";
 import { Trace, type TraceFrame } from "./trace";
 
@@ -35,8 +36,6 @@ export interface Instant {
   /** Angles of the recent past, part 0 the oldest, 1 now. */
   readonly past: (part: number) => { q: number; theta1: number };
 }
-
-const AMBER = COLOURS.holds;
 
 interface Built {
   readonly mechanism: Mechanism;
@@ -87,6 +86,8 @@ export class View {
     const annotations = new Annotations(mechanism, shafts, shape, this.labels);
     mechanism.link1.add(trace.closed);
     this.world.add(mechanism.link1, mechanism.link2, shafts.hub, shafts.driven, shafts.mount, trace.trail, annotations.group);
+    // a machine of any size fills the picture
+    this.world.scale.setScalar(1 / mechanism.reach);
     this.built = { mechanism, shape, shafts, trace, annotations };
     if (look) this.lookHome();
     if (this.shown) this.show(this.shown);
@@ -96,14 +97,13 @@ export class View {
   lookHome(): void {
     if (!this.built) return;
     const { mechanism, shafts, shape } = this.built;
-    const { input, end } = shafts.stations;
-    const { reach } = mechanism;
+    const [input, end] = [shafts.stations.input / mechanism.reach, shafts.stations.end / mechanism.reach];
     // planar wheels show their faces along the axis
     const away = new Vector3(shape.layout === "planar" ? -0.75 : -0.42, -1, 0.36).normalize();
     const right = new Vector3().crossVectors(this.camera.up, away).normalize();
     const up = new Vector3().crossVectors(away, right);
-    const corners = [input - 0.15 * reach, end + 0.1 * reach].flatMap((x) =>
-      [[-0.5, -1.2], [0.5, -1.2], [-0.7, 0.7], [0.7, 0.7]].map(([y = 0, z = 0]) => new Vector3(x, y * reach, z * reach)));
+    const corners = [input - 0.15, end + 0.1].flatMap((x) =>
+      [[-0.5, -1.2], [0.5, -1.2], [-0.7, 0.7], [0.7, 0.7]].map(([y = 0, z = 0]) => new Vector3(x, y, z)));
     const target = new Vector3();
     for (const axis of [right, up, away]) {
       const along = corners.map((corner) => corner.dot(axis));
@@ -167,17 +167,17 @@ export class View {
     this.labels.place(this.camera, this.size.width, this.size.height);
   }
 
-  /** Where the drawn imbalance 0 of module 0 is in the fixed frame, m: what the picture says, for tests. */
-  drawnImbalance(): number[] | null {
+  /** Where imbalance 0 of module 0 is drawn, and where its arrow begins, m in the fixed frame. */
+  imbalance(): { drawn: number[]; arrow: number[] } | null {
     const { built } = this;
     if (!built) return null;
     this.world.updateMatrixWorld(true);
     const place = built.mechanism.imbalance.localToWorld(built.mechanism.imbalanceAt.clone());
-    return this.world.worldToLocal(place).toArray();
+    return { drawn: this.world.worldToLocal(place).toArray(), arrow: built.annotations.imbalance.toArray() };
   }
 
   private tint(material: MeshPhongMaterial, part: number): void {
     material.color.lerpColors(this.steel, this.amber, part);
-    material.emissive.set(AMBER).multiplyScalar(0.35 * part);
+    material.emissive.set(PARTS.holds).multiplyScalar(0.35 * part);
   }
 }

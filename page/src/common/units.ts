@@ -21,7 +21,7 @@ export function numberText(value: number, digits = 4): string {
 /** A number with so many decimals that its place does not jump while it runs. */
 export function steadyText(value: number, largest: number): string {
   if (!Number.isFinite(value)) return "–";
-  if (largest === 0) return "0";
+  if (largest < 1e-9) return "0";
   const decimals = Math.min(Math.max(3 - Math.floor(Math.log10(Math.max(largest, 1e-9))), 0), 6);
   return value.toFixed(decimals).replace("-", "−");
 }

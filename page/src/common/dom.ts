@@ -38,10 +38,15 @@ export function choice(
   return found;
 }
 
+export interface Tick {
+  readonly root: HTMLElement;
+  /** Show whether it is ticked without telling of it. */
+  show: (ticked: boolean) => void;
+}
+
 /** A box to be ticked, with its text. */
-export function tick(text: string, ticked: boolean, change: (ticked: boolean) => void): HTMLLabelElement {
+export function tick(text: string, change: (ticked: boolean) => void): Tick {
   const input = element("input", { type: "checkbox" });
-  input.checked = ticked;
   input.addEventListener("change", () => { change(input.checked); });
-  return element("label", { class: "tick" }, input, text);
+  return { root: element("label", { class: "tick" }, input, text), show: (ticked) => { input.checked = ticked; } };
 }
