@@ -33,15 +33,16 @@ demo: $(VENV)/.run ## set up, build the FMU, drive a car through the urban cycle
 test: $(VENV)/.all ## run all tests
 	$(BIN)/python -m pytest -n auto --dist worksteal
 
-lint: $(VENV)/.all ## style, types, floors
+lint: $(VENV)/.all ## style, types, floors, spelling
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/codespell
 
 docs: $(VENV)/.all ## build the documentation into site/
 	$(BIN)/python docs/make_pages.py --check
-	$(BIN)/mkdocs build -q --strict
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build -q --strict
 
 bench: $(VENV)/.all ## measure speed and errors, write docs/*.csv, the picture and the page on performance
 	$(BIN)/python benchmarks/speed.py

@@ -5,7 +5,16 @@ from __future__ import annotations
 from html import escape
 
 from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE, Model
-from ..contract.variable import ENUMERATION, ENUMERATIONS, INPUT, LOCAL, OUTPUT, PARAMETER, Variable
+from ..contract.variable import (
+    ENUMERATION,
+    ENUMERATIONS,
+    FIXED,
+    INPUT,
+    LOCAL,
+    OUTPUT,
+    PARAMETER,
+    Variable,
+)
 
 HEADINGS = {
     INPUT: "Inputs",
@@ -13,7 +22,9 @@ HEADINGS = {
     LOCAL: "Locals",
     PARAMETER: "Parameters",
 }
-COLUMNS = ("name", "unit", "start", "allowed", "nominal", "variability", "meaning")
+COLUMNS = ("name", "unit", "start", "allowed", "meaning")
+# what goes without saying
+USUAL = (FIXED, "continuous")
 
 _REFUSALS = (
     "A parameter out of range, alone or together with others, is refused at the end of initialisation. A"
@@ -32,8 +43,10 @@ def _cells(variable: Variable) -> tuple[str, ...]:
         listed = ", ".join(f"{number} {name}" for name, number, _ in ENUMERATIONS[variable.enumeration])
     else:
         listed = variable.allowed if settable else ""
-    nominal = "" if variable.nominal is None else f"{variable.nominal:g}"
-    return variable.name, variable.unit, start, listed, nominal, variable.variability, variable.description
+    notes = [] if variable.variability in USUAL else [variable.variability]
+    notes += [] if variable.nominal is None else [f"nominal {variable.nominal:g}"]
+    meaning = variable.description + (f" ({', '.join(notes)})" if notes else "")
+    return variable.name, variable.unit, start, listed, meaning
 
 
 def _tables(model: Model) -> list[str]:

@@ -96,7 +96,9 @@ def drawn(paper: Sheet, number: str) -> tuple[Figure, Columns]:
     printed, exact, _ = np.broadcast_arrays(*paper.equations[number].forms()[:2], paper.x)
     figure, columns = sheet(2.9 * max(2, len(names)), 2.5), {paper.label: x}
     panels = figure.subplots(1, len(names), squeeze=False)[0]
-    for axes, name, right, page in zip(panels, names, np.atleast_2d(exact), np.atleast_2d(printed), strict=False):
+    for axes, name, right, page in zip(
+        panels, names, np.atleast_2d(exact), np.atleast_2d(printed), strict=False
+    ):
         symbol, _, unit = name.partition(" ")
         columns |= style.compare(axes, x, name.translate({123: None, 125: None}), right[kept], page[kept])
         dress(axes, f"${symbol}$ {unit}", zero=True)

@@ -161,7 +161,9 @@ def swing() -> tuple[Figure, Columns]:
         lower.set_ylim(-350.0, 300.0)
         lower.legend(**SMALL, ncols=3, loc="lower right")
         _abscissa(lower)
-    style.caption(figure, f"Angles of D about the axes, put right, and their rates, (5) and (6), exact. {CASE}")
+    style.caption(
+        figure, f"Angles of D about the axes, put right, and their rates, (5) and (6), exact. {CASE}"
+    )
     return figure, columns
 
 

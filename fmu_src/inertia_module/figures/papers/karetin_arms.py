@@ -24,7 +24,9 @@ SHOWN = 112
 ARROW = 4e-3
 
 
-def _plane(axes: Axes, plane: str, at: tuple[int, int], point: str, foot: str, place: tuple[int, int]) -> None:
+def _plane(
+    axes: Axes, plane: str, at: tuple[int, int], point: str, foot: str, place: tuple[int, int]
+) -> None:
     """D and V on a plane, the line of V, and the perpendicular from O on it; mm."""
     path, speed, feet = (1e3 * v[:, TURN] for v in (MOVING.position, ARROW * MOVING.velocity, MOVING.feet))
     mass, arrow, end = path[list(at), SHOWN], speed[list(at), SHOWN], feet[list(place), SHOWN]
@@ -62,7 +64,10 @@ def arms() -> tuple[Figure, Columns]:
         panels[2, n].set_xlabel("turns of the drive")
     told = "exact, (26) to (30) as printed the same; in (31) the printed y_N is the x of N"
     drawn = f"V: 1 m/s is {1e3 * ARROW:g} mm; the planes are drawn at {turns[SHOWN]:.2f} turns (green)"
-    style.caption(figure, f"Projections of V and their arms about O in the dynamic mode, {told}. {drawn}. {style.mechanism(G)}")
+    style.caption(
+        figure,
+        f"Projections of V and their arms about O in the dynamic mode, {told}. {drawn}. {style.mechanism(G)}",
+    )
     return figure, columns
 
 

@@ -76,7 +76,11 @@ def _layout(axes: Axes) -> None:
         ((116, -12), "link 2, $ω_2$"),
     ):
         axes.text(*place, text, **CENTRED)
-    axes.set_title(f"a) layout: $AD, QA, OQ$ = {1e3 * g.AD:.1f}, {1e3 * g.QA:.1f}, {1e3 * g.OQ:.1f} mm", loc="left", fontsize=9)
+    axes.set_title(
+        f"a) layout: $AD, QA, OQ$ = {1e3 * g.AD:.1f}, {1e3 * g.QA:.1f}, {1e3 * g.OQ:.1f} mm",
+        loc="left",
+        fontsize=9,
+    )
 
 
 def _mode(axes: Axes, motion: Motion, title: str) -> None:

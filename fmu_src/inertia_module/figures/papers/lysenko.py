@@ -111,9 +111,16 @@ def epicycloid() -> tuple[Figure, Columns]:
     _line(axes, 0j, mass, BLACK, "$ρ$", style.BROKEN)
     _angle(axes, centre, -centre, SHOWN, 0.010, "$α$")
     _angle(axes, 0j, 1 + 0j, M.b * SHOWN, 0.022, "$bα$")
-    for name, place in (("1", centre + 0.015j), ("2", -0.037 - 0.037j), ("3", 0.4 * centre + 0.006j), ("4", -0.09 + 0.045j)):
+    for name, place in (
+        ("1", centre + 0.015j),
+        ("2", -0.037 - 0.037j),
+        ("3", 0.4 * centre + 0.006j),
+        ("4", -0.09 + 0.045j),
+    ):
         axes.text(place.real, place.imag, name, **CENTRED)
-    style.caption(figure, f"Wheel 1 rolls around the held wheel 2 (exact), drawn at {AT}. {style.wheels(M, W)}")
+    style.caption(
+        figure, f"Wheel 1 rolls around the held wheel 2 (exact), drawn at {AT}. {style.wheels(M, W)}"
+    )
     alpha = np.linspace(0.0, 2.0 * np.pi / M.b, POINTS)
     x, y = exact(M, alpha).epicycloid
     return figure, {"alpha [rad]": alpha, "X [m]": x, "Y [m]": y}
@@ -160,7 +167,18 @@ def forces() -> tuple[Figure, Columns]:
     arms = f"its arms as printed k1 = {1e3 * page.k1:.1f} and k2 = {1e3 * page.k2:.1f} mm"
     told = f"exact (Fk lies behind F1, on one line: k1 = 0), grey Fk as printed, {arms}"
     style.caption(figure, f"At {AT}, {told}. {style.wheels(M, W)}")
-    shown = ("F1 [N]", "F2 [N]", "Fk [N]", "V [m/s]", "beta1 [rad]", "delta [rad]", "n1 [m]", "n2 [m]", "k1 [m]", "k2 [m]")
+    shown = (
+        "F1 [N]",
+        "F2 [N]",
+        "Fk [N]",
+        "V [m/s]",
+        "beta1 [rad]",
+        "delta [rad]",
+        "n1 [m]",
+        "n2 [m]",
+        "k1 [m]",
+        "k2 [m]",
+    )
     columns = {}
     for heading in shown:
         for form, quantities in (("exact", E), ("as printed", page)):

@@ -49,7 +49,9 @@ def _accelerations(curves: list[tuple[Criteria, str, str]], title: str) -> tuple
     """The accelerations with the balancer above those without it, to one scale."""
     figure, sine = sheet(7.2, 7.0), law_of_motion(KAPPA, KAPPA2)[2]
     figure.suptitle(f"Acceleration of the driven mass over the {title}, exact", fontsize=11)
-    style.caption(figure, f"κ2 = {KAPPA2:g}. Accelerations in φ/T², times in T; phases I to IV along the top.")
+    style.caption(
+        figure, f"κ2 = {KAPPA2:g}. Accelerations in φ/T², times in T; phases I to IV along the top."
+    )
     panels, columns = figure.subplots(2, 1, sharex=True, sharey=True), {"kappa [1]": KAPPA, "sine [1]": sine}
     for axes, beta, name in ((panels[0], 1.0, "with the balancer"), (panels[1], 0.0, "without the balancer")):
         axes.plot(
@@ -97,7 +99,9 @@ def as_printed() -> tuple[Figure, Columns]:
         dress(axes, "$\\ddot a_{mκ}$", f"ν = {nu:g}", zero=True)
     panels[0].legend(**style.SMALL, loc="lower left")
     panels[-1].set_xlabel("relative time $κ = t/T$")
-    told = f"with the balancer, Π = 0.5, κ2 = {KAPPA2:g}. Accelerations in φ/T², logarithmic beyond ±{LINEAR:g}"
+    told = (
+        f"with the balancer, Π = 0.5, κ2 = {KAPPA2:g}. Accelerations in φ/T², logarithmic beyond ±{LINEAR:g}"
+    )
     style.caption(figure, f"Acceleration of the driven mass {told}, where the printed C1 of phase III leads.")
     return figure, columns
 
