@@ -1,4 +1,4 @@
-"""When the site is built: mathematics as MathML, which browsers draw without a script; guides found before tables."""
+"""When the site is built: mathematics as MathML, drawn without a script; guides are found before tables."""
 
 import html
 import re
@@ -13,7 +13,7 @@ FUNCTION = re.compile(r"<mi>((?:arc)?(?:sin|cos|tan)|ln|exp)</mi>")
 
 
 def typeset(found):
-    """A formula in LaTeX as MathML; bars stretch, functions are operators, so that they keep their distance."""
+    """A formula in LaTeX as MathML; bars stretch, and functions keep their distance, as operators do."""
     formula = convert(html.unescape(found[2]).strip(), display=DISPLAY[found[1]])
     formula = formula.replace('<mo accent="true">&#x02015;</mo>', '<mo stretchy="true">&#xAF;</mo>')
     return FUNCTION.sub(r'<mo lspace="0.17em" rspace="0.1em">\1</mo>', formula)

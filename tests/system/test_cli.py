@@ -272,7 +272,7 @@ def test_coupling_measures_a_part_and_leaves_its_rows(workshop, tmp_path):
     assert done.exit_code == 0, done.stderr
     found = {(row["scheme"], row["step"]): row for row in json.loads(done.stdout)["rows"]["map"]}
     assert abs(found["torque-driven", 0.005]["speed_error"]) < 1e-7
-    assert (tmp_path / "coupling_map.csv").read_text().startswith("case,ratio,scheme,step,")
+    assert (tmp_path / "coupling_map.csv").read_text().startswith("case,ratio,scheme,step [s],")
     assert (tmp_path / "coupling.png").stat().st_size > 1000
 
 

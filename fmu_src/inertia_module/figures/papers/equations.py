@@ -77,7 +77,7 @@ SHEETS = {
         stelmashchuk.EQUATIONS,
         stelmashchuk.RISE,
         0.5,
-        "relative time κ in phase I",
+        "relative time κ in phase I [1]",
         style.criteria(stelmashchuk.REFERENCE, stelmashchuk.KAPPA2),
         {"R″": ("R_κ'' [1]",)},
     ),

@@ -7,8 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ...common.colours import BLACK, BLUE, GREEN, GREY, VERMILION
-from ...papers.karetin.equations import MOVING
 from ...papers.karetin.equations import GENERAL as G
+from ...papers.karetin.equations import MOVING
 from . import style
 from .style import BROKEN, CENTRED, Columns, Drawings, dress, sheet
 
@@ -18,7 +18,7 @@ PLANES = (
     ("yOz", (1, 2), "P", "M", (2, 3)),
     ("xOz", (0, 2), "F", "N", (4, 5)),
 )
-# the first of ten turns of the drive, every so many samples; where the planes are drawn; s of V an arrow shows
+# the first of ten turns of the drive, by samples; where the planes are drawn; s of V an arrow shows
 TURN = slice(0, len(MOVING.t) // int(G.turns_in_period), 5)
 SHOWN = 112
 ARROW = 4e-3

@@ -1,4 +1,4 @@
-"""Karetin's figure 1, to scale: the standard layout with its lengths and angles, the stop and the dynamic mode."""
+"""Karetin's figure 1, to scale: the standard layout, the stop mode and the dynamic mode."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def _layout(axes: Axes) -> None:
 
 
 def _mode(axes: Axes, motion: Motion, title: str) -> None:
-    """b), c) seen along Ox, which comes towards the reader: OQ, A, D and a turn of D with the drive, in mm."""
+    """b), c) seen along Ox, which comes towards the reader: OQ, A, D and a turn of the drive, in mm."""
     span = period(SHOWN, motion) / float(SHOWN.turns_in_period)
     path = 1e3 * exact(SHOWN, motion, np.linspace(0.0, span, 361)).position
     now = exact(SHOWN, motion, [INSTANT * span])

@@ -60,7 +60,7 @@ def _angle(axes: Axes, corner: complex, start: complex, angle: float, radius: fl
 def _arm(
     axes: Axes, of: complex, place: complex, direction: complex, colour: str, name: str, aside: complex = 0j
 ) -> None:
-    """The perpendicular from a point on the line of a force through a place, its name aside, and that line."""
+    """The perpendicular from a point on the line of a force through a place, its name aside."""
     unit = direction / abs(direction)
     foot = place + ((of - place) * unit.conjugate()).real * unit
     _line(axes, place, foot, colour, line=style.BROKEN)

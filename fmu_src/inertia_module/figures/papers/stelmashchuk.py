@@ -1,4 +1,4 @@
-"""Figures 2 and 3 of Stelmashchuk: accelerations of the driven mass over nu and over Pi; as printed beside exact."""
+"""Figures 2 and 3 of Stelmashchuk, accelerations of the driven mass, and what he prints beside the exact."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def over_damping() -> tuple[Figure, Columns]:
 
 
 def as_printed() -> tuple[Figure, Columns]:
-    """a'' with the balancer as the page computes it, its equations in a row, beside the exact."""
+    """Acceleration with the balancer as the page computes it, its equations in a row, beside the exact."""
     figure, columns = sheet(7.2, 7.6), {"kappa [1]": KAPPA}
     panels = figure.subplots(len(STIFFNESSES), 1, sharex=True)
     for axes, (nu, _) in zip(panels, STIFFNESSES, strict=True):
