@@ -51,7 +51,7 @@ bench: $(VENV)/.all ## measure speed and errors, write docs/*.csv, the picture a
 
 stability: $(VENV)/.all ## try the extremes, write docs/stability.csv, its picture and page
 	$(BIN)/inertia-module stability -o out/stability
-	cp out/stability/stability.csv out/stability/stability.png docs/
+	cp out/stability/stability.csv out/stability/*.png docs/
 	$(BIN)/python docs/make_pages.py
 
 coupling: $(VENV)/.all ## couple an engine, write docs/coupling*.csv, the picture and the page

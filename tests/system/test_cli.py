@@ -207,6 +207,7 @@ def test_stability_leaves_the_map_as_tables_and_picture(tmp_path):
         "stability.csv",
         "cases.csv",
         "stability.png",
+        "stability_summary.png",
     }
     printed = json.loads(command(*arguments, "--json", folder=tmp_path).stdout)
     assert {found["verdict"] for found in printed["verdicts"]} <= {"exact", "degraded", "refused"}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from itertools import groupby
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -59,7 +60,7 @@ def _draw(axes: Axes, rows: Sequence[Row], error: str, cost: str, colour: str, s
         costs, errors = np.transpose([point for _, point in part])
         fitted = slope(costs, errors)
         text = name if math.isnan(fitted) else f"{name} (slope {fitted:.1f})"
-        look = {"ha": "left" if side > 0 else "right", "fontsize": 7, "color": colour}
+        look: dict[str, Any] = {"ha": "left" if side > 0 else "right", "fontsize": 7, "color": colour}
         axes.annotate(
             text, (costs[0], errors[0]), xytext=(6 * side, 2 * side), textcoords="offset points", **look
         )

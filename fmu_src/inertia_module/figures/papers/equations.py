@@ -10,7 +10,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ...papers.karetin import equations as karetin
+from ...papers.karetin.cases import GENERAL
 from ...papers.lysenko import equations as lysenko
+from ...papers.lysenko.mechanism import EXAMPLE, EXAMPLE_SPEED
 from ...papers.report import Equation
 from ...papers.stelmashchuk import equations as stelmashchuk
 from . import style
@@ -41,7 +43,7 @@ SHEETS = {
         karetin.STOPPED.t * karetin.STOPPED.omega16 / (2.0 * np.pi),
         1.0,
         "turns of the drive",
-        style.mechanism(karetin.GENERAL),
+        style.mechanism(GENERAL),
         {
             "(2)": ("x_D [m]", "y_D [m]", "z_D [m]"),
             "(5)": ("β_H [rad]", "β_P [rad]", "β_F [rad]"),
@@ -61,7 +63,7 @@ SHEETS = {
         np.degrees(lysenko.INSIDE),
         360.0,
         "angle α of wheel 1 on the carrier [°]",
-        style.wheels(lysenko.M, lysenko.W),
+        style.wheels(EXAMPLE, EXAMPLE_SPEED),
         {
             "(2), note": ("ρ [m]",),
             "(5)": ("F_k [N]",),

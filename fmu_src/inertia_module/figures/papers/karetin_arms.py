@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ...common.colours import BLACK, BLUE, GREEN, GREY, VERMILION
-from ...papers.karetin.equations import GENERAL as G
+from ...papers.karetin.cases import GENERAL as G
 from ...papers.karetin.equations import MOVING
 from . import style
 from .style import BROKEN, CENTRED, Columns, Drawings, dress, sheet
@@ -37,7 +37,7 @@ def _plane(
     axes.annotate("", mass + arrow, mass, arrowprops=look)
     for name, where, colour in (("O", np.zeros(2), BLACK), (point, mass, VERMILION), (foot, end, BLUE)):
         axes.plot(*where, "o", color=colour, markersize=4)
-        axes.text(*(where + 9.0), f"${name}$", color=colour, **CENTRED)
+        axes.text(where[0] + 9.0, where[1] + 9.0, f"${name}$", color=colour, **CENTRED)
     axes.set_aspect("equal", adjustable="datalim")
     dress(axes, f"${plane[2]}$ [mm]", f"${plane}$")
     axes.set_xlabel(f"${plane[0]}$ [mm]")

@@ -25,7 +25,8 @@ INSTANT = 0.08
 
 def _point(axes: Axes, place: Array, name: str, aside: tuple[float, float], colour: str = BLACK) -> None:
     axes.plot(*place, "o", color=colour, markersize=4, zorder=4)
-    axes.text(*(place + np.array(aside)), name, color=colour, **CENTRED)
+    x, y = place + np.array(aside)
+    axes.text(x, y, name, color=colour, **CENTRED)
 
 
 def _line(axes: Axes, *places: Array, colour: str = BLACK, width: float = 1.3, line: Any = "-") -> None:
@@ -36,7 +37,8 @@ def _arc(axes: Axes, corner: Array, low: float, high: float, radius: float, name
     """An arc from one angle to another, degrees from the right, its name beside it."""
     axes.add_patch(Arc(tuple(corner), 2 * radius, 2 * radius, theta1=low, theta2=high, color=BLACK))
     middle = np.radians(0.5 * (low + high))
-    axes.text(*(corner + (radius + 9.0) * np.array([np.cos(middle), np.sin(middle)])), name, **CENTRED)
+    x, y = corner + (radius + 9.0) * np.array([np.cos(middle), np.sin(middle)])
+    axes.text(x, y, name, **CENTRED)
 
 
 def _layout(axes: Axes) -> None:
@@ -102,7 +104,7 @@ def _mode(axes: Axes, motion: Motion, title: str) -> None:
         _point(axes, place, name, aside)
     _point(axes, mass, "$P$", (10, -2), VERMILION)
     angle = float(np.degrees(np.arctan2(mass[1], mass[0])))
-    _arc(axes, np.zeros(2), *sorted((angle, 90.0)), 34.0, "$β_P$")
+    _arc(axes, np.zeros(2), min(angle, 90.0), max(angle, 90.0), 34.0, "$β_P$")
     if turn:
         _line(axes, np.zeros(2), np.array([0.0, 60.0]), width=0.8, line=(0, (8, 3, 2, 3)))
         _arc(axes, np.zeros(2), 90.0, 90.0 + float(np.degrees(turn)), 16.0, "$ω_1t$")
