@@ -42,7 +42,7 @@ lint: $(VENV)/.all ## style, types, floors, spelling
 
 docs: $(VENV)/.all ## build the documentation into site/
 	$(BIN)/python docs/make_pages.py --check
-	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build -q --strict
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 
 bench: $(VENV)/.all ## measure speed and errors, write docs/*.csv, the picture and the page on performance
 	$(BIN)/python benchmarks/speed.py
