@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 QUIET ?= -q
 
-.PHONY: demo test lint docs build bench stability coupling install clean help
+.PHONY: demo test lint docs build bench stability coupling papers install clean help
 
 help: ## what there is to make
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
@@ -57,6 +57,11 @@ stability: $(VENV)/.all ## try the extremes, write docs/stability.csv, its pictu
 coupling: $(VENV)/.all ## couple an engine, write docs/coupling*.csv, the picture and the page
 	$(BIN)/inertia-module coupling -o out/coupling
 	cp out/coupling/*.csv out/coupling/*.png docs/
+	$(BIN)/python docs/make_pages.py
+
+papers: $(VENV)/.all ## draw the figures of the papers into docs/papers/, write their page
+	$(BIN)/inertia-module papers -o out/papers
+	cp out/papers/*.svg docs/papers/
 	$(BIN)/python docs/make_pages.py
 
 clean: ## remove what was built

@@ -8,15 +8,23 @@ from latex2mathml.converter import convert
 FORMULA = re.compile(r'<(span|div) class="arithmatex">\\[(\[](.*?)\\[)\]]</\1>', re.S)
 # how much a page counts in a search, by its section
 BOOST = {"Guide": 2.0, "Reference": 0.5, "Evidence": 0.5}
-DISPLAY = {"span": "inline", "div": "block"}
 FUNCTION = re.compile(r"<mi>((?:arc)?(?:sin|cos|tan)|ln|exp)</mi>")
 
 
-def typeset(found):
+def mathml(formula, display):
     """A formula in LaTeX as MathML; bars stretch, and functions keep their distance, as operators do."""
-    formula = convert(html.unescape(found[2]).strip(), display=DISPLAY[found[1]])
-    formula = formula.replace('<mo accent="true">&#x02015;</mo>', '<mo stretchy="true">&#xAF;</mo>')
-    return FUNCTION.sub(r'<mo lspace="0.17em" rspace="0.1em">\1</mo>', formula)
+    text = convert(formula, display=display)
+    text = text.replace('<mo accent="true">&#x02015;</mo>', '<mo stretchy="true">&#xAF;</mo>')
+    return FUNCTION.sub(r'<mo lspace="0.17em" rspace="0.1em">\1</mo>', text)
+
+
+def typeset(found):
+    """A formula of a page; one on its own line may wrap where LaTeX has \\quad."""
+    formula = html.unescape(found[2]).strip()
+    if found[1] == "span":
+        return mathml(formula, "inline")
+    parts = [formula] if r"\begin" in formula else re.split(r"\\q?quad", formula)
+    return f'<div class="formula">{"".join(mathml(part, "block") for part in parts)}</div>'
 
 
 def on_page_content(content, page, **_):

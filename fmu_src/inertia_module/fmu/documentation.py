@@ -49,13 +49,20 @@ def _cells(variable: Variable) -> tuple[str, ...]:
     return variable.name, variable.unit, start, listed, meaning
 
 
+def _table(model: Model, causality: str) -> tuple[list[str], list[list[str]]]:
+    """Headings and rows of the variables of a causality, without columns in which there is nothing."""
+    rows = [_cells(variable) for variable in model.with_causality(causality)]
+    columns = [n for n in range(len(COLUMNS)) if any(row[n] for row in rows)]
+    return [COLUMNS[n] for n in columns], [[row[n] for n in columns] for row in rows]
+
+
 def _tables(model: Model) -> list[str]:
     """Markdown of the tables of one model."""
     lines = []
     for causality, heading in HEADINGS.items():
-        lines += [f"### {heading}", "", "| " + " | ".join(COLUMNS) + " |", "|" + "---|" * len(COLUMNS)]
-        for variable in model.with_causality(causality):
-            name, *rest = _cells(variable)
+        columns, rows = _table(model, causality)
+        lines += [f"### {heading}", "", "| " + " | ".join(columns) + " |", "|" + "---|" * len(columns)]
+        for name, *rest in rows:
             lines.append("| " + " | ".join([f"`{name}`", *rest]) + " |")
         lines.append("")
     return lines
@@ -90,10 +97,10 @@ def index_page(model: Model) -> str:
         f"<p>{escape(model.description)}.</p><p>{escape(model.introduction)}</p><p>{escape(_REFUSALS)}</p>",
     ]
     for causality, heading in HEADINGS.items():
-        head = "".join(f"<th>{column}</th>" for column in COLUMNS)
+        columns, rows = _table(model, causality)
+        head = "".join(f"<th>{column}</th>" for column in columns)
         parts.append(f"<h2>{heading}</h2><table><tr>{head}</tr>")
-        for variable in model.with_causality(causality):
-            name, *rest = _cells(variable)
+        for name, *rest in rows:
             cells = f"<td><code>{name}</code></td>" + "".join(f"<td>{escape(cell)}</td>" for cell in rest)
             parts.append(f"<tr>{cells}</tr>")
         parts.append("</table>")
