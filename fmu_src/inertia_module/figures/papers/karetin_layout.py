@@ -75,7 +75,7 @@ def _layout(axes: Axes) -> None:
         ((64, 48), "6"),
         ((0, 60), "16, $ω_{16}$"),
         ((-96, 9), "link 1, $ω_1$"),
-        ((116, -12), "link 2, $ω_2$"),
+        ((112, -32), "link 2, $ω_2$"),
     ):
         axes.text(*place, text, **CENTRED)
     axes.set_title(
