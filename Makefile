@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 QUIET ?= -q
 
-.PHONY: demo test lint docs build page bench stability coupling install clean help
+.PHONY: demo test lint docs build page bench stability coupling papers install clean help
 
 help: ## what there is to make
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
@@ -36,16 +36,17 @@ demo: $(VENV)/.run ## set up, build the FMU, drive a car through the urban cycle
 test: $(VENV)/.all page ## run all tests
 	$(BIN)/python -m pytest -n auto --dist worksteal
 
-lint: $(VENV)/.all ## style, types, floors; the page's too
+lint: $(VENV)/.all ## style, types, floors, spelling; the page's too
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/codespell
 	$(BIN)/python page/make.py check
 
 docs: $(VENV)/.all ## build the documentation into site/
 	$(BIN)/python docs/make_pages.py --check
-	$(BIN)/mkdocs build -q --strict
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 
 bench: $(VENV)/.all page ## measure speed and errors, write docs/*.csv, the picture and the page on performance
 	$(BIN)/python benchmarks/speed.py
@@ -55,12 +56,17 @@ bench: $(VENV)/.all page ## measure speed and errors, write docs/*.csv, the pict
 
 stability: $(VENV)/.all ## try the extremes, write docs/stability.csv, its picture and page
 	$(BIN)/inertia-module stability -o out/stability
-	cp out/stability/stability.csv out/stability/stability.png docs/
+	cp out/stability/stability.csv out/stability/*.png docs/
 	$(BIN)/python docs/make_pages.py
 
 coupling: $(VENV)/.all ## couple an engine, write docs/coupling*.csv, the picture and the page
 	$(BIN)/inertia-module coupling -o out/coupling
 	cp out/coupling/*.csv out/coupling/*.png docs/
+	$(BIN)/python docs/make_pages.py
+
+papers: $(VENV)/.all ## draw the figures of the papers into docs/papers/, write their page
+	$(BIN)/inertia-module papers -o out/papers
+	cp out/papers/*.svg docs/papers/
 	$(BIN)/python docs/make_pages.py
 
 clean: ## remove what was built

@@ -18,7 +18,8 @@ def urban_table():
     with (HERE / "coupling_urban.csv").open(encoding="utf-8", newline="") as file:
         for row in csv.DictReader(file):
             step, engine, output, residual, gross, cost = (
-                float(row[name]) for name in ("step", "engine", "output", "residual", "gross", "cost")
+                float(row[name])
+                for name in ("step [s]", "engine [J]", "output [J]", "residual", "gross", "cost [1/s]")
             )
             lost = f"{round(100 * residual, 2) + 0.0:.2f}"  # no sign on what rounds to nothing
             yield (

@@ -15,12 +15,15 @@ from inertia_module.papers.page import papers_page
 
 HERE = Path(__file__).parent
 README = HERE.parent / "README.md"
+# a link of the README to what is not in this folder
+OUTSIDE = re.compile(r"(?<!!)\[([^]]+)\]\((?!docs/|https?:|#)[^)]+\)")
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 
 
 def start_page():
-    """The README, with its links turned from the project's root to this folder."""
-    return README.read_text().replace("](docs/", "](").replace('src="docs/', 'src="')
+    """The README, with its links turned from the project's root to this folder; others are none."""
+    text = OUTSIDE.sub(r"\1", README.read_text())
+    return text.replace("](docs/", "](").replace('src="docs/', 'src="')
 
 
 def filled(name, values):

@@ -119,7 +119,15 @@ def draw(table):
 def main():
     with TABLE.open("w", encoding="utf-8", newline="") as file:
         lines = csv.writer(file)
-        lines.writerow(["mechanism", "speed ratio", "cause", "omega1 [rad/s]", *QUANTITIES])
+        lines.writerow(
+            [
+                "mechanism",
+                "speed ratio",
+                "cause",
+                "omega1 [rad/s]",
+                *(f"change of {name}" for name in QUANTITIES),
+            ]
+        )
         for name, ratio, cause, omega1, *changes in rows():
             lines.writerow([name, ratio, cause, f"{omega1:.5g}", *(f"{change:.6f}" for change in changes)])
     table = read()

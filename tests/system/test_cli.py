@@ -207,6 +207,7 @@ def test_stability_leaves_the_map_as_tables_and_picture(tmp_path):
         "stability.csv",
         "cases.csv",
         "stability.png",
+        "stability_summary.png",
     }
     printed = json.loads(command(*arguments, "--json", folder=tmp_path).stdout)
     assert {found["verdict"] for found in printed["verdicts"]} <= {"exact", "degraded", "refused"}
@@ -272,7 +273,7 @@ def test_coupling_measures_a_part_and_leaves_its_rows(workshop, tmp_path):
     assert done.exit_code == 0, done.stderr
     found = {(row["scheme"], row["step"]): row for row in json.loads(done.stdout)["rows"]["map"]}
     assert abs(found["torque-driven", 0.005]["speed_error"]) < 1e-7
-    assert (tmp_path / "coupling_map.csv").read_text().startswith("case,ratio,scheme,step,")
+    assert (tmp_path / "coupling_map.csv").read_text().startswith("case,ratio,scheme,step [s],")
     assert (tmp_path / "coupling.png").stat().st_size > 1000
 
 

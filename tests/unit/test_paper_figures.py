@@ -17,10 +17,13 @@ def test_figure_comes_with_columns_of_one_length(name):
     figure, columns = all_figures()[name]()
     assert len({values.shape for values in columns.values()}) == 1
     assert all(np.isfinite(values).all() for values in columns.values())
-    for form in ("png", "svg"):
-        written = io.BytesIO()
-        figure.savefig(written, format=form)
-        assert written.tell() > 10_000
+    written = io.BytesIO()
+    figure.savefig(written, format="svg")
+    assert written.tell() > 10_000
+    # the parameters, below the figure
+    assert "=" in figure.get_supxlabel()
+    # a unit, or a number of turns
+    assert all("[" in name or "turns" in name for name in columns)
 
 
 def test_trajectories_close_after_a_period():
@@ -51,7 +54,9 @@ def test_the_pitch_cones_touch_along_the_generatrix():
 def test_columns_hold_the_curves_of_figures_2_and_3():
     _, second = stelmashchuk.over_stiffness()
     _, third = stelmashchuk.over_damping()
-    assert {f"ν = {nu}, balancer {beta}" for nu in ("4.4", "8", "100") for beta in "01"} < set(second)
-    assert {f"Π = {Pi}, balancer {beta}" for Pi in ("0", "5") for beta in "01"} < set(third)
-    expected = response(second["kappa"], Criteria(8.0, 0.5), stelmashchuk.KAPPA2, 0.0).acceleration
-    assert (second["ν = 8, balancer 0"] == expected).all()
+    assert {f"a'' [1], ν = {nu}, balancer {beta}" for nu in ("4.4", "8", "100") for beta in "01"} < set(
+        second
+    )
+    assert {f"a'' [1], Π = {Pi}, balancer {beta}" for Pi in ("0", "5") for beta in "01"} < set(third)
+    expected = response(second["kappa [1]"], Criteria(8.0, 0.5), stelmashchuk.KAPPA2, 0.0).acceleration
+    assert (second["a'' [1], ν = 8, balancer 0"] == expected).all()

@@ -11,7 +11,7 @@ from inertia_module.studies.kernel_runs import KernelRun
 from inertia_module.studies.levels import Level, all_levels, event, timestepping
 from inertia_module.studies.open_loop import measure
 from inertia_module.studies.reference import converged
-from inertia_module.studies.rows import read_rows, write_rows
+from inertia_module.studies.rows import Row, read_rows, write_rows
 from inertia_module.studies.trajectory import Case, Peer, Unavailable
 
 CASE = Case(stop_time=0.1, points=100)
@@ -161,13 +161,20 @@ def test_rows_are_read_back_as_they_were_written(reference, rows, tmp_path):
 
 def test_plots_are_drawn_even_where_some_runs_failed(reference, rows, tmp_path):
     from inertia_module.harness.results import write_figure
-    from inertia_module.studies.plots import curves, work_precision
+    from inertia_module.studies.plots import work_precision
 
     failed = measure(reference, [Level(2, 0, "tolerance 1", {"tolerance": 1.0})], steps=[0.1])
-    drawn = [*rows, *failed]
-    assert {len(curve) for curve in curves(drawn).values()} == {3}
-    figure = work_precision(drawn, "omega_out_worst", "some rows")
+    figure = work_precision([*rows, *failed], "omega_out_worst", "some rows")
     assert write_figure(tmp_path / "plot.png", figure).stat().st_size > 10_000
+
+
+def test_the_front_is_what_no_other_run_beats():
+    from inertia_module.studies.plots import front
+
+    costs_and_errors = (3.0, 1e-3), (1.0, 1e-1), (2.0, 1e-1), (4.0, 1e-3), (5.0, 1e-5), (0.5, 0.0)
+    measured = [Row("rigid", "event", "", 1.0, {"e": e}, wall_time=cost) for cost, e in costs_and_errors]
+    failed = Row("rigid", "event", "", 1.0, {"e": 1e-9}, wall_time=0.1, failure="refused")
+    assert [row.wall_time for row in front([*measured, failed], "e", "wall_time")] == [1.0, 3.0, 5.0]
 
 
 def test_slope_is_the_exponent_of_the_error():

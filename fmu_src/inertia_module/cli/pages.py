@@ -56,7 +56,7 @@ def stability(
         return
     from ..harness.results import write_figure
     from ..harness.simulate import progress_bar
-    from ..studies.stability.figure import verdict_map
+    from ..studies.stability.figure import summary, verdict_map
     from ..studies.stability.study import chosen_cases, print_rows, run_study
     from ..studies.stability.table import as_records, rows_of, write_cases, write_rows
 
@@ -70,6 +70,7 @@ def stability(
             "verdicts": write_rows(folder / "stability.csv", rows),
             "cases": write_cases(folder / "cases.csv", verdicts),
             "map": write_figure(folder / "stability.png", verdict_map(rows)),
+            "summary": write_figure(folder / "stability_summary.png", summary(rows)),
         }
     if as_json:
         listed = {name: str(file) for name, file in files.items()}

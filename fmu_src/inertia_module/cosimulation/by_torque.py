@@ -42,9 +42,8 @@ class TorqueDrivenEngine(EnginePlant):
         substeps: equal communication steps between engine and module in each step of the plant.
 
     Attributes:
-        ledger: sums over the run.
-        Of the readings, engine_work_out is all that the torque has done (the rotor takes none of it),
-        and engine_energy, the rotor's, is a part of energy_stored of the FMU.
+        ledger: sums over the run. Of the readings, engine_work_out is all that the torque has done (the
+            rotor takes none of it), and engine_energy, the rotor's, is a part of energy_stored of the FMU.
 
     Raises:
         ValueError: a module driven by speed, or one that cannot carry the rotor; speeds that differ; no

@@ -5,7 +5,16 @@ from __future__ import annotations
 from html import escape
 
 from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE, Model
-from ..contract.variable import ENUMERATION, ENUMERATIONS, INPUT, LOCAL, OUTPUT, PARAMETER, Variable
+from ..contract.variable import (
+    ENUMERATION,
+    ENUMERATIONS,
+    FIXED,
+    INPUT,
+    LOCAL,
+    OUTPUT,
+    PARAMETER,
+    Variable,
+)
 
 HEADINGS = {
     INPUT: "Inputs",
@@ -13,7 +22,9 @@ HEADINGS = {
     LOCAL: "Locals",
     PARAMETER: "Parameters",
 }
-COLUMNS = ("name", "unit", "start", "allowed", "nominal", "variability", "meaning")
+COLUMNS = ("name", "unit", "start", "allowed", "meaning")
+# what goes without saying
+USUAL = (FIXED, "continuous")
 
 _REFUSALS = (
     "A parameter out of range, alone or together with others, is refused at the end of initialisation. A"
@@ -32,17 +43,26 @@ def _cells(variable: Variable) -> tuple[str, ...]:
         listed = ", ".join(f"{number} {name}" for name, number, _ in ENUMERATIONS[variable.enumeration])
     else:
         listed = variable.allowed if settable else ""
-    nominal = "" if variable.nominal is None else f"{variable.nominal:g}"
-    return variable.name, variable.unit, start, listed, nominal, variable.variability, variable.description
+    notes = [] if variable.variability in USUAL else [variable.variability]
+    notes += [] if variable.nominal is None else [f"nominal {variable.nominal:g}"]
+    meaning = variable.description + (f" ({', '.join(notes)})" if notes else "")
+    return variable.name, variable.unit, start, listed, meaning
+
+
+def _table(model: Model, causality: str) -> tuple[list[str], list[list[str]]]:
+    """Headings and rows of the variables of a causality, without columns in which there is nothing."""
+    rows = [_cells(variable) for variable in model.with_causality(causality)]
+    columns = [n for n in range(len(COLUMNS)) if any(row[n] for row in rows)]
+    return [COLUMNS[n] for n in columns], [[row[n] for n in columns] for row in rows]
 
 
 def _tables(model: Model) -> list[str]:
     """Markdown of the tables of one model."""
     lines = []
     for causality, heading in HEADINGS.items():
-        lines += [f"### {heading}", "", "| " + " | ".join(COLUMNS) + " |", "|" + "---|" * len(COLUMNS)]
-        for variable in model.with_causality(causality):
-            name, *rest = _cells(variable)
+        columns, rows = _table(model, causality)
+        lines += [f"### {heading}", "", "| " + " | ".join(columns) + " |", "|" + "---|" * len(columns)]
+        for name, *rest in rows:
             lines.append("| " + " | ".join([f"`{name}`", *rest]) + " |")
         lines.append("")
     return lines
@@ -77,10 +97,10 @@ def index_page(model: Model) -> str:
         f"<p>{escape(model.description)}.</p><p>{escape(model.introduction)}</p><p>{escape(_REFUSALS)}</p>",
     ]
     for causality, heading in HEADINGS.items():
-        head = "".join(f"<th>{column}</th>" for column in COLUMNS)
+        columns, rows = _table(model, causality)
+        head = "".join(f"<th>{column}</th>" for column in columns)
         parts.append(f"<h2>{heading}</h2><table><tr>{head}</tr>")
-        for variable in model.with_causality(causality):
-            name, *rest = _cells(variable)
+        for name, *rest in rows:
             cells = f"<td><code>{name}</code></td>" + "".join(f"<td>{escape(cell)}</td>" for cell in rest)
             parts.append(f"<tr>{cells}</tr>")
         parts.append("</table>")

@@ -49,7 +49,8 @@ class Fmu(Instance):
             or item name.
         inputs: inputs by name, set before the end of initialisation (so no jump at the start).
         tolerance: relative tolerance for setupExperiment, or None.
-        start_time, stop_time: of the experiment, s.
+        start_time: of the experiment, s.
+        stop_time: of the experiment, s, or None.
 
     Attributes:
         time: the communication point reached, s.

@@ -233,8 +233,14 @@ def write_text(path: Path, text: str) -> Path:
 
 
 def write_figure(path: Path, figure: Any) -> Path:
-    """Write a matplotlib Figure in the format of the file's ending, whole or not at all."""
+    """Write a matplotlib Figure in the format of the file's ending, whole or not at all.
+
+    The same figure gives the same bytes: no date, and names within an SVG that follow from what they name.
+    """
+    from matplotlib import rc_context
+
     stream = io.BytesIO()
-    figure.savefig(stream, format=path.suffix.lstrip("."))
+    with rc_context({"svg.hashsalt": "inertia-module"}):
+        figure.savefig(stream, format=path.suffix.lstrip("."), metadata={"Date": None})
     write_atomically(path, stream.getvalue())
     return path

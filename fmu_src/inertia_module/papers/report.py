@@ -20,7 +20,7 @@ HOLDS, PARTLY, FAILS = "holds", "holds partly", "does not hold"
 
 
 class Equation(NamedTuple):
-    """A row of the page.
+    """What is judged below a heading of the page.
 
     Attributes:
         name: of the quantity in the tables of formulas, if it is in them.
@@ -38,11 +38,13 @@ class Equation(NamedTuple):
         return worst(*self.forms())
 
     def __str__(self) -> str:
-        """Name, whether it is right and the difference, as cells of a table."""
+        """The verdict, with the name in the code and the difference, in Markdown."""
         if self.verdict:
-            return f" | {self.verdict} | "
+            return f"**{self.verdict}**"
         difference = self.difference
-        return f"`{self.name}` | {'yes' if difference < ROUNDING else 'no'} | {shown(difference)}"
+        if difference < ROUNDING:
+            return f"**right** (`{self.name}`)"
+        return f"**wrong**, by {difference:.2g} (`{self.name}`)"
 
 
 def compared(name: str, printed: Formulas, exact: Forms) -> Equation:

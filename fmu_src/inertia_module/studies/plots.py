@@ -1,40 +1,43 @@
-"""Work-precision plots: error against what it costs, on log-log axes, slopes marked."""
+"""Work-precision plots: the least error for what it costs, on log-log axes, levels and slopes at the line."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from itertools import groupby
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..common.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
+from ..common.colours import BLUE, VERMILION
 from .rows import PEER, Row
 from .trajectory import Array
 
-_COLOURS = (VERMILION, BLUE, GREEN, ORANGE, SKY, PURPLE, BLACK, GREY)
-_MARKERS = "osD^vPX*<>hp"
 _DPI = 110
 _COLUMNS = 4
 # a slope is fitted to at least so many points
 _FITTED = 3
+_COSTS = {"wall_time": "ms per simulated second", "evaluations": "right-hand sides"}
 
-Curve = list[Row]
 
+def front(rows: Sequence[Row], error: str, cost: str) -> list[Row]:
+    """Rows that succeeded and that no other one beats, cheapest first: each is more accurate than the last.
 
-def curves(rows: Sequence[Row]) -> dict[str, Curve]:
-    """Rows that succeeded, by level and communication step."""
-    steps = {row.communication_step for row in rows if row.fidelity != PEER}
-    found: dict[str, Curve] = {}
-    for row in rows:
-        if row.failure:
-            continue
-        name = row.method if row.fidelity == PEER else row.level
-        if row.fidelity != PEER and len(steps) > 1:
-            name += f", steps of {row.communication_step:g} s"
-        found.setdefault(name, []).append(row)
-    return found
+    Args:
+        rows: measured. error: name in Row.errors. cost: wall_time or evaluations.
+    """
+    known = [
+        row
+        for row in rows
+        if not row.failure and getattr(row, cost) > 0.0 and row.errors.get(error, 0.0) > 0.0
+    ]
+    best: list[Row] = []
+    for row in sorted(known, key=lambda row: (getattr(row, cost), row.errors[error])):
+        if not best or row.errors[error] < best[-1].errors[error]:
+            best.append(row)
+    return best
 
 
 def slope(costs: Array, errors: Array) -> float:
@@ -44,35 +47,36 @@ def slope(costs: Array, errors: Array) -> float:
     return float(np.polyfit(np.log(costs), np.log(errors), 1)[0])
 
 
-_COSTS = {"wall_time": "ms per simulated second", "evaluations": "right-hand sides"}
+def _name(row: Row) -> str:
+    return row.method.partition(",")[0] if row.fidelity == PEER else row.level
 
 
-def _points(curve: Curve, error: str, cost: str) -> Array:
-    """(cost, error) of the runs of a curve that have both, shape (n, 2)."""
+def _draw(axes: Axes, rows: Sequence[Row], error: str, cost: str, colour: str, side: int) -> None:
+    """One front, and beside it (side 1 the right, -1 the left) where a level begins its name and slope."""
     scale = 1e3 if cost == "wall_time" else 1.0
-    pairs = [(scale * getattr(row, cost), row.errors.get(error, math.nan)) for row in curve]
-    points = np.array(pairs, dtype=float)
-    kept: Array = points[(points > 0.0).all(axis=1) & np.isfinite(points).all(axis=1)]
-    return kept
+    points = [(scale * getattr(row, cost), row.errors[error]) for row in rows]
+    axes.loglog(*zip(*points, strict=True), color=colour, marker="o", markersize=3, linewidth=1.2)
+    for name, part in groupby(zip(rows, points, strict=True), key=lambda pair: _name(pair[0])):
+        costs, errors = np.transpose([point for _, point in part])
+        fitted = slope(costs, errors)
+        text = name if math.isnan(fitted) else f"{name} (slope {fitted:.1f})"
+        look: dict[str, Any] = {"ha": "left" if side > 0 else "right", "fontsize": 7, "color": colour}
+        axes.annotate(
+            text, (costs[0], errors[0]), xytext=(6 * side, 2 * side), textcoords="offset points", **look
+        )
 
 
 def _panel(axes: Axes, rows: Sequence[Row], error: str, cost: str) -> None:
-    """One panel: a line a curve, dashed for the peers."""
-    for number, (name, curve) in enumerate(curves(rows).items()):
-        points = _points(curve, error, cost)
-        if points.size:
-            axes.loglog(
-                *points.T,
-                linestyle="--" if curve[0].fidelity == PEER else "-",
-                color=_COLOURS[number % len(_COLOURS)],
-                marker=_MARKERS[number % len(_MARKERS)],
-                markersize=4,
-                linewidth=1.2,
-                label=name,
-            )
+    """One panel: the front of the module, and that of the peers."""
+    for peers, colour, side in ((False, VERMILION, -1), (True, BLUE, 1)):
+        found = front([row for row in rows if (row.fidelity == PEER) is peers], error, cost)
+        if found:
+            _draw(axes, found, error, cost, colour, side)
+    # room for the names at the line
+    axes.margins(x=0.3)
     axes.set_xlabel(_COSTS[cost])
-    axes.set_ylabel(error.replace("_", " "))
-    axes.grid(alpha=0.3, which="both", linewidth=0.4)
+    axes.set_ylabel(f"error of {error.replace('_', ' ')} [1]")
+    axes.grid(alpha=0.3, linewidth=0.4)
 
 
 def _figure(
@@ -80,44 +84,30 @@ def _figure(
     panels: Sequence[tuple[str, str]],
     title: str,
     size: tuple[float, float],
-    slopes: Mapping[str, str],
     sharey: bool = False,
 ) -> Figure:
-    """Panels of (error, cost), below them one legend with the slopes of a curve behind its name."""
+    """Panels of (error, cost)."""
     figure = Figure(figsize=size, dpi=_DPI, layout="constrained")
-    figure.suptitle(title, fontsize=12)
+    figure.suptitle(f"{title}: least relative error for the cost", fontsize=11)
     columns = min(_COLUMNS, len(panels))
     grid = figure.subplots(math.ceil(len(panels) / columns), columns, sharey=sharey, squeeze=False).ravel()
     for axes, (error, cost) in zip(grid, panels, strict=False):
         _panel(axes, rows, error, cost)
     for axes in grid[len(panels) :]:
         axes.set_axis_off()
-    handles = {str(line.get_label()): line for axes in grid for line in axes.get_lines()}
-    if handles:
-        texts = [name + slopes.get(name, "") for name in handles]
-        figure.legend(
-            list(handles.values()), texts, loc="outside lower center", ncols=3, fontsize=7, frameon=False
-        )
     return figure
 
 
-def _slopes(curve: Curve, error: str) -> str:
-    """Fitted slopes against both costs; "" where there are too few points."""
-    fitted = [slope(*_points(curve, error, cost).T) for cost in _COSTS]
-    return "" if any(map(math.isnan, fitted)) else f" (slopes {fitted[0]:.1f}, {fitted[1]:.1f})"
-
-
 def work_precision(rows: Sequence[Row], error: str, title: str) -> Figure:
-    """One error against wall time and against right-hand sides; the legend gives both slopes.
+    """One error against wall time and against right-hand sides.
 
     Args:
         rows: measured. error: name in Row.errors. title: of the figure.
     """
-    slopes = {name: _slopes(curve, error) for name, curve in curves(rows).items()}
-    return _figure(rows, [(error, cost) for cost in _COSTS], title, (13.0, 8.0), slopes, sharey=True)
+    return _figure(rows, [(error, cost) for cost in _COSTS], title, (11.0, 5.0), sharey=True)
 
 
 def all_errors(rows: Sequence[Row], names: Sequence[str], title: str) -> Figure:
     """Each error against wall time, a panel each."""
-    size = 4.0 * min(_COLUMNS, len(names)), 3.4 * math.ceil(len(names) / _COLUMNS) + 1.6
-    return _figure(rows, [(name, "wall_time") for name in names], title, size, {})
+    size = 4.0 * min(_COLUMNS, len(names)), 3.4 * math.ceil(len(names) / _COLUMNS) + 0.6
+    return _figure(rows, [(name, "wall_time") for name in names], title, size)

@@ -28,6 +28,7 @@ POINTS = 1441
 OFFSET = 0.5
 MODES = (("stop", STOP, "stop mode"), ("dynamic", DYNAMIC, "dynamic mode, $i = 2$"))
 AXES = tuple(zip("xyz", (BLUE, GREEN, ORANGE), strict=True))
+CASE = style.mechanism(PAPER)
 TURNS = np.linspace(0.0, 1.0, POINTS)
 # label, epsilon, gamma and colour
 OFFSETS = (
@@ -64,6 +65,7 @@ def trajectories() -> tuple[Figure, Columns]:
         panel = figure.add_subplot(1, 2, n + 1, projection="3d", computed_zorder=False)
         layout(panel, PAPER, path, f"{'ab'[n]}) {title}")
         columns |= {f"{axis} [m], {name}": path[m] for m, (axis, _) in enumerate(AXES)}
+    style.caption(figure, f"Trajectory of D, exact; the frame Oxyz has ticks of 50 mm. {CASE}")
     return figure, columns
 
 
@@ -81,6 +83,7 @@ def velocity_and_acceleration() -> tuple[Figure, Columns]:
             panel.plot(TURNS, modulus(vector), color=VERMILION, linewidth=2.2, label=f"$|{symbol}|$")
             dress(panel, "" if n else f"{what} [{unit}]", f"{'ab'[m]}) {what}, {title}", zero=True)
         _abscissa(panels[1, n])
+    style.caption(figure, f"Absolute velocity and acceleration of D and their components, exact. {CASE}")
     for row in panels:
         row[1].legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=10, frameon=False)
     return figure, columns
@@ -105,7 +108,8 @@ def offsets() -> tuple[Figure, Columns]:
             panel.set_ylim(0.0, 18.9)
             columns[f"|V| [m/s], {name}, eps={epsilon:g} gam={gamma:g}"] = values
         _abscissa(panels[1, m], "turns of the drive")
-    figure.suptitle("Speed of $D$ (colour) and its mirror image about the instant that suits best (broken)")
+    told = "Speed of D (colour) and its mirror image about the instant that suits best (broken), exact"
+    style.caption(figure, f"{told}. {style.mechanism(PAPER, offsets=False)}")
     return figure, columns
 
 
@@ -121,13 +125,15 @@ def effective_offset() -> tuple[Figure, Columns]:
             mirrors = (conclusions.best_mirror(f, period(PAPER, motion), samples=400) for f in functions)
             values = [mirror.asymmetry for mirror in mirrors]
             # even, and repeated every pi/s: the drive has turned on by that when B has by pi
-            columns[f"asymmetry of {symbol}, {name}"] = both = np.array([*values, *values[-2::-1]])
+            columns[f"asymmetry of {symbol} [1], {name}"] = both = np.array([*values, *values[-2::-1]])
             look: dict[str, Any] = {"marker": marker, "markersize": 4, "color": colour, "linewidth": width}
             panel.plot(np.degrees(gamma), 100.0 * both, **look, label=f"${symbol}$, {title}")
     dress(panel, "asymmetry [% of the range]")
     panel.set_xlabel("effective offset $γ - ε/s$ [°]")
     panel.set_xticks(range(0, 91, 15))
     panel.legend(**SMALL, loc="lower center", bbox_to_anchor=(0.5, 0.1), ncols=2)
+    told = "Asymmetry within a period, exact"
+    style.caption(figure, f"{told}. {style.mechanism(PAPER, offsets=False)}")
     return figure, columns
 
 
@@ -155,6 +161,9 @@ def swing() -> tuple[Figure, Columns]:
         lower.set_ylim(-350.0, 300.0)
         lower.legend(**SMALL, ncols=3, loc="lower right")
         _abscissa(lower)
+    style.caption(
+        figure, f"Angles of D about the axes, put right, and their rates, (5) and (6), exact. {CASE}"
+    )
     return figure, columns
 
 
@@ -173,6 +182,8 @@ def as_printed() -> tuple[Figure, Columns]:
             dress(panels[m, n], "" if n else f"$|{symbol}|$ [{unit}]", "" if m else f"{'ab'[n]}) {title}")
         _abscissa(panels[1, n])
     panels[0, 0].legend(**SMALL, loc="upper right", bbox_to_anchor=(1.0, 1.12), ncols=2)
+    told = "Moduli of velocity and acceleration, exact and as printed, the equations of the page in a row"
+    style.caption(figure, f"{told}. {CASE}")
     return figure, columns
 
 

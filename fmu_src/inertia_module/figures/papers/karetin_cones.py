@@ -14,6 +14,8 @@ from .style import BROKEN, CENTRED, SMALL
 Array = NDArray[np.float64]
 
 _RIM = 121
+# between ticks of the axes, m
+TICK = 0.05
 
 
 def pitch_cones(g: Geometry) -> tuple[Array, Array, Array]:
@@ -47,6 +49,8 @@ def _cone(axes: Any, apex: Array, rim: Array, colour: str) -> None:
 def _axes_of_frame(axes: Any, reach: float) -> None:
     for direction, name, share in zip(np.eye(3), "xyz", (1.0, 1.0, 0.8), strict=True):
         axes.quiver(0, 0, 0, *share * reach * direction, color=BLACK, linewidth=0.9, arrow_length_ratio=0.06)
+        ticks = np.outer(direction, np.arange(TICK, share * reach, TICK))
+        axes.plot(*ticks, "|" if name != "z" else "_", color=BLACK, markersize=6)
         axes.text(*(share + 0.09) * reach * direction, f"${name}$", color=BLACK, **CENTRED)
 
 

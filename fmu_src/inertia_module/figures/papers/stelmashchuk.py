@@ -1,4 +1,4 @@
-"""Figures 2 and 3 of Stelmashchuk: accelerations of the driven mass over nu and over Pi."""
+"""Figures 2 and 3 of Stelmashchuk, accelerations of the driven mass, and what he prints beside the exact."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ...common.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
+from ...papers.stelmashchuk.as_printed import acceleration, printed
 from ...papers.stelmashchuk.criteria import Criteria
 from ...papers.stelmashchuk.exact import response
 from ...papers.stelmashchuk.law import PHASES, law_of_motion, phase_starts
@@ -19,6 +20,8 @@ from .style import Columns, Drawings, dress, sheet
 KAPPA2 = 1.0
 END = 3.5
 KAPPA = np.linspace(0.0, END, 1401)
+# accelerations up to here are drawn to a linear scale: the peaks of the exact ones
+LINEAR = 10.0
 
 STIFFNESSES = ((4.4, VERMILION), (8.0, BLUE), (100.0, GREEN))
 DAMPINGS = (
@@ -45,8 +48,11 @@ def _phases(axes: Axes) -> None:
 def _accelerations(curves: list[tuple[Criteria, str, str]], title: str) -> tuple[Figure, Columns]:
     """The accelerations with the balancer above those without it, to one scale."""
     figure, sine = sheet(7.2, 7.0), law_of_motion(KAPPA, KAPPA2)[2]
-    figure.suptitle(f"Acceleration of the driven mass over the {title}, $κ_2$ = 1", fontsize=11)
-    panels, columns = figure.subplots(2, 1, sharex=True, sharey=True), {"kappa": KAPPA, "sine": sine}
+    figure.suptitle(f"Acceleration of the driven mass over the {title}, exact", fontsize=11)
+    style.caption(
+        figure, f"κ2 = {KAPPA2:g}. Accelerations in φ/T², times in T; phases I to IV along the top."
+    )
+    panels, columns = figure.subplots(2, 1, sharex=True, sharey=True), {"kappa [1]": KAPPA, "sine [1]": sine}
     for axes, beta, name in ((panels[0], 1.0, "with the balancer"), (panels[1], 0.0, "without the balancer")):
         axes.plot(
             KAPPA,
@@ -60,7 +66,7 @@ def _accelerations(curves: list[tuple[Criteria, str, str]], title: str) -> tuple
         for criteria, label, colour in curves:
             values = response(KAPPA, criteria, KAPPA2, beta).acceleration
             axes.plot(KAPPA, values, color=colour, linewidth=1.4, label=f"${label}$")
-            columns[f"{label}, balancer {beta:g}"] = values
+            columns[f"a'' [1], {label}, balancer {beta:g}"] = values
         _phases(axes)
         dress(axes, "acceleration invariant $\\ddot a_{mκ}$", name, zero=True)
     panels[1].set_xlabel("relative time $κ = t/T$")
@@ -80,4 +86,28 @@ def over_damping() -> tuple[Figure, Columns]:
     return _accelerations(curves, "damping, ν = 8")
 
 
-FIGURES: Drawings = {"stelmashchuk_2": over_stiffness, "stelmashchuk_3": over_damping}
+def as_printed() -> tuple[Figure, Columns]:
+    """Acceleration with the balancer as the page computes it, its equations in a row, beside the exact."""
+    figure, columns = sheet(7.2, 7.6), {"kappa [1]": KAPPA}
+    panels = figure.subplots(len(STIFFNESSES), 1, sharex=True)
+    for axes, (nu, _) in zip(panels, STIFFNESSES, strict=True):
+        case = Criteria(nu, 0.5)
+        exact, page = response(KAPPA, case, KAPPA2).acceleration, acceleration(printed(case, KAPPA2), KAPPA)
+        columns |= style.compare(axes, KAPPA, f"a'' [1], ν = {nu:g}", exact, page)
+        axes.set_yscale("symlog", linthresh=LINEAR, linscale=2.0)
+        _phases(axes)
+        dress(axes, "$\\ddot a_{mκ}$", f"ν = {nu:g}", zero=True)
+    panels[0].legend(**style.SMALL, loc="lower left")
+    panels[-1].set_xlabel("relative time $κ = t/T$")
+    told = (
+        f"with the balancer, Π = 0.5, κ2 = {KAPPA2:g}. Accelerations in φ/T², logarithmic beyond ±{LINEAR:g}"
+    )
+    style.caption(figure, f"Acceleration of the driven mass {told}, where the printed C1 of phase III leads.")
+    return figure, columns
+
+
+FIGURES: Drawings = {
+    "stelmashchuk_2": over_stiffness,
+    "stelmashchuk_3": over_damping,
+    "stelmashchuk_printed": as_printed,
+}

@@ -49,7 +49,7 @@ def _particular_acceleration() -> tuple[Any, ...]:
 
 EQUATIONS = {
     "(1)": Equation(verdict="not known"),
-    "(2)": Equation(verdict="no"),
+    "(2)": Equation(verdict="wrong"),
     "(3)": Equation("law_of_motion", _law),
     "(4)": Equation("law_of_motion", _law),
     "(5)": Equation("free_acceleration", _free_acceleration),

@@ -57,7 +57,8 @@ def write_part(folder: Path, name: str, rows: Sequence[Any]) -> dict[str, str]:
     Returns:
         Paths by what they are.
     """
-    names = [field.name for field in dataclasses.fields(rows[0])]
+    units = {name: f"{name} [{unit}]" for name, unit in rows[0].UNITS.items()}
+    names = [units.get(field.name, field.name) for field in dataclasses.fields(rows[0])]
     # six digits: further ones depend on the machine
     cells = ([f"{v:.6g}" if isinstance(v, float) else v for v in dataclasses.astuple(row)] for row in rows)
     written = {name: str(write_rows(folder / f"coupling_{name}.csv", names, cells))}

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
@@ -44,6 +44,8 @@ class Trial:
         energy_error: energy lost on the bond over the work of the engine. work_error: of that work.
         cost: see Ledger.cost, for a simulated second.
     """
+
+    UNITS: ClassVar[dict[str, str]] = {"step": "s", "cost": "1/s"}
 
     case: str
     ratio: float

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 
@@ -50,6 +51,10 @@ class UrbanRun:
         outside: share of the time out of the tolerance of the cycle.
         speed_error: rms of the car's speed against the cycle, m/s. cost: see Ledger.cost, for a second.
     """
+
+    UNITS: ClassVar[dict[str, str]] = {"step": "s", "speed_error": "m/s", "cost": "1/s"} | dict.fromkeys(
+        ("engine", "output", "stored", "lost"), "J"
+    )
 
     scheme: str
     step: float

@@ -1,7 +1,8 @@
-"""The map as a picture: extremes from top to bottom, a column for each layout and level of fidelity."""
+"""The map as pictures: what came out of each axis of extremes, and every extreme, by level of fidelity."""
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 
 from matplotlib.axes import Axes
@@ -75,6 +76,46 @@ def verdict_map(rows: Sequence[Row]) -> Figure:
         part = extremes[n * height : (n + 1) * height]
         _draw_sheet(axes, part)
         axes.set_ylim(height, 0)
+    _legend(figure)
+    return figure
+
+
+def summary(rows: Sequence[Row]) -> Figure:
+    """What came out of each axis, both layouts together: a bar for each level, parted as its verdicts are.
+
+    Args:
+        rows: of rows_of or read_rows.
+
+    Returns:
+        A matplotlib Figure.
+    """
+    axes_of_map = list(dict.fromkeys(row.axis for row in rows))
+    figure = Figure(figsize=(8.5, 1.0 + 0.24 * len(axes_of_map)), dpi=120, layout="constrained")
+    axes = figure.subplots()
+    for y, axis in enumerate(axes_of_map):
+        part = [row for row in rows if row.axis == axis]
+        for x, level in enumerate(LEVELS):
+            found = Counter(row.cells[level.name].outcome for row in part if level.name in row.cells)
+            left = x + 0.03
+            for outcome, colour in COLOURS.items():
+                width = 0.94 * found[outcome] / max(1, found.total())
+                axes.barh(y, width, left=left, color=colour, height=0.8)
+                left += width
+            if found:
+                text = f"{found[OUTCOMES[0]]} of {found.total()}"
+                axes.text(x + 0.5, y, text, ha="center", va="center", fontsize=6.5)
+    axes.set_yticks(range(len(axes_of_map)), axes_of_map, fontsize=8)
+    axes.set_xticks([x + 0.5 for x in range(len(LEVELS))], [level.name for level in LEVELS], fontsize=8)
+    axes.set_xlim(0, len(LEVELS))
+    axes.set_ylim(len(axes_of_map) - 0.5, -0.5)
+    axes.xaxis.tick_top()
+    axes.tick_params(length=0)
+    axes.spines[:].set_visible(False)
+    _legend(figure)
+    return figure
+
+
+def _legend(figure: Figure) -> None:
     figure.legend(
         handles=[Patch(color=colour, label=outcome) for outcome, colour in COLOURS.items()],
         loc="outside lower center",
@@ -82,4 +123,3 @@ def verdict_map(rows: Sequence[Row]) -> Figure:
         fontsize=8,
         frameon=False,
     )
-    return figure

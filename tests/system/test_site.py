@@ -1,0 +1,105 @@
+"""The documentation site as people see it: in Chromium, at the width of a desktop and of a phone."""
+
+import functools
+import http.server
+import os
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PICTURES = ROOT / "out" / "site"
+WIDTHS = {"desktop": 1440, "phone": 390}
+# what is wider than the page or a table wider than its column, formulas that were not typeset or are not seen
+CUT_OFF = """() => [...document.querySelectorAll('article table')].filter(
+  table => table.getBoundingClientRect().width > table.closest('article').clientWidth + 1
+).map(table => table.innerText.slice(0, 80))"""
+RAW_FORMULAS = """() => {
+  const text = document.querySelector('article').cloneNode(true);
+  text.querySelectorAll('pre, code, math').forEach(part => part.remove());
+  return text.textContent.match(/\\$|\\\\\\(|\\\\\\[|\\\\frac/g) ?? [];
+}"""
+UNSEEN_FORMULAS = """() => [...document.querySelectorAll('math')].filter(
+  formula => formula.querySelector('merror') || formula.getBoundingClientRect().height < 8
+).map(formula => formula.textContent)"""
+UNLOADED = "() => [...document.images].filter(image => !image.naturalWidth).map(image => image.src)"
+# of the first results of a search
+FOUND = "links => links.map(link => new URL(link.href).pathname.slice(1)).filter(page => page)"
+TABLES = {"variables.html", "api.html", "papers.html", "performance.html", "stability.html"}
+
+
+class Quiet(http.server.SimpleHTTPRequestHandler):
+    def log_message(self, *_):
+        pass
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    """The site, built as `make docs` does and served on this machine: its address and its folder."""
+    pytest.importorskip("material", reason="mkdocs-material is not installed")
+    folder = tmp_path_factory.mktemp("site")
+    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "-d", folder]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Quiet, directory=folder))
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    yield f"http://127.0.0.1:{server.server_port}/", folder
+    server.shutdown()
+
+
+def pages(folder):
+    return sorted(path.name for path in folder.glob("*.html") if path.name != "404.html")
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_every_page_is_whole_at_this_width_and_asks_the_network_for_nothing(site, browser, width):
+    address, folder = site
+    wrong, asked = [], []
+    page = browser.new_page(viewport={"width": WIDTHS[width], "height": 900})
+    page.on("console", lambda said: said.type in ("error", "warning") and wrong.append(said.text))
+    page.on("pageerror", lambda error: wrong.append(str(error)))
+    page.on("request", lambda request: request.url.startswith(address) or asked.append(request.url))
+    PICTURES.mkdir(parents=True, exist_ok=True)
+    formulas = 0
+    for name in pages(folder):
+        page.goto(address + name, wait_until="load")
+        for look in (CUT_OFF, RAW_FORMULAS, UNSEEN_FORMULAS, UNLOADED):
+            assert page.evaluate(look) == [], name
+        assert page.evaluate("document.documentElement.scrollWidth") <= WIDTHS[width], name
+        formulas += page.locator("math").count()
+        page.screenshot(path=PICTURES / f"{name.removesuffix('.html')}_{width}.png", full_page=True)
+    page.close()
+    assert (wrong, asked) == ([], [])
+    assert formulas > 200
+
+
+@pytest.mark.parametrize("words", ["fidelity", "load torque", "freewheel", "step size"])
+def test_search_finds_guides_before_tables(site, browser, words):
+    address, _ = site
+    page = browser.new_page(viewport={"width": WIDTHS["desktop"], "height": 900})
+    page.goto(f"{address}index.html?q={words}")
+    page.wait_for_selector("a.md-search-result__link", state="attached")
+    first, *_ = page.eval_on_selector_all("a.md-search-result__link", FOUND)
+    page.close()
+    assert first not in TABLES
+
+
+@pytest.mark.parametrize("figure", ["karetin_1", "lysenko_forces", "stelmashchuk_equation_R"])
+def test_the_same_figure_has_the_same_bytes_in_another_process(figure, tmp_path):
+    program = (
+        "import sys; from pathlib import Path; from inertia_module.figures.papers import all_figures;"
+        "from inertia_module.harness.results import write_figure;"
+        "[write_figure(Path(path), all_figures()[sys.argv[1]]()[0]) for path in sys.argv[2:]]"
+    )
+    for run, seed in (("one", "1"), ("two", "2")):
+        files = [tmp_path / f"{run}.{ending}" for ending in ("svg", "png")]
+        subprocess.run(
+            [sys.executable, "-c", program, figure, *files],
+            check=True,
+            env=os.environ | {"PYTHONHASHSEED": seed},
+        )
+    for ending in ("svg", "png"):
+        assert (tmp_path / f"one.{ending}").read_bytes() == (tmp_path / f"two.{ending}").read_bytes()
