@@ -41,8 +41,11 @@ SIGNALS = (
     *("input_torque", "output_torque", "input_speed", "omega_out"),
     *("shaking_force_x", "shaking_force_y", "shaking_force_z"),
 )
-# samples a cycle of the highest order: recorded (2 would just do), and resampled
-RECORDED, RESAMPLED = 2.56, 4.0
+# points a cycle of the highest order, where 2 would just do
+RECORDED = 2.56
+# resampled as finely as recorded at the slowest, for what is left out would fold down, but at most so much
+# finer than at the fastest
+FINEST = 10.0
 WINDOW = "hann"
 # a spectrum is drawn out to so many times the points, so that a line between two of them is not missed
 PADDING = 4
@@ -186,27 +189,11 @@ def spectra(
     Raises:
         Refused: turned does not rise, is too little for a window, or rows are too far apart.
     """
-    still = np.flatnonzero(np.diff(turned) <= 0.0)
-    if still.size:
-        at = f"{table.time[still[0]]:g} s"
-        raise Refused(
-            f"the angle that orders are counted over must rise, does not at {at}: choose other times"
-        )
-    all_turns = float(turned[-1] - turned[0])
-    per_window = min(TURNS, max(LEAST_TURNS, all_turns / 4.0)) if turns is None else turns
-    if not LEAST_TURNS <= per_window <= all_turns:
-        counted = f"of {LEAST_TURNS:g} to the {all_turns:.4g} (each a {BASES[of]}) that there are"
-        raise Refused(must_be("turns of a window", counted, f"{per_window:.4g}"))
-    shown = 1.0 / (RECORDED * float(np.diff(turned).max()))
-    if highest is not None and not 0.0 < highest <= shown:
-        raise Refused(
-            f"highest order must be above 0 and at most {shown:.4g}, is {highest:g}: with a shorter"
-            " run.communication_step there are higher ones"
-        )
-    highest = shown if highest is None else highest
-    samples = math.ceil(RESAMPLED * highest)
+    highest, per_window = _resolution(table, turned, of, highest, turns)
+    steps = np.diff(turned)
+    samples = math.ceil(1.0 / max(float(steps.min()), float(steps.max()) / FINEST))
     size = round(per_window * samples)
-    angle = np.arange(math.floor(all_turns * samples) + 1) / samples
+    angle = np.arange(math.floor((turned[-1] - turned[0]) * samples) + 1) / samples
     options: dict[str, Any] = {"fs": samples, "window": WINDOW, "nperseg": size, "noverlap": size // 2}
     options |= {"nfft": PADDING * size, "detrend": "linear", "scaling": "spectrum"}
     waterfall = {}
@@ -230,6 +217,30 @@ def spectra(
         waterfall,
         {name: table.units.get(name, "") for name in names},
     )
+
+
+def _resolution(
+    table: Result, turned: Array, of: str, highest: float | None, turns: float | None
+) -> tuple[float, float]:
+    """Highest order and turns in a window, as asked for or as the rows allow; see spectra."""
+    still = np.flatnonzero(np.diff(turned) <= 0.0)
+    if still.size:
+        at = f"{table.time[still[0]]:g} s"
+        raise Refused(
+            f"the angle that orders are counted over must rise, does not at {at}: choose other times"
+        )
+    all_turns = float(turned[-1] - turned[0])
+    per_window = min(TURNS, max(LEAST_TURNS, all_turns / 4.0)) if turns is None else turns
+    if not LEAST_TURNS <= per_window <= all_turns:
+        counted = f"of {LEAST_TURNS:g} to the {all_turns:.4g} (each a {BASES[of]}) that there are"
+        raise Refused(must_be("turns of a window", counted, f"{per_window:.4g}"))
+    shown = 1.0 / (RECORDED * float(np.diff(turned).max()))
+    if highest is not None and not 0.0 < highest <= shown:
+        raise Refused(
+            f"highest order must be above 0 and at most {shown:.4g}, is {highest:g}: with a shorter"
+            " run.communication_step there are higher ones"
+        )
+    return shown if highest is None else highest, per_window
 
 
 def _rounding(table: Result, name: str) -> float:
