@@ -49,8 +49,8 @@ FINEST = 10.0
 WINDOW = "hann"
 # a spectrum is drawn out to so many times the points, so that a line between two of them is not missed
 PADDING = 4
-# width of a line, in 1 / turns of the window
-MAIN_LOBE = 4
+# half the width of a line, in 1 / turns of the window, and the height of what the window makes beside it
+HALF_LOBE, SIDE_LOBE = 2, 0.05
 # a line that bends is looked for so far beside itself, relative
 BESIDE = 0.03
 # turns (or pulses) in a window: at most where nothing is asked for, and at least
@@ -101,13 +101,22 @@ class Orders:
         return math.sqrt(0.5 * float(np.sum(self.amplitude[name] ** 2)) / (PADDING * bandwidth))
 
     def largest(self, number: int = 5) -> dict[str, list[Line]]:
-        """The largest lines of each signal, the largest first; what lies within MAIN_LOBE of one is of it."""
-        found = {}
-        for name, amplitude in self.amplitude.items():
-            places, _ = signal.find_peaks(amplitude, distance=MAIN_LOBE * PADDING)
-            places = places[self.order[places] * self.turns >= 0.5 * MAIN_LOBE]  # below that it is trend
-            first = places[np.argsort(amplitude[places])[::-1][:number]]
-            found[name] = [self._line(name, int(place)) for place in first]
+        """The largest lines of each signal, the largest first."""
+        return {
+            name: [self._line(name, place) for place in self._places(amplitude)[:number]]
+            for name, amplitude in self.amplitude.items()
+        }
+
+    def _places(self, amplitude: Array) -> list[int]:
+        """Where the lines of a spectrum are, the largest first; side lobes and the rest of a trend are none."""
+        found: list[int] = []
+        places, _ = signal.find_peaks(amplitude, distance=HALF_LOBE * PADDING)
+        for place in places[np.argsort(amplitude[places])[::-1]].tolist():
+            near = (larger for larger in found if abs(place - larger) <= 2 * HALF_LOBE * PADDING)
+            if self.order[place] * self.turns >= HALF_LOBE and all(
+                amplitude[place] > SIDE_LOBE * amplitude[larger] for larger in near
+            ):
+                found.append(place)
         return found
 
     def _line(self, name: str, place: int) -> Line:
