@@ -108,7 +108,7 @@ class Orders:
         }
 
     def _places(self, amplitude: Array) -> list[int]:
-        """Where the lines of a spectrum are, the largest first; side lobes and the rest of a trend are none."""
+        """Where the lines of a spectrum are, the largest first; without side lobes and trend."""
         found: list[int] = []
         places, _ = signal.find_peaks(amplitude, distance=HALF_LOBE * PADDING)
         for place in places[np.argsort(amplitude[places])[::-1]].tolist():
