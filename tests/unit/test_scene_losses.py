@@ -147,6 +147,9 @@ def test_forces_are_magnitudes_of_what_is_recorded():
     # two of three components are no force, and what is 0 throughout is not known
     assert not forces(table(shaking_force_x=2.0, shaking_force_y=1.0))
     assert not forces(table(satellite_force=0.0))
+    # nor is what three satellites leave of 3 kN by rounding
+    balanced = table(satellite_force=3e3, shaking_force_x=0.0, shaking_force_y=3e-12, shaking_force_z=-4e-12)
+    assert list(forces(balanced)) == ["satellite_force"]
 
 
 def test_peak_between_the_points_wins():

@@ -92,13 +92,17 @@ def _efficiency(given: float, taken: float, stored: float, lost: float) -> dict[
 
 
 def forces(table: Result) -> dict[str, NDArray[np.float64]]:
-    """Magnitudes of the forces, N, and moments, N m, that are recorded and known: on bearing and mount."""
+    """Magnitudes of the forces, N, and moments, N m, that are recorded and known: on bearing and mount.
+
+    Those that balance are left out: rounding leaves 1e-15 of what they are made of.
+    """
     found = {"satellite_force": table["satellite_force"]} if "satellite_force" in table else {}
     for name in ("shaking_force", "shaking_moment"):
         parts = [f"{name}_{axis}" for axis in "xyz"]
         if all(part in table for part in parts):
             found[name] = np.sqrt(sum(table[part] ** 2 for part in parts))
-    return {name: values for name, values in found.items() if values.any()}
+    largest = max((float(values.max()) for values in found.values()), default=0.0)
+    return {name: values for name, values in found.items() if values.max() > 1e-12 * largest}
 
 
 def _forces(table: Result) -> dict[str, Quantity]:
