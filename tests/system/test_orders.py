@@ -13,7 +13,8 @@ from inertia_module.cli import app
 from inertia_module.common.errors import Refused
 from inertia_module.harness.results import Result, read_columns
 from inertia_module.harness.simulate import Fmu
-from inertia_module.jobs.spectra import pulses_a_turn, spectra
+from inertia_module.jobs.order_run import pulses_a_turn
+from inertia_module.jobs.spectra import spectra
 from inertia_module.kernel.inertia import reduced_inertia
 from inertia_module.memory.instances import Module
 from inertia_module.scene import load_scene, read_scene

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -24,23 +24,13 @@ from scipy.interpolate import CubicSpline
 from ..common.errors import Refused, must_be
 from ..contract.variables import BY_NAME
 from ..harness.results import write_columns, write_text
-from ..harness.simulate import Progress, Result
-from ..kernel.codes import AVERAGED
-from ..kernel.inertia import reduced_inertia
-from ..memory.instances import Module
-from ..scene import Scene, load_scene, run_scene
+from ..harness.simulate import Result
 
 Array = NDArray[np.float64]
 
+# what an order is counted over
 LINK1, PULSES = "link1", "pulses"
-# what an order is counted over: the angle, without whole turns, and these
-_ANGLES = {LINK1: ("input_angle", "input_turns"), PULSES: ("drive_angle", "drive_turns")}
 BASES = {LINK1: "turn of link 1", PULSES: "pulse"}
-# what is looked at where nothing is asked for
-SIGNALS = (
-    *("input_torque", "output_torque", "input_speed", "omega_out"),
-    *("shaking_force_x", "shaking_force_y", "shaking_force_z"),
-)
 # points a cycle of the highest order, where 2 would just do
 RECORDED = 2.56
 # resampled as finely as recorded at the slowest, for what is left out would fold down, but at most so much
@@ -163,22 +153,6 @@ class Orders:
         }
 
 
-def pulses_a_turn(parameters: Mapping[str, float]) -> float:
-    """Pulses a turn of the drive angle q, mean over its period: how often the reduced inertia I(q) begins to
-    rise, for its slope is what pushes link 2.
-
-    Args:
-        parameters: of the module, those that differ from the defaults.
-    """
-    module = Module("plain")
-    module.check(**parameters)
-    turns = int(module.derived.period_turns)
-    angles = np.linspace(0.0, math.tau * turns, 720 * turns, endpoint=False)
-    slopes = [reduced_inertia(module.derived, float(q))[1] for q in angles]  # type: ignore[no-untyped-call]
-    rising = np.array(slopes) > 0.0
-    return float(np.sum(rising & ~np.roll(rising, 1))) / turns
-
-
 def spectra(
     table: Result,
     turned: Array,
@@ -210,7 +184,7 @@ def spectra(
         values = CubicSpline(turned - turned[0], table[name])(angle)
         order, middle, power = signal.spectrogram(values, **options)
         amplitude = np.sqrt(2.0 * power.T[:, order <= highest])
-        amplitude[amplitude < _rounding(table, name)] = 0.0
+        amplitude[amplitude < rounding(table, name)] = 0.0
         waterfall[name] = amplitude
     edges = middle[:, None] + 0.5 * size / samples * np.array([-1.0, 0.0, 1.0])
     begin, time, end = np.interp(edges, turned - turned[0], table.time).T
@@ -252,56 +226,7 @@ def _resolution(
     return shown if highest is None else highest, per_window
 
 
-def _rounding(table: Result, name: str) -> float:
+def rounding(table: Result, name: str) -> float:
     """What of a signal is no more than rounding, in its unit."""
     nominal = BY_NAME[name].nominal if name in BY_NAME else None
     return _ROUNDING * max(float(np.abs(table[name]).max()), nominal or 0.0)
-
-
-def orders(
-    scene: Scene | Path | str,
-    fmu_path: Path | str,
-    *,
-    of: str = LINK1,
-    signals: Sequence[str] = SIGNALS,
-    highest: float | None = None,
-    turns: float | None = None,
-    begin: float = 0.0,
-    end: float | None = None,
-    progress: Progress | None = None,
-) -> Orders:
-    """Run a scene and find the orders of its signals; those that do not swing at all are left out.
-
-    Args:
-        scene: a scene or its file. fmu_path: the FMU of the module.
-        of: "link1" or "pulses". signals: names of outputs, locals or signals of the loop.
-        highest, turns: as in spectra. begin, end: part of the run that is looked at, s.
-        progress: told how much of the run is done (0 to 1).
-
-    Raises:
-        SceneError: the scene cannot be, or has no such signal.
-        Refused: as spectra; fidelity averaged, which has no pulses; times not in order.
-    """
-    if of not in _ANGLES:
-        raise Refused(must_be("orders", " or ".join(_ANGLES), repr(of)))
-    scene = scene if isinstance(scene, Scene) else load_scene(scene)
-    if scene.parameters().get("fidelity") == AVERAGED:
-        raise Refused(
-            "fidelity must be kinematic, rigid or elastic for orders, is averaged: it has no pulses"
-        )
-    last = scene.run.stop_time if end is None else end
-    if not 0.0 <= begin < last <= scene.run.stop_time:
-        limits = f"in order and within 0 to {scene.run.stop_time:g} s"
-        raise Refused(must_be("times", limits, f"{begin:g} to {last:g} s"))
-    angle, whole = _ANGLES[of]
-    wanted = list(dict.fromkeys([*signals, "input_speed", angle, whole]))
-    record = run_scene(scene.replaced(run={"outputs": wanted}), fmu_path, progress).record
-    part = (record.time >= begin - 1e-9) & (record.time <= last + 1e-9)
-    table = Result({name: values[part] for name, values in record.columns.items()}, record.units)
-    turned = table[angle] / math.tau + table[whole]
-    if of == PULSES:
-        turned = turned * pulses_a_turn(scene.parameters())
-    names = [name for name in signals if np.ptp(table[name]) > _rounding(table, name)]
-    if not names:
-        raise Refused(f"signals must swing, of {', '.join(signals)} none does")
-    return spectra(table, np.sign(turned[-1] - turned[0]) * turned, names, of, highest, turns)
