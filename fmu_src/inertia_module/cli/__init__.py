@@ -6,10 +6,10 @@ import atexit
 import os
 import sys
 
-from . import fmus, jobs, pages, scenes  # each adds its commands to app
+from . import fmus, jobs, pages, scenes, searches  # each adds its commands to app
 from .shared import app, current_fmu
 
-__all__ = ["app", "current_fmu", "fmus", "jobs", "main", "pages", "scenes"]
+__all__ = ["app", "current_fmu", "fmus", "jobs", "main", "pages", "scenes", "searches"]
 
 
 def main() -> None:

@@ -8,7 +8,8 @@ from typing import Annotated
 
 import typer
 
-from .shared import BUILD_FOLDER, Json, OutputFolder, app, folder_for, one_line_errors, show_table
+from ..common.files import BUILD_FOLDER
+from .shared import Json, OutputFolder, app, folder_for, one_line_errors, show_table
 
 
 @app.command()

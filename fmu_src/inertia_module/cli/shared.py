@@ -9,8 +9,7 @@ from typing import Annotated
 
 import typer
 
-BUILD_FOLDER = Path("build")
-OUTPUT_FOLDER = Path("out")
+from ..common.files import BUILD_FOLDER, OUTPUT_FOLDER
 
 app = typer.Typer(
     help="Inertia module: an inertial torque transformer as an FMI 2.0 co-simulation FMU.",
@@ -63,17 +62,10 @@ def show_table(title: str, rows: dict[str, str]) -> None:
 
 
 def current_fmu() -> Path:
-    """The FMU of the module in build/, built anew if it is missing or of another state of the package.
+    """The FMU of the module in build/, built anew where it is not current."""
+    from ..fmu.builder import current_module_fmu
 
-    It is the native one or, where that cannot be compiled, the Python one.
-    """
-    from ..fmu.builder import MODULE_FMU, PYTHON_FMU, is_current
-    from ..fmu.builder import build as build_fmus
-
-    for fmu in (MODULE_FMU, PYTHON_FMU):
-        if is_current(BUILD_FOLDER / fmu.file_name, fmu):
-            return BUILD_FOLDER / fmu.file_name
-    return build_fmus(BUILD_FOLDER, lambda stage: typer.echo(stage, err=True)).paths[0]
+    return current_module_fmu(BUILD_FOLDER, lambda stage: typer.echo(stage, err=True))
 
 
 def native_fmus() -> tuple[Path, Path]:

@@ -10,6 +10,9 @@ from collections.abc import Mapping
 from pathlib import Path
 
 PACKAGE_FOLDER = Path(__file__).parent.parent
+# of the working directory: where FMUs are built, and where results go
+BUILD_FOLDER = Path("build")
+OUTPUT_FOLDER = Path("out")
 
 
 def cache_folder() -> Path:

@@ -94,3 +94,16 @@ def build(folder: Path, progress: Progress = lambda stage: None) -> Built:
         write_atomically(folder / fmu.file_name, content)
         built.paths.append(folder / fmu.file_name)
     return built
+
+
+def current_module_fmu(folder: Path, progress: Progress = lambda stage: None) -> Path:
+    """The FMU of the module in a folder, built anew if it is missing or of another state of the package.
+
+    It is the native one or, where that cannot be compiled, the Python one.
+
+    Args: as build.
+    """
+    for fmu in (MODULE_FMU, PYTHON_FMU):
+        if is_current(folder / fmu.file_name, fmu):
+            return folder / fmu.file_name
+    return build(folder, progress).paths[0]

@@ -202,7 +202,7 @@ def _measured_chart(machine: SteadyMachine, omega1: float) -> TorqueConverterCha
     """The chart of a mechanism with losses, up to the last ratio at which the load gets a torque."""
     found = np.array([machine.at(omega1, ratio) for ratio in RATIOS])
     number = max(np.flatnonzero(found[:, 0] > 0.0), default=0) + 1
-    torque, taken, efficiency, link2, ripple, peak = found[:number].T
+    torque, taken, efficiency, link2, ripple, peak, _ = found[:number].T
     square, one = omega1 * omega1, np.ones(number)
     locks = omega1 > 0.0 and number == RATIOS.size
     lock = machine.lock_up_torque(omega1) / square if locks else 0.0

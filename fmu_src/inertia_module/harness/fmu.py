@@ -71,7 +71,7 @@ class Fmu(Instance):
         stop_time: float | None = None,
     ) -> None:
         super().__init__(path, start_time)
-        self._readers: dict[tuple[str, ...], tuple[Any, Any, int]] = {}
+        self._readers: dict[tuple[str, ...], tuple[Any, Any, int, list[tuple[int, str]]]] = {}
         try:
             self._call("setupExperiment", tolerance, start_time, stop_time)
             self._assign(parameters or {})
@@ -132,16 +132,19 @@ class Fmu(Instance):
         key = as_names(names)
         if key not in self._readers:
             self._readers[key] = self._reader(key)
-        references, values, count = self._readers[key]
-        if references is None:
-            return tuple(self._read_one(name) for name in key)
-        self._call("fmi2GetReal", references, count, values)
-        return tuple(values)
+        references, values, count, others = self._readers[key]
+        if count:
+            self._call("fmi2GetReal", references, count, values)
+        found = list(values)
+        for place, name in others:  # in rising order
+            found.insert(place, self._read_one(name))
+        return tuple(found)
 
-    def _reader(self, names: tuple[str, ...]) -> tuple[Any, Any, int]:
-        if any(self._variable(name).type != "Real" for name in names):
-            return None, None, 0
-        return self._references(names), (c_double * len(names))(), len(names)
+    def _reader(self, names: tuple[str, ...]) -> tuple[Any, Any, int, list[tuple[int, str]]]:
+        """What a call that reads the reals among names takes, and places and names of the others."""
+        reals = [name for name in names if self._variable(name).type == "Real"]
+        others = [(place, name) for place, name in enumerate(names) if self.variables[name].type != "Real"]
+        return self._references(reals), (c_double * len(reals))(), len(reals), others
 
     def _read_one(self, name: str) -> float:
         variable = self._variable(name)

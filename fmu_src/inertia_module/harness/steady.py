@@ -26,6 +26,9 @@ SETTLING_TURNS = 200
 TIME_ERROR = 1e-8
 # drive angles at which lock-up is looked at
 ANGLES = 3000
+# of the load on the mount in the time that the drive takes for a turn where link 2 is held
+SAMPLES = 60
+_FORCE, _MOMENT = ([f"shaking_{kind}_{axis}" for axis in "xyz"] for kind in ("force", "moment"))
 
 
 class SteadyPulses(NamedTuple):
@@ -36,6 +39,7 @@ class SteadyPulses(NamedTuple):
         efficiency: power to the load over power in; 0 where nothing comes out.
         link2_ratio: mean speed of link 2 over that of link 1, magnitudes.
         ripple: RMS of the torque in the output freewheel about its mean, N m. peak: its largest, N m.
+        bearing_force: the largest on the bearing of a satellite, N.
     """
 
     output_torque: float
@@ -44,6 +48,18 @@ class SteadyPulses(NamedTuple):
     link2_ratio: float
     ripple: float
     peak: float
+    bearing_force: float
+
+
+class MountLoad(NamedTuple):
+    """The largest load on the mount.
+
+    Attributes:
+        force: N. moment: about the origin, N m.
+    """
+
+    force: float
+    moment: float
 
 
 class SteadyMachine:
@@ -117,6 +133,7 @@ class SteadyMachine:
             abs(1.0 - slowest / time),
             module["torque_ripple"],
             module["torque_peak"],
+            module["satellite_force_peak"],
         )
 
     def coasting(self, omega1: float, ratio: float) -> tuple[float, float]:
@@ -130,6 +147,22 @@ class SteadyMachine:
         module.advance(MOST_TURNS * math.tau / abs(omega1))
         braked = module["output_torque_mean"] - module["output_friction"] * module["omega_out"]
         return braked, math.copysign(1.0, omega1) * module["input_torque_mean"]
+
+    def mount(self, omega1: float, ratio: float) -> MountLoad:
+        """The largest load on the mount, of SAMPLES a turn of the drive.
+
+        Args: as in at.
+        """
+        module = self._started(omega1, ratio * abs(omega1))
+        turn = math.tau / (self._derived.k * abs(omega1))
+        forces, moments = [], []
+        # over the first turns what the start at rest leaves behind goes
+        for n in range(2 * self._turns * SAMPLES):
+            module.advance(turn / SAMPLES)
+            if n >= self._turns * SAMPLES:
+                forces.append(math.hypot(*module.read(_FORCE)))
+                moments.append(math.hypot(*module.read(_MOMENT)))
+        return MountLoad(max(forces), max(moments))
 
     def lock_up_torque(self, omega1: float) -> float:
         """The largest torque on the load at which the drive can stand still in link 1, N m; stick apart.

@@ -7,15 +7,12 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
 
-from pydantic import BaseModel, ValidationError
-
-from .controllers import measured_speed
-from .errors import SceneError, one_line
+from .errors import SceneError
+from .keys import validated
 from .schema import Scene
 from .shaft import ShaftScene
 
 Read = TypeVar("Read")
-Model = TypeVar("Model", bound=BaseModel)
 
 
 def read_scene(text: str, folder: Path) -> Scene:
@@ -27,7 +24,7 @@ def read_scene(text: str, folder: Path) -> Scene:
     Raises:
         SceneError: in one line, the key, the value and what is allowed.
     """
-    return _check(Scene, _tables(text), folder)
+    return validated(Scene, _tables(text), folder)
 
 
 def _tables(text: str) -> dict[str, Any]:
@@ -40,16 +37,6 @@ def _tables(text: str) -> dict[str, Any]:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise SceneError(f"the scene is no TOML: {' '.join(str(error).split())}") from None
-
-
-def _check(model: type[Model], data: dict[str, Any], folder: Path) -> Model:
-    """Tables as a scene of a kind; see read_scene."""
-    load = data.get("load")
-    kind = load.get("kind") if isinstance(load, dict) else None
-    try:
-        return model.model_validate(data, context={"folder": folder, "measured": measured_speed(kind)})
-    except ValidationError as failure:
-        raise SceneError(one_line(model, failure)) from None
 
 
 def load_scene(path: Path | str) -> Scene:
@@ -85,6 +72,6 @@ def load_any_scene(path: Path | str) -> Scene | ShaftScene:
 
     def read(text: str, folder: Path) -> Scene | ShaftScene:
         data = _tables(text)
-        return _check(ShaftScene, data, folder) if "shaft" in data else _check(Scene, data, folder)
+        return validated(ShaftScene, data, folder) if "shaft" in data else validated(Scene, data, folder)
 
     return _load(path, read)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from functools import cached_property
 from typing import Annotated, Any
 
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, model_validator
 
 from .. import loops
 from ..common.errors import Refused
@@ -18,7 +19,8 @@ from ..memory.instances import Module
 from .controllers import SPEED_UNITS, VEHICLE_SPEED, Controller, CycleReference, measured_speed
 from .drives import CONTROLLED_DRIVES, Drive, check_drive, with_drive
 from .engine import EngineDrive
-from .errors import SceneError, one_line
+from .errors import SceneError
+from .keys import changed, validated, without_files
 from .loads import Load
 from .mechanism import AUTO, DRIVE, FIDELITY, Mechanism, at_fidelity, is_auto, parameters
 from .tables import Duration, Strict
@@ -98,16 +100,25 @@ class Scene(Strict):
         """Units of signals that depend on the scene."""
         return {"reference": SPEED_UNITS[self.measured]}
 
-    def build_load(self) -> loops.Load:
+    @cached_property
+    def built_load(self) -> loops.Load:
         """The load as a system."""
-        mechanism = parameters(self.mechanism)
-        one_way = all(mechanism.get(name, 1.0) for name in ("housing_freewheel", "output_freewheel"))
-        return self.load.build(self.run.communication_step, one_way)
+        return self.load.build(self.run.communication_step, self._one_way)
+
+    @cached_property
+    def tables(self) -> dict[str, Any]:
+        """All keys that are given, by table, in SI units."""
+        return without_files(self.model_dump(exclude_none=True))
+
+    @cached_property
+    def surroundings(self) -> Any:
+        """The systems, connected: what is around the FMU."""
+        return loops.connect(list(self.systems()))
 
     def systems(self) -> Iterator[Any]:
         """Load, and drive or controller, as systems to connect."""
         step = self.run.communication_step
-        load = self.build_load().system
+        load = self.built_load.system
         yield load
         if self.controller is not None:
             yield from self.controller.build(step, self.measured)
@@ -125,14 +136,38 @@ class Scene(Strict):
         Raises:
             SceneError: as read_scene.
         """
-        data = _without_files(self.model_dump(exclude_none=True))
-        for name, changes in tables.items():
-            kept = {**data.get(name, {}), **changes}
-            data[name] = {key: value for key, value in kept.items() if value is not None}
-        try:
-            return Scene.model_validate(data, context={"measured": self.measured})
-        except ValidationError as failure:
-            raise SceneError(one_line(Scene, failure)) from None
+        return self.with_keys(
+            {f"{table}.{key}": value for table, keys in tables.items() for key, value in keys.items()}
+        )
+
+    def with_keys(self, keys: Mapping[str, Any]) -> Scene:
+        """The scene with other keys, named by dots, checked anew.
+
+        Args:
+            keys: such as {"load.coupling.stiffness": "2 kN.m/rad"}; None takes a key away.
+
+        Raises:
+            SceneError: as read_scene.
+        """
+        data = self.tables
+        for name, value in keys.items():
+            data = changed(data, name.split("."), value)
+        scene = validated(Scene, data)
+        if scene._around == self._around:
+            # connecting systems costs as much as a short run
+            scene.__dict__["surroundings"] = self.surroundings
+        return scene
+
+    @property
+    def _around(self) -> tuple[Any, ...]:
+        """What the surroundings follow from."""
+        return self.drive, self.load, self.controller, self.run.communication_step, self._one_way
+
+    @property
+    def _one_way(self) -> bool:
+        """Whether the freewheels keep the output shaft from turning backwards."""
+        mechanism = parameters(self.mechanism)
+        return all(mechanism.get(name, 1.0) for name in ("housing_freewheel", "output_freewheel"))
 
     def with_fidelity(self, fidelity: str, error: float | None = None) -> Scene:
         """The scene at a named fidelity, or at one to be chosen for this error.
@@ -166,7 +201,7 @@ class Scene(Strict):
     def parameters(self) -> dict[str, float]:
         """Parameters for the FMU, that of the drive too; a load coupled rigidly is in what it hangs on."""
         values = with_drive(self.drive, parameters(self.mechanism))
-        rigid = self.build_load().rigid_inertia
+        rigid = self.built_load.rigid_inertia
         return {**values, self._carrying: self._shaft_inertia() + rigid} if rigid else values
 
     @model_validator(mode="after")
@@ -215,17 +250,16 @@ class Scene(Strict):
 
     @model_validator(mode="after")
     def _outputs_known(self) -> Scene:
-        signals = loops.connect(list(self.systems())).output_labels
         for name in self.run.outputs:
-            if name not in _READABLE and name not in signals:
-                known = ", ".join([*_READABLE, *signals])
+            if name not in _READABLE and name not in self.surroundings.output_labels:
+                known = ", ".join([*_READABLE, *self.surroundings.output_labels])
                 raise SceneError(f"run.outputs must be of {known}, has {name!r}")
         return self
 
     @model_validator(mode="after")
     def _step_short_enough(self) -> Scene:
         try:
-            self.build_load().check_step(self._shaft_inertia())
+            self.built_load.check_step(self._shaft_inertia())
             if isinstance(self.drive, EngineDrive):
                 self.drive.check_step(self.run.communication_step, self.parameters()["input_inertia"])
         except ValueError as error:
@@ -240,12 +274,3 @@ class Scene(Strict):
         except Refused as error:
             raise SceneError(f"mechanism: {error}") from None
         return self
-
-
-def _without_files(data: dict[str, Any]) -> dict[str, Any]:
-    """Tables without the names of the CSV files whose columns they hold."""
-    return {
-        name: _without_files(value) if isinstance(value, dict) else value
-        for name, value in data.items()
-        if name != "file"
-    }

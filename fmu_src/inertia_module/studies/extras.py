@@ -1,26 +1,20 @@
-"""The libraries of the extra `peers`: imported late, so that the package runs without them."""
+"""The libraries of the extra `peers`."""
 
 from __future__ import annotations
 
-import importlib
 from typing import Any
 
+from ..common import extras
 from .trajectory import Unavailable
 
 
 def library(module: str, name: str = "") -> Any:
-    """A module of the extra.
-
-    Args:
-        module: to import. name: what to install, if it is not called like the module.
+    """A module of the extra; see common.extras.library.
 
     Raises:
         Unavailable: it is not installed.
     """
     try:
-        return importlib.import_module(module)
-    except ImportError as error:
-        missing = name or module.partition(".")[0]
-        raise Unavailable(
-            f"{missing} is not installed ({error}): pip install 'inertia-module[peers]'"
-        ) from None
+        return extras.library(module, "peers", name)
+    except extras.NotInstalled as missing:
+        raise Unavailable(str(missing)) from None

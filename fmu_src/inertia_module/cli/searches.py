@@ -1,0 +1,129 @@
+"""Commands that compute many designs: sweep and design."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .shared import Json, OutputFolder, app, current_fmu, folder_for, one_line_errors, show_table
+
+Scheduler = Annotated[
+    str | None,
+    typer.Option(metavar="ADDRESS", help="Dask scheduler to use: tcp://host:8786."),
+]
+Workers = Annotated[
+    int | None, typer.Option(min=1, metavar="N", help="Processes on this machine (one for each core).")
+]
+FmuFile = Annotated[
+    Path | None, typer.Option(metavar="FILE.fmu", help="FMU to run (build/InertiaModule.fmu).")
+]
+
+
+@app.command()
+def sweep(
+    scene: Annotated[Path, typer.Argument(metavar="SCENE.toml", help="Scene file.")],
+    vary: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=RANGE",
+            help="FROM:TO:COUNT, log:FROM:TO:COUNT or A,B,C; repeat.",
+        ),
+    ] = None,
+    sample: Annotated[
+        str | None, typer.Option(metavar="KIND:COUNT", help="Not a grid: latin:200 or sobol:256 points.")
+    ] = None,
+    sensitivity: Annotated[
+        int | None, typer.Option(metavar="N", help="Sobol indices from N (keys + 2) runs, N a power of 2.")
+    ] = None,
+    figure: Annotated[
+        list[str] | None, typer.Option(metavar="NAME", help="Figure of the summary to plot; repeat.")
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Of the samples: same seed, same points.")] = 0,
+    output: OutputFolder = None,
+    fmu: FmuFile = None,
+    scheduler: Scheduler = None,
+    workers: Workers = None,
+    as_json: Json = False,
+) -> None:
+    """Run a scene over values of its keys: sweep.parquet, sweep.csv, plot.png (out/SCENE_sweep without -o).
+
+    What is done is in journal.jsonl of the folder and is not done again.
+    """
+    from .. import jobs
+    from ..figures.sweeps import sweep_figure
+    from ..harness.results import write_figure
+    from ..harness.simulate import progress_bar
+
+    with one_line_errors():
+        folder = folder_for(output, f"{scene.stem}_sweep")
+        with progress_bar(f"sweep of {scene.name}") as progress:
+            found = jobs.sweep(
+                scene,
+                vary or [],
+                sample=sample,
+                sensitivity=sensitivity,
+                seed=seed,
+                output=folder,
+                fmu=fmu or current_fmu(),
+                scheduler=scheduler,
+                workers=workers,
+                progress=progress,
+            )
+        files = {**found.files, "plot": write_figure(folder / "plot.png", sweep_figure(found, figure or ()))}
+    numbers = {"rows": len(found.rows), "new": found.new, "refused": len(found.refused)}
+    listed = {name: str(file) for name, file in files.items()}
+    if as_json:
+        typer.echo(json.dumps({"scene": str(scene), **numbers, "files": listed}))
+        return
+    show_table(f"sweep of {scene.name}", {name: str(number) for name, number in numbers.items()})
+    if found.refused:
+        typer.echo(f"refused first: {found.refused[0].point}: {found.refused[0].refused}")
+    for name, file in listed.items():
+        typer.echo(f"{name}: {file}")
+
+
+@app.command()
+def design(
+    spec: Annotated[Path, typer.Argument(metavar="SPEC.toml", help="Scene with [free] and [figures].")],
+    output: OutputFolder = None,
+    fmu: FmuFile = None,
+    scheduler: Scheduler = None,
+    workers: Workers = None,
+    as_json: Json = False,
+) -> None:
+    """Search the designs that meet the limits of a specification and are best for its goals.
+
+    Leaves pareto.csv, checked.csv (and .parquet), plot.png and each checked design as a scene, design_1.toml
+    and so on, in a folder (out/SPEC_design without -o).
+    """
+    from .. import jobs
+    from ..figures.designs import design_figure
+    from ..harness.results import write_figure
+    from ..harness.simulate import progress_bar
+
+    with one_line_errors():
+        folder = folder_for(output, f"{spec.stem}_design")
+        with progress_bar(f"design of {spec.name}") as progress:
+            found = jobs.design(
+                spec,
+                output=folder,
+                fmu=fmu or current_fmu(),
+                scheduler=scheduler,
+                workers=workers,
+                progress=progress,
+            )
+        files = {**found.files, "plot": write_figure(folder / "plot.png", design_figure(found))}
+    files |= {one.file.stem.replace("_", " "): one.file for one in found.finalists}
+    listed = {name: str(file) for name, file in files.items()}
+    if as_json:
+        numbers = {"designs": len(found.rows), "new": found.new, "chosen": len(found.chosen)}
+        typer.echo(json.dumps({"spec": str(spec), **numbers, "verdict": found.verdict(), "files": listed}))
+        return
+    for one in found.finalists:
+        show_table(one.file.stem.replace("_", " "), found.lines(one))
+    typer.echo(found.verdict())
+    for name, file in listed.items():
+        typer.echo(f"{name}: {file}")

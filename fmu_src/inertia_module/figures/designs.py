@@ -1,0 +1,62 @@
+"""Picture of a design: what was searched, what no other design is better than, what was checked."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from ..jobs.design import DesignResult
+from ..jobs.spec import unit_of
+from ..jobs.task import Row
+from .panels import DPI, dress
+
+Array = NDArray[np.float64]
+
+
+def design_figure(found: DesignResult) -> Figure:
+    """Picture of a design: one goal over the designs in their order, or the other goals over the first."""
+    names = list(found.spec.goals)
+    across, up = (None, names) if len(names) == 1 else (names[0], names[1:])
+    picture = Figure(figsize=(9.0, 1.0 + 4.2 * len(up)), dpi=DPI, layout="constrained")
+    for panel, name in zip(picture.subplots(len(up), 1, squeeze=False)[:, 0], up, strict=True):
+        _panel(panel, found, across, name)
+    return picture
+
+
+def _panel(panel: Axes, found: DesignResult, across: str | None, up: str) -> None:
+    """One goal over another, or over the number of the design."""
+    place = {str(row.point): n for n, row in enumerate(found.rows, 1)}
+
+    def points(rows: Sequence[Row]) -> tuple[Array, Array]:
+        """Where rows are; NaN without the figure."""
+        x = [place[str(row.point)] if across is None else row.figures.get(across, np.nan) for row in rows]
+        return np.array(x, dtype=float), np.array([row.figures.get(up, np.nan) for row in rows])
+
+    meets = [found.judge.meets(row) for row in found.rows]
+    for label, wanted, colour in (("beyond a limit", False, "0.8"), ("meets all limits", True, "tab:blue")):
+        rows = [row for row, one in zip(found.rows, meets, strict=True) if one is wanted]
+        panel.plot(*points(rows), ".", color=colour, markersize=4, label=label)
+    style = "k*" if across is None else "k-"
+    panel.plot(*points(found.front), style, linewidth=1.0, markersize=9, label="none is better")
+    for one in found.finalists:
+        chosen = found.judge.meets(one.checked)
+        (x,), (y,) = points([one.checked])
+        panel.plot(x, y, "o" if chosen else "x", color="tab:green" if chosen else "tab:red", markersize=8)
+        panel.annotate(one.file.stem.rpartition("_")[2], (x, y), xytext=(6, 6), textcoords="offset points")
+    panel.plot([], [], "o", color="tab:green", label=f"checked {found.spec.search.check}")
+    dress(panel, _label(found, up))
+    # the first designs of a search are far from the best ones
+    panel.set_yscale("symlog" if any(one < 0.0 for one in points(found.rows)[1]) else "log")
+    if across is not None:
+        panel.set_xscale("symlog" if any(one < 0.0 for one in points(found.rows)[0]) else "log")
+    panel.set_xlabel("design, in the order of the search" if across is None else _label(found, across))
+
+
+def _label(found: DesignResult, name: str) -> str:
+    unit = unit_of(name, found.judge.units)
+    text = name.replace("_", " ")
+    return f"{text} [{unit}]" if unit not in ("", "1") else text

@@ -1,0 +1,231 @@
+"""What is varied: keys of a scene by dots, their ranges or lists, and the points sampled of them."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common.errors import Refused
+from ..common.units import parse_unit, split_quantity
+from ..contract.variable import INTEGER
+from ..contract.variables import BY_NAME
+from ..scene import Scene, SceneError
+
+# values by key of the scene: numbers in SI units, or names
+Point = dict[str, float | str]
+LARGEST_GRID = 10_000_000
+MECHANISM = "mechanism."
+SAMPLES = ("latin", "sobol")
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One key that is varied.
+
+    Attributes:
+        name: of the key, by dots. low, high: of the range, SI. number: of points in a grid, 0 if none is
+            given. logarithmic: whether the points are even in the logarithm. values: a list instead.
+    """
+
+    name: str
+    low: float = math.nan
+    high: float = math.nan
+    number: int = 0
+    logarithmic: bool = False
+    values: tuple[float | str, ...] = ()
+
+    @property
+    def whole(self) -> bool:
+        """Whether it is a number that must be whole, such as that of teeth."""
+        variable = BY_NAME.get(self.name.removeprefix(MECHANISM))
+        return variable is not None and variable.kind == INTEGER
+
+    def at(self, share: float) -> float | str:
+        """The value at a share (0 to 1) of the range or of the list."""
+        if self.values:
+            return self.values[min(int(share * len(self.values)), len(self.values) - 1)]
+        if self.whole:
+            return self.low + min(math.floor(share * (self.high - self.low + 1.0)), self.high - self.low)
+        if self.logarithmic:
+            return float(self.low ** (1.0 - share) * self.high**share)
+        return self.low + share * (self.high - self.low)
+
+    def grid(self) -> list[float | str]:
+        """The values of a grid.
+
+        Raises:
+            Refused: how many there are is not given.
+        """
+        if self.values:
+            return list(self.values)
+        if not self.number:
+            raise Refused(f"{self.name} must have a number of points for a grid: FROM:TO:COUNT")
+        spaced = np.geomspace if self.logarithmic else np.linspace
+        found = [float(value) for value in spaced(self.low, self.high, self.number)]
+        return list(dict.fromkeys(round(value) * 1.0 for value in found)) if self.whole else list(found)
+
+    def check(self, scene: Scene) -> None:
+        """Look at both ends, or all values of the list, in the scene.
+
+        Raises:
+            SceneError: the key is not one of the scene, or a value cannot be, whatever the other keys are.
+        """
+        for value in self.values or (self.low, self.high):
+            try:
+                scene.with_keys({self.name: value})
+            except SceneError as error:
+                # what begins otherwise may be right with other values of other keys
+                if str(error).startswith(self.name):
+                    raise
+
+
+def units_of(axes: Sequence[Axis]) -> dict[str, str]:
+    """Units of the keys that are parameters of the mechanism, by name."""
+    bare = {one.name: one.name.removeprefix(MECHANISM) for one in axes}
+    return {name: BY_NAME[key].unit for name, key in bare.items() if key in BY_NAME}
+
+
+def full_name(name: str) -> str:
+    """A key by dots; those of the mechanism may go without their table."""
+    return name if "." in name else f"{MECHANISM}{name}"
+
+
+def _number(text: Any) -> float | str:
+    """A quantity as a number in SI units; anything else as it is.
+
+    Raises:
+        Refused: the unit is not known.
+    """
+    if not isinstance(text, str):
+        return float(text)
+    try:
+        number, unit = split_quantity(text)
+    except ValueError:
+        return text.strip()
+    try:
+        return number * parse_unit(unit)[0] if unit else number
+    except ValueError as error:
+        raise Refused(f"{text!r}: {error}") from None
+
+
+def axis(name: str, given: str | Sequence[Any], scene: Scene) -> Axis:
+    """The axis of a key.
+
+    Args:
+        name: of the key. given: "FROM:TO:COUNT", "FROM:TO", "log:FROM:TO:COUNT" or "A,B,C", each with units
+            if wanted, or a list of values. scene: whose key it is.
+
+    Raises:
+        Refused: it is none of these, or no range of this key.
+    """
+    name = full_name(name)
+    texts = given.split(",") if isinstance(given, str) else list(given)
+    if isinstance(given, str) and ":" in given:
+        logarithmic = given.startswith("log:")
+        found = _range(name, given.removeprefix("log:").split(":"), logarithmic, scene)
+    else:
+        found = Axis(name, values=tuple(dict.fromkeys(_checked_number(name, text, scene) for text in texts)))
+    found.check(scene)
+    return found
+
+
+def _checked_number(name: str, text: Any, scene: Scene) -> float | str:
+    """A value in SI units; its unit is looked at by the scene."""
+    if isinstance(text, str):
+        Axis(name, values=(text.strip(),)).check(scene)
+    return _number(text)
+
+
+def _range(name: str, parts: list[str], logarithmic: bool, scene: Scene) -> Axis:
+    demand = f"{name} must be given as FROM:TO:COUNT, log:FROM:TO:COUNT or A,B,C, is {':'.join(parts)!r}"
+    if len(parts) not in (2, 3):
+        raise Refused(demand)
+    low, high = (_checked_number(name, part, scene) for part in parts[:2])
+    number = parts[2] if len(parts) == 3 else "0"
+    if isinstance(low, str) or isinstance(high, str) or not number.strip().isdigit():
+        raise Refused(demand)
+    if not low < high:
+        raise Refused(f"{name} must go from a lower to a higher value, goes from {low:g} to {high:g}")
+    if logarithmic and low <= 0.0:
+        raise Refused(f"{name} must be above 0 where its points are even in the logarithm, is from {low:g}")
+    if len(parts) == 3 and int(number) < 2:
+        raise Refused(f"{name} must have at least 2 points, has {number}")
+    return Axis(name, low, high, int(number), logarithmic)
+
+
+def axes_of(vary: Sequence[str] | Mapping[str, Any], scene: Scene) -> list[Axis]:
+    """The axes of a sweep.
+
+    Args:
+        vary: "NAME=RANGE" each, or ranges by name; see axis. scene: that is varied.
+
+    Raises:
+        Refused: nothing is varied, a key twice, or as axis.
+    """
+    pairs: list[tuple[str, Any]] = []
+    for item in vary.items() if isinstance(vary, Mapping) else vary:
+        name, equals, given = item.partition("=") if isinstance(item, str) else (item[0], "=", item[1])
+        if not (name and equals and given):
+            raise Refused(f"what is varied must be given as NAME=FROM:TO:COUNT or NAME=A,B,C, is {item!r}")
+        pairs.append((name.strip(), given))
+    if not pairs:
+        raise Refused("at least one key must be varied, such as imbalance_mass=0.5:2:7: there is no free one")
+    axes = [axis(name, given, scene) for name, given in pairs]
+    names = [one.name for one in axes]
+    twice = [name for name in names if names.count(name) > 1]
+    if twice:
+        raise Refused(f"{twice[0]} must be varied once, is given {names.count(twice[0])} times")
+    return axes
+
+
+def grid(axes: Sequence[Axis]) -> list[Point]:
+    """All combinations, the last axis fastest.
+
+    Raises:
+        Refused: an axis has no number of points, or there are more than LARGEST_GRID.
+    """
+    values = [one.grid() for one in axes]
+    total = math.prod(map(len, values))
+    if total > LARGEST_GRID:
+        raise Refused(f"a grid must have at most {LARGEST_GRID} points, has {total}")
+    return [points_at(axes, row) for row in itertools.product(*values)]
+
+
+def points_at(axes: Sequence[Axis], values: Sequence[float | str]) -> Point:
+    """Values, one for each axis, by name."""
+    return {one.name: value for one, value in zip(axes, values, strict=True)}
+
+
+def of_shares(axes: Sequence[Axis], shares: NDArray[np.float64]) -> list[Point]:
+    """Points of shares (0 to 1), shape (points, axes)."""
+    return [points_at(axes, [one.at(u) for one, u in zip(axes, row, strict=True)]) for row in shares.tolist()]
+
+
+def sampled(axes: Sequence[Axis], sample: str, seed: int) -> list[Point]:
+    """Points spread over the ranges, not in a grid; see shares_sampled."""
+    return of_shares(axes, shares_sampled(len(axes), sample, seed))
+
+
+def shares_sampled(number: int, sample: str, seed: int) -> NDArray[np.float64]:
+    """Shares (0 to 1) of ranges, shape (points, number).
+
+    Args:
+        number: of ranges. sample: "latin:COUNT" (Latin hypercube) or "sobol:COUNT" (Sobol's sequence,
+            scrambled; COUNT is best a power of 2). seed: same seed, same points.
+
+    Raises:
+        Refused: it is neither.
+    """
+    from scipy.stats import qmc
+
+    kind, _, count = sample.partition(":")
+    if kind not in SAMPLES or not count.isdigit() or int(count) < 1:
+        raise Refused(f"sample must be latin:COUNT or sobol:COUNT, such as latin:200, is {sample!r}")
+    sampler = (qmc.LatinHypercube if kind == "latin" else qmc.Sobol)(number, rng=seed)
+    return np.atleast_2d(sampler.random(int(count)))

@@ -1,0 +1,232 @@
+"""Design: which values of the free keys meet the limits of a specification, and are best for its goals."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ..common.extras import library
+from ..common.files import OUTPUT_FOLDER
+from ..harness.results import write_text
+from ..harness.simulate import Progress
+from ..scene import SceneError
+from ..scene.keys import validated
+from ..scene.run import SceneRunner
+from ..scene.schema import Scene
+from ..scene.writing import scene_text
+from .axes import Point, sampled, units_of
+from .evaluator import Evaluator, fmu_content
+from .judged import Judge
+from .named import NAMED, Wanted, named_figures
+from .search import search
+from .size import check_room
+from .spec import OPTIONAL, Spec, check_limits, read_spec, unit_of
+from .store import write_tables
+from .task import TIMES, Figures, Row, identity
+
+# key of a point that is none of the scene: the fidelity it is run at
+LEVEL = "fidelity"
+
+
+@dataclass(frozen=True)
+class DesignTask:
+    """The figures of a specification at points.
+
+    Attributes:
+        scenes: tables by fidelity. named: figures that need no run. runs: whether the scene is run.
+        fmu: content of the FMU's file.
+    """
+
+    scenes: dict[str, dict[str, Any]]
+    named: Wanted
+    runs: bool
+    fmu: bytes
+
+    @property
+    def identity(self) -> str:
+        """See Task."""
+        return identity({**self.scenes, "named": self.named, "runs": self.runs}, self.fmu)
+
+    def opened(self, fmu: Path, closing: ExitStack) -> Callable[[Point], Figures]:
+        """See Task."""
+        runner = closing.enter_context(SceneRunner(fmu))
+        scenes = {level: validated(Scene, tables) for level, tables in self.scenes.items()}
+
+        def figures(point: Point) -> Figures:
+            keys = {name: value for name, value in point.items() if name != LEVEL}
+            scene = scenes[str(point[LEVEL])].with_keys(keys)
+            check_room(scene.parameters())
+            found = named_figures(scene.parameters(), self.named)
+            if self.runs:
+                summary = runner.run(scene).quantities
+                found |= {name: one for name, one in summary.items() if name not in TIMES}
+            return found
+
+        return figures
+
+
+@dataclass(frozen=True)
+class Finalist:
+    """A design that was run at both levels of fidelity.
+
+    Attributes:
+        searched, checked: its rows at the fidelity of the search and at that of the check.
+        scene: with its values. file: the scene.
+    """
+
+    searched: Row
+    checked: Row
+    scene: Scene
+    file: Path
+
+
+@dataclass(frozen=True)
+class DesignResult:
+    """What a design gave.
+
+    Attributes:
+        spec: the specification. judge: its limits. rows: all designs of the search, in order.
+        front: those of them that meet all limits and that no other is better than.
+        finalists: those that were checked. new: how many rows were not there before. files: by kind.
+    """
+
+    spec: Spec
+    judge: Judge
+    rows: list[Row]
+    front: list[Row]
+    finalists: list[Finalist]
+    new: int
+    files: dict[str, Path]
+
+    @property
+    def chosen(self) -> list[Finalist]:
+        """Finalists that meet all limits at the fidelity of the check."""
+        return [one for one in self.finalists if self.judge.meets(one.checked)]
+
+    @property
+    def nearest(self) -> Row:
+        """The design that is the least beyond the limits: of those checked or, if none was, of all."""
+        checked = [one.checked for one in self.finalists]
+        return min(checked or self.rows, key=self.judge.beyond)
+
+    def lines(self, one: Finalist) -> dict[str, str]:
+        """The values of a finalist and its figures, searched and checked, as text by name."""
+        units = self.judge.units
+        keys = {name: _text(value, units.get(name, "")) for name, value in one.searched.point.items()}
+        figures = {}
+        for name in self.spec.demands:
+            unit = unit_of(name, units)
+            searched, checked = (row.figures.get(name) for row in (one.searched, one.checked))
+            figures[name] = f"{_text(searched)} → {_text(checked, unit)}"
+        missed = [limit.figure for limit in self.judge.limits if limit.violation(one.checked) > 0.0]
+        return {**keys, **figures, "limits": f"missed by {', '.join(missed)}" if missed else "met"}
+
+    def verdict(self) -> str:
+        """In a sentence: how many meet the limits and which limit binds, or what stops them all."""
+        chosen = [one.checked for one in self.chosen]
+        row = chosen[0] if chosen else self.nearest
+        limit = self.judge.tightest(row)
+        where = "" if limit is None else limit.text(row, unit_of(limit.figure, self.judge.units))
+        if chosen:
+            binds = f"; nearest to its limit in the first: {where}" if where else ""
+            return f"{len(chosen)} of {len(self.finalists)} checked designs meet all limits{binds}"
+        if row.refused:
+            return f"no design of {len(self.rows)} could be computed: {row.refused}"
+        return f"no design of {len(self.rows)} meets all limits; the nearest one: {where}"
+
+
+def design(
+    spec: Path | str | Spec,
+    *,
+    output: Path | str | None = None,
+    fmu: Path | str | None = None,
+    scheduler: str | None = None,
+    workers: int | None = None,
+    progress: Progress | None = None,
+) -> DesignResult:
+    """Search designs by NSGA-II at a cheap fidelity, check finalists, and write tables and scenes.
+
+    Source: Deb et al. (2002), A fast and elitist multiobjective genetic algorithm: NSGA-II.
+
+    Args:
+        spec: a specification, or its file.
+        output: folder, by default out/SPEC_design: what is computed there is not computed again.
+        fmu: its file, by default build/InertiaModule.fmu.
+        scheduler, workers: address of a running Dask scheduler, or how many processes here.
+        progress: told the share done.
+
+    Raises:
+        SceneError: the specification is not as it must be, in one sentence.
+        Refused: the folder holds results of another one. NotInstalled: the extra jobs is not.
+    """
+    for name in ("pymoo", "tomli_w"):
+        library(name, "jobs", name.replace("_", "-"))
+    read, name = (spec, "spec") if isinstance(spec, Spec) else (read_spec(spec), Path(spec).stem)
+    levels = (read.search.fidelity, read.search.check)
+    scenes = {level: read.scene.with_fidelity(level) for level in levels}
+    tables = {level: scene.tables for level, scene in scenes.items()}
+    task = DesignTask(tables, read.named, read.runs_scene, fmu_content(fmu))
+    folder = OUTPUT_FOLDER / f"{name}_design" if output is None else Path(output)
+    with Evaluator(task, folder, scheduler, workers) as evaluator:
+
+        def evaluate(points: Sequence[Point], level: str = levels[0]) -> list[Row]:
+            rows = evaluator([{**point, LEVEL: level} for point in points])
+            return [row._replace(point=point) for row, point in zip(rows, points, strict=True)]
+
+        first = sampled(read.axes, f"latin:{read.search.population}", read.search.seed)
+        rows = evaluate(first)
+        units = {**units_of(read.axes), **evaluator.journal.units}
+        _check_figures(read, rows, units)
+        judge = Judge(read, units)
+        rows = search(read, judge, evaluate, progress)
+        fronts = judge.fronts([row for row in rows if judge.meets(row, read.search.margin)])
+        picked = _finalists(fronts, read.search.finalists) or [min(rows, key=judge.beyond)]
+        checked = evaluate([row.point for row in picked], levels[1])
+    finalists = [
+        Finalist(row, again, (scene := scenes[levels[1]].with_keys(row.point)), _write(folder, number, scene))
+        for number, (row, again) in enumerate(zip(picked, checked, strict=True), 1)
+        if not again.refused
+    ]
+    front = fronts[0] if fronts else []
+    files = {f"pareto {k}": v for k, v in write_tables(folder, "pareto", front, units).items()}
+    files |= {f"checked {k}": v for k, v in write_tables(folder, "checked", checked, units).items()}
+    return DesignResult(read, judge, rows, front, finalists, evaluator.new, files)
+
+
+def _text(value: float | str | None, unit: str = "") -> str:
+    shown = "missing" if value is None else value if isinstance(value, str) else f"{value:.4g}"
+    return f"{shown} {unit}".removesuffix(" 1").rstrip()
+
+
+def _write(folder: Path, number: int, scene: Scene) -> Path:
+    """Write a design as a scene."""
+    return write_text(folder / f"design_{number}.toml", scene_text(scene))
+
+
+def _check_figures(spec: Spec, rows: Sequence[Row], units: dict[str, str]) -> None:
+    """Refuse figures that no row has, and limits that are not of their kind.
+
+    Raises:
+        SceneError: which, or why no row has any.
+    """
+    known = list(dict.fromkeys([*(name for row in rows for name in row.figures), *NAMED]))
+    if all(row.refused for row in rows):
+        raise SceneError(f"none of the first {len(rows)} designs can be computed: {rows[0].refused}")
+    for name, demand in spec.demands.items():
+        if name not in known and not name.startswith(OPTIONAL):
+            raise SceneError(f"figures.{name} must be one of {', '.join(known)}")
+        check_limits(name, demand, unit_of(name, units))
+
+
+def _finalists(fronts: Sequence[Sequence[Row]], number: int) -> list[Row]:
+    """At most so many rows: spread over the first front, and filled up from the next ones."""
+    if not fronts:
+        return []
+    first, rest = fronts[0], [row for front in fronts[1:] for row in front]
+    if len(first) <= number:
+        return [*first, *rest[: number - len(first)]]
+    places = {round(n * (len(first) - 1) / max(number - 1, 1)) for n in range(number)}
+    return [first[place] for place in sorted(places)]

@@ -1,0 +1,191 @@
+"""What is to be designed: a scene with its free keys, limits and goals of figures, and the search."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, model_validator
+
+from ..common.errors import must_be
+from ..common.units import factor_between, split_quantity
+from ..contract.variable import ENUMERATIONS
+from ..scene import Scene, SceneError
+from ..scene.keys import validated
+from ..scene.tables import Strict
+from ..scene.units import quantity
+from .axes import Axis, axes_of
+from .named import CONDITIONS, NAMED, Wanted
+
+LEVELS = tuple(name for name, _, _ in ENUMERATIONS["Fidelity"])
+# of a summary that has it only where the speed is reached
+OPTIONAL = "time_to_"
+MOST_GOALS = 3
+
+
+class Demand(Strict):
+    """What is asked of a figure.
+
+    Attributes:
+        speed, ratio: of link 1, rad/s, and of the output to it: where a steady figure is taken.
+        minimum, maximum: limits, as numbers in the unit of the figure or with a unit.
+        goal: whether it is to be the least or the greatest.
+    """
+
+    speed: Annotated[float, quantity(CONDITIONS["speed"][0], maximum=CONDITIONS["speed"][1], above=0.0)] = 0.0
+    ratio: Annotated[float, quantity(CONDITIONS["ratio"][0], 0.0, CONDITIONS["ratio"][1])] | None = None
+    minimum: float | str | None = None
+    maximum: float | str | None = None
+    goal: Literal["least", "greatest"] | None = None
+
+    @model_validator(mode="after")
+    def _asks_something(self) -> Demand:
+        if self.minimum is None and self.maximum is None and self.goal is None:
+            raise ValueError("must have a minimum, a maximum or a goal ('least' or 'greatest'), has none")
+        return self
+
+    def limit(self, which: str, unit: str) -> float | None:
+        """The minimum or maximum in a unit, None if there is none.
+
+        Raises:
+            ValueError: it is in a unit of another kind, or no quantity.
+        """
+        given = getattr(self, which)
+        if not isinstance(given, str):
+            return None if given is None else float(given)
+        number, own = split_quantity(given)
+        return number * factor_between(own or unit or "1", unit or "1")
+
+
+class Search(Strict):
+    """How designs are searched.
+
+    Attributes:
+        population, generations: of NSGA-II. seed: same seed, same result. fidelity: of the search.
+        check: fidelity at which the finalists are run. finalists: how many of them.
+        margin: by which limits of what the scene gives are narrower in the search, for what the cheap
+            fidelity leaves out; steady figures and sizes are the same at all.
+    """
+
+    population: int = Field(default=40, ge=4, le=10_000)
+    generations: int = Field(default=20, ge=1, le=10_000)
+    seed: int = Field(default=1, ge=0)
+    fidelity: Literal[LEVELS] = "averaged"  # type: ignore[valid-type]
+    check: Literal[LEVELS] = "rigid"  # type: ignore[valid-type]
+    finalists: int = Field(default=5, ge=1, le=1000)
+    margin: Annotated[float, quantity("1", 0.0, 0.5)] = 0.0
+
+
+class Tables(Strict):
+    """The tables of a specification beside those of its scene."""
+
+    free: dict[str, Any] = Field(min_length=1)
+    figures: dict[str, Demand] = Field(min_length=1)
+    search: Search = Search()
+
+
+@dataclass(frozen=True)
+class Spec:
+    """A specification.
+
+    Attributes:
+        scene: with all that is not free. axes: the free keys. demands: by figure. search: how.
+    """
+
+    scene: Scene
+    axes: list[Axis]
+    demands: dict[str, Demand]
+    search: Search
+
+    @property
+    def goals(self) -> dict[str, str]:
+        """Figures that are to be the least or the greatest."""
+        return {name: demand.goal for name, demand in self.demands.items() if demand.goal is not None}
+
+    @property
+    def named(self) -> Wanted:
+        """The figures that need no run of the scene, with speed and ratio."""
+        return {name: (d.speed, d.ratio or 0.0) for name, d in self.demands.items() if name in NAMED}
+
+    @property
+    def runs_scene(self) -> bool:
+        """Whether a figure is of the summary of the scene."""
+        return any(name not in NAMED for name in self.demands)
+
+
+def read_spec(path: Path | str) -> Spec:
+    """Read and check a specification: the TOML of a scene with [free], [figures] and [search].
+
+    Raises:
+        SceneError: in one line, the file, the key, the value and what is allowed.
+    """
+    path = Path(path)
+    try:
+        return _spec(tomllib.loads(path.read_text(encoding="utf-8")), path.parent)
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise SceneError(f"{path} must be a specification (TOML): {error}") from None
+    except ValueError as error:
+        raise SceneError(f"{path.name}: {error}") from None
+
+
+def _spec(data: dict[str, Any], folder: Path) -> Spec:
+    own = {name: data.pop(name) for name in Tables.model_fields if name in data}
+    if not own.get("free"):
+        raise SceneError("[free] must have at least one free key, such as imbalance_mass = '0.5 kg:2 kg'")
+    tables = validated(Tables, own)
+    scene = validated(Scene, data, folder)
+    for name, demand in tables.figures.items():
+        _check(name, demand)
+    spec = Spec(scene, axes_of(tables.free, scene), tables.figures, tables.search)
+    if not 1 <= len(spec.goals) <= MOST_GOALS:
+        raise SceneError(must_be("the number of figures with a goal", f"1 to {MOST_GOALS}", len(spec.goals)))
+    return spec
+
+
+def _check(name: str, demand: Demand) -> None:
+    """Refuse a demand that is not of its figure.
+
+    Raises:
+        SceneError: which is missing or too much, or a limit that is no quantity of its kind.
+    """
+    asked = NAMED[name].asks if name in NAMED else ()
+    given = [condition for condition in CONDITIONS if condition in demand.model_fields_set]
+    if sorted(given) != sorted(asked):
+        known = (
+            ""
+            if name in NAMED
+            else f"; figures at a speed are {', '.join(n for n in NAMED if NAMED[n].asks)}"
+        )
+        raise SceneError(
+            f"figures.{name} must be given {' and '.join(asked) or 'no speed and no ratio'}, is given"
+            f" {' and '.join(given) or 'none of it'}{known}"
+        )
+    if name in NAMED:
+        check_limits(name, demand, NAMED[name].unit)
+
+
+def unit_of(name: str, units: dict[str, str]) -> str:
+    """Unit of a figure, by those that are known; of a time that no design has reached, s."""
+    return units.get(name, "s" if name.startswith(OPTIONAL) else "")
+
+
+def check_limits(name: str, demand: Demand, unit: str) -> None:
+    """Refuse limits that are no quantities in a unit, or that no number meets.
+
+    Raises:
+        SceneError: which, and why.
+    """
+    found = {}
+    for which in ("minimum", "maximum"):
+        try:
+            found[which] = demand.limit(which, unit)
+        except ValueError as error:
+            value = getattr(demand, which)
+            raise SceneError(
+                f"figures.{name}.{which} must be a number in {unit or '1'}, is {value!r}: {error}"
+            ) from None
+    low, high = found["minimum"], found["maximum"]
+    if low is not None and high is not None and low > high:
+        raise SceneError(f"figures.{name}: minimum must be at most maximum, {low:g} is above {high:g}")

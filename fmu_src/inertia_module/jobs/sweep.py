@@ -1,0 +1,110 @@
+"""Sweep: the summary of a scene over values of its keys."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..common.errors import Refused
+from ..common.files import OUTPUT_FOLDER
+from ..harness.simulate import Progress
+from ..scene import Scene
+from .axes import Axis, axes_of, grid, sampled, units_of
+from .evaluator import Evaluator, fmu_content, read
+from .sensitivity import Sensitivity, indices
+from .store import write_tables
+from .task import Row, SceneTask
+
+
+@dataclass(frozen=True)
+class SweepResult:
+    """What a sweep gave.
+
+    Attributes:
+        axes: what was varied. rows: one for each point, in the order of the points.
+        units: of keys and figures by name, where known. new: how many rows were not there before.
+        sensitivity: Sobol indices, where they were asked for. files: written, by kind.
+    """
+
+    axes: list[Axis]
+    rows: list[Row]
+    units: dict[str, str]
+    new: int
+    sensitivity: Sensitivity | None
+    files: dict[str, Path]
+
+    @property
+    def refused(self) -> list[Row]:
+        """The rows that were refused."""
+        return [row for row in self.rows if row.refused]
+
+    def figure(self, name: str) -> np.ndarray[Any, np.dtype[np.float64]]:
+        """Values of a figure, NaN where refused, shape (rows,).
+
+        Raises:
+            Refused: no row has it.
+        """
+        known = self.figures
+        if name not in known:
+            raise Refused(f"a figure must be one of {', '.join(known)}, is {name!r}")
+        return np.array([row.figures.get(name, np.nan) for row in self.rows])
+
+    @property
+    def figures(self) -> list[str]:
+        """Names of the figures."""
+        return list(dict.fromkeys(name for row in self.rows for name in row.figures))
+
+
+def sweep(
+    scene: Scene | Path | str,
+    vary: Sequence[str] | Mapping[str, Any],
+    *,
+    sample: str | None = None,
+    sensitivity: int | None = None,
+    seed: int = 0,
+    output: Path | str | None = None,
+    fmu: Path | str | None = None,
+    scheduler: str | None = None,
+    workers: int | None = None,
+    progress: Progress | None = None,
+) -> SweepResult:
+    """Run a scene at all combinations of values, or at sampled ones, and write a table of the summaries.
+
+    Args:
+        scene: a scene, or its file.
+        vary: "NAME=FROM:TO:COUNT", "NAME=log:FROM:TO:COUNT" or "NAME=A,B,C" each, or such ranges by name;
+            NAME is a key of the scene by dots, or a parameter of the mechanism.
+        sample: "latin:COUNT" or "sobol:COUNT" instead of a grid.
+        sensitivity: number n of Sobol indices, a power of 2: n (d + 2) runs over d ranges instead of a grid.
+        seed: of the samples.
+        output: folder, by default out/SCENE_sweep: what is done there is not done again.
+        fmu: its file, by default build/InertiaModule.fmu.
+        scheduler, workers: address of a running Dask scheduler, or how many processes here.
+        progress: told the share done.
+
+    Raises:
+        Refused: the scene, a range, a sample or the folder is not as above, in one sentence.
+        NotInstalled: the extra jobs is not.
+    """
+    base, name = read(scene)
+    axes = axes_of(vary, base)
+    if sensitivity is None:
+        points = grid(axes) if sample is None else sampled(axes, sample, seed)
+    elif sample is not None:
+        raise Refused("sample and sensitivity must not both be given")
+    task = SceneTask(base.tables, fmu_content(fmu))
+    folder = OUTPUT_FOLDER / f"{name}_sweep" if output is None else Path(output)
+    found = None
+    with Evaluator(task, folder, scheduler, workers, progress) as evaluator:
+        if sensitivity is not None:
+            found, points = indices(axes, sensitivity, seed, evaluator)
+        rows = evaluator(points)
+    units = {**units_of(axes), **evaluator.journal.units}
+    files = write_tables(folder, "sweep", rows, units)
+    if found is not None:
+        files["sensitivity"] = found.save(folder / "sensitivity.csv")
+    return SweepResult(axes, rows, units, evaluator.new, found, files)

@@ -1,0 +1,129 @@
+"""Evaluations on the workers of dask.distributed: those of this machine, or of a cluster that exists.
+
+What a worker needs goes there once, as a plugin, and to those that join or are started anew as well. Points
+travel in batches of some tenths of a second. A batch whose worker dies is computed elsewhere; one that
+kills several workers is taken apart, and the point that does it is refused.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import math
+import threading
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from distributed import Client, LocalCluster, Worker, WorkerPlugin, as_completed, get_worker
+from distributed.scheduler import KilledWorker
+
+from .axes import Point
+from .task import Batch, Figures, Row, Task, evaluate
+
+# a batch takes about so long, s, and has at most so many points
+BATCH_TIME = 0.25
+LARGEST_BATCH = 2000
+# batches under way for each thread, so that none waits for the next
+AHEAD = 3
+
+
+class TaskPlugin(WorkerPlugin):  # type: ignore[misc]
+    """A task on a worker: its FMU as a file, and what evaluates points, one for each thread."""
+
+    def __init__(self, task: Task) -> None:
+        self.task = task
+        self.name = task.identity
+
+    def setup(self, worker: Worker) -> None:
+        """Write the FMU to a file."""
+        self.closing = contextlib.ExitStack()
+        self.path = Path(self.closing.enter_context(TemporaryDirectory())) / "Module.fmu"
+        self.path.write_bytes(self.task.fmu)
+        self.local = threading.local()
+
+    def teardown(self, worker: Worker) -> None:
+        """Close the instances of the FMU and remove it."""
+        self.closing.close()
+
+    def evaluate(self, points: list[Point]) -> Batch:
+        """Evaluate points."""
+        if not hasattr(self.local, "figures_of"):
+            self.local.figures_of = self.task.opened(self.path, self.closing)
+        figures_of: Callable[[Point], Figures] = self.local.figures_of
+        return evaluate(figures_of, points)
+
+
+def _evaluated_here(name: str, points: list[Point]) -> str:
+    """Evaluate points on this worker; the rows as text, which is how they are kept."""
+    plugin: TaskPlugin = get_worker().plugins[name]
+    return plugin.evaluate(points).text()
+
+
+@contextlib.contextmanager
+def pool(task: Task, scheduler: str | None = None, workers: int | None = None) -> Iterator[Client]:
+    """A client whose workers know a task.
+
+    Args:
+        task: what is evaluated. scheduler: address of one that runs, such as tcp://host:8786; without it a
+            cluster of processes is started on this machine. workers: how many of them; by default one for
+            each core.
+
+    Raises:
+        OSError: there is no scheduler at this address.
+    """
+    with contextlib.ExitStack() as stack:
+        cluster: Any = scheduler
+        if cluster is None:
+            local = LocalCluster(
+                n_workers=workers,
+                threads_per_worker=1,
+                memory_limit=0,
+                dashboard_address=":0",
+                silence_logs=logging.CRITICAL,
+            )
+            cluster = stack.enter_context(local)
+        client = stack.enter_context(Client(cluster, timeout=10))
+        client.register_plugin(TaskPlugin(task))
+        try:
+            yield client
+        finally:
+            client.unregister_worker_plugin(task.identity)
+
+
+def evaluations(client: Client, name: str, points: Sequence[Point]) -> Iterator[Batch]:
+    """Evaluate points on the workers; the batches as they come, in no order.
+
+    Args:
+        client: of pool. name: identity of its task. points: where.
+    """
+    waiting, alone = deque(points), deque[list[Point]]()
+    under_way: dict[Any, list[Point]] = {}
+    running = as_completed()
+    size = 1
+    while waiting or alone or under_way:
+        threads = max(sum(client.nthreads().values()), 1)
+        fair = math.ceil(len(waiting) / (2 * threads))
+        while (waiting or alone) and len(under_way) < AHEAD * threads:
+            number = min(size, max(fair, 1), len(waiting))
+            batch = alone.popleft() if alone else [waiting.popleft() for _ in range(number)]
+            future = client.submit(_evaluated_here, name, batch, pure=False)
+            under_way[future] = batch
+            running.add(future)
+        future = next(running)
+        batch = under_way.pop(future)
+        try:
+            found = Batch.of(future.result())
+        except KilledWorker as error:
+            if len(batch) > 1:
+                alone.extend([point] for point in batch)
+                continue
+            found = Batch(
+                [Row(batch[0], {}, math.nan, f"its worker ended {error.allowed_failures + 1} times")]
+            )
+        mean = sum(row.cost for row in found.rows) / len(found.rows)
+        if mean > 0.0:
+            size = int(min(max(BATCH_TIME / mean, 1.0), LARGEST_BATCH))
+        yield found

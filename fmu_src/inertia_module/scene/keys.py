@@ -1,0 +1,51 @@
+"""Tables of a scene by their keys: with some changed, and checked as a scene."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pydantic import BaseModel, ValidationError
+
+from .controllers import measured_speed
+from .errors import SceneError, one_line
+
+Model = TypeVar("Model", bound=BaseModel)
+
+
+def without_files(data: dict[str, Any]) -> dict[str, Any]:
+    """Tables without the names of the CSV files whose columns they hold."""
+    return {
+        name: without_files(value) if isinstance(value, dict) else value
+        for name, value in data.items()
+        if name != "file"
+    }
+
+
+def changed(tables: dict[str, Any], path: Sequence[str], value: Any) -> dict[str, Any]:
+    """Tables with one key changed, in copies; None takes it away."""
+    head, *rest = path
+    if rest:
+        table = tables.get(head)
+        value = changed(table if isinstance(table, dict) else {}, rest, value)
+    others = {name: kept for name, kept in tables.items() if name != head}
+    return others if value is None else {**others, head: value}
+
+
+def validated(model: type[Model], tables: dict[str, Any], folder: Path = Path()) -> Model:
+    """Tables as a scene of a kind.
+
+    Args:
+        model: Scene, or another kind. tables: as read from TOML, or Scene.tables.
+        folder: where paths of CSV files in them start.
+
+    Raises:
+        SceneError: in one line, the key, the value and what is allowed.
+    """
+    load = tables.get("load")
+    kind = load.get("kind") if isinstance(load, dict) else None
+    try:
+        return model.model_validate(tables, context={"folder": folder, "measured": measured_speed(kind)})
+    except ValidationError as failure:
+        raise SceneError(one_line(model, failure)) from None

@@ -1,0 +1,49 @@
+"""Results as they come, kept through kills, and their tables."""
+
+import csv
+import math
+
+import pytest
+
+from inertia_module.common.errors import Refused
+from inertia_module.jobs.store import Journal, write_tables
+from inertia_module.jobs.task import Batch, Row
+
+ROWS = [
+    Row({"drive.omega1": 10.0}, {"energy_in": 0.1 + 0.2, "efficiency": 1.0}, 1e-3),
+    Row({"drive.omega1": 20.0}, {}, 2e-3, "the module says no"),
+    Row({"drive.omega1": 30.0}, {"energy_in": 5.0}, math.pi),
+]
+POINTS = [row.point for row in ROWS]
+
+
+def test_what_was_kept_is_there_bit_for_bit_and_what_a_kill_cut_off_is_missing(tmp_path):
+    journal = Journal(tmp_path, "task")
+    list(journal.keep([Batch(ROWS[:1], {"energy_in": "J"}), Batch(ROWS[1:2])]))
+    assert Journal(tmp_path, "task").of(POINTS[:2]) == ROWS[:2]
+    whole = journal.path.read_bytes()
+    journal.path.write_bytes(whole[:-5])
+    again = Journal(tmp_path, "task")
+    assert again.units == {"energy_in": "J"}
+    assert again.missing([*POINTS, *POINTS]) == POINTS[1:]
+    list(again.keep([Batch(ROWS[1:])]))
+    assert Journal(tmp_path, "task").of(POINTS) == ROWS
+
+
+def test_results_of_another_task_are_not_mixed_in(tmp_path):
+    Journal(tmp_path, "one")
+    with pytest.raises(Refused, match="another scene"):
+        Journal(tmp_path, "other")
+
+
+def test_tables_have_units_and_leave_out_what_there_is_not(tmp_path):
+    parquet = pytest.importorskip("pyarrow.parquet")
+    files = write_tables(tmp_path, "sweep", ROWS, {"energy_in": "J", "drive.omega1": "rad/s"})
+    table = parquet.read_table(files["parquet"])
+    assert table.column_names == ["drive.omega1", "energy_in", "efficiency", "cost", "refused"]
+    assert table["energy_in"].to_pylist() == [0.1 + 0.2, None, 5.0]
+    assert table.schema.field("energy_in").metadata == {b"unit": b"J"}
+    heading, *lines = csv.reader(files["csv"].open())
+    assert heading == ["drive.omega1 [rad/s]", "energy_in [J]", "efficiency", "cost [s]", "refused"]
+    assert lines[1] == ["20.0", "", "", "0.002", "the module says no"]
+    assert float(lines[0][1]) == 0.1 + 0.2

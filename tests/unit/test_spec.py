@@ -1,0 +1,125 @@
+"""Specifications of designs: what is refused, and how designs are judged by them."""
+
+import pytest
+
+from inertia_module.jobs.judged import Judge
+from inertia_module.jobs.spec import read_spec
+from inertia_module.jobs.task import Row
+from inertia_module.scene import SceneError
+
+SPEC = """
+[drive]
+kind = "constant"
+omega1 = "100 rad/s"
+[load]
+kind = "shaft"
+inertia = "0.5 kg.m2"
+[run]
+stop_time = "1 s"
+communication_step = "10 ms"
+[free]
+imbalance_mass = "500 g:2 kg"
+satellites = "1:4"
+[figures]
+stall_torque = { speed = "1000 rpm", minimum = "20 N.m" }
+omega_out_final = { minimum = "100 rpm", maximum = 50, goal = "greatest" }
+total_imbalance_mass = { goal = "least" }
+[search]
+margin = "10 %"
+"""
+UNITS = {"stall_torque": "N.m", "omega_out_final": "rad/s", "total_imbalance_mass": "kg"}
+
+
+@pytest.fixture
+def read(tmp_path):
+    def read(text):
+        path = tmp_path / "spec.toml"
+        path.write_text(text)
+        return read_spec(path)
+
+    return read
+
+
+def test_a_specification_is_a_scene_with_free_keys_figures_and_a_search(read):
+    spec = read(SPEC)
+    assert [axis.name for axis in spec.axes] == ["mechanism.imbalance_mass", "mechanism.satellites"]
+    assert spec.goals == {"omega_out_final": "greatest", "total_imbalance_mass": "least"}
+    assert spec.named == {
+        "stall_torque": (pytest.approx(104.7197551), 0.0),
+        "total_imbalance_mass": (0.0, 0.0),
+    }
+    assert spec.runs_scene
+    assert spec.scene.load.inertia == 0.5
+    assert (spec.search.check, spec.search.population) == ("rigid", 40)
+
+
+@pytest.mark.parametrize(
+    "old, new, sentence",
+    [
+        ("[free]", "[fre]", "at least one free key"),
+        ('imbalance_mass = "500 g:2 kg"', 'imbalance_mas = "500 g:2 kg"', r"did you mean imbalance_mass\?"),
+        ("500 g:2 kg", "2 kg:1 kg", "from a lower to a higher value"),
+        ("500 g:2 kg", "2 s:3 s", "s is not a unit for kg"),
+        ("1:4", "0:4", "satellites must be a whole number between 1"),
+        ('speed = "1000 rpm", ', "", "stall_torque must be given speed, is given none of it"),
+        ("omega_out_final = {", "omega_out_final = { ratio = 0.5,", "no speed and no ratio, is given ratio"),
+        ("stall_torque", "stal_torque", "figures at a speed are stall_torque, steady_torque"),
+        ("20 N.m", "20 kg", "stall_torque.minimum must be a number in N.m, is '20 kg'"),
+        ("20 N.m", "lots", "stall_torque.minimum must be a number in N.m, is 'lots'"),
+        (', minimum = "20 N.m"', "", "must have a minimum, a maximum or a goal"),
+        ('minimum = "20 N.m"', "minimum = 5, maximum = 4", "minimum must be at most maximum, 5 is above 4"),
+        ('"greatest"', '"most"', "'least' or 'greatest', is 'most'"),
+        ("10 %", "60 %", "search.margin must be a number of at least 0 and of at most 0.5"),
+        ("[search]", "[search]\npopulatoin = 4", r"did you mean population\?"),
+        ("0.5 kg.m2", "-0.5 kg.m2", "load.inertia must be a number above 0"),
+        ("[drive]", "[drive", "must be a specification"),
+    ],
+)
+def test_a_bad_specification_is_refused_in_a_sentence(old, new, sentence, read):
+    text = SPEC.replace(old, new)
+    assert text != SPEC
+    with pytest.raises(SceneError, match=sentence) as refused:
+        read(text)
+    assert "\n" not in str(refused.value).strip()
+
+
+def test_one_to_three_figures_have_a_goal(read):
+    with pytest.raises(SceneError, match="1 to 3, is 0"):
+        read(SPEC.replace(', goal = "greatest"', "").replace('goal = "least"', "maximum = 9"))
+    more = "".join(
+        f'torque_{name} = {{ speed = 9, ratio = 0, goal = "least" }}\n' for name in ("ripple", "peak")
+    )
+    with pytest.raises(SceneError, match="1 to 3, is 4"):
+        read(SPEC.replace("[search]", f"{more}[search]"))
+
+
+def row(torque, speed, mass):
+    figures = {"stall_torque": torque, "omega_out_final": speed, "total_imbalance_mass": mass}
+    known = {name: value for name, value in figures.items() if value is not None}
+    return Row({"mass": mass}, known, 0.0)
+
+
+def test_designs_are_judged_in_the_units_of_their_figures(read):
+    judge = Judge(read(SPEC), UNITS)
+    good = row(22.0, 40.0, 1.0)
+    assert judge.meets(good)
+    # the margin is for what the scene gives: 10 % of 100 rpm, 10 % of 50 rad/s
+    assert judge.violations(good, 0.1) == pytest.approx(
+        [-0.1, 1.0 - 40.0 / 10.4719755 + 0.1, -0.2 + 0.1, 0.0]
+    )
+    short = row(15.0, 60.0, 1.0)
+    assert not judge.meets(short)
+    assert judge.beyond(short) == pytest.approx(0.25 + 0.2)
+    assert judge.tightest(short).text(short, "N.m") == "stall_torque is 15 N.m, must be at least 20 N.m"
+    refused = Row({"mass": 1.0}, {}, 0.0, "no")
+    assert judge.violations(refused) == [1.0, 1.0, 1.0, 1.0]
+    assert judge.violations(row(22.0, None, 1.0)) == pytest.approx([-0.1, 1.0, 1.0, 1.0])
+
+
+def test_the_front_is_what_no_other_design_is_better_than(read):
+    judge = Judge(read(SPEC), UNITS)
+    light, fast, both = row(22.0, 20.0, 0.5), row(22.0, 45.0, 2.0), row(22.0, 40.0, 1.0)
+    worse, worst = row(22.0, 39.0, 1.1), row(22.0, 38.0, 1.2)
+    first, second, third = judge.fronts([worst, fast, worse, light, both])
+    assert sorted(one.point["mass"] for one in first) == [0.5, 1.0, 2.0]
+    assert (second, third) == ([worse], [worst])
