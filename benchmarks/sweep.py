@@ -29,16 +29,22 @@ outputs = ["omega_out"]
 
 
 def measure(task, points, workers):
-    """(runs a second, CPU time a run of this process with client and scheduler, that of a run itself), s."""
+    """Runs a second, and CPU time a run, s, of this process (client, scheduler) and of the workers."""
     with pool(task, workers=workers) as client:
         list(
             evaluations(client, task.identity, points[: 200 * workers])
         )  # instances are there, batches large
-        began, spent = time.perf_counter(), time.process_time()
+        began, before = time.perf_counter(), times(client)
         rows = [row for batch in evaluations(client, task.identity, points) for row in batch.rows]
-        passed, spent = time.perf_counter() - began, time.process_time() - spent
+        passed, after = time.perf_counter() - began, times(client)
     assert not any(row.refused for row in rows)
-    return len(rows) / passed, spent / len(rows), sum(row.cost for row in rows) / len(rows)
+    here, there = ((now - then) / len(rows) for now, then in zip(after, before, strict=True))
+    return len(rows) / passed, here, there
+
+
+def times(client):
+    """CPU time of this process and of all workers, s."""
+    return time.process_time(), sum(client.run(time.process_time).values())
 
 
 def main(runs):
@@ -48,10 +54,10 @@ def main(runs):
     print(f"load average {os.getloadavg()[0]:.1f}")
     rates = {}
     for workers in (1, 2):
-        rates[workers], client, run = measure(task, points, workers)
+        rates[workers], here, there = measure(task, points, workers)
         print(
-            f"{workers} workers: {rates[workers]:.0f} runs/s; CPU of client and scheduler"
-            f" {1e6 * client:.0f} us a run; a run takes {1e6 * run:.0f} us"
+            f"{workers} workers: {rates[workers]:.0f} runs/s; CPU a run: {1e6 * here:.0f} us of client and"
+            f" scheduler, {1e6 * there:.0f} us of workers; two free cores: {2.0 / (here + there):.0f} runs/s"
         )
     print(f"two workers are {rates[2] / rates[1]:.2f} times one")
 

@@ -13,7 +13,8 @@ from inertia_module.cli import app
 from inertia_module.common.errors import Refused
 from inertia_module.harness.results import Result, read_columns
 from inertia_module.harness.simulate import Fmu
-from inertia_module.jobs.spectra import pulses_a_turn, spectra
+from inertia_module.jobs.order_run import pulses_a_turn
+from inertia_module.jobs.spectra import spectra
 from inertia_module.kernel.inertia import reduced_inertia
 from inertia_module.memory.instances import Module
 from inertia_module.scene import load_scene, read_scene
@@ -86,7 +87,7 @@ def known(highest=None, turns=None):
 def test_lines_of_a_known_run_up_have_their_orders_and_amplitudes(turns):
     found, _ = known(turns=turns)
     first, second = found.largest(2)["x"]
-    assert (first.order, second.order) == (2.5, 7.0)
+    assert (first.order, second.order) == pytest.approx((2.5, 7.0), rel=1e-12)
     assert (first.amplitude, second.amplitude) == pytest.approx((3.0, 0.5), rel=2e-3)
     edges = 0.5 * found.turns * np.arange(found.time.size + 2)
     speed = np.sqrt(20.0**2 + 36.0 * math.tau * edges)
@@ -102,6 +103,13 @@ def test_all_that_swings_is_in_the_spectrum():
     assert found.rms("x") == pytest.approx(float(np.std(swing)), rel=1e-2)
     low, _ = known(highest=5.0)
     assert low.rms("x") == pytest.approx(3.0 / math.sqrt(2.0), rel=2e-3)
+
+
+def test_what_is_above_the_highest_order_does_not_fold_down():
+    turned = np.arange(0.0, 100.0, 1.0 / 200.0)
+    columns = {"time": turned, "input_speed": 0.0 * turned + math.tau, "x": np.cos(math.tau * 30.5 * turned)}
+    found = spectra(Result.from_columns(columns), turned, ["x"], highest=8.0)
+    assert found.amplitude["x"].max() < 2e-3
 
 
 def test_parseval_holds_for_the_torque_of_a_run(fmu):

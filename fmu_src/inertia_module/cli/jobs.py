@@ -41,7 +41,8 @@ def orders(
     from ..figures.orders import order_figure
     from ..harness.results import write_figure
     from ..harness.simulate import progress_bar
-    from ..jobs.spectra import BASES, SIGNALS
+    from ..jobs.order_run import SIGNALS
+    from ..jobs.spectra import BASES
     from ..scene import load_scene
 
     with one_line_errors():

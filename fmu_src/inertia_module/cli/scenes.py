@@ -178,7 +178,10 @@ def chart(
     output: OutputFolder = None,
     speed: Annotated[
         str | None,
-        typer.Option(metavar="SPEED", help="Torques at this input speed, and a converter table: '3000 rpm'."),
+        typer.Option(
+            metavar="SPEED",
+            help="Torques at this speed, and converter tables for lookup blocks, CSV and MAT: 3000 rpm.",
+        ),
     ] = None,
     as_json: Json = False,
 ) -> None:
@@ -189,7 +192,8 @@ def chart(
     """
     from ..figures.chart import chart_figure
     from ..harness.chart import NOMINAL_SPEED, efficiency_map, torque_converter_chart
-    from ..harness.results import write_columns, write_figure
+    from ..harness.converter import converter_table
+    from ..harness.results import write_figure
     from ..harness.simulate import progress_bar
     from ..scene import load_scene
 
@@ -212,10 +216,10 @@ def chart(
         files = [str(found.save(folder / f"{name}.csv")) for name, found in charts.items()]
         files += [str(found.save(folder / f"{name}_efficiency.csv")) for name, found in maps.items()]
         if omega1 is not None:
-            tables = {name: found.converter_table(omega1) for name, found in charts.items()}
-            files += [
-                str(write_columns(folder / f"{name}_converter.csv", table)) for name, table in tables.items()
-            ]
+            for name, found in charts.items():
+                table = converter_table(mechanisms[name], found, omega1)
+                files.append(str(table.save(folder / f"{name}_converter.csv")))
+                files.append(str(table.save_mat(folder / f"{name}_converter.mat")))
         files.append(str(write_figure(folder / "chart.png", chart_figure(charts, maps))))
     summaries = {name: found.summary(omega1) for name, found in charts.items()}
     units = {name: found.units(omega1) for name, found in charts.items()}

@@ -13,7 +13,7 @@ from .panels import DPI, SIZE, dress
 
 # lines named in a panel, and the share of all that swings that a picture goes out to
 NAMED = 3
-SHOWN = 0.999
+SHOWN = 0.99
 # decades of the colours
 DECADES = 3
 # of the height of a row, inches
@@ -57,10 +57,10 @@ def _run(found: Orders) -> tuple[Array, str]:
 
 
 def _end(found: Orders) -> float:
-    """The order up to which SHOWN of all that swings is found, of every signal."""
+    """A little above the order up to which SHOWN of all that swings is found, of every signal."""
     shares = (np.cumsum(values**2) / np.sum(values**2) for values in found.amplitude.values())
     place = max(int(np.searchsorted(share, SHOWN)) for share in shares)
-    return float(found.order[min(place, found.order.size - 1)])
+    return min(1.1 * float(found.order[place]), float(found.order[-1]))
 
 
 def _waterfall(axes: Axes, order: Array, over: Array, amplitude: Array, unit: str) -> None:

@@ -3,9 +3,8 @@
 The chart of a hydrodynamic converter plots torque ratio, efficiency and capacity over the speed ratio
 (SAE J643). In a mechanism without losses everything goes with the square of the input speed as well, so
 one chart holds for all speeds. Its efficiency is 1 and its torque ratio one over the speed ratio; at
-stall it passes torque and takes no power, so torque ratio and capacity factor are given above it only
-(converter_table). Mechanisms differ in the torque they pass. With losses the chart is that of one input
-speed, and a map tells the efficiency over speed ratio and input speed.
+stall it passes torque and takes no power. Mechanisms differ in the torque they pass. With losses the chart is
+that of one input speed, and a map tells the efficiency over speed ratio and input speed.
 """
 
 from __future__ import annotations
@@ -110,25 +109,6 @@ class TorqueConverterChart:
         """Units of the numbers of summary, "" for ratios."""
         torque = "N.m.s2" if omega1 is None else "N.m"
         return {name: "" if name in _RATIOS else torque for name in self.summary()}
-
-    def converter_table(self, omega1: float) -> dict[str, Array]:
-        """What models of torque converters ask for, at an input speed, by heading; shape (m,), all finite.
-
-        The rows are those in which power is taken and torque passed: without losses not stall. The capacity
-        factor is K = omega1 / sqrt(input torque).
-
-        Args:
-            omega1: speed of the input, rad/s, not 0.
-        """
-        taken = (self.input_torque > 0.0) & (self.output_torque > 0.0)
-        given, passed = self.input_torque[taken], self.output_torque[taken]
-        return {
-            "speed_ratio": self.speed_ratio[taken],
-            "torque_ratio": passed / given,
-            "capacity_factor [rad/s/(N.m)^0.5]": 1.0 / np.sqrt(given),
-            "output_torque [N.m]": omega1 * omega1 * passed,
-            "input_torque [N.m]": omega1 * omega1 * given,
-        }
 
     def save(self, path: Path | str) -> Path:
         """Write as CSV, whole or not at all; the numbers read back are the same doubles."""

@@ -20,6 +20,8 @@ from ..memory.instances import Module
 HELD = 1e8
 # turns of the drive to average over: whole periods of the motion, or where that is long most of it
 FEWEST_TURNS, MOST_TURNS = 10, 100
+# turns of link 1 after which link 2 has come along where the shaft runs ahead
+SETTLING_TURNS = 200
 # of the time of a period, which only decides what little of a pulse is missed at its end
 TIME_ERROR = 1e-8
 # drive angles at which lock-up is looked at
@@ -133,6 +135,18 @@ class SteadyMachine:
             module["torque_peak"],
             module["satellite_force_peak"],
         )
+
+    def coasting(self, omega1: float, ratio: float) -> tuple[float, float]:
+        """Mean torques on the load and of link 1, N m, where the shaft runs ahead: what rubs, else nothing.
+
+        Args:
+            omega1: speed of link 1, rad/s, not 0. ratio: output over input speed, above 1.
+        """
+        module = self._started(omega1, ratio * abs(omega1))
+        module.advance(SETTLING_TURNS * math.tau / abs(omega1))
+        module.advance(MOST_TURNS * math.tau / abs(omega1))
+        braked = module["output_torque_mean"] - module["output_friction"] * module["omega_out"]
+        return braked, math.copysign(1.0, omega1) * module["input_torque_mean"]
 
     def mount(self, omega1: float, ratio: float) -> MountLoad:
         """The largest load on the mount, of SAMPLES a turn of the drive.

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -24,30 +24,23 @@ from scipy.interpolate import CubicSpline
 from ..common.errors import Refused, must_be
 from ..contract.variables import BY_NAME
 from ..harness.results import write_columns, write_text
-from ..harness.simulate import Progress, Result
-from ..kernel.codes import AVERAGED
-from ..kernel.inertia import reduced_inertia
-from ..memory.instances import Module
-from ..scene import Scene, load_scene, run_scene
+from ..harness.simulate import Result
 
 Array = NDArray[np.float64]
 
+# what an order is counted over
 LINK1, PULSES = "link1", "pulses"
-# what an order is counted over: the angle, without whole turns, and these
-_ANGLES = {LINK1: ("input_angle", "input_turns"), PULSES: ("drive_angle", "drive_turns")}
 BASES = {LINK1: "turn of link 1", PULSES: "pulse"}
-# what is looked at where nothing is asked for
-SIGNALS = (
-    *("input_torque", "output_torque", "input_speed", "omega_out"),
-    *("shaking_force_x", "shaking_force_y", "shaking_force_z"),
-)
-# samples a cycle of the highest order: recorded (2 would just do), and resampled
-RECORDED, RESAMPLED = 2.56, 4.0
+# points a cycle of the highest order, where 2 would just do
+RECORDED = 2.56
+# resampled as finely as recorded at the slowest, for what is left out would fold down, but at most so much
+# finer than at the fastest
+FINEST = 10.0
 WINDOW = "hann"
 # a spectrum is drawn out to so many times the points, so that a line between two of them is not missed
 PADDING = 4
-# width of a line, in 1 / turns of the window
-MAIN_LOBE = 4
+# half the width of a line, in 1 / turns of the window, and the height of what the window makes beside it
+HALF_LOBE, SIDE_LOBE = 2, 0.05
 # a line that bends is looked for so far beside itself, relative
 BESIDE = 0.03
 # turns (or pulses) in a window: at most where nothing is asked for, and at least
@@ -98,13 +91,22 @@ class Orders:
         return math.sqrt(0.5 * float(np.sum(self.amplitude[name] ** 2)) / (PADDING * bandwidth))
 
     def largest(self, number: int = 5) -> dict[str, list[Line]]:
-        """The largest lines of each signal, the largest first; what lies within MAIN_LOBE of one is of it."""
-        found = {}
-        for name, amplitude in self.amplitude.items():
-            places, _ = signal.find_peaks(amplitude, distance=MAIN_LOBE * PADDING)
-            places = places[self.order[places] * self.turns >= 0.5 * MAIN_LOBE]  # below that it is trend
-            first = places[np.argsort(amplitude[places])[::-1][:number]]
-            found[name] = [self._line(name, int(place)) for place in first]
+        """The largest lines of each signal, the largest first."""
+        return {
+            name: [self._line(name, place) for place in self._places(amplitude)[:number]]
+            for name, amplitude in self.amplitude.items()
+        }
+
+    def _places(self, amplitude: Array) -> list[int]:
+        """Where the lines of a spectrum are, the largest first; without side lobes and trend."""
+        found: list[int] = []
+        places, _ = signal.find_peaks(amplitude, distance=HALF_LOBE * PADDING)
+        for place in places[np.argsort(amplitude[places])[::-1]].tolist():
+            near = (larger for larger in found if abs(place - larger) <= 2 * HALF_LOBE * PADDING)
+            if self.order[place] * self.turns >= HALF_LOBE and all(
+                amplitude[place] > SIDE_LOBE * amplitude[larger] for larger in near
+            ):
+                found.append(place)
         return found
 
     def _line(self, name: str, place: int) -> Line:
@@ -151,22 +153,6 @@ class Orders:
         }
 
 
-def pulses_a_turn(parameters: Mapping[str, float]) -> float:
-    """Pulses a turn of the drive angle q, mean over its period: how often the reduced inertia I(q) begins to
-    rise, for its slope is what pushes link 2.
-
-    Args:
-        parameters: of the module, those that differ from the defaults.
-    """
-    module = Module("plain")
-    module.check(**parameters)
-    turns = int(module.derived.period_turns)
-    angles = np.linspace(0.0, math.tau * turns, 720 * turns, endpoint=False)
-    slopes = [reduced_inertia(module.derived, float(q))[1] for q in angles]  # type: ignore[no-untyped-call]
-    rising = np.array(slopes) > 0.0
-    return float(np.sum(rising & ~np.roll(rising, 1))) / turns
-
-
 def spectra(
     table: Result,
     turned: Array,
@@ -186,27 +172,11 @@ def spectra(
     Raises:
         Refused: turned does not rise, is too little for a window, or rows are too far apart.
     """
-    still = np.flatnonzero(np.diff(turned) <= 0.0)
-    if still.size:
-        at = f"{table.time[still[0]]:g} s"
-        raise Refused(
-            f"the angle that orders are counted over must rise, does not at {at}: choose other times"
-        )
-    all_turns = float(turned[-1] - turned[0])
-    per_window = min(TURNS, max(LEAST_TURNS, all_turns / 4.0)) if turns is None else turns
-    if not LEAST_TURNS <= per_window <= all_turns:
-        counted = f"of {LEAST_TURNS:g} to the {all_turns:.4g} (each a {BASES[of]}) that there are"
-        raise Refused(must_be("turns of a window", counted, f"{per_window:.4g}"))
-    shown = 1.0 / (RECORDED * float(np.diff(turned).max()))
-    if highest is not None and not 0.0 < highest <= shown:
-        raise Refused(
-            f"highest order must be above 0 and at most {shown:.4g}, is {highest:g}: with a shorter"
-            " run.communication_step there are higher ones"
-        )
-    highest = shown if highest is None else highest
-    samples = math.ceil(RESAMPLED * highest)
+    highest, per_window = _resolution(table, turned, of, highest, turns)
+    steps = np.diff(turned)
+    samples = math.ceil(1.0 / max(float(steps.min()), float(steps.max()) / FINEST))
     size = round(per_window * samples)
-    angle = np.arange(math.floor(all_turns * samples) + 1) / samples
+    angle = np.arange(math.floor((turned[-1] - turned[0]) * samples) + 1) / samples
     options: dict[str, Any] = {"fs": samples, "window": WINDOW, "nperseg": size, "noverlap": size // 2}
     options |= {"nfft": PADDING * size, "detrend": "linear", "scaling": "spectrum"}
     waterfall = {}
@@ -214,7 +184,7 @@ def spectra(
         values = CubicSpline(turned - turned[0], table[name])(angle)
         order, middle, power = signal.spectrogram(values, **options)
         amplitude = np.sqrt(2.0 * power.T[:, order <= highest])
-        amplitude[amplitude < _rounding(table, name)] = 0.0
+        amplitude[amplitude < rounding(table, name)] = 0.0
         waterfall[name] = amplitude
     edges = middle[:, None] + 0.5 * size / samples * np.array([-1.0, 0.0, 1.0])
     begin, time, end = np.interp(edges, turned - turned[0], table.time).T
@@ -232,56 +202,31 @@ def spectra(
     )
 
 
-def _rounding(table: Result, name: str) -> float:
+def _resolution(
+    table: Result, turned: Array, of: str, highest: float | None, turns: float | None
+) -> tuple[float, float]:
+    """Highest order and turns in a window, as asked for or as the rows allow; see spectra."""
+    still = np.flatnonzero(np.diff(turned) <= 0.0)
+    if still.size:
+        at = f"{table.time[still[0]]:g} s"
+        raise Refused(
+            f"the angle that orders are counted over must rise, does not at {at}: choose other times"
+        )
+    all_turns = float(turned[-1] - turned[0])
+    per_window = min(TURNS, max(LEAST_TURNS, all_turns / 4.0)) if turns is None else turns
+    if not LEAST_TURNS <= per_window <= all_turns:
+        counted = f"of {LEAST_TURNS:g} to the {all_turns:.4g} (each a {BASES[of]}) that there are"
+        raise Refused(must_be("turns of a window", counted, f"{per_window:.4g}"))
+    shown = 1.0 / (RECORDED * float(np.diff(turned).max()))
+    if highest is not None and not 0.0 < highest <= shown:
+        raise Refused(
+            f"highest order must be above 0 and at most {shown:.4g}, is {highest:g}: with a shorter"
+            " run.communication_step there are higher ones"
+        )
+    return shown if highest is None else highest, per_window
+
+
+def rounding(table: Result, name: str) -> float:
     """What of a signal is no more than rounding, in its unit."""
     nominal = BY_NAME[name].nominal if name in BY_NAME else None
     return _ROUNDING * max(float(np.abs(table[name]).max()), nominal or 0.0)
-
-
-def orders(
-    scene: Scene | Path | str,
-    fmu_path: Path | str,
-    *,
-    of: str = LINK1,
-    signals: Sequence[str] = SIGNALS,
-    highest: float | None = None,
-    turns: float | None = None,
-    begin: float = 0.0,
-    end: float | None = None,
-    progress: Progress | None = None,
-) -> Orders:
-    """Run a scene and find the orders of its signals; those that do not swing at all are left out.
-
-    Args:
-        scene: a scene or its file. fmu_path: the FMU of the module.
-        of: "link1" or "pulses". signals: names of outputs, locals or signals of the loop.
-        highest, turns: as in spectra. begin, end: part of the run that is looked at, s.
-        progress: told how much of the run is done (0 to 1).
-
-    Raises:
-        SceneError: the scene cannot be, or has no such signal.
-        Refused: as spectra; fidelity averaged, which has no pulses; times not in order.
-    """
-    if of not in _ANGLES:
-        raise Refused(must_be("orders", " or ".join(_ANGLES), repr(of)))
-    scene = scene if isinstance(scene, Scene) else load_scene(scene)
-    if scene.parameters().get("fidelity") == AVERAGED:
-        raise Refused(
-            "fidelity must be kinematic, rigid or elastic for orders, is averaged: it has no pulses"
-        )
-    last = scene.run.stop_time if end is None else end
-    if not 0.0 <= begin < last <= scene.run.stop_time:
-        limits = f"in order and within 0 to {scene.run.stop_time:g} s"
-        raise Refused(must_be("times", limits, f"{begin:g} to {last:g} s"))
-    angle, whole = _ANGLES[of]
-    wanted = list(dict.fromkeys([*signals, "input_speed", angle, whole]))
-    record = run_scene(scene.replaced(run={"outputs": wanted}), fmu_path, progress).record
-    part = (record.time >= begin - 1e-9) & (record.time <= last + 1e-9)
-    table = Result({name: values[part] for name, values in record.columns.items()}, record.units)
-    turned = table[angle] / math.tau + table[whole]
-    if of == PULSES:
-        turned = turned * pulses_a_turn(scene.parameters())
-    names = [name for name in signals if np.ptp(table[name]) > _rounding(table, name)]
-    if not names:
-        raise Refused(f"signals must swing, of {', '.join(signals)} none does")
-    return spectra(table, np.sign(turned[-1] - turned[0]) * turned, names, of, highest, turns)

@@ -43,17 +43,31 @@ class TaskPlugin(WorkerPlugin):  # type: ignore[misc]
         self.path = Path(self.closing.enter_context(TemporaryDirectory())) / "Module.fmu"
         self.path.write_bytes(self.task.fmu)
         self.local = threading.local()
+        self.lock, self.running, self.ended = threading.Lock(), 0, False
 
     def teardown(self, worker: Worker) -> None:
-        """Close the instances of the FMU and remove it."""
-        self.closing.close()
+        """Close the instances of the FMU and remove it, once no thread runs one: its client may be gone."""
+        with self.lock:
+            self.ended = True
+            self._close_if_idle()
+
+    def _close_if_idle(self) -> None:
+        if self.ended and self.running == 0:
+            self.closing.close()
 
     def evaluate(self, points: list[Point]) -> Batch:
         """Evaluate points."""
-        if not hasattr(self.local, "figures_of"):
-            self.local.figures_of = self.task.opened(self.path, self.closing)
-        figures_of: Callable[[Point], Figures] = self.local.figures_of
-        return evaluate(figures_of, points)
+        with self.lock:
+            self.running += 1
+        try:
+            if not hasattr(self.local, "figures_of"):
+                self.local.figures_of = self.task.opened(self.path, self.closing)
+            figures_of: Callable[[Point], Figures] = self.local.figures_of
+            return evaluate(figures_of, points)
+        finally:
+            with self.lock:
+                self.running -= 1
+                self._close_if_idle()
 
 
 def _evaluated_here(name: str, points: list[Point]) -> str:
