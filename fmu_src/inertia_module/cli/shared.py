@@ -92,26 +92,19 @@ def native_fmus() -> tuple[Path, Path]:
     return module, shaft
 
 
+def quantity_of(option: str, text: str, unit: str, **limits: float) -> float:
+    """A quantity given on the command line, such as "2 s", in SI; limits: as of scene.units.checked."""
+    from ..scene.units import checked
+
+    try:
+        return checked(text, unit, **limits)
+    except ValueError as error:
+        raise ValueError(f"{option} {error}") from None
+
+
 def share(option: str, text: str | None) -> float | None:
     """An error given on the command line, such as 0.01 or "1 %"."""
-    from ..scene.units import checked
-
-    if text is None:
-        return None
-    try:
-        return checked(text, "1", maximum=1.0, above=0.0)
-    except ValueError as error:
-        raise ValueError(f"{option} {error}") from None
-
-
-def quantity_of(option: str, text: str, unit: str) -> float:
-    """A quantity given on the command line, such as "2 s", in SI."""
-    from ..scene.units import checked
-
-    try:
-        return checked(text, unit)
-    except ValueError as error:
-        raise ValueError(f"{option} {error}") from None
+    return None if text is None else quantity_of(option, text, "1", maximum=1.0, above=0.0)
 
 
 def turning(text: str) -> float:
