@@ -2,7 +2,8 @@
 
 from pathlib import Path
 
-OUT = Path(__file__).parents[2] / "out" / "page"
+ROOT = Path(__file__).parents[2]
+OUT, REFERENCE = ROOT / "out" / "page", ROOT / "examples" / "reference.toml"
 # no sandbox: the tests may run as root. WebGL without a graphics card; nothing that calls home
 FLAGS = (
     *("--no-sandbox", "--no-first-run", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"),

@@ -5,14 +5,12 @@ import shutil
 from pathlib import Path
 
 import pytest
-from chromium import FLAGS, Opened
-from cluster import Cluster
+from tests.system.chromium import FLAGS, REFERENCE, Opened
+from tests.system.cluster import Cluster
 from typer.testing import CliRunner
 
 from inertia_module.cli import app
 from inertia_module.page.html import TEMPLATE
-
-REFERENCE = Path(__file__).parents[2] / "examples" / "reference.toml"
 
 
 @pytest.fixture(scope="session")

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.system.conftest import REFERENCE
+from tests.system.chromium import REFERENCE
 from tests.system.page_state import DESK, at, settled, shown, state
 
 from inertia_module.scene import read_scene
