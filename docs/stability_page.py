@@ -7,13 +7,22 @@ from operator import itemgetter
 from pathlib import Path
 
 from inertia_module.kernel import limits
-from inertia_module.studies.stability import bounds, case, random_checks, random_motions, random_study, trial
+from inertia_module.studies.stability import (
+    bounds,
+    case,
+    loss_axes,
+    random_checks,
+    random_motions,
+    random_study,
+    trial,
+)
 from inertia_module.studies.stability.study import counts
 from inertia_module.studies.stability.table import read_rows
 from inertia_module.studies.stability.verdict import BROKEN, EXACT, OUTCOMES, REFUSED
 
 TABLE = Path(__file__).parent / "stability.csv"
 RANDOM = Path(__file__).parent / "random.csv"
+RANDOM_LOSSES = Path(__file__).parent / "random_losses.csv"
 # columns of the table of random motions: all runs, and of them those beyond the bound asked for
 COUNTS = "runs", "explained", "sensitive", "failed"
 
@@ -34,6 +43,20 @@ def exceptions(rows):
         yield f"- {number} refused: {reason}."
 
 
+def levels_with(rows):
+    """A line for each axis of losses: whether a level takes it, refuses it, or has no such part."""
+    names = [level.name for level in case.LEVELS]
+    yield f"| | {' | '.join(names)} |\n|---|{'---|' * len(names)}"
+    for axis in (axis.__name__.replace("_", " ") for axis in loss_axes.LOSS_AXES):
+        outcomes = {name: set() for name in names}
+        for row in rows:
+            if row.axis == axis:
+                for name, cell in row.cells.items():
+                    outcomes[name].add(cell.outcome)
+        told = ("refused" if found == {REFUSED} else "yes" if found else "" for found in outcomes.values())
+        yield f"| {axis} | {' | '.join(told)} |"
+
+
 def share(row):
     """How much of its bound the worst value has, -1 where there is none."""
     return float(row["worst"]) / max(float(row["bound"]), 1e-300) if row["worst"] else -1.0
@@ -49,7 +72,7 @@ def random_rows(rows):
         yield f"| {' | '.join(cells if worst['worst'] else (*cells[:5], '', '', '', ''))} |"
 
 
-def random_counts(rows):
+def random_counts(rows, reference=random_checks.REFERENCE):
     """What the random motions count to: tried, refused, and those within the error of the reference."""
 
     def count(head, *invariants, levels=None):
@@ -58,7 +81,7 @@ def random_counts(rows):
         )
         return sum(int(row[head]) for row in chosen)
 
-    reference, compared = random_checks.REFERENCE, count("runs", random_checks.REFERENCE)
+    compared = count("runs", reference)
     beyond = {head: count(head, reference) for head in COUNTS[1:]}
     levels = {row["level"] for row in rows if row["invariant"] == reference}
     counters = random_study.SHORT, random_study.TAKEN
@@ -87,10 +110,17 @@ def values():
             for level, (count, largest) in counted.items()
         ),
     ]
-    drawn = list(csv.DictReader(RANDOM.read_text().splitlines()))
+    drawn, lossy = (list(csv.DictReader(path.read_text().splitlines())) for path in (RANDOM, RANDOM_LOSSES))
     return {
         **random_counts(drawn),
         "random_rows": "\n".join(random_rows(drawn)),
+        "losses_rows": "\n".join(random_rows(lossy)),
+        **{
+            f"losses_{name}": count
+            for name, count in random_counts(lossy, random_checks.VIRTUAL_WORK).items()
+        },
+        "losses_work": random_checks.MOST_WITH_LOSSES,
+        "levels_with": "\n".join(levels_with(rows)),
         "reference_tolerance": random_checks.REFERENCE_TOLERANCE,
         "reference_error": random_checks.REFERENCE_ERROR,
         "reference_work": random_checks.MOST_EVALUATIONS,

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from inertia_module.common.errors import Refused
 from inertia_module.contract.variables import BY_NAME
 from inertia_module.harness.simulate import Result
 from inertia_module.scene import SceneError, read_scene
@@ -250,3 +251,35 @@ def test_a_scene_is_measured_in_longer_steps_too():
     done = [row for row in study.rows if not row.failure]
     assert all(row.errors["worst"] == row.worst(short.run.outputs) for row in done)
     assert dataclasses.replace(done[0], failure="no").worst(["omega_out"]) == float("inf")
+
+
+# --- losses ---
+
+
+@pytest.mark.parametrize(
+    "losses",
+    ["mesh_efficiency = 0.95\njournal_friction = 1e-3", "gravity = 9.81", "freewheel_stiffness = 2e3"],
+)
+def test_level_that_refuses_the_losses_of_a_scene_is_not_chosen(losses):
+    lossy = scene(changed('"2 %"', '"100 %"').replace("[drive]", f"{losses}\n[drive]"))
+    refusing = set()
+    for level in trials.candidates(lossy):
+        try:
+            run_in_process(trials.at_level(lossy, level).replaced(run={"stop_time": 0.005}))
+        except Refused:
+            refusing.add(level.name)
+    rows = trials.trial_rows(lossy)
+    assert {row.level for row in rows if "must be" in row.failure} == refusing
+    assert {"rigid, event"} <= {row.level for row in rows} - refusing
+    chosen, choice = trials.choose(lossy)
+    assert choice.row.level not in refusing
+    assert run_in_process(chosen).record.last()["time"] == pytest.approx(0.2)
+    # what refuses and might be cheaper is told with the sentence
+    assert refusing <= {label.partition(", step")[0].partition(", map")[0] for label in choice.passed}
+
+
+def test_measurements_are_made_anew_where_the_equations_of_losses_change(monkeypatch):
+    named = []
+    monkeypatch.setattr(trials, "sources", lambda *patterns: named.extend(patterns) or {})
+    trials.measurement_file(scene())
+    assert any(Path("kernel/general/motion.py").match(pattern) for pattern in named)

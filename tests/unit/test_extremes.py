@@ -34,6 +34,8 @@ DISTANCES = ("long against short steps", *ERRORS)
 ENERGIES = ("energy residual", "energy residual, short steps")
 CUSP = "the inertia behind link 2 vanishes"
 NO_MEAN = "without both freewheels"
+LOSSES = "efficiency|journal friction|stick|drag|gravity|wind up|all losses"
+WORK = ("work", "work, short steps")
 
 LIMITS = [
     # what is refused, and must be
@@ -43,6 +45,15 @@ LIMITS = [
     Limit("no inertia of link 2", r"a = b = 0\.7|l = 0 m", ANY, "[^k].*", refused=CUSP),
     Limit("turns", "1e.09 turns of the drive", ANY, "[^a].*", refused="more than 5e7 evaluations"),
     Limit("shaft", "balancer 10", ANY, ANY, refused="leaves the range of doubles"),
+    Limit(LOSSES, ANY, ANY, "averaged", refused="the map of the mean torque knows none"),
+    Limit(LOSSES, ANY, ANY, f"kinematic|{FIXED}", refused="losses by load, drag and gravity must be off"),
+    # a shaft that is followed at rest, though nothing moves
+    Limit("stick", ".*, 1e.09 rad", ANY, "elastic, event", refused="more than 5e7 evaluations"),
+    # by events: what follows on a stick is off; drag that ends a motion far faster than a pulse; bodies that
+    # come to rest where they may turn either way
+    Limit("efficiency", "link 2 0.1", "planar", "elastic, event", DISTANCES),
+    Limit("drag", "(housing|output) 1000 N.m.s/rad", "planar", EVENT, WORK),
+    Limit("satellite bodies", r"Jt (1000|1e\+06)", "bevel", ANY, DISTANCES),
     # by events: a load or a mass so far off that the rigid motion of the shaft is lost in its oscillation
     Limit("load", "-1e.09 N.m", "bevel", "elastic, event", (*DISTANCES, "torque against a freewheel")),
     Limit("mass", "1e.0[69] kg.*", ANY, "elastic, event", (*DISTANCES, "torque against a freewheel")),

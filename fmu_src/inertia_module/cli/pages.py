@@ -43,13 +43,16 @@ def stability(
         int, typer.Option("--random", metavar="N", min=0, help="N random motions in place of the map.")
     ] = 0,
     seed: Annotated[int, typer.Option("--seed", metavar="S", help="Of the random motions.")] = 1,
+    losses: Annotated[
+        bool, typer.Option("--losses", help="Random motions with losses by load, drag and gravity.")
+    ] = False,
 ) -> None:
     """Try the extremes and give each a verdict (out/stability without -o); exit code 1 if one is broken.
 
     With --random they are random mechanisms under random inputs; exit code 1 if one fails.
     """
     if random:
-        _random_motions(random, seed, output, as_json)
+        _random_motions(random, seed, losses, output, as_json)
         return
     from ..harness.results import write_figure
     from ..harness.simulate import progress_bar
@@ -79,7 +82,7 @@ def stability(
         raise typer.Exit(1)
 
 
-def _random_motions(number: int, seed: int, output: Path | None, as_json: bool) -> None:
+def _random_motions(number: int, seed: int, losses: bool, output: Path | None, as_json: bool) -> None:
     """Run random motions, print what does not hold with what reproduces it, write the counts."""
     from ..harness.simulate import progress_bar
     from ..studies.stability.random_study import findings, print_outcomes, run_random, write_rows
@@ -87,8 +90,8 @@ def _random_motions(number: int, seed: int, output: Path | None, as_json: bool) 
     with one_line_errors():
         folder = folder_for(output, "stability")
         with progress_bar("trying random motions") as progress:
-            outcomes = run_random(number, seed, folder, progress)
-        file = write_rows(folder / "random.csv", outcomes)
+            outcomes = run_random(number, seed, folder, progress, losses)
+        file = write_rows(folder / ("random_losses.csv" if losses else "random.csv"), outcomes)
     if as_json:
         typer.echo(json.dumps({"findings": findings(outcomes), "files": {"invariants": str(file)}}))
     else:

@@ -47,6 +47,18 @@ def shaft_frequency(value: Callable[[str], float]) -> float:
     return math.sqrt(value("shaft_stiffness") * inertias)
 
 
+def swing_frequency(value: Callable[[str], float]) -> float:
+    """About the most at which link 2 swings on freewheels that wind up and on weights, rad/s; 0 without them.
+
+    Args:
+        value: of a parameter by name.
+    """
+    size = value("sun_radius") + value("satellite_radius") if value("layout") else value("wheel_radius")
+    stiffness = value("housing_stiffness") + value("freewheel_stiffness")
+    stiffness += value("imbalance_mass") * value("gravity") * size
+    return math.sqrt(stiffness / value("link2_inertia")) if stiffness > 0.0 else 0.0
+
+
 def bevel_lengths(p: Parameters) -> tuple[float, float, float]:
     """(AD, QA, OQ), m: the pitch cones touch on the line about which the satellite turns in link 1."""
     satellite_axis = turn(1, -p["shaft_angle"]) @ EZ

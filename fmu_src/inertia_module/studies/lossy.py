@@ -57,6 +57,7 @@ class Lossy:
     Args:
         parameters: by name, those that differ from the defaults; fidelity elastic or, any other, rigid.
         omega1, load_torque, drive_torque: as of Lagrange, rad/s and N.m.
+        most: evaluations of the equations that it may take.
 
     Attributes:
         time: s. state: see its places in cases.py; speeds of hub and driven mass are the same if rigid.
@@ -68,11 +69,16 @@ class Lossy:
     """
 
     def __init__(
-        self, parameters: Mapping[str, float], omega1: float, load_torque: float, drive_torque: float = 0.0
+        self,
+        parameters: Mapping[str, float],
+        omega1: float,
+        load_torque: float,
+        drive_torque: float = 0.0,
+        most: float = math.inf,
     ) -> None:
         self.machine = Machine(parameters)
         p, self._wheels = self.machine.p, self.machine.wheels
-        self.time, self.switches = 0.0, list[float]()
+        self.time, self.switches, self._left = 0.0, list[float](), most
         self.state = np.zeros(SUMS + len(INTEGRALS))
         self.state[Q] = p["drive_angle_start"]
         self.state[OMEGA1 : OMEGA4 + 1] = omega1, p["omega2_start"], *[p["omega_out_start"]] * 2
@@ -214,7 +220,7 @@ class Lossy:
         """Go on to a time, s.
 
         Raises:
-            ArithmeticError: the integrator gives up, or no case holds.
+            ArithmeticError: the integrator gives up, no case holds, or it takes too many evaluations.
         """
         machine = self.machine
         while self.time < time:
@@ -222,6 +228,9 @@ class Lossy:
             longest = PHASE / (machine.highest * machine.k * speed + machine.frequency)
 
             def rates(_: float, y: Array, mode: Mode = mode) -> Array:
+                self._left -= 1
+                if self._left < 0:
+                    raise ArithmeticError("the motion takes more evaluations than allowed")
                 return machine.rates(y, mode)
 
             def guards(y: Array, mode: Mode = mode) -> Array:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 
-from .case import ELASTIC_LEVELS, TIMESTEPPING_LEVELS, Case, Extreme, Segment
+from .case import ELASTIC_LEVELS, TIMESTEPPING_LEVELS, Case, Segment
+from .loss_axes import ELASTIC_OUTPUT, LOSS_AXES, Extremes
 from .mechanisms import MECHANISMS, TRAVEL, Mechanism, grazing_speed, imbalance_inertia, largest_held_torque
 
 SPEEDS = (1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e4, 1e5)
@@ -13,8 +14,6 @@ RATIOS = (1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e9)
 # distances from a critical value, relative
 NEAR = (1e-15, 1e-12, 1e-9, 1e-6, 1e-3)
 INERTIAS = {"J1": "input_inertia", "J2": "link2_inertia", "J3": "output_inertia", "J16": "drive_inertia"}
-
-Extremes = Iterator[Extreme]
 
 
 def signed(sizes: tuple[float, ...]) -> Iterator[float]:
@@ -212,8 +211,8 @@ def freewheels(mechanism: Mechanism) -> Extremes:
 
 def shaft(mechanism: Mechanism) -> Extremes:
     """The elastic shaft, soft to stiff, undamped to overdamped, and its ends."""
-    common = {"output_inertia": 0.02, "driven_inertia": 0.5}
-    reduced = 0.02 * 0.5 / (0.02 + 0.5)
+    hub, driven = ELASTIC_OUTPUT.values()
+    reduced = hub * driven / (hub + driven)
     tried: dict[str, dict[str, float]] = {}
     for exponent in (-3, 0, 3, 6, 9, 12):
         stiffness = float(f"1e{exponent}")
@@ -227,13 +226,13 @@ def shaft(mechanism: Mechanism) -> Extremes:
         **{"balancer 10": {"balancer": 10.0}, "balancer -10": {"balancer": -10.0}},
     }
     for value, changes in tried.items():
-        yield mechanism.extreme(value, common | changes, levels=ELASTIC_LEVELS)
+        yield mechanism.extreme(value, ELASTIC_OUTPUT | changes, levels=ELASTIC_LEVELS)
 
 
 _NAMED = (
     *(input_speed, input_speed_under_load, reversal, load, stall_torque, grazing, output_locked),
     *(communication_step, fixed_step, turns, tolerance, inertia_ratio, mass, no_inertia_of_link_2),
-    *(teeth, satellites, freewheels, shaft),
+    *(teeth, satellites, freewheels, shaft, *LOSS_AXES),
 )
 AXES: dict[str, Callable[[Mechanism], Extremes]] = {axis.__name__.replace("_", " "): axis for axis in _NAMED}
 

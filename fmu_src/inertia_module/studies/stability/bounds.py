@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...kernel.codes import ELASTIC, TIMESTEPPING
-from ..geometry import shaft_frequency
+from ..geometry import shaft_frequency, swing_frequency
 from .case import Case
 
 # relative rounding that adds up over a run
@@ -43,8 +43,10 @@ def work_bound(case: Case, phase: float, steps: int, fixed_steps: int) -> float:
     """Right-hand sides allowed for a phase (rad), communication steps and internal steps of timestepping."""
     if case.level.method == TIMESTEPPING:
         return STEP_WORK * steps + FIXED_STEP_WORK * fixed_steps
+    # what the shaft, freewheels that wind up and weights can swing through costs too
+    swinging = swing_frequency(case.parameter)
     if case.level.fidelity == ELASTIC:
-        # what the shaft can swing through costs too
-        phase += shaft_frequency(case.parameter) * sum(part.duration for part in case.extreme.segments)
+        swinging += shaft_frequency(case.parameter)
+    phase += swinging * sum(part.duration for part in case.extreme.segments)
     digits = float(case.parameter("tolerance") ** (-1.0 / WORK_ORDER))
     return STEP_WORK * steps + PHASE_WORK * digits * (1.0 + phase)

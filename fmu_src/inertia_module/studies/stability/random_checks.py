@@ -12,13 +12,16 @@ import numpy as np
 from ...contract.variables import default_parameters
 from ...kernel.codes import AVERAGED, DRIVE_TORQUE, ELASTIC, EVENT, RIGID, TIMESTEPPING
 from ...memory.instances import Module
+from ..cases import OMEGA4
 from ..geometry import Inertia, ratio
 from ..lagrange import Lagrange
+from ..lossy import Lossy
 from ..trajectory import Array, Unavailable
 from .bounds import BREACH, LARGEST_ERROR, ROUNDING, energy_bound
 from .case import TIMESTEPPING_ACCURACY, Segment
 from .random_motions import FRICTIONS, Motion
-from .trial import Run, distance, nudged, relative, run_once
+from .record import Run
+from .trial import distance, nudged, relative, run_once
 from .verdict import Figure
 
 Make = Callable[[], Module]
@@ -28,12 +31,17 @@ Figures = dict[str, Figure]
 REFERENCE_TOLERANCE, REFERENCE_ERROR = 1e-9, 1e-7
 # evaluations that the reference may take, and from which on a motion is not run again in other ways
 MOST_EVALUATIONS, LONGEST = 4e3, 1e7
+# the reference of the machine with losses is slower
+MOST_WITH_LOSSES = 500
 SPLIT = 7
 SHAFTS = ("input", "output")
 INERTIAS = ("input_inertia", "link2_inertia", "output_inertia", "driven_inertia")
 SPEEDS, ENERGY = ("input_speed", "omega2", "omega_hub", "omega_out"), "energy_stored"
 FACTOR = 4.0  # whose powers are exact
+AS_SPEED = ("omega2_start", "omega_out_start", *FRICTIONS, "housing_drag_viscous", "output_drag_viscous")
+AS_TORQUE = ("housing_drag", "output_drag", "gravity")
 REFERENCE, STEPS = "Lagrange's equations", "long and short steps"
+VIRTUAL_WORK = "virtual work"
 # distances that a change of the problem by the tolerance makes, that two runs may be apart
 EXPLAINED = 10.0
 # tolerances that they may be apart where a shaft swings, as in the bound of the energy residual
@@ -95,6 +103,7 @@ def of_one_run(motion: Motion, found: Run, make: Make) -> Figures:
         figures["Th, Tc >= 0"] = Figure(relative(found.pull, found.torque), BREACH)
         power = relative(found.slipping, found.speed * found.torque)
         figures["torque or slip is 0"] = Figure(power, BREACH)
+    figures["lost energy regained"] = Figure(relative(found.regained, found.energy), BREACH)
     return figures
 
 
@@ -130,9 +139,9 @@ def of_scaling(motion: Motion, found: Run, make: Make) -> Figures:
     """Speeds by a power of two and torques by its square: the same motion in less time, to the bit."""
     if (motion.level.fidelity, motion.level.method) != (RIGID, EVENT):
         return {}
-    scaled = ("omega2_start", "omega_out_start", *FRICTIONS)
-    speeds = {name: motion[name] * FACTOR for name in scaled}
     square = FACTOR**2
+    speeds = {name: motion[name] * FACTOR for name in AS_SPEED}
+    speeds |= {name: motion[name] * square for name in AS_TORQUE}
     segments = tuple(
         Segment(
             part.duration / FACTOR,
@@ -150,8 +159,8 @@ def of_scaling(motion: Motion, found: Run, make: Make) -> Figures:
 
 
 def of_momentum(motion: Motion, found: Run, make: Make) -> Figures:
-    """Without a housing freewheel the momentum changes by what drive, load and friction give."""
-    if motion.level.fidelity != RIGID or motion["housing_freewheel"]:
+    """Without a housing freewheel and weights momentum changes by what drive, load and friction give."""
+    if motion.level.fidelity != RIGID or motion["housing_freewheel"] or motion["gravity"]:
         return {}
     if motion.level.method == TIMESTEPPING and any(motion[name] for name in FRICTIONS):
         return {}  # its friction is of first order in its steps
@@ -186,22 +195,23 @@ def _by_module(motion: Motion, make: Make) -> Array:
     return np.array([[module[name] for name in (*SPEEDS, ENERGY)] for module in follower][1:])
 
 
-def _by_reference(motion: Motion, most: float) -> Array:
-    """The same by Lagrange's equations, as far as they get with so many evaluations."""
+def _by_reference(motion: Motion, method: type[Lagrange | Lossy], most: float) -> Array:
+    """The same by a reference, as far as it gets with so many evaluations."""
     first, rows = motion.segments[0], []
     with np.errstate(all="ignore"), suppress(ArithmeticError, Unavailable, np.linalg.LinAlgError):
-        reference = Lagrange(motion.parameters, first.omega1, first.load, first.drive, most)
+        reference = method(motion.parameters, first.omega1, first.load, first.drive, most)
         for part in motion.segments:
             reference.give(part.drive, part.load)
             if motion["drive"] != DRIVE_TORQUE:
                 reference.turn(part.omega1, part.slope)
             reference.advance(reference.time + part.duration)
-            rows.append([*reference.state[3:6], reference.state[-1], reference.energy()])
+            omega_out = reference.state[OMEGA4 if method is Lossy else -1]
+            rows.append([*reference.state[3:6], omega_out, reference.energy()])
     return np.array(rows)
 
 
 def of_reference(motion: Motion, found: Run, make: Make) -> Figures:
-    """Agreement of speeds and energies with Lagrange's equations solved by SciPy."""
+    """Agreement of speeds and energies with Lagrange's equations or, with losses, virtual work, by SciPy."""
     if motion.level.method != EVENT or motion.level.fidelity not in (RIGID, ELASTIC):
         return {}
     scales = np.array([*[found.speed] * len(SPEEDS), found.energy])
@@ -211,14 +221,17 @@ def of_reference(motion: Motion, found: Run, make: Make) -> Figures:
         differences = np.abs(one[:both] - other[:both]) / np.where(scales > 0.0, scales, 1.0)
         return float(np.max(differences, initial=0.0))
 
-    expected = _by_reference(motion, MOST_EVALUATIONS)
+    lossy = next(follow(motion, make)).derived.general != 0.0
+    method, name = (Lossy, VIRTUAL_WORK) if lossy else (Lagrange, REFERENCE)
+    most = MOST_WITH_LOSSES if lossy else MOST_EVALUATIONS
+    expected = _by_reference(motion, method, most)
     if not len(expected):
         return {}
     apart = error(_by_module(motion, make), expected)
     if apart <= REFERENCE_ERROR:
-        return {REFERENCE: Figure(apart, REFERENCE_ERROR)}
-    beside = (_by_reference(other, 2.0 * MOST_EVALUATIONS) for other in changed(motion, REFERENCE_TOLERANCE))
-    return {REFERENCE: explained(apart, REFERENCE_ERROR, [error(other, expected) for other in beside])}
+        return {name: Figure(apart, REFERENCE_ERROR)}
+    beside = (_by_reference(other, method, 2.0 * most) for other in changed(motion, REFERENCE_TOLERANCE))
+    return {name: explained(apart, REFERENCE_ERROR, [error(other, expected) for other in beside])}
 
 
 CHECKS = (of_one_run, of_steps, of_restore, of_scaling, of_momentum, of_reference)

@@ -19,8 +19,11 @@ DIGITS = 5
 # viscous friction of the links, the drives and the output shaft; the share of the motions that have some
 FRICTIONS = ("input_friction", "drive_friction", "link2_friction", "output_friction")
 FRICTION_SHARE, MOST_FRICTION = 0.3, 100.0
-# how often each of LEVELS is drawn
+# losses by load, drag, gravity: the share of the motions that have each, efficiencies
+LOSS_SHARE, EFFICIENCIES = 0.5, (0.5, 0.9, 0.97, 0.99, 1.0 - 1e-12)
+# how often each of LEVELS is drawn, and with losses by load, drag and gravity: where these are known
 WEIGHTS = (1, 3, 5, 3, 4, 2)
+LOSS_WEIGHTS = (0, 0, 5, 0, 4, 0)
 
 
 @dataclass(frozen=True)
@@ -70,7 +73,7 @@ def rounded(value: float, digits: int = DIGITS) -> float:
     return float(f"{value:.{digits}g}")
 
 
-class _Draw(Random):
+class Draw(Random):
     """Random numbers of few digits."""
 
     def decades(self, low: float, high: float) -> float:
@@ -82,7 +85,7 @@ class _Draw(Random):
         return rounded(self.uniform(low, high))
 
 
-def _mechanism(draw: _Draw) -> Parameters:
+def _mechanism(draw: Draw) -> Parameters:
     p: Parameters = {
         **{"satellites": draw.choice([1, 2, 3, 4, 5]), "modules": draw.choice([1, 1, 2, 5])},
         **{"imbalance_mass": draw.choice([0.0, *[draw.decades(0.01, 100.0)] * 9])},
@@ -101,7 +104,7 @@ def _mechanism(draw: _Draw) -> Parameters:
     return p | {"wheel_radius": draw.decades(0.02, 0.5), "shaft_angle": angle}
 
 
-def _drive_and_output(draw: _Draw, level: Level, omega: float) -> Parameters:
+def _drive_and_output(draw: Draw, level: Level, omega: float) -> Parameters:
     by_torque = level.fidelity != KINEMATIC and draw.random() < 0.5
     inertia = draw.decades(1e-4, 100.0)
     p = {**level.values, "input_inertia": inertia if by_torque else draw.choice([0.0, inertia])}
@@ -122,7 +125,7 @@ def _drive_and_output(draw: _Draw, level: Level, omega: float) -> Parameters:
     return p
 
 
-def _friction(draw: _Draw, scale: float) -> Parameters:
+def _friction(draw: Draw, scale: float) -> Parameters:
     """Of some links, up to a scale, N.m.s/rad."""
     if draw.random() >= FRICTION_SHARE:
         return {}
@@ -130,10 +133,35 @@ def _friction(draw: _Draw, scale: float) -> Parameters:
     return {name: min(rounded(value), MOST_FRICTION) for name, value in drawn.items()}
 
 
-def draw_motion(seed: int, number: int) -> Motion:
-    """The motion of this number in the campaign of this seed."""
-    draw = _Draw(f"{seed}/{number}")
-    (level,) = draw.choices(LEVELS, WEIGHTS)
+def _losses(draw: Draw, motion: Motion, torque: float, omega: float) -> Parameters:
+    """Each on or off: by load, drag, gravity, bodies and, elastic, freewheels that wind up."""
+
+    def some(**values: float) -> Parameters:
+        return values if draw.random() < LOSS_SHARE else {}
+
+    def part(low: float, high: float, of: float, most: float) -> float:
+        return min(rounded(draw.decades(low, high) * of), most)
+
+    p = some(mesh_efficiency=draw.choice(EFFICIENCIES))
+    p |= some(satellite_mesh_efficiency=draw.choice(EFFICIENCIES))
+    p |= some(journal_friction=draw.decades(1e-6, 0.1), gravity=draw.choice([0.0, 9.81, 60.0]))
+    inertia = motion.inertia / (motion["satellites"] * motion["modules"])
+    p |= some(satellite_inertia=part(1e-6, 1.0, inertia, 1e9))
+    p |= some(satellite_transverse_inertia=part(1e-6, 1.0, inertia, 1e9))
+    for wheel, spring in (("housing", "housing"), ("output", "freewheel")):
+        p |= some(**{f"{wheel}_drag": part(1e-6, 1.0, torque, 1e7)})
+        p |= some(**{f"{wheel}_drag_viscous": part(1e-6, 0.1, torque / omega, MOST_FRICTION)})
+        stiffness = draw.decades(1e2, 1e6)
+        damping = rounded(stiffness * draw.choice([0.0, 1e-4, 1e-3]))
+        wound = some(**{f"{spring}_stiffness": stiffness, f"{spring}_damping": damping})
+        p |= wound if motion["fidelity"] == ELASTIC else {}
+    return p
+
+
+def draw_motion(seed: int, number: int, losses: bool = False) -> Motion:
+    """The motion of this number in the campaign of this seed; losses: by load, drag and gravity besides."""
+    draw = Draw(f"{seed}/{number}")
+    (level,) = draw.choices(LEVELS, LOSS_WEIGHTS if losses else WEIGHTS)
     omega = draw.decades(1.0, 300.0)
     motion = Motion(_mechanism(draw) | _drive_and_output(draw, level, omega), ())
     torque = motion.inertia * omega**2
@@ -151,4 +179,5 @@ def draw_motion(seed: int, number: int) -> Motion:
     if level.method == TIMESTEPPING:
         motion.parameters["max_step"] = draw.decades(0.003, 3.0) / rate
     friction = _friction(draw, torque / omega) if level.fidelity != AVERAGED else {}
-    return Motion(motion.parameters | friction, tuple(segments))
+    lossy = _losses(draw, motion, torque, omega) if losses else {}
+    return Motion(motion.parameters | friction | lossy, tuple(segments))

@@ -38,10 +38,11 @@ class Outcome:
         return {"number": self.number, "sentence": sentence, "reproducer": self.reproducer}
 
 
-def outcomes_file(folder: Path, seed: int) -> Path:
+def outcomes_file(folder: Path, seed: int, losses: bool = False) -> Path:
     """The file in a folder that keeps the outcomes of a seed with this code: a line for each, in order."""
+    name = f"random-losses-{seed}" if losses else f"random-{seed}"
     code = sources("contract/*.py", "kernel/**/*.py", "memory/*.py", "studies/*.py", "studies/stability/*.py")
-    return folder / f"random-{seed}-{content_hash(code)[:8]}.jsonl"
+    return folder / f"{name}-{content_hash(code)[:8]}.jsonl"
 
 
 def as_line(outcome: Outcome) -> str:

@@ -14,7 +14,7 @@ from typing import Any
 from ...common.terminal import terminal
 from ...harness import results
 from ...memory.instances import Module
-from .random_checks import REFERENCE, SENSITIVE, Finding, Make, examine
+from .random_checks import REFERENCE, SENSITIVE, VIRTUAL_WORK, Finding, Make, examine
 from .random_motions import Motion, draw_motion, rounded
 from .random_outcomes import Outcome, as_line, outcomes_file, read_outcomes
 from .verdict import Figure
@@ -57,7 +57,8 @@ def smaller(motion: Motion) -> Iterator[Motion]:
 
 def shrunk(motion: Motion, wanted: str, make: Make = Module) -> Motion:
     """A smaller motion with the same cause of failure or refusal."""
-    slow = wanted == REFERENCE or "given up" in wanted
+    compared = wanted in (REFERENCE, VIRTUAL_WORK)
+    slow = compared or "given up" in wanted
     left, found = SLOW_TRIES if slow else TRIES, True
     while found:
         found = False
@@ -65,16 +66,16 @@ def shrunk(motion: Motion, wanted: str, make: Make = Module) -> Motion:
             if tried == motion or left == 0:
                 continue
             left -= 1
-            finding = examine(tried, make, wanted != REFERENCE)
+            finding = examine(tried, make, not compared)
             if wanted in (*finding.failed, kind(finding.refused)):
                 motion, found = tried, True
                 break
     return motion
 
 
-def try_number(seed: int, number: int, make: Make = Module) -> Outcome:
+def try_number(seed: int, number: int, make: Make = Module, losses: bool = False) -> Outcome:
     """Draw a motion, examine it and, where it fails or is refused, make it smaller."""
-    motion = draw_motion(seed, number)
+    motion = draw_motion(seed, number, losses)
     finding = examine(motion, make)
     wanted = cause(finding)
     reproducer = shrunk(motion, wanted, make).as_dict() if wanted else None
@@ -82,7 +83,11 @@ def try_number(seed: int, number: int, make: Make = Module) -> Outcome:
 
 
 def run_random(
-    number: int, seed: int, folder: Path, report: Callable[[float], None] = lambda done: None
+    number: int,
+    seed: int,
+    folder: Path,
+    report: Callable[[float], None] = lambda done: None,
+    losses: bool = False,
 ) -> list[Outcome]:
     """The outcomes of so many random motions, on all processors; the same for the same seed.
 
@@ -90,17 +95,18 @@ def run_random(
 
     Args:
         number: of motions. seed: of all of them. folder: to keep them. report: called with the share done.
+        losses: whether to draw losses by load, drag and gravity besides.
     """
     from concurrent.futures import ProcessPoolExecutor
 
     Module().load_kernel()  # compiled once, before there are many who would
-    path = outcomes_file(folder, seed)
+    path = outcomes_file(folder, seed, losses)
     outcomes = read_outcomes(path)
     results.write_text(path, "".join(map(as_line, outcomes)))
     report(len(outcomes) / number)
     with ProcessPoolExecutor() as pool, path.open("a") as file:
         left = range(len(outcomes), number)
-        for outcome in pool.map(partial(try_number, seed), left, chunksize=4):
+        for outcome in pool.map(partial(try_number, seed, losses=losses), left, chunksize=4):
             file.write(as_line(outcome))
             file.flush()
             outcomes.append(outcome)

@@ -4,95 +4,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 from ...common.errors import Refused
 from ...contract.variable import LARGEST_STEP
-from ...kernel.codes import ELASTIC, EVENT, KINEMATIC, RIGID, TIMESTEPPING
+from ...kernel.codes import ELASTIC, EVENT, KINEMATIC, TIMESTEPPING
 from ...memory.instances import Module
 from ..geometry import shaft_frequency
 from .case import Case, Segment
-from .mechanisms import imbalance_inertia
+from .record import ENERGIES, IMPULSES, SPEEDS, Run, input_speed, look
 
 # the run the others are measured against: tighter by this, down to what doubles allow
 TIGHTER = 1e-4
 TIGHTEST = 1e-13
 # rad of the highest harmonic in a step of method timestepping
 FIXED_PHASE = 0.1
-# what is compared at the end of a run; and the torques whose largest is its scale
-SPEEDS = ("omega2", "omega_out")
-ENERGIES = ("energy_in", "energy_out")
-IMPULSES = ("input_torque_mean", "output_torque_mean")
-TORQUES = ("load_torque", "input_torque", "mesh_torque", "output_torque")
-
 Parameters = dict[str, float]
-
-
-@dataclass
-class Run:
-    """What one run showed.
-
-    Attributes:
-        end: values at the end: speeds, energies, drive angle gone through, impulses of the torques.
-        finite: whether every output was, at every communication point.
-        residual: largest energy residual, J. gained: largest energy from nowhere, J. speed, torque: largest
-            seen, rad/s, N.m.
-        energy: largest of input, output, stored, and what the imbalances can have at the speeds seen, J.
-        reversal: deepest breach of omega2 >= 0 or omega3 >= omega2, rad/s.
-        pull: deepest breach of Tc >= 0 or Th >= 0, N.m.
-        slipping: largest power of a freewheel, torque by slip, W.
-        phase: advance of what has to be followed, rad. evaluations, steps: what it took.
-        fixed_steps: internal steps of method timestepping.
-        refused: message of the refusal that ended it, or "".
-        broken: what must never happen and did, such as an exception that is no refusal, or "".
-    """
-
-    end: dict[str, float] = field(default_factory=dict)
-    finite: bool = True
-    residual: float = 0.0
-    gained: float = 0.0
-    energy: float = 0.0
-    speed: float = 0.0
-    torque: float = 0.0
-    reversal: float = 0.0
-    pull: float = 0.0
-    slipping: float = 0.0
-    phase: float = 0.0
-    fixed_steps: int = 0
-    evaluations: float = 0.0
-    steps: int = 0
-    refused: str = ""
-    broken: str = ""
-
-
-def _input_speed(module: Module) -> float:
-    """Speed of link 1, rad/s: at the beginning of the step where it is given."""
-    return module["input_speed" if module["drive"] else "omega1"]
-
-
-def _look(run: Run, module: Module) -> None:
-    """Take note of what shows at a communication point."""
-    run.finite = run.finite and all(map(math.isfinite, module.outputs.numbers))
-    run.residual = max(run.residual, abs(module["energy_residual"]))
-    run.gained = max(run.gained, -module["energy_residual"])
-    link1 = _input_speed(module)
-    fastest = max(abs(link1), abs(module["omega2"]))
-    possible = 0.5 * imbalance_inertia(module.derived) * fastest * fastest
-    run.energy = max(run.energy, possible, *(abs(module[name]) for name in (*ENERGIES, "energy_stored")))
-    run.speed = max(run.speed, abs(link1), *(abs(module[name]) for name in SPEEDS))
-    run.torque = max(run.torque, *(abs(module[name]) for name in TORQUES))
-    if module["fidelity"] not in (RIGID, ELASTIC):
-        return
-    if module["housing_freewheel"]:
-        run.reversal = max(run.reversal, -module["omega2"])
-        run.pull = max(run.pull, -module["housing_torque"])
-        run.slipping = max(run.slipping, module["omega2"] * module["housing_torque"])
-    if module["output_freewheel"]:
-        run.reversal = max(run.reversal, module["omega2"] - module["omega_hub"])
-        run.pull = max(run.pull, -module["output_torque"])
-        slip = module["omega_hub"] - module["omega2"]
-        run.slipping = max(run.slipping, slip * module["output_torque"])
 
 
 def _rate(module: Module, omega1: float) -> float:
@@ -142,10 +70,10 @@ def _go(run: Run, module: Module, segment: Segment, split: int) -> None:
         run.steps += 1
         if module["max_step"] > 0.0:
             run.fixed_steps += math.ceil(step / module["max_step"])
-        run.phase += step * _rate(module, _input_speed(module))
+        run.phase += step * _rate(module, input_speed(module))
         for name in impulses:
             impulses[name] += module[name] * step
-        _look(run, module)
+        look(run, module)
     for name, impulse in impulses.items():
         run.end[name] = run.end.get(name, 0.0) + impulse
 
@@ -169,7 +97,7 @@ def run_once(
         module.state.drive_turns += turns
         module.state.input_turns += turns
     begin = module["drive_angle"] + 2.0 * math.pi * module["drive_turns"]
-    _look(run, module)
+    look(run, module)
     for segment in segments:
         _go(run, module, segment, 1 if segment.whole else split)
         if run.refused:
@@ -287,5 +215,7 @@ def try_case(case: Case, make: Callable[[], Module] = Module) -> Trial:
     """
     try:
         return _runs(case, make)
-    except Exception as error:  # whatever it is, it is a finding
+    except Refused as error:  # before the first run: such losses are not known to prescribed motion
+        return Trial(case, Run(refused=str(error)))
+    except Exception as error:  # whatever else it is, it is a finding
         return Trial(case, Run(broken=f"{type(error).__name__}: {error}"))

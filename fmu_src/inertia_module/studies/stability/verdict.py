@@ -63,7 +63,7 @@ class Verdict:
 def cause(message: str) -> str:
     """What a refusal says is wrong, without the values and what is allowed."""
     found = re.search(r": ([^;]*)", message)
-    return found.group(1).strip() if found else message
+    return found.group(1).strip() if found else message.partition(", are ")[0]
 
 
 def measure(trial: Trial) -> dict[str, Figure]:
@@ -80,6 +80,8 @@ def measure(trial: Trial) -> dict[str, Figure]:
     for scale, breach in (("speed", "reversal"), ("torque", "pull")):
         worst = max(relative(getattr(run, breach), getattr(run, scale)) for run in runs.values())
         figures[f"{scale} against a freewheel"] = Figure(worst, BREACH)
+    worst = max(relative(run.regained, run.energy) for run in runs.values())
+    figures["lost energy regained"] = Figure(worst, BREACH)
     for suffix, run in runs.items():
         allowed = work_bound(case, run.phase, run.steps, run.fixed_steps)
         figures[f"work{suffix}"] = Figure(run.evaluations, allowed)
