@@ -1,99 +1,34 @@
 """Figures of docs/stability.md: the committed verdicts, counted, and the bounds in the code."""
 
-import csv
 from collections import Counter
-from itertools import groupby
-from operator import itemgetter
 from pathlib import Path
 
 from inertia_module.kernel import limits
-from inertia_module.studies.stability import (
-    bounds,
-    case,
-    loss_axes,
-    random_checks,
-    random_motions,
-    random_study,
-    trial,
-)
+from inertia_module.studies.stability import bounds, case, trial
 from inertia_module.studies.stability.study import counts
 from inertia_module.studies.stability.table import read_rows
-from inertia_module.studies.stability.verdict import BROKEN, EXACT, OUTCOMES, REFUSED
+from inertia_module.studies.stability.verdict import BROKEN, OUTCOMES, REFUSED
 
 TABLE = Path(__file__).parent / "stability.csv"
-RANDOM = Path(__file__).parent / "random.csv"
-RANDOM_LOSSES = Path(__file__).parent / "random_losses.csv"
-# columns of the table of random motions: all runs, and of them those beyond the bound asked for
-COUNTS = "runs", "explained", "sensitive", "failed"
 
 
-def exceptions(rows):
-    """A line for each level and verdict that is not exact, with the axes it is on; one for each refusal."""
-    axes, refusals = {}, Counter()
-    for row in rows:
-        for level, cell in row.cells.items():
-            if cell.outcome == REFUSED:
-                refusals[cell.reason.partition(" with ")[0]] += 1
-            elif cell.outcome != EXACT:
-                axes.setdefault((level, cell.outcome), Counter())[row.axis] += 1
-    for (level, outcome), count in sorted(axes.items()):
-        found = ", ".join(f"{axis} {number}" for axis, number in count.most_common())
-        yield f"- {level}, {outcome}: {found}."
-    for reason, number in refusals.most_common():
+def by_axis(rows):
+    """A line for each axis: its extremes, and at each level how many are not exact; empty: all are."""
+    for axis in dict.fromkeys(row.axis for row in rows):
+        here = [row for row in rows if row.axis == axis]
+        cells = []
+        for level in case.LEVELS:
+            found = Counter(row.cells[level.name].outcome for row in here if level.name in row.cells)
+            told = ", ".join(f"{found[name]} {name}" for name in OUTCOMES[1:] if found[name])
+            cells.append(told if found else "-")
+        yield f"| {axis} | {len(here)} | {' | '.join(cells)} |"
+
+
+def refusals(rows):
+    """A line for each reason to refuse, the most frequent first."""
+    cells = (cell for row in rows for cell in row.cells.values() if cell.outcome == REFUSED)
+    for reason, number in Counter(cell.reason.partition(" with ")[0] for cell in cells).most_common():
         yield f"- {number} refused: {reason}."
-
-
-def levels_with(rows):
-    """A line for each axis of losses: whether a level takes it, refuses it, or has no such part."""
-    names = [level.name for level in case.LEVELS]
-    yield f"| | {' | '.join(names)} |\n|---|{'---|' * len(names)}"
-    for axis in (axis.__name__.replace("_", " ") for axis in loss_axes.LOSS_AXES):
-        outcomes = {name: set() for name in names}
-        for row in rows:
-            if row.axis == axis:
-                for name, cell in row.cells.items():
-                    outcomes[name].add(cell.outcome)
-        told = ("refused" if found == {REFUSED} else "yes" if found else "" for found in outcomes.values())
-        yield f"| {axis} | {' | '.join(told)} |"
-
-
-def share(row):
-    """How much of its bound the worst value has, -1 where there is none."""
-    return float(row["worst"]) / max(float(row["bound"]), 1e-300) if row["worst"] else -1.0
-
-
-def random_rows(rows):
-    """A line for each invariant of the random motions: counts over all levels, and the worst of them."""
-    for name, group in groupby(sorted(rows, key=itemgetter("invariant")), itemgetter("invariant")):
-        found = list(group)
-        worst = max(found, key=share)
-        counts = (str(sum(int(row[head]) for row in found)) for head in COUNTS)
-        cells = (name, *counts, worst["worst"], worst["bound"], worst["level"], worst["number"])
-        yield f"| {' | '.join(cells if worst['worst'] else (*cells[:5], '', '', '', ''))} |"
-
-
-def random_counts(rows, reference=random_checks.REFERENCE):
-    """What the random motions count to: tried, refused, and those within the error of the reference."""
-
-    def count(head, *invariants, levels=None):
-        chosen = (
-            row for row in rows if row["invariant"] in invariants and (not levels or row["level"] in levels)
-        )
-        return sum(int(row[head]) for row in chosen)
-
-    compared = count("runs", reference)
-    beyond = {head: count(head, reference) for head in COUNTS[1:]}
-    levels = {row["level"] for row in rows if row["invariant"] == reference}
-    counters = random_study.SHORT, random_study.TAKEN
-    return {
-        "random": count("runs", random_study.TAKEN),
-        "random_refused": count("failed", random_study.TAKEN),
-        "random_failed": count("failed", *{row["invariant"] for row in rows}.difference(counters)),
-        "compared": compared,
-        "by_events": count("runs", random_study.TAKEN, levels=levels),
-        "within": 1.0 - sum(beyond.values()) / compared,
-        "beyond": ", ".join(f"{head}: {number}" for head, number in beyond.items()),
-    }
 
 
 def values():
@@ -110,30 +45,14 @@ def values():
             for level, (count, largest) in counted.items()
         ),
     ]
-    drawn, lossy = (list(csv.DictReader(path.read_text().splitlines())) for path in (RANDOM, RANDOM_LOSSES))
     return {
-        **random_counts(drawn),
-        "random_rows": "\n".join(random_rows(drawn)),
-        "losses_rows": "\n".join(random_rows(lossy)),
-        **{
-            f"losses_{name}": count
-            for name, count in random_counts(lossy, random_checks.VIRTUAL_WORK).items()
-        },
-        "losses_work": random_checks.MOST_WITH_LOSSES,
-        "levels_with": "\n".join(levels_with(rows)),
-        "reference_tolerance": random_checks.REFERENCE_TOLERANCE,
-        "reference_error": random_checks.REFERENCE_ERROR,
-        "reference_work": random_checks.MOST_EVALUATIONS,
-        "long": random_checks.LONGEST,
-        "friction": random_motions.FRICTION_SHARE,
-        "explained": random_checks.EXPLAINED,
-        "swinging": random_checks.SWINGING,
-        "random_split": random_checks.SPLIT,
         "extremes": len({(row.axis, row.value) for row in rows}),
         "axes": len({row.axis for row in rows}),
         "cases": sum(len(row.cells) for row in rows),
         "table": "\n".join(table),
-        "reasons": "\n".join(exceptions(rows)),
+        "levels": " | ".join(level.name for level in case.LEVELS),
+        "by_axis": "\n".join(by_axis(rows)),
+        "refusals": "\n".join(refusals(rows)),
         "tighter": trial.TIGHTER,
         "tightest": trial.TIGHTEST,
         "fixed_phase": trial.FIXED_PHASE,

@@ -34,7 +34,8 @@ DISTANCES = ("long against short steps", *ERRORS)
 ENERGIES = ("energy residual", "energy residual, short steps")
 CUSP = "the inertia behind link 2 vanishes"
 NO_MEAN = "without both freewheels"
-LOSSES = "efficiency|journal friction|stick|drag|gravity|wind up|all losses"
+WORK_WITHOUT_END = "more than 5e7 evaluations"
+WIND_UP = "only the event method winds freewheels up"
 WORK = ("work", "work, short steps")
 
 LIMITS = [
@@ -43,12 +44,18 @@ LIMITS = [
     Limit("no inertia of link 2", "no output freewheel", ANY, "averaged", refused=NO_MEAN),
     Limit("no inertia of link 2", r"a = 1, b = 1 \+ (0|1e-09|1e-07|1e-06)", "bevel", "[^k].*", refused=CUSP),
     Limit("no inertia of link 2", r"a = b = 0\.7|l = 0 m", ANY, "[^k].*", refused=CUSP),
-    Limit("turns", "1e.09 turns of the drive", ANY, "[^a].*", refused="more than 5e7 evaluations"),
+    Limit("turns", "1e.09 turns of the drive", ANY, "[^a].*", refused=WORK_WITHOUT_END),
     Limit("shaft", "balancer 10", ANY, ANY, refused="leaves the range of doubles"),
-    Limit(LOSSES, ANY, ANY, "averaged", refused="the map of the mean torque knows none"),
-    Limit(LOSSES, ANY, ANY, f"kinematic|{FIXED}", refused="losses by load, drag and gravity must be off"),
-    # a shaft that is followed at rest, though nothing moves
-    Limit("stick", ".*, 1e.09 rad", ANY, "elastic, event", refused="more than 5e7 evaluations"),
+    Limit("wind up", ANY, ANY, FIXED, refused=WIND_UP),
+    # friction so large that the map of the mean torque, which begins without it, is not got
+    Limit("journal friction", "1000 m", ANY, "averaged", refused=WORK_WITHOUT_END),
+    Limit("stick", "journals 1000 m.*", ANY, "averaged", refused=WORK_WITHOUT_END),
+    # followed while links 1 and 2 are stuck: fixed steps, the angle of the drive, a shaft at rest
+    Limit("stick", ".*, 1e.06 rad", ANY, FIXED, refused=WORK_WITHOUT_END),
+    Limit("stick", ".*, 1e.09 rad", ANY, f"kinematic|{FIXED}|elastic, event", refused=WORK_WITHOUT_END),
+    # prescribed motion: the intervals of its quadrature do not end where the mesh torque changes sign
+    Limit("efficiency", ".*0.(97|5|1)", ANY, "kinematic", DISTANCES),
+    Limit("all losses", "10 times the usual", "bevel", "kinematic", DISTANCES),
     # by events: what follows on a stick is off; drag that ends a motion far faster than a pulse; bodies that
     # come to rest where they may turn either way
     Limit("efficiency", "link 2 0.1", "planar", "elastic, event", DISTANCES),
@@ -75,6 +82,9 @@ LIMITS = [
     Limit("teeth", "(z17/z6|z2/z16) 200/1", "bevel", FIXED, ERRORS),
     Limit("teeth", "z2/z16 1/200|R0/r 0.005", ANY, "elastic, timestepping", DISTANCES),
     Limit("freewheels", "no housing, 1000 N.m", "bevel", FIXED, ERRORS),
+    Limit("viscous friction", "drive 1000 N.m.s/rad", "planar", "rigid, timestepping", ERRORS),
+    Limit("journal friction", "1000 m", "planar", "elastic, timestepping", ERRORS),
+    Limit("gravity", "1000 m/s2 at (1|0.001) rad/s.*", "bevel", FIXED, ERRORS),
 ]
 
 

@@ -19,7 +19,7 @@ from inertia_module.studies.stability.random_checks import (
     Finding,
     examine,
 )
-from inertia_module.studies.stability.random_motions import FRICTIONS, LOSS_WEIGHTS, Motion, draw_motion
+from inertia_module.studies.stability.random_motions import FRICTIONS, Motion, draw_motion
 from inertia_module.studies.stability.random_outcomes import Outcome, as_line, read_outcomes
 from inertia_module.studies.stability.random_study import (
     cause,
@@ -33,7 +33,6 @@ from inertia_module.studies.stability.verdict import Figure
 
 SEED = 1
 EACH, WITH_REFERENCE = 30, 4
-LOSSY_LEVELS = [level for level, weight in zip(LEVELS, LOSS_WEIGHTS, strict=True) if weight]
 RIGID_EVENT = next(level for level in LEVELS if (level.fidelity, level.method) == (RIGID, EVENT))
 
 
@@ -78,28 +77,31 @@ def test_share_of_the_motions_has_friction_but_none_averaged():
         assert any(motion[name] > 0.0 for motion in rough)
 
 
-@pytest.mark.parametrize("level", LOSSY_LEVELS, ids=lambda level: level.name)
+# motions with losses that do not hold yet, by number; one that is mended has to go
+LOOSE, UNLIKE = ["energy residual"], ["long and short steps"]
+UNMENDED = {18: LOOSE, 148: LOOSE, 176: LOOSE, 214: UNLIKE, 533: UNLIKE}
+
+
+@pytest.mark.parametrize("level", LEVELS, ids=lambda level: level.name)
 def test_random_motions_with_losses_hold_all_invariants(compiled, level, monkeypatch):
     monkeypatch.setattr(random_checks, "MOST_WITH_LOSSES", 3000)
-    count, compared = (30, 0) if compiled == "compiled" else (2, 0)
-    for n, motion in enumerate(motions(level, count, losses=True)):
-        finding = examine(motion, lambda: Module(compiled), without_reference=n >= 6)
-        # what is found and not mended yet: see docs/stability.md
-        known = {"Th, Tc >= 0"} if motion["housing_stiffness"] else set()
-        from_rest = any(part.omega1 == 0.0 and part.slope for part in motion.segments)
-        assert not set(finding.failed) - known, (finding.figures, motion.as_dict())
-        assert not finding.refused or (from_rest and "do not balance" in finding.refused), motion.as_dict()
+    drawn = ((number, draw_motion(SEED, number, losses=True)) for number in itertools.count())
+    here = (one for one in drawn if one[1].level == level)
+    compared = 0
+    for n, (number, motion) in enumerate(itertools.islice(here, EACH if compiled == "compiled" else 2)):
+        finding = examine(motion, lambda: Module(compiled), without_reference=n >= WITH_REFERENCE)
+        assert finding.failed == UNMENDED.get(number, []), (number, finding.figures, motion.as_dict())
+        assert not finding.refused or "the meshes jam" in finding.refused, (number, motion.as_dict())
         compared += VIRTUAL_WORK in finding.figures
-    assert compared >= 1
+    assert compared >= 1 or level.method != EVENT or level.fidelity not in (RIGID, ELASTIC)
 
 
 def test_losses_are_drawn_last_and_each_is_drawn():
     with_them = [draw_motion(SEED, number, losses=True) for number in range(400)]
     for number, motion in enumerate(with_them):
         ideal = draw_motion(SEED, number)
-        if ideal.level == motion.level:
-            assert motion.segments == ideal.segments
-            assert ideal.parameters.items() <= motion.parameters.items()
+        assert motion.segments == ideal.segments
+        assert ideal.parameters.items() <= motion.parameters.items()
     drawn = {name for motion in with_them for name, value in motion.parameters.items() if value}
     assert drawn >= {*AS_TORQUE, "mesh_efficiency", "satellite_mesh_efficiency", "journal_friction"}
     assert drawn >= {"housing_stiffness", "freewheel_stiffness", "satellite_inertia"}
@@ -139,7 +141,7 @@ class Undragged(Module):
     ],
 )
 def test_planted_failure_of_losses_is_found(planted, asked, invariant):
-    chosen = [motion for motion in motions(RIGID_EVENT, 30, losses=True) if asked in motion.parameters][:8]
+    chosen = [motion for motion in motions(RIGID_EVENT, 40, losses=True) if asked in motion.parameters][:15]
     found = (examine(motion, planted, invariant != VIRTUAL_WORK).failed for motion in chosen)
     assert any(invariant in failed for failed in found)
 

@@ -14,6 +14,7 @@ from inertia_module.studies.trajectory import Case, Unavailable
 
 FLAT = {name: value for name, value in PLANAR.items() if name not in ("omega1", "load_torque")}
 TURNING_BACK = {"housing_freewheel": 0.0, "omega_out_start": 5.0}
+LOSSES = {"mesh_efficiency": 0.97, "journal_friction": 1e-3, "housing_drag": 0.1, "gravity": 9.81}
 # the case, and how many switches of the freewheels it has at least
 CASES = {
     "bevel": (Case(), 100),
@@ -24,6 +25,8 @@ CASES = {
     "no output freewheel": (Case({"output_freewheel": 0.0}), 50),
     "no housing freewheel": (Case(TURNING_BACK), 40),
     "elastic": (R1_ELASTIC, 50),
+    "losses": (Case(LOSSES, stop_time=0.1), 10),
+    "losses, elastic": (Case({**R1_ELASTIC.parameters, **LOSSES}, stop_time=0.1), 5),
     "too slow to move": (Case(omega1=-1.0), 0),
 }
 

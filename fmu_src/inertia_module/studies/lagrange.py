@@ -175,6 +175,11 @@ class Lagrange:
         self.switches.append(self.time)
         self._let_go()
 
+    @property
+    def omega_out(self) -> float:
+        """Speed of the output shaft, that of the driven mass if elastic, rad/s."""
+        return float(self.state[OMEGA_OUT])
+
     def energy(self) -> float:
         """Kinetic energy of links 1 and 2 and of what turns behind them, and that of the twisted shaft, J."""
         w, twist = self.state[OMEGA1:], self.state[TWIST]

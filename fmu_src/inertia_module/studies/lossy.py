@@ -12,6 +12,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from ..memory.instances import Module
 from .arcs import PHASE, Arc, follow
 from .cases import (
     A1,
@@ -268,6 +269,11 @@ class Lossy:
             y[SUMS] += self.energy() - before
         self._choose()
 
+    @property
+    def omega_out(self) -> float:
+        """Speed of the output shaft, that of the driven mass if elastic, rad/s."""
+        return float(self.state[OMEGA4])
+
     def energy(self) -> float:
         """What is stored: kinetic energy, weights, shaft and freewheels that are wound up, J."""
         return self.machine.energy(self.state)
@@ -285,3 +291,12 @@ class Lossy:
     def torques(self) -> Array:
         """(M1, M2, Tc, Th) now, N.m."""
         return self.machine.forces(self.state, self.mode).x[M1 : TH + 1]
+
+
+def second_method(parameters: Mapping[str, float]) -> type[Lagrange | Lossy]:
+    """The equations that the module is held to with these parameters: with losses those of virtual work.
+
+    Raises:
+        Refused: the module refuses them.
+    """
+    return Lossy if Module().start(**parameters).derived.general else Lagrange

@@ -10,7 +10,7 @@ import numpy as np
 from ..kernel.codes import ELASTIC, RIGID
 from ..scene.mechanism import is_elastic
 from .kernel_runs import KernelRun
-from .lagrange import OMEGA_OUT, Lagrange
+from .lossy import second_method
 from .trajectory import Array, Case, Trajectory
 
 TOLERANCE = 1e-13
@@ -66,14 +66,15 @@ def agreement(case: Case) -> Agreement:
     """Compare the reference with the second method: other equations, other integrator, other events.
 
     Raises:
-        Unavailable: the second method does not take the case (see lagrange.py).
+        Unavailable: the second method does not take the case (see lagrange.py, lossy.py).
     """
     coarse = dataclasses.replace(case, points=_COMPARED)
     parameters = {**case.parameters, "fidelity": _fidelity(case)}
-    second, speeds = Lagrange(parameters, case.omega1, case.load_torque), []
+    second = second_method(parameters)(parameters, case.omega1, case.load_torque)
+    speeds = []
     for time in coarse.times:
         second.advance(time)
-        speeds.append(second.state[OMEGA_OUT])
+        speeds.append(second.omega_out)
     first = converged(coarse).trajectory
     assert first.switches is not None
     counts = first.switches.size, len(second.switches)

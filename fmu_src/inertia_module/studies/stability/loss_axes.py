@@ -1,4 +1,4 @@
-"""The axes of losses by load, drag, wind-up, bodies and gravity: none to speak of, usual, and dominant."""
+"""The axes of friction, losses by load, drag, gravity, wind-up and bodies: tiny, usual and dominant."""
 
 from __future__ import annotations
 
@@ -13,6 +13,13 @@ EFFICIENCIES = (1.0 - 1e-12, 0.97, 0.5, 0.1)
 ELASTIC_OUTPUT = {"output_inertia": 0.02, "driven_inertia": 0.5}
 
 Extremes = Iterator[Extreme]
+
+
+def viscous_friction(mechanism: Mechanism) -> Extremes:
+    """Of links 1 and 2, of the drives and of the output shaft, up to all that is allowed."""
+    for part in ("input", "drive", "link2", "output"):
+        for viscous in (1e-12, 1e-2, 1.0, 1e3):
+            yield mechanism.extreme(f"{part} {viscous:g} N.m.s/rad", {f"{part}_friction": viscous})
 
 
 def efficiency(mechanism: Mechanism) -> Extremes:
@@ -94,4 +101,7 @@ def all_losses(mechanism: Mechanism) -> Extremes:
         yield mechanism.extreme(called, values | {"mesh_efficiency": 1.0 - 0.03 * part})
 
 
-LOSS_AXES = (efficiency, journal_friction, stick, drag, gravity, wind_up, satellite_bodies, all_losses)
+LOSS_AXES = (
+    *(viscous_friction, efficiency, journal_friction, stick, drag),
+    *(gravity, wind_up, satellite_bodies, all_losses),
+)

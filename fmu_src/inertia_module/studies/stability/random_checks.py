@@ -12,10 +12,9 @@ import numpy as np
 from ...contract.variables import default_parameters
 from ...kernel.codes import AVERAGED, DRIVE_TORQUE, ELASTIC, EVENT, RIGID, TIMESTEPPING
 from ...memory.instances import Module
-from ..cases import OMEGA4
 from ..geometry import Inertia, ratio
 from ..lagrange import Lagrange
-from ..lossy import Lossy
+from ..lossy import Lossy, second_method
 from ..trajectory import Array, Unavailable
 from .bounds import BREACH, LARGEST_ERROR, ROUNDING, energy_bound
 from .case import TIMESTEPPING_ACCURACY, Segment
@@ -205,8 +204,7 @@ def _by_reference(motion: Motion, method: type[Lagrange | Lossy], most: float) -
             if motion["drive"] != DRIVE_TORQUE:
                 reference.turn(part.omega1, part.slope)
             reference.advance(reference.time + part.duration)
-            omega_out = reference.state[OMEGA4 if method is Lossy else -1]
-            rows.append([*reference.state[3:6], omega_out, reference.energy()])
+            rows.append([*reference.state[3:6], reference.omega_out, reference.energy()])
     return np.array(rows)
 
 
@@ -221,9 +219,8 @@ def of_reference(motion: Motion, found: Run, make: Make) -> Figures:
         differences = np.abs(one[:both] - other[:both]) / np.where(scales > 0.0, scales, 1.0)
         return float(np.max(differences, initial=0.0))
 
-    lossy = next(follow(motion, make)).derived.general != 0.0
-    method, name = (Lossy, VIRTUAL_WORK) if lossy else (Lagrange, REFERENCE)
-    most = MOST_WITH_LOSSES if lossy else MOST_EVALUATIONS
+    method = second_method(motion.parameters)
+    name, most = (VIRTUAL_WORK, MOST_WITH_LOSSES) if method is Lossy else (REFERENCE, MOST_EVALUATIONS)
     expected = _by_reference(motion, method, most)
     if not len(expected):
         return {}

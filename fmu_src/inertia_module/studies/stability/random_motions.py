@@ -8,7 +8,7 @@ from random import Random
 from typing import Any, Self
 
 from ...contract.variables import BY_NAME, default_parameters
-from ...kernel.codes import AVERAGED, DRIVE_TORQUE, ELASTIC, KINEMATIC, TIMESTEPPING
+from ...kernel.codes import AVERAGED, DRIVE_TORQUE, ELASTIC, EVENT, KINEMATIC, TIMESTEPPING
 from ..geometry import ratio, satellite_ratio
 from ..levels import Level
 from .case import LEVELS, Segment
@@ -21,9 +21,8 @@ FRICTIONS = ("input_friction", "drive_friction", "link2_friction", "output_frict
 FRICTION_SHARE, MOST_FRICTION = 0.3, 100.0
 # losses by load, drag, gravity: the share of the motions that have each, efficiencies
 LOSS_SHARE, EFFICIENCIES = 0.5, (0.5, 0.9, 0.97, 0.99, 1.0 - 1e-12)
-# how often each of LEVELS is drawn, and with losses by load, drag and gravity: where these are known
+# how often each of LEVELS is drawn
 WEIGHTS = (1, 3, 5, 3, 4, 2)
-LOSS_WEIGHTS = (0, 0, 5, 0, 4, 0)
 
 
 @dataclass(frozen=True)
@@ -134,7 +133,7 @@ def _friction(draw: Draw, scale: float) -> Parameters:
 
 
 def _losses(draw: Draw, motion: Motion, torque: float, omega: float) -> Parameters:
-    """Each on or off: by load, drag, gravity, bodies and, elastic, freewheels that wind up."""
+    """Each on or off: by load, drag, gravity, bodies and, elastic by events, freewheels that wind up."""
 
     def some(**values: float) -> Parameters:
         return values if draw.random() < LOSS_SHARE else {}
@@ -154,14 +153,14 @@ def _losses(draw: Draw, motion: Motion, torque: float, omega: float) -> Paramete
         stiffness = draw.decades(1e2, 1e6)
         damping = rounded(stiffness * draw.choice([0.0, 1e-4, 1e-3]))
         wound = some(**{f"{spring}_stiffness": stiffness, f"{spring}_damping": damping})
-        p |= wound if motion["fidelity"] == ELASTIC else {}
+        p |= wound if (motion.level.fidelity, motion.level.method) == (ELASTIC, EVENT) else {}
     return p
 
 
 def draw_motion(seed: int, number: int, losses: bool = False) -> Motion:
     """The motion of this number in the campaign of this seed; losses: by load, drag and gravity besides."""
     draw = Draw(f"{seed}/{number}")
-    (level,) = draw.choices(LEVELS, LOSS_WEIGHTS if losses else WEIGHTS)
+    (level,) = draw.choices(LEVELS, WEIGHTS)
     omega = draw.decades(1.0, 300.0)
     motion = Motion(_mechanism(draw) | _drive_and_output(draw, level, omega), ())
     torque = motion.inertia * omega**2
@@ -178,6 +177,8 @@ def draw_motion(seed: int, number: int, losses: bool = False) -> Motion:
         omega1 = draw.choice([omega1, omega1, omega1 + slope * duration, omega * draw.uniform(-1.0, 1.0)])
     if level.method == TIMESTEPPING:
         motion.parameters["max_step"] = draw.decades(0.003, 3.0) / rate
-    friction = _friction(draw, torque / omega) if level.fidelity != AVERAGED else {}
-    lossy = _losses(draw, motion, torque, omega) if losses else {}
+    # averaged by torque refuses them; without losses no motion of averaged has friction
+    rough = level.fidelity != AVERAGED or (losses and not by_torque)
+    friction = _friction(draw, torque / omega) if rough else {}
+    lossy = _losses(draw, motion, torque, omega) if losses and rough else {}
     return Motion(motion.parameters | friction | lossy, tuple(segments))

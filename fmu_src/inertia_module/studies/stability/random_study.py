@@ -22,8 +22,8 @@ from .verdict import Figure
 HEADINGS = ("level", "invariant", "runs", "explained", "sensitive", "failed", "worst", "bound", "number")
 # rows that count: motions that take too long to be run again in other ways, and those refused
 SHORT, TAKEN = "not long", "not refused"
-# motions tried to make one that fails smaller; fewer where the reference or work without end is slow
-TRIES, SLOW_TRIES = 300, 20
+# motions tried to make one that fails smaller; one that is given up, takes long or is compared counts more
+TRIES, SLOW = 300, 15
 _NUMBER = re.compile(r"(?<![\w.])-?\d+(\.\d+)?(e[-+]?\d+)?")
 
 
@@ -58,15 +58,15 @@ def smaller(motion: Motion) -> Iterator[Motion]:
 def shrunk(motion: Motion, wanted: str, make: Make = Module) -> Motion:
     """A smaller motion with the same cause of failure or refusal."""
     compared = wanted in (REFERENCE, VIRTUAL_WORK)
-    slow = compared or "given up" in wanted
-    left, found = SLOW_TRIES if slow else TRIES, True
+    left, found = TRIES, True
     while found:
         found = False
         for tried in smaller(motion):
-            if tried == motion or left == 0:
+            if tried == motion or left <= 0:
                 continue
-            left -= 1
             finding = examine(tried, make, not compared)
+            slow = compared or finding.long or "given up" in finding.refused
+            left -= SLOW if slow else 1
             if wanted in (*finding.failed, kind(finding.refused)):
                 motion, found = tried, True
                 break

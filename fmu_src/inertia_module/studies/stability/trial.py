@@ -11,7 +11,7 @@ from ...common.errors import Refused
 from ...contract.variable import LARGEST_STEP
 from ...kernel.codes import ELASTIC, EVENT, KINEMATIC, TIMESTEPPING
 from ...memory.instances import Module
-from ..geometry import shaft_frequency
+from ..geometry import shaft_frequency, swing_frequency
 from .case import Case, Segment
 from .record import ENERGIES, IMPULSES, SPEEDS, Run, input_speed, look
 
@@ -169,10 +169,14 @@ def nudged(
 
 
 def fixed_step(parameters: Parameters, segments: tuple[Segment, ...], module: Module) -> float:
-    """Step of method timestepping: FIXED_PHASE of the highest harmonic at the fastest input, s; 0 at rest."""
+    """Step of method timestepping, s; 0 at rest without weights.
+
+    FIXED_PHASE of the highest harmonic at the fastest input and of the swing of link 2 on weights.
+    """
     module.start(**parameters | {"fidelity": KINEMATIC, "method": EVENT})
     fastest = max(max(abs(s.omega1), abs(s.omega1 + s.slope * s.duration)) for s in segments)
     rate = float(module.derived.harmonic * module.derived.k) * fastest
+    rate += swing_frequency(module.__getitem__)
     return min(FIXED_PHASE / rate, LARGEST_STEP) if rate > 1e-300 else 0.0
 
 
@@ -215,7 +219,5 @@ def try_case(case: Case, make: Callable[[], Module] = Module) -> Trial:
     """
     try:
         return _runs(case, make)
-    except Refused as error:  # before the first run: such losses are not known to prescribed motion
-        return Trial(case, Run(refused=str(error)))
     except Exception as error:  # whatever else it is, it is a finding
         return Trial(case, Run(broken=f"{type(error).__name__}: {error}"))

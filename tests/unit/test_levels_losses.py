@@ -1,0 +1,68 @@
+"""Which level of fidelity has which losses is as docs/mechanics.md tells."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from inertia_module.common.errors import Refused
+from inertia_module.kernel.codes import DRIVE_TORQUE, KINEMATIC, TIMESTEPPING
+from inertia_module.memory.instances import Module
+from inertia_module.studies.stability.case import LEVELS
+
+PAGE = Path(__file__).parents[2] / "docs" / "mechanics.md"
+MACHINE = {"input_inertia": 1.0, "output_inertia": 0.05, "driven_inertia": 0.4, "kinematic_ratio": 0.5}
+SIZES = {
+    **dict.fromkeys(("mesh_efficiency", "satellite_mesh_efficiency"), 0.97),
+    **dict.fromkeys(("input_friction", "drive_friction", "link2_friction", "output_friction"), 0.01),
+    **dict.fromkeys(("housing_drag", "output_drag", "housing_drag_viscous", "output_drag_viscous"), 0.1),
+    **dict.fromkeys(("housing_stiffness", "freewheel_stiffness"), 1e4),
+    **dict.fromkeys(("satellite_inertia", "satellite_transverse_inertia"), 1e-4),
+    **{"journal_friction": 1e-3, "gravity": 9.81, "shaft_damping": 1.0, "driven_friction": 0.1},
+}
+
+
+def told():
+    """The table: what is told of each parameter, by name of the level."""
+    lines = PAGE.read_text().partition("| parameter | ")[2].partition("\n\n")[0].splitlines()
+    levels = [head.strip() for head in lines[0].strip("| ").split(" | ")]
+    table = {}
+    for line in lines[2:]:
+        names, *cells = (cell.strip() for cell in line.strip("| ").split("|"))
+        table |= {name: dict(zip(levels, cells, strict=True)) for name in re.findall(r"`(\w+)`", names)}
+    return table
+
+
+def ends(level, by_torque, **losses):
+    """Energies, mean torque and speed after half a second."""
+    drive = {"drive": DRIVE_TORQUE, "drive_torque": 20.0} if by_torque else {}
+    step = {"max_step": 1e-3} if level.method == TIMESTEPPING else {}
+    values = {**MACHINE, **level.values, **step, **drive, **losses}
+    module = Module().start(**values, omega1=100.0, load_torque=10.0)
+    for _ in range(10):
+        module.advance(0.05)
+    return [module[name] for name in ("energy_in", "energy_lost", "input_torque_mean", "omega_out")]
+
+
+def found(level, name, by_torque=False):
+    """What a level makes of a parameter."""
+    try:
+        changed = ends(level, by_torque, **{name: SIZES[name]}) != ends(level, by_torque)
+    except Refused as error:
+        return "refused" if name in str(error) else str(error)
+    return "yes" if changed else "no"
+
+
+def test_every_parameter_is_told_at_every_level():
+    table = told()
+    assert table.keys() == SIZES.keys()
+    assert all([*cells] == [level.name for level in LEVELS] for cells in table.values())
+
+
+@pytest.mark.parametrize("level", LEVELS, ids=lambda level: level.name)
+def test_level_has_the_losses_that_the_page_tells(level):
+    for name, cells in told().items():
+        cell = cells[level.name]
+        assert found(level, name) == {"by speed": "yes"}.get(cell, cell), name
+        if level.fidelity != KINEMATIC:
+            assert found(level, name, by_torque=True) == {"by speed": "refused"}.get(cell, cell), name
