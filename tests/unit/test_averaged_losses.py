@@ -109,6 +109,14 @@ def test_friction_of_the_output_that_brakes_fast_takes_what_the_shaft_had(compil
     assert module["energy_residual"] == pytest.approx(0.0, abs=1e-9 * had)
 
 
+@pytest.mark.parametrize("load", [-0.5, -2.0])
+def test_drag_of_both_freewheels_holds_a_shaft_at_rest(compiled, load):
+    drag = {"output_drag": 1.5, "housing_drag": 0.8}
+    module = Module(compiled).start(**{**PLANAR, **drag}, fidelity=1, omega1=0.0, load_torque=load)
+    module.advance(0.1)
+    assert (module["omega_out"] == 0.0) == (load == -0.5)
+
+
 def test_longest_internal_step_leaves_the_map_as_it_is(compiled):
     means = []
     # (another efficiency, so that both have maps of their own)

@@ -104,6 +104,8 @@ def choose_leg(d, side, x, v, alpha1):
     speed = abs(v)
     if can_lock(d, side, x, v, alpha1, load):
         return LOCKED
+    if x.omega3 == v == alpha1 == 0.0 and -min(d.output_drag, d.housing_drag) <= load < 0.0:
+        return RESTING  # drag of both freewheels holds the shaft
     if x.omega3 == 0.0 and load >= 0.0:
         stall = torque_at_knot(side, side.knots[0], speed)
         torque = stall * speed * speed
