@@ -71,7 +71,7 @@ def same_signs(d, flow, spin):
 
 
 def smooth_part(d, x, ratio, omega1, alpha1, h):
-    """The part of an interval h until link 1 turns back, or just past where a torque in a mesh changes sign."""
+    """The part of an interval h until link 1 turns back, or just past a sign change of a torque in a mesh."""
     turns_back = -omega1 / alpha1 if omega1 * alpha1 < 0.0 else h
     if ROUNDING * h < turns_back < h:
         h = turns_back
