@@ -31,6 +31,10 @@ FOUND = {
         },
         [(0.3, 0.0, 0.0, -7.0)],
     ),
+    "prescribed motion with losses in both meshes": (
+        {"fidelity": 0, "mesh_efficiency": 0.5, "satellite_mesh_efficiency": 0.5},
+        [(0.06, 50.0, 0.0), (0.1, 50.0, 0.0, -1000.0)],
+    ),
     "averaged at a small tolerance": (
         {
             **{"fidelity": 1, "drive": 1, "input_inertia": 6e-4, "tolerance": 1e-10},

@@ -96,8 +96,43 @@ def test_a_coasting_shaft_slows_by_friction_and_drag(compiled, step):
     left = (80.0 + 10.0) * math.exp(-0.03 * 3.0 / PLANAR["output_inertia"]) - 10.0
     assert module["omega_out"] == pytest.approx(left, rel=1e-9)
     gone = 0.5 * PLANAR["output_inertia"] * (80.0**2 - left**2)
-    assert module["energy_lost"] == pytest.approx(gone, rel=1e-3)
-    assert module["energy_in"] == pytest.approx(0.0, abs=1e-3 * gone)
+    assert module["energy_lost"] == pytest.approx(gone, rel=1e-9)
+    assert module["energy_in"] == pytest.approx(0.0, abs=1e-9 * gone)
+
+
+def test_friction_of_the_output_that_brakes_fast_takes_what_the_shaft_had(compiled):
+    module = Module(compiled).start(fidelity=1, omega1=0.0, omega_out_start=10.0, output_friction=90.0)
+    had = module["energy_stored"]
+    module.advance(0.02)
+    assert module["omega_out"] < 0.3
+    assert module["energy_lost_viscous"] == module["energy_lost"]
+    assert module["energy_residual"] == pytest.approx(0.0, abs=1e-9 * had)
+
+
+@pytest.mark.parametrize("load", [-0.5, -2.0])
+def test_drag_of_both_freewheels_holds_a_shaft_at_rest(compiled, load):
+    drag = {"output_drag": 1.5, "housing_drag": 0.8}
+    module = Module(compiled).start(**{**PLANAR, **drag}, fidelity=1, omega1=0.0, load_torque=load)
+    module.advance(0.1)
+    assert (module["omega_out"] == 0.0) == (load == -0.5)
+
+
+def test_longest_internal_step_leaves_the_map_as_it_is(compiled):
+    means = []
+    # (another efficiency, so that both have maps of their own)
+    for efficiency, longest in ((0.96, 1e-3), (0.96 + 1e-9, 0.0)):
+        values = {**PLANAR, "mesh_efficiency": efficiency, "max_step": longest}
+        module = Module(compiled).start(**values, fidelity=1, omega1=50.0, omega_out_start=20.0)
+        module.advance(0.01)
+        means.append([module["omega_out"], module["output_torque_mean"], module["energy_lost_mesh"]])
+    assert means[1] == pytest.approx(means[0], rel=1e-6)
+
+
+def test_journals_that_leave_no_pulse_take_the_output_up_to_link_1(compiled):
+    module = Module(compiled).start(fidelity=1, omega1=50.0, journal_friction=1000.0)
+    module.advance(0.05)
+    assert module["omega_out"] == 50.0
+    assert module["energy_residual"] == pytest.approx(0.0, abs=1e-4 * module["energy_in"])
 
 
 def test_friction_of_link_1_adds_to_its_torque_alone(compiled):

@@ -140,6 +140,8 @@ MACHINE = (
     *("q", "theta1", "omega1", "omega2", "omega3", "twist", "relative", "wound_housing", "wound_output"),
     *("weight1", "weight_q", "alpha1", "alpha2", "alpha3", "rate_relative"),
     *("drive", "mesh", "output", "housing", "journals", "spun", "torque", "flow_sign", "spin_sign", "margin"),
+    # signs of the loads of all satellites, as one number
+    "spin_signs",
 )
 
 CONSTANTS = (
@@ -218,7 +220,7 @@ WORKSPACE = (
     *("lost_freewheel", "reversed"),
     # internal step of the averaged motion: both speeds at its end, its error, integrals of omega3, T omega3,
     # omega2 and, under its torque, omega1
-    *("next", "next_speed", "error", "turned3", "work", "turned2", "turned1"),
+    *("next", "next_speed", "error", "turned3", "work", "turned2", "turned1", "lost3", "dragged"),
     # state at the beginning of the call, of two short steps for rates, of a part of a step; outputs there
     *(("before", STATE), ("kept", STATE), ("part", STATE)),
     *(("outputs_0", OUTPUTS), ("outputs_1", OUTPUTS)),

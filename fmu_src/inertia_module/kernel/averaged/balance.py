@@ -6,9 +6,10 @@ Friction of link 1 and of the output is known as it is, the other losses are tho
 """
 
 from ..accumulate import add_loss
-from ..codes import FREEWHEEL, VISCOUS
+from ..codes import VISCOUS
 from .legs import coasting_torque
 from .rates import by_speed, energy_at, find_knot, ratio, slowness
+from .step import middle_speed
 
 # Simpson's rule
 ENDS = 1.0 / 6.0
@@ -31,19 +32,16 @@ def lost_power(d, side, x, speed, cause):
     w = slowness(side, speed) if side.slow != 0.0 else 0.0
     first = lost_at_knot(here, cause, w)
     last = lost_at_knot(after, cause, w)
-    lost = speed * speed * speed * max(first + t * (last - first), 0.0)
-    beyond = x.omega3 - side.end * speed
-    if cause == FREEWHEEL and beyond > 0.0:
-        # drag of an output that coasts
-        lost += max(-coasting_torque(d, side, x, speed) * beyond, 0.0)
-    return lost
+    return speed * speed * speed * max(first + t * (last - first), 0.0)
 
 
 def lost_torque(d, side, x, speed):
     """Torque that losses take from link 1 in the mean, N m: friction of its own, and that of the rest."""
     if d.lossy == 0.0 or speed == 0.0:
         return 0.0, 0.0
-    inner = 0.0
+    # drag of an output that coasts, and the losses of the map
+    beyond = max(x.omega3 - side.end * speed, 0.0)
+    inner = max(-coasting_torque(d, side, x, speed) * beyond, 0.0)
     for cause in range(len(x.lost)):
         inner += lost_power(d, side, x, speed, cause)
     return d.b1 * speed, inner / speed
@@ -72,19 +70,17 @@ def mean_input_torque(d, side, x, omega1, alpha1, alpha3, torque):
     return ideal + sign * (own + lost)
 
 
-def lose(d, side, x, v, end, h, omega3, turned3):
-    """Add the losses of a leg over h: from v at its ends, omega3 at its beginning and the angle turned.
+def lose(d, side, x, w, v, end, h, omega3):
+    """Add the losses of a leg over h, but for drag of a shaft that coasts: from v at its ends, omega3 at its
+    beginning, and what the leg has left in w.
 
     Returns:
         (energies lost by friction of link 1 and behind its mesh, J, impulses that they take, N m s).
     """
+    add_loss(x, VISCOUS, w.lost3)
     own = inner = own_impulse = inner_impulse = 0.0
     last = x.omega3
-    middle = last
-    if h > 0.0:
-        # that of Simpson's rule for the angle
-        middle = 0.25 * (6.0 * turned3 / h - omega3 - last)
-        middle = min(max(middle, min(omega3, last)), max(omega3, last))
+    middle = middle_speed(h, w.turned3, omega3, last)
     for n in range(3):
         speed = abs(v + 0.5 * n * (end - v))
         x.omega3 = last
@@ -93,10 +89,10 @@ def lose(d, side, x, v, end, h, omega3, turned3):
         weight = h * (MIDDLE if n == 1 else ENDS)
         own += weight * d.b1 * speed * speed
         own_impulse += weight * d.b1 * speed
-        add_loss(x, VISCOUS, weight * (d.b1 * speed * speed + d.b3 * x.omega3 * x.omega3))
         for cause in range(len(x.lost)):
             lost = weight * lost_power(d, side, x, speed, cause)
             add_loss(x, cause, lost)
             inner += lost
             inner_impulse += lost / speed if speed > 0.0 else 0.0
+    add_loss(x, VISCOUS, own)
     return own, inner, side.direction * own_impulse, side.direction * inner_impulse

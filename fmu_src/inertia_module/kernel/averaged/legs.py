@@ -1,8 +1,8 @@
 """Legs of the averaged output shaft: it rests, is locked to link 1, coasts, or slips under the mean torque.
 
 Each leg but the last is known in closed form, for in it the speed v of the input changes evenly. One that is
-advanced leaves the integrals over it of omega3, T omega3, omega2 and |omega1| in the workspace: w.turned3,
-w.work, w.turned2, w.turned1, and |v| at its end in w.next_speed.
+advanced leaves the integrals over it of omega3, T omega3, omega2, |omega1| and b3 omega3^2 in the workspace:
+w.turned3, w.work, w.turned2, w.turned1, w.lost3, and |v| at its end in w.next_speed.
 """
 
 import math
@@ -104,6 +104,8 @@ def choose_leg(d, side, x, v, alpha1):
     speed = abs(v)
     if can_lock(d, side, x, v, alpha1, load):
         return LOCKED
+    if x.omega3 == v == alpha1 == 0.0 and -min(d.output_drag, d.housing_drag) <= load < 0.0:
+        return RESTING  # drag of both freewheels holds the shaft
     if x.omega3 == 0.0 and load >= 0.0:
         stall = torque_at_knot(side, side.knots[0], speed)
         torque = stall * speed * speed
@@ -156,6 +158,7 @@ def rest(d, side, x, w, v, alpha1, remaining):
     turn_input(d, side, x, w, RESTING, v, rate, h)
     w.turned3 = 0.0
     w.work = 0.0
+    w.lost3 = 0.0
     w.turned2 = 0.0
     return h, x.load_torque * h
 
@@ -168,11 +171,32 @@ def turn_locked(d, side, x, w, v, alpha1, remaining):
     torque = locked_torque(d, side, x.load_torque, v + 0.5 * rate * h, rate)
     turn_input(d, side, x, w, LOCKED, v, rate, h)
     w.turned3 = ratio * h * (v + 0.5 * rate * h)
-    w.work = torque * w.turned3 + d.b3 * h * (ratio * rate * h) ** 2 / 12.0
+    swing = d.b3 * h * (ratio * rate * h) ** 2 / 12.0
+    w.work = torque * w.turned3 + swing
+    w.lost3 = d.b3 * ratio * (v + 0.5 * rate * h) * w.turned3 + swing
     w.turned2 = w.turned3
     x.omega3 = ratio * (v + rate * h)
     x.omega3_low = 0.0
     return h, torque * h
+
+
+def coasting_works(d, side, x, w, speed, rate, slowing, change, h):
+    """Work of the drag of a coasting shaft over h, what friction of the output takes, and what drag does, J.
+
+    The speed falls at an even rate and with friction: that of its balance. Returns the impulse of the drag.
+    """
+    friction = d.b3 + d.output_drag_viscous
+    mean = x.omega3 + 0.5 * change
+    w.lost3 = 0.0
+    of_change = 0.0  # integral of the torque times the time from the middle
+    if friction > 0.0:
+        even = (friction * x.omega3 - d.J3 * slowing) * w.turned3 - d.J3 * change * mean
+        w.lost3 = max(d.b3 / friction * even, 0.0)
+        of_change = d.J3 * d.output_drag_viscous / friction * (h * mean - w.turned3)
+    impulse = d.J3 * change + x.load_torque * h + d.b3 * w.turned3
+    w.work = d.J3 * change * mean + x.load_torque * w.turned3 + w.lost3
+    w.dragged = max(side.end * (impulse * (speed + 0.5 * rate * h) + rate * of_change) - w.work, 0.0)
+    return impulse
 
 
 def coast(d, side, x, w, v, alpha1, remaining):
@@ -189,8 +213,9 @@ def coast(d, side, x, w, v, alpha1, remaining):
         first, second = slowed((d.b3 + d.output_drag_viscous) * h / d.J3)
     change = -slowing * h * first
     w.turned3 = h * (x.omega3 - slowing * h * second)
-    impulse = d.J3 * change + x.load_torque * h + d.b3 * w.turned3 if d.lossy != 0.0 else 0.0
-    w.work = impulse * (x.omega3 + 0.5 * change)
+    impulse = w.work = w.lost3 = w.dragged = 0.0
+    if d.lossy != 0.0:
+        impulse = coasting_works(d, side, x, w, speed, side.direction * rate, slowing, change, h)
     w.turned2 = last_knot(side).omega2[0] * h * (speed + 0.5 * side.direction * rate * h)
     x.omega3, x.omega3_low = add(x.omega3, x.omega3_low, change)
     end = side.end * abs(v + rate * h)

@@ -15,7 +15,7 @@ from ..general.choice import choose_next_states, choose_states
 from .largest import LARGEST_CYCLES, go_to_part, is_long, parts_of_period, period_of_map
 
 # inertia that holds the output speed, over that of the mechanism
-HEAVY = 1e15
+HEAVY = 1e30
 TOLERANCE = 1e-6
 # periods until it comes back to where it was, and how near, rad/s
 PERIODS = 6
@@ -141,9 +141,10 @@ def settle_losses(p, d, w, side, ratio, slowness):
         w: workspace; w.part is the state that is followed.
     """
     x = w.part
-    inertia, tolerance, b1, b3 = d.J3, d.tolerance, d.b1, d.b3
+    inertia, tolerance, longest, b1, b3 = d.J3, d.tolerance, d.max_step, d.b1, d.b3
     d.J3 = HEAVY * (d.J2 + d.F_by_alpha1)
     d.tolerance = TOLERANCE
+    d.max_step = NO_LIMIT
     d.b1 = d.b3 = 0.0
     set_losses(p, d, slowness)
     d.sum_time = d.sum_torque = d.sum_square = d.sum_omega2 = d.sum_peak = 0.0
@@ -162,7 +163,7 @@ def settle_losses(p, d, w, side, ratio, slowness):
             begin = go_to_part(d, phase, part, parts, n)
             through = through and add_steady(d, x, w, begin, direction, ratio, part, True)
         d.phase_b = phase
-    d.J3, d.tolerance, d.b1, d.b3 = inertia, tolerance, b1, b3
+    d.J3, d.tolerance, d.max_step, d.b1, d.b3 = inertia, tolerance, longest, b1, b3
     set_losses(p, d, 0.0)
     if not through:
         d.map_failed = 1.0

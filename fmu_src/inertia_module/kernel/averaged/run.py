@@ -10,8 +10,8 @@ takes an integration.
 
 import math
 
-from ..accumulate import add, wrap_drive_angle, wrap_input_angle
-from ..codes import DRIVING, FREE, HELD_DRIVING, OK, STEP_TOO_SMALL, TOO_MUCH_WORK
+from ..accumulate import add, add_loss, wrap_drive_angle, wrap_input_angle
+from ..codes import DRIVING, FREE, FREEWHEEL, HELD_DRIVING, OK, STEP_TOO_SMALL, TOO_MUCH_WORK
 from ..output_shaft import turn
 from .balance import lose, mean_input_torque, mesh_share
 from .legs import (
@@ -121,9 +121,11 @@ def advance_leg(d, side, x, w, leg, v, alpha1, remaining):
         mesh_taken = impulse if leg == LOCKED else 0.0
         input_taken = mesh_taken
         if d.lossy != 0.0:
-            own, inner, own_impulse, inner_impulse = lose(d, side, x, v, end, h, omega3, w.turned3)
-            if leg == COASTING and turned != 0.0:
-                mesh_taken = w.work * h / turned
+            own, inner, own_impulse, inner_impulse = lose(d, side, x, w, v, end, h, omega3)
+            if leg == COASTING:
+                add_loss(x, FREEWHEEL, w.dragged)
+                inner += w.dragged
+                mesh_taken = side.direction * side.end * impulse
             mesh_taken += inner_impulse
             input_taken = mesh_taken + own_impulse
             mesh_work += inner

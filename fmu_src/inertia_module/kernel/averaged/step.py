@@ -6,8 +6,8 @@ of stability function Pade(1, 2): order 3, L-stable, so a transient costs no sma
 Source: Hairer and Wanner, Solving Ordinary Differential Equations II, sections IV.3 and IV.5.
 
 A step leaves in the workspace w.next_speed and w.next, |v| and omega3 at its end, w.error, its error over the
-allowed one, and w.turned3, w.work, w.turned2 and w.turned1, the integrals of omega3, T omega3, omega2,
-|omega1|.
+allowed one, and w.turned3, w.work, w.turned2, w.turned1 and w.lost3, the integrals of omega3, T omega3,
+omega2, |omega1|, and b3 omega3^2.
 """
 
 import math
@@ -50,12 +50,24 @@ def with_product(omega3, now):
     return now[3][0] * omega3, now[3][1] * omega3 + now[3][0] * now[1][0]
 
 
+def middle_speed(h, turned3, begin, end):
+    """Speed of the output in the middle of h, rad/s: that of Simpson's rule for the angle turned."""
+    if h == 0.0:
+        return begin
+    middle = 0.25 * (6.0 * turned3 / h - begin - end)
+    return min(max(middle, min(begin, end)), max(begin, end))
+
+
 def finish_step(d, x, w, h, first, last, found_speed, found, implicit):
     """Leave the speeds at the end of a step and its integrals in w; first, last: flow at its ends."""
     w.next_speed = found_speed
     w.next = found
     w.turned3 = integral(h, (x.omega3, first[1][0]), (found, last[1][0]), implicit)
     w.work = integral(h, with_product(x.omega3, first), with_product(found, last), implicit)
+    w.lost3 = 0.0
+    if d.b3 != 0.0:
+        middle = middle_speed(h, w.turned3, x.omega3, found)
+        w.lost3 = d.b3 * h * (x.omega3 * x.omega3 + 4.0 * middle * middle + found * found) / 6.0
     w.turned2 = integral(h, first[4], last[4], implicit)
     if d.by_torque != 0.0:
         w.turned1 = integral(h, first[5], last[5], implicit)

@@ -34,11 +34,13 @@ def spin_torques(d, q, first, omega1, rate_q, alpha1, rate2_q, signed):
 
     Returns:
         (journals, mesh, mesh by alpha1, mesh by q''): N m, and kg m^2; mesh is what remains without both.
+        The signs of all tau6, as one number, are left in d.machine.spin_signs.
     """
     journals = 0.0
     rest = 0.0
     by_alpha1 = 0.0
     by_rate2 = 0.0
+    signs = 0.0
     number = 1.0 if d.planar != 0.0 else d.number
     for n in range(int(number)):
         place = imbalance(d, q, TWO_PI * n / number) if n > 0 else first
@@ -54,9 +56,11 @@ def spin_torques(d, q, first, omega1, rate_q, alpha1, rate2_q, signed):
         sign = 1.0
         if signed and own + with_alpha1 * alpha1 + with_rate2 * rate2_q < 0.0:
             sign = -1.0
+        signs = 2.0 * signs + sign
         rest += sign * own
         by_alpha1 += sign * with_alpha1
         by_rate2 += sign * with_rate2
+    d.machine.spin_signs = signs
     mass = d.mass / number
     share = mass * d.satellite_loss
     return d.journal * d.s * mass * journals, share * rest, share * by_alpha1, share * by_rate2
