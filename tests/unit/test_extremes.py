@@ -50,9 +50,8 @@ LIMITS = [
     # followed while links 1 and 2 are stuck: fixed steps, the angle of the drive, a shaft at rest
     Limit("stick", ".*, 1e.06 rad", ANY, FIXED, refused=WORK_WITHOUT_END),
     Limit("stick", ".*, 1e.09 rad", ANY, f"kinematic|{FIXED}|elastic, event", refused=WORK_WITHOUT_END),
-    # by events: what follows on a stick is off; drag that ends a motion far faster than a pulse; bodies that
-    # come to rest where they may turn either way
-    Limit("efficiency", "link 2 0.1", "planar", "elastic, event", DISTANCES),
+    # by events: drag that ends a motion far faster than a pulse; bodies that come to rest where they may turn
+    # either way
     Limit("drag", "(housing|output) 1000 N.m.s/rad", "planar", EVENT, WORK),
     Limit("satellite bodies", r"Jt (1000|1e\+06)", "bevel", ANY, DISTANCES),
     # a heavy pendulum that is thrown over its top and does not come back the same way: sensitive
