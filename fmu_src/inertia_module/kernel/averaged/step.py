@@ -13,7 +13,7 @@ omega2, |omega1|, and b3 omega3^2.
 import math
 
 from ..accumulate import add
-from .rates import flow, torque_at_knot
+from .rates import find_knot, flow, ratio, torque_at_knot
 
 # largest h |df/domega3| of an explicit step
 LARGEST_EXPLICIT = 0.4
@@ -76,7 +76,8 @@ def finish_step(d, x, w, h, first, last, found_speed, found, implicit):
 def explicit_step(d, side, x, w, speed, speed_rate, h, first, allowed):
     """One explicit step."""
     omega3 = x.omega3
-    knot = x.map_knot
+    # (a longer step tried before may have looked elsewhere since)
+    knot = find_knot(side, x, ratio(omega3, speed))
     guess_speed = speed + h * (first[0][0] + 0.5 * h * first[0][1])
     guess = omega3 + h * (first[1][0] + 0.5 * h * first[1][1])
     last = flow(d, side, x, guess_speed, speed_rate, guess)
