@@ -1,7 +1,7 @@
 """Fit: values of a scene's keys at which it computes what was measured, and how well the data tell them.
 
-Least squares by lmfit (Newville et al., doi:10.5281/zenodo.11813), trust-region reflective, weighted by the noise
-of each column.
+Least squares by lmfit (Newville et al., doi:10.5281/zenodo.11813), trust-region reflective, weighted by the
+noise of each column.
 """
 
 from __future__ import annotations
@@ -56,8 +56,8 @@ def fit(
 
     Args:
         measured: a table, or a CSV file; see measurement. scene: a scene, or its file.
-        free: "NAME" or "NAME=LOW:HIGH" each, or ranges (or None) by name; NAME is a key of the scene by dots, or a
-            parameter of the mechanism.
+        free: "NAME" or "NAME=LOW:HIGH" each, or ranges (or None) by name; NAME is a key of the scene by dots,
+            or a parameter of the mechanism.
         columns: those that are compared, by default all that the scene computes.
         starts: points of the ranges (Latin hypercube) that are looked at besides the scene's own values; the
             best SEARCHED of all are starts of a search.
@@ -183,7 +183,9 @@ class _Search:
             residuals, variables, scale_covar=not known, nan_policy="propagate", max_nfev=MOST_RUNS
         )
         try:
-            return minimizer.least_squares(diff_step=steps, x_scale="jac", ftol=ENOUGH, xtol=ENOUGH)
+            return minimizer.least_squares(
+                diff_step=steps, x_scale="jac", tr_solver="lsmr", ftol=ENOUGH, xtol=ENOUGH
+            )
         except ValueError as error:
             raise Refused(
                 f"ranges must be such that the scene takes them: {self.refused or error}"

@@ -36,9 +36,9 @@ class Fitted:
     """A free key.
 
     Attributes:
-        name: by dots. value, error: the value and its standard error, SI. interval: of 95 %; error and interval
-            are infinite where nothing is known. unit: of parameters of the mechanism. doubt: what is wrong
-            with it, or "".
+        name: by dots. value, error: the value and its standard error, SI. interval: of 95 %; error and
+            interval are infinite where nothing is known. unit: of parameters of the mechanism.
+            doubt: what is wrong with it, or "".
     """
 
     name: str
@@ -116,6 +116,21 @@ class FitResult:
             "warnings": self.warnings,
         }
 
+    def lines(self) -> dict[str, str]:
+        """What a reader wants of it, by heading."""
+        correlated = {
+            f"correlation of {a} and {b}": f"{number:.3f}" for (a, b), number in self.correlations.items()
+        }
+        units = self.measurement.table.units
+        source = {name: ", from the residuals" if name in self.estimated else "" for name in units}
+        noise = {
+            f"noise of {name}": f"{value:.4g} {units[name]}{source[name]}"
+            for name, value in self.noise.items()
+        }
+        values = {one.name: one.text for one in self.parameters}
+        agree = "{} of {}".format(*self.same_end)
+        return {**values, **correlated, **noise, "searches that end there": agree, "runs": str(self.runs)}
+
     def table(self) -> Result:
         """Measured, computed and residual (computed less measured) of each column over time."""
         columns, units, measured = {"time": self.computed.time}, {"time": "s"}, self.measurement.table
@@ -184,7 +199,7 @@ def doubts(result: FitResult, ended: bool) -> list[str]:
     for (first, second), number in result.correlations.items():
         if abs(number) > CORRELATED:
             found.append(
-                f"{first} and {second} are correlated by {number:.3f}: the data tell them together better than each"
+                f"{first} and {second} are correlated by {number:.3f}: the data tell both together, not each"
             )
     if not ended:
         found.append("the search was broken off: too many runs")
@@ -196,15 +211,16 @@ def doubts(result: FitResult, ended: bool) -> list[str]:
     number = result.measurement.counted.sum()
     if not result.estimated and result.chi_squared > 1.0 + CHANCE * math.sqrt(2.0 / number):
         found.append(
-            f"chi-squared is {result.chi_squared:.3g}: the residuals are larger than the noise, the scene lacks something"
+            f"chi-squared is {result.chi_squared:.3g}: the residuals are larger than the noise,"
+            " the scene lacks something"
         )
     table = result.table()
     for name in result.measurement.columns:
         following = _following(table[f"{name}_residual"])
         if following > max(FOLLOWING, CHANCE / math.sqrt(len(table))):
             found.append(
-                f"residuals of {name} follow one another (correlation {following:.2f}): the scene lacks something,"
-                " and the intervals are too narrow"
+                f"residuals of {name} follow one another (correlation {following:.2f}): the scene lacks"
+                " something, and the intervals are too narrow"
             )
     return found
 

@@ -60,8 +60,8 @@ def free_keys(free: Sequence[str] | Mapping[str, Range], scene: Scene) -> list[F
     """The free keys of a fit.
 
     Args:
-        free: "NAME" or "NAME=LOW:HIGH" (or log:LOW:HIGH, whose starts are even in the logarithm) each, or by name
-            such a range, (low, high) or None. scene: whose values they begin at.
+        free: "NAME" or "NAME=LOW:HIGH" each (or log:LOW:HIGH, whose starts are even in the logarithm), or by
+            name such a range, (low, high) or None. scene: whose values they begin at.
 
     Raises:
         Refused: nothing is free, a key twice, or one that is no number or has no such range.

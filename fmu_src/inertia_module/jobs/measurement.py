@@ -1,4 +1,4 @@
-"""What was measured: columns over time that a scene computes, in SI units, with their noise where it is known."""
+"""What was measured: columns over time that a scene computes, in SI, with their noise where it is known."""
 
 from __future__ import annotations
 
@@ -98,5 +98,6 @@ def _check_times(times: Array, stop_time: float) -> None:
         )
     if times[0] < 0.0 or times[-1] > stop_time * (1.0 + 1e-9):
         raise Refused(
-            f"time must be within the run of the scene, 0 to {stop_time:g} s, is {times[0]:g} to {times[-1]:g} s"
+            f"time must be within the run of the scene, 0 to {stop_time:g} s,"
+            f" is {times[0]:g} to {times[-1]:g} s"
         )

@@ -45,6 +45,7 @@ class Stopped:
         self._plant, self._names, self._times, self._near = plant, tuple(names), times, near
         self._means = np.array([name.endswith(MEAN) for name in names], dtype=bool)
         self._peaks = np.array([name.endswith(PEAK) for name in names], dtype=bool)
+        self._over_steps = bool((self._means | self._peaks).any())
         self._sums, self._largest = np.zeros(len(names)), np.zeros(len(names))
         self._now, self._since = 0.0, 0.0
         self.rows: list[Array] = []
@@ -75,7 +76,7 @@ class Stopped:
         length = time - self._now
         self._plant.advance(length)
         self._now = time
-        if self._means.any() or self._peaks.any():
+        if self._over_steps:
             values = np.array(self._plant.read(self._names))
             self._sums += length * values
             self._largest = np.maximum(self._largest, values)
@@ -83,7 +84,7 @@ class Stopped:
     def _keep_until(self, time: float) -> None:
         while self._next <= time:
             values = np.array(self._plant.read(self._names))
-            if self._now > self._since:
+            if self._over_steps and self._now > self._since:
                 means = self._sums / (self._now - self._since)
                 values = np.where(self._means, means, np.where(self._peaks, self._largest, values))
             self.rows.append(values)
