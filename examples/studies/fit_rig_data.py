@@ -1,7 +1,8 @@
 """Makes examples/fit_rig.csv, which looks like a measurement of a rig and is none.
 
 The speeds are those of the independent reference, Lagrange's equations solved by SciPy, of a module whose
-imbalance and link 2 are heavier than drawn; to them comes normal noise. Run: python examples/studies/fit_rig_data.py
+imbalance and link 2 are heavier than drawn; to them comes normal noise.
+Run: python examples/studies/fit_rig_data.py
 """
 
 from pathlib import Path

@@ -31,10 +31,10 @@ SEARCHED = 3
 SAME = 0.01
 # noise that is not known is found anew so often
 PASSES = 3
-# step of differences, of a range or a start value; later that of the standard error, within these
+# step of differences, of a range or a start value; later the standard error, the others held, within
+# these: where freewheels switch from one row to the next slopes change over less, and would
+# make intervals too narrow
 STEP, SMALLEST_STEP, LARGEST_STEP = 1e-3, 1e-5, 0.05
-# points about an end that are looked at, and of how many of them a search begins
-NEARBY, SEARCHED_NEAR = 12, 2
 # chi-squared and shares that change less end a search
 ENOUGH = 1e-7
 MOST_RUNS = 500
@@ -153,7 +153,7 @@ class _Search:
         if starts and any(key.range for key in self.keys):
             for shares in shares_sampled(len(self.keys), f"latin:{starts}", seed).tolist():
                 points.append([key.spread(share) for key, share in zip(self.keys, shares, strict=True)])
-        self.stages = len(points) + min(SEARCHED, len(points)) + PASSES * SEARCHED_NEAR
+        self.stages = len(points) + min(SEARCHED, len(points)) + PASSES
         costs = np.array([np.sum(self.residuals(point) ** 2) for point in map(self._told, points)])
         if not np.isfinite(costs).any():
             raise Refused(f"the scene must take values of what is free, refuses all tried: {self.refused}")
@@ -165,11 +165,14 @@ class _Search:
         self.progress(self.done / self.stages)
         return point
 
-    def _minimised(self, start: list[float], held: Sequence[str] = (), steps: Any = STEP) -> Any:
+    def _minimised(
+        self, start: list[float], held: Sequence[str] = (), steps: Any = STEP, slopes: str = "2-point"
+    ) -> Any:
         """The MinimizerResult of lmfit from a start.
 
         Args:
             held: identifiers of what stays where it is. steps: of the differences, one or one a variable.
+            slopes: by differences to one side or, "3-point", to both.
         """
         import lmfit
 
@@ -180,13 +183,15 @@ class _Search:
         def residuals(given: Any) -> Array:
             return self.residuals([given[key.identifier].value for key in self.keys])
 
+        # lsmr soon ends where something has no influence, but takes no single variable
+        solver = "lsmr" if len(self.keys) - len(held) > 1 else "exact"
         known = len(self.data.noise) == len(self.data.columns)
         minimizer = lmfit.Minimizer(
             residuals, variables, scale_covar=not known, nan_policy="propagate", max_nfev=MOST_RUNS
         )
         try:
             return minimizer.least_squares(
-                diff_step=steps, x_scale="jac", tr_solver="lsmr", ftol=ENOUGH, xtol=ENOUGH
+                jac=slopes, diff_step=steps, x_scale="jac", tr_solver=solver, ftol=ENOUGH, xtol=ENOUGH
             )
         except ValueError as error:
             raise Refused(
@@ -210,26 +215,15 @@ class _Search:
             start = [
                 key.start if key.identifier in held else u for key, u in zip(self.keys, start, strict=True)
             ]
-            errors = [best.params[name].stderr or STEP for name in best.var_names if name not in held]
-            steps = np.clip(errors, SMALLEST_STEP, LARGEST_STEP)
-            ends = [self._minimised(near, held, steps) for near in self._near(start, best, held)]
-            best = min(ends, key=lambda end: float(end.chisqr))
+            steps = self._errors(best)[[name not in held for name in best.var_names]]
+            best = self._minimised(start, held, steps, "3-point")
         return best, held
 
-    def _near(self, start: list[float], best: Any, held: Sequence[str]) -> list[list[float]]:
-        """The best starts about an end: itself, and points as far away as its errors.
-
-        Where freewheels switch from one row to the next, chi-squared has dents that are narrower than these.
-        """
-        moving = [n for n, key in enumerate(self.keys) if key.identifier in best.var_names]
-        points = np.tile(start, (1 + NEARBY, 1))
-        if best.errorbars:
-            about = np.random.default_rng(0).multivariate_normal(points[0, moving], best.covar, NEARBY)
-            points[1:, moving] = about
-        for n, key in enumerate(self.keys):
-            points[1:, n] = start[n] if key.identifier in held else np.clip(points[1:, n], key.low, key.high)
-        costs = [np.sum(self.residuals(point) ** 2) for point in points.tolist()]
-        return [points[n].tolist() for n in np.argsort(costs)[:SEARCHED_NEAR]]
+    @staticmethod
+    def _errors(end: Any) -> Array:
+        """Standard error of each variable, the others held, as far as it is a step for differences."""
+        changes = np.sqrt(np.sum(np.asarray(end.jac) ** 2, axis=0) / (end.redchi or 1.0))
+        return np.clip(1.0 / np.maximum(changes, 1.0 / LARGEST_STEP), SMALLEST_STEP, None)
 
     def _weigh(self, variables: list[float], free: int) -> None:
         """Take the noise of each column where it is not known from its residuals."""
