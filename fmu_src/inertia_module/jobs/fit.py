@@ -223,7 +223,8 @@ class _Search:
     def _errors(end: Any) -> Array:
         """Standard error of each variable, the others held, as far as it is a step for differences."""
         changes = np.sqrt(np.sum(np.asarray(end.jac) ** 2, axis=0) / (end.redchi or 1.0))
-        return np.clip(1.0 / np.maximum(changes, 1.0 / LARGEST_STEP), SMALLEST_STEP, None)
+        steps: Array = np.clip(1.0 / np.maximum(changes, 1.0 / LARGEST_STEP), SMALLEST_STEP, None)
+        return steps
 
     def _weigh(self, variables: list[float], free: int) -> None:
         """Take the noise of each column where it is not known from its residuals."""
