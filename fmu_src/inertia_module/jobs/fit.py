@@ -123,12 +123,9 @@ class _Search:
 
     def found(self, starts: int, seed: int) -> FitResult:
         """Look at points, search from the best of them, then find the noise."""
-        try:
-            ends = sorted(map(self._minimised, self._begun(starts, seed)), key=lambda end: float(end.chisqr))
-            best, held = self._weighted(ends[0])
-            computed = self.computed(self._variables(best))
-        finally:
-            self.observer.close()
+        ends = sorted(map(self._minimised, self._begun(starts, seed)), key=lambda end: float(end.chisqr))
+        best, held = self._weighted(ends[0])
+        computed = self.computed(self._variables(best))
         parameters, names = fitted(self.keys, best, held), self.data.columns
         result = FitResult(
             scene=self.scene.with_keys({one.name: one.value for one in parameters}),
