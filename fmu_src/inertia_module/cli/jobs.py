@@ -80,3 +80,65 @@ def orders(
         show_table(name.replace("_", " "), rows)
     for name, file in files.items():
         typer.echo(f"{name}: {file}")
+
+
+@app.command()
+def fit(
+    measured: Annotated[
+        Path, typer.Argument(metavar="MEASURED.csv", help="Table over time, units in its headings.")
+    ],
+    scene: Annotated[Path, typer.Argument(metavar="SCENE.toml", help="Scene file.")],
+    free: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME[=LOW:HIGH]", help="Key of the scene that is to be found; repeat."),
+    ] = None,
+    columns: Annotated[
+        list[str] | None,
+        typer.Option("--column", metavar="NAME", help="Column to compare (all that are outputs); repeat."),
+    ] = None,
+    starts: Annotated[int, typer.Option(help="Points of the ranges to begin at.")] = 16,
+    seed: Annotated[int, typer.Option(help="Of these points: same seed, same result.")] = 0,
+    output: OutputFolder = None,
+    fmu: Annotated[
+        Path | None, typer.Option(metavar="FILE.fmu", help="FMU to run (build/InertiaModule.fmu).")
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Find the values of a scene's keys at which it computes what was measured, and how sure they are.
+
+    Leaves fitted.toml (a scene), residuals.csv, fit.json and fit.png in a folder (out/SCENE_fit without -o).
+    """
+    from .. import jobs
+    from ..figures.fits import fit_figure
+    from ..harness.results import write_figure
+    from ..harness.simulate import progress_bar
+
+    with one_line_errors():
+        folder = folder_for(output, f"{scene.stem}_fit")
+        with progress_bar(f"fit to {measured.name}") as progress:
+            found = jobs.fit(
+                measured,
+                scene,
+                free or [],
+                columns=columns or [],
+                starts=starts,
+                seed=seed,
+                output=folder,
+                fmu=fmu or current_fmu(),
+                progress=progress,
+            )
+        files = {
+            **found.files,
+            "picture": write_figure(folder / "fit.png", fit_figure(found)),
+        }
+    listed = {name: str(file) for name, file in files.items()}
+    if as_json:
+        typer.echo(
+            json.dumps({"measured": str(measured), "scene": str(scene), **found.as_dict(), "files": listed})
+        )
+        return
+    show_table(f"{found.scene.title}: fitted, 95 % intervals", found.lines())
+    for warning in found.warnings:
+        typer.echo(f"warning: {warning}")
+    for name, file in listed.items():
+        typer.echo(f"{name}: {file}")

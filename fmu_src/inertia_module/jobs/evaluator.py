@@ -17,13 +17,18 @@ from .store import Journal
 from .task import Row, Task
 
 
+def fmu_file(fmu: Path | str | None) -> Path:
+    """An FMU's file; without one build/InertiaModule.fmu, built if it is not current."""
+    return current_module_fmu(BUILD_FOLDER) if fmu is None else Path(fmu)
+
+
 def fmu_content(fmu: Path | str | None) -> bytes:
-    """Content of an FMU's file; without one of build/InertiaModule.fmu, built if it is not current.
+    """Content of an FMU's file; see fmu_file.
 
     Raises:
         OSError: there is no such file.
     """
-    return (current_module_fmu(BUILD_FOLDER) if fmu is None else Path(fmu)).read_bytes()
+    return fmu_file(fmu).read_bytes()
 
 
 def read(scene: Scene | Path | str) -> tuple[Scene, str]:

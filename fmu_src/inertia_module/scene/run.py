@@ -112,12 +112,16 @@ class SceneRunner:
 
     def run(self, scene: Scene) -> SceneResult:
         """Run a scene; raises as run_scene."""
+        return _run_on(self.started(scene), scene, scene.surroundings)
+
+    def started(self, scene: Scene) -> Fmu:
+        """The instance at the start of a scene; raises as run_scene."""
         _check_fidelity(scene)
-        surroundings, values, inputs = start_of(scene)
+        _, values, inputs = start_of(scene)
         tolerance = scene.accuracy.tolerance
         given = {} if tolerance is None else {"tolerance": tolerance}
         self._fmu.restart({**values, **inputs, **given})
-        return _run_on(self._fmu, scene, surroundings)
+        return self._fmu
 
     def __enter__(self) -> Self:
         return self

@@ -1,0 +1,131 @@
+"""A scene run and read at the times of a measurement, which need not be communication points.
+
+The loop keeps its communication step, which is part of what is simulated: controllers sample at it. The FMU
+stops within a step at each time and is read there, so that nothing is interpolated that jumps with the
+freewheels. A mean or peak over a step is that since the time before, the first since the start.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common.errors import Refused
+from ..contract.variable import LOCAL, OUTPUT
+from ..contract.variables import with_causality
+from ..harness.simulate import Plant
+from ..loops import ClosedLoop
+from ..scene import Scene
+from ..scene.run import SceneRunner
+
+Array = NDArray[np.float64]
+MEAN, PEAK = "_mean", "_peak"
+# of the FMU; the ripple is that of one step and no sum or peak of its parts
+READABLE = [one.name for one in with_causality(OUTPUT, LOCAL) if one.name != "torque_ripple"]
+# times as near to a communication point, of a step, are taken there
+NEAR = 1e-6
+
+
+class Stopped:
+    """A plant of loops.ClosedLoop that stops within its steps to be read.
+
+    Args:
+        plant: a started FMU. names: what is read. times: s, rising. near: s, up to which a time is at a
+            communication point.
+
+    Attributes:
+        rows: values of names at the times reached.
+    """
+
+    def __init__(self, plant: Plant, names: Sequence[str], times: Array, near: float) -> None:
+        self._plant, self._names, self._times, self._near = plant, tuple(names), times, near
+        self._means = np.array([name.endswith(MEAN) for name in names], dtype=bool)
+        self._peaks = np.array([name.endswith(PEAK) for name in names], dtype=bool)
+        self._over_steps = bool((self._means | self._peaks).any())
+        self._sums, self._largest = np.zeros(len(names)), np.zeros(len(names))
+        self._now, self._since = 0.0, 0.0
+        self.rows: list[Array] = []
+        self._keep_until(near)
+
+    def set(self, **values: float) -> None:
+        """Set inputs by name."""
+        self._plant.set(**values)
+
+    def read(self, names: Sequence[str]) -> tuple[float, ...]:
+        """Values by name."""
+        return self._plant.read(names)
+
+    def advance(self, step: float) -> None:
+        """Advance by a communication step, s, by way of the times within it."""
+        end = self._now + step
+        while self._next < end - self._near:
+            self._go(self._next)
+            self._keep_until(self._now)
+        self._go(end)
+        self._keep_until(end + self._near)
+
+    @property
+    def _next(self) -> float:
+        return float(self._times[len(self.rows)]) if len(self.rows) < self._times.size else math.inf
+
+    def _go(self, time: float) -> None:
+        length = time - self._now
+        self._plant.advance(length)
+        self._now = time
+        if self._over_steps:
+            values = np.array(self._plant.read(self._names))
+            self._sums += length * values
+            self._largest = np.maximum(self._largest, values)
+
+    def _keep_until(self, time: float) -> None:
+        while self._next <= time:
+            values = np.array(self._plant.read(self._names))
+            if self._over_steps and self._now > self._since:
+                means = self._sums / (self._now - self._since)
+                values = np.where(self._means, means, np.where(self._peaks, self._largest, values))
+            self.rows.append(values)
+            self._since, self._sums, self._largest = self._now, 0.0 * self._sums, 0.0 * self._largest
+
+
+class Observer:
+    """Runs scenes that differ in numbers and gives their signals at the times of a measurement.
+
+    Args:
+        fmu_path: the FMU of the module. names: of its variables and of signals of the loop; the latter are
+            known at the communication points and taken linear in between. times: s, rising, from 0.
+
+    Raises:
+        FmuError: the FMU cannot be loaded.
+    """
+
+    def __init__(self, fmu_path: Path | str, names: Sequence[str], times: Array) -> None:
+        self._runner, self._names, self._times = SceneRunner(fmu_path), list(names), times
+
+    def __call__(self, scene: Scene) -> Array:
+        """Values at the times, shape (times, names).
+
+        Raises:
+            FmuError: the FMU refuses a value or a step.
+            Refused: a time is within a step over which the speed of link 1 is extrapolated.
+        """
+        step = scene.run.communication_step
+        off = np.abs(self._times / step - np.round(self._times / step)) > NEAR
+        if off.any() and scene.parameters().get("input_hold"):
+            raise Refused(
+                "with mechanism.input_hold = 'linear' time must be a whole number of run.communication_step ="
+                f" {step:g} s, is {self._times[off][0]:g} s"
+            )
+        signals = scene.surroundings.output_labels
+        read = [name for name in self._names if name not in signals]
+        plant = Stopped(self._runner.started(scene), read, self._times, NEAR * step)
+        loop = ClosedLoop(plant, scene.surroundings, (), scene.signal_units)
+        record = loop.run(step * max(math.ceil(self._times[-1] / step - NEAR), 1))
+        values = dict(zip(read, np.array(plant.rows).T, strict=True))
+        of_loop = {
+            name: np.interp(self._times, record.time, record[name]) for name in signals if name in self._names
+        }
+        return np.column_stack([{**values, **of_loop}[name] for name in self._names])

@@ -1,0 +1,201 @@
+"""Fit: values found in data of the independent reference, what the data cannot tell, files, refusals."""
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from inertia_module import jobs
+from inertia_module.cli import app
+from inertia_module.common.errors import Refused
+from inertia_module.harness.results import Result, read_columns, write_columns
+from inertia_module.jobs.observed import Observer
+from inertia_module.scene import load_scene, run_scene
+
+pytest.importorskip("lmfit")
+EXAMPLES = Path(__file__).parents[2] / "examples"
+MEASURED, SCENE = EXAMPLES / "fit_rig.csv", EXAMPLES / "fit_rig.toml"
+FREE = ("imbalance_mass", "link2_inertia")
+RANGES = {"imbalance_mass": (0.5, 2.0), "link2_inertia": (0.001, 0.02)}
+SETS = 16
+
+
+@pytest.fixture(scope="module")
+def fmu(built):
+    return built / "InertiaModule.fmu"
+
+
+@pytest.fixture(scope="module")
+def rig():
+    """The script that made the data of the example."""
+    sys.path.insert(0, str(EXAMPLES / "studies"))
+    import fit_rig_data
+
+    yield fit_rig_data
+    sys.path.remove(str(EXAMPLES / "studies"))
+
+
+@pytest.fixture(scope="module")
+def found(fmu, tmp_path_factory):
+    return jobs.fit(
+        MEASURED, SCENE, {**RANGES, "shaft_stiffness": None}, output=tmp_path_factory.mktemp("fit"), fmu=fmu
+    )
+
+
+# --- what is found ---
+
+
+def test_example_finds_the_truth_and_the_noise(found, rig):
+    for name in FREE:
+        low, high = found[name].interval
+        assert low <= rig.TRUE[name] <= high
+        assert not found[name].doubt
+    assert found["imbalance_mass"].error < 0.002
+    assert found.estimated == list(rig.NOISE)
+    for name, value in found.noise.items():
+        assert value == pytest.approx(rig.NOISE[name], rel=0.1)
+    assert found.same_end == (3, 3)
+
+
+def test_a_key_without_influence_is_named_and_stays(found):
+    stiffness = found["shaft_stiffness"]
+    assert stiffness.value == 400.0
+    assert "has no influence" in stiffness.text
+    assert [line for line in found.warnings if "shaft_stiffness: has no influence" in line]
+    assert list(found.correlations) == [tuple(f"mechanism.{name}" for name in FREE)]
+
+
+def test_fitted_scene_and_residuals_can_be_read_again(found):
+    scene = load_scene(found.files["scene"])
+    for name in FREE:
+        assert scene.parameters()[name] == found[name].value
+    assert scene.run == load_scene(SCENE).run
+    columns, units = read_columns(found.files["residuals"])
+    assert units["omega2_residual"] == "rad/s"
+    residual = np.array(columns["omega2_computed"]) - np.array(columns["omega2_measured"])
+    assert columns["omega2_residual"] == pytest.approx(residual)
+    assert np.std(residual) == pytest.approx(found.noise["omega2"], rel=0.02)
+
+
+def test_intervals_are_as_wide_as_the_values_scatter(fmu, rig, tmp_path, monkeypatch):
+    monkeypatch.setattr(rig, "TIMES", rig.TIMES[:100])
+    true, scene, off = rig.true_speeds(), load_scene(SCENE), []
+    inside = np.zeros(2)
+    for seed in range(SETS):
+        file = write_columns(tmp_path / "measured.csv", rig.measured(true, seed))
+        fit = jobs.fit(file, scene, FREE, output=tmp_path, fmu=fmu)
+        off.append([(fit[name].value - rig.TRUE[name]) / fit[name].error for name in FREE])
+        inside += [fit[name].interval[0] <= rig.TRUE[name] <= fit[name].interval[1] for name in FREE]
+    # of 95 %; chi-squared of 16 values is between 3.9 and 39 in 99.8 % of all cases
+    assert inside.min() >= 12
+    squares = np.sum(np.square(off), axis=0)
+    assert 3.9 < squares.min() <= squares.max() < 39.3
+
+
+def test_what_the_data_tell_together_alone_is_warned_of(fmu, tmp_path):
+    free = {"imbalance_mass": (0.5, 2.0), "wheel_radius": (0.07, 0.1)}
+    fit = jobs.fit(MEASURED, SCENE, free, starts=0, output=tmp_path, fmu=fmu)
+    assert fit.correlations["mechanism.imbalance_mass", "mechanism.wheel_radius"] < -0.99
+    assert any(
+        "imbalance_mass and mechanism.wheel_radius are correlated by -1.000" in w for w in fit.warnings
+    )
+
+
+def test_a_range_narrower_than_the_interval_is_not_told(fmu, tmp_path):
+    free = {"imbalance_mass": None, "link2_inertia": (0.0064, 0.0065)}
+    fit = jobs.fit(MEASURED, SCENE, free, starts=0, output=tmp_path, fmu=fmu)
+    assert "the data cannot tell it: the interval is wider than its range" in fit["link2_inertia"].doubt
+    assert [
+        line for line in fit.warnings if line.startswith("mechanism.link2_inertia: the data cannot tell it")
+    ]
+
+
+def test_a_scene_that_lacks_something_is_told_by_its_residuals(fmu, tmp_path):
+    wrong = load_scene(SCENE).with_keys({"load.torque": "15 N.m"})
+    fit = jobs.fit(MEASURED, wrong, ["imbalance_mass"], output=tmp_path, fmu=fmu)
+    assert any("residuals of omega_out follow one another" in line for line in fit.warnings)
+
+
+def test_noise_that_is_known_weighs_and_judges(fmu, tmp_path):
+    columns, units = read_columns(MEASURED)
+    rows = len(columns["time"])
+    noisy = {**columns, "omega2_noise": [0.5] * rows, "omega_out_noise": [0.05] * rows}
+    units = {**units, "omega2_noise": "rad/s", "omega_out_noise": "rad/s"}
+    fit = jobs.fit(Result.from_columns(noisy, units), SCENE, FREE, output=tmp_path, fmu=fmu)
+    assert fit.estimated == []
+    # half of what it is in one of two columns: (1 + 4) / 2
+    assert fit.chi_squared == pytest.approx(2.5, rel=0.1)
+    assert any("the residuals are larger than the noise" in line for line in fit.warnings)
+
+
+def test_same_seed_same_result(found, fmu, tmp_path):
+    fit = jobs.fit(MEASURED, SCENE, RANGES, starts=2, seed=5, output=tmp_path / "a", fmu=fmu)
+    again = jobs.fit(MEASURED, SCENE, RANGES, starts=2, seed=5, output=tmp_path / "b", fmu=fmu)
+    assert fit.as_dict() == again.as_dict()
+
+
+# --- measured between communication points ---
+
+
+def test_times_within_steps_give_what_short_steps_give(fmu):
+    names = ["omega2", "omega_out", "output_torque", "output_torque_mean", "satellite_force_peak"]
+    scene = load_scene(SCENE).replaced(run={"outputs": names}, accuracy={"tolerance": 1e-10})
+    fine = run_scene(scene.replaced(run={"communication_step": 1e-4, "stop_time": 0.1}), fmu).record
+    rows = np.array([7, 50, 61, 100, 333, 340, 987])
+    seen = dict(zip(names, Observer(fmu, names, fine.time[rows])(scene).T, strict=True))
+    for name in names[:3]:
+        assert seen[name] == pytest.approx(fine[name][rows], rel=1e-6, abs=1e-6)
+    between = list(zip([0, *rows[:-1]], rows, strict=True))
+    means = [fine["output_torque_mean"][a + 1 : b + 1].mean() for a, b in between]
+    assert seen["output_torque_mean"] == pytest.approx(means, rel=1e-6, abs=1e-6)
+    peaks = [fine["satellite_force_peak"][a + 1 : b + 1].max() for a, b in between]
+    assert seen["satellite_force_peak"] == pytest.approx(peaks, rel=1e-2)
+
+
+def test_signals_of_the_loop_are_linear_between_its_steps(fmu):
+    scene = load_scene(EXAMPLES / "engine_launch.toml")
+    step = scene.run.communication_step
+    (points,) = Observer(fmu, ["vehicle_speed"], step * np.array([60.0, 61.0]))(scene).T
+    (between,) = Observer(fmu, ["vehicle_speed"], step * np.array([60.25]))(scene).T
+    assert between == pytest.approx(0.75 * points[0] + 0.25 * points[1], rel=1e-9)
+
+
+def test_a_speed_extrapolated_over_steps_is_not_stopped_within_them(fmu):
+    scene = load_scene(SCENE).with_keys({"mechanism.input_hold": "linear"})
+    with pytest.raises(Refused, match=r"time must be a whole number of .* = 0.005 s, is 0.007 s"):
+        Observer(fmu, ["omega2"], np.array([0.005, 0.007]))(scene)
+
+
+# --- what is refused, and the command ---
+
+
+def test_what_cannot_be_fitted_is_one_sentence(fmu, tmp_path):
+    few = Result.from_columns({"time": [0.1], "omega2": [1.0]})
+    with pytest.raises(Refused, match="more measured values than free keys, 2, are 1"):
+        jobs.fit(few, SCENE, FREE, output=tmp_path, fmu=fmu)
+    with pytest.raises(
+        Refused, match=r"must have an influence on omega2, omega_out, none has of .*shaft_damping"
+    ):
+        jobs.fit(MEASURED, SCENE, ["shaft_damping", "shaft_stiffness"], output=tmp_path, fmu=fmu)
+    with pytest.raises(Refused, match="starts must be at least 0, is -1"):
+        jobs.fit(MEASURED, SCENE, FREE, starts=-1, output=tmp_path, fmu=fmu)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_command_leaves_scene_residuals_numbers_and_picture(fmu, tmp_path):
+    free = ["--free", "imbalance_mass", "--free", "link2_inertia=1e-3:0.02", "--starts", "1"]
+    command = ["fit", str(MEASURED), str(SCENE), "--fmu", str(fmu), "-o", str(tmp_path)]
+    done = CliRunner().invoke(app, [*command, *free, "--column", "omega_out", "--json"])
+    assert done.exit_code == 0, done.output
+    told = json.loads(done.output)
+    assert list(told["noise"]) == ["omega_out"]
+    assert json.loads((tmp_path / "fit.json").read_text())["parameters"] == told["parameters"]
+    assert (tmp_path / "fit.png").read_bytes().startswith(b"\x89PNG")
+    mass = told["parameters"]["mechanism.imbalance_mass"]
+    assert mass["value"] == load_scene(tmp_path / "fitted.toml").parameters()["imbalance_mass"]
+    refused = CliRunner().invoke(app, command)
+    assert refused.exit_code == 1
+    assert "error: at least one key must be free" in refused.output
