@@ -257,8 +257,10 @@ def test_quick_map_finds_the_recommended_couplings_best_and_leaves_its_rows(fmu_
 
 
 def read_rows(path):
+    """Rows by heading, without its unit."""
     with path.open(newline="") as file:
-        return list(csv.DictReader(file))
+        headings, *rows = csv.reader(file)
+    return [dict(zip((heading.split(" [")[0] for heading in headings), row, strict=True)) for row in rows]
 
 
 # a pulse, s, of the cases of the map

@@ -159,7 +159,7 @@ def test_a_scene_of_a_shaft_is_none_of_the_module(tmp_path):
         load_scene(tmp_path / "shaft.toml")
     done = CliRunner().invoke(app, ["run", str(tmp_path / "shaft.toml"), "--fidelity", "rigid"])
     assert done.exit_code == 1
-    assert "--fidelity and --error must come with a scene of the module" in done.output
+    assert "--fidelity, --error and --view must come with a scene of the module" in done.output
 
 
 def test_command_runs_a_shaft(built, tmp_path):
