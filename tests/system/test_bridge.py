@@ -82,14 +82,14 @@ def test_whole_state_of_the_python_fmu_gives_the_bits_of_a_plain_loop(built):
 
 
 @pytest.mark.parametrize("name", ["InertiaModule.fmu", "InertiaModulePy.fmu"])
-@pytest.mark.parametrize("fidelity", ["averaged", "rigid"])
-def test_motion_state_agrees_with_a_plain_loop_within_the_tolerance(built, name, fidelity):
+@pytest.mark.parametrize("fidelity, share", [("averaged", 1e-7), ("rigid", 1e-6)])
+def test_motion_state_agrees_with_a_plain_loop_within_the_tolerance(built, name, fidelity, share):
     parameters, inputs = {"fidelity": fidelity}, inputs_over(100)
     with bridge.fmu_system(built / name, parameters, step=STEP, start=START, tolerance=1e-9) as plant:
         found = run(plant.system, inputs, plant.start)
     expected = stepped(built / name, parameters, inputs)
     scale = np.abs(expected).max(axis=1, keepdims=True)
-    assert (np.abs(found - expected) / scale).max() < 1e-6
+    assert (np.abs(found - expected) / scale).max() < share
 
 
 BY_TORQUE = {"drive": "torque", "input_inertia": 0.3}

@@ -76,8 +76,8 @@ def finish_step(d, x, w, h, first, last, found_speed, found, implicit):
 def explicit_step(d, side, x, w, speed, speed_rate, h, first, allowed):
     """One explicit step."""
     omega3 = x.omega3
-    # (a longer step tried before may have looked elsewhere since)
-    knot = find_knot(side, x, ratio(omega3, speed))
+    # with friction the torque has corners; a longer step tried before may have looked elsewhere since
+    knot = find_knot(side, x, ratio(omega3, speed)) if d.lossy != 0.0 else x.map_knot
     guess_speed = speed + h * (first[0][0] + 0.5 * h * first[0][1])
     guess = omega3 + h * (first[1][0] + 0.5 * h * first[1][1])
     last = flow(d, side, x, guess_speed, speed_rate, guess)
