@@ -12,7 +12,6 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from ..memory.instances import Module
 from .arcs import PHASE, Arc, follow
 from .cases import (
     A1,
@@ -291,12 +290,3 @@ class Lossy:
     def torques(self) -> Array:
         """(M1, M2, Tc, Th) now, N.m."""
         return self.machine.forces(self.state, self.mode).x[M1 : TH + 1]
-
-
-def second_method(parameters: Mapping[str, float]) -> type[Lagrange | Lossy]:
-    """The equations that the module is held to with these parameters: with losses those of virtual work.
-
-    Raises:
-        Refused: the module refuses them.
-    """
-    return Lossy if Module().start(**parameters).derived.general else Lagrange

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..kernel.codes import ELASTIC, RIGID
+from ..memory.instances import Module
 from ..scene.mechanism import is_elastic
 from .kernel_runs import KernelRun
-from .lossy import second_method
+from .lagrange import Lagrange
+from .lossy import Lossy
 from .trajectory import Array, Case, Trajectory
 
 TOLERANCE = 1e-13
@@ -18,6 +21,15 @@ TOLERANCE = 1e-13
 _STEPS = 100
 # sampling intervals of the comparison with the second method
 _COMPARED = 20
+
+
+def second_method(parameters: Mapping[str, float]) -> type[Lagrange | Lossy]:
+    """The equations that the module is held to with these parameters: with losses those of virtual work.
+
+    Raises:
+        Refused: the module refuses them.
+    """
+    return Lossy if Module().start(**parameters).derived.general else Lagrange
 
 
 @dataclass(frozen=True)

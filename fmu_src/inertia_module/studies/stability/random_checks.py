@@ -14,7 +14,8 @@ from ...kernel.codes import AVERAGED, DRIVE_TORQUE, ELASTIC, EVENT, RIGID, TIMES
 from ...memory.instances import Module
 from ..geometry import Inertia, ratio
 from ..lagrange import Lagrange
-from ..lossy import Lossy, second_method
+from ..lossy import Lossy
+from ..reference import second_method
 from ..trajectory import Array, Unavailable
 from .bounds import BREACH, LARGEST_ERROR, ROUNDING, energy_bound
 from .case import TIMESTEPPING_ACCURACY, Segment
