@@ -17,6 +17,9 @@ from . import driven_shaft_messages, driven_shaft_variables, messages, variables
 from .variable import INPUT, LOCAL, OUTPUT, PARAMETER, Variable
 from .variables import with_causality
 
+# which record of the kernel holds the variables of a causality
+RECORD_OF = {PARAMETER: 0, INPUT: 2, OUTPUT: 4, LOCAL: 4}
+
 
 class Bound(NamedTuple):
     """A number of a state that the kernel takes for an index or a choice.
@@ -82,8 +85,7 @@ class Model:
     def place(self, name: str) -> int:
         """Place of a variable, of the rate of an input or of whether that is given in its record."""
         of = self.by_name.get(name)
-        record = {PARAMETER: 0, OUTPUT: 4, LOCAL: 4}.get(of.causality if of else INPUT, 2)
-        return place(self.records[record], name)
+        return place(self.records[RECORD_OF[of.causality if of else INPUT]], name)
 
     def with_causality(self, *causalities: str) -> Iterator[Variable]:
         """Variables of these causalities, in the order of the table."""

@@ -242,5 +242,6 @@ def refused_parameters(values: Mapping[str, float], table: Iterable[Variable] = 
     return [
         must_be(variable.name, variable.allowed, values[variable.name])
         for variable in with_causality(PARAMETER, table=table)
-        if not variable.accepts(values[variable.name])
+        # start values are allowed, and most parameters have theirs
+        if values[variable.name] != variable.start and not variable.accepts(values[variable.name])
     ]

@@ -54,9 +54,10 @@ class Result:
         for name, values in arrays.items():
             if values.shape != (n,):
                 raise TableError(f"{name} must have shape ({n},), that of {TIME}, has {values.shape}")
-            if not np.isfinite(values).all():
-                row = int(np.argmin(np.isfinite(values)))
-                raise TableError(f"{name} must be finite, is {values[row]} in row {row}")
+        finite = np.isfinite(list(arrays.values()))
+        if not finite.all():
+            (column, row), names = np.argwhere(~finite)[0], list(arrays)
+            raise TableError(f"{names[column]} must be finite, is {arrays[names[column]][row]} in row {row}")
         if (np.diff(arrays[TIME]) < 0).any():
             row = int(np.argmax(np.diff(arrays[TIME]) < 0)) + 1
             raise TableError(f"{TIME} must not go back, is {arrays[TIME][row]} in row {row}")

@@ -154,7 +154,7 @@ class ClosedLoop:
             time = n * self.step
             values = self.plant.read(names)
             measured = np.array(values[: self._measured])
-            if n > 0:
+            if n > 0 and state.size:
                 state = self.surroundings.dynamics(time, state, measured)
             signals = self.surroundings.output(time, state, measured).tolist()
             if progress is not None and (n % report_every == 0 or n == number):

@@ -6,13 +6,14 @@ import ctypes
 import os
 import struct
 from collections.abc import Callable, Mapping, Sequence
+from functools import cache
 from typing import Any, ClassVar, Self
 
 from ..common.errors import Refused, must_be
 from ..compiling import load as compiled
 from ..compiling.kernels import MODULE, CompilationUnavailable, source_hash
 from ..compiling.records import record_type
-from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE, Model
+from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE, RECORD_OF, Model
 from ..contract.variable import INPUT, OUTPUT, PARAMETER
 from ..contract.variables import refused_parameters
 from ..kernel import codes
@@ -47,6 +48,15 @@ def choose_kernel(kernel: str, name: str = MODULE) -> tuple[Callable[..., int] |
         return None, f"plain Python, for there is no compiled one ({error})"
 
 
+@cache
+def _at_start(model: Model) -> tuple[Any, ...]:
+    """The records of the kernel with the start values of a model: to be copied."""
+    records = tuple(record_type(fields)() for fields in model.records)
+    for variable in model.with_causality(INPUT, PARAMETER):
+        setattr(records[RECORD_OF[variable.causality]], variable.name, float(variable.start or 0.0))
+    return records
+
+
 class ModelInstance:
     """A model in memory: set parameters and inputs, start, step, read.
 
@@ -64,9 +74,8 @@ class ModelInstance:
         self._wanted = kernel
         self._entry: Callable[..., int] | None = None
         self.kernel = ""
-        self._records = tuple(record_type(fields)() for fields in self.model.records)
+        self._records = tuple(type(record).from_buffer_copy(record) for record in _at_start(self.model))
         self.parameters, self.derived, self.inputs, self.state, self.outputs, _ = self._records
-        self._write({v.name: float(v.start or 0.0) for v in self.model.with_causality(INPUT, PARAMETER)})
         self._addresses = tuple(ctypes.addressof(record) for record in self._records)
         self.started = False
 
@@ -128,8 +137,7 @@ class ModelInstance:
 
     def _record(self, name: str) -> Any:
         """The record that holds a variable."""
-        causality = self.model.by_name[name].causality
-        return {INPUT: self.inputs, PARAMETER: self.parameters}.get(causality, self.outputs)
+        return self._records[RECORD_OF[self.model.by_name[name].causality]]
 
     def set_rates(self, **rates: float) -> None:
         """Give inputs a constant rate over the coming step, per second: they start it from their values.

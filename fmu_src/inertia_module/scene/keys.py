@@ -33,19 +33,22 @@ def changed(tables: dict[str, Any], path: Sequence[str], value: Any) -> dict[str
     return others if value is None else {**others, head: value}
 
 
-def validated(model: type[Model], tables: dict[str, Any], folder: Path = Path()) -> Model:
+def validated(
+    model: type[Model], tables: dict[str, Any], folder: Path = Path(), before: Model | None = None
+) -> Model:
     """Tables as a scene of a kind.
 
     Args:
-        model: Scene, or another kind. tables: as read from TOML, or Scene.tables.
-        folder: where paths of CSV files in them start.
+        model: Scene, or another kind. tables: as read from TOML, or Scene.tables; some may be checked ones.
+        folder: where paths of CSV files in them start. before: the scene that these are tables of, changed.
 
     Raises:
         SceneError: in one line, the key, the value and what is allowed.
     """
     load = tables.get("load")
-    kind = load.get("kind") if isinstance(load, dict) else None
+    kind = load.get("kind") if isinstance(load, dict) else getattr(load, "kind", None)
+    context = {"folder": folder, "measured": measured_speed(kind), "before": before}
     try:
-        return model.model_validate(tables, context={"folder": folder, "measured": measured_speed(kind)})
+        return model.model_validate(tables, context=context)
     except ValidationError as failure:
         raise SceneError(one_line(model, failure)) from None

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from functools import cached_property
 from typing import Annotated, Any
 
-from pydantic import Field, model_validator
+from pydantic import Field, ValidationInfo, model_validator
 
 from .. import loops
 from ..common.errors import Refused
@@ -149,25 +149,30 @@ class Scene(Strict):
         Raises:
             SceneError: as read_scene.
         """
-        data = self.tables
-        for name, value in keys.items():
-            data = changed(data, name.split("."), value)
-        scene = validated(Scene, data)
-        if scene._around == self._around:
-            # connecting systems costs as much as a short run
-            scene.__dict__["surroundings"] = self.surroundings
-        return scene
+        paths = {name: name.split(".") for name in keys}
+        anew = {head for head, *_ in paths.values()}
+        # a controller is read by what hangs on the shaft
+        anew |= {"controller"} if "load" in anew else set()
+        data = {name: getattr(self, name) for name in self.model_fields_set - anew}
+        data |= {name: table for name, table in self.tables.items() if name in anew}
+        for name, path in paths.items():
+            data = changed(data, path, keys[name])
+        return validated(Scene, data, before=self)
 
     @property
     def _around(self) -> tuple[Any, ...]:
         """What the surroundings follow from."""
         return self.drive, self.load, self.controller, self.run.communication_step, self._one_way
 
+    @cached_property
+    def _given(self) -> dict[str, float]:
+        """Parameters of the mechanism that differ from the defaults."""
+        return parameters(self.mechanism)
+
     @property
     def _one_way(self) -> bool:
         """Whether the freewheels keep the output shaft from turning backwards."""
-        mechanism = parameters(self.mechanism)
-        return all(mechanism.get(name, 1.0) for name in ("housing_freewheel", "output_freewheel"))
+        return all(self._given.get(name, 1.0) for name in ("housing_freewheel", "output_freewheel"))
 
     def with_fidelity(self, fidelity: str, error: float | None = None) -> Scene:
         """The scene at a named fidelity, or at one to be chosen for this error.
@@ -184,25 +189,32 @@ class Scene(Strict):
                 mechanism={FIDELITY: AUTO, **chosen_too}, accuracy={**asked, "tolerance": None}
             )
         scene = self.replaced(mechanism={FIDELITY: fidelity}, accuracy=asked)
-        values = parameters(scene.mechanism)
-        return scene.replaced(mechanism=at_fidelity(values, values[FIDELITY]))
+        return scene.replaced(mechanism=at_fidelity(scene._given, scene._given[FIDELITY]))
 
     def _shaft_inertia(self) -> float:
         """Inertia of what the load hangs on without the load, kg.m2."""
         name = self._carrying
-        return parameters(self.mechanism).get(name, BY_NAME[name].start or 0.0)
+        return self._given.get(name, BY_NAME[name].start or 0.0)
 
     @property
     def _carrying(self) -> str:
         """Parameter of the inertia that a load hangs on: the driven mass where the shaft is elastic."""
-        elastic = parameters(self.mechanism).get("fidelity") == ELASTIC
+        elastic = self._given.get("fidelity") == ELASTIC
         return "driven_inertia" if elastic else "output_inertia"
 
     def parameters(self) -> dict[str, float]:
         """Parameters for the FMU, that of the drive too; a load coupled rigidly is in what it hangs on."""
-        values = with_drive(self.drive, parameters(self.mechanism))
+        values = with_drive(self.drive, self._given)
         rigid = self.built_load.rigid_inertia
         return {**values, self._carrying: self._shaft_inertia() + rigid} if rigid else values
+
+    @model_validator(mode="after")
+    def _same_surroundings(self, info: ValidationInfo) -> Scene:
+        """Take over the systems of the scene before: connecting them costs as much as a short run."""
+        before = (info.context or {}).get("before")
+        if before is not None and before._around == self._around:
+            self.__dict__.update(built_load=before.built_load, surroundings=before.surroundings)
+        return self
 
     @model_validator(mode="after")
     def _drive_and_controller(self) -> Scene:
@@ -218,7 +230,7 @@ class Scene(Strict):
 
     @model_validator(mode="after")
     def _drive_of_the_mechanism(self) -> Scene:
-        check_drive(self.drive, parameters(self.mechanism).get(DRIVE))
+        check_drive(self.drive, self._given.get(DRIVE))
         return self
 
     @model_validator(mode="after")
