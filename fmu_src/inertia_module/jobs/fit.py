@@ -22,6 +22,7 @@ from .axes import shares_sampled
 from .evaluator import fmu_file, read
 from .fitted import FitResult, correlations, doubts, fitted
 from .free import Free, Range, free_keys
+from .intervals import interval
 from .measurement import Array, Measurement, measurement
 from .observed import Observer
 
@@ -123,10 +124,11 @@ class _Search:
 
     def found(self, starts: int, seed: int) -> FitResult:
         """Look at points, search from the best of them, then find the noise."""
-        ends = sorted(map(self._minimised, self._begun(starts, seed)), key=lambda end: float(end.chisqr))
+        begun = map(self._told, self._begun(starts, seed))
+        ends = sorted(map(self._minimised, begun), key=lambda end: float(end.chisqr))
         best, held = self._weighted(ends[0])
         computed = self.computed(self._variables(best))
-        parameters, names = fitted(self.keys, best, held), self.data.columns
+        parameters, names = fitted(self.keys, best, self._intervals(best, held)), self.data.columns
         result = FitResult(
             scene=self.scene.with_keys({one.name: one.value for one in parameters}),
             parameters=parameters,
@@ -150,7 +152,7 @@ class _Search:
         if starts and any(key.range for key in self.keys):
             for shares in shares_sampled(len(self.keys), f"latin:{starts}", seed).tolist():
                 points.append([key.spread(share) for key, share in zip(self.keys, shares, strict=True)])
-        self.stages = len(points) + min(SEARCHED, len(points)) + PASSES
+        self.stages = len(points) + min(SEARCHED, len(points)) + PASSES + len(self.keys)
         costs = np.array([np.sum(self.residuals(point) ** 2) for point in map(self._told, points)])
         if not np.isfinite(costs).any():
             raise Refused(f"the scene must take values of what is free, refuses all tried: {self.refused}")
@@ -174,7 +176,7 @@ class _Search:
         import lmfit
 
         variables = lmfit.Parameters()
-        for key, u in zip(self.keys, self._told(start), strict=True):
+        for key, u in zip(self.keys, start, strict=True):
             variables.add(key.identifier, u, vary=key.identifier not in held, min=key.low, max=key.high)
 
         def residuals(given: Any) -> Array:
@@ -213,8 +215,29 @@ class _Search:
                 key.start if key.identifier in held else u for key, u in zip(self.keys, start, strict=True)
             ]
             steps = self._errors(best)[[name not in held for name in best.var_names]]
-            best = self._minimised(start, held, steps, "3-point")
+            best = self._minimised(self._told(start), held, steps, "3-point")
         return best, held
+
+    def _intervals(self, best: Any, held: Sequence[str]) -> dict[str, tuple[float, float]]:
+        """Interval of each variable that is not held."""
+        start, found = self._variables(best), {}
+        steps = dict(zip(best.var_names, self._errors(best), strict=True))
+        for place, key in enumerate(self.keys):
+            if key.identifier in held:
+                continue
+            others = [step for name, step in steps.items() if name != key.identifier]
+
+            def least(u: float, place: int = place, others: Sequence[float] = others) -> float:
+                point = [*start[:place], u, *start[place + 1 :]]
+                if not others:
+                    return float(np.sum(self.residuals(point) ** 2))
+                end = self._minimised(point, [*held, self.keys[place].identifier], others, "3-point")
+                return float(end.chisqr)
+
+            step, within = steps[key.identifier], (key.low, key.high)
+            found[key.identifier] = interval(least, best.chisqr, start[place], step, best.nfree, within)
+            self._told(start)
+        return found
 
     @staticmethod
     def _errors(end: Any) -> Array:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -17,8 +17,6 @@ from ..scene.writing import scene_text
 from .free import Free
 from .measurement import Measurement
 
-# of the intervals
-CONFIDENCE = 0.95
 # correlations from here on are warned of
 CORRELATED = 0.95
 # so near to an end of its range, of the range, a value is at it
@@ -28,7 +26,7 @@ FOLLOWING = 0.2
 # standard deviations of chance that a warning keeps from
 CHANCE = 4.0
 NO_INFLUENCE = "has no influence on what was measured, stays where it was"
-NOT_TOLD = "the data cannot tell it: the interval is wider than {}"
+NOT_TOLD = "the data cannot tell it: the interval is {}"
 
 
 @dataclass(frozen=True)
@@ -36,8 +34,8 @@ class Fitted:
     """A free key.
 
     Attributes:
-        name: by dots. value, error: the value and its standard error, SI. interval: of 95 %; error and
-            interval are infinite where nothing is known. unit: of parameters of the mechanism.
+        name: by dots. value, error: the value and its standard error, SI. interval: of 95 %; what is not
+            known of error and interval is infinite. unit: of parameters of the mechanism.
             doubt: what is wrong with it, or "".
     """
 
@@ -51,9 +49,9 @@ class Fitted:
     @property
     def text(self) -> str:
         """Value, interval and what is wrong with it, in a line."""
-        if not math.isfinite(self.error):
-            return f"{self.value:.6g} {self.unit}, {self.doubt}"
         low, high = self.interval
+        if not math.isfinite(high - low):
+            return f"{self.value:.6g} {self.unit}, {self.doubt}"
         doubt = f", {self.doubt}" if self.doubt else ""
         return f"{self.value:.6g} {self.unit}, from {low:.6g} to {high:.6g}{doubt}"
 
@@ -95,7 +93,7 @@ class FitResult:
                     "value": one.value,
                     "unit": one.unit,
                     "standard_error": one.error if math.isfinite(one.error) else None,
-                    "interval": list(one.interval) if math.isfinite(one.error) else None,
+                    "interval": [end if math.isfinite(end) else None for end in one.interval],
                     "doubt": one.doubt,
                 }
                 for one in self.parameters
@@ -149,31 +147,33 @@ class FitResult:
         }
 
 
-def fitted(keys: Sequence[Free], best: Any, held: Sequence[str]) -> list[Fitted]:
+def fitted(keys: Sequence[Free], best: Any, intervals: Mapping[str, tuple[float, float]]) -> list[Fitted]:
     """The free keys as they were found.
 
     Args:
-        best: MinimizerResult of lmfit. held: identifiers of those without influence.
+        best: MinimizerResult of lmfit. intervals: of each variable that has an influence, by identifier.
     """
-    from scipy.stats import t
-
-    factor, found = float(t.ppf(0.5 + 0.5 * CONFIDENCE, best.nfree)), []
+    found = []
     for key in keys:
         one = best.params[key.identifier]
-        value = key.value(one.value)
-        error = (
-            math.inf if one.stderr is None or key.identifier in held else abs(key.span) * float(one.stderr)
-        )
-        interval = value - factor * error, value + factor * error
-        doubt = ""
-        if key.identifier in held:
-            doubt = NO_INFLUENCE
-        elif 2.0 * factor * error > (abs(key.span) if key.range else 2.0 * abs(value)):
-            doubt = NOT_TOLD.format("its range" if key.range else "twice the value")
-        elif key.range and min(one.value - 1.0, 2.0 - one.value) < AT_END:
-            doubt = "is at the end of its range"
+        value, error, interval = key.value(one.value), math.inf, (-math.inf, math.inf)
+        doubt = NO_INFLUENCE
+        if key.identifier in intervals:
+            low, high = sorted(map(key.value, intervals[key.identifier]))
+            interval = low, high
+            error = math.inf if one.stderr is None else abs(key.span) * float(one.stderr)
+            doubt = _doubt(key, one.value, high - low)
         found.append(Fitted(key.name, value, error, interval, key.unit, doubt))
     return found
+
+
+def _doubt(key: Free, variable: float, width: float) -> str:
+    """What is wrong with a value; width: of its interval, SI."""
+    if key.range is None:
+        return NOT_TOLD.format("wider than twice the value") if width > 2.0 * abs(key.value(variable)) else ""
+    if width >= (1.0 - AT_END) * abs(key.span):
+        return NOT_TOLD.format("as wide as its range")
+    return "is at the end of its range" if min(variable - 1.0, 2.0 - variable) < AT_END else ""
 
 
 def correlations(keys: Sequence[Free], best: Any) -> dict[tuple[str, str], float]:
