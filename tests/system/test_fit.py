@@ -131,6 +131,21 @@ def test_noise_that_is_known_weighs_and_judges(fmu, tmp_path):
     assert any("the residuals are larger than the noise" in line for line in fit.warnings)
 
 
+def test_several_starts_find_what_a_search_from_a_wrong_place_misses(fmu, rig, tmp_path):
+    known = {f"mechanism.{name}": rig.TRUE[name] for name in FREE}
+    scene = load_scene(SCENE).with_keys({**known, "drive.omega1": "75 rad/s"})
+    free = {"drive.omega1": (50.0, 150.0)}
+    alone = jobs.fit(MEASURED, scene, free, columns=["omega2"], starts=0, output=tmp_path / "a", fmu=fmu)
+    assert alone["omega1"].value < 90.0
+    assert any("residuals of omega2 follow one another" in line for line in alone.warnings)
+    several = jobs.fit(MEASURED, scene, free, columns=["omega2"], output=tmp_path / "b", fmu=fmu)
+    low, high = several["omega1"].interval
+    assert low <= 100.0 <= high < low + 0.1
+    assert several["omega1"].text.startswith("100.0") or several["omega1"].text.startswith("99.99")
+    assert several["omega1"].unit == "rad/s"
+    assert several.warnings == []
+
+
 def test_same_seed_same_result(found, fmu, tmp_path):
     fit = jobs.fit(MEASURED, SCENE, RANGES, starts=2, seed=5, output=tmp_path / "a", fmu=fmu)
     again = jobs.fit(MEASURED, SCENE, RANGES, starts=2, seed=5, output=tmp_path / "b", fmu=fmu)

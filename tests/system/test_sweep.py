@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from contextlib import ExitStack
+from dataclasses import dataclass
 
 import pytest
 
@@ -14,8 +15,11 @@ from inertia_module import jobs
 from inertia_module.common.errors import Refused
 from inertia_module.jobs.axes import axes_of, grid
 from inertia_module.jobs.task import SceneTask, evaluate
+from inertia_module.jobs.workers import evaluations, pool
 from inertia_module.scene import load_scene, run_scene
+from inertia_module.scene.summary import Quantity
 
+dask, cloudpickle = pytest.importorskip("dask"), pytest.importorskip("cloudpickle")
 Client = pytest.importorskip("distributed").Client
 pytest.importorskip("pyarrow")
 
@@ -119,6 +123,36 @@ def test_what_is_done_is_not_done_again(scene, module, found):
     other = load_scene(scene).replaced(run={"stop_time": 0.2})
     with pytest.raises(Refused, match="another scene"):
         jobs.sweep(other, VARY, output=folder, fmu=module)
+
+
+@dataclass(frozen=True)
+class DeadlyTask:
+    """A task with a point that ends its worker."""
+
+    fmu: bytes = b""
+    identity: str = "deadly"
+
+    def opened(self, fmu, closing):
+        def figures(point):
+            if point["number"] == 200.0:
+                os._exit(1)
+            return {"double": Quantity(2.0 * point["number"], "")}
+
+        return figures
+
+
+def test_a_point_that_ends_its_workers_is_refused_alone():
+    # the workers cannot import this file
+    cloudpickle.register_pickle_by_value(sys.modules[__name__])
+    points = [{"number": float(n)} for n in range(400)]
+    few = dask.config.set({"distributed.scheduler.allowed-failures": 1})
+    with few, pool(DeadlyTask(), workers=1) as client:
+        rows = [row for batch in evaluations(client, "deadly", points) for row in batch.rows]
+    cloudpickle.unregister_pickle_by_value(sys.modules[__name__])
+    assert sorted(row.point["number"] for row in rows) == [point["number"] for point in points]
+    refused = [row for row in rows if row.refused]
+    assert [(row.point["number"], row.refused) for row in refused] == [(200.0, "its worker ended 2 times")]
+    assert all(row.figures["double"] == 2.0 * row.point["number"] for row in rows if not row.refused)
 
 
 SLOW = ["imbalance_mass=0.5:2:60"]

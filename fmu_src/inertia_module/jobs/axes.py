@@ -16,6 +16,7 @@ from ..common.units import parse_unit, split_quantity
 from ..contract.variable import INTEGER
 from ..contract.variables import BY_NAME
 from ..scene import Scene, SceneError
+from ..scene.units import unit_of
 
 # values by key of the scene: numbers in SI units, or names
 Point = dict[str, float | str]
@@ -85,10 +86,19 @@ class Axis:
                     raise
 
 
-def units_of(axes: Sequence[Axis]) -> dict[str, str]:
-    """Units of the keys that are parameters of the mechanism, by name."""
-    bare = {one.name: one.name.removeprefix(MECHANISM) for one in axes}
-    return {name: BY_NAME[key].unit for name, key in bare.items() if key in BY_NAME}
+def unit_of_key(name: str, scene: Scene) -> str:
+    """Unit of a key of a scene, "" for none."""
+    *tables, key = name.split(".")
+    table: Any = scene
+    for part in tables:
+        table = getattr(table, part, None)
+    fields = getattr(type(table), "model_fields", {})
+    return unit_of(fields[key]) if key in fields else ""
+
+
+def units_of(axes: Sequence[Axis], scene: Scene) -> dict[str, str]:
+    """Units of the keys that are varied, by name."""
+    return {one.name: unit_of_key(one.name, scene) for one in axes}
 
 
 def full_name(name: str) -> str:

@@ -178,7 +178,7 @@ def design(
 
         first = sampled(read.axes, f"latin:{read.search.population}", read.search.seed)
         rows = evaluate(first)
-        units = {**units_of(read.axes), **evaluator.journal.units}
+        units = {**units_of(read.axes, read.scene), **evaluator.journal.units}
         _check_figures(read, rows, units)
         judge = Judge(read, units)
         rows = search(read, judge, evaluate, progress)

@@ -35,8 +35,7 @@ class Fitted:
 
     Attributes:
         name: by dots. value, error: the value and its standard error, SI. interval: of 95 %; what is not
-            known of error and interval is infinite. unit: of parameters of the mechanism.
-            doubt: what is wrong with it, or "".
+            known of error and interval is infinite. unit: "" for none. doubt: what is wrong with it, or "".
     """
 
     name: str

@@ -11,7 +11,7 @@ from ..common.errors import Refused
 from ..contract.variable import REAL
 from ..contract.variables import BY_NAME
 from ..scene import Scene
-from .axes import MECHANISM, Axis, axis, full_name
+from .axes import MECHANISM, Axis, axis, full_name, unit_of_key
 
 Range = str | tuple[float, float] | None
 
@@ -23,7 +23,7 @@ class Free:
     Attributes:
         name: of the key, by dots. range: that it is held to, or None. start: of the variable.
         origin, span: the low end and the width of the range; without one both are the value in the scene.
-        low, high: limits of the variable.
+        low, high: limits of the variable. unit: of the key, "" for none.
     """
 
     name: str
@@ -33,17 +33,12 @@ class Free:
     start: float
     low: float
     high: float
+    unit: str
 
     @property
     def identifier(self) -> str:
         """The name as one word."""
         return self.name.replace(".", "_")
-
-    @property
-    def unit(self) -> str:
-        """Of a parameter of the mechanism, else SI, not named."""
-        variable = BY_NAME.get(self.name.removeprefix(MECHANISM))
-        return "" if variable is None else variable.unit
 
     def value(self, variable: float) -> float:
         """The value, SI."""
@@ -101,7 +96,7 @@ def _free(name: str, given: Range, scene: Scene) -> Free:
     if variable is not None:
         limits = _or(variable.minimum, -math.inf), _or(variable.maximum, math.inf)
     low, high = sorted(limit / value for limit in limits)
-    return Free(name, None, value, value, 1.0, low, high)
+    return Free(name, None, value, value, 1.0, low, high, unit_of_key(name, scene))
 
 
 def _ranged(name: str, given: str | tuple[float, float], value: float | None, scene: Scene) -> Free:
@@ -114,7 +109,7 @@ def _ranged(name: str, given: str | tuple[float, float], value: float | None, sc
     span = found.high - found.low
     inside = value is not None and found.low <= value <= found.high
     start = 1.0 + (value - found.low) / span if inside and value is not None else 1.5
-    return Free(name, found, found.low, span, start, 1.0, 2.0)
+    return Free(name, found, found.low, span, start, 1.0, 2.0, unit_of_key(name, scene))
 
 
 def _or(limit: float | None, otherwise: float) -> float:

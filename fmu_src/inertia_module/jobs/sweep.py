@@ -103,7 +103,7 @@ def sweep(
         if sensitivity is not None:
             found, points = indices(axes, sensitivity, seed, evaluator)
         rows = evaluator(points)
-    units = {**units_of(axes), **evaluator.journal.units}
+    units = {**units_of(axes, base), **evaluator.journal.units}
     files = write_tables(folder, "sweep", rows, units)
     if found is not None:
         files["sensitivity"] = found.save(folder / "sensitivity.csv")

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, create_model
+from pydantic import BaseModel, create_model
 
 from ..common.units import number_of
 from ..contract.variable import PARAMETER, Variable
 from ..contract.variables import BY_NAME, with_causality
 from ..kernel.codes import ELASTIC
 from .tables import Strict
+from .units import InUnit
 
 FIDELITY = "fidelity"
 DRIVE = "drive"
@@ -19,7 +20,7 @@ DRIVE = "drive"
 AUTO = "auto"
 
 
-def _validator(variable: Variable) -> BeforeValidator:
+def _validator(variable: Variable) -> InUnit:
     def check(value: Any) -> float | str:
         if variable.name == FIDELITY and value == AUTO:
             return AUTO
@@ -33,7 +34,7 @@ def _validator(variable: Variable) -> BeforeValidator:
             raise ValueError(sentence)
         return number
 
-    return BeforeValidator(check)
+    return InUnit(check, unit=variable.unit)
 
 
 def _type(variable: Variable) -> Any:

@@ -41,11 +41,10 @@ class Quantity(NamedTuple):
     unit: str
 
 
-def _time_means(table: Result, *names: str) -> list[float]:
-    """Means of step means over the run: the value at a row is the mean over the step before it."""
+def _time_mean(table: Result, name: str) -> float:
+    """Mean of a step mean over the run: the value at a row is the mean over the step before it."""
     steps = np.diff(table.time)
-    means: list[float] = np.average([table[name][1:] for name in names], axis=1, weights=steps).tolist()
-    return means
+    return float(table[name][1:] @ steps / steps.sum())
 
 
 def input_speed(table: Result) -> NDArray[np.float64]:
@@ -54,13 +53,12 @@ def input_speed(table: Result) -> NDArray[np.float64]:
 
 
 def _speeds_and_torques(table: Result) -> dict[str, Quantity]:
-    input_torque, output_torque = _time_means(table, "input_torque_mean", "output_torque_mean")
     return {
         "omega1_maximum": Quantity(float(input_speed(table).max()), "rad/s"),
         "omega_out_maximum": Quantity(float(table["omega_out"].max()), "rad/s"),
         "omega_out_final": Quantity(float(table["omega_out"][-1]), "rad/s"),
-        "input_torque_mean": Quantity(input_torque, "N.m"),
-        "output_torque_mean": Quantity(output_torque, "N.m"),
+        "input_torque_mean": Quantity(_time_mean(table, "input_torque_mean"), "N.m"),
+        "output_torque_mean": Quantity(_time_mean(table, "output_torque_mean"), "N.m"),
         "output_torque_mean_maximum": Quantity(float(table["output_torque_mean"].max()), "N.m"),
         # a pulse of the freewheels is some of these
         "contact_switches": Quantity(float(table["contact_switches"][-1]), ""),

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, get_args
 
 from pydantic import BeforeValidator
+from pydantic.fields import FieldInfo
 
 from ..common.units import allowed_number, to_si
 
@@ -35,14 +37,36 @@ def checked(
     return number
 
 
+@dataclass(frozen=True, slots=True)
+class InUnit(BeforeValidator):
+    """Pydantic validator of a quantity.
+
+    Attributes:
+        unit: that it comes in, "" for none.
+    """
+
+    unit: str = ""
+
+
+def unit_of(field: FieldInfo) -> str:
+    """Unit of the quantity that a field of a table holds, "" for none."""
+    waiting = [*field.metadata, field.annotation]
+    while waiting:
+        one = waiting.pop()
+        if isinstance(one, InUnit):
+            return "" if one.unit == "1" else one.unit
+        waiting += get_args(one)
+    return ""
+
+
 def quantity(
     unit: str, minimum: float | None = None, maximum: float | None = None, above: float | None = None
-) -> BeforeValidator:
+) -> InUnit:
     """Pydantic validator of a quantity in a unit within a range."""
-    return BeforeValidator(lambda value: checked(value, unit, minimum, maximum, above))
+    return InUnit(lambda value: checked(value, unit, minimum, maximum, above), unit=unit)
 
 
-def quantities(unit: str, minimum: float | None = None, maximum: float | None = None) -> BeforeValidator:
+def quantities(unit: str, minimum: float | None = None, maximum: float | None = None) -> InUnit:
     """Pydantic validator of a list of quantities in a unit within a range."""
 
     def check(value: Any) -> list[float]:
@@ -52,4 +76,4 @@ def quantities(unit: str, minimum: float | None = None, maximum: float | None = 
             )
         return [checked(item, unit, minimum, maximum) for item in value]
 
-    return BeforeValidator(check)
+    return InUnit(check, unit=unit)
