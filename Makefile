@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 QUIET ?= -q
 
-.PHONY: demo test lint docs build page bench stability coupling papers install clean help
+.PHONY: demo test lint docs build page dist bench stability coupling papers install clean help
 
 help: ## what there is to make
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
@@ -28,6 +28,10 @@ build: $(VENV)/.run ## build the FMUs and the kernel for pages into build/
 
 page: $(VENV)/.all ## build the page that `inertia-module view` fills
 	$(BIN)/python page/make.py
+
+dist: $(VENV)/.all build page ## sdist and wheel in dist/, complete; the same source gives the same bytes
+	rm -rf dist
+	$(BIN)/python -m build $(QUIET) --no-isolation
 
 demo: $(VENV)/.run ## set up, build the FMU, drive a car through the urban cycle
 	$(BIN)/inertia-module build
@@ -71,4 +75,4 @@ papers: $(VENV)/.all ## draw the figures of the papers into docs/papers/, write 
 	$(BIN)/python docs/make_pages.py
 
 clean: ## remove what was built
-	rm -rf $(VENV) out site build/*.fmu build/*.wasm page/node_modules
+	rm -rf $(VENV) out site dist build/*.fmu build/*.wasm page/node_modules

@@ -12,7 +12,7 @@ from pathlib import Path
 from rich.progress import track
 
 from inertia_module import jobs
-from inertia_module.fmu.builder import current_module_fmu
+from inertia_module.fmu.builder import current_fmu
 from inertia_module.harness.results import write_columns
 from inertia_module.scene import load_scene
 
@@ -27,7 +27,7 @@ def held(sets, folder):
     true, scene, fmu = (
         data["true_speeds"](),
         load_scene(EXAMPLES / "fit_rig.toml"),
-        current_module_fmu(folder),
+        current_fmu(folder=folder),
     )
     rows = []
     for seed in track(range(sets), "fitting"):

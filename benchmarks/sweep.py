@@ -8,7 +8,7 @@ import sys
 import time
 from pathlib import Path
 
-from inertia_module.fmu.builder import current_module_fmu
+from inertia_module.fmu.builder import current_fmu
 from inertia_module.jobs.axes import axes_of, grid
 from inertia_module.jobs.task import SceneTask
 from inertia_module.jobs.workers import evaluations, pool
@@ -50,7 +50,7 @@ def times(client):
 def main(runs):
     scene = read_scene(SCENE, Path())
     points = grid(axes_of([f"imbalance_mass=0.5:2:{runs}"], scene))
-    task = SceneTask(scene.tables, current_module_fmu(Path("build")).read_bytes())
+    task = SceneTask(scene.tables, current_fmu().read_bytes())
     print(f"load average {os.getloadavg()[0]:.1f}")
     rates = {}
     for workers in (1, 2):

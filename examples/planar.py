@@ -1,25 +1,22 @@
 """A planar module with three satellites; inputs from a table, the whole run in one call."""
 
-from pathlib import Path
+from inertia_module import current_fmu, drive
 
-from inertia_module.harness.simulate import simulate
-
-FMU = Path(__file__).parent.parent / "build" / "InertiaModule.fmu"
 MECHANISM = {
     "layout": "planar",
-    "sun_radius": 0.05,  # m
-    "satellite_radius": 0.03,
-    "eccentricity": 0.02,
-    "imbalance_mass": 0.8,  # kg, each
+    "sun_radius": "50 mm",
+    "satellite_radius": "30 mm",
+    "eccentricity": "20 mm",
+    "imbalance_mass": "0.8 kg",  # each
     "satellites": 3,
-    "link2_inertia": 0.003,  # kg.m2
-    "output_inertia": 0.4,
+    "link2_inertia": "0.003 kg.m2",
+    "output_inertia": "0.4 kg.m2",
 }
 
-table = simulate(
-    FMU,
-    inputs={"omega1": 120.0, "load_torque": 8.0},
-    stop_time=1.0,
+table = drive(
+    current_fmu(),
+    inputs={"omega1": "120 rad/s", "load_torque": "8 N.m"},
+    stop_time=1.0,  # s
     step=0.0005,
     outputs=("omega2", "omega_out", "output_torque_mean"),
     parameters=MECHANISM,

@@ -1,20 +1,18 @@
 """R1: a bevel inertia module at 100 rad/s brings its output shaft up to speed against 10 N.m."""
 
-from pathlib import Path
-
 import numpy as np
 
-from inertia_module.harness.simulate import Fmu, Result
+from inertia_module import Fmu, Result
 
 STEP = 0.0005  # s
-FMU = Path(__file__).parent.parent / "build" / "InertiaModule.fmu"
+STEPS = 2000
 NAMES = ("omega2", "omega_out", "output_torque", "imbalance_acceleration")
 
 rows = []
-with Fmu(FMU, inputs={"omega1": 100.0, "load_torque": 10.0}, tolerance=1e-9) as fmu:
-    for n in range(2001):
+with Fmu(inputs={"omega1": "100 rad/s", "load_torque": "10 N.m"}, tolerance=1e-9) as fmu:
+    for n in range(STEPS + 1):
         rows.append((n * STEP, *fmu.read(NAMES)))
-        if n < 2000:
+        if n < STEPS:
             fmu.advance(STEP)
     residual = fmu["energy_residual"]
 

@@ -12,7 +12,6 @@ import numpy as np
 
 from inertia_module import bridge
 
-HERE = Path(__file__).parent.parent
 BEVEL = {"output_inertia": 0.5}
 PLANAR = {"layout": 1, "sun_radius": 0.1, "satellite_radius": 0.06, "eccentricity": 0.04}
 PLANAR |= {"imbalance_mass": 0.3, "satellites": 3, "link2_inertia": 0.01}
@@ -67,7 +66,7 @@ def compare(fmu_path, case):
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description="Small-signal response of averaged module and rigid FMU.")
-    parser.add_argument("--fmu", type=Path, default=HERE / "build" / "InertiaModule.fmu")
+    parser.add_argument("--fmu", type=Path, default=Path("build/InertiaModule.fmu"))
     arguments = parser.parse_args()
     print("largest deviation at 0.01, 0.03 and 0.1 of the pulse rate: " + ", ".join(OUTPUTS))
     for case in CASES:

@@ -20,7 +20,6 @@ from inertia_module import bridge, loops
 from inertia_module.harness.fmu import Fmu
 from inertia_module.harness.results import Result, write_figure
 
-HERE = Path(__file__).parent.parent
 STEP = 0.01  # s, of communication and control
 MOTOR_LAG, SENSOR_LAG = 0.15, 0.05  # s
 SIGNALS = ["omega_out", "measured", "omega1"]
@@ -292,8 +291,8 @@ def main(fmu_path, folder):
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description="Speed control, designed on the averaged module.")
-    parser.add_argument("--fmu", type=Path, default=HERE / "build" / "InertiaModule.fmu")
-    parser.add_argument("-o", "--output", type=Path, default=HERE / "out" / "speed_control")
+    parser.add_argument("--fmu", type=Path, default=Path("build/InertiaModule.fmu"))
+    parser.add_argument("-o", "--output", type=Path, default=Path("out/speed_control"))
     arguments = parser.parse_args()
     warnings.filterwarnings("ignore", message="Unused (in|out)put", module="control")
     main(arguments.fmu, arguments.output)

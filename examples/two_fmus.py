@@ -17,7 +17,7 @@ from inertia_module.harness.fmu import Fmu
 from inertia_module.harness.system import JACOBI, Node, WiredFmus
 from inertia_module.harness.wires import Wire
 
-BUILD = Path(__file__).parent.parent / "build"
+BUILD = Path("build")  # of `inertia-module build`
 MODULE = {"output_inertia": 0.02, "fidelity": "rigid"}
 SHAFT = {"driven_inertia": 0.5, "shaft_stiffness": 400.0, "shaft_damping": 0.05}
 SPEED = 100.0  # rad/s

@@ -1,31 +1,40 @@
 """A car of 900 kg follows the elementary urban cycle through a planar module, closed loop."""
 
-from pathlib import Path
-
 import numpy as np
 
-from inertia_module import loops
-from inertia_module.harness.simulate import Fmu
+from inertia_module import Fmu, loops
 from inertia_module.loops.cycles import ELEMENTARY_URBAN_CYCLE as CYCLE
 
 STEP = 0.01  # s
-FMU = Path(__file__).parent.parent / "build" / "InertiaModule.fmu"
-MECHANISM = {"layout": "planar", "sun_radius": 0.1, "satellite_radius": 0.06, "eccentricity": 0.04}
-MECHANISM |= {"imbalance_mass": 0.3, "satellites": 3, "link2_inertia": 0.01, "input_hold": "linear"}
+MECHANISM = {
+    "layout": "planar",
+    "sun_radius": "100 mm",
+    "satellite_radius": "60 mm",
+    "eccentricity": "40 mm",
+    "imbalance_mass": "0.3 kg",
+    "satellites": 3,
+    "link2_inertia": "0.01 kg.m2",
+    "input_hold": "linear",
+}
 
 car = loops.vehicle_load(STEP, mass=900.0, wheel_radius=0.29, final_drive=4.0, drag_area=0.65)
 surroundings = loops.connect(
     [
         loops.source("reference", loops.Table(CYCLE.time, CYCLE.speed), STEP),
         loops.pi_speed_controller(
-            STEP, 500.0, 100.0, (0.0, 400.0), feedforward=13.8, measured="vehicle_speed"
+            STEP,
+            proportional_gain=500.0,  # rad/m
+            integral_gain=100.0,  # rad/m/s
+            limits=(0.0, 400.0),  # rad/s
+            feedforward=13.8,  # rad/m
+            measured="vehicle_speed",
         ),
         loops.driver_brake(STEP, gain=8000.0, greatest=6000.0, margin=0.14),
         car.system,
     ]
 )
 parameters = {**MECHANISM, "output_inertia": 0.05 + car.rigid_inertia}
-with Fmu(FMU, parameters, loops.initial_inputs(surroundings), tolerance=1e-7) as fmu:
+with Fmu(parameters=parameters, inputs=loops.initial_inputs(surroundings), tolerance=1e-7) as fmu:
     loop = loops.ClosedLoop(fmu, surroundings, outputs=("omega_out", "output_torque_mean"))
     table = loop.run(CYCLE.duration)
 

@@ -11,10 +11,10 @@ Run: python examples/studies/hoist.py    (leaves out/hoist/table.csv and plot.pn
 from pathlib import Path
 
 import numpy as np
-from launch import FMU, MECHANISM, stall_torque
+from launch import MECHANISM, stall_torque
 
 from inertia_module.harness.results import Result, write_figure
-from inertia_module.harness.simulate import simulate
+from inertia_module.harness.simulate import drive
 
 LIFT = 0.01  # m a radian of the shaft: a drum of 0.2 m behind a gear of 20
 INERTIA = 0.2  # kg.m2, drum and load
@@ -28,19 +28,19 @@ SHARES = (0.2, 0.5, 0.8, 1.2)  # of the stall torque
 OUTPUTS = ("omega_out", "output_torque_mean", "housing_torque", "energy_in", "energy_out")
 
 
-def run(weight_torque, housing_freewheel=True, fmu=FMU, stop=TIMES[-1]):
+def run(weight_torque, housing_freewheel=True, fmu=None, stop=TIMES[-1]):
     """The run with a load, N.m, as a table; height of the load, m, added."""
     parameters = {**MECHANISM, "output_inertia": INERTIA, "housing_freewheel": housing_freewheel}
     parameters["input_hold"] = "linear"
     inputs = {"time": TIMES, "omega1": SPEEDS, "load_torque": np.full(len(TIMES), weight_torque)}
-    table = simulate(fmu, inputs, stop, STEP, OUTPUTS, parameters)
+    table = drive(fmu, inputs, stop_time=stop, step=STEP, outputs=OUTPUTS, parameters=parameters)
     # the work done on the load is its weight times the height
     height = table["energy_out"] * LIFT / weight_torque
     columns = {name: table[name] for name in table.names} | {"height": height}
     return Result.from_columns(columns, {**table.units, "height": "m"})
 
 
-def study(fmu=FMU):
+def study(fmu=None):
     """Rows (load, mass, height lifted in the first run, lost after it, speed of lifting) and tables."""
     torque = stall_torque(OMEGA1, fmu)
     rows, tables = [], {}
@@ -69,7 +69,7 @@ def main():
     result = Result.from_columns(columns, units)
     folder = Path("out") / "hoist"
     print(result.to_csv(folder / "table.csv"))
-    print(write_figure(folder / "plot.png", result.figure()))
+    print(write_figure(folder / "plot.png", result.plot()))
 
 
 if __name__ == "__main__":

@@ -12,9 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from inertia_module.harness.results import Result, write_figure
-from inertia_module.harness.simulate import simulate
+from inertia_module.harness.simulate import drive
 
-FMU = Path(__file__).parents[2] / "build" / "InertiaModule.fmu"
 MECHANISM = {"layout": "planar", "sun_radius": 0.1, "satellite_radius": 0.06, "eccentricity": 0.04}
 MECHANISM |= {"imbalance_mass": 0.3, "satellites": 3, "link2_inertia": 0.01}
 FLYWHEEL = 2.0  # kg.m2
@@ -25,17 +24,19 @@ STOP = 6.0  # s
 OUTPUTS = ("omega_out", "output_torque_mean", "input_torque_mean")
 
 
-def stall_torque(omega1, fmu=FMU):
+def stall_torque(omega1, fmu=None):
     """Mean torque on a shaft that stands, N.m: of a second, for it has some hundred pulses."""
     held = {**MECHANISM, "output_inertia": 1e9}
-    table = simulate(fmu, {"omega1": omega1, "load_torque": 0.0}, 1.0, 1.0, OUTPUTS, held)
+    inputs = {"omega1": omega1, "load_torque": 0.0}
+    table = drive(fmu, inputs, stop_time=1.0, step=1.0, outputs=OUTPUTS, parameters=held)
     return table["output_torque_mean"][-1]
 
 
-def launch(omega1, fidelity, fmu=FMU):
+def launch(omega1, fidelity, fmu=None):
     """The launch as a table over time."""
     parameters = {**MECHANISM, "output_inertia": FLYWHEEL, "fidelity": fidelity}
-    return simulate(fmu, {"omega1": omega1, "load_torque": LOAD}, STOP, STEP, OUTPUTS, parameters)
+    inputs = {"omega1": omega1, "load_torque": LOAD}
+    return drive(fmu, inputs, stop_time=STOP, step=STEP, outputs=OUTPUTS, parameters=parameters)
 
 
 def time_to(table, speed):
@@ -44,7 +45,7 @@ def time_to(table, speed):
     return table.time[there[0]] if there.size else np.inf
 
 
-def study(fmu=FMU):
+def study(fmu=None):
     """Rows (omega1, stall torque, times to 50 % and 90 %, rigid; the same, averaged) and the launches."""
     rows, launches = [], {}
     for omega1 in SPEEDS:
@@ -72,7 +73,7 @@ def main():
     result = Result.from_columns(columns, {name: "rad/s" for name in columns if name != "time"})
     folder = Path("out") / "launch"
     print(result.to_csv(folder / "table.csv"))
-    print(write_figure(folder / "plot.png", result.figure()))
+    print(write_figure(folder / "plot.png", result.plot()))
 
 
 if __name__ == "__main__":

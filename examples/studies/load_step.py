@@ -12,12 +12,12 @@ Run: python examples/studies/load_step.py    (leaves out/load_step/table.csv and
 from pathlib import Path
 
 import numpy as np
-from launch import FMU, MECHANISM
+from launch import MECHANISM
 
 from inertia_module.figures.panels import smooth
 from inertia_module.harness.chart import torque_converter_chart
 from inertia_module.harness.results import Result, write_figure
-from inertia_module.harness.simulate import simulate
+from inertia_module.harness.simulate import drive
 
 OMEGA1 = 150.0  # rad/s
 INERTIA = 0.5  # kg.m2
@@ -44,17 +44,17 @@ def loads_of_study():
     )
 
 
-def run(loads, fmu=FMU):
+def run(loads, fmu=None):
     """The whole run as a table."""
     edges = HOLD * np.arange(len(loads) + 1)
     # a step of the load is as steep as one communication step
     time = np.sort(np.concatenate([edges[:-1], edges[1:] - STEP]))
     inputs = {"time": time, "omega1": np.full(time.size, OMEGA1), "load_torque": np.repeat(loads, 2)}
     parameters = {**MECHANISM, "output_inertia": INERTIA}
-    return simulate(fmu, inputs, float(edges[-1]), STEP, OUTPUTS, parameters)
+    return drive(fmu, inputs, stop_time=float(edges[-1]), step=STEP, outputs=OUTPUTS, parameters=parameters)
 
 
-def study(fmu=FMU):
+def study(fmu=None):
     """(rows of load, settled speed, lowest speed, input torque; the table)."""
     loads = loads_of_study()
     table = run(loads, fmu)
@@ -82,7 +82,7 @@ def main():
     units = {name: "rad/s" if name == "omega_out" else "N.m" for name in shown if name != "time"}
     folder = Path("out") / "load_step"
     print(table.to_csv(folder / "table.csv"))
-    print(write_figure(folder / "plot.png", Result.from_columns(shown, units).figure()))
+    print(write_figure(folder / "plot.png", Result.from_columns(shown, units).plot()))
 
 
 if __name__ == "__main__":

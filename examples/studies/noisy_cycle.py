@@ -12,7 +12,7 @@ from pathlib import Path
 
 import control as ct
 import numpy as np
-from launch import FMU, MECHANISM
+from launch import MECHANISM
 
 from inertia_module import loops
 from inertia_module.harness.results import Result, write_figure
@@ -57,7 +57,7 @@ def disturbances(sensor, gust):
     return measured, wind
 
 
-def run(sensor, gust, fmu=FMU):
+def run(sensor, gust, fmu=None):
     """The cycle as a table."""
     measured, wind = disturbances(sensor, gust)
     car = loops.vehicle_load(STEP, mass=900.0, wheel_radius=0.29, final_drive=4.0, drag_area=0.65)
@@ -73,7 +73,12 @@ def run(sensor, gust, fmu=FMU):
     vehicle = car.system.copy()
     vehicle.set_outputs(labels)
     controller = loops.pi_speed_controller(
-        STEP, 500.0, 100.0, (0.0, 400.0), feedforward=13.8, measured="measured_speed"
+        STEP,
+        proportional_gain=500.0,
+        integral_gain=100.0,
+        limits=(0.0, 400.0),
+        feedforward=13.8,
+        measured="measured_speed",
     )
     surroundings = loops.connect(
         [
@@ -101,7 +106,7 @@ def judge(table):
     return error, outside, work / 1e3, abs(table["energy_residual"][-1]) / work
 
 
-def study(fmu=FMU):
+def study(fmu=None):
     """Tables of all cases by name."""
     return {name: run(*deviations, fmu) for name, deviations in CASES.items()}
 
@@ -121,7 +126,7 @@ def main():
     result = Result.from_columns(columns, units)
     folder = Path("out") / "noisy_cycle"
     print(result.to_csv(folder / "table.csv"))
-    print(write_figure(folder / "plot.png", result.figure()))
+    print(write_figure(folder / "plot.png", result.plot()))
 
 
 if __name__ == "__main__":

@@ -10,10 +10,10 @@ Run: python examples/studies/overrun.py    (leaves out/overrun/table.csv and plo
 from pathlib import Path
 
 import numpy as np
-from launch import FMU, MECHANISM
+from launch import MECHANISM
 
 from inertia_module.harness.results import Result, write_figure
-from inertia_module.harness.simulate import simulate
+from inertia_module.harness.simulate import drive
 
 INERTIA = 2.0  # kg.m2
 LOAD = 5.0  # N.m
@@ -24,12 +24,12 @@ STEP = 2e-3  # s
 OUTPUTS = ("omega_out", "omega2", "output_torque_mean", "input_torque_mean", "energy_in", "energy_out")
 
 
-def run(output_freewheel=True, fmu=FMU):
+def run(output_freewheel=True, fmu=None):
     """The run as a table."""
     parameters = {**MECHANISM, "output_inertia": INERTIA, "output_freewheel": output_freewheel}
     parameters["input_hold"] = "linear"
     inputs = {"time": TIMES, "omega1": SPEEDS, "load_torque": np.full(len(TIMES), LOAD)}
-    return simulate(fmu, inputs, TIMES[-1], STEP, OUTPUTS, parameters)
+    return drive(fmu, inputs, stop_time=TIMES[-1], step=STEP, outputs=OUTPUTS, parameters=parameters)
 
 
 def phases(table):
@@ -43,7 +43,7 @@ def phases(table):
     return slowed, LOAD / INERTIA, again - TIMES[3]
 
 
-def study(fmu=FMU):
+def study(fmu=None):
     """Tables with and without the output freewheel."""
     return {freewheel: run(freewheel, fmu) for freewheel in (True, False)}
 
@@ -70,7 +70,7 @@ def main():
     result = Result.from_columns(columns, units)
     folder = Path("out") / "overrun"
     print(result.to_csv(folder / "table.csv"))
-    print(write_figure(folder / "plot.png", result.figure()))
+    print(write_figure(folder / "plot.png", result.plot()))
 
 
 if __name__ == "__main__":

@@ -1,5 +1,46 @@
-"""The inertia module: an inertial torque transformer as an FMI 2.0 co-simulation FMU."""
+"""The inertia module: an inertial torque transformer as an FMI 2.0 co-simulation FMU.
 
-__version__ = "0.1.0"
+What is listed in PUBLIC is imported from here, at its first use: `from inertia_module import Fmu, drive`.
+"""
+
+from importlib import import_module as _import_module
+
+__version__ = "0.2.0"
 # the day this version stands for: in what is built, for the same source gives the same bytes
-__date__ = "2026-11-21"
+__date__ = "2026-11-22"
+
+# name, and where it comes from; __init__.pyi says the same to those who check types
+PUBLIC = {
+    "DrivenShaft": "memory.instances",
+    "Fmu": "harness.fmu",
+    "Module": "memory.instances",
+    "Refused": "common.errors",
+    "Result": "harness.results",
+    "Scene": "scene",
+    "SceneResult": "scene",
+    "chart_figure": "figures.chart",
+    "current_fmu": "fmu.builder",
+    "design": "jobs",
+    "design_figure": "figures.designs",
+    "drive": "harness.simulate",
+    "example": "common.examples",
+    "fit": "jobs",
+    "fit_figure": "figures.fits",
+    "load_scene": "scene",
+    "orders": "jobs",
+    "run_scene": "scene",
+    "scene_figure": "figures.scenes",
+    "sweep": "jobs",
+    "torque_converter_chart": "harness.chart",
+}
+__all__ = ["PUBLIC", "__version__", *PUBLIC]  # noqa: PLE0604
+
+
+def __getattr__(name: str) -> object:
+    if name not in PUBLIC:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(_import_module(f".{PUBLIC[name]}", __name__), name)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

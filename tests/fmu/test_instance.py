@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from inertia_module.common.errors import Refused
-from inertia_module.harness.simulate import Fmu, FmuError, TableError, simulate
+from inertia_module.harness.simulate import Fmu, FmuError, TableError, drive
 
 START = {"omega1": 100.0, "load_torque": 10.0}
 
@@ -134,7 +134,7 @@ def test_one_bad_value_keeps_all_others_out(fmu, bad):
 
 def test_one_name_may_stand_for_names(fmu, fmu_path):
     assert fmu.read("omega_out") == fmu.read(("omega_out",))
-    table = simulate(fmu_path, START, 0.02, 0.01, outputs="omega_out")
+    table = drive(fmu_path, START, 0.02, 0.01, outputs="omega_out")
     assert table.names == ["time", "omega1", "load_torque", "omega_out"]
 
 
@@ -142,7 +142,7 @@ def test_one_name_may_stand_for_names(fmu, fmu_path):
 
 
 def run(fmu_path, inputs, **more):
-    return simulate(fmu_path, inputs, 0.05, 0.01, parameters={"output_inertia": 0.1}, **more)
+    return drive(fmu_path, inputs, 0.05, 0.01, parameters={"output_inertia": 0.1}, **more)
 
 
 def test_columns_in_other_units_run_as_in_si(fmu_path, tmp_path):
@@ -196,4 +196,4 @@ def test_what_a_rig_has_measured_comes_along_beside_what_is_computed(fmu_path, t
 def test_a_run_of_no_length_is_refused(fmu_path, name, value):
     times = {"stop_time": 1.0, "step": 0.1, name: value}
     with pytest.raises(Refused, match=f"{name} must be a positive number of seconds, is {value}"):
-        simulate(fmu_path, START, **times)
+        drive(fmu_path, START, **times)

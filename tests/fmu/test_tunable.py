@@ -10,7 +10,7 @@ from fmpy.validation import validate_fmu
 from inertia_module.contract.models import INERTIA_MODULE
 from inertia_module.harness.fmu import Fmu, FmuError
 from inertia_module.harness.logs import messages_of_others
-from inertia_module.harness.simulate import simulate
+from inertia_module.harness.simulate import drive
 
 from .conftest import sentence
 
@@ -152,7 +152,7 @@ def test_harness_sets_them_by_name_with_units(fmu_path):
 
 def test_column_of_a_table_tunes_them(fmu_path):
     table = {"time": [0.0, 0.049, 0.05, 0.1], "omega1": 100.0, "load_torque": 10.0}
-    tuned = simulate(fmu_path, {**table, "output_friction": [0.0, 0.0, 0.5, 0.5]}, 0.1, 0.01)["omega_out"]
-    plain = simulate(fmu_path, table, 0.1, 0.01)["omega_out"]
+    tuned = drive(fmu_path, {**table, "output_friction": [0.0, 0.0, 0.5, 0.5]}, 0.1, 0.01)["omega_out"]
+    plain = drive(fmu_path, table, 0.1, 0.01)["omega_out"]
     assert tuned[:6].tolist() == plain[:6].tolist()
     assert all(tuned[6:] < plain[6:])

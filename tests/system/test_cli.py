@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+from inertia_module import __version__
 from inertia_module.cli import app
 from inertia_module.figures.papers import all_figures
 
@@ -82,7 +83,11 @@ def test_run_leaves_table_summary_and_plot(workshop, scene, tmp_path):
     table = (tmp_path / "out" / "table.csv").read_text().splitlines()
     assert table[0].startswith("time [s]")
     assert len(table) == 102
-    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    told = json.loads((tmp_path / "out" / "summary.json").read_text())
+    summary = told["summary"]
+    assert told["inertia_module"] == __version__
+    assert told["parameters"] == {}
+    assert told["units"]["omega_out_final"] == "rad/s"
     assert summary["omega_out_final"] == pytest.approx(3.447176379, rel=1e-5)
     assert summary["rhs_evaluations"] > 0
     assert (tmp_path / "out" / "plot.png").read_bytes().startswith(b"\x89PNG")

@@ -287,7 +287,7 @@ def test_driver_brakes_only_beyond_the_margin():
 def test_loop_refuses_what_it_cannot_run():
     load = loops.torque_source(1.0, 0.1)
     with pytest.raises(ValueError, match=r"load_torque must be given by one system, is given by .* and by "):
-        loops.connect([load.system, loops.source("load_torque", 2.0, 0.1).copy("other")])
+        loops.connect([load.system, loops.source("load_torque", 2.0, 0.1)])
     with pytest.raises(ValueError, match="surroundings must give at least one of omega1, load_torque"):
         loops.ClosedLoop(Shaft(1.0), loops.connect([no_brake(0.1)]))
     loop = loops.ClosedLoop(Shaft(1.0), loops.connect([load.system]))

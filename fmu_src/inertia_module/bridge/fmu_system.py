@@ -30,9 +30,9 @@ from numpy.typing import NDArray
 
 from ..common.errors import must_be
 from ..harness.fmu import Fmu, as_names
+from ..harness.restarted import RestartedFmu
 from .motion import check_inputs, check_outputs, motion_of, start_name
 from .packing import bytes_of, numbers_of
-from .restarted import RestartedFmu
 
 Array = NDArray[np.float64]
 StateKind = Literal["motion", "whole"]

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from ..common.files import BUILD_FOLDER
-from .shared import Json, OutputFolder, app, folder_for, one_line_errors, show_table
+from .shared import Json, Keys, OutputFolder, app, folder_for, one_line_errors, show_table
 
 
 @app.command()
@@ -73,6 +73,7 @@ def check(
 def export(
     scene: Annotated[Path, typer.Argument(metavar="SCENE.toml", help="Scene file.")],
     output: OutputFolder = None,
+    keys: Keys = None,
     as_json: Json = False,
 ) -> None:
     """Export the mechanism of a scene as SSP, OSP and one container FMU (out/export/SCENE without -o).
@@ -83,10 +84,11 @@ def export(
     from ..export.writing import export as write
     from ..scene import load_scene
     from ..scene.export import scene_plan
+    from ..scene.keys import keys_of
 
     with one_line_errors():
         folder = folder_for(output, "export", scene.stem)
-        plan = scene_plan(load_scene(scene))
+        plan = scene_plan(load_scene(scene, keys_of(keys or ())))
         paths = write(plan, folder, lambda stage: typer.echo(stage, err=True))
     if as_json:
         typer.echo(json.dumps({"files": [str(path) for path in paths]}))

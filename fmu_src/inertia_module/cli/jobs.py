@@ -8,7 +8,17 @@ from typing import Annotated
 
 import typer
 
-from .shared import Json, OutputFolder, app, current_fmu, folder_for, one_line_errors, quantity_of, show_table
+from .shared import (
+    Json,
+    Keys,
+    OutputFolder,
+    app,
+    current_fmu,
+    folder_for,
+    one_line_errors,
+    quantity_of,
+    show_table,
+)
 
 
 @app.command()
@@ -31,6 +41,7 @@ def orders(
     fmu: Annotated[
         Path | None, typer.Option(metavar="FILE.fmu", help="FMU to run (build/InertiaModule.fmu).")
     ] = None,
+    keys: Keys = None,
     as_json: Json = False,
 ) -> None:
     """Run a scene and find the orders of torques, speeds and shaking force, with a waterfall over the run.
@@ -44,10 +55,11 @@ def orders(
     from ..jobs.order_run import SIGNALS
     from ..jobs.spectra import BASES
     from ..scene import load_scene
+    from ..scene.keys import keys_of
 
     with one_line_errors():
         folder = folder_for(output, "orders", scene.stem)
-        read = load_scene(scene)
+        read = load_scene(scene, keys_of(keys or ()))
         first = quantity_of("--from", begin, "s")
         last = None if end is None else quantity_of("--to", end, "s")
         path = fmu or current_fmu()

@@ -12,6 +12,7 @@ from .shared import (
     PAGE,
     FmuToRun,
     Json,
+    Keys,
     OutputFolder,
     app,
     current_fmu,
@@ -43,6 +44,7 @@ def run(
     ] = None,
     fmu: FmuToRun = None,
     view: Annotated[bool, typer.Option("--view", help="Leave page.html too: see view.")] = False,
+    keys: Keys = None,
     as_json: Json = False,
 ) -> None:
     """Run a scene: leaves table.csv, summary.json and plot.png in a folder (out/SCENE without -o)."""
@@ -54,12 +56,13 @@ def run(
     from ..page.html import html_file, template
     from ..page.recording import SHOWN
     from ..scene import ShaftScene, load_any_scene, run_scene, run_shaft_scene
+    from ..scene.keys import keys_of
 
     choice, page = None, None
     result: Outcome
     with one_line_errors():
         folder = folder_for(output, scene.stem)
-        read = load_any_scene(scene)
+        read = load_any_scene(scene, keys_of(keys or ()))
         if isinstance(read, ShaftScene):
             if fidelity is not None or error is not None or view:
                 raise ValueError("--fidelity, --error and --view must come with a scene of the module")
@@ -77,10 +80,10 @@ def run(
             result, figure = of_module, scene_figure(of_module)
             page = html_file(read, of_module) if view else None
         chosen = {} if choice is None else {"fidelity_choice": choice.as_dict()}
-        summary = {**result.summary, **chosen}
+        told = {"scene": str(scene), **result.as_dict(), **chosen}
         files = {
             "table": result.table.to_csv(folder / "table.csv"),
-            "summary": write_text(folder / "summary.json", json.dumps(summary, indent=2) + "\n"),
+            "summary": write_text(folder / "summary.json", json.dumps(told, indent=2) + "\n"),
             "plot": write_figure(folder / "plot.png", figure),
         }
         if page is not None:
@@ -89,7 +92,7 @@ def run(
     if as_json:
         listed = {name: str(file) for name, file in files.items()}
         warned = {"warnings": list(result.warnings)}
-        typer.echo(json.dumps({"scene": str(scene), "summary": summary, **warned, "files": listed}))
+        typer.echo(json.dumps({**told, **warned, "files": listed}))
         return
     for warning in result.warnings:
         typer.echo(f"warning: {warning}", err=True)
@@ -134,11 +137,13 @@ def tradeoff(
         list[str] | None,
         typer.Option(metavar="NAME", help="Output (of R1: error) that counts; may be repeated."),
     ] = None,
+    keys: Keys = None,
     as_json: Json = False,
 ) -> None:
     """Measure error against cost: fidelity, method, tolerance or step, communication step (out/tradeoff)."""
     from ..harness.simulate import progress_bar
     from ..scene import load_scene
+    from ..scene.keys import keys_of
     from ..studies import tradeoff as study
     from ..studies.choice import recommend as choose_cheapest
     from ..studies.peers import PEERS
@@ -148,11 +153,13 @@ def tradeoff(
         folder = folder_for(output, "tradeoff")
         allowed = share("--recommend", recommend)
         if scene is None:
+            if keys:
+                raise ValueError("--set must come with a scene file")
             names = tuple(wanted or (study.R1_WANTED,))
             study.check_wanted(names)
             found = study.open_study(study.R1, "scene R1", () if allowed else PEERS, progress)
         else:
-            read = load_scene(scene)
+            read = load_scene(scene, keys_of(keys or ()))
             read = read.replaced(run={"outputs": wanted}) if wanted else read
             names = tuple(read.run.outputs)
             found = (study.scene_trials if allowed else study.scene_study)(read, progress)
@@ -183,6 +190,7 @@ def chart(
             help="Torques at this speed, and converter tables for lookup blocks, CSV and MAT: 3000 rpm.",
         ),
     ] = None,
+    keys: Keys = None,
     as_json: Json = False,
 ) -> None:
     """Torque converter charts of mechanisms: a CSV each and one figure (out/chart without -o).
@@ -196,6 +204,7 @@ def chart(
     from ..harness.results import write_figure
     from ..harness.simulate import progress_bar
     from ..scene import load_scene
+    from ..scene.keys import keys_of
 
     with one_line_errors():
         folder = folder_for(output, "chart")
@@ -204,7 +213,10 @@ def chart(
             raise ValueError(f"scenes must be files of different names, are {', '.join(names)}")
         omega1 = None if speed is None else turning(speed)
         at = omega1 or NOMINAL_SPEED
-        mechanisms = {name: load_scene(scene).parameters() for name, scene in zip(names, scenes, strict=True)}
+        changes = keys_of(keys or ())
+        mechanisms = {
+            name: load_scene(scene, changes).parameters() for name, scene in zip(names, scenes, strict=True)
+        }
         charts = {
             name: torque_converter_chart(values, at < 0.0, omega1=abs(at))
             for name, values in mechanisms.items()

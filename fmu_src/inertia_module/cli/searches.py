@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from .shared import Json, OutputFolder, app, current_fmu, folder_for, one_line_errors, show_table
+from .shared import Json, Keys, OutputFolder, app, current_fmu, folder_for, one_line_errors, show_table
 
 Scheduler = Annotated[
     str | None,
@@ -43,6 +43,7 @@ def sweep(
     ] = None,
     seed: Annotated[int, typer.Option(help="Of the samples: same seed, same points.")] = 0,
     output: OutputFolder = None,
+    keys: Keys = None,
     fmu: FmuFile = None,
     scheduler: Scheduler = None,
     workers: Workers = None,
@@ -56,12 +57,14 @@ def sweep(
     from ..figures.sweeps import sweep_figure
     from ..harness.results import write_figure
     from ..harness.simulate import progress_bar
+    from ..scene import load_scene
+    from ..scene.keys import keys_of
 
     with one_line_errors():
         folder = folder_for(output, f"{scene.stem}_sweep")
         with progress_bar(f"sweep of {scene.name}") as progress:
             found = jobs.sweep(
-                scene,
+                load_scene(scene, keys_of(keys or ())),
                 vary or [],
                 sample=sample,
                 sensitivity=sensitivity,

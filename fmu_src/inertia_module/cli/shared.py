@@ -9,15 +9,15 @@ from typing import Annotated
 
 import typer
 
-from ..common.files import BUILD_FOLDER, OUTPUT_FOLDER
+from .. import __version__
+from ..common.files import OUTPUT_FOLDER
 
 # name of the page of a scene
 PAGE = "page.html"
 
 app = typer.Typer(
-    help="Inertia module: an inertial torque transformer as an FMI 2.0 co-simulation FMU.",
+    context_settings={"help_option_names": ["-h", "--help"]},
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
 )
 
@@ -28,7 +28,26 @@ OutputFolder = Annotated[
 FmuToRun = Annotated[
     Path | None, typer.Option("--fmu", metavar="FILE.fmu", help="FMU to run (build/InertiaModule.fmu).")
 ]
+Keys = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Instead of the scene's: load.torque='8 N.m'; repeat."),
+]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object for machines.")]
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"inertia-module {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    """Inertia module: an inertial torque transformer as an FMI 2.0 co-simulation FMU."""
 
 
 @contextmanager
@@ -68,28 +87,19 @@ def show_table(title: str, rows: dict[str, str]) -> None:
 
 
 def current_fmu() -> Path:
-    """The FMU of the module in build/, built anew where it is not current."""
-    from ..fmu.builder import current_module_fmu
+    """The FMU of the module: see builder.current_fmu."""
+    from ..fmu.builder import current_fmu as current
 
-    return current_module_fmu(BUILD_FOLDER, lambda stage: typer.echo(stage, err=True))
+    return current(progress=lambda stage: typer.echo(stage, err=True))
 
 
 def native_fmus() -> tuple[Path, Path]:
-    """The native FMUs of module and driven shaft in build/, built anew where they are not current.
+    """The FMUs of module and driven shaft: see builder.current_fmu."""
+    from ..fmu.builder import SHAFT_FMU
+    from ..fmu.builder import current_fmu as current
 
-    Raises:
-        RuntimeError: they cannot be compiled here.
-    """
-    from ..fmu.builder import MODULE_FMU, SHAFT_FMU, is_current
-    from ..fmu.builder import build as build_fmus
-
-    module, shaft = (BUILD_FOLDER / fmu.file_name for fmu in (MODULE_FMU, SHAFT_FMU))
-    if not (is_current(module, MODULE_FMU) and is_current(shaft, SHAFT_FMU)):
-        skipped = build_fmus(BUILD_FOLDER, lambda stage: typer.echo(stage, err=True)).skipped
-        for path in (module, shaft):
-            if path.name in skipped:
-                raise RuntimeError(f"{path.name} cannot be built: {skipped[path.name]}")
-    return module, shaft
+    shaft = current(SHAFT_FMU, progress=lambda stage: typer.echo(stage, err=True))
+    return current_fmu(), shaft
 
 
 def quantity_of(option: str, text: str, unit: str, **limits: float) -> float:

@@ -11,7 +11,7 @@ import typer
 
 from ..common.files import OUTPUT_FOLDER
 from .scenes import at_fidelity
-from .shared import PAGE, FmuToRun, Json, app, current_fmu, one_line_errors
+from .shared import PAGE, FmuToRun, Json, Keys, app, current_fmu, one_line_errors
 
 
 @app.command()
@@ -23,6 +23,7 @@ def view(
     ] = None,
     show: Annotated[bool, typer.Option("--open", help="Open it in the browser.")] = False,
     fmu: FmuToRun = None,
+    keys: Keys = None,
     as_json: Json = False,
 ) -> None:
     """Leave a scene as a page: one HTML file that shows the machine moving, with the kernel in it.
@@ -36,11 +37,12 @@ def view(
     from ..page.recording import SHOWN
     from ..page.start import is_exact
     from ..scene import Scene, load_any_scene, run_scene
+    from ..scene.keys import keys_of
 
     with one_line_errors():
         path = checked_path(output or OUTPUT_FOLDER / scene.stem / PAGE)
         template()
-        found = load_any_scene(scene)
+        found = load_any_scene(scene, keys_of(keys or ()))
         if not isinstance(found, Scene):
             raise ValueError(f"{scene.name} must be a scene of the module, is one of a driven shaft")
         read, _ = at_fidelity(found, None, None)

@@ -15,6 +15,12 @@ BUILD_FOLDER = Path("build")
 OUTPUT_FOLDER = Path("out")
 
 
+def ready_made(name: str) -> Path | None:
+    """A file that was built for the wheel; None in a clone, which builds its own."""
+    path = PACKAGE_FOLDER / "ready" / name
+    return path if path.is_file() else None
+
+
 def cache_folder() -> Path:
     """Where compiled kernels are kept; the environment variable INERTIA_MODULE_CACHE overrides it."""
     chosen = os.environ.get("INERTIA_MODULE_CACHE")

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure, SubFigure
 
 from ..common.colours import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
 from ..harness.chart import EfficiencyMap, TorqueConverterChart
+from ..harness.picture import Picture
 from .panels import DPI, SIZE
 
 COLOURS = (VERMILION, BLUE, GREEN, ORANGE, PURPLE, SKY, BLACK)
@@ -29,7 +30,7 @@ def chart_figure(
     Returns:
         A matplotlib Figure of 1200 x 900 pixels, with maps higher by half.
     """
-    figure = Figure(figsize=SIZE, dpi=DPI, layout="constrained")
+    figure = Picture(figsize=SIZE, dpi=DPI, layout="constrained")
     figure.suptitle("Torque converter chart", fontsize=15, fontweight="bold")
     upper: Figure | SubFigure = figure
     if maps:

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from ..harness.picture import Picture
 from ..jobs.design import DesignResult
 from ..jobs.spec import unit_of
 from ..jobs.task import Row
@@ -18,10 +19,14 @@ Array = NDArray[np.float64]
 
 
 def design_figure(found: DesignResult) -> Figure:
-    """Picture of a design: one goal over the designs in their order, or the other goals over the first."""
+    """Picture of a design: one goal over the designs in their order, or the other goals over the first.
+
+    Args:
+        found: of design.
+    """
     names = list(found.spec.goals)
     across, up = (None, names) if len(names) == 1 else (names[0], names[1:])
-    picture = Figure(figsize=(9.0, 1.0 + 4.2 * len(up)), dpi=DPI, layout="constrained")
+    picture = Picture(figsize=(9.0, 1.0 + 4.2 * len(up)), dpi=DPI, layout="constrained")
     for panel, name in zip(picture.subplots(len(up), 1, squeeze=False)[:, 0], up, strict=True):
         _panel(panel, found, across, name)
     return picture

@@ -5,6 +5,7 @@ from __future__ import annotations
 from matplotlib.figure import Figure
 
 from ..common.colours import BLUE, GREY, VERMILION
+from ..harness.picture import Picture
 from ..jobs.fitted import FitResult
 from .panels import DPI, SIZE, dress
 
@@ -17,11 +18,14 @@ WITHIN = 1.96
 def fit_figure(found: FitResult) -> Figure:
     """Measured and computed over time, below it residuals over noise with the band of 95 % of normal noise.
 
+    Args:
+        found: of fit.
+
     Returns:
         A matplotlib Figure, higher the more columns there are.
     """
     data, table = found.measurement, found.table()
-    figure = Figure(figsize=(SIZE[0], 1.0 + ROW * len(data.columns)), dpi=DPI, layout="constrained")
+    figure = Picture(figsize=(SIZE[0], 1.0 + ROW * len(data.columns)), dpi=DPI, layout="constrained")
     figure.suptitle(found.scene.title, fontsize=15, fontweight="bold")
     panels = figure.subplots(2 * len(data.columns), 1, sharex=True, height_ratios=(2, 1) * len(data.columns))
     for n, name in enumerate(data.columns):

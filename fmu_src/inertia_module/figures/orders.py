@@ -8,6 +8,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from ..common.colours import VERMILION
+from ..harness.picture import Picture
 from ..jobs.spectra import BASES, Array, Orders
 from .panels import DPI, SIZE, dress
 
@@ -28,7 +29,7 @@ def order_figure(found: Orders, title: str) -> Figure:
     """
     names = list(found.amplitude)
     size = (SIZE[0], 1.2 + ROW * len(names))
-    figure = Figure(figsize=size, dpi=DPI, layout="constrained")
+    figure = Picture(figsize=size, dpi=DPI, layout="constrained")
     figure.suptitle(title, fontsize=15, fontweight="bold")
     panels = figure.subplots(len(names), 2, sharex=True, squeeze=False)
     lines = found.largest(NAMED)

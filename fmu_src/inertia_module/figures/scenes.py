@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..common.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
+from ..harness.picture import Picture
 from ..harness.simulate import Result
 from ..loops.cycles import KILOMETRE_PER_HOUR, Cycle
 from ..scene import SceneResult
@@ -31,7 +32,7 @@ def scene_figure(result: SceneResult) -> Figure:
         A matplotlib Figure of 1200 x 900 pixels, higher with more than four panels; save it with
         figure.savefig(path).
     """
-    figure = Figure(figsize=SIZE, dpi=DPI, layout="constrained")
+    figure = Picture(figsize=SIZE, dpi=DPI, layout="constrained")
     figure.suptitle(result.scene.title, fontsize=15, fontweight="bold")
     if result.scene.controller is not None and "vehicle_speed" in result.record:
         _driving_panels(figure, result)

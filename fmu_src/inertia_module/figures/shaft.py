@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..common.colours import BLACK, BLUE, GREEN, PURPLE, VERMILION
+from ..harness.picture import Picture
 from ..harness.simulate import Result
 from ..scene.shaft import ShaftResult
 from .panels import DPI, SIZE, dress, headline, in_thousands
@@ -22,7 +23,7 @@ def shaft_figure(result: ShaftResult) -> Figure:
         A matplotlib Figure of 1200 x 900 pixels; save it with figure.savefig(path).
     """
     table, numbers = result.record, result.summary
-    figure = Figure(figsize=SIZE, dpi=DPI, layout="constrained")
+    figure = Picture(figsize=SIZE, dpi=DPI, layout="constrained")
     figure.suptitle(result.scene.title, fontsize=15, fontweight="bold")
     panels = figure.subplots(4, 1, sharex=True)
     time = table.time

@@ -11,8 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from ..jobs.axes import MECHANISM, Axis
+from ..harness.picture import Picture
+from ..jobs.axes import Axis
 from ..jobs.sweep import SweepResult
+from ..scene.keys import MECHANISM
 from .panels import DPI, dress
 
 # shown, where they vary and nothing else is asked for
@@ -59,7 +61,7 @@ def sweep_figure(sweep: SweepResult, figures: Sequence[str] = ()) -> Figure:
     if len(sweep.axes) > 2:
         return _parallel(sweep, names)
     rows = max(len(names), 1)
-    picture = Figure(figsize=(9.0, 1.0 + 2.8 * rows), dpi=DPI, layout="constrained")
+    picture = Picture(figsize=(9.0, 1.0 + 2.8 * rows), dpi=DPI, layout="constrained")
     panels = picture.subplots(rows, 1, squeeze=False)[:, 0]
     for panel, name in zip(panels, names, strict=False):
         if len(sweep.axes) == 1:
@@ -119,7 +121,7 @@ def _parallel(sweep: SweepResult, names: Sequence[str]) -> Figure:
     titles = [label(sweep, axis.name) for axis in sweep.axes] + [label(sweep, name) for name in names]
     ends = [(float(np.nanmin(column)), float(np.nanmax(column))) for column in table]
     shares = np.array([_share(column, *end) for column, end in zip(table, ends, strict=True)]).T
-    picture = Figure(figsize=(2.2 + 1.8 * len(table), 5.5), dpi=DPI, layout="constrained")
+    picture = Picture(figsize=(2.2 + 1.8 * len(table), 5.5), dpi=DPI, layout="constrained")
     panel = picture.subplots()
     colours = colormaps["viridis"]
     by = shares[:, len(sweep.axes)] if names else shares[:, 0]

@@ -1,4 +1,4 @@
-"""Builds all FMUs and the kernel for pages, each of them whole or not at all."""
+"""Builds all FMUs and the kernel for pages, each of them whole or not at all; a wheel brings them along."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 from xml.etree import ElementTree
 
-from ..common.files import writable_folder, write_atomically
+from ..common.files import BUILD_FOLDER, ready_made, writable_folder, write_atomically
 from ..compiling.ir import is_cached, llvm_text
 from ..compiling.kernels import CompilationUnavailable
 from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE
@@ -40,11 +40,14 @@ class Built(NamedTuple):
 def content_of(
     what: NativeFmu | PythonFmu | WebKernel, progress: Progress = lambda stage: None
 ) -> tuple[bytes, dict[str, str]]:
-    """The content of a file, and what was skipped, with the reason.
+    """The content of a file, from the wheel or built here, and what was skipped, with the reason.
 
     Raises:
         CompilationUnavailable: it is compiled, and there is no target at all it could be compiled for.
     """
+    ready = ready_made(what.file_name)
+    if ready is not None:
+        return ready.read_bytes(), {}
     if isinstance(what, WebKernel):
         return web_kernel(what, progress), {}
     return native_fmu(what, progress) if isinstance(what, NativeFmu) else python_fmu(what, progress)
@@ -86,7 +89,8 @@ def build(folder: Path, progress: Progress = lambda stage: None) -> Built:
     """
     built = Built([], {})
     writable_folder(folder)
-    _translate(progress)
+    if ready_made(MODULE_FMU.file_name) is None:
+        _translate(progress)
     for what in (*FMUS, WEB_KERNEL):
         progress(f"building {what.file_name}")
         try:
@@ -100,14 +104,20 @@ def build(folder: Path, progress: Progress = lambda stage: None) -> Built:
     return built
 
 
-def current_module_fmu(folder: Path, progress: Progress = lambda stage: None) -> Path:
-    """The FMU of the module in a folder, built anew if it is missing or of another state of the package.
+def current_fmu(
+    fmu: NativeFmu = MODULE_FMU, folder: Path = BUILD_FOLDER, progress: Progress = lambda stage: None
+) -> Path:
+    """A native FMU: the wheel's, or in a clone that of a folder, built anew where it is not current.
 
-    It is the native one or, where that cannot be compiled, the Python one.
+    Args:
+        fmu: MODULE_FMU or SHAFT_FMU. folder, progress: as for build.
 
-    Args: as build.
+    Raises:
+        RuntimeError: it cannot be compiled here; why. OSError: the folder cannot be written.
     """
-    for fmu in (MODULE_FMU, PYTHON_FMU):
-        if is_current(folder / fmu.file_name, fmu):
-            return folder / fmu.file_name
-    return build(folder, progress).paths[0]
+    path = ready_made(fmu.file_name) or folder / fmu.file_name
+    if path.parent == folder and not is_current(path, fmu):
+        skipped = build(folder, progress).skipped
+        if path.name in skipped:
+            raise RuntimeError(f"{path.name} cannot be built: {skipped[path.name]}")
+    return path

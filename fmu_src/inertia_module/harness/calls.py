@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, Self
 
 from ..common.errors import FmuError
-from .descriptions import read_description
+from .descriptions import fmu_file, read_description
 from .logs import WARNING, callbacks_of
 
 
@@ -24,7 +24,7 @@ class Instance:
     """One co-simulation instance of an FMU 2.0, loaded and instantiated; a context manager.
 
     Args:
-        path: the .fmu file. start_time: of the experiment, s.
+        path: the .fmu file; None for that of the module. start_time: of the experiment, s.
 
     Attributes:
         time: the communication point reached, s.
@@ -35,8 +35,8 @@ class Instance:
         FmuError: the file is no such FMU; all methods raise it once the instance is closed.
     """
 
-    def __init__(self, path: Path | str, start_time: float = 0.0) -> None:
-        self.path = Path(path)
+    def __init__(self, path: Path | str | None, start_time: float = 0.0) -> None:
+        self.path = fmu_file(path)
         self.time = start_time
         self.messages: list[str] = []
         self.warnings: list[str] = []

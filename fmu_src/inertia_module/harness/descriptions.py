@@ -13,6 +13,19 @@ from ..common.units import BOOLEANS, allowed_number, number_of
 LARGEST_INTEGER = 2.0**31 - 1.0
 
 
+def fmu_file(path: Path | str | None) -> Path:
+    """The path of an FMU file; without one that of the module, as it comes with the package or is built.
+
+    Raises:
+        RuntimeError: it is to be compiled, and cannot be.
+    """
+    if path is not None:
+        return Path(path)
+    from ..fmu.builder import current_fmu
+
+    return current_fmu()
+
+
 def existing_fmu(path: Path) -> Path:
     """The path, if there is a file.
 

@@ -44,7 +44,7 @@ class Fmu(Instance):
     """One co-simulation instance of an FMU 2.0, initialised and ready to step; a context manager.
 
     Args:
-        path: the .fmu file.
+        path: the .fmu file; without one that of the module, as it comes with the package or is built.
         parameters: start values by name: numbers, strings with a unit ("90 deg"), enumerations by number
             or item name.
         inputs: inputs by name, set before the end of initialisation (so no jump at the start).
@@ -64,7 +64,7 @@ class Fmu(Instance):
 
     def __init__(
         self,
-        path: Path | str,
+        path: Path | str | None = None,
         parameters: Mapping[str, float | bool | str] | None = None,
         inputs: Mapping[str, float | str] | None = None,
         tolerance: float | None = None,
@@ -104,7 +104,10 @@ class Fmu(Instance):
             self._call(f"set{kind}", list(numbers), [convert(number) for number in numbers.values()])
 
     def set(self, **values: float | str) -> None:
-        """Set inputs and tunable parameters by name, as numbers or strings with a unit; all or none.
+        """Set inputs and tunable parameters by name; all or none.
+
+        Args:
+            values: numbers, or strings with a unit.
 
         Raises:
             FmuError: an unknown name, no quantity, a variable that cannot be set now, or a value of a tunable
@@ -126,6 +129,9 @@ class Fmu(Instance):
 
     def read(self, names: str | Sequence[str]) -> tuple[float, ...]:
         """Values by name, of any type, as floats.
+
+        Args:
+            names: of variables, or one alone.
 
         Raises:
             FmuError: an unknown name, or the FMU refuses to give a value.
@@ -169,7 +175,10 @@ class Fmu(Instance):
         return (fmi2ValueReference * len(names))(*(self._variable(name).valueReference for name in names))
 
     def set_rates(self, **rates: float) -> None:
-        """Give inputs a rate over the coming step, per second (native FMUs; see docs/fmu.md).
+        """Give inputs a rate over the coming step (native FMUs; see docs/fmu.md).
+
+        Args:
+            rates: by name, in the unit of the input per second.
 
         Raises:
             FmuError: an unknown name, no input, or an FMU that takes no derivatives of inputs.
@@ -180,6 +189,9 @@ class Fmu(Instance):
 
     def rates(self, names: str | Sequence[str]) -> tuple[float, ...]:
         """Rates of outputs at the end of the last step, per second (native FMUs; see docs/fmu.md).
+
+        Args:
+            names: of outputs, or one alone.
 
         Raises:
             FmuError: an unknown name, no output, or an FMU that gives no derivatives of outputs.

@@ -3,21 +3,28 @@
 from __future__ import annotations
 
 import csv
+import html
 import io
 import re
 from collections.abc import Iterable, Iterator, Mapping, Set
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..common.errors import Refused
+from ..common.extras import library
 from ..common.files import write_atomically
 from ..common.units import factor_between
 
+if TYPE_CHECKING:
+    from .picture import Picture
+
 TIME = "time"
+# rows at either end of a table that a notebook shows
+ENDS = 5
 # a name and, in brackets, a unit
 _HEADING = re.compile(r"(.*?)\s*\[(.*)\]$|(.*?)\s+\((.*)\)$")
 
@@ -65,7 +72,7 @@ class Result:
         return cls(ordered, {TIME: "s", **given})
 
     def without(self, names: Set[str]) -> Result:
-        """The table without some columns."""
+        """The table without the columns of these names."""
         columns = {name: values for name, values in self.columns.items() if name not in names}
         return Result(columns, {name: unit for name, unit in self.units.items() if name in columns})
 
@@ -114,7 +121,7 @@ class Result:
         return {name: float(values[-1]) for name, values in self.columns.items()}
 
     def to_csv(self, path: Path | str) -> Path:
-        """Write all columns with enough digits to read back the same doubles; whole or not at all."""
+        """Write all columns to a path, with the digits that give the same doubles; whole or not at all."""
         return write_columns(Path(path), {self.label(name): values for name, values in self.columns.items()})
 
     @classmethod
@@ -126,14 +133,28 @@ class Result:
         """
         return cls.from_columns(*read_columns(path))
 
-    def figure(self) -> Any:
-        """A matplotlib Figure of the columns over time, one panel for each unit."""
-        from matplotlib.figure import Figure
+    def to_pandas(self) -> Any:
+        """A pandas DataFrame with time, s, as its index, and headings with units.
+
+        Raises:
+            NotInstalled: there is no pandas here.
+        """
+        columns = {self.label(name): self[name] for name in self.names[1:]}
+        pandas = library("pandas", "notebook")
+        return pandas.DataFrame(columns, index=pandas.Index(self.time, name=self.label(TIME)))
+
+    def plot(self, *names: str) -> Picture:
+        """A matplotlib Figure of columns over time, of all without names, one panel for each unit.
+
+        Raises:
+            TableError: there is no such column.
+        """
+        from .picture import Picture
 
         panels: dict[str, list[str]] = {}
-        for name in self.names[1:]:
+        for name in names or self.names[1:]:
             panels.setdefault(self.units.get(name, ""), []).append(name)
-        figure = Figure(figsize=(9, 1 + 2.2 * max(1, len(panels))), layout="constrained")
+        figure = Picture(figsize=(9, 1 + 2.2 * max(1, len(panels))), layout="constrained")
         axes = figure.subplots(max(1, len(panels)), 1, sharex=True, squeeze=False)[:, 0]
         for axis, (unit, members) in zip(axes, panels.items(), strict=False):
             for name in members:
@@ -143,6 +164,26 @@ class Result:
             axis.grid(alpha=0.3)
         axes[-1].set_xlabel(f"{TIME} [s]")
         return figure
+
+    def _repr_png_(self) -> bytes:
+        return self.plot()._repr_png_()
+
+    def _repr_html_(self) -> str:
+        """For a notebook: the first and the last rows."""
+        shown = range(len(self)) if len(self) <= 2 * ENDS else [*range(ENDS), *range(-ENDS, 0)]
+        rows = [[f"{self[name][n]:.6g}" for name in self.names] for n in shown]
+        if len(self) > 2 * ENDS:
+            rows.insert(ENDS, ["…"] * len(self.names))
+        return html_table([self.label(name) for name in self.names], rows)
+
+
+def html_table(headings: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
+    """A table in HTML; what has a meaning there is escaped."""
+
+    def line(kind: str, cells: Iterable[str]) -> str:
+        return "<tr>" + "".join(f"<{kind}>{html.escape(cell)}</{kind}>" for cell in cells) + "</tr>"
+
+    return "<table>" + line("th", headings) + "".join(line("td", row) for row in rows) + "</table>"
 
 
 def _factor(name: str, unit: str, wanted: str) -> float:

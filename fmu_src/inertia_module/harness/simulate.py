@@ -14,11 +14,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..common.errors import Refused
 from ..common.units import split_quantity
-from .descriptions import read_description
+from .descriptions import fmu_file, read_description
 from .fmu import Fmu, FmuError, Plant, as_names
 from .results import TIME, Result, TableError
 
-__all__ = ["Fmu", "FmuError", "Plant", "Progress", "Result", "TableError", "progress_bar", "simulate"]
+__all__ = ["Fmu", "FmuError", "Plant", "Progress", "Result", "TableError", "drive", "progress_bar"]
 
 Progress = Callable[[float], None]
 # a run that takes longer than this, s, shows a bar
@@ -106,8 +106,8 @@ def _for_fmu(description: Any, file: str, table: Result) -> tuple[Result, list[s
     return Result(columns, {measured.get(name, name): unit for name, unit in table.units.items()}), given
 
 
-def simulate(
-    path: Path | str,
+def drive(
+    path: Path | str | None,
     inputs: Result | Mapping[str, ArrayLike] | Path | str,
     stop_time: float,
     step: float,
@@ -119,7 +119,7 @@ def simulate(
     """Drive an FMU with given inputs and record outputs at every communication point.
 
     Args:
-        path: the .fmu file.
+        path: the .fmu file; None for that of the module, as it comes with the package or is built.
         inputs: arrays by name (with time), a Result or a CSV file; between its rows inputs are
             interpolated linearly, before the first and after the last they are constant. Columns in other
             units (`omega1 [rpm]`) are converted; those that the FMU computes, measured on a rig, come along.
@@ -138,7 +138,7 @@ def simulate(
     for name, value in (("stop_time", stop_time), ("step", step)):
         if not (math.isfinite(value) and value > 0.0):
             raise Refused(f"{name} must be a positive number of seconds, is {value}")
-    path, outputs = Path(path), as_names(outputs)
+    path, outputs = fmu_file(path), as_names(outputs)
     table, names = _for_fmu(read_description(path), path.name, input_table(inputs))
     times = communication_points(stop_time, step)
     columns = {name: np.interp(times, table.time, table[name]) for name in table.names[1:]}

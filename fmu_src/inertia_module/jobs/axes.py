@@ -16,12 +16,12 @@ from ..common.units import parse_unit, split_quantity
 from ..contract.variable import INTEGER
 from ..contract.variables import BY_NAME
 from ..scene import Scene, SceneError
+from ..scene.keys import MECHANISM, full_name
 from ..scene.units import unit_of
 
 # values by key of the scene: numbers in SI units, or names
 Point = dict[str, float | str]
 LARGEST_GRID = 10_000_000
-MECHANISM = "mechanism."
 SAMPLES = ("latin", "sobol")
 
 
@@ -99,11 +99,6 @@ def unit_of_key(name: str, scene: Scene) -> str:
 def units_of(axes: Sequence[Axis], scene: Scene) -> dict[str, str]:
     """Units of the keys that are varied, by name."""
     return {one.name: unit_of_key(one.name, scene) for one in axes}
-
-
-def full_name(name: str) -> str:
-    """A key by dots; those of the mechanism may go without their table."""
-    return name if "." in name else f"{MECHANISM}{name}"
 
 
 def _number(text: Any) -> float | str:

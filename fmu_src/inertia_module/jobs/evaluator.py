@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from ..common.extras import library
-from ..common.files import BUILD_FOLDER
-from ..fmu.builder import current_module_fmu
+from ..harness.descriptions import fmu_file
 from ..harness.simulate import Progress
 from ..scene import Scene, load_scene
 from .axes import Point
@@ -17,16 +16,11 @@ from .store import Journal
 from .task import Row, Task
 
 
-def fmu_file(fmu: Path | str | None) -> Path:
-    """An FMU's file; without one build/InertiaModule.fmu, built if it is not current."""
-    return current_module_fmu(BUILD_FOLDER) if fmu is None else Path(fmu)
-
-
 def fmu_content(fmu: Path | str | None) -> bytes:
-    """Content of an FMU's file; see fmu_file.
+    """Content of an FMU's file; see descriptions.fmu_file.
 
     Raises:
-        OSError: there is no such file.
+        OSError: there is no such file. RuntimeError: it is to be compiled, and cannot be.
     """
     return fmu_file(fmu).read_bytes()
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping, Sequence
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -16,10 +17,11 @@ import numpy as np
 from ..common.errors import Refused
 from ..common.extras import library
 from ..common.files import OUTPUT_FOLDER
+from ..harness.descriptions import fmu_file
 from ..harness.simulate import Progress, Result
 from ..scene import Scene
 from .axes import shares_sampled
-from .evaluator import fmu_file, read
+from .evaluator import read
 from .fitted import FitResult, correlations, doubts, fitted
 from .free import Free, Range, free_keys
 from .intervals import interval
@@ -86,7 +88,8 @@ def fit(
     if starts < 0:
         raise Refused(f"starts must be at least 0, is {starts}")
     search = _Search(base, keys, data, fmu_file(fmu), progress or (lambda share: None))
-    found = search.found(starts, seed)
+    with closing(search.observer):
+        found = search.found(starts, seed)
     folder = OUTPUT_FOLDER / f"{title}_fit" if output is None else Path(output)
     return dataclasses.replace(found, files=found.write(folder))
 

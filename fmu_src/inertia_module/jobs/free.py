@@ -11,7 +11,8 @@ from ..common.errors import Refused
 from ..contract.variable import REAL
 from ..contract.variables import BY_NAME
 from ..scene import Scene
-from .axes import MECHANISM, Axis, axis, full_name, unit_of_key
+from ..scene.keys import MECHANISM, full_name
+from .axes import Axis, axis, unit_of_key
 
 Range = str | tuple[float, float] | None
 

@@ -129,3 +129,7 @@ class Observer:
             name: np.interp(self._times, record.time, record[name]) for name in signals if name in self._names
         }
         return np.column_stack([{**values, **of_loop}[name] for name in self._names])
+
+    def close(self) -> None:
+        """Free the instance."""
+        self._runner.close()

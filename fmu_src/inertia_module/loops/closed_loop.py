@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-import control as ct
 import numpy as np
 
 from ..contract.variables import BY_NAME
 from ..harness.fmu import as_names
 from ..harness.simulate import Plant, Progress, Result, whole_steps
+from .sources import Signal, Sources
 
 PLANT_INPUTS = ("omega1", "load_torque", "drive_torque")
 _PROGRESS_CALLS = 200
@@ -35,10 +35,10 @@ def connect(systems: Sequence[Any]) -> Any:
     outputs of the FMU. What depends on what is found out by control.interconnect.
 
     Args:
-        systems: discrete-time python-control systems of one step, each with a name of its own.
+        systems: discrete-time python-control systems and sources of one step, each with a name of its own.
 
     Returns:
-        A control.InterconnectedSystem; its outputs are all outputs of the systems.
+        A control.InterconnectedSystem, of sources alone Sources; its outputs are all outputs of the systems.
 
     Raises:
         ValueError: two systems give the same signal.
@@ -51,9 +51,16 @@ def connect(systems: Sequence[Any]) -> Any:
                     f"{label} must be given by one system, is given by {origin[label]} and by {system.name}"
                 )
             origin[label] = system.name
+    if all(isinstance(system, Sources) for system in systems) and len({system.dt for system in systems}) == 1:
+        signals: dict[str, Signal] = {}
+        for system in systems:
+            signals |= system.signals
+        return Sources(signals, systems[0].dt)
+    import control as ct
+
     wanted = {label: None for system in systems for label in system.input_labels if label not in origin}
     return ct.interconnect(
-        systems,
+        [system.to_control() if isinstance(system, Sources) else system for system in systems],
         inputs=list(wanted),
         outlist=[f"{name}.{label}" for label, name in origin.items()],
         outputs=list(origin),

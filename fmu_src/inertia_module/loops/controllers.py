@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import control as ct
-
 from ..common.errors import must_be
 
 
@@ -41,6 +39,8 @@ def pi_speed_controller(
     Raises:
         ValueError: a gain is negative or not finite, or the limits are not in order.
     """
+    import control as ct
+
     for name, gain in (("proportional_gain", proportional_gain), ("integral_gain", integral_gain)):
         if not (math.isfinite(gain) and gain >= 0.0):
             raise ValueError(must_be(name, "finite and at least 0", gain))
@@ -82,6 +82,7 @@ def driver_brake(step: float, gain: float, greatest: float, margin: float = 0.0)
         A static discrete-time control.NonlinearIOSystem with inputs reference and vehicle_speed, m/s,
         and output brake_force, N.
     """
+    import control as ct
 
     def output(_: float, __: Any, u: Any, ___: Any) -> list[float]:
         return [min(max(gain * (u[1] - u[0] - margin), 0.0), greatest)]

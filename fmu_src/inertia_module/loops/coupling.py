@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-import control as ct
 import numpy as np
 from numpy.typing import NDArray
 
@@ -29,6 +28,8 @@ class Coupling(NamedTuple):
 
 def sample(a: list[list[float]], b: list[list[float]], step: float) -> tuple[Any, Any]:
     """Exact step of x' = a x + b u with u held: (A, B) of x+ = A x + B u."""
+    import control as ct
+
     size = len(a)
     continuous = ct.ss(a, b, np.eye(size), np.zeros((size, len(b[0]))))
     sampled = ct.sample_system(continuous, step, method="zoh")

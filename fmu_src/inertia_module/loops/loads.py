@@ -10,8 +10,6 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-import control as ct
-
 from .coupling import Coupling, check_coupling, sample, sample_coupled
 from .sources import Signal, evaluate, source
 
@@ -22,7 +20,8 @@ class Load(NamedTuple):
     """A load on the output shaft.
 
     Attributes:
-        system: discrete-time control.NonlinearIOSystem, from omega_out, rad/s, to load_torque, N.m.
+        system: to connect: discrete-time control.NonlinearIOSystem, or Sources, from omega_out, rad/s, to
+            load_torque, N.m.
         inertia: at the output shaft, kg.m2. coupling: to the output shaft, or None if rigid.
         friction: viscous, N.m.s/rad.
     """
@@ -87,6 +86,8 @@ def shaft_load(
     Returns:
         Load with output load_torque, and with a coupling also load_speed, rad/s.
     """
+    import control as ct
+
     if coupling is None:
 
         def rigid(time: float, _: Any, u: Any, __: Any) -> list[float]:
@@ -199,6 +200,8 @@ def vehicle_load(
         torques drag_torque, slope_torque, rolling_torque, brake_torque that act on the vehicle, N.m at
         the output shaft.
     """
+    import control as ct
+
     radius = wheel_radius / final_drive
     inertia = mass * radius * radius
     road = _Road(mass, radius, rolling_resistance, drag_area, air_density, slope)

@@ -1,12 +1,12 @@
-"""Signals given over time: constants and tables, as systems without input."""
+"""Signals given over time: constants and tables, as surroundings without input."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
-import control as ct
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 
 class Table:
@@ -49,18 +49,46 @@ def evaluate(signal: Signal, point: float) -> float:
     return signal(point) if isinstance(signal, Table) else signal
 
 
-def source(name: str, signal: Signal, step: float) -> Any:
-    """A system without input that gives a signal over time.
+class Sources:
+    """Signals over time: they are all the surroundings of the FMU, or connect joins them to systems.
+
+    A scene without a loop therefore runs without python-control, whose import takes as long as the run.
+
+    Args:
+        signals: by name: constant, or table over time, s. step: communication step, s.
+
+    Attributes:
+        name, dt, nstates, input_labels, output_labels: as of a system of python-control.
+    """
+
+    nstates = 0
+
+    def __init__(self, signals: Mapping[str, Signal], step: float) -> None:
+        self.signals, self.dt = dict(signals), step
+        self.input_labels: list[str] = []
+        self.output_labels = list(self.signals)
+        self.name = "_".join([*self.signals, "source"])
+
+    def output(self, time: float, *_: Any) -> NDArray[np.float64]:
+        """The signals at a time, s."""
+        return np.array([evaluate(signal, time) for signal in self.signals.values()])
+
+    def dynamics(self, *_: Any) -> NDArray[np.float64]:
+        """No states."""
+        return np.zeros(0)
+
+    def to_control(self) -> Any:
+        """The same as a static discrete-time control.NonlinearIOSystem."""
+        import control as ct
+
+        return ct.nlsys(None, self.output, inputs=0, outputs=self.output_labels, dt=self.dt, name=self.name)
+
+
+def source(name: str, signal: Signal, step: float) -> Sources:
+    """One signal over time, to connect.
 
     Args:
         name: of its output. signal: constant, or table over time, s.
         step: communication step, s.
-
-    Returns:
-        A static discrete-time control.NonlinearIOSystem.
     """
-
-    def output(time: float, *_: Any) -> list[float]:
-        return [evaluate(signal, time)]
-
-    return ct.nlsys(None, output, inputs=0, outputs=[name], dt=step, name=f"{name}_source")
+    return Sources({name: signal}, step)

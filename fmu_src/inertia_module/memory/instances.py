@@ -3,49 +3,22 @@
 from __future__ import annotations
 
 import ctypes
-import os
 import struct
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from typing import Any, ClassVar, Self
 
-from ..common.errors import Refused, must_be
-from ..compiling import load as compiled
-from ..compiling.kernels import MODULE, CompilationUnavailable, source_hash
+from ..common.errors import Refused
+from ..compiling.kernels import source_hash
 from ..compiling.records import record_type
 from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE, RECORD_OF, Model
 from ..contract.variable import INPUT, OUTPUT, PARAMETER
 from ..contract.variables import refused_parameters
 from ..kernel import codes
 from . import maps
+from .kernel_choice import choose_kernel
 
 NO_STATE = "the state must be one saved by this build, is damaged or of another build"
-
-
-def choose_kernel(kernel: str, name: str = MODULE) -> tuple[Callable[..., int] | None, str]:
-    """The compiled entry, or None for the plain kernel, and why.
-
-    Args:
-        kernel: "compiled", "plain", or "auto": what the environment variable INERTIA_MODULE_KERNEL
-            says, else compiled where there is such a kernel.
-        name: which of entries.ENTRIES.
-
-    Raises:
-        CompilationUnavailable: "compiled" was asked for and there is none.
-        Refused: kernel is none of these.
-    """
-    if kernel == "auto":
-        kernel = os.environ.get("INERTIA_MODULE_KERNEL", "auto")
-    if kernel == "plain":
-        return None, "plain Python, as asked for"
-    if kernel == "compiled":
-        return compiled.load(name), "compiled"
-    if kernel != "auto":
-        raise Refused(must_be("kernel", "auto, compiled or plain", repr(kernel)))
-    try:
-        return compiled.load(name), "compiled"
-    except CompilationUnavailable as error:
-        return None, f"plain Python, for there is no compiled one ({error})"
 
 
 @cache
@@ -277,7 +250,11 @@ class ModelInstance:
 
 
 class Module(ModelInstance):
-    """An inertia module."""
+    """An inertia module.
+
+    Args:
+        kernel: see choose_kernel.
+    """
 
     model = INERTIA_MODULE
 
@@ -301,6 +278,10 @@ class Module(ModelInstance):
 
 
 class DrivenShaft(ModelInstance):
-    """The elastic output alone: hub of given speed, shaft, driven mass."""
+    """The elastic output alone: hub of given speed, shaft, driven mass.
+
+    Args:
+        kernel: see choose_kernel.
+    """
 
     model = DRIVEN_SHAFT

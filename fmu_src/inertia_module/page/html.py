@@ -10,8 +10,7 @@ from typing import Any
 from ..common.errors import Refused, must_be
 from ..common.files import writable_folder
 from ..contract.models import INERTIA_MODULE
-from ..fmu.builder import WEB_KERNEL
-from ..fmu.web_kernel import web_kernel
+from ..fmu.builder import WEB_KERNEL, content_of
 from ..scene import Scene, SceneResult
 from .recording import packed, page_run
 from .start import page_scene
@@ -64,7 +63,7 @@ def html_file(scene: Scene, outcome: SceneResult | None) -> bytes:
         record, run = outcome.record, page_run(outcome.record, outcome.warnings)
     start = {"scene": page_scene(scene, record), "run": run}
     data = [
-        f'<script id="kernel" type="text/plain">{packed(web_kernel(WEB_KERNEL))}</script>',
+        f'<script id="kernel" type="text/plain">{packed(content_of(WEB_KERNEL)[0])}</script>',
         script("tables", page_tables(INERTIA_MODULE)),
         script("start", start),
     ]

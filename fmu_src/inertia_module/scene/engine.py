@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Annotated, Any, ClassVar, Literal
 
-import control as ct
 import numpy as np
 from pydantic import model_validator
 
@@ -116,6 +115,8 @@ class EngineDrive(Strict):
 
     def _engine(self, step: float) -> Any:
         """From throttle and input_speed, rad/s, to drive_torque, N.m; state: integrals of the governors."""
+        import control as ct
+
         limits, given = self.torque_map(), self.governor
         governor = Governor(given.proportional_gain, given.integral_gain, step)
 

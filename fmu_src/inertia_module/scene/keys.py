@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import tomllib
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -12,6 +13,33 @@ from .controllers import measured_speed
 from .errors import SceneError, one_line
 
 Model = TypeVar("Model", bound=BaseModel)
+MECHANISM = "mechanism."
+
+
+def full_name(name: str) -> str:
+    """A key by dots; those of the mechanism may go without their table."""
+    return name if "." in name else f"{MECHANISM}{name}"
+
+
+def keys_of(given: Iterable[str]) -> dict[str, Any]:
+    """Values by key, named by dots, of texts such as "imbalance_mass=2 kg" or "load.kind=shaft".
+
+    Args:
+        given: KEY=VALUE each; the value as in a scene file, where a string needs no quotes.
+
+    Raises:
+        SceneError: a text is not of this form.
+    """
+    found = {}
+    for text in given:
+        name, _, value = (part.strip() for part in text.partition("="))
+        if not (name and value):
+            raise SceneError(f"what is set must be given as KEY=VALUE, is {text!r}")
+        try:
+            found[full_name(name)] = tomllib.loads(f"value = {value}")["value"]
+        except tomllib.TOMLDecodeError:
+            found[full_name(name)] = value
+    return found
 
 
 def without_files(data: dict[str, Any]) -> dict[str, Any]:

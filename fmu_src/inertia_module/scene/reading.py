@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
 from .errors import SceneError
-from .keys import validated
+from .keys import changed, validated
 from .schema import Scene
 from .shaft import ShaftScene
 
@@ -39,17 +39,23 @@ def _tables(text: str) -> dict[str, Any]:
         raise SceneError(f"the scene is no TOML: {' '.join(str(error).split())}") from None
 
 
-def load_scene(path: Path | str) -> Scene:
+def load_scene(path: Path | str, keys: Mapping[str, Any] | None = None) -> Scene:
     """Read and check a scene file.
+
+    Args:
+        path: of the TOML file. keys: values instead of the file's, named by dots, such as
+            {"mechanism.imbalance_mass": "2 kg"}.
 
     Raises:
         SceneError: in one line, the file, the key, the value and what is allowed.
     """
-    return _load(path, read_scene)
+    return _load(path, keys, lambda tables, folder: validated(Scene, tables, folder))
 
 
-def _load(path: Path | str, read: Callable[[str, Path], Read]) -> Read:
-    """Read a scene file by what checks its text; see load_scene."""
+def _load(
+    path: Path | str, keys: Mapping[str, Any] | None, read: Callable[[dict[str, Any], Path], Read]
+) -> Read:
+    """Read a scene file by what checks its tables; see load_scene."""
     path = Path(path)
     try:
         text = path.read_text(encoding="utf-8")
@@ -58,20 +64,27 @@ def _load(path: Path | str, read: Callable[[str, Path], Read]) -> Read:
     except UnicodeDecodeError as error:
         raise SceneError(f"{path} must be a scene file (TOML): {error}") from None
     try:
-        return read(text, path.parent)
+        tables = _tables(text)
+        for name, value in (keys or {}).items():
+            tables = changed(tables, name.split("."), value)
+        return read(tables, path.parent)
     except SceneError as error:
         raise SceneError(f"{path.name}: {error}") from None
 
 
-def load_any_scene(path: Path | str) -> Scene | ShaftScene:
+def load_any_scene(path: Path | str, keys: Mapping[str, Any] | None = None) -> Scene | ShaftScene:
     """Read and check a scene file, of a module or of a driven shaft alone.
+
+    Args:
+        path, keys: as for load_scene.
 
     Raises:
         SceneError: as load_scene.
     """
 
-    def read(text: str, folder: Path) -> Scene | ShaftScene:
-        data = _tables(text)
-        return validated(ShaftScene, data, folder) if "shaft" in data else validated(Scene, data, folder)
+    def read(tables: dict[str, Any], folder: Path) -> Scene | ShaftScene:
+        if "shaft" in tables:
+            return validated(ShaftScene, tables, folder)
+        return validated(Scene, tables, folder)
 
-    return _load(path, read)
+    return _load(path, keys, read)

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import base64
 import time
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
-from ..bridge.restarted import RestartedFmu
+from .. import __version__
 from ..contract.variable import LOCAL, OUTPUT
 from ..contract.variables import with_causality
+from ..harness.restarted import RestartedFmu
+from ..harness.results import html_table
 from ..harness.simulate import Fmu, Progress, Result
 from ..loops import ClosedLoop, initial_inputs
 from .drives import TORQUE_DRIVES
@@ -24,14 +27,23 @@ class Outcome:
     """What a scene gave.
 
     Attributes:
-        record: everything recorded: outputs wanted, outputs summarised, signals of the loop.
-        summary: the numbers by name. units: of these numbers, "" for counts and ratios.
+        scene: as it was run. record: everything recorded: outputs wanted, outputs summarised, signals of the
+            loop. quantities, summary, units: numbers by name; units are "" for counts and ratios.
         warnings: that the FMU logged.
     """
 
+    # what may be recorded without being wanted
+    RECORDED: ClassVar[frozenset[str]]
+
+    scene: Any
     record: Result
     quantities: dict[str, Quantity] = field(repr=False)
     warnings: tuple[str, ...] = ()
+
+    @property
+    def table(self) -> Result:
+        """What the scene wants and the signals of its loop, at each communication point."""
+        return self.record.without(self.RECORDED - set(self.scene.run.outputs))
 
     @property
     def summary(self) -> dict[str, float]:
@@ -43,22 +55,49 @@ class Outcome:
         """Units of the numbers of the summary, "" for counts and ratios."""
         return {name: quantity.unit for name, quantity in self.quantities.items()}
 
+    def as_dict(self) -> dict[str, Any]:
+        """Version, title of the scene, its parameters, the summary, and units of all numbers, for JSON."""
+        parameters = self.scene.parameters()
+        of_parameters = {name: self.scene.VARIABLES[name].unit for name in parameters}
+        return {
+            "inertia_module": __version__,
+            "title": self.scene.title,
+            "parameters": parameters,
+            "summary": self.summary,
+            "units": of_parameters | self.units,
+        }
+
+    def to_pandas(self) -> Any:
+        """The table as a pandas DataFrame: see Result.to_pandas."""
+        return self.table.to_pandas()
+
+    def plot(self, *names: str) -> Any:
+        """A matplotlib Figure of the table over time: see Result.plot."""
+        return self.table.plot(*names)
+
+    def _repr_png_(self) -> bytes:
+        return self.table._repr_png_()
+
+    def _repr_html_(self) -> str:
+        """For a notebook: the plot, and the summary."""
+        picture = base64.b64encode(self._repr_png_()).decode()
+        rows = [
+            (name.replace("_", " "), f"{value:.6g}", unit) for name, (value, unit) in self.quantities.items()
+        ]
+        return f'<img src="data:image/png;base64,{picture}">' + html_table((self.scene.title, "", ""), rows)
+
 
 @dataclass(frozen=True, kw_only=True)
 class SceneResult(Outcome):
     """What a scene of the module gave.
 
     Attributes:
-        scene: as it was run.
+        scene, record, quantities, warnings: see Outcome.
     """
 
-    scene: Scene
+    RECORDED: ClassVar = frozenset(variable.name for variable in with_causality(OUTPUT, LOCAL))
 
-    @property
-    def table(self) -> Result:
-        """The outputs the scene wants and the signals of its loop, at each communication point."""
-        unwanted = {variable.name for variable in with_causality(OUTPUT, LOCAL)} - set(self.scene.run.outputs)
-        return self.record.without(unwanted)
+    scene: Scene
 
 
 def start_of(scene: Scene) -> tuple[Any, dict[str, float], dict[str, float]]:
@@ -74,12 +113,16 @@ def start_of(scene: Scene) -> tuple[Any, dict[str, float], dict[str, float]]:
 
 
 def run_scene(
-    scene: Scene, fmu_path: Path | str, progress: Progress | None = None, also: Iterable[str] = ()
+    scene: Scene,
+    fmu_path: Path | str | None = None,
+    progress: Progress | None = None,
+    also: Iterable[str] = (),
 ) -> SceneResult:
     """Run a scene with an FMU of the module.
 
     Args:
-        scene: of load_scene. fmu_path: InertiaModule.fmu, or another with its contract.
+        scene: of load_scene.
+        fmu_path: InertiaModule.fmu, or another with its contract; None for that of the package (current_fmu).
         progress: told how much of the run is done (0 to 1).
         also: outputs and locals of the FMU to record besides those that the scene wants.
 
@@ -126,8 +169,12 @@ class SceneRunner:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, *raised: object) -> None:
+    def close(self) -> None:
+        """Free the instance."""
         self._fmu.close()
+
+    def __exit__(self, *raised: object) -> None:
+        self.close()
 
 
 def _check_fidelity(scene: Scene) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from functools import cached_property
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 from pydantic import Field, ValidationInfo, model_validator
 
@@ -69,6 +69,8 @@ class Scene(Strict):
         title, description: for people. mechanism: parameters that differ from the defaults.
         drive, load, controller: what is around the module. accuracy, run: how it is simulated.
     """
+
+    VARIABLES: ClassVar = BY_NAME
 
     title: str = "scene"
     description: str = ""

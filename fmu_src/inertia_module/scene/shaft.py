@@ -15,7 +15,7 @@ from ..common.errors import Refused
 from ..contract.driven_shaft_variables import BY_NAME, VARIABLES
 from ..contract.variable import LOCAL, OUTPUT, PARAMETER
 from ..contract.variables import with_causality
-from ..harness.simulate import Progress, Result, communication_points, simulate
+from ..harness.simulate import Progress, Result, communication_points, drive
 from ..loops.sources import evaluate
 from ..memory.instances import DrivenShaft
 from ..papers.stelmashchuk.law import law_of_motion
@@ -107,6 +107,8 @@ class ShaftScene(Strict):
         drive, load: what turns the hub and hangs on the driven mass. run: how it is simulated.
     """
 
+    VARIABLES: ClassVar = BY_NAME
+
     title: str = "scene"
     description: str = ""
     shaft: Shaft  # type: ignore[valid-type]
@@ -149,18 +151,11 @@ class ShaftScene(Strict):
 
 @dataclass(frozen=True, kw_only=True)
 class ShaftResult(Outcome):
-    """What a scene of a shaft gave; record: all outputs of the shaft and its inputs.
+    """What a scene of a shaft gave; record: all outputs of the shaft and its inputs."""
 
-    Attributes:
-        scene: as it was run.
-    """
+    RECORDED: ClassVar = frozenset(_READABLE)
 
     scene: ShaftScene
-
-    @property
-    def table(self) -> Result:
-        """The inputs and the outputs the scene wants, at each communication point."""
-        return self.record.without(set(_READABLE) - set(self.scene.run.outputs))
 
 
 def _summary(table: Result, wall_time: float) -> dict[str, Quantity]:
@@ -195,7 +190,7 @@ def run_shaft_scene(scene: ShaftScene, fmu_path: Path | str, progress: Progress 
         "load_torque": [evaluate(torque, at) for at in times],
     }
     run, began = scene.run, time.perf_counter()
-    record = simulate(
+    record = drive(
         fmu_path,
         inputs,
         run.stop_time,

