@@ -48,6 +48,23 @@ def test_new_copies_an_example_and_overwrites_nothing(name, tmp_path, monkeypatc
     assert json.loads(command("new", name, "-o", "other.toml", "--json").stdout) == {"scene": "other.toml"}
 
 
+def test_new_copies_what_was_measured_too(built, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert "measured: rig.csv" in command("new", "fit_rig", "-o", "rig.toml").stdout
+    assert Path("rig.csv").read_bytes() == example("fit_rig").with_suffix(".csv").read_bytes()
+    Path("rig.toml").unlink()
+    again = command("new", "fit_rig", "-o", "rig.toml")
+    assert again.exit_code == 1
+    assert "rig.csv must be a new file, is there already" in again.stderr
+    assert not Path("rig.toml").exists()
+
+
+@pytest.mark.parametrize("name, verb", [("planar", "run"), ("design_car", "design")])
+def test_new_tells_the_next_command(name, verb, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert command("new", name).stdout.splitlines()[-1] == f"next: inertia-module {verb} {name}.toml"
+
+
 def test_all_scenes_are_examples():
     assert {path.stem for path in ROOT.glob("examples/**/*.toml")} == set(examples())
     with pytest.raises(Refused, match=r"the example must be one of .*planar.*, is plenary"):

@@ -6,6 +6,7 @@ from inertia_module.jobs.judged import Judge
 from inertia_module.jobs.spec import read_spec
 from inertia_module.jobs.task import Row
 from inertia_module.scene import SceneError
+from inertia_module.scene.keys import keys_of
 
 SPEC = """
 [drive]
@@ -72,7 +73,7 @@ def test_a_specification_is_a_scene_with_free_keys_figures_and_a_search(read):
         ("10 %", "60 %", "search.margin must be a number of at least 0 and of at most 0.5"),
         ("[search]", "[search]\npopulatoin = 4", r"did you mean population\?"),
         ("0.5 kg.m2", "-0.5 kg.m2", "load.inertia must be a number above 0"),
-        ("[drive]", "[drive", "must be a specification"),
+        ("[drive]", "[drive", "spec.toml: the scene is no TOML: Expected"),
     ],
 )
 def test_a_bad_specification_is_refused_in_a_sentence(old, new, sentence, read):
@@ -123,3 +124,15 @@ def test_the_front_is_what_no_other_design_is_better_than(read):
     first, second, third = judge.fronts([worst, fast, worse, light, both])
     assert sorted(one.point["mass"] for one in first) == [0.5, 1.0, 2.0]
     assert (second, third) == ([worse], [worst])
+
+
+def test_keys_of_a_specification_are_set_as_in_its_file(tmp_path):
+    path = tmp_path / "spec.toml"
+    path.write_text(SPEC)
+    keys = keys_of(["search.population=8", "figures.stall_torque.minimum=30 N.m", "free.satellites=2:3"])
+    spec = read_spec(path, keys)
+    assert spec.search.population == 8
+    assert spec.demands["stall_torque"].limit("minimum", "N.m") == 30.0
+    assert {axis.name: axis.high for axis in spec.axes}["mechanism.satellites"] == 3.0
+    with pytest.raises(SceneError, match=r"spec.toml: .*populatoin.*did you mean population\?"):
+        read_spec(path, keys_of(["search.populatoin=8"]))

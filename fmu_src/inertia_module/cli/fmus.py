@@ -88,7 +88,7 @@ def export(
 
     with one_line_errors():
         folder = folder_for(output, "export", scene.stem)
-        plan = scene_plan(load_scene(scene, keys_of(keys or ())))
+        plan = scene_plan(load_scene(scene, keys_of(keys)))
         paths = write(plan, folder, lambda stage: typer.echo(stage, err=True))
     if as_json:
         typer.echo(json.dumps({"files": [str(path) for path in paths]}))

@@ -59,7 +59,7 @@ def orders(
 
     with one_line_errors():
         folder = folder_for(output, "orders", scene.stem)
-        read = load_scene(scene, keys_of(keys or ()))
+        read = load_scene(scene, keys_of(keys))
         first = quantity_of("--from", begin, "s")
         last = None if end is None else quantity_of("--to", end, "s")
         path = fmu or current_fmu()
@@ -114,6 +114,7 @@ def fit(
     fmu: Annotated[
         Path | None, typer.Option(metavar="FILE.fmu", help="FMU to run (build/InertiaModule.fmu).")
     ] = None,
+    keys: Keys = None,
     as_json: Json = False,
 ) -> None:
     """Find the values of a scene's keys at which it computes what was measured, and how sure they are.
@@ -124,13 +125,15 @@ def fit(
     from ..figures.fits import fit_figure
     from ..harness.results import write_figure
     from ..harness.simulate import progress_bar
+    from ..scene import load_scene
+    from ..scene.keys import keys_of
 
     with one_line_errors():
         folder = folder_for(output, f"{scene.stem}_fit")
         with progress_bar(f"fit to {measured.name}") as progress:
             found = jobs.fit(
                 measured,
-                scene,
+                load_scene(scene, keys_of(keys)),
                 free or [],
                 columns=columns or [],
                 starts=starts,

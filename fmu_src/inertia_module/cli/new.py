@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import tomllib
 from pathlib import Path
 from typing import Annotated
 
@@ -19,17 +20,26 @@ def new(
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Copy an example scene to a file that is not there yet: to run, view, chart and change."""
+    """Copy an example to files that are not there yet: the scene, and what was measured where it has that."""
     from ..common.examples import example
     from ..common.files import write_atomically
 
     with one_line_errors():
-        source = example(name)
-        path = output or Path(f"{name}.toml")
-        if path.exists():
-            raise ValueError(f"{path} must be a new file, is there already: -o FILE.toml writes another")
-        write_atomically(path, source.read_bytes())
+        source, scene = example(name), output or Path(f"{name}.toml")
+        measured = source.with_suffix(".csv")
+        files = {"scene": (source, scene)}
+        if measured.exists():
+            files["measured"] = (measured, scene.with_suffix(".csv"))
+        for _, path in files.values():
+            if path.exists():
+                raise ValueError(f"{path} must be a new file, is there already: -o FILE.toml writes another")
+        for origin, path in files.values():
+            write_atomically(path, origin.read_bytes())
+    listed = {kind: str(path) for kind, (_, path) in files.items()}
     if as_json:
-        typer.echo(json.dumps({"scene": str(path)}))
+        typer.echo(json.dumps(listed))
         return
-    typer.echo(f"scene: {path}\nnext: inertia-module run {path}")
+    for kind, file in listed.items():
+        typer.echo(f"{kind}: {file}")
+    verb = "design" if "free" in tomllib.loads(source.read_text(encoding="utf-8")) else "run"
+    typer.echo(f"next: inertia-module {verb} {scene}")

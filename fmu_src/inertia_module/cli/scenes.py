@@ -62,7 +62,7 @@ def run(
     result: Outcome
     with one_line_errors():
         folder = folder_for(output, scene.stem)
-        read = load_any_scene(scene, keys_of(keys or ()))
+        read = load_any_scene(scene, keys_of(keys))
         if isinstance(read, ShaftScene):
             if fidelity is not None or error is not None or view:
                 raise ValueError("--fidelity, --error and --view must come with a scene of the module")
@@ -159,7 +159,7 @@ def tradeoff(
             study.check_wanted(names)
             found = study.open_study(study.R1, "scene R1", () if allowed else PEERS, progress)
         else:
-            read = load_scene(scene, keys_of(keys or ()))
+            read = load_scene(scene, keys_of(keys))
             read = read.replaced(run={"outputs": wanted}) if wanted else read
             names = tuple(read.run.outputs)
             found = (study.scene_trials if allowed else study.scene_study)(read, progress)
@@ -213,7 +213,7 @@ def chart(
             raise ValueError(f"scenes must be files of different names, are {', '.join(names)}")
         omega1 = None if speed is None else turning(speed)
         at = omega1 or NOMINAL_SPEED
-        changes = keys_of(keys or ())
+        changes = keys_of(keys)
         mechanisms = {
             name: load_scene(scene, changes).parameters() for name, scene in zip(names, scenes, strict=True)
         }

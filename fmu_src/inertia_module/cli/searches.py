@@ -64,7 +64,7 @@ def sweep(
         folder = folder_for(output, f"{scene.stem}_sweep")
         with progress_bar(f"sweep of {scene.name}") as progress:
             found = jobs.sweep(
-                load_scene(scene, keys_of(keys or ())),
+                load_scene(scene, keys_of(keys)),
                 vary or [],
                 sample=sample,
                 sensitivity=sensitivity,
@@ -92,6 +92,7 @@ def sweep(
 def design(
     spec: Annotated[Path, typer.Argument(metavar="SPEC.toml", help="Scene with [free] and [figures].")],
     output: OutputFolder = None,
+    keys: Keys = None,
     fmu: FmuFile = None,
     scheduler: Scheduler = None,
     workers: Workers = None,
@@ -106,12 +107,14 @@ def design(
     from ..figures.designs import design_figure
     from ..harness.results import write_figure
     from ..harness.simulate import progress_bar
+    from ..jobs.spec import read_spec
+    from ..scene.keys import keys_of
 
     with one_line_errors():
         folder = folder_for(output, f"{spec.stem}_design")
         with progress_bar(f"design of {spec.name}") as progress:
             found = jobs.design(
-                spec,
+                read_spec(spec, keys_of(keys)),
                 output=folder,
                 fmu=fmu or current_fmu(),
                 scheduler=scheduler,

@@ -42,7 +42,7 @@ def view(
     with one_line_errors():
         path = checked_path(output or OUTPUT_FOLDER / scene.stem / PAGE)
         template()
-        found = load_any_scene(scene, keys_of(keys or ()))
+        found = load_any_scene(scene, keys_of(keys))
         if not isinstance(found, Scene):
             raise ValueError(f"{scene.name} must be a scene of the module, is one of a driven shaft")
         read, _ = at_fidelity(found, None, None)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import tomllib
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -14,6 +14,7 @@ from ..common.units import factor_between, split_quantity
 from ..contract.variable import ENUMERATIONS
 from ..scene import Scene, SceneError
 from ..scene.keys import validated
+from ..scene.reading import load_tables
 from ..scene.tables import Strict
 from ..scene.units import quantity
 from .axes import Axis, axes_of
@@ -115,19 +116,16 @@ class Spec:
         return any(name not in NAMED for name in self.demands)
 
 
-def read_spec(path: Path | str) -> Spec:
+def read_spec(path: Path | str, keys: Mapping[str, Any] | None = None) -> Spec:
     """Read and check a specification: the TOML of a scene with [free], [figures] and [search].
+
+    Args:
+        path, keys: as for load_scene.
 
     Raises:
         SceneError: in one line, the file, the key, the value and what is allowed.
     """
-    path = Path(path)
-    try:
-        return _spec(tomllib.loads(path.read_text(encoding="utf-8")), path.parent)
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise SceneError(f"{path} must be a specification (TOML): {error}") from None
-    except ValueError as error:
-        raise SceneError(f"{path.name}: {error}") from None
+    return load_tables(path, keys, _spec)
 
 
 def _spec(data: dict[str, Any], folder: Path) -> Spec:

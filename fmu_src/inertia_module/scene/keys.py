@@ -21,17 +21,17 @@ def full_name(name: str) -> str:
     return name if "." in name else f"{MECHANISM}{name}"
 
 
-def keys_of(given: Iterable[str]) -> dict[str, Any]:
+def keys_of(given: Iterable[str] | None) -> dict[str, Any]:
     """Values by key, named by dots, of texts such as "imbalance_mass=2 kg" or "load.kind=shaft".
 
     Args:
-        given: KEY=VALUE each; the value as in a scene file, where a string needs no quotes.
+        given: KEY=VALUE each; the value as in a scene file, where a string needs no quotes; or None.
 
     Raises:
         SceneError: a text is not of this form.
     """
     found = {}
-    for text in given:
+    for text in given or ():
         name, _, value = (part.strip() for part in text.partition("="))
         if not (name and value):
             raise SceneError(f"what is set must be given as KEY=VALUE, is {text!r}")

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
+from ..common.errors import Refused
 from .errors import SceneError
 from .keys import changed, validated
 from .schema import Scene
@@ -49,13 +50,21 @@ def load_scene(path: Path | str, keys: Mapping[str, Any] | None = None) -> Scene
     Raises:
         SceneError: in one line, the file, the key, the value and what is allowed.
     """
-    return _load(path, keys, lambda tables, folder: validated(Scene, tables, folder))
+    return load_tables(path, keys, lambda tables, folder: validated(Scene, tables, folder))
 
 
-def _load(
+def load_tables(
     path: Path | str, keys: Mapping[str, Any] | None, read: Callable[[dict[str, Any], Path], Read]
 ) -> Read:
-    """Read a scene file by what checks its tables; see load_scene."""
+    """Read a scene file, or a specification, by what checks its tables.
+
+    Args:
+        path, keys: as for load_scene.
+        read: checks the tables, with the folder where paths in them start.
+
+    Raises:
+        SceneError: as load_scene.
+    """
     path = Path(path)
     try:
         text = path.read_text(encoding="utf-8")
@@ -68,7 +77,7 @@ def _load(
         for name, value in (keys or {}).items():
             tables = changed(tables, name.split("."), value)
         return read(tables, path.parent)
-    except SceneError as error:
+    except Refused as error:
         raise SceneError(f"{path.name}: {error}") from None
 
 
@@ -87,4 +96,4 @@ def load_any_scene(path: Path | str, keys: Mapping[str, Any] | None = None) -> S
             return validated(ShaftScene, tables, folder)
         return validated(Scene, tables, folder)
 
-    return _load(path, keys, read)
+    return load_tables(path, keys, read)
