@@ -1,6 +1,8 @@
 """Examples by name, keys set on the command line, the version, and the kernel that a wheel brings along."""
 
 import json
+import subprocess
+import sys
 import tomllib
 from pathlib import Path
 
@@ -115,6 +117,16 @@ def test_set_reaches_the_run(built, tmp_path):
     assert summary["omega1_maximum"] == 60.0
 
 
+def test_scene_without_a_loop_runs_without_python_control(built):
+    code = (
+        "import sys; from inertia_module import load_scene, run_scene, scene_figure;"
+        "scene_figure(run_scene(load_scene(sys.argv[1], {'run.stop_time': '10 ms'}), sys.argv[2]));"
+        "print(sorted({'control', 'scipy'} & set(sys.modules)))"
+    )
+    command = [sys.executable, "-c", code, example("planar"), built / "InertiaModule.fmu"]
+    assert subprocess.run(command, capture_output=True, text=True, check=True).stdout == "[]\n"
+
+
 @pytest.mark.parametrize("name", [MODULE, DRIVEN_SHAFT])
 def test_kernel_of_a_wheel_is_that_of_its_native_fmu(name, built, tmp_path, monkeypatch):
     monkeypatch.setenv("INERTIA_MODULE_CACHE", str(tmp_path))
@@ -145,6 +157,8 @@ def test_wheel_builds_nothing(built, tmp_path, monkeypatch):
     done = builder.build(tmp_path)
     assert not done.skipped
     assert all(path.read_bytes() == (built / path.name).read_bytes() for path in done.paths)
+    monkeypatch.setattr(builder, "native_fmu", lambda *_: pytest.fail("compiled"))
+    assert command("export", example("planar"), "-o", tmp_path / "export").exit_code == 0
 
 
 def test_plain_python_is_not_taken_silently(monkeypatch):

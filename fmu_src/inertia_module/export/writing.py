@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from ..common.files import write_atomically
-from ..fmu.native_fmu import native_fmu
+from ..fmu.builder import content_of
 from ..harness.wires import check_wiring
 from .container import container
 from .integers import with_integers
@@ -48,7 +48,7 @@ def export(plan: Plan, folder: Path, progress: Progress = lambda stage: None) ->
     fmus = {}
     for part in plan.parts:
         progress(f"building {part.fmu.file_name}")
-        fmus[part.fmu.file_name] = with_integers(native_fmu(part.fmu, progress)[0])
+        fmus[part.fmu.file_name] = with_integers(content_of(part.fmu, progress)[0])
     _check(plan, fmus)
     progress("packing the system")
     files = {"system.ssp": ssp_file(plan, fmus), f"osp/{STRUCTURE}": structure(plan)}
