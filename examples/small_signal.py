@@ -2,7 +2,7 @@
 
 For each mechanism and operating point a small sine is put on omega1 and on the load torque of the rigid FMU,
 and what comes out is compared with the averaged module, as it is and with its transient inertia. Prints the
-largest deviation of gain and phase of output speed and mean torques. Run `inertia-module build` first.
+largest deviation of gain and phase of output speed and mean torques.
 """
 
 import argparse
@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from inertia_module import bridge
+from inertia_module import bridge, current_fmu
 
 BEVEL = {"output_inertia": 0.5}
 PLANAR = {"layout": 1, "sun_radius": 0.1, "satellite_radius": 0.06, "eccentricity": 0.04}
@@ -66,7 +66,7 @@ def compare(fmu_path, case):
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description="Small-signal response of averaged module and rigid FMU.")
-    parser.add_argument("--fmu", type=Path, default=Path("build/InertiaModule.fmu"))
+    parser.add_argument("--fmu", type=Path, default=current_fmu())
     arguments = parser.parse_args()
     print("largest deviation at 0.01, 0.03 and 0.1 of the pulse rate: " + ", ".join(OUTPUTS))
     for case in CASES:

@@ -5,7 +5,7 @@ of 0.05 s measures the speed. The averaged module is linearised where it carries
 tuned for a phase margin, a state feedback with integral by LQR. Both then run on the full FMUs, and gain and
 delay are raised there until the loop no longer settles: the margins predicted against those the pulses leave.
 
-Run `inertia-module build` first. Writes out/speed_control/: responses.csv, speed_control.png.
+Writes out/speed_control/: responses.csv, speed_control.png.
 """
 
 import argparse
@@ -16,9 +16,8 @@ from pathlib import Path
 import control as ct
 import numpy as np
 
-from inertia_module import bridge, loops
-from inertia_module.harness.fmu import Fmu
-from inertia_module.harness.results import Result, write_figure
+from inertia_module import Fmu, Result, bridge, current_fmu, loops
+from inertia_module.harness.results import write_figure
 
 STEP = 0.01  # s, of communication and control
 MOTOR_LAG, SENSOR_LAG = 0.15, 0.05  # s
@@ -210,7 +209,7 @@ def margins(fmu_path, operating, controllers):
         for kind in PLANTS:
             predicted = bridge.predicted_margins(open_loop(controller, linear_plant(kind, operating)))
             start = {"omega1": OMEGA1, "load_torque": HILL}
-            with Fmu(fmu_path, start_values(kind, operating), start, 1e-6) as fmu:
+            with Fmu(fmu_path, start_values(kind, operating), start, tolerance=1e-6) as fmu:
                 measured = bridge.measured_margins(fmu, around, point, kick, predicted, limits=LIMITS)
             rows.append((name, kind, predicted, measured))
     return rows
@@ -291,7 +290,7 @@ def main(fmu_path, folder):
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description="Speed control, designed on the averaged module.")
-    parser.add_argument("--fmu", type=Path, default=Path("build/InertiaModule.fmu"))
+    parser.add_argument("--fmu", type=Path, default=current_fmu())
     parser.add_argument("-o", "--output", type=Path, default=Path("out/speed_control"))
     arguments = parser.parse_args()
     warnings.filterwarnings("ignore", message="Unused (in|out)put", module="control")

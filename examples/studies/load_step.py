@@ -14,10 +14,9 @@ from pathlib import Path
 import numpy as np
 from launch import MECHANISM
 
+from inertia_module import Result, drive, torque_converter_chart
 from inertia_module.figures.panels import smooth
-from inertia_module.harness.chart import torque_converter_chart
-from inertia_module.harness.results import Result, write_figure
-from inertia_module.harness.simulate import drive
+from inertia_module.harness.results import write_figure
 
 OMEGA1 = 150.0  # rad/s
 INERTIA = 0.5  # kg.m2

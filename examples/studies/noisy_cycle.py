@@ -14,9 +14,8 @@ import control as ct
 import numpy as np
 from launch import MECHANISM
 
-from inertia_module import loops
-from inertia_module.harness.results import Result, write_figure
-from inertia_module.harness.simulate import Fmu
+from inertia_module import Fmu, Result, loops
+from inertia_module.harness.results import write_figure
 from inertia_module.loops.cycles import ELEMENTARY_URBAN_CYCLE as CYCLE
 
 STEP = 0.01  # s

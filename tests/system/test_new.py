@@ -47,12 +47,12 @@ def test_new_copies_an_example_and_overwrites_nothing(name, tmp_path, monkeypatc
     again = command("new", name)
     assert again.exit_code == 1
     assert f"{name}.toml must be a new file, is there already" in again.stderr
-    assert json.loads(command("new", name, "-o", "other.toml", "--json").stdout) == {"scene": "other.toml"}
+    assert json.loads(command("new", name, "-o", "other.toml", "--json").stdout) == {"files": ["other.toml"]}
 
 
 def test_new_copies_what_was_measured_too(built, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    assert "measured: rig.csv" in command("new", "fit_rig", "-o", "rig.toml").stdout
+    assert "new: rig.csv" in command("new", "fit_rig", "-o", "rig.toml").stdout
     assert Path("rig.csv").read_bytes() == example("fit_rig").with_suffix(".csv").read_bytes()
     Path("rig.toml").unlink()
     again = command("new", "fit_rig", "-o", "rig.toml")
@@ -61,14 +61,22 @@ def test_new_copies_what_was_measured_too(built, tmp_path, monkeypatch):
     assert not Path("rig.toml").exists()
 
 
-@pytest.mark.parametrize("name, verb", [("planar", "run"), ("design_car", "design")])
-def test_new_tells_the_next_command(name, verb, tmp_path, monkeypatch):
+@pytest.mark.parametrize(
+    "name, told",
+    [
+        ("planar", "inertia-module run planar.toml"),
+        ("design_car", "inertia-module design design_car.toml"),
+        ("tutorial", "jupyter lab tutorial.ipynb"),
+    ],
+)
+def test_new_tells_the_next_command(name, told, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    assert command("new", name).stdout.splitlines()[-1] == f"next: inertia-module {verb} {name}.toml"
+    assert command("new", name).stdout.splitlines()[-1] == f"next: {told}"
 
 
-def test_all_scenes_are_examples():
-    assert {path.stem for path in ROOT.glob("examples/**/*.toml")} == set(examples())
+def test_all_scenes_and_the_notebook_are_examples():
+    files = [*ROOT.glob("examples/**/*.toml"), *ROOT.glob("examples/**/*.ipynb")]
+    assert sorted(files) == sorted(examples().values())
     with pytest.raises(Refused, match=r"the example must be one of .*planar.*, is plenary"):
         example("plenary")
 

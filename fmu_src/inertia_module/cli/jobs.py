@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from .shared import (
+    FmuToRun,
     Json,
     Keys,
     OutputFolder,
@@ -38,9 +39,7 @@ def orders(
         str, typer.Option("--from", metavar="TIME", help="Begin of what is looked at: '2 s'.")
     ] = "0",
     end: Annotated[str | None, typer.Option("--to", metavar="TIME", help="Its end.")] = None,
-    fmu: Annotated[
-        Path | None, typer.Option(metavar="FILE.fmu", help="FMU to run (build/InertiaModule.fmu).")
-    ] = None,
+    fmu: FmuToRun = None,
     keys: Keys = None,
     as_json: Json = False,
 ) -> None:
@@ -111,9 +110,7 @@ def fit(
     starts: Annotated[int, typer.Option(help="Points of the ranges to begin at.")] = 16,
     seed: Annotated[int, typer.Option(help="Of these points: same seed, same result.")] = 0,
     output: OutputFolder = None,
-    fmu: Annotated[
-        Path | None, typer.Option(metavar="FILE.fmu", help="FMU to run (build/InertiaModule.fmu).")
-    ] = None,
+    fmu: FmuToRun = None,
     keys: Keys = None,
     as_json: Json = False,
 ) -> None:

@@ -14,32 +14,38 @@ from .shared import Json, app, one_line_errors
 
 @app.command()
 def new(
-    name: Annotated[str, typer.Argument(help="Example to copy: planar, reference, urban, ...")],
+    name: Annotated[str, typer.Argument(help="Example to copy: planar, reference, urban, tutorial, ...")],
     output: Annotated[
-        Path | None, typer.Option("--output", "-o", metavar="FILE.toml", help="The scene file (NAME.toml).")
+        Path | None, typer.Option("--output", "-o", metavar="FILE", help="Its file (NAME.toml).")
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Copy an example to files that are not there yet: the scene, and what was measured where it has that."""
+    """Copy an example to a file that is not there yet; a measurement that belongs to it goes along."""
     from ..common.examples import example
     from ..common.files import write_atomically
 
     with one_line_errors():
-        source, scene = example(name), output or Path(f"{name}.toml")
-        measured = source.with_suffix(".csv")
-        files = {"scene": (source, scene)}
+        source = example(name)
+        path, measured = output or Path(source.name), source.with_suffix(".csv")
+        copies = {path: source}
         if measured.exists():
-            files["measured"] = (measured, scene.with_suffix(".csv"))
-        for _, path in files.values():
-            if path.exists():
-                raise ValueError(f"{path} must be a new file, is there already: -o FILE.toml writes another")
-        for origin, path in files.values():
-            write_atomically(path, origin.read_bytes())
-    listed = {kind: str(path) for kind, (_, path) in files.items()}
+            copies[path.with_suffix(".csv")] = measured
+        for copy in copies:
+            if copy.exists():
+                raise ValueError(f"{copy} must be a new file, is there already: -o FILE writes another")
+        for copy, original in copies.items():
+            write_atomically(copy, original.read_bytes())
     if as_json:
-        typer.echo(json.dumps(listed))
+        typer.echo(json.dumps({"files": [str(copy) for copy in copies]}))
         return
-    for kind, file in listed.items():
-        typer.echo(f"{kind}: {file}")
-    verb = "design" if "free" in tomllib.loads(source.read_text(encoding="utf-8")) else "run"
-    typer.echo(f"next: inertia-module {verb} {scene}")
+    for copy in copies:
+        typer.echo(f"new: {copy}")
+    typer.echo(f"next: {_command(source)} {path}")
+
+
+def _command(example: Path) -> str:
+    """The command that an example is for."""
+    if example.suffix == ".ipynb":
+        return "jupyter lab"
+    is_specification = "free" in tomllib.loads(example.read_text(encoding="utf-8"))
+    return f"inertia-module {'design' if is_specification else 'run'}"

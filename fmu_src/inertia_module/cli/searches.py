@@ -8,7 +8,17 @@ from typing import Annotated
 
 import typer
 
-from .shared import Json, Keys, OutputFolder, app, current_fmu, folder_for, one_line_errors, show_table
+from .shared import (
+    FmuToRun,
+    Json,
+    Keys,
+    OutputFolder,
+    app,
+    current_fmu,
+    folder_for,
+    one_line_errors,
+    show_table,
+)
 
 Scheduler = Annotated[
     str | None,
@@ -16,9 +26,6 @@ Scheduler = Annotated[
 ]
 Workers = Annotated[
     int | None, typer.Option(min=1, metavar="N", help="Processes on this machine (one for each core).")
-]
-FmuFile = Annotated[
-    Path | None, typer.Option(metavar="FILE.fmu", help="FMU to run (build/InertiaModule.fmu).")
 ]
 
 
@@ -44,7 +51,7 @@ def sweep(
     seed: Annotated[int, typer.Option(help="Of the samples: same seed, same points.")] = 0,
     output: OutputFolder = None,
     keys: Keys = None,
-    fmu: FmuFile = None,
+    fmu: FmuToRun = None,
     scheduler: Scheduler = None,
     workers: Workers = None,
     as_json: Json = False,
@@ -93,7 +100,7 @@ def design(
     spec: Annotated[Path, typer.Argument(metavar="SPEC.toml", help="Scene with [free] and [figures].")],
     output: OutputFolder = None,
     keys: Keys = None,
-    fmu: FmuFile = None,
+    fmu: FmuToRun = None,
     scheduler: Scheduler = None,
     workers: Workers = None,
     as_json: Json = False,

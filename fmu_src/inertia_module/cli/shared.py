@@ -26,7 +26,7 @@ OutputFolder = Annotated[
     typer.Option("--output", "-o", metavar="DIR", help="Folder to write to; made if it is not there."),
 ]
 FmuToRun = Annotated[
-    Path | None, typer.Option("--fmu", metavar="FILE.fmu", help="FMU to run (build/InertiaModule.fmu).")
+    Path | None, typer.Option("--fmu", metavar="FILE.fmu", help="FMU to run instead of the package's own.")
 ]
 Keys = Annotated[
     list[str] | None,

@@ -1,4 +1,4 @@
-"""The example scenes that come along with the package, by name."""
+"""The examples that come along with the package, by name: scenes, specifications of designs, the tutorial."""
 
 from __future__ import annotations
 
@@ -10,18 +10,22 @@ from .files import PACKAGE_FOLDER
 
 # in a wheel they are in the package, in a clone beside it
 FOLDERS = (PACKAGE_FOLDER / "examples", PACKAGE_FOLDER.parent.parent / "examples")
+KINDS = ("*.toml", "papers/*.toml", "*.ipynb")
 
 
 @cache
 def examples() -> dict[str, Path]:
-    """The scene files of the examples, those of the papers too, by name."""
+    """The files of the examples, those of the papers too, by name."""
     folder = next((folder for folder in FOLDERS if folder.is_dir()), None)
-    files = [] if folder is None else [*folder.glob("*.toml"), *folder.glob("papers/*.toml")]
+    files = [] if folder is None else [path for kind in KINDS for path in folder.glob(kind)]
     return {path.stem: path for path in sorted(files, key=lambda path: path.stem)}
 
 
 def example(name: str) -> Path:
-    """The scene file of an example.
+    """The file of an example.
+
+    Args:
+        name: such as "planar", or "tutorial".
 
     Raises:
         Refused: there is none of this name; which there are.

@@ -154,8 +154,9 @@ def design(
     Args:
         spec: a specification, or its file.
         output: folder, by default out/SPEC_design: what is computed there is not computed again.
-        fmu: its file, by default build/InertiaModule.fmu.
-        scheduler, workers: address of a running Dask scheduler, or how many processes here.
+        fmu: its file, by default that of the package (current_fmu).
+        scheduler: address of a running Dask scheduler.
+        workers: processes on this machine without one, by default one for each core.
         progress: told the share done.
 
     Raises:

@@ -68,7 +68,7 @@ def fit(
             best SEARCHED of all are starts of a search.
         seed: of these points: same seed, same result.
         output: folder, by default out/SCENE_fit.
-        fmu: its file, by default build/InertiaModule.fmu.
+        fmu: its file, by default that of the package (current_fmu).
         progress: told the share done.
 
     Raises:

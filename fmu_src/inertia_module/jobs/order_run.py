@@ -43,7 +43,7 @@ def pulses_a_turn(parameters: Mapping[str, float]) -> float:
 
 def orders(
     scene: Scene | Path | str,
-    fmu_path: Path | str,
+    fmu_path: Path | str | None = None,
     *,
     of: str = LINK1,
     signals: Sequence[str] = SIGNALS,
@@ -56,9 +56,13 @@ def orders(
     """Run a scene and find the orders of its signals; those that do not swing at all are left out.
 
     Args:
-        scene: a scene or its file. fmu_path: the FMU of the module.
+        scene: a scene or its file.
+        fmu_path: the FMU of the module; None for that of the package.
         of: "link1" or "pulses". signals: names of outputs, locals or signals of the loop.
-        highest, turns: as in spectra. begin, end: part of the run that is looked at, s.
+        highest: as in spectra.
+        turns: as in spectra.
+        begin: of the part of the run that is looked at, s.
+        end: of that part, s.
         progress: told how much of the run is done (0 to 1).
 
     Raises:

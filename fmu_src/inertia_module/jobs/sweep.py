@@ -82,8 +82,9 @@ def sweep(
         sensitivity: number n of Sobol indices, a power of 2: n (d + 2) runs over d ranges instead of a grid.
         seed: of the samples.
         output: folder, by default out/SCENE_sweep: what is done there is not done again.
-        fmu: its file, by default build/InertiaModule.fmu.
-        scheduler, workers: address of a running Dask scheduler, or how many processes here.
+        fmu: its file, by default that of the package (current_fmu).
+        scheduler: address of a running Dask scheduler.
+        workers: processes on this machine without one, by default one for each core.
         progress: told the share done.
 
     Raises:

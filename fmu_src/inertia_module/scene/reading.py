@@ -85,7 +85,8 @@ def load_any_scene(path: Path | str, keys: Mapping[str, Any] | None = None) -> S
     """Read and check a scene file, of a module or of a driven shaft alone.
 
     Args:
-        path, keys: as for load_scene.
+        path: of the TOML file.
+        keys: as for load_scene.
 
     Raises:
         SceneError: as load_scene.
