@@ -9,6 +9,9 @@ SHOWN = """name => {
   return [...(name === "time" ? run.time : run.columns[name])];
 }"""
 
+# what has changed is drawn by the frame after the one that is on its way
+NEXT_FRAME = "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
+
 
 def settled(page):
     """The page once nothing is being integrated."""

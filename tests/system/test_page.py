@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from tests.system.chromium import REFERENCE
-from tests.system.page_state import DESK, at, settled, shown, state
+from tests.system.page_state import DESK, NEXT_FRAME, at, settled, shown, state
 
 from inertia_module.scene import read_scene
 
@@ -82,7 +82,7 @@ def test_imbalance_is_drawn_where_the_kernel_has_it(page, scene):
     time = shown(page, "time")
     for row in (1, len(time) // 3, len(time) - 1):
         at(page, f"#scene={scene}{changed}&t={time[row]:.9g}&show-follow={row % 2}")
-        page.page.wait_for_timeout(100)
+        page.page.evaluate(NEXT_FRAME)
         found = state(page, "imbalance")
         assert found["drawn"] == pytest.approx(columns[:, row], abs=1e-6)
         assert found["arrow"] == pytest.approx(columns[:, row], abs=1e-9)
