@@ -1,4 +1,4 @@
-"""The inertia module: an inertial torque transformer as an FMI 2.0 co-simulation FMU.
+"""The inertia module: an inertial torque transformer as an FMI 2.0 or 3.0 co-simulation FMU.
 
 What is listed in PUBLIC is imported from here, at its first use: `from inertia_module import Fmu, drive`.
 """

@@ -1,6 +1,7 @@
 """FMUs as an importer sees them: built once a session, driven through fmpy only."""
 
 import ctypes
+import functools
 import math
 
 import pytest
@@ -11,8 +12,10 @@ from fmpy.fmi2 import FMU2Slave, fmi2Discard, fmi2Error
 from inertia_module.contract.variable import BOOLEAN, PARAMETER, REAL
 from inertia_module.harness.logs import messages_of_others
 
+from . import fmi3
+
 # the FMUs a test runs with, unless its file says otherwise by a FLAVOURS of its own
-FLAVOURS = ("InertiaModule", "InertiaModulePy")
+FLAVOURS = ("InertiaModule", "InertiaModule3", "InertiaModulePy")
 
 
 BAD_STEPS = (0.0, -0.01, math.nan, math.inf, 1e9)
@@ -41,6 +44,8 @@ def out_of_range(model):
 def pytest_generate_tests(metafunc):
     if "fmu_path" in metafunc.fixturenames:
         flavours = getattr(metafunc.module, "FLAVOURS", FLAVOURS)
+        if metafunc.definition.get_closest_marker("fmi2"):
+            flavours = [flavour for flavour in flavours if not flavour.endswith("3")]
         metafunc.parametrize("fmu_path", flavours, indirect=True, scope="session")
 
 
@@ -59,29 +64,42 @@ def unpacked(fmu_path, tmp_path_factory):
     return extract(str(fmu_path), unzipdir=str(tmp_path_factory.mktemp("unpacked")))
 
 
+# kinds of calls by types of variables; those of all other types are Integers
+KINDS = {"Real": "Real", "Float64": "Real", "Boolean": "Boolean"}
+
+
 class Instance:
     """One instance over fmpy's calls, values by name."""
 
-    def __init__(self, description, folder):
-        self.references = {v.name: v.valueReference for v in description.modelVariables}
+    def __init__(self, description, folder, **modes):
+        table = [v for v in description.modelVariables if v.causality != "independent"]
+        self.clock = len(table)
+        self.references = {v.name: v.valueReference for v in table}
         self.types = {v.name: v.type for v in description.modelVariables}
+        self.causalities = {v.name: v.causality for v in description.modelVariables}
         self.is_native = not description.modelName.endswith("Py")
-        self.fmu = FMU2Slave(
+        self.is_fmi3 = description.fmiVersion == "3.0"
+        self.takes_rates = description.coSimulation.canInterpolateInputs
+        slave = FMU2Slave
+        if self.is_fmi3:
+            types = {v.valueReference: v.type for v in description.modelVariables}
+            slave = functools.partial(fmi3.Slave, types)
+        self.fmu = slave(
             guid=description.guid,
             unzipDirectory=str(folder),
             modelIdentifier=description.coSimulation.modelIdentifier,
             instanceName="instance",
         )
-        self.fmu.instantiate(loggingOn=True)
+        self.fmu.instantiate(loggingOn=True, **modes)
         self.time = 0.0
 
     def set(self, **values):
         for name, value in values.items():
-            kind = {"Real": "Real", "Boolean": "Boolean"}.get(self.types[name], "Integer")
+            kind = KINDS.get(self.types[name], "Integer")
             getattr(self.fmu, f"set{kind}")([self.references[name]], [value])
 
     def get(self, name):
-        kind = {"Real": "Real", "Boolean": "Boolean"}.get(self.types[name], "Integer")
+        kind = KINDS.get(self.types[name], "Integer")
         return getattr(self.fmu, f"get{kind}")([self.references[name]])[0]
 
     def all_values(self):
@@ -141,6 +159,8 @@ class Instance:
             assert self.all_values() == undisturbed.all_values(), f"{said}: the next step is another"
 
     def set_rates(self, order=1, **rates):
+        if self.is_fmi3:
+            pytest.skip("FMI 3.0 has no derivatives of inputs")
         references = [self.references[name] for name in rates]
         self.fmu.fmi2SetRealInputDerivatives(
             self.fmu.component,

@@ -7,17 +7,25 @@ from pathlib import PurePosixPath
 import pytest
 
 from inertia_module.compiling.load import SHIPPED, SHIPPED_NAMES
-from inertia_module.fmu.builder import MODULE_FMU, PYTHON_FMU, SHAFT_FMU
+from inertia_module.fmu.builder import FMUS, PYTHON_FMU
+from inertia_module.fmu.native_fmu import library_path
 from inertia_module.fmu.python_fmu import bundled_files
 from inertia_module.fmu.targets import TARGETS
 
-FLAVOURS = (MODULE_FMU.identifier, SHAFT_FMU.identifier, PYTHON_FMU.identifier)
-NATIVE = (MODULE_FMU.identifier, SHAFT_FMU.identifier)
-PAPERS = {"modelDescription.xml", "model.png", "documentation/index.html"}
+FLAVOURS = [fmu.identifier for fmu in FMUS]
+NATIVE = [fmu for fmu in FMUS if fmu is not PYTHON_FMU]
+ALWAYS = {"modelDescription.xml", "documentation/index.html", "documentation/licenses/license.txt"}
+PAPERS = {
+    2: ALWAYS | {"model.png"},
+    3: ALWAYS | {"terminalsAndIcons/terminalsAndIcons.xml", "terminalsAndIcons/icon.png"},
+}
 LARGEST = 1_250_000
 # how a library for a processor begins: ELF and PE tell the number of it
 ELF, PE = {"x86_64": 0x3E, "aarch64": 0xB7}, {"x86_64": 0x8664, "aarch64": 0xAA64}
-FUNCTIONS = (b"fmi2Instantiate", b"fmi2DoStep", b"fmi2GetReal", b"fmi2SetFMUstate")
+FUNCTIONS = {
+    2: (b"fmi2Instantiate", b"fmi2DoStep", b"fmi2GetReal", b"fmi2SetFMUstate"),
+    3: (b"fmi3InstantiateCoSimulation", b"fmi3DoStep", b"fmi3GetFloat64", b"fmi3SetFMUState"),
+}
 
 
 def content_of(path):
@@ -54,23 +62,28 @@ def test_files_are_readable_and_nothing_more(fmu_path):
             assert info.compress_type == zipfile.ZIP_DEFLATED
 
 
-@pytest.mark.parametrize("name", NATIVE)
-def test_native_fmu_holds_its_libraries_and_its_papers_and_nothing_else(name, built):
-    libraries = {f"binaries/{target.folder}/{name}{target.suffix}" for target in TARGETS}
-    assert content_of(built / f"{name}.fmu").keys() == PAPERS | libraries
+def test_licence_is_in_every_fmu(fmu_path):
+    assert content_of(fmu_path)["documentation/licenses/license.txt"].startswith(b"MIT License")
+
+
+@pytest.mark.parametrize("fmu", NATIVE, ids=lambda fmu: fmu.identifier)
+def test_native_fmu_holds_its_libraries_and_its_papers_and_nothing_else(fmu, built):
+    libraries = {library_path(fmu, target) for target in TARGETS}
+    assert content_of(built / fmu.file_name).keys() == PAPERS[fmu.fmi] | libraries
 
 
 def test_python_fmu_holds_its_source_and_the_compiled_kernel(built):
     content = content_of(built / PYTHON_FMU.file_name)
-    assert content.keys() > PAPERS
+    assert content.keys() > PAPERS[2]
+    assert b"Permission is hereby granted" in content["documentation/licenses/pythonfmu.txt"]
     inside = {name.split("/", 2)[2] for name in content if name.startswith("resources/inertia_module_")}
     assert inside == bundled_files().keys() | {f"{SHIPPED.name}/{name}" for name in SHIPPED_NAMES.values()}
 
 
 @pytest.mark.parametrize("target", TARGETS, ids=lambda target: target.label)
-@pytest.mark.parametrize("name", NATIVE)
-def test_native_library_is_of_its_platform(name, built, target):
-    library = content_of(built / f"{name}.fmu")[f"binaries/{target.folder}/{name}{target.suffix}"]
+@pytest.mark.parametrize("fmu", NATIVE, ids=lambda fmu: fmu.identifier)
+def test_native_library_is_of_its_platform(fmu, built, target):
+    library = content_of(built / fmu.file_name)[library_path(fmu, target)]
     processor = target.compiler.split("-", 1)[0]
     if target.suffix == ".so":
         assert library[:4] == b"\x7fELF"
@@ -80,7 +93,9 @@ def test_native_library_is_of_its_platform(name, built, target):
         (head,) = struct.unpack_from("<I", library, 60)
         assert library[head : head + 4] == b"PE\0\0"
         assert struct.unpack_from("<H", library, head + 4)[0] == PE[processor]
+    elif fmu.fmi == 3:
+        assert library[:4] == b"\xcf\xfa\xed\xfe"  # a file for each processor
     else:
         assert struct.unpack_from(">II", library) == (0xCAFEBABE, 2)  # one file for two processors
-    for function in FUNCTIONS:
+    for function in FUNCTIONS[fmu.fmi]:
         assert function in library

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-FLAVOURS = ("InertiaModule",)
+FLAVOURS = ("InertiaModule", "InertiaModule3")
 START = {"omega1": 100.0, "load_torque": 10.0, "drive_torque": 20.0}
 ELASTIC = {"output_inertia": 0.02, "driven_inertia": 0.5, "shaft_stiffness": 400.0, "shaft_damping": 0.05}
 LEVELS = {

@@ -7,11 +7,13 @@ import pytest
 from fmpy.validation import validate_fmu
 
 from inertia_module.contract.models import DRIVEN_SHAFT, INERTIA_MODULE
-from inertia_module.contract.variable import DISPLAY_UNITS, ENUMERATIONS, UNITS
+from inertia_module.contract.variable import DISPLAY_UNITS, ENUMERATIONS, REAL, UNITS
 from inertia_module.fmu import python_fmu
 from inertia_module.fmu.builder import FMUS, PYTHON_FMU, content_of
 
 FLAVOURS = tuple(fmu.identifier for fmu in FMUS)
+# names of types in FMI 3.0, where they are others
+TYPES = {REAL: "Float64", "Integer": "Int32"}
 BASE = {
     INERTIA_MODULE: {
         "omega1": 80.0,
@@ -60,6 +62,10 @@ CHANGES = {
 }
 
 
+def is_fmi3(description):
+    return description.fmiVersion == "3.0"
+
+
 @pytest.fixture
 def model(description):
     """The model an FMU is made from."""
@@ -71,17 +77,18 @@ def test_fmpy_finds_nothing_to_say(fmu_path):
 
 
 def test_every_variable_is_described_as_in_the_table(description, model):
-    assert len(description.modelVariables) == len(model.variables)
+    assert len(description.modelVariables) == len(model.variables) + is_fmi3(description)
     for reference, expected in enumerate(model.variables):
         found = description.modelVariables[reference]
         assert (found.name, found.type, found.causality) == (
             expected.name,
-            expected.kind,
+            TYPES.get(expected.kind, expected.kind) if is_fmi3(description) else expected.kind,
             expected.causality,
         )
         assert (found.variability, found.description) == (expected.variability, expected.description)
         assert found.valueReference == reference
-        if expected.kind == "Real":
+        if expected.kind == REAL:
+            assert found.displayUnit == DISPLAY_UNITS.get(expected.unit, (None,))[0]
             assert found.unit == expected.unit != ""
             for name, value in (
                 ("min", expected.minimum),
@@ -96,9 +103,16 @@ def test_every_variable_is_described_as_in_the_table(description, model):
             assert float(text) == expected.start
 
 
+def test_time_is_the_last_variable_of_fmi_3(description):
+    if is_fmi3(description):
+        *_, time = description.modelVariables
+        assert (time.name, time.causality, time.unit) == ("time", "independent", "s")
+
+
 def test_units_have_their_base_unit_exponents(description, model):
     found = {unit.name: unit for unit in description.unitDefinitions}
-    assert set(found) == {variable.unit for variable in model.variables} - {""}
+    of_time = {"s"} if is_fmi3(description) else set()
+    assert set(found) == {variable.unit for variable in model.variables} - {""} | of_time
     for name, unit in found.items():
         exponents = UNITS[name]
         for base in ("kg", "m", "s", "rad"):
@@ -154,7 +168,7 @@ def test_declared_initial_dependencies_are_all_there_are(instances, description,
         assert touched <= {name for name in initial if known in initial[name]}, known
 
 
-def test_capabilities_and_default_experiment_are_declared(description):
+def test_capabilities_and_default_experiment_are_declared(description, model):
     cs = description.coSimulation
     assert cs.canHandleVariableCommunicationStepSize
     assert cs.canGetAndSetFMUstate
@@ -162,7 +176,8 @@ def test_capabilities_and_default_experiment_are_declared(description):
     assert not cs.canBeInstantiatedOnlyOncePerProcess
     experiment = description.defaultExperiment
     assert float(experiment.stopTime) == 1.0
-    assert float(experiment.tolerance) == 1e-6
+    assert (experiment.tolerance is None) == ("tolerance" not in model.by_name)
+    assert experiment.tolerance is None or float(experiment.tolerance) == 1e-6
 
 
 def test_date_is_utc_ending_in_z(description):
@@ -170,16 +185,20 @@ def test_date_is_utc_ending_in_z(description):
     assert moment.year >= 2026
 
 
-def test_documentation_and_picture_are_inside(fmu_path, model):
+def test_documentation_and_picture_are_inside(fmu_path, description, model):
+    picture = "terminalsAndIcons/icon.png" if is_fmi3(description) else "model.png"
     with zipfile.ZipFile(fmu_path) as archive:
         page = archive.read("documentation/index.html").decode()
         assert all(variable.name in page for variable in model.variables)
-        assert archive.read("model.png").startswith(b"\x89PNG")
+        assert f'src="../{picture}"' in page
+        assert archive.read(picture).startswith(b"\x89PNG")
 
 
 def guid_in(content):
     with zipfile.ZipFile(io.BytesIO(content)) as archive:
-        return re.search(r'guid="([^"]+)"', archive.read("modelDescription.xml").decode())[1]
+        return re.search(
+            r'(?:guid|instantiationToken)="([^"]+)"', archive.read("modelDescription.xml").decode()
+        )[1]
 
 
 @pytest.mark.parametrize("fmu", FMUS, ids=FLAVOURS)
@@ -201,10 +220,15 @@ def test_python_fmu_with_another_source_has_another_guid(monkeypatch):
     assert guid_in(content_of(PYTHON_FMU)[0]) != before
 
 
-def test_native_fmus_say_what_they_can_and_the_python_one_no_more(description):
+def test_native_fmus_say_what_they_can_and_the_python_one_no_more(description, model):
     cs = description.coSimulation
     native = description.modelName != "InertiaModulePy"
     assert not cs.needsExecutionTool  # PyFMI refuses an FMU that needs one; Python is a library
-    assert cs.canInterpolateInputs == native
-    assert cs.providesDirectionalDerivative == native
+    if is_fmi3(description):
+        assert cs.providesAdjointDerivatives
+        assert cs.providesIntermediateUpdate
+        assert cs.hasEventMode == cs.mightReturnEarlyFromDoStep == ("contact_switches" in model.by_name)
+    else:
+        assert cs.canInterpolateInputs == native
+        assert cs.providesDirectionalDerivative == native
     assert int(cs.maxOutputDerivativeOrder) == int(native)

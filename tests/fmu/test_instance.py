@@ -6,6 +6,7 @@ import pytest
 from inertia_module.common.errors import Refused
 from inertia_module.harness.simulate import Fmu, FmuError, TableError, drive
 
+pytestmark = pytest.mark.fmi2  # the harness drives no other
 START = {"omega1": 100.0, "load_torque": 10.0}
 
 
@@ -27,7 +28,7 @@ def refusal(action, *arguments, **values):
 # --- states ---
 
 
-@pytest.mark.parametrize("junk", [b"junk", b"", bytes(19184), "junk", None, 7])
+@pytest.mark.parametrize("junk", [b"junk", b"", bytes(19232), "junk", None, 7])
 def test_what_is_no_state_is_refused_and_the_run_goes_on(fmu, junk):
     before = fmu.save()
     assert "state" in refusal(fmu.restore, junk, 5.0)

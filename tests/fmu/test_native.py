@@ -35,7 +35,7 @@ LEVELS = {
 }
 BY_TORQUE = {"drive": 1, "input_inertia": 0.3}
 LEVELS |= {f"{name}, by torque": {**LEVELS[name], **BY_TORQUE} for name in LEVELS if name != "kinematic"}
-FLAVOURS = ("InertiaModule",)
+FLAVOURS = ("InertiaModule", "InertiaModule3")
 
 
 @pytest.fixture(scope="module")

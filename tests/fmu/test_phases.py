@@ -47,12 +47,15 @@ def test_values_refused_in_initialization_mode_can_be_mended_there(instance):
 )
 def test_initialization_happens_once(instance, call):
     instance.start(**GOOD)
+    if instance.is_fmi3 and call == "setupExperiment":
+        pytest.skip("FMI 3.0 has no such call")
     action = getattr(instance.fmu, call)
     said = instance.refusal(action)
     assert said.startswith(f"{call} must come ")
     assert said.endswith(", the instance is initialized")
 
 
+@pytest.mark.fmi2
 def test_last_successful_time_is_the_beginning_of_a_discarded_step(instance):
     instance.start(**GOOD)
     instance.step(0.25)

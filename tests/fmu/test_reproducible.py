@@ -30,7 +30,7 @@ from inertia_module.contract.models import DRIVEN_SHAFT
 
 linking.object_file = lambda name, machine, label: compile_ir(llvm_text(name), ENTRIES[name], machine)
 for number, target in enumerate(TARGETS):
-    library = linking.link(DRIVEN_SHAFT, "DrivenShaft", "{guid}", target)
+    library = linking.link(DRIVEN_SHAFT, "DrivenShaft", "{guid}", target, 2)
     Path(sys.argv[1], str(number)).write_bytes(library)
 """
 LINK_FOR_BROWSERS = """

@@ -27,7 +27,7 @@ def test_with_drive_speed_input_speed_is_what_omega1_has_come_to(instance):
     assert instance.get("input_speed") == 100.0
     instance.step(0.01)
     assert instance.get("input_speed") == 80.0
-    if instance.is_native:
+    if instance.takes_rates:
         instance.set_rates(omega1=50.0)
         instance.step(0.1)
         assert instance.get("input_speed") == pytest.approx(85.0, rel=1e-12)

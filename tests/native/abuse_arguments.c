@@ -89,7 +89,7 @@ unsigned some_references(fmi2ValueReference *references, enum kind kind, enum ar
         else if (!one_in(&chance, 50))
             for (int tries = 0; tries < 200; tries++) {
                 const struct variable *variable = &model.variables[references[n]];
-                if (variable->kind == kind && (array == ARRAYS || variable->array == array))
+                if (kind_of(variable) == kind && (array == ARRAYS || variable->array == array))
                     break;
                 references[n] = below(&chance, (unsigned)model.variable_count);
             }

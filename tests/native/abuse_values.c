@@ -10,7 +10,7 @@
 static int are_all(const fmi2ValueReference *references, unsigned count, enum kind kind, int calculated_too)
 {
     for (unsigned n = 0; n < count; n++)
-        if (references[n] >= model.variable_count || model.variables[references[n]].kind != kind ||
+        if (references[n] >= model.variable_count || kind_of(&model.variables[references[n]]) != kind ||
             (!calculated_too && model.variables[references[n]].array == OUTPUTS))
             return 0;
     return 1;

@@ -26,7 +26,7 @@ from inertia_module.fmu.tables import generated
 from inertia_module.fmu.targets import LINUX64, WIN64
 
 SOURCES = Path(__file__).parent
-FMUS = {fmu.identifier: fmu for fmu in (builder.MODULE_FMU, builder.SHAFT_FMU)}
+FMUS = {fmu.identifier: fmu for fmu in builder.FMUS if fmu is not builder.PYTHON_FMU}
 SANITIZERS = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-fno-omit-frame-pointer")
 TIME_LIMIT = 900  # s, for programs that hang
 
@@ -85,7 +85,7 @@ class Workshop:
         self.fmu = FMUS[identifier]
         self.folder = folder
         self.guid = native_fmu.guid(self.fmu)
-        for name, text in generated(self.fmu.model, self.guid).items():
+        for name, text in generated(self.fmu.model, self.guid, self.fmu.fmi).items():
             (folder / name).write_text(text)
 
     def kernel(self, target):
@@ -102,8 +102,17 @@ class Workshop:
         return ["-std=c99", "-O1", *WARNINGS, *headers, "-isystem", str(header_folder()), symbol]
 
     def all_sources(self, *names):
-        """Paths of C files of the tests, then those of the shell and the tables."""
-        return [*(str(SOURCES / name) for name in names), *map(str, shell_sources()), "tables.c"]
+        """Paths of C files of the tests, then those of the shell and the tables.
+
+        The tests call FMI 2.0: for a shell of FMI 3.0 there is a file that makes the one of the other.
+        """
+        shell = shell_sources(self.fmu.fmi)
+        if names and self.fmu.fmi == 3:
+            names = (*names, "fmi2_by_3.c")
+            if "threads.c" not in names:  # which count nothing
+                names = (*names, "fmi3_counted.c")
+                shell = [path for path in shell if path.name != "fmi3.c"]
+        return [*(str(SOURCES / name) for name in names), *map(str, shell), "tables.c"]
 
     def build(self, program, *names, flags=(), libraries=()):
         """A program for this machine, by a compiler of the system; names are of its C files.

@@ -118,10 +118,15 @@ fmi2ValueReference reference_of(const char *name)
     fail("reference_of", "the model has no %s", name);
 }
 
+enum kind kind_of(const struct variable *variable)
+{
+    return variable->kind == ENUMERATION ? INTEGER : variable->kind;
+}
+
 fmi2Status set_value(fmi2Component c, fmi2ValueReference reference, double value)
 {
     const fmi2Integer whole = (fmi2Integer)fmax(fmin(value, 2e9), -2e9);
-    switch (model.variables[reference].kind) {
+    switch (kind_of(&model.variables[reference])) {
     case INTEGER:
         return fmi2SetInteger(c, &reference, 1, &whole);
     case BOOLEAN:

@@ -57,6 +57,9 @@ void checked_logger(fmi2ComponentEnvironment journal, fmi2String name, fmi2Statu
 /* An instance with callbacks that count; NULL if there was no memory. */
 fmi2Component instantiate(struct journal *journal, const char *name);
 
+/* The kind of a variable by the types of FMI 2.0, where an enumeration is an Integer. */
+enum kind kind_of(const struct variable *variable);
+
 fmi2ValueReference reference_of(const char *name);
 fmi2Status set_value(fmi2Component c, fmi2ValueReference reference, double value);
 double real_value(fmi2Component c, const char *name);

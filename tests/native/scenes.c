@@ -93,7 +93,7 @@ static int set(const struct fmu *fmu, fmi2Component c, const struct setting *set
             continue;
         if (model.variables[n].kind == REAL)
             return fmu->set_real(c, &n, 1, &setting->value) == fmi2OK;
-        return (model.variables[n].kind == INTEGER ? fmu->set_integer : fmu->set_boolean)(c, &n, 1, &whole) == fmi2OK;
+        return (model.variables[n].kind == BOOLEAN ? fmu->set_boolean : fmu->set_integer)(c, &n, 1, &whole) == fmi2OK;
     }
     return 0;
 }

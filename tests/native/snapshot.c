@@ -12,7 +12,7 @@ static fmi2Status read_share(fmi2Component c, enum share share, double *values)
     for (size_t n = 0; n < model.variable_count; n++) {
         const struct variable *variable = &model.variables[n];
         if ((variable->array == OUTPUTS) == (share == CALCULATED))
-            references[variable->kind][counts[variable->kind]++] = (fmi2ValueReference)n;
+            references[kind_of(variable)][counts[kind_of(variable)]++] = (fmi2ValueReference)n;
     }
     fmi2Status status = fmi2GetReal(c, references[REAL], counts[REAL], values);
     filled = counts[REAL];
@@ -56,7 +56,7 @@ const char *difference(const struct snapshot *one, const struct snapshot *other)
         for (int kind = REAL; kind <= BOOLEAN; kind++) {
             for (size_t n = 0; n < model.variable_count; n++) {
                 const struct variable *variable = &model.variables[n];
-                if ((int)variable->kind != kind || (variable->array == OUTPUTS) != (share == CALCULATED))
+                if ((int)kind_of(variable) != kind || (variable->array == OUTPUTS) != (share == CALCULATED))
                     continue;
                 if (memcmp(&one->values[share][place], &other->values[share][place], sizeof(double)) != 0)
                     return variable->name;

@@ -8,6 +8,8 @@ from .conftest import SANITIZERS, run
 
 # a million calls a seed where the environment asks for them, else what a test has the time for
 CALLS = int(os.environ.get("INERTIA_MODULE_ABUSE_CALLS", "200000"))
+# how a host drives an FMU, by the version of FMI (see fmi2_by_3.c)
+MODES = {2: ("",), 3: ("", "event", "early", "update")}
 SEEDS = os.environ.get("INERTIA_MODULE_ABUSE_SEEDS", "1").split(",")
 FILES = (
     *("abuse.c", "abuse_arguments.c", "abuse_life.c", "abuse_states.c", "abuse_values.c"),
@@ -18,8 +20,11 @@ FILES = (
 @pytest.mark.parametrize("seed", SEEDS)
 def test_random_calls_are_survived_under_sanitizers_and_leave_no_trace(workshop, seed):
     program = workshop.build("abuse", *FILES, flags=SANITIZERS)
-    printed = run([program, seed, CALLS], ASAN_OPTIONS="detect_leaks=1")
-    assert printed.startswith(f"{CALLS} calls")
+    modes = MODES[workshop.fmu.fmi]
+    calls = CALLS // len(modes)
+    for mode in modes:
+        printed = run([program, seed, calls], ASAN_OPTIONS="detect_leaks=1", FMI3=mode)
+        assert printed.startswith(f"{calls} calls")
 
 
 def test_refusals_that_random_calls_seldom_meet(workshop):

@@ -1,4 +1,4 @@
-"""The libraries in the FMUs need only what their systems bring, and offer all of FMI 2.0 co-simulation."""
+"""The libraries in the FMUs need only what their systems bring, and offer all of co-simulation."""
 
 import re
 
@@ -17,29 +17,62 @@ LEFT_OUT = {
 }
 
 
-def required():
-    """Functions of FMI 2.0 for co-simulation, from its header."""
-    text = (header_folder() / "fmi2FunctionTypes.h").read_text()
-    names = set(re.findall(r"\bfmi2(\w+)TYPE\b", text)) - LEFT_OUT
-    return {f"fmi2{name}" for name in names}
+# folders of FMI 3.0, where they have other names in FMI 2.0
+FOLDERS = {"linux64": "x86_64-linux", "win64": "x86_64-windows"}
+
+
+def required_by(fmi):
+    """Functions from the header of FMI: of 2.0 those for co-simulation; of 3.0 hosts look for all."""
+    text = (header_folder() / f"fmi{fmi}FunctionTypes.h").read_text()
+    names = set(re.findall(rf"\bfmi{fmi}(\w+)TYPE\b", text)) - (LEFT_OUT if fmi == 2 else set())
+    return {f"fmi{fmi}{name}" for name in names}
 
 
 @pytest.fixture(params=FMUS)
-def library(request, unpacked):
+def fmu(request):
+    return FMUS[request.param]
+
+
+@pytest.fixture
+def required(fmu):
+    return required_by(fmu.fmi)
+
+
+@pytest.fixture
+def library(fmu, unpacked):
     """Path of a library of an FMU, by its folder and suffix."""
-    folder = unpacked[request.param] / "binaries"
-    return lambda system, suffix: folder / system / f"{request.param}{suffix}"
+
+    def path(system, suffix):
+        folder = system if fmu.fmi == 2 else FOLDERS.get(system, system)
+        return unpacked[fmu.identifier] / "binaries" / folder / f"{fmu.identifier}{suffix}"
+
+    return path
 
 
-def test_the_header_names_the_functions_of_co_simulation():
-    assert {"fmi2Instantiate", "fmi2DoStep", "fmi2GetBooleanStatus", "fmi2DeSerializeFMUstate"} <= required()
-    assert len(required()) == 34
+@pytest.fixture
+def of_mac(fmu, library):
+    """The libraries of macOS by processor: in one file, or with FMI 3.0 in a file each."""
+    folders = ("darwin64",) if fmu.fmi == 2 else ("x86_64-darwin", "aarch64-darwin")
+    parts = [binaries.read_universal(library(folder, ".dylib")) for folder in folders]
+    return {processor: part for found in parts for processor, part in found.items()}
+
+
+def test_the_headers_name_the_functions_of_co_simulation():
+    of_2, of_3 = required_by(2), required_by(3)
+    assert {"fmi2Instantiate", "fmi2DoStep", "fmi2GetBooleanStatus", "fmi2DeSerializeFMUstate"} <= of_2
+    assert {
+        "fmi3InstantiateCoSimulation",
+        "fmi3DoStep",
+        "fmi3GetAdjointDerivative",
+        "fmi3EnterStepMode",
+    } <= of_3
+    assert (len(of_2), len(of_3)) == (34, 75)
 
 
 @pytest.mark.parametrize("system", ["linux64", "aarch64-linux"])
-def test_linux_library_needs_only_the_c_library_of_2012(library, system):
+def test_linux_library_needs_only_the_c_library_of_2012(library, required, system):
     found = binaries.read_elf(library(system, ".so"))
-    assert required() <= found.offers
+    assert required <= found.offers
     assert found.needs <= {"libc.so.6", "libm.so.6"}
     versions = {tuple(map(int, name.removeprefix("GLIBC_").split("."))) for name in found.versions}
     assert max(versions) <= (2, 17)
@@ -53,9 +86,9 @@ def test_loader_of_linux_changes_no_code(library, system):
 
 
 @pytest.mark.parametrize("system", ["win64", "aarch64-windows"])
-def test_windows_library_needs_only_the_runtime_of_windows(library, system):
+def test_windows_library_needs_only_the_runtime_of_windows(library, required, system):
     found = binaries.read_pe(library(system, ".dll"))
-    assert required() <= found.offers
+    assert required <= found.offers
     assert found.needs == {"ucrtbase.dll"}
 
 
@@ -64,27 +97,23 @@ def test_loader_of_windows_changes_no_code(library, system):
     assert binaries.read_pe(library(system, ".dll")).fixups == {".rdata"}
 
 
-def test_mac_library_is_one_file_for_both_processors(library):
-    parts = binaries.read_universal(library("darwin64", ".dylib"))
-    assert set(parts) == {"X86_64", "ARM64"}
-    for found in parts.values():
-        assert {f"_{name}" for name in required()} <= found.offers
+def test_mac_libraries_are_for_both_processors(of_mac, required):
+    assert set(of_mac) == {"X86_64", "ARM64"}
+    for found in of_mac.values():
+        assert {f"_{name}" for name in required} <= found.offers
         assert found.needs == {"/usr/lib/libSystem.B.dylib"}
         assert found.minimum == "11.0"
 
 
 @pytest.mark.parametrize("processor", ["X86_64", "ARM64"])
-def test_loader_of_macos_changes_no_code(library, processor):
-    assert binaries.read_universal(library("darwin64", ".dylib"))[processor].fixups == {
-        "__DATA",
-        "__DATA_CONST",
-    }
+def test_loader_of_macos_changes_no_code(of_mac, processor):
+    assert of_mac[processor].fixups == {"__DATA", "__DATA_CONST"}
 
 
-def test_mac_library_for_arm_is_signed(library):
-    assert binaries.read_universal(library("darwin64", ".dylib"))["ARM64"].signed
+def test_mac_library_for_arm_is_signed(of_mac):
+    assert of_mac["ARM64"].signed
 
 
-def test_libraries_offer_little_but_fmi(library):
-    offered = binaries.read_elf(library("linux64", ".so")).offers - required()
+def test_libraries_offer_little_but_fmi(library, required):
+    offered = binaries.read_elf(library("linux64", ".so")).offers - required
     assert offered <= {"inertia_module_kernel", "_init", "_fini", "__bss_start", "_edata", "_end"}

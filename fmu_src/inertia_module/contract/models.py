@@ -38,6 +38,19 @@ class Bound(NamedTuple):
         return 0.0 <= value <= self.most and value % 1.0 == 0.0
 
 
+class Terminal(NamedTuple):
+    """A rotating flange where models are connected: its speed and its torque, of which one is an input.
+
+    Attributes:
+        name, description: for people. speed, torque: names of variables.
+    """
+
+    name: str
+    description: str
+    speed: str
+    torque: str
+
+
 @dataclass(frozen=True, eq=False)
 class Model:
     """One model: its variables, its kernel, and what it says.
@@ -54,6 +67,7 @@ class Model:
         late: variables that the kernel's STEP_ONLY leaves out and OUTPUTS fills in.
         traced: variables that a log of every step shows.
         bounds: of the numbers in d and x that are used as an index or a choice.
+        terminals: the flanges.
     """
 
     name: str
@@ -71,6 +85,7 @@ class Model:
     traced: tuple[str, ...] = ()
     bounds: tuple[Bound, ...] = ()
     warnings: Mapping[int, str] = field(default_factory=dict)
+    terminals: tuple[Terminal, ...] = ()
 
     @cached_property
     def by_name(self) -> dict[str, Variable]:
@@ -81,6 +96,11 @@ class Model:
     def records(self) -> tuple[tuple[Field, ...], ...]:
         """Fields of the kernel's records p, d, u, x, y and w."""
         return ENTRIES[self.entry].records
+
+    @property
+    def switches(self) -> bool:
+        """Whether its steps can stop where a freewheel switches."""
+        return "switching" in self.records[3]
 
     def place(self, name: str) -> int:
         """Place of a variable, of the rate of an input or of whether that is given in its record."""
@@ -166,6 +186,16 @@ INERTIA_MODULE = Model(
         Bound("x", place(fields.STATE, "mode"), codes.HELD_DRIVING),
         Bound("x", place(fields.STATE, "map_knot"), fields.KNOTS - 1),
     ),
+    terminals=(
+        Terminal("input_flange", "link 1, its speed given (drive = speed)", "omega1", "input_torque_mean"),
+        Terminal(
+            "input_flange_by_torque",
+            "link 1, its torque given (drive = torque)",
+            "input_speed",
+            "drive_torque",
+        ),
+        Terminal("output_flange", "output shaft, its load given", "omega_out", "load_torque"),
+    ),
 )
 
 _SHAFT = frozenset({"hub_speed", "shaft_stiffness", "shaft_damping", "omega_out_start", "twist_start"})
@@ -197,4 +227,8 @@ DRIVEN_SHAFT = Model(
         "twist": frozenset({"twist_start"}),
     },
     traced=("omega_out", "twist"),
+    terminals=(
+        Terminal("hub", "hub of the shaft, its speed given", "hub_speed", "shaft_torque_mean"),
+        Terminal("load", "driven mass, its load given", "omega_out", "load_torque"),
+    ),
 )

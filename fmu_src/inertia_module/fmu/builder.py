@@ -25,8 +25,10 @@ Progress = Callable[[str], None]
 
 MODULE_FMU = NativeFmu("InertiaModule", INERTIA_MODULE, "model.png")
 SHAFT_FMU = NativeFmu("DrivenShaft", DRIVEN_SHAFT, "driven_shaft.png")
+MODULE3_FMU = NativeFmu("InertiaModule3", INERTIA_MODULE, "model.png", 3)
+SHAFT3_FMU = NativeFmu("DrivenShaft3", DRIVEN_SHAFT, "driven_shaft.png", 3)
 PYTHON_FMU = PythonFmu("InertiaModulePy", INERTIA_MODULE, "model.png", MODULE_FMU)
-FMUS: tuple[NativeFmu | PythonFmu, ...] = (MODULE_FMU, PYTHON_FMU, SHAFT_FMU)
+FMUS: tuple[NativeFmu | PythonFmu, ...] = (MODULE_FMU, MODULE3_FMU, PYTHON_FMU, SHAFT_FMU, SHAFT3_FMU)
 WEB_KERNEL = WebKernel("InertiaModule", INERTIA_MODULE)
 
 
@@ -57,7 +59,8 @@ def is_current(path: Path, fmu: NativeFmu | PythonFmu) -> bool:
     """Whether a file is the FMU as it would be built now: of the same GUID, and for all platforms."""
     try:
         with zipfile.ZipFile(path) as packed:
-            found = ElementTree.fromstring(packed.read(DESCRIPTION)).get("guid")
+            root = ElementTree.fromstring(packed.read(DESCRIPTION))
+            found = root.get("guid") or root.get("instantiationToken")
             names = packed.namelist()
         if isinstance(fmu, PythonFmu):
             return found == python_guid(fmu)

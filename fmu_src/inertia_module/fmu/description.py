@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from .. import __version__
@@ -53,7 +53,8 @@ def _number(value: float) -> str:
     return f"{value:.17g}" if value != int(value) or abs(value) > 1e15 else f"{value:.1f}"
 
 
-def _bool(value: bool) -> str:
+def truth(value: bool) -> str:
+    """A Boolean as XML has it."""
     return "true" if value else "false"
 
 
@@ -63,8 +64,9 @@ def initial_dependencies(model: Model, output: str) -> list[int]:
     return [index for index, variable in enumerate(model.variables, 1) if variable.name in known]
 
 
-def _add_units(root: Element, model: Model) -> None:
-    used = {variable.unit for variable in model.variables}
+def add_units(root: Element, variables: Iterable[Variable]) -> None:
+    """The units that variables have, with their display units."""
+    used = {variable.unit for variable in variables}
     definitions = SubElement(root, "UnitDefinitions")
     for name, exponents in UNITS.items():
         if name not in used:
@@ -87,8 +89,11 @@ def _add_types(root: Element, model: Model) -> None:
             SubElement(enumeration, "Item", name=item, value=str(value), description=description)
 
 
-def _real_attributes(variable: Variable) -> dict[str, str]:
+def real_attributes(variable: Variable) -> dict[str, str]:
+    """Attributes of a Real: units, range, nominal and start value."""
     attributes = {"unit": variable.unit}
+    if variable.unit in DISPLAY_UNITS:
+        attributes["displayUnit"] = DISPLAY_UNITS[variable.unit][0]
     numbers = {"min": variable.minimum, "max": variable.maximum, "nominal": variable.nominal}
     attributes |= {key: _number(value) for key, value in numbers.items() if value is not None}
     if variable.start is not None:
@@ -96,13 +101,15 @@ def _real_attributes(variable: Variable) -> dict[str, str]:
     return attributes
 
 
-def _discrete_attributes(variable: Variable) -> dict[str, str]:
+def discrete_attributes(variable: Variable) -> dict[str, str]:
+    """Attributes of an Integer or an Enumeration: type, range and start value."""
     attributes = {"declaredType": variable.enumeration} if variable.kind == ENUMERATION else {}
     numbers = {"min": variable.minimum, "max": variable.maximum, "start": variable.start}
     return attributes | {key: str(int(value)) for key, value in numbers.items() if value is not None}
 
 
-def _add_variable(parent: Element, reference: int, variable: Variable) -> None:
+def variable_attributes(reference: int, variable: Variable) -> dict[str, str]:
+    """Attributes of a variable of any type."""
     attributes = {
         "name": variable.name,
         "valueReference": str(reference),
@@ -112,13 +119,17 @@ def _add_variable(parent: Element, reference: int, variable: Variable) -> None:
     }
     if variable.causality != INPUT:
         attributes["initial"] = "exact" if variable.causality == PARAMETER else "calculated"
-    scalar = SubElement(parent, "ScalarVariable", attributes)
+    return attributes
+
+
+def _add_variable(parent: Element, reference: int, variable: Variable) -> None:
+    scalar = SubElement(parent, "ScalarVariable", variable_attributes(reference, variable))
     if variable.kind == REAL:
-        SubElement(scalar, REAL, _real_attributes(variable))
+        SubElement(scalar, REAL, real_attributes(variable))
     elif variable.kind == BOOLEAN:
-        SubElement(scalar, BOOLEAN, start=_bool(bool(variable.start)))
+        SubElement(scalar, BOOLEAN, start=truth(bool(variable.start)))
     elif variable.kind in (INTEGER, ENUMERATION):
-        SubElement(scalar, variable.kind, _discrete_attributes(variable))
+        SubElement(scalar, variable.kind, discrete_attributes(variable))
 
 
 def _add_structure(root: Element, model: Model) -> None:
@@ -133,6 +144,31 @@ def _add_structure(root: Element, model: Model) -> None:
             SubElement(unknowns, "Unknown", index=str(index), dependencies=known)
 
 
+def origin(model: Model, date: str) -> dict[str, str]:
+    """Attributes of the description that say what it is of, and where it is from; date: of the generation."""
+    return {
+        "description": model.description,
+        "author": "The inertia module developers",
+        "version": __version__,
+        "license": "MIT",
+        "generationTool": f"inertia-module {__version__}",
+        "generationDateAndTime": date,
+        "variableNamingConvention": "flat",
+    }
+
+
+def add_run(root: Element, model: Model, *, logs_steps: bool) -> None:
+    """Categories of the log, with one of the steps or without, and the experiment to begin with."""
+    categories = SubElement(root, "LogCategories")
+    for name, description in LOG_CATEGORIES.items():
+        if name != "logSteps" or logs_steps:
+            SubElement(categories, "Category", name=name, description=description)
+    experiment = {"startTime": "0.0", "stopTime": "1.0", "stepSize": "0.001"}
+    if "tolerance" in model.by_name:
+        experiment["tolerance"] = str(model.by_name["tolerance"].start)
+    SubElement(root, "DefaultExperiment", experiment)
+
+
 def model_description(
     model: Model, identifier: str, guid: str, date: str, capabilities: Mapping[str, str]
 ) -> bytes:
@@ -143,30 +179,12 @@ def model_description(
         guid: hash of the content. date: generation date and time, UTC, ending in Z.
         capabilities: attributes of the element CoSimulation.
     """
-    root = Element(
-        "fmiModelDescription",
-        fmiVersion="2.0",
-        modelName=identifier,
-        guid=guid,
-        description=model.description,
-        author="The inertia module developers",
-        version=__version__,
-        license="MIT",
-        generationTool=f"inertia-module {__version__}",
-        generationDateAndTime=date,
-        variableNamingConvention="flat",
-    )
+    named = {"fmiVersion": "2.0", "modelName": identifier, "guid": guid}
+    root = Element("fmiModelDescription", named | origin(model, date))
     SubElement(root, "CoSimulation", {"modelIdentifier": identifier, **capabilities})
-    _add_units(root, model)
+    add_units(root, model.variables)
     _add_types(root, model)
-    categories = SubElement(root, "LogCategories")
-    for name, description in LOG_CATEGORIES.items():
-        if name == "logSteps" and capabilities is PYTHON_CAPABILITIES:
-            continue  # pythonfmu knows the others only
-        SubElement(categories, "Category", name=name, description=description)
-    SubElement(
-        root, "DefaultExperiment", startTime="0.0", stopTime="1.0", tolerance="1e-06", stepSize="0.001"
-    )
+    add_run(root, model, logs_steps=capabilities is not PYTHON_CAPABILITIES)  # which pythonfmu does not know
     variables = SubElement(root, "ModelVariables")
     for reference, variable in enumerate(model.variables):
         _add_variable(variables, reference, variable)

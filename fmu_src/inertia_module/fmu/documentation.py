@@ -84,8 +84,8 @@ def variables_page() -> str:
     return "\n".join(lines)
 
 
-def index_page(model: Model) -> str:
-    """documentation/index.html of an FMU."""
+def index_page(model: Model, picture: str) -> str:
+    """documentation/index.html of an FMU; picture: its path in the FMU."""
     parts = [
         "<!DOCTYPE html>",
         f'<html lang="en"><head><meta charset="utf-8"><title>{escape(model.title)}</title>',
@@ -93,7 +93,7 @@ def index_page(model: Model) -> str:
         "table{border-collapse:collapse;font-size:90%}td,th{border:1px solid #ccc;padding:.2em .5em;"
         "text-align:left;vertical-align:top}code{white-space:nowrap}</style></head><body>",
         f"<h1>{escape(model.title)}</h1>",
-        f'<p><img src="../model.png" alt="{escape(model.title.lower())}" width="320"></p>',
+        f'<p><img src="../{picture}" alt="{escape(model.title.lower())}" width="320"></p>',
         f"<p>{escape(model.description)}.</p><p>{escape(model.introduction)}</p><p>{escape(_REFUSALS)}</p>",
     ]
     for causality, heading in HEADINGS.items():

@@ -31,7 +31,7 @@ FLAGS = ("-std=c99", "-O2", "-g0", "-fvisibility=hidden", "-fno-sanitize=all", "
 RUNTIME = (
     *("calloc", "free", "memchr", "memcmp", "memcpy", "memset", "strchr", "strcmp", "strcpy", "strlen"),
     *("strncmp", "strncpy", "strstr", "strtol"),
-    *("__stdio_common_vsprintf", "fmax"),
+    *("__stdio_common_vsprintf", "fmax", "fmin"),
 )
 # functions of kernel32.dll that the front of the Python FMU needs
 WINDOWS_FUNCTIONS = (
@@ -45,14 +45,15 @@ FAT_ALIGNMENT = 14
 
 
 def header_folder() -> Path:
-    """Where the headers of FMI 2.0 are: fmpy brings them.
+    """Where the headers of FMI 2.0 and 3.0 are: fmpy brings them.
 
     Raises:
         CompilationUnavailable: this fmpy has none.
     """
     folder = Path(str(importlib.resources.files("fmpy"))) / "c-code"
-    if not (folder / "fmi2Functions.h").is_file():
-        raise CompilationUnavailable("the installed fmpy brings no headers of FMI 2.0")
+    for version in (2, 3):
+        if not (folder / f"fmi{version}Functions.h").is_file():
+            raise CompilationUnavailable(f"the installed fmpy brings no headers of FMI {version}.0")
     return folder
 
 
@@ -67,9 +68,10 @@ def compiler() -> list[str]:
     return [sys.executable, "-m", "ziglang"]
 
 
-def shell_sources() -> list[Path]:
-    """The C files of the shell."""
-    return sorted(SHELL_FOLDER.glob("*.c"))
+def shell_sources(fmi: int) -> list[Path]:
+    """The C files of the shell for a version of FMI, 2 or 3: what both share and its own functions."""
+    other = f"fmi{5 - fmi}"
+    return sorted(path for path in SHELL_FOLDER.glob("*.c") if not path.name.startswith(other))
 
 
 def run_tool(tool: str, arguments: Sequence[str], folder: Path) -> None:
@@ -115,12 +117,12 @@ def windows_arguments(target: Target, folder: Path) -> list[str]:
     return ["-nostdlib", "-mno-stack-arg-probe", "-isystem", str(headers), runtime]
 
 
-def link(model: Model, identifier: str, guid: str, target: Target) -> bytes:
+def link(model: Model, identifier: str, guid: str, target: Target, fmi: int) -> bytes:
     """The shared library of a native FMU for one target.
 
     Args:
         model: what it computes. identifier: model identifier. guid: of modelDescription.xml.
-        target: for which platform.
+        target: for which platform. fmi: version of FMI, 2 or 3.
 
     Raises:
         CompilationUnavailable: what it takes is not installed, or fails.
@@ -129,12 +131,12 @@ def link(model: Model, identifier: str, guid: str, target: Target) -> bytes:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         (folder / "kernel.o").write_bytes(object_file(model.entry, machine, label))
-        for file, text in generated(model, guid).items():
+        for file, text in generated(model, guid, fmi).items():
             (folder / file).write_text(text)
         for path in SHELL_FOLDER.iterdir():
             (folder / path.name).write_bytes(path.read_bytes())
         library = f"{identifier}{target.suffix}"
-        sources = [path.name for path in shell_sources()]
+        sources = [path.name for path in shell_sources(fmi)]
         symbol = f"-DKERNEL={ENTRIES[model.entry].symbol}"
         headers = ("-isystem", str(header_folder()))
         given = ["-target", target.compiler, *FLAGS, *WARNINGS, *headers, symbol, "-shared", "-s"]

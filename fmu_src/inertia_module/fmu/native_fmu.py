@@ -11,22 +11,25 @@ from ..compiling import objects
 from ..compiling.ir import tool_versions
 from ..compiling.kernels import CompilationUnavailable
 from ..contract.models import Model
+from . import description3
 from .archive import DESCRIPTION, archive, generation_date, guid_of
 from .description import NATIVE_CAPABILITIES, model_description
 from .documentation import index_page
 from .linking import compiler, header_folder, join_for_mac, link
 from .tables import generated
 from .targets import TARGETS, Target
+from .terminals import terminals
 
 Progress = Callable[[str], None]
 
 
 class NativeFmu(NamedTuple):
-    """A native FMU to build: its model identifier, its model, and its picture."""
+    """A native FMU to build: its model identifier, its model, its picture, and the version of FMI, 2 or 3."""
 
     identifier: str
     model: Model
     picture: str
+    fmi: int = 2
 
     @property
     def file_name(self) -> str:
@@ -49,24 +52,35 @@ def guid(fmu: NativeFmu) -> str:
     """
     compiler()
     made_from = objects.made_from() | sources("fmu/*.py", "fmu/shell/*") | tool_versions("ziglang")
-    made_from |= {path.name: path.read_bytes() for path in header_folder().glob("fmi2*.h")}
-    made_from |= papers(fmu.model, fmu.picture)
-    made_from |= {name: text.encode() for name, text in generated(fmu.model, "").items()}
-    made_from["description"] = model_description(fmu.model, fmu.identifier, "", "", NATIVE_CAPABILITIES)
+    made_from |= {path.name: path.read_bytes() for path in header_folder().glob(f"fmi{fmu.fmi}*.h")}
+    made_from |= papers(fmu.model, fmu.picture, fmu.fmi)
+    made_from |= {name: text.encode() for name, text in generated(fmu.model, "", fmu.fmi).items()}
+    made_from["description"] = description(fmu, "", "")
     return guid_of(made_from)
 
 
-def papers(model: Model, picture: str) -> dict[str, bytes]:
-    """Documentation and picture, by path in an FMU."""
-    return {
-        "documentation/index.html": index_page(model).encode(),
-        "model.png": (Path(__file__).parent / picture).read_bytes(),
+def description(fmu: NativeFmu, guid: str, date: str) -> bytes:
+    """The XML of modelDescription.xml in the version of FMI."""
+    if fmu.fmi == 2:
+        return model_description(fmu.model, fmu.identifier, guid, date, NATIVE_CAPABILITIES)
+    return description3.model_description(fmu.model, fmu.identifier, guid, date)
+
+
+def papers(model: Model, picture: str, fmi: int) -> dict[str, bytes]:
+    """Documentation, licence, picture and, with FMI 3.0, terminals, by path in an FMU."""
+    icon = "model.png" if fmi == 2 else "terminalsAndIcons/icon.png"
+    files = {
+        "documentation/index.html": index_page(model, icon).encode(),
+        "documentation/licenses/license.txt": sources("LICENSE")["LICENSE"],
+        icon: (Path(__file__).parent / picture).read_bytes(),
     }
+    return files if fmi == 2 else files | {"terminalsAndIcons/terminalsAndIcons.xml": terminals(model)}
 
 
 def library_path(fmu: NativeFmu, target: Target) -> str:
     """Where the FMU keeps its shared library for a target."""
-    return f"binaries/{target.folder}/{fmu.identifier}{target.suffix}"
+    folder = target.folder if fmu.fmi == 2 else target.platform
+    return f"binaries/{folder}/{fmu.identifier}{target.suffix}"
 
 
 def library(fmu: NativeFmu, target: Target, progress: Progress = lambda stage: None) -> bytes:
@@ -80,7 +94,7 @@ def library(fmu: NativeFmu, target: Target, progress: Progress = lambda stage: N
     path = cache_folder() / f"{fmu.identifier}-{target.label}-{label}{target.suffix}"
     if not path.exists():
         progress(f"compiling {fmu.identifier} for {target.label}")
-        write_atomically(path, link(fmu.model, fmu.identifier, made_for, target))
+        write_atomically(path, link(fmu.model, fmu.identifier, made_for, target, fmu.fmi))
     return path.read_bytes()
 
 
@@ -108,7 +122,5 @@ def native_fmu(fmu: NativeFmu, progress: Progress = lambda stage: None) -> tuple
     files, skipped = libraries(fmu, progress)
     if not files:
         raise CompilationUnavailable(next(iter(skipped.values())))
-    description = model_description(
-        fmu.model, fmu.identifier, guid(fmu), generation_date(), NATIVE_CAPABILITIES
-    )
-    return archive(files | papers(fmu.model, fmu.picture) | {DESCRIPTION: description}), skipped
+    described = description(fmu, guid(fmu), generation_date())
+    return archive(files | papers(fmu.model, fmu.picture, fmu.fmi) | {DESCRIPTION: described}), skipped

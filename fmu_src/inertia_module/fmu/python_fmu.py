@@ -6,6 +6,7 @@ different builds of the FMU live in one process; the GUID is a hash of all the F
 
 from __future__ import annotations
 
+import importlib.metadata
 import sys
 import tempfile
 import zipfile
@@ -126,13 +127,17 @@ def _pack(identifier: str, files: dict[str, bytes], label: str) -> dict[str, byt
             return {name: packed_archive.read(name) for name in packed_archive.namelist()}
 
 
-def _guid(fmu: PythonFmu, files: Mapping[str, bytes]) -> str:
-    made_from = (
-        dict(files)
-        | papers(fmu.model, fmu.picture)
-        | sources("fmu/python_fmu.py")
-        | tool_versions("pythonfmu")
+def _papers(fmu: PythonFmu) -> dict[str, bytes]:
+    """Documentation, picture and the licences of this package and of pythonfmu, by path in the FMU."""
+    of_pythonfmu = next(
+        path for path in importlib.metadata.files("pythonfmu") or () if path.name == "LICENSE"
     )
+    name = "documentation/licenses/pythonfmu.txt"
+    return papers(fmu.model, fmu.picture, 2) | {name: of_pythonfmu.read_text().encode()}
+
+
+def _guid(fmu: PythonFmu, files: Mapping[str, bytes]) -> str:
+    made_from = dict(files) | _papers(fmu) | sources("fmu/python_fmu.py") | tool_versions("pythonfmu")
     made_from["description"] = model_description(fmu.model, fmu.identifier, "", "", PYTHON_CAPABILITIES)
     return guid_of(made_from)
 
@@ -151,7 +156,7 @@ def python_fmu(fmu: PythonFmu, progress: Progress = lambda stage: None) -> tuple
     description = model_description(
         fmu.model, fmu.identifier, made_for, generation_date(), PYTHON_CAPABILITIES
     )
-    content = _pack(fmu.identifier, package, content_hash(package)[:12]) | papers(fmu.model, fmu.picture)
+    content = _pack(fmu.identifier, package, content_hash(package)[:12]) | _papers(fmu)
     for path, front in in_front.items():
         content[path.replace(fmu.identifier, BEHIND)] = content[path]
         content[path] = front

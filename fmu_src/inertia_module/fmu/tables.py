@@ -7,10 +7,15 @@ from collections.abc import Mapping
 from string import Formatter
 
 from ..compiling.kernels import ENTRIES
+from ..compiling.records import place
 from ..contract.models import Bound, Model
-from ..contract.variable import BOOLEAN, ENUMERATION, ENUMERATIONS, INPUT, OUTPUT, PARAMETER, REAL, Variable
+from ..contract.variable import BOOLEAN, ENUMERATION, ENUMERATIONS, INPUT, OUTPUT, PARAMETER, Variable
 from ..kernel import codes
 
+# the row of the time: no place in a record of the kernel, no rate
+_TIME = '    {"time", REAL, CLOCK, 0, -1, -1, 0, 0, 0, 0.0, -HUGE_VAL, HUGE_VAL, 1.0, ""},'
+# of the state: how long the last step was, and whether it has stopped at a switch
+SWITCH_FIELDS = ("length", "switching")
 _ARRAYS = {PARAMETER: "PARAMETERS", INPUT: "INPUTS"}
 
 
@@ -25,7 +30,7 @@ def number(value: float) -> str:
 
 
 def _kind(variable: Variable) -> str:
-    return {REAL: "REAL", BOOLEAN: "BOOLEAN"}.get(variable.kind, "INTEGER")
+    return variable.kind.upper()
 
 
 def _range(variable: Variable) -> tuple[float, float]:
@@ -102,7 +107,10 @@ def _bound(bound: Bound) -> str:
 
 def c_codes() -> str:
     """C header of the operations of a kernel and its good status."""
-    operations = ("START", "CHECK", "STEP_ONLY", "OUTPUTS", "STEP_PRECISELY", "RATES", "WARN", "TUNE")
+    operations = (
+        *("START", "CHECK", "STEP_ONLY", "OUTPUTS", "STEP_PRECISELY", "RATES", "WARN", "TUNE"),
+        *("STEP_TO_SWITCH", "SWITCH"),
+    )
     numbers = ", ".join(f"OPERATION_{name} = {getattr(codes, name)}" for name in operations)
     lines = [
         "/* Made from kernel/codes.py. */",
@@ -112,24 +120,25 @@ def c_codes() -> str:
     return "\n".join([*lines, ""])
 
 
-def generated(model: Model, guid: str) -> dict[str, str]:
+def generated(model: Model, guid: str, fmi: int) -> dict[str, str]:
     """The C files of the shell that are made for a model, by name.
 
     Args:
-        model: what they are of. guid: the one of modelDescription.xml.
+        model: what they are of. guid: the one of modelDescription.xml. fmi: version of FMI, 2 or 3.
     """
-    return {"tables.c": c_tables(model, guid), "codes.h": c_codes()}
+    return {"tables.c": c_tables(model, guid, fmi), "codes.h": c_codes()}
 
 
-def c_tables(model: Model, guid: str) -> str:
-    """C source of the model's tables.
+def c_tables(model: Model, guid: str, fmi: int) -> str:
+    """C source of the model's tables; with FMI 3.0 the time is the last of the variables.
 
     Args:
-        model: what they are of. guid: the one of modelDescription.xml.
+        model: what they are of. guid: the one of modelDescription.xml. fmi: version of FMI, 2 or 3.
     """
     n_p, n_d, n_u, n_x, n_y, n_w = ENTRIES[model.entry].sizes
     references = {variable.name: n for n, variable in enumerate(model.variables)}
     traced = ", ".join(str(references[name]) for name in model.traced)
+    length, switching = (place(model.records[3], name) if model.switches else -1 for name in SWITCH_FIELDS)
     tolerance = model.place("tolerance") if "tolerance" in model.by_name else -1
     lines = [
         f"/* Tables of {model.name}, made from its table of variables. */",
@@ -139,6 +148,7 @@ def c_tables(model: Model, guid: str) -> str:
         "",
         "static const struct variable variables[] = {",
         *(_variable(variable, model) for variable in model.variables),
+        *([_TIME] if fmi == 3 else []),
         "};",
         "",
     ]
@@ -152,7 +162,8 @@ def c_tables(model: Model, guid: str) -> str:
         "};",
         "",
         "const struct model model = {",
-        f"    {quoted(model.name)}, {quoted(guid)}, variables, {len(references)}, {tolerance},",
+        f"    {quoted(model.name)}, {quoted(guid)}, variables, {len(references) + fmi - 2},",
+        f"    {tolerance}, {length}, {switching},",
         f"    {n_p}, {n_d}, {n_u}, {n_x}, {n_y}, {n_w},",
         f"    messages, {len(model.messages)}, {warnings}, {len(model.warnings)},",
         f"    traced, {len(model.traced)}, bounds, {len(model.bounds)},",

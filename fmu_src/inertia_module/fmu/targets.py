@@ -9,7 +9,7 @@ class Target(NamedTuple):
     """A platform: how LLVM and the C compiler call it, and where an FMU keeps its binary.
 
     Attributes:
-        folder: in the FMU, below binaries. suffix: of the shared library.
+        folder: in an FMU of FMI 2.0, below binaries. suffix: of the shared library.
         triple, processor: for the machine code of the kernel. compiler: target of the C compiler.
         libraries: what the shell is linked with besides the C library.
         import_machine: on Windows, how the maker of import libraries calls the processor.
@@ -22,6 +22,12 @@ class Target(NamedTuple):
     compiler: str
     libraries: tuple[str, ...] = ()
     import_machine: str = ""
+
+    @property
+    def platform(self) -> str:
+        """Name of the platform, and so of the folder, in FMI 3.0."""
+        processor, system = self.compiler.split(".", 1)[0].split("-")[:2]
+        return f"{processor}-{system.replace('macos', 'darwin')}"
 
     @property
     def label(self) -> str:

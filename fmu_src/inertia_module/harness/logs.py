@@ -39,6 +39,11 @@ def _dispatch(environment: int | None, instance: bytes, status: int, category: b
         printLogMessage(environment, instance, status, category, message)
 
 
+def pass_on(environment: int | None, status: int, category: bytes, message: bytes) -> None:
+    """Log callback of FMI 3.0: each instance has its own, and its messages are no printf formats."""
+    _dispatch(environment, b"", status, category, message)
+
+
 @functools.cache
 def _dispatcher() -> Any:
     from fmpy.fmi2 import fmi2CallbackLoggerTYPE

@@ -54,6 +54,10 @@ RATES = 6
 WARN = 7
 # parameters have changed between steps: derives d anew and forgets what x knows of the last step
 TUNE = 8
+# STEP_ONLY that ends early, just before the first switch of a freewheel within it; SWITCH carries that out,
+# as the next step else does
+STEP_TO_SWITCH = 9
+SWITCH = 10
 
 # warnings
 PLANAR_OVERLAP = 1

@@ -3,7 +3,7 @@
 The contact mode is chosen, a solver follows it to the next event or to the end of the step, and so on.
 """
 
-from .accumulate import time_later
+from .accumulate import copy, time_later
 from .codes import OK, STEP_TOO_SMALL, TOO_MANY_SWITCHES, TOO_MUCH_WORK
 from .contact import TORQUE_ROUNDING, choose_mode, is_held
 from .general.advance import advance_general
@@ -15,6 +15,8 @@ from .solvers.explicit import advance_explicit
 from .solvers.followed import shaft_frequency
 from .solvers.held import advance_held
 
+# share of a communication step that it has at least, where it ends at a switch
+SHORTEST = 1e-9
 # share of its size that a step keeps after an event that was none
 STALLED = 0.25
 
@@ -32,10 +34,10 @@ def advance_mode(d, x, w, remaining):
     return advance_explicit(d, x, w, remaining)
 
 
-def choose_next_mode(d, x, w):
+def choose_next_mode(d, x):
     """Choose the contact mode after an event. Returns whether it has changed."""
     if d.general != 0.0:
-        return choose_next_states(d, x, w)
+        return choose_next_states(d, x)
     before = x.mode
     choose_mode(d, x, TORQUE_ROUNDING)
     if x.mode == before:
@@ -45,8 +47,27 @@ def choose_next_mode(d, x, w):
     return x.mode != before
 
 
+def stop_here(x, time):
+    """End the communication step just before a switch, so long after its beginning, s."""
+    x.switching = 1.0
+    x.length = time
+    x.held_step = time
+
+
+def switch(d, x):
+    """Carry out the switch that the last step has stopped at, if it has."""
+    if x.switching == 0.0:
+        return
+    switches, evaluations = x.step_switches, x.step_evaluations
+    choose_next_mode(d, x)
+    x.switches += x.step_switches - switches
+    x.evaluations += x.step_evaluations - evaluations
+    x.switching = 0.0
+    x.goes_on = 1.0
+
+
 def run_events(d, x, w, h):
-    """Advance the links and the output by h from event to event. Returns a status."""
+    """Advance the links and the output by h from event to event, or to the first one. Returns a status."""
     start1 = x.omega1
     w.given = given_at_input(d, x)
     w.load = x.load_torque
@@ -82,7 +103,14 @@ def run_events(d, x, w, h):
             travel += passed * shaft_frequency(d, 1.0 / d.J3)
         if event:
             x.known = 0.0
-            stalls = 0 if choose_next_mode(d, x, w) else stalls + 1
+            if w.stops != 0.0:
+                copy(w.kept.numbers, x.numbers)
+            changed = choose_next_mode(d, x)
+            if changed and w.stops != 0.0 and time > SHORTEST * h:
+                copy(x.numbers, w.kept.numbers)
+                stop_here(x, time)
+                return OK
+            stalls = 0 if changed else stalls + 1
             if stalls > STALLS_ALLOWED:
                 return TOO_MANY_SWITCHES
             if x.step_switches > SWITCHES_ALLOWED + SWITCHES_PER_PULSE * d.harmonic * travel:

@@ -110,6 +110,8 @@ STATE = (
         "wound_output",
         "housing_impulse",
     ),
+    # ... and how the last internal step has ended; whether a step has stopped at a switch yet to come
+    *("ended", "met_slip", "switching"),
     # averaged: the knot of the map last used; the speed that its torques go with, if that is not omega1
     *("map_knot", "map_speed"),
     # by events: whether the contact mode goes on under the same torques, with what is given; whether what
@@ -170,18 +172,18 @@ CONSTANTS = (
 
 # nothing in it outlives the call
 WORKSPACE = (
-    # what the solvers share: torque or acceleration given at link 1, load, step in hand, inertia and
-    # friction and torque that link 2 carries, mean alpha1, P at the end of the step
-    *("solver", "short", "given", "load", "step", "carried", "carried_friction", "carried_torque"),
+    # whether a step ends at a switch; what the solvers share: torque or acceleration given at link 1, load,
+    # step in hand, inertia and friction and torque that link 2 carries, mean alpha1, P at the end of the step
+    *("stops", "solver", "short", "given", "load", "step", "carried", "carried_friction", "carried_torque"),
     *("alpha1", "momentum_end", "braking"),
     *("change_q", "change1", "change2"),
     # rates at the stages of the explicit pair, what is integrated besides, and the inside of the step
     *(("rate_q", STAGES), ("rate_omega1", STAGES), ("rate_omega2", STAGES), ("integrand", STAGES)),
     *(("dense_q", DENSE), ("dense_omega1", DENSE), ("dense_omega2", DENSE), ("dense_other", DENSE)),
-    # general: all that is followed, the guards, and how the last step has ended
+    # general: all that is followed, and the guards
     ("followed", (("rate", STAGES), "change"), FOLLOWED),
     ("watched", (("value", STAGES), ("rate", STAGES), ("dense", DENSE)), 5),
-    *(("weights", STAGES), "ended", "met_slip"),
+    ("weights", STAGES),
     # collocation: matrices of the shaft, and numbers at the stages
     *(("inverse", MATRIX), ("gain", MATRIX), ("shaft", MATRIX), ("jacobian", MATRIX)),
     *(("rate1", COLLOCATED), ("rate2", COLLOCATED), ("rate3", COLLOCATED), ("rate_relative", COLLOCATED)),

@@ -5,7 +5,7 @@ from .averaged.jump import jump_averaged, takes_up_jump
 from .averaged.run import run_averaged
 from .codes import AVERAGED, DRIVE_TORQUE, DRIVING, ELASTIC, KINEMATIC, OK, TIMESTEPPING, TOO_MUCH_WORK
 from .contact import TORQUE_ROUNDING, is_held, present_mode
-from .engine import run_events
+from .engine import run_events, switch
 from .general.choice import choose_states
 from .general.jump import jump_general
 from .general.motion import evaluate, take_state
@@ -46,6 +46,14 @@ def follow_parameters(p, d, x):
             choose_states(d, x, 0.0)
         else:
             x.mode = present_mode(d, x, TORQUE_ROUNDING)
+        if p.drive == DRIVE_TORQUE:
+            x.alpha1, _ = accelerations_now(d, x)
+
+
+def switch_now(p, d, x):
+    """Carry out the switch that the last step has stopped at, if it has."""
+    if x.switching != 0.0:
+        switch(d, x)
         if p.drive == DRIVE_TORQUE:
             x.alpha1, _ = accelerations_now(d, x)
 
@@ -148,7 +156,7 @@ def run_at_speed(p, d, u, x, w, h, jump):
     else:
         status = run_pulses(p, d, x, w, h)
     if status == OK:
-        turn_input(d, x, start1, h)
+        turn_input(d, x, start1, x.length)
     return status, input_jump, output_jump
 
 
@@ -160,5 +168,5 @@ def run_by_torque(p, d, x, w, h):
         status = run_pulses(p, d, x, w, h)
         if status == OK:
             x.alpha1, _ = accelerations_now(d, x)
-    x.input_impulse = x.drive_torque * h
+    x.input_impulse = x.drive_torque * x.length
     return status

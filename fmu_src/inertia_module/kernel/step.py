@@ -16,6 +16,7 @@ from .codes import (
     NOT_FINITE,
     OK,
     STEP_ONLY,
+    STEP_TO_SWITCH,
     TIMESTEPPING,
 )
 from .derive import derive
@@ -23,7 +24,7 @@ from .general.jam import jams
 from .inputs import begin, check_inputs, check_rates, input_speed
 from .limits import LARGEST_STEP
 from .outputs import stored_energy, write_late_outputs, write_outputs
-from .run import follow_parameters, run_at_speed, run_by_torque
+from .run import follow_parameters, run_at_speed, run_by_torque, switch_now
 from .solvers.timestepping import begin_here
 
 # share of the tolerance that a step is tried again with whose energies do not balance
@@ -96,6 +97,7 @@ def tune(p, d, x, w):
     if status == OK and p.fidelity == AVERAGED:
         status = build_map(p, d, w)
     if status == OK:
+        switch_now(p, d, x)
         x.goes_on = 0.0
         x.known = 0.0
     return status
@@ -123,14 +125,14 @@ def is_finite(x):
 
 
 def advance(p, d, u, x, y, w, h, operation):
-    """Advance by the communication step h, s.
+    """Advance by the communication step h, s, or to the first switch in it (operation STEP_TO_SWITCH).
 
     A status other than OK leaves state and outputs as they were.
 
     Args:
         p, d, u: parameters, derived constants, inputs (held or extrapolated over the step).
         x, y: state and outputs, written. w: workspace.
-        operation: that asks for it; with STEP_ONLY the late outputs stay as they were.
+        operation: that asks for it; with STEP_ONLY and STEP_TO_SWITCH the late outputs stay as they were.
     """
     if not 0.0 < h <= LARGEST_STEP:
         return BAD_STEP
@@ -140,6 +142,7 @@ def advance(p, d, u, x, y, w, h, operation):
     if status != OK:
         return status
     copy(w.before.numbers, x.numbers)
+    switch_now(p, d, x)
     status = run_audited(p, d, u, x, w, h)
     if status == NOT_BALANCED:
         status = run_again(p, d, u, x, w, h)
@@ -147,7 +150,7 @@ def advance(p, d, u, x, y, w, h, operation):
         copy(x.numbers, w.before.numbers)
         return status
     write_outputs(x, y)
-    if operation != STEP_ONLY:
+    if operation != STEP_ONLY and operation != STEP_TO_SWITCH:
         write_late_outputs(p, d, x, y)
     return OK
 
@@ -164,6 +167,7 @@ def run_again(p, d, u, x, w, h):
     """Advance from the state before the step once more, with more care. Returns a status."""
     tolerance = d.tolerance
     copy(x.numbers, w.before.numbers)
+    switch_now(p, d, x)
     d.tolerance = max(MORE_CARE * tolerance, 1e-14)
     status = run_audited(p, d, u, x, w, h)
     d.tolerance = tolerance
@@ -180,7 +184,7 @@ def run(p, d, u, x, w, h):
     else:
         status = run_by_torque(p, d, x, w, h)
     if status == OK:
-        end(x, h, input_jump, output_jump)
+        end(x, x.length, input_jump, output_jump)
         if not is_finite(x):
             status = NOT_FINITE
     return status

@@ -8,34 +8,33 @@
 #define CHANGE 1e-4
 
 /* Whether all references are Reals of inputs, or of outputs, and the order is 1. */
-static fmi2Status check_references(struct instance *c, const fmi2ValueReference references[], size_t count,
-                                   const fmi2Integer order[], int inputs)
+static enum status check_references(struct instance *c, const uint32_t references[], size_t count,
+                                   const int32_t orders[], int inputs)
 {
     for (size_t n = 0; n < count; n++) {
         const struct variable *variable =
             references[n] < model.variable_count ? &model.variables[references[n]] : NULL;
         if (!variable || (inputs ? variable->array != INPUTS : !variable->output))
-            return report(c, fmi2Error, "a value reference must be that of an %s, is %u", inputs ? "input" : "output",
+            return report(c, ERROR, "a value reference must be that of an %s, is %u", inputs ? "input" : "output",
                           (unsigned)references[n]);
-        if (order && order[n] != 1)
-            return report(c, fmi2Error, "the order of a derivative of %s must be 1, is %d", variable->name,
-                          (int)order[n]);
+        if (orders && orders[n] != 1)
+            return report(c, ERROR, "the order of a derivative of %s must be 1, is %d", variable->name,
+                          (int)orders[n]);
     }
-    return fmi2OK;
+    return OK;
 }
 
-fmi2Status fmi2SetRealInputDerivatives(fmi2Component component, const fmi2ValueReference references[], size_t count,
-                                       const fmi2Integer order[], const fmi2Real values[])
+enum status set_rates(struct instance *c, const uint32_t references[], size_t count, const int32_t orders[],
+                      const double values[])
 {
-    struct instance *c = component;
     if (!c)
-        return fmi2Error;
+        return ERROR;
     if (phase_of(c) == REFUSED || phase_of(c) == TERMINATED)
-        return out_of_order(c, "setRealInputDerivatives", "before terminate");
-    if (count > 0 && (!references || !order || !values))
-        return without_array(c, "setRealInputDerivatives");
-    const fmi2Status status = check_references(c, references, count, order, 1);
-    for (size_t n = 0; status == fmi2OK && n < count; n++) {
+        return out_of_order(c, "setting derivatives of inputs", "before terminate");
+    if (count > 0 && (!references || !orders || !values))
+        return without_array(c, "setting derivatives of inputs");
+    const enum status status = check_references(c, references, count, orders, 1);
+    for (size_t n = 0; status == OK && n < count; n++) {
         const struct variable *input = &model.variables[references[n]];
         c->u[input->rate_slot] = values[n];
         c->u[input->given_slot] = 1.0;
@@ -49,32 +48,31 @@ static void try_from(struct instance *c, const double *x, const double *u)
     memcpy(c->u_trial, u, model.u_size * sizeof(double));
 }
 
-fmi2Status fmi2GetRealOutputDerivatives(fmi2Component component, const fmi2ValueReference references[], size_t count,
-                                        const fmi2Integer order[], fmi2Real values[])
+enum status get_rates(struct instance *c, const uint32_t references[], size_t count, const int32_t orders[],
+                      double values[])
 {
-    struct instance *c = component;
     if (!c)
-        return fmi2Error;
-    if (phase_of(c) != STEPPING && phase_of(c) != TERMINATED)
-        return out_of_order(c, "getRealOutputDerivatives", "after exitInitializationMode");
-    if (count > 0 && (!references || !order || !values))
-        return without_array(c, "getRealOutputDerivatives");
-    const fmi2Status status = check_references(c, references, count, order, 0);
-    if (status != fmi2OK || count == 0)
+        return ERROR;
+    if (!is_differentiable(c))
+        return out_of_order(c, "reading derivatives of outputs", "after exitInitializationMode");
+    if (count > 0 && (!references || !orders || !values))
+        return without_array(c, "reading derivatives of outputs");
+    const enum status status = check_references(c, references, count, orders, 0);
+    if (status != OK || count == 0)
         return status;
     try_from(c, c->x, c->u);
     memcpy(c->y_trial, c->y, model.y_size * sizeof(double));
     const int64_t answer = KERNEL(OPERATION_RATES, c->p, c->d, c->u_trial, c->x_trial, c->y_trial, c->w, 0.0);
     if (answer != STATUS_OK)
-        return explain(c, fmi2Discard, answer, c->u_trial, 0.0);
+        return explain(c, DISCARD, answer, c->u_trial, 0.0);
     for (size_t n = 0; n < count; n++)
         values[n] = c->y_trial[model.variables[references[n]].slot];
-    return fmi2OK;
+    return OK;
 }
 
 /* The outputs, had the inputs been changed: of the last step or, before the first, of the start. */
-static int64_t try_change(struct instance *c, const fmi2ValueReference knowns[], size_t count,
-                          const fmi2Real direction[], double scale, double *y)
+static int64_t try_change(struct instance *c, const uint32_t knowns[], size_t count,
+                          const double direction[], double scale, double *y)
 {
     const int stepped = c->head[LAST_STEP] > 0.0;
     try_from(c, stepped ? c->x_before : c->x, stepped ? c->u_before : c->u);
@@ -85,8 +83,8 @@ static int64_t try_change(struct instance *c, const fmi2ValueReference knowns[],
 }
 
 /* How long the direction is, measured by the sizes of the inputs. */
-static double length_of(const struct instance *c, const fmi2ValueReference knowns[], size_t count,
-                        const fmi2Real direction[])
+static double length_of(const struct instance *c, const uint32_t knowns[], size_t count,
+                        const double direction[])
 {
     const double *u = c->head[LAST_STEP] > 0.0 ? c->u_before : c->u;
     double length = 0.0;
@@ -99,47 +97,92 @@ static double length_of(const struct instance *c, const fmi2ValueReference known
     return length;
 }
 
-fmi2Status fmi2GetDirectionalDerivative(fmi2Component component, const fmi2ValueReference unknowns[],
-                                        size_t unknown_count, const fmi2ValueReference knowns[], size_t known_count,
-                                        const fmi2Real direction[], fmi2Real derivative[])
+/* Make sure that there are outputs to differentiate by inputs, with or without numbers for each. */
+static enum status check_call(struct instance *c, const uint32_t unknowns[], size_t unknown_count,
+                              const double of_unknowns[], const uint32_t knowns[], size_t known_count,
+                              const double of_knowns[])
 {
-    struct instance *c = component;
-    if (!c)
-        return fmi2Error;
-    if ((unknown_count > 0 && (!unknowns || !derivative)) || (known_count > 0 && (!knowns || !direction)))
-        return without_array(c, "getDirectionalDerivative");
-    if (check_references(c, unknowns, unknown_count, NULL, 0) != fmi2OK ||
-        check_references(c, knowns, known_count, NULL, 1) != fmi2OK)
-        return fmi2Error;
-    for (size_t n = 0; n < known_count; n++)
-        if (!isfinite(direction[n]))
-            return report(c, fmi2Error, "a direction must be finite, is %s", SHOWN(direction[n]));
-    if (phase_of(c) == INITIALIZING) {
-        const fmi2Status status = prepare(c, fmi2Discard);
-        if (status != fmi2OK)
-            return status;
-    } else if (phase_of(c) != STEPPING && phase_of(c) != TERMINATED) {
-        return out_of_order(c, "getDirectionalDerivative", "after enterInitializationMode");
-    }
-    const double length = length_of(c, knowns, known_count, direction);
-    for (size_t n = 0; n < unknown_count; n++)
-        derivative[n] = 0.0;
-    if (length == 0.0 || unknown_count == 0)
-        return fmi2OK;
+    if ((unknown_count > 0 && (!unknowns || !of_unknowns)) || (known_count > 0 && (!knowns || !of_knowns)))
+        return without_array(c, "a derivative");
+    if (check_references(c, unknowns, unknown_count, NULL, 0) != OK ||
+        check_references(c, knowns, known_count, NULL, 1) != OK)
+        return ERROR;
+    if (phase_of(c) == INITIALIZING)
+        return prepare(c, DISCARD);
+    if (!is_differentiable(c))
+        return out_of_order(c, "a derivative", "after enterInitializationMode");
+    return OK;
+}
+
+static enum status check_numbers(struct instance *c, const double numbers[], size_t count)
+{
+    for (size_t n = 0; n < count; n++)
+        if (!isfinite(numbers[n]))
+            return report(c, ERROR, "a direction must be finite, is %s", SHOWN(numbers[n]));
+    return OK;
+}
+
+/* The outputs with the inputs changed both ways into y_trial and y_other; the change between them, or 0 for none. */
+static enum status try_both_ways(struct instance *c, const uint32_t knowns[], size_t count,
+                                 const double direction[], double *change)
+{
+    const double length = length_of(c, knowns, count, direction);
+    *change = 0.0;
+    if (length == 0.0)
+        return OK;
     /* central differences; one-sided where the change leads out of what is allowed */
     double forward = CHANGE / length, backward = -CHANGE / length;
-    int64_t answer = try_change(c, knowns, known_count, direction, forward, c->y_trial);
+    int64_t answer = try_change(c, knowns, count, direction, forward, c->y_trial);
     if (answer != STATUS_OK)
-        answer = try_change(c, knowns, known_count, direction, forward = 0.0, c->y_trial);
-    if (answer == STATUS_OK && try_change(c, knowns, known_count, direction, backward, c->y_other) != STATUS_OK)
-        answer = try_change(c, knowns, known_count, direction, backward = 0.0, c->y_other);
+        answer = try_change(c, knowns, count, direction, forward = 0.0, c->y_trial);
+    if (answer == STATUS_OK && try_change(c, knowns, count, direction, backward, c->y_other) != STATUS_OK)
+        answer = try_change(c, knowns, count, direction, backward = 0.0, c->y_other);
     if (answer == STATUS_OK && forward == backward)
-        return report(c, fmi2Discard, "inputs must be able to change one way, both ways they leave what is allowed");
+        return report(c, DISCARD, "inputs must be able to change one way, both ways they leave what is allowed");
     if (answer != STATUS_OK)
-        return explain(c, fmi2Discard, answer, c->u_trial, c->head[LAST_STEP]);
-    for (size_t n = 0; n < unknown_count; n++) {
-        const int slot = model.variables[unknowns[n]].slot;
-        derivative[n] = (c->y_trial[slot] - c->y_other[slot]) / (forward - backward);
+        return explain(c, DISCARD, answer, c->u_trial, c->head[LAST_STEP]);
+    *change = forward - backward;
+    return OK;
+}
+
+static double slope_of(const struct instance *c, uint32_t unknown, double change)
+{
+    const int slot = model.variables[unknown].slot;
+    return change == 0.0 ? 0.0 : (c->y_trial[slot] - c->y_other[slot]) / change;
+}
+
+enum status directional(struct instance *c, const uint32_t unknowns[], size_t unknown_count,
+                        const uint32_t knowns[], size_t known_count, const double direction[],
+                        double derivative[])
+{
+    double change;
+    if (!c)
+        return ERROR;
+    enum status status = check_call(c, unknowns, unknown_count, derivative, knowns, known_count, direction);
+    if (status == OK)
+        status = check_numbers(c, direction, known_count);
+    if (status == OK && unknown_count > 0)
+        status = try_both_ways(c, knowns, known_count, direction, &change);
+    for (size_t n = 0; status == OK && n < unknown_count; n++)
+        derivative[n] = slope_of(c, unknowns[n], change);
+    return status;
+}
+
+enum status adjoint(struct instance *c, const uint32_t unknowns[], size_t unknown_count, const uint32_t knowns[],
+                    size_t known_count, const double seed[], double sensitivity[])
+{
+    static const double one = 1.0;
+    double change;
+    if (!c)
+        return ERROR;
+    enum status status = check_call(c, unknowns, unknown_count, seed, knowns, known_count, sensitivity);
+    if (status == OK)
+        status = check_numbers(c, seed, unknown_count);
+    for (size_t n = 0; status == OK && n < known_count; n++) {
+        status = try_both_ways(c, &knowns[n], 1, &one, &change);
+        sensitivity[n] = 0.0;
+        for (size_t m = 0; status == OK && m < unknown_count; m++)
+            sensitivity[n] += seed[m] * slope_of(c, unknowns[m], change);
     }
-    return fmi2OK;
+    return status;
 }

@@ -1,11 +1,13 @@
-/* One instance of the FMU, and what the files of the shell share of it. */
+/* One instance of the FMU, whatever the version of FMI, and what the files of the shell share of it. */
 #ifndef INSTANCE_H
 #define INSTANCE_H
 
-#include "fmi2Functions.h"
 #include "model.h"
 
-enum phase { INSTANTIATED, INITIALIZING, STEPPING, REFUSED, TERMINATED, PHASES };
+/* what a call answers, by the numbers of FMI 2.0 and 3.0 */
+enum status { OK, WARNING, DISCARD, ERROR };
+
+enum phase { INSTANTIATED, INITIALIZING, STEPPING, REFUSED, TERMINATED, AT_EVENT, UPDATING, PHASES };
 
 enum category { LOG_WARNING, LOG_DISCARD, LOG_ERROR, LOG_STEPS, LOG_ALL, CATEGORIES };
 
@@ -19,8 +21,25 @@ struct saved {
     double block[];
 };
 
+struct instance;
+
+/* What the version of FMI and the host give an instance to work with. */
+struct host {
+    void (*log)(struct instance *c, enum status status, const char *category, const char *text);
+    void *(*allocate)(size_t count, size_t size);
+    void (*release)(void *memory);
+};
+
+/* A host's type of values: which kinds of variables are of it, and how a value is read from an array and written. */
+struct type {
+    const char *name;
+    unsigned kinds; /* 1 << kind of each */
+    double (*read)(const void *values, size_t n);
+    void (*write)(void *values, size_t n, double value);
+};
+
 struct instance {
-    fmi2CallbackFunctions callbacks;
+    struct host host;
     char *name;
     int logged[CATEGORIES];
     int warned;            /* of a communication point that is not the time reached */
@@ -30,16 +49,23 @@ struct instance {
     double *head, *p, *d, *u, *x, *y, *x_before, *u_before;
     double *values[ARRAYS];
     /* not part of the state: workspace of the kernel, and arrays to try things out on */
-    double *w, *p_trial, *x_trial, *u_trial, *y_trial, *y_other;
+    double *w, *p_trial, *x_trial, *u_trial, *y_trial, *y_other, *x_watched, *y_watched;
 };
 
 /* doubles in the block of a state */
 size_t block_size(void);
 
+/* letters of a message at most, its end included */
+#define LONGEST_MESSAGE 1024
+
 /* how an instance in a phase is called in messages */
 extern const char *const phase_names[PHASES];
 
 enum phase phase_of(const struct instance *c);
+
+/* Whether an instance takes steps: is between them or at an event; whether its outputs can be differentiated. */
+int is_running(const struct instance *c);
+int is_differentiable(const struct instance *c);
 
 /* A number as text, the same on every platform and in every country; SHOWN brings the memory for it. */
 #define NUMBER_SIZE 40
@@ -47,18 +73,18 @@ enum phase phase_of(const struct instance *c);
 const char *show(char *text, double value);
 
 /* Log a message if its category is on (errors always are) and return the status. Numbers: see SHOWN. */
-fmi2Status report(struct instance *c, fmi2Status status, const char *format, ...)
+enum status report(struct instance *c, enum status status, const char *format, ...)
 #if defined __GNUC__
     __attribute__((format(printf, 3, 4)))
 #endif
     ;
 
-/* Report a call that does not belong to the phase, and one without its arrays: fmi2Error. */
-fmi2Status out_of_order(struct instance *c, const char *call, const char *allowed);
-fmi2Status without_array(struct instance *c, const char *call);
+/* Report a call that does not belong to the phase, and one without its arrays: an error. */
+enum status out_of_order(struct instance *c, const char *call, const char *allowed);
+enum status without_array(struct instance *c, const char *call);
 
 /* Report what the model says of a status of its kernel, with the values in u. */
-fmi2Status explain(struct instance *c, fmi2Status status, int64_t answer, const double *u, double step);
+enum status explain(struct instance *c, enum status status, int64_t answer, const double *u, double step);
 
 /* Log what cannot be built of a mechanism that is accepted. */
 void warn(struct instance *c);
@@ -66,22 +92,66 @@ void warn(struct instance *c);
 /* Log the traced values of a step, if that is wanted. */
 void trace(struct instance *c, double step);
 
+enum status choose_logging(struct instance *c, int on, size_t count, const char *const categories[]);
+
+/* Life. An instance is the first member of what a version of FMI makes of it, SIZE bytes in all; NULL: no memory. */
+struct instance *create(const struct host *host, size_t size, const char *name, int logging);
+void destroy(struct instance *c);
+enum status set_up(struct instance *c, int tolerance_defined, double tolerance, double start_time,
+                   int stop_time_defined, double stop_time);
+enum status enter_initialization(struct instance *c);
+enum status exit_initialization(struct instance *c, enum phase next);
+enum status terminate(struct instance *c);
+enum status reset(struct instance *c);
+
+/* Report a call that must not come in an intermediate update: an error; else OK. */
+enum status check_no_update(struct instance *c, const char *call);
+
 /* Whether a parameter is finite, whole where it has to be, and within its range. */
 int is_allowed(const struct variable *variable, double value);
 
 /* Check the parameters and let the kernel start, unless that has been done since the last change. */
-fmi2Status prepare(struct instance *c, fmi2Status refused);
+enum status prepare(struct instance *c, enum status refused);
 
 /* Have the late outputs filled in, if they are not and can be. */
 void complete(struct instance *c);
 
-/* Start values, as after instantiation. */
-void set_start_values(struct instance *c);
+/* Values by their references: all of a call are read or set, or none. */
+enum status get_values(struct instance *c, const uint32_t references[], size_t count, void *values,
+                       const struct type *type);
+enum status set_values(struct instance *c, const uint32_t references[], size_t count, const void *values,
+                       const struct type *type);
+double read_real(const void *values, size_t n);
+double read_integer(const void *values, size_t n);
+void write_real(void *values, size_t n, double value);
+void write_integer(void *values, size_t n, double value);
 
-/* Forget all states saved. */
+/* Steps by an operation of the kernel; whether the last one has stopped at a switch that is yet to be carried out. */
+enum status take_step(struct instance *c, enum operation operation, double time, double step);
+int has_stopped(const struct instance *c);
+void carry_out_switch(struct instance *c);
+
+/* Go through a step and show the instance as it is after each switch in it; then it is as it was before. */
+void watch_switches(struct instance *c, double time, double step, void (*seen)(struct instance *c, int finished));
+
+/* Derivatives: of inputs and outputs by time, orders must be 1; of outputs by inputs. */
+enum status set_rates(struct instance *c, const uint32_t references[], size_t count, const int32_t orders[],
+                      const double values[]);
+enum status get_rates(struct instance *c, const uint32_t references[], size_t count, const int32_t orders[],
+                      double values[]);
+enum status directional(struct instance *c, const uint32_t unknowns[], size_t unknown_count,
+                        const uint32_t knowns[], size_t known_count, const double direction[],
+                        double derivative[]);
+enum status adjoint(struct instance *c, const uint32_t unknowns[], size_t unknown_count, const uint32_t knowns[],
+                    size_t known_count, const double seed[], double sensitivity[]);
+
+/* Saved states. */
+enum status save_state(struct instance *c, void **state);
+enum status restore_state(struct instance *c, void *state);
+enum status free_state(struct instance *c, void **state);
+enum status serialized_size(struct instance *c, void *state, size_t *size);
+enum status serialize_state(struct instance *c, void *state, void *bytes, size_t size);
+enum status deserialize_state(struct instance *c, const void *bytes, size_t size, void **state);
 void free_states(struct instance *c);
-
-void *allocate(const fmi2CallbackFunctions *callbacks, size_t size);
-void release(const fmi2CallbackFunctions *callbacks, void *memory);
 
 #endif

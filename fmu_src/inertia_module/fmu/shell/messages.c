@@ -6,17 +6,14 @@
 #include <stdio.h>
 #include <string.h>
 
-#define LONGEST_MESSAGE 1024
-
 static const char *const category_names[CATEGORIES] = {
     "logStatusWarning", "logStatusDiscard", "logStatusError", "logSteps", "logAll"};
 
-fmi2Status fmi2SetDebugLogging(fmi2Component component, fmi2Boolean on, size_t count, const fmi2String categories[])
+enum status choose_logging(struct instance *c, int on, size_t count, const char *const categories[])
 {
-    struct instance *c = component;
     int chosen[CATEGORIES] = {0};
     if (!c)
-        return fmi2Error;
+        return ERROR;
     if (count > 0 && !categories)
         return without_array(c, "setDebugLogging");
     for (size_t n = 0; n < count; n++) {
@@ -24,53 +21,39 @@ fmi2Status fmi2SetDebugLogging(fmi2Component component, fmi2Boolean on, size_t c
         while (found < CATEGORIES && (!categories[n] || strcmp(categories[n], category_names[found]) != 0))
             found++;
         if (found == CATEGORIES)
-            return report(c, fmi2Error, "a log category must be logStatusWarning, logStatusDiscard, logStatusError,"
+            return report(c, ERROR, "a log category must be logStatusWarning, logStatusDiscard, logStatusError,"
                           " logSteps or logAll, is %.64s", categories[n] ? categories[n] : "NULL");
         chosen[found] = 1;
     }
     for (int n = 0; n < CATEGORIES; n++)
         if (count == 0 || chosen[n] || chosen[LOG_ALL])
-            c->logged[n] = on != 0;
-    return fmi2OK;
+            c->logged[n] = on;
+    return OK;
 }
 
-/* Hand a finished text over. The logger takes it for a printf format. */
-static void hand_over(struct instance *c, fmi2Status status, enum category category, const char *text)
-{
-    char escaped[2 * LONGEST_MESSAGE];
-    size_t length = 0;
-    for (; *text && length < sizeof escaped - 2; text++) {
-        escaped[length++] = *text;
-        if (*text == '%')
-            escaped[length++] = '%';
-    }
-    escaped[length] = '\0';
-    c->callbacks.logger(c->callbacks.componentEnvironment, c->name, status, category_names[category], escaped);
-}
-
-fmi2Status report(struct instance *c, fmi2Status status, const char *format, ...)
+enum status report(struct instance *c, enum status status, const char *format, ...)
 {
     const enum category category =
-        status == fmi2Warning ? LOG_WARNING : status == fmi2Discard ? LOG_DISCARD : LOG_ERROR;
+        status == WARNING ? LOG_WARNING : status == DISCARD ? LOG_DISCARD : LOG_ERROR;
     char text[LONGEST_MESSAGE];
     va_list arguments;
-    if (!c->callbacks.logger || !(category == LOG_ERROR || c->logged[category]))
+    if (!c->host.log || !(category == LOG_ERROR || c->logged[category]))
         return status;
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    hand_over(c, status, category, text);
+    c->host.log(c, status, category_names[category], text);
     return status;
 }
 
-fmi2Status out_of_order(struct instance *c, const char *call, const char *allowed)
+enum status out_of_order(struct instance *c, const char *call, const char *allowed)
 {
-    return report(c, fmi2Error, "%s must come %s, the instance is %s", call, allowed, phase_names[phase_of(c)]);
+    return report(c, ERROR, "%s must come %s, the instance is %s", call, allowed, phase_names[phase_of(c)]);
 }
 
-fmi2Status without_array(struct instance *c, const char *call)
+enum status without_array(struct instance *c, const char *call)
 {
-    return report(c, fmi2Error, "the arrays of %s must be given, one is NULL", call);
+    return report(c, ERROR, "the arrays of %s must be given, one is NULL", call);
 }
 
 const char *show(char *text, double value)
@@ -119,7 +102,7 @@ static void compose(char *text, const struct instance *c, const struct piece *pi
     text[length] = '\0';
 }
 
-fmi2Status explain(struct instance *c, fmi2Status status, int64_t answer, const double *u, double step)
+enum status explain(struct instance *c, enum status status, int64_t answer, const double *u, double step)
 {
     char text[LONGEST_MESSAGE];
     for (size_t n = 0; n < model.message_count; n++) {
@@ -141,7 +124,7 @@ void warn(struct instance *c)
         if (!(found & model.warnings[n].number))
             continue;
         compose(text, c, model.warnings[n].pieces, c->u, 0.0);
-        report(c, fmi2Warning, "%s", text);
+        report(c, WARNING, "%s", text);
     }
 }
 
@@ -149,7 +132,7 @@ void trace(struct instance *c, double step)
 {
     char text[LONGEST_MESSAGE];
     size_t length = 0;
-    if (!c->logged[LOG_STEPS] || !c->callbacks.logger)
+    if (!c->logged[LOG_STEPS] || !c->host.log)
         return;
     length = add_text(text, length, "step to ");
     length = add_number(text, length, c->head[TIME]);
@@ -164,5 +147,5 @@ void trace(struct instance *c, double step)
         length = add_number(text, length, c->values[variable->array][variable->slot]);
     }
     text[length] = '\0';
-    hand_over(c, fmi2OK, LOG_STEPS, text);
+    c->host.log(c, OK, category_names[LOG_STEPS], text);
 }

@@ -8,9 +8,8 @@
 #include "codes.h"
 
 /* the kernel's arrays that hold variables */
-enum array { PARAMETERS, INPUTS, OUTPUTS, ARRAYS };
-enum kind { REAL, INTEGER, BOOLEAN };
-
+enum array { PARAMETERS, INPUTS, OUTPUTS, CLOCK, ARRAYS }; /* CLOCK: the time, where it is a variable */
+enum kind { REAL, INTEGER, BOOLEAN, ENUMERATION };
 
 /* A variable; its value reference is its place in the table. */
 struct variable {
@@ -57,6 +56,8 @@ struct model {
     const struct variable *variables;
     size_t variable_count;
     int tolerance_slot;  /* of the parameters, or -1 */
+    int length_slot;     /* of the state: length of the last step, or -1 where a step cannot stop at a switch */
+    int switching_slot;  /* ... whether it has stopped at one */
     size_t p_size, d_size, u_size, x_size, y_size, w_size;
     const struct message *messages;
     size_t message_count;

@@ -23,16 +23,16 @@ static int is_saved(const struct instance *c, const void *state)
     return 0;
 }
 
-static fmi2Status refuse(struct instance *c, const char *call)
+static enum status refuse(struct instance *c)
 {
-    return report(c, fmi2Error, "the state of %s must be one that this instance has saved and not freed", call);
+    return report(c, ERROR, "a state must be one that this instance has saved and not freed, is another");
 }
 
 static struct saved *add_state(struct instance *c)
 {
-    struct saved *saved = allocate(&c->callbacks, sizeof *saved + block_size() * sizeof(double));
+    struct saved *saved = c->host.allocate(1, sizeof *saved + block_size() * sizeof(double));
     if (!saved) {
-        report(c, fmi2Error, "there is not enough memory for a state");
+        report(c, ERROR, "there is not enough memory for a state");
         return NULL;
     }
     saved->previous = NULL;
@@ -51,7 +51,7 @@ static void remove_state(struct instance *c, struct saved *saved)
         saved->previous->next = saved->next;
     else
         c->states = saved->next;
-    release(&c->callbacks, saved);
+    c->host.release(saved);
 }
 
 void free_states(struct instance *c)
@@ -60,46 +60,47 @@ void free_states(struct instance *c)
         remove_state(c, c->states);
 }
 
-fmi2Status fmi2GetFMUstate(fmi2Component component, fmi2FMUstate *state)
+enum status save_state(struct instance *c, void **state)
 {
-    struct instance *c = component;
     if (!c)
-        return fmi2Error;
+        return ERROR;
+    if (check_no_update(c, "saving a state") != OK)
+        return ERROR;
     if (!state)
-        return refuse(c, "getFMUstate");
+        return refuse(c);
     if (*state && !is_saved(c, *state))
-        return refuse(c, "getFMUstate");
+        return refuse(c);
     struct saved *saved = *state ? *state : add_state(c);
     if (!saved)
-        return fmi2Error;
+        return ERROR;
     memcpy(saved->block, c->block, block_size() * sizeof(double));
     *state = saved;
-    return fmi2OK;
+    return OK;
 }
 
-fmi2Status fmi2SetFMUstate(fmi2Component component, fmi2FMUstate state)
+enum status restore_state(struct instance *c, void *state)
 {
-    struct instance *c = component;
     if (!c)
-        return fmi2Error;
+        return ERROR;
+    if (check_no_update(c, "restoring a state") != OK)
+        return ERROR;
     if (!is_saved(c, state))
-        return refuse(c, "setFMUstate");
+        return refuse(c);
     memcpy(c->block, ((struct saved *)state)->block, block_size() * sizeof(double));
-    return fmi2OK;
+    return OK;
 }
 
-fmi2Status fmi2FreeFMUstate(fmi2Component component, fmi2FMUstate *state)
+enum status free_state(struct instance *c, void **state)
 {
-    struct instance *c = component;
     if (!c)
-        return fmi2Error;
+        return ERROR;
     if (!state || !*state)
-        return fmi2OK;
+        return OK;
     if (!is_saved(c, *state))
-        return refuse(c, "freeFMUstate");
+        return refuse(c);
     remove_state(c, *state);
     *state = NULL;
-    return fmi2OK;
+    return OK;
 }
 
 /* Sum over the bytes that tells a damaged state (Fowler, Noll and Vo's). */
@@ -124,7 +125,7 @@ static struct wrapper wrapper_of(const void *block, size_t length)
 }
 
 /* Number of a block of which only the bytes are there, at any address. */
-static double number_at(const fmi2Byte *block, size_t place)
+static double number_at(const unsigned char *block, size_t place)
 {
     double number;
     memcpy(&number, block + place * sizeof number, sizeof number);
@@ -137,15 +138,15 @@ static int is_whole(double value, double most)
 }
 
 /* Whether all that is used as an index or a choice is one: the sum of bytes can be made to fit by anybody. */
-static int is_sound(const fmi2Byte *block)
+static int is_sound(const unsigned char *block)
 {
     const size_t p = HEAD_SIZE, d = p + model.p_size, x = d + model.d_size + model.u_size;
     const size_t x_before = x + model.x_size + model.y_size;
     const double phase = number_at(block, PHASE), prepared = number_at(block, PREPARED);
-    if (!is_whole(phase, PHASES - 1) || !is_whole(prepared, 1.0) ||
+    if (!is_whole(phase, PHASES - 1) || phase == UPDATING || !is_whole(prepared, 1.0) ||
         !is_whole(number_at(block, COMPLETE), 1.0))
         return 0;
-    if ((phase == STEPPING || phase == TERMINATED) && prepared == 0.0)
+    if ((phase == STEPPING || phase == AT_EVENT || phase == TERMINATED) && prepared == 0.0)
         return 0;
     for (size_t n = 0; n < model.bound_count; n++) {
         const struct bound *bound = &model.bounds[n];
@@ -162,55 +163,53 @@ static int is_sound(const fmi2Byte *block)
     return 1;
 }
 
-fmi2Status fmi2SerializedFMUstateSize(fmi2Component component, fmi2FMUstate state, size_t *size)
+enum status serialized_size(struct instance *c, void *state, size_t *size)
 {
-    struct instance *c = component;
     if (!c)
-        return fmi2Error;
+        return ERROR;
     if (!size || !is_saved(c, state))
-        return refuse(c, "serializedFMUstateSize");
+        return refuse(c);
     *size = sizeof(struct wrapper) + block_size() * sizeof(double);
-    return fmi2OK;
+    return OK;
 }
 
-fmi2Status fmi2SerializeFMUstate(fmi2Component component, fmi2FMUstate state, fmi2Byte bytes[], size_t size)
+enum status serialize_state(struct instance *c, void *state, void *bytes, size_t size)
 {
-    struct instance *c = component;
     const size_t length = block_size() * sizeof(double);
     if (!c)
-        return fmi2Error;
+        return ERROR;
     if (!bytes || !is_saved(c, state))
-        return refuse(c, "serializeFMUstate");
+        return refuse(c);
     if (size < sizeof(struct wrapper) + length)
-        return report(c, fmi2Error, "the bytes of serializeFMUstate must be at least %lu, are %lu",
+        return report(c, ERROR, "the bytes of a serialized state must be at least %lu, are %lu",
                       (unsigned long)(sizeof(struct wrapper) + length), (unsigned long)size);
     const double *block = ((struct saved *)state)->block;
     const struct wrapper wrapper = wrapper_of(block, length);
     memcpy(bytes, &wrapper, sizeof wrapper);
-    memcpy(bytes + sizeof wrapper, block, length);
-    return fmi2OK;
+    memcpy((unsigned char *)bytes + sizeof wrapper, block, length);
+    return OK;
 }
 
-fmi2Status fmi2DeSerializeFMUstate(fmi2Component component, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state)
+enum status deserialize_state(struct instance *c, const void *bytes, size_t size, void **state)
 {
-    struct instance *c = component;
     const size_t length = block_size() * sizeof(double);
+    const unsigned char *const block = (const unsigned char *)bytes + sizeof(struct wrapper);
     if (!c)
-        return fmi2Error;
+        return ERROR;
     if (!bytes || !state)
-        return refuse(c, "deSerializeFMUstate");
+        return refuse(c);
     if (size != sizeof(struct wrapper) + length)
-        return report(c, fmi2Error, "the state must be one saved by this build, of %lu bytes, is of %lu bytes",
+        return report(c, ERROR, "the state must be one saved by this build, of %lu bytes, is of %lu bytes",
                       (unsigned long)(sizeof(struct wrapper) + length), (unsigned long)size);
-    const struct wrapper wrapper = wrapper_of(bytes + sizeof wrapper, length);
-    if (memcmp(&wrapper, bytes, sizeof wrapper) != 0 || !is_sound(bytes + sizeof wrapper))
-        return report(c, fmi2Error, "the state must be one saved by this build, is damaged or of another build");
+    const struct wrapper wrapper = wrapper_of(block, length);
+    if (memcmp(&wrapper, bytes, sizeof wrapper) != 0 || !is_sound(block))
+        return report(c, ERROR, "the state must be one saved by this build, is damaged or of another build");
     if (*state && !is_saved(c, *state))
-        return refuse(c, "deSerializeFMUstate");
+        return refuse(c);
     struct saved *saved = *state ? *state : add_state(c);
     if (!saved)
-        return fmi2Error;
-    memcpy(saved->block, bytes + sizeof wrapper, length);
+        return ERROR;
+    memcpy(saved->block, block, length);
     *state = saved;
-    return fmi2OK;
+    return OK;
 }

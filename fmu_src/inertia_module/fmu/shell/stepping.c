@@ -1,4 +1,4 @@
-/* Communication steps, and what the host may ask about them. */
+/* Communication steps. */
 #include "instance.h"
 
 #include <math.h>
@@ -14,24 +14,56 @@ static void check_time(struct instance *c, double time, double step)
     if (c->warned || fabs(time - c->head[TIME]) <= NEAR_STEP * step + NEAR_TIME * fabs(time))
         return;
     c->warned = 1;
-    report(c, fmi2Warning, "communication point must be the time reached, %s s, or that of a saved state, is %s s;"
+    report(c, WARNING, "communication point must be the time reached, %s s, or that of a saved state, is %s s;"
            " the motion goes on from the state it is in", SHOWN(c->head[TIME]), SHOWN(time));
 }
 
-fmi2Status fmi2DoStep(fmi2Component component, fmi2Real time, fmi2Real step, fmi2Boolean no_state_prior)
+int has_stopped(const struct instance *c)
 {
-    struct instance *c = component;
-    (void)no_state_prior;
+    return model.switching_slot >= 0 && c->x[model.switching_slot] != 0.0;
+}
+
+void carry_out_switch(struct instance *c)
+{
+    if (!has_stopped(c))
+        return;
+    KERNEL(OPERATION_SWITCH, c->p, c->d, c->u, c->x, c->y, c->w, 0.0);
+    c->head[COMPLETE] = 0.0;
+}
+
+void watch_switches(struct instance *c, double time, double step, void (*seen)(struct instance *c, int finished))
+{
+    const double time_before = c->head[TIME], complete_before = c->head[COMPLETE];
+    double passed = 0.0;
+    if (model.switching_slot < 0 || phase_of(c) != STEPPING || !isfinite(time))
+        return;
+    memcpy(c->x_watched, c->x, model.x_size * sizeof(double));
+    memcpy(c->y_watched, c->y, model.y_size * sizeof(double));
+    while (passed < step && KERNEL(OPERATION_STEP_TO_SWITCH, c->p, c->d, c->u, c->x, c->y, c->w, step - passed) ==
+                                STATUS_OK && has_stopped(c)) {
+        passed += c->x[model.length_slot];
+        carry_out_switch(c);
+        c->head[TIME] = time + passed;
+        seen(c, 0);
+    }
+    memcpy(c->x, c->x_watched, model.x_size * sizeof(double));
+    memcpy(c->y, c->y_watched, model.y_size * sizeof(double));
+    c->head[TIME] = time_before;
+    c->head[COMPLETE] = complete_before;
+}
+
+enum status take_step(struct instance *c, enum operation operation, double time, double step)
+{
     if (!c)
-        return fmi2Error;
+        return ERROR;
     if (phase_of(c) != STEPPING)
         return out_of_order(c, "doStep", "after exitInitializationMode");
     if (!isfinite(time))
-        return report(c, fmi2Discard, "communication point must be a finite number of seconds, is %s", SHOWN(time));
+        return report(c, DISCARD, "communication point must be a finite number of seconds, is %s", SHOWN(time));
     memcpy(c->x_trial, c->x, model.x_size * sizeof(double));
-    const int64_t answer = KERNEL(OPERATION_STEP_ONLY, c->p, c->d, c->u, c->x, c->y, c->w, step);
+    const int64_t answer = KERNEL(operation, c->p, c->d, c->u, c->x, c->y, c->w, step);
     if (answer != STATUS_OK)
-        return explain(c, fmi2Discard, answer, c->u, step);
+        return explain(c, DISCARD, answer, c->u, step);
     check_time(c, time, step);
     memcpy(c->x_before, c->x_trial, model.x_size * sizeof(double));
     memcpy(c->u_before, c->u, model.u_size * sizeof(double));
@@ -40,64 +72,11 @@ fmi2Status fmi2DoStep(fmi2Component component, fmi2Real time, fmi2Real step, fmi
         if (input->array == INPUTS)
             c->u[input->rate_slot] = c->u[input->given_slot] = 0.0;
     }
+    const double length = model.length_slot >= 0 ? c->x[model.length_slot] : step;
     c->head[COMPLETE] = 0.0;
-    c->head[TIME] = time + step;
-    c->head[LAST_STEP] = step;
+    c->head[TIME] = time + length;
+    c->head[LAST_STEP] = length;
     if (c->logged[LOG_STEPS])
-        trace(c, step);
-    return fmi2OK;
-}
-
-fmi2Status fmi2CancelStep(fmi2Component component)
-{
-    struct instance *c = component;
-    return c ? report(c, fmi2Error, "cancelStep needs a pending step, there never is one") : fmi2Error;
-}
-
-static fmi2Status not_pending(struct instance *c, const char *call)
-{
-    return c ? report(c, fmi2Discard, "%s needs a pending step, there never is one", call) : fmi2Error;
-}
-
-fmi2Status fmi2GetStatus(fmi2Component component, const fmi2StatusKind kind, fmi2Status *value)
-{
-    (void)kind;
-    (void)value;
-    return not_pending(component, "getStatus");
-}
-
-fmi2Status fmi2GetIntegerStatus(fmi2Component component, const fmi2StatusKind kind, fmi2Integer *value)
-{
-    (void)kind;
-    (void)value;
-    return not_pending(component, "getIntegerStatus");
-}
-
-fmi2Status fmi2GetStringStatus(fmi2Component component, const fmi2StatusKind kind, fmi2String *value)
-{
-    (void)kind;
-    (void)value;
-    return not_pending(component, "getStringStatus");
-}
-
-fmi2Status fmi2GetRealStatus(fmi2Component component, const fmi2StatusKind kind, fmi2Real *value)
-{
-    struct instance *c = component;
-    if (!c)
-        return fmi2Error;
-    if (kind != fmi2LastSuccessfulTime || !value)
-        return report(c, fmi2Discard, "the kind of getRealStatus must be fmi2LastSuccessfulTime");
-    *value = c->head[TIME];
-    return fmi2OK;
-}
-
-fmi2Status fmi2GetBooleanStatus(fmi2Component component, const fmi2StatusKind kind, fmi2Boolean *value)
-{
-    struct instance *c = component;
-    if (!c)
-        return fmi2Error;
-    if (kind != fmi2Terminated || !value)
-        return report(c, fmi2Discard, "the kind of getBooleanStatus must be fmi2Terminated");
-    *value = fmi2False; /* a refused step ends no simulation */
-    return fmi2OK;
+        trace(c, length);
+    return OK;
 }

@@ -85,7 +85,7 @@ def follow(d, x, w, length):
             limit = min(0.5 * limit, left / (d.k * abs(x.omega1 - x.omega2)))
             continue
         if event:
-            choose_next_states(d, x, w)
+            choose_next_states(d, x)
             # what was locked for long moves at once now
             x.step_size = min(x.step_size, FIRST_PHASE / (d.harmonic * d.k))
         time += passed

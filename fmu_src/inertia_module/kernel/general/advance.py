@@ -256,8 +256,8 @@ def advance_general(d, x, w, remaining):
         # stiff springs make the inside of a step coarse: where an event seems to be a step has to end with it
         x.step_size *= AFRESH
         which = NONE
-    w.ended = 0.0
-    w.met_slip = 0.0
+    x.ended = 0.0
+    x.met_slip = 0.0
     if which == FLOW:
         x.flow_sign = -x.flow_sign
     elif which > FLOW:
@@ -265,9 +265,9 @@ def advance_general(d, x, w, remaining):
     elif which != NONE:
         x.step_size *= AFRESH
         if is_speed(x, which):
-            w.met_slip = 1.0 if which == SLIP and x.housing_state != LOCKED else 0.0
+            x.met_slip = 1.0 if which == SLIP and x.housing_state != LOCKED else 0.0
             meet(d, x, which)
         else:
-            w.ended = 1.0
+            x.ended = 1.0
             unwind(d, x, which)
     return w.step, NONE != which < FLOW

@@ -94,14 +94,14 @@ def choose_states(d, x, before_misses):
         x.step_switches += 1.0
 
 
-def choose_next_states(d, x, w):
+def choose_next_states(d, x):
     """Choose them after an event. Returns whether they have changed."""
     before = (x.housing_state, x.output_state, x.slip_sign)
-    if w.met_slip != 0.0:
+    if x.met_slip != 0.0:
         x.omega2 = x.omega1
         x.omega2_low = x.omega1_low
         if x.output_state == LOCKED:
             x.omega3 = x.omega2
             x.omega3_low = x.omega2_low
-    choose_states(d, x, ENDED if w.ended != 0.0 else 0.0)
+    choose_states(d, x, ENDED if x.ended != 0.0 else 0.0)
     return before != (x.housing_state, x.output_state, x.slip_sign)

@@ -1,0 +1,78 @@
+/* Steps and events of FMI 3.0. */
+#include "fmi3.h"
+
+/* Let the host look at the instance as it is. */
+static void update(struct instance *core, int finished)
+{
+    struct component *const c = (struct component *)core;
+    fmi3Boolean early_return = false;
+    fmi3Float64 early_return_time = core->head[TIME];
+    core->head[PHASE] = UPDATING;
+    c->update(c->environment, core->head[TIME], false, true, finished, false, &early_return, &early_return_time);
+    core->head[PHASE] = STEPPING;
+}
+
+fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 time, fmi3Float64 step, fmi3Boolean no_state_prior,
+                      fmi3Boolean *event_handling_needed, fmi3Boolean *terminate_simulation,
+                      fmi3Boolean *early_return, fmi3Float64 *last_successful_time)
+{
+    struct component *const component = instance;
+    struct instance *const c = instance;
+    (void)no_state_prior;
+    if (!c)
+        return fmi3Error;
+    if (!event_handling_needed || !terminate_simulation || !early_return || !last_successful_time)
+        return (fmi3Status)without_array(c, "doStep");
+    const int stops = component->early_return && model.switching_slot >= 0;
+    if (component->update && !stops)
+        watch_switches(c, time, step, update);
+    const enum status status = take_step(c, stops ? OPERATION_STEP_TO_SWITCH : OPERATION_STEP_ONLY, time, step);
+    *event_handling_needed = status == OK && component->event_mode && has_stopped(c);
+    *early_return = status == OK && c->head[LAST_STEP] < step;
+    *terminate_simulation = false;
+    *last_successful_time = c->head[TIME];
+    if (status == OK && !component->event_mode)
+        carry_out_switch(c);
+    if (status == OK && component->update)
+        update(c, 1);
+    return (fmi3Status)status;
+}
+
+fmi3Status fmi3EnterEventMode(fmi3Instance instance)
+{
+    struct component *const c = instance;
+    if (!c)
+        return fmi3Error;
+    if (!c->event_mode || phase_of(&c->core) != STEPPING)
+        return (fmi3Status)out_of_order(&c->core, "enterEventMode",
+                                        "in step mode of an instance that was made for event mode");
+    c->core.head[PHASE] = AT_EVENT;
+    return fmi3OK;
+}
+
+fmi3Status fmi3EnterStepMode(fmi3Instance instance)
+{
+    struct instance *const c = instance;
+    if (!c)
+        return fmi3Error;
+    if (phase_of(c) != AT_EVENT)
+        return (fmi3Status)out_of_order(c, "enterStepMode", "in event mode");
+    c->head[PHASE] = STEPPING;
+    return fmi3OK;
+}
+
+fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *needs_update, fmi3Boolean *terminates,
+                                    fmi3Boolean *nominals_changed, fmi3Boolean *values_changed,
+                                    fmi3Boolean *next_event_defined, fmi3Float64 *next_event)
+{
+    struct instance *const c = instance;
+    if (!c)
+        return fmi3Error;
+    if (phase_of(c) != AT_EVENT)
+        return (fmi3Status)out_of_order(c, "updateDiscreteStates", "in event mode");
+    if (!needs_update || !terminates || !nominals_changed || !values_changed || !next_event_defined || !next_event)
+        return (fmi3Status)without_array(c, "updateDiscreteStates");
+    carry_out_switch(c);
+    *needs_update = *terminates = *nominals_changed = *values_changed = *next_event_defined = false;
+    return fmi3OK;
+}

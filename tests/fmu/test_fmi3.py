@@ -1,0 +1,269 @@
+"""FMI 3.0: the results of FMI 2.0, and what is new: events, intermediate updates, adjoint derivatives."""
+
+import fmpy
+import numpy as np
+import pytest
+from fmpy import extract, read_model_description
+from fmpy.fmi1 import FMICallException
+from fmpy.fmi3 import fmi3Discard, fmi3Error
+
+from inertia_module.kernel.codes import DRIVING, FREE
+
+from .conftest import Instance
+from .test_native import BY_TORQUE, LEVELS, SCENES, driven
+
+FLAVOURS = ("InertiaModule3",)
+R1 = {"omega1": 100.0, "load_torque": 10.0}
+# levels of fidelity whose steps stop at switches
+BY_EVENTS = [name for name in LEVELS if name.startswith(("rigid", "elastic")) and "timestepping" not in name]
+
+
+@pytest.fixture(scope="module")
+def twin(built, tmp_path_factory):
+    """The FMU of FMI 2.0: its description and its folder."""
+    path = str(built / "InertiaModule.fmu")
+    return read_model_description(path), extract(path, unzipdir=str(tmp_path_factory.mktemp("twin")))
+
+
+@pytest.fixture
+def make(description, unpacked):
+    """Makes instances with the modes of FMI 3.0 that are asked for, and frees them after the test."""
+    made = []
+
+    def instance(**modes):
+        made.append(Instance(description, unpacked, **modes))
+        return made[-1]
+
+    yield instance
+    for one in made:
+        one.close()
+
+
+def pass_event(instance):
+    needs_update, *_ = instance.fmu.updateDiscreteStates()
+    assert not needs_update
+    instance.fmu.enterStepMode()
+
+
+def started(make, event_mode=True, **settings):
+    instance = make(eventModeUsed=event_mode, earlyReturnAllowed=True).start(**settings)
+    if event_mode:
+        pass_event(instance)
+    return instance
+
+
+def run(instance, step, count, seen=lambda: None, event_mode=True):
+    """Steps of a host that goes on where the FMU returns early; times of the returns."""
+    times = []
+    for n in range(1, count + 1):
+        reached = (n - 1) * step
+        while reached < n * step:
+            event, _, early, reached = instance.fmu.doStep(reached, n * step - reached)
+            assert event or not early or not event_mode
+            if early:
+                times.append(reached)
+            if event:
+                seen()
+                instance.fmu.enterEventMode()
+                pass_event(instance)
+                seen()
+    return times
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_without_early_return_it_has_the_bits_of_fmi_2(instance, twin, level):
+    other = Instance(*twin)
+    settings = {**SCENES["bevel"], **LEVELS[level]}
+    assert driven(instance, settings) == driven(other, settings)
+    other.close()
+
+
+def test_events_are_the_125_switches_of_r1_each_at_its_time(make, twin):
+    instance = started(make, **R1)
+    seen = []
+
+    names = ("contact_mode", "contact_switches", "omega2", "omega_out")
+
+    def look():
+        seen.append({name: instance.get(name) for name in names})
+
+    times = np.array(run(instance, 1e-3, 1000, look))
+    assert len(times) == 125
+    assert (np.diff(times) > 0.0).all()
+    for before, after in zip(seen[::2], seen[1::2], strict=True):
+        assert before["contact_mode"] != after["contact_mode"]
+        assert after["contact_switches"] == before["contact_switches"] + 1.0
+        assert (before["omega2"], before["omega_out"]) == (after["omega2"], after["omega_out"])
+    # a host of FMI 2.0 sees the same number of them before each communication point
+    other = Instance(*twin)
+    other.start(**R1)
+    for n in range(1, 1001):
+        other.step(1e-3)
+        assert other.get("contact_switches") == (times <= n * 1e-3).sum(), n
+    assert instance.get("omega_out") == pytest.approx(other.get("omega_out"), rel=1e-9)
+    other.close()
+
+
+def test_events_do_not_depend_on_the_communication_step(make):
+    fine, coarse = (started(make, tolerance=1e-10, **R1) for _ in range(2))
+    assert run(coarse, 0.05, 20) == pytest.approx(run(fine, 1e-3, 1000), abs=1e-8)
+
+
+def test_torque_is_seen_before_and_after_an_event(make):
+    instance = started(make, tolerance=1e-9, **R1)
+    seen = []
+    run(
+        instance, 0.01, 10, lambda: seen.append((instance.get("contact_mode"), instance.get("output_torque")))
+    )
+    opened, jumps = [], []
+    for (mode, before), (next_mode, after) in zip(seen[::2], seen[1::2], strict=True):
+        if (mode, next_mode) == (DRIVING, FREE):
+            opened.append(before)
+        if next_mode == DRIVING:
+            jumps.append(after - before)
+    # the output freewheel opens where its torque has come to zero, and closes with a jump
+    assert len(opened) > 1
+    assert max(map(abs, opened)) < 1e-3
+    assert max(jumps) > 1.0
+
+
+@pytest.mark.parametrize("level", BY_EVENTS)
+def test_early_return_changes_nothing_beyond_the_tolerance(make, level):
+    settings = {**R1, "drive_torque": 30.0, **LEVELS[level]}
+    plain = make().start(tolerance=1e-9, **settings)
+    events = started(make, tolerance=1e-9, **settings)
+    for _ in range(10):
+        plain.step(0.02)
+    assert len(run(events, 0.02, 10)) > 5
+    for name in ("omega2", "omega_out", "input_speed", "energy_in", "energy_out"):
+        assert events.get(name) == pytest.approx(plain.get(name), rel=1e-5, abs=1e-4), name
+    assert events.get("contact_switches") == pytest.approx(plain.get("contact_switches"), abs=1)
+    assert abs(events.get("energy_residual")) < 1e-5 * events.get("energy_in")
+
+
+@pytest.mark.parametrize("level", [level for level in LEVELS if level not in BY_EVENTS])
+def test_levels_that_locate_no_switch_return_at_the_end(make, level):
+    assert run(started(make, **{**R1, "drive_torque": 30.0, **LEVELS[level]}), 0.02, 5) == []
+
+
+@pytest.mark.parametrize("settings", [{}, BY_TORQUE], ids=["speed", "torque"])
+def test_a_host_may_go_on_without_event_mode(make, settings):
+    settings = {**R1, "drive_torque": 30.0, **settings}
+    passing, ignoring = (started(make, event_mode=mode, **settings) for mode in (True, False))
+    assert run(passing, 0.01, 20) == run(ignoring, 0.01, 20, event_mode=False)
+    assert passing.all_values() == ignoring.all_values()
+    # one that was made for it, and steps on all the same
+    careless = started(make, **settings)
+    for n in range(1, 21):
+        reached = (n - 1) * 0.01
+        while reached < n * 0.01:
+            *_, reached = careless.fmu.doStep(reached, n * 0.01 - reached)
+    assert careless.get("omega_out") == passing.get("omega_out")
+
+
+def test_without_early_return_event_mode_sees_no_event(make):
+    instance = make(eventModeUsed=True).start(**R1)
+    plain = make().start(**R1)
+    pass_event(instance)
+    for n in range(20):
+        event, ends, early, reached = instance.fmu.doStep(n * 0.01, 0.01)
+        assert (event, ends, early) == (False, False, False)
+        assert reached == pytest.approx((n + 1) * 0.01)
+        plain.step(0.01)
+    assert instance.all_values() == plain.all_values()
+
+
+def test_state_at_an_event_goes_on_with_the_same_bits(make):
+    instance, other = started(make, **R1), started(make, **R1)
+    _, _, early, reached = instance.fmu.doStep(0.0, 0.1)
+    assert early
+    saved = instance.fmu.serializeFMUState(instance.fmu.getFMUState())
+    other.fmu.setFMUState(other.fmu.deserializeFMUState(saved))
+    rows = []
+    for one in (instance, other):
+        one.fmu.enterEventMode()
+        pass_event(one)
+        one.fmu.doStep(reached, 0.1 - reached)
+        rows.append(one.all_values())
+    assert rows[0] == rows[1]
+
+
+def test_parameters_and_inputs_may_change_at_an_event(make):
+    instance = started(make, **R1)
+    *_, reached = instance.fmu.doStep(0.0, 0.1)
+    instance.fmu.enterEventMode()
+    instance.set(input_friction=0.5, load_torque=20.0, omega1=90.0)
+    pass_event(instance)
+    *_, reached = instance.fmu.doStep(reached, 0.1 - reached)
+    assert instance.get("input_speed") == 90.0
+    assert instance.get("energy_lost_viscous") > 0.0
+    assert abs(instance.get("energy_residual")) < 1e-5
+
+
+def test_intermediate_update_shows_every_switch_and_changes_nothing(make):
+    seen = []
+    holder = []
+
+    def update(_, time, set_requested, get_allowed, finished, can_return, __, ___):
+        assert (bool(set_requested), bool(get_allowed), bool(can_return)) == (False, True, False)
+        assert holder[0].fmu.getFloat64([holder[0].clock]) == [time]
+        seen.append((time, bool(finished), holder[0].get("contact_mode")))
+
+    watched, plain = make(intermediateUpdate=update).start(**R1), make().start(**R1)
+    holder.append(watched)
+    for _ in range(20):
+        watched.step(0.01)
+        plain.step(0.01)
+    assert watched.all_values() == plain.all_values()
+    times = run(started(make, **R1), 0.01, 20)
+    assert [time for time, finished, _ in seen if not finished] == pytest.approx(times, abs=1e-12)
+    assert [time for time, finished, _ in seen if finished] == pytest.approx(np.arange(1, 21) * 0.01)
+
+
+def test_adjoint_derivatives_are_the_transposed_of_the_directional_ones(make):
+    instance = make().start(**R1)
+    instance.step(0.01)
+    outputs, inputs = ("omega_out", "input_torque_mean", "output_torque_mean"), ("omega1", "load_torque")
+    unknowns, knowns = ([instance.references[name] for name in names] for names in (outputs, inputs))
+    columns = np.array([instance.fmu.getDirectionalDerivative(unknowns, [known], [1.0]) for known in knowns])
+    for seed in ([1.0, 0.0, 0.0], [0.3, -2.0, 5.0]):
+        found = instance.fmu.getAdjointDerivative(unknowns, knowns, seed, nSensitivity=2)
+        assert found == pytest.approx(columns @ seed, rel=1e-12)
+    with pytest.raises(FMICallException) as caught:
+        instance.fmu.getAdjointDerivative(knowns, unknowns, [1.0, 1.0])
+    assert caught.value.status == fmi3Error
+
+
+@pytest.mark.parametrize("event_mode", [False, True])
+def test_modes_follow_each_other_in_order_only(make, event_mode):
+    instance = started(make, event_mode=event_mode, **R1)
+    assert "must come in event mode" in instance.refusal(instance.fmu.enterStepMode)
+    assert "must come in event mode" in instance.refusal(instance.fmu.updateDiscreteStates)
+    if not event_mode:
+        assert "made for event mode" in instance.refusal(instance.fmu.enterEventMode)
+        return
+    instance.fmu.enterEventMode()
+    assert "is in event mode" in instance.refusal(lambda: instance.fmu.doStep(0.0, 0.01))
+    with pytest.raises(FMICallException) as caught:
+        instance.set(output_friction=-1.0)
+    assert caught.value.status == fmi3Discard
+
+
+def test_what_is_not_offered_is_refused_by_name(instance):
+    instance.start(**R1)
+    fmu = instance.fmu
+    assert "Float32 is asked for" in instance.refusal(lambda: fmu.getFloat32([0]))
+    assert "EvaluateDiscreteStates is not offered" in instance.refusal(
+        lambda: fmu.fmi3EvaluateDiscreteStates(fmu.component)
+    )
+    assert "a value for each of 1 references" in instance.refusal(lambda: fmu.getFloat64([0], nValues=2))
+
+
+@pytest.mark.parametrize("modes", [{}, {"use_event_mode": True}, {"early_return_allowed": True}])
+def test_fmpy_runs_it_with_and_without_events(fmu_path, modes):
+    names = ["omega_out", "contact_switches"]
+    found = fmpy.simulate_fmu(str(fmu_path), stop_time=0.2, output_interval=1e-3, output=names, **modes)
+    plain = fmpy.simulate_fmu(str(fmu_path), stop_time=0.2, output_interval=1e-3, output=names)
+    assert found["omega_out"][-1] == pytest.approx(plain["omega_out"][-1], rel=1e-9)
+    extra = found["contact_switches"][-1] if "early_return_allowed" in modes else 0
+    assert len(found) == len(plain) + extra

@@ -1,0 +1,82 @@
+"""Terminals of the FMUs of FMI 3.0: flanges that fit, and two FMUs wired by them."""
+
+from pathlib import Path
+
+import fmpy
+import pytest
+from fmpy import extract, read_model_description
+from lxml import etree
+
+from .conftest import Instance
+
+SCHEMA = Path(fmpy.__file__).parent / "schema" / "fmi3" / "fmi3TerminalsAndIcons.xsd"
+FLAVOURS = ("InertiaModule3", "DrivenShaft3")
+SHAFT = {"driven_inertia": 0.5, "shaft_stiffness": 400.0, "shaft_damping": 0.05, "load_torque": 10.0}
+
+
+def terminals_in(folder):
+    """Variables by member, by terminal, of an unpacked FMU."""
+    tree = etree.parse(str(Path(folder) / "terminalsAndIcons" / "terminalsAndIcons.xml"))
+    assert etree.XMLSchema(file=str(SCHEMA)).validate(tree)
+    return {
+        terminal.get("name"): {
+            member.get("memberName"): member.get("variableName")
+            for member in terminal.findall("TerminalMemberVariable")
+        }
+        for terminal in tree.iter("Terminal")
+    }
+
+
+def test_each_flange_has_a_speed_and_a_torque_of_which_one_is_given(description, unpacked):
+    variables = {variable.name: variable for variable in description.modelVariables}
+    found = terminals_in(unpacked)
+    assert len(found) > 1
+    for members in found.values():
+        speed, torque = variables[members["speed"]], variables[members["torque"]]
+        assert (speed.unit, torque.unit) == ("rad/s", "N.m")
+        assert {speed.causality, torque.causality} == {"input", "output"}
+
+
+@pytest.fixture(scope="module")
+def unpacked_by_name(built, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("two")
+    names = ("InertiaModule", "DrivenShaft", "InertiaModule3", "DrivenShaft3")
+    return {name: extract(str(built / f"{name}.fmu"), str(folder / name)) for name in names}
+
+
+def side_by_side(folders, connections):
+    """Values of module and shaft, each connection an output and an input of one and the other."""
+    module, shaft = (Instance(read_model_description(folder), folder) for folder in folders)
+    module.start(omega1=100.0, output_inertia=0.02)
+    shaft.start(**SHAFT)
+    for _ in range(200):
+        signals = [
+            (sink, name, source.get(output)) for source, output, sink, name in connections(module, shaft)
+        ]
+        for sink, name, value in signals:
+            sink.set(**{name: value})
+        for one in (module, shaft):
+            one.step(1e-3)
+    values = module.all_values(), shaft.all_values()
+    for one in (module, shaft):
+        one.close()
+    return values
+
+
+def test_module_and_shaft_wired_by_terminals_run_as_wired_by_names(unpacked_by_name):
+    def by_names(module, shaft):
+        return (shaft, "shaft_torque_mean", module, "load_torque"), (module, "omega_out", shaft, "hub_speed")
+
+    ends = {name: terminals_in(unpacked_by_name[name]) for name in ("InertiaModule3", "DrivenShaft3")}
+    flange, hub = ends["InertiaModule3"]["output_flange"], ends["DrivenShaft3"]["hub"]
+
+    def by_terminals(module, shaft):
+        for member in flange:  # of each, one end is an output
+            if module.causalities[flange[member]] == "output":
+                yield module, flange[member], shaft, hub[member]
+            else:
+                yield shaft, hub[member], module, flange[member]
+
+    of_2 = side_by_side([unpacked_by_name[name] for name in ("InertiaModule", "DrivenShaft")], by_names)
+    of_3 = side_by_side([unpacked_by_name[name] for name in ("InertiaModule3", "DrivenShaft3")], by_terminals)
+    assert of_2 == of_3
