@@ -153,6 +153,8 @@ def test_rates_of_outputs_of_a_standing_shaft_are_those_of_the_motion_that_follo
         instance, onwards = (instances().start(tolerance=1e-10, **settings) for _ in range(2))
         found = instance.rates(*names)
         assert instance.rates("output_angle", "output_turns") == [instance.get("omega_out"), 0.0]
+        speeds = [instance.get("input_speed"), instance.get("omega_out")]
+        assert instance.rates("input_flange_angle", "output_flange_angle") == speeds
         rows = []
         for _ in range(3):
             rows.append([onwards.get(name) for name in names])

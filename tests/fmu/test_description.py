@@ -103,6 +103,15 @@ def test_every_variable_is_described_as_in_the_table(description, model):
             assert float(text) == expected.start
 
 
+def test_each_variable_is_described_by_words_of_its_own_before_letters(model):
+    descriptions = [variable.description for variable in model.variables]
+    assert len(set(descriptions)) == len(descriptions)
+    for text in descriptions:
+        first = text.split()[0]
+        assert first.isalpha() and first.islower() and len(first) > 1, text
+        assert first not in ("its", "their"), text
+
+
 def test_time_is_the_last_variable_of_fmi_3(description):
     if is_fmi3(description):
         *_, time = description.modelVariables

@@ -24,7 +24,7 @@ OUTPUTS = (
     "energy_out", "energy_stored", "energy_lost", "torque_ripple", "torque_peak", "contact_switches",
     "mesh_torque_mean", "housing_torque_mean", "input_acceleration", "output_acceleration", "output_angle", "output_turns",
     "loss_power_mean", "satellite_force", "satellite_force_peak", "shaking_force_x", "shaking_force_y", "shaking_force_z",
-    "shaking_moment_x", "shaking_moment_y", "shaking_moment_z",
+    "shaking_moment_x", "shaking_moment_y", "shaking_moment_z", "input_flange_angle", "output_flange_angle",
 )  # fmt: skip
 
 

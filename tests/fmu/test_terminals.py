@@ -15,12 +15,12 @@ SHAFT = {"driven_inertia": 0.5, "shaft_stiffness": 400.0, "shaft_damping": 0.05,
 
 
 def terminals_in(folder):
-    """Variables by member, by terminal, of an unpacked FMU."""
+    """(variable, kind) by member, by terminal, of an unpacked FMU."""
     tree = etree.parse(str(Path(folder) / "terminalsAndIcons" / "terminalsAndIcons.xml"))
     assert etree.XMLSchema(file=str(SCHEMA)).validate(tree)
     return {
         terminal.get("name"): {
-            member.get("memberName"): member.get("variableName")
+            member.get("memberName"): (member.get("variableName"), member.get("variableKind"))
             for member in terminal.findall("TerminalMemberVariable")
         }
         for terminal in tree.iter("Terminal")
@@ -30,11 +30,44 @@ def terminals_in(folder):
 def test_each_flange_has_a_speed_and_a_torque_of_which_one_is_given(description, unpacked):
     variables = {variable.name: variable for variable in description.modelVariables}
     found = terminals_in(unpacked)
+    assert "load" in found
     assert len(found) > 1
     for members in found.values():
-        speed, torque = variables[members["speed"]], variables[members["torque"]]
+        speed, torque = (variables[members[name][0]] for name in ("speed", "torque"))
         assert (speed.unit, torque.unit) == ("rad/s", "N.m")
         assert {speed.causality, torque.causality} == {"input", "output"}
+        assert (members["speed"][1], members["torque"][1] in ("inflow", "outflow")) == ("signal", True)
+        if "angle" in members:
+            angle = variables[members["angle"][0]]
+            assert (angle.unit, angle.causality, members["angle"][1]) == ("rad", "output", "signal")
+
+
+@pytest.mark.parametrize("drive", [0, 1])
+def test_torques_at_the_flanges_bring_power_in_or_take_it_out_as_their_kinds_say(
+    fmu_path, instance, unpacked, drive
+):
+    """The energy audit agrees: what comes in by inflows is energy_in, what goes by outflows energy_out."""
+    start, given = {"omega1": 100.0, "load_torque": 10.0, "input_inertia": 1.0}, "input_flange"
+    if fmu_path.stem == "DrivenShaft3":
+        start, given = {"hub_speed": 20.0, "load_torque": 3.0, "omega_out_start": 20.0}, "hub"
+    elif drive == 1:
+        start |= {"drive": 1, "drive_torque": 20.0}
+        given = "input_flange_by_torque"
+    instance.start(**start)
+    ends = terminals_in(unpacked)
+    for terminal, kind, energy in ((given, "inflow", "energy_in"), ("load", "outflow", "energy_out")):
+        assert ends[terminal]["torque"][1] == kind
+        ends[terminal] = [ends[terminal][name][0] for name in ("speed", "torque")]
+        ends[terminal].append(energy)
+    done = {given: 0.0, "load": 0.0}
+    for _ in range(200):
+        before = {terminal: instance.get(ends[terminal][0]) for terminal in done}
+        instance.step(1e-3)
+        for terminal in done:
+            speed = 0.5 * (before[terminal] + instance.get(ends[terminal][0]))
+            done[terminal] += 1e-3 * speed * instance.get(ends[terminal][1])
+    for terminal, work in done.items():
+        assert work == pytest.approx(instance.get(ends[terminal][2]), rel=2e-2)
 
 
 @pytest.fixture(scope="module")
@@ -71,11 +104,13 @@ def test_module_and_shaft_wired_by_terminals_run_as_wired_by_names(unpacked_by_n
     flange, hub = ends["InertiaModule3"]["output_flange"], ends["DrivenShaft3"]["hub"]
 
     def by_terminals(module, shaft):
-        for member in flange:  # of each, one end is an output
-            if module.causalities[flange[member]] == "output":
-                yield module, flange[member], shaft, hub[member]
+        for member in flange.keys() & hub.keys():  # of each, one end is an output
+            (own, kind), (other, kind_there) = flange[member], hub[member]
+            assert (kind, kind_there) in (("signal", "signal"), ("outflow", "inflow"))  # no sign changes
+            if module.causalities[own] == "output":
+                yield module, own, shaft, other
             else:
-                yield shaft, hub[member], module, flange[member]
+                yield shaft, other, module, own
 
     of_2 = side_by_side([unpacked_by_name[name] for name in ("InertiaModule", "DrivenShaft")], by_names)
     of_3 = side_by_side([unpacked_by_name[name] for name in ("InertiaModule3", "DrivenShaft3")], by_terminals)

@@ -53,6 +53,7 @@ def test_angles_over_many_steps_are_exact_but_for_whole_turns(compiled, teeth, r
         expected, whole = wrapped(exact, around)
         assert module[name] == pytest.approx(float(expected), rel=1e-15, abs=1e-14)
         assert module[turns] == whole
+    assert module["input_flange_angle"] == pytest.approx(float(theta1), rel=1e-15)
 
 
 @pytest.mark.parametrize("step", [1e-3, 1.0])

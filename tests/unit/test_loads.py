@@ -158,6 +158,7 @@ def test_means_are_those_of_the_torques_at_each_instant(compiled, layout, drive,
     for name, total in sums.items():
         assert one[name] == pytest.approx(total / steps, abs=2e-3 * largest)
     assert one["output_angle"] + TWO_PI * one["output_turns"] == pytest.approx(turned, rel=1e-3, abs=1e-5)
+    assert one["output_flange_angle"] == pytest.approx(turned, rel=1e-3, abs=1e-5)
     assert one["loss_power_mean"] * duration == pytest.approx(one["energy_lost"], rel=1e-12)
     assert (one["energy_lost"] != 0.0) == (level == "elastic" or bool(friction))
 

@@ -28,9 +28,9 @@ def _input(of_module: str, name: str, text: str) -> Variable:
 
 VARIABLES: tuple[Variable, ...] = (
     _input("omega1", "hub_speed", "speed of the hub, where the shaft is driven"),
-    _input("load_torque", "load_torque", "torque of the load on the driven mass, positive against the motion"),
-    _output("shaft_torque", "N.m", 100.0, "torque Ts of spring and damper at this instant: drives the driven mass, brakes the hub"),
-    _output("shaft_torque_mean", "N.m", 100.0, "mean of Ts over the last communication step"),
+    _input("load_torque", "load_torque", "torque of the load on the driven mass, positive against positive speed"),
+    _output("shaft_torque", "N.m", 100.0, "torque of spring and damper at this instant: Ts, drives the driven mass, brakes the hub"),
+    _output("shaft_torque_mean", "N.m", 100.0, "mean torque of spring and damper over the last communication step: Ts"),
     _as_in_module("omega_out", "speed omega4 of the driven mass"),
     _output("driven_acceleration", "rad/s2", 100.0, "angular acceleration of the driven mass at this instant"),
     _output("twist", "rad", 1e-2, "twist of the shaft: angle of the hub less that of the driven mass"),
@@ -44,7 +44,7 @@ VARIABLES: tuple[Variable, ...] = (
     _as_in_module("shaft_damping", "damping d of the shaft"),
     _as_in_module("driven_friction"),
     _as_in_module("balancer", "gain beta of the balancer: the driven mass is pushed by beta J4 times the hub's acceleration"),
-    _as_in_module("input_hold", "hub_speed between communication points"),
+    _as_in_module("input_hold", "speed of the hub between communication points"),
     _as_in_module("omega_out_start", "speed of the driven mass at the start"),
     Variable("twist_start", REAL, PARAMETER, FIXED, "rad", 0.0, -1e6, 1e6, None, "twist of the shaft at the start"),
 )  # fmt: skip

@@ -38,17 +38,24 @@ class Bound(NamedTuple):
         return 0.0 <= value <= self.most and value % 1.0 == 0.0
 
 
+# what a positive torque at a flange does with positive speed: it brings energy into the model, or takes it out
+INFLOW, OUTFLOW = "inflow", "outflow"
+
+
 class Terminal(NamedTuple):
     """A rotating flange where models are connected: its speed and its torque, of which one is an input.
 
     Attributes:
-        name, description: for people. speed, torque: names of variables.
+        name, description: for people. speed, torque: names of variables. flow: INFLOW or OUTFLOW.
+        angle: name of the variable, or "".
     """
 
     name: str
     description: str
     speed: str
     torque: str
+    flow: str
+    angle: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,6 +179,7 @@ INERTIA_MODULE = Model(
         {
             *("input_torque_mean", "output_torque_mean", "mesh_torque_mean", "housing_torque_mean"),
             *("loss_power_mean", "output_angle", "output_turns"),
+            *("input_flange_angle", "output_flange_angle"),
         }
     ),
     given_at_start={
@@ -187,14 +195,37 @@ INERTIA_MODULE = Model(
         Bound("x", place(fields.STATE, "map_knot"), fields.KNOTS - 1),
     ),
     terminals=(
-        Terminal("input_flange", "link 1, its speed given (drive = speed)", "omega1", "input_torque_mean"),
+        Terminal(
+            "input_flange",
+            "input shaft, its speed given (drive = speed): the torque it takes from the shaft in front",
+            "omega1",
+            "input_torque_mean",
+            INFLOW,
+            "input_flange_angle",
+        ),
         Terminal(
             "input_flange_by_torque",
-            "link 1, its torque given (drive = torque)",
+            "input shaft, its torque given (drive = torque)",
             "input_speed",
             "drive_torque",
+            INFLOW,
+            "input_flange_angle",
         ),
-        Terminal("output_flange", "output shaft, its load given", "omega_out", "load_torque"),
+        Terminal(
+            "output_flange",
+            "output shaft (driven mass if elastic): the torque that the shaft behind takes from it is given",
+            "omega_out",
+            "load_torque",
+            OUTFLOW,
+            "output_flange_angle",
+        ),
+        Terminal(
+            "load",
+            "the output flange for a load that needs no angle, as the driven shaft has it",
+            "omega_out",
+            "load_torque",
+            OUTFLOW,
+        ),
     ),
 )
 
@@ -228,7 +259,19 @@ DRIVEN_SHAFT = Model(
     },
     traced=("omega_out", "twist"),
     terminals=(
-        Terminal("hub", "hub of the shaft, its speed given", "hub_speed", "shaft_torque_mean"),
-        Terminal("load", "driven mass, its load given", "omega_out", "load_torque"),
+        Terminal(
+            "hub",
+            "hub of the shaft, its speed given: the torque it takes from the shaft in front",
+            "hub_speed",
+            "shaft_torque_mean",
+            INFLOW,
+        ),
+        Terminal(
+            "load",
+            "driven mass: the torque that the load takes from it is given",
+            "omega_out",
+            "load_torque",
+            OUTFLOW,
+        ),
     ),
 )

@@ -54,6 +54,7 @@ INPUTS = (
 READY = (
     *("omega2", "omega_out", "input_torque_mean", "output_torque_mean", "input_speed", "omega_hub"),
     *("drive_angle", "drive_turns", "input_angle", "input_turns", "output_angle", "output_turns"),
+    *("input_flange_angle", "output_flange_angle"),
     *("contact_mode", "shaft_twist", "energy_in", "energy_out", "energy_lost"),
     *("energy_lost_viscous", "energy_lost_shaft", "energy_lost_mesh", "energy_lost_journal"),
     "energy_lost_freewheel",

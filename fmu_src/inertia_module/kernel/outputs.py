@@ -138,6 +138,8 @@ def write_outputs(x, y):
     y.input_turns = x.input_turns
     y.output_angle = x.output_angle
     y.output_turns = x.output_turns
+    y.input_flange_angle = x.theta1 + TWO_PI * x.input_turns
+    y.output_flange_angle = x.output_angle + TWO_PI * x.output_turns
     y.contact_mode = x.mode
     y.contact_switches = x.switches
     y.rhs_evaluations = x.evaluations

@@ -70,7 +70,9 @@ def write_rates(p, d, u, x, y, w):
     y.housing_torque_mean = 0.0
     y.loss_power_mean = 0.0
     y.satellite_force_peak = 0.0
-    # the angle may just have come around
+    # the angle may just have come around, and after many turns its difference is rounding
     y.output_angle = w.outputs_0.omega_out
     y.output_turns = 0.0
+    y.output_flange_angle = w.outputs_0.omega_out
+    y.input_flange_angle = w.outputs_0.input_speed
     return OK

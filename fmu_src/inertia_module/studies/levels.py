@@ -11,7 +11,10 @@ from ..kernel.codes import AVERAGED, ELASTIC, EVENT, KINEMATIC, RIGID, TIMESTEPP
 FIDELITIES = {number: name for name, number, _ in ENUMERATIONS["Fidelity"]}
 METHODS = {number: name for name, number, _ in ENUMERATIONS["Method"]}
 
-_SPEEDS = (*("omega2", "omega_out", "omega_hub", "output_acceleration", "output_angle", "output_turns"),)
+_SPEEDS = (
+    *("omega2", "omega_out", "omega_hub", "output_acceleration"),
+    *("output_angle", "output_turns", "output_flange_angle"),
+)
 _PULSES = (
     *("omega2", "input_torque", "mesh_torque", "output_torque", "housing_torque"),
     *("contact_mode", "contact_switches", "torque_ripple", "torque_peak"),
