@@ -10,9 +10,8 @@ from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave, fmi2Discard, fmi2Error
 
 from inertia_module.contract.variable import BOOLEAN, PARAMETER, REAL
-from inertia_module.harness.logs import messages_of_others
-
-from . import fmi3
+from inertia_module.harness.fmi3 import Slave
+from inertia_module.harness.logs import messages_of_others, pass_on
 
 # the FMUs a test runs with, unless its file says otherwise by a FLAVOURS of its own
 FLAVOURS = ("InertiaModule", "InertiaModule3", "InertiaModulePy")
@@ -83,7 +82,8 @@ class Instance:
         slave = FMU2Slave
         if self.is_fmi3:
             types = {v.valueReference: v.type for v in description.modelVariables}
-            slave = functools.partial(fmi3.Slave, types)
+            slave = functools.partial(Slave, types)
+            modes["logMessage"] = pass_on
         self.fmu = slave(
             guid=description.guid,
             unzipDirectory=str(folder),

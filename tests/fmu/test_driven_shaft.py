@@ -8,7 +8,7 @@ from inertia_module.contract.models import DRIVEN_SHAFT
 from inertia_module.harness.fmu import Fmu, FmuError
 from inertia_module.memory.instances import DrivenShaft
 
-FLAVOURS = ("DrivenShaft",)
+FLAVOURS = ("DrivenShaft", "DrivenShaft3")
 GOOD = {"hub_speed": 20.0, "load_torque": 3.0}
 BAD_INPUTS = [("hub_speed", math.nan), ("hub_speed", 1e9), ("load_torque", -math.inf)]
 

@@ -6,7 +6,6 @@ import pytest
 from inertia_module.common.errors import Refused
 from inertia_module.harness.simulate import Fmu, FmuError, TableError, drive
 
-pytestmark = pytest.mark.fmi2  # the harness drives no other
 START = {"omega1": 100.0, "load_torque": 10.0}
 
 
@@ -198,3 +197,10 @@ def test_a_run_of_no_length_is_refused(fmu_path, name, value):
     times = {"stop_time": 1.0, "step": 0.1, name: value}
     with pytest.raises(Refused, match=f"{name} must be a positive number of seconds, is {value}"):
         drive(fmu_path, START, **times)
+
+
+def test_rates_of_inputs_are_refused_where_fmi_has_none(fmu_path):
+    if not fmu_path.stem.endswith("3"):
+        pytest.skip("FMI 2.0 has them")
+    with Fmu(fmu_path, inputs=START) as fmu, pytest.raises(FmuError, match="has no derivatives of inputs"):
+        fmu.set_rates(omega1=1.0)

@@ -41,7 +41,6 @@ def test_parameter_out_of_range_is_named_with_what_is_allowed(instance):
     instance.check_range_of_parameters(INERTIA_MODULE)
 
 
-@pytest.mark.fmi2
 def test_all_bad_parameters_are_named_at_once(fmu_path):
     bad = {"z2": 0, "imbalance_mass": -1.0, "tolerance": 7.0}
     with pytest.raises(FmuError) as caught:
@@ -72,7 +71,6 @@ def test_refused_parameters_make_every_step_refused_until_reset(instance):
     assert not instance.is_discarded(0.01)
 
 
-@pytest.mark.fmi2
 @pytest.mark.parametrize("tolerance", [0.0, -1.0, math.nan, 1.0])
 def test_bad_tolerance_of_the_experiment_is_refused(fmu_path, tolerance):
     with pytest.raises(FmuError, match=f"tolerance must be .*, is {tolerance:.16g}"):
@@ -97,7 +95,6 @@ def test_bad_input_or_step_is_discarded_and_nothing_is_lost(instances, drive):
     one.check_bad_input_and_step(undisturbed, INERTIA_MODULE, good, BAD_INPUTS)
 
 
-@pytest.mark.fmi2
 def test_bad_input_at_the_end_of_initialisation_is_refused(fmu_path):
     with pytest.raises(FmuError, match=r"^omega1 must be between -1000000 and 1000000 rad/s, is nan$"):
         Fmu(fmu_path, inputs={"omega1": math.nan})
@@ -175,7 +172,6 @@ def test_unknown_references_and_wrong_types_are_refused(instance):
     assert not instance.is_discarded(0.01)
 
 
-@pytest.mark.fmi2
 def test_percent_signs_in_messages_survive(fmu_path):
     with pytest.raises(FmuError, match=r"^100%s%n must be a variable of "):
         Fmu(fmu_path, {"100%s%n": 1.0})

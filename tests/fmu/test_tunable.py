@@ -140,7 +140,6 @@ def test_nothing_is_tuned_after_the_end(instance):
     assert said == "setting balancer must come before terminate, the instance is terminated"
 
 
-@pytest.mark.fmi2
 def test_harness_sets_them_by_name_with_units(fmu_path):
     with Fmu(fmu_path) as fmu:
         fmu.advance(0.01)
@@ -151,7 +150,6 @@ def test_harness_sets_them_by_name_with_units(fmu_path):
         assert fmu.read(("load_torque", "driven_friction", "balancer")) == (3.0, 0.1, 0.0)
 
 
-@pytest.mark.fmi2
 def test_column_of_a_table_tunes_them(fmu_path):
     table = {"time": [0.0, 0.049, 0.05, 0.1], "omega1": 100.0, "load_torque": 10.0}
     tuned = drive(fmu_path, {**table, "output_friction": [0.0, 0.0, 0.5, 0.5]}, 0.1, 0.01)["omega_out"]

@@ -32,7 +32,6 @@ def test_warnings_are_logged_once_and_nothing_is_refused(instance, case):
     assert errors == []
 
 
-@pytest.mark.fmi2
 @pytest.mark.parametrize("case", CASES)
 def test_harness_tells_warnings_from_errors(fmu_path, case):
     with Fmu(fmu_path, CASES[case], {"omega1": 100.0}) as fmu:

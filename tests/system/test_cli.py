@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 from inertia_module import __version__
 from inertia_module.cli import app
 from inertia_module.figures.papers import all_figures
+from inertia_module.fmu.builder import FMUS
 
 ROOT = Path(__file__).parents[2]
 
@@ -63,18 +64,14 @@ def scene(tmp_path):
 def test_build_leaves_the_fmus_in_build(tmp_path):
     done = process("build", folder=tmp_path)
     assert done.returncode == 0, done.stderr
-    for name in ("InertiaModule", "InertiaModulePy", "DrivenShaft"):
-        assert (tmp_path / "build" / f"{name}.fmu").is_file()
+    for fmu in FMUS:
+        assert (tmp_path / "build" / fmu.file_name).is_file()
 
 
 def test_build_for_machines_prints_one_json_object(tmp_path):
     done = command("build", "-o", tmp_path / "there", "--json", folder=tmp_path)
     assert done.exit_code == 0, done.stderr
-    assert [Path(path).name for path in json.loads(done.stdout)["fmus"]] == [
-        "InertiaModule.fmu",
-        "InertiaModulePy.fmu",
-        "DrivenShaft.fmu",
-    ]
+    assert [Path(path).name for path in json.loads(done.stdout)["fmus"]] == [fmu.file_name for fmu in FMUS]
 
 
 def test_run_leaves_table_summary_and_plot(workshop, scene, tmp_path):
@@ -238,12 +235,13 @@ def test_stability_of_an_unknown_axis_is_refused_in_one_line(tmp_path):
     assert not (tmp_path / "map").exists()
 
 
-@pytest.mark.parametrize("name", ["InertiaModule", "InertiaModulePy", "DrivenShaft"])
+@pytest.mark.parametrize("name", ["InertiaModule", "InertiaModule3", "InertiaModulePy", "DrivenShaft3"])
 def test_check_finds_no_problem_in_ours(workshop, name):
     # in a process of its own: that of a Python FMU is left in a way of its own
     done = process("check", f"build/{name}.fmu", folder=workshop)
     assert done.returncode == 0
     assert "no problems found" in done.stdout
+    assert ("with event mode" in done.stdout) == (name == "InertiaModule3")
 
 
 def test_check_tells_what_is_wrong_with_another(workshop, tmp_path):

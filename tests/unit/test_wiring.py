@@ -128,7 +128,8 @@ def test_kinds_have_to_match(both, tmp_path):
         DRIVEN_SHAFT,
         tmp_path / "other",
         (
-            b'<Real unit="rad/s" min="-1000000.0" max="1000000.0" nominal="100.0" start="0.0" />',
+            b'<Real unit="rad/s" displayUnit="rpm" min="-1000000.0" max="1000000.0" nominal="100.0"'
+            b' start="0.0" />',
             b'<Integer start="0" />',
         ),
     )

@@ -38,7 +38,7 @@ class Bound(NamedTuple):
         return 0.0 <= value <= self.most and value % 1.0 == 0.0
 
 
-# what a positive torque at a flange does with positive speed: it brings energy into the model, or takes it out
+# what a positive torque at a flange does at positive speed: brings energy into the model, or takes it out
 INFLOW, OUTFLOW = "inflow", "outflow"
 
 

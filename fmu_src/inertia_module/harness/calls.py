@@ -1,4 +1,4 @@
-"""Calls to one instance of an FMU 2.0: what fails is one kind of error; its states; its end."""
+"""Calls to one instance of an FMU, 2.0 or 3.0: what fails is one kind of error; its states; its end."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, Self
 
 from ..common.errors import FmuError
 from .descriptions import fmu_file, read_description
-from .logs import WARNING, callbacks_of
+from .logs import WARNING, callbacks_of, log_of
 
 
 class Kept(NamedTuple):
@@ -21,7 +21,7 @@ class Kept(NamedTuple):
 
 
 class Instance:
-    """One co-simulation instance of an FMU 2.0, loaded and instantiated; a context manager.
+    """One co-simulation instance of an FMU, 2.0 or 3.0, loaded and instantiated; a context manager.
 
     Args:
         path: the .fmu file; None for that of the module. start_time: of the experiment, s.
@@ -54,23 +54,31 @@ class Instance:
         from fmpy import extract
         from fmpy.fmi2 import FMU2Slave
 
+        from .fmi3 import Slave
+
         description = read_description(self.path)
         try:
             self._folder = extract(str(self.path))
         except Exception as error:
             raise FmuError(f"{self.path} must be an FMU: {error}") from error
-        if description.fmiVersion != "2.0" or description.coSimulation is None:
-            raise FmuError(f"{self.path} must be an FMU for co-simulation of FMI 2.0")
+        if description.fmiVersion not in ("2.0", "3.0") or description.coSimulation is None:
+            raise FmuError(f"{self.path} must be an FMU for co-simulation of FMI 2.0 or 3.0")
         self.variables = {variable.name: variable for variable in description.modelVariables}
         self.units = {name: variable.unit for name, variable in self.variables.items() if variable.unit}
-        self._instance = FMU2Slave(
-            guid=description.guid,
-            unzipDirectory=self._folder,
-            modelIdentifier=description.coSimulation.modelIdentifier,
-            instanceName=self.path.stem,
-        )
+        arguments = {
+            "guid": description.guid,
+            "unzipDirectory": self._folder,
+            "modelIdentifier": description.coSimulation.modelIdentifier,
+            "instanceName": self.path.stem,
+        }
         try:
-            self._instance.instantiate(callbacks=callbacks_of(self), loggingOn=True)
+            if description.fmiVersion == "2.0":
+                self._instance = FMU2Slave(**arguments)
+                self._instance.instantiate(callbacks=callbacks_of(self), loggingOn=True)
+            else:
+                types = {variable.valueReference: variable.type for variable in description.modelVariables}
+                self._instance = Slave(types, **arguments)
+                self._instance.instantiate(logMessage=log_of(self), loggingOn=True)
         except Exception as error:
             reasons = "; ".join(self.messages) or str(error)
             raise FmuError(f"{self.path} cannot be instantiated: {reasons}") from error

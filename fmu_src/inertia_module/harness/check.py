@@ -10,7 +10,7 @@ import numpy as np
 
 from ..common.errors import FmuError
 from .descriptions import existing_fmu
-from .logs import messages_of_others
+from .logs import messages_of_others, pass_on
 
 STEPS = 100
 
@@ -42,20 +42,25 @@ def _facts(description: Any, platforms: list[str]) -> dict[str, str]:
     }
 
 
-def _step(path: Path, description: Any, report: Report) -> None:
-    """Run the default experiment in STEPS steps and look at the outputs."""
+def _step(path: Path, description: Any, report: Report, events: bool = False) -> None:
+    """Run the default experiment in STEPS steps, or from event to event too, and look at the outputs."""
     from fmpy import simulate_fmu
 
     experiment = description.defaultExperiment
     stop = float(getattr(experiment, "stopTime", None) or 1.0)
+    what = f"stepping it to {stop:g} s" + " with event mode" * events
+    modes: dict[str, Any] = {"use_event_mode": events, "early_return_allowed": events, "debug_logging": True}
+    if description.fmiVersion == "3.0":
+        modes["logger"] = pass_on
     with messages_of_others(report.warnings) as messages:
         try:
-            table = simulate_fmu(str(path), stop_time=stop, output_interval=stop / STEPS, debug_logging=True)
+            table = simulate_fmu(str(path), stop_time=stop, output_interval=stop / STEPS, **modes)
         except Exception as error:
-            report.problems.append(f"stepping it to {stop:g} s fails: {'; '.join(messages) or error}")
+            report.problems.append(f"{what} fails: {'; '.join(messages) or error}")
             return
     report.problems.extend(f"it logs an error: {message}" for message in messages)
-    report.facts["stepped to"] = f"{stop:g} s in {len(table) - 1} steps"
+    heading = "with event mode" if events else "stepped to"
+    report.facts[heading] = f"{stop:g} s in {len(table) - 1} steps"
     for name in table.dtype.names or ():
         values = np.asarray(table[name], dtype=float)
         report.outputs[name] = float(values[-1])
@@ -64,7 +69,7 @@ def _step(path: Path, description: Any, report: Report) -> None:
 
 
 def check_fmu(path: Path) -> Report:
-    """Validate an FMU file with fmpy and step it.
+    """Validate an FMU file with fmpy and step it, with event mode too where it has one.
 
     Raises:
         FmuError: the file is no FMU that could be read at all.
@@ -84,6 +89,8 @@ def check_fmu(path: Path) -> Report:
     hosts = (host, platform_tuple)
     if any(name in platforms for name in hosts):
         _step(path, description, report)
+        if getattr(description.coSimulation, "hasEventMode", False):
+            _step(path, description, report, events=True)
     else:
         report.problems.append(f"it cannot be stepped here: it has no binary for {host}")
     return report

@@ -40,15 +40,20 @@ def existing_fmu(path: Path) -> Path:
 
 
 def read_description(path: Path) -> Any:
-    """The description of an FMU file, as fmpy reads it.
+    """The description of an FMU file, as fmpy reads it; types of variables by their names in FMI 2.0.
 
     Raises:
         FmuError: there is no such file, or it is no FMU.
     """
     from fmpy import read_model_description
 
+    from .fmi3 import TYPES
+
     try:
-        return read_model_description(str(existing_fmu(path)))
+        description = read_model_description(str(existing_fmu(path)))
+        for variable in description.modelVariables:
+            variable.type = TYPES.get(variable.type, variable.type)
+        return description
     except FmuError:
         raise
     except Exception as error:

@@ -1,4 +1,4 @@
-"""One instance of an FMU 2.0 for co-simulation, by names: set, advance, read, save, restore."""
+"""One instance of an FMU, 2.0 or 3.0, for co-simulation, by names: set, advance, read, save, restore."""
 
 from __future__ import annotations
 
@@ -41,7 +41,9 @@ class Plant(Protocol):
 
 
 class Fmu(Instance):
-    """One co-simulation instance of an FMU 2.0, initialised and ready to step; a context manager.
+    """One co-simulation instance of an FMU, 2.0 or 3.0, initialised and ready to step; a context manager.
+
+    Those of FMI 3.0 run without event mode and early return.
 
     Args:
         path: the .fmu file; without one that of the module, as it comes with the package or is built.

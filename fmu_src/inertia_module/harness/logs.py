@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import functools
 import weakref
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from ctypes import byref
 from typing import Any, Protocol
 
@@ -40,8 +40,20 @@ def _dispatch(environment: int | None, instance: bytes, status: int, category: b
 
 
 def pass_on(environment: int | None, status: int, category: bytes, message: bytes) -> None:
-    """Log callback of FMI 3.0: each instance has its own, and its messages are no printf formats."""
+    """Log callback of an instance of FMI 3.0 that fmpy makes itself: its messages are no printf formats."""
     _dispatch(environment, b"", status, category, message)
+
+
+def log_of(listener: Listener) -> Callable[..., None]:
+    """Log callback of one instance of FMI 3.0."""
+    known = weakref.ref(listener)
+
+    def log(environment: int | None, status: int, category: bytes, message: bytes) -> None:
+        found = known()
+        if found is not None:
+            found.on_message(status, message.decode("utf-8", "replace"))
+
+    return log
 
 
 @functools.cache
