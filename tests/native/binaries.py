@@ -1,6 +1,7 @@
 """What shared libraries of Linux, Windows and macOS need, offer and leave to their loader; read by lief."""
 
 import struct
+from types import MappingProxyType
 from typing import NamedTuple
 
 import lief
@@ -17,6 +18,7 @@ class Library(NamedTuple):
     Attributes:
         needs: libraries. offers: names. fixups: names of the parts in which its loader writes addresses.
         versions: of the symbols it needs. minimum: version of the system. signed: ad hoc.
+        asks: names of others that it uses. says: of itself, by heading.
     """
 
     needs: set[str]
@@ -25,6 +27,8 @@ class Library(NamedTuple):
     versions: set[str] = frozenset()
     minimum: str = ""
     signed: bool = False
+    asks: set[str] = frozenset()
+    says: dict[str, str] = MappingProxyType({})
 
 
 def read_elf(path):
@@ -38,6 +42,7 @@ def read_elf(path):
         {symbol.name for symbol in binary.exported_symbols},
         {binary.section_from_virtual_address(found.address).name for found in binary.relocations},
         {version.name for version in needed},
+        asks={symbol.name for symbol in binary.imported_symbols},
     )
 
 
@@ -46,10 +51,15 @@ def read_pe(path):
     binary = lief.PE.parse(str(path))
     padding = lief.PE.RelocationEntry.BASE_TYPES.ABS
     fixups = [entry for block in binary.relocations for entry in block.entries if entry.type != padding]
+    (version,) = binary.resources_manager.version
+    (texts,) = version.string_file_info.children
+    numbers = divmod(version.file_info.file_version_ms, 1 << 16)
+    says = {entry.key: entry.value for entry in texts.entries} | {"numbers": ".".join(map(str, numbers))}
     return Library(
         {name.lower() for name in binary.libraries},
         {entry.name for entry in binary.get_export().entries},
         {binary.section_from_rva(entry.address).name for entry in fixups},
+        says=says,
     )
 
 
@@ -71,6 +81,7 @@ def read_mach_o(binary):
         {symbol.name for symbol in binary.exported_symbols},
         fixups | {found.segment.name for found in binary.bindings},
         minimum=".".join(map(str, binary.build_version.minos[:2])),
+        asks={symbol.name for symbol in binary.imported_symbols},
         signed=binary.has_code_signature and is_ad_hoc(bytes(binary.code_signature.content)),
     )
 

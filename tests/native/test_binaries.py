@@ -4,6 +4,7 @@ import re
 
 import pytest
 
+from inertia_module import __version__
 from inertia_module.fmu.linking import header_folder
 
 from . import binaries
@@ -73,7 +74,12 @@ def test_the_headers_name_the_functions_of_co_simulation():
 def test_linux_library_needs_only_the_c_library_of_2012(library, required, system):
     found = binaries.read_elf(library(system, ".so"))
     assert required <= found.offers
-    assert found.needs <= {"libc.so.6", "libm.so.6"}
+    assert found.needs <= {
+        "libc.so.6",
+        "libm.so.6",
+        "ld-linux-aarch64.so.1",
+    }  # of which the last is the loader
+    assert "__stack_chk_fail" in found.asks
     versions = {tuple(map(int, name.removeprefix("GLIBC_").split("."))) for name in found.versions}
     assert max(versions) <= (2, 17)
 
@@ -93,6 +99,15 @@ def test_windows_library_needs_only_the_runtime_of_windows(library, required, sy
 
 
 @pytest.mark.parametrize("system", ["win64", "aarch64-windows"])
+def test_windows_library_says_what_it_is_and_of_which_version(fmu, library, system):
+    says = binaries.read_pe(library(system, ".dll")).says
+    assert says["FileDescription"] == fmu.model.title
+    assert says["FileVersion"] == says["ProductVersion"] == __version__
+    assert __version__.startswith(f"{says['numbers']}.")
+    assert says["OriginalFilename"] == f"{fmu.identifier}.dll"
+
+
+@pytest.mark.parametrize("system", ["win64", "aarch64-windows"])
 def test_loader_of_windows_changes_no_code(library, system):
     assert binaries.read_pe(library(system, ".dll")).fixups == {".rdata"}
 
@@ -103,6 +118,7 @@ def test_mac_libraries_are_for_both_processors(of_mac, required):
         assert {f"_{name}" for name in required} <= found.offers
         assert found.needs == {"/usr/lib/libSystem.B.dylib"}
         assert found.minimum == "11.0"
+        assert "___stack_chk_fail" in found.asks
 
 
 @pytest.mark.parametrize("processor", ["X86_64", "ARM64"])

@@ -16,6 +16,7 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from .. import __version__
 from ..common.files import cache_folder, content_hash, sources, write_atomically
 from ..compiling.ir import tool_versions
 from ..compiling.kernels import ENTRIES, CompilationUnavailable
@@ -23,10 +24,13 @@ from ..compiling.objects import object_file, target_machine
 from ..contract.models import Model
 from .tables import generated
 from .targets import Target
+from .version_resource import version_resource
 
 SHELL_FOLDER = Path(__file__).parent / "shell"
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Werror")
 FLAGS = ("-std=c99", "-O2", "-g0", "-fvisibility=hidden", "-fno-sanitize=all", "-fno-ident")
+# a function whose arrays are written beyond their ends aborts; Windows brings no functions for that along
+STACK_PROTECTOR = "-fstack-protector-strong"
 # functions of Windows' own C runtime, part of Windows 10 and later, that the shell needs
 RUNTIME = (
     *("calloc", "free", "memchr", "memcmp", "memcpy", "memset", "strchr", "strcmp", "strcpy", "strlen"),
@@ -117,6 +121,21 @@ def windows_arguments(target: Target, folder: Path) -> list[str]:
     return ["-nostdlib", "-mno-stack-arg-probe", "-isystem", str(headers), runtime]
 
 
+def version_file(folder: Path, library: str, title: str) -> str:
+    """Make in a folder what tells Windows the version of a library; the name of its file.
+
+    Args:
+        folder: where to. library: name of its file. title: what it is, for people.
+    """
+    texts = {
+        **{"FileDescription": title, "FileVersion": __version__, "InternalName": Path(library).stem},
+        **{"LegalCopyright": "MIT License", "OriginalFilename": library},
+        **{"ProductName": "inertia-module", "ProductVersion": __version__},
+    }
+    (folder / "version.res").write_bytes(version_resource(__version__, texts))
+    return "version.res"
+
+
 def link(model: Model, identifier: str, guid: str, target: Target, fmi: int) -> bytes:
     """The shared library of a native FMU for one target.
 
@@ -141,7 +160,9 @@ def link(model: Model, identifier: str, guid: str, target: Target, fmi: int) -> 
         headers = ("-isystem", str(header_folder()))
         given = ["-target", target.compiler, *FLAGS, *WARNINGS, *headers, symbol, "-shared", "-s"]
         files = ["-o", library, "tables.c", *sources, "kernel.o"]
-        own = windows_arguments(target, folder) if target.import_machine else target.libraries
+        own = [STACK_PROTECTOR, *target.libraries]
+        if target.import_machine:
+            own = [*windows_arguments(target, folder), version_file(folder, library, model.title)]
         run_tool("cc", [*given, *files, *own], folder)
         return (folder / library).read_bytes()
 
@@ -156,7 +177,8 @@ def link_front(target: Target, behind: str) -> bytes:
         CompilationUnavailable: what it takes is not installed, or fails.
     """
     files = sources("fmu/front/*", "fmu/shell/windows.c")
-    made_from = files | sources("fmu/linking.py") | tool_versions("ziglang", "fmpy")
+    made_from = files | sources("__init__.py", "fmu/linking.py", "fmu/version_resource.py")
+    made_from |= tool_versions("ziglang", "fmpy")
     made_from[behind] = target.label.encode()
     kept = cache_folder() / f"front-{target.label}-{content_hash(made_from)[:16]}{target.suffix}"
     if not kept.exists():
@@ -171,10 +193,11 @@ def _compile_front(target: Target, behind: str, files: Mapping[str, bytes]) -> b
             (folder / Path(file_name).name).write_bytes(content)
         given = ["-target", target.compiler, *FLAGS, "-std=c11", *WARNINGS, "-isystem", str(header_folder())]
         given += [f'-DPYTHONFMU="{behind}"', "-shared", "-s", "-o", f"front{target.suffix}"]
-        own = ["-ldl"]
+        own = [STACK_PROTECTOR, "-ldl"]
         if target.import_machine:
             own = windows_arguments(target, folder)
             own.append(import_library(target, folder, "kernel32.dll", WINDOWS_FUNCTIONS))
+            own.append(version_file(folder, "front.dll", "Library in front of pythonfmu's"))
         run_tool("cc", [*given, *(path.name for path in sorted(folder.glob("*.c"))), *own], folder)
         return (folder / f"front{target.suffix}").read_bytes()
 
