@@ -11,12 +11,15 @@ import random_page
 import stability_page
 
 from inertia_module.fmu.documentation import variables_page
+from inertia_module.fmu.guide import guide
 from inertia_module.papers.page import papers_page
 
 HERE = Path(__file__).parent
 README = HERE.parent / "README.md"
 # a link of the README to what is not in this folder
 OUTSIDE = re.compile(r"(?<!!)\[([^]]+)\]\((?!docs/|https?:|#)[^)]+\)")
+# a place in a page for a section of a guide, which stands in the documentation of the FMU too
+SECTION = re.compile(r"(<!-- (\w+): (.*?) -->\n).*?(<!-- end -->)", re.S)
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 
 
@@ -31,6 +34,12 @@ def filled(name, values):
     return (HERE / "templates" / name).read_text().format_map(values)
 
 
+def with_sections(name):
+    """A page with the sections of guides in their places."""
+    text = (HERE / name).read_text()
+    return SECTION.sub(lambda found: f"{found[1]}\n{guide(found[2])[found[3]]}\n\n{found[4]}", text)
+
+
 PAGES = {
     "variables.md": variables_page,
     "papers.md": papers_page,
@@ -39,6 +48,7 @@ PAGES = {
     "performance.md": lambda: filled("performance.md", performance_page.values()),
     "coupling.md": coupling_page.page,
     "index.md": start_page,
+    "fmu.md": lambda: with_sections("fmu.md"),
 }
 
 

@@ -14,12 +14,13 @@ from inertia_module.fmu.targets import TARGETS
 
 FLAVOURS = [fmu.identifier for fmu in FMUS]
 NATIVE = [fmu for fmu in FMUS if fmu is not PYTHON_FMU]
-ALWAYS = {"modelDescription.xml", "documentation/index.html", "documentation/licenses/license.txt"}
+DOCUMENTATION = {f"documentation/{name}" for name in ("index.html", "mechanism.png", "licenses/license.txt")}
+ICONS = {f"terminalsAndIcons/{name}" for name in ("icon.png", "icon.svg", "flange.png", "flange.svg")}
 PAPERS = {
-    2: ALWAYS | {"model.png"},
-    3: ALWAYS | {"terminalsAndIcons/terminalsAndIcons.xml", "terminalsAndIcons/icon.png"},
+    2: DOCUMENTATION | {"modelDescription.xml", "model.png"},
+    3: DOCUMENTATION | {"modelDescription.xml", "terminalsAndIcons/terminalsAndIcons.xml"} | ICONS,
 }
-LARGEST = 1_250_000
+LARGEST = 1_200_000
 # how a library for a processor begins: ELF and PE tell the number of it
 ELF, PE = {"x86_64": 0x3E, "aarch64": 0xB7}, {"x86_64": 0x8664, "aarch64": 0xAA64}
 FUNCTIONS = {

@@ -194,15 +194,6 @@ def test_date_is_utc_ending_in_z(description):
     assert moment.year >= 2026
 
 
-def test_documentation_and_picture_are_inside(fmu_path, description, model):
-    picture = "terminalsAndIcons/icon.png" if is_fmi3(description) else "model.png"
-    with zipfile.ZipFile(fmu_path) as archive:
-        page = archive.read("documentation/index.html").decode()
-        assert all(variable.name in page for variable in model.variables)
-        assert f'src="../{picture}"' in page
-        assert archive.read(picture).startswith(b"\x89PNG")
-
-
 def guid_in(content):
     with zipfile.ZipFile(io.BytesIO(content)) as archive:
         return re.search(

@@ -27,6 +27,26 @@ def terminals_in(folder):
     }
 
 
+def test_icons_of_flanges_are_there_and_lie_at_the_edge_of_that_of_the_model(unpacked):
+    folder = Path(unpacked) / "terminalsAndIcons"
+    root = etree.parse(str(folder / "terminalsAndIcons.xml")).getroot()
+    (edge,) = root.iter("Icon")
+    drawn = list(root.iter("TerminalGraphicalRepresentation"))
+    assert len(drawn) == len(list(root.iter("Terminal")))
+    places = set()
+    for flange in drawn:
+        left, low, right, high = (float(flange.get(name)) for name in ("x1", "y1", "x2", "y2"))
+        assert left < right
+        assert low < high
+        assert float(edge.get("y1")) <= low
+        assert high <= float(edge.get("y2"))
+        assert (left + right) / 2.0 in (float(edge.get("x1")), float(edge.get("x2")))
+        places.add((left, low))
+        assert (folder / f"{flange.get('iconBaseName')}.png").read_bytes().startswith(b"\x89PNG")
+        assert etree.parse(str(folder / f"{flange.get('iconBaseName')}.svg")).getroot().tag.endswith("svg")
+    assert len(places) == len(drawn)
+
+
 def test_each_flange_has_a_speed_and_a_torque_of_which_one_is_given(description, unpacked):
     variables = {variable.name: variable for variable in description.modelVariables}
     found = terminals_in(unpacked)

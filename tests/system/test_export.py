@@ -1,14 +1,8 @@
 """Systems for other tools: the SSP file in four readers, the OSP structure in libcosim, FMPy's container."""
 
 import contextlib
-import importlib.metadata
-import importlib.util
 import io
-import os
 import re
-import signal
-import subprocess
-import sys
 import zipfile
 from pathlib import Path
 from typing import NamedTuple
@@ -17,7 +11,7 @@ import pytest
 from fmpy import read_model_description, simulate_fmu
 from fmpy.ssp.ssd import read_ssd
 from fmpy.validation import validate_fmu
-from hosts import HOSTS
+from tests.system.programs import needs, printed, programs
 
 from inertia_module.export.container import container
 from inertia_module.export.plan import Plan, make_plan
@@ -99,35 +93,7 @@ def looped(exported, tolerance=None):
 
 def program(reader):
     """The program for a reader, as the documentation has it."""
-    blocks = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "systems.md").read_text(), re.DOTALL)
-    return next(block for block in blocks if block.startswith(f"from {reader}"))
-
-
-def printed(source, folder):
-    """The number that a program prints last, run in a process of its own: readers may crash."""
-    environment = dict(os.environ)
-    with contextlib.suppress(importlib.metadata.PackageNotFoundError):  # what Ecos needs of it on Linux
-        libraries = [
-            file.locate().resolve() for file in importlib.metadata.files("tbb") if "libtbb.so" in file.name
-        ]
-        environment["LD_LIBRARY_PATH"] = os.pathsep.join({str(path.parent) for path in libraries})
-    done = subprocess.run(
-        [sys.executable, "-c", source],
-        capture_output=True,
-        text=True,
-        cwd=folder,
-        env=environment,
-        check=False,
-    )
-    # Ecos now and then crashes as it closes, after its number is out
-    assert done.returncode in (0, -signal.SIGSEGV), done.stdout + done.stderr
-    return float(done.stdout.splitlines()[-1])
-
-
-def needs(package):
-    missing = HOSTS["ecos"].missing if package == "ecospy" else []
-    if importlib.util.find_spec(package) is None or missing:
-        pytest.skip(f"{package} is not installed; the extra inertia-module[hosts] has what pip can install")
+    return next(block for block in programs("systems.md") if block.startswith(f"from {reader}"))
 
 
 @pytest.mark.parametrize("reader", READERS)

@@ -64,7 +64,7 @@ class Model:
 
     Attributes:
         name: name in saved states. title: for people. description: one sentence without its full stop.
-        introduction: how to use it, sentences. variables: its table.
+        variables: its table.
         entry: name of its kernel in entries.ENTRIES. call: the same as plain Python.
         messages: what it says for each status of its kernel but OK (see messages.MESSAGES).
         warnings: what it says of a mechanism that is accepted but cannot be built (see messages.WARNINGS).
@@ -80,7 +80,6 @@ class Model:
     name: str
     title: str
     description: str
-    introduction: str
     variables: tuple[Variable, ...]
     entry: str
     call: Callable[..., int]
@@ -159,14 +158,6 @@ INERTIA_MODULE = Model(
         "Inertia module: inertial torque transformer, unbalanced satellites on a bevel or planar"
         " differential, rectified by freewheels"
     ),
-    introduction=(
-        "Outputs hold the values at the end of the last communication step. Pulses are usually shorter than a"
-        " step, so couple through the step means input_torque_mean and output_torque_mean, not through"
-        " instantaneous torques. Torques act so: M1 = input_torque drives link 1, M2 = mesh_torque link 2,"
-        " Tc = output_torque the output shaft, Th = housing_torque holds link 2. With drive = torque the"
-        " input is drive_torque in the place of omega1, input_inertia holds the engine or motor too, and"
-        " input_speed answers."
-    ),
     variables=variables.VARIABLES,
     entry=MODULE_ENTRY,
     call=entry.call,
@@ -237,14 +228,6 @@ DRIVEN_SHAFT = Model(
     description=(
         "Driven shaft: hub of given speed, elastic shaft with damping, driven mass with friction and"
         " balancer; the elastic output of the inertia module alone"
-    ),
-    introduction=(
-        "Outputs hold the values at the end of the last communication step. The motion is exact for a hub"
-        " speed that is constant or linear over a step, however stiff the shaft and long the step. Couple it"
-        " to an inertia module: omega_out of that is hub_speed of this, and the torque of this is load_torque"
-        " of that: shaft_torque_mean where both step side by side, better shaft_torque with its derivative"
-        " where the module steps first. A jump of hub_speed at the beginning of a step acts through the"
-        " balancer at once; the torque of the shaft stays finite, so its mean holds no impulse."
     ),
     variables=driven_shaft_variables.VARIABLES,
     entry=SHAFT_ENTRY,

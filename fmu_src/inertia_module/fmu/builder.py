@@ -23,11 +23,11 @@ from .web_kernel import WebKernel, web_kernel
 
 Progress = Callable[[str], None]
 
-MODULE_FMU = NativeFmu("InertiaModule", INERTIA_MODULE, "model.png")
-SHAFT_FMU = NativeFmu("DrivenShaft", DRIVEN_SHAFT, "driven_shaft.png")
-MODULE3_FMU = NativeFmu("InertiaModule3", INERTIA_MODULE, "model.png", 3)
-SHAFT3_FMU = NativeFmu("DrivenShaft3", DRIVEN_SHAFT, "driven_shaft.png", 3)
-PYTHON_FMU = PythonFmu("InertiaModulePy", INERTIA_MODULE, "model.png", MODULE_FMU)
+MODULE_FMU = NativeFmu("InertiaModule", INERTIA_MODULE, "module")
+SHAFT_FMU = NativeFmu("DrivenShaft", DRIVEN_SHAFT, "driven_shaft")
+MODULE3_FMU = NativeFmu("InertiaModule3", INERTIA_MODULE, "module", 3)
+SHAFT3_FMU = NativeFmu("DrivenShaft3", DRIVEN_SHAFT, "driven_shaft", 3)
+PYTHON_FMU = PythonFmu("InertiaModulePy", INERTIA_MODULE, "module", MODULE_FMU)
 FMUS: tuple[NativeFmu | PythonFmu, ...] = (MODULE_FMU, MODULE3_FMU, PYTHON_FMU, SHAFT_FMU, SHAFT3_FMU)
 WEB_KERNEL = WebKernel("InertiaModule", INERTIA_MODULE)
 

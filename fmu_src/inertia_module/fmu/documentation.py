@@ -1,37 +1,26 @@
-"""The tables of variables for people: docs/variables.md and documentation/index.html of an FMU."""
+"""The tables of variables for people: rows by groups, and docs/variables.md."""
 
 from __future__ import annotations
 
-from html import escape
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple
 
 from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE, Model
-from ..contract.variable import (
-    ENUMERATION,
-    ENUMERATIONS,
-    FIXED,
-    INPUT,
-    LOCAL,
-    OUTPUT,
-    PARAMETER,
-    Variable,
-)
+from ..contract.variable import ENUMERATION, ENUMERATIONS, FIXED, INPUT, PARAMETER, Variable
+from .groups import grouped
+from .guide import COMPUTES, REFUSALS, guide
 
-HEADINGS = {
-    INPUT: "Inputs",
-    OUTPUT: "Outputs",
-    LOCAL: "Locals",
-    PARAMETER: "Parameters",
-}
 COLUMNS = ("name", "unit", "start", "allowed", "meaning")
 # what goes without saying
 USUAL = (FIXED, "continuous")
 
-_REFUSALS = (
-    "A parameter out of range, alone or together with others, is refused at the end of initialisation. A"
-    " tunable one may change between steps; a bad value is then refused by fmi2Discard and the old one stays."
-    " A bad input or step is refused by fmi2Discard, and the next good step works. Refusals are logged with"
-    " the name, the value and what is allowed: instantiate with loggingOn."
-)
+
+class Table(NamedTuple):
+    """Variables of one group: its heading, the names of the columns, the rows."""
+
+    heading: str
+    columns: list[str]
+    rows: list[list[str]]
 
 
 def _cells(variable: Variable) -> tuple[str, ...]:
@@ -49,59 +38,34 @@ def _cells(variable: Variable) -> tuple[str, ...]:
     return variable.name, variable.unit, start, listed, meaning
 
 
-def _table(model: Model, causality: str) -> tuple[list[str], list[list[str]]]:
-    """Headings and rows of the variables of a causality, without columns in which there is nothing."""
-    rows = [_cells(variable) for variable in model.with_causality(causality)]
+def _table(heading: str, variables: Iterable[Variable]) -> Table:
+    """The table of a group, without columns in which there is nothing."""
+    rows = [_cells(variable) for variable in variables]
     columns = [n for n in range(len(COLUMNS)) if any(row[n] for row in rows)]
-    return [COLUMNS[n] for n in columns], [[row[n] for n in columns] for row in rows]
+    return Table(heading, [COLUMNS[n] for n in columns], [[row[n] for n in columns] for row in rows])
 
 
-def _tables(model: Model) -> list[str]:
-    """Markdown of the tables of one model."""
-    lines = []
-    for causality, heading in HEADINGS.items():
-        columns, rows = _table(model, causality)
-        lines += [f"### {heading}", "", "| " + " | ".join(columns) + " |", "|" + "---|" * len(columns)]
-        for name, *rest in rows:
-            lines.append("| " + " | ".join([f"`{name}`", *rest]) + " |")
-        lines.append("")
-    return lines
+def tables(model: Model) -> Iterator[tuple[str, list[Table]]]:
+    """Tables of the groups of a model by the heading of their causality."""
+    for heading, groups in grouped(model).items():
+        yield heading, [_table(group, variables) for group, variables in groups.items()]
+
+
+def _markdown(model: Model) -> Iterator[str]:
+    for causality, found in tables(model):
+        yield from (f"### {causality}", "")
+        for heading, columns, rows in found:
+            yield from (f"**{heading}**", "")
+            yield "| " + " | ".join(columns) + " |"
+            yield "|" + "---|" * len(columns)
+            yield from ("| " + " | ".join([f"`{name}`", *rest]) + " |" for name, *rest in rows)
+            yield ""
 
 
 def variables_page() -> str:
     """docs/variables.md: the tables of variables of all models in Markdown."""
-    lines = ["# Variables", "", _REFUSALS, ""]
+    lines = ["# Variables", "", guide("all")[REFUSALS], ""]
     for model in (INERTIA_MODULE, DRIVEN_SHAFT):
-        lines += [
-            f"## {model.title}",
-            "",
-            model.description + ".",
-            "",
-            model.introduction,
-            "",
-            *_tables(model),
-        ]
+        lines += [f"## {model.title}", "", f"{model.description}.", "", guide(model.name)[COMPUTES], ""]
+        lines += _markdown(model)
     return "\n".join(lines)
-
-
-def index_page(model: Model, picture: str) -> str:
-    """documentation/index.html of an FMU; picture: its path in the FMU."""
-    parts = [
-        "<!DOCTYPE html>",
-        f'<html lang="en"><head><meta charset="utf-8"><title>{escape(model.title)}</title>',
-        "<style>body{font-family:sans-serif;max-width:72em;margin:2em auto;padding:0 1em}"
-        "table{border-collapse:collapse;font-size:90%}td,th{border:1px solid #ccc;padding:.2em .5em;"
-        "text-align:left;vertical-align:top}code{white-space:nowrap}</style></head><body>",
-        f"<h1>{escape(model.title)}</h1>",
-        f'<p><img src="../{picture}" alt="{escape(model.title.lower())}" width="320"></p>',
-        f"<p>{escape(model.description)}.</p><p>{escape(model.introduction)}</p><p>{escape(_REFUSALS)}</p>",
-    ]
-    for causality, heading in HEADINGS.items():
-        columns, rows = _table(model, causality)
-        head = "".join(f"<th>{column}</th>" for column in columns)
-        parts.append(f"<h2>{heading}</h2><table><tr>{head}</tr>")
-        for name, *rest in rows:
-            cells = f"<td><code>{name}</code></td>" + "".join(f"<td>{escape(cell)}</td>" for cell in rest)
-            parts.append(f"<tr>{cells}</tr>")
-        parts.append("</table>")
-    return "\n".join([*parts, "</body></html>", ""])

@@ -14,17 +14,17 @@ from ..contract.models import Model
 from . import description3
 from .archive import DESCRIPTION, archive, generation_date, guid_of
 from .description import NATIVE_CAPABILITIES, model_description
-from .documentation import index_page
+from .index_page import MECHANISM, index_page
 from .linking import compiler, header_folder, join_for_mac, link
 from .tables import generated
 from .targets import TARGETS, Target
-from .terminals import terminals
+from .terminals import FLANGE, terminals
 
 Progress = Callable[[str], None]
 
 
 class NativeFmu(NamedTuple):
-    """A native FMU to build: its model identifier, its model, its picture, and the version of FMI, 2 or 3."""
+    """A native FMU to build: model identifier, model, name of its pictures, version of FMI, 2 or 3."""
 
     identifier: str
     model: Model
@@ -67,14 +67,25 @@ def description(fmu: NativeFmu, guid: str, date: str) -> bytes:
 
 
 def papers(model: Model, picture: str, fmi: int) -> dict[str, bytes]:
-    """Documentation, licence, picture and, with FMI 3.0, terminals, by path in an FMU."""
-    icon = "model.png" if fmi == 2 else "terminalsAndIcons/icon.png"
+    """Documentation, licence, icon and, with FMI 3.0, terminals, by path in an FMU."""
     files = {
-        "documentation/index.html": index_page(model, icon).encode(),
+        "documentation/index.html": index_page(model).encode(),
+        f"documentation/{MECHANISM}": _picture(f"{picture}_named.png"),
         "documentation/licenses/license.txt": sources("LICENSE")["LICENSE"],
-        icon: (Path(__file__).parent / picture).read_bytes(),
     }
-    return files if fmi == 2 else files | {"terminalsAndIcons/terminalsAndIcons.xml": terminals(model)}
+    if fmi == 2:
+        return files | {"model.png": _picture(f"{picture}.png")}
+    files["terminalsAndIcons/terminalsAndIcons.xml"] = terminals(model)
+    for name, drawn in (("icon", picture), (FLANGE, FLANGE)):
+        files |= {
+            f"terminalsAndIcons/{name}.{ending}": _picture(f"{drawn}.{ending}") for ending in ("png", "svg")
+        }
+    return files
+
+
+def _picture(name: str) -> bytes:
+    """A picture as docs/make_icons.py has drawn it."""
+    return (Path(__file__).parent / "pictures" / name).read_bytes()
 
 
 def library_path(fmu: NativeFmu, target: Target) -> str:

@@ -44,7 +44,7 @@ Progress = Callable[[str], None]
 
 
 class PythonFmu(NamedTuple):
-    """A Python FMU to build: its model identifier (a class of slaves.py), its model, and its picture.
+    """A Python FMU to build: its model identifier (a class of slaves.py), its model, its pictures by name.
 
     Attributes:
         native: the native FMU whose libraries it brings along, for the compiled kernel in them.

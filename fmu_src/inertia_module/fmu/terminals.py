@@ -4,11 +4,21 @@ from __future__ import annotations
 
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from ..contract.models import Model
+from ..contract.models import INFLOW, Model, Terminal
 
 # square of the icon, and the millimetres it is drawn in
 CORNERS = {"x1": "-100", "y1": "-100", "x2": "100", "y2": "100"}
 MILLIMETRES = "0.1"
+FLANGE = "flange"  # its icon
+# in the icon that docs/make_icons.py draws: height of the central axis, half a flange, distance of two
+AXIS, HALF, APART = -18, 8, 40
+
+
+def _place(model: Model, flange: Terminal) -> dict[str, str]:
+    """Corners of a flange: at the left end of the central axis if power comes in there, else at the right."""
+    same_side = [other for other in model.terminals if other.flow == flange.flow]
+    x, y = -100 if flange.flow == INFLOW else 100, AXIS - APART * same_side.index(flange)
+    return {"x1": f"{x - HALF}", "y1": f"{y - HALF}", "x2": f"{x + HALF}", "y2": f"{y + HALF}"}
 
 
 def terminals(model: Model) -> bytes:
@@ -30,6 +40,7 @@ def terminals(model: Model) -> bytes:
         for member, variable, kind in members:
             attributes = {"variableName": variable, "variableKind": kind, "memberName": member}
             SubElement(terminal, "TerminalMemberVariable", attributes)
+        SubElement(terminal, "TerminalGraphicalRepresentation", _place(model, flange), iconBaseName=FLANGE)
     indent(root)
     text: bytes = tostring(root, encoding="UTF-8", xml_declaration=True)
     return text + b"\n"
