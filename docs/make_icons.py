@@ -167,20 +167,22 @@ def flange(drawing):
     drawing.ball(0, 0, 90, GREY)
 
 
+# name, what draws it, pixels
+ICONS = (("module", module, ICON), ("driven_shaft", driven_shaft, ICON), ("flange", flange, 32))
+# name, what draws it, lowest and highest point
+NAMED = (("module_named", module_named, -112, 112), ("driven_shaft_named", driven_shaft_named, -104, 84))
+
+
 def main(target=TARGET):
     """Icons without words, pictures with them and with few colours, for they stand in every FMU."""
-    for name, draw, pixels in (
-        ("module", module, ICON),
-        ("driven_shaft", driven_shaft, ICON),
-        ("flange", flange, 32),
-    ):
+    for name, draw, pixels in ICONS:
         icon = Drawing.sheet(-100, 100, -100, 100, pixels / ICON)
         draw(icon)
         icon.axes.figure.patch.set_alpha(0.0)
         for ending in ("png", "svg"):
             write_figure(target / f"{name}.{ending}", icon.axes.figure)
-    for name, draw in (("module_named", module_named), ("driven_shaft_named", driven_shaft_named)):
-        sheet = Drawing.sheet(-128, 128, -112, 112, 3)
+    for name, draw, low, high in NAMED:
+        sheet = Drawing.sheet(-128, 128, low, high, 3)
         draw(sheet)
         path = write_figure(target / f"{name}.png", sheet.axes.figure)
         with Image.open(path) as picture:

@@ -100,7 +100,7 @@ def test_icon_is_a_square_with_the_machine_in_colours(unpacked, description):
 
 def test_picture_of_the_documentation_is_larger_than_the_icon(unpacked):
     with Image.open(Path(unpacked) / "documentation" / "mechanism.png") as picture:
-        assert min(picture.size) > 3 * ICON[0]
+        assert min(picture.size) > 2 * ICON[0]
 
 
 def test_pictures_are_what_the_code_draws(tmp_path):

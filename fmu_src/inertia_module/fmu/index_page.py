@@ -23,7 +23,8 @@ img { max-width: 100%; height: auto; }
 table { border-collapse: collapse; font-size: 0.85rem; width: 100%; }
 td, th { border-bottom: 1px solid #ddd; padding: 0.25rem 0.6rem 0.25rem 0; }
 td, th { text-align: left; vertical-align: top; }
-td:last-child { width: 45%; }
+td:first-child { width: 15rem; }
+td:nth-child(2) { width: 5rem; }
 """
 HEAD = """<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><title>{title}</title><style>{style}</style></head><body>
