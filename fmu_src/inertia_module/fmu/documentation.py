@@ -16,7 +16,7 @@ USUAL = (FIXED, "continuous")
 
 
 class Table(NamedTuple):
-    """Variables of one group: its heading, the names of the columns, the rows."""
+    """Variables of one group, or flanges: heading, names of the columns, rows that begin with a name."""
 
     heading: str
     columns: list[str]
@@ -51,21 +51,35 @@ def tables(model: Model) -> Iterator[tuple[str, list[Table]]]:
         yield heading, [_table(group, variables) for group, variables in groups.items()]
 
 
-def _markdown(model: Model) -> Iterator[str]:
+def flanges(model: Model) -> Table:
+    """The flanges of a model, names of variables in backticks."""
+    rows = []
+    for end in model.terminals:
+        names = [f"`{name}`" if name else "" for name in (end.speed, end.torque, end.angle)]
+        rows.append([end.name, *names, end.description])
+    return Table("Flanges", ["flange", "speed", "torque", "angle", "meaning"], rows)
+
+
+def _markdown(table: Table) -> Iterator[str]:
+    yield "| " + " | ".join(table.columns) + " |"
+    yield "|" + "---|" * len(table.columns)
+    yield from ("| " + " | ".join([f"`{name}`", *rest]) + " |" for name, *rest in table.rows)
+    yield ""
+
+
+def _model(model: Model) -> Iterator[str]:
+    yield from (f"## {model.title}", "", f"{model.description}.", "", guide(model.name)[COMPUTES], "")
     for causality, found in tables(model):
         yield from (f"### {causality}", "")
-        for heading, columns, rows in found:
-            yield from (f"**{heading}**", "")
-            yield "| " + " | ".join(columns) + " |"
-            yield "|" + "---|" * len(columns)
-            yield from ("| " + " | ".join([f"`{name}`", *rest]) + " |" for name, *rest in rows)
-            yield ""
+        for table in found:
+            yield from (f"**{table.heading}**", "", *_markdown(table))
+    ends = flanges(model)
+    yield from (f"### {ends.heading}", "", *_markdown(ends))
 
 
 def variables_page() -> str:
     """docs/variables.md: the tables of variables of all models in Markdown."""
     lines = ["# Variables", "", guide("all")[REFUSALS], ""]
     for model in (INERTIA_MODULE, DRIVEN_SHAFT):
-        lines += [f"## {model.title}", "", f"{model.description}.", "", guide(model.name)[COMPUTES], ""]
-        lines += _markdown(model)
+        lines += _model(model)
     return "\n".join(lines)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from html import escape
 
 from .. import __version__
 from ..contract.models import Model
-from .documentation import tables
+from .documentation import Table, flanges, tables
 from .guide import COMPUTES, COUPLING, LIMITS, ORDER, PICTURE, REFUSALS, blocks, guide, inline
 
 # name of the picture beside the page
@@ -36,22 +36,12 @@ FOOT = """<p>inertia-module {version}, MIT licence: <a href="licenses/license.tx
 """
 
 
-def _table(columns: Iterable[str], rows: Iterable[Iterable[str]]) -> Iterator[str]:
-    """Rows whose first cell is a name."""
-    yield "<table><tr>" + "".join(f"<th>{column}</th>" for column in columns) + "</tr>"
-    for name, *rest in rows:
+def _table(table: Table) -> Iterator[str]:
+    yield "<table><tr>" + "".join(f"<th>{column}</th>" for column in table.columns) + "</tr>"
+    for name, *rest in table.rows:
         cells = "".join(f"<td>{inline(cell)}</td>" for cell in rest)
         yield f"<tr><td><code>{name}</code></td>{cells}</tr>"
     yield "</table>"
-
-
-def _flanges(model: Model) -> Iterator[list[str]]:
-    for end in model.terminals:
-        yield [
-            end.name,
-            *(f"`{name}`" if name else "" for name in (end.speed, end.torque, end.angle)),
-            end.description,
-        ]
 
 
 def index_page(model: Model) -> str:
@@ -66,10 +56,10 @@ def index_page(model: Model) -> str:
         (LIMITS, own[LIMITS]),
     ):
         parts += [f"<h2>{heading}</h2>", *blocks(section)]
-    columns = ("flange", "speed", "torque", "angle", "meaning")
-    parts += ["<h2>Flanges</h2>", *_table(columns, _flanges(model))]
+    ends = flanges(model)
+    parts += [f"<h2>{ends.heading}</h2>", *_table(ends)]
     for causality, found in tables(model):
         parts.append(f"<h2>{causality}</h2>")
-        for heading, names, rows in found:
-            parts += [f"<h3>{heading}</h3>", *_table(names, rows)]
+        for table in found:
+            parts += [f"<h3>{table.heading}</h3>", *_table(table)]
     return "\n".join([*parts, FOOT.format(version=__version__)])
