@@ -56,7 +56,9 @@ def page(unpacked):
 
 def test_page_refers_to_files_of_the_fmu_alone(page, unpacked):
     folder = Path(unpacked) / "documentation"
-    assert {"mechanism.png", "licenses/license.txt"} <= set(page.references)
+    licences = {f"licenses/{path.name}" for path in (folder / "licenses").iterdir()}
+    assert licences >= {"licenses/license.txt"}
+    assert set(page.references) == {"mechanism.png"} | licences
     for reference in page.references:
         path = (folder / reference).resolve()
         assert path.is_relative_to(folder.resolve())

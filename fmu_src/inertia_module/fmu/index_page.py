@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from html import escape
 
 from .. import __version__
@@ -31,7 +31,8 @@ HEAD = """<!DOCTYPE html>
 <h1>{title}</h1>
 <p>{description}.</p>
 <figure><img src="{picture}" alt="{caption}" width="640"><figcaption>{caption}</figcaption></figure>"""
-FOOT = """<p>inertia-module {version}, MIT licence: <a href="licenses/license.txt">text</a>.</p>
+FOOT = """<h2>Licences</h2>
+<p>inertia-module {version}, MIT licence. Texts: {texts}.</p>
 </body></html>
 """
 
@@ -44,8 +45,8 @@ def _table(table: Table) -> Iterator[str]:
     yield "</table>"
 
 
-def index_page(model: Model) -> str:
-    """The page, whole in itself but for the picture and the licence beside it."""
+def index_page(model: Model, licences: Iterable[str]) -> str:
+    """The page, whole in itself but for the picture and the licences beside it; licences: their names."""
     own, common = guide(model.name), guide("all")
     head = {"title": model.title, "description": model.description, "caption": own[PICTURE]}
     escaped = {key: escape(text) for key, text in head.items()}
@@ -62,4 +63,5 @@ def index_page(model: Model) -> str:
         parts.append(f"<h2>{causality}</h2>")
         for table in found:
             parts += [f"<h3>{table.heading}</h3>", *_table(table)]
-    return "\n".join([*parts, FOOT.format(version=__version__)])
+    texts = ", ".join(f'<a href="licenses/{name}.txt">{name}.txt</a>' for name in licences)
+    return "\n".join([*parts, FOOT.format(version=__version__, texts=texts)])

@@ -66,12 +66,18 @@ def description(fmu: NativeFmu, guid: str, date: str) -> bytes:
     return description3.model_description(fmu.model, fmu.identifier, guid, date)
 
 
-def papers(model: Model, picture: str, fmi: int) -> dict[str, bytes]:
-    """Documentation, licence, icon and, with FMI 3.0, terminals, by path in an FMU."""
+def papers(model: Model, picture: str, fmi: int, **licences: str) -> dict[str, bytes]:
+    """Documentation, licences, icon and, with FMI 3.0, terminals, by path in an FMU.
+
+    Args:
+        model: what they are of. picture: name of its pictures. fmi: version, 2 or 3.
+        licences: texts of those of others, by name.
+    """
+    texts = {"license": sources("LICENSE")["LICENSE"].decode()} | licences
     files = {
-        "documentation/index.html": index_page(model).encode(),
+        "documentation/index.html": index_page(model, texts).encode(),
         f"documentation/{MECHANISM}": _picture(f"{picture}_named.png"),
-        "documentation/licenses/license.txt": sources("LICENSE")["LICENSE"],
+        **{f"documentation/licenses/{name}.txt": text.encode() for name, text in texts.items()},
     }
     if fmi == 2:
         return files | {"model.png": _picture(f"{picture}.png")}

@@ -132,8 +132,7 @@ def _papers(fmu: PythonFmu) -> dict[str, bytes]:
     of_pythonfmu = next(
         path for path in importlib.metadata.files("pythonfmu") or () if path.name == "LICENSE"
     )
-    name = "documentation/licenses/pythonfmu.txt"
-    return papers(fmu.model, fmu.picture, 2) | {name: of_pythonfmu.read_text().encode()}
+    return papers(fmu.model, fmu.picture, 2, pythonfmu=of_pythonfmu.read_text())
 
 
 def _guid(fmu: PythonFmu, files: Mapping[str, bytes]) -> str:
