@@ -27,6 +27,7 @@ from inertia_module.fmu.targets import LINUX64, WIN64
 
 SOURCES = Path(__file__).parent
 FMUS = {fmu.identifier: fmu for fmu in builder.FMUS if fmu is not builder.PYTHON_FMU}
+OF_FMI_3 = [name for name, fmu in FMUS.items() if fmu.fmi == 3]
 SANITIZERS = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-fno-omit-frame-pointer")
 TIME_LIMIT = 900  # s, for programs that hang
 

@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from .conftest import SANITIZERS, run
+from .conftest import OF_FMI_3, SANITIZERS, run
 
 # a million calls a seed where the environment asks for them, else what a test has the time for
 CALLS = int(os.environ.get("INERTIA_MODULE_ABUSE_CALLS", "200000"))
@@ -25,6 +25,13 @@ def test_random_calls_are_survived_under_sanitizers_and_leave_no_trace(workshop,
     for mode in modes:
         printed = run([program, seed, calls], ASAN_OPTIONS="detect_leaks=1", FMI3=mode)
         assert printed.startswith(f"{calls} calls")
+
+
+@pytest.mark.parametrize("identifier", OF_FMI_3)
+@pytest.mark.parametrize("seed", SEEDS)
+def test_random_calls_of_fmi_3_in_any_order_are_survived(workshops, identifier, seed):
+    program = workshops(identifier).build("abuse3", "abuse3.c", "host.c", flags=SANITIZERS)
+    assert "error" in run([program, seed, CALLS], ASAN_OPTIONS="detect_leaks=1")
 
 
 def test_refusals_that_random_calls_seldom_meet(workshop):

@@ -4,7 +4,7 @@ import shutil
 
 import pytest
 
-from .conftest import run
+from .conftest import OF_FMI_3, run
 
 MOST_BYTES = 262144  # of an instance with a saved state: most of it the averaged map with losses
 LIVES = 1000
@@ -17,6 +17,16 @@ def test_a_thousand_lives_leak_nothing(workshop):
     program = workshop.build("leaks", "leaks.c", "host.c", "snapshot.c", flags=("-g",))
     checker = [valgrind, "--quiet", "--error-exitcode=9", "--leak-check=full", "--show-leak-kinds=all"]
     assert run([*checker, program, LIVES]) == f"{LIVES} instances lived\n"
+
+
+@pytest.mark.parametrize("identifier", OF_FMI_3)
+def test_random_calls_of_fmi_3_use_no_memory_that_is_not_theirs(workshops, identifier):
+    valgrind = shutil.which("valgrind")
+    if valgrind is None:
+        pytest.skip("valgrind is not installed")
+    program = workshops(identifier).build("abuse3", "abuse3.c", "host.c", flags=("-g",))
+    checker = [valgrind, "--quiet", "--error-exitcode=9", "--leak-check=full", "--show-leak-kinds=all"]
+    assert "events" in run([*checker, program, 1, 20 * LIVES])
 
 
 def test_the_kernel_keeps_within_its_arrays(workshop):
