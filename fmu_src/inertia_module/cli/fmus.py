@@ -50,7 +50,10 @@ def check(
     fmu: Annotated[Path, typer.Argument(metavar="FILE.fmu", help="Any FMU file.")],
     as_json: Json = False,
 ) -> None:
-    """Validate an FMU file with fmpy, then step it over its default experiment."""
+    """Validate an FMU file with fmpy, then step it over its default experiment.
+
+    FMI 2.0 or 3.0; an FMU with event mode is stepped once without and once with it.
+    """
     from ..harness.check import check_fmu
 
     with one_line_errors():
