@@ -10,8 +10,10 @@ from typing import Any
 
 from fmpy.fmi3 import FMU3Slave
 
-# types of FMI 3.0 by those of FMI 2.0, where they have other names
-TYPES = {"Float64": "Real", "Int32": "Integer"}
+from ..fmu.description3 import TYPES as IN_FMI_3
+
+# types of FMI 2.0 by their names in FMI 3.0, where they have others
+TYPES = {name: of_fmi_2 for of_fmi_2, name in IN_FMI_3.items()}
 
 
 class Slave(FMU3Slave):  # type: ignore[misc]
