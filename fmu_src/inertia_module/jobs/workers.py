@@ -18,7 +18,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import dask
-from distributed import Client, LocalCluster, Worker, WorkerPlugin, as_completed, get_worker
+from distributed import Client, LocalCluster, Worker, WorkerPlugin, get_worker, wait
 from distributed.scheduler import KilledWorker
 
 from .axes import Point
@@ -29,6 +29,8 @@ BATCH_TIME = 0.25
 LARGEST_BATCH = 2000
 # batches under way for each thread, so that none waits for the next
 AHEAD = 3
+# s without a result after which workers that are gone are looked for
+PATIENCE = 5.0
 
 
 class TaskPlugin(WorkerPlugin):  # type: ignore[misc]
@@ -110,6 +112,12 @@ def pool(task: Task, scheduler: str | None = None, workers: int | None = None) -
             client.unregister_worker_plugin(task.identity)
 
 
+def _start_anew(client: Client) -> None:
+    """Start workers of this machine that Dask has given up, as it does when one dies while it starts."""
+    if client.cluster is not None:
+        client.cluster.scale(len(client.cluster.worker_spec))
+
+
 def evaluations(client: Client, name: str, points: Sequence[Point]) -> Iterator[Batch]:
     """Evaluate points on the workers; the batches as they come, in no order.
 
@@ -118,7 +126,6 @@ def evaluations(client: Client, name: str, points: Sequence[Point]) -> Iterator[
     """
     waiting, alone = deque(points), deque[list[Point]]()
     under_way: dict[Any, list[Point]] = {}
-    running = as_completed()
     size = 1
     while waiting or alone or under_way:
         threads = max(sum(client.nthreads().values()), 1)
@@ -128,12 +135,15 @@ def evaluations(client: Client, name: str, points: Sequence[Point]) -> Iterator[
             batch = alone.popleft() if alone else [waiting.popleft() for _ in range(number)]
             future = client.submit(_evaluated_here, name, batch, pure=False)
             under_way[future] = batch
-            running.add(future)
-        future = next(running)
-        batch = under_way.pop(future)
         try:
-            found = Batch.of(future.result())
+            future = wait(list(under_way), timeout=PATIENCE, return_when="FIRST_COMPLETED").done.pop()
+            found = Batch.of(future.result(timeout=PATIENCE))
+            del under_way[future]
+        except TimeoutError:
+            _start_anew(client)
+            continue
         except KilledWorker as error:
+            batch = under_way.pop(future)
             if len(batch) > 1:
                 alone.extend([point] for point in batch)
                 continue
