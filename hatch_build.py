@@ -8,7 +8,10 @@ from typing import Any
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 # what is built: FMUs, and the kernel for pages
-BUILT = ("InertiaModule.fmu", "InertiaModulePy.fmu", "DrivenShaft.fmu", "InertiaModule.wasm")
+BUILT = (
+    *("InertiaModule.fmu", "InertiaModule3.fmu", "InertiaModulePy.fmu"),
+    *("DrivenShaft.fmu", "DrivenShaft3.fmu", "InertiaModule.wasm"),
+)
 
 
 class ReadyMade(BuildHookInterface):  # type: ignore[misc]

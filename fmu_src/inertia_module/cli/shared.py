@@ -47,7 +47,7 @@ def options(
         bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version.")
     ] = False,
 ) -> None:
-    """Inertia module: an inertial torque transformer as an FMI 2.0 co-simulation FMU."""
+    """Inertia module: an inertial torque transformer as an FMI 2.0 or 3.0 co-simulation FMU."""
 
 
 @contextmanager
