@@ -57,6 +57,8 @@ bench: $(VENV)/.all page ## measure speed and errors, write docs/*.csv, the pict
 	$(BIN)/python benchmarks/speed.py
 	$(BIN)/python benchmarks/trade.py
 	$(BIN)/python benchmarks/page.py
+	$(BIN)/python benchmarks/sweep.py
+	$(BIN)/python benchmarks/fit.py
 	$(BIN)/python docs/make_pages.py
 
 stability: $(VENV)/.all ## try the extremes, write docs/stability.csv, its picture and page
