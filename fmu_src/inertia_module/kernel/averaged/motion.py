@@ -10,7 +10,7 @@ An instant is (omega1, omega2, alpha1, alpha2, omega2'', F, F'); t is the motion
 
 import math
 
-from ..codes import DRIVING, FREE, HELD
+from ..codes import DRIVING, FREE, HELD, TOO_MANY_SWITCHES
 from ..links import kinetic_energy
 from .falls import LINK2_GUARD, first_fall
 from .instants import instant, instant_after, integrals_after, take_integrals
@@ -22,6 +22,8 @@ SINGULAR_SHARE = 0.3
 SHORTEST = 1e-6
 # slip below this fraction of the speeds: the drive comes to rest in link 1
 AT_REST = 1e-9
+# more intervals than any motion takes: rounding alone makes the freewheels switch
+MOST_INTERVALS = 1e6
 
 # four-point Lobatto rule on [0, 1]: ends and two inner nodes
 LOBATTO_NODE = 0.27639320225002106
@@ -107,13 +109,19 @@ def travel(d, t, here, length, counted):
         counted: whether the sums in d are to be added to.
 
     Returns:
-        (whether it gets there: the drive does not come to rest in link 1, instant there).
+        (whether it gets there: the drive does not come to rest in link 1, instant there). Where freewheels
+        switch without end, d.map_failed is set.
     """
     start = t.q
     done = 0.0
     step = 0.0
     slope = 0.0
+    intervals = 0.0
     while done < length:
+        intervals += 1.0
+        if intervals > MOST_INTERVALS:
+            d.map_failed = TOO_MANY_SWITCHES
+            return False, here
         smooth, slope = smooth_length(d, here, slope, step)
         step = min(INTERVAL_PHASE / d.harmonic, length - done)
         if t.mode == FREE or d.by_torque != 0.0:
