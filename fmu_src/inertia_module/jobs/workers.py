@@ -130,7 +130,9 @@ def evaluations(client: Client, name: str, points: Sequence[Point]) -> Iterator[
     while waiting or alone or under_way:
         threads = max(sum(client.nthreads().values()), 1)
         fair = math.ceil(len(waiting) / (2 * threads))
-        while (waiting or alone) and len(under_way) < AHEAD * threads:
+        # who may end its worker is alone under way: Dask suspects all that wait on a worker that dies
+        most = 1 if alone else AHEAD * threads
+        while (waiting or alone) and len(under_way) < most:
             number = min(size, max(fair, 1), len(waiting))
             batch = alone.popleft() if alone else [waiting.popleft() for _ in range(number)]
             future = client.submit(_evaluated_here, name, batch, pure=False)
