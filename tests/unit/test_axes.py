@@ -61,7 +61,7 @@ def test_samples_fill_the_ranges_and_are_the_same_for_the_same_seed(kind, scene)
 @pytest.mark.parametrize(
     "vary, sentence",
     [
-        ([], "there is no free one"),
+        ([], "at least one key must be varied, such as imbalance_mass=0.5:2:7, none is"),
         (["imbalance_mass"], "NAME=FROM:TO:COUNT"),
         (["imbalance_mass=1:2:x"], "imbalance_mass must be given as FROM:TO:COUNT"),
         (["imbalance_mas=1:2:3"], r"did you mean imbalance_mass\?"),

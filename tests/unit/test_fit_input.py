@@ -132,7 +132,7 @@ def test_limits_of_the_table_hold_without_a_range_and_a_value_outside_begins_in_
 @pytest.mark.parametrize(
     "free, words",
     [
-        ([], "at least one key must be free, such as imbalance_mass=0.5:2: there is none"),
+        ([], "at least one key must be free, such as imbalance_mass=0.5:2, none is"),
         (
             ["imbalance_mass=2:0.5"],
             "imbalance_mass must go from a lower to a higher value, goes from 2 to 0.5",

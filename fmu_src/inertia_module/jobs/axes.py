@@ -164,6 +164,28 @@ def _range(name: str, parts: list[str], logarithmic: bool, scene: Scene) -> Axis
     return Axis(name, low, high, int(number), logarithmic)
 
 
+def by_key(given: Sequence[str] | Mapping[str, Any], what: str, example: str) -> list[tuple[str, Any]]:
+    """Keys by dots, each once, with what is given for them: None where nothing is.
+
+    Args:
+        given: "NAME" or "NAME=TEXT" each, or by name. what: is done to the keys. example: of one.
+
+    Raises:
+        Refused: there is none, or one twice.
+    """
+    pairs: list[tuple[str, Any]] = []
+    for item in given.items() if isinstance(given, Mapping) else given:
+        name, equals, text = item.partition("=") if isinstance(item, str) else (item[0], "=", item[1])
+        pairs.append((full_name(name.strip()), text if equals else None))
+    if not pairs:
+        raise Refused(f"at least one key must be {what}, such as {example}, none is")
+    names = [name for name, _ in pairs]
+    for name in names:
+        if names.count(name) > 1:
+            raise Refused(f"{name} must be {what} once, is given {names.count(name)} times")
+    return pairs
+
+
 def axes_of(vary: Sequence[str] | Mapping[str, Any], scene: Scene) -> list[Axis]:
     """The axes of a sweep.
 
@@ -173,20 +195,11 @@ def axes_of(vary: Sequence[str] | Mapping[str, Any], scene: Scene) -> list[Axis]
     Raises:
         Refused: nothing is varied, a key twice, or as axis.
     """
-    pairs: list[tuple[str, Any]] = []
-    for item in vary.items() if isinstance(vary, Mapping) else vary:
-        name, equals, given = item.partition("=") if isinstance(item, str) else (item[0], "=", item[1])
-        if not (name and equals and given):
-            raise Refused(f"what is varied must be given as NAME=FROM:TO:COUNT or NAME=A,B,C, is {item!r}")
-        pairs.append((name.strip(), given))
-    if not pairs:
-        raise Refused("at least one key must be varied, such as imbalance_mass=0.5:2:7: there is no free one")
-    axes = [axis(name, given, scene) for name, given in pairs]
-    names = [one.name for one in axes]
-    twice = [name for name in names if names.count(name) > 1]
-    if twice:
-        raise Refused(f"{twice[0]} must be varied once, is given {names.count(twice[0])} times")
-    return axes
+    pairs = by_key(vary, "varied", "imbalance_mass=0.5:2:7")
+    for name, given in pairs:
+        if not given:
+            raise Refused(f"{name} must be given as NAME=FROM:TO:COUNT or NAME=A,B,C, is given without")
+    return [axis(name, given, scene) for name, given in pairs]
 
 
 def grid(axes: Sequence[Axis]) -> list[Point]:

@@ -10,6 +10,7 @@ from typing import Any
 
 from ..common.extras import library
 from ..common.files import OUTPUT_FOLDER
+from ..harness.descriptions import fmu_file
 from ..harness.results import write_text
 from ..harness.simulate import Progress
 from ..scene import SceneError
@@ -18,7 +19,7 @@ from ..scene.run import SceneRunner
 from ..scene.schema import Scene
 from ..scene.writing import scene_text
 from .axes import Point, sampled, units_of
-from .evaluator import Evaluator, fmu_content
+from .evaluator import Evaluator
 from .judged import Judge
 from .named import NAMED, Wanted, named_figures
 from .search import search
@@ -169,7 +170,7 @@ def design(
     levels = (read.search.fidelity, read.search.check)
     scenes = {level: read.scene.with_fidelity(level) for level in levels}
     tables = {level: scene.tables for level, scene in scenes.items()}
-    task = DesignTask(tables, read.named, read.runs_scene, fmu_content(fmu))
+    task = DesignTask(tables, read.named, read.runs_scene, fmu_file(fmu).read_bytes())
     folder = OUTPUT_FOLDER / f"{name}_design" if output is None else Path(output)
     with Evaluator(task, folder, scheduler, workers) as evaluator:
 
@@ -186,11 +187,12 @@ def design(
         fronts = judge.fronts([row for row in rows if judge.meets(row, read.search.margin)])
         picked = _finalists(fronts, read.search.finalists) or [min(rows, key=judge.beyond)]
         checked = evaluate([row.point for row in picked], levels[1])
-    finalists = [
-        Finalist(row, again, (scene := scenes[levels[1]].with_keys(row.point)), _write(folder, number, scene))
-        for number, (row, again) in enumerate(zip(picked, checked, strict=True), 1)
-        if not again.refused
-    ]
+    finalists = []
+    for number, (row, again) in enumerate(zip(picked, checked, strict=True), 1):
+        if not again.refused:
+            scene = scenes[levels[1]].with_keys(row.point)
+            file = write_text(folder / f"design_{number}.toml", scene_text(scene))
+            finalists.append(Finalist(row, again, scene, file))
     front = fronts[0] if fronts else []
     files = {f"pareto {k}": v for k, v in write_tables(folder, "pareto", front, units).items()}
     files |= {f"checked {k}": v for k, v in write_tables(folder, "checked", checked, units).items()}
@@ -200,11 +202,6 @@ def design(
 def _text(value: float | str | None, unit: str = "") -> str:
     shown = "missing" if value is None else value if isinstance(value, str) else f"{value:.4g}"
     return f"{shown} {unit}".removesuffix(" 1").rstrip()
-
-
-def _write(folder: Path, number: int, scene: Scene) -> Path:
-    """Write a design as a scene."""
-    return write_text(folder / f"design_{number}.toml", scene_text(scene))
 
 
 def _check_figures(spec: Spec, rows: Sequence[Row], units: dict[str, str]) -> None:

@@ -8,21 +8,11 @@ from pathlib import Path
 from typing import Any, Self
 
 from ..common.extras import library
-from ..harness.descriptions import fmu_file
 from ..harness.simulate import Progress
 from ..scene import Scene, load_scene
 from .axes import Point
 from .store import Journal
 from .task import Row, Task
-
-
-def fmu_content(fmu: Path | str | None) -> bytes:
-    """Content of an FMU's file; see descriptions.fmu_file.
-
-    Raises:
-        OSError: there is no such file. RuntimeError: it is to be compiled, and cannot be.
-    """
-    return fmu_file(fmu).read_bytes()
 
 
 def read(scene: Scene | Path | str) -> tuple[Scene, str]:

@@ -11,8 +11,8 @@ from ..common.errors import Refused
 from ..contract.variable import REAL
 from ..contract.variables import BY_NAME
 from ..scene import Scene
-from ..scene.keys import MECHANISM, full_name
-from .axes import Axis, axis, unit_of_key
+from ..scene.keys import MECHANISM
+from .axes import Axis, axis, by_key, unit_of_key
 
 Range = str | tuple[float, float] | None
 
@@ -62,20 +62,7 @@ def free_keys(free: Sequence[str] | Mapping[str, Range], scene: Scene) -> list[F
     Raises:
         Refused: nothing is free, a key twice, or one that is no number or has no such range.
     """
-    pairs: list[tuple[str, Range]] = []
-    for item in free.items() if isinstance(free, Mapping) else free:
-        if isinstance(item, str):
-            name, equals, given = item.partition("=")
-            pairs.append((full_name(name.strip()), given if equals else None))
-        else:
-            pairs.append((full_name(item[0]), item[1]))
-    if not pairs:
-        raise Refused("at least one key must be free, such as imbalance_mass=0.5:2: there is none")
-    names = [name for name, _ in pairs]
-    for name in names:
-        if names.count(name) > 1:
-            raise Refused(f"{name} must be free once, is given {names.count(name)} times")
-    return [_free(name, given, scene) for name, given in pairs]
+    return [_free(name, given, scene) for name, given in by_key(free, "free", "imbalance_mass=0.5:2")]
 
 
 def _free(name: str, given: Range, scene: Scene) -> Free:

@@ -63,13 +63,12 @@ class Judge:
 
     def __init__(self, spec: Spec, units: dict[str, str]) -> None:
         self.spec, self.units = spec, units
-        found = [
+        self.limits = [
             Limit(name, bound, side)
             for name, demand in spec.demands.items()
             for which, side in (("minimum", -1.0), ("maximum", 1.0))
             if (bound := demand.limit(which, unit_of(name, units))) is not None
         ]
-        self.limits = found
 
     def violations(self, row: Row, margin: float = 0.0) -> list[float]:
         """Violation of each limit, and at last whether a goal has no figure."""

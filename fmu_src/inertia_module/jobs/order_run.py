@@ -13,7 +13,8 @@ from ..harness.simulate import Progress, Result
 from ..kernel.codes import AVERAGED
 from ..kernel.inertia import reduced_inertia
 from ..memory.instances import Module
-from ..scene import Scene, load_scene, run_scene
+from ..scene import Scene, run_scene
+from .evaluator import read
 from .spectra import LINK1, PULSES, Orders, rounding, spectra
 
 # what an order is counted over: the angle, without whole turns, and these
@@ -71,7 +72,7 @@ def orders(
     """
     if of not in _ANGLES:
         raise Refused(must_be("orders", " or ".join(_ANGLES), repr(of)))
-    scene = scene if isinstance(scene, Scene) else load_scene(scene)
+    scene, _ = read(scene)
     if scene.parameters().get("fidelity") == AVERAGED:
         raise Refused(
             "fidelity must be kinematic, rigid or elastic for orders, is averaged: it has no pulses"

@@ -11,10 +11,11 @@ import numpy as np
 
 from ..common.errors import Refused
 from ..common.files import OUTPUT_FOLDER
+from ..harness.descriptions import fmu_file
 from ..harness.simulate import Progress
 from ..scene import Scene
 from .axes import Axis, axes_of, grid, sampled, units_of
-from .evaluator import Evaluator, fmu_content, read
+from .evaluator import Evaluator, read
 from .sensitivity import Sensitivity, indices
 from .store import write_tables
 from .task import Row, SceneTask
@@ -97,7 +98,7 @@ def sweep(
         points = grid(axes) if sample is None else sampled(axes, sample, seed)
     elif sample is not None:
         raise Refused("sample and sensitivity must not both be given")
-    task = SceneTask(base.tables, fmu_content(fmu))
+    task = SceneTask(base.tables, fmu_file(fmu).read_bytes())
     folder = OUTPUT_FOLDER / f"{name}_sweep" if output is None else Path(output)
     found = None
     with Evaluator(task, folder, scheduler, workers, progress) as evaluator:
