@@ -73,14 +73,14 @@ def by_order(lines):
 # --- signals that are known ---
 
 
-def known(highest=None, turns=None):
+def known(highest=None, turns=None, names=("x",)):
     """A run-up from 20 to 200 rad/s with two lines, a mean and a trend."""
     time = np.arange(0.0, 10.0, 2e-4)
     speed = 20.0 + 18.0 * time
     turned = (20.0 * time + 9.0 * time**2) / math.tau
     swing = 3.0 * np.cos(math.tau * 2.5 * turned) + 0.5 * np.sin(math.tau * 7.0 * turned)
     columns = {"time": time, "input_speed": speed, "x": 10.0 + 0.1 * time + swing}
-    return spectra(Result.from_columns(columns, {"x": "N.m"}), turned, ["x"], "link1", highest, turns), swing
+    return spectra(Result.from_columns(columns, {"x": "N.m"}), turned, names, "link1", highest, turns), swing
 
 
 @pytest.mark.parametrize("turns", [None, 8.0])
@@ -95,6 +95,14 @@ def test_lines_of_a_known_run_up_have_their_orders_and_amplitudes(turns):
     # at every speed they are the same
     at = int(np.argmin(np.abs(found.order - 2.5)))
     assert found.waterfall["x"][:, at] == pytest.approx(3.0, rel=5e-3)
+
+
+def test_a_waterfall_tells_the_speed_of_each_window_whatever_the_signals_are(tmp_path):
+    found, _ = known(names=("x", "input_speed"))
+    rows, units = read_columns(found.write(tmp_path)["waterfall"])
+    assert sorted(set(rows["speed"])) == found.speed.tolist()
+    assert max(rows["input_speed"]) < 20.0  # an amplitude
+    assert (units["speed"], units["x"], units["time"]) == ("rad/s", "N.m", "s")
 
 
 def test_all_that_swings_is_in_the_spectrum():

@@ -11,8 +11,8 @@ from scipy.io import loadmat
 from typer.testing import CliRunner
 
 from inertia_module.cli import app
-from inertia_module.harness.chart import TorqueConverterChart, torque_converter_chart
-from inertia_module.harness.results import TableError
+from inertia_module.harness.chart import torque_converter_chart
+from inertia_module.harness.results import read_columns
 from inertia_module.memory.instances import Refused
 
 PLANAR_MECHANISM = {name: value for name, value in PLANAR.items() if name not in ("omega1", "load_torque")}
@@ -45,9 +45,10 @@ def test_an_ideal_module_loses_no_power_at_any_ratio(compiled, mechanism):
 
 def test_chart_saved_is_the_chart_read(compiled, tmp_path):
     chart = torque_converter_chart({}, kernel=compiled)
-    read = TorqueConverterChart.load(chart.save(tmp_path / "chart.csv"))
-    for name, values in vars(chart).items():
-        assert np.array_equal(getattr(read, name), values), name
+    columns, units = read_columns(chart.save(tmp_path / "chart.csv"))
+    assert columns == {name: values.tolist() for name, values in vars(chart).items()}
+    assert units["output_torque"] == "N.m.s2"
+    assert "efficiency" not in units
 
 
 def test_numbers_of_a_chart_have_units(compiled):
@@ -57,15 +58,6 @@ def test_numbers_of_a_chart_have_units(compiled):
     assert chart.units()["end_ratio"] == ""
     assert chart.summary(50.0)["stall_torque"] == pytest.approx(2500.0 * chart.stall_torque)
     assert chart.summary(50.0)["end_ratio"] == chart.end_ratio
-
-
-def test_a_file_that_is_no_chart_is_refused(tmp_path):
-    with pytest.raises(TableError, match=r"none\.csv must be a CSV file: No such file"):
-        TorqueConverterChart.load(tmp_path / "none.csv")
-    other = tmp_path / "other.csv"
-    other.write_text("time,x\n0,1\n")
-    with pytest.raises(TableError, match=r"other\.csv must be a chart with the columns speed_ratio"):
-        TorqueConverterChart.load(other)
 
 
 def test_a_mechanism_may_be_given_by_names_and_units(compiled):
@@ -92,8 +84,8 @@ def test_command_compares_scenes(compiled, tmp_path):
     told = json.loads(done.output)
     assert set(told["charts"]) == {"urban", "planar"}
     for name, numbers in told["charts"].items():
-        read = TorqueConverterChart.load(tmp_path / f"{name}.csv")
-        assert read.stall_torque == numbers["stall_torque"] > 0.0
+        columns, _ = read_columns(tmp_path / f"{name}.csv")
+        assert columns["output_torque"][0] == numbers["stall_torque"] > 0.0
     assert (tmp_path / "chart.png").read_bytes().startswith(b"\x89PNG")
 
 
@@ -102,8 +94,8 @@ def test_command_gives_torques_and_a_converter_table_at_a_speed(compiled, tmp_pa
     arguments = ["chart", "examples/planar.toml", "--speed", "3000 rpm", "-o", str(tmp_path)]
     done = CliRunner().invoke(app, arguments)
     assert done.exit_code == 0, done.output
-    chart = TorqueConverterChart.load(tmp_path / "planar.csv")
-    stall = chart.stall_torque * (100.0 * math.pi) ** 2
+    columns, _ = read_columns(tmp_path / "planar.csv")
+    stall = columns["output_torque"][0] * (100.0 * math.pi) ** 2
     assert f"{stall:.6g} N.m " in done.output
     rows = list(csv.DictReader((tmp_path / "planar_converter.csv").open()))
     assert float(rows[0]["output_torque [N.m]"]) == pytest.approx(stall, rel=1e-12)

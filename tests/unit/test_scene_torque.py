@@ -55,11 +55,11 @@ def test_the_scene_sets_the_drive_and_the_start():
 
 def test_a_torque_over_time_is_linear_between_its_points(tmp_path):
     scene = read(TABLE)
-    assert scene.drive.table()(0.25) == pytest.approx(10.0)
+    assert scene.drive.signal()(0.25) == pytest.approx(10.0)
     assert start_of(scene)[2] == {"drive_torque": 0.0, "omega1": 50.0, "load_torque": 5.0}
     (tmp_path / "torque.csv").write_text("time [ms],drive_torque [kNm]\n0,0\n500,0.02\n")
     text = SCENE.replace(DRIVE, 'kind = "torque_table"\nfile = "torque.csv"')
-    assert read(text, tmp_path).drive.table()(0.25) == pytest.approx(10.0)
+    assert read(text, tmp_path).drive.signal()(0.25) == pytest.approx(10.0)
 
 
 def test_its_own_drive_may_be_said_again():

@@ -65,7 +65,7 @@ class Model:
     Attributes:
         name: name in saved states. title: for people. description: one sentence without its full stop.
         variables: its table.
-        entry: name of its kernel in entries.ENTRIES. call: the same as plain Python.
+        entry: name of its kernel in kernels.ENTRIES. call: the same as plain Python.
         messages: what it says for each status of its kernel but OK (see messages.MESSAGES).
         warnings: what it says of a mechanism that is accepted but cannot be built (see messages.WARNINGS).
         zero_at_start: outputs that are zero at initialisation.

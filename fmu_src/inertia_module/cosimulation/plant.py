@@ -30,11 +30,6 @@ class Exchange(NamedTuple):
         """Energy lost between both, J: each side is exact for what it was given."""
         return self.engine_work - self.module_work
 
-    @property
-    def impulse_defect(self) -> float:
-        """Angular momentum lost between both, N.m.s."""
-        return self.step * (self.engine_torque - self.module_torque)
-
 
 @dataclass
 class Ledger:

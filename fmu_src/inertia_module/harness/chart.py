@@ -20,7 +20,7 @@ from ..contract.variables import BY_NAME
 from ..kernel import codes
 from ..kernel.averaged import rates as average_rates
 from ..memory.instances import Module
-from .results import TableError, read_columns, write_columns
+from .results import write_columns
 from .simulate import Progress
 from .steady import SteadyMachine
 
@@ -110,26 +110,9 @@ class TorqueConverterChart:
         torque = "N.m.s2" if omega1 is None else "N.m"
         return {name: "" if name in _RATIOS else torque for name in self.summary()}
 
-    def save(self, path: Path | str) -> Path:
+    def save(self, path: Path) -> Path:
         """Write as CSV, whole or not at all; the numbers read back are the same doubles."""
-        columns = {field.name: getattr(self, field.name) for field in fields(self)}
-        return write_columns(
-            Path(path),
-            {f"{name} [{_UNITS[name]}]" if name in _UNITS else name: v for name, v in columns.items()},
-        )
-
-    @classmethod
-    def load(cls, path: Path | str) -> TorqueConverterChart:
-        """Read what save has written.
-
-        Raises:
-            TableError: the file is missing, or is not such a chart.
-        """
-        columns, _ = read_columns(path)
-        wanted = [field.name for field in fields(cls)]
-        if list(columns) != wanted:
-            raise TableError(f"{path} must be a chart with the columns {', '.join(wanted)}")
-        return cls(*map(np.array, columns.values()))
+        return write_columns(path, {field.name: getattr(self, field.name) for field in fields(self)}, _UNITS)
 
 
 @dataclass(frozen=True)
@@ -144,11 +127,11 @@ class EfficiencyMap:
     speed_ratio: Array
     efficiency: Array
 
-    def save(self, path: Path | str) -> Path:
+    def save(self, path: Path) -> Path:
         """Write as CSV, a row for each speed and ratio, whole or not at all."""
         speeds, ratios = (part.ravel() for part in np.meshgrid(self.omega1, self.speed_ratio, indexing="ij"))
-        columns = {"omega1 [rad/s]": speeds, "speed_ratio": ratios, "efficiency": self.efficiency.ravel()}
-        return write_columns(Path(path), columns)
+        columns = {"omega1": speeds, "speed_ratio": ratios, "efficiency": self.efficiency.ravel()}
+        return write_columns(path, columns, {"omega1": "rad/s"})
 
 
 def efficiency_map(

@@ -56,8 +56,8 @@ class ConverterTable:
 
     def save(self, path: Path) -> Path:
         """Write as CSV, whole or not at all."""
-        headings = {name: f"{name} [{unit}]" if unit != "1" else name for name, unit in _UNITS.items()}
-        return write_columns(path, {headings[name]: getattr(self, name) for name in _UNITS})
+        units = {name: unit for name, unit in _UNITS.items() if unit != "1"}
+        return write_columns(path, {name: getattr(self, name) for name in _UNITS}, units)
 
     def save_mat(self, path: Path) -> Path:
         """Write as MAT file (version 5), whole or not at all: a struct converter, with units."""

@@ -102,8 +102,7 @@ class Result:
 
     def label(self, name: str) -> str:
         """Heading of a column: its name and, in brackets, its unit."""
-        unit = self.units.get(name, "")
-        return f"{name} [{unit}]" if unit else name
+        return heading(name, self.units.get(name, ""))
 
     def converted(self, units: Mapping[str, str]) -> Result:
         """The same table with some columns in these units; one that has no unit yet is in it already.
@@ -122,7 +121,7 @@ class Result:
 
     def to_csv(self, path: Path | str) -> Path:
         """Write all columns to a path, with the digits that give the same doubles; whole or not at all."""
-        return write_columns(Path(path), {self.label(name): values for name, values in self.columns.items()})
+        return write_columns(Path(path), self.columns, self.units)
 
     @classmethod
     def from_csv(cls, path: Path | str) -> Result:
@@ -208,7 +207,12 @@ def _rows(path: Path | str) -> list[tuple[int, list[str]]]:
         raise TableError(f"{path} must be a CSV file in UTF-8: {error}") from error
 
 
-def _heading(text: str) -> tuple[str, str]:
+def heading(name: str, unit: str) -> str:
+    """Heading of a column: its name and, in brackets, its unit, if it has one."""
+    return f"{name} [{unit}]" if unit else name
+
+
+def _name_and_unit(text: str) -> tuple[str, str]:
     """Name and unit ("" if there is none) of a column."""
     found = _HEADING.match(text.strip())
     return (text.strip(), "") if found is None else (found[1] or found[3] or "", found[2] or found[4] or "")
@@ -230,7 +234,7 @@ def read_columns(path: Path | str) -> tuple[dict[str, list[float]], dict[str, st
         raise TableError(
             f"{path} must have a heading row and at least one row of numbers, has {len(rows)} rows"
         )
-    headings = [_heading(cell) for cell in rows.pop(0)[1]]
+    headings = [_name_and_unit(cell) for cell in rows.pop(0)[1]]
     names = [name for name, _ in headings]
     for number, name in enumerate(names, 1):
         if not name or names.index(name) != number - 1:
@@ -253,10 +257,13 @@ def read_columns(path: Path | str) -> tuple[dict[str, list[float]], dict[str, st
     return values, {name: unit for name, unit in headings if unit}
 
 
-def write_columns(path: Path, columns: Mapping[str, NDArray[np.float64]]) -> Path:
-    """Write columns of equal length as CSV, by heading, whole or not at all."""
+def write_columns(
+    path: Path, columns: Mapping[str, NDArray[np.float64]], units: Mapping[str, str] | None = None
+) -> Path:
+    """Write columns of equal length as CSV, whole or not at all; units: of those that have one, by name."""
+    headings = [heading(name, (units or {}).get(name, "")) for name in columns]
     rows = ([repr(float(value)) for value in row] for row in zip(*columns.values(), strict=True))
-    return write_rows(path, columns, rows)
+    return write_rows(path, headings, rows)
 
 
 def write_rows(path: Path, headings: Iterable[str], rows: Iterable[Iterable[Any]]) -> Path:

@@ -1,4 +1,4 @@
-"""Wires between co-simulation FMUs, checked before anything runs: names, kinds, units, loops, steps."""
+"""Wires between co-simulation FMUs, checked before anything runs: names, kinds, units, loops."""
 
 from __future__ import annotations
 
@@ -14,8 +14,6 @@ from ..kernel.codes import DRIVE_SPEED, DRIVE_TORQUE
 # inputs of the module without effect once it runs, by its parameter drive
 _IDLE = {DRIVE_SPEED: "drive_torque", DRIVE_TORQUE: "omega1"}
 _DRIVES: Mapping[Any, int] = {name: number for name, number, _ in ENUMERATIONS["Drive"]}
-# a step is a multiple of another within this share of it
-_SAME_STEP = 1e-9
 
 
 class WiringError(Refused):
@@ -146,26 +144,11 @@ def _check_loops(descriptions: Mapping[str, Any], wires: Sequence[Wire]) -> None
         ) from None
 
 
-def _check_steps(descriptions: Mapping[str, Any], steps: Mapping[str, float], step: float) -> list[str]:
-    problems = []
-    for instance, own in steps.items():
-        ratio = step / own if own > 0.0 and math.isfinite(own) else math.nan
-        if instance not in descriptions:
-            problems.append(f"{instance} with a step of its own must be one of {', '.join(descriptions)}")
-        elif not (ratio >= 1.0 - _SAME_STEP and abs(ratio - round(ratio)) <= _SAME_STEP * ratio):
-            problems.append(
-                f"the step of {instance} must be {step:g} s, at which values are exchanged, or a whole part"
-                f" of it, is {own:g} s"
-            )
-    return problems
-
-
 def check_wiring(
     descriptions: Mapping[str, Any],
     wires: Sequence[Wire],
     given: Mapping[str, Sequence[str]],
     step: float,
-    steps: Mapping[str, float] | None = None,
     parameters: Mapping[str, Mapping[str, Any]] | None = None,
 ) -> None:
     """Refuse wires that cannot work, before anything runs.
@@ -173,12 +156,12 @@ def check_wiring(
     Args:
         descriptions: fmpy's model description of each FMU instance by its name.
         wires: between them. given: names of the inputs that the user gives, by instance.
-        step: at which values are exchanged, s. steps: own steps of instances, s, where they differ.
+        step: at which values are exchanged, s.
         parameters: by name, by instance; what drives a module is one of them.
 
     Raises:
         WiringError: an unknown name, another kind or unit, an input driven twice or not at all, an algebraic
-            loop, or steps that do not fit.
+            loop, or a step that is none.
     """
     if not (math.isfinite(step) and step > 0.0):
         raise WiringError(must_be("step", "a positive number of seconds", step))
@@ -187,10 +170,7 @@ def check_wiring(
     for instance, names in given.items():
         for name in names:
             _end(descriptions, Wire("given", name, instance, name), instance, name, "input")
-    problems = [
-        *_check_driven(descriptions, wires, given, parameters or {}),
-        *_check_steps(descriptions, steps or {}, step),
-    ]
+    problems = _check_driven(descriptions, wires, given, parameters or {})
     if problems:
         raise WiringError("; ".join(problems))
     _check_loops(descriptions, wires)

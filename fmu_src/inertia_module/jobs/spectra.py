@@ -137,18 +137,17 @@ class Orders:
 
     def write(self, folder: Path) -> dict[str, Path]:
         """Write orders.csv, waterfall.csv (a row for each window and order) and summary.json to a folder."""
-        heading = {name: f"{name} [{self.units[name]}]" for name in self.amplitude}
-        spectrum = {heading[name]: values for name, values in self.amplitude.items()}
         coarse = slice(None, None, PADDING)
         orders = self.order[coarse]
-        windows = {"time [s]": self.time, "input_speed [rad/s]": self.speed}
+        windows = {"time": self.time, "speed": self.speed}
         rows = {name: np.repeat(values, orders.size) for name, values in windows.items()}
         rows["order"] = np.tile(orders, self.time.size)
-        rows |= {heading[name]: values[:, coarse].ravel() for name, values in self.waterfall.items()}
+        rows |= {name: values[:, coarse].ravel() for name, values in self.waterfall.items()}
+        units = {**self.units, "time": "s", "speed": "rad/s"}
         text = json.dumps(self.as_dict(), indent=2) + "\n"
         return {
-            "orders": write_columns(folder / "orders.csv", {"order": self.order, **spectrum}),
-            "waterfall": write_columns(folder / "waterfall.csv", rows),
+            "orders": write_columns(folder / "orders.csv", {"order": self.order, **self.amplitude}, units),
+            "waterfall": write_columns(folder / "waterfall.csv", rows, units),
             "summary": write_text(folder / "summary.json", text),
         }
 

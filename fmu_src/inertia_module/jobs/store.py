@@ -10,7 +10,7 @@ from typing import Any
 from ..common.errors import Refused
 from ..common.extras import library
 from ..common.files import writable_folder, write_atomically
-from ..harness.results import write_rows
+from ..harness.results import heading, write_rows
 from .axes import Point
 from .task import Batch, Row
 
@@ -108,7 +108,7 @@ def write_tables(folder: Path, name: str, rows: Sequence[Row], units: dict[str, 
     parquet.write_table(arrow.table(arrays, schema=schema), buffer)
     tables = {"parquet": folder / f"{name}.parquet", "csv": folder / f"{name}.csv"}
     write_atomically(tables["parquet"], buffer.getvalue().to_pybytes())
-    headings = [f"{title} [{units[title]}]" if units.get(title) else title for title in found]
+    headings = [heading(title, units.get(title, "")) for title in found]
     cells = (["" if cell is None else cell for cell in row] for row in zip(*found.values(), strict=True))
     write_rows(tables["csv"], headings, cells)
     return tables

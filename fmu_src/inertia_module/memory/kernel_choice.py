@@ -17,7 +17,7 @@ def choose_kernel(kernel: str, name: str = MODULE) -> tuple[Callable[..., int] |
     Args:
         kernel: "compiled", "plain", or "auto": what the environment variable INERTIA_MODULE_KERNEL
             says, else compiled where there is such a kernel.
-        name: which of entries.ENTRIES.
+        name: which of kernels.ENTRIES.
 
     Raises:
         CompilationUnavailable: "compiled" was asked for and there is none.

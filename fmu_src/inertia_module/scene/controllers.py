@@ -69,10 +69,6 @@ class TableReference(Tabulated):
         """Units of points and values in SI."""
         return "s", _speed_unit(context)
 
-    def signal(self) -> float | loops.Table:
-        """Wanted speed over time."""
-        return self.table()
-
 
 def _known_cycle(name: Any) -> str:
     if name not in CYCLES:

@@ -68,10 +68,6 @@ class TableDrive(Tabulated, GivenDrive):
     time: Times
     omega1: Annotated[list[float], quantities("rad/s")]
 
-    def signal(self) -> Signal:
-        """Speed of link 1 over time, rad/s."""
-        return self.table()
-
 
 class ControlledDrive(Strict):
     """The speed of link 1 is what [controller] commands."""
@@ -131,10 +127,6 @@ class TorqueTable(Tabulated, TorqueDrive, GivenDrive):
     kind: Literal["torque_table"]
     time: Times
     drive_torque: Annotated[list[float], quantities("N.m")]
-
-    def signal(self) -> Signal:
-        """Torque on link 1 over time, N.m."""
-        return self.table()
 
 
 # drives that take the module's drive = torque

@@ -117,7 +117,7 @@ class VehicleLoad(Strict):
             rolling_resistance=self.rolling_resistance,
             drag_area=self.drag_area,
             air_density=self.air_density,
-            slope=self.slope if table is None else table.table(),
+            slope=self.slope if table is None else table.signal(),
             one_way=one_way,
             coupling=_coupling(self.coupling),
         )

@@ -83,7 +83,7 @@ class HubTable(Tabulated):
 
     def speeds(self, times: Array) -> Array:
         """Speed of the hub, rad/s, at times, s, shape (n,)."""
-        return np.array([self.table()(at) for at in times])
+        return np.interp(times, self.time, self.hub_speed)
 
 
 class ShaftRun(Run):

@@ -70,12 +70,12 @@ class Tabulated(Strict):
     @model_validator(mode="after")
     def _check(self) -> Tabulated:
         try:
-            self.table()
+            self.signal()
         except ValueError as error:
             raise ValueError(f"{self.POINTS}, {self.VALUES}: {error}") from None
         return self
 
-    def table(self) -> Table:
+    def signal(self) -> Table:
         """The quantity over time, s, or distance, m; linear in between, held at the ends."""
         return Table(getattr(self, self.POINTS), getattr(self, self.VALUES))
 
@@ -89,6 +89,6 @@ def one_signal(name: str, constant: float | None, over_time: Tabulated | None) -
     if constant is not None and over_time is None:
         return constant
     if over_time is not None and constant is None:
-        return over_time.table()
+        return over_time.signal()
     given = "neither is" if constant is None else "both are"
     raise ValueError(f"one of {name} and {name}_over_time must be given, {given}")

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from ...harness.results import write_figure, write_rows
+from ...harness.results import heading, write_figure, write_rows
 from ...harness.simulate import Progress
 from .case import CASES
 from .figure import map_figure
@@ -57,8 +57,7 @@ def write_part(folder: Path, name: str, rows: Sequence[Any]) -> dict[str, str]:
     Returns:
         Paths by what they are.
     """
-    units = {name: f"{name} [{unit}]" for name, unit in rows[0].UNITS.items()}
-    names = [units.get(field.name, field.name) for field in dataclasses.fields(rows[0])]
+    names = [heading(one.name, rows[0].UNITS.get(one.name, "")) for one in dataclasses.fields(rows[0])]
     # six digits: further ones depend on the machine
     cells = ([f"{v:.6g}" if isinstance(v, float) else v for v in dataclasses.astuple(row)] for row in rows)
     written = {name: str(write_rows(folder / f"coupling_{name}.csv", names, cells))}
