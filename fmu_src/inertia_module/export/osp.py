@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from xml.etree.ElementTree import Element, SubElement, indent, tostring
+from xml.etree.ElementTree import Element, SubElement
 
+from ..fmu.archive import xml_text
 from .plan import Plan, typed
 
 NAMESPACE = "http://opensimulationplatform.com/MSMI/OSPSystemStructure"
@@ -31,6 +32,4 @@ def structure(plan: Plan) -> bytes:
         connection = SubElement(connections, "VariableConnection")
         SubElement(connection, "Variable", simulator=wire.source, name=wire.output)
         SubElement(connection, "Variable", simulator=wire.sink, name=wire.input)
-    indent(root)
-    found: bytes = tostring(root, encoding="UTF-8", xml_declaration=True)
-    return found + b"\n"
+    return xml_text(root)

@@ -7,11 +7,11 @@ values, nothing is connected to the boundary of the system, and only wired input
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from xml.etree.ElementTree import Element, SubElement, indent, register_namespace, tostring
+from xml.etree.ElementTree import Element, SubElement, register_namespace
 
 from .. import __version__
 from ..contract.variable import UNITS, Variable
-from ..fmu.archive import archive, generation_date
+from ..fmu.archive import archive, generation_date, xml_text
 from .plan import Part, Plan, typed
 
 _BASE = "http://ssp-standard.org/SSP1/SystemStructure"
@@ -36,12 +36,6 @@ def _head(kind: str, namespace: str, name: str) -> Element:
         generationTool=f"inertia-module {__version__}",
         generationDateAndTime=generation_date(),
     )
-
-
-def _text(root: Element) -> bytes:
-    indent(root)
-    found: bytes = tostring(root, encoding="UTF-8", xml_declaration=True)
-    return found + b"\n"
 
 
 def _unit(variable: Variable) -> dict[str, str]:
@@ -105,7 +99,7 @@ def structure(plan: Plan) -> bytes:
     annotation = SubElement(annotations, f"{{{SSC}}}Annotation", type="com.opensimulationplatform")
     algorithm = SubElement(annotation, f"{{{OSP}}}Algorithm")
     SubElement(algorithm, f"{{{OSP}}}FixedStepAlgorithm", baseStepSize=repr(plan.step))
-    return _text(root)
+    return xml_text(root)
 
 
 def values(part: Part) -> bytes:
@@ -118,7 +112,7 @@ def values(part: Part) -> bytes:
         unit = _unit(part.variable(name)) if kind == "Real" else {}
         SubElement(parameter, f"{{{SSV}}}{kind}", {"value": text, **unit})
     _add_units(root, SSV, map(part.variable, part.values))
-    return _text(root)
+    return xml_text(root)
 
 
 def ssp_file(plan: Plan, fmus: Mapping[str, bytes]) -> bytes:

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Callable
 from pathlib import Path
 
 from ..common.files import write_atomically
 from ..fmu.builder import content_of
+from ..fmu.linking import Progress
 from ..harness.wires import check_wiring
 from .container import container
 from .integers import with_integers
 from .osp import STRUCTURE, structure
 from .plan import Plan
 from .ssp import ssp_file
-
-Progress = Callable[[str], None]
 
 
 def _check(plan: Plan, fmus: dict[str, bytes]) -> None:

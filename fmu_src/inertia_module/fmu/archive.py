@@ -7,6 +7,7 @@ import os
 import zipfile
 from collections.abc import Mapping
 from datetime import UTC, datetime
+from xml.etree.ElementTree import Element, indent, tostring
 
 from .. import __date__
 from ..common.files import content_hash
@@ -27,6 +28,13 @@ def generation_date() -> str:
     epoch = os.environ.get("SOURCE_DATE_EPOCH")
     moment = datetime.fromtimestamp(int(epoch), UTC) if epoch else datetime.fromisoformat(__date__)
     return moment.strftime("%Y-%m-%dT%H:%M:%SZ")
+
+
+def xml_text(root: Element) -> bytes:
+    """An XML file, an element a line."""
+    indent(root)
+    text: bytes = tostring(root, encoding="UTF-8", xml_declaration=True)
+    return text + b"\n"
 
 
 def archive(content: Mapping[str, bytes]) -> bytes:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import zipfile
-from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import NamedTuple
@@ -14,14 +13,13 @@ from ..compiling.ir import is_cached, llvm_text
 from ..compiling.kernels import CompilationUnavailable
 from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE
 from .archive import DESCRIPTION
+from .linking import Progress
 from .native_fmu import NativeFmu, library_path, native_fmu
 from .native_fmu import guid as native_guid
 from .python_fmu import PythonFmu, python_fmu
 from .python_fmu import guid as python_guid
 from .targets import TARGETS
 from .web_kernel import WebKernel, web_kernel
-
-Progress = Callable[[str], None]
 
 MODULE_FMU = NativeFmu("InertiaModule", INERTIA_MODULE, "module")
 SHAFT_FMU = NativeFmu("DrivenShaft", DRIVEN_SHAFT, "driven_shaft")

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from xml.etree.ElementTree import Element, SubElement, indent, tostring
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from xml.etree.ElementTree import Element, SubElement
 
 from .. import __version__
 from ..contract.models import Model
@@ -20,6 +20,7 @@ from ..contract.variable import (
     UNITS,
     Variable,
 )
+from .archive import xml_text
 
 LOG_CATEGORIES = {
     "logStatusWarning": "What the host should know but need not act on.",
@@ -58,12 +59,6 @@ def truth(value: bool) -> str:
     return "true" if value else "false"
 
 
-def initial_dependencies(model: Model, output: str) -> list[int]:
-    """Indices (from 1) of the inputs and parameters an output depends on at initialisation."""
-    known = model.known_at_start(output)
-    return [index for index, variable in enumerate(model.variables, 1) if variable.name in known]
-
-
 def add_units(root: Element, variables: Iterable[Variable]) -> None:
     """The units that variables have, with their display units."""
     used = {variable.unit for variable in variables}
@@ -78,15 +73,19 @@ def add_units(root: Element, variables: Iterable[Variable]) -> None:
             SubElement(unit, "DisplayUnit", name=display, factor=_number(factor))
 
 
-def _add_types(root: Element, model: Model) -> None:
+def add_types(root: Element, model: Model, new_type: Callable[[Element, str], Element]) -> None:
+    """The enumerations that variables have; new_type: adds the element of one, by its name."""
     used = {variable.enumeration for variable in model.variables}
     definitions = SubElement(root, "TypeDefinitions")
     for name, items in ENUMERATIONS.items():
-        if name not in used:
-            continue
-        enumeration = SubElement(SubElement(definitions, "SimpleType", name=name), "Enumeration")
-        for item, value, description in items:
-            SubElement(enumeration, "Item", name=item, value=str(value), description=description)
+        if name in used:
+            enumeration = new_type(definitions, name)
+            for item, value, description in items:
+                SubElement(enumeration, "Item", name=item, value=str(value), description=description)
+
+
+def _new_type(definitions: Element, name: str) -> Element:
+    return SubElement(SubElement(definitions, "SimpleType", name=name), "Enumeration")
 
 
 def real_attributes(variable: Variable) -> dict[str, str]:
@@ -132,16 +131,22 @@ def _add_variable(parent: Element, reference: int, variable: Variable) -> None:
         SubElement(scalar, variable.kind, discrete_attributes(variable))
 
 
+def outputs_of(model: Model, first: int) -> Iterator[tuple[str, str]]:
+    """Number of each output, and those of what it depends on at initialisation, counted from first."""
+    numbers = {variable.name: str(n) for n, variable in enumerate(model.variables, first)}
+    for output in model.with_causality(OUTPUT):
+        known = model.known_at_start(output.name)
+        yield numbers[output.name], " ".join(number for name, number in numbers.items() if name in known)
+
+
 def _add_structure(root: Element, model: Model) -> None:
     """Outputs hold the end of the last step: at a communication point none depends on an input."""
     structure = SubElement(root, "ModelStructure")
     outputs = SubElement(structure, "Outputs")
     unknowns = SubElement(structure, "InitialUnknowns")
-    for index, variable in enumerate(model.variables, 1):
-        if variable.causality == OUTPUT:
-            SubElement(outputs, "Unknown", index=str(index), dependencies="")
-            known = " ".join(map(str, initial_dependencies(model, variable.name)))
-            SubElement(unknowns, "Unknown", index=str(index), dependencies=known)
+    for index, dependencies in outputs_of(model, first=1):
+        SubElement(outputs, "Unknown", index=index, dependencies="")
+        SubElement(unknowns, "Unknown", index=index, dependencies=dependencies)
 
 
 def origin(model: Model, date: str) -> dict[str, str]:
@@ -183,12 +188,10 @@ def model_description(
     root = Element("fmiModelDescription", named | origin(model, date))
     SubElement(root, "CoSimulation", {"modelIdentifier": identifier, **capabilities})
     add_units(root, model.variables)
-    _add_types(root, model)
+    add_types(root, model, _new_type)
     add_run(root, model, logs_steps=capabilities is not PYTHON_CAPABILITIES)  # which pythonfmu does not know
     variables = SubElement(root, "ModelVariables")
     for reference, variable in enumerate(model.variables):
         _add_variable(variables, reference, variable)
     _add_structure(root, model)
-    indent(root)
-    text: bytes = tostring(root, encoding="UTF-8", xml_declaration=True)
-    return text + b"\n"
+    return xml_text(root)

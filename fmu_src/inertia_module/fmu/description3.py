@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from xml.etree.ElementTree import Element, SubElement, indent, tostring
+from xml.etree.ElementTree import Element, SubElement
 
 from ..contract.models import Model
-from ..contract.variable import BOOLEAN, ENUMERATION, ENUMERATIONS, OUTPUT, REAL, Variable
+from ..contract.variable import BOOLEAN, ENUMERATION, REAL, Variable
+from .archive import xml_text
 from .description import (
     add_run,
+    add_types,
     add_units,
     discrete_attributes,
     origin,
+    outputs_of,
     real_attributes,
     truth,
     variable_attributes,
@@ -36,15 +39,8 @@ TIME = Variable(
 )
 
 
-def _add_types(root: Element, model: Model) -> None:
-    used = {variable.enumeration for variable in model.variables}
-    definitions = SubElement(root, "TypeDefinitions")
-    for name, items in ENUMERATIONS.items():
-        if name not in used:
-            continue
-        enumeration = SubElement(definitions, "EnumerationType", name=name)
-        for item, value, description in items:
-            SubElement(enumeration, "Item", name=item, value=str(value), description=description)
+def _new_type(definitions: Element, name: str) -> Element:
+    return SubElement(definitions, "EnumerationType", name=name)
 
 
 def _add_variable(parent: Element, reference: int, variable: Variable) -> None:
@@ -67,15 +63,11 @@ def _add_time(parent: Element, reference: int) -> None:
 def _add_structure(root: Element, model: Model) -> None:
     """Outputs hold the end of the last step: at a communication point none depends on an input."""
     structure = SubElement(root, "ModelStructure")
-    references = {variable.name: str(n) for n, variable in enumerate(model.variables)}
-    outputs = [variable.name for variable in model.with_causality(OUTPUT)]
-    for name in outputs:
-        SubElement(structure, "Output", valueReference=references[name], dependencies="")
-    for name in outputs:
-        known = model.known_at_start(name)
-        dependencies = [reference for variable, reference in references.items() if variable in known]
-        unknown = {"valueReference": references[name], "dependencies": " ".join(dependencies)}
-        SubElement(structure, "InitialUnknown", unknown)
+    outputs = list(outputs_of(model, first=0))
+    for reference, _ in outputs:
+        SubElement(structure, "Output", valueReference=reference, dependencies="")
+    for reference, dependencies in outputs:
+        SubElement(structure, "InitialUnknown", valueReference=reference, dependencies=dependencies)
 
 
 def model_description(model: Model, identifier: str, token: str, date: str) -> bytes:
@@ -91,13 +83,11 @@ def model_description(model: Model, identifier: str, token: str, date: str) -> b
     SubElement(root, "CoSimulation", {"modelIdentifier": identifier, **capabilities})
     add_units(root, (*model.variables, TIME))
     if any(variable.kind == ENUMERATION for variable in model.variables):
-        _add_types(root, model)
+        add_types(root, model, _new_type)
     add_run(root, model, logs_steps=True)
     variables = SubElement(root, "ModelVariables")
     for reference, variable in enumerate(model.variables):
         _add_variable(variables, reference, variable)
     _add_time(variables, len(model.variables))
     _add_structure(root, model)
-    indent(root)
-    text: bytes = tostring(root, encoding="UTF-8", xml_declaration=True)
-    return text + b"\n"
+    return xml_text(root)

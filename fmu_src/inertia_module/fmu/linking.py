@@ -13,7 +13,7 @@ import struct
 import subprocess
 import sys
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from .. import __version__
@@ -26,6 +26,8 @@ from .tables import generated
 from .targets import Target
 from .version_resource import version_resource
 
+# what is told each stage of a build as it begins
+Progress = Callable[[str], None]
 SHELL_FOLDER = Path(__file__).parent / "shell"
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Werror")
 FLAGS = ("-std=c99", "-O2", "-g0", "-fvisibility=hidden", "-fno-sanitize=all", "-fno-ident")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
@@ -15,12 +14,10 @@ from . import description3
 from .archive import DESCRIPTION, archive, generation_date, guid_of
 from .description import NATIVE_CAPABILITIES, model_description
 from .index_page import MECHANISM, index_page
-from .linking import compiler, header_folder, join_for_mac, link
+from .linking import Progress, compiler, header_folder, join_for_mac, link
 from .tables import generated
 from .targets import TARGETS, Target
 from .terminals import FLANGE, terminals
-
-Progress = Callable[[str], None]
 
 
 class NativeFmu(NamedTuple):

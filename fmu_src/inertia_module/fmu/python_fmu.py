@@ -10,7 +10,7 @@ import importlib.metadata
 import sys
 import tempfile
 import zipfile
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
@@ -23,7 +23,7 @@ from ..compiling.load import SHIPPED, SHIPPED_NAMES
 from ..contract.models import Model
 from .archive import DESCRIPTION, archive, generation_date, guid_of
 from .description import PYTHON_CAPABILITIES, model_description
-from .linking import link_front
+from .linking import Progress, link_front
 from .native_fmu import NativeFmu, library, papers
 from .targets import TARGETS
 
@@ -39,8 +39,8 @@ BUNDLED = (
 
 # pythonfmu's library beside our own, which has the name a host looks for
 BEHIND = "pythonfmu-export"
-
-Progress = Callable[[str], None]
+# the platforms that pythonfmu has libraries for
+PLATFORMS = [target for target in TARGETS if f"{target.folder}{target.suffix}" in SHIPPED_NAMES.values()]
 
 
 class PythonFmu(NamedTuple):
@@ -79,12 +79,10 @@ def bundled_files() -> dict[str, bytes]:
 def shipped_libraries(fmu: PythonFmu, progress: Progress) -> tuple[dict[str, bytes], dict[str, str]]:
     """Libraries with the compiled kernel, by path within the package, and those skipped, with the reason."""
     files, skipped = {}, {}
-    for target in TARGETS:
-        name = f"{target.folder}{target.suffix}"
-        if name not in SHIPPED_NAMES.values():
-            continue
+    for target in PLATFORMS:
+        path = f"{SHIPPED.name}/{target.folder}{target.suffix}"
         try:
-            files[f"{SHIPPED.name}/{name}"] = library(fmu.native, target, progress)
+            files[path] = library(fmu.native, target, progress)
         except CompilationUnavailable as reason:
             skipped[f"compiled kernel in {fmu.identifier} for {target.label}"] = str(reason)
     return files, skipped
@@ -93,15 +91,12 @@ def shipped_libraries(fmu: PythonFmu, progress: Progress) -> tuple[dict[str, byt
 def fronts(fmu: PythonFmu) -> tuple[dict[str, bytes], dict[str, str]]:
     """Our libraries in front of pythonfmu's, by path in the FMU, and those skipped, with the reason."""
     files, skipped = {}, {}
-    for target in TARGETS:
-        if f"{target.folder}{target.suffix}" not in SHIPPED_NAMES.values():
-            continue
+    for target in PLATFORMS:
+        path = f"binaries/{target.folder}/{fmu.identifier}{target.suffix}"
         try:
-            front = link_front(target, f"{BEHIND}{target.suffix}")
+            files[path] = link_front(target, f"{BEHIND}{target.suffix}")
         except CompilationUnavailable as reason:
             skipped[f"front of {fmu.identifier} for {target.label} (see docs/fmu.md)"] = str(reason)
-            continue
-        files[f"binaries/{target.folder}/{fmu.identifier}{target.suffix}"] = front
     return files, skipped
 
 

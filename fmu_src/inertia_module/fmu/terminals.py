@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from xml.etree.ElementTree import Element, SubElement, indent, tostring
+from xml.etree.ElementTree import Element, SubElement
 
 from ..contract.models import INFLOW, Model, Terminal
+from .archive import xml_text
 
 # square of the icon, and the millimetres it is drawn in
 CORNERS = {"x1": "-100", "y1": "-100", "x2": "100", "y2": "100"}
@@ -41,6 +42,4 @@ def terminals(model: Model) -> bytes:
             attributes = {"variableName": variable, "variableKind": kind, "memberName": member}
             SubElement(terminal, "TerminalMemberVariable", attributes)
         SubElement(terminal, "TerminalGraphicalRepresentation", _place(model, flange), iconBaseName=FLANGE)
-    indent(root)
-    text: bytes = tostring(root, encoding="UTF-8", xml_declaration=True)
-    return text + b"\n"
+    return xml_text(root)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
@@ -12,7 +11,7 @@ from ..compiling.ir import tool_versions
 from ..compiling.kernels import ENTRIES
 from ..compiling.objects import made_from, object_file, target_machine
 from ..contract.models import Model
-from .linking import compiler, run_tool
+from .linking import Progress, compiler, run_tool
 
 # for machine code and for the linker; any browser since 2021 knows what a "generic" processor may
 TRIPLE, PROCESSOR, LINKED_FOR = "wasm32-unknown-wasi", "generic", "wasm32-wasi"
@@ -20,8 +19,6 @@ TRIPLE, PROCESSOR, LINKED_FOR = "wasm32-unknown-wasi", "generic", "wasm32-wasi"
 STACK = 1 << 16
 # bytes: two hundred instances at once
 MEMORY = 1 << 24
-
-Progress = Callable[[str], None]
 
 
 class WebKernel(NamedTuple):
