@@ -49,12 +49,12 @@ def run(
 ) -> None:
     """Run a scene: leaves table.csv, summary.json and plot.png in a folder (out/SCENE without -o)."""
     from ..common.files import write_atomically
+    from ..contract.variables import COMPUTED
     from ..figures.scenes import scene_figure
     from ..figures.shaft import shaft_figure
     from ..harness.results import write_figure, write_text
     from ..harness.simulate import progress_bar
     from ..page.html import html_file, template
-    from ..page.recording import SHOWN
     from ..scene import ShaftScene, load_any_scene, run_scene, run_shaft_scene
     from ..scene.keys import keys_of
 
@@ -76,7 +76,7 @@ def run(
             read, choice = at_fidelity(read, fidelity, error)
             path = fmu or current_fmu()
             with progress_bar(read.title) as progress:
-                of_module = run_scene(read, path, progress, SHOWN if view else ())
+                of_module = run_scene(read, path, progress, COMPUTED if view else ())
             result, figure = of_module, scene_figure(of_module)
             page = html_file(read, of_module) if view else None
         chosen = {} if choice is None else {"fidelity_choice": choice.as_dict()}

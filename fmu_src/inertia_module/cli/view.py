@@ -32,9 +32,9 @@ def view(
     and played in it.
     """
     from ..common.files import write_atomically
+    from ..contract.variables import COMPUTED
     from ..harness.simulate import progress_bar
     from ..page.html import checked_path, html_file, template
-    from ..page.recording import SHOWN
     from ..page.start import is_exact
     from ..scene import Scene, load_any_scene, run_scene
     from ..scene.keys import keys_of
@@ -49,7 +49,7 @@ def view(
         outcome = None
         if not is_exact(read):
             with progress_bar(read.title) as progress:
-                outcome = run_scene(read, fmu or current_fmu(), progress, SHOWN)
+                outcome = run_scene(read, fmu or current_fmu(), progress, COMPUTED)
         content = html_file(read, outcome)
         write_atomically(path, content)
     if as_json:

@@ -214,7 +214,7 @@ VARIABLES: tuple[Variable, ...] = (
     _choice("method", "Method", 0, "how it is integrated"),
     _choice("drive", "Drive", 0, "what is given at the input shaft, link 1: its speed or its torque"),
     _choice("input_hold", "InputHold", 0, "speed omega1 between communication points"),
-    _real("tolerance", "1", 1e-6, 1e-13, 0.1, "relative tolerance; one given to setupExperiment wins", 1e-6),
+    _real("tolerance", "1", 1e-6, 1e-13, 0.1, "relative tolerance; that of the host's experiment wins", 1e-6),
     _real("max_step", "s", 0.0, 0.0, LARGEST_STEP, "longest internal step, 0 for no limit (timestepping: the communication step)"),
     _tunable("kinematic_ratio", "1", 0.0, -10.0, 10.0, "ratio of the speeds of link 2 and link 1, prescribed: omega2/omega1 (kinematic)"),
     _real("omega2_start", "rad/s", 0.0, -_SPEED_START_LIMIT, _SPEED_START_LIMIT, "speed of link 2 at the start"),
@@ -232,6 +232,10 @@ LOSSES: tuple[str, ...] = tuple(name for name in BY_NAME if name.startswith(LOST
 def with_causality(*causalities: str, table: Iterable[Variable] = VARIABLES) -> Iterator[Variable]:
     """Variables of these causalities, in the order of the table."""
     return (variable for variable in table if variable.causality in causalities)
+
+
+# names of the variables that the module computes
+COMPUTED = tuple(variable.name for variable in with_causality(OUTPUT, LOCAL))
 
 
 def default_parameters() -> dict[str, float]:

@@ -13,7 +13,7 @@ from ..harness.picture import Picture
 from ..jobs.design import DesignResult
 from ..jobs.spec import unit_of
 from ..jobs.task import Row
-from .panels import DPI, dress
+from .panels import DPI, dress, titled
 
 Array = NDArray[np.float64]
 
@@ -62,6 +62,4 @@ def _panel(panel: Axes, found: DesignResult, across: str | None, up: str) -> Non
 
 
 def _label(found: DesignResult, name: str) -> str:
-    unit = unit_of(name, found.judge.units)
-    text = name.replace("_", " ")
-    return f"{text} [{unit}]" if unit not in ("", "1") else text
+    return titled(name, unit_of(name, found.judge.units))

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from ..common.colours import BLUE, GREY, VERMILION
 from ..harness.picture import Picture
 from ..jobs.fitted import FitResult
-from .panels import DPI, SIZE, dress
+from .panels import DPI, SIZE, dress, titled
 
 # of a column, inches
 ROW = 4.0
@@ -33,7 +33,7 @@ def fit_figure(found: FitResult) -> Figure:
         counted, time = data.counted[:, n], table.time
         curves.plot(time, table[f"{name}_measured"], ".", color=GREY, markersize=4, label="measured")
         curves.plot(time, table[f"{name}_computed"], color=VERMILION, linewidth=1.2, label="computed")
-        dress(curves, data.table.label(name).replace("_", " "))
+        dress(curves, titled(name, data.table.units.get(name, "")))
         over = table[f"{name}_residual"] / data.noise.get(name, found.noise[name])
         residuals.axhspan(-WITHIN, WITHIN, color=BLUE, alpha=0.12)
         residuals.plot(time[counted], over[counted], ".", color=BLUE, markersize=4)

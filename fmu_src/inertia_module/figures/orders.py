@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from ..common.colours import VERMILION
 from ..harness.picture import Picture
 from ..jobs.spectra import BASES, Array, Orders
-from .panels import DPI, SIZE, dress
+from .panels import DPI, SIZE, dress, titled
 
 # lines named in a panel, and the share of all that swings that a picture goes out to
 NAMED = 3
@@ -41,7 +41,7 @@ def order_figure(found: Orders, title: str) -> Figure:
             place = (line.order, line.amplitude)
             left.annotate(f"{line.order:.4g}", place, ha="center", va="bottom", fontsize=9)
         left.set_ylim(0.0, 1.15 * float(amplitude.max()))
-        dress(left, f"{name.replace('_', ' ')} [{unit}]")
+        dress(left, titled(name, unit))
         _waterfall(right, found.order, over, found.waterfall[name], unit)
         right.set_ylabel(label)
     panels[0, 0].set_xlim(0.0, _end(found))

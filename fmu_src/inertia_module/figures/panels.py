@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from ..harness.simulate import Result
+from ..scene.keys import MECHANISM
 
 # 1200 x 900 pixels
 SIZE = (12.0, 9.0)
@@ -34,6 +35,12 @@ def dress(axes: Axes, label: str) -> None:
             borderpad=0.1,
             columnspacing=1.2,
         )
+
+
+def titled(name: str, unit: str) -> str:
+    """Name of a key or a figure as a label, with its unit."""
+    text = name.removeprefix(MECHANISM).replace("_", " ")
+    return f"{text} [{unit}]" if unit not in ("", "1") else text
 
 
 def headline(axes: Axes, text: str) -> None:

@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from ..harness.picture import Picture
 from ..jobs.axes import Axis
 from ..jobs.sweep import SweepResult
-from ..scene.keys import MECHANISM
-from .panels import DPI, dress
+from .panels import DPI, dress, titled
 
 # shown, where they vary and nothing else is asked for
 USUAL = ("efficiency", "omega_out_final", "output_torque_mean", "input_torque_mean", "satellite_force_peak")
@@ -43,9 +42,7 @@ def _varies(values: Array) -> bool:
 
 def label(sweep: SweepResult, name: str) -> str:
     """Name of a key or figure with its unit."""
-    unit = sweep.units.get(name, "")
-    text = name.removeprefix(MECHANISM).replace("_", " ")
-    return f"{text} [{unit}]" if unit not in ("", "1") else text
+    return titled(name, sweep.units.get(name, ""))
 
 
 def sweep_figure(sweep: SweepResult, figures: Sequence[str] = ()) -> Figure:

@@ -50,7 +50,7 @@ class Fmu(Instance):
         parameters: start values by name: numbers, strings with a unit ("90 deg"), enumerations by number
             or item name.
         inputs: inputs by name, set before the end of initialisation (so no jump at the start).
-        tolerance: relative tolerance for setupExperiment, or None.
+        tolerance: relative tolerance of the experiment, or None.
         start_time: of the experiment, s.
         stop_time: of the experiment, s, or None.
 

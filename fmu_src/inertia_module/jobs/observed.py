@@ -15,8 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import Refused
-from ..contract.variable import LOCAL, OUTPUT
-from ..contract.variables import with_causality
+from ..contract.variables import COMPUTED
 from ..harness.simulate import Plant
 from ..loops import ClosedLoop
 from ..scene import Scene
@@ -25,7 +24,7 @@ from ..scene.run import SceneRunner
 Array = NDArray[np.float64]
 MEAN, PEAK = "_mean", "_peak"
 # of the FMU; the ripple is that of one step and no sum or peak of its parts
-READABLE = [one.name for one in with_causality(OUTPUT, LOCAL) if one.name != "torque_ripple"]
+READABLE = [name for name in COMPUTED if name != "torque_ripple"]
 # times as near to a communication point, of a step, are taken there
 NEAR = 1e-6
 

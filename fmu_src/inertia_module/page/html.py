@@ -52,8 +52,8 @@ def html_file(scene: Scene, outcome: SceneResult | None) -> bytes:
     """The HTML file of a scene.
 
     Args:
-        scene: whose fidelity is chosen. outcome: its run with all of recording.SHOWN, or None where the page
-            is to integrate.
+        scene: whose fidelity is chosen.
+        outcome: its run with all of variables.COMPUTED, or None where the page is to integrate.
 
     Raises:
         Refused: the template has not been made. CompilationUnavailable: the kernel cannot be compiled.

@@ -8,14 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from ..contract.variable import LOCAL, OUTPUT
-from ..contract.variables import with_causality
 from ..harness.simulate import Result
 
 # numbers in a page at most: not compressed at all they take 1.5 MB of it
 MOST = 280_000
-# the outputs and locals of the module, which the page shows
-SHOWN = tuple(variable.name for variable in with_causality(OUTPUT, LOCAL))
 
 
 def packed(content: bytes) -> str:
@@ -28,7 +24,7 @@ def page_run(record: Result, warnings: tuple[str, ...] = ()) -> dict[str, Any]:
     """A run for the page (the interface Recorded of page/src/run/recorded.ts), ready for JSON.
 
     Args:
-        record: with all of SHOWN, at equal steps of time. warnings: of the FMU.
+        record: with all of variables.COMPUTED, at equal steps of time. warnings: of the FMU.
     """
     names = [name for name in record.names if name != "time"]
     stride = -(-len(record) * len(names) // MOST)

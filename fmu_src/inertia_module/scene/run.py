@@ -10,8 +10,7 @@ from pathlib import Path
 from typing import Any, ClassVar, Self
 
 from .. import __version__
-from ..contract.variable import LOCAL, OUTPUT
-from ..contract.variables import with_causality
+from ..contract.variables import COMPUTED
 from ..harness.restarted import RestartedFmu
 from ..harness.results import html_table
 from ..harness.simulate import Fmu, Progress, Result
@@ -95,7 +94,7 @@ class SceneResult(Outcome):
         scene, record, quantities, warnings: see Outcome.
     """
 
-    RECORDED: ClassVar = frozenset(variable.name for variable in with_causality(OUTPUT, LOCAL))
+    RECORDED: ClassVar = frozenset(COMPUTED)
 
     scene: Scene
 

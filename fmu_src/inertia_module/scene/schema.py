@@ -10,8 +10,8 @@ from pydantic import Field, ValidationInfo, model_validator
 
 from .. import loops
 from ..common.errors import Refused
-from ..contract.variable import LARGEST_STEP, LOCAL, OUTPUT
-from ..contract.variables import BY_NAME, with_causality
+from ..contract.variable import LARGEST_STEP, OUTPUT
+from ..contract.variables import BY_NAME, COMPUTED, with_causality
 from ..harness.simulate import whole_steps
 from ..kernel.codes import ELASTIC
 from ..loops.cycles import Cycle
@@ -28,7 +28,6 @@ from .units import quantity
 
 _TOLERANCE = BY_NAME["tolerance"]
 _OUTPUTS = tuple(variable.name for variable in with_causality(OUTPUT))
-_READABLE = tuple(variable.name for variable in with_causality(OUTPUT, LOCAL))
 
 
 class Accuracy(Strict):
@@ -265,8 +264,8 @@ class Scene(Strict):
     @model_validator(mode="after")
     def _outputs_known(self) -> Scene:
         for name in self.run.outputs:
-            if name not in _READABLE and name not in self.surroundings.output_labels:
-                known = ", ".join([*_READABLE, *self.surroundings.output_labels])
+            if name not in COMPUTED and name not in self.surroundings.output_labels:
+                known = ", ".join([*COMPUTED, *self.surroundings.output_labels])
                 raise SceneError(f"run.outputs must be of {known}, has {name!r}")
         return self
 

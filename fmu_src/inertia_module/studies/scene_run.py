@@ -5,16 +5,13 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass
 
-from ..contract.variable import LOCAL, OUTPUT
-from ..contract.variables import with_causality
+from ..contract.variables import COMPUTED
 from ..harness.simulate import Progress, Result
 from ..loops import ClosedLoop
 from ..memory.instances import Module
 from ..scene import Scene
 from ..scene.run import start_of
 from .timing import kernel_time
-
-READABLE = tuple(variable.name for variable in with_causality(OUTPUT, LOCAL))
 
 
 class RecordedModule(Module):
@@ -62,7 +59,7 @@ def run_in_process(scene: Scene, progress: Progress | None = None) -> SceneRun:
         values["tolerance"] = scene.accuracy.tolerance
     plant = RecordedModule().start(**values, **inputs)
     begin = plant.save()
-    loop = ClosedLoop(plant, surroundings, READABLE, scene.signal_units)
+    loop = ClosedLoop(plant, surroundings, COMPUTED, scene.signal_units)
     began = time.perf_counter()
     record = loop.run(scene.run.stop_time, progress)
     loop_time = time.perf_counter() - began
