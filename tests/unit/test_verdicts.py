@@ -12,7 +12,7 @@ from inertia_module.memory.instances import Module, Refused
 from inertia_module.studies.stability.bounds import energy_bound, result_bound, work_bound
 from inertia_module.studies.stability.case import LEVELS, Case, Extreme, Segment
 from inertia_module.studies.stability.study import chosen_cases, run_study
-from inertia_module.studies.stability.table import Cell, read_rows, rows_of, write_cases, write_rows
+from inertia_module.studies.stability.table import read_rows, rows_of, write_cases, write_rows
 from inertia_module.studies.stability.trial import try_case
 from inertia_module.studies.stability.verdict import cause, judge
 
@@ -180,13 +180,6 @@ def test_table_reads_back_as_it_was_written(tmp_path):
     chosen = chosen_cases("output locked")
     rows = rows_of(run_study(chosen[:6]))
     assert read_rows(write_rows(tmp_path / "table.csv", rows)) == rows
-
-
-def test_cells_agree_within_a_power_of_ten():
-    assert Cell("exact", -6).agrees_with(Cell("exact", -7))
-    assert not Cell("exact", -6).agrees_with(Cell("exact", -8))
-    assert not Cell("exact", -6).agrees_with(Cell("degraded", -6, "work"))
-    assert not Cell("refused", None, "one").agrees_with(Cell("refused", None, "another"))
 
 
 def test_every_figure_and_bound_is_written(tmp_path):

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import cache, cached_property
 from typing import NamedTuple
 
 from ..contract.variable import LARGEST_SPEED
 from ..harness.chart import torque_converter_chart
-from ..harness.steady import MountLoad, SteadyMachine, SteadyPulses
+from ..harness.steady import SteadyMachine, SteadyPulses
 from ..scene.summary import Quantity
 from .size import envelope_diameter, total_imbalance_mass
 
@@ -24,25 +25,16 @@ class Mechanism:
 
     def __init__(self, parameters: Mapping[str, float]) -> None:
         self.parameters = parameters
-        self._machine: SteadyMachine | None = None
-        self._pulses: dict[tuple[float, float], SteadyPulses] = {}
 
-    @property
+    @cached_property
     def machine(self) -> SteadyMachine:
         """The mechanism with its output shaft held."""
-        if self._machine is None:
-            self._machine = SteadyMachine(self.parameters)
-        return self._machine
+        return SteadyMachine(self.parameters)
 
-    def pulses(self, speed: float, ratio: float) -> SteadyPulses:
-        """Steady pulses at a speed, rad/s, and a ratio."""
-        if (speed, ratio) not in self._pulses:
-            self._pulses[speed, ratio] = self.machine.at(speed, ratio)
-        return self._pulses[speed, ratio]
-
-    def mount(self, speed: float, ratio: float) -> MountLoad:
-        """Load on the mount at a speed, rad/s, and a ratio."""
-        return self.machine.mount(speed, ratio)
+    @cached_property
+    def pulses(self) -> Callable[[float, float], SteadyPulses]:
+        """Gives steady pulses at a speed, rad/s, and a ratio."""
+        return cache(self.machine.at)
 
     def greatest_input_torque(self, speed: float) -> float:
         """Largest mean input torque over the speed ratios, N.m."""
@@ -73,8 +65,8 @@ NAMED = {
     "torque_ripple": Named("N.m", _BOTH, lambda m, w, i: m.pulses(w, i).ripple),
     "torque_peak": Named("N.m", _BOTH, lambda m, w, i: m.pulses(w, i).peak),
     "bearing_force": Named("N", _BOTH, lambda m, w, i: m.pulses(w, i).bearing_force),
-    "mount_force": Named("N", _BOTH, lambda m, w, i: m.mount(w, i).force),
-    "mount_moment": Named("N.m", _BOTH, lambda m, w, i: m.mount(w, i).moment),
+    "mount_force": Named("N", _BOTH, lambda m, w, i: m.machine.mount(w, i).force),
+    "mount_moment": Named("N.m", _BOTH, lambda m, w, i: m.machine.mount(w, i).moment),
     "envelope_diameter": Named("m", (), lambda m, w, i: envelope_diameter(m.parameters)),
     "total_imbalance_mass": Named("kg", (), lambda m, w, i: total_imbalance_mass(m.parameters)),
 }

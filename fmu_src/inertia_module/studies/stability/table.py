@@ -37,14 +37,6 @@ class Cell:
         size = "" if self.power is None else f"1e{self.power:+03d}"
         return SEPARATOR.join(part for part in (self.outcome, size, self.reason) if part)
 
-    def agrees_with(self, other: Cell) -> bool:
-        """Whether another machine may have measured it: the same verdict, errors within a power of ten."""
-        if (self.outcome, self.reason) != (other.outcome, other.reason):
-            return False
-        if self.power is None or other.power is None:
-            return self.power is other.power
-        return abs(self.power - other.power) <= 1
-
 
 @dataclass(frozen=True)
 class Row:
