@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scenes import SCENES
 
+from inertia_module.common.extras import NotInstalled
 from inertia_module.memory.instances import Module
 from inertia_module.studies.peers import PEERS, cvode, mujoco_model, scipy_methods
 from inertia_module.studies.trajectory import Case, Unavailable
@@ -36,7 +37,7 @@ def or_skip(run, *arguments):
     """The trajectory, or a skip that says which library is missing."""
     try:
         return run(*arguments)
-    except Unavailable as error:
+    except NotInstalled as error:
         pytest.skip(str(error))
 
 
@@ -114,7 +115,7 @@ def test_a_mujoco_model_with_gears_and_freewheels_as_constraints_comes_near_the_
 
 
 def test_clutches_refuse_a_module_without_a_freewheel():
-    with pytest.raises(Unavailable, match=r"leaves one out|not installed"):
+    with pytest.raises((Unavailable, NotInstalled), match=r"leaves one out|not installed"):
         scipy_methods.simulate(Case(RIGID_SHAFT), "odeint", 1e-6, 1e4)
 
 
@@ -125,7 +126,7 @@ def test_a_case_that_is_not_for_them_is_refused_in_one_line(parameters):
         (cvode.simulate, ("BDF", 1e-6)),
         (mujoco_model.simulate, ("Euler", 1e-3)),
     ):
-        with pytest.raises(Unavailable) as refused:
+        with pytest.raises((Unavailable, NotInstalled)) as refused:
             run(Case(parameters), *settings)
         assert "\n" not in str(refused.value)
 
@@ -137,7 +138,7 @@ def test_a_missing_library_is_named_with_what_to_install(module, monkeypatch):
         "mujoco": lambda case: mujoco_model.simulate(case, "Euler", 1e-3),
     }
     monkeypatch.setitem(__import__("sys").modules, module, None)
-    with pytest.raises(Unavailable, match=r"not installed.*inertia-module\[peers\]"):
+    with pytest.raises(NotInstalled, match=r"not installed.*inertia-module\[peers\]"):
         runs[module](Case(stop_time=0.01, points=2))
 
 

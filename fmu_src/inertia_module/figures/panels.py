@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
+from ..common.colours import BLACK, BLUE, GREEN, VERMILION
 from ..harness.simulate import Result
 from ..scene.keys import MECHANISM
 
@@ -52,6 +53,21 @@ def in_thousands(unit: str, *values: Array) -> tuple[float, str]:
     """What values are to be divided by to be shown, and in which unit: with a k where they are large."""
     largest = max(float(np.abs(part).max()) for part in values)
     return (1e3, f"k{unit}") if largest > 2e3 else (1.0, unit)
+
+
+def energy_panel(axes: Axes, table: Result, rows: slice = slice(None), lost: str = "lost") -> None:
+    """Energies since the start: in, out, gain of what is stored and, if there is any, what is lost."""
+    energies = {
+        "in": (table["energy_in"], BLACK),
+        "out to the load": (table["energy_out"], GREEN),
+        "gain of stored": (table["energy_stored"] - table["energy_stored"][0], BLUE),
+    }
+    if table["energy_lost"].any():
+        energies[lost] = table["energy_lost"], VERMILION
+    factor, unit = in_thousands("J", *(values for values, _ in energies.values()))
+    for name, (values, colour) in energies.items():
+        axes.plot(table.time[rows], values[rows] / factor, color=colour, linewidth=1.5, label=name)
+    dress(axes, f"energy [{unit}]")
 
 
 def pulse_starts(table: Result) -> NDArray[np.int64]:

@@ -15,7 +15,7 @@ from ..loops.cycles import KILOMETRE_PER_HOUR, Cycle
 from ..scene import SceneResult
 from ..scene.summary import forces, input_speed, work
 from .losses import FORCES, force_panel, loss_panel, losses, power_panel
-from .panels import DPI, SIZE, Array, dress, headline, in_thousands, pulse_starts, smooth
+from .panels import DPI, SIZE, Array, dress, energy_panel, headline, in_thousands, pulse_starts, smooth
 
 PULSES_SHOWN = 4
 # more of them one below the other make the figure higher
@@ -77,7 +77,7 @@ def _pulse_panels(figure: Figure, result: SceneResult) -> None:
         if lossy:
             power_panel(panels[-3], table, rows, zoomed=column == 1)
             loss_panel(panels[-2], table, rows, zoomed=column == 1)
-        _energies(panels[-1], table, rows)
+        energy_panel(panels[-1], table, rows)
         panels[-1].set_xlabel("time [s]")
         for panel in panels[:2] if column == 0 else ():
             panel.axvspan(table.time[first], table.time[-1], color=ORANGE, alpha=0.12, linewidth=0)
@@ -148,19 +148,6 @@ def _acceleration(axes: Axes, table: Result, rows: slice) -> None:
     axes.plot(table.time[rows], acceleration, color=PURPLE, linewidth=0.9, label="imbalance")
     axes.set_ylim(bottom=0.0)
     dress(axes, "acceleration [km/s²]")
-
-
-def _energies(axes: Axes, table: Result, rows: slice) -> None:
-    given, taken = table["energy_in"], table["energy_out"]
-    gained = table["energy_stored"] - table["energy_stored"][0]
-    factor, unit = in_thousands("J", given, taken, gained)
-    time = table.time[rows]
-    axes.plot(time, given[rows] / factor, color=BLACK, linewidth=1.5, label="in")
-    axes.plot(time, taken[rows] / factor, color=GREEN, linewidth=1.5, label="out to the load")
-    axes.plot(time, gained[rows] / factor, color=BLUE, linewidth=1.5, label="gain of stored")
-    if table["energy_lost"].any():
-        axes.plot(time, table["energy_lost"][rows] / factor, color=VERMILION, linewidth=1.5, label="lost")
-    dress(axes, f"energy [{unit}]")
 
 
 # --- driving ---

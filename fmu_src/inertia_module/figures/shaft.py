@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..common.colours import BLACK, BLUE, GREEN, PURPLE, VERMILION
+from ..common.colours import BLACK, PURPLE, VERMILION
 from ..harness.picture import Picture
-from ..harness.simulate import Result
 from ..scene.shaft import ShaftResult
-from .panels import DPI, SIZE, dress, headline, in_thousands
+from .panels import DPI, SIZE, dress, energy_panel, headline
 
 
 def shaft_figure(result: ShaftResult) -> Figure:
@@ -36,7 +34,7 @@ def shaft_figure(result: ShaftResult) -> Figure:
     dress(panels[1], "acceleration [rad/s²]")
     panels[2].plot(time, 1e3 * table["twist"], color=PURPLE, linewidth=1.6, label="twist")
     dress(panels[2], "twist [mrad]")
-    _energies(panels[3], table)
+    energy_panel(panels[3], table, lost="lost, less the balancer's work")
     panels[3].set_xlabel("time [s]")
     headline(
         panels[0],
@@ -44,16 +42,3 @@ def shaft_figure(result: ShaftResult) -> Figure:
         f" hub {np.abs(law).max():.4g} rad/s²",
     )
     return figure
-
-
-def _energies(axes: Axes, table: Result) -> None:
-    energies = {
-        "in": (table["energy_in"], BLACK),
-        "out to the load": (table["energy_out"], GREEN),
-        "gain of stored": (table["energy_stored"] - table["energy_stored"][0], BLUE),
-        "lost, less the balancer's work": (table["energy_lost"], VERMILION),
-    }
-    factor, unit = in_thousands("J", *(values for values, _ in energies.values()))
-    for name, (values, colour) in energies.items():
-        axes.plot(table.time, values / factor, color=colour, linewidth=1.5, label=name)
-    dress(axes, f"energy [{unit}]")

@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 
 class Unavailable(RuntimeError):
-    """A method cannot run here (a library is not installed) or cannot take the case: why, in one line."""
+    """A method cannot take the case: why, in one line."""
 
 
 @dataclass(frozen=True)
@@ -87,8 +87,8 @@ class Peer:
     Attributes:
         name: one curve of the plots, such as "LSODA, clutch 1e4".
         settings: what integrate takes, by its label, such as "rtol 1e-8"; from coarse to fine.
-        integrate: of (case, setting) the trajectory. May raise Unavailable, ValueError, RuntimeError
-            or ArithmeticError: it is then listed as a failure.
+        integrate: of (case, setting) the trajectory. May raise ValueError, RuntimeError (Unavailable,
+            NotInstalled) or ArithmeticError: it is then listed as a failure.
     """
 
     name: str

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..extras import library
+from ...common.extras import library
 from ..trajectory import Array, Case, Trajectory
 from .equations import equations, in_array, largest_step
 from .run import Integrator, Segment, measure
@@ -32,7 +32,7 @@ def _integrator(method: str, tolerance: float, step: float) -> Integrator:
 
     guards.terminal = [True, True]  # type: ignore[attr-defined]
     guards.direction = [-1, -1]  # type: ignore[attr-defined]
-    solver = library("sksundae.cvode", "scikit-sundae").CVODE(
+    solver = library("sksundae.cvode", "peers", "scikit-sundae").CVODE(
         rates,
         method=method,
         eventsfn=guards,
@@ -73,7 +73,7 @@ def simulate(case: Case, method: str, tolerance: float, stiffness: float | None 
         stiffness: of a clutch for each freewheel, N.m.s/rad, which has no events, or None.
 
     Raises:
-        Unavailable: a library is missing or the case is not for it.
+        Unavailable: the case is not for it. NotInstalled: a library is not.
         RuntimeError: CVODE gives up.
     """
     step = largest_step(case, PHASE) if stiffness is None else np.inf

@@ -12,12 +12,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...common.errors import Refused
+from ...common.extras import library
 from ...compiling.ir import data_type, jitted_kernel
 from ...compiling.records import record_type
 from ...kernel import codes
 from ...kernel.fields import CONSTANTS
 from ...memory.instances import Module
-from ..extras import library
 from ..trajectory import Array, Case, Unavailable
 
 # the kernel's constants, then rad/s, N.m, the mode, and the stiffness of the clutches, N.m.s/rad
@@ -54,9 +54,9 @@ def equations() -> Equations:
     """Compile the equations, once a process.
 
     Raises:
-        Unavailable: numba is not installed.
+        NotInstalled: numba is not.
     """
-    numba, kernel = library("numba"), jitted_kernel()
+    numba, kernel = library("numba", "peers"), jitted_kernel()
     jit = numba.njit(error_model="numpy")
     accelerations, held_torque = kernel["links"].accelerations, kernel["links"].held_torque
     held, free, driving, clutches = codes.HELD, codes.FREE, codes.DRIVING, CLUTCHES

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..extras import library
+from ...common.extras import library
 from ..geometry import ratio, satellite_ratio
 from ..timing import median_time
 from ..trajectory import Case, Trajectory
@@ -67,7 +67,7 @@ class ForwardModel:
     """
 
     def __init__(self, case: Case, step: float, integrator: str) -> None:
-        self.engine, self.case = library("mujoco"), case
+        self.engine, self.case = library("mujoco", "peers"), case
         p = case.all_parameters
         modules, satellites = range(int(p["modules"])), range(int(p["satellites"]))
         places = [f"{module} {n}" for module in modules for n in satellites]
@@ -135,7 +135,7 @@ def simulate(case: Case, integrator: str, timestep: float) -> Trajectory:
             of steps makes a sampling interval.
 
     Raises:
-        Unavailable: mujoco is missing or the case is not for it.
+        Unavailable: the case is not for it. NotInstalled: mujoco is not.
         RuntimeError: MuJoCo gives up.
     """
     data_of(case)

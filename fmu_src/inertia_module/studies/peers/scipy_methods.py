@@ -80,7 +80,7 @@ def simulate(case: Case, method: str, tolerance: float, stiffness: float | None 
         tolerance: relative and absolute. stiffness: of the clutches, N.m.s/rad, or None: exact events.
 
     Raises:
-        Unavailable: a library is missing or the case is not for it.
+        Unavailable: the case is not for it. NotInstalled: numba is not.
         RuntimeError: the integrator gives up.
     """
     if method == "odeint":
