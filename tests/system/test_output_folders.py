@@ -31,7 +31,7 @@ COMMANDS = {
     "chart": (["chart", SCENE], "harness.chart.torque_converter_chart", worked),
     "papers": (["papers"], "figures.papers.all_figures", lambda: {"a figure": worked}),
     "stability": (["stability"], "studies.stability.study.run_study", worked),
-    "coupling": (["coupling"], "cli.pages.native_fmus", worked),
+    "coupling": (["coupling"], "cli.pages.current_fmu", worked),
     "export": (["export", SCENE], "export.writing.export", worked),
 }
 

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 import typer
 
-from .shared import Json, OutputFolder, app, folder_for, native_fmus, one_line_errors
+from .shared import Json, OutputFolder, app, current_fmu, folder_for, one_line_errors
 
 CAR_SCENE = Path("examples/urban.toml")
 
@@ -122,7 +122,7 @@ def coupling(
     with one_line_errors():
         folder = folder_for(output, "coupling")
         chosen = chosen_parts(only, quick)
-        fmu_path, _ = native_fmus()
+        fmu_path = current_fmu()
         found: dict[str, Sequence[Any]] = {}
         written: dict[str, str] = {}
         for name in chosen:

@@ -17,8 +17,8 @@ from .shared import (
     app,
     current_fmu,
     folder_for,
-    native_fmus,
     one_line_errors,
+    shaft_fmu,
     share,
     show_table,
     turning,
@@ -66,7 +66,7 @@ def run(
         if isinstance(read, ShaftScene):
             if fidelity is not None or error is not None or view:
                 raise ValueError("--fidelity, --error and --view must come with a scene of the module")
-            path = fmu or native_fmus()[1]
+            path = fmu or shaft_fmu()
             with progress_bar(read.title) as progress:
                 of_shaft = run_shaft_scene(read, path, progress)
             result, figure = of_shaft, shaft_figure(of_shaft)

@@ -93,13 +93,12 @@ def current_fmu() -> Path:
     return current(progress=lambda stage: typer.echo(stage, err=True))
 
 
-def native_fmus() -> tuple[Path, Path]:
-    """The FMUs of module and driven shaft: see builder.current_fmu."""
+def shaft_fmu() -> Path:
+    """The FMU of the driven shaft: see builder.current_fmu."""
     from ..fmu.builder import SHAFT_FMU
     from ..fmu.builder import current_fmu as current
 
-    shaft = current(SHAFT_FMU, progress=lambda stage: typer.echo(stage, err=True))
-    return current_fmu(), shaft
+    return current(SHAFT_FMU, progress=lambda stage: typer.echo(stage, err=True))
 
 
 def quantity_of(option: str, text: str, unit: str, **limits: float) -> float:
