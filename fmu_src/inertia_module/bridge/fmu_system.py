@@ -22,13 +22,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Literal, Self
+from typing import Any, Literal
 
 import control as ct
 import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import must_be
+from ..harness.calls import Closing
 from ..harness.fmu import Fmu, as_names
 from ..harness.restarted import RestartedFmu
 from .motion import check_inputs, check_outputs, motion_of, start_name
@@ -113,7 +114,7 @@ class _Whole:
         return np.array(self.fmu.read(self._outputs))
 
 
-class FmuSystem:
+class FmuSystem(Closing):
     """An FMU as a system of python-control; a context manager, which closes the FMU.
 
     Attributes:
@@ -153,12 +154,6 @@ class FmuSystem:
     def close(self) -> None:
         """Free the FMU; the system cannot be stepped after that."""
         self._fmu.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *raised: object) -> None:
-        self.close()
 
 
 def fmu_system(

@@ -20,7 +20,21 @@ class Kept(NamedTuple):
     time: float
 
 
-class Instance:
+class Closing:
+    """What is closed at the end of a with statement."""
+
+    def close(self) -> None:
+        """Free what it holds."""
+        raise NotImplementedError
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *raised: object) -> None:
+        self.close()
+
+
+class Instance(Closing):
     """One co-simulation instance of an FMU, 2.0 or 3.0, loaded and instantiated; a context manager.
 
     Args:
@@ -187,9 +201,3 @@ class Instance:
         if self._folder is not None:
             shutil.rmtree(self._folder, ignore_errors=True)
             self._folder = None
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *raised: object) -> None:
-        self.close()

@@ -5,11 +5,12 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple, Self
+from typing import NamedTuple
 
 import numpy as np
 
 from ..common.errors import must_be
+from .calls import Closing
 from .descriptions import read_description
 from .fmu import Fmu, FmuError
 from .results import TIME, Result
@@ -34,7 +35,7 @@ class Node(NamedTuple):
     tolerance: float | None = None
 
 
-class WiredFmus:
+class WiredFmus(Closing):
     """FMUs wired to one system; a context manager.
 
     All step by the same communication step. Jacobi: all with the outputs of its beginning, as hosts that
@@ -159,9 +160,3 @@ class WiredFmus:
             for fmu in self.fmus.values():
                 stack.callback(fmu.close)
         self.fmus = {}
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *raised: object) -> None:
-        self.close()

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
 from ..common.extras import library
+from ..harness.calls import Closing
 from ..harness.simulate import Progress
 from ..scene import Scene, load_scene
 from .axes import Point
@@ -24,7 +25,7 @@ def read(scene: Scene | Path | str) -> tuple[Scene, str]:
     return (scene, "scene") if isinstance(scene, Scene) else (load_scene(scene), Path(scene).stem)
 
 
-class Evaluator:
+class Evaluator(Closing):
     """Gives rows of points, as often as it is called; a context manager that ends its workers.
 
     Args:
@@ -54,10 +55,8 @@ class Evaluator:
         self._stack = ExitStack()
         self._client: Any = None
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *raised: object) -> None:
+    def close(self) -> None:
+        """End the workers."""
         self._stack.close()
 
     def __call__(self, points: Sequence[Point]) -> list[Row]:

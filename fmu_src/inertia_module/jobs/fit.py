@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping, Sequence
-from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -88,7 +87,7 @@ def fit(
     if starts < 0:
         raise Refused(f"starts must be at least 0, is {starts}")
     search = _Search(base, keys, data, fmu_file(fmu), progress or (lambda share: None))
-    with closing(search.observer):
+    with search.observer:
         found = search.found(starts, seed)
     folder = OUTPUT_FOLDER / f"{title}_fit" if output is None else Path(output)
     return dataclasses.replace(found, files=found.write(folder))

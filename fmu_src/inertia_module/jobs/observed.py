@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from ..common.errors import Refused
 from ..contract.variables import COMPUTED
+from ..harness.calls import Closing
 from ..harness.simulate import Plant
 from ..loops import ClosedLoop
 from ..scene import Scene
@@ -90,7 +91,7 @@ class Stopped:
             self._since, self._sums, self._largest = self._now, 0.0 * self._sums, 0.0 * self._largest
 
 
-class Observer:
+class Observer(Closing):
     """Runs scenes that differ in numbers and gives their signals at the times of a measurement.
 
     Args:
