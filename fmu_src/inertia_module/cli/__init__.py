@@ -1,4 +1,4 @@
-"""The command ``inertia-module``: FMUs, scenes, what accuracy costs, the papers, the extremes."""
+"""The command ``inertia-module``: FMUs, scenes, jobs, what accuracy costs, the papers, the extremes."""
 
 from __future__ import annotations
 

@@ -10,8 +10,7 @@ from matplotlib.figure import Figure, SubFigure
 
 from ..common.colours import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
 from ..harness.chart import EfficiencyMap, TorqueConverterChart
-from ..harness.picture import Picture
-from .panels import DPI, SIZE
+from .panels import SIZE, sheet
 
 COLOURS = (VERMILION, BLUE, GREEN, ORANGE, PURPLE, SKY, BLACK)
 LARGEST_TORQUE_RATIO = 6.0
@@ -30,8 +29,7 @@ def chart_figure(
     Returns:
         A matplotlib Figure of 1200 x 900 pixels, with maps higher by half.
     """
-    figure = Picture(figsize=SIZE, dpi=DPI, layout="constrained")
-    figure.suptitle("Torque converter chart", fontsize=15, fontweight="bold")
+    figure = sheet("Torque converter chart")
     upper: Figure | SubFigure = figure
     if maps:
         figure.set_figheight(1.5 * SIZE[1])

@@ -5,9 +5,8 @@ from __future__ import annotations
 from matplotlib.figure import Figure
 
 from ..common.colours import BLUE, GREY, VERMILION
-from ..harness.picture import Picture
 from ..jobs.fitted import FitResult
-from .panels import DPI, SIZE, dress, titled
+from .panels import dress, sheet, titled
 
 # of a column, inches
 ROW = 4.0
@@ -25,8 +24,7 @@ def fit_figure(found: FitResult) -> Figure:
         A matplotlib Figure, higher the more columns there are.
     """
     data, table = found.measurement, found.table()
-    figure = Picture(figsize=(SIZE[0], 1.0 + ROW * len(data.columns)), dpi=DPI, layout="constrained")
-    figure.suptitle(found.scene.title, fontsize=15, fontweight="bold")
+    figure = sheet(found.scene.title, 1.0 + ROW * len(data.columns))
     panels = figure.subplots(2 * len(data.columns), 1, sharex=True, height_ratios=(2, 1) * len(data.columns))
     for n, name in enumerate(data.columns):
         curves, residuals = panels[2 * n : 2 * n + 2]

@@ -8,9 +8,8 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from ..common.colours import VERMILION
-from ..harness.picture import Picture
 from ..jobs.spectra import BASES, Array, Orders
-from .panels import DPI, SIZE, dress, titled
+from .panels import dress, sheet, titled
 
 # lines named in a panel, and the share of all that swings that a picture goes out to
 NAMED = 3
@@ -28,9 +27,7 @@ def order_figure(found: Orders, title: str) -> Figure:
         A matplotlib Figure, higher the more signals there are.
     """
     names = list(found.amplitude)
-    size = (SIZE[0], 1.2 + ROW * len(names))
-    figure = Picture(figsize=size, dpi=DPI, layout="constrained")
-    figure.suptitle(title, fontsize=15, fontweight="bold")
+    figure = sheet(title, 1.2 + ROW * len(names))
     panels = figure.subplots(len(names), 2, sharex=True, squeeze=False)
     lines = found.largest(NAMED)
     over, label = _run(found)

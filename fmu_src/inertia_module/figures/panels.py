@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from ..common.colours import BLACK, BLUE, GREEN, VERMILION
+from ..harness.picture import Picture
 from ..harness.simulate import Result
 from ..scene.keys import MECHANISM
 
@@ -17,6 +18,13 @@ DPI = 100
 SMOOTHING = 1.0
 
 Array = NDArray[np.float64]
+
+
+def sheet(title: str, height: float = SIZE[1]) -> Picture:
+    """An empty figure with a title; height: inches."""
+    figure = Picture(figsize=(SIZE[0], height), dpi=DPI, layout="constrained")
+    figure.suptitle(title, fontsize=15, fontweight="bold")
+    return figure
 
 
 def dress(axes: Axes, label: str) -> None:

@@ -9,13 +9,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..common.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
-from ..harness.picture import Picture
 from ..harness.simulate import Result
 from ..loops.cycles import KILOMETRE_PER_HOUR, Cycle
 from ..scene import SceneResult
 from ..scene.summary import forces, input_speed, work
 from .losses import FORCES, force_panel, loss_panel, losses, power_panel
-from .panels import DPI, SIZE, Array, dress, energy_panel, headline, in_thousands, pulse_starts, smooth
+from .panels import SIZE, Array, dress, energy_panel, headline, in_thousands, pulse_starts, sheet, smooth
 
 PULSES_SHOWN = 4
 # more of them one below the other make the figure higher
@@ -32,8 +31,7 @@ def scene_figure(result: SceneResult) -> Figure:
         A matplotlib Figure of 1200 x 900 pixels, higher with more than four panels; save it with
         figure.savefig(path).
     """
-    figure = Picture(figsize=SIZE, dpi=DPI, layout="constrained")
-    figure.suptitle(result.scene.title, fontsize=15, fontweight="bold")
+    figure = sheet(result.scene.title)
     if result.scene.controller is not None and "vehicle_speed" in result.record:
         _driving_panels(figure, result)
     else:

@@ -6,9 +6,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..common.colours import BLACK, PURPLE, VERMILION
-from ..harness.picture import Picture
 from ..scene.shaft import ShaftResult
-from .panels import DPI, SIZE, dress, energy_panel, headline
+from .panels import dress, energy_panel, headline, sheet
 
 
 def shaft_figure(result: ShaftResult) -> Figure:
@@ -21,8 +20,7 @@ def shaft_figure(result: ShaftResult) -> Figure:
         A matplotlib Figure of 1200 x 900 pixels; save it with figure.savefig(path).
     """
     table, numbers = result.record, result.summary
-    figure = Picture(figsize=SIZE, dpi=DPI, layout="constrained")
-    figure.suptitle(result.scene.title, fontsize=15, fontweight="bold")
+    figure = sheet(result.scene.title)
     panels = figure.subplots(4, 1, sharex=True)
     time = table.time
     panels[0].plot(time, table["hub_speed"], color=BLACK, linewidth=1.2, label="hub")

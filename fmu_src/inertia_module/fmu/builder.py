@@ -111,7 +111,7 @@ def current_fmu(
     """A native FMU: the wheel's, or in a clone that of a folder, built anew where it is not current.
 
     Args:
-        fmu: MODULE_FMU or SHAFT_FMU. folder, progress: as for build.
+        fmu: a native one of FMUS. folder, progress: as for build.
 
     Raises:
         RuntimeError: it cannot be compiled here; why. OSError: the folder cannot be written.

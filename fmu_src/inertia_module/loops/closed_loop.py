@@ -68,10 +68,6 @@ def connect(systems: Sequence[Any]) -> Any:
     )
 
 
-def _initial_state(surroundings: Any) -> Any:
-    return np.zeros(surroundings.nstates)
-
-
 def initial_inputs(surroundings: Any, measured: Mapping[str, float] | None = None) -> dict[str, float]:
     """What the surroundings give the FMU at time 0: to be set before the end of its initialisation.
 
@@ -80,7 +76,7 @@ def initial_inputs(surroundings: Any, measured: Mapping[str, float] | None = Non
     """
     known = measured or {}
     given = np.array([known.get(label, 0.0) for label in surroundings.input_labels])
-    values = surroundings.output(0.0, _initial_state(surroundings), given)
+    values = surroundings.output(0.0, np.zeros(surroundings.nstates), given)
     signals = dict(zip(surroundings.output_labels, values, strict=True))
     return {name: float(signals[name]) for name in PLANT_INPUTS if name in signals}
 
@@ -156,7 +152,7 @@ class ClosedLoop:
         number = self.steps(stop_time)
         report_every = max(number // _PROGRESS_CALLS, 1)
         names = [*self.surroundings.input_labels, *self._outputs]
-        state = _initial_state(self.surroundings)
+        state = np.zeros(self.surroundings.nstates)
         for n in range(number + 1):
             time = n * self.step
             values = self.plant.read(names)
