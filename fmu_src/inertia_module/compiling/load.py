@@ -28,13 +28,8 @@ FOLDERS = {
 _loaded: dict[str, tuple[Callable[..., int], Any]] = {}
 
 
-def shipped_library() -> Path:
-    """Where an FMU keeps the library of this platform."""
-    return SHIPPED / SHIPPED_NAMES.get(sys.platform, "none")
-
-
 def _load_shipped(name: str) -> tuple[Callable[..., int], Any]:
-    path = shipped_library()
+    path = SHIPPED / SHIPPED_NAMES.get(sys.platform, "none")
     if sys.maxsize < 2**32 or not path.is_file():
         there = ", ".join(sorted(found.stem for found in SHIPPED.iterdir()))
         raise CompilationUnavailable(f"this FMU has compiled kernels for {there} alone")

@@ -26,7 +26,7 @@ from .search import search
 from .size import check_room
 from .spec import OPTIONAL, Spec, check_limits, read_spec, unit_of
 from .store import write_tables
-from .task import TIMES, Figures, Row, identity
+from .task import Figures, Row, identity, summary_of
 
 # key of a point that is none of the scene: the fidelity it is run at
 LEVEL = "fidelity"
@@ -62,8 +62,7 @@ class DesignTask:
             check_room(scene.parameters())
             found = named_figures(scene.parameters(), self.named)
             if self.runs:
-                summary = runner.run(scene).quantities
-                found |= {name: one for name, one in summary.items() if name not in TIMES}
+                found |= summary_of(runner, scene)
             return found
 
         return figures

@@ -96,12 +96,13 @@ class SceneTask:
     def opened(self, fmu: Path, closing: ExitStack) -> Callable[[Point], Figures]:
         """See Task."""
         scene, runner = validated(Scene, self.tables), closing.enter_context(SceneRunner(fmu))
+        return lambda point: summary_of(runner, scene.with_keys(point))
 
-        def figures(point: Point) -> Figures:
-            found = runner.run(scene.with_keys(point)).quantities
-            return {name: quantity for name, quantity in found.items() if name not in TIMES}
 
-        return figures
+def summary_of(runner: SceneRunner, scene: Scene) -> Figures:
+    """The figures of a run's summary but TIMES."""
+    found = runner.run(scene).quantities
+    return {name: quantity for name, quantity in found.items() if name not in TIMES}
 
 
 def identity(tables: dict[str, Any], fmu: bytes) -> str:
