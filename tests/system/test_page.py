@@ -76,6 +76,7 @@ def test_slider_changes_the_run_to_what_simulate_gives(page):
 @pytest.mark.parametrize("scene", ["reference", "planar", "real-bevel", "elastic"])
 def test_imbalance_is_drawn_where_the_kernel_has_it(page, scene):
     """The picture is built of turned groups, its arrows by the page's own formulas."""
+    page.page.set_viewport_size({"width": 640, "height": 480})  # drawn without a graphics card
     changed = "&satellites=2&epsilon=0.4&gamma=-0.7&shaft_angle=1.2" if scene == "reference" else ""
     at(page, f"#scene={scene}{changed}")
     columns = np.array([shown(page, name) for name in POSITIONS])
@@ -206,6 +207,7 @@ def test_presets_are_all_accepted(page):
         "select[aria-label=Scene] option", "all => all.map(one => one.value)"
     )
     assert len(names) >= 8
+    page.page.set_viewport_size({"width": 640, "height": 480})
     for name in names:
         page.page.get_by_label("Scene", exact=True).select_option(name)
         page.page.wait_for_function("name => inertiaModule.state().settings.scene === name", arg=name)

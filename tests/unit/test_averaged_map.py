@@ -7,7 +7,6 @@ import pytest
 from differences import assert_rates
 from scenes import DRIVEN, ENGINE, PLANAR, started
 
-from inertia_module.common.errors import Refused
 from inertia_module.kernel.averaged.instants import speeds_at
 from inertia_module.kernel.averaged.largest import MOMENTUM, value_at
 from inertia_module.kernel.averaged.torque_map import settle
@@ -152,11 +151,19 @@ def test_long_periods_of_coprime_teeth_are_averaged_too(compiled):
     assert longer == pytest.approx(long["output_torque"], rel=0.05)
 
 
-def test_a_drive_so_heavy_that_rounding_alone_moves_link_2_is_refused(compiled):
-    """1e12 kg.m2: link 2 is thrown with 1e-14 of the speed of link 1, and freewheels switch at each angle."""
-    with pytest.raises(Refused, match="the freewheels switch without end"):
-        started(compiled, {"drive_inertia": 1e12}, fidelity=1)
-    assert started(compiled, {"drive_inertia": 1e10}, fidelity=1)["output_torque"] >= 0.0
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"drive_inertia": 1e12},
+        {"layout": "planar", "satellites": 3, "link2_inertia": 0.0, "eccentricity": 1e-7},
+    ],
+    ids=["heavy drive", "hardly an imbalance"],
+)
+def test_freewheels_that_rounding_makes_switch_hold_up_no_map(compiled, settings):
+    """Link 2 moves by rounding alone: its freewheels switch at once wherever they are."""
+    module = started(compiled, settings, fidelity=1)
+    assert module.derived.map_evaluations < 1e6
+    assert 0.0 <= module["output_torque"] <= 10.0
 
 
 def test_map_is_kept_between_instances_that_are_alike(compiled, monkeypatch):

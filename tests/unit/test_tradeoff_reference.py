@@ -17,14 +17,14 @@ TURNING_BACK = {"housing_freewheel": 0.0, "omega_out_start": 5.0}
 LOSSES = {"mesh_efficiency": 0.97, "journal_friction": 1e-3, "housing_drag": 0.1, "gravity": 9.81}
 # the case, and how many switches of the freewheels it has at least
 CASES = {
-    "bevel": (Case(), 100),
-    "planar": (Case(FLAT, PLANAR["omega1"], PLANAR["load_torque"]), 100),
-    "braking": (Case(load_torque=-1.0), 100),
-    "no load": (Case(load_torque=0.0), 100),
-    "backwards": (Case(omega1=-100.0), 100),
-    "no output freewheel": (Case({"output_freewheel": 0.0}), 50),
-    "no housing freewheel": (Case(TURNING_BACK), 40),
-    "elastic": (R1_ELASTIC, 50),
+    "bevel": (Case(stop_time=0.5), 50),
+    "planar": (Case(FLAT, PLANAR["omega1"], PLANAR["load_torque"], stop_time=0.5), 50),
+    "braking": (Case(load_torque=-1.0, stop_time=0.5), 50),
+    "no load": (Case(load_torque=0.0, stop_time=0.5), 50),
+    "backwards": (Case(omega1=-100.0, stop_time=0.5), 50),
+    "no output freewheel": (Case({"output_freewheel": 0.0}, stop_time=0.5), 25),
+    "no housing freewheel": (Case(TURNING_BACK, stop_time=0.5), 20),
+    "elastic": (Case(R1_ELASTIC.parameters, stop_time=0.5), 25),
     "losses": (Case(LOSSES, stop_time=0.1), 10),
     "losses, elastic": (Case({**R1_ELASTIC.parameters, **LOSSES}, stop_time=0.1), 5),
     "too slow to move": (Case(omega1=-1.0), 0),

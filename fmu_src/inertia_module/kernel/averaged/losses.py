@@ -9,7 +9,6 @@ drag would take the stall torque; 3/2 of it and 3 times it. Friction of link 1 a
 import math
 
 from ..accumulate import copy
-from ..codes import TOO_MUCH_WORK
 from ..derive import TWO_PI
 from ..general.advance import advance_general
 from ..general.choice import choose_next_states, choose_states
@@ -167,5 +166,5 @@ def settle_losses(p, d, w, side, ratio, slowness):
     d.J3, d.tolerance, d.max_step, d.b1, d.b3 = inertia, tolerance, longest, b1, b3
     set_losses(p, d, 0.0)
     if not through:
-        d.map_failed = TOO_MUCH_WORK
+        d.map_failed = 1.0
         d.sum_time = max(d.sum_time, 1.0)

@@ -10,7 +10,7 @@ An instant is (omega1, omega2, alpha1, alpha2, omega2'', F, F'); t is the motion
 
 import math
 
-from ..codes import DRIVING, FREE, HELD, TOO_MANY_SWITCHES
+from ..codes import DRIVING, FREE, HELD
 from ..links import kinetic_energy
 from .falls import LINK2_GUARD, first_fall
 from .instants import instant, instant_after, integrals_after, take_integrals
@@ -22,8 +22,8 @@ SINGULAR_SHARE = 0.3
 SHORTEST = 1e-6
 # slip below this fraction of the speeds: the drive comes to rest in link 1
 AT_REST = 1e-9
-# more intervals than any motion takes: rounding alone makes the freewheels switch
-MOST_INTERVALS = 1e6
+# share of the angle to travel that is travelled at least before a freewheel switches
+LEAST = 1e-12
 
 # four-point Lobatto rule on [0, 1]: ends and two inner nodes
 LOBATTO_NODE = 0.27639320225002106
@@ -109,27 +109,27 @@ def travel(d, t, here, length, counted):
         counted: whether the sums in d are to be added to.
 
     Returns:
-        (whether it gets there: the drive does not come to rest in link 1, instant there). Where freewheels
-        switch without end, d.map_failed is set.
+        (whether it gets there: the drive does not come to rest in link 1, instant there).
     """
     start = t.q
     done = 0.0
     step = 0.0
     slope = 0.0
-    intervals = 0.0
+    least = LEAST * length
     while done < length:
-        intervals += 1.0
-        if intervals > MOST_INTERVALS:
-            d.map_failed = TOO_MANY_SWITCHES
-            return False, here
         smooth, slope = smooth_length(d, here, slope, step)
         step = min(INTERVAL_PHASE / d.harmonic, length - done)
         if t.mode == FREE or d.by_torque != 0.0:
             step = min(step, max(smooth, SHORTEST * INTERVAL_PHASE / d.harmonic))
         end = instant_after(d, t, here, step)
         fall, fallen = first_fall(d, t, here, end, step)
-        if fall >= 0.0:
-            step = max(fall, 1e-12 * length)
+        if fall < 0.0:
+            least = LEAST * length
+        else:
+            step = max(fall, min(least, step))
+            if fall < least:
+                # rounding makes it switch at once: twice as far the next time
+                least *= 2.0
             end = instant_after(d, t, here, step)
         if not t.direction * (end[0] - end[1]) > AT_REST * (abs(end[0]) + abs(end[1])):
             return False, here

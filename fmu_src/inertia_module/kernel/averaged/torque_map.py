@@ -13,7 +13,7 @@ Tc (1 - sigma).
 
 import math
 
-from ..codes import FREE, OK
+from ..codes import FREE, OK, TOO_MUCH_WORK
 from .instants import speeds_at, take_integrals
 from .largest import (
     LARGEST_CYCLES,
@@ -175,8 +175,6 @@ def add_knot(p, d, w, side, n, omega3):
     fastest = 1.0 - LAST_SLIP if locks or (d.lossy != 0.0 and side.direction > 0.0) else omega3
     held = min(omega3, fastest)
     settle(d, d.travel, side, held)
-    if d.map_failed != OK:
-        return
     v = speed_of_energy(d)
     time = d.sum_time
     ratio = omega3 / v
@@ -252,19 +250,16 @@ def build_side(p, d, w, side, direction):
     last_speed, end = find_end(d, t, side)
     if d.map_inertia == 0.0:
         settle(d, t, side, 0.0)
-        if d.map_failed != OK:
-            return
         d.map_inertia = 2.0 * d.sum_energy * d.sum_time / (d.sum_omega1 * d.sum_omega1)
-    allowed = MAP_ERROR if d.by_torque == 0.0 else MAP_ERROR_BY_TORQUE
     if d.lossy != 0.0:
         settle(d, t, side, 0.0)
         side.slow = slow_speed(p, d, d.sum_torque / d.sum_time)
+    allowed = MAP_ERROR if d.by_torque == 0.0 else MAP_ERROR_BY_TORQUE
+    if d.lossy != 0.0:
         allowed = LOSSY_MAP_ERROR
     last = FIRST_KNOTS - 1 if end > 0.0 else 0
     for n in range(last + 1):
         add_knot(p, d, w, side, int(side.count), n * last_speed / max(last, 1))
-        if d.map_failed != OK:
-            return
     end_map(d, side, end)
     d.map_evaluations = 0.0
     while side.count < len(side.knots) and end > 0.0 and d.map_evaluations < MOST_EVALUATIONS:
@@ -280,21 +275,21 @@ def build_map(p, d, w):
     """Fill d with the map of these parameters, unless it is there; w: workspace.
 
     Returns:
-        Status: OK, or why a motion does not come to the end of its period.
+        Status: OK, or TOO_MUCH_WORK where a motion with losses does not come to the end of its period.
     """
     if is_map_of(p, d):
         return OK
     d.map_ready = 0.0
-    d.map_failed = OK
+    d.map_failed = 0.0
     d.map_inertia = 0.0
     t = d.travel
     _, _, lock = find_largest_anywhere(d, t, LOCK)
     d.map_lock = max(0.5 * d.k * lock, 0.0)
     set_losses(p, d, 0.0)
     build_side(p, d, w, d.forward, 1.0)
-    if d.map_failed == OK:
-        build_side(p, d, w, d.backward, -1.0)
+    build_side(p, d, w, d.backward, -1.0)
     set_losses(p, d, 1.0)
-    if d.map_failed == OK:
-        mark_map(p, d)
-    return int(d.map_failed)
+    if d.map_failed != 0.0:
+        return TOO_MUCH_WORK
+    mark_map(p, d)
+    return OK

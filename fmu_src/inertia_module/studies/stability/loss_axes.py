@@ -46,7 +46,7 @@ def stick(mechanism: Mechanism) -> Extremes:
         for turned in (TRAVEL, 1e6, 1e9):
             value = f"journals {lever:g} m, {turned:g} rad"
             time = turned / mechanism.omega1
-            yield mechanism.extreme(value, locked, load=1.0, duration=time, slow=turned > 1e6)
+            yield mechanism.extreme(value, locked, load=1.0, duration=time, slow=turned >= 1e6)
 
 
 def drag(mechanism: Mechanism) -> Extremes:
