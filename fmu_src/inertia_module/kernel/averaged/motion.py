@@ -22,8 +22,10 @@ SINGULAR_SHARE = 0.3
 SHORTEST = 1e-6
 # slip below this fraction of the speeds: the drive comes to rest in link 1
 AT_REST = 1e-9
-# share of the angle to travel that is travelled at least before a freewheel switches
+# share of the angle to travel that is travelled at least before a freewheel switches, and after how many
+# switches in a row that is doubled: rounding alone makes them
 LEAST = 1e-12
+SWITCHES = 8.0
 
 # four-point Lobatto rule on [0, 1]: ends and two inner nodes
 LOBATTO_NODE = 0.27639320225002106
@@ -115,7 +117,8 @@ def travel(d, t, here, length, counted):
     done = 0.0
     step = 0.0
     slope = 0.0
-    least = LEAST * length
+    least = shortest = LEAST * length
+    switches = 0.0
     while done < length:
         smooth, slope = smooth_length(d, here, slope, step)
         step = min(INTERVAL_PHASE / d.harmonic, length - done)
@@ -124,12 +127,13 @@ def travel(d, t, here, length, counted):
         end = instant_after(d, t, here, step)
         fall, fallen = first_fall(d, t, here, end, step)
         if fall < 0.0:
-            least = LEAST * length
+            least = shortest
+            switches = 0.0
         else:
-            step = max(fall, min(least, step))
-            if fall < least:
-                # rounding makes it switch at once: twice as far the next time
+            switches += 1.0
+            if switches > SWITCHES and fall < least:
                 least *= 2.0
+            step = max(fall, min(least, max(step, shortest)))
             end = instant_after(d, t, here, step)
         if not t.direction * (end[0] - end[1]) > AT_REST * (abs(end[0]) + abs(end[1])):
             return False, here
