@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 QUIET ?= -q
 
-.PHONY: demo test lint docs build page dist bench stability coupling papers install clean help
+.PHONY: demo test lint docs build page dist bench stability coupling papers size install clean help
 
 help: ## what there is to make
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
@@ -54,27 +54,30 @@ docs: $(VENV)/.all page ## build the documentation into site/
 	$(BIN)/inertia-module view examples/reference.toml -o site/machine.html
 
 bench: $(VENV)/.all page ## measure speed and errors, write docs/*.csv, the picture and the page on performance
-	$(BIN)/python benchmarks/speed.py
-	$(BIN)/python benchmarks/trade.py
-	$(BIN)/python benchmarks/page.py
-	$(BIN)/python benchmarks/sweep.py
-	$(BIN)/python benchmarks/fit.py
+	$(BIN)/python -m studies.benchmarks.speed
+	$(BIN)/python -m studies.benchmarks.trade
+	$(BIN)/python -m studies.benchmarks.page
+	$(BIN)/python -m studies.benchmarks.sweep
+	$(BIN)/python -m studies.benchmarks.fit
 	$(BIN)/python docs/make_pages.py
 
 stability: $(VENV)/.all ## try the extremes, write docs/stability.csv, its picture and page
-	$(BIN)/inertia-module stability -o out/stability
+	$(BIN)/python -m studies stability -o out/stability
 	cp out/stability/stability.csv out/stability/*.png docs/
 	$(BIN)/python docs/make_pages.py
 
 coupling: $(VENV)/.all ## couple an engine, write docs/coupling*.csv, the picture and the page
-	$(BIN)/inertia-module coupling -o out/coupling
+	$(BIN)/python -m studies coupling -o out/coupling
 	cp out/coupling/*.csv out/coupling/*.png docs/
 	$(BIN)/python docs/make_pages.py
 
 papers: $(VENV)/.all ## draw the figures of the papers into docs/papers/, write their page
-	$(BIN)/inertia-module papers -o out/papers
+	$(BIN)/python -m studies papers -o out/papers
 	cp out/papers/*.svg docs/papers/
 	$(BIN)/python docs/make_pages.py
+
+size: $(VENV)/.all ## print folders, files, lines, statements and budgets, draw docs/house.png
+	$(BIN)/python -m studies.size --picture docs/house.png
 
 clean: ## remove what was built
 	rm -rf $(VENV) out site dist build/*.fmu build/*.wasm page/node_modules

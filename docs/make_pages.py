@@ -12,7 +12,7 @@ import stability_page
 
 from inertia_module.fmu.documentation import variables_page
 from inertia_module.fmu.guide import guide
-from inertia_module.papers.page import papers_page
+from studies.papers.page import papers_page
 
 HERE = Path(__file__).parent
 README = HERE.parent / "README.md"

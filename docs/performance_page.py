@@ -3,9 +3,9 @@
 import csv
 from pathlib import Path
 
+from inertia_module.fidelity.choice import recommend
+from inertia_module.fidelity.rows import PEER, read_rows
 from inertia_module.scene import load_scene
-from inertia_module.studies.choice import recommend
-from inertia_module.studies.rows import PEER, read_rows
 
 HERE = Path(__file__).parent
 URBAN = HERE.parent / "examples" / "urban.toml"

@@ -5,7 +5,7 @@ from itertools import groupby
 from operator import itemgetter
 from pathlib import Path
 
-from inertia_module.studies.stability import bounds, random_checks, random_motions, random_study
+from studies.stability import bounds, random_checks, random_motions, random_study
 
 HERE = Path(__file__).parent
 # columns of the table of random motions: all runs, and of them those beyond the bound asked for

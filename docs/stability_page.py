@@ -4,10 +4,10 @@ from collections import Counter
 from pathlib import Path
 
 from inertia_module.kernel import limits
-from inertia_module.studies.stability import bounds, case, trial
-from inertia_module.studies.stability.study import counts
-from inertia_module.studies.stability.table import read_rows
-from inertia_module.studies.stability.verdict import BROKEN, OUTCOMES, REFUSED
+from studies.stability import bounds, case, trial
+from studies.stability.study import counts
+from studies.stability.table import read_rows
+from studies.stability.verdict import BROKEN, OUTCOMES, REFUSED
 
 TABLE = Path(__file__).parent / "stability.csv"
 

@@ -5,12 +5,12 @@ import shutil
 from pathlib import Path
 
 import pytest
-from tests.system.chromium import FLAGS, REFERENCE, Opened
-from tests.system.cluster import Cluster
 from typer.testing import CliRunner
 
 from inertia_module.cli import app
 from inertia_module.page.html import TEMPLATE
+from tests.system.chromium import FLAGS, REFERENCE, Opened
+from tests.system.cluster import Cluster
 
 
 @pytest.fixture(scope="session")

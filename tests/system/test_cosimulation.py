@@ -20,11 +20,11 @@ from inertia_module.cosimulation import (
 )
 from inertia_module.harness.fmu import Fmu, FmuError
 from inertia_module.scene import load_scene
-from inertia_module.studies.coupling.case import URBAN_MODULE, bevel, planar
-from inertia_module.studies.coupling.reference import one_piece
-from inertia_module.studies.coupling.study import coupling_map, write_part
-from inertia_module.studies.coupling.trial import COUPLINGS, TORQUE, course, trial
-from inertia_module.studies.coupling.urban import SCENE, urban_run, urban_scene
+from studies.coupling.case import URBAN_MODULE, bevel, planar
+from studies.coupling.reference import one_piece
+from studies.coupling.study import coupling_map, write_part
+from studies.coupling.trial import COUPLINGS, TORQUE, course, trial
+from studies.coupling.urban import SCENE, urban_run, urban_scene
 
 DOCS = Path(__file__).parents[2] / "docs"
 

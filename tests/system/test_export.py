@@ -11,7 +11,6 @@ import pytest
 from fmpy import read_model_description, simulate_fmu
 from fmpy.ssp.ssd import read_ssd
 from fmpy.validation import validate_fmu
-from tests.system.programs import needs, printed, programs
 
 from inertia_module.export.container import container
 from inertia_module.export.plan import Plan, make_plan
@@ -20,6 +19,7 @@ from inertia_module.harness.fmu import Fmu
 from inertia_module.scene import load_scene
 from inertia_module.scene.errors import SceneError
 from inertia_module.scene.export import scene_plan
+from tests.system.programs import needs, printed, programs
 
 ROOT = Path(__file__).parents[2]
 ELASTIC = {

@@ -1,7 +1,6 @@
 """Fit: values found in data of the independent reference, what the data cannot tell, files, refusals."""
 
 import json
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -31,11 +30,9 @@ def fmu(built):
 @pytest.fixture(scope="module")
 def rig():
     """The script that made the data of the example."""
-    sys.path.insert(0, str(EXAMPLES / "studies"))
-    import fit_rig_data
+    from studies import fit_rig_data
 
-    yield fit_rig_data
-    sys.path.remove(str(EXAMPLES / "studies"))
+    return fit_rig_data
 
 
 @pytest.fixture(scope="module")

@@ -23,15 +23,11 @@ COMMANDS = {
     "run": (["run", SCENE], "scene.run_scene", worked),
     "run, choosing": (
         ["run", SCENE, "--fidelity", "auto", "--error", "1 %"],
-        "studies.trials.choose",
+        "fidelity.trials.choose",
         worked,
     ),
-    "tradeoff": (["tradeoff"], "studies.tradeoff.open_study", worked),
-    "tradeoff of a scene": (["tradeoff", SCENE], "studies.tradeoff.scene_study", worked),
+    "tradeoff": (["tradeoff", SCENE], "fidelity.tradeoff.scene_study", worked),
     "chart": (["chart", SCENE], "harness.chart.torque_converter_chart", worked),
-    "papers": (["papers"], "figures.papers.all_figures", lambda: {"a figure": worked}),
-    "stability": (["stability"], "studies.stability.study.run_study", worked),
-    "coupling": (["coupling"], "cli.pages.current_fmu", worked),
     "export": (["export", SCENE], "export.writing.export", worked),
 }
 

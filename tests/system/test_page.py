@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.system.chromium import REFERENCE
-from tests.system.page_state import DESK, NEXT_FRAME, at, settled, shown, state
 
 from inertia_module.scene import read_scene
+from tests.system.chromium import REFERENCE
+from tests.system.page_state import DESK, NEXT_FRAME, at, settled, shown, state
 
 LEGEND = "[...document.querySelectorAll('.panel:first-child .legend output')].map(cell => cell.textContent)"
 POSITIONS = ("imbalance_x", "imbalance_y", "imbalance_z")

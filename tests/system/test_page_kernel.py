@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from tests.unit.scenes import DRIVEN, ELASTIC, SCENES
 
 from inertia_module.contract.variable import LOCAL, OUTPUT
 from inertia_module.contract.variables import with_causality
 from inertia_module.harness.fmu import Fmu, FmuError
+from tests.unit.scenes import DRIVEN, ELASTIC, SCENES
 
 INPUTS = ("omega1", "load_torque", "drive_torque")
 READ = [variable.name for variable in with_causality(OUTPUT, LOCAL)]

@@ -1,6 +1,7 @@
 """The page on a phone and a desk, in light and dark, for a screen reader; and how quick it is."""
 
 import pytest
+
 from tests.system.chromium import REFERENCE, ROOT, Opened
 from tests.system.page_state import DESK, PHONE, settled, state
 

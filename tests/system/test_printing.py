@@ -12,14 +12,14 @@ from inertia_module.cli import app
 from inertia_module.cli.shared import show_table
 from inertia_module.common.terminal import progress, terminal
 from inertia_module.compiling.kernels import CompilationUnavailable
-from inertia_module.studies.choice import recommend
-from inertia_module.studies.coupling.study import print_rows as print_coupling
-from inertia_module.studies.coupling.trial import Trial
-from inertia_module.studies.report import at_levels, print_levels
-from inertia_module.studies.rows import Row as Measured
-from inertia_module.studies.stability.study import print_rows as print_stability
-from inertia_module.studies.stability.table import Cell, Row, read_rows
-from inertia_module.studies.stability.verdict import OUTCOMES
+from inertia_module.fidelity.choice import recommend
+from inertia_module.fidelity.report import at_levels, print_levels
+from inertia_module.fidelity.rows import Row as Measured
+from studies.coupling.study import print_rows as print_coupling
+from studies.coupling.trial import Trial
+from studies.stability.study import print_rows as print_stability
+from studies.stability.table import Cell, Row, read_rows
+from studies.stability.verdict import OUTCOMES
 
 # a style, a picture and a closing tag to rich; to a user the name of an extra, of a key and of a folder
 AWKWARD = "[fast] :key: [/tmp]"

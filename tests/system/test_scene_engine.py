@@ -7,12 +7,12 @@ import pytest
 
 from inertia_module import loops
 from inertia_module.cosimulation import Engine, EngineMap, Governor, TorqueDrivenEngine, torque_driven
+from inertia_module.fidelity.scene_run import run_in_process
 from inertia_module.figures.scenes import scene_figure
 from inertia_module.harness.fmu import Fmu
 from inertia_module.scene import SceneError, load_scene, read_scene, run_scene
 from inertia_module.scene.run import start_of
 from inertia_module.scene.summary import summarise
-from inertia_module.studies.scene_run import run_in_process
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "engine_launch.toml"
 TOP_SPEED = 250.0

@@ -90,7 +90,7 @@ def test_search_finds_guides_before_tables(site, browser, words):
 @pytest.mark.parametrize("figure", ["karetin_1", "lysenko_forces", "stelmashchuk_equation_R"])
 def test_the_same_figure_has_the_same_bytes_in_another_process(figure, tmp_path):
     program = (
-        "import sys; from pathlib import Path; from inertia_module.figures.papers import all_figures;"
+        "import sys; from pathlib import Path; from studies.papers.figures import all_figures;"
         "from inertia_module.harness.results import write_figure;"
         "[write_figure(Path(path), all_figures()[sys.argv[1]]()[0]) for path in sys.argv[2:]]"
     )

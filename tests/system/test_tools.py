@@ -5,6 +5,7 @@ import shutil
 
 import pytest
 from fmpy import simulate_fmu
+
 from tests.system.programs import needs, printed, programs
 
 PROGRAMS = programs("tools.md")

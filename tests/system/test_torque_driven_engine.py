@@ -16,11 +16,11 @@ from inertia_module.cosimulation import (
     torque_driven,
 )
 from inertia_module.harness.fmu import Fmu, FmuError
-from inertia_module.studies.coupling.case import bevel, planar
-from inertia_module.studies.coupling.reference import one_piece
-from inertia_module.studies.coupling.study import coupling_map
-from inertia_module.studies.coupling.trial import TORQUE, coupled_engine, course, trial
-from inertia_module.studies.coupling.urban import urban_run, urban_scene
+from studies.coupling.case import bevel, planar
+from studies.coupling.reference import one_piece
+from studies.coupling.study import coupling_map
+from studies.coupling.trial import TORQUE, coupled_engine, course, trial
+from studies.coupling.urban import urban_run, urban_scene
 
 SAMPLE = 5e-3
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from inertia_module.studies.geometry import masses, positions, ratio, satellite_ratio, turn
+from studies.reference.geometry import masses, positions, ratio, satellite_ratio, turn
 
 __all__ = ["ratio", "satellite_ratio", "turn"]
 

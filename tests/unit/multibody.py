@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 from geometry import ratio, satellite_ratio
 
-from inertia_module.studies.peers.multibody import mechanism
+from studies.peers.multibody import mechanism
 
 
 class Multibody:

@@ -5,8 +5,8 @@ import math
 from inertia_module.contract.variable import PARAMETER
 from inertia_module.contract.variables import with_causality
 from inertia_module.memory.instances import Module
-from inertia_module.studies.lagrange import Lagrange
-from inertia_module.studies.lossy import Lossy
+from studies.reference.lagrange import Lagrange
+from studies.reference.lossy import Lossy
 
 REFERENCE = {"omega1": 100.0, "load_torque": 10.0}  # R1: everything else is at its default
 PLANAR = {

@@ -8,7 +8,7 @@ import math
 import pytest
 from scenes import DRIVEN, ELASTIC, SCENES, advanced, lagrange, started
 
-from inertia_module.studies.lagrange import OMEGA1, OMEGA2, OMEGA3
+from studies.reference.lagrange import OMEGA1, OMEGA2, OMEGA3
 
 GEAR = {"satellite_inertia": 0.004, "satellite_transverse_inertia": 0.003}
 DRIVES = {"speed": SCENES, "torque": DRIVEN}

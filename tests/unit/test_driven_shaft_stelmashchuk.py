@@ -8,10 +8,10 @@ of the step.
 import numpy as np
 import pytest
 
+from inertia_module.loops.stepping import law_of_motion
 from inertia_module.memory.instances import DrivenShaft
-from inertia_module.papers.stelmashchuk.criteria import Criteria
-from inertia_module.papers.stelmashchuk.exact import response
-from inertia_module.papers.stelmashchuk.law import law_of_motion
+from studies.papers.stelmashchuk.criteria import Criteria
+from studies.papers.stelmashchuk.exact import response
 
 KAPPA2 = 1.0
 END = 2.75  # rise, dwell, fall, and three quarters of a unit at rest

@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import pytest
 
-from inertia_module.studies.stability.axes import AXES, cases
-from inertia_module.studies.stability.study import run_study
-from inertia_module.studies.stability.table import Cell, read_rows, rows_of
+from studies.stability.axes import AXES, cases
+from studies.stability.study import run_study
+from studies.stability.table import Cell, read_rows, rows_of
 
 TABLE = Path(__file__).parents[2] / "docs" / "stability.csv"
 

@@ -6,7 +6,7 @@ import pytest
 from scenes import DRIVEN, SCENES
 
 from inertia_module.memory.instances import Module
-from inertia_module.studies.lagrange import OMEGA1, OMEGA2, OMEGA3, Lagrange
+from studies.reference.lagrange import OMEGA1, OMEGA2, OMEGA3, Lagrange
 
 INPUTS = ("omega1", "load_torque", "drive_torque")
 ELASTIC = {"fidelity": 3, "driven_inertia": 0.5, "shaft_stiffness": 400.0, "shaft_damping": 0.05}

@@ -7,8 +7,8 @@ import pytest
 from scenes import DRIVEN, ELASTIC, SCENES, advanced, drive_angle, started
 
 from inertia_module.kernel.links import angular_momentum
-from inertia_module.studies.cases import CAUSES, OMEGA1, OMEGA2, OMEGA4, SLIP, TWIST, Q
-from inertia_module.studies.lossy import Lossy
+from studies.reference.cases import CAUSES, OMEGA1, OMEGA2, OMEGA4, SLIP, TWIST, Q
+from studies.reference.lossy import Lossy
 
 INPUTS = ("omega1", "load_torque", "drive_torque")
 LOSSES = {

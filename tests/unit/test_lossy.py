@@ -7,10 +7,10 @@ import pytest
 from scenes import DRIVEN, ELASTIC, LAYOUTS, PLANAR, SCENES, lagrange, lossy, parameters
 from scipy.linalg import expm
 
-from inertia_module.studies.cases import CAUSES, OMEGA1, OMEGA3, OMEGA4, SLIP, WOUND, Q
-from inertia_module.studies.geometry import Inertia, positions, ratio, satellite_ratio, turn
-from inertia_module.studies.trajectory import Unavailable
-from inertia_module.studies.virtual_work import VirtualWork
+from studies.reference.cases import CAUSES, OMEGA1, OMEGA3, OMEGA4, SLIP, WOUND, Q
+from studies.reference.geometry import Inertia, positions, ratio, satellite_ratio, turn
+from studies.reference.trajectory import Unavailable
+from studies.reference.virtual_work import VirtualWork
 
 MESHES = {"mesh_efficiency": 0.9, "satellite_mesh_efficiency": 0.92, "journal_friction": 2e-3}
 DRAGS = {"housing_drag": 0.5, "housing_drag_viscous": 0.004, "output_drag": 0.3, "output_drag_viscous": 0.003}

@@ -8,8 +8,8 @@ from scenes import LAYOUTS, parameters
 pytest.importorskip("mujoco")
 from multibody import Multibody
 
-from inertia_module.studies.cases import A1, A2, A3, CLOSED, OMEGA1, OPEN, SUMS, THETA1, Machine, Q
-from inertia_module.studies.virtual_work import VirtualWork
+from studies.reference.cases import A1, A2, A3, CLOSED, OMEGA1, OPEN, SUMS, THETA1, Machine, Q
+from studies.reference.virtual_work import VirtualWork
 
 OUTPUT_INERTIA, LINK2_INERTIA, INPUT_INERTIA = 0.03, 0.006, 0.02
 FRICTION = {"input_friction": 0.3, "drive_friction": 0.2, "link2_friction": 0.1}

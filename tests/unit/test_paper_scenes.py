@@ -10,13 +10,13 @@ from typer.testing import CliRunner
 from inertia_module.cli import app
 from inertia_module.figures.scenes import scene_figure
 from inertia_module.figures.shaft import shaft_figure
-from inertia_module.papers.karetin import Geometry, dynamic_mode, exact
-from inertia_module.papers.lysenko.exact import speed_ratio
-from inertia_module.papers.lysenko.mechanism import EXAMPLE
-from inertia_module.papers.stelmashchuk.criteria import Criteria
-from inertia_module.papers.stelmashchuk.exact import response
-from inertia_module.papers.symbols import symbols_tables
 from inertia_module.scene import SceneError, load_any_scene, load_scene, run_scene, run_shaft_scene
+from studies.papers.karetin import Geometry, dynamic_mode, exact
+from studies.papers.lysenko.exact import speed_ratio
+from studies.papers.lysenko.mechanism import EXAMPLE
+from studies.papers.stelmashchuk.criteria import Criteria
+from studies.papers.stelmashchuk.exact import response
+from studies.papers.symbols import symbols_tables
 
 PAPERS = Path(__file__).parents[2] / "examples" / "papers"
 SHAFT = """

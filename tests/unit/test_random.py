@@ -10,18 +10,18 @@ from random_found import FOUND
 from inertia_module.common.errors import Refused
 from inertia_module.kernel.codes import ELASTIC, EVENT, KINEMATIC, RIGID
 from inertia_module.memory.instances import Module
-from inertia_module.studies.stability import random_checks, random_study
-from inertia_module.studies.stability.case import LEVELS, Segment
-from inertia_module.studies.stability.random_checks import (
+from studies.stability import random_checks, random_study
+from studies.stability.case import LEVELS, Segment
+from studies.stability.random_checks import (
     AS_TORQUE,
     REFERENCE,
     VIRTUAL_WORK,
     Finding,
     examine,
 )
-from inertia_module.studies.stability.random_motions import FRICTIONS, Motion, draw_motion
-from inertia_module.studies.stability.random_outcomes import Outcome, as_line, read_outcomes
-from inertia_module.studies.stability.random_study import (
+from studies.stability.random_motions import FRICTIONS, Motion, draw_motion
+from studies.stability.random_outcomes import Outcome, as_line, read_outcomes
+from studies.stability.random_study import (
     cause,
     findings,
     rows_of,
@@ -29,7 +29,7 @@ from inertia_module.studies.stability.random_study import (
     shrunk,
     try_number,
 )
-from inertia_module.studies.stability.verdict import Figure
+from studies.stability.verdict import Figure
 
 SEED = 1
 EACH, WITH_REFERENCE = 30, 4

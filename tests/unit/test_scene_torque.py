@@ -6,12 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from inertia_module.fidelity.levels import all_levels
+from inertia_module.fidelity.scene_run import run_in_process
+from inertia_module.fidelity.trials import measure_scene
 from inertia_module.figures.scenes import scene_figure
 from inertia_module.scene import SceneError, load_scene, read_scene, run_scene
 from inertia_module.scene.run import start_of
-from inertia_module.studies.levels import all_levels
-from inertia_module.studies.scene_run import run_in_process
-from inertia_module.studies.trials import measure_scene
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 DRIVE = 'kind = "torque"\ndrive_torque = "12 Nm"\nomega1 = "600 rpm"'

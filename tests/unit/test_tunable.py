@@ -9,7 +9,7 @@ from inertia_module.contract.models import DRIVEN_SHAFT, INERTIA_MODULE
 from inertia_module.contract.variable import INPUT
 from inertia_module.kernel import codes
 from inertia_module.memory.instances import DrivenShaft, Module
-from inertia_module.studies.lagrange import OMEGA1, OMEGA2, OMEGA_OUT, Lagrange
+from studies.reference.lagrange import OMEGA1, OMEGA2, OMEGA_OUT, Lagrange
 
 INPUTS = [variable.name for variable in INERTIA_MODULE.with_causality(INPUT)]
 FRICTION = {"input_friction": 0.02, "drive_friction": 0.01, "link2_friction": 0.05, "output_friction": 0.2}

@@ -1,4 +1,4 @@
-"""The command ``inertia-module``: FMUs, scenes, jobs, what accuracy costs, the papers, the extremes."""
+"""The command ``inertia-module``: FMUs, scenes, jobs, what accuracy costs."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ import atexit
 import os
 import sys
 
-from . import fmus, jobs, new, pages, scenes, searches, view  # each adds its commands to app
+from . import fmus, jobs, new, scenes, searches, view  # each adds its commands to app
 from .shared import app, current_fmu
 
-__all__ = ["app", "current_fmu", "fmus", "jobs", "main", "new", "pages", "scenes", "searches", "view"]
+__all__ = ["app", "current_fmu", "fmus", "jobs", "main", "new", "scenes", "searches", "view"]
 
 
 def main() -> None:

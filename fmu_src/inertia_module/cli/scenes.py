@@ -25,9 +25,9 @@ from .shared import (
 )
 
 if TYPE_CHECKING:
+    from ..fidelity.choice import Choice
     from ..scene import Scene
     from ..scene.run import Outcome
-    from ..studies.choice import Choice
 
 
 @app.command()
@@ -109,8 +109,8 @@ def run(
 
 def at_fidelity(read: Scene, fidelity: str | None, error: str | None) -> tuple[Scene, Choice | None]:
     """A scene at the fidelity asked for, or at one chosen by measuring, and then why."""
+    from ..fidelity.trials import choose
     from ..harness.simulate import progress_bar
-    from ..studies.trials import choose
 
     allowed = share("--error", error)
     if fidelity is not None or (allowed is not None and read.chooses_fidelity):
@@ -125,9 +125,7 @@ def at_fidelity(read: Scene, fidelity: str | None, error: str | None) -> tuple[S
 
 @app.command()
 def tradeoff(
-    scene: Annotated[
-        Path | None, typer.Argument(metavar="SCENE.toml", help="Scene file (without it: scene R1).")
-    ] = None,
+    scene: Annotated[Path, typer.Argument(metavar="SCENE.toml", help="Scene file.")],
     output: OutputFolder = None,
     recommend: Annotated[
         str | None,
@@ -135,34 +133,26 @@ def tradeoff(
     ] = None,
     wanted: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME", help="Output (of R1: error) that counts; may be repeated."),
+        typer.Option(metavar="NAME", help="Output that counts, instead of the scene's; may be repeated."),
     ] = None,
     keys: Keys = None,
     as_json: Json = False,
 ) -> None:
     """Measure error against cost: fidelity, method, tolerance or step, communication step (out/tradeoff)."""
+    from ..fidelity.choice import recommend as choose_cheapest
+    from ..fidelity.report import print_levels
+    from ..fidelity.tradeoff import scene_study, scene_trials
     from ..harness.simulate import progress_bar
     from ..scene import load_scene
     from ..scene.keys import keys_of
-    from ..studies import tradeoff as study
-    from ..studies.choice import recommend as choose_cheapest
-    from ..studies.peers import PEERS
-    from ..studies.report import print_levels
 
     with one_line_errors(), progress_bar("measuring the trade") as progress:
         folder = folder_for(output, "tradeoff")
         allowed = share("--recommend", recommend)
-        if scene is None:
-            if keys:
-                raise ValueError("--set must come with a scene file")
-            names = tuple(wanted or (study.R1_WANTED,))
-            study.check_wanted(names)
-            found = study.open_study(study.R1, "scene R1", () if allowed else PEERS, progress)
-        else:
-            read = load_scene(scene, keys_of(keys))
-            read = read.replaced(run={"outputs": wanted}) if wanted else read
-            names = tuple(read.run.outputs)
-            found = (study.scene_trials if allowed else study.scene_study)(read, progress)
+        read = load_scene(scene, keys_of(keys))
+        read = read.replaced(run={"outputs": wanted}) if wanted else read
+        names = tuple(read.run.outputs)
+        found = (scene_trials if allowed else scene_study)(read, progress)
         choice = choose_cheapest(found.rows, allowed, names) if allowed else None
         files = found.write(folder)
     if as_json:

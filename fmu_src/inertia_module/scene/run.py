@@ -173,7 +173,7 @@ class SceneRunner(Closing):
 
 def _check_fidelity(scene: Scene) -> None:
     if scene.chooses_fidelity:
-        raise SceneError("mechanism.fidelity must be chosen first (studies.trials.choose), is 'auto'")
+        raise SceneError("mechanism.fidelity must be chosen first (fidelity.trials.choose), is 'auto'")
 
 
 def _run_on(

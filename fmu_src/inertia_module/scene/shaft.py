@@ -17,8 +17,8 @@ from ..contract.variable import LOCAL, OUTPUT, PARAMETER
 from ..contract.variables import with_causality
 from ..harness.simulate import Progress, Result, communication_points, drive
 from ..loops.sources import evaluate
+from ..loops.stepping import law_of_motion
 from ..memory.instances import DrivenShaft
-from ..papers.stelmashchuk.law import law_of_motion
 from .errors import SceneError
 from .loads import TorqueLoad
 from .mechanism import keys_of

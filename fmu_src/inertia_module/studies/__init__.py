@@ -1,1 +1,0 @@
-"""Studies of the module: what accuracy costs, measured."""

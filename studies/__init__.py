@@ -1,0 +1,1 @@
+"""Studies of the module by the project itself: papers, references, extremes, peers, couplings, benchmarks."""

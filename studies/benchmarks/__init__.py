@@ -1,0 +1,1 @@
+"""Benchmarks: what the docs say of speed, measured (`make bench`)."""

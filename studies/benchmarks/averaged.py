@@ -1,0 +1,136 @@
+"""Fidelity averaged against rigid: kernel time on the urban scene, and mean speeds where the input torque is given.
+
+The drive and load of the scene, recorded once, are played to the compiled kernel in a compiled loop: no shell, no Python.
+Run: python -m studies.benchmarks.averaged
+"""
+
+import math
+import statistics
+import time
+from pathlib import Path
+
+import numba
+import numpy as np
+
+from inertia_module.compiling import load as compiled
+from inertia_module.contract.models import INERTIA_MODULE
+from inertia_module.cosimulation.interface import interface_inertia
+from inertia_module.fidelity.scene_run import run_in_process
+from inertia_module.kernel.codes import AVERAGED, DRIVE_TORQUE, RIGID, STEP_ONLY
+from inertia_module.memory.instances import Module
+from inertia_module.scene import load_scene
+from studies.benchmarks.figures import PLANAR
+
+SCENE = Path(__file__).parents[2] / "examples" / "urban.toml"
+FIDELITIES = {"rigid": RIGID, "averaged": AVERAGED}
+LAYOUTS = {"bevel": {}, "planar": PLANAR}
+SHARES = (0.1, 0.5, 1.0, 2.0, 5.0, 10.0, 50.0)  # J1 over the greatest inertia the module has at its input
+START = {
+    "drive": DRIVE_TORQUE,
+    "omega1": 100.0,
+    "drive_torque": 4.0,
+    "load_torque": 5.0,
+    "output_inertia": 5.0,
+}
+ANGLES = 12  # drive angles that the rigid module starts at: its energy at the start depends on it
+STEP = 0.01
+REPEATS = 8
+BEGIN, END = 2.0, 4.0  # s, of the means
+
+
+def player():
+    """Compiled loop: steps of h with the inputs given, from the state given. Returns how many it refused."""
+    entry = compiled.load()
+    omega1_place, load_place = INERTIA_MODULE.place("omega1"), INERTIA_MODULE.place("load_torque")
+
+    @numba.njit
+    def play(p, d, u, x, y, w, omega1, load, h):
+        refused = 0
+        for n in range(omega1.size):
+            u[omega1_place] = omega1[n]
+            u[load_place] = load[n]
+            status = entry(STEP_ONLY, p.ctypes, d.ctypes, u.ctypes, x.ctypes, y.ctypes, w.ctypes, h)
+            refused += status != 0
+        return refused
+
+    return play
+
+
+def kernel_times(scene, record):
+    """Kernel time of both fidelities for the recorded inputs, in steps of the scene and of 1 s."""
+    found, play, h = [], player(), scene.run.communication_step
+    per_second = round(1.0 / h)
+    inputs = np.array([record["omega1"][1:], record["load_torque"][1:]])
+    inputs = inputs[:, : inputs.shape[1] // per_second * per_second]
+    coarse = inputs.reshape(2, -1, per_second).mean(axis=2)
+    for step, (omega1, load) in ((h, inputs), (1.0, coarse)):
+        for name, fidelity in FIDELITIES.items():
+            parameters = {**scene.parameters(), "fidelity": fidelity, "tolerance": scene.accuracy.tolerance}
+            module = Module("compiled").start(omega1=omega1[0], load_torque=load[0], **parameters)
+            begin = [np.array(record.numbers[:]) for record in module._records]
+            times = []
+            for _ in range(REPEATS):
+                arrays = [values.copy() for values in begin]
+                start = time.perf_counter()
+                refused = play(*arrays, omega1, load, step)
+                times.append(time.perf_counter() - start)
+                if refused:
+                    raise RuntimeError(f"{refused} steps are refused")
+            taken = statistics.median(times[1:])  # numba compiles at the first call
+            found.append((f"{name}, steps of {step:g} s", "time", 1e6 * taken / (step * omega1.size), "us"))
+    return found
+
+
+def figures_of_scene():
+    """Kernel times, and the largest difference of the mean output speed over a second, of the largest omega1."""
+    scene = load_scene(SCENE)
+    records = {
+        name: run_in_process(scene.replaced(mechanism={"fidelity": fidelity})).record
+        for name, fidelity in FIDELITIES.items()
+    }
+    whole = round(1.0 / scene.run.communication_step)
+    rigid, averaged = (record["omega_out"][1:].reshape(-1, whole).mean(axis=1) for record in records.values())
+    largest = float(np.abs(rigid - averaged).max() / records["rigid"]["omega1"].max())
+    return [
+        *kernel_times(scene, records["rigid"]),
+        ("averaged against rigid", "difference of mean output speed", 100.0 * largest, "%"),
+    ]
+
+
+def mean_speeds(parameters):
+    """Mean speeds of link 1 and of the output shaft between BEGIN and END, rad/s."""
+    module = Module().start(**START, **parameters)
+    output, angle = [], 0.0
+    for n in range(round(END / STEP)):
+        if n == round(BEGIN / STEP):
+            angle = module["input_angle"] + 2.0 * math.pi * module["input_turns"]
+        module.advance(STEP)
+        if n >= round(BEGIN / STEP):
+            output.append(module["omega_out"])
+    turned = module["input_angle"] + 2.0 * math.pi * module["input_turns"] - angle
+    return turned / (END - BEGIN), sum(output) / len(output)
+
+
+def figures_by_torque():
+    """Errors of the mean speeds over the inertia of link 1, the rigid ones being means over where it starts."""
+    found = []
+    for layout, mechanism in LAYOUTS.items():
+        greatest = interface_inertia(mechanism).greatest
+        for share in SHARES:
+            parameters = {**mechanism, "input_inertia": share * greatest}
+            averaged = mean_speeds({**parameters, "fidelity": AVERAGED})
+            starts = [
+                mean_speeds({**parameters, "drive_angle_start": 2.0 * math.pi * n / ANGLES})
+                for n in range(ANGLES)
+            ]
+            rigid = np.mean(starts, axis=0)
+            for name, exact, ours in zip(("omega1", "omega_out"), rigid, averaged, strict=True):
+                case = f"{layout}, J1 / Phi = {share:g}"
+                found.append((case, f"{name}, rigid", exact, "rad/s"))
+                found.append((case, f"{name}, error of averaged", 100.0 * (ours / exact - 1.0), "%"))
+    return found
+
+
+if __name__ == "__main__":
+    for row in (*figures_of_scene(), *figures_by_torque()):
+        print(*row)

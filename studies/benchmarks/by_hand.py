@@ -1,0 +1,126 @@
+"""The motion of scene R1 by the kernel and by C written by hand (by_hand.c), at the same error.
+
+The C computes the motion and nothing else, with another method of lower order: a yardstick, not a twin. It is compiled
+with -O3 for the processors that the native FMU is made for. Its result is compared with the kernel's before it is timed.
+Run: python -m studies.benchmarks.by_hand
+"""
+
+import ctypes
+import statistics
+import subprocess
+import tempfile
+import time
+from functools import partial
+from pathlib import Path
+
+from inertia_module.fidelity.timing import kernel_time
+from inertia_module.fmu.linking import compiler
+from inertia_module.memory.instances import Module
+from studies.benchmarks.figures import R1
+
+SOURCE = Path(__file__).with_suffix(".c")
+FLAGS = [
+    *("-O3", "-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror"),
+    *("-fno-sanitize=all", "-fno-math-errno", "-mcpu=x86_64_v2"),
+]
+CONSTANTS = (
+    *("k", "s", "mass", "phase_a", "phase_b", "radial", "radial_cos", "arm", "axial", "axial_cos"),
+    *("pole_offset", "pole_arm", "spin", "J2", "J3", "J16", "harmonic"),
+)
+STATE = ("q", "omega2", "omega3", "step", "mode", "switches", "evaluations")
+WANTED = 1e-6
+TOLERANCES = [10.0 ** (-n / 4) for n in range(12, 49)]
+# the C misses events at looser ones
+BEARABLE = [tolerance for tolerance in TOLERANCES if tolerance < 1.1e-6]
+ROUNDS = 21
+STEPS = {"one step of 1 s": 1, "steps of 1 ms": 1000}
+
+
+def structure(names):
+    return type("Numbers", (ctypes.Structure,), {"_fields_": [(name, ctypes.c_double) for name in names]})
+
+
+class ByHand:
+    """One simulated second of R1 by the C library."""
+
+    def __init__(self, folder):
+        path = Path(folder) / "by_hand.so"
+        command = [*compiler(), "cc", *FLAGS, "-shared", "-fPIC", str(SOURCE), "-o", str(path), "-lm"]
+        subprocess.run(command, check=True)
+        self.library = ctypes.CDLL(str(path))
+        derived = Module("plain").start(**R1).derived
+        self.mechanism = structure([*CONSTANTS, "omega1", "load"])(
+            *(getattr(derived, name) for name in CONSTANTS), R1["omega1"], R1["load_torque"]
+        )
+        self.state = structure(STATE)
+
+    def run(self, tolerance, steps):
+        """(omega_out at the end, switches, right-hand sides, wall time in s)."""
+        state = self.state(step=1e-3, mode=1.0)  # at rest, the load carried by the housing freewheel
+        numbers = ctypes.c_double(tolerance), ctypes.c_double(1.0 / steps), ctypes.c_long(steps)
+        begin = time.perf_counter()
+        status = self.library.run(ctypes.byref(self.mechanism), ctypes.byref(state), *numbers)
+        taken = time.perf_counter() - begin
+        if status:
+            raise RuntimeError(f"by_hand.c gives up at tolerance {tolerance:g}")
+        return state.omega3, state.switches, state.evaluations, taken
+
+
+class ByKernel:
+    """The same by the compiled kernel."""
+
+    def run(self, tolerance, steps):
+        module = Module("compiled").start(tolerance=tolerance, **R1)
+        begin = module.save()
+        for _ in range(steps):
+            module.advance(1.0 / steps)
+        result = (module[name] for name in ("omega_out", "contact_switches", "rhs_evaluations"))
+        given = [(R1["omega1"], R1["load_torque"], 0.0)] * steps
+        return *result, kernel_time(module, begin, given, 1.0 / steps, repeats=1)
+
+
+def agree(by_hand, exact):
+    """Compare the C with the kernel where both are tight. Raises if they disagree."""
+    found, wanted = by_hand.run(1e-12, 1), exact.run(1e-13, 1000)
+    if found[1] != wanted[1] or not abs(found[0] / wanted[0] - 1.0) < 1e-9:
+        raise RuntimeError(
+            f"by_hand.c: {found[0]} rad/s after {found[1]:.0f} switches; the kernel: {wanted[:2]}"
+        )
+    return wanted[0]
+
+
+def loosest(run, tolerances, exact):
+    """The loosest tolerance whose error is below WANTED, and that error."""
+    errors = ((tolerance, abs(run(tolerance)[0] / exact - 1.0)) for tolerance in tolerances)
+    return next(pair for pair in errors if pair[1] <= WANTED)
+
+
+def figures():
+    """Figures of both at the loosest tolerance whose error is below WANTED, timed in turns."""
+    found = []
+    with tempfile.TemporaryDirectory() as folder:
+        ways = {"kernel, compiled": (ByKernel(), TOLERANCES), "C by hand": (ByHand(folder), BEARABLE)}
+        exact = agree(ways["C by hand"][0], ways["kernel, compiled"][0])
+        for name, steps in STEPS.items():
+            runs = {way: partial(made.run, steps=steps) for way, (made, _) in ways.items()}
+            settings = {way: loosest(runs[way], ways[way][1], exact) for way in ways}
+            rounds = [{way: run(settings[way][0]) for way, run in runs.items()} for _ in range(ROUNDS)]
+            for way in ways:
+                seconds = statistics.median(results[way][3] for results in rounds)
+                found += run_figures(f"{way}, {name}", *settings[way], seconds, rounds[0][way][2])
+    return found
+
+
+def run_figures(case, tolerance, error, seconds, evaluations):
+    """What the table tells of a run of one simulated second."""
+    return [
+        (case, "tolerance", tolerance, ""),
+        (case, "error", error, ""),
+        (case, "time", 1e3 * seconds, "ms"),
+        (case, "right-hand sides", evaluations, ""),
+    ]
+
+
+if __name__ == "__main__":
+    for row in figures():
+        print(*row)

@@ -1,0 +1,160 @@
+"""Cost of the native FMUs, measured by studies/benchmarks/speed.py.
+
+A C host steps them in a loop (studies/benchmarks/native/loop.c), next to the least a native FMU can be
+(studies/benchmarks/native/empty.c), in turns; fmpy does the same.
+"""
+
+import statistics
+import subprocess
+import time
+from pathlib import Path
+from typing import NamedTuple
+
+from fmpy import extract, read_model_description
+from fmpy.fmi2 import FMU2Slave
+
+from inertia_module.fmu.linking import compiler, header_folder
+from studies.benchmarks.figures import R1
+
+HERE = Path(__file__).parent / "native"
+ROUNDS = 5
+STEP = 1e-3
+# an input inertia with which omega1 hardly changes: the same motion as with omega1 given
+TORQUE = {"drive_torque": 15.0, "load_torque": 10.0, "omega1": 100.0, "input_inertia": 100.0}
+STANDSTILL = {"omega1": 0.0, "load_torque": 10.0}
+SHAFT = {"hub_speed": 20.0, "load_torque": 3.0}
+
+
+class Library(NamedTuple):
+    """A native FMU unpacked: its library, GUID, references by name and folder."""
+
+    path: str
+    guid: str
+    references: dict[str, int]
+    folder: str
+    identifier: str
+
+
+class Timed(NamedTuple):
+    """Wall time of a step with two values set and two read, and the worst step, ns; both outputs."""
+
+    step: float
+    worst: float
+    outputs: tuple[float, ...]
+
+
+def compile_c(source, target, *options):
+    command = [*compiler(), "cc", "-std=gnu99", "-O2", "-fno-sanitize=all", "-Wall", "-Wextra", "-Werror"]
+    files = ["-isystem", str(header_folder()), "-o", str(target), str(source)]
+    subprocess.run([*command, *files, *options], check=True)
+
+
+def unpacked(path):
+    """A native FMU of ours as a Library."""
+    description = read_model_description(str(path))
+    folder = extract(str(path))
+    references = {v.name: v.valueReference for v in description.modelVariables}
+    library = f"{folder}/binaries/linux64/{description.modelName}.so"
+    return Library(library, description.guid, references, folder, description.modelName)
+
+
+def empty_fmu(workshop):
+    """The empty FMU as a Library."""
+    folder = workshop / "empty"
+    (folder / "binaries" / "linux64").mkdir(parents=True)
+    library = folder / "binaries" / "linux64" / "empty.so"
+    compile_c(HERE / "empty.c", library, str(HERE / "empty_rest.c"), "-shared", "-fPIC")
+    return Library(str(library), "", {"u": 0, "v": 1, "y": 2, "z": 3}, str(folder), "empty")
+
+
+def timed(
+    loop, library, values, outputs, step=STEP, steps=20000, tolerance=1e-6, batch=500, repeats=0, **whole
+):
+    """One run of the C host."""
+    numbers = library.references
+    given = [f"{numbers[name]}={value!r}" for name, value in values.items()]
+    given += [f"i{numbers[name]}={value}" for name, value in whole.items()]
+    read = [str(numbers[name]) for name in outputs]
+    counts = [str(number) for number in (step, steps, batch, repeats, tolerance)]
+    done = subprocess.run(
+        [str(loop), library.path, library.guid, *counts, *read, *given],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    *batches, found, worst = done.stdout.splitlines()
+    return Timed(
+        statistics.median(map(float, batches)), float(worst.split()[1]), tuple(map(float, found.split()[1:]))
+    )
+
+
+OUTPUTS = ("omega_out", "output_torque_mean")
+CASES = {
+    "module at a standstill": (STANDSTILL, {}),
+    "kinematic": (R1, {"fidelity": 0}),
+    "averaged": (R1, {"fidelity": 1}),
+    "rigid, timestepping": (R1, {"method": 1}),
+    "rigid, event": (R1, {}),
+    "elastic, event": (R1, {"fidelity": 3}),
+    "averaged, driven by torque": (TORQUE, {"drive": 1, "fidelity": 1}),
+    "rigid, timestepping, driven by torque": (TORQUE, {"drive": 1, "method": 1}),
+    "rigid, event, driven by torque": (TORQUE, {"drive": 1}),
+    "elastic, event, driven by torque": (TORQUE, {"drive": 1, "fidelity": 3}),
+}
+
+
+def c_loop(loop, module, shaft, empty):
+    """Of each case the time of a step, ns, and the worst step, us."""
+    costs = {name: [] for name in ("empty native FMU", *CASES, "DrivenShaft")}
+    for _ in range(ROUNDS):
+        costs["empty native FMU"].append(timed(loop, empty, {"u": 1.0, "v": 2.0}, ("y", "z"), repeats=3))
+        for name, (values, whole) in CASES.items():
+            costs[name].append(timed(loop, module, values, OUTPUTS, repeats=3, **whole))
+        costs["DrivenShaft"].append(timed(loop, shaft, SHAFT, ("omega_out", "shaft_torque_mean"), repeats=3))
+    return {
+        name: (statistics.median(run.step for run in runs), min(run.worst for run in runs) / 1e3)
+        for name, runs in costs.items()
+    }
+
+
+def fmpy_loop(library, values, outputs, steps=20000):
+    """Cost of a step and two reads through fmpy, us."""
+    fmu = FMU2Slave(
+        guid=library.guid,
+        unzipDirectory=library.folder,
+        modelIdentifier=library.identifier,
+        instanceName="bench",
+    )
+    fmu.instantiate()
+    fmu.setupExperiment()
+    fmu.setReal([library.references[name] for name in values], list(values.values()))
+    fmu.enterInitializationMode()
+    fmu.exitInitializationMode()
+    read = [library.references[name] for name in outputs]
+    begin = time.perf_counter()
+    for n in range(steps):
+        fmu.doStep(n * STEP, STEP)
+        fmu.getReal(read)
+    cost = (time.perf_counter() - begin) / steps * 1e6
+    fmu.terminate()
+    fmu.fmi2FreeInstance(fmu.component)
+    return cost
+
+
+def figures(workshop, module_path, shaft_path):
+    """Figures of steps of 1 ms, two values set and two read, in a C host and through fmpy."""
+    loop = workshop / "loop"
+    compile_c(HERE / "loop.c", loop, "-ldl", "-lm")
+    module, shaft, empty = unpacked(module_path), unpacked(shaft_path), empty_fmu(workshop)
+    found = []
+    for name, (step, worst) in c_loop(loop, module, shaft, empty).items():
+        found += [(name, "time of a step", step, "ns"), (name, "worst step", worst, "us")]
+    pairs = [
+        (fmpy_loop(empty, {"u": 1.0}, ("y", "z")), fmpy_loop(module, STANDSTILL, OUTPUTS))
+        for _ in range(ROUNDS)
+    ]
+    for name, times in zip(
+        ("empty native FMU", "module at a standstill"), zip(*pairs, strict=True), strict=True
+    ):
+        found.append((name, "time of a step and two reads through fmpy", statistics.median(times), "us"))
+    return found

@@ -1,0 +1,168 @@
+"""The module as a constrained multibody model in MuJoCo, stepped forwards.
+
+Gears are equality constraints: each drive's turn is tied to links 1 and 2 by a fixed tendon, each
+satellite's to its drive's by a joint constraint. A freewheel is the limit of a tendon (or joint)
+that is always active, without stiffness and with damping 1 / timestep: MuJoCo then keeps the relative
+speed after the step from falling below zero by a torque that only pushes. That is the complementarity
+condition on velocities, at each step. The input speed is held by a flywheel on link 1.
+
+Source: MuJoCo, "Computation": constraint model, reference acceleration and impedance.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from inertia_module.common.extras import library
+from inertia_module.fidelity.timing import median_time
+
+from ..reference.geometry import ratio, satellite_ratio
+from ..reference.trajectory import Case, Trajectory
+from .equations import data_of
+from .multibody import mechanism
+
+# MuJoCo allows no more: a constraint is softer than rigid by the part that is missing
+IMPEDANCE = 0.9999
+# inverse inertia the softness is taken from, 1/(kg m^2). MuJoCo takes that of the first position, where
+# a satellite's mass at its rolling pole makes it infinite (bevel layout, a = b): the model falls apart
+INVERSE_INERTIA = 0.01
+# kg m^2 on drives and satellites: at the same place the mass matrix would be singular
+ARMATURE = 1e-9
+# inertia of the flywheel on link 1 in units of those of the shafts
+FLYWHEEL = 1e7
+
+
+def _model_text(
+    p: dict[str, float], drives: list[str], satellites: dict[str, str], step: float, integrator: str
+) -> str:
+    """The mechanism with its gears and freewheels."""
+    k, s = ratio(p), satellite_ratio(p)
+    soft = f'="0 {-1.0 / step!r}"', f'="{IMPEDANCE} {IMPEDANCE} 1"'
+    rigid = f"solref{soft[0]} solimp{soft[1]}"
+    active = f'limited="true" range="1e9 2e9" solreflimit{soft[0]} solimplimit{soft[1]}'
+    slip = '<joint joint="output" coef="1"/><joint joint="link 2" coef="-1"/>'
+    tendons = f'<fixed name="output slip" {active if p["output_freewheel"] else ""}>{slip}</fixed>'
+    equalities = "" if p["output_freewheel"] else f'<tendon tendon1="output slip" {rigid}/>'
+    if p["housing_freewheel"]:
+        tendons += f'<fixed name="housing slip" {active}><joint joint="link 2" coef="1"/></fixed>'
+    for name in drives:
+        links = f'<joint joint="link 1" coef="{-k!r}"/><joint joint="link 2" coef="{k!r}"/>'
+        tendons += f'<fixed name="mesh of {name}"><joint joint="{name}" coef="1"/>{links}</fixed>'
+        equalities += f'<tendon tendon1="mesh of {name}" {rigid}/>'
+    for name, drive in satellites.items():
+        equalities += f'<joint joint1="{name}" joint2="{drive}" polycoef="0 {s!r} 0 0 0" {rigid}/>'
+    return mechanism(
+        p,
+        options=f'timestep="{step!r}" integrator="{integrator}" iterations="100" tolerance="1e-14"',
+        more=f"<tendon>{tendons}</tendon><equality>{equalities}</equality>",
+        output_shaft=True,
+        flywheel=FLYWHEEL * (p["input_inertia"] + p["link2_inertia"] + p["output_inertia"]),
+    )
+
+
+class ForwardModel:
+    """A case in MuJoCo, ready to be stepped.
+
+    Args:
+        case: of the rigid module. step: s. integrator: as MuJoCo names it.
+    """
+
+    def __init__(self, case: Case, step: float, integrator: str) -> None:
+        self.engine, self.case = library("mujoco", "peers"), case
+        p = case.all_parameters
+        modules, satellites = range(int(p["modules"])), range(int(p["satellites"]))
+        places = [f"{module} {n}" for module in modules for n in satellites]
+        self.p = p
+        self.drives = [f"drive {place}" for place in (places if p["layout"] else modules)]
+        drive_of = {f"satellite {place}": f"drive {place.split()[0]}" for place in places}
+        self.satellites = {} if p["layout"] else drive_of
+        text = _model_text(p, self.drives, self.satellites, step, integrator)
+        self.model = self.engine.MjModel.from_xml_string(text)
+        self.model.tendon_invweight0[:] = INVERSE_INERTIA
+        self.model.dof_invweight0[:] = INVERSE_INERTIA
+        for name in self.satellites | dict.fromkeys(self.drives):
+            self.model.dof_armature[self.model.joint(name).dofadr[0]] = ARMATURE
+        self.data = self.engine.MjData(self.model)
+        self.reset()
+
+    def reset(self) -> None:
+        """Back to the beginning."""
+        p, s = self.p, satellite_ratio(self.p)
+        start, rate = p["drive_angle_start"], ratio(p) * (self.case.omega1 - p["omega2_start"])
+        self.engine.mj_resetData(self.model, self.data)
+        motion = {
+            **{"link 1": (0.0, self.case.omega1), "link 2": (0.0, p["omega2_start"])},
+            **{"output": (0.0, p["omega_out_start"])},
+            **dict.fromkeys(self.drives, (start, rate)),
+            **dict.fromkeys(self.satellites, (s * start + p["epsilon"], s * rate)),
+        }
+        for name, (angle, speed) in motion.items():
+            joint = self.data.joint(name)
+            joint.qpos[0], joint.qvel[0] = angle, speed
+        self.data.joint("output").qfrc_applied[0] = -self.case.load_torque
+
+    def advance(self, steps: int) -> None:
+        """Make some steps.
+
+        Raises:
+            RuntimeError: MuJoCo has given up and started anew.
+        """
+        warn = self.engine.get_mju_user_warning()
+        # else MuJoCo writes a log file where the user is
+        self.engine.set_mju_user_warning(lambda text: None)
+        try:
+            self.engine.mj_step(self.model, self.data, steps)
+        finally:
+            self.engine.set_mju_user_warning(warn)
+        if any(warning.number for warning in self.data.warning):
+            raise RuntimeError("MuJoCo gave up: its state was no longer finite")
+
+    def read(self) -> tuple[float, float, float]:
+        """(q, omega2, omega3), rad and rad/s."""
+        joint = self.data.joint
+        return joint(self.drives[0]).qpos[0], joint("link 2").qvel[0], joint("output").qvel[0]
+
+    def energy(self) -> float:
+        """Kinetic energy, the flywheel's with it, and the work done on the load, J."""
+        self.engine.mj_forward(self.model, self.data)
+        return float(self.data.energy[1] + self.case.load_torque * self.data.joint("output").qpos[0])
+
+
+def simulate(case: Case, integrator: str, timestep: float) -> Trajectory:
+    """Run a case in MuJoCo.
+
+    Args:
+        case: of the rigid module. integrator: "Euler" or "RK4". timestep: at most, s; a whole number
+            of steps makes a sampling interval.
+
+    Raises:
+        Unavailable: the case is not for it. NotInstalled: mujoco is not.
+        RuntimeError: MuJoCo gives up.
+    """
+    data_of(case)
+    interval = case.stop_time / case.points
+    steps = max(1, int(np.ceil(interval / timestep * (1.0 - 1e-12))))
+    model = ForwardModel(case, interval / steps, integrator)
+    samples: list[tuple[float, float, float]] = [model.read()]
+    energy = model.energy()
+    for _ in range(case.points):
+        model.advance(steps)
+        samples.append(model.read())
+    residual = energy - model.energy()
+
+    def again() -> None:
+        model.reset()
+        model.advance(steps * case.points)
+
+    q, omega2, omega3 = np.array(samples).T
+    stages = 4 if integrator == "RK4" else 1
+    return Trajectory(
+        time=case.times,
+        drive_angle=q,
+        omega2=omega2,
+        omega_out=omega3,
+        switches=None,
+        evaluations=stages * steps * case.points,
+        energy_residual=residual,
+        wall_time=median_time(again),
+    )

@@ -1,0 +1,1 @@
+"""The independent reference: equations of motion of their own, integrated from event to event."""

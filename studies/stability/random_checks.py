@@ -1,0 +1,267 @@
+"""What has to hold of a random motion: invariants, and agreement with Lagrange's equations."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from inertia_module.contract.variables import default_parameters
+from inertia_module.kernel.codes import AVERAGED, DRIVE_TORQUE, ELASTIC, EVENT, RIGID, TIMESTEPPING
+from inertia_module.memory.instances import Module
+
+from ..reference.geometry import Inertia, ratio
+from ..reference.lagrange import Lagrange
+from ..reference.lossy import Lossy
+from ..reference.reference import second_method
+from ..reference.trajectory import Array, Unavailable
+from .bounds import BREACH, LARGEST_ERROR, ROUNDING, energy_bound
+from .case import TIMESTEPPING_ACCURACY, Segment
+from .random_motions import FRICTIONS, Motion
+from .record import Run
+from .trial import distance, nudged, relative, run_once
+from .verdict import Figure
+
+Make = Callable[[], Module]
+Figures = dict[str, Figure]
+
+# of the module held to the reference, and the error from which on the motion has to explain it
+REFERENCE_TOLERANCE, REFERENCE_ERROR = 1e-9, 1e-7
+# evaluations that the reference may take, and from which on a motion is not run again in other ways
+MOST_EVALUATIONS, LONGEST = 4e3, 1e7
+# the reference of the machine with losses is slower
+MOST_WITH_LOSSES = 500
+SPLIT = 7
+SHAFTS = ("input", "output")
+INERTIAS = ("input_inertia", "link2_inertia", "output_inertia", "driven_inertia")
+SPEEDS, ENERGY = ("input_speed", "omega2", "omega_hub", "omega_out"), "energy_stored"
+FACTOR = 4.0  # whose powers are exact
+AS_SPEED = ("omega2_start", "omega_out_start", *FRICTIONS, "housing_drag_viscous", "output_drag_viscous")
+AS_TORQUE = ("housing_drag", "output_drag", "gravity")
+REFERENCE, STEPS = "Lagrange's equations", "long and short steps"
+VIRTUAL_WORK = "virtual work"
+# distances that a change of the problem by the tolerance makes, that two runs may be apart
+EXPLAINED = 10.0
+# tolerances that they may be apart where a shaft swings, as in the bound of the energy residual
+SWINGING = 100.0
+SENSITIVE = math.inf  # bound where the motion multiplies errors so much that no method can tell
+
+
+def run(motion: Motion, make: Make, split: int = 1, **changes: float) -> Run:
+    """The motion run by a new module, with other parameters."""
+    return run_once(make(), motion.parameters | changes, motion.segments, split)
+
+
+def changed(motion: Motion, change: float) -> list[Motion]:
+    """The motion slightly changed."""
+    return [Motion(*beside) for beside in nudged(motion.parameters, motion.segments, change)]
+
+
+def explained(apart: float, bound: float, spreads: list[float]) -> Figure:
+    """A distance beyond its bound, where a change of the problem by the tolerance makes such distances."""
+    spread = max(spreads, default=0.0)
+    wider = SENSITIVE if spread > LARGEST_ERROR else min(bound + EXPLAINED * spread, LARGEST_ERROR)
+    return Figure(apart, wider, explained=apart <= wider)
+
+
+def follow(motion: Motion, make: Make, saved_at: int = -1, **changes: float) -> Iterator[Module]:
+    """The module at the start and after each segment; from one on another instance with its state."""
+    first, module = motion.segments[0], make()
+    given = {"omega1": first.omega1, "load_torque": first.load, "drive_torque": first.drive}
+    yield module.start(**motion.parameters | changes, **given)
+    for number, part in enumerate(motion.segments):
+        if number == saved_at:
+            saved, module = module.save(), make()
+            module.restore(saved)
+        module.set(omega1=part.omega1, load_torque=part.load, drive_torque=part.drive)
+        if part.slope:
+            module.set_rates(omega1=part.slope)
+        module.advance(part.duration)
+        yield module
+
+
+def of_one_run(motion: Motion, found: Run, make: Make) -> Figures:
+    """All outputs are finite, energy does not come from nowhere, freewheels neither pull nor slip back."""
+    figures = {"finite": Figure(float(not found.finite), 0.0)}
+    # a velocity within rounding of the fastest is zero: so much energy comes and goes
+    fastest = max(found.speed, *(abs(part.omega1 + part.slope * part.duration) for part in motion.segments))
+    rounding = ROUNDING * sum(motion[name] for name in INERTIAS) * fastest**2
+    if motion.level.method == TIMESTEPPING:
+        bound = energy_bound(TIMESTEPPING_ACCURACY)
+        figures["energy from nowhere"] = Figure(
+            relative(max(found.gained - rounding, 0.0), found.energy), bound
+        )
+    else:
+        bound = energy_bound(motion["tolerance"])
+        figures["energy residual"] = Figure(
+            relative(max(found.residual - rounding, 0.0), found.energy), bound
+        )
+    if motion.level.fidelity in (RIGID, ELASTIC):
+        figures["0 <= omega2 <= omega3"] = Figure(relative(found.reversal, found.speed), BREACH)
+        figures["Th, Tc >= 0"] = Figure(relative(found.pull, found.torque), BREACH)
+        power = relative(found.slipping, found.speed * found.torque)
+        figures["torque or slip is 0"] = Figure(power, BREACH)
+    figures["lost energy regained"] = Figure(relative(found.regained, found.energy), BREACH)
+    return figures
+
+
+def of_steps(motion: Motion, found: Run, make: Make) -> Figures:
+    """One long communication step as many short ones, to the tolerance and what the motion makes of it."""
+    if motion.level.method == TIMESTEPPING or motion.level.fidelity == AVERAGED:
+        return {}
+    tolerance, short = motion["tolerance"], run(motion, make, SPLIT)
+    if short.refused or short.broken:
+        return {STEPS: Figure(math.inf, 0.0)}
+    # what swings far slower than the fastest speed is followed to the tolerance of that alone
+    elastic = motion.level.fidelity == ELASTIC
+    swinging = motion["driven_inertia"] if elastic else 0.0, tolerance
+    allowed = (SWINGING if elastic else EXPLAINED) * tolerance + ROUNDING
+    apart, bound = distance(found, short, *swinging), allowed
+    if apart <= bound:
+        return {STEPS: Figure(apart, bound)}
+    runs = [run(beside, make) for beside in changed(motion, tolerance)]
+    spreads = [distance(found, other, *swinging) for other in runs if not other.refused]
+    return {STEPS: explained(apart, bound, spreads)}
+
+
+def of_restore(motion: Motion, found: Run, make: Make) -> Figures:
+    """A saved state runs on to the same bits in another instance."""
+    ends = []
+    for saved_at in (-1, len(motion.segments) // 2):
+        *_, module = follow(motion, make, saved_at)
+        ends.append(bytes(module.state) + bytes(module.outputs))
+    return {"restored state": Figure(float(ends[0] != ends[1]), 0.0)}
+
+
+def of_scaling(motion: Motion, found: Run, make: Make) -> Figures:
+    """Speeds by a power of two and torques by its square: the same motion in less time, to the bit."""
+    if (motion.level.fidelity, motion.level.method) != (RIGID, EVENT):
+        return {}
+    square = FACTOR**2
+    speeds = {name: motion[name] * FACTOR for name in AS_SPEED}
+    speeds |= {name: motion[name] * square for name in AS_TORQUE}
+    segments = tuple(
+        Segment(
+            part.duration / FACTOR,
+            part.omega1 * FACTOR,
+            part.load * square,
+            part.slope * square,
+            part.drive * square,
+        )
+        for part in motion.segments
+    )
+    end = run(Motion(motion.parameters | speeds, segments), make).end
+    powers = {"angle": 0, "omega2": 1, "omega_out": 1, "energy_in": 2, "energy_out": 2}
+    unlike = [name for name, power in powers.items() if end.get(name) != found.end[name] * FACTOR**power]
+    return {"scaling by the speed": Figure(float(len(unlike)), 0.0)}
+
+
+def of_momentum(motion: Motion, found: Run, make: Make) -> Figures:
+    """Without a housing freewheel and weights momentum changes by what drive, load and friction give."""
+    if motion.level.fidelity != RIGID or motion["housing_freewheel"] or motion["gravity"]:
+        return {}
+    if motion.level.method == TIMESTEPPING and any(motion[name] for name in FRICTIONS):
+        return {}  # its friction is of first order in its steps
+    p = {**default_parameters(), **motion.parameters}
+    inertia, k, momenta = Inertia(p), ratio(p), []
+    for module in follow(motion, make):
+        (i, b, _), _ = inertia(module["drive_angle"])
+        omega1, omega2 = module["input_speed"], module["omega2"]
+        link1 = (motion["input_inertia"] + i) * omega1 + b * k * (omega1 - omega2)
+        rest = motion["link2_inertia"] * omega2 + motion["output_inertia"] * module["omega_hub"]
+        momenta.append(link1 + rest)
+    turned1, turned3 = (module[f"{name}_angle"] + 2.0 * math.pi * module[f"{name}_turns"] for name in SHAFTS)
+    turned2 = turned1 - found.end["angle"] / k
+    given = (
+        found.end["input_torque_mean"],
+        -sum(part.load * part.duration for part in motion.segments),
+        -motion["input_friction"] * turned1,
+        -motion["link2_friction"] * turned2,
+        -motion["output_friction"] * turned3,
+    )
+    missing = momenta[-1] - momenta[0] - sum(given)
+    bound = BREACH if motion.level.method == TIMESTEPPING else energy_bound(motion["tolerance"])
+    return {"momentum": Figure(relative(missing, max(map(abs, (*momenta, *given)))), bound)}
+
+
+# --- against Lagrange's equations ---
+
+
+def _by_module(motion: Motion, make: Make) -> Array:
+    """Speeds and energy after each segment, shape (segments, 5)."""
+    follower = follow(motion, make, tolerance=REFERENCE_TOLERANCE)
+    return np.array([[module[name] for name in (*SPEEDS, ENERGY)] for module in follower][1:])
+
+
+def _by_reference(motion: Motion, method: type[Lagrange | Lossy], most: float) -> Array:
+    """The same by a reference, as far as it gets with so many evaluations."""
+    first, rows = motion.segments[0], []
+    with np.errstate(all="ignore"), suppress(ArithmeticError, Unavailable, np.linalg.LinAlgError):
+        reference = method(motion.parameters, first.omega1, first.load, first.drive, most)
+        for part in motion.segments:
+            reference.give(part.drive, part.load)
+            if motion["drive"] != DRIVE_TORQUE:
+                reference.turn(part.omega1, part.slope)
+            reference.advance(reference.time + part.duration)
+            rows.append([*reference.state[3:6], reference.omega_out, reference.energy()])
+    return np.array(rows)
+
+
+def of_reference(motion: Motion, found: Run, make: Make) -> Figures:
+    """Agreement of speeds and energies with Lagrange's equations or, with losses, virtual work, by SciPy."""
+    if motion.level.method != EVENT or motion.level.fidelity not in (RIGID, ELASTIC):
+        return {}
+    scales = np.array([*[found.speed] * len(SPEEDS), found.energy])
+
+    def error(one: Array, other: Array) -> float:
+        both = min(len(one), len(other))
+        differences = np.abs(one[:both] - other[:both]) / np.where(scales > 0.0, scales, 1.0)
+        return float(np.max(differences, initial=0.0))
+
+    method = second_method(motion.parameters)
+    name, most = (VIRTUAL_WORK, MOST_WITH_LOSSES) if method is Lossy else (REFERENCE, MOST_EVALUATIONS)
+    expected = _by_reference(motion, method, most)
+    if not len(expected):
+        return {}
+    apart = error(_by_module(motion, make), expected)
+    if apart <= REFERENCE_ERROR:
+        return {name: Figure(apart, REFERENCE_ERROR)}
+    beside = (_by_reference(other, method, 2.0 * most) for other in changed(motion, REFERENCE_TOLERANCE))
+    return {name: explained(apart, REFERENCE_ERROR, [error(other, expected) for other in beside])}
+
+
+CHECKS = (of_one_run, of_steps, of_restore, of_scaling, of_momentum, of_reference)
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What a motion showed: figures by name, or the message of a refusal; long: it was run only once."""
+
+    figures: Figures = field(default_factory=dict)
+    refused: str = ""
+    long: bool = False
+
+    @property
+    def failed(self) -> list[str]:
+        """What does not hold."""
+        return [name for name, figure in self.figures.items() if not figure.holds]
+
+
+def examine(motion: Motion, make: Make = Module, without_reference: bool = False) -> Finding:
+    """Run a motion and hold it to all that has to be. Never raises."""
+    figures: Figures = {}
+    try:
+        found = run(motion, make)
+        if found.broken:
+            return Finding({found.broken: Figure(1.0, 0.0)})
+        if found.refused:
+            return Finding(refused=found.refused)
+        long = found.evaluations > LONGEST
+        for check in CHECKS[: 1 if long else -1 if without_reference else None]:
+            figures |= check(motion, found, make)
+        return Finding(figures, long=long)
+    except Exception as error:  # whatever it is, it is a finding
+        return Finding(figures | {f"{type(error).__name__}: {error}": Figure(1.0, 0.0)})

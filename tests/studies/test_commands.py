@@ -1,0 +1,114 @@
+"""The commands of the studies, as they are run at the root of the project."""
+
+import contextlib
+import json
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from studies.__main__ import app
+from studies.papers.figures import all_figures
+
+
+def command(*arguments, folder):
+    """A study run in a folder, in this process."""
+    with contextlib.chdir(folder):
+        return CliRunner().invoke(app, [*map(str, arguments)])
+
+
+@pytest.fixture
+def workshop(built, tmp_path):
+    """A folder with built FMUs."""
+    (tmp_path / "build").symlink_to(built, target_is_directory=True)
+    return tmp_path
+
+
+def test_papers_leaves_every_figure_as_png_svg_and_csv(tmp_path, monkeypatch):
+    names = {"karetin_2", "karetin_3", "lysenko_1", "lysenko_2", "stelmashchuk_2", "stelmashchuk_3"}
+    figures = all_figures()
+    assert names <= set(figures)
+    # tests/unit draws them all
+    few = {name: figures[name] for name in ("lysenko_1", "stelmashchuk_2")}
+    monkeypatch.setattr("studies.papers.figures.all_figures", lambda: few)
+    done = command("papers", "-o", tmp_path / "papers", "--json", folder=tmp_path)
+    assert done.exit_code == 0, done.stderr
+    files = [Path(file) for file in json.loads(done.stdout)["files"]]
+    for kind in (".png", ".svg", ".csv"):
+        drawn = {file.stem: file for file in files if file.suffix == kind}
+        assert set(drawn) == set(few)
+        assert all(file.stat().st_size > 1000 for file in drawn.values())
+
+
+def test_stability_leaves_the_map_as_tables_and_picture(tmp_path):
+    arguments = ("stability", "--only", "output locked", "--quick", "-o", tmp_path / "map")
+    done = command(*arguments, folder=tmp_path)
+    assert done.exit_code == 0, done.stderr
+    assert "output locked" in done.stdout
+    assert "0 broken" in done.stdout
+    assert {path.name for path in (tmp_path / "map").iterdir()} == {
+        "stability.csv",
+        "cases.csv",
+        "stability.png",
+        "stability_summary.png",
+    }
+    printed = json.loads(command(*arguments, "--json", folder=tmp_path).stdout)
+    assert {found["verdict"] for found in printed["verdicts"]} <= {"exact", "degraded", "refused"}
+    assert all(Path(path).is_file() for path in printed["files"].values())
+
+
+def test_stability_tries_random_motions_of_a_seed(tmp_path):
+    arguments = ("stability", "--random", "12", "--seed", "5", "-o", tmp_path / "random")
+    done = command(*arguments, folder=tmp_path)
+    assert done.exit_code == 0, done.stdout + done.stderr
+    assert "restored state" in done.stdout
+    written = (tmp_path / "random" / "random.csv").read_text()
+    assert written.startswith("level,invariant,runs,explained,sensitive,failed,worst,bound,number\n")
+    printed = json.loads(command(*arguments, "--json", folder=tmp_path).stdout)
+    assert printed["findings"] == []
+    assert Path(printed["files"]["invariants"]).read_text() == written
+
+
+def test_stability_of_an_unknown_axis_is_refused_in_one_line(tmp_path):
+    done = command("stability", "--only", "weather", "-o", tmp_path / "map", folder=tmp_path)
+    assert done.exit_code == 1
+    assert done.stderr.startswith("error: axis must be one of input speed")
+    assert not (tmp_path / "map").exists()
+
+
+def test_coupling_measures_a_part_and_leaves_its_rows(workshop, tmp_path):
+    done = command("coupling", "--quick", "-o", tmp_path, "--json", folder=workshop)
+    assert done.exit_code == 0, done.stderr
+    found = {(row["scheme"], row["step"]): row for row in json.loads(done.stdout)["rows"]["map"]}
+    assert abs(found["torque-driven", 0.005]["speed_error"]) < 1e-7
+    assert (tmp_path / "coupling_map.csv").read_text().startswith("case,ratio,scheme,step [s],")
+    assert (tmp_path / "coupling.png").stat().st_size > 1000
+
+
+def test_coupling_refuses_a_part_that_there_is_not(workshop):
+    done = command("coupling", "--only", "limit", folder=workshop)
+    assert done.exit_code == 1
+    assert "--only must be one of map, urban, is limit" in done.stderr
+
+
+def worked(*_, **__):
+    raise AssertionError("the work was begun, and what it gives would be lost")
+
+
+@pytest.mark.parametrize(
+    "name, work, stand_in",
+    [
+        ("papers", "papers.figures.all_figures", lambda: {"a figure": worked}),
+        ("stability", "stability.study.run_study", worked),
+        ("coupling", "__main__.current_fmu", worked),
+    ],
+)
+def test_a_place_that_cannot_be_written_is_refused_before_the_work(
+    tmp_path, monkeypatch, name, work, stand_in
+):
+    monkeypatch.setattr(f"studies.{work}", stand_in)
+    (tmp_path / "out").write_text("a file")
+    for options in ((), ("-o", tmp_path / "out")):
+        done = command(name, *options, folder=tmp_path)
+        assert done.exit_code == 1, done.exception
+        assert "must be a folder that can be written to" in done.stderr

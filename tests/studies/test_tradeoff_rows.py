@@ -1,0 +1,185 @@
+"""What is measured of a run: its errors, its cost, or why it failed."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from inertia_module.fidelity.levels import Level, all_levels, event, timestepping
+from inertia_module.fidelity.rows import Row, read_rows, write_rows
+from studies.reference.errors import MEASURES, errors, impulse, pulses
+from studies.reference.kernel_runs import KernelRun
+from studies.reference.open_loop import measure
+from studies.reference.reference import converged
+from studies.reference.trajectory import Case, Peer, Unavailable
+
+CASE = Case(stop_time=0.1, points=100)
+STEPS = [0.1, 0.01]
+
+
+@pytest.fixture(scope="module")
+def reference():
+    return converged(CASE)
+
+
+@pytest.fixture(scope="module")
+def rows(reference):
+    levels = [event(2, tolerance) for tolerance in (1e-4, 1e-6, 1e-8)]
+    return measure(reference, levels, steps=STEPS)
+
+
+def test_every_level_is_measured_in_every_communication_step(rows):
+    assert [(row.setting, row.communication_step) for row in rows] == [
+        (f"tolerance {tolerance}", step) for step in STEPS for tolerance in ("1e-04", "1e-06", "1e-08")
+    ]
+    assert all(row.wall_time > 0.0 and row.evaluations > 0 and row.switches > 5 for row in rows)
+
+
+def test_all_errors_follow_the_tolerance(rows):
+    for coarse, fine in ((rows[0], rows[2]), (rows[3], rows[5])):
+        for name in MEASURES:
+            assert 0.0 <= fine.errors[name] < 1e-6
+            assert fine.errors[name] < coarse.errors[name] < 1e-2
+
+
+def test_the_reference_has_no_error_against_itself(reference):
+    found = errors(reference.trajectory, reference)
+    assert found.pop("energy") < 1e-11
+    assert set(found.values()) == {0.0}
+
+
+def test_impulse_follows_from_the_speeds_as_well_as_from_the_module(reference):
+    own = reference.trajectory
+    from_speeds = impulse(CASE, dataclasses.replace(own, impulse=None))
+    assert from_speeds == pytest.approx(own.impulse, abs=1e-11)
+
+
+def test_acceleration_of_the_state_is_that_of_the_module(reference):
+    from studies.reference.errors import acceleration
+
+    run = KernelRun(CASE, {"fidelity": 2, "tolerance": 1e-13}, 0.01)
+    for n, value in enumerate(acceleration(CASE, reference.trajectory, reference.modes)):
+        run.reach(reference.trajectory.time[n])
+        assert run.module["imbalance_acceleration"] == pytest.approx(value, rel=1e-9)
+
+
+def test_pulses_are_where_the_impulse_grows():
+    assert pulses(np.array([0.0, 0.0, 1.0, 3.0, 3.0, 4.0])) == [(1, 3), (4, 5)]
+    assert pulses(np.zeros(3)) == []
+
+
+def test_switches_are_found_whether_or_not_they_are_expected(reference):
+    run = KernelRun(CASE, {"fidelity": 2, "tolerance": 1e-9}, 0.1)
+    free, _ = run.trajectory(timed=False)
+    hinted, _ = run.trajectory(timed=False, hints=reference.trajectory.switches)
+    assert free.switches == pytest.approx(hinted.switches, abs=1e-12)
+    for n, time in enumerate(free.switches):
+        run.reach(time + 1e-9)
+        assert run.module["contact_switches"] == n + 1
+
+
+@pytest.mark.parametrize(
+    "level, words",
+    [
+        (Level(2, 0, "tolerance 1", {"tolerance": 1.0}), "tolerance must be between 1e-13 and 0.1, is 1"),
+        (Level(2, 0, "backwards", {"max_step": -1.0}), "max_step must be between 0 and 1000000 s, is -1"),
+    ],
+)
+def test_refused_settings_are_rows_with_the_reason(reference, level, words, tmp_path):
+    (row,) = measure(reference, [level], steps=[0.1])
+    assert words in row.failure
+    assert math.isnan(row.wall_time)
+    assert row.worst(["omega_out_final"]) == math.inf
+    assert words in write_rows(tmp_path / "rows.csv", [row]).read_text()
+
+
+def test_a_step_that_does_not_divide_the_run_is_a_failure(reference):
+    (row,) = measure(reference, [event(2, 1e-6)], steps=[0.03])
+    assert "must be a whole part of 0.1 s, is 0.03 s" in row.failure
+
+
+def peer(integrate):
+    return Peer("somebody", {"loose": 1e-3, "tight": 1e-6}, integrate)
+
+
+def test_peers_are_measured_by_the_same_errors(reference):
+    def integrate(case, setting):
+        exact = reference.trajectory
+        wrong = exact.omega_out * (1.0 + setting)
+        return dataclasses.replace(exact, omega_out=wrong, impulse=None, switches=None, wall_time=0.2)
+
+    loose, tight = measure(reference, [], [peer(integrate)])
+    assert (loose.fidelity, loose.method, loose.setting) == ("peer", "somebody", "loose")
+    assert loose.errors["omega_out_final"] == pytest.approx(1e-3, rel=1e-9)
+    assert tight.errors["omega_out_worst"] == pytest.approx(1e-6, rel=1e-6)
+    assert math.isnan(loose.errors["event_time"])
+    assert loose.wall_time == pytest.approx(2.0)
+
+
+@pytest.mark.parametrize("error", [Unavailable, ValueError, RuntimeError, ZeroDivisionError])
+def test_peers_that_fail_are_listed(reference, error):
+    def integrate(case, setting):
+        raise error("no such thing")
+
+    rows = measure(reference, [], [peer(integrate)])
+    assert [row.failure for row in rows] == ["no such thing"] * 2
+
+
+def test_peers_with_other_samples_are_listed_as_failures(reference):
+    def integrate(case, setting):
+        return dataclasses.replace(reference.trajectory, omega_out=np.zeros(3))
+
+    assert all("has 3" in row.failure for row in measure(reference, [], [peer(integrate)]))
+
+
+def test_a_rigid_output_is_measured_against_the_elastic_one_with_the_same_inertia():
+    parameters = {"output_inertia": 0.3, "driven_inertia": 0.2, "shaft_stiffness": 1e7, "shaft_damping": 10.0}
+    stiff = converged(dataclasses.replace(CASE, parameters=parameters))
+    (row,) = measure(stiff, [event(2, 1e-8)], steps=[0.1])
+    assert row.errors["omega_out_final"] < 1e-3
+
+
+def test_there_are_elastic_levels_only_where_there_is_a_shaft():
+    assert {level.fidelity for level in all_levels(elastic=False)} == {0, 1, 2}
+    assert {level.fidelity for level in all_levels(elastic=True)} == {0, 1, 2, 3}
+    assert timestepping(2, 1e-3).values == {"fidelity": 2.0, "method": 1.0, "max_step": 1e-3}
+
+
+def test_rows_are_read_back_as_they_were_written(reference, rows, tmp_path):
+    failed = measure(reference, [Level(2, 0, "tolerance 1", {"tolerance": 1.0})], steps=[0.1])
+    *found, last = read_rows(write_rows(tmp_path / "rows.csv", [*rows, *failed]))
+    assert [dataclasses.replace(row, loop_time=0.0) for row in found] == [
+        dataclasses.replace(row, loop_time=0.0) for row in rows
+    ]
+    assert (last.label, last.failure, last.worst(["energy"])) == (
+        failed[0].label,
+        failed[0].failure,
+        math.inf,
+    )
+
+
+def test_plots_are_drawn_even_where_some_runs_failed(reference, rows, tmp_path):
+    from inertia_module.fidelity.plots import work_precision
+    from inertia_module.harness.results import write_figure
+
+    failed = measure(reference, [Level(2, 0, "tolerance 1", {"tolerance": 1.0})], steps=[0.1])
+    figure = work_precision([*rows, *failed], "omega_out_worst", "some rows")
+    assert write_figure(tmp_path / "plot.png", figure).stat().st_size > 10_000
+
+
+def test_the_front_is_what_no_other_run_beats():
+    from inertia_module.fidelity.plots import front
+
+    costs_and_errors = (3.0, 1e-3), (1.0, 1e-1), (2.0, 1e-1), (4.0, 1e-3), (5.0, 1e-5), (0.5, 0.0)
+    measured = [Row("rigid", "event", "", 1.0, {"e": e}, wall_time=cost) for cost, e in costs_and_errors]
+    failed = Row("rigid", "event", "", 1.0, {"e": 1e-9}, wall_time=0.1, failure="refused")
+    assert [row.wall_time for row in front([*measured, failed], "e", "wall_time")] == [1.0, 3.0, 5.0]
+
+
+def test_slope_is_the_exponent_of_the_error():
+    from inertia_module.fidelity.plots import slope
+
+    costs = np.array([1.0, 3.0, 10.0])
+    assert slope(costs, 5.0 * costs**-2) == pytest.approx(-2.0)
+    assert math.isnan(slope(costs[:2], costs[:2]))
