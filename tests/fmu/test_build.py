@@ -9,9 +9,9 @@ import pytest
 
 from inertia_module.compiling import ir as llvm_text
 from inertia_module.compiling.kernels import CompilationUnavailable
+from inertia_module.compiling.targets import LINUX_ARM
 from inertia_module.fmu import builder, linking, native_fmu, python_fmu
 from inertia_module.fmu.archive import DESCRIPTION, archive
-from inertia_module.fmu.targets import LINUX_ARM
 
 FLAVOURS = ("InertiaModulePy",)
 # pythonfmu 0.7 writes to freed memory at the exit of the process: leave without one

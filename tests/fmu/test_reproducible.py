@@ -11,24 +11,25 @@ import pytest
 from inertia_module.common.files import PACKAGE_FOLDER, cache_folder
 from inertia_module.compiling.ir import llvm_text
 from inertia_module.compiling.kernels import DRIVEN_SHAFT, CompilationUnavailable
+from inertia_module.compiling.linking import compiler
+from inertia_module.compiling.targets import TARGETS
 from inertia_module.fmu.builder import FMUS, SHAFT_FMU, WEB_KERNEL, build
-from inertia_module.fmu.linking import compiler
 from inertia_module.fmu.native_fmu import guid
-from inertia_module.fmu.targets import TARGETS
 
 # objects are made anew: of the cache, only what the compiler brings along for each platform is used
 LINK = """
 import sys
 from pathlib import Path
 
+from inertia_module.compiling import linking as compiling
 from inertia_module.compiling.kernels import ENTRIES
 from inertia_module.fmu import linking
-from inertia_module.fmu.targets import TARGETS
+from inertia_module.compiling.targets import TARGETS
 from inertia_module.compiling.ir import llvm_text
-from inertia_module.compiling.objects import compile_ir
+from inertia_module.compiling.objects import compile_ir, machine_for
 from inertia_module.contract.models import DRIVEN_SHAFT
 
-linking.object_file = lambda name, machine, label: compile_ir(llvm_text(name), ENTRIES[name], machine)
+compiling.object_file = lambda name, to: compile_ir(llvm_text(name), ENTRIES[name], machine_for(to))
 for number, target in enumerate(TARGETS):
     library = linking.link(DRIVEN_SHAFT, "DrivenShaft", "{guid}", target, 2)
     Path(sys.argv[1], str(number)).write_bytes(library)
@@ -40,9 +41,9 @@ from inertia_module.compiling.kernels import ENTRIES
 from inertia_module.fmu import web_kernel
 from inertia_module.fmu.builder import WEB_KERNEL
 from inertia_module.compiling.ir import llvm_text
-from inertia_module.compiling.objects import compile_ir
+from inertia_module.compiling.objects import compile_ir, machine_for
 
-web_kernel.object_file = lambda name, machine, label: compile_ir(llvm_text(name), ENTRIES[name], machine)
+web_kernel.object_file = lambda name, to: compile_ir(llvm_text(name), ENTRIES[name], machine_for(to))
 sys.stdout.buffer.write(web_kernel.link(WEB_KERNEL.model))
 """
 TRANSLATE = """
@@ -64,7 +65,7 @@ from inertia_module.compiling import ir
 from inertia_module.compiling import objects
 from inertia_module.fmu import native_fmu
 from inertia_module.fmu.builder import SHAFT_FMU
-from inertia_module.fmu.targets import LINUX64
+from inertia_module.compiling.targets import LINUX64
 
 word, change = sys.argv[1:]
 exec(change)
@@ -77,11 +78,12 @@ def translate(command, **_):
 
 files.cache_folder().mkdir(exist_ok=True)
 subprocess.run = translate
+objects.machine_for = lambda target: None
 objects.compile_ir = native_fmu.link = lambda *_: word.encode()
 entry = SHAFT_FMU.model.entry
 print(json.dumps({
     "text": ir.llvm_text(entry),
-    "object": objects.object_file(entry, None, "a machine").decode(),
+    "object": objects.object_file(entry, LINUX64).decode(),
     "library": native_fmu.library(SHAFT_FMU, LINUX64).decode(),
     "guid": native_fmu.guid(SHAFT_FMU),
 }))
@@ -95,7 +97,8 @@ FILES = {
     "compiling/objects.py": COMPILED,
     "fmu/linking.py": LINKED,
     "fmu/native_fmu.py": LINKED,
-    "fmu/targets.py": LINKED,
+    "compiling/linking.py": LINKED,
+    "compiling/targets.py": LINKED,
     "fmu/shell/values.c": LINKED,
 }
 OTHER_VERSION = """

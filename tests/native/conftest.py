@@ -10,22 +10,18 @@ from pathlib import Path
 import pytest
 from fmpy import extract
 
+from inertia_module.common.files import PACKAGE_FOLDER
 from inertia_module.compiling.kernels import ENTRIES, CompilationUnavailable
-from inertia_module.compiling.objects import object_file, target_machine
+from inertia_module.compiling.linking import WARNINGS, import_library, run_tool, windows_arguments
+from inertia_module.compiling.objects import object_file
+from inertia_module.compiling.targets import LINUX64, WIN64
 from inertia_module.fmu import builder, native_fmu
-from inertia_module.fmu.linking import (
-    SHELL_FOLDER,
-    WARNINGS,
-    header_folder,
-    import_library,
-    run_tool,
-    shell_sources,
-    windows_arguments,
-)
+from inertia_module.fmu.linking import SHELL_FOLDER, header_folder, shell_sources
 from inertia_module.fmu.tables import generated
-from inertia_module.fmu.targets import LINUX64, WIN64
 
 SOURCES = Path(__file__).parent
+# C files of every library with a kernel in it
+WITH_KERNEL = PACKAGE_FOLDER / "compiling"
 FMUS = {fmu.identifier: fmu for fmu in builder.FMUS if fmu is not builder.PYTHON_FMU}
 OF_FMI_3 = [name for name, fmu in FMUS.items() if fmu.fmi == 3]
 SANITIZERS = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-fno-omit-frame-pointer")
@@ -92,8 +88,7 @@ class Workshop:
     def kernel(self, target):
         """Object file of the kernel for a target."""
         path = self.folder / f"kernel-{target.label}.o"
-        machine = target_machine(target.triple, target.processor)
-        path.write_bytes(object_file(self.fmu.model.entry, *machine))
+        path.write_bytes(object_file(self.fmu.model.entry, target))
         return path
 
     def flags(self):
@@ -107,7 +102,7 @@ class Workshop:
 
         The tests call FMI 2.0: for a shell of FMI 3.0 there is a file that makes the one of the other.
         """
-        shell = shell_sources(self.fmu.fmi)
+        shell = [*shell_sources(self.fmu.fmi), *sorted(WITH_KERNEL.glob("*.c"))]
         if names and self.fmu.fmi == 3:
             names = (*names, "fmi2_by_3.c")
             if "threads.c" not in names:  # which count nothing
@@ -151,7 +146,7 @@ class Workshop:
         functions = ("LoadLibraryA", "GetProcAddress", "GetStdHandle", "WriteFile", "ExitProcess")
         system = import_library(WIN64, self.folder, "kernel32.dll", functions)
         own = windows_arguments(WIN64, self.folder)
-        files = [*(str(SOURCES / name) for name in names), str(SHELL_FOLDER / "windows.c"), "tables.c"]
+        files = [*(str(SOURCES / name) for name in names), str(WITH_KERNEL / "windows.c"), "tables.c"]
         return self._cross(WIN64, program, "-Wl,-e,begin", *files, *own, system)
 
 

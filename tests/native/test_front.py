@@ -5,8 +5,10 @@ import subprocess
 import pytest
 from fmpy import extract
 
-from inertia_module.fmu import builder, linking
-from inertia_module.fmu.targets import LINUX64, WIN64
+from inertia_module.compiling import linking
+from inertia_module.compiling.targets import LINUX64, WIN64
+from inertia_module.fmu import builder
+from inertia_module.fmu.linking import header_folder
 
 from . import binaries
 from .conftest import SOURCES, run, system_compiler
@@ -30,7 +32,7 @@ def host(folder, *flags):
     compiler = system_compiler()
     if compiler is None:
         pytest.skip("there is no C compiler of the system")
-    include = ["-isystem", str(linking.header_folder()), "-include", "stdarg.h"]
+    include = ["-isystem", str(header_folder()), "-include", "stdarg.h"]
     command = [compiler, "-rdynamic", *include, *flags, str(SOURCES / "python_host.c"), "-o", "host", "-ldl"]
     subprocess.run(command, cwd=folder, check=True)
     return folder / "host"
@@ -89,7 +91,7 @@ def run_at(binary_folder, tmp_path_factory, windows):
     def build(file, *flags):
         own = linking.windows_arguments(WIN64, folder)
         system = linking.import_library(WIN64, folder, "kernel32.dll", names)
-        given = ["-target", WIN64.compiler, *linking.FLAGS, "-isystem", str(linking.header_folder())]
+        given = ["-target", WIN64.compiler, *linking.FLAGS, "-isystem", str(header_folder())]
         source = str(SOURCES / "windows_pythonfmu.c")
         linking.run_tool("cc", [*given, *flags, "-Wl,-e,begin", source, "-o", file, *own, system], folder)
         return folder / file

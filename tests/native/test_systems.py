@@ -8,8 +8,8 @@ import pytest
 from fmpy import read_model_description
 from fmpy.fmi2 import FMU2Slave
 
+from inertia_module.compiling.targets import LINUX_ARM
 from inertia_module.contract.variable import REAL
-from inertia_module.fmu.targets import LINUX_ARM
 
 from . import scenes
 from .conftest import FMUS, run

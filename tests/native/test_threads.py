@@ -1,6 +1,6 @@
 """Instances know nothing of each other: in threads they compute what they do alone."""
 
-from inertia_module.fmu.targets import LINUX64
+from inertia_module.compiling.targets import LINUX64
 
 from .conftest import run
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import atexit
 import os
+import signal
 import sys
 
 from . import fmus, jobs, new, scenes, searches, view  # each adds its commands to app
@@ -18,6 +19,7 @@ def main() -> None:
     A process that has loaded a Python FMU is ended without the destructors of its libraries: that of
     pythonfmu 0.7 uses memory it has freed, and now and then aborts a run that has succeeded.
     """
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))  # nothing is left behind
     try:
         app()
         code: object = 0

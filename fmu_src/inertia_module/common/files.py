@@ -6,7 +6,7 @@ import hashlib
 import os
 import sys
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 PACKAGE_FOLDER = Path(__file__).parent.parent
@@ -101,3 +101,23 @@ def write_atomically(path: Path, content: bytes) -> None:
     except BaseException:
         os.unlink(name)
         raise
+
+
+def kept(name: str, make: Callable[[], bytes]) -> Path:
+    """A file of the cache folder, made where it is not there yet, whoever else makes it.
+
+    Args:
+        name: of the file, with a hash of what it is made from. make: gives its content.
+
+    Raises:
+        OSError: the folder cannot be written to.
+    """
+    path = cache_folder() / name
+    if not path.exists():
+        content = make()
+        try:
+            write_atomically(path, content)
+        except PermissionError:  # Windows, when another process has made it meanwhile and has it open
+            if not path.exists():
+                raise
+    return path

@@ -3,71 +3,50 @@
 from __future__ import annotations
 
 import ctypes
-import platform
-import sys
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
-from ..common.files import PACKAGE_FOLDER, cache_folder, content_hash, ready_made, write_atomically
-from .kernels import DRIVEN_SHAFT, ENTRIES, MODULE, SIGNATURE, CompilationUnavailable
+from ..common.files import PACKAGE_FOLDER, content_hash, kept, ready_made
+from .kernels import DRIVEN_SHAFT, MODULE, SIGNATURE, CompilationUnavailable
+from .targets import here
 
-# in an FMU: the libraries of its native twin, one a platform
+# in a Python FMU: the libraries of its native twin, one a platform
 SHIPPED = PACKAGE_FOLDER / "binaries"
-SHIPPED_NAMES = {"linux": "linux64.so", "win32": "win64.dll"}
-# in a wheel: the native FMU of each kernel; and by system where an FMU keeps its library, for x86-64 and ARM
+# in a wheel: the native FMU of each kernel
 NATIVE_FMUS = {MODULE: "InertiaModule", DRIVEN_SHAFT: "DrivenShaft"}
-SUFFIXES = {"linux": ".so", "win32": ".dll", "darwin": ".dylib"}
-FOLDERS = {
-    "linux": ("linux64", "aarch64-linux"),
-    "win32": ("win64", "aarch64-windows"),
-    "darwin": ("darwin64", "darwin64"),
-}
 
-_loaded: dict[str, tuple[Callable[..., int], Any]] = {}
+_loaded: dict[str, Callable[..., int]] = {}
 
 
-def _load_shipped(name: str) -> tuple[Callable[..., int], Any]:
-    path = SHIPPED / SHIPPED_NAMES.get(sys.platform, "none")
-    if sys.maxsize < 2**32 or not path.is_file():
+def _shipped() -> Path:
+    path = SHIPPED / f"{here().folder}{here().suffix}"
+    if not path.is_file():
         there = ", ".join(sorted(found.stem for found in SHIPPED.iterdir()))
         raise CompilationUnavailable(f"this FMU has compiled kernels for {there} alone")
-    return _of_library(path)
+    return path
 
 
-def _of_library(path: Path) -> tuple[Callable[..., int], Any]:
-    library = ctypes.CDLL(str(path))
-    return SIGNATURE(("inertia_module_kernel", library)), library
-
-
-def _load_ready(name: str, fmu: Path) -> tuple[Callable[..., int], Any]:
-    """From the native FMU of a wheel, unpacked once into the cache."""
-    is_arm = platform.machine().lower() in ("arm64", "aarch64")
-    if sys.platform not in FOLDERS or sys.maxsize < 2**32:
-        raise CompilationUnavailable(f"{fmu.name} has no library for this system ({sys.platform})")
-    suffix = SUFFIXES[sys.platform]
+def _unpacked(fmu: Path) -> Path:
+    """The library of the native FMU of a wheel, in the cache."""
     with zipfile.ZipFile(fmu) as packed:
-        content = packed.read(f"binaries/{FOLDERS[sys.platform][is_arm]}/{fmu.stem}{suffix}")
-    path = cache_folder() / f"{fmu.stem}-{content_hash({fmu.name: content})[:16]}{suffix}"
-    if not path.exists():
-        write_atomically(path, content)
-    return _of_library(path)
+        content = packed.read(f"binaries/{here().folder}/{fmu.stem}{here().suffix}")
+    name = f"{fmu.stem}-{content_hash({fmu.name: content})[:16]}{here().suffix}"
+    return kept(name, lambda: content)
 
 
-def _load_here(name: str) -> tuple[Callable[..., int], Any]:
+def _library(name: str) -> Path:
+    """The shared library with a kernel."""
+    if SHIPPED.is_dir():
+        return _shipped()
+    fmu = ready_made(f"{NATIVE_FMUS[name]}.fmu")
+    if fmu is not None:
+        return _unpacked(fmu)
     try:
-        from . import objects
+        from .linking import kernel_library
     except ImportError:
         raise CompilationUnavailable("this FMU was built without compiled kernels") from None
-    llvm = objects.binding()
-    machine, label = objects.host_machine()
-    content = objects.object_file(name, machine, label)
-    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
-    engine.add_object_file(llvm.ObjectFileRef.from_data(content))
-    engine.finalize_object()
-    # the engine owns the code
-    return SIGNATURE(engine.get_function_address(ENTRIES[name].symbol)), engine
+    return kernel_library(name)
 
 
 def load(name: str = MODULE) -> Callable[..., int]:
@@ -84,13 +63,10 @@ def load(name: str = MODULE) -> Callable[..., int]:
     """
     if name not in _loaded:
         try:
-            fmu = ready_made(f"{NATIVE_FMUS[name]}.fmu")
-            if SHIPPED.is_dir():
-                _loaded[name] = _load_shipped(name)
-            else:
-                _loaded[name] = _load_ready(name, fmu) if fmu else _load_here(name)
+            library = ctypes.CDLL(str(_library(name)))
+            _loaded[name] = SIGNATURE(("inertia_module_kernel", library))
         except Exception as error:
             if isinstance(error, CompilationUnavailable):
                 raise
             raise CompilationUnavailable(f"{type(error).__name__}: {error}") from error
-    return _loaded[name][0]
+    return _loaded[name]

@@ -5,9 +5,10 @@ from __future__ import annotations
 import importlib
 from typing import Any
 
-from ..common.files import cache_folder, content_hash, sources, write_atomically
+from ..common.files import content_hash, kept, sources
 from . import ir
 from .kernels import ENTRIES, CompilationUnavailable, Entry
+from .targets import Target, here
 
 
 def binding() -> Any:
@@ -23,30 +24,26 @@ def binding() -> Any:
     return found
 
 
-def host_machine() -> tuple[Any, str]:
-    """Target machine of this processor, and a label of it."""
+def this_processor() -> Target:
+    """The target of this process, for all that this processor can do.
+
+    Raises:
+        CompilationUnavailable: llvmlite is not installed, or there is no such target.
+    """
     llvm = binding()
-    llvm.initialize_native_target()
-    llvm.initialize_native_asmprinter()
-    name, features = llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
-    target = llvm.Target.from_default_triple()
-    return _machine(target, name, features), f"{target.triple}-{name}-{features}"
+    features = llvm.get_host_cpu_features().flatten()
+    return here()._replace(processor=llvm.get_host_cpu_name(), features=features)
 
 
-def target_machine(triple: str, processor: str) -> tuple[Any, str]:
-    """Target machine of a platform, and a label: by LLVM triple and the least of its processors."""
+def machine_for(target: Target) -> Any:
+    """LLVM's target machine: code for any place in memory."""
     llvm = binding()
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
-    target = llvm.Target.from_triple(triple)
-    return _machine(target, processor, ""), f"{triple}-{processor}"
-
-
-def _machine(target: Any, processor: str, features: str) -> Any:
     # Code finds all by its distance from itself, within 2 GB. llvmlite's own choice writes whole addresses
     # into the code: the loader of macOS lets no one do that.
-    return target.create_target_machine(
-        cpu=processor, features=features, opt=3, reloc="pic", codemodel="small"
+    return llvm.Target.from_triple(target.triple).create_target_machine(
+        cpu=target.processor, features=target.features, opt=3, reloc="pic", codemodel="small"
     )
 
 
@@ -71,17 +68,19 @@ def made_from() -> dict[str, bytes]:
     return ir.made_from() | sources("compiling/objects.py")
 
 
-def object_file(name: str, machine: Any, label: str) -> bytes:
+def object_file(name: str, target: Target) -> bytes:
     """Object file of an entry, kept in the cache.
 
     Args:
-        name: one of ENTRIES. machine: target machine. label: what the machine is, for the cache.
+        name: one of ENTRIES. target: for which platform.
 
     Raises:
         CompilationUnavailable: numba or llvmlite is not installed, or fails.
     """
-    digest = content_hash(made_from() | {"platform": label.encode()})[:16]
-    path = cache_folder() / f"{name}-{digest}.o"
-    if not path.exists():
-        write_atomically(path, compile_ir(ir.llvm_text(name), ENTRIES[name], machine))
-    return path.read_bytes()
+    platform = f"{target.triple}-{target.processor}{target.features}"
+    digest = content_hash(made_from() | {"platform": platform.encode()})[:16]
+
+    def compiled() -> bytes:
+        return compile_ir(ir.llvm_text(name), ENTRIES[name], machine_for(target))
+
+    return kept(f"{name}-{digest}.o", compiled).read_bytes()

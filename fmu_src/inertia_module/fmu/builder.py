@@ -11,6 +11,7 @@ from xml.etree import ElementTree
 from ..common.files import BUILD_FOLDER, ready_made, writable_folder, write_atomically
 from ..compiling.ir import is_cached, llvm_text
 from ..compiling.kernels import CompilationUnavailable
+from ..compiling.targets import TARGETS
 from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE
 from .archive import DESCRIPTION
 from .linking import Progress
@@ -18,7 +19,6 @@ from .native_fmu import NativeFmu, library_path, native_fmu
 from .native_fmu import guid as native_guid
 from .python_fmu import PythonFmu, python_fmu
 from .python_fmu import guid as python_guid
-from .targets import TARGETS
 from .web_kernel import WebKernel, web_kernel
 
 MODULE_FMU = NativeFmu("InertiaModule", INERTIA_MODULE, "module")

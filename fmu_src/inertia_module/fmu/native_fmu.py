@@ -5,18 +5,19 @@ from __future__ import annotations
 from pathlib import Path
 from typing import NamedTuple
 
-from ..common.files import cache_folder, content_hash, sources, write_atomically
+from ..common.files import content_hash, kept, sources
 from ..compiling import objects
 from ..compiling.ir import tool_versions
 from ..compiling.kernels import CompilationUnavailable
+from ..compiling.linking import compiler
+from ..compiling.targets import TARGETS, Target
 from ..contract.models import Model
 from . import description3
 from .archive import DESCRIPTION, archive, generation_date, guid_of
 from .description import NATIVE_CAPABILITIES, model_description
 from .index_page import MECHANISM, index_page
-from .linking import Progress, compiler, header_folder, join_for_mac, link
+from .linking import Progress, header_folder, join_for_mac, link
 from .tables import generated
-from .targets import TARGETS, Target
 from .terminals import FLANGE, terminals
 
 
@@ -48,7 +49,9 @@ def guid(fmu: NativeFmu) -> str:
         CompilationUnavailable: the tools are not installed.
     """
     compiler()
-    made_from = objects.made_from() | sources("fmu/*.py", "fmu/shell/*") | tool_versions("ziglang")
+    made_from = objects.made_from() | tool_versions("ziglang")
+    made_from |= sources("fmu/*.py", "fmu/shell/*", "compiling/*.c")
+    made_from |= sources("compiling/linking.py", "compiling/targets.py")
     made_from |= {path.name: path.read_bytes() for path in header_folder().glob(f"fmi{fmu.fmi}*.h")}
     made_from |= papers(fmu.model, fmu.picture, fmu.fmi)
     made_from |= {name: text.encode() for name, text in generated(fmu.model, "", fmu.fmi).items()}
@@ -105,11 +108,12 @@ def library(fmu: NativeFmu, target: Target, progress: Progress = lambda stage: N
     """
     made_for = guid(fmu)
     label = content_hash({made_for: target.label.encode()})[:16]
-    path = cache_folder() / f"{fmu.identifier}-{target.label}-{label}{target.suffix}"
-    if not path.exists():
+
+    def linked() -> bytes:
         progress(f"compiling {fmu.identifier} for {target.label}")
-        write_atomically(path, link(fmu.model, fmu.identifier, made_for, target, fmu.fmi))
-    return path.read_bytes()
+        return link(fmu.model, fmu.identifier, made_for, target, fmu.fmi)
+
+    return kept(f"{fmu.identifier}-{target.label}-{label}{target.suffix}", linked).read_bytes()
 
 
 def libraries(fmu: NativeFmu, progress: Progress = lambda stage: None) -> Libraries:

@@ -19,18 +19,19 @@ from pythonfmu import FmuBuilder
 from ..common.files import content_hash, sources
 from ..compiling.ir import tool_versions
 from ..compiling.kernels import CompilationUnavailable
-from ..compiling.load import SHIPPED, SHIPPED_NAMES
+from ..compiling.load import SHIPPED
+from ..compiling.targets import LINUX64, WIN64
 from ..contract.models import Model
 from .archive import DESCRIPTION, archive, generation_date, guid_of
 from .description import PYTHON_CAPABILITIES, model_description
 from .linking import Progress, link_front
 from .native_fmu import NativeFmu, library, papers
-from .targets import TARGETS
 
 BUNDLED = (
     "__init__.py",
     *("common/__init__.py", "common/errors.py", "common/files.py", "common/units.py"),
     *("compiling/__init__.py", "compiling/kernels.py", "compiling/load.py", "compiling/records.py"),
+    "compiling/targets.py",
     "contract/*.py",
     *("fmu/__init__.py", "fmu/slave.py", "fmu/slaves.py"),
     "kernel/**/*.py",
@@ -40,7 +41,7 @@ BUNDLED = (
 # pythonfmu's library beside our own, which has the name a host looks for
 BEHIND = "pythonfmu-export"
 # the platforms that pythonfmu has libraries for
-PLATFORMS = [target for target in TARGETS if f"{target.folder}{target.suffix}" in SHIPPED_NAMES.values()]
+PLATFORMS = (LINUX64, WIN64)
 
 
 class PythonFmu(NamedTuple):

@@ -6,15 +6,17 @@ import tempfile
 from pathlib import Path
 from typing import NamedTuple
 
-from ..common.files import cache_folder, content_hash, sources, write_atomically
+from ..common.files import content_hash, kept, sources
 from ..compiling.ir import tool_versions
 from ..compiling.kernels import ENTRIES
-from ..compiling.objects import made_from, object_file, target_machine
+from ..compiling.linking import compiler, run_tool
+from ..compiling.objects import made_from, object_file
+from ..compiling.targets import Target
 from ..contract.models import Model
-from .linking import Progress, compiler, run_tool
+from .linking import Progress
 
-# for machine code and for the linker; any browser since 2021 knows what a "generic" processor may
-TRIPLE, PROCESSOR, LINKED_FOR = "wasm32-unknown-wasi", "generic", "wasm32-wasi"
+# any browser since 2021 knows what a "generic" processor may
+BROWSERS = Target("", ".wasm", "wasm32-unknown-wasi", "generic", "wasm32-wasi")
 # bytes, of which the deepest calls of the kernel take 800
 STACK = 1 << 16
 # bytes: two hundred instances at once
@@ -43,12 +45,13 @@ def web_kernel(kernel: WebKernel, progress: Progress = lambda stage: None) -> by
     """
     compiler()
     depends_on = made_from() | tool_versions("ziglang")
-    depends_on |= sources("fmu/web_kernel.py", "fmu/linking.py")
-    path = cache_folder() / f"{kernel.identifier}-{content_hash(depends_on)[:16]}.wasm"
-    if not path.exists():
+    depends_on |= sources("fmu/web_kernel.py", "compiling/linking.py")
+
+    def linked() -> bytes:
         progress(f"compiling {kernel.identifier} for browsers")
-        write_atomically(path, link(kernel.model))
-    return path.read_bytes()
+        return link(kernel.model)
+
+    return kept(f"{kernel.identifier}-{content_hash(depends_on)[:16]}.wasm", linked).read_bytes()
 
 
 def link(model: Model) -> bytes:
@@ -57,12 +60,11 @@ def link(model: Model) -> bytes:
     Raises:
         CompilationUnavailable: what it takes is not installed, or fails.
     """
-    machine, label = target_machine(TRIPLE, PROCESSOR)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        (folder / "kernel.o").write_bytes(object_file(model.entry, machine, label))
+        (folder / "kernel.o").write_bytes(object_file(model.entry, BROWSERS))
         exported = [f"-Wl,--export={symbol}" for symbol in (ENTRIES[model.entry].symbol, "__heap_base")]
-        given = ["-target", LINKED_FOR, "-mexec-model=reactor", "-s", *exported]
+        given = ["-target", BROWSERS.compiler, "-mexec-model=reactor", "-s", *exported]
         given += [f"-Wl,-z,stack-size={STACK}", f"-Wl,--max-memory={MEMORY}"]
         run_tool("cc", [*given, "-o", "kernel.wasm", "kernel.o"], folder)
         return (folder / "kernel.wasm").read_bytes()

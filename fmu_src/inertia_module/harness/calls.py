@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import shutil
 from ctypes import c_void_p
 from pathlib import Path
 from typing import Any, NamedTuple, Self
@@ -11,6 +10,7 @@ from typing import Any, NamedTuple, Self
 from ..common.errors import FmuError
 from .descriptions import fmu_file, read_description
 from .logs import WARNING, callbacks_of, log_of
+from .unpacked import Unpacked, unpacked
 
 
 class Kept(NamedTuple):
@@ -56,7 +56,7 @@ class Instance(Closing):
         self.warnings: list[str] = []
         self._errors: list[str] = []
         self._kept: list[Kept] = []
-        self._folder: str | None = None
+        self._unpacked: Unpacked | None = None
         self._instance: Any = None
         try:
             self._load()
@@ -65,14 +65,13 @@ class Instance(Closing):
             raise
 
     def _load(self) -> None:
-        from fmpy import extract
         from fmpy.fmi2 import FMU2Slave
 
         from .fmi3 import Slave
 
         description = read_description(self.path)
         try:
-            self._folder = extract(str(self.path))
+            self._unpacked = unpacked(self.path)
         except Exception as error:
             raise FmuError(f"{self.path} must be an FMU: {error}") from error
         if description.fmiVersion not in ("2.0", "3.0") or description.coSimulation is None:
@@ -81,7 +80,7 @@ class Instance(Closing):
         self.units = {name: variable.unit for name, variable in self.variables.items() if variable.unit}
         arguments = {
             "guid": description.guid,
-            "unzipDirectory": self._folder,
+            "unzipDirectory": self._unpacked.folder,
             "modelIdentifier": description.coSimulation.modelIdentifier,
             "instanceName": self.path.stem,
         }
@@ -191,13 +190,13 @@ class Instance(Closing):
             self.time = time
 
     def close(self) -> None:
-        """Terminate and free the instance and remove what was unpacked."""
+        """Terminate and free the instance; the last one of its FMU removes what was unpacked."""
         if self._instance is not None and getattr(self._instance, "component", None):
             with contextlib.suppress(Exception):
                 self._instance.terminate()
             self._instance.freeInstance()
         self._instance = None
         self._kept.clear()
-        if self._folder is not None:
-            shutil.rmtree(self._folder, ignore_errors=True)
-            self._folder = None
+        if self._unpacked is not None:
+            self._unpacked.release()
+            self._unpacked = None

@@ -1,8 +1,12 @@
-"""The platforms the native FMUs are made for."""
+"""The platforms that machine code is made for."""
 
 from __future__ import annotations
 
+import platform
+import sys
 from typing import NamedTuple
+
+from .kernels import CompilationUnavailable
 
 
 class Target(NamedTuple):
@@ -11,8 +15,9 @@ class Target(NamedTuple):
     Attributes:
         folder: in an FMU of FMI 2.0, below binaries. suffix: of the shared library.
         triple, processor: for the machine code of the kernel. compiler: target of the C compiler.
-        libraries: what the shell is linked with besides the C library.
+        libraries: what is linked with besides the C library.
         import_machine: on Windows, how the maker of import libraries calls the processor.
+        features: what the processor can do beyond its name, as LLVM writes it.
     """
 
     folder: str
@@ -22,6 +27,7 @@ class Target(NamedTuple):
     compiler: str
     libraries: tuple[str, ...] = ()
     import_machine: str = ""
+    features: str = ""
 
     @property
     def platform(self) -> str:
@@ -57,3 +63,20 @@ MAC_ARM = Target("darwin64", ".dylib", "arm64-apple-macosx11.0", "apple-m1", "aa
 
 # those of one folder go into one file that holds code for several processors
 TARGETS = (LINUX64, WIN64, MAC64, MAC_ARM, LINUX_ARM, WIN_ARM)
+# by the names of Python; processors have several
+SYSTEMS = {"linux": "linux", "win32": "windows", "darwin": "macos"}
+PROCESSORS = {"x86_64": "x86_64", "amd64": "x86_64", "arm64": "aarch64", "aarch64": "aarch64"}
+
+
+def here() -> Target:
+    """That of this process.
+
+    Raises:
+        CompilationUnavailable: it is none of TARGETS.
+    """
+    own = f"{PROCESSORS.get(platform.machine().lower())}-{SYSTEMS.get(sys.platform)}"
+    for target in TARGETS:
+        if target.label.startswith(own) and sys.maxsize > 2**32:
+            return target
+    known = ", ".join(target.label for target in TARGETS)
+    raise CompilationUnavailable(f"there is machine code for {known}, not for {sys.platform} here")

@@ -1,5 +1,5 @@
 /* The kernel on its own, for those who know its arrays. */
-#include "model.h"
+#include <stdint.h>
 
 #if defined _WIN32
 #define OFFERED __declspec(dllexport)
@@ -7,6 +7,7 @@
 #define OFFERED __attribute__((visibility("default")))
 #endif
 
+int64_t KERNEL(int64_t operation, double *p, double *d, double *u, double *x, double *y, double *w, double h);
 OFFERED int64_t inertia_module_kernel(int64_t operation, double *p, double *d, double *u, double *x, double *y,
                                       double *w, double h);
 
