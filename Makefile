@@ -13,8 +13,12 @@ $(VENV)/.made:
 	$(PYTHON) -m venv $(VENV)
 	@touch $@
 
+# the kernel is translated (half a minute) while pip goes on with what that does not need; what is never
+# imported is not compiled
 $(VENV)/.run: $(VENV)/.made pyproject.toml
-	$(BIN)/python -m pip install $(QUIET) -e '.[fast]'
+	PIP_NO_COMPILE=1 $(BIN)/python -m pip install $(QUIET) numba ziglang
+	PYTHONPATH=fmu_src $(BIN)/python -m inertia_module.compiling.objects module & \
+	PIP_NO_COMPILE=1 $(BIN)/python -m pip install $(QUIET) -e '.[fast]'; installed=$$?; wait; exit $$installed
 	@touch $@
 
 $(VENV)/.all: $(VENV)/.made pyproject.toml
@@ -33,8 +37,7 @@ dist: $(VENV)/.all build page ## sdist and wheel in dist/, complete; the same so
 	rm -rf dist
 	$(BIN)/python -m build $(QUIET) --no-isolation
 
-demo: $(VENV)/.run ## set up, build the FMU, drive a car through the urban cycle
-	$(BIN)/inertia-module build
+demo: $(VENV)/.run ## set up, build the FMU for this platform, drive a car through the urban cycle
 	$(BIN)/inertia-module run examples/urban.toml -o out/urban
 
 test: $(VENV)/.all page ## run all tests

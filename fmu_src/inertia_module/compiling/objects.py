@@ -1,8 +1,12 @@
-"""Machine code of a kernel for any processor and system, from its LLVM IR."""
+"""Machine code of a kernel for any processor and system, from its LLVM IR.
+
+Run: python -m inertia_module.compiling.objects module, to have it made ahead for an FMU of this platform.
+"""
 
 from __future__ import annotations
 
 import importlib
+import sys
 from typing import Any
 
 from ..common.files import content_hash, kept, sources
@@ -84,3 +88,7 @@ def object_file(name: str, target: Target) -> bytes:
         return compile_ir(ir.llvm_text(name), ENTRIES[name], machine_for(target))
 
     return kept(f"{name}-{digest}.o", compiled).read_bytes()
+
+
+if __name__ == "__main__":
+    object_file(sys.argv[1], here())

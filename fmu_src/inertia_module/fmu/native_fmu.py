@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -116,11 +117,13 @@ def library(fmu: NativeFmu, target: Target, progress: Progress = lambda stage: N
     return kept(f"{fmu.identifier}-{target.label}-{label}{target.suffix}", linked).read_bytes()
 
 
-def libraries(fmu: NativeFmu, progress: Progress = lambda stage: None) -> Libraries:
-    """The shared libraries for all targets that can be compiled for."""
+def libraries(
+    fmu: NativeFmu, progress: Progress = lambda stage: None, targets: Sequence[Target] = TARGETS
+) -> Libraries:
+    """The shared libraries for those of some targets that can be compiled for."""
     found: dict[str, list[tuple[str, bytes]]] = {}
     skipped = {}
-    for target in TARGETS:
+    for target in targets:
         try:
             content = library(fmu, target, progress)
         except CompilationUnavailable as reason:
@@ -131,13 +134,15 @@ def libraries(fmu: NativeFmu, progress: Progress = lambda stage: None) -> Librar
     return Libraries(files, skipped)
 
 
-def native_fmu(fmu: NativeFmu, progress: Progress = lambda stage: None) -> tuple[bytes, dict[str, str]]:
-    """The content of an FMU's file, and the targets skipped, with the reason.
+def native_fmu(
+    fmu: NativeFmu, progress: Progress = lambda stage: None, targets: Sequence[Target] = TARGETS
+) -> tuple[bytes, dict[str, str]]:
+    """The content of an FMU's file for some targets, and those skipped, with the reason.
 
     Raises:
         CompilationUnavailable: there is no target at all it could be compiled for.
     """
-    files, skipped = libraries(fmu, progress)
+    files, skipped = libraries(fmu, progress, targets)
     if not files:
         raise CompilationUnavailable(next(iter(skipped.values())))
     described = description(fmu, guid(fmu), generation_date())
