@@ -1,6 +1,7 @@
 """Examples by name, keys set on the command line, the version, and the kernel that a wheel brings along."""
 
 import json
+import shutil
 import subprocess
 import sys
 import tomllib
@@ -13,6 +14,7 @@ from inertia_module import __version__
 from inertia_module.cli import app
 from inertia_module.common.errors import Refused
 from inertia_module.common.examples import example, examples
+from inertia_module.common.files import cache_folder
 from inertia_module.compiling import load
 from inertia_module.compiling.kernels import DRIVEN_SHAFT, MODULE, CompilationUnavailable
 from inertia_module.fmu import builder
@@ -156,6 +158,36 @@ def test_module_on_the_kernel_of_a_wheel_gives_the_same_bits(built, tmp_path, mo
     monkeypatch.setattr(load, "_loaded", {})
     assert run() == here
     assert list(tmp_path.glob("InertiaModule-*"))
+
+
+# memory that is asked for and never used; then the kernel is loaded and runs
+FAR_APART = """
+import numpy
+from inertia_module.memory.instances import Module
+
+held = [numpy.empty(3 * 2**30, "u1"), *(numpy.empty(200 * 2**20, "u1") for _ in range(20))]
+module = Module("compiled").start(omega1=100.0, load_torque=10.0)
+module.advance(0.01)
+print(module["omega2"])
+"""
+
+
+def test_compiled_kernel_loads_where_memory_is_far_apart(compiled):
+    done = subprocess.run([sys.executable, "-c", FAR_APART], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert float(done.stdout) == pytest.approx(0.969128517, abs=1e-7)
+
+
+def test_processes_that_link_at_once_leave_one_whole_library(tmp_path, monkeypatch, compiled):
+    for path in (*cache_folder().glob(f"{DRIVEN_SHAFT}-*.o"), *cache_folder().glob(f"{DRIVEN_SHAFT}-*.xz")):
+        shutil.copy(path, tmp_path)
+    (tmp_path / "zig").symlink_to(cache_folder() / "zig")
+    before = set(tmp_path.iterdir())
+    monkeypatch.setenv("INERTIA_MODULE_CACHE", str(tmp_path))
+    code = f"from inertia_module.compiling.load import load; load({DRIVEN_SHAFT!r})"
+    running = [subprocess.Popen([sys.executable, "-c", code]) for _ in range(3)]
+    assert [process.wait() for process in running] == [0, 0, 0]
+    assert len(set(tmp_path.iterdir()) - before) == 1
 
 
 def test_wheel_builds_nothing(built, tmp_path, monkeypatch):
