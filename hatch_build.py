@@ -17,7 +17,7 @@ BUILT = (
 class ReadyMade(BuildHookInterface):  # type: ignore[misc]
     """Puts into the wheel of an sdist what runs without a compiler: all of it, or the wheel is not made.
 
-    What is installed from a clone builds what it needs when that is asked for: what lies in build/ may be old.
+    Installed from a clone it builds what it needs when that is asked for: what lies in build/ may be old.
     """
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:

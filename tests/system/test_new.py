@@ -1,5 +1,6 @@
 """Examples by name, keys set on the command line, the version, and the kernel that a wheel brings along."""
 
+import importlib.util
 import json
 import shutil
 import subprocess
@@ -216,3 +217,39 @@ def test_fmu_that_cannot_be_built_is_an_error(tmp_path, monkeypatch):
     monkeypatch.setattr(builder, "build", lambda folder, progress: nothing)
     with pytest.raises(RuntimeError, match=r"InertiaModule.fmu cannot be built: there is no compiler"):
         builder.current_fmu(builder.MODULE_FMU, tmp_path)
+
+
+@pytest.fixture
+def forced_into_a_wheel(tmp_path):
+    """What the build of a wheel puts into it from a folder: path, and place in the wheel."""
+    pytest.importorskip("hatchling")
+    spec = importlib.util.spec_from_file_location("hatch_build", ROOT / "hatch_build.py")
+    hooks = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(hooks)
+
+    def forced(version="standard"):
+        data = {"force_include": {}}
+        hooks.ReadyMade(str(tmp_path), {}, None, None, "", "wheel").initialize(version, data)
+        return set(data["force_include"].values())
+
+    return forced
+
+
+def test_clone_is_installed_without_what_was_built_in_it(forced_into_a_wheel, tmp_path):
+    (tmp_path / "build").mkdir()
+    (tmp_path / "build" / "InertiaModule.fmu").write_bytes(b"of an older source")
+    assert forced_into_a_wheel() == {"inertia_module/examples"}
+    assert forced_into_a_wheel("editable") == set()
+
+
+def test_sdist_makes_a_complete_wheel_or_none(forced_into_a_wheel, tmp_path, built):
+    (tmp_path / "PKG-INFO").touch()
+    with pytest.raises(
+        FileNotFoundError, match=r"make dist builds what a wheel needs: build/InertiaModule.fmu"
+    ):
+        forced_into_a_wheel()
+    (tmp_path / "build").symlink_to(built)
+    (tmp_path / "fmu_src" / "inertia_module" / "page").mkdir(parents=True)
+    (tmp_path / "fmu_src" / "inertia_module" / "page" / "template.html").touch()
+    ready = {f"inertia_module/ready/{path.name}" for path in built.iterdir()}
+    assert forced_into_a_wheel() == ready | {"inertia_module/examples"}
