@@ -2,7 +2,7 @@
 
 Then the clone itself, installed without editing: it builds what it is asked for.
 
-Run after `make dist`: .venv/bin/python .ci/wheel.py. Prints sizes and times; exit code 1 where something fails.
+Run after `make dist`: .venv/bin/python .ci/wheel.py. Prints sizes and times; exit code 1 where it fails.
 """
 
 import hashlib
