@@ -1,6 +1,8 @@
 """The wheel in a clean environment without build tools: install it, make a scene, run, view and chart it.
 
-Run after `make dist`: python .ci/wheel.py. Prints sizes and times; exit code 1 where something fails.
+Then the clone itself, installed without editing: it builds what it is asked for.
+
+Run after `make dist`: .venv/bin/python .ci/wheel.py. Prints sizes and times; exit code 1 where it fails.
 """
 
 import hashlib
@@ -99,6 +101,20 @@ def main():
         ):
             assert (folder / left).stat().st_size > 1000, f"{left} is empty"
         assert (folder / "build" / "InertiaModule.fmu").is_file()
+        check_clone(folder)
+
+
+def check_clone(folder):
+    """What pip installs of a clone, over the tools of this environment, builds an FMU and runs a scene."""
+    place, here = folder / "installed", [sys.executable, "-m"]
+    given = ["--no-deps", "--no-build-isolation", "--target", str(place), str(ROOT)]
+    subprocess.run([*here, "pip", "--disable-pip-version-check", "install", "-q", *given], check=True)
+    own = os.environ | {"PYTHONPATH": str(place)}
+    timed([*here, "inertia_module", "run", "planar.toml", "--set", "run.stop_time=10 ms"], folder, own)
+    where = [sys.executable, "-c", "import inertia_module; print(inertia_module.__file__)"]
+    found = subprocess.run(where, cwd=folder, env=own, capture_output=True, text=True, check=True).stdout
+    assert found.startswith(str(place)), found
+    assert not (place / "inertia_module" / "ready").exists()
 
 
 if __name__ == "__main__":

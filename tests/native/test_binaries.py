@@ -5,6 +5,9 @@ import re
 import pytest
 
 from inertia_module import __version__
+from inertia_module.compiling.kernels import DRIVEN_SHAFT
+from inertia_module.compiling.linking import with_kernel
+from inertia_module.compiling.targets import TARGETS
 from inertia_module.fmu.linking import header_folder
 
 from . import binaries
@@ -133,3 +136,9 @@ def test_mac_library_for_arm_is_signed(of_mac):
 def test_libraries_offer_little_but_fmi(library, required):
     offered = binaries.read_elf(library("linux64", ".so")).offers - required
     assert offered <= {"inertia_module_kernel", "_init", "_fini", "__bss_start", "_edata", "_end"}
+
+
+@pytest.mark.parametrize("target", TARGETS, ids=lambda target: target.label)
+def test_kernel_alone_is_linked_for_every_platform(target, compiled):
+    library = with_kernel(DRIVEN_SHAFT, target, f"kernel{target.suffix}", {})
+    assert b"inertia_module_kernel" in library

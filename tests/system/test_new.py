@@ -1,6 +1,8 @@
 """Examples by name, keys set on the command line, the version, and the kernel that a wheel brings along."""
 
+import importlib.util
 import json
+import shutil
 import subprocess
 import sys
 import tomllib
@@ -13,6 +15,7 @@ from inertia_module import __version__
 from inertia_module.cli import app
 from inertia_module.common.errors import Refused
 from inertia_module.common.examples import example, examples
+from inertia_module.common.files import cache_folder
 from inertia_module.compiling import load
 from inertia_module.compiling.kernels import DRIVEN_SHAFT, MODULE, CompilationUnavailable
 from inertia_module.fmu import builder
@@ -158,6 +161,36 @@ def test_module_on_the_kernel_of_a_wheel_gives_the_same_bits(built, tmp_path, mo
     assert list(tmp_path.glob("InertiaModule-*"))
 
 
+# memory that is asked for and never used; then the kernel is loaded and runs
+FAR_APART = """
+import numpy
+from inertia_module.memory.instances import Module
+
+held = [numpy.empty(3 * 2**30, "u1"), *(numpy.empty(200 * 2**20, "u1") for _ in range(20))]
+module = Module("compiled").start(omega1=100.0, load_torque=10.0)
+module.advance(0.01)
+print(module["omega2"])
+"""
+
+
+def test_compiled_kernel_loads_where_memory_is_far_apart(compiled):
+    done = subprocess.run([sys.executable, "-c", FAR_APART], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert float(done.stdout) == pytest.approx(0.969128517, abs=1e-7)
+
+
+def test_processes_that_link_at_once_leave_one_whole_library(tmp_path, monkeypatch, compiled):
+    for path in (*cache_folder().glob(f"{DRIVEN_SHAFT}-*.o"), *cache_folder().glob(f"{DRIVEN_SHAFT}-*.xz")):
+        shutil.copy(path, tmp_path)
+    (tmp_path / "zig").symlink_to(cache_folder() / "zig")
+    before = set(tmp_path.iterdir())
+    monkeypatch.setenv("INERTIA_MODULE_CACHE", str(tmp_path))
+    code = f"from inertia_module.compiling.load import load; load({DRIVEN_SHAFT!r})"
+    running = [subprocess.Popen([sys.executable, "-c", code]) for _ in range(3)]
+    assert [process.wait() for process in running] == [0, 0, 0]
+    assert len(set(tmp_path.iterdir()) - before) == 1
+
+
 def test_wheel_builds_nothing(built, tmp_path, monkeypatch):
     monkeypatch.setattr(builder, "ready_made", lambda file: built / file)
     monkeypatch.setattr(builder, "_translate", lambda progress: pytest.fail("translated"))
@@ -184,3 +217,39 @@ def test_fmu_that_cannot_be_built_is_an_error(tmp_path, monkeypatch):
     monkeypatch.setattr(builder, "build", lambda folder, progress: nothing)
     with pytest.raises(RuntimeError, match=r"InertiaModule.fmu cannot be built: there is no compiler"):
         builder.current_fmu(builder.MODULE_FMU, tmp_path)
+
+
+@pytest.fixture
+def forced_into_a_wheel(tmp_path):
+    """What the build of a wheel puts into it from a folder: path, and place in the wheel."""
+    pytest.importorskip("hatchling")
+    spec = importlib.util.spec_from_file_location("hatch_build", ROOT / "hatch_build.py")
+    hooks = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(hooks)
+
+    def forced(version="standard"):
+        data = {"force_include": {}}
+        hooks.ReadyMade(str(tmp_path), {}, None, None, "", "wheel").initialize(version, data)
+        return set(data["force_include"].values())
+
+    return forced
+
+
+def test_clone_is_installed_without_what_was_built_in_it(forced_into_a_wheel, tmp_path):
+    (tmp_path / "build").mkdir()
+    (tmp_path / "build" / "InertiaModule.fmu").write_bytes(b"of an older source")
+    assert forced_into_a_wheel() == {"inertia_module/examples"}
+    assert forced_into_a_wheel("editable") == set()
+
+
+def test_sdist_makes_a_complete_wheel_or_none(forced_into_a_wheel, tmp_path, built):
+    (tmp_path / "PKG-INFO").touch()
+    with pytest.raises(
+        FileNotFoundError, match=r"make dist builds what a wheel needs: build/InertiaModule.fmu"
+    ):
+        forced_into_a_wheel()
+    (tmp_path / "build").symlink_to(built)
+    (tmp_path / "fmu_src" / "inertia_module" / "page").mkdir(parents=True)
+    (tmp_path / "fmu_src" / "inertia_module" / "page" / "template.html").touch()
+    ready = {f"inertia_module/ready/{path.name}" for path in built.iterdir()}
+    assert forced_into_a_wheel() == ready | {"inertia_module/examples"}

@@ -21,6 +21,7 @@ from inertia_module.scene.summary import Quantity
 
 dask, cloudpickle = pytest.importorskip("dask"), pytest.importorskip("cloudpickle")
 Client = pytest.importorskip("distributed").Client
+psutil = pytest.importorskip("psutil")
 pytest.importorskip("pyarrow")
 
 SCENE = """
@@ -156,6 +157,16 @@ def test_a_point_that_ends_its_workers_is_refused_alone():
 
 
 SLOW = ["imbalance_mass=0.5:2:60"]
+
+
+def test_nobody_on_another_machine_can_reach_the_workers():
+    with pool(DeadlyTask(), workers=2):
+        own = psutil.Process()
+        processes = [own, *own.children(recursive=True)]
+        sockets = [socket for process in processes for socket in process.net_connections("inet")]
+    assert len(processes) > 2
+    listening = {socket.laddr.ip for socket in sockets if socket.status == psutil.CONN_LISTEN}
+    assert listening == {"127.0.0.1"}
 
 
 @pytest.fixture(scope="module")

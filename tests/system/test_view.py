@@ -63,7 +63,8 @@ def test_without_the_template_the_command_that_makes_it_is_named(arguments, tmp_
     monkeypatch.setattr(html, "TEMPLATE", tmp_path / "template.html")
     done = invoke(*arguments, "-o", tmp_path / "page.html")
     assert done.exit_code == 1
-    assert done.stderr == "error: the page has not been built yet: `make page` builds it\n"
+    told = "the page has not been built yet: `make page` in a clone builds it, and the wheel has it"
+    assert done.stderr == f"error: {told}\n"
     assert list(tmp_path.iterdir()) == []
 
 

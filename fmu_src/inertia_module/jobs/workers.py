@@ -100,7 +100,7 @@ def pool(task: Task, scheduler: str | None = None, workers: int | None = None) -
                 n_workers=workers,
                 threads_per_worker=1,
                 memory_limit=0,
-                dashboard_address=":0",
+                dashboard_address="127.0.0.1:0",
                 silence_logs=logging.CRITICAL,
             )
             cluster = stack.enter_context(local)

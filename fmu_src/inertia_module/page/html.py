@@ -31,7 +31,9 @@ def template() -> str:
     try:
         return TEMPLATE.read_text(encoding="utf-8")
     except FileNotFoundError:
-        raise Refused("the page has not been built yet: `make page` builds it") from None
+        raise Refused(
+            "the page has not been built yet: `make page` in a clone builds it, and the wheel has it"
+        ) from None
 
 
 def checked_path(path: Path) -> Path:
