@@ -106,7 +106,7 @@ STATE = (
         "output_state",
         "slip_sign",
         "flow_sign",
-        "spin_sign",
+        "spin_signs",
         "wound_housing",
         "wound_output",
         "housing_impulse",
@@ -142,9 +142,9 @@ TRAVEL = ("direction", "given", "omega3", "mode", "q", "energy", "momentum")
 MACHINE = (
     *("q", "theta1", "omega1", "omega2", "omega3", "twist", "relative", "wound_housing", "wound_output"),
     *("weight1", "weight_q", "alpha1", "alpha2", "alpha3", "rate_relative"),
-    *("drive", "mesh", "output", "housing", "journals", "spun", "torque", "flow_sign", "spin_sign", "margin"),
-    # signs of the loads of all satellites, as one number
-    "spin_signs",
+    *("drive", "mesh", "output", "housing", "journals", "spun", "torque", "flow_sign", "margin"),
+    # signs of the loads of all satellites, as one number; the least load by its sign, its part of the number
+    *("spin_signs", "least_spun", "weakest"),
 )
 
 CONSTANTS = (

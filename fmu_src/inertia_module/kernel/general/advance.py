@@ -17,6 +17,7 @@ from .guards import (
     HOUSING,
     OUTPUT,
     SLIP,
+    SPIN,
     fit_guard,
     general_bend,
     is_clear,
@@ -24,7 +25,7 @@ from .guards import (
     is_watched,
     value_and_rate,
 )
-from .instant import part_at
+from .instant import fall_at
 from .motion import evaluate, take_state
 from .stages import (
     LOST,
@@ -241,8 +242,9 @@ def advance_general(d, x, w, remaining):
     if fastest < 0.0:
         return -1.0, False
     sigma, which = first_event(d, x, w, fastest)
-    if sigma >= 0.0 and which == SLIP and x.slip_sign == 0.0:
-        sigma = part_at(d, x, w, zero_of(d, x, w, SLIP, fastest), sigma)
+    if sigma >= 0.0 and ((which == SLIP and x.slip_sign == 0.0) or (which == SPIN and d.number > 1.0)):
+        sigma, fallen = fall_at(d, x, w, which, zero_of(d, x, w, which, fastest), sigma)
+        which = which if fallen or which == SLIP else NONE
     wound = is_wound(x)
     if sigma < 0.0:
         see_inside(d, x, w)
@@ -261,7 +263,7 @@ def advance_general(d, x, w, remaining):
     if which == FLOW:
         x.flow_sign = -x.flow_sign
     elif which > FLOW:
-        x.spin_sign = -x.spin_sign
+        x.spin_signs -= 2.0 * m.weakest
     elif which != NONE:
         x.step_size *= AFRESH
         if is_speed(x, which):

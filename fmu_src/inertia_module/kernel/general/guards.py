@@ -7,6 +7,7 @@ their torques, by the signs that the losses go by.
 
 from ..solvers.dormand_prince import END, NODES
 from ..solvers.interpolant import dense_bend, dense_change, dense_rate, dense_rate_bend, fit_dense
+from .satellites import MANY
 from .states import OPEN, WOUND
 
 HOUSING = 0
@@ -27,7 +28,7 @@ def is_watched(d, x, which, rough):
         return rough
     if which >= FLOW:
         loss = d.mesh_loss if which == FLOW else d.satellite_loss
-        return loss != 0.0 and x.slip_sign != 0.0 and (which == FLOW or d.number == 1.0)
+        return loss != 0.0 and x.slip_sign != 0.0 and (which == FLOW or d.number <= MANY)
     return (d.housing if which == HOUSING else d.output) != 0.0
 
 
@@ -45,7 +46,7 @@ def value_and_rate(d, x, m, which):
     if which == FLOW:
         return x.flow_sign * m.torque, x.flow_sign * m.torque
     if which == SPIN:
-        return x.spin_sign * m.spun, x.spin_sign * m.spun
+        return m.least_spun, m.least_spun
     if which == SLIP:
         return m.margin, (x.slip_sign * (m.alpha1 - m.alpha2) if x.slip_sign != 0.0 else m.margin)
     if which == HOUSING:

@@ -21,7 +21,11 @@ def inertia_at(d, place):
     )
 
 
-def spin_torques(d, q, first, omega1, rate_q, alpha1, rate2_q, signed):
+# signs of the torques of so many satellites can be told by one number
+MANY = 50.0
+
+
+def spin_torques(d, q, first, omega1, rate_q, alpha1, rate2_q, signs):
     """Torque that resists q, whatever its sign, by the loads of all satellites (docs/mechanics.md, "Losses").
 
     Journals: coefficient times radius, times m |a| without what alpha1 and q'' add to a, times the spin s.
@@ -30,18 +34,22 @@ def spin_torques(d, q, first, omega1, rate_q, alpha1, rate2_q, signed):
     Args:
         first: place of the first imbalance (layout.imbalance).
         q, omega1, rate_q, alpha1, rate2_q: motion of link 1 and the drives.
-        signed: whether each tau6 counts with its sign at these accelerations, else as it is.
+        signs: of all tau6, as one number: sums of powers of two with these signs; 0: as they are.
 
     Returns:
         (journals, mesh, mesh by alpha1, mesh by q''): N m, and kg m^2; mesh is what remains without both.
-        The signs of all tau6, as one number, are left in d.machine.spin_signs.
+        Left in d.machine: spin_signs; the least tau6 by its sign, N m, and its part of that number.
     """
     journals = 0.0
     rest = 0.0
     by_alpha1 = 0.0
     by_rate2 = 0.0
-    signs = 0.0
+    told = signs
+    found = 0.0
+    least = 1e300
+    weakest = 0.0
     number = 1.0 if d.planar != 0.0 else d.number
+    part = 2.0 ** (min(number, MANY) - 1.0)
     for n in range(int(number)):
         place = imbalance(d, q, TWO_PI * n / number) if n > 0 else first
         px, y, z, x1, y1, z1, _, _, _ = place
@@ -53,16 +61,22 @@ def spin_torques(d, q, first, omega1, rate_q, alpha1, rate2_q, signed):
         own = ax * spin_x + ay * spin_y + az * z1
         with_alpha1 = y * z1 - z * spin_y
         with_rate2 = x1 * spin_x + y1 * spin_y + z1 * z1
-        sign = 1.0
-        if signed and own + with_alpha1 * alpha1 + with_rate2 * rate2_q < 0.0:
-            sign = -1.0
-        signs = 2.0 * signs + sign
+        torque = own + with_alpha1 * alpha1 + with_rate2 * rate2_q
+        sign = -1.0 if (torque if signs == 0.0 else told) < 0.0 else 1.0
+        told -= sign * part
+        found += sign * part
+        if sign * torque < least:
+            least = sign * torque
+            weakest = sign * part
+        part *= 0.5
         rest += sign * own
         by_alpha1 += sign * with_alpha1
         by_rate2 += sign * with_rate2
-    d.machine.spin_signs = signs
+    d.machine.spin_signs = found
+    d.machine.weakest = weakest
     mass = d.mass / number
     share = mass * d.satellite_loss
+    d.machine.least_spun = share * least
     return d.journal * d.s * mass * journals, share * rest, share * by_alpha1, share * by_rate2
 
 
