@@ -68,7 +68,7 @@ def choose_states(d, x, before_misses):
     before = (x.housing_state, x.output_state, x.slip_sign)
     best = before
     least = 1e300
-    flow = spin = 1.0
+    flow, spin = 1.0, 0.0
     for number in range(27):
         housing = float(number % 3)
         output = float(number // 3 % 3)

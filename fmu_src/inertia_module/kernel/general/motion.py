@@ -10,7 +10,7 @@ sigma is the sign of the slip, C and S what journals and the mesh 17-6 resist it
 
 from ..inertia import reduced_inertia
 from ..layout import imbalance
-from .satellites import MANY, inertia_at, spin_torques, weight_torques
+from .satellites import AS_THEY_ARE, MANY, inertia_at, spin_torques, weight_torques
 from .states import LOCKED, OPEN, WOUND
 
 # patterns of signs tried: each step of this Newton's method leaves it only for one closer to the solution
@@ -68,9 +68,9 @@ def accelerate_links(d, x, m, given, inertia, place, carried, resisting, fixed):
     alpha2 = 0.0
     loaded = d.journal + d.satellite_loss > 0.0
     flow = x.flow_sign if fixed else 1.0
-    signs = x.spin_signs if fixed and d.number <= MANY else 0.0
-    # only one satellite's torque shows in the sum of all
-    apart = d.satellite_loss != 0.0 and (signs == 0.0 or d.number > 1.0)
+    signs = x.spin_signs if fixed and d.number <= MANY else AS_THEY_ARE
+    # of one satellite the sum says all
+    apart = d.satellite_loss != 0.0 and (signs == AS_THEY_ARE or d.number > 1.0)
     journals = mesh = by_alpha1 = by_rate2 = 0.0
     if loaded:
         journals, mesh, by_alpha1, by_rate2 = spin_torques(
@@ -101,7 +101,7 @@ def accelerate_links(d, x, m, given, inertia, place, carried, resisting, fixed):
         m.mesh = passed * sign * m.torque
         rate2_q = k * (alpha1 - alpha2)
         m.spun = mesh + by_alpha1 * alpha1 + by_rate2 * rate2_q
-        m.least_spun = m.spun
+        m.spun_by[0] = m.spun
         agree = fixed or flow * m.torque >= 0.0
         if not agree:
             flow = -flow
@@ -134,7 +134,7 @@ def stick_links(d, x, m, given, inertia, place, carried, resisting):
     elif d.by_torque != 0.0:
         alpha = (given - rest1 - resisting) / (d.J1 + i + own2)
     ideal = b * alpha - 0.5 * i1 * omega1 * omega1 + m.weight_q
-    journals, mesh, by_alpha1, _ = spin_torques(d, m.q, place, omega1, 0.0, alpha, 0.0, 0.0)
+    journals, mesh, by_alpha1, _ = spin_torques(d, m.q, place, omega1, 0.0, alpha, 0.0, AS_THEY_ARE)
     m.mesh = own2 * alpha + resisting
     if held:
         # at rest: what the drive torque leaves, or with the speed given what friction need not hold

@@ -21,8 +21,10 @@ def inertia_at(d, place):
     )
 
 
-# signs of the torques of so many satellites can be told by one number
-MANY = 50.0
+# satellites at most whose torques' signs are followed: bits of one number, set where negative
+MANY = 50
+# in place of that number: signs as the torques have them
+AS_THEY_ARE = -1.0
 
 
 def spin_torques(d, q, first, omega1, rate_q, alpha1, rate2_q, signs):
@@ -34,11 +36,11 @@ def spin_torques(d, q, first, omega1, rate_q, alpha1, rate2_q, signs):
     Args:
         first: place of the first imbalance (layout.imbalance).
         q, omega1, rate_q, alpha1, rate2_q: motion of link 1 and the drives.
-        signs: of all tau6, as one number: sums of powers of two with these signs; 0: as they are.
+        signs: of all tau6, or AS_THEY_ARE at these accelerations.
 
     Returns:
         (journals, mesh, mesh by alpha1, mesh by q''): N m, and kg m^2; mesh is what remains without both.
-        Left in d.machine: spin_signs; the least tau6 by its sign, N m, and its part of that number.
+        Left in d.machine: the signs, and what each satellite adds, N m.
     """
     journals = 0.0
     rest = 0.0
@@ -46,10 +48,10 @@ def spin_torques(d, q, first, omega1, rate_q, alpha1, rate2_q, signs):
     by_rate2 = 0.0
     told = signs
     found = 0.0
-    least = 1e300
-    weakest = 0.0
+    bit = 1.0
     number = 1.0 if d.planar != 0.0 else d.number
-    part = 2.0 ** (min(number, MANY) - 1.0)
+    mass = d.mass / number
+    share = mass * d.satellite_loss
     for n in range(int(number)):
         place = imbalance(d, q, TWO_PI * n / number) if n > 0 else first
         px, y, z, x1, y1, z1, _, _, _ = place
@@ -62,22 +64,27 @@ def spin_torques(d, q, first, omega1, rate_q, alpha1, rate2_q, signs):
         with_alpha1 = y * z1 - z * spin_y
         with_rate2 = x1 * spin_x + y1 * spin_y + z1 * z1
         torque = own + with_alpha1 * alpha1 + with_rate2 * rate2_q
-        sign = -1.0 if (torque if signs == 0.0 else told) < 0.0 else 1.0
-        told -= sign * part
-        found += sign * part
-        if sign * torque < least:
-            least = sign * torque
-            weakest = sign * part
-        part *= 0.5
+        negative = torque < 0.0
+        if signs != AS_THEY_ARE:
+            half = math.floor(0.5 * told)
+            negative = told != 2.0 * half
+            told = half
+        sign = -1.0 if negative else 1.0
+        found += bit if negative else 0.0
+        bit *= 2.0
+        if n < MANY:
+            d.machine.spun_by[n] = share * sign * torque
         rest += sign * own
         by_alpha1 += sign * with_alpha1
         by_rate2 += sign * with_rate2
     d.machine.spin_signs = found
-    d.machine.weakest = weakest
-    mass = d.mass / number
-    share = mass * d.satellite_loss
-    d.machine.least_spun = share * least
     return d.journal * d.s * mass * journals, share * rest, share * by_alpha1, share * by_rate2
+
+
+def with_sign_changed(signs, n):
+    """The signs of all satellites with that of one changed."""
+    bit = 2.0**n
+    return signs + (bit if math.floor(signs / bit) % 2.0 == 0.0 else -bit)
 
 
 def weight_torques(d, place, theta1):
