@@ -108,17 +108,15 @@ def derive_general(p, d):
     d.number = p.satellites
     # of modules that stand evenly about the axis the weights balance
     d.weight = d.mass * p.gravity if p.modules == 1.0 else 0.0
-    d.housing_drag = p.housing_drag
-    d.housing_drag_viscous = p.housing_drag_viscous
-    d.output_drag = p.output_drag
-    d.output_drag_viscous = p.output_drag_viscous
-    d.housing_stiffness = 0.0
-    d.freewheel_stiffness = 0.0
-    if p.fidelity == ELASTIC:
-        d.housing_stiffness = p.housing_stiffness
-        d.freewheel_stiffness = p.freewheel_stiffness
-    d.housing_damping = p.housing_damping
-    d.freewheel_damping = p.freewheel_damping
+    # what is not there, a freewheel or the spring in it, takes nothing
+    d.housing_drag = p.housing_freewheel * p.housing_drag
+    d.housing_drag_viscous = p.housing_freewheel * p.housing_drag_viscous
+    d.output_drag = p.output_freewheel * p.output_drag
+    d.output_drag_viscous = p.output_freewheel * p.output_drag_viscous
+    d.housing_stiffness = d.elastic * p.housing_freewheel * p.housing_stiffness
+    d.freewheel_stiffness = d.elastic * p.output_freewheel * p.freewheel_stiffness
+    d.housing_damping = p.housing_damping if d.housing_stiffness > 0.0 else 0.0
+    d.freewheel_damping = p.freewheel_damping if d.freewheel_stiffness > 0.0 else 0.0
     by_load = d.mesh_loss + d.satellite_loss + d.journal + d.weight
     drag = d.housing_drag + d.housing_drag_viscous + d.output_drag + d.output_drag_viscous
     d.general = 1.0 if by_load + drag + d.housing_stiffness + d.freewheel_stiffness > 0.0 else 0.0

@@ -14,6 +14,8 @@ DENSE = 7
 MATRIX = COLLOCATED * COLLOCATED
 # quantities followed by the general equations of motion
 FOLLOWED = 22
+# their guards, and the satellites that may have one each (general.satellites.MANY)
+GUARDS, SATELLITES = 4, 50
 # causes of losses (codes.VISCOUS ...)
 CAUSES = 5
 # knots of the averaged map at most, for one sign of omega1
@@ -106,7 +108,7 @@ STATE = (
         "output_state",
         "slip_sign",
         "flow_sign",
-        "spin_sign",
+        "spin_signs",
         "wound_housing",
         "wound_output",
         "housing_impulse",
@@ -142,9 +144,9 @@ TRAVEL = ("direction", "given", "omega3", "mode", "q", "energy", "momentum")
 MACHINE = (
     *("q", "theta1", "omega1", "omega2", "omega3", "twist", "relative", "wound_housing", "wound_output"),
     *("weight1", "weight_q", "alpha1", "alpha2", "alpha3", "rate_relative"),
-    *("drive", "mesh", "output", "housing", "journals", "spun", "torque", "flow_sign", "spin_sign", "margin"),
-    # signs of the loads of all satellites, as one number
-    "spin_signs",
+    *("drive", "mesh", "output", "housing", "journals", "spun", "torque", "flow_sign", "margin"),
+    # signs of the loads of all satellites, as one number, and by these what each adds to spun
+    *("spin_signs", ("spun_by", SATELLITES)),
 )
 
 CONSTANTS = (
@@ -183,7 +185,7 @@ WORKSPACE = (
     *(("dense_q", DENSE), ("dense_omega1", DENSE), ("dense_omega2", DENSE), ("dense_other", DENSE)),
     # general: all that is followed, and the guards
     ("followed", (("rate", STAGES), "change"), FOLLOWED),
-    ("watched", (("value", STAGES), ("rate", STAGES), ("dense", DENSE)), 5),
+    ("watched", (("value", STAGES), ("rate", STAGES), ("dense", DENSE)), GUARDS + SATELLITES),
     ("weights", STAGES),
     # collocation: matrices of the shaft, and numbers at the stages
     *(("inverse", MATRIX), ("gain", MATRIX), ("shaft", MATRIX), ("jacobian", MATRIX)),

@@ -13,19 +13,22 @@ from .choice import take_speeds
 from .error import fastest_speed, step_error
 from .guards import (
     FLOW,
-    GUARDS,
     HOUSING,
     OUTPUT,
     SLIP,
+    SPIN,
     fit_guard,
     general_bend,
+    how_many_guards,
     is_clear,
     is_speed,
+    is_spring,
     is_watched,
     value_and_rate,
 )
 from .instant import part_at
 from .motion import evaluate, take_state
+from .satellites import with_sign_changed
 from .stages import (
     LOST,
     OF_DRIVE,
@@ -101,15 +104,8 @@ def zero_of(d, x, w, which, fastest):
         taken = max(abs(x.omega2), max(abs(x.omega2 + w.followed[OMEGA2].change), abs(x.omega3)))
         return VELOCITY_ROUNDING * max(response(d, d.J2) * fastest, taken)
     m = d.machine
-    zero = TORQUE_ROUNDING * (abs(m.mesh) + abs(m.housing) + abs(m.output) + abs(w.load))
-    if which > OUTPUT:
-        return zero
-    # of a spring: by the errors that its wind-up and its speed may have
-    stiffness, damping = d.housing_stiffness, d.housing_damping
-    if which == OUTPUT:
-        stiffness, damping = d.freewheel_stiffness, d.freewheel_damping
-    torque = math.sqrt((d.J2 + d.F_by_alpha1) * stiffness) + damping
-    return max(zero, d.tolerance * fastest * torque)
+    share = max(TORQUE_ROUNDING, d.tolerance) if is_spring(x, which) else TORQUE_ROUNDING
+    return share * (abs(m.mesh) + abs(m.housing) + abs(m.output) + abs(w.load))
 
 
 def first_event(d, x, w, fastest):
@@ -120,7 +116,7 @@ def first_event(d, x, w, fastest):
     rough = is_rough(d)
     phase = w.step * d.harmonic * d.k * max(abs(x.omega1 - x.omega2), fastest if d.by_torque != 0.0 else 0.0)
     looks = 1 + int(math.floor(min(phase, STEP_PHASE) / LOOK_PHASE))
-    for guard in range(GUARDS):
+    for guard in range(how_many_guards(d)):
         if not is_watched(d, x, guard, rough) or is_clear(w, guard):
             continue
         if not inside:
@@ -261,7 +257,7 @@ def advance_general(d, x, w, remaining):
     if which == FLOW:
         x.flow_sign = -x.flow_sign
     elif which > FLOW:
-        x.spin_sign = -x.spin_sign
+        x.spin_signs = with_sign_changed(x.spin_signs, which - SPIN)
     elif which != NONE:
         x.step_size *= AFRESH
         if is_speed(x, which):

@@ -68,7 +68,7 @@ def choose_states(d, x, before_misses):
     before = (x.housing_state, x.output_state, x.slip_sign)
     best = before
     least = 1e300
-    flow = spin = 1.0
+    flow, spin = 1.0, 0.0
     for number in range(27):
         housing = float(number % 3)
         output = float(number // 3 % 3)
@@ -83,9 +83,9 @@ def choose_states(d, x, before_misses):
         if missing < least:
             least = missing
             best = (housing, output, sign)
-            flow, spin = d.machine.flow_sign, d.machine.spin_sign
+            flow, spin = d.machine.flow_sign, d.machine.spin_signs
     x.housing_state, x.output_state, x.slip_sign = best
-    x.flow_sign, x.spin_sign = flow, spin
+    x.flow_sign, x.spin_signs = flow, spin
     x.step_evaluations += 1.0
     take_speeds(x)
     mode = contact_mode(x)

@@ -21,7 +21,7 @@ from .stages import (
     Q,
     how_many_move,
 )
-from .states import LOCKED
+from .states import LOCKED, WOUND
 
 # sums that are held to the tolerance, for the motion tells nothing of their errors: the losses have kinks
 # that are no events, and where link 1 stands still no energy shows what torque holds it
@@ -40,6 +40,16 @@ def fastest_speed(d, x, w):
     return max(links, output, behind, abs(x.omega2), abs(x.omega2 + f[OMEGA2].change))
 
 
+def speed_of_torque(d, x, w, fastest):
+    """Speed at which what damps a wound up freewheel is as large as the torques, rad/s."""
+    housing = d.housing_damping if x.housing_state == WOUND else 0.0
+    damping = max(housing, d.freewheel_damping if x.output_state == WOUND else 0.0)
+    if damping == 0.0:
+        return 1e300
+    pulses = 0.5 * (d.k * d.k * d.F_by_slip + d.F_by_speed) * fastest * fastest
+    return (pulses + abs(w.load)) / damping
+
+
 def scale_of(d, x, w, n, fastest):
     """What the error of a followed quantity is measured by."""
     change = abs(w.followed[n].change)
@@ -48,9 +58,12 @@ def scale_of(d, x, w, n, fastest):
     if n == OMEGA1:
         return max(response(d, d.J1) * fastest, change)
     if n == OMEGA2:
-        return max(response(d, d.J2 + (d.J3 if x.output_state == LOCKED else 0.0)) * fastest, change)
+        speed = response(d, d.J2 + (d.J3 if x.output_state == LOCKED else 0.0)) * fastest
+        return min(max(speed, change), speed_of_torque(d, x, w, fastest))
     speed = response(d, d.J2 + d.J3) * fastest
-    if n == OMEGA3 or n == RELATIVE:
+    if n == OMEGA3:
+        return min(max(speed, change), speed_of_torque(d, x, w, fastest))
+    if n == RELATIVE:
         return max(speed, change)
     if n == TWIST:
         return max(speed * math.sqrt(d.J3 / d.stiffness), max(abs(x.twist), change))

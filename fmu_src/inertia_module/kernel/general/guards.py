@@ -7,6 +7,7 @@ their torques, by the signs that the losses go by.
 
 from ..solvers.dormand_prince import END, NODES
 from ..solvers.interpolant import dense_bend, dense_change, dense_rate, dense_rate_bend, fit_dense
+from .satellites import MANY
 from .states import OPEN, WOUND
 
 HOUSING = 0
@@ -14,11 +15,17 @@ OUTPUT = 1
 SLIP = 2
 FLOW = 3
 SPIN = 4
-GUARDS = 5
 # share of the step over which the slope of a torque inside it is differenced
 APART = 1e-4
 # share of its range in the step that a guard stays above at all stages if it does between them
 CLEAR = 0.25
+
+
+def how_many_guards(d):
+    """How many guards there are: the torques of the meshes 17-6 are the last ones."""
+    if d.satellite_loss == 0.0 or d.number > MANY:
+        return SPIN
+    return SPIN + int(d.number)
 
 
 def is_watched(d, x, which, rough):
@@ -26,8 +33,7 @@ def is_watched(d, x, which, rough):
     if which == SLIP:
         return rough
     if which >= FLOW:
-        loss = d.mesh_loss if which == FLOW else d.satellite_loss
-        return loss != 0.0 and x.slip_sign != 0.0 and (which == FLOW or d.number == 1.0)
+        return x.slip_sign != 0.0 and (which > FLOW or d.mesh_loss != 0.0)
     return (d.housing if which == HOUSING else d.output) != 0.0
 
 
@@ -40,12 +46,17 @@ def is_speed(x, which):
     return which == SLIP and x.slip_sign != 0.0
 
 
+def is_spring(x, which):
+    """Whether the guard is the torque of a freewheel's spring."""
+    return which < SLIP and (x.housing_state if which == HOUSING else x.output_state) == WOUND
+
+
 def value_and_rate(d, x, m, which):
     """A guard, and its rate if it is a speed, else itself once more; m: d.machine after motion.evaluate."""
     if which == FLOW:
         return x.flow_sign * m.torque, x.flow_sign * m.torque
-    if which == SPIN:
-        return x.spin_sign * m.spun, x.spin_sign * m.spun
+    if which >= SPIN:
+        return m.spun_by[which - SPIN], m.spun_by[which - SPIN]
     if which == SLIP:
         return m.margin, (x.slip_sign * (m.alpha1 - m.alpha2) if x.slip_sign != 0.0 else m.margin)
     if which == HOUSING:
@@ -59,7 +70,7 @@ def value_and_rate(d, x, m, which):
 
 def watch(d, x, w, n):
     """Keep the guards at stage n."""
-    for which in range(GUARDS):
+    for which in range(how_many_guards(d)):
         w.watched[which].value[n], w.watched[which].rate[n] = value_and_rate(d, x, d.machine, which)
 
 
@@ -97,8 +108,7 @@ def general_guard(x, w, which, sigma):
     per_step = 1.0 / w.step
     value = per_step * dense_rate(one.dense, sigma)
     slope = per_step * (dense_rate(one.dense, sigma + APART) - dense_rate(one.dense, sigma - APART))
-    wound = (x.housing_state if which == HOUSING else x.output_state) == WOUND and which < SLIP
-    return value - (0.0 if wound else min(start, 0.0)), 0.5 * slope / APART
+    return value - (0.0 if is_spring(x, which) else min(start, 0.0)), 0.5 * slope / APART
 
 
 def general_bend(x, w, which):

@@ -8,7 +8,7 @@ import math
 from ..derive import TWO_PI
 from ..inertia import reduced_inertia
 from ..layout import imbalance
-from .satellites import spin_torques
+from .satellites import AS_THEY_ARE, spin_torques
 
 # angles in one turn at which it is looked at, for each of its highest harmonics; turns looked at
 ANGLES = 64
@@ -54,7 +54,7 @@ def jams_between(d, begin, length, count):
         if d.satellite_loss != 0.0:
             # at large accelerations: what they add to the loads of all satellites
             place = imbalance(d, q, 0.0)
-            _, _, by_alpha1, by_rate2 = spin_torques(d, q, place, 0.0, 0.0, 0.0, 1e150, True)
+            _, _, by_alpha1, by_rate2 = spin_torques(d, q, place, 0.0, 0.0, 0.0, 1e150, AS_THEY_ARE)
         for flow in (-1.0, 1.0):
             for way in (-1.0, 1.0):
                 if jams_at(

@@ -10,7 +10,7 @@ sigma is the sign of the slip, C and S what journals and the mesh 17-6 resist it
 
 from ..inertia import reduced_inertia
 from ..layout import imbalance
-from .satellites import inertia_at, spin_torques, weight_torques
+from .satellites import AS_THEY_ARE, MANY, inertia_at, spin_torques, weight_torques
 from .states import LOCKED, OPEN, WOUND
 
 # patterns of signs tried: each step of this Newton's method leaves it only for one closer to the solution
@@ -67,22 +67,20 @@ def accelerate_links(d, x, m, given, inertia, place, carried, resisting, fixed):
     alpha1 = given if d.by_torque == 0.0 else 0.0
     alpha2 = 0.0
     loaded = d.journal + d.satellite_loss > 0.0
-    many = d.satellite_loss != 0.0 and d.number > 1.0
     flow = x.flow_sign if fixed else 1.0
-    spin = x.spin_sign if fixed and not many else 1.0
+    signs = x.spin_signs if fixed and d.number <= MANY else AS_THEY_ARE
+    # of one satellite the sum says all
+    apart = d.satellite_loss != 0.0 and (signs == AS_THEY_ARE or d.number > 1.0)
     journals = mesh = by_alpha1 = by_rate2 = 0.0
     if loaded:
         journals, mesh, by_alpha1, by_rate2 = spin_torques(
-            d, m.q, place, m.omega1, rate_q, alpha1, k * alpha1, many
+            d, m.q, place, m.omega1, rate_q, alpha1, k * alpha1, signs
         )
     for _ in range(PATTERNS):
         passed = k / (1.0 - flow * d.mesh_loss)
-        way = sign * spin
-        by_q = g + way * by_rate2
-        coupling = b + way * by_alpha1 + k * by_q
-        demand = rest + sign * journals + way * mesh
-        before1 = alpha1
-        before2 = alpha2
+        by_q = g + sign * by_rate2
+        coupling = b + sign * by_alpha1 + k * by_q
+        demand = rest + sign * journals + sign * mesh
         push = passed * demand - resisting
         if d.by_torque == 0.0:
             if x.housing_state != LOCKED:
@@ -96,30 +94,26 @@ def accelerate_links(d, x, m, given, inertia, place, carried, resisting, fixed):
                 back = k * (b + passed * by_q)
                 link2 = own2 + passed * k * by_q
                 # phi link2 - passed coupling back, without its cancellation
-                determinant = own2 * phi + passed * k * (own1 * by_q - b * (b + way * by_alpha1))
+                determinant = own2 * phi + passed * k * (own1 * by_q - b * (b + sign * by_alpha1))
                 alpha1 = (link2 * drive + back * push) / determinant
                 alpha2 = (phi * push + passed * coupling * drive) / determinant
         m.torque = sign * (demand + coupling * alpha1 - k * by_q * alpha2)
         m.mesh = passed * sign * m.torque
         rate2_q = k * (alpha1 - alpha2)
         m.spun = mesh + by_alpha1 * alpha1 + by_rate2 * rate2_q
-        if fixed and not many:
-            break
+        m.spun_by[0] = m.spun
         agree = fixed or flow * m.torque >= 0.0
         if not agree:
             flow = -flow
-        if not many and spin * m.spun < 0.0:
-            spin = -spin
-            agree = False
-        if many:
-            agree = agree and alpha1 == before1 and alpha2 == before2
+        if apart:
+            before = mesh, by_alpha1, by_rate2
             journals, mesh, by_alpha1, by_rate2 = spin_torques(
-                d, m.q, place, m.omega1, rate_q, alpha1, rate2_q, many
+                d, m.q, place, m.omega1, rate_q, alpha1, rate2_q, signs
             )
+            agree = agree and before == (mesh, by_alpha1, by_rate2)
         if agree:
             break
     m.flow_sign = flow
-    m.spin_sign = spin
     m.alpha1 = alpha1
     m.alpha2 = alpha2
     m.journals = journals
@@ -140,7 +134,7 @@ def stick_links(d, x, m, given, inertia, place, carried, resisting):
     elif d.by_torque != 0.0:
         alpha = (given - rest1 - resisting) / (d.J1 + i + own2)
     ideal = b * alpha - 0.5 * i1 * omega1 * omega1 + m.weight_q
-    journals, mesh, by_alpha1, _ = spin_torques(d, m.q, place, omega1, 0.0, alpha, 0.0, True)
+    journals, mesh, by_alpha1, _ = spin_torques(d, m.q, place, omega1, 0.0, alpha, 0.0, AS_THEY_ARE)
     m.mesh = own2 * alpha + resisting
     if held:
         # at rest: what the drive torque leaves, or with the speed given what friction need not hold
@@ -150,7 +144,6 @@ def stick_links(d, x, m, given, inertia, place, carried, resisting):
     m.journals = journals
     m.spun = mesh + by_alpha1 * alpha
     m.flow_sign = 1.0
-    m.spin_sign = 1.0
     m.alpha1 = alpha
     m.alpha2 = alpha
     m.drive = (d.J1 + i) * alpha + rest1 + m.mesh

@@ -4,7 +4,7 @@ import math
 
 from ..layout import imbalance
 from ..links import torques
-from .satellites import spin_torques, weight_torques
+from .satellites import AS_THEY_ARE, spin_torques, weight_torques
 
 
 def prescribed_torques(d, q, theta1, omega1, alpha1, omega2, alpha2):
@@ -19,7 +19,9 @@ def prescribed_torques(d, q, theta1, omega1, alpha1, omega2, alpha2):
     rate2_q = k * (alpha1 - alpha2)
     sign = math.copysign(1.0, slip) if slip != 0.0 else 0.0
     place = imbalance(d, q, 0.0)
-    m.journals, mesh, by_alpha1, by_rate2 = spin_torques(d, q, place, omega1, k * slip, alpha1, rate2_q, True)
+    m.journals, mesh, by_alpha1, by_rate2 = spin_torques(
+        d, q, place, omega1, k * slip, alpha1, rate2_q, AS_THEY_ARE
+    )
     m.spun = mesh + by_alpha1 * alpha1 + by_rate2 * rate2_q
     _, m.weight1, m.weight_q = weight_torques(d, place, theta1)
     drive, ideal = torques(d, q, omega1, alpha1, omega2, alpha2)

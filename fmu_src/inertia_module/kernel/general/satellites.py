@@ -21,7 +21,13 @@ def inertia_at(d, place):
     )
 
 
-def spin_torques(d, q, first, omega1, rate_q, alpha1, rate2_q, signed):
+# satellites at most whose torques' signs are followed: bits of one number, set where negative
+MANY = 50
+# in place of that number: signs as the torques have them
+AS_THEY_ARE = -1.0
+
+
+def spin_torques(d, q, first, omega1, rate_q, alpha1, rate2_q, signs):
     """Torque that resists q, whatever its sign, by the loads of all satellites (docs/mechanics.md, "Losses").
 
     Journals: coefficient times radius, times m |a| without what alpha1 and q'' add to a, times the spin s.
@@ -30,18 +36,22 @@ def spin_torques(d, q, first, omega1, rate_q, alpha1, rate2_q, signed):
     Args:
         first: place of the first imbalance (layout.imbalance).
         q, omega1, rate_q, alpha1, rate2_q: motion of link 1 and the drives.
-        signed: whether each tau6 counts with its sign at these accelerations, else as it is.
+        signs: of all tau6, or AS_THEY_ARE at these accelerations.
 
     Returns:
         (journals, mesh, mesh by alpha1, mesh by q''): N m, and kg m^2; mesh is what remains without both.
-        The signs of all tau6, as one number, are left in d.machine.spin_signs.
+        Left in d.machine: the signs, and what each satellite adds, N m.
     """
     journals = 0.0
     rest = 0.0
     by_alpha1 = 0.0
     by_rate2 = 0.0
-    signs = 0.0
+    told = signs
+    found = 0.0
+    bit = 1.0
     number = 1.0 if d.planar != 0.0 else d.number
+    mass = d.mass / number
+    share = mass * d.satellite_loss
     for n in range(int(number)):
         place = imbalance(d, q, TWO_PI * n / number) if n > 0 else first
         px, y, z, x1, y1, z1, _, _, _ = place
@@ -53,17 +63,28 @@ def spin_torques(d, q, first, omega1, rate_q, alpha1, rate2_q, signed):
         own = ax * spin_x + ay * spin_y + az * z1
         with_alpha1 = y * z1 - z * spin_y
         with_rate2 = x1 * spin_x + y1 * spin_y + z1 * z1
-        sign = 1.0
-        if signed and own + with_alpha1 * alpha1 + with_rate2 * rate2_q < 0.0:
-            sign = -1.0
-        signs = 2.0 * signs + sign
+        torque = own + with_alpha1 * alpha1 + with_rate2 * rate2_q
+        negative = torque < 0.0
+        if signs != AS_THEY_ARE:
+            half = math.floor(0.5 * told)
+            negative = told != 2.0 * half
+            told = half
+        sign = -1.0 if negative else 1.0
+        found += bit if negative else 0.0
+        bit *= 2.0
+        if n < MANY:
+            d.machine.spun_by[n] = share * sign * torque
         rest += sign * own
         by_alpha1 += sign * with_alpha1
         by_rate2 += sign * with_rate2
-    d.machine.spin_signs = signs
-    mass = d.mass / number
-    share = mass * d.satellite_loss
+    d.machine.spin_signs = found
     return d.journal * d.s * mass * journals, share * rest, share * by_alpha1, share * by_rate2
+
+
+def with_sign_changed(signs, n):
+    """The signs of all satellites with that of one changed."""
+    bit = 2.0**n
+    return signs + (bit if math.floor(signs / bit) % 2.0 == 0.0 else -bit)
 
 
 def weight_torques(d, place, theta1):

@@ -132,7 +132,7 @@ def keep_rates(d, x, w, n):
     if d.elastic != 0.0:
         shaft = d.damping * m.relative * m.relative + d.friction * turning * turning
         f[LOST + SHAFT].rate[n] = shaft - d.balancer * d.J4 * m.alpha3 * turning
-    f[LOST + MESH].rate[n] = d.mesh_loss * x.flow_sign * m.mesh * slip + x.spin_sign * m.spun * turned
+    f[LOST + MESH].rate[n] = d.mesh_loss * x.flow_sign * m.mesh * slip + m.spun * turned
     f[LOST + JOURNAL].rate[n] = m.journals * turned
     f[LOST + FREEWHEEL].rate[n] = power_of_freewheels(d, x, m)
     f[OF_DRIVE].rate[n] = m.drive

@@ -5,7 +5,7 @@ It never drives the slip on, whatever its size, so no step makes energy with it 
 
 import math
 
-from ..general.satellites import spin_torques
+from ..general.satellites import AS_THEY_ARE, spin_torques
 from ..layout import imbalance
 from .link_step import move_links, turn_link1
 
@@ -21,7 +21,7 @@ def load_satellites(d, x, w, h):
     q = x.q + 0.5 * d.k * w.new_slip_angle
     place = imbalance(d, q, 0.0)
     w.journals, w.spin, w.spin_by_alpha1, w.spin_by_rate2 = spin_torques(
-        d, q, place, x.omega1 + 0.5 * h * alpha1, d.k * mean_slip, alpha1, rate2_q, True
+        d, q, place, x.omega1 + 0.5 * h * alpha1, d.k * mean_slip, alpha1, rate2_q, AS_THEY_ARE
     )
 
 
