@@ -89,7 +89,10 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
             self._out_of_order("setupExperiment", "before enterInitializationMode")
             return
         if stop_time is not None and not stop_time >= start_time:
-            self._say(must_be("stop time", f"at least the start time {start_time:.16g} s", stop_time), Fmi2Status.error)
+            self._say(
+                must_be("stop time", f"at least the start time {start_time:.16g} s", stop_time),
+                Fmi2Status.error,
+            )
             return
         self._tolerance = tolerance
         self._stop_time = math.inf if stop_time is None else stop_time
