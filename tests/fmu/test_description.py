@@ -237,9 +237,7 @@ def test_parameters_are_no_knowns_after_the_start(instance, description):
         pytest.skip("pythonfmu has no derivatives")
     instance.start()
     said = instance.refusal(lambda: instance.directional(["omega_out"], ["driven_inertia"], [1.0]))
-    assert said.startswith(
-        "a value reference must be that of an input or, in initialization mode, of a parameter"
-    )
+    assert said.startswith("a value reference must be that of an input, is ")
 
 
 def test_capabilities_and_default_experiment_are_declared(description, model):

@@ -10,25 +10,24 @@
 /* answered in place of a status of the kernel */
 #define OUT_OF_RANGE (-1)
 
-/* what a reference must be of: an output, an input, or what outputs are differentiated by */
-enum role { UNKNOWN, INPUT, KNOWN };
+/* what a reference must be of; AT_START: what the outputs depend on in initialization mode */
+enum role { OUTPUT, INPUT, AT_START };
 
-static int has_role(const struct instance *c, const struct variable *variable, enum role role)
+static int has_role(const struct variable *variable, enum role role)
 {
-    const int is_known = role == KNOWN && phase_of(c) == INITIALIZING && variable->kind == REAL;
-    return role == UNKNOWN ? variable->output : variable->array == INPUTS || (is_known && variable->array == PARAMETERS);
+    const int is_given = role == AT_START && variable->array == PARAMETERS && variable->kind == REAL;
+    return role == OUTPUT ? variable->output : variable->array == INPUTS || is_given;
 }
 
 /* Whether all references are of that role, and the order is 1. */
 static enum status check_references(struct instance *c, const uint32_t references[], size_t count,
                                    const int32_t orders[], enum role role)
 {
-    static const char *const names[] = {
-        "output", "input", "input or, in initialization mode, of a parameter that is no whole number"};
+    static const char *const names[] = {"output", "input", "input or a parameter that is no whole number"};
     for (size_t n = 0; n < count; n++) {
         const struct variable *variable =
             references[n] < model.variable_count ? &model.variables[references[n]] : NULL;
-        if (!variable || !has_role(c, variable, role))
+        if (!variable || !has_role(variable, role))
             return report(c, ERROR, "a value reference must be that of an %s, is %u", names[role],
                           (unsigned)references[n]);
         if (orders && orders[n] != 1)
@@ -71,7 +70,7 @@ enum status get_rates(struct instance *c, const uint32_t references[], size_t co
         return out_of_order(c, "reading derivatives of outputs", "after exitInitializationMode");
     if (count > 0 && (!references || !orders || !values))
         return without_array(c, "reading derivatives of outputs");
-    const enum status status = check_references(c, references, count, orders, UNKNOWN);
+    const enum status status = check_references(c, references, count, orders, OUTPUT);
     if (status != OK || count == 0)
         return status;
     try_from(c, c->x, c->u);
@@ -128,10 +127,11 @@ static enum status check_call(struct instance *c, const uint32_t unknowns[], siz
 {
     if ((unknown_count > 0 && (!unknowns || !of_unknowns)) || (known_count > 0 && (!knowns || !of_knowns)))
         return without_array(c, "a derivative");
-    if (check_references(c, unknowns, unknown_count, NULL, UNKNOWN) != OK ||
-        check_references(c, knowns, known_count, NULL, KNOWN) != OK)
+    const int at_start = phase_of(c) == INITIALIZING;
+    if (check_references(c, unknowns, unknown_count, NULL, OUTPUT) != OK ||
+        check_references(c, knowns, known_count, NULL, at_start ? AT_START : INPUT) != OK)
         return ERROR;
-    if (phase_of(c) == INITIALIZING)
+    if (at_start)
         return prepare(c, DISCARD);
     if (!is_differentiable(c))
         return out_of_order(c, "a derivative", "after enterInitializationMode");

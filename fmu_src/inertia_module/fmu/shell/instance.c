@@ -184,6 +184,8 @@ enum status terminate(struct instance *c)
 {
     if (!c)
         return ERROR;
+    if (check_no_update(c, "terminate") != OK)
+        return ERROR;
     if (!is_running(c))
         return out_of_order(c, "terminate", "after exitInitializationMode");
     c->head[PHASE] = TERMINATED;

@@ -65,6 +65,8 @@ enum status take_step(struct instance *c, enum operation operation, double time,
 {
     if (!c)
         return ERROR;
+    if (phase_of(c) == AT_EVENT || phase_of(c) == UPDATING)
+        return out_of_order(c, "doStep", "in step mode");
     if (phase_of(c) != STEPPING)
         return out_of_order(c, "doStep", "after exitInitializationMode");
     if (!isfinite(time))
