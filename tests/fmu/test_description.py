@@ -2,12 +2,13 @@ import datetime
 import io
 import re
 import zipfile
+from xml.etree import ElementTree
 
 import pytest
 from fmpy.validation import validate_fmu
 
 from inertia_module.contract.models import DRIVEN_SHAFT, INERTIA_MODULE
-from inertia_module.contract.variable import DISPLAY_UNITS, ENUMERATIONS, REAL, UNITS
+from inertia_module.contract.variable import DISPLAY_UNITS, ENUMERATIONS, INPUT, PARAMETER, REAL, UNITS
 from inertia_module.fmu import python_fmu
 from inertia_module.fmu.builder import FMUS, PYTHON_FMU, content_of
 
@@ -118,6 +119,15 @@ def test_time_is_the_last_variable_of_fmi_3(description):
         assert (time.name, time.causality, time.unit) == ("time", "independent", "s")
 
 
+def test_what_is_continuous_and_calculated_can_be_read_in_an_intermediate_update(fmu_path, model):
+    with zipfile.ZipFile(fmu_path) as packed:
+        root = ElementTree.fromstring(packed.read("modelDescription.xml"))
+    names = [v.get("name") for v in root.find("ModelVariables") if v.get("intermediateUpdate") == "true"]
+    calculated = [v for v in model.variables if v.causality not in (INPUT, PARAMETER)]
+    expected = [v.name for v in calculated if v.variability == "continuous"]
+    assert names == (expected if root.get("fmiVersion") == "3.0" else [])
+
+
 def test_units_have_their_base_unit_exponents(description, model):
     found = {unit.name: unit for unit in description.unitDefinitions}
     of_time = {"s"} if is_fmi3(description) else set()
@@ -175,6 +185,59 @@ def test_declared_initial_dependencies_are_all_there_are(instances, description,
         changed = outputs(**{known: value})
         touched = {name for name in initial if changed[name] != reference[name]}
         assert touched <= {name for name in initial if known in initial[name]}, known
+
+
+STARTS = {
+    INERTIA_MODULE: [
+        {},
+        {"drive": 1},
+        {"fidelity": 3},
+        {"layout": 1},
+        {"mesh_efficiency": 0.95, "housing_drag": 1.0},
+    ],
+    DRIVEN_SHAFT: [{}],
+}
+
+
+def test_derivatives_by_all_that_is_declared_are_those_of_the_initial_values(instances, description, model):
+    if not description.coSimulation.providesDirectionalDerivative and not is_fmi3(description):
+        pytest.skip("pythonfmu has no derivatives")
+    initial = {u.variable.name: {d.name for d in u.dependencies} for u in description.initialUnknowns}
+    for start in STARTS[model]:
+        one, other = instances(), instances()
+        for instance in (one, other):
+            instance.fmu.setupExperiment()
+            instance.set(**BASE[model], **start)
+            instance.fmu.enterInitializationMode()
+        for variable in model.with_causality(INPUT, PARAMETER):
+            if variable.kind != REAL:
+                continue
+            found = one.directional(list(initial), [variable.name], [2.0])
+            value = other.get(variable.name)
+            change = 1e-5 * (abs(value) or 0.01)
+            ends = [min(max(value + end, variable.minimum), variable.maximum) for end in (change, -change)]
+            rows = []
+            for end in ends:
+                other.set(**{variable.name: end})
+                rows.append([other.get(name) for name in initial])
+            other.set(**{variable.name: value})
+            for name, slope, high, low in zip(initial, found, *rows, strict=True):
+                expected = 2.0 * (high - low) / (ends[0] - ends[1])
+                allowed = pytest.approx(expected, rel=1e-3, abs=1e-4 * (1.0 + abs(high)))
+                assert slope == allowed, (name, variable.name, start)
+                assert slope == 0.0 or variable.name in initial[name], (name, variable.name)
+        for instance in (one, other):
+            instance.fmu.exitInitializationMode()
+            instance.step(0.01)
+        assert one.all_values() == other.all_values()
+
+
+def test_parameters_are_no_knowns_after_the_start(instance, description):
+    if description.modelName == "InertiaModulePy":
+        pytest.skip("pythonfmu has no derivatives")
+    instance.start()
+    said = instance.refusal(lambda: instance.directional(["omega_out"], ["driven_inertia"], [1.0]))
+    assert said.startswith("a value reference must be that of an input, is ")
 
 
 def test_capabilities_and_default_experiment_are_declared(description, model):

@@ -161,16 +161,67 @@ def test_a_host_may_go_on_without_event_mode(make, settings):
     assert careless.get("omega_out") == passing.get("omega_out")
 
 
-def test_without_early_return_event_mode_sees_no_event(make):
-    instance = make(eventModeUsed=True).start(**R1)
-    plain = make().start(**R1)
+def test_without_early_return_a_switch_is_an_event_at_the_end_of_the_step(make, twin):
+    instance, plain = make(eventModeUsed=True).start(**R1), make().start(**R1)
     pass_event(instance)
-    for n in range(20):
-        event, ends, early, reached = instance.fmu.doStep(n * 0.01, 0.01)
-        assert (event, ends, early) == (False, False, False)
-        assert reached == pytest.approx((n + 1) * 0.01)
-        plain.step(0.01)
-    assert instance.all_values() == plain.all_values()
+    changes = 0
+    for n in range(300):
+        before = instance.get("contact_switches")
+        event, ends, early, reached = instance.fmu.doStep(n * 1e-3, 1e-3)
+        plain.step(1e-3)
+        assert (ends, early, reached) == (False, False, n * 1e-3 + 1e-3)
+        assert event == (plain.get("contact_switches") != before)
+        if event:
+            changes += 1
+            instance.fmu.enterEventMode()
+            pass_event(instance)
+        assert instance.all_values() == plain.all_values()
+    assert changes == 42
+
+
+def names_of_discrete_values(description):
+    given = ("input", "parameter")
+    return [
+        v.name for v in description.modelVariables if v.variability == "discrete" and v.causality not in given
+    ]
+
+
+@pytest.mark.parametrize("early", [False, True])
+@pytest.mark.parametrize("level", LEVELS)
+def test_discrete_values_change_in_event_mode_only(make, description, level, early):
+    names = names_of_discrete_values(description)
+    assert names == ["contact_mode", "contact_switches"]
+    instance = make(eventModeUsed=True, earlyReturnAllowed=early)
+    instance.start(**{**R1, "drive_torque": 30.0, **LEVELS[level]})
+    pass_event(instance)
+    held, changes = None, 0
+    for n in range(1, 101):
+        reached = (n - 1) * 1e-3
+        while reached < n * 1e-3:
+            held = [instance.get(name) for name in names]
+            event, _, _, reached = instance.fmu.doStep(reached, n * 1e-3 - reached)
+            assert [instance.get(name) for name in names] == held
+            if event:
+                instance.fmu.enterEventMode()
+                pass_event(instance)
+                changes += [instance.get(name) for name in names] != held
+    assert (changes > 0) == (not level.startswith(("kinematic", "averaged")))
+
+
+def test_a_pending_event_is_part_of_the_state(make):
+    instance, other = (make(eventModeUsed=True).start(**R1) for _ in range(2))
+    pass_event(instance)
+    before = instance.get("contact_mode")
+    assert any(instance.fmu.doStep(n * 1e-3, 1e-3)[0] for n in range(100))
+    saved = instance.fmu.serializeFMUState(instance.fmu.getFMUState())
+    other.fmu.setFMUState(other.fmu.deserializeFMUState(saved))
+    for one in (instance, other):
+        assert one.get("contact_mode") == before
+        one.fmu.enterEventMode()
+        pass_event(one)
+        assert one.get("contact_mode") != before
+        one.fmu.terminate()
+        assert one.get("contact_mode") != before
 
 
 def test_state_at_an_event_goes_on_with_the_same_bits(make):
@@ -207,13 +258,20 @@ def test_intermediate_update_shows_every_switch_and_changes_nothing(make):
     def update(_, time, set_requested, get_allowed, finished, can_return, __, ___):
         assert (bool(set_requested), bool(get_allowed), bool(can_return)) == (False, True, False)
         assert holder[0].fmu.getFloat64([holder[0].clock]) == [time]
+        said = holder[0].refusal(lambda: holder[0].set(omega1=50.0))
+        assert said == "setting omega1 must come between steps, the instance is in an intermediate update"
+        said = holder[0].refusal(holder[0].fmu.terminate)
+        assert said == "terminate must come between steps, the instance is in an intermediate update"
         seen.append((time, bool(finished), holder[0].get("contact_mode")))
 
     watched, plain = make(intermediateUpdate=update).start(**R1), make().start(**R1)
     holder.append(watched)
     for _ in range(20):
+        shown = len(seen)
+        before = watched.get("contact_mode")
         watched.step(0.01)
         plain.step(0.01)
+        assert {mode for *_, mode in seen[shown:]} == {before}
     assert watched.all_values() == plain.all_values()
     times = run(started(make, **R1), 0.01, 20)
     assert [time for time, finished, _ in seen if not finished] == pytest.approx(times, abs=1e-12)
@@ -243,7 +301,8 @@ def test_modes_follow_each_other_in_order_only(make, event_mode):
         assert "made for event mode" in instance.refusal(instance.fmu.enterEventMode)
         return
     instance.fmu.enterEventMode()
-    assert "is in event mode" in instance.refusal(lambda: instance.fmu.doStep(0.0, 0.01))
+    said = instance.refusal(lambda: instance.fmu.doStep(0.0, 0.01))
+    assert said == "doStep must come in step mode, the instance is in event mode"
     with pytest.raises(FMICallException) as caught:
         instance.set(output_friction=-1.0)
     assert caught.value.status == fmi3Discard
@@ -265,5 +324,6 @@ def test_fmpy_runs_it_with_and_without_events(fmu_path, modes):
     found = fmpy.simulate_fmu(str(fmu_path), stop_time=0.2, output_interval=1e-3, output=names, **modes)
     plain = fmpy.simulate_fmu(str(fmu_path), stop_time=0.2, output_interval=1e-3, output=names)
     assert found["omega_out"][-1] == pytest.approx(plain["omega_out"][-1], rel=1e-9)
-    extra = found["contact_switches"][-1] if "early_return_allowed" in modes else 0
-    assert len(found) == len(plain) + extra
+    switches = np.count_nonzero(np.diff(plain["contact_switches"]))
+    extra = {"early_return_allowed": plain["contact_switches"][-1], "use_event_mode": switches}
+    assert len(found) == len(plain) + sum(extra[mode] for mode in modes)

@@ -8,12 +8,12 @@ import subprocess
 import sys
 
 import pytest
-from fmpy.fmi2 import FMU2Slave, fmi2Discard
+from fmpy.fmi2 import FMU2Slave, fmi2Discard, fmi2Error, fmi2OK
 
 from inertia_module.compiling.records import place, size
 from inertia_module.contract.models import INERTIA_MODULE
 from inertia_module.harness.fmu import Fmu
-from inertia_module.harness.logs import callbacks_of
+from inertia_module.harness.logs import callbacks_of, messages_of_others
 
 FLAVOURS = ("InertiaModulePy",)
 FOLDERS = ["Jürgen Müller", "日本", "100%", "a%41b", "module #3", "100%25", "ends in %"]
@@ -174,7 +174,7 @@ def test_a_forged_number_of_a_state_is_no_index_and_no_choice(instance):
         assert not instance.is_discarded(0.1), name
 
 
-@pytest.mark.parametrize("byte, value", [(0, 5), (0, 255), (9, 200), (12, 255)])
+@pytest.mark.parametrize("byte, value", [(0, 5), (0, 255), (17, 200), (20, 255)])
 def test_a_forged_head_of_a_state_is_refused_and_nothing_is_lost(instance, byte, value):
     instance.start(omega1=100.0)
     state = bytearray(instance.fmu.serializeFMUstate(instance.fmu.getFMUstate()))
@@ -202,3 +202,52 @@ def test_a_state_of_initialization_mode_is_calculated_anew_where_it_is_restored(
     assert instance.get("input_speed") == 80.0
     instance.fmu.setFMUstate(early)
     assert instance.get("input_speed") == 50.0
+
+
+def test_a_state_is_freed_once_however_often_it_is_asked_for(instance):
+    instance.start(omega1=100.0)
+    instance.step(0.1)
+    library, component = instance.fmu.dll, instance.fmu.component
+    state = ctypes.c_void_p()
+    for _ in range(100):
+        assert library.fmi2GetFMUstate(ctypes.c_void_p(component), ctypes.byref(state)) == fmi2OK
+        assert state.value
+        for _ in range(3):
+            assert library.fmi2FreeFMUstate(ctypes.c_void_p(component), ctypes.byref(state)) == fmi2OK
+            assert state.value is None
+    assert library.fmi2FreeFMUstate(ctypes.c_void_p(component), None) == fmi2OK
+    assert not instance.is_discarded(0.1)
+
+
+NULL_ARGUMENTS = {
+    **{
+        f"{call}{kind}": (1, None)
+        for call in ("Get", "Set")
+        for kind in ("Real", "Integer", "Boolean", "String")
+    },
+    "GetFMUstate": (),
+    "SetFMUstate": (),
+    "SerializedFMUstateSize": (None,),
+    "SerializeFMUstate": (None, 100),
+    "DeSerializeFMUstate": (100, None),
+    "GetRealStatus": None,
+}
+
+
+@pytest.mark.parametrize("call", NULL_ARGUMENTS)
+def test_null_pointers_are_refused_and_the_instance_goes_on(instance, call):
+    instance.start(omega1=100.0)
+    instance.step(0.1)
+    before = instance.all_values()
+    others = NULL_ARGUMENTS[call]
+    # of sizes, for a size is as wide as a pointer
+    given = [2, None] if others is None else [None, *others]
+    arguments = [ctypes.c_void_p(value) if value is None else ctypes.c_size_t(value) for value in given]
+    function = instance.fmu.dll[f"fmi2{call}"]
+    with messages_of_others() as messages:
+        assert function(ctypes.c_void_p(instance.fmu.component), *arguments) == fmi2Error
+    assert messages == [f"the arguments of fmi2{call} must be given, one is NULL"]
+    assert instance.all_values() == before
+    assert not instance.is_discarded(0.1)
+    if call.endswith(("Real", "Integer", "Boolean", "String")):
+        assert function(ctypes.c_void_p(instance.fmu.component), None, ctypes.c_size_t(0), None) == fmi2OK

@@ -95,6 +95,48 @@ def test_bad_input_or_step_is_discarded_and_nothing_is_lost(instances, drive):
     one.check_bad_input_and_step(undisturbed, INERTIA_MODULE, good, BAD_INPUTS)
 
 
+@pytest.mark.parametrize("begin", [0.0, 7.0])
+def test_a_step_past_the_stop_time_is_an_error_and_nothing_is_lost(instances, begin):
+    one, endless = instances(), instances()
+    one.fmu.setupExperiment(startTime=begin, stopTime=begin + 0.3)
+    endless.fmu.setupExperiment(startTime=begin)
+    for instance in (one, endless):
+        instance.time = begin
+        instance.set(omega1=100.0, load_torque=10.0)
+        instance.fmu.enterInitializationMode()
+        instance.fmu.exitInitializationMode()
+        for _ in range(3):  # 3 · 0.1 is more than 0.3 by a rounding
+            instance.step(0.1)
+    before = one.all_values()
+    said = one.refusal(lambda: one.try_step(0.1))
+    assert said == (
+        f"a step must end at the stop time {begin + 0.3:.16g} s at the latest,"
+        f" is one of 0.1 s from {one.time:.16g} s"
+    )
+    assert one.all_values() == before
+    one.step(1e-6)  # a host's rounding
+    endless.step(1e-6)
+    assert one.all_values() == endless.all_values()
+    endless.step(0.1)
+
+
+def test_the_stop_time_is_part_of_the_state_and_forgotten_by_a_reset(instances):
+    one, other = instances(), instances().start(omega1=100.0)
+    one.fmu.setupExperiment(stopTime=0.1)
+    one.fmu.enterInitializationMode()
+    one.fmu.exitInitializationMode()
+    other.fmu.setFMUstate(other.fmu.deSerializeFMUstate(one.fmu.serializeFMUstate(one.fmu.getFMUstate())))
+    for instance in (one, other):
+        assert "stop time 0.1 s at the latest" in instance.refusal(lambda tried=instance: tried.try_step(0.2))
+    one.fmu.reset()
+    one.start(omega1=100.0).step(0.2)
+
+
+def test_a_stop_time_before_the_start_time_is_refused(fmu_path):
+    with pytest.raises(FmuError, match=r"^stop time must be at least the start time 1 s, is 0.5$"):
+        Fmu(fmu_path, start_time=1.0, stop_time=0.5)
+
+
 def test_bad_input_at_the_end_of_initialisation_is_refused(fmu_path):
     with pytest.raises(FmuError, match=r"^omega1 must be between -1000000 and 1000000 rad/s, is nan$"):
         Fmu(fmu_path, inputs={"omega1": math.nan})

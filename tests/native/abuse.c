@@ -5,6 +5,7 @@
  */
 #include "abuse.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -41,6 +42,7 @@ static const struct action *some_action(void)
 static void make(struct slot *slot)
 {
     memset(slot, 0, sizeof *slot);
+    slot->stop = INFINITY;
     slot->c = instantiate(&slot->journal, names[slot - slots]);
 }
 
@@ -57,6 +59,7 @@ static void compare_with_fresh(struct slot *slot)
           "an instance that was reset runs otherwise than a fresh one");
     fmi2FreeInstance(fresh);
     slot->stage = RUNNING;
+    slot->stop = INFINITY;
     memory.refuse_one_in = refuse_one_in;
 }
 

@@ -14,6 +14,7 @@ enum stage { NEW, STARTING, RUNNING, BROKEN, ENDED };
 struct kept {
     fmi2FMUstate state;
     enum stage stage;
+    double stop;
 };
 
 struct slot {
@@ -22,7 +23,7 @@ struct slot {
     struct journal journal;
     struct kept kept[MOST_STATES];
     unsigned states;
-    double time;
+    double time, stop; /* stop: of the experiment, if there is one */
     fmi2FMUstate freed; /* a state that is no more */
 };
 
@@ -31,6 +32,7 @@ struct serialized {
     fmi2Byte bytes[MOST_BYTES];
     size_t size;
     enum stage stage;
+    double stop;
 };
 
 extern struct chance chance;

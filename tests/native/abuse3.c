@@ -16,14 +16,15 @@ enum place { NEW, STARTING, BETWEEN_STEPS, AT_AN_EVENT, BROKEN, ENDED };
 struct kept {
     fmi3FMUState state;
     enum place place;
-    double time;
+    double time, stop;
 };
 
 static struct chance chance;
 static fmi3Instance c; /* or NULL, for a call without an instance */
 static enum place place;
 static int has_events, stops;
-static double now;
+static double now, stop; /* stop: of the experiment, if there is one */
+static double discrete; /* value at the beginning of the step */
 static struct kept kept;
 static unsigned long updates, events;
 
@@ -60,6 +61,16 @@ static void look(fmi3Instance instance, struct view *view)
     view->status = fmi3GetFloat64(instance, references, count, view->values, count);
 }
 
+/* A discrete value that the model has, or 0: it may change in event mode only, where a host uses it. */
+static fmi3Float64 discrete_value(void)
+{
+    fmi3Float64 value = 0.0;
+    for (fmi3ValueReference n = 0; n < model.variable_count; n++)
+        if (model.variables[n].held >= 0 && model.variables[n].kind == REAL)
+            CHECK(fmi3GetFloat64(c, &n, 1, &value, 1) == fmi3OK, "reading %s", model.variables[n].name);
+    return value;
+}
+
 static void log_message(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String category, fmi3String text)
 {
     CHECK(environment == &kept && *category && *text && status <= fmi3Error, "a message with status %d", status);
@@ -75,6 +86,7 @@ static void update(fmi3InstanceEnvironment environment, fmi3Float64 time, fmi3Bo
     CHECK(!*early_return && *early_return_time == time, "an update at %g", time);
     look(c, &view);
     CHECK(view.status == fmi3OK && fmi3EnterEventMode(c) == fmi3Error, "an update at %g", time);
+    CHECK(discrete_value() == discrete, "a discrete value changes in an update at %g", time);
     updates++;
 }
 
@@ -93,12 +105,14 @@ static void make(void)
 static fmi3Status begin(fmi3Instance instance)
 {
     const double start = one_in(&chance, 4) ? any_value() : 0.0;
-    const int right = place == NEW && isfinite(start);
-    const fmi3Status status = fmi3EnterInitializationMode(instance, one_in(&chance, 3), 1e-6, start, false, 0.0);
+    const int right = place == NEW && isfinite(start), has_stop = one_in(&chance, 3);
+    const double end = start + pow(10.0, between(&chance, -4.0, 0.0));
+    const fmi3Status status = fmi3EnterInitializationMode(instance, one_in(&chance, 3), 1e-6, start, has_stop, end);
     CHECK(!instance || (status == fmi3OK) == right, "the beginning of initialization in %d", place);
     if (status == fmi3OK) {
         place = STARTING;
         now = start;
+        stop = has_stop ? end : INFINITY;
     }
     return status;
 }
@@ -145,13 +159,17 @@ static fmi3Status take_step(fmi3Instance instance)
 {
     fmi3Boolean event = false, ends = false, early = false;
     fmi3Float64 reached = NAN;
+    discrete = instance && place == BETWEEN_STEPS ? discrete_value() : 0.0;
     const double step = one_in(&chance, 10) ? any_value() * -1e300 : between(&chance, 1e-5, 5e-3);
     const fmi3Status status = fmi3DoStep(instance, now, step, false, &event, &ends, &early, &reached);
     CHECK(!instance || place == BETWEEN_STEPS || status == fmi3Error, "a step in %d", place);
+    const int past = now + step > stop + 1e-5 * fmax(1.0, fabs(stop));
+    CHECK(!instance || place != BETWEEN_STEPS || (status == fmi3Error) == past, "a step to %g of %g", now + step, stop);
     if (status != fmi3OK)
         return status;
+    CHECK(!has_events || discrete_value() == discrete, "a discrete value changes in step mode");
     CHECK(!ends && reached >= now && reached <= now + step && (early || reached == now + step), "a step to %g", reached);
-    CHECK((stops || !early) && (!event || (has_events && stops && early)), "an event that nobody waits for");
+    CHECK((stops || !early) && (!event || has_events), "an event that nobody waits for");
     events += event;
     now = reached;
     return status;
@@ -183,12 +201,14 @@ static fmi3Status read_state(fmi3Instance instance)
             return fmi3GetFMUState(NULL, &state);
         kept.place = place;
         kept.time = now;
+        kept.stop = stop;
         return fmi3OK;
     case 1:
         if (fmi3SetFMUState(instance, kept.state) != fmi3OK)
             return fmi3Error;
         place = kept.place;
         now = kept.time;
+        stop = kept.stop;
         return fmi3OK;
     case 2:
         if (fmi3SerializedFMUStateSize(instance, kept.state, &size) != fmi3OK)

@@ -1,6 +1,7 @@
 /* Random calls that begin, end and reset instances, and switch their logging. */
 #include "abuse.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -8,12 +9,15 @@ static struct answer setup(struct slot *slot, fmi2Component c)
 {
     const int bad = one_in(&chance, 4);
     const double tolerance = bad ? any_number() : 1e-6, begin = bad ? any_number() : between(&chance, -1.0, 1.0);
-    const fmi2Status status = fmi2SetupExperiment(c, one_in(&chance, 3), tolerance, begin, one_in(&chance, 3),
-                                                  bad ? any_number() : begin + 10.0);
+    const double stop = bad ? any_number() : begin + pow(10.0, between(&chance, -4.0, 1.0));
+    const int has_stop = one_in(&chance, 3);
+    const fmi2Status status = fmi2SetupExperiment(c, one_in(&chance, 3), tolerance, begin, has_stop, stop);
     CHECK(!c || slot->stage == NEW || status == fmi2Error, "setupExperiment in stage %d: %d", slot->stage,
           status);
-    if (status == fmi2OK)
+    if (status == fmi2OK) {
         slot->time = begin;
+        slot->stop = has_stop ? stop : INFINITY;
+    }
     return CALLED(status);
 }
 
@@ -56,6 +60,7 @@ static struct answer reset(struct slot *slot, fmi2Component c)
     if (status == fmi2OK) {
         slot->stage = NEW;
         slot->time = 0.0;
+        slot->stop = INFINITY;
     }
     return CALLED(status);
 }

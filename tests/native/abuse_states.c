@@ -44,7 +44,7 @@ static struct answer save(struct slot *slot, fmi2Component c)
     }
     if (!kept)
         kept = &slot->kept[slot->states++];
-    *kept = (struct kept){state, slot->stage};
+    *kept = (struct kept){state, slot->stage, slot->stop};
     return CALLED(status);
 }
 
@@ -55,6 +55,7 @@ static struct answer restore(struct slot *slot, fmi2Component c)
     CHECK(!c || (status == fmi2OK) == (kept != NULL), "restoring a state answers %d", status);
     if (status == fmi2OK) {
         slot->stage = kept->stage;
+        slot->stop = kept->stop;
         CHECK(fmi2GetRealStatus(c, fmi2LastSuccessfulTime, &slot->time) == fmi2OK, "the time of a state");
     }
     return CALLED(status);
@@ -100,6 +101,7 @@ static struct answer serialize(struct slot *slot, fmi2Component c)
     memcpy(serialized.bytes, bytes, size);
     serialized.size = size;
     serialized.stage = kept->stage;
+    serialized.stop = kept->stop;
     free(bytes);
     return CALLED(status);
 }
@@ -146,10 +148,8 @@ static struct answer deserialize(struct slot *slot, fmi2Component c)
     state = kept ? kept->state : NULL;
     status = fmi2DeSerializeFMUstate(c, serialized.bytes, serialized.size, &state);
     CHECK(!kept || state == kept->state, "reading into a state of the instance makes another");
-    if (status == fmi2OK && kept)
-        kept->stage = serialized.stage;
-    else if (status == fmi2OK)
-        slot->kept[slot->states++] = (struct kept){state, serialized.stage};
+    if (status == fmi2OK)
+        *(kept ? kept : &slot->kept[slot->states++]) = (struct kept){state, serialized.stage, serialized.stop};
     return CALLED(status);
 }
 

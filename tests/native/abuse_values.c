@@ -102,6 +102,7 @@ static void lose_patience(struct slot *slot)
     CHECK(fmi2Reset(slot->c) == fmi2OK, "reset");
     slot->stage = NEW;
     slot->time = 0.0;
+    slot->stop = INFINITY;
 }
 
 static struct answer step(struct slot *slot, fmi2Component c)
@@ -117,7 +118,9 @@ static struct answer step(struct slot *slot, fmi2Component c)
     if (!c)
         return CALLED(status);
     CHECK(slot->stage == RUNNING || status == fmi2Error, "a step in stage %d answers %d", slot->stage, status);
-    CHECK(slot->stage != RUNNING || status == fmi2OK || status == fmi2Discard, "a step answers %d", status);
+    const int past = time + size > slot->stop + 1e-5 * fmax(1.0, fabs(slot->stop)) && isfinite(time);
+    CHECK(slot->stage != RUNNING || (status == fmi2Error) == past, "a step to %g answers %d, the end is %g", time + size,
+          status, slot->stop);
     CHECK(status != fmi2OK || (size > 0.0 && isfinite(size) && isfinite(time)), "step %g at %g is taken", size, time);
     if (status == fmi2OK)
         slot->time = time + size;
@@ -160,8 +163,8 @@ static struct answer get_directional(struct slot *slot, fmi2Component c)
     fmi2ValueReference unknowns[MOST_REFERENCES], knowns[MOST_REFERENCES];
     fmi2Real direction[MOST_REFERENCES], derivative[MOST_REFERENCES];
     const unsigned unknown_count = some_references(unknowns, REAL, OUTPUTS);
-    const unsigned known_count = some_references(knowns, REAL, INPUTS);
-    (void)slot;
+    const enum array by = slot->stage == STARTING && one_in(&chance, 2) ? PARAMETERS : INPUTS;
+    const unsigned known_count = some_references(knowns, REAL, by);
     for (unsigned n = 0; n < known_count; n++)
         direction[n] = one_in(&chance, 20) ? any_number() : between(&chance, -1.0, 1.0);
     return CALLED(fmi2GetDirectionalDerivative(c, unknowns, unknown_count, one_in(&chance, 100) ? NULL : knowns,

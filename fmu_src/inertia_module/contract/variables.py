@@ -51,9 +51,16 @@ def _signal(
     )
 
 
-def _counter(name: str, text: str, minimum: float | None = 0.0, causality: str = LOCAL) -> Variable:
+def _counter(
+    name: str,
+    text: str,
+    minimum: float | None = 0.0,
+    causality: str = LOCAL,
+    variability: str = "continuous",
+) -> Variable:
+    """A whole number; discrete is what changes at switches alone, for FMI 3.0 has that change in events alone."""
     return Variable(
-        name, REAL, causality, "discrete", "1", None, minimum, None, None, text, follows=SINCE_START
+        name, REAL, causality, variability, "1", None, minimum, None, None, text, follows=SINCE_START
     )
 
 
@@ -161,7 +168,7 @@ VARIABLES: tuple[Variable, ...] = (
     _signal(LOCAL, "energy_residual", "J", 1.0, "energy audit: in - out - lost - gain of stored, the error of the integration", follows=SINCE_START),
     _signal(LOCAL, "torque_ripple", "N.m", 100.0, "ripple of the output torque over the last communication step: RMS of Tc about its mean, impulses apart", 0.0),
     _signal(LOCAL, "torque_peak", "N.m", 100.0, "largest magnitude of the output torque Tc over the last communication step, impulses apart", 0.0),
-    _counter("contact_switches", "changes of the contact mode since the start"),
+    _counter("contact_switches", "changes of the contact mode since the start", variability="discrete"),
     _counter("rhs_evaluations", "evaluations of the mechanism since the start: the cost"),
     _choice("layout", "Layout", 0, "layout of the differential"),
     _whole("z2", 20, 1, 1000000, "teeth of wheel 2, fixed to link 2 (bevel)"),

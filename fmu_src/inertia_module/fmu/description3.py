@@ -5,7 +5,7 @@ from __future__ import annotations
 from xml.etree.ElementTree import Element, SubElement
 
 from ..contract.models import Model
-from ..contract.variable import BOOLEAN, ENUMERATION, REAL, Variable
+from ..contract.variable import BOOLEAN, ENUMERATION, LOCAL, OUTPUT, REAL, Variable
 from .archive import xml_text
 from .description import (
     add_run,
@@ -47,6 +47,8 @@ def _add_variable(parent: Element, reference: int, variable: Variable) -> None:
     attributes = variable_attributes(reference, variable)
     if variable.kind == REAL:
         attributes |= real_attributes(variable)
+        if variable.causality in (OUTPUT, LOCAL) and variable.variability == "continuous":
+            attributes["intermediateUpdate"] = "true"  # which shows values and takes none
     elif variable.kind == BOOLEAN:
         attributes["start"] = truth(bool(variable.start))
     else:

@@ -26,8 +26,10 @@ REFUSED = "in error since initialization"
 TERMINATED = "terminated"
 
 _PHASES = (INSTANTIATED, INITIALIZING, STEPPING, REFUSED, TERMINATED)
-# bytes in front of the state of the model: phase and tolerance
-HEAD_SIZE = 9
+# bytes in front of the state of the model: phase, tolerance and stop time
+HEAD_SIZE = 17
+# a step may end past the stop time by this share of it, or of a second, as in shell/stepping.c
+NEAR_STOP = 1e-5
 _UNKNOWN = Variable("unknown", "", "", "", "", None, None, None, None, "")
 
 
@@ -42,6 +44,7 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
         self._variables = self._instance.model.variables
         self._phase = INSTANTIATED
         self._tolerance: float | None = None
+        self._stop_time = math.inf
         # in initialization mode: whether the outputs follow from the values set
         self._calculated = False
         instance = self._instance
@@ -81,11 +84,18 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
     # -- initialisation ------------------------------------------------------------------------------
 
     def setup_experiment(self, start_time: float, stop_time: float | None, tolerance: float | None) -> None:
-        """Take over the tolerance: it wins over the parameter, where the model has one."""
+        """Take over the stop time and the tolerance: it wins over the parameter, where the model has one."""
         if self._phase != INSTANTIATED:
             self._out_of_order("setupExperiment", "before enterInitializationMode")
             return
+        if stop_time is not None and not stop_time >= start_time:
+            self._say(
+                must_be("stop time", f"at least the start time {start_time:.16g} s", stop_time),
+                Fmi2Status.error,
+            )
+            return
         self._tolerance = tolerance
+        self._stop_time = math.inf if stop_time is None else stop_time
 
     def enter_initialization_mode(self) -> None:
         """Load the kernel; say so when that will take a while."""
@@ -142,6 +152,12 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
         try:
             if self._phase is not STEPPING:
                 self._out_of_order("doStep", "after exitInitializationMode")
+                return False
+            stop = self._stop_time
+            if current_time + step_size > stop + NEAR_STOP * max(1.0, abs(stop)):
+                step = f"{step_size:.16g} s from {current_time:.16g} s"
+                message = f"a step must end at the stop time {stop:.16g} s at the latest, is one of {step}"
+                self._say(message, Fmi2Status.error)
                 return False
             instance = self._instance
             status = instance.call(codes.STEP, step_size) if math.isfinite(current_time) else codes.BAD_STEP
@@ -253,7 +269,8 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
 
     def _get_fmu_state(self) -> bytes:
         tolerance = math.nan if self._tolerance is None else self._tolerance
-        return bytes([_PHASES.index(self._phase)]) + array("d", [tolerance]).tobytes() + self._instance.save()
+        head = bytes([_PHASES.index(self._phase)]) + array("d", [tolerance, self._stop_time]).tobytes()
+        return head + self._instance.save()
 
     def _set_fmu_state(self, state: bytes) -> None:
         try:
@@ -264,7 +281,7 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
         except Exception as error:
             self._say(str(error) if isinstance(error, Refused) else f"{NO_STATE}: {error}", Fmi2Status.error)
             return
-        tolerance = array("d", state[1:HEAD_SIZE])[0]
+        tolerance, self._stop_time = array("d", state[1:HEAD_SIZE])
         self._tolerance = None if math.isnan(tolerance) else tolerance
         self._phase, self._calculated = phase, False
 

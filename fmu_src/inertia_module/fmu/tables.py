@@ -13,7 +13,7 @@ from ..contract.variable import BOOLEAN, ENUMERATION, ENUMERATIONS, INPUT, OUTPU
 from ..kernel import codes
 
 # the row of the time: no place in a record of the kernel, no rate
-_TIME = '    {"time", REAL, CLOCK, 0, -1, -1, 0, 0, 0, 0.0, -HUGE_VAL, HUGE_VAL, 1.0, ""},'
+_TIME = '    {"time", REAL, CLOCK, 0, -1, -1, -1, 0, 0, 0, 0.0, -HUGE_VAL, HUGE_VAL, 1.0, ""},'
 # of the state: how long the last step was, and whether it has stopped at a switch
 SWITCH_FIELDS = ("length", "switching")
 _ARRAYS = {PARAMETER: "PARAMETERS", INPUT: "INPUTS"}
@@ -53,21 +53,35 @@ def _rate_places(variable: Variable, model: Model) -> tuple[str, str]:
     return str(model.place(f"{variable.name}_rate")), str(model.place(f"{variable.name}_rate_given"))
 
 
+def _discrete(model: Model) -> list[str]:
+    """Names of outputs that change at switches only."""
+    return [variable.name for variable in model.variables if variable.variability == "discrete"]
+
+
+def _small(variable: Variable) -> float:
+    """What a small change of a variable is measured by; of a parameter well below its start value, or 1."""
+    if variable.causality == PARAMETER:
+        return 0.01 * (abs(variable.start or 0.0) or 1.0)
+    return variable.nominal or 1.0
+
+
 def _variable(variable: Variable, model: Model) -> str:
     low, high = _range(variable)
+    discrete = _discrete(model)
     cells = (
         quoted(variable.name),
         _kind(variable),
         _ARRAYS.get(variable.causality, "OUTPUTS"),
         str(model.place(variable.name)),
         *_rate_places(variable, model),
+        str(discrete.index(variable.name) if variable.name in discrete else -1),
         str(int(variable.name in model.late)),
         str(int(variable.causality == OUTPUT)),
         str(int(variable.is_tunable)),
         number(variable.start or 0.0),
         number(low),
         number(high),
-        number(variable.nominal or 1.0),
+        number(_small(variable)),
         quoted(variable.allowed if variable.causality == PARAMETER else ""),
     )
     return f"    {{{', '.join(cells)}}},"
@@ -138,6 +152,7 @@ def c_tables(model: Model, guid: str, fmi: int) -> str:
     n_p, n_d, n_u, n_x, n_y, n_w = ENTRIES[model.entry].sizes
     references = {variable.name: n for n, variable in enumerate(model.variables)}
     traced = ", ".join(str(references[name]) for name in model.traced)
+    discrete = [str(model.place(name)) for name in _discrete(model)]
     length, switching = (place(model.records[3], name) if model.switches else -1 for name in SWITCH_FIELDS)
     tolerance = model.place("tolerance") if "tolerance" in model.by_name else -1
     lines = [
@@ -155,6 +170,7 @@ def c_tables(model: Model, guid: str, fmi: int) -> str:
     lines += _messages("messages", model.messages, model) + _messages("warnings", model.warnings, model)
     warnings = "warnings" if model.warnings else "NULL"
     lines += [
+        f"static const int discrete[] = {{{', '.join(discrete or '0')}}};",
         f"static const size_t traced[] = {{{traced}}};",
         "",
         "static const struct bound bounds[] = {",
@@ -166,7 +182,7 @@ def c_tables(model: Model, guid: str, fmi: int) -> str:
         f"    {tolerance}, {length}, {switching},",
         f"    {n_p}, {n_d}, {n_u}, {n_x}, {n_y}, {n_w},",
         f"    messages, {len(model.messages)}, {warnings}, {len(model.warnings)},",
-        f"    traced, {len(model.traced)}, bounds, {len(model.bounds)},",
+        f"    discrete, {len(discrete)}, traced, {len(model.traced)}, bounds, {len(model.bounds)},",
         "};",
         "",
     ]

@@ -185,6 +185,13 @@ fmi2Status fmi2SetDebugLogging(fmi2Component component, fmi2Boolean on, size_t c
     return fmi2OK;
 }
 
+/* pythonfmu follows null pointers. */
+static fmi2Status without(const struct front *front, const char *call)
+{
+    refuse(&front->host, "", "the arguments of %s must be given, one is NULL", call);
+    return fmi2Error;
+}
+
 /* A refused step ends no simulation. */
 fmi2Status fmi2GetBooleanStatus(fmi2Component component, const fmi2StatusKind kind, fmi2Boolean *value)
 {
@@ -196,25 +203,41 @@ fmi2Status fmi2GetBooleanStatus(fmi2Component component, const fmi2StatusKind ki
     return fmi2OK;
 }
 
-/* A call that goes through: answered by its own status or the worst that is logged in it. */
-#define PASS(name, parameters, arguments)                                   \
+/* pythonfmu lets the host keep the pointer to what it has freed. */
+fmi2Status fmi2FreeFMUstate(fmi2Component component, fmi2FMUstate *state)
+{
+    const struct front *front = component;
+    if (!front)
+        return fmi2Error;
+    if (state && *state)
+        theirs.FreeFMUstate(front->inner, state);
+    if (state)
+        *state = NULL;
+    return fmi2OK;
+}
+
+/* A call that goes through if what it needs is given: answered by its own status or the worst that is logged in it. */
+#define PASS(name, given, parameters, arguments)                            \
     fmi2Status fmi2##name parameters                                        \
     {                                                                       \
         struct front *front = c;                                            \
         if (!front)                                                         \
             return fmi2Error;                                               \
+        if (!(given))                                                       \
+            return without(front, "fmi2" #name);                            \
         front->worst = fmi2OK;                                              \
         const fmi2Status status = theirs.name arguments;                    \
         return status > front->worst ? status : front->worst;               \
     }
 #define REFERENCES const fmi2ValueReference references[], size_t count
-#define READ(name, type) \
-    PASS(name, (fmi2Component c, REFERENCES, type values[]), (front->inner, references, count, values))
-#define CALL(name) PASS(name, (fmi2Component c), (front->inner))
+#define READ(name, type)                                                                        \
+    PASS(name, count == 0 || (references && values), (fmi2Component c, REFERENCES, type values[]), \
+         (front->inner, references, count, values))
+#define CALL(name) PASS(name, 1, (fmi2Component c), (front->inner))
 #define ASK(name, type) \
-    PASS(name, (fmi2Component c, const fmi2StatusKind kind, type *value), (front->inner, kind, value))
-#define RATES(name, type) \
-    PASS(name, (fmi2Component c, REFERENCES, const fmi2Integer order[], type values[]), \
+    PASS(name, value, (fmi2Component c, const fmi2StatusKind kind, type *value), (front->inner, kind, value))
+#define RATES(name, type)                                                                     \
+    PASS(name, 1, (fmi2Component c, REFERENCES, const fmi2Integer order[], type values[]), \
          (front->inner, references, count, order, values))
 
 CALL(EnterInitializationMode)
@@ -236,22 +259,23 @@ ASK(GetIntegerStatus, fmi2Integer)
 ASK(GetStringStatus, fmi2String)
 RATES(SetRealInputDerivatives, const fmi2Real)
 RATES(GetRealOutputDerivatives, fmi2Real)
-PASS(SetupExperiment,
+PASS(SetupExperiment, 1,
      (fmi2Component c, fmi2Boolean is_tolerance, fmi2Real tolerance, fmi2Real begin, fmi2Boolean is_end, fmi2Real end),
      (front->inner, is_tolerance, tolerance, begin, is_end, end))
-PASS(DoStep, (fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean no_state_prior),
+PASS(DoStep, 1, (fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean no_state_prior),
      (front->inner, time, step, no_state_prior))
-PASS(GetDirectionalDerivative,
+PASS(GetDirectionalDerivative, 1,
      (fmi2Component c, const fmi2ValueReference unknowns[], size_t unknown_count, REFERENCES, const fmi2Real direction[],
       fmi2Real derivative[]),
      (front->inner, unknowns, unknown_count, references, count, direction, derivative))
-PASS(GetFMUstate, (fmi2Component c, fmi2FMUstate *state), (front->inner, state))
-PASS(SetFMUstate, (fmi2Component c, fmi2FMUstate state), (front->inner, state))
-PASS(FreeFMUstate, (fmi2Component c, fmi2FMUstate *state), (front->inner, state))
-PASS(SerializedFMUstateSize, (fmi2Component c, fmi2FMUstate state, size_t *size), (front->inner, state, size))
-PASS(SerializeFMUstate, (fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size),
+PASS(GetFMUstate, state, (fmi2Component c, fmi2FMUstate *state), (front->inner, state))
+PASS(SetFMUstate, state, (fmi2Component c, fmi2FMUstate state), (front->inner, state))
+PASS(SerializedFMUstateSize, state && size, (fmi2Component c, fmi2FMUstate state, size_t *size),
+     (front->inner, state, size))
+PASS(SerializeFMUstate, state && bytes, (fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size),
      (front->inner, state, bytes, size))
-PASS(DeSerializeFMUstate, (fmi2Component c, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state),
+PASS(DeSerializeFMUstate, bytes && state,
+     (fmi2Component c, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state),
      (front->inner, bytes, size, state))
 
 const char *fmi2GetVersion(void)

@@ -4,18 +4,31 @@
 #include <math.h>
 #include <string.h>
 
-/* change of the inputs, over their size or their nominal value, that differences are taken of */
+/* change of inputs and parameters, over their size or their nominal value, that differences are taken of */
 #define CHANGE 1e-4
 
-/* Whether all references are Reals of inputs, or of outputs, and the order is 1. */
-static enum status check_references(struct instance *c, const uint32_t references[], size_t count,
-                                   const int32_t orders[], int inputs)
+/* answered in place of a status of the kernel */
+#define OUT_OF_RANGE (-1)
+
+/* what a reference must be of; AT_START: what the outputs depend on in initialization mode */
+enum role { OUTPUT, INPUT, AT_START };
+
+static int has_role(const struct variable *variable, enum role role)
 {
+    const int is_given = role == AT_START && variable->array == PARAMETERS && variable->kind == REAL;
+    return role == OUTPUT ? variable->output : variable->array == INPUTS || is_given;
+}
+
+/* Whether all references are of that role, and the order is 1. */
+static enum status check_references(struct instance *c, const uint32_t references[], size_t count,
+                                   const int32_t orders[], enum role role)
+{
+    static const char *const names[] = {"output", "input", "input or a parameter that is no whole number"};
     for (size_t n = 0; n < count; n++) {
         const struct variable *variable =
             references[n] < model.variable_count ? &model.variables[references[n]] : NULL;
-        if (!variable || (inputs ? variable->array != INPUTS : !variable->output))
-            return report(c, ERROR, "a value reference must be that of an %s, is %u", inputs ? "input" : "output",
+        if (!variable || !has_role(variable, role))
+            return report(c, ERROR, "a value reference must be that of an %s, is %u", names[role],
                           (unsigned)references[n]);
         if (orders && orders[n] != 1)
             return report(c, ERROR, "the order of a derivative of %s must be 1, is %d", variable->name,
@@ -33,7 +46,7 @@ enum status set_rates(struct instance *c, const uint32_t references[], size_t co
         return out_of_order(c, "setting derivatives of inputs", "before terminate");
     if (count > 0 && (!references || !orders || !values))
         return without_array(c, "setting derivatives of inputs");
-    const enum status status = check_references(c, references, count, orders, 1);
+    const enum status status = check_references(c, references, count, orders, INPUT);
     for (size_t n = 0; status == OK && n < count; n++) {
         const struct variable *input = &model.variables[references[n]];
         c->u[input->rate_slot] = values[n];
@@ -57,7 +70,7 @@ enum status get_rates(struct instance *c, const uint32_t references[], size_t co
         return out_of_order(c, "reading derivatives of outputs", "after exitInitializationMode");
     if (count > 0 && (!references || !orders || !values))
         return without_array(c, "reading derivatives of outputs");
-    const enum status status = check_references(c, references, count, orders, 0);
+    const enum status status = check_references(c, references, count, orders, OUTPUT);
     if (status != OK || count == 0)
         return status;
     try_from(c, c->x, c->u);
@@ -70,19 +83,29 @@ enum status get_rates(struct instance *c, const uint32_t references[], size_t co
     return OK;
 }
 
-/* The outputs, had the inputs been changed: of the last step or, before the first, of the start. */
+/* The outputs, had the knowns been changed: of the last step or, before the first, of the start. */
 static int64_t try_change(struct instance *c, const uint32_t knowns[], size_t count,
                           const double direction[], double scale, double *y)
 {
     const int stepped = c->head[LAST_STEP] > 0.0;
     try_from(c, stepped ? c->x_before : c->x, stepped ? c->u_before : c->u);
-    for (size_t n = 0; n < count; n++)
-        c->u_trial[model.variables[knowns[n]].slot] += scale * direction[n];
-    return KERNEL(stepped ? OPERATION_STEP_PRECISELY : OPERATION_START, c->p, c->d, c->u_trial, c->x_trial, y, c->w,
+    memcpy(c->p_trial, c->p, model.p_size * sizeof(double));
+    for (size_t n = 0; n < count; n++) {
+        const struct variable *known = &model.variables[knowns[n]];
+        (known->array == INPUTS ? c->u_trial : c->p_trial)[known->slot] += scale * direction[n];
+        if (known->array == PARAMETERS)
+            c->head[PREPARED] = 0.0; /* what follows from the parameters will be derived anew */
+    }
+    for (size_t n = 0; n < count; n++) {
+        const struct variable *known = &model.variables[knowns[n]];
+        if (known->array == PARAMETERS && !is_allowed(known, c->p_trial[known->slot]))
+            return OUT_OF_RANGE;
+    }
+    return KERNEL(stepped ? OPERATION_STEP_PRECISELY : OPERATION_START, c->p_trial, c->d, c->u_trial, c->x_trial, y, c->w,
                   c->head[LAST_STEP]);
 }
 
-/* How long the direction is, measured by the sizes of the inputs. */
+/* How long the direction is, measured by the sizes of the knowns. */
 static double length_of(const struct instance *c, const uint32_t knowns[], size_t count,
                         const double direction[])
 {
@@ -90,24 +113,25 @@ static double length_of(const struct instance *c, const uint32_t knowns[], size_
     double length = 0.0;
     for (size_t n = 0; n < count; n++) {
         const struct variable *variable = &model.variables[knowns[n]];
-        const double input = u[variable->slot]; /* refused later if it is not finite */
-        const double size = isfinite(input) ? fmax(fabs(input), variable->nominal) : variable->nominal;
+        const double value = (variable->array == INPUTS ? u : c->p)[variable->slot]; /* if not finite, refused later */
+        const double size = isfinite(value) ? fmax(fabs(value), variable->nominal) : variable->nominal;
         length = fmax(length, fabs(direction[n]) / size);
     }
     return length;
 }
 
-/* Make sure that there are outputs to differentiate by inputs, with or without numbers for each. */
+/* Make sure that there are outputs to differentiate, with or without numbers for each. */
 static enum status check_call(struct instance *c, const uint32_t unknowns[], size_t unknown_count,
                               const double of_unknowns[], const uint32_t knowns[], size_t known_count,
                               const double of_knowns[])
 {
     if ((unknown_count > 0 && (!unknowns || !of_unknowns)) || (known_count > 0 && (!knowns || !of_knowns)))
         return without_array(c, "a derivative");
-    if (check_references(c, unknowns, unknown_count, NULL, 0) != OK ||
-        check_references(c, knowns, known_count, NULL, 1) != OK)
+    const int at_start = phase_of(c) == INITIALIZING;
+    if (check_references(c, unknowns, unknown_count, NULL, OUTPUT) != OK ||
+        check_references(c, knowns, known_count, NULL, at_start ? AT_START : INPUT) != OK)
         return ERROR;
-    if (phase_of(c) == INITIALIZING)
+    if (at_start)
         return prepare(c, DISCARD);
     if (!is_differentiable(c))
         return out_of_order(c, "a derivative", "after enterInitializationMode");
@@ -122,7 +146,7 @@ static enum status check_numbers(struct instance *c, const double numbers[], siz
     return OK;
 }
 
-/* The outputs with the inputs changed both ways into y_trial and y_other; the change between them, or 0 for none. */
+/* The outputs with the knowns changed both ways into y_trial and y_other; the change between them, or 0 for none. */
 static enum status try_both_ways(struct instance *c, const uint32_t knowns[], size_t count,
                                  const double direction[], double *change)
 {
@@ -138,7 +162,7 @@ static enum status try_both_ways(struct instance *c, const uint32_t knowns[], si
     if (answer == STATUS_OK && try_change(c, knowns, count, direction, backward, c->y_other) != STATUS_OK)
         answer = try_change(c, knowns, count, direction, backward = 0.0, c->y_other);
     if (answer == STATUS_OK && forward == backward)
-        return report(c, DISCARD, "inputs must be able to change one way, both ways they leave what is allowed");
+        return report(c, DISCARD, "what is differentiated by must be able to change one way, both ways they leave what is allowed");
     if (answer != STATUS_OK)
         return explain(c, DISCARD, answer, c->u_trial, c->head[LAST_STEP]);
     *change = forward - backward;

@@ -41,6 +41,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
     struct component *const c = (struct component *)create(&host, sizeof *c, name, logging);
     if (!c)
         return refuse(environment, log, "there is not enough memory for an instance");
+    c->core.holds = 1;
     c->environment = environment;
     c->log = log;
     c->update = update;
@@ -71,11 +72,16 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean tolerance_def
 fmi3Status fmi3ExitInitializationMode(fmi3Instance instance)
 {
     const struct component *const c = instance;
-    return (fmi3Status)exit_initialization(instance, c && c->event_mode ? AT_EVENT : STEPPING);
+    const enum status status = exit_initialization(instance, c && c->event_mode ? AT_EVENT : STEPPING);
+    if (status == OK)
+        hold_discrete(instance);
+    return (fmi3Status)status;
 }
 
 fmi3Status fmi3Terminate(fmi3Instance c)
 {
+    if (c && phase_of(c) == AT_EVENT)
+        hold_discrete(c);
     return (fmi3Status)terminate(c);
 }
 

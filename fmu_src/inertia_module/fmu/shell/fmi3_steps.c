@@ -27,7 +27,7 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 time, fmi3Float64 step,
     if (component->update && !stops)
         watch_switches(c, time, step, update);
     const enum status status = take_step(c, stops ? OPERATION_STEP_TO_SWITCH : OPERATION_STEP_ONLY, time, step);
-    *event_handling_needed = status == OK && component->event_mode && has_stopped(c);
+    *event_handling_needed = status == OK && component->event_mode && (has_stopped(c) || has_discrete_change(c));
     *early_return = status == OK && c->head[LAST_STEP] < step;
     *terminate_simulation = false;
     *last_successful_time = c->head[TIME];
@@ -35,6 +35,8 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 time, fmi3Float64 step,
         carry_out_switch(c);
     if (status == OK && component->update)
         update(c, 1);
+    if (status == OK && !component->event_mode)
+        hold_discrete(c);
     return (fmi3Status)status;
 }
 
@@ -57,6 +59,7 @@ fmi3Status fmi3EnterStepMode(fmi3Instance instance)
         return fmi3Error;
     if (phase_of(c) != AT_EVENT)
         return (fmi3Status)out_of_order(c, "enterStepMode", "in event mode");
+    hold_discrete(c);
     c->head[PHASE] = STEPPING;
     return fmi3OK;
 }

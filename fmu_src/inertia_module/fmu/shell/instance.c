@@ -10,7 +10,8 @@ const char *const phase_names[PHASES] = {
 
 size_t block_size(void)
 {
-    return HEAD_SIZE + model.p_size + model.d_size + model.y_size + 2 * (model.u_size + model.x_size);
+    return HEAD_SIZE + model.p_size + model.d_size + model.y_size + 2 * (model.u_size + model.x_size) +
+           model.discrete_count;
 }
 
 enum phase phase_of(const struct instance *c)
@@ -33,6 +34,7 @@ static void set_start_values(struct instance *c)
 {
     memset(c->block, 0, block_size() * sizeof(double));
     c->head[TOLERANCE] = NAN;
+    c->head[STOP_TIME] = INFINITY;
     c->warned = 0;
     for (size_t n = 0; n < model.variable_count; n++) {
         const struct variable *variable = &model.variables[n];
@@ -45,11 +47,11 @@ static void set_start_values(struct instance *c)
 static void lay_out(struct instance *c, double *memory)
 {
     double **const arrays[] = {&c->head, &c->p, &c->d, &c->u, &c->x, &c->y, &c->x_before, &c->u_before,
-                               &c->w, &c->p_trial, &c->x_trial, &c->u_trial, &c->y_trial, &c->y_other,
+                               &c->held, &c->w, &c->p_trial, &c->x_trial, &c->u_trial, &c->y_trial, &c->y_other,
                                &c->x_watched, &c->y_watched};
     const size_t sizes[] = {HEAD_SIZE, model.p_size, model.d_size, model.u_size, model.x_size, model.y_size,
-                            model.x_size, model.u_size, model.w_size, model.p_size, model.x_size,
-                            model.u_size, model.y_size, model.y_size, model.x_size, model.y_size};
+                            model.x_size, model.u_size, model.discrete_count, model.w_size, model.p_size,
+                            model.x_size, model.u_size, model.y_size, model.y_size, model.x_size, model.y_size};
     c->block = memory;
     for (size_t n = 0; n < sizeof sizes / sizeof *sizes; n++) {
         *arrays[n] = memory;
@@ -111,6 +113,7 @@ enum status set_up(struct instance *c, int tolerance_defined, double tolerance, 
     if (tolerance_defined && !(tolerance > 0.0 && isfinite(tolerance)))
         return report(c, ERROR, "tolerance must be a positive number, is %s", SHOWN(tolerance));
     c->head[TOLERANCE] = tolerance_defined ? tolerance : NAN;
+    c->head[STOP_TIME] = stop_time_defined ? stop_time : INFINITY;
     c->head[TIME] = start_time;
     return OK;
 }
@@ -181,6 +184,8 @@ enum status terminate(struct instance *c)
 {
     if (!c)
         return ERROR;
+    if (check_no_update(c, "terminate") != OK)
+        return ERROR;
     if (!is_running(c))
         return out_of_order(c, "terminate", "after exitInitializationMode");
     c->head[PHASE] = TERMINATED;
@@ -190,6 +195,20 @@ enum status terminate(struct instance *c)
 enum status check_no_update(struct instance *c, const char *call)
 {
     return phase_of(c) == UPDATING ? out_of_order(c, call, "between steps") : OK;
+}
+
+void hold_discrete(struct instance *c)
+{
+    for (size_t n = 0; n < model.discrete_count; n++)
+        c->held[n] = c->y[model.discrete[n]];
+}
+
+int has_discrete_change(const struct instance *c)
+{
+    for (size_t n = 0; n < model.discrete_count; n++)
+        if (c->y[model.discrete[n]] != c->held[n])
+            return 1;
+    return 0;
 }
 
 enum status reset(struct instance *c)

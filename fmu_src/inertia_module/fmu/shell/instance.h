@@ -12,7 +12,7 @@ enum phase { INSTANTIATED, INITIALIZING, STEPPING, REFUSED, TERMINATED, AT_EVENT
 enum category { LOG_WARNING, LOG_DISCARD, LOG_ERROR, LOG_STEPS, LOG_ALL, CATEGORIES };
 
 /* Numbers of the shell that belong to the state, in front of the kernel's arrays. */
-enum head { PHASE, TOLERANCE, TIME, LAST_STEP, PREPARED, COMPLETE, HEAD_SIZE };
+enum head { PHASE, TOLERANCE, STOP_TIME, TIME, LAST_STEP, PREPARED, COMPLETE, HEAD_SIZE };
 
 /* A saved state: a link of the list of its instance, then a copy of the instance's block. */
 struct saved {
@@ -42,11 +42,12 @@ struct instance {
     struct host host;
     char *name;
     int logged[CATEGORIES];
+    int holds;             /* whether discrete values are held in step mode */
     int warned;            /* of a communication point that is not the time reached */
     struct saved *states;
-    /* the state: head, p, d, u, x, y, and x and u at the beginning of the last step, in one block */
+    /* the state: head, p, d, u, x, y, x and u at the beginning of the last step, and discrete values, in one block */
     double *block;
-    double *head, *p, *d, *u, *x, *y, *x_before, *u_before;
+    double *head, *p, *d, *u, *x, *y, *x_before, *u_before, *held;
     double *values[ARRAYS];
     /* not part of the state: workspace of the kernel, and arrays to try things out on */
     double *w, *p_trial, *x_trial, *u_trial, *y_trial, *y_other, *x_watched, *y_watched;
@@ -106,6 +107,10 @@ enum status reset(struct instance *c);
 
 /* Report a call that must not come in an intermediate update: an error; else OK. */
 enum status check_no_update(struct instance *c, const char *call);
+
+/* Hold the discrete values as they are now, up to the next event; whether they have changed since. */
+void hold_discrete(struct instance *c);
+int has_discrete_change(const struct instance *c);
 
 /* Whether a parameter is finite, whole where it has to be, and within its range. */
 int is_allowed(const struct variable *variable, double value);

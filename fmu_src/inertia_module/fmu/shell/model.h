@@ -19,13 +19,14 @@ struct variable {
     int slot;
     int rate_slot;       /* of inputs: of the rate, and of whether it is given */
     int given_slot;
+    int held;            /* of discrete ones: place among the values held in step mode, or -1 */
     int late;            /* filled in by OPERATION_OUTPUTS only, when it is read */
     int output;          /* whether its causality is output */
     int tunable;         /* whether it is a parameter that may change between steps */
     double start;        /* of parameters and inputs */
     double minimum;
     double maximum;
-    double nominal;      /* of inputs: what a small change is measured by */
+    double nominal;      /* of inputs and parameters: what a small change is measured by */
     const char *allowed; /* of parameters: what follows "must be" */
 };
 
@@ -63,6 +64,8 @@ struct model {
     size_t message_count;
     const struct message *warnings;
     size_t warning_count;
+    const int *discrete; /* slots of outputs that may change in event mode only, where a host uses it */
+    size_t discrete_count;
     const size_t *traced; /* value references shown of each step in the log category logSteps */
     size_t traced_count;
     const struct bound *bounds;

@@ -7,6 +7,8 @@
 /* a communication point this far from the time reached, over the step and over the time, is worth a warning */
 #define NEAR_STEP 1e-3
 #define NEAR_TIME 1e-12
+/* a step may end past the stop time by this share of it, or of a second: hosts round (Reference-FMUs allow the same) */
+#define NEAR_STOP 1e-5
 
 /* Tell once if the host's time is not the time reached: the motion itself knows no time. */
 static void check_time(struct instance *c, double time, double step)
@@ -16,6 +18,12 @@ static void check_time(struct instance *c, double time, double step)
     c->warned = 1;
     report(c, WARNING, "communication point must be the time reached, %s s, or that of a saved state, is %s s;"
            " the motion goes on from the state it is in", SHOWN(c->head[TIME]), SHOWN(time));
+}
+
+static int leads_past_stop(const struct instance *c, double time, double step)
+{
+    const double stop = c->head[STOP_TIME];
+    return time + step > stop + NEAR_STOP * fmax(1.0, fabs(stop));
 }
 
 int has_stopped(const struct instance *c)
@@ -35,7 +43,8 @@ void watch_switches(struct instance *c, double time, double step, void (*seen)(s
 {
     const double time_before = c->head[TIME], complete_before = c->head[COMPLETE];
     double passed = 0.0;
-    if (model.switching_slot < 0 || phase_of(c) != STEPPING || !isfinite(time))
+    if (model.switching_slot < 0 || phase_of(c) != STEPPING || !isfinite(time) ||
+        leads_past_stop(c, time, step))
         return;
     memcpy(c->x_watched, c->x, model.x_size * sizeof(double));
     memcpy(c->y_watched, c->y, model.y_size * sizeof(double));
@@ -56,10 +65,15 @@ enum status take_step(struct instance *c, enum operation operation, double time,
 {
     if (!c)
         return ERROR;
+    if (phase_of(c) == AT_EVENT || phase_of(c) == UPDATING)
+        return out_of_order(c, "doStep", "in step mode");
     if (phase_of(c) != STEPPING)
         return out_of_order(c, "doStep", "after exitInitializationMode");
     if (!isfinite(time))
         return report(c, DISCARD, "communication point must be a finite number of seconds, is %s", SHOWN(time));
+    if (leads_past_stop(c, time, step))
+        return report(c, ERROR, "a step must end at the stop time %s s at the latest, is one of %s s from %s s",
+                      SHOWN(c->head[STOP_TIME]), SHOWN(step), SHOWN(time));
     memcpy(c->x_trial, c->x, model.x_size * sizeof(double));
     const int64_t answer = KERNEL(operation, c->p, c->d, c->u, c->x, c->y, c->w, step);
     if (answer != STATUS_OK)

@@ -43,6 +43,9 @@ static enum status check_read(struct instance *c, const uint32_t references[], s
 static double value_of(const struct instance *c, uint32_t reference)
 {
     const struct variable *variable = &model.variables[reference];
+    const enum phase phase = phase_of(c);
+    if (variable->held >= 0 && c->holds && (phase == STEPPING || phase == UPDATING || phase == TERMINATED))
+        return c->held[variable->held];
     return c->values[variable->array][variable->slot];
 }
 
@@ -90,6 +93,9 @@ static enum status check_write(struct instance *c, const struct variable *variab
     if (variable->array == PARAMETERS && !variable->tunable)
         return report(c, ERROR, "setting %s must come before the end of initialization, the instance is %s",
                       variable->name, phase_names[phase]);
+    if (phase == UPDATING)
+        return report(c, ERROR, "setting %s must come between steps, the instance is %s", variable->name,
+                      phase_names[phase]);
     if (!is_running(c))
         return report(c, ERROR, "setting %s must come before terminate, the instance is %s", variable->name,
                       phase_names[phase]);
