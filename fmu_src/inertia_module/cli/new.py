@@ -20,7 +20,10 @@ def new(
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Copy an example to a file that is not there yet; a measurement that belongs to it goes along."""
+    """Copy an example to a new file.
+
+    A measurement that belongs to it goes along.
+    """
     from ..common.examples import example
     from ..common.files import write_atomically
 

@@ -47,7 +47,10 @@ def run(
     keys: Keys = None,
     as_json: Json = False,
 ) -> None:
-    """Run a scene: leaves table.csv, summary.json and plot.png in a folder (out/SCENE without -o)."""
+    """Run a scene: table, summary and plot.
+
+    Leaves table.csv, summary.json and plot.png in a folder (out/SCENE without -o).
+    """
     from ..common.files import write_atomically
     from ..contract.variables import COMPUTED
     from ..figures.scenes import scene_figure
@@ -140,7 +143,10 @@ def tradeoff(
     keys: Keys = None,
     as_json: Json = False,
 ) -> None:
-    """Measure error against cost: fidelity, method, tolerance or step, communication step (out/tradeoff)."""
+    """Measure error against cost of a scene.
+
+    Of each fidelity, method, tolerance or step, and communication step (out/tradeoff without -o).
+    """
     from ..harness.simulate import progress_bar
     from ..scene import load_scene
     from ..scene.keys import keys_of
@@ -193,9 +199,9 @@ def chart(
     keys: Keys = None,
     as_json: Json = False,
 ) -> None:
-    """Torque converter charts of mechanisms: a CSV each and one figure (out/chart without -o).
+    """Draw torque converter charts of mechanisms.
 
-    Of mechanisms with losses the charts are those of one input speed, and there is a map of the
+    A CSV each and one figure (out/chart without -o). Of mechanisms with losses the charts are those of one input speed, and there is a map of the
     efficiency over speed ratio and input speed.
     """
     from ..figures.chart import chart_figure

@@ -56,9 +56,9 @@ def sweep(
     workers: Workers = None,
     as_json: Json = False,
 ) -> None:
-    """Run a scene over values of its keys: sweep.parquet, sweep.csv, plot.png (out/SCENE_sweep without -o).
+    """Run a scene over values of its keys.
 
-    What is done is in journal.jsonl of the folder and is not done again.
+    Leaves sweep.parquet, sweep.csv and plot.png in a folder (out/SCENE_sweep without -o). What is done is in journal.jsonl of the folder and is not done again.
     """
     from .. import jobs
     from ..figures.sweeps import sweep_figure
@@ -105,7 +105,7 @@ def design(
     workers: Workers = None,
     as_json: Json = False,
 ) -> None:
-    """Search the designs that meet the limits of a specification and are best for its goals.
+    """Search the best designs within the limits of a specification.
 
     Leaves pareto.csv, checked.csv (and .parquet), plot.png and each checked design as a scene, design_1.toml
     and so on, in a folder (out/SPEC_design without -o).

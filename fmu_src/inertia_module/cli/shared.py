@@ -18,6 +18,7 @@ PAGE = "page.html"
 app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
     no_args_is_help=True,
+    rich_markup_mode=None,  # with it "[free]" is a style and vanishes from the help
     pretty_exceptions_enable=False,
 )
 
