@@ -52,7 +52,8 @@ def check(
 ) -> None:
     """Validate an FMU file with fmpy, then step it.
 
-    That is over its default experiment. FMI 2.0 or 3.0; an FMU with event mode is stepped once without and once with it.
+    That is over its default experiment. FMI 2.0 or 3.0; an FMU with event mode is stepped once without
+    and once with it.
     """
     from ..harness.check import check_fmu
 
@@ -81,8 +82,9 @@ def export(
 ) -> None:
     """Export the mechanism of a scene: SSP, OSP, container FMU.
 
-    They are in out/export/SCENE without -o. An elastic mechanism becomes two FMUs, the rigid module and its shaft. Drive, load and controller stay
-    here: their values at the start go along, as inputs of the module and its shaft.
+    They are in out/export/SCENE without -o. An elastic mechanism becomes two FMUs, the rigid module and
+    its shaft. Drive, load and controller stay here: their values at the start go along, as inputs of the
+    module and its shaft.
     """
     from ..export.writing import export as write
     from ..scene import load_scene

@@ -117,7 +117,8 @@ def fit(
 ) -> None:
     """Find the values of a scene's keys that fit a measurement.
 
-    Tells how sure they are. Leaves fitted.toml (a scene), residuals.csv, fit.json and fit.png in a folder (out/SCENE_fit without -o).
+    Tells how sure they are. Leaves fitted.toml (a scene), residuals.csv, fit.json and fit.png in a folder
+    (out/SCENE_fit without -o).
     """
     from .. import jobs
     from ..figures.fits import fit_figure

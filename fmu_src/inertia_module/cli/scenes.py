@@ -201,8 +201,8 @@ def chart(
 ) -> None:
     """Draw torque converter charts of mechanisms.
 
-    A CSV each and one figure (out/chart without -o). Of mechanisms with losses the charts are those of one input speed, and there is a map of the
-    efficiency over speed ratio and input speed.
+    A CSV each and one figure (out/chart without -o). Of mechanisms with losses the charts are those of
+    one input speed, and there is a map of the efficiency over speed ratio and input speed.
     """
     from ..figures.chart import chart_figure
     from ..harness.chart import NOMINAL_SPEED, efficiency_map, torque_converter_chart

@@ -58,7 +58,8 @@ def sweep(
 ) -> None:
     """Run a scene over values of its keys.
 
-    Leaves sweep.parquet, sweep.csv and plot.png in a folder (out/SCENE_sweep without -o). What is done is in journal.jsonl of the folder and is not done again.
+    Leaves sweep.parquet, sweep.csv and plot.png in a folder (out/SCENE_sweep without -o). What is done is
+    in journal.jsonl of the folder and is not done again.
     """
     from .. import jobs
     from ..figures.sweeps import sweep_figure
