@@ -187,7 +187,12 @@ BAD = {
         "3",
         "did you mean satellites",
     ),
-    "misspelt needed key": (changed(OPEN, "omega1", "omega_1"), "drive.omega_1", "100", "kind, omega1"),
+    "misspelt needed key": (
+        changed(OPEN, "omega1", "omega_1"),
+        "drive.omega_1",
+        "100",
+        "mean omega1?",
+    ),
     "missing key": (changed(OPEN, "omega1 = 100", ""), "drive.omega1", "missing", "must be given"),
     "missing kind": (changed(OPEN, CONSTANT, ""), "drive.kind", "missing", "'constant', 'ramp'"),
     "unknown kind": (
@@ -229,7 +234,7 @@ BAD = {
         "1.005",
         "whole number",
     ),
-    "unknown output": (OPEN + 'outputs = ["omga2"]', "run.outputs", "'omga2'", "omega2, omega_out"),
+    "unknown output": (OPEN + 'outputs = ["omga2"]', "run.outputs", "'omga2'", "did you mean omega2?"),
     "no output": (OPEN + "outputs = []", "run.outputs", "[]", "at least one"),
     "table not rising": (
         changed(OPEN, CONSTANT, 'kind = "table"\ntime = [0, 1, 1]\nomega1 = [1, 2, 3]'),
@@ -279,7 +284,7 @@ BAD = {
         changed(CLOSED, 'kind = "constant", speed = "36 km/h"', 'kind = "cycle", cycle = "WLTC"'),
         "controller.reference.cycle",
         "'WLTC'",
-        "'ECE R15'",
+        "there are ECE R15",
     ),
     "limits": (
         changed(CLOSED, "proportional_gain", "minimum = 5\nmaximum = 2\nproportional_gain"),

@@ -37,7 +37,7 @@ BAD = {
     "time in a unit nobody knows": ("time [blink],omega1\n0,1\n", "blink is no unit known here"),
     "time that goes back": ("time [ms],omega1\n2,1\n1,1\n", "time must not go back, is 0.001 in row 1"),
     "a heading only": ("time,omega1\n", "at least one row of numbers"),
-    "no time": ("t,omega1\n0,1\n", "columns must include time, are t, omega1"),
+    "no time": ("t,omega1\n0,1\n", "columns must include time .there are t, omega1"),
 }
 
 
@@ -110,7 +110,7 @@ def test_a_road_over_distance_comes_from_a_file_without_a_time(tmp_path):
     assert road.distance == [0.0, 500.0]
     assert road.slope == [0.0, 0.04]
     (tmp_path / "road.csv").write_text("way,slope\n0,0\n")
-    with pytest.raises(SceneError, match=r"road\.csv must have a column distance, has way, slope"):
+    with pytest.raises(SceneError, match=r"road\.csv must have a column distance \(there are way, slope\)"):
         read_scene(CAR, tmp_path)
 
 

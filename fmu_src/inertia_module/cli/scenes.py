@@ -99,11 +99,7 @@ def run(
         return
     for warning in result.warnings:
         typer.echo(f"warning: {warning}", err=True)
-    rows = {
-        name.replace("_", " "): f"{value:.6g} {result.units[name]}".rstrip()
-        for name, value in result.summary.items()
-    }
-    show_table(read.title, rows)
+    show_table(read.title, result.lines())
     for line in choice.lines() if choice is not None else ():
         typer.echo(line)
     for name, file in files.items():

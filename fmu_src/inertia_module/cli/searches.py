@@ -87,11 +87,15 @@ def sweep(
     numbers = {"rows": len(found.rows), "new": found.new, "refused": len(found.refused)}
     listed = {name: str(file) for name, file in files.items()}
     if as_json:
-        typer.echo(json.dumps({"scene": str(scene), **numbers, "files": listed}))
+        typer.echo(
+            json.dumps({"scene": str(scene), **numbers, "unreached": found.unreached, "files": listed})
+        )
         return
     show_table(f"sweep of {scene.name}", {name: str(number) for name, number in numbers.items()})
     if found.refused:
         typer.echo(f"refused first: {found.refused[0].point}: {found.refused[0].refused}")
+    for name, number in found.unreached.items():
+        typer.echo(f"{name}: not reached in {number} of {len(found.rows)} runs")
     for name, file in listed.items():
         typer.echo(f"{name}: {file}")
 

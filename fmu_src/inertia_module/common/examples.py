@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cache
 from pathlib import Path
 
-from .errors import Refused, must_be
+from .errors import Refused, did_you_mean
 from .files import PACKAGE_FOLDER
 
 # in a wheel they are in the package, in a clone beside it
@@ -32,5 +32,5 @@ def example(name: str) -> Path:
     """
     found = examples().get(name)
     if found is None:
-        raise Refused(must_be("the example", "one of " + ", ".join(examples()), name))
+        raise Refused(f"the example must be one that there is, is {name} {did_you_mean(name, examples())}")
     return found

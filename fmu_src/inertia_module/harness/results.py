@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..common.errors import Refused
+from ..common.errors import Refused, did_you_mean
 from ..common.extras import library
 from ..common.files import write_atomically
 from ..common.units import factor_between
@@ -54,7 +54,7 @@ class Result:
         """
         arrays = {name: np.atleast_1d(np.asarray(values, dtype=float)) for name, values in columns.items()}
         if TIME not in arrays:
-            raise TableError(f"columns must include {TIME}, are {', '.join(arrays) or 'none'}")
+            raise TableError(f"columns must include {TIME} {did_you_mean(TIME, arrays)}")
         given = dict(units or {})
         arrays[TIME] = arrays[TIME] * _factor(TIME, given.pop(TIME, "s"), "s")
         n = arrays[TIME].size
@@ -88,7 +88,7 @@ class Result:
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
         if name not in self.columns:
-            raise TableError(f"{name} must be a column: {', '.join(self.columns)}")
+            raise TableError(f"{name} must be a column {did_you_mean(name, self.columns)}")
         return self.columns[name]
 
     def __contains__(self, name: object) -> bool:

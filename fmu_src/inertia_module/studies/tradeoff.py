@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from ..common.errors import did_you_mean
 from ..harness.results import write_figure
 from ..harness.simulate import Progress, whole_steps
 from ..scene import Scene
@@ -131,4 +132,4 @@ def check_wanted(names: Sequence[str]) -> None:
     """
     for name in names:
         if name not in MEASURES:
-            raise ValueError(f"--wanted must be one of {', '.join(MEASURES)}, is {name!r}")
+            raise ValueError(f"--wanted must be a measure, is {name!r} {did_you_mean(name, MEASURES)}")
