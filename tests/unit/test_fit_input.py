@@ -95,7 +95,7 @@ def test_columns_that_cannot_be_are_one_sentence(scene, columns, words):
     [
         ("t,omega2\n0,1\n1,2\n", "columns must include time .there are t, omega2"),
         ("time,omega2 [N.m]\n0,1\n1,2\n", r"omega2 \[N.m\] must be in rad/s or in a unit of the same kind"),
-        ("time,omega2\n0,fast\n", "line 2: omega2 must be a number, is 'fast'"),
+        ("time,omega2\n0,fast\n", "line 2: omega2 must be a finite number, is 'fast'"),
     ],
 )
 def test_files_that_cannot_be_are_one_sentence(scene, tmp_path, text, words):

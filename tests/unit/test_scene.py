@@ -193,6 +193,24 @@ BAD = {
         "100",
         "mean omega1?",
     ),
+    "key of another kind": (
+        OPEN.replace('"constant"', '"ramp"'),
+        "drive.omega1",
+        "100",
+        "must not be given with drive.kind = 'ramp', it belongs to kind 'constant' or 'table'",
+    ),
+    "decimal comma": (
+        changed(OPEN, "omega1 = 100", "omega1 = '1,5 rpm'"),
+        "drive.omega1",
+        "'1,5 rpm'",
+        "no commas",
+    ),
+    "decimal comma without quotes": (
+        changed(OPEN, "omega1 = 100", "omega1 = 1,5"),
+        "TOML",
+        "line",
+        "no commas",
+    ),
     "missing key": (changed(OPEN, "omega1 = 100", ""), "drive.omega1", "missing", "must be given"),
     "missing kind": (changed(OPEN, CONSTANT, ""), "drive.kind", "missing", "'constant', 'ramp'"),
     "unknown kind": (

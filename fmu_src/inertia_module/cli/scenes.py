@@ -21,6 +21,7 @@ from .shared import (
     shaft_fmu,
     share,
     show_table,
+    speed_text,
     turning,
 )
 
@@ -238,10 +239,11 @@ def chart(
     summaries = {name: found.summary(omega1) for name, found in charts.items()}
     units = {name: found.units(omega1) for name, found in charts.items()}
     if as_json:
-        typer.echo(json.dumps({"charts": summaries, "units": units, "files": files}))
+        typer.echo(json.dumps({"omega1": omega1, "charts": summaries, "units": units, "files": files}))
         return
     for name, numbers in summaries.items():
         rows = {key: f"{value:.6g} {units[name][key]}".rstrip() for key, value in numbers.items()}
-        title = f"{name}, losses at {at:g} rad/s" if name in maps else name
+        title = f"{name}, losses at {speed_text(at)}" if name in maps else name
+        title = f"{name} at {speed_text(omega1)}" if omega1 is not None else title
         show_table(title, {key.replace("_", " "): text for key, text in rows.items()})
     typer.echo("\n".join(files))

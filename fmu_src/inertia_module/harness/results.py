@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import html
 import io
+import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Set
 from dataclasses import dataclass, field
@@ -130,7 +131,11 @@ class Result:
         Raises:
             TableError: it cannot be read, or is no table over time.
         """
-        return cls.from_columns(*read_columns(path))
+        columns, units = read_columns(path)
+        try:
+            return cls.from_columns(columns, units)
+        except TableError as error:
+            raise TableError(f"{path}: {error}") from None
 
     def to_pandas(self) -> Any:
         """A pandas DataFrame with time, s, as its index, and headings with units.
@@ -251,9 +256,12 @@ def read_columns(path: Path | str) -> tuple[dict[str, list[float]], dict[str, st
             )
         for name, cell in zip(names, row, strict=True):
             try:
-                values[name].append(float(cell.replace(",", ".")))
+                value = float(cell.replace(",", "."))
             except ValueError:
-                raise TableError(f"{path} line {line}: {name} must be a number, is {cell!r}") from None
+                value = math.nan
+            if not math.isfinite(value):
+                raise TableError(f"{path} line {line}: {name} must be a finite number, is {cell!r}")
+            values[name].append(value)
     return values, {name: unit for name, unit in headings if unit}
 
 

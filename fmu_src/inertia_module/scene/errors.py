@@ -54,6 +54,13 @@ def _no_such_key(scene: type[BaseModel], location: tuple[Any, ...], value: Any) 
     parents, models = _walk(scene, location[:-1])
     known = list(dict.fromkeys(name for model in models for name in model.model_fields))
     key = ".".join([*parents, str(location[-1])])
+    others = [model for model in _walk(scene, location[:-2])[1] if location[-1] in model.model_fields]
+    if len(models) == 1 and others and location[-2] == _kind(models[0]):
+        table, kinds = ".".join(parents), " or ".join(repr(_kind(model)) for model in others)
+        return (
+            f"{key} = {value!r} must not be given with {table}.kind = {location[-2]!r}, it belongs to kind"
+            f" {kinds} {did_you_mean(location[-1], known)}"
+        )
     return f"{key} = {value!r}: there is no such key {did_you_mean(location[-1], known)}"
 
 

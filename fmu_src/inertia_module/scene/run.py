@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import math
 import time
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
@@ -168,7 +169,8 @@ def above_stall(record: Result, parameters: dict[str, float]) -> dict[str, str]:
     end = slice(-max(len(record) // 10, 1), None)
     speed, load = (float(np.mean(values[end])) for values in (input_speed(record), record["load_torque"]))
     braked = "brake_torque" in record and record["brake_torque"][end].any()
-    if braked or speed == 0.0 or record["omega_out"][end].min() > RESTING * abs(speed):
+    turns = abs(speed) * float(np.ptp(record.time)) / math.tau
+    if braked or turns < 1.0 or record["omega_out"][end].min() > RESTING * abs(speed):
         return {}
     from ..harness.steady import SteadyMachine  # brings scipy along
 
