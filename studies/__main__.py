@@ -20,7 +20,10 @@ app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
 
 @app.command()
 def papers(output: OutputFolder = None, as_json: Json = False) -> None:
-    """Draw the figures of the papers as PNG and SVG, their numbers as CSV (out/papers without -o)."""
+    """Draw the figures of the papers.
+
+    As PNG and SVG, their numbers as CSV (out/papers without -o).
+    """
     from inertia_module.harness.results import write_columns, write_figure
     from inertia_module.harness.simulate import progress_bar
 
@@ -52,9 +55,10 @@ def stability(
         bool, typer.Option("--losses", help="Random motions with losses by load, drag and gravity.")
     ] = False,
 ) -> None:
-    """Try the extremes and give each a verdict (out/stability without -o); exit code 1 if one is broken.
+    """Try the extremes and give each a verdict.
 
-    With --random they are random mechanisms under random inputs; exit code 1 if one fails.
+    In out/stability without -o. With --random they are random mechanisms under random inputs. Exit code 1 if
+    one is broken or fails.
     """
     if random:
         _random_motions(random, seed, losses, output, as_json)
@@ -119,7 +123,10 @@ def coupling(
     quick: Annotated[bool, typer.Option("--quick", help="A corner of the map.")] = False,
     only: Annotated[str | None, typer.Option("--only", metavar="PART", help="map or urban.")] = None,
 ) -> None:
-    """Couple an engine to the module in the recommended ways and measure them (out/coupling)."""
+    """Measure the recommended ways to couple an engine.
+
+    In out/coupling without -o.
+    """
     from dataclasses import asdict
 
     from inertia_module.harness.simulate import progress_bar

@@ -328,7 +328,7 @@ def test_the_table_tells_which_variables_follow_from_the_motion(native):
             ["imbalance_acceleration"],
             "depends on the angle of the drive",
         ),
-        ({}, ["omega5"], "omega5 must be a variable of InertiaModule.fmu: omega1"),
+        ({}, ["omega5"], "omega5 must be a variable of InertiaModule.fmu .did you mean omega"),
     ],
 )
 def test_what_a_motion_cannot_give_is_refused_with_a_way_out(native, parameters, outputs, message):
@@ -341,7 +341,7 @@ def test_bad_arguments_are_refused(native):
         bridge.fmu_system(native, step=0)
     with pytest.raises(ValueError, match="state must be 'motion' or 'whole', is 'all'"):
         bridge.fmu_system(native, step=STEP, state="all")
-    with pytest.raises(FmuError, match="input omega2 must be one of omega1, load_torque"):
+    with pytest.raises(FmuError, match=r"input omega2 must be one of the FMU .did you mean"):
         bridge.fmu_system(native, step=STEP, inputs=["omega2"])
 
 

@@ -102,5 +102,5 @@ def test_another_search_of_the_same_scene_takes_what_is_there(found, spec, modul
 def test_a_figure_that_no_run_has_is_refused(spec, module, cluster, tmp_path):
     wrong = spec.with_name("wrong.toml")
     wrong.write_text(SPEC.replace("omega_out_final", "omega_out_last"))
-    with pytest.raises(SceneError, match=r"figures.omega_out_last must be one of .*omega_out_final"):
+    with pytest.raises(SceneError, match=r"figures.omega_out_last must be .* .did you mean omega_out_final"):
         jobs.design(wrong, output=tmp_path, fmu=module, scheduler=cluster.address)

@@ -69,7 +69,11 @@ def test_new_copies_what_was_measured_too(built, tmp_path, monkeypatch):
     [
         ("planar", "inertia-module run planar.toml"),
         ("design_car", "inertia-module design design_car.toml"),
+        ("orders", "inertia-module orders orders.toml --highest 8"),
+        ("stelmashchuk_stepping", "inertia-module run stelmashchuk_stepping.toml"),
         ("tutorial", "jupyter lab tutorial.ipynb"),
+        ("planar.py", "python planar.py"),
+        ("small_signal", "python small_signal.py"),
     ],
 )
 def test_new_tells_the_next_command(name, told, tmp_path, monkeypatch):
@@ -77,10 +81,32 @@ def test_new_tells_the_next_command(name, told, tmp_path, monkeypatch):
     assert command("new", name).stdout.splitlines()[-1] == f"next: {told}"
 
 
-def test_all_scenes_and_the_notebook_are_examples():
-    files = [*ROOT.glob("examples/**/*.toml"), *ROOT.glob("examples/**/*.ipynb")]
-    assert sorted(files) == sorted(examples().values())
-    with pytest.raises(Refused, match=r"the example must be one of .*planar.*, is plenary"):
+def test_new_tells_what_comes_before(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert (
+        "next: pip install 'inertia-module[jobs,notebook]' jupyterlab\n" in command("new", "tutorial").stdout
+    )
+    assert "next: inertia-module build\n" in command("new", "two_fmus").stdout
+
+
+def test_new_tells_how_to_fit_to_the_measurement_it_has_copied(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    told = command("new", "fit_rig", "-o", "here/rig.toml").stdout.splitlines()[-1]
+    assert told.startswith("next: inertia-module fit here/rig.csv here/rig.toml --free imbalance_mass=0.5:2")
+
+
+def test_new_copies_the_programs_that_a_program_imports(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert json.loads(command("new", "hoist", "--json").stdout) == {"files": ["hoist.py", "launch.py"]}
+    assert "new: speed_control_report.py\n" in command("new", "speed_control").stdout
+
+
+def test_all_scenes_programs_and_the_notebook_are_examples():
+    files = [path for kind in ("toml", "ipynb", "py") for path in ROOT.glob(f"examples/**/*.{kind}")]
+    parts = {"speed_control_report.py", "fit_rig_data.py"}
+    assert sorted(path for path in files if path.name not in parts) == sorted(examples().values())
+    assert example("planar.py").suffix == ".py"
+    with pytest.raises(Refused, match=r"is plenary \(did you mean planar\?\)"):
         example("plenary")
 
 

@@ -204,7 +204,7 @@ def test_what_does_not_swing_is_left_out(fmu):
     "options, words",
     [
         ({"of": "wheel"}, "orders must be link1 or pulses, is 'wheel'"),
-        ({"signals": ["torque"]}, "run.outputs must be of .*, has 'torque'"),
+        ({"signals": ["torque"]}, "run.outputs .*, has 'torque' .did you mean"),
         ({"signals": ["omega2", "input_speed"]}, "signals must swing, of omega2, input_speed none does"),
         ({"highest": 100.0}, "highest order must be above 0 and at most 49.09, is 100: .*communication_step"),
         ({"turns": 2.0}, "turns of a window must be of 4 to the 15.92 .*, is 2"),

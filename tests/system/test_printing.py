@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from rich.text import Text
+from typer.main import get_command
 from typer.testing import CliRunner
 
 from inertia_module.cli import app
@@ -50,6 +51,18 @@ def test_brackets_and_colons_are_printed_as_they_are(name, capsys, monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
     PRINTERS[name]()
     assert AWKWARD in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("name", get_command(app).commands)
+def test_help_of_a_command_has_every_letter(name):
+    command = get_command(app).commands[name]
+    shown = " ".join(CliRunner().invoke(app, [name, "-h"], terminal_width=1000).stdout.split())
+    for text in (command.help, *(parameter.help for parameter in command.params if parameter.help)):
+        assert " ".join(text.split()) in shown
+
+
+def test_list_of_the_commands_says_in_whole_sentences_what_they_do():
+    assert "..." not in CliRunner().invoke(app, ["-h"]).stdout.partition("Commands:")[2]
 
 
 def test_progress_bar_shows_a_title_as_it_is():

@@ -169,6 +169,8 @@ def test_example_says_how_soon_the_car_is_up_to_speed(fmu):
         assert np.interp(time, table.time, table["vehicle_speed"]) * 3.6 == pytest.approx(speed, rel=2e-3)
     assert numbers["time_to_25_kmh"] < numbers["time_to_50_kmh"]
     assert "time_to_100_kmh" not in numbers
+    fastest = table["vehicle_speed"].max() * 3.6
+    assert result.remarks == {"time_to_100_kmh": f"is not reached: {fastest:.4g} km/h is the most"}
     assert numbers["energy_residual_relative"] < 1e-7
     heading = scene_figure(result).axes[0].get_title(loc="left")
     assert f"25 km/h in {numbers['time_to_25_kmh']:.3g} s" in heading

@@ -81,7 +81,7 @@ def test_what_auto_chooses_is_not_given_too(old, new, key):
         ('"2 %"', '"2 m"', "accuracy.error must be a number .*, is '2 m'"),
         ('"0.1 s"', '"0 s"', "accuracy.window must be a number above 0 in s, .*, is '0 s'"),
         ('"auto"', '"automatic"', r"mechanism.fidelity must be .*, or auto, is 'automatic'"),
-        ('"omega_out",', '"omega_oat",', "run.outputs must be of omega2, .*, has 'omega_oat'"),
+        ('"omega_out",', '"omega_oat",', "run.outputs .*, has 'omega_oat' .did you mean omega_out"),
     ],
 )
 def test_bad_keys_are_refused(old, new, words):

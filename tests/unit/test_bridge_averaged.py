@@ -96,7 +96,7 @@ def test_transient_inertia_adds_to_that_of_the_output(compiled):
 
 
 def test_refusals_name_what_is_allowed(compiled):
-    with pytest.raises(ValueError, match=r"output must be one of omega_out, omega2, .*, is omega4"):
+    with pytest.raises(ValueError, match=r"output omega4 must be of this system \(did you mean omega2\?\)"):
         bridge.averaged_system(outputs=("omega4",), kernel=compiled)
     with pytest.raises(ValueError, match=r"inputs must contain omega1 and load_torque, are omega1"):
         bridge.averaged_system(inputs=("omega1",), kernel=compiled)

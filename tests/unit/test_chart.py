@@ -106,6 +106,14 @@ def test_command_gives_torques_and_a_converter_table_at_a_speed(compiled, tmp_pa
         assert read[name].tolist() == [float(row[name]) for row in rows]
 
 
+@pytest.mark.parametrize("speed, told", [("3000", "3000 rad/s (28648 rpm)"), ("3000 rpm", "(3000 rpm)")])
+def test_command_tells_the_speed_it_has_understood(speed, told, compiled, tmp_path):
+    assert compiled
+    done = CliRunner().invoke(app, ["chart", "examples/planar.toml", "--speed", speed, "-o", str(tmp_path)])
+    assert told in done.stdout
+    assert ("warning: --speed 3000 has no unit, is taken as 3000 rad/s" in done.stderr) == (speed == "3000")
+
+
 def test_no_file_of_a_chart_holds_what_is_not_finite(compiled, tmp_path):
     assert compiled
     CliRunner().invoke(app, ["chart", "examples/urban.toml", "--speed", "100", "-o", str(tmp_path)])

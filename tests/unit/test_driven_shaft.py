@@ -207,7 +207,7 @@ def test_critical_damping_is_no_special_place(compiled):
         ({"shaft_stiffness": 0.0}, "^shaft_stiffness must be .*, is 0$"),
         ({"driven_inertia": 0.0}, "^driven_inertia must be .*, is 0$"),
         ({"hub_speed": math.nan}, "^hub_speed must be .*, is nan$"),
-        ({"omega1": 3.0}, "^omega1 must be a parameter or an input: hub_speed"),
+        ({"omega1": 3.0}, "^omega1 must be a parameter or an input .there are hub_speed"),
     ],
 )
 def test_bad_values_are_refused_by_name(values, words):

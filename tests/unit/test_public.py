@@ -12,6 +12,12 @@ import pytest
 
 import inertia_module
 from inertia_module import PUBLIC, Result
+from inertia_module.common.errors import Refused, did_you_mean
+from inertia_module.common.examples import example
+from inertia_module.contract.variables import BY_NAME
+from inertia_module.memory.instances import Module
+from inertia_module.scene import SceneResult, load_scene
+from inertia_module.scene.summary import Quantity
 
 NAMES = sorted(PUBLIC)
 
@@ -90,8 +96,46 @@ def test_result_plots_the_columns_asked_for():
     figure = table().plot("omega")
     assert [axis.get_ylabel() for axis in figure.axes] == ["rad/s"]
     assert len(table().plot().axes) == 2
-    with pytest.raises(ValueError, match="alpha must be a column: time, omega, M"):
+    with pytest.raises(ValueError, match=r"alpha must be a column \(there are time, omega, M\)"):
         table().plot("alpha")
+
+
+def test_result_of_a_scene_is_a_table_too(tmp_path):
+    found = SceneResult(scene=load_scene(example("planar")), record=table(), quantities={})
+    assert (found["omega"] == found.record["omega"]).all()
+    assert "omega" in found
+    assert "alpha" not in found
+    assert (
+        found.to_csv(tmp_path / "t.csv").read_bytes() == found.table.to_csv(tmp_path / "u.csv").read_bytes()
+    )
+    with pytest.raises(ValueError, match=r"omga must be a column \(did you mean omega\?\)"):
+        found["omga"]
+
+
+def test_number_that_a_summary_has_not_is_told():
+    remarks = {"time_to_50_kmh": "is not reached: 40 km/h is the most"}
+    numbers = {"efficiency": Quantity(0.5, "")}
+    found = SceneResult(
+        scene=load_scene(example("planar")), record=table(), quantities=numbers, remarks=remarks
+    )
+    with pytest.raises(
+        KeyError, match=r"^eficiency must be a number of the summary .did you mean efficiency"
+    ):
+        found.summary["eficiency"]
+    with pytest.raises(ValueError, match=r"^time_to_50_kmh is not reached: 40 km/h is the most"):
+        found.summary["time_to_50_kmh"]
+    assert found.lines() == {"efficiency": "0.5", "time to 50 kmh": "is not reached: 40 km/h is the most"}
+
+
+@pytest.mark.parametrize("name", ["omega_2", "Omega_out", "load torque", "torque", "imbalance", "xyz", ""])
+@pytest.mark.parametrize("ask", [Module("plain").__getitem__, lambda name: did_you_mean(name, BY_NAME)])
+def test_unknown_name_is_told_the_nearest_and_never_all_there_are(name, ask):
+    try:
+        said = str(ask(name))
+    except Refused as refusal:
+        said = str(refusal)
+    assert "did you mean" in said or (name in ("xyz", "") and "and 105 more)" in said)
+    assert len(said) < 400
 
 
 def test_result_in_a_notebook_is_picture_and_table():

@@ -124,7 +124,7 @@ def test_what_is_no_parameter_or_input_cannot_be_set():
     module = Module("plain")
     for name in ("omega3", "Omega1", "", *(v.name for v in with_causality(OUTPUT, LOCAL))):
         said = refusal(module.set, **{name: 1.0})
-        assert said.startswith(f"{name} must be a parameter or an input: omega1, "), name
+        assert said.startswith(f"{name} must be a parameter or an input ("), name
 
 
 def test_one_bad_value_keeps_all_others_out():

@@ -187,7 +187,30 @@ BAD = {
         "3",
         "did you mean satellites",
     ),
-    "misspelt needed key": (changed(OPEN, "omega1", "omega_1"), "drive.omega_1", "100", "kind, omega1"),
+    "misspelt needed key": (
+        changed(OPEN, "omega1", "omega_1"),
+        "drive.omega_1",
+        "100",
+        "mean omega1?",
+    ),
+    "key of another kind": (
+        OPEN.replace('"constant"', '"ramp"'),
+        "drive.omega1",
+        "100",
+        "must not be given with drive.kind = 'ramp', it belongs to kind 'constant' or 'table'",
+    ),
+    "decimal comma": (
+        changed(OPEN, "omega1 = 100", "omega1 = '1,5 rpm'"),
+        "drive.omega1",
+        "'1,5 rpm'",
+        "no commas",
+    ),
+    "decimal comma without quotes": (
+        changed(OPEN, "omega1 = 100", "omega1 = 1,5"),
+        "TOML",
+        "line",
+        "no commas",
+    ),
     "missing key": (changed(OPEN, "omega1 = 100", ""), "drive.omega1", "missing", "must be given"),
     "missing kind": (changed(OPEN, CONSTANT, ""), "drive.kind", "missing", "'constant', 'ramp'"),
     "unknown kind": (
@@ -229,7 +252,7 @@ BAD = {
         "1.005",
         "whole number",
     ),
-    "unknown output": (OPEN + 'outputs = ["omga2"]', "run.outputs", "'omga2'", "omega2, omega_out"),
+    "unknown output": (OPEN + 'outputs = ["omga2"]', "run.outputs", "'omga2'", "did you mean omega2?"),
     "no output": (OPEN + "outputs = []", "run.outputs", "[]", "at least one"),
     "table not rising": (
         changed(OPEN, CONSTANT, 'kind = "table"\ntime = [0, 1, 1]\nomega1 = [1, 2, 3]'),
@@ -279,7 +302,7 @@ BAD = {
         changed(CLOSED, 'kind = "constant", speed = "36 km/h"', 'kind = "cycle", cycle = "WLTC"'),
         "controller.reference.cycle",
         "'WLTC'",
-        "'ECE R15'",
+        "there are ECE R15",
     ),
     "limits": (
         changed(CLOSED, "proportional_gain", "minimum = 5\nmaximum = 2\nproportional_gain"),

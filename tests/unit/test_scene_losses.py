@@ -11,8 +11,10 @@ from inertia_module.contract.variables import BY_NAME, LOSSES, with_causality
 from inertia_module.figures.losses import losses
 from inertia_module.figures.scenes import scene_figure
 from inertia_module.harness.results import Result
+from inertia_module.harness.steady import SteadyMachine
 from inertia_module.scene import SceneError, load_scene, read_scene, run_scene
 from inertia_module.scene.export import scene_plan
+from inertia_module.scene.run import above_stall
 from inertia_module.scene.summary import SUMMARISED, forces, summarise
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -98,6 +100,23 @@ def test_freewheels_that_wind_up_are_not_exported_as_rigid_ones(tmp_path, name):
 
 
 # --- summary ---
+
+
+def standing(load, **columns):
+    """A run at whose end the shaft rests."""
+    given = {"omega1": [100.0] * 3, "load_torque": [load] * 3, "omega_out": [3.0, 0.0, 0.0], **columns}
+    return Result.from_columns({"time": [0.0, 1.0, 2.0], **given})
+
+
+def test_load_above_stall_is_told():
+    stall = SteadyMachine({}).at(100.0, 0.0).output_torque
+    said = above_stall(standing(stall + 1.0), {})["load_torque"]
+    assert said == f"is above stall: {stall + 1.0:.4g} N.m, the mechanism gives {stall:.4g} N.m at 100 rad/s"
+    assert not above_stall(standing(stall - 1.0), {})
+    assert not above_stall(standing(stall + 1.0, omega_out=[3.0, 2.0, 1.0]), {})
+    assert not above_stall(standing(stall + 1.0, brake_torque=[0.0, 0.0, 5.0]), {})
+    assert not above_stall(standing(stall + 1.0, omega1=[0.0] * 3), {})
+    assert not above_stall(standing(stall + 1.0), {"output_freewheel": 0.0})
 
 
 @pytest.mark.parametrize(

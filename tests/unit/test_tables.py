@@ -31,13 +31,21 @@ BAD = {
     ),
     "a name twice": ("time,omega1,omega1\n0,1,2\n", "column 3 must have a name of its own, is 'omega1'"),
     "no name": ("time;omega1;\n0;1;\n", "column 3 must have a name of its own, is ''"),
-    "no number": ("time,omega1\n\n0,fast\n", "line 3: omega1 must be a number, is 'fast'"),
-    "an empty cell": ("time,omega1\n0,\n", "line 2: omega1 must be a number, is ''"),
+    "no number": ("time,omega1\n\n0,fast\n", "line 3: omega1 must be a finite number, is 'fast'"),
+    "an empty cell": ("time,omega1\n0,\n", "line 2: omega1 must be a finite number, is ''"),
+    "no number at all": (
+        "time,omega1\n0,1\n\n1,nan\n",
+        r"table\.csv line 4: omega1 must be a finite .*, is 'nan'",
+    ),
+    "no end": ("time;omega1\n0;-inf\n", r"table\.csv line 2: omega1 must be a finite number, is '-inf'"),
     "time in metres": ("time [m],omega1\n0,1\n", r"time \[m\] must be in s or in a unit of the same kind"),
     "time in a unit nobody knows": ("time [blink],omega1\n0,1\n", "blink is no unit known here"),
-    "time that goes back": ("time [ms],omega1\n2,1\n1,1\n", "time must not go back, is 0.001 in row 1"),
+    "time that goes back": (
+        "time [ms],omega1\n2,1\n1,1\n",
+        r"table\.csv: time must not go back, is 0.001 in row 1",
+    ),
     "a heading only": ("time,omega1\n", "at least one row of numbers"),
-    "no time": ("t,omega1\n0,1\n", "columns must include time, are t, omega1"),
+    "no time": ("t,omega1\n0,1\n", "columns must include time .there are t, omega1"),
 }
 
 
@@ -110,7 +118,7 @@ def test_a_road_over_distance_comes_from_a_file_without_a_time(tmp_path):
     assert road.distance == [0.0, 500.0]
     assert road.slope == [0.0, 0.04]
     (tmp_path / "road.csv").write_text("way,slope\n0,0\n")
-    with pytest.raises(SceneError, match=r"road\.csv must have a column distance, has way, slope"):
+    with pytest.raises(SceneError, match=r"road\.csv must have a column distance \(there are way, slope\)"):
         read_scene(CAR, tmp_path)
 
 

@@ -59,15 +59,23 @@ def test_module_and_shaft_wired_as_they_are_meant_to_be_are_accepted(both):
                 "is driven by shaft.shaft_torque_mean and by a given value",
             ),
         ),
-        ([SPEED, TORQUE._replace(source="axle")], GIVEN, ("axle must be one of module, shaft",)),
+        (
+            [SPEED, TORQUE._replace(source="axle")],
+            GIVEN,
+            ("axle must be an FMU of the system (there",),
+        ),
         (
             [SPEED._replace(output="omega_3"), TORQUE],
             GIVEN,
-            ("omega_3 must be an output of module: ", "omega_out"),
+            ("omega_3 must be an output of module (did you mean omega2?)",),
         ),
-        ([SPEED._replace(input="omega1"), TORQUE], GIVEN, ("omega1 must be an input of shaft: hub_speed",)),
-        ([SPEED._replace(output="omega1"), TORQUE], GIVEN, ("omega1 must be an output of module: ",)),
-        ([SPEED, TORQUE], {**GIVEN, "shaft": ["torque"]}, ("torque must be an input of shaft: ",)),
+        (
+            [SPEED._replace(input="omega1"), TORQUE],
+            GIVEN,
+            ("omega1 must be an input of shaft (there",),
+        ),
+        ([SPEED._replace(output="omega1"), TORQUE], GIVEN, ("omega1 must be an output of module (",)),
+        ([SPEED, TORQUE], {**GIVEN, "shaft": ["torque"]}, ("torque must be an input of shaft (",)),
     ],
 )
 def test_wires_that_cannot_work_are_named(both, wires, given, words):

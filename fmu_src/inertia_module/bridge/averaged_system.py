@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 import control as ct
 import numpy as np
 
+from ..common.errors import did_you_mean
 from ..contract.variables import BY_NAME
 from ..harness.fmu import as_names
 from ..kernel import codes
@@ -136,7 +137,7 @@ def averaged_system(
     for kind, names, allowed in (("input", inputs, known), ("output", outputs, OUTPUTS)):
         for wanted in names:
             if wanted not in allowed:
-                raise ValueError(f"{kind} must be one of {', '.join(allowed)}, is {wanted}")
+                raise ValueError(f"{kind} {wanted} must be of this system {did_you_mean(wanted, allowed)}")
     if not set(INPUTS) <= set(inputs):
         raise ValueError(f"inputs must contain {' and '.join(INPUTS)}, are {', '.join(inputs)}")
     module = _AveragedModule(parameters or {}, kernel, transient)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from ..common.errors import did_you_mean
 from ..contract.driven_shaft_variables import BY_NAME as OF_SHAFT
 from ..contract.variable import DRIVE_ANGLE, ENUMERATIONS, LINK1_ANGLE, SINCE_START
 from ..contract.variables import BY_NAME as OF_MODULE
@@ -35,7 +36,7 @@ def check_inputs(fmu: Fmu, inputs: Sequence[str]) -> None:
     known = [name for name, variable in fmu.variables.items() if variable.causality == "input"]
     for name in inputs:
         if name not in known:
-            raise FmuError(f"input {name} must be one of {', '.join(known)}")
+            raise FmuError(f"input {name} must be one of the FMU {did_you_mean(name, known)}")
     if "drive" not in fmu.variables:
         return
     by_torque = _is_driven_by_torque(fmu)

@@ -14,9 +14,9 @@ from .shared import Json, Keys, OutputFolder, app, folder_for, one_line_errors, 
 
 @app.command()
 def build(output: OutputFolder = None, as_json: Json = False) -> None:
-    """Build the FMUs and the kernel for pages, each whole or not at all (into build/ without -o).
+    """Build the FMUs and the kernel for pages.
 
-    Exit code 1 if one is skipped.
+    Each is whole or not there (in build/ without -o). Exit code 1 if one is skipped.
     """
     from rich.text import Text
 
@@ -50,9 +50,10 @@ def check(
     fmu: Annotated[Path, typer.Argument(metavar="FILE.fmu", help="Any FMU file.")],
     as_json: Json = False,
 ) -> None:
-    """Validate an FMU file with fmpy, then step it over its default experiment.
+    """Validate an FMU file with fmpy, then step it.
 
-    FMI 2.0 or 3.0; an FMU with event mode is stepped once without and once with it.
+    That is over its default experiment. FMI 2.0 or 3.0; an FMU with event mode is stepped once without
+    and once with it.
     """
     from ..harness.check import check_fmu
 
@@ -79,10 +80,11 @@ def export(
     keys: Keys = None,
     as_json: Json = False,
 ) -> None:
-    """Export the mechanism of a scene as SSP, OSP and one container FMU (out/export/SCENE without -o).
+    """Export the mechanism of a scene: SSP, OSP, container FMU.
 
-    An elastic mechanism becomes two FMUs, the rigid module and its shaft. Drive, load and controller stay
-    here: their values at the start go along, as inputs of the module and its shaft.
+    They are in out/export/SCENE without -o. An elastic mechanism becomes two FMUs, the rigid module and
+    its shaft. Drive, load and controller stay here: their values at the start go along, as inputs of the
+    module and its shaft.
     """
     from ..export.writing import export as write
     from ..scene import load_scene

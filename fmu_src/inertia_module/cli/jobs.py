@@ -43,9 +43,10 @@ def orders(
     keys: Keys = None,
     as_json: Json = False,
 ) -> None:
-    """Run a scene and find the orders of torques, speeds and shaking force, with a waterfall over the run.
+    """Find the orders of torques, speeds and forces of a scene.
 
-    Leaves orders.csv, waterfall.csv, summary.json and orders.png in a folder (out/orders/SCENE without -o).
+    Runs it and leaves orders.csv, waterfall.csv (over the run), summary.json and orders.png in a folder
+    (out/orders/SCENE without -o).
     """
     from .. import jobs
     from ..figures.orders import order_figure
@@ -114,9 +115,10 @@ def fit(
     keys: Keys = None,
     as_json: Json = False,
 ) -> None:
-    """Find the values of a scene's keys at which it computes what was measured, and how sure they are.
+    """Find the values of a scene's keys that fit a measurement.
 
-    Leaves fitted.toml (a scene), residuals.csv, fit.json and fit.png in a folder (out/SCENE_fit without -o).
+    Tells how sure they are. Leaves fitted.toml (a scene), residuals.csv, fit.json and fit.png in a folder
+    (out/SCENE_fit without -o).
     """
     from .. import jobs
     from ..figures.fits import fit_figure

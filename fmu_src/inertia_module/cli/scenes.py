@@ -21,6 +21,7 @@ from .shared import (
     shaft_fmu,
     share,
     show_table,
+    speed_text,
     turning,
 )
 
@@ -47,7 +48,10 @@ def run(
     keys: Keys = None,
     as_json: Json = False,
 ) -> None:
-    """Run a scene: leaves table.csv, summary.json and plot.png in a folder (out/SCENE without -o)."""
+    """Run a scene: table, summary and plot.
+
+    Leaves table.csv, summary.json and plot.png in a folder (out/SCENE without -o).
+    """
     from ..common.files import write_atomically
     from ..contract.variables import COMPUTED
     from ..figures.scenes import scene_figure
@@ -96,11 +100,7 @@ def run(
         return
     for warning in result.warnings:
         typer.echo(f"warning: {warning}", err=True)
-    rows = {
-        name.replace("_", " "): f"{value:.6g} {result.units[name]}".rstrip()
-        for name, value in result.summary.items()
-    }
-    show_table(read.title, rows)
+    show_table(read.title, result.lines())
     for line in choice.lines() if choice is not None else ():
         typer.echo(line)
     for name, file in files.items():
@@ -138,7 +138,10 @@ def tradeoff(
     keys: Keys = None,
     as_json: Json = False,
 ) -> None:
-    """Measure error against cost: fidelity, method, tolerance or step, communication step (out/tradeoff)."""
+    """Measure error against cost of a scene.
+
+    Of each fidelity, method, tolerance or step, and communication step (out/tradeoff without -o).
+    """
     from ..fidelity.choice import recommend as choose_cheapest
     from ..fidelity.report import print_levels
     from ..fidelity.tradeoff import scene_study, scene_trials
@@ -183,10 +186,10 @@ def chart(
     keys: Keys = None,
     as_json: Json = False,
 ) -> None:
-    """Torque converter charts of mechanisms: a CSV each and one figure (out/chart without -o).
+    """Draw torque converter charts of mechanisms.
 
-    Of mechanisms with losses the charts are those of one input speed, and there is a map of the
-    efficiency over speed ratio and input speed.
+    A CSV each and one figure (out/chart without -o). Of mechanisms with losses the charts are those of
+    one input speed, and there is a map of the efficiency over speed ratio and input speed.
     """
     from ..figures.chart import chart_figure
     from ..harness.chart import NOMINAL_SPEED, efficiency_map, torque_converter_chart
@@ -226,10 +229,11 @@ def chart(
     summaries = {name: found.summary(omega1) for name, found in charts.items()}
     units = {name: found.units(omega1) for name, found in charts.items()}
     if as_json:
-        typer.echo(json.dumps({"charts": summaries, "units": units, "files": files}))
+        typer.echo(json.dumps({"omega1": omega1, "charts": summaries, "units": units, "files": files}))
         return
     for name, numbers in summaries.items():
         rows = {key: f"{value:.6g} {units[name][key]}".rstrip() for key, value in numbers.items()}
-        title = f"{name}, losses at {at:g} rad/s" if name in maps else name
+        title = f"{name}, losses at {speed_text(at)}" if name in maps else name
+        title = f"{name} at {speed_text(omega1)}" if omega1 is not None else title
         show_table(title, {key.replace("_", " "): text for key, text in rows.items()})
     typer.echo("\n".join(files))

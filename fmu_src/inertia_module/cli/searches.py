@@ -56,9 +56,10 @@ def sweep(
     workers: Workers = None,
     as_json: Json = False,
 ) -> None:
-    """Run a scene over values of its keys: sweep.parquet, sweep.csv, plot.png (out/SCENE_sweep without -o).
+    """Run a scene over values of its keys.
 
-    What is done is in journal.jsonl of the folder and is not done again.
+    Leaves sweep.parquet, sweep.csv and plot.png in a folder (out/SCENE_sweep without -o). What is done is
+    in journal.jsonl of the folder and is not done again.
     """
     from .. import jobs
     from ..figures.sweeps import sweep_figure
@@ -86,11 +87,15 @@ def sweep(
     numbers = {"rows": len(found.rows), "new": found.new, "refused": len(found.refused)}
     listed = {name: str(file) for name, file in files.items()}
     if as_json:
-        typer.echo(json.dumps({"scene": str(scene), **numbers, "files": listed}))
+        typer.echo(
+            json.dumps({"scene": str(scene), **numbers, "unreached": found.unreached, "files": listed})
+        )
         return
     show_table(f"sweep of {scene.name}", {name: str(number) for name, number in numbers.items()})
     if found.refused:
         typer.echo(f"refused first: {found.refused[0].point}: {found.refused[0].refused}")
+    for name, number in found.unreached.items():
+        typer.echo(f"{name}: not reached in {number} of {len(found.rows)} runs")
     for name, file in listed.items():
         typer.echo(f"{name}: {file}")
 
@@ -105,7 +110,7 @@ def design(
     workers: Workers = None,
     as_json: Json = False,
 ) -> None:
-    """Search the designs that meet the limits of a specification and are best for its goals.
+    """Search the best designs within the limits of a specification.
 
     Leaves pareto.csv, checked.csv (and .parquet), plot.png and each checked design as a scene, design_1.toml
     and so on, in a folder (out/SPEC_design without -o).

@@ -11,6 +11,7 @@ import typer
 
 from .. import __version__
 from ..common.files import OUTPUT_FOLDER
+from ..common.units import factor_between, split_quantity, to_si
 
 # name of the page of a scene
 PAGE = "page.html"
@@ -18,6 +19,7 @@ PAGE = "page.html"
 app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
     no_args_is_help=True,
+    rich_markup_mode=None,  # with it "[free]" is a style and vanishes from the help
     pretty_exceptions_enable=False,
 )
 
@@ -118,15 +120,20 @@ def share(option: str, text: str | None) -> float | None:
 
 def turning(text: str) -> float:
     """An input speed given on the command line, such as "3000 rpm", in rad/s; negative backwards."""
-    from ..common.units import to_si
     from ..contract.variable import LARGEST_SPEED
 
+    allowed = f"a speed up to {LARGEST_SPEED:g} rad/s, not 0, such as '3000 rpm', is {text!r}"
     try:
         omega1 = to_si(text, "rad/s")
-    except ValueError:
-        omega1 = 0.0
+    except ValueError as error:
+        raise ValueError(f"--speed must be {allowed}: {error}") from None
     if not 0.0 < abs(omega1) <= LARGEST_SPEED:
-        raise ValueError(
-            f"--speed must be a speed up to {LARGEST_SPEED:g} rad/s, not 0, such as '3000 rpm', is {text!r}"
-        )
+        raise ValueError(f"--speed must be {allowed}")
+    if not split_quantity(text)[1]:
+        typer.echo(f"warning: --speed {text} has no unit, is taken as {speed_text(omega1)}", err=True)
     return omega1
+
+
+def speed_text(omega1: float) -> str:
+    """A speed, rad/s, in the units in which speeds are given."""
+    return f"{omega1:.5g} rad/s ({omega1 / factor_between('rpm', 'rad/s'):.5g} rpm)"

@@ -26,10 +26,10 @@ def view(
     keys: Keys = None,
     as_json: Json = False,
 ) -> None:
-    """Leave a scene as a page: one HTML file that shows the machine moving, with the kernel in it.
+    """Leave a scene as a page that shows the machine moving.
 
-    What the page cannot integrate itself, a load that follows the motion or a controller, is run here first
-    and played in it.
+    It is one HTML file, with the kernel in it. What the page cannot integrate itself, a load that follows
+    the motion or a controller, is run here first and played in it.
     """
     from ..common.files import write_atomically
     from ..contract.variables import COMPUTED

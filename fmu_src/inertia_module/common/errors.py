@@ -1,5 +1,16 @@
 """The error of the package, of which all others are kinds, and the sentence it says."""
 
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Mapping
+from typing import Any, TypeVar
+
+Value = TypeVar("Value")
+
+# of names that are told where none is like the one given
+LISTED = 12
+
 
 class Refused(ValueError):
     """What cannot be done: the message names the value and what is allowed. Nothing has changed."""
@@ -12,6 +23,43 @@ def must_be(name: str, allowed: str, value: float | str) -> str:
         name: of the value. allowed: what follows "must be". value: a number, or text that stands for it.
     """
     return f"{name} must be {allowed}, is {value if isinstance(value, str) else format(value, '.16g')}"
+
+
+def did_you_mean(name: Any, known: Iterable[str]) -> str:
+    """What to say, in brackets, of a name that is not known: the nearest ones, or else which there are."""
+    names, given = list(dict.fromkeys(known)), str(name).lower()
+    near = sorted((one for one in names if given in one.lower()), key=len)[:3] if given else []
+    near = near or difflib.get_close_matches(given, names, n=1)
+    if near:
+        *others, last = near
+        return f"(did you mean {' or '.join([', '.join(others), last] if others else [last])}?)"
+    more = f" and {len(names) - LISTED} more" if len(names) > LISTED else ""
+    return f"(there are {', '.join(names[:LISTED])}{more})" if names else "(there are none)"
+
+
+class UnknownName(Refused, KeyError):
+    """A name that is not there."""
+
+    __str__ = Exception.__str__  # that of KeyError puts quotes around the sentence
+
+
+class Named(dict[str, Value]):
+    """Values by name, which tell a name that is not there.
+
+    Args:
+        values: by name. what: they are, such as "a number of the summary". missing: by name, why one that
+            might be there is not.
+    """
+
+    def __init__(
+        self, values: Mapping[str, Value], what: str, missing: Mapping[str, str] | None = None
+    ) -> None:
+        super().__init__(values)
+        self.what, self.missing = what, missing or {}
+
+    def __missing__(self, name: str) -> Value:
+        reason = self.missing.get(name) or f"must be {self.what} {did_you_mean(name, self)}"
+        raise UnknownName(f"{name} {reason}")
 
 
 class FmuError(Refused):

@@ -2,35 +2,51 @@
 
 from __future__ import annotations
 
+import re
 from functools import cache
 from pathlib import Path
 
-from .errors import Refused, must_be
+from .errors import Refused, did_you_mean
 from .files import PACKAGE_FOLDER
 
 # in a wheel they are in the package, in a clone beside it
 FOLDERS = (PACKAGE_FOLDER / "examples", PACKAGE_FOLDER.parent.parent / "examples")
-KINDS = ("*.toml", "papers/*.toml", "*.ipynb")
+KINDS = ("*.toml", "papers/*.toml", "*.ipynb", "*.py", "studies/*.py")
+# a part of another example, and what belongs to its folder
+PARTS = ("speed_control_report.py", "fit_rig_data.py")
 
 
 @cache
 def examples() -> dict[str, Path]:
-    """The files of the examples, those of the papers too, by name."""
+    """The files of the examples, those of the papers too, by name; with its ending where one is taken."""
     folder = next((folder for folder in FOLDERS if folder.is_dir()), None)
-    files = [] if folder is None else [path for kind in KINDS for path in folder.glob(kind)]
-    return {path.stem: path for path in sorted(files, key=lambda path: path.stem)}
+    found: dict[str, Path] = {}
+    for path in [] if folder is None else (path for kind in KINDS for path in sorted(folder.glob(kind))):
+        if path.name not in PARTS:
+            found[path.name if path.stem in found else path.stem] = path
+    return dict(sorted(found.items()))
 
 
 def example(name: str) -> Path:
     """The file of an example.
 
     Args:
-        name: such as "planar", or "tutorial".
+        name: such as "planar", or "tutorial"; or that of its file, such as "planar.py".
 
     Raises:
         Refused: there is none of this name; which there are.
     """
-    found = examples().get(name)
+    files = {path.name: path for path in examples().values()}
+    found = examples().get(name) or files.get(name)
     if found is None:
-        raise Refused(must_be("the example", "one of " + ", ".join(examples()), name))
+        raise Refused(f"the example must be one that there is, is {name} {did_you_mean(name, examples())}")
     return found
+
+
+def belonging(source: Path) -> list[Path]:
+    """What an example needs: a measurement of its name, the programs beside it that it imports."""
+    found = [source.with_suffix(".csv")]
+    if source.suffix == ".py":
+        names = re.findall(r"^ *from (\w+) import", source.read_text(encoding="utf-8"), re.MULTILINE)
+        found += [source.with_name(f"{name}.py") for name in names]
+    return [path for path in found if path.is_file()]

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, NamedTuple
 
+from ..common.errors import Named
 from ..compiling.kernels import DRIVEN_SHAFT as SHAFT_ENTRY
 from ..compiling.kernels import ENTRIES
 from ..compiling.kernels import MODULE as MODULE_ENTRY
@@ -96,7 +97,7 @@ class Model:
     @cached_property
     def by_name(self) -> dict[str, Variable]:
         """The variables by their names."""
-        return {variable.name: variable for variable in self.variables}
+        return Named({variable.name: variable for variable in self.variables}, f"a variable of {self.name}")
 
     @property
     def records(self) -> tuple[tuple[Field, ...], ...]:

@@ -10,7 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.errors import FmuError
+from ..common.errors import FmuError, did_you_mean
 from .calls import Instance, Kept
 from .descriptions import number_for
 
@@ -92,8 +92,8 @@ class Fmu(Instance):
     def _variable(self, name: str) -> Any:
         variable = self.variables.get(name)
         if variable is None:
-            known = ", ".join(self.variables)
-            raise FmuError(f"{name} must be a variable of {self.path.name}: {known}")
+            hint = did_you_mean(name, self.variables)
+            raise FmuError(f"{name} must be a variable of {self.path.name} {hint}")
         return variable
 
     def _assign(self, values: Mapping[str, float | bool | str]) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import html
 import io
+import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Set
 from dataclasses import dataclass, field
@@ -14,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..common.errors import Refused
+from ..common.errors import Refused, did_you_mean
 from ..common.extras import library
 from ..common.files import write_atomically
 from ..common.units import factor_between
@@ -54,7 +55,7 @@ class Result:
         """
         arrays = {name: np.atleast_1d(np.asarray(values, dtype=float)) for name, values in columns.items()}
         if TIME not in arrays:
-            raise TableError(f"columns must include {TIME}, are {', '.join(arrays) or 'none'}")
+            raise TableError(f"columns must include {TIME} {did_you_mean(TIME, arrays)}")
         given = dict(units or {})
         arrays[TIME] = arrays[TIME] * _factor(TIME, given.pop(TIME, "s"), "s")
         n = arrays[TIME].size
@@ -88,7 +89,7 @@ class Result:
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
         if name not in self.columns:
-            raise TableError(f"{name} must be a column: {', '.join(self.columns)}")
+            raise TableError(f"{name} must be a column {did_you_mean(name, self.columns)}")
         return self.columns[name]
 
     def __contains__(self, name: object) -> bool:
@@ -130,7 +131,11 @@ class Result:
         Raises:
             TableError: it cannot be read, or is no table over time.
         """
-        return cls.from_columns(*read_columns(path))
+        columns, units = read_columns(path)
+        try:
+            return cls.from_columns(columns, units)
+        except TableError as error:
+            raise TableError(f"{path}: {error}") from None
 
     def to_pandas(self) -> Any:
         """A pandas DataFrame with time, s, as its index, and headings with units.
@@ -251,9 +256,12 @@ def read_columns(path: Path | str) -> tuple[dict[str, list[float]], dict[str, st
             )
         for name, cell in zip(names, row, strict=True):
             try:
-                values[name].append(float(cell.replace(",", ".")))
+                value = float(cell.replace(",", "."))
             except ValueError:
-                raise TableError(f"{path} line {line}: {name} must be a number, is {cell!r}") from None
+                value = math.nan
+            if not math.isfinite(value):
+                raise TableError(f"{path} line {line}: {name} must be a finite number, is {cell!r}")
+            values[name].append(value)
     return values, {name: unit for name, unit in headings if unit}
 
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..common.errors import Refused
+from ..common.errors import Refused, did_you_mean
 from ..common.units import split_quantity
 from .descriptions import fmu_file, read_description
 from .fmu import Fmu, FmuError, Plant, as_names
@@ -90,8 +90,9 @@ def _for_fmu(description: Any, file: str, table: Result) -> tuple[Result, list[s
     units, given, measured = {}, [], {}
     for name in table.names[1:]:
         if name not in variables:
-            known = ", ".join(name for name, v in variables.items() if v.causality in ("input", "output"))
-            raise TableError(f"column {name} must be an input or an output of {file}: {known}")
+            known = (name for name, v in variables.items() if v.causality in ("input", "output"))
+            hint = did_you_mean(name, known)
+            raise TableError(f"column {name} must be an input or an output of {file} {hint}")
         variable = variables[name]
         if variable.causality == "parameter" and variable.variability != "tunable":
             raise TableError(f"column {name} must be in parameters: {file} keeps it for the whole run")

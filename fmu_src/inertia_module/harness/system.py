@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..common.errors import must_be
+from ..common.errors import did_you_mean, must_be
 from .calls import Closing
 from .descriptions import read_description
 from .fmu import Fmu, FmuError
@@ -84,8 +84,9 @@ class WiredFmus(Closing):
 
     def _fmu(self, name: str) -> Fmu:
         if name not in self.fmus:
-            known = f"one of {', '.join(self.fmus)}" if self.fmus else "of a system that is open"
-            raise WiringError(f"an FMU must be {known}, is {name!r}")
+            if not self.fmus:
+                raise WiringError(f"an FMU must be of a system that is open, is {name!r}")
+            raise WiringError(f"an FMU must be of the system, is {name!r} {did_you_mean(name, self.fmus)}")
         return self.fmus[name]
 
     def set(self, name: str, **values: float | str) -> None:

@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-from ..common.errors import Refused, must_be
+from ..common.errors import Refused, did_you_mean, must_be
 from ..contract.variable import ENUMERATIONS
 from ..kernel.codes import DRIVE_SPEED, DRIVE_TORQUE
 
@@ -47,12 +47,12 @@ def _end(descriptions: Mapping[str, Any], wire: Wire, instance: str, name: str, 
         WiringError: there is no such instance or variable, or it is of another causality.
     """
     if instance not in descriptions:
-        known = ", ".join(descriptions)
-        raise WiringError(f"{wire}: {instance} must be one of {known}")
+        hint = did_you_mean(instance, descriptions)
+        raise WiringError(f"{wire}: {instance} must be an FMU of the system {hint}")
     variable = _by_name(descriptions[instance]).get(name)
     if variable is None or variable.causality != causality:
         there = [v.name for v in descriptions[instance].modelVariables if v.causality == causality]
-        raise WiringError(f"{wire}: {name} must be an {causality} of {instance}: {', '.join(there)}")
+        raise WiringError(f"{wire}: {name} must be an {causality} of {instance} {did_you_mean(name, there)}")
     return variable
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from ..common.errors import did_you_mean
 from ..common.extras import library
 from ..common.files import OUTPUT_FOLDER
 from ..harness.descriptions import fmu_file
@@ -24,7 +25,7 @@ from .judged import Judge
 from .named import NAMED, Wanted, named_figures
 from .search import search
 from .size import check_room
-from .spec import OPTIONAL, Spec, check_limits, read_spec, unit_of
+from .spec import OPTIONAL, Spec, absent, check_limits, read_spec, unit_of
 from .store import write_tables
 from .task import Figures, Row, identity, summary_of
 
@@ -119,7 +120,9 @@ class DesignResult:
         figures = {}
         for name in self.spec.demands:
             unit = unit_of(name, units)
-            searched, checked = (row.figures.get(name) for row in (one.searched, one.checked))
+            searched, checked = (
+                row.figures.get(name, absent(name, row)) for row in (one.searched, one.checked)
+            )
             figures[name] = f"{_text(searched)} → {_text(checked, unit)}"
         missed = [limit.figure for limit in self.judge.limits if limit.violation(one.checked) > 0.0]
         return {**keys, **figures, "limits": f"missed by {', '.join(missed)}" if missed else "met"}
@@ -198,9 +201,8 @@ def design(
     return DesignResult(read, judge, rows, front, finalists, evaluator.new, files)
 
 
-def _text(value: float | str | None, unit: str = "") -> str:
-    shown = "missing" if value is None else value if isinstance(value, str) else f"{value:.4g}"
-    return f"{shown} {unit}".removesuffix(" 1").rstrip()
+def _text(value: float | str, unit: str = "") -> str:
+    return value if isinstance(value, str) else f"{value:.4g} {unit}".removesuffix(" 1").rstrip()
 
 
 def _check_figures(spec: Spec, rows: Sequence[Row], units: dict[str, str]) -> None:
@@ -214,7 +216,7 @@ def _check_figures(spec: Spec, rows: Sequence[Row], units: dict[str, str]) -> No
         raise SceneError(f"none of the first {len(rows)} designs can be computed: {rows[0].refused}")
     for name, demand in spec.demands.items():
         if name not in known and not name.startswith(OPTIONAL):
-            raise SceneError(f"figures.{name} must be one of {', '.join(known)}")
+            raise SceneError(f"figures.{name} must be one that there is {did_you_mean(name, known)}")
         check_limits(name, demand, unit_of(name, units))
 
 

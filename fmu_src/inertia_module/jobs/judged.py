@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .named import NAMED
-from .spec import Spec, unit_of
+from .spec import Spec, absent, unit_of
 from .task import Row
 
 # of a limit whose figure there is not: the run was refused, or a speed is not reached
@@ -43,7 +43,7 @@ class Limit(NamedTuple):
     def text(self, row: Row, unit: str) -> str:
         """What a row has and what the limit is, in a line."""
         value = row.figures.get(self.figure)
-        has = "missing" if value is None else f"{value:.4g} {unit}".strip()
+        has = absent(self.figure, row) if value is None else f"{value:.4g} {unit}".strip()
         allowed = f"{'at most' if self.side > 0.0 else 'at least'} {self.bound:.4g} {unit}".strip()
         return f"{self.figure} is {has}, must be {allowed}"
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.errors import Refused
+from ..common.errors import Refused, did_you_mean
 from ..contract.variables import BY_NAME
 from ..harness.simulate import Result
 from ..loops.closed_loop import PLANT_INPUTS, SIGNAL_UNITS
@@ -66,7 +66,7 @@ def measurement(measured: Result | Path | str, scene: Scene, columns: Sequence[s
     given = columns or [name for name in table.names[1:] if name not in {*noises, *PLANT_INPUTS}]
     for name in given:
         if name not in known:
-            raise Refused(f"column {name} must be computed by the scene, which has {', '.join(known)}")
+            raise Refused(f"column {name} must be computed by the scene {did_you_mean(name, known)}")
     if not given:
         raise Refused(f"columns must include one that the scene computes, are {', '.join(table.names)}")
     for name in noises:

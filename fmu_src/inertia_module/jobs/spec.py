@@ -19,6 +19,7 @@ from ..scene.tables import Strict
 from ..scene.units import quantity
 from .axes import Axis, axes_of
 from .named import CONDITIONS, NAMED, Wanted
+from .task import Row
 
 LEVELS = tuple(name for name, _, _ in ENUMERATIONS["Fidelity"])
 # of a summary that has it only where the speed is reached
@@ -162,6 +163,11 @@ def _check(name: str, demand: Demand) -> None:
         )
     if name in NAMED:
         check_limits(name, demand, NAMED[name].unit)
+
+
+def absent(name: str, row: Row) -> str:
+    """What to say of a figure that a row has not."""
+    return "not reached" if name.startswith(OPTIONAL) and not row.refused else "missing"
 
 
 def unit_of(name: str, units: dict[str, str]) -> str:

@@ -9,11 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from ..common.errors import Refused
+from ..common.errors import Refused, did_you_mean
 from ..common.files import OUTPUT_FOLDER
 from ..harness.descriptions import fmu_file
 from ..harness.simulate import Progress
 from ..scene import Scene
+from ..scene.summary import time_to
 from .axes import Axis, axes_of, grid, sampled, units_of
 from .evaluator import Evaluator, read
 from .sensitivity import Sensitivity, indices
@@ -28,6 +29,7 @@ class SweepResult:
     Attributes:
         axes: what was varied. rows: one for each point, in the order of the points.
         units: of keys and figures by name, where known. new: how many rows were not there before.
+        unreached: by the time to a speed, how many runs do not come to it.
         sensitivity: Sobol indices, where they were asked for. files: written, by kind.
     """
 
@@ -35,6 +37,7 @@ class SweepResult:
     rows: list[Row]
     units: dict[str, str]
     new: int
+    unreached: dict[str, int]
     sensitivity: Sensitivity | None
     files: dict[str, Path]
 
@@ -51,7 +54,7 @@ class SweepResult:
         """
         known = self.figures
         if name not in known:
-            raise Refused(f"a figure must be one of {', '.join(known)}, is {name!r}")
+            raise Refused(f"a figure must be one of the summary, is {name!r} {did_you_mean(name, known)}")
         return np.array([row.figures.get(name, np.nan) for row in self.rows])
 
     @property
@@ -109,4 +112,7 @@ def sweep(
     files = write_tables(folder, "sweep", rows, units)
     if found is not None:
         files["sensitivity"] = found.save(folder / "sensitivity.csv")
-    return SweepResult(axes, rows, units, evaluator.new, found, files)
+    ran = [row.figures for row in rows if not row.refused]
+    names = map(time_to, getattr(base.load, "times_to", ()))
+    unreached = {name: number for name in names if (number := sum(name not in row for row in ran))}
+    return SweepResult(axes, rows, units, evaluator.new, unreached, found, files)

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from typing import Any, ClassVar, Self
 
-from ..common.errors import Refused
+from ..common.errors import Refused, did_you_mean
 from ..compiling.kernels import source_hash
 from ..compiling.records import record_type
 from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE, RECORD_OF, Model
@@ -78,8 +78,8 @@ class ModelInstance:
         for name, value in values.items():
             variable = known.get(name)
             if variable is None or variable.causality not in (INPUT, PARAMETER):
-                settable = ", ".join(v.name for v in known.values() if v.causality in (INPUT, PARAMETER))
-                raise Refused(f"{name} must be a parameter or an input: {settable}")
+                settable = (v.name for v in known.values() if v.causality in (INPUT, PARAMETER))
+                raise Refused(f"{name} must be a parameter or an input {did_you_mean(name, settable)}")
             if variable.causality == PARAMETER and self.started and not variable.is_tunable:
                 raise Refused(f"{name} = {value} must be set before the start: it is fixed after it")
             numbers[name] = variable.number(value)
@@ -121,7 +121,7 @@ class ModelInstance:
         inputs = [variable.name for variable in self.model.with_causality(INPUT)]
         for name in rates:
             if name not in inputs:
-                raise Refused(f"the rate of {name} must be that of an input: {', '.join(inputs)}")
+                raise Refused(f"the rate of {name} must be that of an input {did_you_mean(name, inputs)}")
         for name, rate in rates.items():
             setattr(self.inputs, f"{name}_rate", rate)
             setattr(self.inputs, f"{name}_rate_given", 1.0)

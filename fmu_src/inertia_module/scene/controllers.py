@@ -11,7 +11,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import BeforeValidator, Field, ValidationInfo, model_validator
 
 from .. import loops
-from ..common.errors import must_be
+from ..common.errors import did_you_mean, must_be
 from ..contract.variable import LARGEST_SPEED
 from ..loops.cycles import CYCLES, Cycle
 from .loads import Torque
@@ -72,7 +72,7 @@ class TableReference(Tabulated):
 
 def _known_cycle(name: Any) -> str:
     if name not in CYCLES:
-        raise ValueError(f"must be one of {', '.join(repr(known) for known in CYCLES)}, is {name!r}")
+        raise ValueError(f"must be a driving cycle, is {name!r} {did_you_mean(name, CYCLES)}")
     return str(name)
 
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import difflib
 from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
 
-from ..common.errors import Refused, must_be
+from ..common.errors import Refused, did_you_mean, must_be
 
 # what must be, where pydantic says it in another way
 _ALLOWED = {
@@ -54,10 +53,15 @@ def _no_such_key(scene: type[BaseModel], location: tuple[Any, ...], value: Any) 
     """Line for a key that no model has."""
     parents, models = _walk(scene, location[:-1])
     known = list(dict.fromkeys(name for model in models for name in model.model_fields))
-    close = difflib.get_close_matches(str(location[-1]), known, n=1)
-    hint = f" (did you mean {close[0]}?)" if close else ""
     key = ".".join([*parents, str(location[-1])])
-    return f"{key} = {value!r}: there is no such key{hint}, it must be one of {', '.join(known)}"
+    others = [model for model in _walk(scene, location[:-2])[1] if location[-1] in model.model_fields]
+    if len(models) == 1 and others and location[-2] == _kind(models[0]):
+        table, kinds = ".".join(parents), " or ".join(repr(_kind(model)) for model in others)
+        return (
+            f"{key} = {value!r} must not be given with {table}.kind = {location[-2]!r}, it belongs to kind"
+            f" {kinds} {did_you_mean(location[-1], known)}"
+        )
+    return f"{key} = {value!r}: there is no such key {did_you_mean(location[-1], known)}"
 
 
 def one_line(scene: type[BaseModel], failure: ValidationError) -> str:

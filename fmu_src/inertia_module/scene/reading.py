@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -37,7 +38,12 @@ def _tables(text: str) -> dict[str, Any]:
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise SceneError(f"the scene is no TOML: {' '.join(str(error).split())}") from None
+        said = " ".join(str(error).split())
+        place = re.search(r"line (\d+)", said)
+        line = text.split("\n")[int(place[1]) - 1] if place else ""
+        comma = re.search(r"=\s*[-+]?\d+,\d", line)
+        cause = ": a number has a decimal point and no commas" if comma else ""
+        raise SceneError(f"the scene is no TOML: {said}{cause}") from None
 
 
 def load_scene(path: Path | str, keys: Mapping[str, Any] | None = None) -> Scene:

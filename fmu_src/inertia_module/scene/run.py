@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import base64
+import math
 import time
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, ClassVar
 
+import numpy as np
+from numpy.typing import NDArray
+
 from .. import __version__
+from ..common.errors import Named, Refused
 from ..contract.variables import COMPUTED
 from ..harness.calls import Closing
 from ..harness.restarted import RestartedFmu
@@ -19,7 +24,10 @@ from ..loops import ClosedLoop, initial_inputs
 from .drives import TORQUE_DRIVES
 from .errors import SceneError
 from .schema import Scene
-from .summary import SUMMARISED, Quantity, summarise
+from .summary import SUMMARISED, Quantity, input_speed, summarise, unreached
+
+# of the speed of link 1: below it the output shaft rests
+RESTING = 1e-6
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,6 +37,7 @@ class Outcome:
     Attributes:
         scene: as it was run. record: everything recorded: outputs wanted, outputs summarised, signals of the
             loop. quantities, summary, units: numbers by name; units are "" for counts and ratios.
+        remarks: what the numbers leave out, by name: a speed not reached, a load above stall.
         warnings: that the FMU logged.
     """
 
@@ -38,6 +47,7 @@ class Outcome:
     scene: Any
     record: Result
     quantities: dict[str, Quantity] = field(repr=False)
+    remarks: dict[str, str] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
 
     @property
@@ -48,7 +58,8 @@ class Outcome:
     @property
     def summary(self) -> dict[str, float]:
         """Numbers of the run by name."""
-        return {name: quantity.value for name, quantity in self.quantities.items()}
+        values = {name: quantity.value for name, quantity in self.quantities.items()}
+        return Named(values, "a number of the summary", self.remarks)
 
     @property
     def units(self) -> dict[str, str]:
@@ -65,7 +76,23 @@ class Outcome:
             "parameters": parameters,
             "summary": self.summary,
             "units": of_parameters | self.units,
+            "remarks": self.remarks,
         }
+
+    def lines(self) -> dict[str, str]:
+        """The summary and the remarks, as text by name."""
+        numbers = {name: f"{value:.6g} {unit}".rstrip() for name, (value, unit) in self.quantities.items()}
+        return {name.replace("_", " "): text for name, text in (numbers | self.remarks).items()}
+
+    def __getitem__(self, name: str) -> NDArray[np.float64]:
+        return self.record[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.record
+
+    def to_csv(self, path: Path | str) -> Path:
+        """Write the table: see Result.to_csv."""
+        return self.table.to_csv(path)
 
     def to_pandas(self) -> Any:
         """The table as a pandas DataFrame: see Result.to_pandas."""
@@ -81,10 +108,9 @@ class Outcome:
     def _repr_html_(self) -> str:
         """For a notebook: the plot, and the summary."""
         picture = base64.b64encode(self._repr_png_()).decode()
-        rows = [
-            (name.replace("_", " "), f"{value:.6g}", unit) for name, (value, unit) in self.quantities.items()
-        ]
-        return f'<img src="data:image/png;base64,{picture}">' + html_table((self.scene.title, "", ""), rows)
+        return f'<img src="data:image/png;base64,{picture}">' + html_table(
+            (self.scene.title, ""), self.lines().items()
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,7 +118,7 @@ class SceneResult(Outcome):
     """What a scene of the module gave.
 
     Attributes:
-        scene, record, quantities, warnings: see Outcome.
+        scene, record, quantities, remarks, warnings: see Outcome.
     """
 
     RECORDED: ClassVar = frozenset(COMPUTED)
@@ -134,7 +160,26 @@ def run_scene(
     surroundings, values, inputs = start_of(scene)
     tolerance, stop_time = scene.accuracy.tolerance, scene.run.stop_time
     with Fmu(fmu_path, values, inputs, tolerance, stop_time=stop_time) as fmu:
-        return _run_on(fmu, scene, surroundings, progress, also)
+        found = _run_on(fmu, scene, surroundings, progress, also)
+    return replace(found, remarks={**found.remarks, **above_stall(found.record, values)})
+
+
+def above_stall(record: Result, parameters: dict[str, float]) -> dict[str, str]:
+    """Remark on a load that the machine cannot turn: the shaft rests in the last tenth of the run."""
+    end = slice(-max(len(record) // 10, 1), None)
+    speed, load = (float(np.mean(values[end])) for values in (input_speed(record), record["load_torque"]))
+    braked = "brake_torque" in record and record["brake_torque"][end].any()
+    turns = abs(speed) * float(np.ptp(record.time)) / math.tau
+    if braked or turns < 1.0 or record["omega_out"][end].min() > RESTING * abs(speed):
+        return {}
+    from ..harness.steady import SteadyMachine  # brings scipy along
+
+    try:
+        stall = SteadyMachine(parameters).at(speed, 0.0).output_torque
+    except Refused:  # without both freewheels there is no stall
+        return {}
+    above = f"is above stall: {load:.4g} N.m, the mechanism gives {stall:.4g} N.m at {speed:.4g} rad/s"
+    return {"load_torque": above} if load > stall else {}
 
 
 class SceneRunner(Closing):
@@ -187,4 +232,10 @@ def _run_on(
     measured = scene.measured if scene.controller is not None else None
     times_to = getattr(scene.load, "times_to", ())
     summary = summarise(record, measured, scene.cycle, wall_time, times_to)
-    return SceneResult(scene=scene, record=record, quantities=summary, warnings=tuple(fmu.warnings))
+    return SceneResult(
+        scene=scene,
+        record=record,
+        quantities=summary,
+        remarks=unreached(record, summary, times_to),
+        warnings=tuple(fmu.warnings),
+    )

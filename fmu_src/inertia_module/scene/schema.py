@@ -9,7 +9,7 @@ from typing import Annotated, Any, ClassVar
 from pydantic import Field, ValidationInfo, model_validator
 
 from .. import loops
-from ..common.errors import Refused
+from ..common.errors import Refused, did_you_mean
 from ..contract.variable import LARGEST_STEP, OUTPUT
 from ..contract.variables import BY_NAME, COMPUTED, with_causality
 from ..harness.simulate import whole_steps
@@ -265,8 +265,8 @@ class Scene(Strict):
     def _outputs_known(self) -> Scene:
         for name in self.run.outputs:
             if name not in COMPUTED and name not in self.surroundings.output_labels:
-                known = ", ".join([*COMPUTED, *self.surroundings.output_labels])
-                raise SceneError(f"run.outputs must be of {known}, has {name!r}")
+                hint = did_you_mean(name, [*COMPUTED, *self.surroundings.output_labels])
+                raise SceneError(f"run.outputs must be computed by the scene, has {name!r} {hint}")
         return self
 
     @model_validator(mode="after")

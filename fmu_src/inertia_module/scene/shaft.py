@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import BaseModel, Field, create_model, model_validator
 
-from ..common.errors import Refused
+from ..common.errors import Refused, did_you_mean
 from ..contract.driven_shaft_variables import BY_NAME, VARIABLES
 from ..contract.variable import LOCAL, OUTPUT, PARAMETER
 from ..contract.variables import with_causality
@@ -95,7 +95,8 @@ class ShaftRun(Run):
     def _outputs_known(self) -> ShaftRun:
         for name in self.outputs:
             if name not in _READABLE:
-                raise SceneError(f"run.outputs must be of {', '.join(_READABLE)}, has {name!r}")
+                hint = did_you_mean(name, _READABLE)
+                raise SceneError(f"run.outputs must be of the shaft, has {name!r} {hint}")
         return self
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -125,6 +125,11 @@ def work(table: Result, torque: str) -> NDArray[np.float64]:
     return np.concatenate([[0.0], np.cumsum(done)])
 
 
+def time_to(speed: float) -> str:
+    """Name of the time to a speed, m/s."""
+    return f"time_to_{speed / KILOMETRE_PER_HOUR:.6g}_kmh"
+
+
 def _times_to(table: Result, speeds: Sequence[float]) -> dict[str, Quantity]:
     """Time, s, to each speed, m/s, that is reached: since the car last stood, or the run began."""
     found, vehicle_speed = {}, table["vehicle_speed"]
@@ -135,7 +140,23 @@ def _times_to(table: Result, speeds: Sequence[float]) -> dict[str, Quantity]:
             stood = np.flatnonzero(vehicle_speed[:reached] <= 0.0)
             begun = table.time[stood[-1] if stood.size else 0]
             time = float(np.interp(speed, vehicle_speed[around], table.time[around]) - begun)
-            found[f"time_to_{speed / KILOMETRE_PER_HOUR:.6g}_kmh"] = Quantity(time, "s")
+            found[time_to(speed)] = Quantity(time, "s")
+    return found
+
+
+def unreached(table: Result, summary: Mapping[str, Quantity], speeds: Sequence[float]) -> dict[str, str]:
+    """Why the summary has no time to some of the speeds, m/s, by the names of these times."""
+    found = {}
+    for speed in speeds:
+        if (name := time_to(speed)) not in summary:
+            begun, fastest = (
+                f"{value / KILOMETRE_PER_HOUR:.4g} km/h"
+                for value in (table["vehicle_speed"][0], table["vehicle_speed"].max())
+            )
+            passed = f"is none: the run begins at {begun}"
+            found[name] = (
+                passed if table["vehicle_speed"][0] >= speed else f"is not reached: {fastest} is the most"
+            )
     return found
 
 

@@ -7,6 +7,7 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict, ValidationInfo, model_validator
 
+from ..common.errors import did_you_mean
 from ..contract.variable import LARGEST_SPEED
 from ..harness.results import TableError, read_columns
 from ..loops import Table
@@ -54,7 +55,7 @@ class Tabulated(Strict):
         filled = dict(data)
         for name, default in zip((cls.POINTS, cls.VALUES), cls.units(context), strict=True):
             if name not in columns:
-                raise ValueError(f"{data['file']} must have a column {name}, has {', '.join(columns)}")
+                raise ValueError(f"{data['file']} must have a column {name} {did_you_mean(name, columns)}")
             unit = units.get(name, default)
             try:
                 filled[name] = [checked(f"{value!r} {unit}", default) for value in columns[name]]
