@@ -2,7 +2,7 @@
 
 import pytest
 from tests.system.chromium import FONTS, REFERENCE, ROOT, Opened, set_font
-from tests.system.page_state import DESK, PHONE, settled, state
+from tests.system.page_state import DESK, NEXT_FRAME, PHONE, settled, state
 
 AXE = ROOT / "page" / "node_modules" / "axe-core" / "axe.min.js"
 
@@ -20,6 +20,7 @@ TOO_NARROW = """() => {
 def test_nothing_hangs_over_in_any_font(opened, size, font):
     page = settled(opened(REFERENCE, viewport=size, reduced_motion="reduce"))
     set_font(page.page, font)
+    page.page.evaluate(NEXT_FRAME)
     assert page.page.evaluate("document.documentElement.scrollWidth") <= size["width"]
     assert page.page.evaluate(TOO_NARROW) == []
 

@@ -48,7 +48,7 @@ RAW_FORMULAS = """() => {
   return text.textContent.match(/\\$|\\\\\\(|\\\\\\[|\\\\frac/g) ?? [];
 }"""
 UNSEEN_FORMULAS = """() => [...document.querySelectorAll('math')].filter(
-  formula => formula.querySelector('merror') || formula.getBoundingClientRect().height < 8
+  formula => formula.querySelector('merror') || formula.getBoundingClientRect().height < 2
 ).map(formula => formula.textContent)"""
 UNLOADED = "() => [...document.images].filter(image => !image.naturalWidth).map(image => image.src)"
 # of the first results of a search
@@ -125,9 +125,11 @@ def test_a_long_page_has_a_way_to_the_top_wherever_one_reads(site, browser):
     address, _ = site
     page = browser.new_page(viewport={"width": WIDTHS["phone"], "height": 700})
     page.goto(f"{address}mechanics.html")
+    top = page.get_by_role("link", name="↑ top")
     for share in (0.3, 0.95):
         page.evaluate(f"scrollTo(0, {share} * document.documentElement.scrollHeight)")
-        page.get_by_role("link", name="↑ top").click()
+        assert 0 < top.bounding_box()["y"] < 700
+        top.click()
         page.wait_for_function("scrollY === 0")
     page.close()
 
