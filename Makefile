@@ -54,7 +54,6 @@ lint: $(VENV)/.all ## style, types, floors, spelling; the page's too
 docs: $(VENV)/.all page ## build the documentation into site/
 	$(BIN)/python docs/make_pages.py --check
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
-	$(BIN)/inertia-module view examples/reference.toml -o site/machine.html
 
 bench: $(VENV)/.all page ## measure speed and errors, write docs/*.csv, the picture and the page on performance
 	$(BIN)/python -m studies.benchmarks.speed

@@ -1,13 +1,20 @@
-"""When the site is built: mathematics as MathML, drawn without a script; guides are found before tables."""
+"""When the site is built: mathematics as MathML, without a script; the machine; guides are found first."""
 
 import html
 import re
+from pathlib import Path
 
 from latex2mathml.converter import convert
+from mkdocs.structure.files import File
+
+from inertia_module.page.html import html_file
+from inertia_module.scene import load_scene
 
 FORMULA = re.compile(r'<(span|div) class="arithmatex">\\[(\[](.*?)\\[)\]]</\1>', re.S)
 # how much a page counts in a search, by its section
 BOOST = {"Guide": 2.0, "Reference": 0.5, "Evidence": 0.5}
+# at the end of a page, and at the edge of the window before that
+TO_TOP = '<p class="to-top"><a href="#">↑ top</a></p>'
 FUNCTION = re.compile(r"<mi>((?:arc)?(?:sin|cos|tan)|ln|exp)</mi>")
 
 
@@ -27,6 +34,13 @@ def typeset(found):
     return f'<div class="formula">{"".join(mathml(part, "block") for part in parts)}</div>'
 
 
+def on_files(files, config):
+    """The machine of scene R1 is a page of the site, as `inertia-module view` leaves it."""
+    scene = load_scene(Path(config.docs_dir).parent / "examples" / "reference.toml")
+    files.append(File.generated(config, "machine.html", content=html_file(scene, None)))
+    return files
+
+
 def on_page_content(content, page, **_):
     page.meta["search"] = {"boost": BOOST.get(page.parent.title, 1.0)}
-    return FORMULA.sub(typeset, content)
+    return FORMULA.sub(typeset, content) + TO_TOP

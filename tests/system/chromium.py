@@ -1,6 +1,9 @@
 """Chromium, and what a page in it has said and asked for."""
 
+import base64
 from pathlib import Path
+
+import matplotlib
 
 ROOT = Path(__file__).parents[2]
 OUT, REFERENCE = ROOT / "out" / "page", ROOT / "examples" / "reference.toml"
@@ -9,6 +12,21 @@ FLAGS = (
     *("--no-sandbox", "--no-first-run", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"),
     *("--disable-quic", "--disable-background-networking", "--disable-component-update", "--disable-sync"),
 )
+
+# files of matplotlib, and how far apart their letters stand: text is as wide on every machine, and wider or
+# narrower than in the fonts that machines have
+FONTS = {"narrow": ("STIXGeneral.ttf", "-0.02em"), "wide": ("DejaVuSansMono.ttf", "0.04em")}
+
+
+def set_font(page, name):
+    """Show a page of Playwright in one of FONTS, but for its formulas."""
+    file, spacing = FONTS[name]
+    data = base64.b64encode((Path(matplotlib.get_data_path()) / "fonts" / "ttf" / file).read_bytes()).decode()
+    page.add_style_tag(
+        content=f"@font-face {{ font-family: {name}; src: url(data:font/ttf;base64,{data}); }}"
+        f" :not(math, math *) {{ font-family: {name} !important; letter-spacing: {spacing} !important; }}"
+    )
+    page.evaluate(f"document.fonts.load('16px {name}')")
 
 
 class Opened:

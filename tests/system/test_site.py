@@ -10,20 +10,45 @@ from pathlib import Path
 
 import pytest
 
+from inertia_module.page.html import TEMPLATE
+from tests.system.chromium import FONTS, set_font
+
 ROOT = Path(__file__).parents[2]
 PICTURES = ROOT / "out" / "site"
-WIDTHS = {"desktop": 1440, "phone": 390}
-# what is wider than the page or a table wider than its column, formulas that were not typeset or are not seen
-CUT_OFF = """() => [...document.querySelectorAll('article table')].filter(
-  table => table.getBoundingClientRect().width > table.closest('article').clientWidth + 1
-).map(table => table.innerText.slice(0, 80))"""
+WIDTHS = {"desktop": 1440, "phone": 360}
+# what goes beyond the column (a table may up to its edge) and does not scroll within it; tables that scroll
+HANGING_OVER = """() => [...document.querySelectorAll('article *:not(math *, svg *)')].filter(box => {
+  const article = box.closest('article');
+  let outer = box.parentElement;
+  while (outer !== article && getComputedStyle(outer).overflowX !== 'auto') outer = outer.parentElement;
+  return outer === article && box.getBoundingClientRect().right > article.getBoundingClientRect().right + 17;
+}).map(box => `${box.tagName}: ${box.textContent.slice(0, 80)}`)"""
+SCROLLING = """() => [...document.querySelectorAll('.md-typeset__scrollwrap')].filter(
+  box => box.scrollWidth > box.clientWidth + 1
+).map(box => box.innerText.slice(0, 80))"""
+# words and names in tables that go on in the next line
+BROKEN = """() => [...document.querySelectorAll('article :is(td, th)')].flatMap(cell => {
+  const texts = document.createTreeWalker(cell, NodeFilter.SHOW_TEXT), broken = [];
+  while (texts.nextNode()) {
+    const text = texts.currentNode;
+    if (text.parentElement.closest('math')) continue;
+    for (const { 0: word, index } of text.data.matchAll(/[\\p{L}\\p{N}_]+/gu)) {
+      const range = document.createRange();
+      range.setStart(text, index);
+      range.setEnd(text, index + word.length);
+      if (new Set([...range.getClientRects()].map(box => Math.round(box.top))).size > 1) broken.push(word);
+    }
+  }
+  return broken;
+})"""
+# formulas that were not typeset or are not seen, pictures that are not there
 RAW_FORMULAS = """() => {
   const text = document.querySelector('article').cloneNode(true);
   text.querySelectorAll('pre, code, math').forEach(part => part.remove());
   return text.textContent.match(/\\$|\\\\\\(|\\\\\\[|\\\\frac/g) ?? [];
 }"""
 UNSEEN_FORMULAS = """() => [...document.querySelectorAll('math')].filter(
-  formula => formula.querySelector('merror') || formula.getBoundingClientRect().height < 8
+  formula => formula.querySelector('merror') || formula.getBoundingClientRect().height < 2
 ).map(formula => formula.textContent)"""
 UNLOADED = "() => [...document.images].filter(image => !image.naturalWidth).map(image => image.src)"
 # of the first results of a search
@@ -40,6 +65,8 @@ class Quiet(http.server.SimpleHTTPRequestHandler):
 def site(tmp_path_factory):
     """The site, built as `make docs` does and served on this machine: its address and its folder."""
     pytest.importorskip("material", reason="mkdocs-material is not installed")
+    if not TEMPLATE.exists():
+        pytest.skip("the page is not built: `make page` builds it")
     folder = tmp_path_factory.mktemp("site")
     command = [sys.executable, "-m", "mkdocs", "build", "--strict", "-d", folder]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
@@ -51,11 +78,13 @@ def site(tmp_path_factory):
 
 
 def pages(folder):
-    return sorted(path.name for path in folder.glob("*.html") if path.name != "404.html")
+    return sorted(
+        path.name for path in folder.glob("*.html") if path.name not in ("404.html", "machine.html")
+    )
 
 
 @pytest.mark.parametrize("width", WIDTHS)
-def test_every_page_is_whole_at_this_width_and_asks_the_network_for_nothing(site, browser, width):
+def test_every_page_is_whole_at_this_width_in_any_font_and_asks_the_network_for_nothing(site, browser, width):
     address, folder = site
     wrong, asked = [], []
     page = browser.new_page(viewport={"width": WIDTHS[width], "height": 900})
@@ -65,15 +94,44 @@ def test_every_page_is_whole_at_this_width_and_asks_the_network_for_nothing(site
     formulas = 0
     for name in pages(folder):
         page.goto(address + name, wait_until="load")
-        for look in (CUT_OFF, RAW_FORMULAS, UNSEEN_FORMULAS, UNLOADED):
+        for look in (RAW_FORMULAS, UNSEEN_FORMULAS, UNLOADED):
             assert page.evaluate(look) == [], name
-        assert page.evaluate("document.documentElement.scrollWidth") <= WIDTHS[width], name
+        for font in FONTS:
+            set_font(page, font)
+            for look in (HANGING_OVER, BROKEN, *([SCROLLING] if width == "desktop" else [])):
+                assert page.evaluate(look) == [], (name, font)
+            assert page.evaluate("document.documentElement.scrollWidth") <= WIDTHS[width], (name, font)
         formulas += page.locator("math").count()
         if "INERTIA_MODULE_PICTURES" in os.environ:  # half a minute, for people to look at
             page.screenshot(path=PICTURES / f"{name.removesuffix('.html')}_{width}.png", full_page=True)
     page.close()
     assert (wrong, asked) == ([], [])
     assert formulas > 200
+
+
+def test_machine_is_on_the_first_page_and_in_the_menu_of_every_one(site, browser):
+    address, folder = site
+    page = browser.new_page(viewport={"width": WIDTHS["desktop"], "height": 900})
+    for name in pages(folder):
+        page.goto(address + name)
+        assert page.locator("nav.md-nav--primary a[href='machine.html']").is_visible(), name
+    page.goto(f"{address}index.html")
+    page.locator("article a[href='machine.html']").click()
+    page.wait_for_function("window.inertiaModule")
+    page.close()
+
+
+def test_a_long_page_has_a_way_to_the_top_wherever_one_reads(site, browser):
+    address, _ = site
+    page = browser.new_page(viewport={"width": WIDTHS["phone"], "height": 700})
+    page.goto(f"{address}mechanics.html")
+    top = page.get_by_role("link", name="↑ top")
+    for share in (0.3, 0.95):
+        page.evaluate(f"scrollTo(0, {share} * document.documentElement.scrollHeight)")
+        assert 0 < top.bounding_box()["y"] < 700
+        top.click()
+        page.wait_for_function("scrollY === 0")
+    page.close()
 
 
 @pytest.mark.parametrize("words", ["fidelity", "load torque", "freewheel", "step size"])

@@ -6,7 +6,6 @@ interface Label {
   readonly element: HTMLElement;
   readonly on: Object3D;
   readonly at: Vector3;
-  readonly half: number;
 }
 
 /** Labels hang on points of things and follow them. */
@@ -33,18 +32,19 @@ export class Labels {
     element.className = `label part-${part}`;
     element.textContent = text;
     this.host.append(element);
-    this.labels.push({ element, on, at, half: element.offsetWidth / 2 });
+    this.labels.push({ element, on, at });
     return element;
   }
 
-  /** Put every label where its point is seen. */
+  /** Put every label where its point is seen, all of it in the picture. */
   place(camera: Camera, width: number, height: number): void {
     if (this.host.hidden) return;
-    for (const { element, on, at, half } of this.labels) {
+    for (const { element, on, at } of this.labels) {
       this.point.copy(at).applyMatrix4(on.matrixWorld).project(camera);
-      const x = Math.min(Math.max((0.5 + this.point.x / 2) * width, half), width - half);
-      const y = (0.5 - this.point.y / 2) * height;
-      element.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px) translate(-50%, -100%)`;
+      const x = `${((0.5 + this.point.x / 2) * width).toFixed(1)}px`;
+      const y = `${((0.5 - this.point.y / 2) * height).toFixed(1)}px`;
+      // 50 % and 100 % are of the label itself: half its width, its height
+      element.style.transform = `translate(clamp(50%, ${x}, ${width}px - 50%), clamp(100%, ${y}, ${height}px)) translate(-50%, -100%)`;
       element.hidden = !isShown(on);
     }
   }
