@@ -3,25 +3,31 @@
 Link 1 turns at the speed 1. What loads lose is the same at every speed; friction and drag are those of an
 input speed, scaled: b / |omega1| and drag / omega1^2. To first order torque and losses, so scaled, are
 parabolas of 1 / |omega1|; here they are cubics through four speeds: without bound; that at which friction and
-drag would take the stall torque; 3/2 of it and 3 times it. Friction of link 1 and of the output needs no map.
+drag would take the stall torque; 3/2 of it and 3 times it. Down to a ninth of it what is left beside the
+friction of links that crawl is a cubic of log |omega1|. Friction of link 1 and of the output needs no map.
 """
 
 import math
 
 from ..accumulate import copy
+from ..codes import FREEWHEEL, MESH, VISCOUS
 from ..derive import TWO_PI
 from ..general.advance import advance_general
 from ..general.choice import choose_next_states, choose_states
 from .largest import LARGEST_CYCLES, go_to_part, is_long, parts_of_period, period_of_map
 
+# lower speeds with motions of their own
+SPEEDS = 5
 # inertia that holds the output speed, over that of the mechanism
 HEAVY = 1e30
 TOLERANCE = 1e-6
-# periods until it comes back to where it was, and how near, rad/s
-PERIODS = 30
-BACK = 1e-5
+# periods until it comes back to where it was: the mean torque that turns link 2 meanwhile, over the largest
+# of the mesh, or how near it is known, rad/s
+PERIODS = 60
+BACK = 1e-6
+NEAR = 1e-5
 # internal steps before a period is given up, and the share of it that is as good as its end
-MOST_STEPS = 40000
+MOST_STEPS = 200000
 END = 1e-9
 NO_LIMIT = 1e9
 # phase of the highest harmonic, at the speed of link 1, in the first step after an event
@@ -38,6 +44,50 @@ def slow_speed(p, d, stall):
     if not stall > 0.0:
         return 0.0
     return (rubbed + math.sqrt(rubbed * rubbed + 4.0 * stall * drag)) / (2.0 * stall)
+
+
+def speed_of_knot(m):
+    """The speed of slow_speed over the lower speed of number m."""
+    return (m + 1.0) / 3.0 if m < 3 else 3.0 ** (m - 2.0)
+
+
+def crawl(p, d, side, knot):
+    """What links do that turn so slowly that friction alone counts, into the knot: omega2 is constant then.
+
+    Drags go with the square of the slowness, what is viscous goes with it.
+    """
+    set_losses(p, d, 1.0 / side.slow)
+    linear, square = knot.slower[SPEEDS], knot.slower[SPEEDS + 1]
+    ratio = knot.ratio
+    # of the mesh, over the slip
+    pulling = d.k * d.k * d.bq / (1.0 - d.mesh_loss)
+    driving = side.direction * pulling - (pulling + d.b2 + d.housing_drag_viscous) * ratio
+    pushed = side.direction * pulling + d.output_drag_viscous * ratio
+    ahead = d.output_drag - d.housing_drag
+    omega2 = 0.0
+    if ratio == 0.0:
+        linear.torque[0] = max(pushed, 0.0)
+        square.torque[0] = 0.0
+    elif ahead > 0.0 or (ahead == 0.0 and driving >= 0.0):
+        omega2 = ratio
+        linear.torque[0] = driving
+        square.torque[0] = -d.housing_drag
+    else:
+        if ahead == 0.0 and pushed > 0.0:
+            omega2 = pushed / (pulling + d.b2 + d.housing_drag_viscous + d.output_drag_viscous)
+        linear.torque[0] = -d.output_drag_viscous * (ratio - omega2)
+        square.torque[0] = -d.output_drag
+    linear.omega2[0] = omega2
+    square.omega2[0] = 0.0
+    for cause in range(len(linear.lost)):
+        linear.lost[cause] = square.lost[cause] = 0.0
+    slip = 1.0 - side.direction * omega2
+    over = ratio - omega2
+    linear.lost[VISCOUS] = d.bq * (d.k * slip) ** 2 + d.b2 * omega2 * omega2
+    linear.lost[MESH] = d.mesh_loss * pulling * slip * slip
+    linear.lost[FREEWHEEL] = d.housing_drag_viscous * omega2 * omega2 + d.output_drag_viscous * over * over
+    square.lost[FREEWHEEL] = d.housing_drag * omega2 + d.output_drag * over
+    set_losses(p, d, 0.0)
 
 
 def set_losses(p, d, slowness):
@@ -154,7 +204,7 @@ def add_period(d, x, w, side, ratio, begin):
     return x.omega2 if through else -1.0
 
 
-def add_steady(d, x, w, side, ratio):
+def add_steady(d, x, w, side, ratio, slowness):
     """Set the sums in d to those of the steady motion: omega2 is at the end of a period what it began with.
 
     What it ends with never falls with what it begins with, and between 0 and the speed of the output there is
@@ -167,12 +217,14 @@ def add_steady(d, x, w, side, ratio):
     low = begin = gain = loss = 0.0
     high = ratio
     inertia = d.J2 + d.F_by_alpha1
+    ideal = slowness == 0.0 and d.mesh_loss + d.satellite_loss + d.journal == 0.0
     for n in range(PERIODS):
         end = add_period(d, x, w, side, ratio, begin)
         if end < 0.0:
             return False
         change = end - begin
-        if abs(change) * inertia <= BACK * d.F_by_speed * d.sum_time:
+        # (without friction link 2 turns on for ever as it was thrown)
+        if ideal or abs(change) * inertia <= BACK * d.F_by_speed * d.sum_time or high - low <= NEAR:
             return True
         if change > 0.0:
             low = begin
@@ -206,7 +258,7 @@ def settle_losses(p, d, w, side, ratio, slowness):
     set_losses(p, d, slowness)
     w.given = 0.0
     w.load = 0.0
-    through = add_steady(d, w.part, w, side, ratio)
+    through = add_steady(d, w.part, w, side, ratio, slowness)
     d.J3, d.tolerance, d.max_step, d.b1, d.b3 = inertia, tolerance, longest, b1, b3
     set_losses(p, d, 0.0)
     if not through:
