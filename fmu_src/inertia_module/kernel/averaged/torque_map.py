@@ -30,7 +30,7 @@ from .largest import (
 from .losses import SPEEDS, crawl, set_losses, settle_losses, slow_speed, speed_of_knot
 from .map_key import is_map_of, mark_map
 from .motion import begin_travel, travel
-from .table import UNKNOWN_ERROR, finish_table, insert_knot, table_error, worst_interval
+from .table import UNKNOWN_ERROR, error_at_speeds, finish_table, insert_knot, table_error, worst_interval
 
 # the map is refined until its error, in stall torques, is below this at the middle of each interval
 MAP_ERROR = 1e-4
@@ -200,6 +200,10 @@ def add_knot(p, d, w, side, n, omega3):
     side.knots[n].omega3 = omega3
     if d.lossy != 0.0:
         add_losses(p, d, w, side, side.knots[n], held)
+        if n < count and side.slow != 0.0:
+            error = 0.5 * error_at_speeds(side, n, SPEEDS - 2)
+            side.knots[n].error = max(side.knots[n].error, error)
+            side.knots[n - 1].error = max(side.knots[n - 1].error, error)
 
 
 def add_losses(p, d, w, side, knot, held):
