@@ -118,6 +118,11 @@ MESSAGES: Mapping[int, str] = {
         f"{_GIVEN_UP}its energies do not balance with {named('tolerance', 'max_step')}; tolerance or max_step"
         " must be smaller"
     ),
+    codes.NOT_STEADY: (
+        f"with {named('fidelity')} (averaged) pulses with losses must become steady behind an output of"
+        f" constant speed, do not with {named('link2_inertia', 'drive_friction', 'link2_friction')},"
+        f" {named(*_LOSSES)}: link2_inertia must be larger, or fidelity 2 (rigid)"
+    ),
     codes.NOT_FINITE: not_finite(BY_NAME["omega1"], BY_NAME["load_torque"], BY_NAME["drive_torque"]),
 }
 

@@ -24,6 +24,10 @@ FEWEST_TURNS, MOST_TURNS = 10, 100
 SETTLING_TURNS = 200
 # of the time of a period, which only decides what little of a pulse is missed at its end
 TIME_ERROR = 1e-8
+# what the start leaves behind is gone where link 2, as many turns later, is as fast within this share of
+# omega1; so often this is tried from rest, and then from the speed of the shaft
+STEADY = 1e-5
+TRIES = 5
 # drive angles at which lock-up is looked at
 ANGLES = 3000
 # of the load on the mount in the time that the drive takes for a turn where link 2 is held
@@ -93,10 +97,16 @@ class SteadyMachine:
         self._derived = d
         period = int(d.period_turns)
         self._turns = min(period * math.ceil(FEWEST_TURNS / period), MOST_TURNS)
+        self._tries = TRIES if self._turns % period == 0 else 1
         self._values["output_inertia"] = HELD * (2.0 * module["energy_stored"] + module["link2_inertia"])
 
-    def _started(self, omega1: float, omega_out: float) -> Module:
-        inputs = {"omega1": omega1, "load_torque": 0.0, "omega_out_start": omega_out}
+    def _started(self, omega1: float, omega_out: float, omega2: float = 0.0) -> Module:
+        inputs = {
+            "omega1": omega1,
+            "load_torque": 0.0,
+            "omega2_start": omega2,
+            "omega_out_start": omega_out,
+        }
         return Module(self._kernel).start(**{**self._values, **inputs})
 
     def at(self, omega1: float, ratio: float) -> SteadyPulses:
@@ -105,13 +115,29 @@ class SteadyMachine:
         Args:
             omega1: speed of link 1, rad/s, not 0. ratio: output over input speed, from 0 to below 1.
         """
-        module = self._started(omega1, ratio * abs(omega1))
+        speed = ratio * abs(omega1)
+        for start in (0.0, speed):
+            module = self._started(omega1, speed, start)
+            # what the start leaves behind is mostly gone after this
+            module.advance(self._times(omega1, ratio)[1])
+            for _ in range(self._tries):
+                omega2 = module["omega2"]
+                pulses = self._over_turns(module, omega1, ratio)
+                if self._tries == 1 or abs(module["omega2"] - omega2) <= STEADY * abs(omega1):
+                    return pulses
+        return pulses
+
+    def _times(self, omega1: float, ratio: float) -> tuple[float, float]:
+        """Between which the time of the turns is, s."""
         slowest = self._turns * math.tau / (self._derived.k * abs(omega1))
         # link 2 turns between 0 and the speed of the shaft
         moved = 1.0 - ratio if omega1 > 0.0 else 1.0 + ratio
-        between = sorted((0.999 * slowest / max(moved, 1.0), 1.001 * slowest / min(moved, 1.0)))
-        # what the start at rest leaves behind is gone after this
-        module.advance(between[1])
+        return 0.999 * slowest / max(moved, 1.0), 1.001 * slowest / min(moved, 1.0)
+
+    def _over_turns(self, module: Module, omega1: float, ratio: float) -> SteadyPulses:
+        """Means over the turns that come now."""
+        between = self._times(omega1, ratio)
+        slowest = self._turns * math.tau / (self._derived.k * abs(omega1))
         begun, angle = module.save(), _drive_angle(module)
         before = module.read(("energy_in", "energy_lost"))
 

@@ -90,6 +90,7 @@ TOO_MUCH_WORK = 21
 STEP_TOO_SMALL = 22
 NOT_FINITE = 23
 NOT_BALANCED = 24
+NOT_STEADY = 25
 
 # statuses of DrivenShaft alone
 BAD_HUB_SPEED = 30

@@ -126,14 +126,15 @@ STATE = (
 # averaged: over the speed ratio mean torque, mean speed of link 2 and the mean energy or, under its torque,
 # speed of link 1 (see averaged.torque_map): cubics from one knot to the next; while the map is built the
 # output speed of the motion it is of and the error of the interval that follows. With losses the power lost
-# by cause; torque, omega2 and losses once more at the three lower speeds of averaged.losses
+# by cause; torque, omega2 and losses once more at the five lower speeds of averaged.losses, and of links that
+# crawl (torque and losses by slowness and by its square, omega2 with the first)
 SLOWER = (("torque", 4), ("omega2", 4), ("lost", CAUSES))
 KNOT = (
     *("ratio", ("torque", 4), ("input", 4), ("omega2", 4), "ripple", "peak", "omega3", "error"),
-    *(("lost", CAUSES), ("slower", SLOWER, 3)),
+    *(("lost", CAUSES), ("slower", SLOWER, 7)),
 )
 # one side of the map for each sign of omega1: where the torque ends, whether lock-up is reached there; with
-# losses the lowest of the three speeds
+# losses the speed at which friction takes the stall torque
 SIDE = ("direction", "count", "end", "locks", "start", "slow", ("knots", KNOT, KNOTS))
 
 # the steady motion that a knot is of: torque of link 1, contact mode, drive angle; integrals while free

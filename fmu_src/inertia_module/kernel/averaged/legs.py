@@ -14,6 +14,9 @@ from .rates import torque_at_knot
 # a torque or speed within this fraction of another is at it
 ROUNDING = 1e-12
 
+# to find when a shaft is pulled away
+HALVINGS = 60
+
 RESTING = 0
 LOCKED = 1
 COASTING = 2
@@ -121,10 +124,28 @@ def choose_leg(d, side, x, v, alpha1):
     return SLIPPING
 
 
+def time_at_rest_with_losses(side, load, speed, growing, remaining):
+    """The same where the stall torque grows otherwise than with the square of the speed."""
+    low, high = 0.0, remaining
+    end = speed + growing * high
+    if growing <= 0.0 or torque_at_knot(side, side.knots[0], end) * end * end <= load:
+        return remaining
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        end = speed + growing * middle
+        if torque_at_knot(side, side.knots[0], end) * end * end > load:
+            high = middle
+        else:
+            low = middle
+    return high
+
+
 def time_at_rest(side, load, v, rate, remaining):
     """Time the shaft stays at rest: until the stall torque is up to the load."""
     speed = abs(v)
     growing = side.direction * rate
+    if side.slow != 0.0:
+        return time_at_rest_with_losses(side, load, speed, growing, remaining)
     stall = torque_at_knot(side, side.knots[0], speed)
     if growing <= 0.0 or stall * (speed + growing * remaining) ** 2 <= load or stall <= 0.0:
         return remaining

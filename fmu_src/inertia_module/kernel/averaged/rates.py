@@ -4,10 +4,15 @@ A side is the map for one sign of omega1 (fields.SIDE). The output shaft turns a
 speed v: omega1, or where its torque is given that of the energy J* v^2 / 2 of links 1 and 2 (see torque_map).
 """
 
+import math
+
 # a ratio beyond the end of the map by this fraction is at it
 ROUNDING = 1e-14
-# how far the cubics over 1 / |omega1| go on, beyond the lowest speed of the map
-SLOWEST = 2.0
+# slower than at the lowest speed of the map by this, the torque goes with the square of the speed once more
+SLOWEST = 1e6
+# lowest speed with a motion of its own, and its logarithm
+LAST = 9.0
+LOG_LAST = math.log(LAST)
 
 
 def side_at(d, omega1, trend):
@@ -36,22 +41,44 @@ def cubic_at(cubic, t):
     return cubic[0] + t * (c1 + t * (c2 + t * c3)), c1 + t * (2.0 * c2 + 3.0 * t * c3)
 
 
-def by_speed(fast, slower, w):
-    """Value at w (see slowness) of the cubic through those at 0 and 1/3, 2/3, 1, and its slope times w."""
-    a, b, c = slower
+def by_speed(fast, slower, crawling, w):
+    """Value at w (see slowness), and its slope times w.
+
+    Up to 1 a cubic. Slower, what is left beside the friction of links that crawl goes with log w, and fades.
+
+    Args:
+        fast, slower: values at 0 and 1/3, 2/3, 1, 3, 9.
+        crawling: of links that crawl: what stays, and what goes with w and its square.
+    """
+    a, b, c, third, last = slower
     a -= fast
     b -= fast
     c -= fast
     c1 = 9.0 * a - 4.5 * b + c
     c2 = 18.0 * b - 22.5 * a - 4.5 * c
     c3 = 13.5 * (a - b) + 4.5 * c
-    value = fast + w * (c1 + w * (c2 + w * c3))
-    # slower than that it stays
-    return value, w * (c1 + w * (2.0 * c2 + w * 3.0 * c3)) if w < SLOWEST else 0.0
+    if w <= 1.0:
+        return fast + w * (c1 + w * (c2 + w * c3)), w * (c1 + w * (2.0 * c2 + w * 3.0 * c3))
+    stays, linear, square = crawling
+    friction = stays + w * (linear + w * square)
+    friction_w = w * (linear + 2.0 * w * square)
+    last -= stays + LAST * (linear + LAST * square)
+    if w >= LAST:
+        left = last * LAST / w
+        return friction + left, friction_w - left if w < SLOWEST else 0.0
+    first = fast + c - stays - linear - square
+    slope = LOG_LAST * (c1 + 2.0 * c2 + 3.0 * c3 - linear - 2.0 * square)
+    third -= stays + 3.0 * (linear + 3.0 * square) + first + 0.5 * slope
+    last -= first + slope
+    s2 = 8.0 * third - last
+    s3 = 2.0 * last - 8.0 * third
+    s = math.log(w) / LOG_LAST
+    left = first + s * (slope + s * (s2 + s * s3))
+    return friction + left, friction_w + (slope + s * (2.0 * s2 + s * 3.0 * s3)) / LOG_LAST
 
 
 def slowness(side, speed):
-    """Lowest speed of the map over this one; slower than at SLOWEST the shares of friction stay."""
+    """Speed at which friction takes the stall torque over this one, at most SLOWEST."""
     return side.slow / speed if SLOWEST * speed > side.slow else SLOWEST
 
 
@@ -59,18 +86,42 @@ def torque_at_knot(side, knot, speed):
     """Mean output torque at a knot over the square of the speed, N m s^2."""
     if side.slow == 0.0:
         return knot.torque[0]
-    slower = knot.slower[0].torque[0], knot.slower[1].torque[0], knot.slower[2].torque[0]
-    return by_speed(knot.torque[0], slower, slowness(side, speed))[0]
+    a, b, c, third, last, linear, square = torques_at_speeds(knot)
+    slower = a[0], b[0], c[0], third[0], last[0]
+    return by_speed(knot.torque[0], slower, (0.0, linear[0], square[0]), slowness(side, speed))[0]
 
 
-def cubics_at(fast, a, b, c, t, w):
-    """Value of a cubic with its like at lower speeds, slope, and slope in w times w (see by_speed)."""
+def torques_at_speeds(knot):
+    """Cubics of the torque at the lower speeds."""
+    s = knot.slower
+    return s[0].torque, s[1].torque, s[2].torque, s[3].torque, s[4].torque, s[5].torque, s[6].torque
+
+
+def omega2_at_speeds(knot):
+    """Cubics of the mean speed of link 2 at the lower speeds."""
+    s = knot.slower
+    return s[0].omega2, s[1].omega2, s[2].omega2, s[3].omega2, s[4].omega2, s[5].omega2, s[6].omega2
+
+
+def cubics_at(fast, cubics, stays, t, w):
+    """Value of a cubic with its like at lower speeds, slope, and slope in w times w (see by_speed).
+
+    Args:
+        stays: whether the sixth of those like it is what stays of links that crawl, else it goes with w.
+    """
+    a, b, c, third, last, crawl, square = cubics
     value, slope = cubic_at(fast, t)
     a0, a1 = cubic_at(a, t)
     b0, b1 = cubic_at(b, t)
     c0, c1 = cubic_at(c, t)
-    value, value_w = by_speed(value, (a0, b0, c0), w)
-    return value, by_speed(slope, (a1, b1, c1), w)[0], value_w
+    third0, third1 = cubic_at(third, t)
+    last0, last1 = cubic_at(last, t)
+    crawl0, crawl1 = cubic_at(crawl, t)
+    square0, square1 = cubic_at(square, t)
+    crawling = (crawl0, 0.0, 0.0) if stays else (0.0, crawl0, square0)
+    crawling1 = (crawl1, 0.0, 0.0) if stays else (0.0, crawl1, square1)
+    value, value_w = by_speed(value, (a0, b0, c0, third0, last0), crawling, w)
+    return value, by_speed(slope, (a1, b1, c1, third1, last1), crawling1, w)[0], value_w
 
 
 def ratio(omega3, speed):
@@ -99,9 +150,8 @@ def look_up(side, x, speed, omega3):
     torque_w, part_w = 0.0, 0.0
     if side.slow != 0.0:
         w = slowness(side, speed)
-        a, b, c = knot.slower[0], knot.slower[1], knot.slower[2]
-        torque, torque1, torque_w = cubics_at(knot.torque, a.torque, b.torque, c.torque, t, w)
-        part, part1, part_w = cubics_at(knot.omega2, a.omega2, b.omega2, c.omega2, t, w)
+        torque, torque1, torque_w = cubics_at(knot.torque, torques_at_speeds(knot), False, t, w)
+        part, part1, part_w = cubics_at(knot.omega2, omega2_at_speeds(knot), True, t, w)
     if beyond:
         return torque, 0.0, part, 0.0, torque_w, part_w
     return torque, torque1, part, part1, torque_w, part_w

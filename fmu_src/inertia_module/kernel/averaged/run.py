@@ -11,7 +11,7 @@ takes an integration.
 import math
 
 from ..accumulate import add, add_loss, wrap_drive_angle, wrap_input_angle
-from ..codes import DRIVING, FREE, FREEWHEEL, HELD_DRIVING, OK, STEP_TOO_SMALL, TOO_MUCH_WORK
+from ..codes import DRIVING, FREE, FREEWHEEL, HELD_DRIVING, NOT_STEADY, OK, STEP_TOO_SMALL, TOO_MUCH_WORK
 from ..output_shaft import turn
 from .balance import lose, mean_input_torque, mesh_share
 from .legs import (
@@ -193,7 +193,7 @@ def trend(d, x, alpha1):
 def run_averaged(d, x, w, h):
     """Advance the mean motion by h. Returns a status."""
     if d.map_ready == 0.0:
-        return TOO_MUCH_WORK  # that of parameters tuned could not be found
+        return NOT_STEADY  # that of parameters tuned could not be found
     alpha1 = x.alpha1
     time = 0.0
     v = x.omega1 if d.by_torque == 0.0 else x.map_speed

@@ -98,6 +98,24 @@ def table_error(side, n, sigma, torque, input1, omega2):
     return max(error, max(error2, error3))
 
 
+def error_at_speeds(side, n, speeds):
+    """Error that the table had where knot n has just been inserted, of the torque at the lower speeds.
+
+    The slopes of its neighbours are still those of that table.
+
+    Args:
+        speeds: how many of them count.
+    """
+    a, here, b = side.knots[n - 1], side.knots[n], side.knots[n + 1]
+    h = b.ratio - a.ratio
+    t = here.ratio - a.ratio
+    error = 0.0
+    for m in range(speeds):
+        foreseen = interpolate(a.slower[m].torque, b.slower[m].torque, h, t)
+        error = max(error, abs(foreseen - here.slower[m].torque[0]))
+    return error / side.knots[0].torque[0] if side.knots[0].torque[0] > 0.0 else 0.0
+
+
 def insert_knot(side, n, sigma, torque, input1, omega2, ripple, peak, error):
     """Insert a knot as number n; error is that of the table there before it."""
     count = int(side.count)

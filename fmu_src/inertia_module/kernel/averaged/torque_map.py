@@ -13,7 +13,7 @@ Tc (1 - sigma).
 
 import math
 
-from ..codes import FREE, OK, TOO_MUCH_WORK
+from ..codes import FREE, NOT_STEADY, OK
 from .instants import speeds_at, take_integrals
 from .largest import (
     LARGEST_CYCLES,
@@ -27,10 +27,10 @@ from .largest import (
     parts_of_period,
     period_of_map,
 )
-from .losses import set_losses, settle_losses, slow_speed
+from .losses import SPEEDS, crawl, set_losses, settle_losses, slow_speed, speed_of_knot
 from .map_key import is_map_of, mark_map
 from .motion import begin_travel, travel
-from .table import UNKNOWN_ERROR, finish_table, insert_knot, table_error, worst_interval
+from .table import UNKNOWN_ERROR, error_at_speeds, finish_table, insert_knot, table_error, worst_interval
 
 # the map is refined until its error, in stall torques, is below this at the middle of each interval
 MAP_ERROR = 1e-4
@@ -200,20 +200,26 @@ def add_knot(p, d, w, side, n, omega3):
     side.knots[n].omega3 = omega3
     if d.lossy != 0.0:
         add_losses(p, d, w, side, side.knots[n], held)
+        if n < count and side.slow != 0.0:
+            error = 0.5 * error_at_speeds(side, n, SPEEDS - 2)
+            side.knots[n].error = max(side.knots[n].error, error)
+            side.knots[n - 1].error = max(side.knots[n - 1].error, error)
 
 
 def add_losses(p, d, w, side, knot, held):
     """Find what losses leave at this knot, those without friction and drag being in the sums."""
     for cause in range(len(knot.lost)):
         knot.lost[cause] = d.sum_lost[cause] / d.sum_time
-    for m in range(len(knot.slower)):
+    if side.slow == 0.0:
+        return
+    for m in range(SPEEDS):
         slower = knot.slower[m]
-        if side.slow != 0.0:
-            settle_losses(p, d, w, side, held, (m + 1.0) / (3.0 * side.slow))
+        settle_losses(p, d, w, side, held, speed_of_knot(m) / side.slow)
         slower.torque[0] = d.sum_torque / d.sum_time
         slower.omega2[0] = min(max(0.0, d.sum_omega2 / d.sum_time), knot.ratio)
         for cause in range(len(knot.lost)):
             slower.lost[cause] = d.sum_lost[cause] / d.sum_time
+    crawl(p, d, side, knot)
 
 
 def end_map(d, side, end):
@@ -275,7 +281,7 @@ def build_map(p, d, w):
     """Fill d with the map of these parameters, unless it is there; w: workspace.
 
     Returns:
-        Status: OK, or TOO_MUCH_WORK where a motion with losses does not come to the end of its period.
+        Status: OK, or NOT_STEADY where no steady motion with losses is found.
     """
     if is_map_of(p, d):
         return OK
@@ -290,6 +296,6 @@ def build_map(p, d, w):
     build_side(p, d, w, d.backward, -1.0)
     set_losses(p, d, 1.0)
     if d.map_failed != 0.0:
-        return TOO_MUCH_WORK
+        return NOT_STEADY
     mark_map(p, d)
     return OK
