@@ -230,13 +230,13 @@ fmi2Status fmi2FreeFMUstate(fmi2Component component, fmi2FMUstate *state)
         return status > front->worst ? status : front->worst;               \
     }
 #define REFERENCES const fmi2ValueReference references[], size_t count
-#define READ(name, type)                                                                        \
+#define READ(name, type)                                                                           \
     PASS(name, count == 0 || (references && values), (fmi2Component c, REFERENCES, type values[]), \
          (front->inner, references, count, values))
 #define CALL(name) PASS(name, 1, (fmi2Component c), (front->inner))
 #define ASK(name, type) \
     PASS(name, value, (fmi2Component c, const fmi2StatusKind kind, type *value), (front->inner, kind, value))
-#define RATES(name, type)                                                                     \
+#define RATES(name, type)                                                                  \
     PASS(name, 1, (fmi2Component c, REFERENCES, const fmi2Integer order[], type values[]), \
          (front->inner, references, count, order, values))
 

@@ -101,8 +101,8 @@ static int64_t try_change(struct instance *c, const uint32_t knowns[], size_t co
         if (known->array == PARAMETERS && !is_allowed(known, c->p_trial[known->slot]))
             return OUT_OF_RANGE;
     }
-    return KERNEL(stepped ? OPERATION_STEP_PRECISELY : OPERATION_START, c->p_trial, c->d, c->u_trial, c->x_trial, y, c->w,
-                  c->head[LAST_STEP]);
+    return KERNEL(stepped ? OPERATION_STEP_PRECISELY : OPERATION_START, c->p_trial, c->d, c->u_trial, c->x_trial, y,
+                  c->w, c->head[LAST_STEP]);
 }
 
 /* How long the direction is, measured by the sizes of the knowns. */
@@ -162,7 +162,8 @@ static enum status try_both_ways(struct instance *c, const uint32_t knowns[], si
     if (answer == STATUS_OK && try_change(c, knowns, count, direction, backward, c->y_other) != STATUS_OK)
         answer = try_change(c, knowns, count, direction, backward = 0.0, c->y_other);
     if (answer == STATUS_OK && forward == backward)
-        return report(c, DISCARD, "what is differentiated by must be able to change one way, both ways they leave what is allowed");
+        return report(c, DISCARD, "inputs and parameters must be able to change one way, both ways they leave what is"
+                      " allowed");
     if (answer != STATUS_OK)
         return explain(c, DISCARD, answer, c->u_trial, c->head[LAST_STEP]);
     *change = forward - backward;
