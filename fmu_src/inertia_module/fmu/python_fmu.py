@@ -74,7 +74,7 @@ from {package}.fmu.slaves import {identifier}
 
 # where FMI 2.0 looks for what an FMU takes of the machine
 DEPENDENCIES = "documentation/externalDependencies.txt"
-NEEDED = """The process of the host must have the library of Python 3.11 or later, 64 bit, in it; no packages are needed.
+NEEDED = """The process of the host must have the library of Python 3.11 or later in it, 64 bit; no packages.
 On Linux it takes glibc 2.32 or later, and libstdc++ of GCC 12 or later.
 The native FMU of this model needs nothing.
 """
