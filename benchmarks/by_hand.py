@@ -15,7 +15,7 @@ from pathlib import Path
 
 from figures import R1
 
-from inertia_module.fmu.linking import compiler
+from inertia_module.compiling.linking import compiler
 from inertia_module.memory.instances import Module
 from inertia_module.studies.timing import kernel_time
 

@@ -14,7 +14,8 @@ from figures import R1
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 
-from inertia_module.fmu.linking import compiler, header_folder
+from inertia_module.compiling.linking import compiler
+from inertia_module.fmu.linking import header_folder
 
 HERE = Path(__file__).parent / "native"
 ROUNDS = 5
