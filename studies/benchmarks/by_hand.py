@@ -13,8 +13,8 @@ import time
 from functools import partial
 from pathlib import Path
 
+from inertia_module.compiling.linking import compiler
 from inertia_module.fidelity.timing import kernel_time
-from inertia_module.fmu.linking import compiler
 from inertia_module.memory.instances import Module
 from studies.benchmarks.figures import R1
 

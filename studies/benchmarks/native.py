@@ -13,7 +13,8 @@ from typing import NamedTuple
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 
-from inertia_module.fmu.linking import compiler, header_folder
+from inertia_module.compiling.linking import compiler
+from inertia_module.fmu.linking import header_folder
 from studies.benchmarks.figures import R1
 
 HERE = Path(__file__).parent / "native"

@@ -76,6 +76,9 @@ def test_native_fmu_holds_its_libraries_and_its_papers_and_nothing_else(fmu, bui
 def test_python_fmu_holds_its_source_and_the_compiled_kernel(built):
     content = content_of(built / PYTHON_FMU.file_name)
     assert content.keys() > PAPERS[2]
+    needed = content["documentation/externalDependencies.txt"].decode()
+    assert "Python 3.11" in needed
+    assert "glibc 2.32" in needed
     assert b"Permission is hereby granted" in content["documentation/licenses/pythonfmu.txt"]
     inside = {name.split("/", 2)[2] for name in content if name.startswith("resources/inertia_module_")}
     libraries = {f"{SHIPPED.name}/{name}" for name in ("linux64.so", "win64.dll")}

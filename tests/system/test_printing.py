@@ -76,7 +76,8 @@ def test_progress_bar_shows_a_title_as_it_is():
 @pytest.fixture
 def no_compiler(monkeypatch):
     """A machine without ziglang."""
-    from inertia_module.fmu import linking, native_fmu
+    from inertia_module.compiling import linking
+    from inertia_module.fmu import native_fmu
 
     def missing():
         raise CompilationUnavailable("ziglang is not installed; it comes with the extra inertia-module[fast]")

@@ -36,3 +36,15 @@ def test_program_of_the_page_runs_the_module(number, built, tmp_path):
     # stopped at its switches a step integrates otherwise
     within = 1e-7 if "use_event_mode" in PROGRAMS[number] else 1e-9
     assert found == pytest.approx(expected["omega_out"][-1], rel=within)
+
+
+def test_fmpy_gives_the_tolerance_that_the_fmu_proposes(built):
+    def ended(parameter, **given):
+        values = {"output_inertia": 0.4, "tolerance": parameter}
+        path, steps = str(built / "InertiaModule.fmu"), {"stop_time": 0.1, "output_interval": 1e-3}
+        return simulate_fmu(path, start_values=values, output=["omega_out"], **steps, **given)["omega_out"][
+            -1
+        ]
+
+    assert ended(1e-6) == ended(1e-2) == ended(1e-2, relative_tolerance=1e-6)
+    assert ended(1e-6) != ended(1e-6, relative_tolerance=1e-2)

@@ -72,6 +72,14 @@ from {package}.fmu.slaves import {identifier}
 """
 
 
+# where FMI 2.0 looks for what an FMU takes of the machine
+DEPENDENCIES = "documentation/externalDependencies.txt"
+NEEDED = """The process of the host must have the library of Python 3.11 or later in it, 64 bit; no packages.
+On Linux it takes glibc 2.32 or later, and libstdc++ of GCC 12 or later.
+The native FMU of this model needs nothing.
+"""
+
+
 def bundled_files() -> dict[str, bytes]:
     """Path within the package and content of every source file that goes into the FMU."""
     return sources(*BUNDLED)
@@ -128,7 +136,8 @@ def _papers(fmu: PythonFmu) -> dict[str, bytes]:
     of_pythonfmu = next(
         path for path in importlib.metadata.files("pythonfmu") or () if path.name == "LICENSE"
     )
-    return papers(fmu.model, fmu.picture, 2, pythonfmu=of_pythonfmu.read_text())
+    own = papers(fmu.model, fmu.picture, 2, pythonfmu=of_pythonfmu.read_text())
+    return own | {DEPENDENCIES: NEEDED.encode()}
 
 
 def _guid(fmu: PythonFmu, files: Mapping[str, bytes]) -> str:
