@@ -3,9 +3,10 @@
 Link 1 turns at the speed 1. What loads lose is the same at every speed; friction and drag are those of an
 input speed, scaled: b / |omega1| and drag / omega1^2. To first order torque and losses, so scaled, are
 parabolas of 1 / |omega1|; here they are cubics through four speeds: without bound; that at which friction and
-drag would take the stall torque; 3/2 of it and 3 times it. Where friction is less than that it is a parabola
-with one at 9 times it instead, for friction may end the driving. Down to a ninth of it what is left beside the
-friction of links that crawl is a cubic of log |omega1|. Friction of link 1 and of the output needs no map.
+drag would take the stall torque; 3/2 of it and 3 times it. With less friction it is a parabola
+with one at 9 times it instead, for friction may end the driving. Down to a ninth of it what is left beside
+the friction of links that crawl is a cubic of log |omega1|. Friction of link 1 and of the output needs no
+map.
 """
 
 import math
