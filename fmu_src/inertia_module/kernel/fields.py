@@ -126,12 +126,12 @@ STATE = (
 # averaged: over the speed ratio mean torque, mean speed of link 2 and the mean energy or, under its torque,
 # speed of link 1 (see averaged.torque_map): cubics from one knot to the next; while the map is built the
 # output speed of the motion it is of and the error of the interval that follows. With losses the power lost
-# by cause; torque, omega2 and losses once more at the five lower speeds of averaged.losses, and of links that
+# by cause; torque, omega2 and losses once more at the six lower speeds of averaged.losses, and of links that
 # crawl (torque and losses by slowness and by its square, omega2 with the first)
 SLOWER = (("torque", 4), ("omega2", 4), ("lost", CAUSES))
 KNOT = (
     *("ratio", ("torque", 4), ("input", 4), ("omega2", 4), "ripple", "peak", "omega3", "error"),
-    *(("lost", CAUSES), ("slower", SLOWER, 7)),
+    *(("lost", CAUSES), ("slower", SLOWER, 8)),
 )
 # one side of the map for each sign of omega1: where the torque ends, whether lock-up is reached there; with
 # losses the speed at which friction takes the stall torque

@@ -19,8 +19,9 @@ MIDDLE = 2.0 / 3.0
 def lost_at_knot(knot, cause, w):
     """Mean power that a cause takes at a knot, over the cube of the speed; w: see slowness."""
     s = knot.slower
-    slower = s[0].lost[cause], s[1].lost[cause], s[2].lost[cause], s[3].lost[cause], s[4].lost[cause]
-    return by_speed(knot.lost[cause], slower, (0.0, s[5].lost[cause], s[6].lost[cause]), w)[0]
+    slower = s[0].lost[cause], s[1].lost[cause], s[2].lost[cause]
+    slowest = s[3].lost[cause], s[4].lost[cause], s[5].lost[cause]
+    return by_speed(knot.lost[cause], slower, slowest, (0.0, s[6].lost[cause], s[7].lost[cause]), w)[0]
 
 
 def lost_power(d, side, x, speed, cause):

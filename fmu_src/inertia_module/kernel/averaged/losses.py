@@ -3,8 +3,10 @@
 Link 1 turns at the speed 1. What loads lose is the same at every speed; friction and drag are those of an
 input speed, scaled: b / |omega1| and drag / omega1^2. To first order torque and losses, so scaled, are
 parabolas of 1 / |omega1|; here they are cubics through four speeds: without bound; that at which friction and
-drag would take the stall torque; 3/2 of it and 3 times it. Down to a ninth of it what is left beside the
-friction of links that crawl is a cubic of log |omega1|. Friction of link 1 and of the output needs no map.
+drag would take the stall torque; 3/2 of it and 3 times it. With less friction it is a parabola
+with one at 9 times it instead, for friction may end the driving. Down to a ninth of it what is left beside
+the friction of links that crawl is a cubic of log |omega1|. Friction of link 1 and of the output needs no
+map.
 """
 
 import math
@@ -16,8 +18,8 @@ from ..general.advance import advance_general
 from ..general.choice import choose_next_states, choose_states
 from .largest import LARGEST_CYCLES, go_to_part, is_long, parts_of_period, period_of_map
 
-# lower speeds with motions of their own
-SPEEDS = 5
+# slownesses (see rates) with motions of their own
+SLOWNESSES = (1.0 / 9.0, 1.0 / 3.0, 2.0 / 3.0, 1.0, 3.0, 9.0)
 # inertia that holds the output speed, over that of the mechanism
 HEAVY = 1e30
 TOLERANCE = 1e-6
@@ -46,18 +48,13 @@ def slow_speed(p, d, stall):
     return (rubbed + math.sqrt(rubbed * rubbed + 4.0 * stall * drag)) / (2.0 * stall)
 
 
-def speed_of_knot(m):
-    """The speed of slow_speed over the lower speed of number m."""
-    return (m + 1.0) / 3.0 if m < 3 else 3.0 ** (m - 2.0)
-
-
 def crawl(p, d, side, knot):
     """What links do that turn so slowly that friction alone counts, into the knot: omega2 is constant then.
 
     Drags go with the square of the slowness, what is viscous goes with it.
     """
     set_losses(p, d, 1.0 / side.slow)
-    linear, square = knot.slower[SPEEDS], knot.slower[SPEEDS + 1]
+    linear, square = knot.slower[len(SLOWNESSES)], knot.slower[len(SLOWNESSES) + 1]
     ratio = knot.ratio
     # of the mesh, over the slip
     pulling = d.k * d.k * d.bq / (1.0 - d.mesh_loss)

@@ -41,19 +41,26 @@ def cubic_at(cubic, t):
     return cubic[0] + t * (c1 + t * (c2 + t * c3)), c1 + t * (2.0 * c2 + 3.0 * t * c3)
 
 
-def by_speed(fast, slower, crawling, w):
+def by_speed(fast, slower, slowest, crawling, w):
     """Value at w (see slowness), and its slope times w.
 
-    Up to 1 a cubic. Slower, what is left beside the friction of links that crawl goes with log w, and fades.
+    Up to 1/3 a parabola, up to 1 a cubic. Slower, what is left beside the friction of links that
+    crawl goes with log w, and fades.
 
     Args:
-        fast, slower: values at 0 and 1/3, 2/3, 1, 3, 9.
+        fast, slower, slowest: values at 0; 1/9, 1/3, 2/3; 1, 3, 9.
         crawling: of links that crawl: what stays, and what goes with w and its square.
     """
-    a, b, c, third, last = slower
+    first, a, b = slower
+    c, third, last = slowest
+    first -= fast
     a -= fast
     b -= fast
     c -= fast
+    if w <= 1.0 / 3.0:
+        c2 = 13.5 * a - 40.5 * first
+        c1 = 9.0 * first - c2 / 9.0
+        return fast + w * (c1 + w * c2), w * (c1 + w * 2.0 * c2)
     c1 = 9.0 * a - 4.5 * b + c
     c2 = 18.0 * b - 22.5 * a - 4.5 * c
     c3 = 13.5 * (a - b) + 4.5 * c
@@ -86,31 +93,34 @@ def torque_at_knot(side, knot, speed):
     """Mean output torque at a knot over the square of the speed, N m s^2."""
     if side.slow == 0.0:
         return knot.torque[0]
-    a, b, c, third, last, linear, square = torques_at_speeds(knot)
-    slower = a[0], b[0], c[0], third[0], last[0]
-    return by_speed(knot.torque[0], slower, (0.0, linear[0], square[0]), slowness(side, speed))[0]
+    first, a, b, c, third, last, linear, square = torques_at_speeds(knot)
+    slower, slowest = (first[0], a[0], b[0]), (c[0], third[0], last[0])
+    return by_speed(knot.torque[0], slower, slowest, (0.0, linear[0], square[0]), slowness(side, speed))[0]
 
 
 def torques_at_speeds(knot):
     """Cubics of the torque at the lower speeds."""
     s = knot.slower
-    return s[0].torque, s[1].torque, s[2].torque, s[3].torque, s[4].torque, s[5].torque, s[6].torque
+    t0, t1, t2, t3 = s[0].torque, s[1].torque, s[2].torque, s[3].torque
+    return t0, t1, t2, t3, s[4].torque, s[5].torque, s[6].torque, s[7].torque
 
 
 def omega2_at_speeds(knot):
     """Cubics of the mean speed of link 2 at the lower speeds."""
     s = knot.slower
-    return s[0].omega2, s[1].omega2, s[2].omega2, s[3].omega2, s[4].omega2, s[5].omega2, s[6].omega2
+    w0, w1, w2, w3 = s[0].omega2, s[1].omega2, s[2].omega2, s[3].omega2
+    return w0, w1, w2, w3, s[4].omega2, s[5].omega2, s[6].omega2, s[7].omega2
 
 
 def cubics_at(fast, cubics, stays, t, w):
     """Value of a cubic with its like at lower speeds, slope, and slope in w times w (see by_speed).
 
     Args:
-        stays: whether the sixth of those like it is what stays of links that crawl, else it goes with w.
+        stays: whether the last but one is what stays of links that crawl, else it goes with w.
     """
-    a, b, c, third, last, crawl, square = cubics
+    first, a, b, c, third, last, crawl, square = cubics
     value, slope = cubic_at(fast, t)
+    first0, first1 = cubic_at(first, t)
     a0, a1 = cubic_at(a, t)
     b0, b1 = cubic_at(b, t)
     c0, c1 = cubic_at(c, t)
@@ -120,8 +130,9 @@ def cubics_at(fast, cubics, stays, t, w):
     square0, square1 = cubic_at(square, t)
     crawling = (crawl0, 0.0, 0.0) if stays else (0.0, crawl0, square0)
     crawling1 = (crawl1, 0.0, 0.0) if stays else (0.0, crawl1, square1)
-    value, value_w = by_speed(value, (a0, b0, c0, third0, last0), crawling, w)
-    return value, by_speed(slope, (a1, b1, c1, third1, last1), crawling1, w)[0], value_w
+    value, value_w = by_speed(value, (first0, a0, b0), (c0, third0, last0), crawling, w)
+    slope, _ = by_speed(slope, (first1, a1, b1), (c1, third1, last1), crawling1, w)
+    return value, slope, value_w
 
 
 def ratio(omega3, speed):

@@ -27,7 +27,7 @@ from .largest import (
     parts_of_period,
     period_of_map,
 )
-from .losses import SPEEDS, crawl, set_losses, settle_losses, slow_speed, speed_of_knot
+from .losses import SLOWNESSES, crawl, set_losses, settle_losses, slow_speed
 from .map_key import is_map_of, mark_map
 from .motion import begin_travel, travel
 from .table import UNKNOWN_ERROR, error_at_speeds, finish_table, insert_knot, table_error, worst_interval
@@ -201,7 +201,7 @@ def add_knot(p, d, w, side, n, omega3):
     if d.lossy != 0.0:
         add_losses(p, d, w, side, side.knots[n], held)
         if n < count and side.slow != 0.0:
-            error = 0.5 * error_at_speeds(side, n, SPEEDS - 2)
+            error = 0.5 * error_at_speeds(side, n, len(SLOWNESSES) - 2)
             side.knots[n].error = max(side.knots[n].error, error)
             side.knots[n - 1].error = max(side.knots[n - 1].error, error)
 
@@ -212,9 +212,9 @@ def add_losses(p, d, w, side, knot, held):
         knot.lost[cause] = d.sum_lost[cause] / d.sum_time
     if side.slow == 0.0:
         return
-    for m in range(SPEEDS):
+    for m in range(len(SLOWNESSES)):
         slower = knot.slower[m]
-        settle_losses(p, d, w, side, held, speed_of_knot(m) / side.slow)
+        settle_losses(p, d, w, side, held, SLOWNESSES[m] / side.slow)
         slower.torque[0] = d.sum_torque / d.sum_time
         slower.omega2[0] = min(max(0.0, d.sum_omega2 / d.sum_time), knot.ratio)
         for cause in range(len(knot.lost)):
