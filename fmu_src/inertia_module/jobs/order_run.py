@@ -47,19 +47,20 @@ def orders(
     fmu_path: Path | str | None = None,
     *,
     of: str = LINK1,
-    signals: Sequence[str] = SIGNALS,
+    signals: Sequence[str] | None = None,
     highest: float | None = None,
     turns: float | None = None,
     begin: float = 0.0,
     end: float | None = None,
     progress: Progress | None = None,
 ) -> Orders:
-    """Run a scene and find the orders of its signals; those that do not swing at all are left out.
+    """Run a scene and find the orders of its signals.
 
     Args:
         scene: a scene or its file.
         fmu_path: the FMU of the module; None for that of the package.
-        of: "link1" or "pulses". signals: names of outputs, locals or signals of the loop.
+        of: "link1" or "pulses".
+        signals: names of outputs, locals or signals of the loop; without them those of SIGNALS that swing.
         highest: as in spectra.
         turns: as in spectra.
         begin: of the part of the run that is looked at, s.
@@ -82,14 +83,18 @@ def orders(
         limits = f"in order and within 0 to {scene.run.stop_time:g} s"
         raise Refused(must_be("times", limits, f"{begin:g} to {last:g} s"))
     angle, whole = _ANGLES[of]
-    wanted = list(dict.fromkeys([*signals, "input_speed", angle, whole]))
+    looked = SIGNALS if signals is None else tuple(dict.fromkeys(signals))
+    wanted = list(dict.fromkeys([*looked, "input_speed", angle, whole, *_ANGLES[PULSES]]))
     record = run_scene(scene.replaced(run={"outputs": wanted}), fmu_path, progress).record
     part = (record.time >= begin - 1e-9) & (record.time <= last + 1e-9)
     table = Result({name: values[part] for name, values in record.columns.items()}, record.units)
     turned = table[angle] / math.tau + table[whole]
     if of == PULSES:
         turned = turned * pulses_a_turn(scene.parameters())
-    names = [name for name in signals if np.ptp(table[name]) > rounding(table, name)]
-    if not names:
-        raise Refused(f"signals must swing, of {', '.join(signals)} none does")
-    return spectra(table, np.sign(turned[-1] - turned[0]) * turned, names, of, highest, turns)
+    swinging = [name for name in looked if np.ptp(table[name]) > rounding(table, name)]
+    if not swinging:
+        raise Refused(f"signals must swing, of {', '.join(looked)} none does")
+    drive = table["drive_angle"] / math.tau + table["drive_turns"]
+    names = swinging if signals is None else looked
+    forwards = np.sign(turned[-1] - turned[0])
+    return spectra(table, forwards * turned, names, of, highest, turns, drive)
