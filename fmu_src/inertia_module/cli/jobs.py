@@ -93,7 +93,7 @@ def orders(
         }
         show_table(name.replace("_", " "), rows or {"no order": "it does not swing"})
     if found.bends:
-        typer.echo("lines bend with the speed ratio: those of the pulses are straight --of pulses")
+        typer.echo("lines bend with the speed ratio: those of the pulses are straight with --of pulses")
     for name, file in files.items():
         typer.echo(f"{name}: {file}")
 

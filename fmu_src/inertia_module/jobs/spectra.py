@@ -49,8 +49,8 @@ SEARCHED = 4
 BENDING = 1.1
 # turns (or pulses) in a window: at most where nothing is asked for, and at least
 TURNS, LEAST_TURNS = 32.0, 4.0
-# below this share of its largest or its nominal value a signal is rounding
-_ROUNDING = 1e-8
+# below this share of its largest or its nominal value a signal is rounding, and what is beyond a limit
+ROUNDING = 1e-8
 
 
 class Line(NamedTuple):
@@ -115,12 +115,13 @@ class Orders:
             order = float(self.order[place])
             straight = self._along(name, np.full(self.ratio.size, order), 0.5 / self.turns)[0]
             window = int(np.argmax(straight))
+            if any(one.low < one.high and self._meets(along, order, window) for one, along, _ in found):
+                continue  # a line that bends passes here
             line, track, at = self._line(name, place)
-            near = [other for other, along, _ in found if self._meets(along, track[at], at)]
-            passed = any(self._meets(along, order, window) for _, along, _ in found)
-            if passed or any(line.amplitude < SIDE_LOBE * other.amplitude for other in near):
-                continue
             if line.low < line.high:
+                near = [one for one, along, _ in found if self._meets(along, track[at], at)]
+                if any(one.amplitude >= line.amplitude for one in near):
+                    continue
                 found = [one for one in found if not self._meets(track, one[0].order, one[2])]
             found.append((line, track, at))
         lines = sorted((line for line, _, _ in found), key=lambda line: -line.amplitude)
@@ -162,7 +163,8 @@ class Orders:
         for turning in (0.0, 1.0, -1.0):
             bent = (there - turning) * share + turning
             found, _ = self._along(name, bent, 0.5 / self.turns)
-            if np.ptp(bent) > HALF_LOBE / self.turns and _rms(found) > most:
+            bends = np.ptp(bent) > HALF_LOBE / self.turns and bent.min() > HALF_LOBE / self.turns
+            if bends and _rms(found) > most:
                 track, heights, amplitude, most = bent, found, _rms(found), _rms(found)
         at = int(np.argmax(heights))
         low, high, greatest = float(track.min()), float(track.max()), float(heights[at])
@@ -227,7 +229,7 @@ def spectra(
     Raises:
         Refused: turned does not rise, is too little for a window, or rows are too far apart.
     """
-    highest, per_window = _resolution(table, turned, of, highest, turns)
+    highest, per_window = resolution(table.time, turned, of, highest, turns)
     steps = np.diff(turned)
     samples = math.ceil(1.0 / max(float(steps.min()), float(steps.max()) / FINEST))
     size = round(per_window * samples)
@@ -259,31 +261,37 @@ def spectra(
     )
 
 
-def _resolution(
-    table: Result, turned: Array, of: str, highest: float | None, turns: float | None
+def resolution(
+    time: Array, turned: Array, of: str, highest: float | None, turns: float | None
 ) -> tuple[float, float]:
     """Highest order and turns in a window, as asked for or as the rows allow; see spectra."""
-    still = np.flatnonzero(np.diff(turned) <= 0.0)
-    if still.size:
-        at = f"{table.time[still[0]]:g} s"
-        raise Refused(
-            f"the angle that orders are counted over must rise, does not at {at}: choose other times"
-        )
+    shown = highest_order(time, turned, highest)
     all_turns = float(turned[-1] - turned[0])
     per_window = min(TURNS, max(LEAST_TURNS, all_turns / 4.0)) if turns is None else turns
     if not LEAST_TURNS <= per_window <= all_turns:
         counted = f"of {LEAST_TURNS:g} to the {all_turns:.4g} (each a {BASES[of]}) that there are"
         raise Refused(must_be("turns of a window", counted, f"{per_window:.4g}"))
+    return shown, per_window
+
+
+def highest_order(time: Array, turned: Array, highest: float | None) -> float:
+    """The highest order, as asked for or as the rows allow; see spectra."""
+    still = np.flatnonzero(np.diff(turned) <= 0.0)
+    if still.size:
+        raise Refused(
+            f"the angle that orders are counted over must rise, does not at {time[still[0]]:g} s: choose"
+            " other times"
+        )
     shown = 1.0 / (RECORDED * float(np.diff(turned).max()))
-    if highest is not None and not 0.0 < highest <= shown:
+    if highest is not None and not 0.0 < highest <= shown * (1.0 + ROUNDING):
         raise Refused(
             f"highest order must be above 0 and at most {shown:.4g}, is {highest:g}: with a shorter"
             " run.communication_step there are higher ones"
         )
-    return shown if highest is None else highest, per_window
+    return shown if highest is None else highest
 
 
 def rounding(table: Result, name: str) -> float:
     """What of a signal is no more than rounding, in its unit."""
     nominal = BY_NAME[name].nominal if name in BY_NAME else None
-    return _ROUNDING * max(float(np.abs(table[name]).max()), nominal or 0.0)
+    return ROUNDING * max(float(np.abs(table[name]).max()), nominal or 0.0)
