@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 
+from inertia_module.common.errors import did_you_mean
 from inertia_module.common.terminal import terminal
 from inertia_module.harness.simulate import Progress
 
@@ -25,7 +26,7 @@ def chosen_cases(only: str | None = None, quick: bool = False) -> list[Case]:
         ValueError: there is none of this name.
     """
     if only is not None and only not in AXES:
-        raise ValueError(f"axis must be one of {', '.join(AXES)}, is {only}")
+        raise ValueError(f"axis must be one of the map, is {only} {did_you_mean(only, AXES)}")
     return [case for axis in ([only] if only else AXES) for case in cases(axis, quick)]
 
 

@@ -167,7 +167,7 @@ def test_columns_in_other_units_run_as_in_si(fmu_path, tmp_path):
         ("omega1 [m/s]", r"omega1 \[m/s\] must be in rad/s or .*: m/s is not a unit for rad/s"),
         ("omega1 [furlong]", r"omega1 \[furlong\] must be in rad/s or .*: furlong is no unit known here"),
         ("omega1 [-]", r"omega1 \[-\] must be in rad/s"),
-        ("omega1_rpm", "column omega1_rpm must be an input or an output of .*: omega1, load_torque"),
+        ("omega1_rpm", "column omega1_rpm must be an input or an output of .* .did you mean omega1"),
         ("output_inertia", "column output_inertia must be in parameters"),
         ("omega_out [N.m]", r"omega_out \[N.m\] must be in rad/s"),
     ],

@@ -72,7 +72,7 @@ def test_stability_tries_random_motions_of_a_seed(tmp_path):
 def test_stability_of_an_unknown_axis_is_refused_in_one_line(tmp_path):
     done = command("stability", "--only", "weather", "-o", tmp_path / "map", folder=tmp_path)
     assert done.exit_code == 1
-    assert done.stderr.startswith("error: axis must be one of input speed")
+    assert done.stderr.startswith("error: axis must be one of the map, is weather (there are input speed")
     assert not (tmp_path / "map").exists()
 
 

@@ -11,13 +11,15 @@ from typer.testing import CliRunner
 from inertia_module import jobs
 from inertia_module.cli import app
 from inertia_module.common.errors import Refused
+from inertia_module.figures.orders import order_figure
 from inertia_module.harness.results import Result, read_columns
 from inertia_module.harness.simulate import Fmu
+from inertia_module.jobs import order_run
 from inertia_module.jobs.order_run import pulses_a_turn
 from inertia_module.jobs.spectra import spectra
 from inertia_module.kernel.inertia import reduced_inertia
 from inertia_module.memory.instances import Module
-from inertia_module.scene import load_scene, read_scene
+from inertia_module.scene import load_scene, read_scene, run_scene
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 OMEGA1 = 100.0
@@ -120,6 +122,21 @@ def test_what_is_above_the_highest_order_does_not_fold_down():
     assert found.amplitude["x"].max() < 2e-3
 
 
+@pytest.mark.parametrize("turning", [0.0, 1.0])
+def test_a_line_that_bends_is_one_line_with_its_whole_amplitude(turning):
+    turned = np.arange(0.0, 200.0, 0.01)
+    drive = 1.7 * turned - 0.5 * turned**2 / 400.0  # 1.7 turns of the drive a turn, in the end 1.2
+    swing = 3.0 * np.cos(math.tau * (drive + turning * turned)) + 0.5 * np.cos(math.tau * 5.5 * turned)
+    table = Result.from_columns({"time": turned, "input_speed": 0.0 * turned + math.tau, "x": swing})
+    first, second = spectra(table, turned, ["x"], drive=drive).largest(2)["x"]
+    assert first.amplitude == pytest.approx(3.0, rel=0.05)
+    assert (first.low, first.high) == pytest.approx((1.24 + turning, 1.66 + turning), abs=0.03)
+    assert (second.order, second.low, second.high) == pytest.approx((5.5, 5.5, 5.5))
+    assert second.amplitude == pytest.approx(0.5, rel=0.02)
+    # which its order alone does not tell
+    assert spectra(table, turned, ["x"]).largest()["x"][0].amplitude < 2.0
+
+
 def test_parseval_holds_for_the_torque_of_a_run(fmu):
     scene = held()
     found = jobs.orders(scene, fmu, signals=["mesh_torque"])
@@ -198,6 +215,37 @@ def test_example_shows_the_orders_and_the_speed_of_the_resonance(fmu):
 def test_what_does_not_swing_is_left_out(fmu):
     found = jobs.orders(held(PLANAR), fmu)
     assert set(found.amplitude) == {"input_torque", "output_torque"}
+
+
+def test_signals_that_are_asked_for_stay(fmu, tmp_path):
+    found = jobs.orders(held(PLANAR), fmu, signals=["input_torque", "shaking_force_x", "omega1"])
+    assert set(found.amplitude) == {"input_torque", "shaking_force_x", "omega1"}
+    assert found.largest()["omega1"] == []
+    order_figure(found, "title").savefig(tmp_path / "orders.png")
+
+
+@pytest.mark.parametrize(
+    "drive, options, words",
+    [
+        ({}, {"highest": 100.0}, "highest order must be .* at most 49.09, is 100"),
+        ({}, {"highest": 100.0, "of": "pulses"}, "highest order must be .*, is 100"),
+        ({}, {"turns": 100.0}, "turns of a window must be of 4 to the 15.92 .*, is 100"),
+        ({"kind": "ramp", "omega1": None, "initial": 0.0, "final": 50.0, "duration": 1.0}, {}, "not at 0 s"),
+        ({"kind": "torque", "drive_torque": 20.0}, {"highest": 1e4}, "highest order must be .*, is 10000"),
+    ],
+)
+def test_what_is_sure_to_be_refused_is_refused_before_the_run(fmu, monkeypatch, drive, options, words):
+    steps = []
+
+    def run(scene, *others):
+        steps.append(scene.run.stop_time / scene.run.communication_step)
+        return run_scene(scene, *others)
+
+    monkeypatch.setattr(order_run, "run_scene", run)
+    scene = held("input_inertia = 0.1", stop=1.0).replaced(drive=drive)
+    with pytest.raises(Refused, match=words):
+        jobs.orders(scene, fmu, **options)
+    assert sum(steps) <= order_run.TRIED
 
 
 @pytest.mark.parametrize(

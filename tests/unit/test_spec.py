@@ -2,10 +2,12 @@
 
 import pytest
 
-from inertia_module.jobs.judged import Judge
+from inertia_module.common.examples import example
+from inertia_module.jobs.judged import Judge, Limit
 from inertia_module.jobs.spec import read_spec
+from inertia_module.jobs.sweep import unreached
 from inertia_module.jobs.task import Row
-from inertia_module.scene import SceneError
+from inertia_module.scene import SceneError, load_scene
 from inertia_module.scene.keys import keys_of
 
 SPEC = """
@@ -136,3 +138,17 @@ def test_keys_of_a_specification_are_set_as_in_its_file(tmp_path):
     assert {axis.name: axis.high for axis in spec.axes}["mechanism.satellites"] == 3.0
     with pytest.raises(SceneError, match=r"spec.toml: .*populatoin.*did you mean population\?"):
         read_spec(path, keys_of(["search.populatoin=8"]))
+
+
+def test_speed_that_a_design_or_a_run_does_not_reach_is_told():
+    slow, fast, refused = (
+        Row({}, {}, 0.0),
+        Row({}, {"time_to_25_kmh": 3.0}, 0.0),
+        Row({}, {}, 0.0, "too heavy"),
+    )
+    limit = Limit("time_to_25_kmh", 9.0, 1.0)
+    assert limit.text(slow, "s") == "time_to_25_kmh is not reached, must be at most 9 s"
+    assert limit.text(refused, "s") == "time_to_25_kmh is missing, must be at most 9 s"
+    scene = load_scene(example("engine_launch")).replaced(load={"times_to": ["25 km/h"]})
+    assert unreached(scene, [slow, slow, fast, refused]) == {"time_to_25_kmh": 2}
+    assert unreached(scene, [fast, refused]) == {}

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+if TYPE_CHECKING:
+    from ..jobs.spectra import Line
 
 from .shared import (
     FmuToRun,
@@ -52,7 +55,6 @@ def orders(
     from ..figures.orders import order_figure
     from ..harness.results import write_figure
     from ..harness.simulate import progress_bar
-    from ..jobs.order_run import SIGNALS
     from ..jobs.spectra import BASES
     from ..scene import load_scene
     from ..scene.keys import keys_of
@@ -68,7 +70,7 @@ def orders(
                 read,
                 path,
                 of=of,
-                signals=signals or SIGNALS,
+                signals=signals,
                 highest=highest,
                 turns=turns,
                 begin=first,
@@ -85,13 +87,20 @@ def orders(
     for name, lines in found.largest().items():
         unit = found.units[name]
         rows = {
-            f"order {line.order:.4g}": f"{line.amplitude:.4g} {unit}, most at {line.speed:.4g} rad/s:"
+            _orders_of(line): f"{line.amplitude:.4g} {unit}, most at {line.speed:.4g} rad/s:"
             f" {line.greatest:.4g} {unit}"
             for line in lines
         }
-        show_table(name.replace("_", " "), rows)
+        show_table(name.replace("_", " "), rows or {"no order": "it does not swing"})
+    if found.bends:
+        typer.echo("lines bend with the speed ratio: those of the pulses are straight with --of pulses")
     for name, file in files.items():
         typer.echo(f"{name}: {file}")
+
+
+def _orders_of(line: Line) -> str:
+    """The order of a line, or those between which it bends."""
+    return f"order {line.order:.4g}" if line.low == line.high else f"order {line.low:.4g} to {line.high:.4g}"
 
 
 @app.command()

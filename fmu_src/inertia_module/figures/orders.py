@@ -26,7 +26,7 @@ def order_figure(found: Orders, title: str) -> Figure:
     Returns:
         A matplotlib Figure, higher the more signals there are.
     """
-    names = list(found.amplitude)
+    names = [name for name, amplitude in found.amplitude.items() if amplitude.any()]
     figure = sheet(title, 1.2 + ROW * len(names))
     panels = figure.subplots(len(names), 2, sharex=True, squeeze=False)
     lines = found.largest(NAMED)
@@ -35,7 +35,7 @@ def order_figure(found: Orders, title: str) -> Figure:
         amplitude, unit = found.amplitude[name], found.units[name]
         left.plot(found.order, amplitude, color=VERMILION, linewidth=1.2)
         for line in lines[name]:
-            place = (line.order, line.amplitude)
+            place = (line.order, float(np.interp(line.order, found.order, amplitude)))
             left.annotate(f"{line.order:.4g}", place, ha="center", va="bottom", fontsize=9)
         left.set_ylim(0.0, 1.15 * float(amplitude.max()))
         dress(left, titled(name, unit))
@@ -56,7 +56,7 @@ def _run(found: Orders) -> tuple[Array, str]:
 
 def _end(found: Orders) -> float:
     """A little above the order up to which SHOWN of all that swings is found, of every signal."""
-    shares = (np.cumsum(values**2) / np.sum(values**2) for values in found.amplitude.values())
+    shares = (np.cumsum(values**2) / np.sum(values**2) for values in found.amplitude.values() if values.any())
     place = max(int(np.searchsorted(share, SHOWN)) for share in shares)
     return min(1.1 * float(found.order[place]), float(found.order[-1]))
 

@@ -43,10 +43,14 @@ PADDING = 4
 HALF_LOBE, SIDE_LOBE = 2, 0.05
 # a line that bends is looked for so far beside itself, relative
 BESIDE = 0.03
+# so many places for each line wanted are looked at, for a bending one takes several
+SEARCHED = 4
+# a line bends if along its bend there is so many times more of the signal than along its order
+BENDING = 1.1
 # turns (or pulses) in a window: at most where nothing is asked for, and at least
 TURNS, LEAST_TURNS = 32.0, 4.0
-# below this share of its largest or its nominal value a signal is rounding
-_ROUNDING = 1e-8
+# below this share of its largest or its nominal value a signal is rounding, and what is beyond a limit
+ROUNDING = 1e-8
 
 
 class Line(NamedTuple):
@@ -55,12 +59,15 @@ class Line(NamedTuple):
     Attributes:
         order: cycles a turn (a pulse). amplitude: RMS average over the windows, in the unit of the signal.
         greatest: amplitude in the window where it is greatest. speed: of link 1 there, rad/s.
+        low, high: orders between which it bends with the speed ratio; of a straight line, order.
     """
 
     order: float
     amplitude: float
     greatest: float
     speed: float
+    low: float
+    high: float
 
 
 @dataclass(frozen=True)
@@ -72,6 +79,7 @@ class Orders:
         order: cycles a turn (a pulse), shape (n,).
         amplitude: of each signal in its unit, RMS average over the windows, shape (n,); mean, trend apart.
         time, speed: at the middle of each window, s, and mean speed of link 1 in it, rad/s, shape (m,).
+        ratio: turns of the drive a turn (a pulse) in each window, shape (m,): with it lines bend.
         waterfall: amplitude in each window, shape (m, n). units: of the signals.
     """
 
@@ -81,6 +89,7 @@ class Orders:
     amplitude: dict[str, Array]
     time: Array
     speed: Array
+    ratio: Array
     waterfall: dict[str, Array]
     units: dict[str, str]
 
@@ -92,10 +101,35 @@ class Orders:
 
     def largest(self, number: int = 5) -> dict[str, list[Line]]:
         """The largest lines of each signal, the largest first."""
-        return {
-            name: [self._line(name, place) for place in self._places(amplitude)[:number]]
-            for name, amplitude in self.amplitude.items()
-        }
+        return {name: self._lines(name, number) for name in self.amplitude}
+
+    @property
+    def bends(self) -> bool:
+        """Whether lines bend that are straight over pulses."""
+        return any(line.low < line.high for lines in self.largest().values() for line in lines)
+
+    def _lines(self, name: str, number: int) -> list[Line]:
+        """The largest lines of a signal; all places that a bending one passes are one line."""
+        found: list[tuple[Line, Array, int]] = []
+        for place in self._places(self.amplitude[name])[: SEARCHED * number]:
+            order = float(self.order[place])
+            straight = self._along(name, np.full(self.ratio.size, order), 0.5 / self.turns)[0]
+            window = int(np.argmax(straight))
+            if any(one.low < one.high and self._meets(along, order, window) for one, along, _ in found):
+                continue  # a line that bends passes here
+            line, track, at = self._line(name, place)
+            if line.low < line.high:
+                near = [one for one, along, _ in found if self._meets(along, track[at], at)]
+                if any(one.amplitude >= line.amplitude for one in near):
+                    continue
+                found = [one for one in found if not self._meets(track, one[0].order, one[2])]
+            found.append((line, track, at))
+        lines = sorted((line for line, _, _ in found), key=lambda line: -line.amplitude)
+        return lines[:number]
+
+    def _meets(self, track: Array, order: float, window: int) -> bool:
+        """Whether a line of these orders is as near to an order in a window as the window can tell."""
+        return abs(order - float(track[window])) <= 2 * HALF_LOBE / self.turns
 
     def _places(self, amplitude: Array) -> list[int]:
         """Where the lines of a spectrum are, the largest first; without side lobes and trend."""
@@ -109,15 +143,32 @@ class Orders:
                 found.append(place)
         return found
 
-    def _line(self, name: str, place: int) -> Line:
-        """The line at a place of a spectrum; in a window it may stand a little beside that."""
-        order = float(self.order[place])
-        beside = np.abs(self.order - order) <= max(BESIDE * order, 1.0 / self.turns)
-        heights = self.waterfall[name][:, beside].max(axis=1)
+    def _along(self, name: str, track: Array, reach: float) -> tuple[Array, Array]:
+        """Of a line with an order in each window, to be found within a reach: amplitude and order in each."""
+        beside = np.abs(self.order - track[:, None]) <= reach
+        places = np.where(beside, self.waterfall[name], -1.0).argmax(axis=1)
+        return self.waterfall[name][np.arange(places.size), places], self.order[places]
+
+    def _line(self, name: str, place: int) -> tuple[Line, Array, int]:
+        """The line at a place of a spectrum, its order in each window, and the window where it is greatest.
+
+        It bends with the drive, alone or on top of a turn of link 1, where more of the signal is along that.
+        """
+        order, amplitude = float(self.order[place]), float(self.amplitude[name][place])
+        track = np.full(self.ratio.size, order)
+        heights, orders = self._along(name, track, max(BESIDE * order, 1.0 / self.turns))
         window = int(np.argmax(heights))
-        return Line(
-            order, float(self.amplitude[name][place]), float(heights[window]), float(self.speed[window])
-        )
+        share, there = self.ratio / self.ratio[window], float(orders[window])
+        most = BENDING * _rms(self._along(name, track, 0.5 / self.turns)[0])
+        for turning in (0.0, 1.0, -1.0):
+            bent = (there - turning) * share + turning
+            found, _ = self._along(name, bent, 0.5 / self.turns)
+            bends = np.ptp(bent) > HALF_LOBE / self.turns and bent.min() > HALF_LOBE / self.turns
+            if bends and _rms(found) > most:
+                track, heights, amplitude, most = bent, found, _rms(found), _rms(found)
+        at = int(np.argmax(heights))
+        low, high, greatest = float(track.min()), float(track.max()), float(heights[at])
+        return Line(float(track[at]), amplitude, greatest, float(self.speed[at]), low, high), track, at
 
     def as_dict(self) -> dict[str, Any]:
         """The largest orders of each signal, for machines."""
@@ -125,6 +176,7 @@ class Orders:
             "of": BASES[self.of],
             "turns": self.turns,
             "windows": self.time.size,
+            "bends": self.bends,
             "signals": {
                 name: {
                     "unit": self.units.get(name, ""),
@@ -152,6 +204,10 @@ class Orders:
         }
 
 
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
 def spectra(
     table: Result,
     turned: Array,
@@ -159,6 +215,7 @@ def spectra(
     of: str = LINK1,
     highest: float | None = None,
     turns: float | None = None,
+    drive: Array | None = None,
 ) -> Orders:
     """Order spectra of recorded signals.
 
@@ -167,11 +224,12 @@ def spectra(
             rising, shape (r,). names: of the signals.
         of: what turned counts. highest: order; by default the highest that the rows show.
         turns: in a window; windows overlap by half. By default a quarter of all there are, at most TURNS.
+        drive: turns of it up to each row, where lines that bend with it are to be found.
 
     Raises:
         Refused: turned does not rise, is too little for a window, or rows are too far apart.
     """
-    highest, per_window = _resolution(table, turned, of, highest, turns)
+    highest, per_window = resolution(table.time, turned, of, highest, turns)
     steps = np.diff(turned)
     samples = math.ceil(1.0 / max(float(steps.min()), float(steps.max()) / FINEST))
     size = round(per_window * samples)
@@ -189,6 +247,7 @@ def spectra(
     begin, time, end = np.interp(edges, turned - turned[0], table.time).T
     turned1 = cumulative_trapezoid(table["input_speed"], table.time, initial=0.0)
     angles = np.interp([begin, end], table.time, turned1)
+    driven = np.interp([begin, end], table.time, turned if drive is None else drive)
     return Orders(
         of,
         per_window,
@@ -196,36 +255,43 @@ def spectra(
         {name: np.sqrt(np.mean(rows**2, axis=0)) for name, rows in waterfall.items()},
         time,
         (angles[1] - angles[0]) / (end - begin),
+        (driven[1] - driven[0]) / np.ptp(edges[:, ::2], axis=1),
         waterfall,
         {name: table.units.get(name, "") for name in names},
     )
 
 
-def _resolution(
-    table: Result, turned: Array, of: str, highest: float | None, turns: float | None
+def resolution(
+    time: Array, turned: Array, of: str, highest: float | None, turns: float | None
 ) -> tuple[float, float]:
     """Highest order and turns in a window, as asked for or as the rows allow; see spectra."""
-    still = np.flatnonzero(np.diff(turned) <= 0.0)
-    if still.size:
-        at = f"{table.time[still[0]]:g} s"
-        raise Refused(
-            f"the angle that orders are counted over must rise, does not at {at}: choose other times"
-        )
+    shown = highest_order(time, turned, highest)
     all_turns = float(turned[-1] - turned[0])
     per_window = min(TURNS, max(LEAST_TURNS, all_turns / 4.0)) if turns is None else turns
     if not LEAST_TURNS <= per_window <= all_turns:
         counted = f"of {LEAST_TURNS:g} to the {all_turns:.4g} (each a {BASES[of]}) that there are"
         raise Refused(must_be("turns of a window", counted, f"{per_window:.4g}"))
+    return shown, per_window
+
+
+def highest_order(time: Array, turned: Array, highest: float | None) -> float:
+    """The highest order, as asked for or as the rows allow; see spectra."""
+    still = np.flatnonzero(np.diff(turned) <= 0.0)
+    if still.size:
+        raise Refused(
+            f"the angle that orders are counted over must rise, does not at {time[still[0]]:g} s: choose"
+            " other times"
+        )
     shown = 1.0 / (RECORDED * float(np.diff(turned).max()))
-    if highest is not None and not 0.0 < highest <= shown:
+    if highest is not None and not 0.0 < highest <= shown * (1.0 + ROUNDING):
         raise Refused(
             f"highest order must be above 0 and at most {shown:.4g}, is {highest:g}: with a shorter"
             " run.communication_step there are higher ones"
         )
-    return shown if highest is None else highest, per_window
+    return shown if highest is None else highest
 
 
 def rounding(table: Result, name: str) -> float:
     """What of a signal is no more than rounding, in its unit."""
     nominal = BY_NAME[name].nominal if name in BY_NAME else None
-    return _ROUNDING * max(float(np.abs(table[name]).max()), nominal or 0.0)
+    return ROUNDING * max(float(np.abs(table[name]).max()), nominal or 0.0)

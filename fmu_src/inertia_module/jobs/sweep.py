@@ -112,7 +112,11 @@ def sweep(
     files = write_tables(folder, "sweep", rows, units)
     if found is not None:
         files["sensitivity"] = found.save(folder / "sensitivity.csv")
-    ran = [row.figures for row in rows if not row.refused]
-    names = map(time_to, getattr(base.load, "times_to", ()))
-    unreached = {name: number for name in names if (number := sum(name not in row for row in ran))}
-    return SweepResult(axes, rows, units, evaluator.new, unreached, found, files)
+    return SweepResult(axes, rows, units, evaluator.new, unreached(base, rows), found, files)
+
+
+def unreached(scene: Scene, rows: Sequence[Row]) -> dict[str, int]:
+    """By the time to a speed, in how many rows it is not reached; without those where it always is."""
+    names = [time_to(speed) for speed in getattr(scene.load, "times_to", ())]
+    counted = {name: sum(name not in row.figures for row in rows if not row.refused) for name in names}
+    return {name: number for name, number in counted.items() if number}
