@@ -376,6 +376,14 @@ def test_energy_of_a_car_behind_an_elastic_shaft(fmu):
     assert summary["energy_rolling"] == pytest.approx(0.01 * 900 * 9.80665 * summary["distance"], rel=0.02)
 
 
+@pytest.mark.parametrize("name", ["engine_launch", "planar", "real_machine", "urban"])
+def test_a_scene_as_text_is_the_same_scene(name):
+    from inertia_module.scene.writing import scene_text
+
+    scene = load_scene(Path("examples") / f"{name}.toml")
+    assert read(scene_text(scene)).tables == scene.tables
+
+
 @pytest.mark.parametrize(("step", "coarse"), [("0.01", True), ("0.001", False)])
 def test_rows_too_far_apart_for_the_pulses_are_dots_and_mean_torques_no_curves(fmu, step, coarse):
     from inertia_module.figures.scenes import scene_figure
