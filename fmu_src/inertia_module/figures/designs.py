@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogFormatter
+from matplotlib.ticker import LogLocator, NullFormatter
 from numpy.typing import NDArray
 
 from ..jobs.design import DesignResult
@@ -65,14 +65,15 @@ def _panel(panel: Axes, found: DesignResult, across: str | None, up: str) -> Non
 
 
 def _stretch(panel: Axes, side: str, values: Array) -> None:
-    """Make a side logarithmic, for the first designs of a search are far from the best; with plain numbers."""
+    """Make a side logarithmic, with plain numbers: the first designs of a search are far from the best."""
     if (values < 0.0).any():
         getattr(panel, f"set_{side}scale")("symlog")
         return
     getattr(panel, f"set_{side}scale")("log")
     axis = getattr(panel, f"{side}axis")
     axis.set_major_formatter("{x:g}")
-    axis.set_minor_formatter(LogFormatter(labelOnlyBase=False, minor_thresholds=(2.0, 0.4)))
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0, 7.0)))
+    axis.set_minor_formatter(NullFormatter())
 
 
 def _label(found: DesignResult, name: str) -> str:
