@@ -5,7 +5,7 @@ import { holding, pulseAround } from "./controls/pulses";
 import { View, type Shown } from "./machine/view";
 import { value, type Parameters } from "./machine/geometry";
 import type { Run } from "./run/run";
-import { largest, lengthOf, nearest, valueAt } from "./run/sample";
+import { largest, lengthOf, nearest, shownName, valueAt } from "./run/sample";
 
 const AXES = ["x", "y", "z"] as const;
 const TORQUES = ["input_torque", "mesh_torque", "housing_torque", "output_torque"];
@@ -63,7 +63,7 @@ export class Picture {
     this.homeWanted = false;
     this.view.scale(
       largest(run, AXES.map((axis) => `imbalance_acceleration_${axis}`)),
-      largest(run, AXES.map((axis) => `shaking_force_${axis}`)), largest(run, TORQUES));
+      largest(run, AXES.map((axis) => `shaking_force_${axis}`)), largest(run, TORQUES.map((name) => shownName(run, name))));
     // the trail of the imbalance in the fixed frame is that of two pulses
     const [from, to] = pulseAround(run, lengthOf(run) / 2);
     this.trail = 2 * (to - from) || lengthOf(run);
@@ -83,7 +83,7 @@ export class Picture {
       q: valueAt(run, "q", time), theta1: valueAt(run, "theta1", time), thetaOut: valueAt(run, "theta_out", time),
       twist: value(run.parameters, "fidelity") === 3 ? valueAt(run, "shaft_twist", time) : 0,
       holds: this.holds,
-      column: (name) => valueAt(run, name, time),
+      column: (name) => valueAt(run, shownName(run, name), time),
       past: (part) => {
         const at = Math.max(0, time - this.trail * (1 - part));
         return { q: valueAt(run, "q", at), theta1: valueAt(run, "theta1", at) };

@@ -3,12 +3,14 @@
 import pytest
 
 from inertia_module import jobs
+from inertia_module.figures.designs import design_figure
 from inertia_module.scene import SceneError, load_scene, run_scene
 
 pytest.importorskip("distributed")
 pytest.importorskip("pymoo")
 
 SPEC = """
+title = "A light module"
 [mechanism]
 layout = "planar"
 [drive]
@@ -85,6 +87,26 @@ def test_a_chosen_design_is_a_scene_that_runs_and_gives_its_figures(found, modul
         summary = run_scene(read, module).summary
         assert summary["omega_out_final"] == one.checked.figures["omega_out_final"]
         assert read.mechanism.fidelity == 2.0
+
+
+def test_what_a_design_leaves_has_titles_units_and_whole_numbers(found):
+    for number, one in enumerate(found.finalists, 1):
+        text = one.file.read_text()
+        assert f'title = "A light module: design {number}"' in text
+        point = one.searched.point
+        assert f'eccentricity = "{point["mechanism.eccentricity"]!r} m"' in text
+        assert f"satellites = {int(point['mechanism.satellites'])}\n" in text
+        assert 'stop_time = "0.5 s"' in text
+        assert "outputs" not in text
+    heading, *rows = (line.split(",") for line in found.files["checked csv"].read_text().splitlines())
+    for name in ("mechanism.satellites", "contact_switches"):
+        assert all(row[heading.index(name)].isdecimal() for row in rows)
+    picture = design_figure(found)
+    assert picture.get_suptitle() == "A light module"
+    (panel,) = picture.axes
+    assert (panel.get_xlabel(), panel.get_ylabel()) == ("torque ripple [N.m]", "total imbalance mass [kg]")
+    picture.draw_without_rendering()
+    assert not any("$" in label.get_text() for label in panel.get_xticklabels(which="both"))
 
 
 def test_another_search_of_the_same_scene_takes_what_is_there(found, spec, module, cluster):

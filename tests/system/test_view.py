@@ -1,18 +1,35 @@
 """The command view, and run --view: a page whole or not at all, bad places refused before the run."""
 
+import base64
 import json
+import re
+import zlib
 from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.system.page_state import NEXT_FRAME, settled
 from typer.testing import CliRunner
 
 from inertia_module.cli import app
 from inertia_module.harness.results import Result
-from inertia_module.page import html
+from inertia_module.page import html, recording
 
 EXAMPLES = Path("examples").absolute()
 REFERENCE, PLANAR, ENGINE = (EXAMPLES / f"{name}.toml" for name in ("reference", "planar", "engine"))
+# the load follows the motion, and the drive turns about once from point to point
+COARSE = """
+[drive]
+kind = "constant"
+omega1 = 100.0
+[load]
+kind = "shaft"
+inertia = 1e4
+[run]
+stop_time = "6 s"
+communication_step = "60 ms"
+outputs = ["mesh_torque", "mesh_torque_mean"]
+"""
 MOST_BYTES = 2_500_000
 PLAYED = """async () => {
   const { start, playable } = window.inertiaModule;
@@ -48,6 +65,40 @@ def test_run_is_played_as_it_was_recorded(opened, built, tmp_path):
     assert played["time"] == pytest.approx(table.time[::every], abs=1e-9)
     assert played["omega_out"] == pytest.approx(table["omega_out"][::every], rel=1e-7)
     assert np.diff(played["q"]).max() < 0.4 * every  # no whole turn is lost between rows
+
+
+def test_a_run_too_coarse_for_its_pulses_shows_means_and_dots_in_place_of_curves(opened, built, tmp_path):
+    scene = tmp_path / "coarse.toml"
+    scene.write_text(COARSE)
+    page = opened(scene, reduced_motion="reduce")
+    done = invoke("run", scene, "-o", tmp_path, "--fmu", built / "InertiaModule.fmu")
+    assert done.exit_code == 0, done.output
+    mean = Result.from_csv(tmp_path / "table.csv")["mesh_torque_mean"][50]
+    page.page.get_by_role("slider", name="time", exact=True).fill("5000")
+    page.page.evaluate(NEXT_FRAME)
+    speeds, torques = (panel.inner_text() for panel in page.page.locator(".panel .legend").all())
+    table = page.page.locator(".instruments").first.inner_text()
+    assert "ω2 link 2, at instants" in speeds
+    (told,) = re.findall(r"M2 mesh, mean\s+(\S+)\s+N·m", torques)
+    (now,) = re.findall(r"torques: mean of a step.*mesh torque, M2\s+(\S+)", table, re.S)
+    assert told == now
+    assert float(now.replace("−", "-")) == pytest.approx(mean, abs=0.01)
+    page.keep_picture("coarse")
+    page.page.get_by_label("Scene", exact=True).select_option("reference")
+    settled(page)
+    assert "mean" not in page.page.locator(".panel .legend").nth(1).inner_text()
+
+
+def test_a_row_of_a_long_run_has_the_means_and_peaks_of_those_left_out(monkeypatch):
+    columns = {"time": np.arange(8.0), "torque_mean": np.arange(8.0), "force_peak": -np.arange(8.0)}
+    record = Result(columns, {})
+    monkeypatch.setattr(recording, "MOST", 6)
+    found = recording.page_run(record)
+    packed = zlib.decompress(base64.b64decode(found["numbers"]), -zlib.MAX_WBITS)
+    torque, force = np.frombuffer(packed, "<f4").reshape(2, -1)
+    assert (found["every"], found["rows"]) == (3, 3)
+    assert torque.tolist() == [0.0, 2.0, 5.0]
+    assert force.tolist() == [0.0, -1.0, -4.0]
 
 
 def test_run_leaves_the_page_beside_its_table(built, tmp_path):

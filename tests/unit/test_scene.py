@@ -399,6 +399,26 @@ def test_energy_of_a_car_behind_an_elastic_shaft(fmu):
     assert summary["energy_rolling"] == pytest.approx(0.01 * 900 * 9.80665 * summary["distance"], rel=0.02)
 
 
+@pytest.mark.parametrize("name", ["engine_launch", "planar", "real_machine", "urban"])
+def test_a_scene_as_text_is_the_same_scene(name):
+    from inertia_module.scene.writing import scene_text
+
+    scene = load_scene(Path("examples") / f"{name}.toml")
+    assert read(scene_text(scene)).tables == scene.tables
+
+
+@pytest.mark.parametrize(("step", "coarse"), [("0.01", True), ("0.001", False)])
+def test_rows_too_far_apart_for_the_pulses_are_dots_and_mean_torques_no_curves(fmu, step, coarse):
+    from inertia_module.figures.scenes import scene_figure
+
+    figure = scene_figure(run_scene(read(OPEN.replace("0.01", step)), fmu))
+    lines = {line.get_label(): line for axes in figure.axes for line in axes.lines}
+    assert ("link 2 ω2, at instants" in lines) is coarse
+    assert ("output freewheel" in lines) is not coarse
+    if coarse:
+        assert lines["link 2 ω2, at instants"].get_linestyle() == "None"
+
+
 def test_figures_of_both_kinds_are_drawn(fmu, tmp_path):
     from inertia_module.figures.scenes import scene_figure
 

@@ -7,13 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter
 from numpy.typing import NDArray
 
-from ..harness.picture import Picture
 from ..jobs.design import DesignResult
 from ..jobs.spec import unit_of
 from ..jobs.task import Row
-from .panels import DPI, dress, titled
+from .panels import dress, sheet, titled
 
 Array = NDArray[np.float64]
 
@@ -26,7 +26,7 @@ def design_figure(found: DesignResult) -> Figure:
     """
     names = list(found.spec.goals)
     across, up = (None, names) if len(names) == 1 else (names[0], names[1:])
-    picture = Picture(figsize=(9.0, 1.0 + 4.2 * len(up)), dpi=DPI, layout="constrained")
+    picture = sheet(found.spec.scene.title, 1.0 + 4.8 * len(up))
     for panel, name in zip(picture.subplots(len(up), 1, squeeze=False)[:, 0], up, strict=True):
         _panel(panel, found, across, name)
     return picture
@@ -47,18 +47,33 @@ def _panel(panel: Axes, found: DesignResult, across: str | None, up: str) -> Non
         panel.plot(*points(rows), ".", color=colour, markersize=4, label=label)
     style = "k*" if across is None else "k-"
     panel.plot(*points(found.front), style, linewidth=1.0, markersize=9, label="none is better")
-    for one in found.finalists:
+    for side, one in enumerate(found.finalists):
         chosen = found.judge.meets(one.checked)
         (x,), (y,) = points([one.checked])
         panel.plot(x, y, "o" if chosen else "x", color="tab:green" if chosen else "tab:red", markersize=8)
-        panel.annotate(one.file.stem.rpartition("_")[2], (x, y), xytext=(6, 6), textcoords="offset points")
+        # those beside each other to both sides
+        shift = (-14, -14) if side % 2 else (6, 6)
+        panel.annotate(one.file.stem.rpartition("_")[2], (x, y), xytext=shift, textcoords="offset points")
     panel.plot([], [], "o", color="tab:green", label=f"checked {found.spec.search.check}")
     dress(panel, _label(found, up))
-    # the first designs of a search are far from the best ones
-    panel.set_yscale("symlog" if any(one < 0.0 for one in points(found.rows)[1]) else "log")
+    x, y = points(found.rows)
+    _stretch(panel, "y", y)
     if across is not None:
-        panel.set_xscale("symlog" if any(one < 0.0 for one in points(found.rows)[0]) else "log")
+        _stretch(panel, "x", x)
+    panel.margins(0.03)
     panel.set_xlabel("design, in the order of the search" if across is None else _label(found, across))
+
+
+def _stretch(panel: Axes, side: str, values: Array) -> None:
+    """Make a side logarithmic, with plain numbers: the first designs of a search are far from the best."""
+    if (values < 0.0).any():
+        getattr(panel, f"set_{side}scale")("symlog")
+        return
+    getattr(panel, f"set_{side}scale")("log")
+    axis = getattr(panel, f"{side}axis")
+    axis.set_major_formatter("{x:g}")
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0, 7.0)))
+    axis.set_minor_formatter(NullFormatter())
 
 
 def _label(found: DesignResult, name: str) -> str:

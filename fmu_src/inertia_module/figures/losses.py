@@ -9,7 +9,7 @@ from ..common.colours import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
 from ..contract.variables import LOSSES, LOST_TO
 from ..harness.simulate import Result
 from ..scene.summary import forces
-from .panels import SMOOTHING, Array, dress, in_thousands, smooth
+from .panels import SMOOTHING, Array, dress, in_thousands, plot_instants, smooth
 
 COLOURS = (VERMILION, ORANGE, PURPLE, SKY, BLUE)
 # largest share of the run over which its powers are averaged
@@ -68,6 +68,6 @@ def force_panel(axes: Axes, table: Result, rows: slice) -> None:
     factor, unit = in_thousands("N", *found.values())
     for name, values in found.items():
         colour, label = FORCES[name]
-        axes.plot(table.time[rows], values[rows] / factor, color=colour, linewidth=0.9, label=label)
+        plot_instants(axes, table, values / factor, rows, label, color=colour, linewidth=0.9)
     axes.set_ylim(bottom=0.0)
     dress(axes, f"force [{unit}]")

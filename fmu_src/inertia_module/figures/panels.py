@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
@@ -16,6 +18,8 @@ SIZE = (12.0, 9.0)
 DPI = 100
 # a weighted mean over this time, s, shows the drive behind the pulses
 SMOOTHING = 1.0
+# switches of freewheels in a row that has any, on average, above which a line does not say what instants did
+MOST_SWITCHES = 1.1
 
 Array = NDArray[np.float64]
 
@@ -76,6 +80,19 @@ def energy_panel(axes: Axes, table: Result, rows: slice = slice(None), lost: str
     for name, (values, colour) in energies.items():
         axes.plot(table.time[rows], values[rows] / factor, color=colour, linewidth=1.5, label=name)
     dress(axes, f"energy [{unit}]")
+
+
+def is_coarse(table: Result) -> bool:
+    """Whether the rows are too far apart for the pulses: what is recorded at instants is no curve then."""
+    switches = np.diff(table["contact_switches"])
+    return bool(switches.sum() > MOST_SWITCHES * np.count_nonzero(switches))
+
+
+def plot_instants(axes: Axes, table: Result, values: Array, rows: slice, label: str, **style: Any) -> None:
+    """Draw what swings with the pulses: a line, or dots where the rows are too far apart for one."""
+    dots: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 2.0} if is_coarse(table) else {}
+    shown = f"{label}, at instants" if dots else label
+    axes.plot(table.time[rows], values[rows], label=shown, **style, **dots)
 
 
 def pulse_starts(table: Result) -> NDArray[np.int64]:

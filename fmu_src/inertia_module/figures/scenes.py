@@ -14,7 +14,19 @@ from ..loops.cycles import KILOMETRE_PER_HOUR, Cycle
 from ..scene import SceneResult
 from ..scene.summary import forces, input_speed, work
 from .losses import FORCES, force_panel, loss_panel, losses, power_panel
-from .panels import SIZE, Array, dress, energy_panel, headline, in_thousands, pulse_starts, sheet, smooth
+from .panels import (
+    SIZE,
+    Array,
+    dress,
+    energy_panel,
+    headline,
+    in_thousands,
+    is_coarse,
+    plot_instants,
+    pulse_starts,
+    sheet,
+    smooth,
+)
 
 PULSES_SHOWN = 4
 # more of them one below the other make the figure higher
@@ -101,7 +113,7 @@ def _speeds(axes: Axes, table: Result, rows: slice, zoomed: bool) -> None:
     time = table.time[rows]
     if not zoomed:
         axes.plot(time, input_speed(table)[rows], color=BLACK, linewidth=1.2, label="input ω1")
-    axes.plot(time, table["omega2"][rows], color=SKY, linewidth=1.0, label="link 2 ω2")
+    plot_instants(axes, table, table["omega2"], rows, "link 2 ω2", color=SKY, linewidth=1.0)
     axes.plot(time, table["omega_out"][rows], color=VERMILION, linewidth=2.0, label="output shaft")
     if "reference" in table and table.units["reference"] == "rad/s":
         axes.plot(time, table["reference"][rows], "--", color=GREEN, linewidth=1.2, label="reference")
@@ -117,9 +129,10 @@ def _mean_over_pulses(table: Result) -> tuple[Array, Array]:
 
 
 def _torques(axes: Axes, table: Result, rows: slice, zoomed: bool) -> None:
-    """In the whole run the means, close up what happens at each instant (if recorded)."""
+    """In the whole run the means, close up what happens at each instant (if recorded, and often enough)."""
     time = table.time[rows]
-    if zoomed and {"output_torque", "housing_torque", "input_torque"} <= set(table.names):
+    instants = {"output_torque", "housing_torque", "input_torque"} <= set(table.names)
+    if zoomed and instants and not is_coarse(table):
         axes.plot(time, table["input_torque"][rows], color=BLACK, linewidth=1.0, label="input")
         axes.fill_between(time, table["output_torque"][rows], color=VERMILION, alpha=0.35, linewidth=0)
         axes.plot(
@@ -142,8 +155,8 @@ def _torques(axes: Axes, table: Result, rows: slice, zoomed: bool) -> None:
 
 
 def _acceleration(axes: Axes, table: Result, rows: slice) -> None:
-    acceleration = table["imbalance_acceleration"][rows] / 1e3
-    axes.plot(table.time[rows], acceleration, color=PURPLE, linewidth=0.9, label="imbalance")
+    acceleration = table["imbalance_acceleration"] / 1e3
+    plot_instants(axes, table, acceleration, rows, "imbalance", color=PURPLE, linewidth=0.9)
     axes.set_ylim(bottom=0.0)
     dress(axes, "acceleration [km/s²]")
 

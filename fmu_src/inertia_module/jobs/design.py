@@ -192,7 +192,8 @@ def design(
     finalists = []
     for number, (row, again) in enumerate(zip(picked, checked, strict=True), 1):
         if not again.refused:
-            scene = scenes[levels[1]].with_keys(row.point)
+            title = f"{read.scene.title}: design {number}"
+            scene = scenes[levels[1]].with_keys({**row.point, "title": title})
             file = write_text(folder / f"design_{number}.toml", scene_text(scene))
             finalists.append(Finalist(row, again, scene, file))
     front = fronts[0] if fronts else []

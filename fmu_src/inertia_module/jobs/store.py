@@ -90,6 +90,13 @@ def columns(rows: Sequence[Row]) -> dict[str, list[Any]]:
     }
 
 
+def _cell(value: Any, unit: str) -> Any:
+    """A value in a CSV file: nothing for none, counts as whole numbers."""
+    if isinstance(value, float) and value.is_integer() and not unit:
+        return int(value)
+    return "" if value is None else value
+
+
 def write_tables(folder: Path, name: str, rows: Sequence[Row], units: dict[str, str]) -> dict[str, Path]:
     """Write rows as NAME.parquet (units in the metadata of its columns) and NAME.csv (units in headings).
 
@@ -109,6 +116,6 @@ def write_tables(folder: Path, name: str, rows: Sequence[Row], units: dict[str, 
     tables = {"parquet": folder / f"{name}.parquet", "csv": folder / f"{name}.csv"}
     write_atomically(tables["parquet"], buffer.getvalue().to_pybytes())
     headings = [heading(title, units.get(title, "")) for title in found]
-    cells = (["" if cell is None else cell for cell in row] for row in zip(*found.values(), strict=True))
+    cells = zip(*([_cell(one, units.get(title, "")) for one in found[title]] for title in found), strict=True)
     write_rows(tables["csv"], headings, cells)
     return tables

@@ -1,7 +1,7 @@
 // What the instruments say now, and the energy audit.
 
 import type { Run } from "../run/run";
-import { largest, nearest, valueAt } from "../run/sample";
+import { isCoarse, largest, nearest, shownName, valueAt } from "../run/sample";
 import { element } from "../common/dom";
 import { holding } from "./pulses";
 import { numberText, steadyText } from "../common/units";
@@ -14,7 +14,13 @@ interface Row {
 }
 
 function signal(name: string, part: string, column: string, unit: string): Row {
-  return { name, part, unit, text: (run, time) => steadyText(valueAt(run, column, time), largest(run, [column])) };
+  return {
+    name, part, unit,
+    text: (run, time) => {
+      const shown = shownName(run, column);
+      return steadyText(valueAt(run, shown, time), largest(run, [shown]));
+    },
+  };
 }
 
 function freewheel(name: string, which: "housing" | "output"): Row {
@@ -58,8 +64,9 @@ const AUDIT: readonly Row[] = [
 class Instruments {
   readonly root: HTMLTableElement;
   private readonly cells: { cell: HTMLElement; text: Row["text"] }[];
+  private readonly caption: HTMLElement;
 
-  constructor(title: string, rows: readonly Row[]) {
+  constructor(private readonly title: string, rows: readonly Row[], private readonly coarse = "") {
     const body = element("tbody");
     this.cells = rows.map(({ name, part, unit, text }) => {
       const cell = element("td");
@@ -67,10 +74,12 @@ class Instruments {
       body.append(element("tr", {}, head, cell, element("td", { class: "unit" }, unit)));
       return { cell, text };
     });
-    this.root = element("table", { class: "instruments" }, element("caption", {}, title), body);
+    this.caption = element("caption", {}, title);
+    this.root = element("table", { class: "instruments" }, this.caption, body);
   }
 
   show(run: Run, time: number): void {
+    this.caption.textContent = this.title + (isCoarse(run) ? this.coarse : "");
     for (const { cell, text } of this.cells) {
       const now = text(run, time);
       if (cell.textContent !== now) cell.textContent = now;
@@ -79,5 +88,5 @@ class Instruments {
   }
 }
 
-export const instruments = (): Instruments => new Instruments("Now", NOW);
+export const instruments = (): Instruments => new Instruments("Now", NOW, ", torques: mean of a step");
 export const audit = (): Instruments => new Instruments("Energy audit", AUDIT);

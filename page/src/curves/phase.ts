@@ -4,7 +4,7 @@ import type uPlot from "uplot";
 import { CURVES } from "../common/colours";
 import { element } from "../common/dom";
 import type { Run } from "../run/run";
-import { valueAt } from "../run/sample";
+import { isCoarse, valueAt } from "../run/sample";
 import { Plot } from "./plot";
 
 const TURN = 2 * Math.PI;
@@ -52,7 +52,8 @@ export class PhasePlot {
 
   private paint(plot: uPlot): void {
     const { q, omega2 } = this.run?.columns ?? {};
-    if (!q || !omega2) return;
+    if (!this.run || !q || !omega2) return;
+    const dots = isCoarse(this.run);
     const { ctx } = plot;
     const { left, top, width, height } = plot.bbox;
     ctx.save();
@@ -66,7 +67,8 @@ export class PhasePlot {
       const x = plot.valToPos(angle, "x", true);
       const y = plot.valToPos(omega2[n] ?? NaN, "y", true);
       // no line back where a turn ends
-      if (Math.abs(angle - before) < 0.5 * TURN) ctx.lineTo(x, y);
+      if (dots) ctx.rect(x, y, devicePixelRatio, devicePixelRatio);
+      else if (Math.abs(angle - before) < 0.5 * TURN) ctx.lineTo(x, y);
       else ctx.moveTo(x, y);
       before = angle;
     }

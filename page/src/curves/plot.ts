@@ -19,7 +19,7 @@ export interface Axis {
 export interface Look {
   readonly x: string;
   readonly axes: readonly Axis[];
-  readonly lines: readonly { readonly label: string; readonly colour: string; readonly right?: boolean; readonly dash?: boolean }[];
+  readonly lines: readonly { readonly label: string; readonly colour: string; readonly right?: boolean; readonly dash?: boolean; readonly dots?: boolean }[];
   /** Limits of x and y; without them those of the data. */
   readonly range?: { x?: () => [number, number]; y?: () => [number, number] };
   readonly paint?: (plot: uPlot) => void;
@@ -54,9 +54,10 @@ export class Plot {
           ...(scale === "right" && ON_THE_RIGHT),
         })),
       ],
-      series: [{}, ...look.lines.map(({ label, colour, right, dash }): Series => ({
+      series: [{}, ...look.lines.map(({ label, colour, right, dash, dots }): Series => ({
         label, stroke: colour, width: 1.5, scale: right ? "right" : "y", points: { show: false },
         ...(dash && { dash: [6, 4] }),
+        ...(dots && { paths: () => null, points: { show: true, size: 2.5, width: 0, fill: colour } }),
       }))],
       // what stands over the plot moves with its axes
       hooks: { draw: [(plot) => { look.paint?.(plot); this.place(); }] },

@@ -2,10 +2,15 @@
 
 import { CURVES } from "../common/colours";
 import type { Run } from "../run/run";
+import { isCoarse } from "../run/sample";
+
+/** What a coarse run shows of what swings: its mean over or its greatest in each step, or dots at instants. */
+const INSTEAD = { mean: "mean", peak: "greatest", dots: "at instants" } as const;
 
 export interface Series {
   readonly label: string;
   readonly colour: string;
+  readonly coarse?: keyof typeof INSTEAD;
   readonly of: (run: Run) => Float64Array;
 }
 
@@ -16,14 +21,23 @@ export interface Panel {
   readonly series: readonly Series[];
 }
 
-function column(label: string, name: string, colour: string): Series {
-  return { label, colour, of: (run) => run.columns[name] ?? new Float64Array(run.time.length) };
+/** Label of a series in the legend. */
+export function labelOf({ label, coarse }: Series, run: Run): string {
+  return coarse && isCoarse(run) ? `${label}, ${INSTEAD[coarse]}` : label;
+}
+
+function column(label: string, name: string, colour: string, coarse?: Series["coarse"]): Series {
+  const instead = coarse === "mean" || coarse === "peak" ? `${name}_${coarse}` : name;
+  return {
+    label, colour, ...(coarse && { coarse }),
+    of: (run) => run.columns[isCoarse(run) ? instead : name] ?? new Float64Array(run.time.length),
+  };
 }
 
 /** Length of a vector of three columns. */
 function magnitude(label: string, name: string, colour: string): Series {
   return {
-    label, colour,
+    label, colour, coarse: "dots",
     of: (run) => {
       const [x, y, z] = ["x", "y", "z"].map((axis) => run.columns[`${name}_${axis}`] ?? new Float64Array(run.time.length));
       return run.time.map((_, n) => Math.hypot(x?.[n] ?? 0, y?.[n] ?? 0, z?.[n] ?? 0));
@@ -75,17 +89,17 @@ export const PANELS: readonly Panel[] = [
     id: "speeds", title: "Speeds", unit: "rad/s",
     series: [
       column("ω1 input", "input_speed", CURVES.blue),
-      column("ω2 link 2", "omega2", CURVES.green),
+      column("ω2 link 2", "omega2", CURVES.green, "dots"),
       column("output", "omega_out", CURVES.purple),
     ],
   },
   {
     id: "torques", title: "Torques", unit: "N·m",
     series: [
-      column("M1 input", "input_torque", CURVES.blue),
-      column("M2 mesh", "mesh_torque", CURVES.green),
-      column("Tc output freewheel", "output_torque", CURVES.purple),
-      column("Th housing freewheel", "housing_torque", CURVES.grey),
+      column("M1 input", "input_torque", CURVES.blue, "mean"),
+      column("M2 mesh", "mesh_torque", CURVES.green, "mean"),
+      column("Tc output freewheel", "output_torque", CURVES.purple, "mean"),
+      column("Th housing freewheel", "housing_torque", CURVES.grey, "mean"),
     ],
   },
   {
@@ -110,7 +124,7 @@ export const PANELS: readonly Panel[] = [
   {
     id: "forces", title: "Forces", unit: "N",
     series: [
-      column("on a satellite's bearing", "satellite_force", CURVES.red),
+      column("on a satellite's bearing", "satellite_force", CURVES.red, "peak"),
       magnitude("on the mount", "shaking_force", CURVES.grey),
     ],
   },

@@ -3,9 +3,9 @@
 import { choice, element } from "../common/dom";
 import { steadyText } from "../common/units";
 import type { Run } from "../run/run";
-import { indexAt } from "../run/sample";
+import { indexAt, isCoarse } from "../run/sample";
 import { Plot } from "./plot";
-import { PANELS, type Panel } from "./signals";
+import { labelOf, PANELS, type Panel } from "./signals";
 
 function panelOf(id: string): Panel {
   const found = PANELS.find((panel) => panel.id === id);
@@ -39,9 +39,10 @@ export class TimePanel {
 
   /** Show a run between two times, s. */
   show(run: Run, window: [number, number]): void {
+    const other = !this.run || isCoarse(this.run) !== isCoarse(run);
     this.run = run;
     this.window = window;
-    if (!this.plot) { this.rebuild(); return; }
+    if (!this.plot || other) { this.rebuild(); return; }
     this.compute(run);
     this.plot.plot.setData([run.time, ...this.data]);
   }
@@ -58,12 +59,12 @@ export class TimePanel {
     this.plot?.destroy();
     this.plot = null;
     if (!run || !this.area.isConnected) return;
-    this.legendOf(this.panel);
+    this.legendOf(this.panel, run);
     this.compute(run);
     this.plot = new Plot(this.area, {
       x: "time [s]",
       axes: [{ label: `[${this.panel.unit}]` }],
-      lines: this.panel.series,
+      lines: this.panel.series.map((series) => ({ ...series, dots: series.coarse === "dots" && isCoarse(run) })),
       range: { x: () => this.window },
     }, [run.time, ...this.data]);
     this.stand(this.time, true);
@@ -88,11 +89,12 @@ export class TimePanel {
     });
   }
 
-  private legendOf(panel: Panel): void {
+  private legendOf(panel: Panel, run: Run): void {
     this.legend.replaceChildren();
-    this.cells = panel.series.map(({ label, colour }) => {
+    this.cells = panel.series.map((series) => {
       const cell = element("output", { "aria-live": "off" });
-      this.legend.append(element("li", {}, element("i", { style: `background:${colour}` }), `${label} `, cell, ` ${panel.unit}`));
+      const mark = element("i", { style: `background:${series.colour}` });
+      this.legend.append(element("li", {}, mark, `${labelOf(series, run)} `, cell, ` ${panel.unit}`));
       return { cell, largest: 0 };
     });
   }

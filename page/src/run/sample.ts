@@ -40,6 +40,28 @@ export function nearest(run: Run, name: string, at: number): number {
   return run.columns[name]?.[at - from > to - at ? index + 1 : index] ?? NaN;
 }
 
+/** Fewest points in a turn of the drive between which a line says what torques did. */
+const FEWEST = 8;
+const AVERAGED = 1;
+const coarse = new WeakMap<Float64Array, boolean>();
+
+/** Whether the points of a run are too far apart for what swings with the drive: its instants are no curve. */
+export function isCoarse(run: Run): boolean {
+  const { q } = run.columns;
+  if (!q || run.parameters.fidelity === AVERAGED) return false;
+  const known = coarse.get(q);
+  if (known !== undefined) return known;
+  const farthest = q.reduce((most, angle, n) => Math.max(most, Math.abs(angle - (q[n - 1] ?? angle))), 0);
+  coarse.set(q, farthest > (2 * Math.PI) / FEWEST);
+  return farthest > (2 * Math.PI) / FEWEST;
+}
+
+/** The column to show for one: of a coarse run its mean over each step, where there is one. */
+export function shownName(run: Run, name: string): string {
+  const mean = `${name}_mean`;
+  return mean in run.columns && isCoarse(run) ? mean : name;
+}
+
 const found = new WeakMap<Float64Array, number>();
 
 /** Largest magnitude in some columns, 0 without them. */
