@@ -242,13 +242,13 @@ general/motion.py: d.friction * (m.omega3 {-|+} m.relative)
 general/motion.py: return potential + housing {+|-} 0.5
 general/satellites.py: spin_x = x1 {+|-} y
 general/satellites.py: d.weight * (y1 * sine {+|-} z1 * cosine)
-general/satellites.py: alpha1 + with_rate2 * rate2_q {<|>} 0.0
+general/satellites.py: negative = torque {<|>} 0.0
 general/satellites.py: mass * (y * z1 {-|+} z * y1)
 general/stages.py: lost {-|+}= m.output * slip
-general/stages.py: m.mesh * slip {+|-} x.spin_sign
+general/stages.py: m.mesh * slip {+|-} m.spun
 general/stages.py: f[TWIST].rate[n] = {|-}m.relative
 general/stages.py: m.theta1 = x.theta1 {+|-} h * weighed
-general/error.py: max(momentum if n {>=|<} OF_DRIVE
+general/error.py: scale = momentum if n {>=|<} OF_DRIVE
 general/error.py: OF_ENERGY = {10|1000}.0
 general/error.py: FROM_REST = 0.0{1|}
 general/error.py: LOST + JOURNAL, {OF_DRIVE, |}OF_MESH)

@@ -155,13 +155,52 @@ def test_impulse_of_the_input_is_that_of_the_momentum_though_it_does_no_work(tol
 
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-8])
 def test_losses_of_several_satellites_follow_the_tolerance(tolerance):
-    """The signs of their torques are no events."""
+    """Each change of the sign of one's torque is an event."""
     values = {"satellites": 5, "gamma": 3.8, "satellite_mesh_efficiency": 0.5, "omega1": 200.0}
     found, exact = started("auto", values, load_torque=6e4, tolerance=tolerance), reference(values)
     exact.give(0.0, 6e4)
     for module in (found, exact):
         module.advance(1.2031e-3)
     assert held_to(found, exact, 10.0 * tolerance) == {}
+
+
+# random machines whose speeds were right, and accounts off by thousands of tolerances
+KINKED = {
+    "four satellites": (
+        {
+            **{"satellites": 4, "modules": 2, "imbalance_mass": 1.5513, "link2_inertia": 0.0057, "z2": 24},
+            **{"z16": 166, "z17": 12, "z6": 38, "a": 1.2661, "b": 0.27447, "c": 0.74435, "epsilon": 2.8946},
+            **{"gamma": 1.9844, "wheel_radius": 0.12129, "shaft_angle": 2.4363, "output_friction": 7.6301},
+            **{"output_inertia": 0.015833, "drive_friction": 0.12388, "satellite_mesh_efficiency": 0.97},
+        },
+        (350.48, -7.1436, -27.659, 1.6578),
+    ),
+    "two signs in one step": (
+        {
+            **{"satellites": 3, "modules": 5, "imbalance_mass": 0.68162, "drive_inertia": 0.11511, "z2": 56},
+            **{"z16": 55, "z17": 73, "b": 0.075542, "c": 0.34855, "z6": 40, "wheel_radius": 0.3607},
+            **{"link2_inertia": 0.0015831, "output_inertia": 27.693, "mesh_efficiency": 0.5},
+            **{"input_friction": 6.9719, "output_freewheel": 0, "satellite_mesh_efficiency": 0.97},
+        },
+        (0.35439, 16.174, 0.0, 0.096761),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", KINKED)
+def test_accounts_are_held_to_the_tolerance_whatever_the_steps(name):
+    values, (load, omega1, slope, duration) = KINKED[name]
+    exact = reference({**values, "load_torque": load, "omega1": omega1})
+    exact.turn(omega1, slope)
+    exact.advance(duration)
+    for tolerance, cuts in product((1e-6, 1e-9), ((1.0,), (0.013, 0.37, 0.41, 1.0))):
+        found, time = started("auto", values, omega1=omega1, load_torque=load, tolerance=tolerance), 0.0
+        for cut in cuts:
+            found.set(omega1=omega1 + slope * time)
+            found.set_rates(omega1=slope)
+            found.advance(cut * duration - time)
+            time = cut * duration
+        assert held_to(found, exact, 3.0 * tolerance) == {}, (tolerance, cuts)
 
 
 def test_links_part_at_the_same_instant_at_any_tolerance():

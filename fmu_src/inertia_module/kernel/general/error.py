@@ -29,6 +29,8 @@ HELD_SUMS = (WORK_IN, LOST + MESH, LOST + JOURNAL, OF_DRIVE, OF_MESH)
 # the error of a work is measured by so many present kinetic energies, from rest by this share of the largest
 OF_ENERGY = 10.0
 FROM_REST = 0.01
+# ... of a loss by this share of it: friction that hardly loads the links for an instant is a kink of its own
+OF_LOSSES = 0.1
 
 
 def fastest_speed(d, x, w):
@@ -91,7 +93,10 @@ def step_error(d, x, w, fastest):
         if n < MOVING:
             scale = d.tolerance * scale_of(d, x, w, n, fastest)
         else:
-            scale = d.tolerance * max(momentum if n >= OF_DRIVE else energy, abs(w.followed[n].change))
+            scale = momentum if n >= OF_DRIVE else energy
+            if LOST <= n < OF_DRIVE:
+                scale *= OF_LOSSES
+            scale = d.tolerance * max(scale, abs(w.followed[n].change))
         if scale > 0.0:
             error5 = fifth(rates) / scale
             error3 = third(rates) / scale
