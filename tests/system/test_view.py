@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.system.page_state import NEXT_FRAME, settled
 from typer.testing import CliRunner
 
 from inertia_module.cli import app
 from inertia_module.harness.results import Result
 from inertia_module.page import html, recording
+from tests.system.page_state import NEXT_FRAME, settled
 
 EXAMPLES = Path("examples").absolute()
 REFERENCE, PLANAR, ENGINE = (EXAMPLES / f"{name}.toml" for name in ("reference", "planar", "engine"))
