@@ -82,8 +82,11 @@ def spin_torques(d, q, first, omega1, rate_q, alpha1, rate2_q, signs):
 
 
 def with_sign_changed(signs, n):
-    """The signs of all satellites with that of one changed."""
-    bit = 2.0**n
+    """Change the sign of satellite n in the number that holds all."""
+    # not 2.0**n, which compiled would ask for one more function of the C library
+    bit = 1.0
+    for _ in range(n):
+        bit += bit
     return signs + (bit if math.floor(signs / bit) % 2.0 == 0.0 else -bit)
 
 
