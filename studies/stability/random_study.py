@@ -66,7 +66,7 @@ def shrunk(motion: Motion, wanted: str, make: Make = Module) -> Motion:
             if tried == motion or left <= 0:
                 continue
             finding = examine(tried, make, not compared)
-            slow = compared or finding.long or "given up" in finding.refused
+            slow = compared or finding.long or "abandoned" in finding.refused
             left -= SLOW if slow else 1
             if wanted in (*finding.failed, kind(finding.refused)):
                 motion, found = tried, True

@@ -1,4 +1,4 @@
-"""DESIGN section 6: the table of scene R1 and the planar line, through the FMU."""
+"""Check values: the table of scene R1 and the planar line, through the FMU."""
 
 import math
 

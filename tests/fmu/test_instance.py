@@ -110,7 +110,7 @@ def test_an_input_may_have_a_unit(fmu):
             "1 s",
             "imbalance_mass must be a number in kg.*, is '1 s': s is not a unit for kg",
         ),
-        ("imbalance_mass", "much", "must be a number in kg.*, is 'much': it is no number with a unit"),
+        ("imbalance_mass", "much", "must be a number in kg.*, is 'much': it is not a number with a unit"),
         ("imbalance_mass", None, "must be a number in kg.*, is None"),
         ("imbalance_mass", [1.0, 2.0], r"must be a number in kg.*, is \[1.0, 2.0\]"),
         ("satellites", 2.5, "satellites must be a whole number of 32 bits, is 2.5"),
@@ -165,7 +165,7 @@ def test_columns_in_other_units_run_as_in_si(fmu_path, tmp_path):
     "heading, words",
     [
         ("omega1 [m/s]", r"omega1 \[m/s\] must be in rad/s or .*: m/s is not a unit for rad/s"),
-        ("omega1 [furlong]", r"omega1 \[furlong\] must be in rad/s or .*: furlong is no unit known here"),
+        ("omega1 [furlong]", r"omega1 \[furlong\] must be in rad/s or .*: furlong is an unknown unit"),
         ("omega1 [-]", r"omega1 \[-\] must be in rad/s"),
         ("omega1_rpm", "column omega1_rpm must be an input or an output of .* .did you mean omega1"),
         ("output_inertia", "column output_inertia must be in parameters"),

@@ -1,4 +1,4 @@
-"""Bad input never gets in: refused with a message, no crash, nothing lost (DESIGN section 6)."""
+"""Bad input never gets in: refused with a message, no crash, nothing lost."""
 
 import math
 

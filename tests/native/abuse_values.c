@@ -94,7 +94,7 @@ static double work_of(const struct slot *slot)
     return model.tolerance_slot >= 0 && slot->stage == RUNNING ? real_value(slot->c, "rhs_evaluations") : 0.0;
 }
 
-/* An instance whose steps take long is given up, with its states: calls are wanted, not work. */
+/* An instance whose steps take long is abandoned, with its states: calls are wanted, not work. */
 static void lose_patience(struct slot *slot)
 {
     while (slot->states > 0)
@@ -125,7 +125,7 @@ static struct answer step(struct slot *slot, fmi2Component c)
     if (status == fmi2OK)
         slot->time = time + size;
     if (work_of(slot) - work > MUCH_WORK ||
-        (slot->journal.messages > messages && strstr(slot->journal.last, "is given up")))
+        (slot->journal.messages > messages && strstr(slot->journal.last, "is abandoned")))
         return lose_patience(slot), CALLED(fmi2OK);
     return CALLED(status);
 }

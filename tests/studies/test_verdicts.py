@@ -128,7 +128,7 @@ def test_step_that_is_given_up_is_a_refusal_for_the_module_goes_on():
     segments = (Segment(1e4, 1e6, 1e12),)
     found = judge(try_case(replace(CASE, extreme=Extreme("too long", {}, segments))))
     assert found.outcome == "refused"
-    assert "given up" in found.reason
+    assert "abandoned" in found.reason
 
 
 def test_bounds_follow_the_tolerance():

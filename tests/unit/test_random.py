@@ -260,14 +260,14 @@ def test_refusals_are_counted_by_their_sentence_and_are_no_failures(monkeypatch)
     class Refusing(Module):
         def advance(self, step_size):
             if step_size > 1e-6:
-                raise Refused(f"communication step = {step_size} s is given up: too long")
+                raise Refused(f"communication step = {step_size} s is abandoned: too long")
             super().advance(step_size)
 
     monkeypatch.setattr(random_study, "TRIES", 20)
     outcomes = [try_number(SEED, number, Refusing) for number in (1, 3)]
     kinds = findings(outcomes)
     assert sum(kind["count"] for kind in kinds) == 2
-    assert {kind["what"] for kind in kinds} == {"communication step = # s is given up: too long"}
+    assert {kind["what"] for kind in kinds} == {"communication step = # s is abandoned: too long"}
     refused = [row for row in rows_of(outcomes) if row[1] == "not refused"]
     assert sum(row[5] for row in refused) == 2
     assert not any(outcome.finding.failed for outcome in outcomes)

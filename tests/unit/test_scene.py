@@ -276,7 +276,7 @@ BAD = {
         changed(OPEN, CONSTANT, 'kind = "table"\nfile = "no.csv"\ntime = [0]'),
         "drive",
         "file",
-        "either file or time and omega1",
+        "give either 'file' or 'time' and 'omega1', not both",
     ),
     "controlled by none": (
         changed(OPEN, CONSTANT, 'kind = "controlled"'),

@@ -99,7 +99,7 @@ def test_refused_step_leaves_no_trace(kernel, scene, input_hold, before, after):
 def test_step_given_up_leaves_no_trace(compiled):
     module = advanced(started(compiled, omega1=1e5, load_torque=1e5), 1e-3)
     saved = module.save()
-    with pytest.raises(Refused, match="given up"):
+    with pytest.raises(Refused, match="abandoned"):
         module.advance(1e4)
     assert module.save() == saved
     assert advanced(module, 1e-4)["energy_in"] > 0.0

@@ -39,7 +39,7 @@ BAD = {
     ),
     "no end": ("time;omega1\n0;-inf\n", r"table\.csv line 2: omega1 must be a finite number, is '-inf'"),
     "time in metres": ("time [m],omega1\n0,1\n", r"time \[m\] must be in s or in a unit of the same kind"),
-    "time in a unit nobody knows": ("time [blink],omega1\n0,1\n", "blink is no unit known here"),
+    "time in a unit nobody knows": ("time [blink],omega1\n0,1\n", "blink is an unknown unit"),
     "time that goes back": (
         "time [ms],omega1\n2,1\n1,1\n",
         r"table\.csv: time must not go back, is 0.001 in row 1",

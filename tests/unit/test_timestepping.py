@@ -160,6 +160,6 @@ def test_too_many_steps_are_given_up_before_they_begin(compiled):
 
     module = started(compiled, SCENES["bevel"], method=1, max_step=1e-7)
     before = module.save()
-    with pytest.raises(Refused, match="communication step = 100 s is given up"):
+    with pytest.raises(Refused, match="communication step = 100 s is abandoned"):
         module.advance(100.0)
     assert module.save() == before

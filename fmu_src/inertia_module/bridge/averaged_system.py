@@ -45,7 +45,7 @@ OUTPUTS = (
 
 
 class TransientInertia(NamedTuple):
-    """What accelerations add to the mean output torque: + input * omega1' - output * omega_out'.
+    """Inertias by which accelerations add to the mean output torque: + input * omega1' - output * omega_out'.
 
     Attributes:
         input, output: kg m2, at one speed ratio; transient_inertia finds them.

@@ -1,4 +1,4 @@
-"""What the motion of an FMU is, that a system of python-control can start anew from."""
+"""Motion of an FMU that a system of python-control can start anew from."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ def numbers_of(data: bytes) -> NDArray[np.float64]:
 
 
 def bytes_of(numbers: NDArray[np.float64]) -> bytes:
-    """What numbers_of was given.
+    """Bytes that numbers_of was given.
 
     Raises:
         ValueError: the numbers are none of numbers_of: a state that has been changed.

@@ -1,4 +1,4 @@
-"""What the commands share: the application, options, errors in one line, tables."""
+"""Shared by the commands: the application, options, errors in one line, tables."""
 
 from __future__ import annotations
 

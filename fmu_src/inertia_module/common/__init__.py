@@ -1,1 +1,1 @@
-"""What every floor uses: errors, files, quantities with units, the terminal."""
+"""Common to every floor: errors, files, quantities with units, the terminal."""

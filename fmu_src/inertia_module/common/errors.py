@@ -13,7 +13,7 @@ LISTED = 12
 
 
 class Refused(ValueError):
-    """What cannot be done: the message names the value and what is allowed. Nothing has changed."""
+    """Refusal: the message names the value and what is allowed. Nothing has changed."""
 
 
 def must_be(name: str, allowed: str, value: float | str) -> str:
@@ -26,7 +26,7 @@ def must_be(name: str, allowed: str, value: float | str) -> str:
 
 
 def did_you_mean(name: Any, known: Iterable[str]) -> str:
-    """What to say, in brackets, of a name that is not known: the nearest ones, or else which there are."""
+    """Suggest, in brackets, names for one that is not known: the nearest ones, or else which there are."""
     names, given = list(dict.fromkeys(known)), str(name).lower()
     near = sorted((one for one in names if given in one.lower()), key=len)[:3] if given else []
     near = near or difflib.get_close_matches(given, names, n=1)

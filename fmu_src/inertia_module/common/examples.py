@@ -44,7 +44,7 @@ def example(name: str) -> Path:
 
 
 def belonging(source: Path) -> list[Path]:
-    """What an example needs: a measurement of its name, the programs beside it that it imports."""
+    """Files that an example needs: a measurement of its name, the programs beside it that it imports."""
     found = [source.with_suffix(".csv")]
     if source.suffix == ".py":
         names = re.findall(r"^ *from (\w+) import", source.read_text(encoding="utf-8"), re.MULTILINE)

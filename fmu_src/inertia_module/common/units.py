@@ -59,7 +59,7 @@ def parse_unit(text: str) -> tuple[float, Dimension]:
         for part in re.split(r"[.·*\s]+", group.strip()) if group.strip(" -") else ["1"]:
             match = _FACTOR.match(part)
             if match is None or match[1] not in _SYMBOLS:
-                raise ValueError(f"{part} is no unit known here")
+                raise ValueError(f"{part} is an unknown unit")
             exponent = sign * int(match[2] or 1)
             base, exponents = _SYMBOLS[match[1]]
             factor *= base**exponent
@@ -69,7 +69,7 @@ def parse_unit(text: str) -> tuple[float, Dimension]:
 
 
 def factor_between(unit: str, wanted: str) -> float:
-    """What a number in a unit is to be multiplied by to be one in the unit wanted.
+    """Factor from a unit to the unit wanted.
 
     Raises:
         ValueError: they are not of one dimension, or one of them is not known.
@@ -90,7 +90,7 @@ def split_quantity(text: str) -> tuple[float, str]:
     """
     match = _NUMBER.match(text)
     if match is None:
-        raise ValueError("it is no number with a unit")
+        raise ValueError("it is not a number with a unit")
     if _COMMA.search(text):
         raise ValueError("a number has a decimal point and no commas")
     return float(match[1]), match[2]
@@ -147,8 +147,8 @@ def number_of(value: Any, unit: str = "1", items: Mapping[str, float] | None = N
             raise ValueError(f"there is no {value!r}")
         return float(items[value])
     if isinstance(value, bool) and items is not BOOLEANS:
-        raise ValueError("it is no number")
+        raise ValueError("it is not a number")
     try:
         return float(value)
     except (TypeError, ValueError):
-        raise ValueError("it is no number") from None
+        raise ValueError("it is not a number") from None

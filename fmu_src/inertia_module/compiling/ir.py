@@ -198,7 +198,7 @@ def _path(name: str) -> Path:
 
 
 def is_cached(name: str) -> bool:
-    """Whether llvm_text will find the text of this source in the cache."""
+    """Tell whether llvm_text will find the text of this source in the cache."""
     return _path(name).exists()
 
 

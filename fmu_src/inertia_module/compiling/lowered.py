@@ -1,4 +1,4 @@
-"""What numba makes of a function, kept as lowered: all of it is linked and optimised once, nothing is run.
+"""Functions as numba lowers them: all of it is linked and optimised once, nothing is run.
 
 Numba itself optimises every function anew with all that it calls, makes machine code of it and wraps it for
 Python: two thirds of the time, for a text that is optimised as a whole in the end.
@@ -74,7 +74,7 @@ class Lowered(JITCodeLibrary):  # type: ignore[misc]
 
 
 def _stand_in(library: Any, description: Any, environment: Any) -> Callable[..., Any]:
-    """What numba knows a compiled function by: a builtin of its own, never called."""
+    """Stand-in by which numba knows a compiled function: a builtin of its own, never called."""
     return [].append
 
 
@@ -91,7 +91,7 @@ def only_lowered() -> Iterator[None]:
 
 
 def is_inlined(symbol: str) -> bool:
-    """Whether numba's symbol, in which each part of a name follows its length, is one of INLINED."""
+    """Tell whether numba's symbol, in which each part of a name follows its length, is one of INLINED."""
     names = ("".join(f"{len(part)}{part}" for part in name.split(".")) for name in INLINED)
     return any(f"{name}B" in symbol for name in names)
 

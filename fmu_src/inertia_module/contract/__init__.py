@@ -1,1 +1,1 @@
-"""What outsiders rely on: variables, messages, models."""
+"""Contract with outsiders: variables, messages, models."""

@@ -35,14 +35,14 @@ def bad_rate(variable: Variable) -> str:
 
 
 BAD_STEP = must_be("communication step", f"above 0 and at most {LARGEST_STEP:g} s", "{step}")
-_GIVEN_UP = "communication step = {step} s is given up: "
+_ABANDONED = "communication step = {step} s is abandoned: "
 
 
 def not_finite(*inputs: Variable) -> str:
     """Sentence for a motion that overflows with these inputs."""
     *others, last = (f"{named(variable.name)} {variable.unit}" for variable in inputs)
     listed = f"{', '.join(others)} and {last}"
-    return f"{_GIVEN_UP}the motion leaves the range of doubles with {listed}; it must stay below 1e300"
+    return f"{_ABANDONED}the motion leaves the range of doubles with {listed}; it must stay below 1e300"
 
 
 _LOSSES = (
@@ -104,19 +104,19 @@ MESSAGES: Mapping[int, str] = {
     codes.BAD_DRIVE_TORQUE_RATE: bad_rate(BY_NAME["drive_torque"]),
     codes.BAD_STEP: BAD_STEP,
     codes.TOO_MANY_SWITCHES: (
-        f"{_GIVEN_UP}the freewheels switch without end; they must switch at most 1000 times and 64 more a"
+        f"{_ABANDONED}the freewheels switch too often; they must switch at most 1000 times and 64 more a"
         " pulse"
     ),
     codes.TOO_MUCH_WORK: (
-        f"{_GIVEN_UP}it takes more than 5e7 evaluations of the mechanism; the communication step must be"
+        f"{_ABANDONED}it takes more than 5e7 evaluations of the mechanism; the communication step must be"
         " shorter or tolerance larger"
     ),
     codes.STEP_TOO_SMALL: (
-        f"{_GIVEN_UP}no internal step meets {named('tolerance')}; tolerance or link2_inertia must be larger"
+        f"{_ABANDONED}no internal step meets {named('tolerance')}; tolerance or link2_inertia must be larger"
     ),
     codes.NOT_BALANCED: (
-        f"{_GIVEN_UP}its energies do not balance with {named('tolerance', 'max_step')}; tolerance or max_step"
-        " must be smaller"
+        f"{_ABANDONED}its energies do not balance with {named('tolerance', 'max_step')}; tolerance or"
+        " max_step must be smaller"
     ),
     codes.NOT_STEADY: (
         f"with {named('fidelity')} (averaged) pulses with losses must become steady behind an output of"

@@ -35,7 +35,7 @@ class Bound(NamedTuple):
     most: int
 
     def accepts(self, value: float) -> bool:
-        """Whether it may have this value."""
+        """Tell whether it may have this value."""
         return 0.0 <= value <= self.most and value % 1.0 == 0.0
 
 
@@ -106,7 +106,7 @@ class Model:
 
     @property
     def switches(self) -> bool:
-        """Whether its steps can stop where a freewheel switches."""
+        """Tell whether its steps can stop where a freewheel switches."""
         return "switching" in self.records[3]
 
     def place(self, name: str) -> int:

@@ -1,4 +1,4 @@
-"""What a variable of a model is: its kind, causality, unit, range and what its value follows from."""
+"""Variables of a model: their kind, causality, unit, range and what its value follows from."""
 
 from __future__ import annotations
 
@@ -120,7 +120,7 @@ class Variable:
 
     @property
     def is_tunable(self) -> bool:
-        """Whether it is a parameter that may change between steps."""
+        """Tell whether it is a parameter that may change between steps."""
         return self.variability == TUNABLE
 
     @property
@@ -161,7 +161,7 @@ class Variable:
         return number
 
     def accepts(self, value: float) -> bool:
-        """Whether a value is finite, whole where it has to be, and within the range."""
+        """Tell whether a value is finite, whole where it has to be, and within the range."""
         if not math.isfinite(value):
             return False
         if self.kind != REAL and value != math.floor(value):

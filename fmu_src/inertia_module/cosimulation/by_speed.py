@@ -42,7 +42,7 @@ SCHEMES = {scheme.value: scheme for scheme in Scheme}
 
 
 class _Answer(NamedTuple):
-    """What a step of the module gave: mean torque, N.m, energy_in, J, its last speed, rad/s, its acceleration
+    """Result of a step of the module: mean torque, N.m, energy_in, J, its last speed, rad/s, its acceleration
     with the jump at the beginning, rad/s2.
     """
 

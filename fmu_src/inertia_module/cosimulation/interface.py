@@ -1,4 +1,4 @@
-"""What the input shaft feels of the module when its speed changes suddenly: the interface inertia.
+"""Interface inertia, which the input shaft feels when its speed changes suddenly: the interface inertia.
 
 With link 2 held, omega1 turns everything: Phi = J1 + I + 2 k B + k^2 G. Where link 2 is free to follow, or
 drives the shaft, less of it answers a jump: Phi - k^2 (B + k G)^2 / (J + k^2 G), with J = J2 or J2 + J3. So

@@ -1,4 +1,4 @@
-"""What an engine with its module is from outside: a plant whose omega1 is the speed asked for."""
+"""Engine with its module from outside: a plant whose omega1 is the speed asked for."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .engine import Engine
 
 
 class Exchange(NamedTuple):
-    """What passed between engine and module in one communication step: each side's own account.
+    """Exchange between engine and module in one communication step: each side's own account.
 
     Attributes:
         step: s. engine_torque, module_torque: means over the step, N.m. engine_work, module_work: J.

@@ -84,7 +84,7 @@ def _description(plan: Plan, shown: Mapping[tuple[str, str], Any], guid: str) ->
 
 
 def _texts(plan: Plan, fmus: Mapping[str, bytes]) -> dict[str, bytes]:
-    """What FMPy writes: the description, and the configuration for the container's library."""
+    """Files that FMPy writes: the description, and the configuration for the container's library."""
     from fmpy import read_model_description
     from fmpy.container_fmu import write_configuration
     from fmpy.container_fmu.config import Component, Configuration, Connection

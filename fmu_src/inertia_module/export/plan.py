@@ -1,4 +1,4 @@
-"""What is exported: module and elastic shaft as two FMUs, wired, with the values of a scene."""
+"""Plan of an export: module and elastic shaft as two FMUs, wired, with the values of a scene."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Part(NamedTuple):
 
     @property
     def model(self) -> Model:
-        """What the FMU computes."""
+        """Model that the FMU computes."""
         return self.fmu.model
 
     def variable(self, name: str) -> Variable:

@@ -1,1 +1,1 @@
-"""What accuracy costs, measured: levels of fidelity, the trade of a scene, the choice of a level."""
+"""Cost of accuracy, measured: levels of fidelity, the trade of a scene, the choice of a level."""

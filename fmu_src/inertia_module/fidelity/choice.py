@@ -21,7 +21,7 @@ class NoneMeets(ValueError):
 
 @dataclass(frozen=True)
 class Choice:
-    """What was chosen and why.
+    """Chosen level and the reasons.
 
     Attributes:
         row: the cheapest that meets the error. wanted: outputs it was asked of. error: asked for.
@@ -40,7 +40,7 @@ class Choice:
         return None if self.following is None else self.following.wall_time / self.row.wall_time
 
     def lines(self) -> list[str]:
-        """What was chosen, why, and what the next level would cost."""
+        """Say what was chosen, why, and what the next level would cost."""
 
         def cost(row: Row) -> str:
             return f"{1e3 * row.wall_time:.3g} ms per simulated second in the kernel"
@@ -55,7 +55,7 @@ class Choice:
         return [*lines, f"next level: {self.following.label}: {reached}, {self.ratio:.3g} times as long"]
 
     def as_dict(self) -> dict[str, Any]:
-        """The same for machines."""
+        """Give the choice for machines."""
 
         def brief(row: Row) -> dict[str, Any]:
             known = {name: getattr(row, name) for name in ("fidelity", "method", "setting")}

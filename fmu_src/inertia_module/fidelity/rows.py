@@ -1,4 +1,4 @@
-"""What was measured of a run, as a row; rows as CSV, for machines and in lines of text."""
+"""Measurements of a run as a row; rows as CSV, for machines and in lines of text."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ FAILURES = (ValueError, RuntimeError, ArithmeticError, MemoryError)
 
 @dataclass(frozen=True)
 class Row:
-    """What was measured of one run.
+    """Measurements of one run.
 
     Attributes:
         fidelity: its name, or "peer". method: of integration. setting: such as "tolerance 1e-06".

@@ -33,7 +33,7 @@ class RecordedModule(Module):
 
 @dataclass(frozen=True)
 class SceneRun:
-    """What a run of a scene gave.
+    """Result of a run of a scene.
 
     Attributes:
         record: all variables of the module and all signals of the loop at each communication point.

@@ -24,7 +24,7 @@ WORST = "worst"
 
 @dataclass(frozen=True)
 class Study:
-    """What was measured.
+    """Measured rows of a scene, and how they are shown.
 
     Attributes:
         title: of table and plots. rows: all of them. names: errors to show. plotted: the one to plot.
@@ -36,7 +36,7 @@ class Study:
     plotted: str
 
     def as_dict(self) -> dict[str, Any]:
-        """The same for machines."""
+        """Give the study for machines."""
         return {"title": self.title, "rows": [as_dict(row) for row in self.rows]}
 
     def write(self, folder: Path, stem: str = "tradeoff") -> dict[str, Path]:
@@ -52,7 +52,7 @@ class Study:
         return files
 
     def closing_lines(self, choice: Choice | None) -> list[str]:
-        """What failed, and what is recommended."""
+        """Say what failed and what is recommended."""
         return failure_lines(self.rows) + ([] if choice is None else choice.lines())
 
 

@@ -39,7 +39,7 @@ def at_level(scene: Scene, level: Level, communication_step: float | None = None
 
 
 def has_elastic_output(scene: Scene) -> bool:
-    """Whether a scene gives parameters of an elastic output."""
+    """Tell whether a scene gives parameters of an elastic output."""
     return is_elastic(parameters(scene.mechanism))
 
 

@@ -48,7 +48,7 @@ def order_figure(found: Orders, title: str) -> Figure:
 
 
 def _run(found: Orders) -> tuple[Array, str]:
-    """What the windows of a waterfall stand over."""
+    """Axis that the windows of a waterfall stand over."""
     if found.time.size > 1 and (np.diff(found.speed) > 1e-3 * found.speed[0]).all():
         return found.speed, "speed of link 1 [rad/s]"
     return found.time, "time [s]"

@@ -1,4 +1,4 @@
-"""What the panels of a scene's figure have in common: their dress, pulses, means over pulses."""
+"""Panels of a scene's figure: their dress, pulses, means over pulses."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def headline(axes: Axes, text: str) -> None:
 
 
 def in_thousands(unit: str, *values: Array) -> tuple[float, str]:
-    """What values are to be divided by to be shown, and in which unit: with a k where they are large."""
+    """Divisor and unit in which values are shown: with a k where they are large."""
     largest = max(float(np.abs(part).max()) for part in values)
     return (1e3, f"k{unit}") if largest > 2e3 else (1.0, unit)
 
@@ -83,7 +83,7 @@ def energy_panel(axes: Axes, table: Result, rows: slice = slice(None), lost: str
 
 
 def is_coarse(table: Result) -> bool:
-    """Whether the rows are too far apart for the pulses: what is recorded at instants is no curve then."""
+    """Tell whether the rows are too far apart for the pulses: instants make no curve then."""
     switches = np.diff(table["contact_switches"])
     return bool(switches.sum() > MOST_SWITCHES * np.count_nonzero(switches))
 

@@ -34,7 +34,7 @@ WEB_KERNEL = WebKernel("InertiaModule", INERTIA_MODULE)
 
 
 class Built(NamedTuple):
-    """What a build has left: paths of the FMUs, then of the kernel; what was skipped, with the reason."""
+    """Files of a build: paths of the FMUs, then of the kernel; what was skipped, with the reason."""
 
     paths: list[Path]
     skipped: dict[str, str]

@@ -1,4 +1,4 @@
-"""What a user of an FMU has to know (guides/*.md), for its documentation and for docs/fmu.md."""
+"""Guides for the user of an FMU (guides/*.md), for its documentation and for docs/fmu.md."""
 
 from __future__ import annotations
 

@@ -52,7 +52,7 @@ def shell_sources(fmi: int) -> list[Path]:
 
 
 def version_file(target: Target, library: str, title: str) -> dict[str, bytes]:
-    """What tells Windows the version of a library, by the name of its file; for other systems nothing.
+    """Resource with the version of a library, by the name of its file; only Windows has one.
 
     Args:
         target: for which platform. library: name of its file. title: what it is, for people.

@@ -301,5 +301,5 @@ def _no_reference(reference: int, kind: str) -> str:
 
 
 def _int32(value: float) -> int:
-    """What a 32-bit integer can hold of a parameter that has not been checked yet."""
+    """Limit to a 32-bit integer a parameter that has not been checked yet."""
     return int(max(-(2.0**31), min(2.0**31 - 1.0, value))) if math.isfinite(value) else 0

@@ -59,7 +59,7 @@ def _discrete(model: Model) -> list[str]:
 
 
 def _small(variable: Variable) -> float:
-    """What a small change of a variable is measured by; of a parameter well below its start value, or 1."""
+    """Scale of a small change of a variable; of a parameter well below its start value, or 1."""
     if variable.causality == PARAMETER:
         return 0.01 * (abs(variable.start or 0.0) or 1.0)
     return variable.nominal or 1.0

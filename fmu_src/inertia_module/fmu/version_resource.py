@@ -1,4 +1,4 @@
-"""What Windows shows of a library in its properties: a resource file with its version, as linkers take it.
+"""Properties of a library that Windows shows: a resource file with its version, as linkers take it.
 
 Source: Microsoft, "VS_VERSIONINFO structure" and "RESOURCEHEADER structure".
 """

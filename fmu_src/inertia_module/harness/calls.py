@@ -21,7 +21,7 @@ class Kept(NamedTuple):
 
 
 class Closing:
-    """What is closed at the end of a with statement."""
+    """Context that closes itself at the end of a with statement."""
 
     def close(self) -> None:
         """Free what it holds."""

@@ -78,7 +78,7 @@ class TorqueConverterChart:
 
     @property
     def lossless(self) -> bool:
-        """Whether nothing is lost at any ratio."""
+        """Tell whether nothing is lost at any ratio."""
         return bool((self.efficiency == 1.0).all())
 
     @property

@@ -17,7 +17,7 @@ STEPS = 100
 
 @dataclass
 class Report:
-    """What was found out about an FMU file.
+    """Findings about an FMU file.
 
     Attributes:
         path: the file. problems: one line each; empty if all is well. warnings: that it logs.

@@ -1,4 +1,4 @@
-"""An FMU of FMI 3.0 by the calls that fmpy has for FMI 2.0, so that who drives the one drives the other.
+"""Adapter: an FMI 3.0 FMU with FMPy's FMI 2.0 method names.
 
 The names in it are those of the two standards.
 """

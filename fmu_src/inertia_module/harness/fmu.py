@@ -28,7 +28,7 @@ def _kind(variable: Any) -> str:
 
 
 class Plant(Protocol):
-    """What a loop needs of an instance: Fmu has it."""
+    """Plant of a loop: the part of Fmu that a loop needs."""
 
     def set(self, **values: float) -> None:
         """Set inputs by name."""
@@ -87,7 +87,7 @@ class Fmu(Instance):
             raise
 
     def _before_start(self) -> None:
-        """What a kind of instance does before the end of its initialisation."""
+        """Prepare what a kind of instance needs before the end of its initialisation."""
 
     def _variable(self, name: str) -> Any:
         variable = self.variables.get(name)
@@ -150,7 +150,7 @@ class Fmu(Instance):
         return tuple(found)
 
     def _reader(self, names: tuple[str, ...]) -> tuple[Any, Any, int, list[tuple[int, str]]]:
-        """What a call that reads the reals among names takes, and places and names of the others."""
+        """Split names: arguments of the call that reads the reals, and places and names of the others."""
         reals = [name for name in names if self._variable(name).type == "Real"]
         others = [(place, name) for place, name in enumerate(names) if self.variables[name].type != "Real"]
         return self._references(reals), (c_double * len(reals))(), len(reals), others

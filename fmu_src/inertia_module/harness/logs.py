@@ -14,7 +14,7 @@ WARNING = 1
 
 
 class Listener(Protocol):
-    """What takes the messages of an instance."""
+    """Receiver of the messages of an instance."""
 
     def on_message(self, status: int, message: str) -> None:
         """Take a message; status as in FMI 2.0."""

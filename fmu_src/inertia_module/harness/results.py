@@ -106,7 +106,7 @@ class Result:
         return heading(name, self.units.get(name, ""))
 
     def converted(self, units: Mapping[str, str]) -> Result:
-        """The same table with some columns in these units; one that has no unit yet is in it already.
+        """Convert some columns to these units; one that has no unit yet is in it already.
 
         Raises:
             TableError: there is no such column, or its unit is of another kind.

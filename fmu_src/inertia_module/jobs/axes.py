@@ -1,4 +1,4 @@
-"""What is varied: keys of a scene by dots, their ranges or lists, and the points sampled of them."""
+"""Axes of a sweep: keys of a scene by dots, their ranges or lists, and the points sampled of them."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Axis:
 
     @property
     def whole(self) -> bool:
-        """Whether it is a number that must be whole, such as that of teeth."""
+        """Tell whether it is a number that must be whole, such as that of teeth."""
         variable = BY_NAME.get(self.name.removeprefix(MECHANISM))
         return variable is not None and variable.kind == INTEGER
 

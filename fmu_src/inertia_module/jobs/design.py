@@ -86,7 +86,7 @@ class Finalist:
 
 @dataclass(frozen=True)
 class DesignResult:
-    """What a design gave.
+    """Result of a design.
 
     Attributes:
         spec: the specification. judge: its limits. rows: all designs of the search, in order.

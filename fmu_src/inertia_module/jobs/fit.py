@@ -110,7 +110,7 @@ class _Search:
                 self.sigma[:, place] = data.noise[name]
 
     def computed(self, variables: Sequence[float]) -> Array:
-        """What the scene computes, shape (rows, columns); NaN where it refuses the values."""
+        """Columns that the scene computes, shape (rows, columns); NaN where it refuses the values."""
         self.runs += 1
         point = {key.name: key.value(u) for key, u in zip(self.keys, variables, strict=True)}
         try:

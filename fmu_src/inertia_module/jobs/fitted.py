@@ -1,4 +1,4 @@
-"""What a fit found: values with intervals, correlations, noise, what is doubtful, and the fitted scene."""
+"""Result of a fit: values with intervals, correlations, noise, what is doubtful, and the fitted scene."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ from .measurement import Measurement
 CORRELATED = 0.95
 # so near to an end of its range, of the range, a value is at it
 AT_END = 1e-4
-# residuals that follow one another as much as this are not the noise of a sensor
+# residuals whose autocorrelation at lag 1 is as much as this are not the noise of a sensor
 FOLLOWING = 0.2
 # standard deviations of chance that a warning keeps from
 CHANCE = 4.0
 NO_INFLUENCE = "has no influence on what was measured, stays where it was"
-NOT_TOLD = "the data cannot tell it: the interval is {}"
+NOT_IDENTIFIABLE = "not identifiable from the data: the interval is {}"
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class Fitted:
 
 @dataclass(frozen=True)
 class FitResult:
-    """What a fit found.
+    """Result of a fit.
 
     Attributes:
         scene: with the values found. parameters: the free keys. correlations: by pairs of them.
@@ -114,7 +114,7 @@ class FitResult:
         }
 
     def lines(self) -> dict[str, str]:
-        """What a reader wants of it, by heading."""
+        """Give the lines of the printed table, by heading."""
         correlated = {
             f"correlation of {a} and {b}": f"{number:.3f}" for (a, b), number in self.correlations.items()
         }
@@ -167,11 +167,12 @@ def fitted(keys: Sequence[Free], best: Any, intervals: Mapping[str, tuple[float,
 
 
 def _doubt(key: Free, variable: float, width: float) -> str:
-    """What is wrong with a value; width: of its interval, SI."""
+    """Say what is wrong with a value; width: of its interval, SI."""
     if key.range is None:
-        return NOT_TOLD.format("wider than twice the value") if width > 2.0 * abs(key.value(variable)) else ""
+        wide = width > 2.0 * abs(key.value(variable))
+        return NOT_IDENTIFIABLE.format("wider than twice the value") if wide else ""
     if width >= (1.0 - AT_END) * abs(key.span):
-        return NOT_TOLD.format("as wide as its range")
+        return NOT_IDENTIFIABLE.format("as wide as its range")
     return "is at the end of its range" if min(variable - 1.0, 2.0 - variable) < AT_END else ""
 
 
@@ -189,7 +190,7 @@ def correlations(keys: Sequence[Free], best: Any) -> dict[tuple[str, str], float
 
 
 def doubts(result: FitResult, ended: bool) -> list[str]:
-    """What the user has to know, in sentences.
+    """Warn of what the user has to know, in sentences.
 
     Args:
         ended: whether the last search came to an end.
@@ -218,8 +219,8 @@ def doubts(result: FitResult, ended: bool) -> list[str]:
         following = _following(table[f"{name}_residual"])
         if following > max(FOLLOWING, CHANCE / math.sqrt(len(table))):
             found.append(
-                f"residuals of {name} follow one another (correlation {following:.2f}): the scene lacks"
-                " something, and the intervals are too narrow"
+                f"residuals of {name} are autocorrelated (lag-1 {following:.2f}): the model has a systematic"
+                " error, and the intervals are too narrow"
             )
     return found
 

@@ -1,4 +1,4 @@
-"""What a fit is free to change: keys of a scene that are numbers, with a range or without."""
+"""Free keys of a fit: keys of a scene that are numbers, with a range or without."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def free_keys(free: Sequence[str] | Mapping[str, Range], scene: Scene) -> list[F
             name such a range, (low, high) or None. scene: whose values they begin at.
 
     Raises:
-        Refused: nothing is free, a key twice, or one that is no number or has no such range.
+        Refused: nothing is free, a key twice, or one that is not a number or has no such range.
     """
     return [_free(name, given, scene) for name, given in by_key(free, "free", "imbalance_mass=0.5:2")]
 

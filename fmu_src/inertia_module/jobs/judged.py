@@ -41,7 +41,7 @@ class Limit(NamedTuple):
         return self.side * (value - self.bound) / (abs(self.bound) or 1.0) + narrower
 
     def text(self, row: Row, unit: str) -> str:
-        """What a row has and what the limit is, in a line."""
+        """Compare what a row has with the limit, in a line."""
         value = row.figures.get(self.figure)
         has = absent(self.figure, row) if value is None else f"{value:.4g} {unit}".strip()
         allowed = f"{'at most' if self.side > 0.0 else 'at least'} {self.bound:.4g} {unit}".strip()
@@ -76,7 +76,7 @@ class Judge:
         return [limit.violation(row, margin) for limit in self.limits] + [MISSING if missing else 0.0]
 
     def meets(self, row: Row, margin: float = 0.0) -> bool:
-        """Whether a row meets all limits."""
+        """Tell whether a row meets all limits."""
         return max(self.violations(row, margin)) <= 0.0
 
     def beyond(self, row: Row) -> float:

@@ -1,4 +1,4 @@
-"""What was measured: columns over time that a scene computes, in SI, with their noise where it is known."""
+"""Measurements: columns over time that a scene computes, in SI, with their noise where it is known."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Measurement:
-    """What was measured.
+    """Measurement of a rig.
 
     Attributes:
         table: over time, s, the columns that are compared, SI. noise: standard deviations by column, for

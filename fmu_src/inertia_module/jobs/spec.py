@@ -1,4 +1,4 @@
-"""What is to be designed: a scene with its free keys, limits and goals of figures, and the search."""
+"""Specification of a design: a scene with its free keys, limits and goals of figures, and the search."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ MOST_GOALS = 3
 
 
 class Demand(Strict):
-    """What is asked of a figure.
+    """Demand on a figure: a limit or a goal.
 
     Attributes:
         speed, ratio: of link 1, rad/s, and of the output to it: where a steady figure is taken.
@@ -113,7 +113,7 @@ class Spec:
 
     @property
     def runs_scene(self) -> bool:
-        """Whether a figure is of the summary of the scene."""
+        """Tell whether a figure is of the summary of the scene."""
         return any(name not in NAMED for name in self.demands)
 
 
@@ -166,7 +166,7 @@ def _check(name: str, demand: Demand) -> None:
 
 
 def absent(name: str, row: Row) -> str:
-    """What to say of a figure that a row has not."""
+    """Say of a figure that a row has not why."""
     return "not reached" if name.startswith(OPTIONAL) and not row.refused else "missing"
 
 

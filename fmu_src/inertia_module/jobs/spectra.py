@@ -105,7 +105,7 @@ class Orders:
 
     @property
     def bends(self) -> bool:
-        """Whether lines bend that are straight over pulses."""
+        """Tell whether lines bend that are straight over pulses."""
         return any(line.low < line.high for lines in self.largest().values() for line in lines)
 
     def _lines(self, name: str, number: int) -> list[Line]:
@@ -128,7 +128,7 @@ class Orders:
         return lines[:number]
 
     def _meets(self, track: Array, order: float, window: int) -> bool:
-        """Whether a line of these orders is as near to an order in a window as the window can tell."""
+        """Tell whether a line of these orders is as near to an order in a window as the window can tell."""
         return abs(order - float(track[window])) <= 2 * HALF_LOBE / self.turns
 
     def _places(self, amplitude: Array) -> list[int]:
@@ -292,6 +292,6 @@ def highest_order(time: Array, turned: Array, highest: float | None) -> float:
 
 
 def rounding(table: Result, name: str) -> float:
-    """What of a signal is no more than rounding, in its unit."""
+    """Amplitude of a signal that is no more than rounding, in its unit."""
     nominal = BY_NAME[name].nominal if name in BY_NAME else None
     return ROUNDING * max(float(np.abs(table[name]).max()), nominal or 0.0)

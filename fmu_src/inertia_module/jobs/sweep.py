@@ -24,7 +24,7 @@ from .task import Row, SceneTask
 
 @dataclass(frozen=True)
 class SweepResult:
-    """What a sweep gave.
+    """Result of a sweep.
 
     Attributes:
         axes: what was varied. rows: one for each point, in the order of the points.

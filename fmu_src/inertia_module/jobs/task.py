@@ -27,7 +27,7 @@ TIMES = ("wall_time", "real_time_factor")
 
 
 class Row(NamedTuple):
-    """What the evaluation of a point gave.
+    """Result of the evaluation of a point.
 
     Attributes:
         point: keys of the scene by name. figures: numbers by name, none if it was refused.
@@ -53,13 +53,13 @@ class Batch:
 
     @classmethod
     def of(cls, text: str) -> Batch:
-        """What text has written."""
+        """Read the outcome that text has written."""
         data = json.loads(text)
         return cls([Row(*row) for row in data["rows"]], data["units"])
 
 
 class Task(Protocol):
-    """What is to be evaluated; it is pickled."""
+    """Task to evaluate at points; it is pickled."""
 
     @property
     def fmu(self) -> bytes:
@@ -70,7 +70,7 @@ class Task(Protocol):
         """Changes with anything that results depend on, other than the point."""
 
     def opened(self, fmu: Path, closing: ExitStack) -> Callable[[Point], Figures]:
-        """What gives the figures of a point, of one thread alone; it may raise Refused.
+        """Function that gives the figures of a point, of one thread alone; it may raise Refused.
 
         Args:
             fmu: the FMU as a file. closing: what is to be closed in the end.

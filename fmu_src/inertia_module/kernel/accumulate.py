@@ -20,7 +20,7 @@ def add_loss(x, cause, lost):
 
 
 def lost_in_all(x):
-    """What all causes have taken since the start, J."""
+    """Energy that all causes have taken since the start, J."""
     total = 0.0
     for cause in range(len(x.lost)):
         total += x.lost[cause]

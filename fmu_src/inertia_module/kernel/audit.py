@@ -16,7 +16,7 @@ NOTHING = 1e-30
 
 
 def is_audited(p):
-    """Whether steps are: fixed ones make no energy and may lose it, averaged ones look at themselves."""
+    """Tell whether steps are: fixed ones make no energy and may lose it, averaged ones look at themselves."""
     return p.fidelity >= RIGID and p.method == EVENT
 
 
@@ -26,7 +26,7 @@ def change(after, after_low, before, before_low):
 
 
 def audit(d, x, before, stored):
-    """Whether the energies of the step balance: OK or NOT_BALANCED.
+    """Tell whether the energies of the step balance: OK or NOT_BALANCED.
 
     Args:
         x, before: state after and before the step; x.energy_stored is set. stored: energy stored after it, J.

@@ -1,4 +1,4 @@
-"""Whether a mechanism has room for its parts: what is computed all the same, but cannot be built.
+"""Tell whether a mechanism has room for its parts: what is computed all the same, but cannot be built.
 
 Room is said of the pitch circles (planar) and the pitch cones (bevel) of one module. No body has an inertia
 above the sum of the other two.
@@ -13,7 +13,7 @@ ROUNDING = 1e-12
 
 
 def satellites_overlap(p, reach):
-    """Whether neighbouring satellites overlap.
+    """Tell whether neighbouring satellites overlap.
 
     Planar: circles of radius r, their centres R0 + r from the axis and 2 (R0 + r) sin(pi/n) apart.
     Bevel: cones of half angle phi with one apex, their axes inclined by Sigma and delta apart:

@@ -1,4 +1,4 @@
-"""What numbers of the kernel stand for: contact modes, levels of fidelity, operations, statuses."""
+"""Numbers of the kernel by name: contact modes, levels of fidelity, operations, statuses."""
 
 # contact modes
 HELD = 0

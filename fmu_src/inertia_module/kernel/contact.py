@@ -12,7 +12,7 @@ TORQUE_ROUNDING = 1e-13
 
 
 def is_held(x):
-    """Whether the housing freewheel holds link 2 in the present mode."""
+    """Tell whether the housing freewheel holds link 2 in the present mode."""
     return x.mode == HELD or x.mode == HELD_DRIVING
 
 
@@ -22,7 +22,7 @@ def torque_carried(d, load, load_rate, omega2, alpha2, jerk2):
 
 
 def sign_or_trend(value, rate, zero):
-    """Whether value is positive, or zero within rounding and growing."""
+    """Tell whether value is positive, or zero within rounding and growing."""
     if value > zero:
         return True
     return value >= -zero and rate > 0.0
@@ -68,7 +68,7 @@ def select_mode(d, q, omega1, omega2, omega3, given, load, load_rate, rounding):
 
 
 def settle(d, inertia2, free2, inertia3, free3):
-    """The same problem on impulses, from the velocities without them.
+    """Solve the complementarity problem on impulses, from the velocities without them.
 
     Returns:
         (omega2, omega3, Pc, contact mode) at the end of the step.

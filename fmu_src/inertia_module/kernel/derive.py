@@ -1,4 +1,4 @@
-"""Constants derived once from the parameters: ratios, lengths, periods, bounds (DESIGN section 2)."""
+"""Constants derived once from the parameters: ratios, lengths, periods, bounds (docs/mechanics.md)."""
 
 import math
 
@@ -101,7 +101,7 @@ def derive_planar(p, d):
 
 
 def derive_general(p, d):
-    """What only the general equations of motion know (kernel.general)."""
+    """Derive the constants of the general equations of motion (kernel.general)."""
     d.mesh_loss = 1.0 - p.mesh_efficiency
     d.satellite_loss = 0.0 if d.planar != 0.0 else 1.0 - p.satellite_mesh_efficiency
     d.journal = p.journal_friction
@@ -139,9 +139,9 @@ def derive_harmonic(p, d):
 
 
 def is_singular(d):
-    """Whether the inertia behind link 2, J2 + k^2 G, vanishes (next to its largest) at some angle.
+    """Tell whether the inertia behind link 2, J2 + k^2 G, vanishes (next to its largest) at some angle.
 
-    G is least where B = 0: there |r'| is pole_offset, zero where a = b (DESIGN section 2). Without
+    G is least where B = 0: there |r'| is pole_offset, zero where a = b (docs/mechanics.md). Without
     the output freewheel link 2 always carries the output shaft.
     """
     offset = d.pole_offset

@@ -16,7 +16,7 @@ from .solvers.interpolant import dense_bend, dense_change, dense_rate, dense_rat
 
 
 def is_guarded(d, x, which):
-    """Whether this guard can end the present mode of a rigid output."""
+    """Tell whether this guard can end the present mode of a rigid output."""
     if which == LINK2:
         return d.housing != 0.0
     return d.output != 0.0 and not is_held(x)

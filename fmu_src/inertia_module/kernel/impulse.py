@@ -2,7 +2,7 @@
 
 The jump is the limit of a steep ramp, so a freewheel that closes does so part of the way: before,
 link 2 moves freely; after, with what it has met. The end velocities are those of the 2 x 2 problem
-of DESIGN section 3, and as ideal contacts close at zero relative speed no energy is lost.
+of docs/mechanics.md, and as ideal contacts close at zero relative speed no energy is lost.
 """
 
 from .accumulate import add, add_loss
@@ -84,7 +84,7 @@ def jump_input(p, d, x, jump, stiff):
 
 
 def jump_kinematic(d, x, jump, ratio):
-    """The same where omega2 = ratio omega1 is prescribed; the ratio may have changed too.
+    """Impulse where omega2 = ratio omega1 is prescribed; the ratio may have changed too.
 
     Returns:
         (P1, Pc): impulses at the input and at the output that keeps the ratio, N m s.

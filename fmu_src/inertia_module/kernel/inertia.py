@@ -1,4 +1,4 @@
-"""Reduced inertia I, B, G of all imbalances and its exact derivatives in q (DESIGN section 2)."""
+"""Reduced inertia I, B, G of all imbalances and its exact derivatives in q (docs/mechanics.md)."""
 
 from .sine import sine_cosine, sines_cosines
 

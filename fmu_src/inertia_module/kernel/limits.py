@@ -1,4 +1,4 @@
-"""What one communication step may take before it is refused or given up."""
+"""Limits of the work of one communication step, beyond which it is refused or abandoned."""
 
 LARGEST_SPEED = 1e6
 LARGEST_TORQUE = 1e12

@@ -12,7 +12,7 @@ from .inertia import reduced_inertia, second_derivative_of_b
 
 
 def given_at_input(d, x):
-    """What is given at link 1: its torque M1, N m, or its acceleration alpha1, rad/s^2."""
+    """Prescribed quantity at link 1: its torque M1, N m, or its acceleration alpha1, rad/s^2."""
     return x.drive_torque if d.by_torque != 0.0 else x.alpha1
 
 
@@ -44,7 +44,7 @@ def accelerations(d, q, omega1, omega2, given, held, carried, friction, torque):
 
 
 def accelerations_by_torque(d, q, omega1, omega2, given, held, carried, friction, torque):
-    """The same where the torque of link 1 is given: both equations."""
+    """Accelerations where the torque of link 1 is prescribed: both equations."""
     i, i1, _, b, b1, g, g1, _ = reduced_inertia(d, q)
     k = d.k
     rate_q = k * (omega1 - omega2)
@@ -169,7 +169,7 @@ def torque_scale(d, omega1, alpha1, rate_q, given):
 
 
 def friction_power(d, omega1, omega2, friction):
-    """What viscous friction takes from links 1, 2 and drives, W; friction: of link 2 and what it carries."""
+    """Power of viscous friction at links 1, 2 and drives, W; friction: of link 2 and what it carries."""
     rate_q = d.k * (omega1 - omega2)
     return d.b1 * omega1 * omega1 + d.bq * rate_q * rate_q + friction * omega2 * omega2
 
@@ -213,7 +213,7 @@ def inertia_of_link2(d, i, b, g):
 
 
 def inertia_at_output(d, q):
-    """The same at the drive angle q, kg m^2."""
+    """Effective inertia at the drive angle q, kg m^2."""
     i, _, _, b, _, g, _, _ = reduced_inertia(d, q)
     return inertia_of_link2(d, i, b, g)
 

@@ -46,7 +46,7 @@ def stored_energy(p, d, x):
 
 
 def write_general(d, x, y):
-    """The same by the general equations of motion."""
+    """Write the outputs by the general equations of motion."""
     accelerations_now(d, x)
     m = d.machine
     y.output_acceleration = m.alpha3 - m.rate_relative

@@ -36,7 +36,7 @@ def accelerations_now(d, x):
 
 
 def follow_parameters(p, d, x):
-    """What the parameters ask for at once: the prescribed speed of link 2, or contact mode and alpha1."""
+    """Write what parameters prescribe at once: the prescribed speed of link 2, or contact mode and alpha1."""
     if p.fidelity == KINEMATIC:
         x.omega2 = p.kinematic_ratio * x.omega1
         x.omega3 = x.omega2

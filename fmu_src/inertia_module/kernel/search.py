@@ -17,12 +17,12 @@ SHORTEST = 0.01
 
 
 def stays_positive(value0, rate0, value1, rate1, h):
-    """Whether a guard that is not negative at both ends of a short interval h stays so inside."""
+    """Tell whether a guard that is not negative at both ends of a short interval h stays so inside."""
     return value0 + SHARE * h * rate0 >= 0.0 and value1 - SHARE * h * rate1 >= 0.0
 
 
 def is_surely_positive(value0, rate0, value1, rate1, h, bend):
-    """Whether a guard is not negative in an interval h, by its Bernstein coefficients of degree 4."""
+    """Tell whether a guard is not negative in an interval h, by its Bernstein coefficients of degree 4."""
     middle = 0.5 * (value0 + value1) + h * (rate0 - rate1) / 6.0
     return (
         value0 >= 0.0
@@ -34,7 +34,7 @@ def is_surely_positive(value0, rate0, value1, rate1, h, bend):
 
 
 def falls_throughout(value0, rate0, value1, rate1, h, bend):
-    """Whether the rate of a guard is surely negative in an interval h."""
+    """Tell whether the rate of a guard is surely negative in an interval h."""
     rest = -bend * h * h * h / 124.0  # what the rate of the cubic may be off by
     return rate0 < rest and 3.0 * (value1 - value0) / h - rate0 - rate1 < rest and rate1 < rest
 

@@ -116,7 +116,7 @@ def end(x, h, input_jump, output_jump):
 
 
 def is_finite(x):
-    """Whether the motion, its energies and its means are: all else follows from them."""
+    """Tell whether the motion, its energies and its means are: all else follows from them."""
     motion = (abs(x.q) + abs(x.theta1)) + (abs(x.omega2) + abs(x.omega3))
     shaft = (abs(x.relative) + abs(x.twist)) + abs(x.omega1)
     energies = (abs(x.energy_in) + abs(x.energy_out)) + abs(lost_in_all(x))

@@ -51,7 +51,7 @@ def stages_up_to(w, sigma):
 
 
 def add_viscous_losses(d, x, w, sigma):
-    """What viscous friction takes in the explicit step or its part sigma. Overwrites the rates of omega2.
+    """Work of viscous friction in the explicit step or its part sigma. Overwrites the rates of omega2.
 
     Leaves in w.braking, where the speed of link 1 is given and changes, the work, J, that the friction of
     links 1, 2 and the output they drive does at that speed.

@@ -69,7 +69,7 @@ def connect(systems: Sequence[Any]) -> Any:
 
 
 def initial_inputs(surroundings: Any, measured: Mapping[str, float] | None = None) -> dict[str, float]:
-    """What the surroundings give the FMU at time 0: to be set before the end of its initialisation.
+    """Inputs that the surroundings give the FMU at time 0: to be set before the end of its initialisation.
 
     Args:
         surroundings: of connect. measured: outputs of the FMU at the start that are not 0.

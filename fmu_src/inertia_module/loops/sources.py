@@ -78,7 +78,7 @@ class Sources:
         return np.zeros(0)
 
     def to_control(self) -> Any:
-        """The same as a static discrete-time control.NonlinearIOSystem."""
+        """Convert it to a static discrete-time control.NonlinearIOSystem."""
         import control as ct
 
         return ct.nlsys(None, self.output, inputs=0, outputs=self.output_labels, dt=self.dt, name=self.name)

@@ -181,7 +181,7 @@ class ModelInstance:
             raise Refused(self.model.explain(status, self.parameters, self.inputs, step_size))
 
     def warnings(self) -> list[str]:
-        """What cannot be built of a mechanism whose parameters are accepted: a sentence each."""
+        """Warnings of what cannot be built though its parameters are accepted: a sentence each."""
         found = self.call(codes.WARN, 0.0) if self.model.warnings else 0
         return self.model.warn(found, self.parameters, self.inputs)
 

@@ -39,7 +39,7 @@ def page_scene(scene: Scene, record: Result | None = None) -> dict[str, Any]:
 
 
 def is_exact(scene: Scene) -> bool:
-    """Whether the inputs of the module follow from nothing it does: the page can run the scene itself."""
+    """Tell whether the inputs follow from nothing that the module does: the page can run the scene itself."""
     return not scene.surroundings.input_labels
 
 

@@ -14,7 +14,7 @@ OPERATIONS = ("START", "STEP", "WARN")
 
 
 def page_tables(model: Model) -> dict[str, Any]:
-    """What the page knows of a model (the interface Tables of page/src/kernel/tables.ts), ready for JSON."""
+    """Tables of a model for the page (the interface Tables of page/src/kernel/tables.ts), ready for JSON."""
     entry = ENTRIES[model.entry]
     return {
         "symbol": entry.symbol,

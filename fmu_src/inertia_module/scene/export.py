@@ -1,4 +1,4 @@
-"""What of a scene can be exported to other tools: its mechanism and the values at its start."""
+"""Export of a scene to other tools: its mechanism and the values at its start."""
 
 from __future__ import annotations
 

@@ -38,7 +38,7 @@ def _validator(variable: Variable) -> InUnit:
 
 
 def _type(variable: Variable) -> Any:
-    """What a key of the table may be."""
+    """Type and range of a key of the table."""
     number: Any = float | None
     return Annotated[number | Literal["auto"] if variable.name == FIDELITY else number, _validator(variable)]
 
@@ -64,7 +64,7 @@ def parameters(mechanism: BaseModel) -> dict[str, float]:
 
 
 def is_auto(mechanism: BaseModel) -> bool:
-    """Whether the fidelity is to be chosen."""
+    """Tell whether the fidelity is to be chosen."""
     return getattr(mechanism, FIDELITY, None) == AUTO
 
 
@@ -83,7 +83,7 @@ ELASTIC_PARAMETERS = (
 
 
 def is_elastic(values: Mapping[str, float]) -> bool:
-    """Whether parameters describe an elastic output."""
+    """Tell whether parameters describe an elastic output."""
     return any(name in values for name in ELASTIC_PARAMETERS)
 
 

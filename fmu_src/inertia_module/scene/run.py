@@ -32,7 +32,7 @@ RESTING = 1e-6
 
 @dataclass(frozen=True, kw_only=True)
 class Outcome:
-    """What a scene gave.
+    """Result of a scene.
 
     Attributes:
         scene: as it was run. record: everything recorded: outputs wanted, outputs summarised, signals of the
@@ -52,7 +52,7 @@ class Outcome:
 
     @property
     def table(self) -> Result:
-        """What the scene wants and the signals of its loop, at each communication point."""
+        """Wanted outputs and the signals of the loop, at each communication point."""
         return self.record.without(self.RECORDED - set(self.scene.run.outputs))
 
     @property
@@ -115,7 +115,7 @@ class Outcome:
 
 @dataclass(frozen=True, kw_only=True)
 class SceneResult(Outcome):
-    """What a scene of the module gave.
+    """Result of a scene of the module.
 
     Attributes:
         scene, record, quantities, remarks, warnings: see Outcome.
@@ -127,7 +127,7 @@ class SceneResult(Outcome):
 
 
 def start_of(scene: Scene) -> tuple[Any, dict[str, float], dict[str, float]]:
-    """What a scene starts from: its surroundings, connected; parameters and inputs of the FMU by name."""
+    """Start of a scene: its surroundings, connected; parameters and inputs of the FMU by name."""
     values = scene.parameters()
     surroundings = scene.surroundings
     speeds = {"omega_out": values.get("omega_out_start", 0.0)}

@@ -87,7 +87,7 @@ class Scene(Strict):
 
     @property
     def chooses_fidelity(self) -> bool:
-        """Whether the fidelity is still to be chosen from measurements."""
+        """Tell whether the fidelity is still to be chosen from measurements."""
         return is_auto(self.mechanism)
 
     @property
@@ -162,7 +162,7 @@ class Scene(Strict):
 
     @property
     def _around(self) -> tuple[Any, ...]:
-        """What the surroundings follow from."""
+        """Parts that the surroundings follow from."""
         return self.drive, self.load, self.controller, self.run.communication_step, self._one_way
 
     @cached_property
@@ -172,7 +172,7 @@ class Scene(Strict):
 
     @property
     def _one_way(self) -> bool:
-        """Whether the freewheels keep the output shaft from turning backwards."""
+        """Tell whether the freewheels keep the output shaft from turning backwards."""
         return all(self._given.get(name, 1.0) for name in ("housing_freewheel", "output_freewheel"))
 
     def with_fidelity(self, fidelity: str, error: float | None = None) -> Scene:

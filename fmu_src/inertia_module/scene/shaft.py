@@ -152,7 +152,7 @@ class ShaftScene(Strict):
 
 @dataclass(frozen=True, kw_only=True)
 class ShaftResult(Outcome):
-    """What a scene of a shaft gave; record: all outputs of the shaft and its inputs."""
+    """Result of a scene of a shaft; record: all outputs of the shaft and its inputs."""
 
     RECORDED: ClassVar = frozenset(_READABLE)
 

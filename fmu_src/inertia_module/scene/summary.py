@@ -83,7 +83,7 @@ def energy(table: Result) -> dict[str, Quantity]:
 
 
 def _efficiency(given: float, taken: float, stored: float, lost: float) -> dict[str, Quantity]:
-    """What is not lost of all energy put in: by the drive, by a load that drives, by motion used up.
+    """Share that is not lost of all energy put in: by the drive, by a load that drives, by motion used up.
 
     So energy still stored at the end counts as kept. A balancer that gives more than is lost (lost < 0) is
     a source of its own, and there is no efficiency.

@@ -1,4 +1,4 @@
-"""What all tables of a scene have in common, and quantities in columns: inline or in a CSV file."""
+"""Common base of the tables of a scene, and quantities in columns: inline or in a CSV file."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Tabulated(Strict):
         if not isinstance(data, dict) or "file" not in data:
             return data
         if {cls.POINTS, cls.VALUES} & data.keys():
-            raise ValueError(f"either file or {cls.POINTS} and {cls.VALUES} must be given, both are")
+            raise ValueError(f"give either 'file' or '{cls.POINTS}' and '{cls.VALUES}', not both")
         context = info.context or {}
         try:
             columns, units = read_columns(context.get("folder", Path()) / str(data["file"]))

@@ -1,4 +1,4 @@
-"""What the mean power of link 1 becomes: mesh and input torque, losses by cause.
+"""Balance of the mean power of link 1: mesh and input torque, losses by cause.
 
     M1 omega1 = T omega3 + losses + E'        M2 omega1 = T omega3 + losses behind the mesh
 

@@ -10,7 +10,7 @@ SMALL_JUMP = 1e-3
 
 
 def takes_up_jump(d, x, jump, h):
-    """Whether a shaft locked to link 1 can follow a jump of omega1 within the step: then it is a ramp."""
+    """Tell whether a shaft locked to link 1 can follow a jump of omega1 within the step as a ramp."""
     load = x.load_torque
     omega1 = x.omega1
     ramp = x.alpha1 + jump / h

@@ -22,7 +22,7 @@ THROWN = 2  # omega2 after link 2 was thrown from rest, both torques being zero,
 
 
 def value_at(d, t, which, q):
-    """What is to be largest, at q."""
+    """Quantity that is to be largest, at q."""
     i, i1, _, b, _, g, _, _ = reduced_inertia(d, q)
     d.map_evaluations += 1.0
     if which == LOCK:
@@ -103,7 +103,7 @@ def parts_of_period(d, cycles):
 
 
 def is_long(d):
-    """Whether the period is one to be taken by parts."""
+    """Tell whether the period is one to be taken by parts."""
     return period_of_map(d) * d.harmonic > TWO_PI * LARGEST_CYCLES
 
 

@@ -77,7 +77,7 @@ def coasting_torque(d, side, x, speed):
 
 
 def can_lock(d, side, x, v, alpha1, load):
-    """Whether the shaft turns with link 1 and the drive, at rest in it, can hold the torque it takes."""
+    """Tell whether the shaft turns with link 1 and the drive, at rest in it, can hold the torque it takes."""
     if v <= 0.0:
         return False
     if d.by_torque != 0.0:
@@ -102,7 +102,7 @@ def closing_in(d, side, x, v, alpha1):
 
 
 def choose_leg(d, side, x, v, alpha1):
-    """What the output shaft does from now on."""
+    """Choose what the output shaft does from now on."""
     load = x.load_torque
     speed = abs(v)
     if can_lock(d, side, x, v, alpha1, load):
@@ -125,7 +125,7 @@ def choose_leg(d, side, x, v, alpha1):
 
 
 def time_at_rest_with_losses(side, load, speed, growing, remaining):
-    """The same where the stall torque grows otherwise than with the square of the speed."""
+    """Time at rest where the stall torque grows otherwise than with the square of the speed."""
     low, high = 0.0, remaining
     end = speed + growing * high
     if growing <= 0.0 or torque_at_knot(side, side.knots[0], end) * end * end <= load:

@@ -49,7 +49,7 @@ def slow_speed(p, d, stall):
 
 
 def crawl(p, d, side, knot):
-    """What links do that turn so slowly that friction alone counts, into the knot: omega2 is constant then.
+    """Write the motion of links so slow that friction alone counts into the knot: omega2 is constant then.
 
     Drags go with the square of the slowness, what is viscous goes with it.
     """

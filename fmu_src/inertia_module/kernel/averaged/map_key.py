@@ -1,10 +1,10 @@
-"""What the map of fidelity averaged depends on: whether the one in hand is that of these parameters."""
+"""Key of the map of fidelity averaged: tells whether the one in hand is that of these parameters."""
 
 from ..fields import MAP_LOSSES, MAP_SHAPE
 
 
 def is_map_of(p, d):
-    """Whether the map in d is that of these parameters (fields.MAP_KEY)."""
+    """Tell whether the map in d is that of these parameters (fields.MAP_KEY)."""
     for n in range(len(d.map_key)):
         if d.map_key[n] != key_number(p, d, n):
             return False

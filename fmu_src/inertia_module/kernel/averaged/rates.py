@@ -1,4 +1,4 @@
-"""What the averaged map says at one instant: torque, speed of link 2, energy, and their slopes.
+"""Rates by the averaged map at one instant: torque, speed of link 2, energy, and their slopes.
 
 A side is the map for one sign of omega1 (fields.SIDE). The output shaft turns at x.omega3. All goes with the
 speed v: omega1, or where its torque is given that of the energy J* v^2 / 2 of links 1 and 2 (see torque_map).

@@ -96,7 +96,7 @@ def steepness(now):
 
 
 def is_one_way(side, x, b3, speed, found, rate):
-    """Whether the torque left keeps the sign of rate at the knots between: no balance is skipped."""
+    """Tell whether the torque left keeps the sign of rate at the knots between: no balance is skipped."""
     low = min(x.omega3, found)
     high = max(x.omega3, found)
     for n in range(int(side.count)):
@@ -148,7 +148,7 @@ def implicit_step(d, side, x, w, speed, speed_rate, h, first, allowed):
 
 
 def bend(h, begin, end):
-    """What the rate at the end leaves of the change of a rate over h, times h / 3."""
+    """Difference that the rate at the end leaves of the change of a rate over h, times h / 3."""
     return abs(h / 3.0 * (end[0] - begin[0] - h * end[1]))
 
 
@@ -162,7 +162,7 @@ def take_step(d, side, x, w, speed, speed_rate, h, first, allowed):
 
 
 def unbalanced(d, side, x, w, speed, fastest, allowed):
-    """What the energies of a step under a torque miss, over what they may: some errors of the speeds."""
+    """Energy residual of a step under a torque, relative to its tolerance: some errors of the speeds."""
     passed_on = x.load_torque * w.turned3
     gained = 0.5 * d.J3 * (w.next - x.omega3) * (w.next + x.omega3)
     square = fastest * fastest

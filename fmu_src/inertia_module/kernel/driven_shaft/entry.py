@@ -1,4 +1,4 @@
-"""The elastic output alone: hub of given speed, spring and damper, driven mass (DESIGN section 3).
+"""The elastic output alone: hub of given speed, spring and damper, driven mass (docs/driven_shaft.md).
 
     Ts = c delta + d (omega_h - omega4)      delta' = omega_h - omega4
     J4 omega4' = Ts - f omega4 - T_load + beta J4 omega_h'

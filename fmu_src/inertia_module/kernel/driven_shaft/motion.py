@@ -1,4 +1,4 @@
-"""What moves like the shaft, over a step: value at the end, integrals, integral of the square.
+"""Motion of the shaft over a step: value at the end, integrals, integral of the square.
 
 Twist, slip, speed of the driven mass and their rates all move as
 

@@ -99,7 +99,7 @@ def try_steps(d, x, w, limit):
 
 
 def zero_of(d, x, w, which, fastest):
-    """What a guard has to fall below to have fallen."""
+    """Threshold below which a guard counts as crossed."""
     if is_speed(x, which):
         taken = max(abs(x.omega2), max(abs(x.omega2 + w.followed[OMEGA2].change), abs(x.omega3)))
         return VELOCITY_ROUNDING * max(response(d, d.J2) * fastest, taken)
@@ -190,7 +190,7 @@ def meet_limits(d, x):
 
 
 def has_fallen(d, x, w, which):
-    """Whether a guard has, by the state at the end of the step in hand."""
+    """Tell whether a guard has, by the state at the end of the step in hand."""
     take_state(d, x)
     evaluate(d, x, w.given, w.load, True)
     x.step_evaluations += 1.0

@@ -1,4 +1,4 @@
-"""What freewheels and slip do from now on: the one of all combinations that hurts no condition.
+"""Complementarity problem: try every combination of states, take the one that violates no condition.
 
 0 <= omega2 _|_ Th + drag >= 0      0 <= omega3 - omega2 _|_ Tc + drag >= 0      slip _|_ what friction leaves
 """

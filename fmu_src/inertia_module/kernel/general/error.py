@@ -53,7 +53,7 @@ def speed_of_torque(d, x, w, fastest):
 
 
 def scale_of(d, x, w, n, fastest):
-    """What the error of a followed quantity is measured by."""
+    """Scale of the error of a followed quantity."""
     change = abs(w.followed[n].change)
     if n == Q:
         return 1.0

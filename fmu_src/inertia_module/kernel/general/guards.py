@@ -1,4 +1,4 @@
-"""What has to stay positive while the freewheels and the slip of links 1 and 2 do what they do.
+"""Guards: quantities that stay positive as long as freewheels and slip keep their states.
 
 Of a freewheel that overruns its speed, of one that is locked its torque with its drag. Of links that slip
 the slip by its sign, of links that stick together what is left of the friction that holds them. Of the meshes
@@ -29,7 +29,7 @@ def how_many_guards(d):
 
 
 def is_watched(d, x, which, rough):
-    """Whether this guard can end what is; rough: see states.is_rough."""
+    """Tell whether this guard can end what is; rough: see states.is_rough."""
     if which == SLIP:
         return rough
     if which >= FLOW:
@@ -38,7 +38,7 @@ def is_watched(d, x, which, rough):
 
 
 def is_speed(x, which):
-    """Whether the guard is a speed, else a torque."""
+    """Tell whether the guard is a speed, else a torque."""
     if which == HOUSING:
         return x.housing_state == OPEN
     if which == OUTPUT:
@@ -47,7 +47,7 @@ def is_speed(x, which):
 
 
 def is_spring(x, which):
-    """Whether the guard is the torque of a freewheel's spring."""
+    """Tell whether the guard is the torque of a freewheel's spring."""
     return which < SLIP and (x.housing_state if which == HOUSING else x.output_state) == WOUND
 
 
@@ -75,7 +75,7 @@ def watch(d, x, w, n):
 
 
 def is_clear(w, which):
-    """Whether a guard is far above zero, or grows away from its beginning, at all stages of the step."""
+    """Tell whether a guard is far above zero, or grows away from its beginning, at all stages of the step."""
     values = w.watched[which].value
     start = values[0]
     low = high = start

@@ -1,4 +1,4 @@
-"""Whether the meshes would jam: friction that grows faster with a torque than what the torque can do.
+"""Tell whether the meshes would jam: friction that grows faster with a torque than what the torque can do.
 
 Where the losses are large and links light, no motion, or more than one, agrees with the loads.
 """
@@ -15,7 +15,7 @@ ANGLES = 64
 
 
 def jams(d):
-    """Whether the equations of motion have no single solution at some angle, for some signs of the loads.
+    """Tell whether the equations have no single solution at some angle, for some signs of the loads.
 
     With the speed given only the loss of the mesh 17-6 can do it, by the angle B of the satellite alone.
     """
@@ -46,7 +46,7 @@ def turns_to_next_place(d):
 
 
 def jams_between(d, begin, length, count):
-    """Whether they jam at one of so many angles of the drive from begin on, rad."""
+    """Tell whether they jam at one of so many angles of the drive from begin on, rad."""
     for n in range(int(count)):
         q = begin + length * n / count
         i, _, _, b, _, g, _, _ = reduced_inertia(d, q)
@@ -65,7 +65,7 @@ def jams_between(d, begin, length, count):
 
 
 def jams_at(d, i, b_q, g, b, passed):
-    """The same at one angle and for some signs: see motion.accelerate_links."""
+    """Tell whether they jam at one angle and for some signs: see motion.accelerate_links."""
     k = d.k
     own2 = d.J2 + (0.0 if d.output != 0.0 else d.J3)
     if not own2 + passed * k * g > 0.0:

@@ -122,7 +122,7 @@ def accelerate_links(d, x, m, given, inertia, place, carried, resisting, fixed):
 
 
 def stick_links(d, x, m, given, inertia, place, carried, resisting):
-    """The same of links that stick together, and what is left of the friction that holds them, N m."""
+    """Accelerate links that stick together, and find the margin of the friction that holds them, N m."""
     i, i1, b, _, _, _ = inertia
     omega1 = m.omega1
     rest1 = d.b1 * omega1 + m.weight1

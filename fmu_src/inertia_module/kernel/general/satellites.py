@@ -1,4 +1,4 @@
-"""What resists the spin of the satellites: friction in their journals and in the mesh with wheel 17."""
+"""Resistance to the spin of the satellites: friction in their journals and in the mesh with wheel 17."""
 
 import math
 
@@ -8,7 +8,7 @@ from ..sine import sine_cosine
 
 
 def inertia_at(d, place):
-    """What motion.evaluate needs of inertia.reduced_inertia, of one bevel imbalance whose place is known."""
+    """Part of inertia.reduced_inertia for motion.evaluate, of one bevel imbalance whose place is known."""
     _, y, z, x1, y1, z1, x2, y2, z2 = place
     mass = d.mass
     return (

@@ -57,7 +57,7 @@ def how_many_move(d):
 
 
 def is_followed(d, n, moving):
-    """Whether this quantity is one of the motion or of the sums that there are."""
+    """Tell whether this quantity is one of the motion or of the sums that there are."""
     return n < moving or (n >= MOVING and (n != LOST + SHAFT or d.elastic != 0.0))
 
 
@@ -93,7 +93,7 @@ def weighed(n, rates):
 
 
 def power_of_freewheels(d, x, m):
-    """What drag and damping of both freewheels take, W: never less than nothing."""
+    """Power that drag and damping of both freewheels take, W, never below 0."""
     slip = m.omega3 - m.omega2
     lost = 0.0
     if x.housing_state == OPEN:

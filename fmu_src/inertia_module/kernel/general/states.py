@@ -1,4 +1,4 @@
-"""What the two freewheels and the slip of links 1 and 2 do, and what that allows."""
+"""States of the two freewheels and of the slip of links 1 and 2, and what they allow."""
 
 from ..codes import DRIVING, FREE, HELD, HELD_DRIVING
 
@@ -16,31 +16,31 @@ def contact_mode(x):
 
 
 def is_wound(x):
-    """Whether a freewheel is locked by its spring."""
+    """Tell whether a freewheel is locked by its spring."""
     return x.housing_state == WOUND or x.output_state == WOUND
 
 
 def is_rough(d):
-    """Whether something resists the slip of links 1 and 2 at any speed, so that they can stick together."""
+    """Tell whether something resists the slip of links 1 and 2 at any speed, so that they can stick."""
     return d.mesh_loss + d.satellite_loss + d.journal > 0.0
 
 
 def may_be_housing(d, x, state):
-    """Whether the housing freewheel may be in this state with these speeds."""
+    """Tell whether the housing freewheel may be in this state with these speeds."""
     if d.housing == 0.0:
         return state == OPEN
     return may_be(x.omega2, d.housing_stiffness, x.wound_housing, state)
 
 
 def may_be_output(d, x, state):
-    """The same of the output freewheel; without one link 2 is locked to the output."""
+    """Tell whether the output freewheel may be in this state; without one link 2 is locked to the output."""
     if d.output == 0.0:
         return state == LOCKED
     return may_be(x.omega3 - x.omega2, d.freewheel_stiffness, x.wound_output, state)
 
 
 def may_be(speed, stiffness, wound, state):
-    """Whether a freewheel of this speed and wind-up may be in this state."""
+    """Tell whether a freewheel of this speed and wind-up may be in this state."""
     if stiffness != 0.0 and (wound != 0.0 or speed < 0.0):
         return state == WOUND
     if state == OPEN:
@@ -51,7 +51,7 @@ def may_be(speed, stiffness, wound, state):
 
 
 def may_slip(d, x, sign):
-    """Whether the slip may have this sign, 0 for links that stick together."""
+    """Tell whether the slip may have this sign, 0 for links that stick together."""
     if not is_rough(d):
         return sign > 0.0
     slip = x.omega1 - x.omega2

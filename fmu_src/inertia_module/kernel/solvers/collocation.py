@@ -74,7 +74,7 @@ def fit(vector, target):
 
 
 def fit_integral(rates, start, h, target):
-    """The same (six coefficients) of start plus the integral of these rates."""
+    """Polynomial (six coefficients) of start plus the integral of these rates."""
     fit(rates, target)
     for back in range(STAGES):
         m = STAGES - 1 - back

@@ -114,7 +114,7 @@ def rounding_of(x, which):
 
 
 def zero_of(d, x, w, which, fastest):
-    """What a guard has to fall below to have fallen: velocities by what link 2 and the hub take on."""
+    """Threshold below which a guard counts as crossed: velocities by what link 2 and the hub take on."""
     mode = x.mode
     if rounding_of(x, which) == VELOCITY_ROUNDING:
         taken = max(abs(x.omega2), abs(x.omega3))
@@ -131,7 +131,7 @@ def zero_of(d, x, w, which, fastest):
 
 
 def is_clear(d, x, w, which, followed, bend):
-    """Whether a guard stays positive in the step, by its ends (its end alone if stiffness is damped out)."""
+    """Tell whether a guard stays positive in the step, by its ends (its end if stiffness is damped out)."""
     value1, rate1 = collocated_guard(d, x, w, which, 1.0)
     if value1 < 0.0:
         return False

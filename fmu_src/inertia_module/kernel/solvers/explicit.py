@@ -37,7 +37,7 @@ SHORT_GROWTH = 1.05
 
 
 def has_cusp(d, w):
-    """Whether the inertia behind link 2, or that of link 1 under its torque, is at some angle far below
+    """Tell whether the inertia behind link 2, or that of link 1 under its torque, is at some angle far below
     its largest.
     """
     if d.by_torque != 0.0 and d.J1 < CUSP_RATIO * d.F_by_alpha1:
@@ -152,7 +152,7 @@ def try_steps(d, x, w, limit):
 
 
 def end_of_step(d, x, w, last):
-    """What guards.instant says at the end of the step in hand, kept as its last stage."""
+    """Keep what guards.instant gives at the end of the step in hand as its last stage."""
     end1 = x.omega1 + w.change1
     end2 = x.omega2 + w.change2
     end = instant(d, x, w, x.q + w.change_q, end1, end2)

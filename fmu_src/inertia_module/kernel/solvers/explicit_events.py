@@ -30,7 +30,7 @@ def torque_bound(d, x, w, fastest):
 
 
 def is_quiet(d, x, w, which, begin, end):
-    """Whether the ends of a short step tell that a guard does not fall within."""
+    """Tell whether the ends of a short step tell that a guard does not fall within."""
     h = w.step
     value0, rate0 = guard(d, x, w, which, 0.0, x.omega2, begin[1], begin[2], begin[3], begin[4])
     value1, rate1 = guard(d, x, w, which, h, x.omega2 + w.change2, end[1], end[2], end[3], end[4])
@@ -44,7 +44,7 @@ def is_quiet(d, x, w, which, begin, end):
 
 
 def zero_of(d, x, w, which, fastest):
-    """What a guard has to fall below to have fallen."""
+    """Threshold below which a guard counts as crossed."""
     if is_held(x) or (which == OUTPUT and x.mode == DRIVING):
         return TORQUE_ROUNDING * torque_bound(d, x, w, fastest)
     taken = max(abs(x.omega2), max(abs(x.omega2 + w.change2), abs(x.omega3)))

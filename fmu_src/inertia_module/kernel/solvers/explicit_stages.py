@@ -73,7 +73,7 @@ def evaluate_stages(d, x, w):
 
 
 def evaluate_short_stages(d, x, w):
-    """The same for the pair of order 5."""
+    """Make the stages of the pair of order 5."""
     q, o1, o2 = w.rate_q, w.rate_omega1, w.rate_omega2
     evaluate(d, x, w, 1, SHORT_NODES[1], short_sum_1(q), short_sum_1(o1), short_sum_1(o2))
     evaluate(d, x, w, 2, SHORT_NODES[2], short_sum_2(q), short_sum_2(o1), short_sum_2(o2))

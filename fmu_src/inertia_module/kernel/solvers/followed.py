@@ -34,7 +34,7 @@ def slowest_rate(d, compliance):
 
 
 def is_slow(d, compliance, pulse_rate):
-    """Whether the shaft is too slow for what pulses excite of its own motion to be damped out."""
+    """Tell whether the shaft is too slow for what pulses excite of its own motion to be damped out."""
     return slowest_rate(d, compliance) ** 2 <= d.followed * pulse_rate * pulse_rate
 
 
@@ -56,7 +56,7 @@ def swing_of_load(d, x, compliance, pulse_rate, fastest, rate_relative):
 
 
 def is_stiff(d, x, omega1):
-    """Whether the shaft is too stiff for its own motion to be followed, omega1 jumping to this value."""
+    """Tell whether the shaft is too stiff for its own motion to be followed, omega1 jumping to this value."""
     compliance = 1.0 / (d.J3 + inertia_at_output(d, x.q))
     shaft = max(abs(x.omega3), abs(x.omega3 - x.relative))
     speeds = max(max(abs(x.omega1), abs(omega1)), shaft)

@@ -31,7 +31,7 @@ def take_drags(w, held, h):
 
 
 def lose_by_drag(w, held, h):
-    """What drag has taken, and whether a mean slip went against its drag (w.reversed)."""
+    """Energy that drag has taken, and whether a mean slip went against its drag (w.reversed)."""
     mean2 = 0.0 if held else (w.angle1 - w.new_slip_angle) / h
     housing = w.drag * mean2
     output = w.overrun * (w.mean3 - mean2)

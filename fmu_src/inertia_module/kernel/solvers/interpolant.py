@@ -97,7 +97,7 @@ def dense_rate_bend(dense):
 
 
 def short_error_norm(w, scale_q, scale_omega2, others, scale_others):
-    """The same for a step of the pair of order 5: root of the mean square."""
+    """Error of a step of the pair of order 5: root of the mean square."""
     q = fourth(w.rate_q) / scale_q
     v = fourth(w.rate_omega2) / scale_omega2
     square = q * q + v * v
@@ -121,7 +121,7 @@ def integral(w, values, sigma):
 
 
 def inside_weights(sigma, weights):
-    """What dense_change at the fraction sigma weighs the rates at the stages with, into weights."""
+    """Write the weights of the rates at the stages in dense_change at the fraction sigma into weights."""
     rest = 1.0 - sigma
     for n in range(STAGES):
         whole = RESULT[n] if n < END else 0.0

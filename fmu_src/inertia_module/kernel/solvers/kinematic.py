@@ -66,7 +66,7 @@ def add_node(d, x, ratio, omega1, alpha1, t, weight):
 
 
 def same_signs(d, flow, spin):
-    """Whether the torques in d.machine, by whose signs the meshes lose, are of these signs."""
+    """Tell whether the torques in d.machine, by whose signs the meshes lose, are of these signs."""
     return (d.machine.torque < 0.0) == flow and (d.satellite_loss == 0.0 or d.machine.spin_signs == spin)
 
 

@@ -111,7 +111,7 @@ def move_links(d, x, w, carried, load, gain, given, h):
 
 
 def turn_link1(d, x, w, given, h):
-    """The same with link 2 held: link 1 turns the inertia Phi."""
+    """Step of link 1 with link 2 held: link 1 turns the inertia Phi."""
     inertia = inertia_of_link1(d, x.i, x.b, x.g)
     end_inertia = inertia_of_link1(d, w.end_i, w.end_b, w.end_g)
     w.reached = 1.0

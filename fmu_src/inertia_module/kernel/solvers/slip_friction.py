@@ -14,7 +14,7 @@ STOPPED = 1e-14
 
 
 def load_satellites(d, x, w, h):
-    """What journals and the mesh 17-6 resist q with in the middle of the step that w has found."""
+    """Resistance of journals and the mesh 17-6 to q in the middle of the step that w has found."""
     alpha1 = (w.end1 - x.omega1) / h
     mean_slip = w.new_slip_angle / h
     rate2_q = d.k * ((w.end1 - w.end2) - (x.omega1 - x.omega2)) / h

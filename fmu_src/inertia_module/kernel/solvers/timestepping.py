@@ -111,7 +111,7 @@ def follow(d, x, w, held, joined, given, h):
 
 
 def follow_contacts(d, x, w, given, h):
-    """The same with contacts as below; without drag in a step that would turn back against it."""
+    """A step with contacts as below; without drag in a step that would turn back against it."""
     end2, end3, output, mode = follow_closed(d, x, w, given, h)
     if w.reversed != 0.0:
         w.dragging = 0.0
@@ -121,7 +121,7 @@ def follow_contacts(d, x, w, given, h):
 
 
 def follow_closed(d, x, w, given, h):
-    """The same; what touches at the beginning stays together where nothing pulls it apart."""
+    """A step in which a closed freewheel stays closed unless the contact force is negative."""
     always = d.output == 0.0
     joined = always or x.omega3 == x.omega2
     end2, end3, output, mode = follow(d, x, w, False, joined, given, h)
