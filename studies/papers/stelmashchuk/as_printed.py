@@ -2,7 +2,8 @@
 
 The page calls v what is nu here. It does not say what nu0, chi and nu1 are; the names below reproduce
 every printed R. Errors kept: 4 pi^2 Pi in R'' (should be 4 pi Pi), the bracket in C1 of phase III
-(R0' belongs inside), B of phase III, which is not defined (2 is right). Only Pi < nu is covered.
+(R0' belongs inside), B of phase III, which is not defined (2 is right). Only Pi < nu is covered, and no
+resonance without friction.
 
 kappa: from the beginning of a phase, numbers or arrays of shape (n,), as the results, all without unit;
 C: constants (C1, C2) of a phase.
@@ -14,36 +15,29 @@ from typing import Any
 
 import numpy as np
 
-from inertia_module.loops.stepping import HALF, phase_of, phase_starts
+from inertia_module.loops.stepping import phase_of, phase_starts
 
-from ..forms import Forms, Formulas
-from .criteria import Criteria
+from ..forms import Forms, Row, tables
+from .exact import Criteria
 
 Pair = tuple[Any, Any]
 
 
-def printed(criteria: Criteria, kappa2: float, B: float = 2.0) -> Forms:
+def printed(criteria: Criteria, kappa2: float, **known: Any) -> Forms:
     """Abbreviations and constants of the page, each fed with the printed ones before it.
 
     Args:
-        criteria: nu and Pi. kappa2: length of phase II. B: not defined on the page; the velocity of phase
-            II, 2, makes a continuous.
-
-    Raises:
-        ValueError: Pi >= nu, where nu1 is not a real number above 0, or chi = 0 (Pi = 0, nu = 2 pi).
+        criteria: nu and Pi. kappa2: length of phase II. known: quantities in place of the printed; B is not
+            defined on the page: the velocity of phase II, 2, makes a continuous.
     """
-    nu, Pi = criteria.nu, criteria.Pi
-    s = Forms(PRINTED, nu=nu, Pi=Pi, kappa2=kappa2, B=B)
-    if nu <= Pi or s.chi == 0.0:
-        raise ValueError(f"the printed form covers Pi < nu without resonance only, not nu = {nu}, Pi = {Pi}")
-    return s
+    return Forms(PRINTED, **{"nu": criteria.nu, "Pi": criteria.Pi, "kappa2": kappa2, "B": 2.0} | known)
 
 
-def free_part(s: Forms, kappa: Any, C: Pair) -> Pair:
+def free_part(kappa: Any, C: Pair, nu1: float, Pi: float) -> Pair:
     """exp(-Pi kappa)(C1 sin nu1 kappa + C2 cos nu1 kappa), the solution of (4) less R, and its derivative."""
-    fading, sine, cosine = np.exp(-s.Pi * kappa), np.sin(s.nu1 * kappa), np.cos(s.nu1 * kappa)
+    fading, sine, cosine = np.exp(-Pi * kappa), np.sin(nu1 * kappa), np.cos(nu1 * kappa)
     swing = C[0] * sine + C[1] * cosine
-    return fading * swing, fading * (s.nu1 * (C[0] * cosine - C[1] * sine) - s.Pi * swing)
+    return fading * swing, fading * (nu1 * (C[0] * cosine - C[1] * sine) - Pi * swing)
 
 
 def free_acceleration(s: Forms, kappa: Any, C: Pair) -> Any:
@@ -72,45 +66,28 @@ def acceleration(s: Forms, kappa: Any) -> Any:
     return free + np.choose(number, [1.0, 0.0, -1.0, 0.0]) * particular_acceleration(s, local)
 
 
-def _phase_1(s: Any) -> Pair:
-    R0 = 2.0 * s.Pi * (s.nu0 / s.chi - 1.0 / s.nu**2)
-    R0_rate = 1.0 - s.nu0**2 / s.chi
-    return -(R0_rate + s.Pi * R0) / s.nu1, -R0
-
-
-def _phase_2(s: Any) -> Pair:
-    free, free_rate = free_part(s, HALF, s.C_I)
-    a = free + 0.5 - 2.0 * s.Pi * (s.nu0 / s.chi + 1.0 / s.nu**2)
-    a_rate = free_rate + 1.0 + s.nu0**2 / s.chi
-    C2 = a + 4.0 * s.Pi / s.nu**2 - 0.5
-    return (s.Pi * C2 + a_rate - 2.0) / s.nu1, C2
-
-
-def _phase_3(s: Any) -> Pair:
-    free, free_rate = free_part(s, s.kappa2, s.C_II)
-    a = free + 0.5 - 4.0 * s.Pi / s.nu**2 + 2.0 * s.kappa2
-    a_rate = free_rate + 2.0
-    R0 = 0.5 + s.B * s.kappa2 - 2.0 * s.Pi * (1.0 / s.nu**2 + s.nu0 / s.chi)
-    R0_rate = 1.0 + s.nu0**2 / s.chi
+# R at the beginning of a phase and a at the end, with their rates; C1 and C2 from those of the phase before
+ROWS = (
+    Row("", "nu0", "nu**2 - 4 * pi**2"),
+    Row("", "chi", "nu0**2 + (4 * pi * Pi) ** 2"),
+    Row("", "nu1", "sqrt(nu**2 - Pi**2)"),
+    Row("", "R_I, R_I_rate", "2 * Pi * (nu0 / chi - 1 / nu**2), 1 - nu0**2 / chi"),
+    Row("C I", "C_I", "-(R_I_rate + Pi * R_I) / nu1, -R_I"),
+    Row("", "free_I, free_I_rate", "free_part(0.5, C_I, nu1, Pi)"),
+    Row("", "a_I", "free_I + 0.5 - 2 * Pi * (nu0 / chi + 1 / nu**2)"),
+    Row("", "a_I_rate", "free_I_rate + 1 + nu0**2 / chi"),
+    Row("", "C2_II", "a_I + 4 * Pi / nu**2 - 0.5"),
+    Row("C II", "C_II", "(Pi * C2_II + a_I_rate - 2) / nu1, C2_II"),
+    Row("", "free_II, free_II_rate", "free_part(kappa2, C_II, nu1, Pi)"),
+    Row("", "a_II, a_II_rate", "free_II + 0.5 - 4 * Pi / nu**2 + 2 * kappa2, free_II_rate + 2"),
+    Row("", "R_III", "0.5 + B * kappa2 - 2 * Pi * (1 / nu**2 + nu0 / chi)"),
+    Row("", "R_III_rate", "1 + nu0**2 / chi"),
     # the bracket closes too early
-    return (a_rate + s.Pi * (a - R0)) / s.nu1 - R0_rate, a - R0
-
-
-def _phase_4(s: Any) -> Pair:
-    free, free_rate = free_part(s, HALF, s.C_III)
-    a = free + 1.0 + 2.0 * s.kappa2 - 2.0 * s.Pi * (1.0 / s.nu**2 - s.nu0 / s.chi)
-    a_rate = free_rate + 1.0 - s.nu0**2 / s.chi
-    C2 = a - 1.0 - 2.0 * s.kappa2
-    return (a_rate + s.Pi * C2) / s.nu1, C2
-
-
-PRINTED: Formulas = {
-    "nu0": lambda s: s.nu**2 - 4.0 * np.pi**2,
-    "chi": lambda s: s.nu0**2 + (4.0 * np.pi * s.Pi) ** 2,
-    "nu1": lambda s: np.sqrt(s.nu**2 - s.Pi**2),
-    # C1, C2 of the phases, from a and a' at the end of the phase before
-    "C_I": _phase_1,
-    "C_II": _phase_2,
-    "C_III": _phase_3,
-    "C_IV": _phase_4,
-}
+    Row("C III", "C_III", "(a_II_rate + Pi * (a_II - R_III)) / nu1 - R_III_rate, a_II - R_III"),
+    Row("", "free_III, free_III_rate", "free_part(0.5, C_III, nu1, Pi)"),
+    Row("", "a_III", "free_III + 1 + 2 * kappa2 - 2 * Pi * (1 / nu**2 - nu0 / chi)"),
+    Row("", "a_III_rate", "free_III_rate + 1 - nu0**2 / chi"),
+    Row("", "C2_IV", "a_III - 1 - 2 * kappa2"),
+    Row("C IV", "C_IV", "(a_III_rate + Pi * C2_IV) / nu1, C2_IV"),
+)
+PRINTED, _ = tables(ROWS, free_part)
