@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Arc, Circle
 
 from inertia_module.common.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION
 
@@ -21,40 +20,33 @@ from ..lysenko.equations import EXAMPLE as M
 from ..lysenko.equations import EXAMPLE_SPEED as W
 from .drawing import BROKEN, CENTRED, CHAIN, DOTTED, SMALL, Panel, draw, dress, mechanism, sheet, wheels
 
+View = tuple[float, float, float, float]
+ARROW = {"arrowstyle": "-|>", "linewidth": 1.6, "shrinkA": 0, "shrinkB": 0}
 # a, b and c differ from 1, so that no two points are one
 LAYOUT = replace(GENERAL, epsilon=0.0, gamma=0.0)
 # where the dynamic mode is drawn: share of a turn of the drive
 INSTANT = 0.08
 # Lysenko's mechanism is drawn at this angle, rad
 SHOWN = np.radians(130.0)
+AT, TURN = lysenko.exact(M, SHOWN, W), np.exp(1j * M.b * SHOWN)
 
 
 class Sketch:
     """A drawing in the plane of complex numbers, mm.
 
     Args:
-        axes: to draw in. abscissa, ordinate: names of the coordinates.
-        view: left, right, bottom, top, mm.
+        axes: to draw in. plane: names of both coordinates. view: left, right, bottom, top, mm.
     """
 
-    def __init__(
-        self,
-        axes: Axes,
-        abscissa: str,
-        ordinate: str,
-        view: tuple[float, float, float, float],
-        title: str = "",
-    ) -> None:
+    def __init__(self, axes: Axes, plane: str, view: View, title: str = "") -> None:
         self.axes = axes
         axes.set_aspect("equal")
         axes.axis(view)
-        dress(axes, f"${abscissa}$ [mm]", f"${ordinate}$ [mm]", title)
+        dress(axes, f"${plane[0]}$ [mm]", f"${plane[1]}$ [mm]", title)
 
-    def line(self, *places: complex, colour: str = BLACK, name: str = "", **look: Any) -> None:
-        """A line through places, its name in the middle of the first part."""
-        points = np.array(places)
-        self.axes.plot(points.real, points.imag, color=colour, **{"linewidth": 1.3, **look})
-        self.write(0.5 * (points[0] + points[1]), name, colour)
+    def line(self, *places: complex, colour: str = BLACK, **look: Any) -> None:
+        """A line through places."""
+        self.axes.plot(np.real(places), np.imag(places), color=colour, **{"linewidth": 1.3, **look})
 
     def write(self, place: complex, text: str, colour: str = BLACK) -> None:
         """A text about a place."""
@@ -62,57 +54,62 @@ class Sketch:
 
     def point(self, place: complex, name: str, aside: complex, colour: str = BLACK) -> None:
         """A point, its name aside."""
-        self.axes.plot(place.real, place.imag, "o", color=colour, markersize=4, zorder=4)
+        self.line(place, colour=colour, marker="o", markersize=4, zorder=4)
         self.write(place + aside, name, colour)
 
     def arrow(self, start: complex, along: complex, colour: str, name: str = "", line: Any = "-") -> None:
         """An arrow, its name beyond the tip."""
         end = start + along
-        look = {
-            "arrowstyle": "-|>",
-            "color": colour,
-            "linewidth": 1.6,
-            "linestyle": line,
-            "shrinkA": 0,
-            "shrinkB": 0,
-        }
+        look = {"color": colour, "linestyle": line} | ARROW
         self.axes.annotate("", (end.real, end.imag), (start.real, start.imag), arrowprops=look)
         self.write(end + 7.0 * along / abs(along), name, colour)
 
     def arc(self, corner: complex, start: complex, angle: float, radius: float, name: str) -> None:
         """An angle, rad, about a corner from a direction, its name in the middle."""
-        begin = np.degrees(np.angle(start))
-        low, high = sorted((begin, begin + np.degrees(angle)))
-        self.axes.add_patch(Arc((corner.real, corner.imag), 2 * radius, 2 * radius, theta1=low, theta2=high))
-        self.write(corner + (radius + 7.0) * start / abs(start) * np.exp(0.5j * angle), name)
+        turned = start / abs(start) * np.exp(1j * np.linspace(0.0, angle, 41))
+        self.line(*(corner + radius * turned))
+        self.write(corner + (radius + 7.0) * turned[20], name)
+
+
+def linkage(axes: Axes, plane: str, motion: Motion, share: float, title: str) -> tuple[Sketch, Any]:
+    """O, Q, A and D of Karetin's mechanism after a share of a turn of the drive, seen on a plane.
+
+    Returns:
+        The drawing; what makes places on it of places, m, shape (3,) or (3, n).
+    """
+    drawn = Sketch(axes, plane, (-130.0, 140.0, -125.0, 90.0), title)
+    one, other = ("xyz".index(axis) for axis in plane)
+
+    def seen(place: Any) -> Any:
+        return 1e3 * (place[one] + 1j * place[other])
+
+    now = exact(LAYOUT, motion, share * period(LAYOUT, motion) / LAYOUT.turns_in_period)
+    apex = np.array([0.0, 0.0, LAYOUT.OQ])
+    Q, A = (seen(turned_x(place, now.theta)) for place in (apex, now.centre_of_satellite))
+    D = seen(now.position)
+    drawn.line(0j, Q, A, linewidth=2.0)
+    drawn.line(A, D, colour=ORANGE, linewidth=2.4)
+    drawn.point(0j, "$O$", -8 - 7j)
+    drawn.point(Q, "$Q$", -9 + 5j)
+    drawn.point(A, "$A$", 9 + 3j)
+    drawn.point(D, "$P$" if plane == "yz" else "$D$", 10 - 2j, VERMILION)
+    return drawn, seen
 
 
 def layout(axes: Axes) -> None:
     """Karetin's layout in section, xOz at the time 0."""
     g = LAYOUT
     told = f"a) layout: AD, QA, OQ = {1e3 * g.AD:.1f}, {1e3 * g.QA:.1f}, {1e3 * g.OQ:.1f} mm"
-    drawn = Sketch(axes, "x", "z", (-130.0, 140.0, -125.0, 90.0), told)
-    along = np.exp(1j * (g.shaft_angle - 0.5 * np.pi))
-    Q = 1e3j * g.OQ
-    A, K, wheel = (
-        Q + 1e3 * g.QA * along,
-        Q + 1e3 * g.L * np.cos(g.phi) * along,
-        Q - 1e3j * g.L * np.cos(g.psi),
-    )
-    D, rim, radius = A - 1e3j * g.AD * along, -1e3j * g.L * np.sin(g.phi) * along, 1e3 * g.wheel_radius
-    drawn.line(Q, wheel - radius, wheel + radius, Q, colour=GREY)
-    drawn.line(Q, K - rim, K + rim, Q, colour=BLUE)
+    drawn, seen = linkage(axes, "xz", STOP, 0.0, told)
+    Q, *rims = (seen(place) for place in pitch_cones(g))
+    for rim, colour in zip(rims, (GREY, BLUE), strict=True):
+        drawn.line(Q, rim[0], rim[60], Q, colour=colour)
+    centre, K = (0.5 * (rim[0] + rim[60]) for rim in rims)
     drawn.line(-125.0, 135.0, linewidth=0.8, linestyle=CHAIN)
-    drawn.line(wheel, Q, linewidth=0.8, linestyle=CHAIN)
-    drawn.line(0j, Q, A, linewidth=2.0)
-    drawn.line(A, D, colour=ORANGE, linewidth=2.4)
-    drawn.point(0j, "$O$", -7 - 6j)
-    drawn.point(Q, "$Q$", -8 + 4j)
-    drawn.point(A, "$A$", 9 + 2j)
+    drawn.line(centre, Q, linewidth=0.8, linestyle=CHAIN)
     drawn.point(K, "$K$", -6 + 8j)
-    drawn.point(wheel, "$O_r$", -9 - 5j)
-    drawn.point(wheel + radius, "$Π$", 2 - 8j)
-    drawn.point(D, "$D$", 10, VERMILION)
+    drawn.point(centre, "$O_r$", -9 - 5j)
+    drawn.point(rims[0][0], "$Π$", 2 - 8j)
     drawn.arc(Q, -1j, g.psi, 28.0, "$ψ$")
     drawn.arc(Q, -1j * np.exp(1j * g.psi), g.phi, 34.0, "$φ$")
     places = {"17": -52 - 28j, "6": 64 + 48j, "16, $ω_{16}$": 60j, "link 1, $ω_1$": -96 + 9j}
@@ -122,29 +119,15 @@ def layout(axes: Axes) -> None:
 
 def mode(axes: Axes, motion: Motion, title: str) -> None:
     """Karetin's mechanism seen along Ox, which comes towards the reader, with a turn of the drive."""
-    drawn = Sketch(axes, "y", "z", (-130.0, 140.0, -125.0, 90.0), title)
-    span = period(LAYOUT, motion) / LAYOUT.turns_in_period
-    now = exact(LAYOUT, motion, [INSTANT * span])
-
-    def seen(place: Any) -> Any:
-        return 1e3 * (place[1] + 1j * place[2])
-
-    path = seen(exact(LAYOUT, motion, np.linspace(0.0, span, 361)).position)
-    D, A = (complex(seen(place)[0]) for place in (now.position, turned_x(now.centre_of_satellite, now.theta)))
-    turn = motion.carrier * INSTANT * span
-    Q = 1e3j * LAYOUT.OQ * np.exp(1j * turn)
-    drawn.axes.plot(path.real, path.imag, color=VERMILION, linewidth=1.2, label="P")
-    drawn.line(0j, Q, A, linewidth=2.0)
-    drawn.line(A, D, colour=ORANGE, linewidth=2.4)
+    drawn, seen = linkage(axes, "yz", motion, INSTANT, title)
+    times = np.linspace(0.0, period(LAYOUT, motion) / LAYOUT.turns_in_period, 361)
+    D = seen(exact(LAYOUT, motion, INSTANT * times[-1]).position)
+    drawn.line(*seen(exact(LAYOUT, motion, times).position), colour=VERMILION, label="P")
     drawn.line(0j, D, colour=GREY, linestyle=BROKEN)
-    drawn.point(0j, "$O$", -8 - 7j)
-    drawn.point(Q, "$Q$", -9 + 5j)
-    drawn.point(A, "$A$", 9 + 3j)
-    drawn.point(D, "$P$", 10 - 2j, VERMILION)
     drawn.arc(0j, 1j, np.angle(D / 1j), 34.0, "$β_P$")
-    if turn:
+    if motion.carrier:
         drawn.line(0j, 60j, linewidth=0.8, linestyle=CHAIN)
-        drawn.arc(0j, 1j, turn, 16.0, "$ω_1t$")
+        drawn.arc(0j, 1j, motion.carrier * INSTANT * times[-1], 16.0, "$ω_1t$")
 
 
 def figure_1() -> Figure:
@@ -230,7 +213,7 @@ def arms() -> Figure:
 
         path, V, foot_of_O = (seen(v) for v in (MOVING.position, 4e-3 * MOVING.velocity, MOVING.feet[n]))
         mass, arrow, end = path[at], V[at], foot_of_O[at]
-        drawn = Sketch(grid[0, n], plane[0], plane[2], (-200, 200, -200, 200), plane)
+        drawn = Sketch(grid[0, n], plane[::2], (-200, 200, -200, 200), plane)
         drawn.axes.plot(path.real, path.imag, color=GREY, linewidth=0.8, label=f"${point}$")
         drawn.axes.axline(
             (mass.real, mass.imag), (end.real, end.imag), color=GREY, linestyle=BROKEN, linewidth=0.8
@@ -249,24 +232,22 @@ def arms() -> Figure:
     return figure
 
 
-def wheels_at(axes: Axes, view: tuple[float, float, float, float]) -> tuple[Sketch, complex, complex]:
+def wheels_at(axes: Axes, view: View) -> tuple[Sketch, complex, complex]:
     """Lysenko's wheels 1 and 2, carrier 3, imbalance and its epicycloid 4.
 
     Returns:
         The drawing; places of the axis of wheel 1 and of the imbalance, mm.
     """
-    drawn, turn = Sketch(axes, "X", "Y", view), np.exp(1j * M.b * SHOWN)
-    e = lysenko.exact(M, SHOWN, W)
-    centre, mass = 1e3 * e.D * turn, complex(1e3 * e.place * turn)
+    drawn, around = Sketch(axes, "XY", view), np.exp(2j * np.pi * np.linspace(0.0, 1.0, 721))
     x, y = lysenko.exact(M, np.linspace(0.0, 2.0 * np.pi / M.b, 721)).epicycloid
-    axes.plot(1e3 * x, 1e3 * y, color=GREY, linewidth=1.0, label="epicycloid")
-    for middle, radius, colour in ((0j, M.R0, GREY), (centre, M.r, BLUE)):
-        axes.add_patch(
-            Circle((middle.real, middle.imag), 1e3 * radius, fill=False, color=colour, linewidth=1.6)
-        )
+    centre, mass = 1e3 * AT.D * TURN, complex(1e3 * AT.place * TURN)
+    drawn.line(*(1e3 * (x + 1j * y)), colour=GREY, label="epicycloid")
+    drawn.line(*(1e3 * M.R0 * around), colour=GREY, linewidth=1.6)
+    drawn.line(*(centre + 1e3 * M.r * around), colour=BLUE, linewidth=1.6)
     drawn.line(0j, centre)
     drawn.line(centre, mass, colour=BLUE)
-    drawn.line(0j, mass, name="$ρ$", linestyle=BROKEN)
+    drawn.line(0j, mass, linestyle=BROKEN)
+    drawn.write(0.5 * mass, "$ρ$")
     drawn.point(0j, "$O$", -5 - 5j)
     drawn.point(centre, "$O_1$", -8 + 3j)
     drawn.point(mass, "$S$", 3 - 7j, VERMILION)
@@ -284,52 +265,54 @@ def epicycloid() -> Figure:
     return figure
 
 
-def forces() -> Figure:
-    """Lysenko's angles and speeds of (6) to (8) and (13), forces and arms of (3) to (5) and (11) to (14)."""
-    e, page = lysenko.exact(M, SHOWN, W), lysenko.printed(M, SHOWN, W)
-    arms_told = f"its arms as printed k1 = {1e3 * page.k1:.1f} and k2 = {1e3 * page.k2:.1f} mm"
-    told = f"exact (Fk lies behind F1, on one line: k1 = 0), grey Fk as printed, {arms_told}"
-    figure = sheet(9.4, 5.0, f"At α = 130°, {told}. {wheels()}")
-    left, right = (wheels_at(axes, (-12, 132, -12, 112)) for axes in figure.subplots(1, 2))
-    drawn, centre, mass = left
-    turn = np.exp(1j * M.b * SHOWN)
-    spoke, velocity = complex(e.spoke * turn), complex(e.velocity * turn)
-    outward = spoke / M.arm
-    # 45 mm for V
-    scale = 45.0 / e.V
+def speeds(axes: Axes) -> None:
+    """Lysenko's angles and speeds of (6) to (8) and (13), 45 mm for V."""
+    drawn, _, mass = wheels_at(axes, (-12, 132, -12, 112))
+    spoke, velocity, scale = complex(AT.spoke * TURN), complex(AT.velocity * TURN), 45.0 / AT.V
     drawn.arrow(mass, scale * 1j * W * spoke, BLUE, "$V_1$")
     drawn.arrow(mass, scale * 1e-3j * M.b * W * mass, GREEN, "$V_2$")
     drawn.arrow(mass, scale * velocity, VERMILION, "$V$")
-    drawn.line(mass, mass + 30.0 * outward, colour=GREY, linestyle=BROKEN)
-    drawn.line(mass, mass + 30.0 * mass / abs(mass), colour=GREY, linestyle=BROKEN)
-    drawn.arc(mass, spoke, float(e.beta1), 22.0, "$β_1$")
-    drawn.arc(mass, velocity, float(e.delta), 30.0, "$δ$")
-    speeds = f"{M.arm * W:.2f}, {e.rho * M.b * W:.2f}, {e.V:.2f} m/s"
-    drawn.axes.set_title(f"angles and speeds: $V_1, V_2, V$ = {speeds}", loc="left", fontsize=9)
+    for direction in (spoke, mass):
+        drawn.line(mass, mass + 30.0 * direction / abs(direction), colour=GREY, linestyle=BROKEN)
+    drawn.arc(mass, spoke, float(AT.beta1), 22.0, "$β_1$")
+    drawn.arc(mass, velocity, float(AT.delta), 30.0, "$δ$")
+    sizes = f"{AT.V1:.2f}, {AT.V2:.2f}, {AT.V:.2f} m/s"
+    axes.set_title(f"angles and speeds: $V_1, V_2, V$ = {sizes}", loc="left", fontsize=9)
 
-    drawn, centre, mass = right
+
+def forces(axes: Axes, page: Any) -> None:
+    """Lysenko's forces and arms of (3) to (5) and (11) to (14), 24 mm for F1; grey as printed."""
+    drawn, centre, mass = wheels_at(axes, (-12, 132, -12, 112))
+    outward, scale = complex(AT.spoke * TURN) / M.arm, 24.0 / AT.F1
     wrong = outward * np.exp(1j * (page.beta1 - page.delta))
-
-    def arm(of: complex, direction: complex, colour: str, name: str, aside: complex) -> None:
-        """The perpendicular from a point on the line of a force through the imbalance."""
-        unit = direction / abs(direction)
-        foot = mass + ((of - mass) * unit.conjugate()).real * unit
+    for of, along, colour, name, aside in (
+        (0j, outward, GREEN, "$n_1 = k_2$", 15 + 6j),
+        (centre, mass / abs(mass), PURPLE, "$n_2$", 8 - 9j),
+        (centre, wrong, GREY, "$k_1$", -6 - 2j),
+        (0j, wrong, GREY, "$k_2$", -5 + 0j),
+    ):
+        # of the perpendicular from a point on the line of a force through the imbalance
+        foot = mass + ((of - mass) * np.conj(along)).real * along
         drawn.line(mass, foot, colour=colour, linestyle=BROKEN)
         drawn.line(of, foot, colour=colour, linestyle=DOTTED)
         drawn.write(0.5 * (of + foot) + aside, name, colour)
-
-    arm(0j, outward, GREEN, "$n_1 = k_2$", 15 + 6j)
-    arm(centre, mass, PURPLE, "$n_2$", 8 - 9j)
-    arm(centre, wrong, GREY, "$k_1$", -6 - 2j)
-    arm(0j, wrong, GREY, "$k_2$", -5 + 0j)
-    # 24 mm for F1
-    scale = 24.0 / e.F1
-    drawn.arrow(mass, scale * (e.F1 + e.Fk) * outward, ORANGE, "$F_k$")
-    drawn.arrow(mass, scale * e.F1 * outward, GREEN, "$F_1$")
-    drawn.arrow(mass, scale * e.F2 * mass / abs(mass), PURPLE, "$F_2$")
+    drawn.arrow(mass, scale * (AT.F1 + AT.Fk) * outward, ORANGE, "$F_k$")
+    drawn.arrow(mass, scale * AT.F1 * outward, GREEN, "$F_1$")
+    drawn.arrow(mass, scale * AT.F2 * mass / abs(mass), PURPLE, "$F_2$")
     drawn.arrow(mass, scale * page.Fk * wrong, GREY, "$F_k$", BROKEN)
-    sizes = f"{e.F1:.0f}, {e.F2:.0f}, {e.Fk:.0f} N (printed {page.Fk:.0f} N)"
-    drawn.axes.set_title(f"forces and arms: $F_1, F_2, F_k$ = {sizes}", loc="left", fontsize=9)
+    sizes = f"{AT.F1:.0f}, {AT.F2:.0f}, {AT.Fk:.0f} N (printed {page.Fk:.0f} N)"
+    axes.set_title(f"forces and arms: $F_1, F_2, F_k$ = {sizes}", loc="left", fontsize=9)
+
+
+def speeds_and_forces() -> Figure:
+    """Angles, speeds, forces and arms of Lysenko's imbalance at one angle."""
+    page = lysenko.printed(M, SHOWN, W)
+    printed_arms = f"its arms as printed k1 = {1e3 * page.k1:.1f} and k2 = {1e3 * page.k2:.1f} mm"
+    told = f"exact (Fk lies behind F1, on one line: k1 = 0), grey Fk as printed, {printed_arms}"
+    figure = sheet(9.4, 5.0, f"At α = 130°, {told}. {wheels()}")
+    left, right = figure.subplots(1, 2)
+    speeds(left)
+    forces(right, page)
     return figure
 
 
@@ -338,5 +321,5 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "karetin_2": trajectories,
     "karetin_arms": arms,
     "lysenko_1": epicycloid,
-    "lysenko_forces": forces,
+    "lysenko_forces": speeds_and_forces,
 }
