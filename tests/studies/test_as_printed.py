@@ -14,7 +14,7 @@ from studies.papers.forms import Forms, in_time, rate, vector
 from studies.papers.karetin import equations as karetin
 from studies.papers.karetin import exact, stop_mode
 from studies.papers.lysenko import equations as lysenko
-from studies.papers.stelmashchuk import as_printed
+from studies.papers.stelmashchuk import equations as stelmashchuk
 from studies.papers.stelmashchuk.exact import Criteria, constants, response
 
 
@@ -282,34 +282,38 @@ STELMASHCHUK = {
 
 @pytest.mark.parametrize(("known", "name", "found"), STELMASHCHUK.values(), ids=STELMASHCHUK)
 def test_stelmashchuk_by_hand(known, name, found):
-    assert getattr(as_printed.printed(CRITERIA, 1.0, **known), name) == close(found)
+    assert getattr(stelmashchuk.printed(CRITERIA, 1.0, **known), name) == close(found)
 
 
 def test_stelmashchuk_5_without_the_particular_solution():
-    s = as_printed.printed(CRITERIA, 1.0)
+    s = stelmashchuk.printed(CRITERIA, 1.0)
     # kappa = 1/2 with C1 = 2, C2 = 0: e^(-pi/2) (2 sin(nu1/2) (pi^2 - 7 pi^2) - 2 pi nu1 2 cos(nu1/2))
     sine, cosine = math.sin(NU1 / 2), math.cos(NU1 / 2)
     expected = math.exp(-pi / 2) * (-12 * pi**2 * sine - 4 * pi * NU1 * cosine)
-    assert float(as_printed.free_acceleration(s, 0.5, (2.0, 0.0))) == pytest.approx(expected)
+    assert float(stelmashchuk.free_acceleration(s, 0.5, (2.0, 0.0))) == pytest.approx(expected)
     # kappa = 0 with C1 = C2 = 1: (pi^2 - 7 pi^2) - 2 pi nu1; the part itself and its rate: C2, nu1 C1 - Pi C2
-    assert float(as_printed.free_acceleration(s, 0.0, (1.0, 1.0))) == pytest.approx(-6 * pi**2 - 2 * pi * NU1)
-    assert as_printed.free_part(0.0, (3.0, 2.0), NU1, pi) == pytest.approx((2.0, 3 * NU1 - 2 * pi))
+    assert float(stelmashchuk.free_acceleration(s, 0.0, (1.0, 1.0))) == pytest.approx(
+        -6 * pi**2 - 2 * pi * NU1
+    )
+    assert stelmashchuk.free_part(0.0, (3.0, 2.0), NU1, pi) == pytest.approx((2.0, 3 * NU1 - 2 * pi))
 
 
 def test_second_derivative_of_the_particular_solution_has_four_pi_squared():
-    s = as_printed.printed(CRITERIA, 1.0)
+    s = stelmashchuk.printed(CRITERIA, 1.0)
     # 2 pi nu0/chi = 1/(4 pi); kappa = 1/4: (1/(4 pi)) 4 pi^2; kappa = 0: -(1/(4 pi)) 4 pi^2 pi, right is -pi
-    assert float(as_printed.particular_acceleration(s, 0.25)) == pytest.approx(pi)
-    assert float(as_printed.particular_acceleration(s, 0.0)) == pytest.approx(-(pi**2))
+    assert float(stelmashchuk.particular_acceleration(s, 0.25)) == pytest.approx(pi)
+    assert float(stelmashchuk.particular_acceleration(s, 0.0)) == pytest.approx(-(pi**2))
     # kappa = 0: free part with C1 = -0.5/nu1: -2 pi nu1 C1 = pi, and R'' = -pi^2; the mass really starts at 0
-    assert float(as_printed.acceleration(s, 0.0)) == pytest.approx(pi - pi**2)
+    assert float(stelmashchuk.acceleration(s, 0.0)) == pytest.approx(pi - pi**2)
     assert float(response(0.0, CRITERIA, 1.0).acceleration) == 0.0
 
 
 def test_only_the_two_misprints_part_printed_from_exact():
     right = constants(REFERENCE, 1.0)
     names = ("C_I", "C_II", "C_III", "C_IV")
-    fed = [as_printed.printed(REFERENCE, 1.0, **dict(zip(names[:n], right, strict=False))) for n in range(4)]
+    fed = [
+        stelmashchuk.printed(REFERENCE, 1.0, **dict(zip(names[:n], right, strict=False))) for n in range(4)
+    ]
     found = [getattr(s, name) for s, name in zip(fed, names, strict=True)]
     for n in (0, 1, 3):
         assert found[n] == pytest.approx(right[n], rel=1e-12)
@@ -319,7 +323,7 @@ def test_only_the_two_misprints_part_printed_from_exact():
 
 def test_stelmashchuks_solution_is_exact_in_phase_2_and_wrong_elsewhere():
     kappa = np.linspace(0.0, 3.0, 301)
-    page = as_printed.acceleration(as_printed.printed(REFERENCE, 1.0), kappa)
+    page = stelmashchuk.acceleration(stelmashchuk.printed(REFERENCE, 1.0), kappa)
     right = response(kappa, REFERENCE, 1.0).acceleration
     second = (kappa > 0.5) & (kappa < 1.5)
     assert page[second] == pytest.approx(right[second], abs=1e-12)

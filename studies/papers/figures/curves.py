@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -22,7 +22,6 @@ from ..karetin import equations as karetin
 from ..karetin.mechanism import DYNAMIC, GENERAL, PAPER, STOP, period
 from ..lysenko import equations as lysenko
 from ..report import Equation
-from ..stelmashchuk import as_printed as stelmashchuk_page
 from ..stelmashchuk import equations as stelmashchuk
 from ..stelmashchuk.exact import Criteria, response
 from .drawing import Panel, mechanism, panels, wheels
@@ -31,6 +30,7 @@ TURNS = np.linspace(0.0, 1.0, 1441)
 # between the instants at which D is on an axis or the page divides by zero
 BETWEEN = (np.arange(5760) + 0.5) / 5760
 DRIVE = "turns of the drive"
+ALPHA = "angle α of wheel 1 on the carrier [°]"
 MODES = (("stop mode", STOP), ("dynamic mode, i = 2", DYNAMIC))
 OFFSET = claims.OFFSET
 # quantity, symbol, unit, and that over the SI unit
@@ -40,83 +40,60 @@ KAPPA = np.linspace(0.0, 3.5, 1401)
 RELATIVE_TIME = "relative time κ = t/T [1]"
 
 
-class Sheet(NamedTuple):
-    """What the figures of the equations of a paper have in common.
-
-    Attributes:
-        equations: of the paper. x: abscissa of their forms, shape (n,). end: how much of it is shown.
-        label: of the abscissa. case: mechanism and motion. gives: by equation, its components with units.
-    """
-
-    equations: Mapping[str, Equation]
-    x: Any
-    end: float
-    label: str
-    case: str
-    gives: Mapping[str, str]
-
-
-SHEETS = {
-    "karetin": Sheet(
+# equations, abscissa and the part of it that is shown, its label, mechanism and motion
+SHEETS: dict[str, tuple[Mapping[str, Equation], Any, slice, str, str]] = {
+    "karetin": (
         karetin.EQUATIONS,
         karetin.STOPPED.t * karetin.STOPPED.omega16 / (2.0 * np.pi),
-        1.0,
+        slice(0, karetin.SAMPLES // GENERAL.turns_in_period, 10),
         DRIVE,
         mechanism(GENERAL),
-        {
-            "(2)": "$x_D$ [m], $y_D$ [m], $z_D$ [m]",
-            "(5)": "$β_H$ [rad], $β_P$ [rad], $β_F$ [rad]",
-            "(9)": "$ω_{6x}$ [rad/s], $ω_{6y}$ [rad/s], $ω_{6z}$ [rad/s]",
-            "(11)": "$V_{QAx}$ [m/s], $V_{QAy}$ [m/s], $V_{QAz}$ [m/s]",
-            "(14)": "$λ$ [1/(m·s)]",
-            "(15)": "$V_{Ozx}$ [m/s], $V_{Ozy}$ [m/s]",
-            "(19)": "$α$ [rad]",
-            "(21)": "$v·x_D$ [rad/s]",
-            "(22)": "$V_{Oxx}$ [m/s], $V_{Oxy}$ [m/s], $V_{Oxz}$ [m/s]",
-            "(24)": "$V_x$ [m/s], $V_y$ [m/s], $V_z$ [m/s]",
-            "(31)": "$x_N$ [m], $y_N$ [m], $z_N$ [m]",
-        },
     ),
-    "lysenko": Sheet(
-        lysenko.EQUATIONS,
-        np.degrees(lysenko.INSIDE),
-        360.0,
-        "angle α of wheel 1 on the carrier [°]",
-        wheels(),
-        {
-            "(2), note": "$ρ$ [m]",
-            "(5)": "$F_k$ [N]",
-            "(8)": "$β_1$ [rad]",
-            "(10)": "$M$ [N·m]",
-            "(13)": "$k_1$ [m]",
-            "(14)": "$k_2$ [m]",
-            "(15)": "$M_1$ [N·m]",
-            "(16)": "$M$ [N·m]",
-        },
-    ),
-    "stelmashchuk": Sheet(
+    "lysenko": (lysenko.EQUATIONS, np.degrees(lysenko.INSIDE), slice(0, None, 18), ALPHA, wheels()),
+    "stelmashchuk": (
         stelmashchuk.EQUATIONS,
         stelmashchuk.RISE,
-        0.5,
+        slice(0, None, 15),
         "relative time κ in phase I [1]",
         f"ν = 8, Π = 0.5, κ2 = {stelmashchuk.KAPPA2:g}.",
-        {"R″": "$R_κ''$ [1]"},
     ),
+}
+# the equations that are drawn: their components with units
+COMPONENTS = {
+    ("karetin", "(2)"): "$x_D$ [m], $y_D$ [m], $z_D$ [m]",
+    ("karetin", "(5)"): "$β_H$ [rad], $β_P$ [rad], $β_F$ [rad]",
+    ("karetin", "(9)"): "$ω_{6x}$ [rad/s], $ω_{6y}$ [rad/s], $ω_{6z}$ [rad/s]",
+    ("karetin", "(11)"): "$V_{QAx}$ [m/s], $V_{QAy}$ [m/s], $V_{QAz}$ [m/s]",
+    ("karetin", "(14)"): "$λ$ [1/(m·s)]",
+    ("karetin", "(15)"): "$V_{Ozx}$ [m/s], $V_{Ozy}$ [m/s]",
+    ("karetin", "(19)"): "$α$ [rad]",
+    ("karetin", "(21)"): "$v·x_D$ [rad/s]",
+    ("karetin", "(22)"): "$V_{Oxx}$ [m/s], $V_{Oxy}$ [m/s], $V_{Oxz}$ [m/s]",
+    ("karetin", "(24)"): "$V_x$ [m/s], $V_y$ [m/s], $V_z$ [m/s]",
+    ("karetin", "(31)"): "$x_N$ [m], $y_N$ [m], $z_N$ [m]",
+    ("lysenko", "(2), note"): "$ρ$ [m]",
+    ("lysenko", "(5)"): "$F_k$ [N]",
+    ("lysenko", "(8)"): "$β_1$ [rad]",
+    ("lysenko", "(10)"): "$M$ [N·m]",
+    ("lysenko", "(13)"): "$k_1$ [m]",
+    ("lysenko", "(14)"): "$k_2$ [m]",
+    ("lysenko", "(15)"): "$M_1$ [N·m]",
+    ("lysenko", "(16)"): "$M$ [N·m]",
+    ("stelmashchuk", "R″"): "$R_κ''$ [1]",
 }
 
 
-def equation(paper: Sheet, number: str) -> Figure:
+def equation(paper: str, number: str) -> Figure:
     """A panel for each component of an equation: exact, and as printed but fed with exact values."""
-    kept = np.flatnonzero(paper.x <= paper.end)
-    kept = kept[:: max(1, kept.size // 200)]
-    forms = np.broadcast_arrays(*paper.equations[number].forms()[:2], paper.x)[:2]
-    page, right = (np.atleast_2d(form)[:, kept] for form in forms)
+    equations, x, shown, label, case = SHEETS[paper]
+    page, right, _ = np.broadcast_arrays(*equations[number].forms()[:2], x)
     row = [
-        Panel(name, {"exact": right[n], "as printed": page[n]})
-        for n, name in enumerate(paper.gives[number].split(", "))
+        Panel(name, {"exact": one[shown], "as printed": other[shown]})
+        for name, one, other in zip(
+            COMPONENTS[paper, number].split(", "), np.atleast_2d(right), np.atleast_2d(page), strict=False
+        )
     ]
-    told = f"Equation {number}, exact and as printed. {paper.case}"
-    return panels([row], paper.x[kept], paper.label, told)
+    return panels([row], x[shown], label, f"Equation {number}, exact and as printed. {case}")
 
 
 def in_period(motion: Any, turns: Any = TURNS, geometry: Any = PAPER) -> Any:
@@ -124,18 +101,46 @@ def in_period(motion: Any, turns: Any = TURNS, geometry: Any = PAPER) -> Any:
     return exact(geometry, motion, turns * period(geometry, motion))
 
 
+def by_mode(x: Any, told: str, curves: Callable[..., Mapping[str, Any]]) -> Figure:
+    """Draw what curves gives of velocity and acceleration, each over a period in both modes."""
+    rows = [
+        [Panel(f"{name} [{unit}]", curves(name, symbol, scale, motion), title) for title, motion in MODES]
+        for name, symbol, unit, scale in VECTORS
+    ]
+    return panels(rows, x, DRIVE, f"{told}. {mechanism(PAPER)}", sharey="row")
+
+
 def velocity_and_acceleration() -> Figure:
-    """Karetin's figure 3: velocity and acceleration, moduli and components over a period, in both modes."""
-    rows = []
-    for name, symbol, unit, scale in VECTORS:
-        row = []
-        for title, motion in MODES:
-            vector = scale * getattr(in_period(motion), name)
-            parts = {f"${symbol}_{axis}$": part for axis, part in zip("xyz", vector, strict=True)}
-            row.append(Panel(f"{name} [{unit}]", parts | {f"$|{symbol}|$": karetin.modulus(vector)}, title))
-        rows.append(row)
-    told = f"Absolute velocity and acceleration of D and their components, exact. {mechanism(PAPER)}"
-    return panels(rows, TURNS, DRIVE, told, sharey="row")
+    """Karetin's figure 3: velocity and acceleration of D, their moduli and components."""
+
+    def curves(name: str, symbol: str, scale: float, motion: Any) -> Mapping[str, Any]:
+        vector = scale * getattr(in_period(motion), name)
+        parts = {f"${symbol}_{axis}$": part for axis, part in zip("xyz", vector, strict=True)}
+        return parts | {f"$|{symbol}|$": karetin.modulus(vector)}
+
+    return by_mode(TURNS, "Absolute velocity and acceleration of D and their components, exact", curves)
+
+
+def in_a_row() -> Figure:
+    """Moduli of velocity and acceleration, exact and as the page computes them."""
+
+    def curves(name: str, symbol: str, scale: float, motion: Any) -> Mapping[str, Any]:
+        k = in_period(motion, BETWEEN)
+        velocity = "velocity" if motion.carrier else "velocity_in_link1"
+        page = karetin.printed(PAPER, motion, k.t, velocity)
+        if name == "acceleration":
+            step = 1e-7 * k.t[0]
+            after, before = (karetin.printed(PAPER, motion, k.t + h, velocity) for h in (step, -step))
+            page = (after - before) / (2.0 * step)
+        forms = {"exact": getattr(k, name), "as printed": page}
+        return {form: scale * karetin.modulus(vector) for form, vector in forms.items()}
+
+    told = "Moduli of velocity and acceleration, exact and as printed, the equations of the page in a row"
+    figure = by_mode(BETWEEN, told, curves)
+    # it has poles where the page divides by zero
+    for axes, top in zip(figure.axes, (20.0, 20.0, 6.0, 6.0), strict=True):
+        axes.set_ylim(0.0, top)
+    return figure
 
 
 def swing() -> Figure:
@@ -152,30 +157,6 @@ def swing() -> Figure:
     figure = panels([upper, lower], BETWEEN, DRIVE, told)
     for axes in figure.axes[2:]:
         axes.set_ylim(-350.0, 300.0)
-    return figure
-
-
-def in_a_row() -> Figure:
-    """Moduli of velocity and acceleration of both modes, exact and as the page computes them."""
-    rows = []
-    for name, symbol, unit, scale in VECTORS:
-        row = []
-        for title, motion in MODES:
-            k = in_period(motion, BETWEEN)
-            step = 1e-7 * k.t[0]
-            velocity = "velocity" if motion.carrier else "velocity_in_link1"
-            page = karetin.printed(PAPER, motion, k.t, velocity)
-            if name == "acceleration":
-                after, before = (karetin.printed(PAPER, motion, k.t + h, velocity) for h in (step, -step))
-                page = (after - before) / (2.0 * step)
-            forms = {"exact": getattr(k, name), "as printed": page}
-            sizes = {form: scale * karetin.modulus(vector) for form, vector in forms.items()}
-            row.append(Panel(f"$|{symbol}|$ [{unit}]", sizes, title))
-        rows.append(row)
-    told = "Moduli of velocity and acceleration, exact and as printed, the equations of the page in a row"
-    figure = panels(rows, BETWEEN, DRIVE, f"{told}. {mechanism(PAPER)}")
-    for axes, top in zip(figure.axes, (1.25, 1.25, 2.0, 2.0), strict=True):
-        axes.set_ylim(0.0, top * np.max(axes.get_lines()[0].get_ydata()))
     return figure
 
 
@@ -237,7 +218,7 @@ def cycle() -> Figure:
     free = {"exact": lysenko.exact(m, alpha).free_speed, "as printed": page.J_limits[0] / page.J}
     cells.append(Panel("ω / ω min [1]", free, "free mechanism, no drive"))
     told = f"A cycle of the epicycloid, exact and as printed. {wheels()}"
-    return panels([cells[:2], cells[2:]], np.degrees(alpha), SHEETS["lysenko"].label, told)
+    return panels([cells[:2], cells[2:]], np.degrees(alpha), ALPHA, told)
 
 
 def _phases(figure: Figure) -> Figure:
@@ -274,7 +255,7 @@ def over_printed() -> Figure:
     rows = []
     for nu in (4.4, 8.0, 100.0):
         case = Criteria(nu, 0.5)
-        page = stelmashchuk_page.acceleration(stelmashchuk_page.printed(case, stelmashchuk.KAPPA2), KAPPA)
+        page = stelmashchuk.acceleration(stelmashchuk.printed(case, stelmashchuk.KAPPA2), KAPPA)
         right = response(KAPPA, case, stelmashchuk.KAPPA2).acceleration
         rows.append([Panel("a″ [1]", {"exact": right, "as printed": page}, f"ν = {nu:g}")])
     told = "Acceleration of the driven mass with the balancer, where the printed C1 of phase III leads"
@@ -297,8 +278,7 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "stelmashchuk_3": partial(accelerations, DAMPINGS, "damping, ν = 8"),
     "stelmashchuk_printed": over_printed,
     **{
-        f"{name}_equation_{''.join(filter(str.isalnum, number))}": partial(equation, paper, number)
-        for name, paper in SHEETS.items()
-        for number in paper.gives
+        f"{paper}_equation_{''.join(filter(str.isalnum, number))}": partial(equation, paper, number)
+        for paper, number in COMPONENTS
     },
 }

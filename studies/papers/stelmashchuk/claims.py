@@ -14,7 +14,7 @@ from inertia_module.loops.stepping import TWO_PI, law_of_motion, phase_of
 from inertia_module.memory.instances import DrivenShaft
 
 from ..report import ROUNDING, Finding, percent, rounds_to, shown
-from . import as_printed
+from . import equations
 from .equations import KAPPA2, REFERENCE
 from .exact import Criteria, free_oscillation, response
 
@@ -76,7 +76,7 @@ def under_load(Pi: float, load: float) -> float:
 def of_figure_2() -> Rows:
     """The printed solution, and what balancer and stiffness do."""
     exact = acceleration(REFERENCE)
-    page = as_printed.acceleration(as_printed.printed(REFERENCE, KAPPA2), TIMES)
+    page = equations.acceleration(equations.printed(REFERENCE, KAPPA2), TIMES)
     share = phase_peaks(exact - page) / np.abs(exact).max()
     yield "solution", Finding(*(share < ROUNDING), share=share)
 
