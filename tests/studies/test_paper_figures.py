@@ -35,8 +35,8 @@ def test_columns_of_figure_3_hold_moduli_and_their_components():
     _, columns = all_figures()["karetin_3"]()
     for quantity, kind in (("V", "velocity [m/s]"), ("a", "acceleration [km/s²]")):
         for mode in ("stop mode", "dynamic mode, i = 2"):
-            of = [columns[f"{kind}, {mode}, ${quantity}_{axis}$"] for axis in "xyz"]
-            modulus = columns[f"{kind}, {mode}, $|{quantity}|$"]
+            of = [columns[f"{kind}, {mode}, {quantity}_{axis}"] for axis in "xyz"]
+            modulus = columns[f"{kind}, {mode}, |{quantity}|"]
             np.testing.assert_allclose(modulus**2, sum(part**2 for part in of), atol=1e-12)
 
 

@@ -129,7 +129,7 @@ def in_a_row() -> Figure:
         velocity = "velocity" if motion.carrier else "velocity_in_link1"
         page = karetin.printed(PAPER, motion, k.t, velocity)
         if name == "acceleration":
-            step = 1e-7 * k.t[0]
+            step = 1e-3 * k.t[0]
             after, before = (karetin.printed(PAPER, motion, k.t + h, velocity) for h in (step, -step))
             page = (after - before) / (2.0 * step)
         forms = {"exact": getattr(k, name), "as printed": page}

@@ -42,15 +42,10 @@ class Panel(NamedTuple):
     title: str = ""
 
 
-def caption(figure: Figure, text: str) -> None:
-    """What is drawn, with parameters and units, below the figure."""
-    figure.supxlabel(textwrap.fill(text, round(16 * figure.get_figwidth())), fontsize=8)
-
-
 def sheet(width: float, height: float, told: str) -> Figure:
-    """An empty figure of this size, inches, with its caption; needs no window."""
+    """An empty figure of this size, inches, with what is drawn below it; needs no window."""
     figure = Figure(figsize=(width, height), dpi=150, layout="constrained")
-    caption(figure, told)
+    figure.supxlabel(textwrap.fill(told, round(16 * width)), fontsize=8)
     return figure
 
 
@@ -98,12 +93,15 @@ def numbers(figure: Figure) -> dict[str, Any]:
         names = [axes.get_xlabel() or figure.axes[-1].get_xlabel(), axes.get_ylabel()]
         names += [axes.get_zlabel()] if hasattr(axes, "get_zlabel") else []
         for line in axes.get_lines():
-            told = f"{axes.get_title('left')}, {line.get_label()}"
-            if "_child" not in told:
+            label = str(line.get_label())
+            if not label.startswith("_"):
                 data = line.get_data_3d() if hasattr(line, "get_data_3d") else line.get_data()
                 for name, values in zip(names, data, strict=True):
-                    shared = name == names[0] and np.array_equal(columns.get(name, values), values)
-                    columns[name if shared else f"{name}, {told}"] = np.asarray(values)
+                    shared = name == names[0] and np.array_equal(
+                        columns.get(name.replace("$", ""), values), values
+                    )
+                    parts = [name] if shared else [name, axes.get_title("left"), label]
+                    columns[", ".join(filter(None, parts)).replace("$", "")] = np.asarray(values)
     return columns
 
 
