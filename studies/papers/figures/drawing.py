@@ -94,15 +94,14 @@ def numbers(figure: Figure) -> dict[str, Any]:
         names += [axes.get_zlabel()] if hasattr(axes, "get_zlabel") else []
         for line in axes.get_lines():
             label = str(line.get_label())
-            if not label.startswith("_"):
-                data = line.get_data_3d() if hasattr(line, "get_data_3d") else line.get_data()
-                for name, values in zip(names, data, strict=True):
-                    shared = name == names[0] and np.array_equal(
-                        columns.get(name.replace("$", ""), values), values
-                    )
-                    parts = [name] if shared else [name, axes.get_title("left"), label]
-                    columns[", ".join(filter(None, parts)).replace("$", "")] = np.asarray(values)
-    return columns
+            if label.startswith("_"):
+                continue
+            data = line.get_data_3d() if hasattr(line, "get_data_3d") else line.get_data()
+            for name, values in zip(names, data, strict=True):
+                shared = name == names[0] and np.array_equal(columns.get(name, values), values)
+                parts = [name] if shared else [name, axes.get_title("left"), label]
+                columns[", ".join(filter(None, parts))] = np.asarray(values)
+    return {name.replace("$", ""): values for name, values in columns.items()}
 
 
 def mechanism(g: Geometry, offsets: bool = True) -> str:
