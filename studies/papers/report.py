@@ -1,4 +1,4 @@
-"""How what was found of a paper is judged and told: figures here, words in the Markdown beside the code.
+"""Measures and verdicts for what was found of a paper: figures here, words in the Markdown beside the code.
 
 One measure for all. An equation is judged alone, fed with exact values of all it takes, and is right if
 rounding is all that is left. A claim is taken apart into what it says: it holds if all of it does.
@@ -76,7 +76,7 @@ def percent(values: Any, digits: int = 0) -> str:
 
 
 def rounds_to(found: float, printed: str) -> bool:
-    """Whether a figure found is the one printed, with as many digits behind the point as printed."""
+    """Compare a figure found with a printed one, to the digits behind the point that are printed."""
     return f"{found:.{len(printed.partition('.')[2])}f}" == printed
 
 

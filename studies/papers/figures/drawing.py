@@ -1,4 +1,4 @@
-"""How the figures of the papers are drawn: panels of curves, sketches to scale, and the numbers in them."""
+"""Drawing of the figures of the papers: panels of curves, sketches to scale, and the numbers in them."""
 
 from __future__ import annotations
 

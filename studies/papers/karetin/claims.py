@@ -45,7 +45,7 @@ INSTANTS, COMPARED = 400, 250
 
 
 def best_mirror(f: Function, span: float, sign: float = 1.0) -> tuple[float, float]:
-    """How far a periodic function is from being mirrored about an instant.
+    """Find the instant about which a periodic function is mirrored best.
 
     Args:
         f: of times, s, shape (n,), to values, shape (n,). span: period of the function, s.
@@ -148,7 +148,7 @@ def of_the_abstract() -> Rows:
 
 
 def of_the_links() -> Rows:
-    """Which link carries what, freewheel and ratio: before (1)."""
+    """Links and what they carry, freewheel and ratio: before (1)."""
     page = modulus(PRINTED["sum_of_three"](M))
     on_link2 = exact(G, Motion(DYNAMIC.omega1, DYNAMIC.omega2, DYNAMIC.omega2), M.t).speed
     says = (worst(page, speed) < ROUNDING for speed in (M.speed, on_link2))

@@ -203,8 +203,8 @@ ROWS = (
     Row("", "x_L", "(x + k1 * y) / (k1**2 + 1)"),
     Row("(26)", "foot_L", "vector(x_L, k1 * x_L)", "feet[0, :2]"),
     Row("(27)", "k1", "-V_x / V_y"),
-    Row("(28)", "arm_L", "sqrt(foot_L[0] ** 2 + foot_L[1] ** 2)"),
-    Row("(29)", "speed_L", "sqrt(V_x**2 + V_y**2)"),
+    Row("(28)", "arm_L", "sqrt(foot_L[0] ** 2 + foot_L[1] ** 2)", "arms[0]"),
+    Row("(29)", "speed_L", "sqrt(V_x**2 + V_y**2)", "plane_speeds[0]"),
     Row("", "k2", "-V_z / V_y"),
     Row("", "z_M", "(z + k2 * y) / (k2**2 + 1)"),
     Row("(30)", "foot_M", "vector(z_M, k2 * z_M)", "feet[1, [2, 1]]"),
@@ -266,7 +266,7 @@ STOPPED_IN_TIME, MOVING_IN_TIME = (exact(e.g, e.motion, in_time(e.t)) for e in (
 
 
 def _angular_velocities() -> tuple[Any, ...]:
-    """As rates of the exact angles, whose quadrant does not count."""
+    """Rates of the exact angles, whose quadrant does not count."""
     x, y, z = STOPPED_IN_TIME.position
     return rate(np.arctan(vector(y / x, y / z, z / x))), STOPPED.angular_velocities
 
@@ -277,13 +277,13 @@ def _summed(name: str, e: Forms, as_of: Forms) -> Equation:
 
 
 def _coefficient_v() -> tuple[Any, ...]:
-    """As v x_D, which (20) and (22) use: v itself has no largest value."""
+    """Product v x_D, which (20) and (22) use: v itself has no largest value."""
     x = MOVING.position_in_link1[0]
     return PRINTED["v"](MOVING) * x, MOVING.v * x
 
 
 def _slope() -> tuple[Any, ...]:
-    """As an angle: the slope has no largest value. The foot is as steep as OL."""
+    """Angle of the slope: the slope has no largest value. The foot is as steep as OL."""
     return np.arctan(MOVING.k1), np.arctan(MOVING.foot_L[1] / MOVING.foot_L[0])
 
 

@@ -179,7 +179,7 @@ def _inputs(m: Mechanism, alpha: Any, omega: Any, known: dict[str, Any]) -> dict
 
 
 def printed(m: Mechanism, alpha: Any, omega: Any, **known: Any) -> Forms:
-    """What the page makes of dimensions, angle (rad) and speed (rad/s), its equations in a row.
+    """Results of the page for dimensions, angle (rad) and speed (rad/s), its equations in a row.
 
     Args:
         m: dimensions. alpha, omega: numbers or of shape (n,). known: quantities in place of the printed.

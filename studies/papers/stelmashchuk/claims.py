@@ -46,7 +46,7 @@ def deviation(criteria: Criteria, beta: float = 1.0) -> Any:
 
 
 def lowered(criteria: Criteria, phase: int = 1) -> Any:
-    """How many times the balancer lowers amplitude and peak of the free oscillation."""
+    """Factors by which the balancer lowers amplitude and peak of the free oscillation."""
     without, balanced = (free_oscillation(criteria, KAPPA2, beta, phase) for beta in (0.0, 1.0))
     return np.array(without) / balanced
 
@@ -122,7 +122,7 @@ def of_figure_2() -> Rows:
 
 
 def of_figure_3() -> Rows:
-    """What friction does, and the conclusions."""
+    """Effect of friction, and the conclusions."""
     rows = np.array([phase_peaks(deviation(Criteria(8.0, Pi)))[:2] for Pi in (*DAMPINGS, 0.0)])
     first, second = (percent(column, 1) for column in rows.T)
     yield "less_friction", Finding(*np.all(np.diff(rows, axis=0) < 0.0, axis=0), first=first, second=second)

@@ -66,7 +66,7 @@ def second_difference(points: tuple[complex, complex, complex], kappa: Any) -> A
 
 
 def forcing(criteria: Criteria, beta: float, phase: int) -> tuple[float, complex]:
-    """What drives the twist in a phase: steady + Re(wave exp(2 pi i kappa)), kappa from its beginning."""
+    """Forcing of the twist in a phase: steady + Re(wave exp(2 pi i kappa)), kappa from its beginning."""
     wave = complex(2.0 * criteria.Pi, TWO_PI * (1.0 - beta))
     return (-2.0, -4.0, -2.0, 0.0)[phase] * criteria.Pi, (wave, 0j, -wave, 0j)[phase]
 
@@ -162,7 +162,7 @@ def constants(criteria: Criteria, kappa2: float, beta: float = 1.0) -> list[tupl
 def free_oscillation(
     criteria: Criteria, kappa2: float, beta: float = 1.0, phase: int = 1
 ) -> tuple[float, float]:
-    """What of a'' swings freely in phase II (1) or IV (3), where a'' of the driving wheel is zero.
+    """Free oscillation of a'' in phase II (1) or IV (3), where a'' of the driving wheel is zero.
 
     Returns:
         Amplitude at the beginning of the phase, of the envelope A exp(-Pi kappa), or, where nothing
