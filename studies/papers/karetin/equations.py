@@ -102,7 +102,7 @@ ROWS = (
     Row("", "U3", "a * sin(phi)"),
     Row("", "U4", "cos(psi)"),
     Row("", "U5", "U1 * (c * cos(psi) + b * cos(phi) * sin(phi + psi - pi / 2))"),
-    Row("", "U6", "U1 * U3 * sin(pi - shaft_angle)"),
+    Row("", "U6", "U1 * U3 * sin(pi - chi)"),
     # of mixed units: U1 U5 U4 is an area
     Row("", "bracket", "U2 + U5 * U4 * cos(pi - B)"),
     # in the frame that carries OQ, and in the fixed frame
@@ -113,7 +113,8 @@ ROWS = (
         " U1 * (bracket * sin(A) - U3 * sin(pi - B) * cos(A)), U5 + U6 * cos(pi - B))",
         "centre_of_satellite + arm_of_imbalance",
     ),
-    Row("", "x_D, y_D, z_D", "position_in_link1"),
+    Row("", "D", "position_in_link1"),
+    Row("", "x_D, y_D, z_D", "D"),
     Row("", "theta", "carrier * t"),
     Row("", "position", "position_in_link1", "turned_x(position_in_link1, theta)"),
     Row("", "x, y, z", "position"),
@@ -142,14 +143,14 @@ ROWS = (
         "(8)",
         "arm_of_imbalance",
         "position_in_link1 - centre_of_satellite",
-        "turned_z(-AD * vector(cos(B) * cos(shaft_angle), sin(B), cos(B) * sin(shaft_angle)), A)",
+        "turned_z(-AD * vector(cos(B) * cos(chi), sin(B), cos(B) * sin(chi)), A)",
     ),
     Row("", "x_AD, y_AD, z_AD", "arm_of_imbalance"),
     Row(
         "(9)",
         "spin_of_satellite",
         "mu * centre_of_satellite",
-        "turned_z(omega6 * vector(-sin(shaft_angle), 0.0, cos(shaft_angle)), A)",
+        "turned_z(omega6 * vector(-sin(chi), 0, cos(chi)), A)",
     ),
     Row("", "OA", "modulus(centre_of_satellite)"),
     Row("(10)", "mu", "omega6 / sqrt(OA**2 - 2 * z_A * OQ + OQ**2)", "omega6 / QA"),
@@ -170,7 +171,7 @@ ROWS = (
         "(15)",
         "about_drive",
         "vector(lambda_ * (y_D * OQ), -lambda_ * (x_D * OQ), 0.0)",
-        "cross(spin_of_drive, position_in_link1)",
+        "cross(spin_of_drive, D)",
     ),
     Row("(16)", "speed_about_drive", "sqrt(about_drive[0] ** 2 + about_drive[1] ** 2)"),
     Row("(18)", "speed_in_link1", "modulus(velocity_in_link1)"),
@@ -181,18 +182,11 @@ ROWS = (
     # the page does not define omega_alpha: by (19) it is taken as omega1 + omega_P, to which (21) adds
     # omega_P again; scan 000 writes v, scan 003 nu and upsilon
     Row("(21)", "v", "(omega1 + swing_rate + swing_rate) / x_D", "carrier / x_D"),
-    Row(
-        "(22)",
-        "about_centre",
-        "vector(0.0, v * (x_D * z_D), v * (x_D * y_D))",
-        "cross(spin_of_link1, position_in_link1)",
-    ),
+    Row("(22)", "about_centre", "vector(0.0, v * (x_D * z_D), v * (x_D * y_D))", "cross(spin_of_link1, D)"),
     Row("(23)", "sum_of_three", "velocity_in_link1 + about_centre"),
+    Row("", "W_x, W_y, W_z", "sum_of_three"),
     Row(
-        "(24)",
-        "velocity",
-        "vector(sum_of_three[0], sum_of_three[1] * sin(alpha), sum_of_three[2] * cos(alpha))",
-        "turned_x(sum_of_three, theta)",
+        "(24)", "velocity", "vector(W_x, W_y * sin(alpha), W_z * cos(alpha))", "turned_x(sum_of_three, theta)"
     ),
     Row("", "V_x, V_y, V_z", "velocity"),
     Row("(25)", "speed", "modulus(velocity)"),
@@ -233,7 +227,16 @@ def inputs(g: Geometry, motion: Motion, t: Any) -> dict[str, Any]:
         name: getattr(g, name) for name in ("s", "k", "phi", "psi", "AD", "QA", "OQ", "across", "height")
     }
     i = motion.omega1 / motion.omega2 if motion.omega2 else np.inf
-    return {**asdict(g), **lengths, **motion._asdict(), "i": i, "t": t, "g": g, "motion": motion}
+    return {
+        **asdict(g),
+        **lengths,
+        **motion._asdict(),
+        "chi": g.shaft_angle,
+        "i": i,
+        "t": t,
+        "g": g,
+        "motion": motion,
+    }
 
 
 def exact(g: Geometry, motion: Motion, t: Any) -> Forms:
