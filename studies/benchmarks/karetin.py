@@ -10,13 +10,13 @@ import time
 import numpy as np
 
 from studies.papers.karetin import dynamic_mode
-from studies.papers.karetin.cases import GENERAL
-from studies.papers.karetin.exact import EXACT, exact
+from studies.papers.karetin.equations import EXACT, exact
+from studies.papers.karetin.mechanism import GENERAL
 
 REPEATS = 5
 # so many times at once that what is needed of them stays in the cache of the processor
 BLOCK = 4096
-LONGEST = 1e6  # s: as long a run as the angles are tested for
+LONGEST = 1e6  # s
 
 
 def main():

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from importlib.resources import files
 from types import ModuleType
 
+from inertia_module.contract import driven_shaft_variables, variables
+from inertia_module.contract.variable import Variable
+
 from . import karetin, lysenko, stelmashchuk
-from .symbols import symbols_tables
 
 PAPERS: tuple[ModuleType, ...] = (karetin, lysenko, stelmashchuk)
 # a section of equations.md: the name of an equation, and the rest of its heading
@@ -16,13 +19,20 @@ SECTION = re.compile(r"^#### (.+?): (.+)\n", re.M)
 
 def papers_page() -> str:
     """The page in Markdown: the words of page.md of each paper, with what is found now in their places."""
-    parts = [_words(__package__)]
-    symbols = {"symbols": symbols_tables()}
+    cells = {"fmu": _cells(variables.BY_NAME), "shaft": _cells(driven_shaft_variables.BY_NAME)}
+    parts = [words(__package__)]
     for paper in PAPERS:
-        found = {claim.__name__: claim() for claim in paper.CLAIMS}
-        found["equations"] = equations(paper)
-        parts.append(_words(paper).format_map(found | symbols))
+        found = {**paper.findings(), **cells, "equations": equations(paper)}
+        parts.append(words(paper).format_map(found))
     return "\n".join(parts)
+
+
+def _cells(known: Mapping[str, Variable]) -> dict[str, str]:
+    """Cells of a table that tell of a symbol what variable of the FMU it is."""
+    return {
+        name: f"`{name}` | {variable.unit} | " + variable.description.replace("|", r"\|")
+        for name, variable in known.items()
+    }
 
 
 def equations(paper: ModuleType) -> str:
@@ -31,8 +41,9 @@ def equations(paper: ModuleType) -> str:
     def judged(heading: re.Match[str]) -> str:
         return f"{heading[0]}\n{paper.EQUATIONS[heading[1]]}\n"
 
-    return SECTION.sub(judged, _words(paper, "equations.md"))
+    return SECTION.sub(judged, words(paper, "equations.md"))
 
 
-def _words(package: ModuleType | str, name: str = "page.md") -> str:
+def words(package: ModuleType | str, name: str = "page.md") -> str:
+    """A text beside the code of a paper."""
     return files(package).joinpath(name).read_text(encoding="utf-8")

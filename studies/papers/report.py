@@ -1,4 +1,4 @@
-"""How what was found of a paper is written down: figures here, words in the Markdown beside the code.
+"""Measures and verdicts for what was found of a paper: figures here, words in the Markdown beside the code.
 
 One measure for all. An equation is judged alone, fed with exact values of all it takes, and is right if
 rounding is all that is left. A claim is taken apart into what it says: it holds if all of it does.
@@ -7,25 +7,23 @@ rounding is all that is left. A claim is taken apart into what it says: it holds
 from __future__ import annotations
 
 from collections.abc import Callable
-from types import ModuleType
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from .forms import Forms, Formulas
-from .jets import value
 
 ROUNDING = 1e-12
 HOLDS, PARTLY, FAILS = "holds", "holds partly", "does not hold"
 
 
 class Equation(NamedTuple):
-    """What is judged below a heading of the page.
+    """An equation of a paper under its verdict.
 
     Attributes:
         name: of the quantity in the tables of formulas, if it is in them.
         forms: its printed and exact form over a period, as arguments of worst.
-        verdict: what is said where there is nothing to compare.
+        verdict: in words, where there is nothing to compare.
     """
 
     name: str = ""
@@ -38,7 +36,7 @@ class Equation(NamedTuple):
         return worst(*self.forms())
 
     def __str__(self) -> str:
-        """The verdict, with the name in the code and the difference, in Markdown."""
+        """Verdict, with the name in the code and the difference, in Markdown."""
         if self.verdict:
             return f"**{self.verdict}**"
         difference = self.difference
@@ -48,8 +46,8 @@ class Equation(NamedTuple):
 
 
 def compared(name: str, printed: Formulas, exact: Forms) -> Equation:
-    """The equation that gives a quantity: the printed formula, fed with the exact forms, and these."""
-    return Equation(name, lambda: (value(printed[name](exact)), getattr(exact, name)))
+    """Compare the printed formula of a quantity, fed with the exact forms, with these."""
+    return Equation(name, lambda: (printed[name](exact), getattr(exact, name)))
 
 
 def worst(printed: Any, exact: Any, scale: float | None = None) -> float:
@@ -59,12 +57,12 @@ def worst(printed: Any, exact: Any, scale: float | None = None) -> float:
         printed, exact: a number, shape (n,), or vectors, components first.
         scale: in place of the largest exact length, where that is 0.
     """
-    difference = np.max(_length(np.subtract(printed, exact)))
-    return float(difference / (scale or np.max(_length(exact))))
 
+    def largest(values: Any) -> Any:
+        lengths = np.sqrt(np.sum(np.square(values), axis=0)) if np.ndim(values) > 1 else np.abs(values)
+        return np.max(lengths)
 
-def _length(values: Any) -> Any:
-    return np.sqrt(np.sum(np.square(values), axis=0)) if np.ndim(values) > 1 else np.abs(values)
+    return float(largest(np.subtract(printed, exact)) / (scale or largest(exact)))
 
 
 def shown(difference: float) -> str:
@@ -72,13 +70,18 @@ def shown(difference: float) -> str:
     return "rounding" if difference < ROUNDING else f"{difference:.2g}"
 
 
+def percent(values: Any, digits: int = 0) -> str:
+    """Shares in percent, after one another."""
+    return ", ".join(f"{100.0 * share:.{digits}f}" for share in values)
+
+
 def rounds_to(found: float, printed: str) -> bool:
-    """Whether a figure found is the one printed, with as many digits behind the point as printed."""
+    """Compare a figure found with a printed one, to the digits behind the point that are printed."""
     return f"{found:.{len(printed.partition('.')[2])}f}" == printed
 
 
 class Finding:
-    """What was found of a claim.
+    """A row of the table of claims, its words being in page.md.
 
     Args:
         says: whether each thing the claim says is so, or in each of the cases it names or leaves open.
@@ -91,9 +94,3 @@ class Finding:
 
     def __str__(self) -> str:
         return HOLDS if all(self.says) else PARTLY if any(self.says) else FAILS
-
-
-def claims_in(module: ModuleType) -> tuple[Callable[[], Finding], ...]:
-    """The functions of a module that return a Finding: each is a claim."""
-    functions = (value for value in vars(module).values() if callable(value))
-    return tuple(f for f in functions if getattr(f, "__annotations__", {}).get("return") == "Finding")

@@ -6,8 +6,6 @@ import numpy as np
 
 from studies.papers.karetin import Geometry, Motion
 
-LONGEST = 1e6  # s
-
 
 def random_parameters(rng):
     teeth = {name: int(rng.integers(8, 90)) for name in ("z2", "z16", "z17", "z6")}
@@ -29,10 +27,8 @@ def random_motion(rng):
 
 
 def random_times(rng, count):
-    """Half of them within a few turns, half up to 1e6 s, both ends included."""
-    short = rng.uniform(-0.5, 0.5, count // 2 - 1)
-    long = rng.uniform(-LONGEST, LONGEST, count - count // 2 - 1)
-    return np.concatenate([[0.0], short, long, [LONGEST]])
+    """Within a few turns, 0 included."""
+    return np.concatenate([[0.0], rng.uniform(-2e-3, 2e-3, count - 1)])
 
 
 def geometry(**parameters):

@@ -2,7 +2,7 @@
 
 import mpmath as mp
 
-from studies.papers.lysenko.mechanism import EXAMPLE, Mechanism
+from studies.papers.lysenko.equations import EXAMPLE, Mechanism
 
 OMEGA, OMEGA_RATE = 37.0, 210.0
 

@@ -5,11 +5,10 @@ import io
 import numpy as np
 import pytest
 
-from studies.papers.figures import all_figures, karetin, stelmashchuk
-from studies.papers.figures.karetin_cones import pitch_cones
+from studies.papers.figures import all_figures
+from studies.papers.figures.sketches import pitch_cones
 from studies.papers.karetin import Geometry
-from studies.papers.stelmashchuk.criteria import Criteria
-from studies.papers.stelmashchuk.exact import response
+from studies.papers.stelmashchuk.exact import Criteria, response
 
 
 @pytest.mark.parametrize("name", all_figures())
@@ -27,18 +26,18 @@ def test_figure_comes_with_columns_of_one_length(name):
 
 
 def test_trajectories_close_after_a_period():
-    _, columns = karetin.trajectories()
+    _, columns = all_figures()["karetin_2"]()
     for name, values in columns.items():
-        if name.startswith(("x", "y", "z")):
-            assert values[-1] == pytest.approx(values[0], abs=1e-12)
+        assert values[-1] == pytest.approx(values[0], abs=1e-12), name
 
 
 def test_columns_of_figure_3_hold_moduli_and_their_components():
-    _, columns = karetin.velocity_and_acceleration()
-    for quantity, unit in (("V", "m/s"), ("a", "km/s2")):
-        for mode in ("stop", "dynamic"):
-            squares = sum(columns[f"{quantity}{axis} [{unit}], {mode}"] ** 2 for axis in "xyz")
-            np.testing.assert_allclose(columns[f"|{quantity}| [{unit}], {mode}"] ** 2, squares, atol=1e-12)
+    _, columns = all_figures()["karetin_3"]()
+    for quantity, kind in (("V", "velocity [m/s]"), ("a", "acceleration [km/s²]")):
+        for mode in ("stop mode", "dynamic mode, i = 2"):
+            of = [columns[f"{kind}, {mode}, {quantity}_{axis}"] for axis in "xyz"]
+            modulus = columns[f"{kind}, {mode}, |{quantity}|"]
+            np.testing.assert_allclose(modulus**2, sum(part**2 for part in of), atol=1e-12)
 
 
 def test_the_pitch_cones_touch_along_the_generatrix():
@@ -52,11 +51,10 @@ def test_the_pitch_cones_touch_along_the_generatrix():
 
 
 def test_columns_hold_the_curves_of_figures_2_and_3():
-    _, second = stelmashchuk.over_stiffness()
-    _, third = stelmashchuk.over_damping()
-    assert {f"a'' [1], ν = {nu}, balancer {beta}" for nu in ("4.4", "8", "100") for beta in "01"} < set(
-        second
-    )
-    assert {f"a'' [1], Π = {Pi}, balancer {beta}" for Pi in ("0", "5") for beta in "01"} < set(third)
-    expected = response(second["kappa [1]"], Criteria(8.0, 0.5), stelmashchuk.KAPPA2, 0.0).acceleration
-    assert (second["a'' [1], ν = 8, balancer 0"] == expected).all()
+    _, second = all_figures()["stelmashchuk_2"]()
+    _, third = all_figures()["stelmashchuk_3"]()
+    for balancer in ("with the balancer", "without the balancer"):
+        assert {f"a″ [1], {balancer}, ν = {nu}" for nu in ("4.4", "8", "100")} < set(second)
+        assert {f"a″ [1], {balancer}, Π = {Pi}" for Pi in ("0", "5")} < set(third)
+    expected = response(second["relative time κ = t/T [1]"], Criteria(8.0, 0.5), 1.0, 0.0).acceleration
+    assert (second["a″ [1], without the balancer, ν = 8"] == expected).all()

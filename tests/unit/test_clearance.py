@@ -8,7 +8,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from inertia_module.memory.instances import DrivenShaft, Module
-from studies.papers.karetin.geometry import Geometry
+from studies.papers.karetin import Geometry
 
 PLANAR = {"layout": 1, "sun_radius": 0.05, "satellite_radius": 0.03, "eccentricity": 0.02}
 OVERLAP, OUTSIDE = "satellites of a module overlap", "the imbalance is outside"

@@ -10,8 +10,7 @@ import pytest
 
 from inertia_module.loops.stepping import law_of_motion
 from inertia_module.memory.instances import DrivenShaft
-from studies.papers.stelmashchuk.criteria import Criteria
-from studies.papers.stelmashchuk.exact import response
+from studies.papers.stelmashchuk.exact import Criteria, response
 
 KAPPA2 = 1.0
 END = 2.75  # rise, dwell, fall, and three quarters of a unit at rest

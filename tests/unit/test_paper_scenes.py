@@ -12,11 +12,8 @@ from inertia_module.figures.scenes import scene_figure
 from inertia_module.figures.shaft import shaft_figure
 from inertia_module.scene import SceneError, load_any_scene, load_scene, run_scene, run_shaft_scene
 from studies.papers.karetin import Geometry, dynamic_mode, exact
-from studies.papers.lysenko.exact import speed_ratio
-from studies.papers.lysenko.mechanism import EXAMPLE
-from studies.papers.stelmashchuk.criteria import Criteria
-from studies.papers.stelmashchuk.exact import response
-from studies.papers.symbols import symbols_tables
+from studies.papers.lysenko.equations import EXAMPLE, speed_ratio
+from studies.papers.stelmashchuk.exact import Criteria, response
 
 PAPERS = Path(__file__).parents[2] / "examples" / "papers"
 SHAFT = """
@@ -88,14 +85,6 @@ def test_stelmashchuks_scene_gives_his_motion(built):
     # the balancer pushes with the slope of the step before: 3/2 of a step late, of a wave of 4 pi^2
     late = 1.5 * 4.0 * math.pi**2 * scene.run.communication_step / T
     assert table["driven_acceleration"] * T**2 / angle == pytest.approx(found.acceleration, abs=1.01 * late)
-
-
-def test_every_symbol_is_a_variable_of_the_fmus():
-    tables = symbols_tables()
-    assert set(tables) == {"karetin", "lysenko", "stelmashchuk"}
-    for text in tables.values():
-        widths = {line.replace(r"\|", "").count("|") for line in text.splitlines()}
-        assert widths == {6}
 
 
 # --- a shaft alone ---

@@ -1,9 +1,6 @@
 """Stelmashchuk's stepping mechanism of partially-toothed wheels with a balancing device."""
 
-from ..report import claims_in
-from . import claims
+from .claims import findings
 from .equations import EQUATIONS
 
-CLAIMS = claims_in(claims)
-
-__all__ = ["CLAIMS", "EQUATIONS"]
+__all__ = ["EQUATIONS", "findings"]

@@ -1,12 +1,14 @@
-"""Geometry of Karetin's standard layout: teeth, shaft angle and a, b, c give the lengths of figure 1."""
+"""Geometry and steady motions of Karetin's standard layout, and the cases on which he is judged.
+
+Teeth, shaft angle and a, b, c give the lengths of figure 1.
+"""
 
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import cached_property
-
-from inertia_module.contract.variables import BY_NAME, refused_parameters
+from typing import NamedTuple
 
 
 @dataclass(frozen=True)
@@ -28,9 +30,6 @@ class Geometry:
             QA is negative where phi > pi/2 (internal satellite), OQ where psi > pi/2.
         across, height: of A from OQ and above the plane z = 0, m: QA sin(Sigma), OQ - QA cos(Sigma).
         turns_in_period: turns of the drive after which drive and satellite are as they were.
-
-    Raises:
-        ValueError: a value out of its range, with name, value and what is allowed.
     """
 
     z2: int = 20
@@ -44,11 +43,6 @@ class Geometry:
     c: float = 1.0
     epsilon: float = 0.0
     gamma: float = 0.0
-
-    def __post_init__(self) -> None:
-        parameters = asdict(self)
-        for message in refused_parameters(parameters, [BY_NAME[name] for name in parameters]):
-            raise ValueError(message)
 
     s = cached_property(lambda g: g.z17 / g.z6)
     k = cached_property(lambda g: g.z2 / g.z16)
@@ -71,3 +65,49 @@ class Geometry:
         lambda g: (g.c - g.b) * g._scale * g._along_drive + g.b * g.wheel_radius * g._sine / g.s
     )
     turns_in_period = cached_property(lambda g: g.z6 // math.gcd(int(g.z17), int(g.z6)))
+
+
+class Motion(NamedTuple):
+    """Steady speeds of the links.
+
+    Attributes:
+        omega1: of link 1, rad/s. omega2: of link 2, rad/s.
+        carrier: speed about Ox of the frame that carries the axis OQ, rad/s. In the mechanism that is
+            link 1. The paper's stop mode has OQ at rest on Oz: its motion is the one seen from link 1.
+    """
+
+    omega1: float
+    omega2: float
+    carrier: float
+
+
+def stop_mode(omega1: float) -> Motion:
+    """The paper's stop mode: i = infinity, omega2 = 0, OQ at rest on Oz; omega1 against link 2, rad/s."""
+    return Motion(omega1, 0.0, 0.0)
+
+
+def dynamic_mode(omega1: float, transmission: float) -> Motion:
+    """The dynamic mode, in which link 1 turns with omega1, rad/s, and carries OQ.
+
+    Args:
+        omega1: speed of link 1, rad/s.
+        transmission: i = omega1/omega2, not 0; math.inf with link 2 held.
+    """
+    return Motion(omega1, omega1 / transmission, omega1)
+
+
+def period(geometry: Geometry, motion: Motion) -> float:
+    """Time after which drive and satellite stand in link 1 as before, s; the drive must turn."""
+    drive = geometry.k * (motion.omega1 - motion.omega2)
+    return float(2.0 * math.pi * geometry.turns_in_period / abs(drive))
+
+
+# the paper gives no numbers; the scene R1: pole of the cones, no offsets
+STANDARD = Geometry()
+# s is whole, as the paper has it, for whom one turn of the drive is one period: its figures are drawn so
+PAPER = Geometry(z17=40, z6=20)
+# nothing vanishes or cancels, and D changes sides of every plane: the equations are judged on this one
+GENERAL = Geometry(shaft_angle=math.radians(80.0), a=0.9, b=1.1, c=0.7, epsilon=0.4, gamma=0.3)
+STOP = stop_mode(100.0)
+# the link 1 closes with drive and satellite after ten turns of the drive, twenty of its own
+DYNAMIC = dynamic_mode(100.0, 2.0)
