@@ -8,8 +8,9 @@ import numpy as np
 
 from inertia_module.cosimulation import torque_driven
 
-from ..reference.lagrange import OMEGA1, OMEGA_OUT, THETA1, Lagrange
-from ..reference.trajectory import Array
+from ..reference.cases import OMEGA1, THETA1
+from ..reference.geometry import Array
+from ..reference.motion import Reference
 from .case import WINDOW, WINDOWS, CoupledCase
 
 
@@ -26,10 +27,10 @@ class Course(NamedTuple):
 
 
 def one_piece(case: CoupledCase) -> Course:
-    """The case from its start by Lagrange's equations, its torque being that of the governor."""
+    """The case from its start by the independent reference, its torque being that of the governor."""
     engine = case.engine()
     governor = engine.governor
-    motion = Lagrange(torque_driven(case.parameters, engine.inertia), case.speed, case.load_torque)
+    motion = Reference(torque_driven(case.parameters, engine.inertia), case.speed, case.load_torque)
     samples = round(WINDOW / governor.sample_time)
     integral = work = 0.0
     omega1, omega_out = [], []
@@ -42,5 +43,5 @@ def one_piece(case: CoupledCase) -> Course:
             motion.advance((window * samples + n + 1) * governor.sample_time)
             work += torque * (motion.state[THETA1] - angle)
         omega1.append((motion.state[THETA1] - began) / WINDOW)
-        omega_out.append(motion.state[OMEGA_OUT])
+        omega_out.append(motion.omega_out)
     return Course(np.array(omega1), np.array(omega_out), work)

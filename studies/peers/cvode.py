@@ -11,7 +11,8 @@ import numpy as np
 
 from inertia_module.common.extras import library
 
-from ..reference.trajectory import Array, Case, Trajectory
+from ..reference.geometry import Array
+from ..reference.trajectory import Case, Trajectory
 from .equations import equations, in_array, largest_step
 from .run import Integrator, Segment, measure
 

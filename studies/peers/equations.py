@@ -19,7 +19,8 @@ from inertia_module.kernel import codes
 from inertia_module.kernel.fields import CONSTANTS
 from inertia_module.memory.instances import Module
 
-from ..reference.trajectory import Array, Case, Unavailable
+from ..reference.geometry import Array
+from ..reference.trajectory import Case, Unavailable
 
 # the kernel's constants, then rad/s, N.m, the mode, and the stiffness of the clutches, N.m.s/rad
 FIELDS = (("d", CONSTANTS), "omega1", "load", "mode", "stiffness")

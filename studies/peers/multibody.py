@@ -10,8 +10,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from ..reference.geometry import EX, EZ, Parameters, bevel_lengths, turn
-from ..reference.trajectory import Array
+from ..reference.geometry import EX, EZ, Array, Parameters, bevel_lengths, turn
 
 NEGLIGIBLE = 1e-13  # kg, kg m^2: the engine wants every moving body to have mass and inertia
 

@@ -13,7 +13,8 @@ from inertia_module.kernel import codes
 from inertia_module.kernel.contact import TORQUE_ROUNDING, select_mode
 from inertia_module.kernel.links import angular_momentum, kinetic_energy
 
-from ..reference.trajectory import Array, Case, Trajectory
+from ..reference.geometry import Array
+from ..reference.trajectory import Case, Trajectory
 from .equations import CLUTCHES, LINK2, OUTPUT, data_of, start_of
 
 # events a run may have: bounds a run that goes nowhere

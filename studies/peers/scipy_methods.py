@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 from scipy.integrate import odeint, solve_ivp
 
-from ..reference.trajectory import Array, Case, Trajectory
+from ..reference.geometry import Array
+from ..reference.trajectory import Case, Trajectory
 from .equations import LINK2, OUTPUT, equations, in_array, largest_step
 from .run import Integrator, Segment, measure
 

@@ -8,11 +8,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from inertia_module.contract.variables import default_parameters
 
-Array = NDArray[np.float64]
+from .geometry import Array
 
 
 class Unavailable(RuntimeError):
@@ -64,6 +63,7 @@ class Trajectory:
         energy_in: work of the input torque, J, or None.
         number_of_switches: where they are counted, else NaN.
         acceleration: of the imbalance, m/s^2, or None if it follows from drive_angle and the speeds.
+        modes: contact modes, or None where nobody asks for them.
     """
 
     time: Array
@@ -78,6 +78,7 @@ class Trajectory:
     energy_in: float | None = None
     number_of_switches: float = math.nan
     acceleration: Array | None = None
+    modes: Array | None = None
 
 
 @dataclass(frozen=True)

@@ -70,8 +70,11 @@ def test_virtual_work_is_that_of_the_multibody_engine(layout, satellites, module
     expected, found = [], []
     for state in np.random.default_rng(2020).uniform(-1.0, 1.0, (20, 6)):
         q, theta1, omega1, alpha1, omega2, alpha2 = state * [10.0, 10.0, 100.0, 3000.0, 100.0, 3000.0]
-        at = work(q, theta1, omega1, k * (omega1 - omega2))
-        link1, drives = at.inertia @ [alpha1, k * (alpha1 - alpha2)] + at.rest + at.weight
+        torques, _, weights = work(q)
+        (y, z), (y1, z1) = weights.sum(axis=0)
+        rate, sine, cosine = k * (omega1 - omega2), np.sin(theta1), np.cos(theta1)
+        link1, drives = torques[:2] @ [alpha1, alpha2, omega1**2, omega1 * rate, rate**2]
+        link1, drives = link1 + y * cosine - z * sine, drives + y1 * sine + z1 * cosine
         found.append([link1 + INPUT_INERTIA * alpha1 + k * drives, k * drives])
         expected.append(multibody.prescribe(q, theta1, omega1, alpha1, omega2, alpha2))
     assert np.abs(np.subtract(found, expected)).max() < 1e-8 * np.abs(expected).max()
