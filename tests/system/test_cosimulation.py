@@ -20,11 +20,21 @@ from inertia_module.cosimulation import (
 )
 from inertia_module.harness.fmu import Fmu, FmuError
 from inertia_module.scene import load_scene
-from studies.coupling.case import URBAN_MODULE, bevel, planar
-from studies.coupling.reference import one_piece
-from studies.coupling.study import coupling_map, write_part
-from studies.coupling.trial import COUPLINGS, TORQUE, course, trial
-from studies.coupling.urban import SCENE, urban_run, urban_scene
+from studies.coupling import (
+    COUPLINGS,
+    SCENE,
+    TORQUE,
+    URBAN_MODULE,
+    bevel,
+    coupling_map,
+    course,
+    one_piece,
+    planar,
+    trial,
+    urban_run,
+    urban_scene,
+    write_part,
+)
 
 DOCS = Path(__file__).parents[2] / "docs"
 

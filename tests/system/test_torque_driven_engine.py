@@ -16,11 +16,18 @@ from inertia_module.cosimulation import (
     torque_driven,
 )
 from inertia_module.harness.fmu import Fmu, FmuError
-from studies.coupling.case import bevel, planar
-from studies.coupling.reference import one_piece
-from studies.coupling.study import coupling_map
-from studies.coupling.trial import TORQUE, coupled_engine, course, trial
-from studies.coupling.urban import urban_run, urban_scene
+from studies.coupling import (
+    TORQUE,
+    bevel,
+    coupled_engine,
+    coupling_map,
+    course,
+    one_piece,
+    planar,
+    trial,
+    urban_run,
+    urban_scene,
+)
 
 SAMPLE = 5e-3
 
