@@ -18,7 +18,7 @@ from inertia_module.fidelity.timing import median_time
 
 from ..reference.geometry import ratio, satellite_ratio
 from ..reference.trajectory import Case, Trajectory
-from .equations import data_of
+from .integrators import Problem
 from .multibody import mechanism
 
 # MuJoCo allows no more: a constraint is softer than rigid by the part that is missing
@@ -139,7 +139,7 @@ def simulate(case: Case, integrator: str, timestep: float) -> Trajectory:
         Unavailable: the case is not for it. NotInstalled: mujoco is not.
         RuntimeError: MuJoCo gives up.
     """
-    data_of(case)
+    Problem(case)
     interval = case.stop_time / case.points
     steps = max(1, int(np.ceil(interval / timestep * (1.0 - 1e-12))))
     model = ForwardModel(case, interval / steps, integrator)

@@ -32,7 +32,8 @@ class VirtualWork:
         p: all parameters of the module by name.
 
     Attributes:
-        highest: order of the highest harmonic, per turn of the drive. largest: of the inertias, kg m^2.
+        orders: of the harmonics per turn of the drive. terms: of all series, a column for each of them.
+        highest: of the orders. largest: of the inertias, kg m^2.
     """
 
     def __init__(self, p: Parameters) -> None:
@@ -81,9 +82,9 @@ class VirtualWork:
         there = np.any([size > ROUNDING * size.max() for size in sizes], axis=0)
         kept = np.flatnonzero(there & (orders >= 0.0))
         self.highest = float(orders[kept].max(initial=0.0))
-        self._waves = 1j * orders[kept]
+        self.orders = orders[kept]
         # a real series is twice its half of positive orders
-        self._terms = np.concatenate(terms)[:, kept] * np.where(orders[kept] > 0.0, 2.0, 1.0)
+        self.terms = np.concatenate(terms)[:, kept] * np.where(orders[kept] > 0.0, 2.0, 1.0)
         ends = np.cumsum([0, *map(len, terms)])
         self._parts = [
             (slice(*pair), one.shape[:-1])
@@ -100,7 +101,7 @@ class VirtualWork:
                 three, (satellites, 3, 3).
             weights: m g (y, z) of each and its slope in q, N.m, (satellites, 2, 2).
         """
-        values = (self._terms @ np.exp(np.multiply.outer(self._waves, q))).real
+        values = (self.terms @ np.exp(np.multiply.outer(1j * self.orders, q))).real
         return [values[part].reshape(shape + np.shape(q)) for part, shape in self._parts]
 
 
