@@ -13,7 +13,7 @@ from inertia_module.harness.simulate import progress_bar
 from inertia_module.scene import load_scene
 from studies.benchmarks.figures import DOCS
 from studies.peers import PEERS
-from studies.reference.trade import R1, R1_ELASTIC, agreement, converged, measure
+from studies.trade import R1, R1_ELASTIC, agreement, converged, measure
 
 SCENE = Path(__file__).parents[2] / "examples" / "urban.toml"
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from ..reference.trajectory import Case, Peer, Trajectory
+from ..trade import Case, Peer, Trajectory
 from . import integrators, mujoco_model
 
 # name, method, tolerances, stiffnesses of the clutches, N.m.s/rad (none: by events)

@@ -24,8 +24,8 @@ from inertia_module.kernel.codes import RIGID
 from inertia_module.memory.instances import Module
 
 from ..reference.cases import HOUSING, OMEGA1, OMEGA4, OUTPUT, SUMS, Machine, Q
-from ..reference.geometry import Array
-from ..reference.trajectory import Case, Trajectory, Unavailable
+from ..reference.geometry import Array, Unavailable
+from ..trade import Case, Trajectory
 
 # places of the numbers: which freewheels are closed and which are there; rad/s, N.m; k, kg m^2; N.m.s/rad of
 # a viscous clutch in place of each freewheel, Tc = c max(0, omega2 - omega3), Th = c max(0, -omega2), or 0
@@ -204,10 +204,7 @@ class Problem:
             return float(torques[0, :2] @ [omega1, y[1]] + inertia2 * y[1])
 
         housing, output = segment.closed
-        if housing:
-            work = energy(y1, 0.0) - energy(y0, 0.0)
-        else:
-            work = omega1 * (momentum(y1) - momentum(y0))
+        work = energy(y1, 0.0) - energy(y0, 0.0) if housing else omega1 * (momentum(y1) - momentum(y0))
         turned = 0.5 * (y0[2] + y1[2]) * time
         if output and not housing:
             work += omega1 * (inertia3 * (y1[2] - y0[2]) + load * time)

@@ -17,7 +17,7 @@ from inertia_module.common.extras import library
 from inertia_module.fidelity.timing import median_time
 
 from ..reference.geometry import ratio, satellite_ratio
-from ..reference.trajectory import Case, Trajectory
+from ..trade import Case, Trajectory
 from .integrators import Problem
 from .multibody import mechanism
 

@@ -27,8 +27,7 @@ import numpy as np
 from inertia_module.contract.variables import default_parameters
 from inertia_module.kernel.codes import DRIVE_TORQUE, ELASTIC
 
-from .geometry import Array, ratio, shaft_frequency
-from .trajectory import Unavailable
+from .geometry import Array, Unavailable, ratio, shaft_frequency
 from .virtual_work import VirtualWork
 
 # places of a case: freewheels, signs of the slip (0: none) and of sigma M2; then those of the satellites

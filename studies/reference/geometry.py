@@ -16,6 +16,10 @@ Parameters = Mapping[str, Any]
 EX, _, EZ = np.eye(3)
 
 
+class Unavailable(RuntimeError):
+    """A method cannot take the case: why, in one line."""
+
+
 def turn(axis: int, angle: float | Array) -> Array:
     """Matrices of turns about axis 0, 1 or 2 (x, y, z) by angles, rad: shape of the angles, then (3, 3).
 

@@ -44,8 +44,7 @@ from .cases import (
     Q,
     speed_of,
 )
-from .geometry import Array
-from .trajectory import Unavailable
+from .geometry import Array, Unavailable
 
 TOLERANCE = 1e-13
 # a speed below this part of that of link 1 is zero

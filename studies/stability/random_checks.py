@@ -14,9 +14,8 @@ from inertia_module.kernel.codes import AVERAGED, DRIVE_TORQUE, ELASTIC, EVENT, 
 from inertia_module.memory.instances import Module
 
 from ..reference.cases import OMEGA1, OMEGA4
-from ..reference.geometry import Array, ratio
+from ..reference.geometry import Array, Unavailable, ratio
 from ..reference.motion import Reference
-from ..reference.trajectory import Unavailable
 from ..reference.virtual_work import VirtualWork
 from .bounds import BREACH, LARGEST_ERROR, ROUNDING, energy_bound
 from .case import TIMESTEPPING_ACCURACY, Segment

@@ -7,7 +7,8 @@ from scenes import SCENES
 from inertia_module.common.extras import NotInstalled
 from inertia_module.memory.instances import Module
 from studies.peers import PEERS, integrators, mujoco_model
-from studies.reference.trajectory import Case, Unavailable
+from studies.reference.geometry import Unavailable
+from studies.trade import Case
 
 INPUTS = ("omega1", "load_torque")
 PLANAR = {name: value for name, value in SCENES["planar"].items() if name not in INPUTS}

@@ -8,9 +8,9 @@ from scenes import PLANAR
 
 from inertia_module.memory.instances import Module
 from studies.reference.cases import OMEGA1, OMEGA4
+from studies.reference.geometry import Unavailable
 from studies.reference.motion import Reference
-from studies.reference.trade import R1_ELASTIC, agreement
-from studies.reference.trajectory import Case, Unavailable
+from studies.trade import R1_ELASTIC, Case, agreement
 
 FLAT = {name: value for name, value in PLANAR.items() if name not in ("omega1", "load_torque")}
 TURNING_BACK = {"housing_freewheel": 0.0, "omega_out_start": 5.0}

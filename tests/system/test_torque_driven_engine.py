@@ -119,7 +119,7 @@ def test_angle_and_speed_of_the_engine_are_those_of_link_1(fmu_path, case):
         speed, given, angle, rest, turns, energy = coupled.read(names)
         assert speed == given
         assert angle == pytest.approx(rest + 2.0 * math.pi * turns, rel=1e-12)
-        assert energy == pytest.approx(0.5 * case.engine_inertia * speed**2, rel=1e-12)
+        assert energy == pytest.approx(0.5 * case.engine().inertia * speed**2, rel=1e-12)
         assert coupled.ledger.cost == 200
 
 

@@ -28,8 +28,7 @@ from studies.reference.cases import (
     Machine,
     Q,
 )
-from studies.reference.geometry import positions, ratio, satellite_ratio, turn
-from studies.reference.trajectory import Unavailable
+from studies.reference.geometry import Unavailable, positions, ratio, satellite_ratio, turn
 from studies.reference.virtual_work import VirtualWork
 
 MESHES = {"mesh_efficiency": 0.9, "satellite_mesh_efficiency": 0.92, "journal_friction": 2e-3}

@@ -8,11 +8,12 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
+from inertia_module.contract.variables import default_parameters
 from inertia_module.fidelity.levels import Level, all_levels
 from inertia_module.fidelity.rows import PEER, Attempt, Row, attempt_all, head_of
 from inertia_module.fidelity.timing import kernel_time
@@ -23,9 +24,8 @@ from inertia_module.kernel.links import accelerations
 from inertia_module.memory.instances import Module
 from inertia_module.scene.mechanism import at_fidelity, is_elastic
 
-from .geometry import Array
-from .motion import Reference
-from .trajectory import Case, Peer, Trajectory
+from .reference.geometry import Array
+from .reference.motion import Reference
 
 # measure: what it is, unit ("" where it is relative)
 MEASURES: dict[str, tuple[str, str]] = {
@@ -40,10 +40,87 @@ MEASURES: dict[str, tuple[str, str]] = {
 # an interval belongs to a pulse where its impulse is more than this of the largest
 _PULSE = 1e-9
 _SAMPLED = ("omega2", "omega_out", "imbalance_acceleration", "contact_mode", "contact_switches")
-# the least distance that a switch may have from where it is expected, s
-_NEAREST = 1e-13
-# what a switch may be off, of its distance from a sampling time or from where it is expected
-_ROUNDING, _SHARE = 1e-12, 1e-3
+# what the time of a switch may be off, s
+_CLOSE = 2e-14
+
+
+@dataclass(frozen=True)
+class Case:
+    """An open-loop case: constant input speed and load, from the start values of the parameters.
+
+    Attributes:
+        parameters: of the module by name, those that differ from the defaults (scene R1).
+        omega1: rad/s. load_torque: N.m. stop_time: s. points: number of equal sampling intervals.
+    """
+
+    parameters: Mapping[str, float] = field(default_factory=dict)
+    omega1: float = 100.0
+    load_torque: float = 10.0
+    stop_time: float = 1.0
+    points: int = 1000
+
+    @property
+    def times(self) -> Array:
+        """Sampling times from 0 to stop_time, s, shape (points + 1,)."""
+        return np.linspace(0.0, self.stop_time, self.points + 1)
+
+    @property
+    def all_parameters(self) -> dict[str, Any]:
+        """Values of all parameters of the module in this case."""
+        return {**default_parameters(), **self.parameters}
+
+    def parameter(self, name: str) -> float:
+        """Value of a parameter in this case."""
+        return float(self.all_parameters[name])
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """What an integrator gives at the sampling times of a case; arrays of shape (points + 1,).
+
+    Attributes:
+        time: s. drive_angle: q, unwrapped, rad (NaN where there is no phase).
+        omega2, omega_out: speeds of link 2 and of the output shaft, rad/s.
+        switches: times of the switches of the freewheels, s, shape (n,), or None if they are not located.
+        evaluations: of the right-hand side. energy_residual: of its own energy audit, J, or None.
+        wall_time: of the integration alone, s: median of repeats (see median_time).
+        impulse: of the output torque Tc from the start, N.m.s, or None if it follows from omega_out
+            as output_inertia (omega_out - start) + load_torque time.
+        energy_in: work of the input torque, J, or None.
+        number_of_switches: where they are counted, else NaN.
+        acceleration: of the imbalance, m/s^2, or None if it follows from drive_angle and the speeds.
+        modes: contact modes, or None where nobody asks for them.
+    """
+
+    time: Array
+    drive_angle: Array
+    omega2: Array
+    omega_out: Array
+    switches: Array | None
+    evaluations: int
+    energy_residual: float | None
+    wall_time: float
+    impulse: Array | None = None
+    energy_in: float | None = None
+    number_of_switches: float = math.nan
+    acceleration: Array | None = None
+    modes: Array | None = None
+
+
+@dataclass(frozen=True)
+class Peer:
+    """Another way to integrate a case, with the settings it is to be tried at.
+
+    Attributes:
+        name: one curve of the plots, such as "LSODA, clutch 1e4".
+        settings: what integrate takes, by its label, such as "rtol 1e-8"; from coarse to fine.
+        integrate: of (case, setting) the trajectory. May raise ValueError, RuntimeError (Unavailable,
+            NotInstalled) or ArithmeticError: it is then listed as a failure.
+    """
+
+    name: str
+    settings: Mapping[str, Any]
+    integrate: Callable[[Case, Any], Trajectory]
 
 
 class KernelRun:
@@ -89,45 +166,19 @@ class KernelRun:
         self.module.advance(rest)
         return self._impulse[n] + rest * self.module["output_torque_mean"]
 
-    def _switch(self, number: int, hint: float, share: float) -> float:
-        """Time of a switch, s, by bisection of the logarithm of its distance from a time.
-
-        Args:
-            number: which, from 1. hint: the time, s. share: of the distance that it may be off.
-        """
-
-        def switched(time: float) -> bool:
-            if not 0.0 < time < self.case.stop_time:
-                return time > 0.0
-            self.reach(time)
-            return self.module["contact_switches"] >= number
-
-        after, low, high = switched(hint), _NEAREST, self.case.stop_time
-        side = -1.0 if after else 1.0
-        while high > (1.0 + share) * low:
-            middle = math.sqrt(low * high)
-            if switched(hint + side * middle) == after:
-                low = middle
-            else:
+    def _switch(self, number: int, low: float, high: float) -> float:
+        """Time of a switch, numbered from 1, between two times, s, by bisection."""
+        while high - low > _CLOSE:
+            middle = 0.5 * (low + high)
+            self.reach(middle)
+            if self.module["contact_switches"] >= number:
                 high = middle
-        return hint + side * high
+            else:
+                low = middle
+        return high
 
-    def _switches(self, times: Array, counts: Array, hints: Array | None) -> Array:
-        """Times at which the counter of switches goes up, s: to rounding, or near hints (see trajectory)."""
-        if hints is None or hints.size != counts[-1]:
-            numbers = np.arange(1, counts[-1] + 1)
-            hints, share = times[np.searchsorted(counts, numbers)], _ROUNDING
-        else:
-            share = _SHARE
-        return np.array([self._switch(n, float(hint), share) for n, hint in enumerate(hints, 1)])
-
-    def trajectory(self, timed: bool = True, hints: Array | None = None) -> Trajectory:
-        """Look at the run at the case's sampling times.
-
-        Args:
-            timed: whether to repeat it for its time.
-            hints: where switches are expected, s: they are then found to a thousandth of the distance.
-        """
+    def trajectory(self, timed: bool = True) -> Trajectory:
+        """Look at the run at the case's sampling times; timed: repeat it for its time."""
         times = self.case.times
         rows, impulse, angle = [], [], []
         for time in times:
@@ -135,7 +186,13 @@ class KernelRun:
             rows.append([self.module[name] for name in _SAMPLED])
             angle.append(self.module["drive_angle"] + 2.0 * math.pi * self.module["drive_turns"])
         omega2, omega_out, acceleration, modes, counts = np.array(rows).T
-        switches = self._switches(times, counts, hints) if self.located else None
+        switches = None
+        if self.located:
+            numbers = range(1, int(counts[-1]) + 1)
+            after = np.searchsorted(counts, numbers)
+            switches = np.array(
+                [self._switch(n, *times[i - 1 : i + 1]) for n, i in zip(numbers, after, strict=True)]
+            )
         given = [(self.case.omega1, self.case.load_torque, 0.0)] * self.steps
         cost = kernel_time(self.module, self._saved[0], given, self.step) if timed else math.nan
         self.module.restore(self._saved[-1])
@@ -220,8 +277,7 @@ def errors(case: Case, trajectory: Trajectory, exact: Trajectory) -> dict[str, f
     found["omega_out_final"] = _relative(trajectory.omega_out[-1], exact.omega_out[-1])
     found["omega_out_worst"] = _worst(trajectory.omega_out, exact.omega_out)
     found["torque_mean"] = _relative(ours[-1], theirs[-1])
-    if exact.modes is not None and not np.isnan(trajectory.drive_angle).any():
-        modes = exact.modes
+    if (modes := exact.modes) is not None and not np.isnan(trajectory.drive_angle).any():
         edges = np.array(pulses(theirs), dtype=int).reshape(-1, 2)
         found["impulse"] = _worst(*(values[edges[:, 1]] - values[edges[:, 0]] for values in (ours, theirs)))
         found["acceleration"] = _worst(*(acceleration(case, one, modes) for one in (trajectory, exact)))
@@ -324,7 +380,7 @@ def measure(
         return measured
 
     def run_level(level: Level, step: float) -> Trajectory:
-        return KernelRun(case, level.values, step).trajectory(hints=exact.switches)
+        return KernelRun(case, level.values, step).trajectory()
 
     chosen = list(all_levels(is_elastic(case.parameters))) if levels is None else levels
     lengths = [case.stop_time / number for number in (1, 100, 1000)] if steps is None else steps
