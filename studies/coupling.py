@@ -141,15 +141,22 @@ CASES = {"planar": planar, "bevel": bevel}
 
 
 class Course(NamedTuple):
-    """Speeds of a run.
+    """Speeds of a run, NaN where it did not get.
 
     Attributes:
         omega1: mean over each window, rad/s. omega_out: at the end of each, rad/s. work: of the engine, J.
+        ledger: sums over it, if it was coupled.
     """
 
     omega1: Array
     omega_out: Array
     work: float
+    ledger: Ledger
+
+    @property
+    def stable(self) -> bool:
+        """Whether it reached its end."""
+        return bool(np.isfinite(self.omega_out).all())
 
 
 def one_piece(case: CoupledCase) -> Course:
@@ -170,15 +177,7 @@ def one_piece(case: CoupledCase) -> Course:
             work += torque * (motion.state[THETA1] - angle)
         omega1.append((motion.state[THETA1] - began) / WINDOW)
         omega_out.append(motion.omega_out)
-    return Course(np.array(omega1), np.array(omega_out), work)
-
-
-class Run(NamedTuple):
-    """A run of a case: its course, what is not reached is NaN; sums over it; whether it was stable."""
-
-    course: Course
-    ledger: Ledger
-    stable: bool
+    return Course(np.array(omega1), np.array(omega_out), work, Ledger())
 
 
 def couple(fmu: Fmu, engine: Engine, scheme: Scheme | None, inertia: float, substeps: int = 1) -> EnginePlant:
@@ -202,7 +201,7 @@ def coupled_engine(
 
 def course(
     case: CoupledCase, scheme: Scheme | None, step: float, fmu_path: Path, tolerance: float = TOLERANCE
-) -> Run:
+) -> Course:
     """Run a case in equal steps, s, a whole number of them in a window (arguments of coupled_engine)."""
     omega1, omega_out = np.full(WINDOWS, math.nan), np.full(WINDOWS, math.nan)
     count = max(1, round(WINDOW / step))
@@ -219,8 +218,7 @@ def course(
             if not abs(engine.speed - case.speed) < _OFF * case.speed:
                 break
             (omega_out[n],) = coupled.read(("omega_out",))
-        stable = bool(np.isfinite(omega_out).all())
-        return Run(Course(omega1, omega_out, engine.state.work_in), coupled.ledger, stable)
+        return Course(omega1, omega_out, engine.state.work_in, coupled.ledger)
 
 
 @dataclass(frozen=True)
@@ -258,15 +256,16 @@ class Trial:
 
 def trial(case: CoupledCase, name: str, step: float, reference: Course, fmu_path: Path) -> Trial:
     """Run a case by a coupling of this name in steps, s, and compare it with its reference."""
-    found, ledger, stable = course(case, COUPLINGS[name], step, fmu_path)
+    found = course(case, COUPLINGS[name], step, fmu_path)
     errors = (
         float(np.abs(found.omega1 - reference.omega1).max()) / case.speed,
         float(np.abs(found.omega_out - reference.omega_out).max() / np.abs(reference.omega_out).max()),
-        ledger.defect / reference.work,
+        found.ledger.defect / reference.work,
         found.work / reference.work - 1.0,
-        ledger.cost / STOP_TIME,
+        found.ledger.cost / STOP_TIME,
     )
-    return Trial(case.name, case.ratio, name, step, stable, *(errors if stable else [math.nan] * len(errors)))
+    known = errors if found.stable else [math.nan] * len(errors)
+    return Trial(case.name, case.ratio, name, step, found.stable, *known)
 
 
 def coupling_map(fmu_path: Path, quick: bool, progress: Progress | None = None) -> list[Trial]:

@@ -60,7 +60,7 @@ def test_with_steps_that_meet_the_samples_it_is_the_one_piece_reference(fmu_path
     case = make(ratio)
     expected = one_piece(case)
     for step in (SAMPLE / 4, SAMPLE):
-        found = course(case, None, step, fmu_path, 1e-10).course
+        found = course(case, None, step, fmu_path, 1e-10)
         assert np.abs(found.omega1 - expected.omega1).max() < 1e-9 * case.speed
         assert np.abs(found.omega_out - expected.omega_out).max() < 1e-9 * expected.omega_out.max()
         assert found.work == pytest.approx(expected.work, rel=1e-9)
