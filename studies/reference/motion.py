@@ -284,8 +284,11 @@ class Reference:
             def value(t: float, place: int = place) -> float:
                 return float(guards(t)[place])
 
-            if fall := _fall(value, times, looked):
-                yield float(brentq(value, *fall, xtol=1e-16)), place
+            fall = _fall(value, times, looked)
+            # of several states at once it rounds otherwise than of one
+            if fall and value(fall[0]) > 0.0:
+                end = brentq(value, *fall, xtol=1e-16) if value(fall[1]) <= 0.0 else fall[1]
+                yield float(end), place
 
     def advance(self, time: float) -> None:
         """Go on to a time, s.
