@@ -2,13 +2,11 @@
 
 import math
 
-import numpy as np
 import pytest
 from scenes import PLANAR
 
 from inertia_module.memory.instances import Module
 from studies.reference.cases import OMEGA1, OMEGA4
-from studies.reference.geometry import Unavailable
 from studies.reference.motion import Reference
 from studies.trade import R1_ELASTIC, Case, agreement
 
@@ -54,17 +52,3 @@ def test_driven_by_torques_that_change_both_methods_end_alike(layout, freewheels
         second.advance(0.05 * (n + 1))
     ends = [first[name] for name in ("input_speed", "omega2", "omega_out")]
     assert ends == pytest.approx(second.state[OMEGA1:OMEGA4], rel=1e-7, abs=1e-7)
-
-
-def test_second_method_keeps_the_energy_where_nothing_takes_it():
-    free = {"housing_freewheel": 0.0, "output_freewheel": 0.0}
-    motion = Reference({"drive": 1.0, "input_inertia": 0.2, **free}, 60.0, 0.0)
-    before = motion.energy()
-    motion.advance(0.5)
-    assert motion.energy() == pytest.approx(before, rel=1e-11)
-    assert np.ptp(motion.state[OMEGA1:OMEGA4]) > 1.0
-
-
-def test_a_start_against_a_freewheel_is_refused():
-    with pytest.raises(Unavailable, match="omega3 >= omega2"):
-        Reference({"omega2_start": 5.0, "omega_out_start": 1.0}, 100.0, 10.0)
