@@ -155,7 +155,7 @@ class Course(NamedTuple):
 
     @property
     def stable(self) -> bool:
-        """Whether it reached its end."""
+        """Tell whether it reached its end."""
         return bool(np.isfinite(self.omega_out).all())
 
 

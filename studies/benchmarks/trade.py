@@ -35,7 +35,8 @@ def main():
             f"kernel and reference agree to {found.omega_out:.1e} in omega_out (relative)"
             f" and to {found.events:.1e} s in the times of {found.switches[0]} switches"
         )
-        print("\n".join(failure_lines(rows)))
+        for line in failure_lines(rows):
+            print(line)
 
 
 if __name__ == "__main__":

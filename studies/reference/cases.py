@@ -45,7 +45,7 @@ Mode = tuple[int, ...]
 
 
 class Forces(NamedTuple):
-    """What a case makes, of one state or, in a last axis, of several.
+    """Unknowns and friction of a case, of one state or, in a last axis, of several.
 
     Attributes:
         x: the unknowns, (9,). teeth: what friction 17-6 makes of the torque of each satellite, N.m.
@@ -61,7 +61,7 @@ class Forces(NamedTuple):
 
 @dataclass(frozen=True)
 class Freewheel:
-    """Whether it is there; drag and its viscous part; stiffness (0: rigid) and damping when locked."""
+    """Freewheel: whether it is there; drag and its viscous part; stiffness (0: rigid), damping when locked."""
 
     there: bool
     drag: float
@@ -118,7 +118,7 @@ class Machine:
         return Freewheel(there, *drag, p[f"{spring}_stiffness"] if sprung else 0.0, p[f"{spring}_damping"])
 
     def _joined(self, mode: Mode, place: int) -> bool:
-        """Whether a freewheel is closed and rigid: the speeds at it are the same."""
+        """Tell whether a freewheel is closed and rigid: the speeds at it are the same."""
         return mode[place] == CLOSED and not self.wheels[place].stiffness
 
     def _passed(self, y: Array, mode: Mode, place: int) -> tuple[Array, Array]:
@@ -131,7 +131,7 @@ class Machine:
         return wheel.stiffness * y[WOUND + place] - wheel.damping * speed, wheel.damping * speed**2
 
     def _matrix(self, mode: Mode, link1: Array, drive: Array) -> Array:
-        """What multiplies the unknowns of a case, (9, 9), or of several states, (n, 9, 9).
+        """Matrix of the unknowns of a case, (9, 9), or of several states, (n, 9, 9).
 
         Args:
             link1, drive: torques on theta1 and M2 by alpha1 and alpha2, kg m^2, (2,).
@@ -159,7 +159,7 @@ class Machine:
         return matrix
 
     def forces(self, y: Array, mode: Mode) -> Forces:
-        """Of a state in a case, whether it holds or not, or of several states, (places, n).
+        """Solve a case at a state, whether it holds or not, or at several states, (places, n).
 
         Raises:
             LinAlgError: the case leaves a torque or an acceleration open.
@@ -211,7 +211,7 @@ class Machine:
         return Forces(x, moved[2:], journal, np.abs(moved[2:]).sum(axis=0), moved[1])
 
     def rates(self, y: Array, mode: Mode) -> Array:
-        """Of the state: those of the integrals are powers, W, and torques, N.m."""
+        """Rates of the state: those of the integrals are powers, W, and torques, N.m."""
         p, found = self.p, self.forces(y, mode)
         omega1, omega2, omega3, omega4 = y[OMEGA1 : OMEGA4 + 1].tolist()
         x, slip = found.x.tolist(), omega1 - omega2
@@ -229,7 +229,7 @@ class Machine:
         return np.array([rate, omega1, omega3 - omega4, *x[: A4 + 1], *wound, *powers, *x[M1 : TH + 1]])
 
     def impact(self, y: Array, mode: Mode, change: float) -> Array:
-        """What a jump of omega1, rad/s, makes of speeds, rad/s, and torques, N.m.s: the unknowns, (9,).
+        """Changes of speed, rad/s, and impulses, N.m.s, of a jump of omega1, rad/s: the unknowns, (9,).
 
         No friction; of freewheels that are closed the speeds are equal afterwards (Moreau).
         """

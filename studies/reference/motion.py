@@ -124,7 +124,7 @@ class Reference:
         return 1.0 + abs(float(self.state[OMEGA1])) + abs(float(self.state[OMEGA2]))
 
     def _guards(self, y: Array, mode: Mode, found: Forces) -> Array:
-        """What must not fall below zero in a case, for each of its places (infinite: nothing).
+        """Guards of a case, which must not fall below zero, for each of its places (infinite: none).
 
         Of an open freewheel and of a slip the speed, of what is closed what is left of the torque it holds,
         of a sign what has it.
@@ -168,7 +168,7 @@ class Reference:
                 yield case
 
     def _breach(self, mode: Mode) -> float:
-        """By how much a case does not hold, as a part of the torques and accelerations there are."""
+        """Measure by how much a case does not hold, as a part of the torques and accelerations there are."""
         try:
             found = self.machine.forces(self.state, mode)
         except np.linalg.LinAlgError:
@@ -192,7 +192,7 @@ class Reference:
         return float(max(0.0, *(-guards / scales)))
 
     def _goes_on(self, mode: Mode) -> bool:
-        """Whether a case that holds also does a moment later: of several that hold now that is the one."""
+        """Check that a case that holds also does a moment later: of several that hold now that is the one."""
         machine, y = self.machine, self.state
         moment = AHEAD / (machine.highest * machine.k * self._fastest() + machine.frequency)
         middle = y + 0.5 * moment * machine.rates(y, mode)
@@ -231,7 +231,7 @@ class Reference:
             y[OMEGA4] = y[OMEGA3]
 
     def _switch(self, place: int) -> None:
-        """What a guard ends the case by: a contact, a slip that comes to rest, or only a sign."""
+        """Follow a guard that fell: a contact, a slip that comes to rest, or only a sign."""
         y, was = self.state, self.mode
         spring = self._wheels[place].stiffness if place < SLIP else 0.0
         if spring > 0.0:
@@ -361,7 +361,7 @@ class Reference:
         return float(self.state[OMEGA4])
 
     def energy(self) -> float:
-        """What is stored: kinetic energy, weights, shaft and freewheels that are wound up, J."""
+        """Stored energy: kinetic energy, weights, shaft and freewheels that are wound up, J."""
         return self.machine.energy(self.state)
 
     def integrals(self) -> dict[str, float]:

@@ -26,7 +26,7 @@ def period(p: Parameters) -> tuple[Array, Array]:
 
 
 class VirtualWork:
-    """Of one mechanism, all its modules, as Fourier series in the drive angle.
+    """Virtual work of one mechanism, all its modules, as Fourier series in the drive angle.
 
     Args:
         p: all parameters of the module by name.
@@ -106,7 +106,7 @@ class VirtualWork:
 
 
 def _gear(p: Parameters, e: Array, e_slope: Array, w: Array, w_slope: Array) -> list[Array]:
-    """What a satellite's gear takes, N.m, by (alpha1, q'', omega1^2, omega1 q', q'^2), each (points, 3).
+    """Torques of a satellite's gear, N.m, by (alpha1, q'', omega1^2, omega1 q', q'^2), each (points, 3).
 
     Euler: d/dt L in the fixed frame, L = Jt t + (Ja - Jt) (e.t) e of the turn t = omega1 x + q' w.
     """
