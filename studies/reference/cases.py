@@ -61,7 +61,7 @@ class Forces(NamedTuple):
 
 @dataclass(frozen=True)
 class Freewheel:
-    """Freewheel: whether it is there; drag and its viscous part; stiffness (0: rigid), damping when locked."""
+    """Freewheel: if it is there; drag and its viscous part; stiffness (0: rigid), damping when locked."""
 
     there: bool
     drag: float
