@@ -131,8 +131,7 @@ def coupling(
 
     from inertia_module.harness.simulate import progress_bar
 
-    from .coupling.study import MAP, chosen_parts, coupling_map, print_rows, write_part
-    from .coupling.urban import urban_runs
+    from .coupling import MAP, chosen_parts, coupling_map, print_rows, urban_runs, write_part
 
     with one_line_errors():
         folder = folder_for(output, "coupling")

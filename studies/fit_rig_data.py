@@ -1,6 +1,6 @@
 """Makes examples/fit_rig.csv, which looks like a measurement of a rig and is none.
 
-The speeds are those of the independent reference, Lagrange's equations solved by SciPy, of a module whose
+The speeds are those of the independent reference, virtual work solved by SciPy, of a module whose
 imbalance and link 2 are heavier than drawn; to them comes normal noise.
 Run: python -m studies.fit_rig_data
 """
@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from inertia_module.harness.results import write_columns
-from studies.reference.lagrange import OMEGA2, OMEGA_OUT, Lagrange
+from studies.reference.cases import OMEGA2, OMEGA3
+from studies.reference.motion import Reference
 
 TRUE = {"imbalance_mass": 1.07, "link2_inertia": 0.0062, "output_inertia": 0.5}
 OMEGA1, LOAD_TORQUE = 100.0, 10.0
@@ -24,10 +25,10 @@ FILE = Path(__file__).parents[1] / "examples" / "fit_rig.csv"
 
 def true_speeds():
     """Speeds of link 2 and of the output shaft at TIMES, rad/s, by name."""
-    motion, speeds = Lagrange(TRUE, OMEGA1, LOAD_TORQUE), []
+    motion, speeds = Reference(TRUE, OMEGA1, LOAD_TORQUE), []
     for time in TIMES:
         motion.advance(time)
-        speeds.append(motion.state[[OMEGA2, OMEGA_OUT]])
+        speeds.append(motion.state[[OMEGA2, OMEGA3]])
     return dict(zip(NOISE, np.array(speeds).T, strict=True))
 
 

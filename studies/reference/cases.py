@@ -27,8 +27,7 @@ import numpy as np
 from inertia_module.contract.variables import default_parameters
 from inertia_module.kernel.codes import DRIVE_TORQUE, ELASTIC
 
-from .geometry import ratio, satellite_ratio, shaft_frequency
-from .trajectory import Array, Unavailable
+from .geometry import Array, Unavailable, ratio, shaft_frequency
 from .virtual_work import VirtualWork
 
 # places of a case: freewheels, signs of the slip (0: none) and of sigma M2; then those of the satellites
@@ -46,24 +45,23 @@ Mode = tuple[int, ...]
 
 
 class Forces(NamedTuple):
-    """What a case makes: the unknowns, (9,), and what friction there is.
+    """Unknowns and friction of a case, of one state or, in a last axis, of several.
 
     Attributes:
-        teeth: torque of each satellite, N.m, (satellites,). journal, satellites: C and S, N.m.
-        free: tau_q without C and S, N.m. size: of the torques there are, N.m.
+        x: the unknowns, (9,). teeth: what friction 17-6 makes of the torque of each satellite, N.m.
+        journal, satellites: C and S, N.m. free: tau_q without C and S, N.m. All of them 0 without friction.
     """
 
     x: Array
     teeth: Array
-    journal: float
-    satellites: float
-    free: float
-    size: float
+    journal: Array
+    satellites: Array
+    free: Array
 
 
 @dataclass(frozen=True)
 class Freewheel:
-    """Whether it is there; drag and its viscous part; stiffness (0: rigid) and damping when locked."""
+    """Freewheel: if it is there; drag and its viscous part; stiffness (0: rigid), damping when locked."""
 
     there: bool
     drag: float
@@ -72,9 +70,10 @@ class Freewheel:
     damping: float
 
 
-def speed_of(y: Array, place: int) -> float:
+def speed_of(y: Array, place: int) -> Array:
     """Relative speed at a freewheel or between links 1 and 2, rad/s: exactly zero where nothing turns."""
-    return float((y[OMEGA2], y[OMEGA3] - y[OMEGA2], y[OMEGA1] - y[OMEGA2])[place])
+    speed: Array = y[(OMEGA2, OMEGA3, OMEGA1)[place]]
+    return speed if place == HOUSING else speed - y[OMEGA2]
 
 
 class Machine:
@@ -88,7 +87,6 @@ class Machine:
         torque, slope: on link 1, N.m, or its acceleration, rad/s^2: the one that is given counts.
         rubs: whether anything depends on the sign of the slip. wheels: freewheels to housing and output.
         frequency: of elastic shaft and freewheels together, rad/s. highest: harmonic of the torques.
-        evaluations: so far.
 
     Raises:
         Unavailable: a freewheel that is not there is a spring.
@@ -96,100 +94,127 @@ class Machine:
 
     def __init__(self, parameters: Mapping[str, float]) -> None:
         self.p = p = {**default_parameters(), **parameters}
-        self._work, self.k = VirtualWork(p), ratio(p)
+        self.work, self.k = VirtualWork(p), ratio(p)
         self.elastic, self._by_torque = p["fidelity"] == ELASTIC, p["drive"] == DRIVE_TORQUE
         self.mesh = 1.0 - p["mesh_efficiency"]
-        self.teeth = 0.0 if p["layout"] else (1.0 - p["satellite_mesh_efficiency"]) * satellite_ratio(p)
-        self._journals = p["journal_friction"] * satellite_ratio(p)
+        self.teeth = not p["layout"] and p["satellite_mesh_efficiency"] < 1.0
+        self._journals = p["journal_friction"] > 0.0
         self.rubs = bool(self.mesh or self.teeth or self._journals)
         self.wheels = self._freewheel("housing", "housing"), self._freewheel("output", "freewheel")
-        self.highest, self.frequency = max(self._work.highest, 1.0), 0.0
+        self.highest, self.frequency = max(self.work.highest, 1.0), 0.0
         if self.elastic:
             self.frequency = shaft_frequency(p.__getitem__)
             if stiffest := max(wheel.stiffness for wheel in self.wheels):
                 self.frequency += math.sqrt(stiffest / min(p["link2_inertia"], p["output_inertia"]))
         self.torque = self.slope = self.load = 0.0
-        self.evaluations = 0
+        self._matrices = dict[Mode, Array]()
 
     def _freewheel(self, name: str, spring: str) -> Freewheel:
         p = self.p
         there, sprung = bool(p[f"{name}_freewheel"]), self.elastic and p[f"{spring}_stiffness"] > 0.0
         if sprung and not there:
-            raise Unavailable(f"losses: {spring}_stiffness needs the freewheel")
+            raise Unavailable(f"reference: {spring}_stiffness needs the freewheel")
         drag = (p[f"{name}_drag"], p[f"{name}_drag_viscous"]) if there else (0.0, 0.0)
         return Freewheel(there, *drag, p[f"{spring}_stiffness"] if sprung else 0.0, p[f"{spring}_damping"])
 
-    def _passed(self, y: Array, mode: Mode, place: int) -> tuple[float | None, float]:
-        """(torque of a freewheel, N.m, or None where it is rigid and closed; power lost in it, W)."""
+    def _joined(self, mode: Mode, place: int) -> bool:
+        """Tell whether a freewheel is closed and rigid: the speeds at it are the same."""
+        return mode[place] == CLOSED and not self.wheels[place].stiffness
+
+    def _passed(self, y: Array, mode: Mode, place: int) -> tuple[Array, Array]:
+        """(torque of a freewheel that joins nothing, N.m; power lost in it, W)."""
         wheel, speed = self.wheels[place], speed_of(y, place)
         if mode[place] == OPEN:
             # at rest, too, its drag is that of the motion to come
             drag = wheel.drag + wheel.viscous * speed
             return -drag, drag * speed
-        if wheel.stiffness > 0.0:
-            torque = wheel.stiffness * y[WOUND + place] - wheel.damping * speed
-            return torque, wheel.damping * speed * speed
-        return None, 0.0
+        return wheel.stiffness * y[WOUND + place] - wheel.damping * speed, wheel.damping * speed**2
+
+    def _matrix(self, mode: Mode, link1: Array, drive: Array) -> Array:
+        """Matrix of the unknowns of a case, (9, 9), or of several states, (n, 9, 9).
+
+        Args:
+            link1, drive: torques on theta1 and M2 by alpha1 and alpha2, kg m^2, (2,).
+        """
+        if mode not in self._matrices:
+            p, a = self.p, np.zeros((9, 9))
+            a[0, M1 if self._by_torque else A1] = 1.0
+            a[1, [A1, M1, M2]] = p["input_inertia"], -1.0, 1.0
+            a[2, M2] = 1.0
+            a[3, [A2, M2, TC, TH]] = p["link2_inertia"], -1.0, 1.0, -1.0
+            a[4, [A3, TC, TS]] = p["output_inertia"], -1.0, 1.0
+            a[5, TS], a[6, A4], a[6, A3] = 1.0, 1.0, -1.0
+            if self.elastic:
+                a[6, [A4, A3, TS]] = p["driven_inertia"], -p["balancer"] * p["driven_inertia"], -1.0
+            a[7, A2 if self._joined(mode, HOUSING) else TH] = 1.0
+            a[8, A3 if self._joined(mode, OUTPUT) else TC] = 1.0
+            if self._joined(mode, OUTPUT):
+                a[8, A2] = -1.0
+            self._matrices[mode] = a
+        fixed = self._matrices[mode]
+        matrix = np.empty((*link1.shape[1:], *fixed.shape))
+        matrix[:] = fixed
+        matrix[..., 1, :2] += link1.T
+        matrix[..., 2, :2] = -drive.T
+        return matrix
 
     def forces(self, y: Array, mode: Mode) -> Forces:
-        """Of a state in a case, whether it holds or not.
+        """Solve a case at a state, whether it holds or not, or at several states, (places, n).
 
         Raises:
             LinAlgError: the case leaves a torque or an acceleration open.
         """
-        self.evaluations += 1
-        p, k = self.p, self.k
+        p, k, sigma = self.p, self.k, mode[SLIP]
         omega1, omega2, omega3, omega4 = y[OMEGA1 : OMEGA4 + 1]
-        sigma, rate = mode[SLIP], k * (omega1 - omega2)
-        work = self._work(y[Q], y[THETA1], omega1, rate)
-        journal = self._journals * work.bearings
-        # by (alpha1, alpha2) in place of (alpha1, q'')
-        turned = np.array([[1.0, 0.0], [k, -k]])
-        inertia, teeth = work.inertia @ turned, work.teeth @ turned
-        rest = work.rest + work.weight + [0.0, p["drive_friction"] * rate]
-        a, b = np.zeros((9, 9)), np.zeros(9)
-        a[0, M1 if self._by_torque else A1] = 1.0
+        rate = k * (omega1 - omega2)
+        squares = np.array([omega1 * omega1, omega1 * rate, rate * rate])
+        work, bearings, weights = self.work(y[Q])
+        # by (alpha1, alpha2, 1)
+        torques = work[:, :3].copy()
+        torques[:, 2] = (work[:, 2:] * squares).sum(axis=1)
+        torques[1, 2] += p["drive_friction"] * rate
+        if p["gravity"]:
+            weight, sine, cosine = weights.sum(axis=0), np.sin(y[THETA1]), np.cos(y[THETA1])
+            torques[0, 2] += weight[0, 0] * cosine - weight[0, 1] * sine
+            torques[1, 2] += weight[1, 0] * sine + weight[1, 1] * cosine
+        link1, drive, teeth = torques[0], torques[1], torques[2:]
+        journal = 0.0 * rate
+        if self._journals:
+            felt = (bearings * squares).sum(axis=2)
+            journal = np.sqrt((felt * felt).sum(axis=1)).sum(axis=0)
+        if sigma and self.rubs:
+            drive = drive + sigma * np.tensordot(mode[TEETH:], teeth, 1)
+            drive[2] += sigma * journal
+        factor = k / (1.0 - self.mesh * mode[MESH] * abs(sigma))
+        b = np.zeros((9, *rate.shape))
         b[0] = self.torque if self._by_torque else self.slope
-        a[1, :2], a[1, M1], a[1, M2] = inertia[0], -1.0, 1.0
-        a[1, A1] += p["input_inertia"]
-        b[1] = -rest[0] - p["input_friction"] * omega1
-        if sigma == 0 and (self._by_torque or mode[HOUSING] == OPEN or self.wheels[HOUSING].stiffness):
-            a[2, A1], a[2, A2] = 1.0, -1.0
-        else:
-            # where link 1 is at rest as it is given and link 2 is held, friction allows any M2: as without it
-            signs = self.teeth * p["modules"] * np.array(mode[TEETH:])
-            factor = k / (1.0 - self.mesh * mode[MESH] * abs(sigma))
-            a[2, :2], a[2, M2] = -factor * (inertia[1] + sigma * signs @ teeth), 1.0
-            b[2] = factor * (rest[1] + sigma * (journal + signs @ work.teeth_rest))
-        a[3, [A2, M2, TC, TH]] = p["link2_inertia"], -1.0, 1.0, -1.0
+        b[1] = -link1[2] - p["input_friction"] * omega1
+        matrix = self._matrix(mode, link1[:2], factor * drive[:2])
+        b[2] = factor * drive[2]
+        if sigma == 0 and (self._by_torque or not self._joined(mode, HOUSING)):
+            # else link 1 is at rest as it is given and link 2 is held, friction allows any M2: as without it
+            matrix[..., 2, [A1, A2, M2]], b[2] = (1.0, -1.0, 0.0), 0.0
         b[3] = -p["link2_friction"] * omega2
-        a[4, [A3, TC, TS]] = p["output_inertia"], -1.0, 1.0
         b[4] = -p["output_friction"] * omega3
-        a[5, TS], a[6, A4], a[6, A3] = 1.0, 1.0, -1.0
         b[5] = self.load
         if self.elastic:
             b[5] = p["shaft_stiffness"] * y[TWIST] + p["shaft_damping"] * (omega3 - omega4)
-            a[6, [A4, A3, TS]] = p["driven_inertia"], -p["balancer"] * p["driven_inertia"], -1.0
             b[6] = -p["driven_friction"] * omega4 - self.load
-        for row, place, torque in ((7, HOUSING, TH), (8, OUTPUT, TC)):
-            passed, _ = self._passed(y, mode, place)
-            if passed is not None:
-                a[row, torque], b[row] = 1.0, passed
-            else:
-                a[row, A2] = 1.0
-                a[row, A3] = -1.0 if place == OUTPUT else 0.0
-        x = np.linalg.solve(a, b)
-        torques = teeth @ x[:2] + work.teeth_rest
-        satellites = self.teeth * p["modules"] * float(np.abs(torques).sum())
-        size = float(np.abs(x[M1:]).sum() + self._work.largest * (omega1 * omega1 + rate * rate))
-        free = float(inertia[1] @ x[:2] + rest[1])
-        return Forces(np.asarray(x), torques, journal, satellites, free, size)
+        for row, place in ((7, HOUSING), (8, OUTPUT)):
+            if not self._joined(mode, place):
+                b[row], _ = self._passed(y, mode, place)
+        x = np.asarray(np.linalg.solve(matrix, b.T[..., None])[..., 0].T)
+        if not self.rubs:
+            return Forces(x, *np.zeros(4))
+        unknowns = np.array([x[A1], x[A2], np.ones_like(rate)])
+        moved = (torques * unknowns).sum(axis=1)
+        return Forces(x, moved[2:], journal, np.abs(moved[2:]).sum(axis=0), moved[1])
 
     def rates(self, y: Array, mode: Mode) -> Array:
-        """Of the state: those of the integrals are powers, W, and torques, N.m."""
+        """Rates of the state: those of the integrals are powers, W, and torques, N.m."""
         p, found = self.p, self.forces(y, mode)
-        omega1, omega2, omega3, omega4 = y[OMEGA1 : OMEGA4 + 1]
-        x, slip = found.x, omega1 - omega2
+        omega1, omega2, omega3, omega4 = y[OMEGA1 : OMEGA4 + 1].tolist()
+        x, slip = found.x.tolist(), omega1 - omega2
         rate = self.k * slip
         viscous = p["input_friction"] * omega1**2 + p["drive_friction"] * rate**2
         viscous += p["link2_friction"] * omega2**2 + p["output_friction"] * omega3**2
@@ -197,20 +222,35 @@ class Machine:
         if self.elastic:
             shaft = p["shaft_damping"] * (omega3 - omega4) ** 2 + p["driven_friction"] * omega4**2
             shaft -= p["balancer"] * p["driven_inertia"] * x[A3] * omega4
-        wheels = sum(self._passed(y, mode, place)[1] for place in (HOUSING, OUTPUT))
+        wheels = sum(self._passed(y, mode, n)[1] for n in (HOUSING, OUTPUT) if not self._joined(mode, n))
         wound = [-speed_of(y, n) * (mode[n] == CLOSED) for n in (HOUSING, OUTPUT)]
         mesh = self.mesh * abs(x[M2] * slip) + found.satellites * abs(rate)
         powers = x[M1] * omega1, self.load * omega4, viscous, mesh, found.journal * abs(rate), wheels, shaft
         return np.array([rate, omega1, omega3 - omega4, *x[: A4 + 1], *wound, *powers, *x[M1 : TH + 1]])
 
+    def impact(self, y: Array, mode: Mode, change: float) -> Array:
+        """Changes of speed, rad/s, and impulses, N.m.s, of a jump of omega1, rad/s: the unknowns, (9,).
+
+        No friction; of freewheels that are closed the speeds are equal afterwards (Moreau).
+        """
+        torques, _, _ = self.work(y[Q])
+        b = np.zeros(9)
+        b[0] = change
+        for row, place in ((7, HOUSING), (8, OUTPUT)):
+            if mode[place] == CLOSED:
+                b[row] = -speed_of(y, place)
+        return np.asarray(np.linalg.solve(self._matrix(mode, torques[0, :2], self.k * torques[1, :2]), b))
+
     def energy(self, y: Array) -> float:
         """Kinetic energy, that of the weights and of shaft and freewheels that are wound up, J."""
         p = self.p
         omega1, omega2, omega3, omega4 = y[OMEGA1 : OMEGA4 + 1]
-        work, moved = self._work(y[Q], y[THETA1], omega1, 0.0), np.array([omega1, self.k * (omega1 - omega2)])
+        torques, _, weights = self.work(y[Q])
+        momenta = torques[:2, :2] @ [omega1, omega2]
+        height = weights[:, 0].sum(axis=0) @ [math.sin(y[THETA1]), math.cos(y[THETA1])]
         twice = p["input_inertia"] * omega1**2 + p["link2_inertia"] * omega2**2
         twice += p["output_inertia"] * omega3**2
         if self.elastic:
             twice += p["driven_inertia"] * omega4**2 + p["shaft_stiffness"] * y[TWIST] ** 2
         twice += sum(wheel.stiffness * y[WOUND + n] ** 2 for n, wheel in enumerate(self.wheels))
-        return float(0.5 * (moved @ work.inertia @ moved + twice) + work.height)
+        return float(0.5 * (momenta @ [omega1, self.k * (omega1 - omega2)] + twice) + height)

@@ -1,20 +1,23 @@
-"""Lengths, positions and reduced inertia by rotation matrices alone: nothing of the kernel is used."""
+"""Lengths and positions by rotation matrices alone: nothing of the kernel is used."""
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from .trajectory import Array
+Array = NDArray[np.float64]
+# all parameters of the module by name
+Parameters = Mapping[str, Any]
 
 EX, _, EZ = np.eye(3)
 
-# all parameters of the module by name
-Parameters = Mapping[str, Any]
+
+class Unavailable(RuntimeError):
+    """A method cannot take the case: why, in one line."""
 
 
 def turn(axis: int, angle: float | Array) -> Array:
@@ -98,87 +101,3 @@ def positions(p: Parameters, q: Array, satellite: int) -> Array:
     ad, qa, oq = bevel_lengths(p)
     bevel: Array = oq * EZ + turned @ np.array([-ad, 0.0, -qa])
     return bevel
-
-
-def masses(p: Parameters, q: Array, satellite: int) -> list[tuple[float, Array]]:
-    """Point masses that move as a satellite does: kg, and positions in link 1, shape (points, 3), m.
-
-    The imbalance, and three at 1 m on the axes of the gear that have its inertias about its centre (that on
-    its own axis may be negative).
-    """
-    axes = attitudes(p, q, satellite)
-    across = 0.5 * p["satellite_inertia"]
-    own = p["satellite_transverse_inertia"] - across
-    shares = (own, across, across) if p["layout"] else (across, across, own)
-    gear = [(share, axes[..., n]) for n, share in enumerate(shares)]
-    return [(p["imbalance_mass"], positions(p, q, satellite)), *gear]
-
-
-def satellite_axes(p: Parameters, q: Array, satellite: int) -> tuple[Array, Array]:
-    """How a satellite turns in link 1: about its axis e, and with its drive by w dq; both (points, 3)."""
-    if p["layout"]:
-        axis = np.broadcast_to(EX, (np.size(q), 3))
-        return axis, axis
-    place = 2.0 * np.pi * satellite / p["satellites"]
-    axis = turn(2, q + p["gamma"] + place) @ turn(1, -p["shaft_angle"]) @ EZ
-    return axis, EZ + satellite_ratio(p) * axis
-
-
-def period(p: Parameters) -> tuple[Array, Array]:
-    """Drive angles evenly over a period of the motion, rad, and orders of harmonics per turn, (points,)."""
-    turns = 1 if p["layout"] else int(p["z6"]) // math.gcd(int(p["z17"]), int(p["z6"]))
-    points = 2 * math.ceil(4.0 * (1.0 + satellite_ratio(p)) * turns) + 16
-    angles = np.linspace(0.0, 2.0 * np.pi * turns, points, endpoint=False)
-    return angles, np.asarray(np.fft.fftfreq(points, turns / points))
-
-
-class Series:
-    """Fourier series in the drive angle of what is sampled over a period.
-
-    Args:
-        samples: any shape, the last axis along the angles of period(). orders: of the harmonics there.
-
-    Attributes:
-        highest: order of the highest harmonic, per turn of the drive.
-    """
-
-    def __init__(self, samples: Array, orders: Array) -> None:
-        terms = np.fft.fft(samples) / samples.shape[-1]
-        size = np.abs(terms).max(axis=tuple(range(terms.ndim - 1)))
-        kept = (size > 1e-15 * size.max()) & (orders >= 0.0)
-        self._waves = 1j * orders[kept]
-        self.highest = float(orders[kept].max(initial=0.0))
-        # a real series is twice its half of positive orders
-        self._terms = terms[..., kept] * np.where(orders[kept] > 0.0, 2.0, 1.0)
-
-    def __call__(self, q: float) -> list[Array]:
-        """At a drive angle, and its first and second derivatives in it, in the shape of what was sampled."""
-        waves = np.exp(self._waves * q)
-        return [(self._terms @ (self._waves**n * waves)).real for n in range(3)]
-
-
-class Inertia:
-    """I, B, G of imbalances, gears and drives (docs/mechanics.md) as Fourier series in the drive angle.
-
-    Attributes:
-        highest: order of the highest harmonic, per turn of the drive.
-    """
-
-    def __init__(self, p: Parameters) -> None:
-        angles, orders = period(p)
-        sums = np.zeros((3, angles.size))
-        moving = (masses(p, angles, satellite) for satellite in range(int(p["satellites"])))
-        for mass, r in itertools.chain.from_iterable(moving):
-            rate = np.fft.ifft(1j * orders[:, None] * np.fft.fft(r, axis=0), axis=0).real
-            (_, y, z), (_, y1, z1) = r.T, rate.T
-            sums += mass * np.array([y * y + z * z, y * z1 - z * y1, (rate**2).sum(axis=1)])
-        sums *= p["modules"]
-        # the drive's own: of the planar layout it turns with link 1 too
-        sums += p["drive_inertia"] * np.array([[p["layout"]], [p["layout"]], [1.0]])
-        self._series = Series(sums, orders)
-        self.highest = self._series.highest
-
-    def __call__(self, q: float) -> tuple[Array, Array]:
-        """(I, B, G) at a drive angle and their derivatives, kg m^2, shape (3,) each."""
-        value, slope, _ = self._series(q)
-        return value, slope

@@ -1,4 +1,4 @@
-"""What imbalances, drives and satellites ask of links 1 and 2: virtual work of their inertia and weight.
+"""Torques of inertia and weight on links 1 and 2: virtual work of imbalances, drives and satellites.
 
 From positions and their Fourier series alone (d'Alembert): neither I, B, G nor Lagrange's equations are used.
 All in the frame of link 1, x along the central axis.
@@ -6,106 +6,124 @@ All in the frame of link 1, x along the central axis.
 
 from __future__ import annotations
 
+import itertools
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
-from .geometry import EX, EZ, Parameters, Series, bevel_lengths, period, positions, satellite_axes
-from .trajectory import Array
+from .geometry import EX, EZ, Array, Parameters, attitudes, bevel_lengths, positions, ratio, satellite_ratio
 
-# turns a vector by a right angle about Ox, and keeps what is across it
-ABOUT_X = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
-ACROSS_X = np.diag([0.0, 1.0, 1.0])
+# harmonics below this part of the largest are rounding
+ROUNDING = 3e-15
 
 
-@dataclass(frozen=True)
-class Work:
-    """Torques of inertia and weight on theta1 and q at a position and speeds, of all modules.
-
-    Attributes:
-        inertia: by the accelerations (alpha1, q''), kg m^2, (2, 2). rest: of the speeds alone, N.m, (2,).
-        weight: of gravity, N.m, (2,). height: m g z, J.
-        teeth, teeth_rest: torque m a . dr/dB of each satellite of a module in the same way, (n, 2), (n,).
-        bearings: sum of m |a| over all imbalances, of the speeds alone, N.
-    """
-
-    inertia: Array
-    rest: Array
-    weight: Array
-    height: float
-    teeth: Array
-    teeth_rest: Array
-    bearings: float
+def period(p: Parameters) -> tuple[Array, Array]:
+    """Drive angles evenly over a period of the motion, rad, and orders of harmonics per turn, (points,)."""
+    turns = 1 if p["layout"] else int(p["z6"]) // math.gcd(int(p["z17"]), int(p["z6"]))
+    points = 2 * math.ceil(4.0 * (1.0 + satellite_ratio(p)) * turns) + 16
+    angles = np.linspace(0.0, 2.0 * np.pi * turns, points, endpoint=False)
+    return angles, np.asarray(np.fft.fftfreq(points, turns / points))
 
 
 class VirtualWork:
-    """Of one mechanism.
+    """Virtual work of one mechanism, all its modules, as Fourier series in the drive angle.
 
     Args:
         p: all parameters of the module by name.
 
     Attributes:
-        highest: order of the highest harmonic of the torques, per turn of the drive.
-        largest: inertia of all imbalances where they are farthest out, kg m^2.
+        orders: of the harmonics per turn of the drive. terms: of all series, a column for each of them.
+        highest: of the orders. largest: of the inertias, kg m^2.
     """
 
     def __init__(self, p: Parameters) -> None:
         angles, orders = period(p)
+        satellites, modules, mass = int(p["satellites"]), p["modules"], p["imbalance_mass"]
+        k, s = ratio(p), satellite_ratio(p)
+        teeth = 0.0 if p["layout"] else (1.0 - p["satellite_mesh_efficiency"]) * s
         # a point on the axes of the satellites (in the planar layout the drives' own are not asked for)
         pivot = np.zeros(3) if p["layout"] else bevel_lengths(p)[2] * EZ
-        samples = []
-        for satellite in range(int(p["satellites"])):
-            r = positions(p, angles, satellite)
-            axis, turning = satellite_axes(p, angles, satellite)
-            samples.append([r.T, np.cross(axis, r - pivot).T, axis.T, turning.T])
-        self._series = Series(np.array(samples), orders)
-        self.highest = 2.0 * self._series.highest
-        self._mass, self._modules = p["imbalance_mass"], p["modules"]
-        self.largest = self._mass * self._modules * float(sum((r * r).sum(axis=0).max() for r, *_ in samples))
-        self._weight = p["imbalance_mass"] * p["gravity"] * (p["modules"] == 1)
-        self._across = p["satellite_transverse_inertia"]
-        self._along = p["satellite_inertia"] - self._across
-        own = p["drive_inertia"]
-        self._drives = own * np.array([[p["layout"], p["layout"]], [p["layout"], 1.0]])
+        torques = np.zeros((2 + satellites, 5, angles.size))
+        bearings = np.zeros((satellites, 3, 3, angles.size))
+        centres = np.zeros((satellites, 2, 2, angles.size))
 
-    def __call__(self, q: float, theta1: float, omega1: float, rate: float) -> Work:
-        """At a drive angle q and link angle, rad, with the speeds omega1 and q', rad/s."""
-        value, slope, second = self._series(q)
-        (r, r_b), (r1, _), (r2, _) = (series[:, :2].swapaxes(0, 1) for series in (value, slope, second))
-        # a = a_c + alpha1 (x cross r) + q'' r'
-        moved = np.stack([r @ ABOUT_X.T, r1])
-        central = rate * rate * r2 + 2.0 * omega1 * rate * (r1 @ ABOUT_X.T) - omega1 * omega1 * (r @ ACROSS_X)
-        flat = moved.reshape(2, -1)
-        masses = self._mass * self._modules
-        inertia = masses * flat @ flat.T + self._drives
-        rest = masses * flat @ central.ravel()
-        if self._across or self._along:
-            body, body_rest = self._bodies(value[:, 2:], slope[:, 2:], omega1, rate)
-            inertia, rest = inertia + self._modules * body, rest + self._modules * body_rest
-        up = np.array([0.0, math.sin(theta1), math.cos(theta1)])
-        return Work(
-            inertia=inertia,
-            rest=rest,
-            weight=self._weight * (moved.sum(axis=1) @ up),
-            height=float(self._weight * (r.sum(axis=0) @ up)),
-            teeth=self._mass * (moved * r_b).sum(axis=2).T,
-            teeth_rest=self._mass * (central * r_b).sum(axis=1),
-            bearings=float(masses * np.sqrt((central * central).sum(axis=1)).sum()),
-        )
+        def rate(samples: Array) -> Array:
+            """Slope in q of what is sampled, (points, 3)."""
+            terms = np.fft.fft(samples, axis=0)
+            terms[np.abs(terms) < ROUNDING * np.abs(terms).max()] = 0.0
+            slopes: Array = np.fft.ifft(1j * orders[:, None] * terms, axis=0).real
+            return slopes
 
-    def _bodies(self, value: Array, slope: Array, omega1: float, rate: float) -> tuple[Array, Array]:
-        """Of the satellites' gears in a module: (inertia, rest) by Euler's equations.
+        x = np.broadcast_to(EX, (angles.size, 3))
+        for n in range(satellites):
+            r = positions(p, angles, n)
+            slope = rate(r)
+            # the acceleration by (alpha1, q'', omega1^2, omega1 q', q'^2)
+            moved = np.cross(x, r), slope
+            parts = *moved, np.cross(x, moved[0]), 2.0 * np.cross(x, slope), rate(slope)
+            # how it turns in link 1: about its axis e, and with its drive by w dq
+            e = attitudes(p, angles, n)[..., 0 if p["layout"] else 2]
+            w = e if p["layout"] else EZ + s * e
+            directions = *moved, teeth * np.cross(e, r - pivot)
+            torques[[0, 1, 2 + n]] += mass * np.einsum("jpx,ipx->jip", directions, parts)
+            bearings[n] = p["journal_friction"] * s * mass * np.transpose(parts[2:], (2, 0, 1))
+            centres[n] = np.transpose([r, slope], (0, 2, 1))[:, 1:]
+            torques[:2] += np.einsum("jpx,ipx->jip", [x, w], _gear(p, e, rate(e), w, rate(w)))
+        torques *= modules
+        own = p["drive_inertia"] * np.array([[p["layout"], p["layout"]], [p["layout"], 1.0]])
+        torques[:2, :2] += own[..., None]
+        self.largest = float(np.abs(torques[:2, :2]).max())
+        # q'' = k (alpha1 - alpha2)
+        torques[:, 0] += k * torques[:, 1]
+        torques[:, 1] *= -k
+        samples = torques, modules * bearings, mass * p["gravity"] * (modules == 1) * centres
+        terms = [np.fft.fft(one).reshape(-1, orders.size) / orders.size for one in samples]
+        sizes = [np.abs(one).max(axis=0) for one in terms]
+        there = np.any([size > ROUNDING * size.max() for size in sizes], axis=0)
+        kept = np.flatnonzero(there & (orders >= 0.0))
+        self.highest = float(orders[kept].max(initial=0.0))
+        self.orders = orders[kept]
+        # a real series is twice its half of positive orders
+        self.terms = np.concatenate(terms)[:, kept] * np.where(orders[kept] > 0.0, 2.0, 1.0)
+        ends = np.cumsum([0, *map(len, terms)])
+        self._parts = [
+            (slice(*pair), one.shape[:-1])
+            for pair, one in zip(itertools.pairwise(ends), samples, strict=True)
+        ]
 
-        d/dt L in the fixed frame with L = Jt w + (Ja - Jt) (e.w) e of the turn w = omega1 x + q' w_q.
+    def __call__(self, q: float | Array) -> list[Array]:
+        """Evaluate all series at drive angles, rad; their shape, () or (n,), comes last in all.
+
+        Returns:
+            torques: on theta1 and q, and what friction of the meshes 17-6 makes of that of each satellite,
+                by (alpha1, alpha2, omega1^2, omega1 q', q'^2), kg m^2, (2 + satellites, 5).
+            bearings: what friction of the journals makes of the acceleration of each imbalance, by the last
+                three, (satellites, 3, 3).
+            weights: m g (y, z) of each and its slope in q, N.m, (satellites, 2, 2).
         """
-        inertia, rest = np.zeros((2, 2)), np.zeros(2)
-        for (e, turning), (e1, turning1) in zip(value, slope, strict=True):
-            tensor = self._across * np.eye(3) + self._along * np.outer(e, e)
-            w, e_rate = omega1 * EX + rate * turning, rate * e1
-            gyroscopic = tensor @ (rate * rate * turning1) + omega1 * np.cross(EX, tensor @ w)
-            gyroscopic += self._along * ((e_rate @ w) * e + (e @ w) * e_rate)
-            moved = np.stack([EX, turning])
-            inertia += moved @ tensor @ moved.T
-            rest += moved @ gyroscopic
-        return inertia, rest
+        values = (self.terms @ np.exp(np.multiply.outer(1j * self.orders, q))).real
+        return [values[part].reshape(shape + np.shape(q)) for part, shape in self._parts]
+
+
+def _gear(p: Parameters, e: Array, e_slope: Array, w: Array, w_slope: Array) -> list[Array]:
+    """Torques of a satellite's gear, N.m, by (alpha1, q'', omega1^2, omega1 q', q'^2), each (points, 3).
+
+    Euler: d/dt L in the fixed frame, L = Jt t + (Ja - Jt) (e.t) e of the turn t = omega1 x + q' w.
+    """
+    across = p["satellite_transverse_inertia"]
+    along = p["satellite_inertia"] - across
+    x = np.broadcast_to(EX, e.shape)
+
+    def projected(one: Array, other: Array, turning: Array) -> Array:
+        product: Array = along * (one * turning).sum(axis=1, keepdims=True) * other
+        return product
+
+    def momentum(turning: Array) -> Array:
+        total: Array = across * turning + projected(e, e, turning)
+        return total
+
+    def tilted(turning: Array) -> Array:
+        return projected(e_slope, e, turning) + projected(e, e_slope, turning)
+
+    steady = np.cross(x, momentum(x)), np.cross(x, momentum(w)) + tilted(x), momentum(w_slope) + tilted(w)
+    return [momentum(x), momentum(w), *steady]

@@ -16,8 +16,8 @@ from inertia_module.compiling.kernels import CompilationUnavailable
 from inertia_module.fidelity.choice import recommend
 from inertia_module.fidelity.report import at_levels, print_levels
 from inertia_module.fidelity.rows import Row as Measured
-from studies.coupling.study import print_rows as print_coupling
-from studies.coupling.trial import Trial
+from studies.coupling import Trial
+from studies.coupling import print_rows as print_coupling
 from studies.stability.study import print_rows as print_stability
 from studies.stability.table import Cell, Row, read_rows
 from studies.stability.verdict import OUTCOMES

@@ -16,11 +16,7 @@ from inertia_module.cosimulation import (
     torque_driven,
 )
 from inertia_module.harness.fmu import Fmu, FmuError
-from studies.coupling.case import bevel, planar
-from studies.coupling.reference import one_piece
-from studies.coupling.study import coupling_map
-from studies.coupling.trial import TORQUE, coupled_engine, course, trial
-from studies.coupling.urban import urban_run, urban_scene
+from studies import coupling
 
 SAMPLE = 5e-3
 
@@ -32,11 +28,11 @@ def fmu_path(built):
 
 @pytest.fixture
 def case():
-    return planar(0.5)
+    return coupling.planar(0.5)
 
 
 def by_torque(fmu_path, case, tolerance=1e-8):
-    return coupled_engine(case, None, fmu_path, tolerance)
+    return coupling.coupled_engine(case, None, fmu_path, tolerance)
 
 
 def engine(**values):
@@ -47,21 +43,22 @@ def engine(**values):
 # --- accuracy ---
 
 
-@pytest.mark.parametrize("make", [planar, bevel])
+@pytest.mark.parametrize("make", [coupling.planar, coupling.bevel])
 @pytest.mark.parametrize("ratio", [0.3, 5.0])
 def test_with_steps_that_meet_the_samples_it_is_the_one_piece_reference(fmu_path, make, ratio):
     case = make(ratio)
-    expected = one_piece(case)
+    expected = coupling.one_piece(case)
     for step in (SAMPLE / 4, SAMPLE):
-        found = course(case, None, step, fmu_path, 1e-10).course
+        found = coupling.course(case, None, step, fmu_path, 1e-10)
         assert np.abs(found.omega1 - expected.omega1).max() < 1e-9 * case.speed
         assert np.abs(found.omega_out - expected.omega_out).max() < 1e-9 * expected.omega_out.max()
         assert found.work == pytest.approx(expected.work, rel=1e-9)
 
 
 def test_steps_that_miss_the_samples_see_the_speed_late(fmu_path, case):
-    expected = one_piece(case)
-    errors = [trial(case, TORQUE, step, expected, fmu_path).worst for step in (2e-3, 1e-2, 2e-2)]
+    expected = coupling.one_piece(case)
+    steps = 2e-3, 1e-2, 2e-2
+    errors = [coupling.trial(case, coupling.TORQUE, step, expected, fmu_path).worst for step in steps]
     assert 1e-4 < errors[0] < errors[1] < errors[2]
 
 
@@ -112,7 +109,7 @@ def test_angle_and_speed_of_the_engine_are_those_of_link_1(fmu_path, case):
         speed, given, angle, rest, turns, energy = coupled.read(names)
         assert speed == given
         assert angle == pytest.approx(rest + 2.0 * math.pi * turns, rel=1e-12)
-        assert energy == pytest.approx(0.5 * case.engine_inertia * speed**2, rel=1e-12)
+        assert energy == pytest.approx(0.5 * case.engine().inertia * speed**2, rel=1e-12)
         assert coupled.ledger.cost == 200
 
 
@@ -147,15 +144,15 @@ def test_a_plant_in_substeps_is_a_plant_in_steps(fmu_path, case):
 
 
 def test_quick_study_finds_it_more_accurate_and_cheaper(fmu_path):
-    found = {(row.scheme, row.step): row for row in coupling_map(fmu_path, quick=True)}
-    by_torque, implicit = found[TORQUE, SAMPLE], found["implicit ramp", 1e-3]
-    assert max(row.worst for (scheme, _), row in found.items() if scheme == TORQUE) < 1e-7
+    found = {(row.scheme, row.step): row for row in coupling.coupling_map(fmu_path, quick=True)}
+    by_torque, implicit = found[coupling.TORQUE, SAMPLE], found["implicit ramp", 1e-3]
+    assert max(row.worst for (scheme, _), row in found.items() if scheme == coupling.TORQUE) < 1e-7
     assert implicit.cost >= 20 * by_torque.cost
     assert implicit.worst > 1e3 * by_torque.worst
 
 
 def test_energy_over_the_beginning_of_the_urban_cycle_adds_up(fmu_path):
-    found = urban_run(urban_scene(), fmu_path, TORQUE, 2, stop_time=20.0)
+    found = coupling.urban_run(coupling.urban_scene(), fmu_path, coupling.TORQUE, 2, stop_time=20.0)
     assert abs(found.residual) < 1e-6
     assert found.outside == 0.0
     assert found.cost == pytest.approx(200.0)

@@ -2,9 +2,23 @@
 
 import numpy as np
 
-from studies.reference.geometry import masses, positions, ratio, satellite_ratio, turn
+from studies.reference.geometry import attitudes, positions, ratio, satellite_ratio, turn
 
 __all__ = ["ratio", "satellite_ratio", "turn"]
+
+
+def masses(p, q, satellite):
+    """Point masses that move as a satellite does: kg, and positions in link 1, shape (points, 3), m.
+
+    The imbalance, and three at 1 m on the axes of the gear that have its inertias about its centre (that on
+    its own axis may be negative).
+    """
+    axes = attitudes(p, q, satellite)
+    across = 0.5 * p["satellite_inertia"]
+    own = p["satellite_transverse_inertia"] - across
+    shares = (own, across, across) if p["layout"] else (across, across, own)
+    gear = [(share, axes[..., n]) for n, share in enumerate(shares)]
+    return [(p["imbalance_mass"], positions(p, q, satellite)), *gear]
 
 
 def position(p, q, satellite=0):

@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 from geometry import ratio, satellite_ratio
 
-from studies.peers.multibody import mechanism
+from studies.peers.mujoco_model import mechanism
 
 
 class Multibody:

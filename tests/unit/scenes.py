@@ -5,8 +5,7 @@ import math
 from inertia_module.contract.variable import PARAMETER
 from inertia_module.contract.variables import with_causality
 from inertia_module.memory.instances import Module
-from studies.reference.lagrange import Lagrange
-from studies.reference.lossy import Lossy
+from studies.reference.motion import Reference
 
 REFERENCE = {"omega1": 100.0, "load_torque": 10.0}  # R1: everything else is at its default
 PLANAR = {
@@ -90,16 +89,9 @@ def drive_angle(module):
     return module["drive_angle"] + TWO_PI * module["drive_turns"]
 
 
-def lagrange(values, duration):
-    """The scene after a while by the second reference: nothing of the kernel takes part."""
-    motion = Lagrange(values, values["omega1"], values["load_torque"], values.get("drive_torque", 0.0))
-    motion.advance(duration)
-    return motion
-
-
-def lossy(values, duration):
-    """The scene after a while by the reference of the machine with losses."""
-    motion = Lossy(values, values["omega1"], values["load_torque"], values.get("drive_torque", 0.0))
+def reference(values, duration=0.0):
+    """The scene after a while by the independent reference: nothing of the kernel takes part."""
+    motion = Reference(values, *(values.get(name, 0.0) for name in ("omega1", "load_torque", "drive_torque")))
     motion.advance(duration)
     return motion
 

@@ -4,13 +4,11 @@ import math
 from itertools import product
 
 import pytest
-from scenes import DRIVEN, ELASTIC, SCENES, advanced, drive_angle, started
+from scenes import DRIVEN, ELASTIC, SCENES, advanced, drive_angle, reference, started
 
 from inertia_module.kernel.links import angular_momentum
 from studies.reference.cases import CAUSES, OMEGA1, OMEGA2, OMEGA4, SLIP, TWIST, Q
-from studies.reference.lossy import Lossy
 
-INPUTS = ("omega1", "load_torque", "drive_torque")
 LOSSES = {
     "mesh": {"mesh_efficiency": 0.97},
     "satellite mesh": {"satellite_mesh_efficiency": 0.95},
@@ -40,11 +38,6 @@ STICKING = {
 CASES = {**LOSSES, "all but bodies": WITHOUT_BODIES, "all": ALL, "sticking": STICKING}
 DRIVES = {"speed": SCENES, "torque": DRIVEN}
 TIMES = (0.01, 0.05)
-
-
-def reference(values):
-    parameters = {name: value for name, value in values.items() if name not in INPUTS}
-    return Lossy(parameters, *(values.get(name, 0.0) for name in INPUTS))
 
 
 def expected(exact):

@@ -2,14 +2,12 @@
 
 import numpy as np
 import pytest
-from geometry import ratio
 from scenes import LAYOUTS, parameters
 
 pytest.importorskip("mujoco")
 from multibody import Multibody
 
 from studies.reference.cases import A1, A2, A3, CLOSED, OMEGA1, OPEN, SUMS, THETA1, Machine, Q
-from studies.reference.virtual_work import VirtualWork
 
 OUTPUT_INERTIA, LINK2_INERTIA, INPUT_INERTIA = 0.03, 0.006, 0.02
 FRICTION = {"input_friction": 0.3, "drive_friction": 0.2, "link2_friction": 0.1}
@@ -56,22 +54,3 @@ def test_links_accelerate_as_inverse_dynamics_says(layout, satellites, modules):
         y[Q], y[THETA1], y[OMEGA1 : OMEGA1 + 4] = q, theta1, (omega1, omega2, omega2, omega2)
         found = machine.forces(y, (OPEN, CLOSED, 1, 1, *[1] * satellites)).x
         assert found[[A1, A2, A3]] == pytest.approx([alpha1, alpha2, alpha2], rel=1e-8, abs=3e-5)
-
-
-@pytest.mark.parametrize("satellites, modules", [(1, 1), (2, 1), (3, 2)])
-def test_virtual_work_is_that_of_the_multibody_engine(layout, satellites, modules):
-    p = parameters(
-        **layout, satellites=satellites, modules=modules, gravity=9.81, link2_inertia=LINK2_INERTIA
-    )
-    p |= {"drive_inertia": 0.004, "satellite_inertia": 5e-4, "satellite_transverse_inertia": 4e-4}
-    p |= {"input_inertia": INPUT_INERTIA}
-    multibody, work, k = Multibody(p), VirtualWork(p), ratio(p)
-    multibody.model.opt.gravity[:] = 0.0, 0.0, -9.81
-    expected, found = [], []
-    for state in np.random.default_rng(2020).uniform(-1.0, 1.0, (20, 6)):
-        q, theta1, omega1, alpha1, omega2, alpha2 = state * [10.0, 10.0, 100.0, 3000.0, 100.0, 3000.0]
-        at = work(q, theta1, omega1, k * (omega1 - omega2))
-        link1, drives = at.inertia @ [alpha1, k * (alpha1 - alpha2)] + at.rest + at.weight
-        found.append([link1 + INPUT_INERTIA * alpha1 + k * drives, k * drives])
-        expected.append(multibody.prescribe(q, theta1, omega1, alpha1, omega2, alpha2))
-    assert np.abs(np.subtract(found, expected)).max() < 1e-8 * np.abs(expected).max()

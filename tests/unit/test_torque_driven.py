@@ -3,9 +3,10 @@
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scenes import DRIVEN, ENGINE, FREEWHEELS, SCENES, TWO_PI, advanced, drive_angle, lagrange, started
+from scenes import DRIVEN, ENGINE, FREEWHEELS, SCENES, TWO_PI, advanced, drive_angle, reference, started
 
 from inertia_module.memory.instances import Module
+from studies.reference.cases import OMEGA4
 
 MOTION = ["input_speed", "omega2", "omega_out", "input_angle", "drive_angle", "energy_stored"]
 WORKS = ["energy_in", "energy_out"]
@@ -40,11 +41,11 @@ def assert_same(one, other, names, rel):
 @pytest.mark.parametrize("sign", [1.0, -1.0], ids=["forwards", "backwards"])
 def test_course_is_that_of_lagranges_equations_under_scipy(scene, freewheels, sign):
     values = {**scene, **freewheels, "omega1": sign * 100.0, "drive_torque": sign * scene["drive_torque"]}
-    reference = lagrange(values, 0.05)
+    exact = reference(values, 0.05)
     module = advanced(started("auto", values, tolerance=1e-12), 0.05)
     found = [drive_angle(module), input_angle(module), 0.0, *(module[name] for name in MOTION[:3])]
-    assert found == pytest.approx(reference.state, rel=1e-9, abs=1e-9)
-    assert module["contact_switches"] == len(reference.switches)
+    assert found == pytest.approx(exact.state[:OMEGA4], rel=1e-9, abs=1e-9)
+    assert module["contact_switches"] == len(exact.switches)
 
 
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-9, 1e-12])

@@ -1,4 +1,4 @@
-"""The independent reference of the machine with losses: from case to case (see cases.py), by SciPy.
+"""The independent reference: the motion of a module from case to case (see cases.py), by SciPy.
 
 Of all cases that the speeds allow the one that holds is taken: freewheels with 0 <= omega2 _|_ Th + drag >= 0
 and 0 <= omega3 - omega2 _|_ Tc + drag >= 0, a slip that begins its own way, signs that come out as assumed.
@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
+from scipy.integrate import DOP853
+from scipy.optimize import brentq, minimize_scalar
 
-from .arcs import PHASE, Arc, follow
 from .cases import (
     A1,
     A2,
@@ -37,29 +38,57 @@ from .cases import (
     TEETH,
     TH,
     WOUND,
+    Forces,
     Machine,
     Mode,
     Q,
     speed_of,
 )
-from .lagrange import ROUNDING, TOLERANCE, Lagrange
-from .trajectory import Array, Unavailable
+from .geometry import Array, Unavailable
 
+TOLERANCE = 1e-13
+# a speed below this part of that of link 1 is zero
+ROUNDING = 1e-14
+# rad of the highest harmonic in a step, and parts of it at whose ends the search for events looks
+PHASE, LOOKED_AT = 0.5, 8
+# closeness to the bottom of a dip between two looks, of their distance
+DIP = 1e-6
 # rad of the highest harmonic by which one looks ahead
 AHEAD = 1e-2
 # what a case may miss of torques and accelerations and hold all the same
 MISSED = 1e-9
 
 
-class Lossy:
-    """The motion of a module with losses, its speed or its torque given.
+def _fall(value: Callable[[float], float], times: Array, looked: Array) -> tuple[float, float] | None:
+    """First interval from a time at which value is positive to one at which it is not.
+
+    It is looked at at these times; between two of them only where their neighbours let a dip below zero be.
+    """
+    for n, (here, after) in enumerate(itertools.pairwise(looked)):
+        left, right = float(times[n]), float(times[n + 1])
+        if here > 0.0 >= after:
+            return left, right
+        before, beyond = looked[max(n - 1, 0)], looked[n + 2 : n + 3]
+        sinks, rises = n == 0 or 2.0 * here < before, not beyond.size or 2.0 * after < beyond[0]
+        if min(here, after) > 0.0 and sinks and rises:
+            closeness = {"xatol": DIP * (right - left)}
+            lowest = minimize_scalar(value, bounds=(left, right), method="bounded", options=closeness)
+            if lowest.fun <= 0.0:
+                return left, float(lowest.x)
+    return None
+
+
+class Reference:
+    """The motion of a module, its speed or its torque given.
 
     Args:
         parameters: by name, those that differ from the defaults; fidelity elastic or, any other, rigid.
-        omega1, load_torque, drive_torque: as of Lagrange, rad/s and N.m.
-        most: evaluations of the equations that it may take.
+        omega1: until another is given, or at the start where the drive gives a torque, rad/s.
+        load_torque, drive_torque: on the output shaft and, where the drive gives one, on link 1, N.m.
+        most: evaluations of the rates that it may take.
 
     Attributes:
+        machine: its equations. evaluations: of the rates so far.
         time: s. state: see its places in cases.py; speeds of hub and driven mass are the same if rigid.
         mode: the case that holds. switches: times at which freewheels opened or closed, s.
 
@@ -78,7 +107,8 @@ class Lossy:
     ) -> None:
         self.machine = Machine(parameters)
         p, self._wheels = self.machine.p, self.machine.wheels
-        self.time, self.switches, self._left = 0.0, list[float](), most
+        self.time, self.switches = 0.0, list[float]()
+        self.evaluations, self._most = 0, most
         self.state = np.zeros(SUMS + len(INTEGRALS))
         self.state[Q] = p["drive_angle_start"]
         self.state[OMEGA1 : OMEGA4 + 1] = omega1, p["omega2_start"], *[p["omega_out_start"]] * 2
@@ -86,34 +116,34 @@ class Lossy:
         closed = OPEN if self._wheels[OUTPUT].there else CLOSED
         self.mode: Mode = (OPEN, closed, 1, 1, *[1] * int(p["satellites"]))
         if any(wheel.there and speed_of(self.state, n) < 0.0 for n, wheel in enumerate(self._wheels)):
-            raise Unavailable("losses: a start with omega2 >= 0 and omega3 >= omega2 is needed")
+            raise Unavailable("reference: a start with omega2 >= 0 and omega3 >= omega2 is needed")
         self._start = self.energy()
         self.give(drive_torque, load_torque)
 
     def _fastest(self) -> float:
         return 1.0 + abs(float(self.state[OMEGA1])) + abs(float(self.state[OMEGA2]))
 
-    def _guards(self, y: Array, mode: Mode) -> Array:
-        """What must not fall below zero in a case, for each of its places (infinite: nothing).
+    def _guards(self, y: Array, mode: Mode, found: Forces) -> Array:
+        """Guards of a case, which must not fall below zero, for each of its places (infinite: none).
 
         Of an open freewheel and of a slip the speed, of what is closed what is left of the torque it holds,
         of a sign what has it.
         """
-        machine, found = self.machine, self.machine.forces(y, mode)
-        x, guards = found.x, np.full(len(mode), math.inf)
-        least = ROUNDING * (1.0 + abs(y[OMEGA1]))
+        machine, x = self.machine, found.x
+        guards = np.full((len(mode), *x.shape[1:]), math.inf)
+        least = ROUNDING * (1.0 + np.abs(y[OMEGA1]))
         for n, torque in ((HOUSING, TH), (OUTPUT, TC)):
             if self._wheels[n].there:
                 guards[n] = speed_of(y, n) + least if mode[n] == OPEN else x[torque] + self._wheels[n].drag
         if machine.rubs and mode[SLIP] == 0:
-            holding = found.journal + found.satellites + machine.mesh * abs(x[M2]) / machine.k
-            guards[SLIP] = holding - abs(x[M2] / machine.k - found.free)
+            holding = found.journal + found.satellites + machine.mesh * np.abs(x[M2]) / machine.k
+            guards[SLIP] = holding - np.abs(x[M2] / machine.k - found.free)
         elif machine.rubs:
             guards[SLIP] = mode[SLIP] * speed_of(y, SLIP) + least
             if machine.mesh:
                 guards[MESH] = mode[SLIP] * mode[MESH] * x[M2]
             if machine.teeth:
-                guards[TEETH:] = np.array(mode[TEETH:]) * found.teeth
+                guards[TEETH:] = (np.array(mode[TEETH:]) * found.teeth.T).T
         # what is zero at first or throughout does not fall
         return guards + float(np.finfo(float).tiny)
 
@@ -138,16 +168,18 @@ class Lossy:
                 yield case
 
     def _breach(self, mode: Mode) -> float:
-        """By how much a case does not hold, as a part of the torques and accelerations there are."""
+        """Measure by how much a case does not hold, as a part of the torques and accelerations there are."""
         try:
-            found, guards = self.machine.forces(self.state, mode), self._guards(self.state, mode)
+            found = self.machine.forces(self.state, mode)
         except np.linalg.LinAlgError:
             return math.inf
-        x = found.x
+        x, guards = found.x, self._guards(self.state, mode, found)
         if mode[SLIP] == 0 and abs(x[A1] - x[A2]) > MISSED * abs(x[A1]):
             return math.inf
-        scales = np.full(len(mode), 1e-9 + found.size)
-        fastest = float(np.abs(self.state[OMEGA1 : OMEGA4 + 1]).max())
+        speeds = np.abs(self.state[OMEGA1 : OMEGA4 + 1])
+        rate = self.machine.k * speed_of(self.state, SLIP)
+        torques = np.abs(x[M1:]).sum() + self.machine.work.largest * (speeds[0] ** 2 + rate**2)
+        scales = np.full(len(mode), 1e-9 + torques)
         for place, way, gained in (
             (HOUSING, mode[HOUSING] == OPEN, x[A2]),
             (OUTPUT, mode[OUTPUT] == OPEN, x[A3] - x[A2]),
@@ -156,32 +188,31 @@ class Lossy:
             if way and guards[place] < math.inf:
                 # where it does not turn yet it has to begin to
                 guards[place] = gained if speed_of(self.state, place) == 0.0 else 0.0
-                scales[place] = 1e-9 + np.abs(x[: A4 + 1]).sum() + fastest**2
+                scales[place] = 1e-9 + np.abs(x[: A4 + 1]).sum() + speeds.max() ** 2
         return float(max(0.0, *(-guards / scales)))
 
     def _goes_on(self, mode: Mode) -> bool:
-        """Whether a case that holds also does a moment later: of several that hold now that is the one."""
+        """Check that a case that holds also does a moment later: of several that hold now that is the one."""
         machine, y = self.machine, self.state
         moment = AHEAD / (machine.highest * machine.k * self._fastest() + machine.frequency)
         middle = y + 0.5 * moment * machine.rates(y, mode)
-        return bool(self._guards(y + moment * machine.rates(middle, mode), mode).min() >= 0.0)
+        later = y + moment * machine.rates(middle, mode)
+        return bool(self._guards(later, mode, machine.forces(later, mode)).min() >= 0.0)
 
     def _choose(self, ended: int | None = None) -> None:
         """Take the case that holds; one whose place that has ended is as it was only if there is no other."""
         was, cases = self.mode, list(self._cases())
-        breaches = [self._breach(case) for case in cases]
-
-        def rank(n: int) -> tuple[bool, bool, bool, float]:
-            missed = breaches[n] > MISSED
-            as_it_was = ended is not None and cases[n][ended] == was[ended]
-            return missed, missed or not self._goes_on(cases[n]), as_it_was, breaches[n] if missed else 0.0
-
-        best = min(range(len(cases)), key=rank)
-        if not breaches[best] < 1e3 * MISSED:
-            raise ArithmeticError(
-                f"no case holds at {self.time:g} s: {dict(zip(cases, breaches, strict=True))}"
+        breaches = {case: self._breach(case) for case in cases}
+        best = min(cases, key=lambda case: max(breaches[case], MISSED))
+        holding = [case for case in cases if breaches[case] <= MISSED]
+        if len(holding) > 1:
+            best = min(
+                holding,
+                key=lambda case: (not self._goes_on(case), ended is not None and case[ended] == was[ended]),
             )
-        self.mode = cases[best]
+        if not breaches[best] < 1e3 * MISSED:
+            raise ArithmeticError(f"no case holds at {self.time:g} s: {breaches}")
+        self.mode = best
         if self.mode[:SLIP] != was[:SLIP] and self.time > 0.0:
             self.switches.append(self.time)
 
@@ -200,7 +231,7 @@ class Lossy:
             y[OMEGA4] = y[OMEGA3]
 
     def _switch(self, place: int) -> None:
-        """What a guard ends the case by: a contact, a slip that comes to rest, or only a sign."""
+        """Follow a guard that fell: a contact, a slip that comes to rest, or only a sign."""
         y, was = self.state, self.mode
         spring = self._wheels[place].stiffness if place < SLIP else 0.0
         if spring > 0.0:
@@ -216,29 +247,71 @@ class Lossy:
             self._settle((*was[:place], changed, *was[place + 1 :]))
         self._choose(place)
 
+    def _rates(self, _: float, y: Array) -> Array:
+        self.evaluations += 1
+        rates = self.machine.rates(y, self.mode)
+        # SciPy would go on looking for a shorter step
+        if not np.isfinite(rates).all():
+            raise ArithmeticError("the motion leaves the range of doubles")
+        if self.evaluations > self._most:
+            raise ArithmeticError(f"the motion takes more than {self._most:g} evaluations")
+        return rates
+
+    def _solver(self, time: float, state: Array, end: float) -> DOP853:
+        machine, speed = self.machine, self._fastest()
+        longest = PHASE / (machine.highest * machine.k * speed + machine.frequency)
+        return DOP853(
+            self._rates,
+            time,
+            state,
+            end,
+            rtol=TOLERANCE,
+            atol=TOLERANCE * speed,
+            max_step=longest,
+            # the error estimate changes its sign: a step far too long, SciPy's first, may pass by chance
+            first_step=min(0.1 * longest, end - time) or None,
+        )
+
+    def _ends(self, path: Callable[[float | Array], Array], times: Array) -> Iterator[tuple[float, int]]:
+        """Times at which guards fall through zero on the path of a step, and their numbers."""
+
+        def guards(t: float | Array) -> Array:
+            y = path(t)
+            return self._guards(y, self.mode, self.machine.forces(y, self.mode))
+
+        for place, looked in enumerate(guards(times)):
+
+            def value(t: float, place: int = place) -> float:
+                return float(guards(t)[place])
+
+            fall = _fall(value, times, looked)
+            # of several states at once it rounds otherwise than of one
+            if fall and value(fall[0]) > 0.0:
+                end = brentq(value, *fall, xtol=1e-16) if value(fall[1]) <= 0.0 else fall[1]
+                yield float(end), place
+
     def advance(self, time: float) -> None:
         """Go on to a time, s.
 
         Raises:
             ArithmeticError: the integrator gives up, no case holds, or it takes too many evaluations.
         """
-        machine = self.machine
         while self.time < time:
-            mode, speed = self.mode, self._fastest()
-            longest = PHASE / (machine.highest * machine.k * speed + machine.frequency)
-
-            def rates(_: float, y: Array, mode: Mode = mode) -> Array:
-                self._left -= 1
-                if self._left < 0:
-                    raise ArithmeticError("the motion takes more evaluations than allowed")
-                return machine.rates(y, mode)
-
-            def guards(y: Array, mode: Mode = mode) -> Array:
-                return self._guards(y, mode)
-
-            arc = Arc(rates, guards, longest, TOLERANCE, TOLERANCE * speed)
-            self.time, self.state, ended = follow(arc, self.time, self.state, time)
-            self._settle(mode)
+            solver, ended, begin = self._solver(self.time, self.state, time), None, (self.time, self.state)
+            while solver.status == "running":
+                if ended is None:
+                    begin = solver.t, solver.y
+                message = solver.step()
+                if solver.status == "failed":
+                    raise ArithmeticError(f"DOP853 gave up at {solver.t:g} s: {message}")
+                if ended is None:
+                    looked = np.linspace(solver.t_old, solver.t, LOOKED_AT + 1)
+                    if ends := list(self._ends(solver.dense_output(), looked)):
+                        # the inside of a step is less accurate than its end
+                        end, ended = min(ends)
+                        solver = self._solver(*begin, end)
+            self.time, self.state = solver.t, solver.y
+            self._settle(self.mode)
             if ended is not None:
                 self._switch(ended)
 
@@ -248,7 +321,9 @@ class Lossy:
         self._choose()
 
     def turn(self, omega1: float, slope: float = 0.0) -> None:
-        """Give the speed of link 1, rad/s, from now on with a slope, rad/s^2. A jump knows no friction.
+        """Give the speed of link 1, rad/s, from now on with a slope, rad/s^2.
+
+        A jump knows no friction; the freewheels' conditions hold for impulses and the speeds after it.
 
         Raises:
             Unavailable: a jump with a freewheel that is a spring.
@@ -257,14 +332,26 @@ class Lossy:
         machine.slope = slope
         if omega1 != y[OMEGA1]:
             if any(wheel.stiffness for wheel in self._wheels):
-                raise Unavailable("losses: no jumps with freewheels that are springs")
-            before, speeds = self.energy(), OMEGA4 + machine.elastic
-            ideal = Lagrange(machine.p, float(y[OMEGA1]), machine.load, machine.torque)
-            ideal.state[:] = y[:speeds]
-            ideal.turn(omega1)
-            y[:speeds] = ideal.state
-            if not machine.elastic:
-                y[OMEGA4] = y[OMEGA3]
+                raise Unavailable("reference: no jumps with freewheels that are springs")
+            before, hits = self.energy(), dict[Mode, Array]()
+            choices = [
+                (CLOSED, OPEN) if self._wheels[n].there else (self.mode[n],) for n in (HOUSING, OUTPUT)
+            ]
+            for contacts in itertools.product(*choices):
+                mode = (*contacts, *[1] * (len(self.mode) - SLIP))
+                hits[mode] = machine.impact(y, mode, omega1 - y[OMEGA1])
+
+            def breach(mode: Mode) -> float:
+                impulses, after = hits[mode], y[OMEGA1 : OMEGA4 + 1] + hits[mode][: A4 + 1]
+                slips = after[A2], after[A3] - after[A2]
+                ways = ((impulses[TH], slips[HOUSING]), (impulses[TC], slips[OUTPUT]))
+                signs = [ways[n][mode[n] == OPEN] for n in (HOUSING, OUTPUT) if self._wheels[n].there]
+                return -min(signs, default=0.0)
+
+            mode = min(hits, key=breach)
+            y[OMEGA1 : OMEGA4 + 1] += hits[mode][: A4 + 1]
+            y[OMEGA1] = omega1
+            self._settle(mode)
             y[SUMS] += self.energy() - before
         self._choose()
 
@@ -274,7 +361,7 @@ class Lossy:
         return float(self.state[OMEGA4])
 
     def energy(self) -> float:
-        """What is stored: kinetic energy, weights, shaft and freewheels that are wound up, J."""
+        """Stored energy: kinetic energy, weights, shaft and freewheels that are wound up, J."""
         return self.machine.energy(self.state)
 
     def integrals(self) -> dict[str, float]:
@@ -289,4 +376,5 @@ class Lossy:
 
     def torques(self) -> Array:
         """(M1, M2, Tc, Th) now, N.m."""
-        return self.machine.forces(self.state, self.mode).x[M1 : TH + 1]
+        found: Array = self.machine.forces(self.state, self.mode).x[M1 : TH + 1]
+        return found

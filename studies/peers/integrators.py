@@ -1,0 +1,386 @@
+"""Others' integrators over the module's equations: from event to event, or with clutches, and their audit.
+
+SciPy's solve_ivp and odeint, and CVODE of SUNDIALS (scikit-sundae; Hindmarsh et al., ACM TOMS 31 (2005)). The
+equations are those of the independent reference without losses, compiled by numba: generous to the peers.
+The state is y = (q, omega2, omega3), rad and rad/s. Beside it go two arrays: numbers (see its places below)
+and the Fourier series of the virtual work on q, a row for each harmonic.
+"""
+
+from __future__ import annotations
+
+import functools
+import itertools
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.integrate import odeint, solve_ivp
+
+from inertia_module.common.errors import Refused
+from inertia_module.common.extras import library
+from inertia_module.fidelity.timing import median_time
+from inertia_module.kernel.codes import RIGID
+from inertia_module.memory.instances import Module
+
+from ..reference.cases import HOUSING, OMEGA1, OMEGA4, OUTPUT, SUMS, Machine, Q
+from ..reference.geometry import Array, Unavailable
+from ..trade import Case, Trajectory
+
+# places of the numbers: which freewheels are closed and which are there; rad/s, N.m; k, kg m^2; N.m.s/rad of
+# a viscous clutch in place of each freewheel, Tc = c max(0, omega2 - omega3), Th = c max(0, -omega2), or 0
+CLOSED, THERE = (0, 1), (2, 3)
+SPEED, LOAD, RATIO, INERTIA2, INERTIA3, STIFFNESS = range(4, 10)
+STEPS_ALLOWED = 10_000_000
+# events a run may have: bounds a run that goes nowhere
+EVENTS_ALLOWED = 100_000
+# phase of the fastest harmonic in a step, rad: solvers compare a guard's sign at the ends of a step only, and
+# while link 2 is held the motion is so smooth that their steps would jump over whole pulses
+CVODE_PHASE = 1.0
+SCIPY_PHASE = 0.5  # at 1 two short pulses of R1 are missed
+ROOT_FOUND = 2  # CV_ROOT_RETURN
+LOSSES = (
+    *("input_friction", "drive_friction", "link2_friction", "output_friction", "gravity"),
+    *("housing_drag", "housing_drag_viscous", "output_drag", "output_drag_viscous"),
+)
+
+
+class Equations(NamedTuple):
+    """Compiled functions.
+
+    Attributes:
+        rates: (t, y, numbers, series), of the state, in a new array.
+        guard: (t, y, numbers, series, which), positive while the freewheel stays as it is.
+    """
+
+    rates: Any
+    guard: Any
+
+
+@functools.cache
+def equations() -> Equations:
+    """Compile the equations, once a process.
+
+    Raises:
+        NotInstalled: numba is not.
+    """
+    jit = library("numba", "peers").njit(error_model="numpy")
+
+    @jit  # type: ignore[untyped-decorator]
+    def link2(y, numbers, series, carried, torque):  # type: ignore[no-untyped-def]
+        """(alpha2 with what is carried against a torque, M2 with link 2 held)."""
+        omega1, k = numbers[SPEED], numbers[RATIO]
+        rate = k * (omega1 - y[1])
+        inertia = steady = 0.0
+        for row in series:
+            cosine, sine = math.cos(row[0] * y[0]), -math.sin(row[0] * y[0])
+            inertia += row[1] * cosine + row[5] * sine
+            steady += (row[2] * cosine + row[6] * sine) * omega1 * omega1
+            steady += (row[3] * cosine + row[7] * sine) * omega1 * rate
+            steady += (row[4] * cosine + row[8] * sine) * rate * rate
+        return (k * steady - torque) / (numbers[INERTIA2] + carried - k * inertia), k * steady
+
+    @jit  # type: ignore[untyped-decorator]
+    def rates(t, y, numbers, series):  # type: ignore[no-untyped-def]
+        load, shaft, stiffness = numbers[LOAD], numbers[INERTIA3], numbers[STIFFNESS]
+        result = np.zeros(3)
+        result[0] = numbers[RATIO] * (numbers[SPEED] - y[1])
+        if stiffness > 0.0:
+            clutch = stiffness * max(0.0, y[1] - y[2])
+            result[1] = link2(y, numbers, series, 0.0, clutch - stiffness * max(0.0, -y[1]))[0]
+            result[2] = (clutch - load) / shaft
+            return result
+        closed = numbers[OUTPUT] != 0.0
+        if numbers[HOUSING] == 0.0:
+            result[1] = link2(y, numbers, series, shaft * closed, load * closed)[0]
+        result[2] = result[1] if closed else -load / shaft
+        return result
+
+    @jit  # type: ignore[untyped-decorator]
+    def guard(t, y, numbers, series, which):  # type: ignore[no-untyped-def]
+        if numbers[STIFFNESS] > 0.0 or numbers[2 + which] == 0.0:
+            return 1.0
+        if numbers[which] == 0.0:
+            return y[1] if which == HOUSING else y[2] - y[1]
+        if which == OUTPUT:
+            return numbers[LOAD] + numbers[INERTIA3] * rates(t, y, numbers, series)[1]
+        carried = numbers[LOAD] if numbers[OUTPUT] != 0.0 else 0.0
+        return carried - link2(y, numbers, series, 0.0, 0.0)[1]
+
+    return Equations(rates, guard)
+
+
+class Problem:
+    """A case as the compiled equations take it.
+
+    Args:
+        case: what is run. stiffness: of a clutch for each freewheel, N.m.s/rad, or None: by events.
+
+    Attributes:
+        data: numbers and series. start: state at time 0. machine: the reference's equations.
+
+    Raises:
+        Unavailable: the module refuses the parameters, or the case is not of the rigid module without losses;
+            or clutches are to stand for freewheels and one is left out.
+    """
+
+    def __init__(self, case: Case, stiffness: float | None = None) -> None:
+        p = case.all_parameters
+        if p["fidelity"] != RIGID:
+            raise Unavailable("the peers know the rigid module only: fidelity = 2")
+        try:
+            Module("plain").check(**case.parameters)
+        except Refused as error:
+            raise Unavailable(str(error)) from None
+        there = [bool(p["housing_freewheel"]), bool(p["output_freewheel"])]
+        if stiffness is not None and not all(there):
+            raise Unavailable("viscous clutches stand for both freewheels: the case leaves one out")
+        self.machine, self.case = Machine(p), case
+        if self.machine.rubs or any(p[name] for name in LOSSES):
+            raise Unavailable(f"the peers know no losses: {', '.join(LOSSES)} and friction must be 0")
+        inertias = p["link2_inertia"], p["output_inertia"]
+        given = case.omega1, case.load_torque, self.machine.k, *inertias, stiffness or 0.0
+        # of the torque on q: by alpha2, omega1^2, omega1 q', q'^2
+        by_q = self.machine.work.terms[6:10].T
+        series = np.column_stack([self.machine.work.orders, by_q.real, by_q.imag])
+        self.data = np.array([0.0, 0.0, *there, *given]), series
+        self.start = np.array([p[f"{name}_start"] for name in ("drive_angle", "omega2", "omega_out")])
+
+    def largest_step(self, phase: float) -> float:
+        """Time in which the fastest harmonic of the mechanism turns by a phase (rad), s."""
+        rate = self.machine.work.highest * self.machine.k * abs(self.case.omega1)
+        return float(phase / rate) if rate > 0.0 else np.inf
+
+    def choose(self, y: Array) -> None:
+        """Close the freewheels that neither pull nor turn; an open one that does not turn begins to."""
+        numbers, compiled = self.data[0], equations()
+        if numbers[STIFFNESS]:
+            return
+        there, turning = numbers[list(THERE)] != 0.0, np.array([y[1] != 0.0, y[2] != y[1]])
+        for closed in itertools.product((1.0, 0.0), repeat=2):
+            # what is left out: open to the housing, closed to the output
+            if any(closed[n] != (n == OUTPUT) for n in (HOUSING, OUTPUT) if not there[n]):
+                continue
+            numbers[list(CLOSED)] = closed
+            _, alpha2, alpha3 = compiled.rates(0.0, y, *self.data)
+            gained = alpha2, alpha3 - alpha2
+            if not any(
+                turning[n] or compiled.guard(0.0, y, *self.data, n) < 0.0
+                if closed[n]
+                else not turning[n] and gained[n] < 0.0
+                for n in np.flatnonzero(there)
+            ):
+                return
+        raise RuntimeError(f"no freewheels fit the state {y}")
+
+    def leave(self, y: Array, which: int) -> None:
+        """Put the state exactly on the guard that fell and set the freewheels as they follow."""
+        numbers = self.data[0]
+        if numbers[which]:
+            numbers[which] = 0.0
+            return
+        if which == HOUSING:
+            y[1] = 0.0
+        if which == OUTPUT or numbers[OUTPUT]:
+            y[2] = y[1]
+        self.choose(y)
+
+    def residual(self, segment: Segment) -> float:
+        """Energy that a segment leaves open, J: input - output - stored.
+
+        While link 2 is held the input works into the kinetic energy only; else M1 - Tc is the rate of
+        the angular momentum of links 1, 2 and the imbalances, and Tc - load that of the shaft's.
+        """
+        omega1, load, k, inertia2, inertia3 = self.data[0][SPEED:STIFFNESS]
+        time, (y0, y1) = segment.time - segment.begin, (segment.first, segment.state)
+
+        def energy(y: Array, omega3: float) -> float:
+            full = np.zeros(SUMS)
+            full[Q], full[OMEGA1 : OMEGA4 + 1] = y[0], (omega1, y[1], omega3, omega3)
+            return self.machine.energy(full)
+
+        def momentum(y: Array) -> float:
+            torques, _, _ = self.machine.work(y[0])
+            return float(torques[0, :2] @ [omega1, y[1]] + inertia2 * y[1])
+
+        housing, output = segment.closed
+        work = energy(y1, 0.0) - energy(y0, 0.0) if housing else omega1 * (momentum(y1) - momentum(y0))
+        turned = 0.5 * (y0[2] + y1[2]) * time
+        if output and not housing:
+            work += omega1 * (inertia3 * (y1[2] - y0[2]) + load * time)
+            turned = omega1 * time - (y1[0] - y0[0]) / k
+        return float(work - load * turned - energy(y1, y1[2]) + energy(y0, y0[2]))
+
+
+class Segment(NamedTuple):
+    """Motion while no freewheel switches.
+
+    Attributes:
+        time, state: at its end. guard: which fell there, or None. samples: states at the output times.
+        evaluations: right-hand sides. begin, first: time and state before it. closed: the freewheels.
+    """
+
+    time: float
+    state: Array
+    guard: int | None
+    samples: Array
+    evaluations: int
+    begin: float = 0.0
+    first: Array = np.empty(0)
+    closed: tuple[float, float] = (0.0, 0.0)
+
+
+# integrates (problem, time, state, output times not before time, the last of them the end)
+Integrator = Callable[[Problem, float, Array, Array], Segment]
+
+
+def _by_solve_ivp(method: str, tolerance: float, events: bool) -> Integrator:
+    compiled = equations()
+
+    def falling(which: int) -> Any:
+        def event(t: float, y: Array, *data: Array) -> float:
+            return float(compiled.guard(t, y, *data, which))
+
+        event.terminal, event.direction = True, -1.0  # type: ignore[attr-defined]
+        return event
+
+    guards = [falling(HOUSING), falling(OUTPUT)] if events else None
+
+    def integrate(problem: Problem, time: float, state: Array, times: Array) -> Segment:
+        sampled = len(times) > 1
+        found = solve_ivp(
+            compiled.rates,
+            (time, times[-1]),
+            state,
+            method=method,
+            t_eval=times if sampled else None,
+            args=problem.data,
+            rtol=tolerance,
+            atol=tolerance,
+            events=guards,
+            max_step=problem.largest_step(SCIPY_PHASE) if events else np.inf,
+        )
+        if found.status < 0:
+            raise RuntimeError(f"{method} gave up: {found.message}")
+        states = np.transpose(found.y).reshape(-1, 3)  # an empty list where no sampling time was reached
+        if found.status == 0:
+            return Segment(times[-1], states[-1], None, states if sampled else states[-1:], found.nfev)
+        guard = HOUSING if len(found.t_events[HOUSING]) else OUTPUT
+        event = found.t_events[guard][0], found.y_events[guard][0], guard
+        return Segment(*event, states if sampled else states[:0], found.nfev)
+
+    return integrate
+
+
+def _by_odeint(tolerance: float) -> Integrator:
+    """LSODA with its loop in compiled code, which knows no events."""
+    rates = equations().rates
+    options = {"rtol": tolerance, "atol": tolerance, "mxstep": STEPS_ALLOWED}
+
+    def integrate(problem: Problem, time: float, state: Array, times: Array) -> Segment:
+        states, found = odeint(
+            rates, state, [time, *times], problem.data, tfirst=True, full_output=True, **options
+        )
+        if found["message"] != "Integration successful.":
+            raise RuntimeError(f"LSODA gave up: {found['message']}")
+        return Segment(times[-1], states[-1], None, states[1:], int(found["nfe"][-1]))
+
+    return integrate
+
+
+def _by_cvode(problem: Problem, method: str, tolerance: float, events: bool) -> Integrator:
+    """CVODE with its own root finding, started anew where a root function falls through zero."""
+    compiled, data = equations(), problem.data
+    step = problem.largest_step(CVODE_PHASE) if events else np.inf
+
+    def rates(t: float, y: Array, values: Array) -> None:
+        values[:] = compiled.rates(t, y, *data)
+
+    def guards(t: float, y: Array, values: Array) -> None:
+        values[HOUSING] = compiled.guard(t, y, *data, HOUSING)
+        values[OUTPUT] = compiled.guard(t, y, *data, OUTPUT)
+
+    guards.terminal, guards.direction = [True, True], [-1, -1]  # type: ignore[attr-defined]
+    solver = library("sksundae.cvode", "peers", "scikit-sundae").CVODE(
+        rates,
+        method=method,
+        eventsfn=guards,
+        num_events=2,
+        rtol=tolerance,
+        atol=tolerance,
+        max_step=step if np.isfinite(step) else 0.0,
+        max_num_steps=STEPS_ALLOWED,
+    )
+
+    def integrate(_: Problem, time: float, state: Array, times: Array) -> Segment:
+        solver.init_step(time, state)
+        # the wrapper keeps and copies all events it has ever met
+        for kept in (guards._i, guards._t, guards._y):  # type: ignore[attr-defined]
+            kept.clear()
+        samples: list[Array] = []
+        for until in times:
+            found = solver.step(until)
+            if found.status == ROOT_FOUND:
+                guard = int(np.flatnonzero(found.i_events[-1])[0])
+                taken = np.array(samples) if samples else np.empty((0, 3))
+                return Segment(float(found.t), found.y, guard, taken, found.nfev)
+            if found.status < 0:
+                raise RuntimeError(f"CVODE gave up at {found.t} s: {found.message}")
+            samples.append(found.y)
+        return Segment(float(times[-1]), samples[-1], None, np.array(samples), found.nfev)
+
+    return integrate
+
+
+def _run(problem: Problem, times: Array, integrate: Integrator) -> list[Segment]:
+    """One run through the output times; the first of them is the beginning.
+
+    Raises:
+        RuntimeError: the integrator gives up, or events without end.
+    """
+    time, state, found = float(times[0]), problem.start.copy(), list[Segment]()
+    problem.choose(state)
+    times = times[1:]
+    while len(found) < EVENTS_ALLOWED:
+        closed = tuple(problem.data[0][list(CLOSED)])
+        segment = integrate(problem, time, state, times)
+        found.append(segment._replace(begin=time, first=state, closed=closed))
+        times = times[len(segment.samples) :]
+        time, state = segment.time, segment.state.copy()
+        if segment.guard is None:
+            return found
+        problem.leave(state, segment.guard)
+    raise RuntimeError(f"more than {EVENTS_ALLOWED} events")
+
+
+def simulate(case: Case, method: str, tolerance: float, stiffness: float | None = None) -> Trajectory:
+    """Run a case with all samples, then, timed, to the end alone: what an integrator costs is its own steps.
+
+    Args:
+        case: of the rigid module. method: "Adams" or "BDF" of CVODE, as solve_ivp names it, or, with
+            clutches, "odeint". tolerance: relative and absolute.
+        stiffness: of a clutch for each freewheel, N.m.s/rad, which has no events, or None.
+
+    Raises:
+        Unavailable: the case is not for it. NotInstalled: a library is not.
+        RuntimeError: the integrator gives up.
+    """
+    problem, events = Problem(case, stiffness), stiffness is None
+    if method in ("Adams", "BDF"):
+        integrate = _by_cvode(problem, method, tolerance, events)
+    else:
+        integrate = _by_odeint(tolerance) if method == "odeint" else _by_solve_ivp(method, tolerance, events)
+    segments = _run(problem, case.times, integrate)
+    samples = [problem.start[None, :], *(segment.samples for segment in segments)]
+    q, omega2, omega3 = np.concatenate(samples).T
+    return Trajectory(
+        time=case.times,
+        drive_angle=q,
+        omega2=omega2,
+        omega_out=omega3,
+        switches=np.array([segment.time for segment in segments[:-1]]) if events else None,
+        evaluations=sum(segment.evaluations for segment in segments),
+        energy_residual=sum(map(problem.residual, segments)) if events else None,
+        wall_time=median_time(lambda: _run(problem, case.times[[0, -1]], integrate)),
+        number_of_switches=len(segments) - 1 if events else math.nan,
+    )
