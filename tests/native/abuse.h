@@ -6,7 +6,7 @@
 
 #define MOST_STATES 8
 #define MOST_REFERENCES 6
-#define MOST_BYTES 98304
+#define MOST_BYTES 147456
 
 /* The phase an instance is in by the rules of FMI, kept here to know which calls belong to it. */
 enum stage { NEW, STARTING, RUNNING, BROKEN, ENDED };

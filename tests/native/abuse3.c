@@ -192,7 +192,7 @@ static fmi3Status set_number(fmi3Instance instance)
 
 static fmi3Status read_state(fmi3Instance instance)
 {
-    fmi3Byte bytes[98304];
+    fmi3Byte bytes[147456];
     size_t size = 0;
     fmi3FMUState state = kept.state;
     switch (below(&chance, 4)) {

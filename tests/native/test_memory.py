@@ -6,7 +6,7 @@ import pytest
 
 from .conftest import OF_FMI_3, run
 
-MOST_BYTES = 262144  # of an instance with a saved state: most of it the averaged map with losses
+MOST_BYTES = 327680  # of an instance with a saved state: most of it the averaged map with losses
 LIVES = 1000
 
 

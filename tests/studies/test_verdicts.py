@@ -192,5 +192,7 @@ def test_every_figure_and_bound_is_written(tmp_path):
 
 
 def test_unknown_axis_is_refused_with_those_there_are():
-    with pytest.raises(ValueError, match=r"axis must be one of input speed, .* is weather"):
+    with pytest.raises(
+        ValueError, match=r"axis must be one of the map, is weather \(there are input speed, .*\)"
+    ):
         chosen_cases("weather")

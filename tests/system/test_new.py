@@ -219,7 +219,7 @@ def test_processes_that_link_at_once_leave_one_whole_library(tmp_path, monkeypat
 
 def test_wheel_builds_nothing(built, tmp_path, monkeypatch):
     monkeypatch.setattr(builder, "ready_made", lambda file: built / file)
-    monkeypatch.setattr(builder, "_translate", lambda progress: pytest.fail("translated"))
+    monkeypatch.setattr(builder, "_compile", lambda *_: pytest.fail("compiled"))
     assert builder.current_fmu(builder.MODULE_FMU, tmp_path) == built / "InertiaModule.fmu"
     done = builder.build(tmp_path)
     assert not done.skipped
@@ -240,7 +240,7 @@ def test_plain_python_is_not_taken_silently(monkeypatch):
 
 def test_fmu_that_cannot_be_built_is_an_error(tmp_path, monkeypatch):
     nothing = builder.Built([], {"InertiaModule.fmu": "there is no compiler"})
-    monkeypatch.setattr(builder, "build", lambda folder, progress: nothing)
+    monkeypatch.setattr(builder, "build", lambda *_: nothing)
     with pytest.raises(RuntimeError, match=r"InertiaModule.fmu cannot be built: there is no compiler"):
         builder.current_fmu(builder.MODULE_FMU, tmp_path)
 
@@ -277,5 +277,5 @@ def test_sdist_makes_a_complete_wheel_or_none(forced_into_a_wheel, tmp_path, bui
     (tmp_path / "build").symlink_to(built)
     (tmp_path / "fmu_src" / "inertia_module" / "page").mkdir(parents=True)
     (tmp_path / "fmu_src" / "inertia_module" / "page" / "template.html").touch()
-    ready = {f"inertia_module/ready/{path.name}" for path in built.iterdir()}
+    ready = {f"inertia_module/ready/{path.name}" for path in built.iterdir() if path.is_file()}
     assert forced_into_a_wheel() == ready | {"inertia_module/examples"}

@@ -51,6 +51,7 @@ def test_every_variable_is_in_the_documentation():
 def test_page_on_development_tells_the_floors_that_are_enforced():
     (contract, *_) = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"]
     enforced = [re.findall(r"inertia_module\.(\w+)", layer) for layer in contract["layers"]]
+    enforced = [floor for floor in enforced if floor]
     page = (ROOT / "docs" / "development.md").read_text()
     table = page[page.index("| floor | what |") : page.index("Floors only import downwards")]
     told = [re.findall(r"`(\w+)`", line.split("|")[1]) for line in table.strip().splitlines()[2:]]
