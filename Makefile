@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 QUIET ?= -q
 
-.PHONY: demo test lint docs build page dist bench stability coupling papers size install clean help
+.PHONY: demo test test-all lint docs build page dist bench stability coupling papers size install clean help
 
 help: ## what there is to make
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
@@ -40,7 +40,10 @@ dist: $(VENV)/.all build page ## sdist and wheel in dist/, complete; the same so
 demo: $(VENV)/.run ## set up, build the FMU for this platform, drive a car through the urban cycle
 	$(BIN)/inertia-module run examples/urban.toml -o out/urban
 
-test: $(VENV)/.all page ## run all tests
+test: $(VENV)/.all page ## run the tests but for those that take long
+	$(BIN)/python -m pytest -n auto --dist worksteal -m "not slow"
+
+test-all: $(VENV)/.all page ## run all tests
 	$(BIN)/python -m pytest -n auto --dist worksteal
 
 lint: $(VENV)/.all ## style, types, floors, spelling; the page's too

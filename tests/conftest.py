@@ -9,6 +9,31 @@ settings.register_profile("same", max_examples=40, deadline=None, derandomize=Tr
 settings.register_profile("few", settings.get_profile("same"), max_examples=8)
 settings.register_profile("search", max_examples=400, deadline=None)
 settings.load_profile("same")
+# what takes over ten seconds, by name of the test or of one case of it: left to `make test-all`
+LONG = frozenset(
+    {
+        "test_96_random_machines_with_losses_have_the_torque_and_efficiency_of_their_pulses",
+        "test_a_thousand_lives_leak_nothing",
+        "test_arm_computes_the_same",
+        "test_fmu_is_the_same_file_wherever_it_is_built",
+        "test_forged_states_reach_no_memory_beyond_their_own",
+        "test_imbalance_is_drawn_where_the_kernel_has_it",
+        "test_intervals_are_as_wide_as_the_values_scatter",
+        "test_kernel_is_translated_to_the_same_text_wherever_its_source_lies",
+        "test_level_has_the_losses_that_the_page_tells[averaged]",
+        "test_library_is_the_same_wherever_it_is_linked_and_tells_no_path_and_no_user",
+        "test_no_thread_touches_what_another_uses",
+        "test_random_motions_with_losses_hold_all_invariants[averaged]",
+        "test_the_kernel_keeps_within_its_arrays",
+        "test_tutorial_shows_pictures_and_tables",
+        "test_web_kernel_is_the_same_wherever_it_is_linked_and_tells_no_path",
+        "test_what_the_data_tell_together_alone_is_warned_of",
+        "test_work_without_end_is_an_error_and_no_hang",
+        "test_wound_up_freewheel_swings_at_its_own_frequency",
+    }
+)
+# of the extremes `make test` tries one of so many
+EXTREMES, SAMPLE = "test_extreme_is_within_its_bounds_and_as_documented", 6
 # tests/planted_changes.py asks for that: nothing is translated
 ONLY_PLAIN = os.environ.get("INERTIA_MODULE_KERNEL") == "plain"
 
@@ -41,6 +66,16 @@ def built(tmp_path_factory):
     folder = tmp_path_factory.mktemp("build")
     assert not build(folder).skipped
     return folder
+
+
+def pytest_collection_modifyitems(items):
+    """Mark what is long, and most of the extremes, as slow."""
+    extremes = 0
+    for item in items:
+        name = getattr(item, "originalname", item.name)
+        extremes += name == EXTREMES
+        if {name, item.name} & LONG or (name == EXTREMES and extremes % SAMPLE):
+            item.add_marker(pytest.mark.slow)
 
 
 def pytest_configure(config):
