@@ -32,6 +32,13 @@ LONG = frozenset(
         "test_wound_up_freewheel_swings_at_its_own_frequency",
     }
 )
+# whole files: other hosts, valgrind, sanitizers, Wine and QEMU, every page of the site, looks of the page
+LONG_FILES = (
+    "tests/native/",
+    "tests/system/test_hosts.py",
+    "tests/system/test_site.py",
+    "test_page_looks.py",
+)
 # of the extremes `make test` tries one of so many
 EXTREMES, SAMPLE = "test_extreme_is_within_its_bounds_and_as_documented", 6
 # tests/planted_changes.py asks for that: nothing is translated
@@ -74,7 +81,8 @@ def pytest_collection_modifyitems(items):
     for item in items:
         name = getattr(item, "originalname", item.name)
         extremes += name == EXTREMES
-        if {name, item.name} & LONG or (name == EXTREMES and extremes % SAMPLE):
+        long = {name, item.name} & LONG or any(part in item.nodeid for part in LONG_FILES)
+        if long or (name == EXTREMES and extremes % SAMPLE):
             item.add_marker(pytest.mark.slow)
 
 
