@@ -19,8 +19,12 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 
-from inertia_module.cosimulation import (
+from inertia_module.harness.fmu import Fmu, FmuError
+from inertia_module.harness.results import heading, write_figure, write_rows
+from inertia_module.harness.simulate import Progress
+from inertia_module.loops import (
     SCHEMES,
+    ClosedLoop,
     CoupledEngine,
     Engine,
     EngineMap,
@@ -30,13 +34,11 @@ from inertia_module.cosimulation import (
     Ledger,
     Scheme,
     TorqueDrivenEngine,
+    connect,
+    initial_inputs,
     interface_inertia,
     torque_driven,
 )
-from inertia_module.harness.fmu import Fmu, FmuError
-from inertia_module.harness.results import heading, write_figure, write_rows
-from inertia_module.harness.simulate import Progress
-from inertia_module.loops import ClosedLoop, connect, initial_inputs
 from inertia_module.scene import Scene, load_scene
 
 from .reference.cases import OMEGA1, THETA1

@@ -11,9 +11,9 @@ __date__ = "2026-11-22"
 
 # name, and where it comes from; __init__.pyi says the same to those who check types
 PUBLIC = {
-    "DrivenShaft": "memory.instances",
+    "DrivenShaft": "memory",
     "Fmu": "harness.fmu",
-    "Module": "memory.instances",
+    "Module": "memory",
     "Refused": "common.errors",
     "Result": "harness.results",
     "Scene": "scene",

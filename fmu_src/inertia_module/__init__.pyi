@@ -13,8 +13,8 @@ from .jobs import design as design
 from .jobs import fit as fit
 from .jobs import orders as orders
 from .jobs import sweep as sweep
-from .memory.instances import DrivenShaft as DrivenShaft
-from .memory.instances import Module as Module
+from .memory import DrivenShaft as DrivenShaft
+from .memory import Module as Module
 from .scene import Scene as Scene
 from .scene import SceneResult as SceneResult
 from .scene import load_scene as load_scene

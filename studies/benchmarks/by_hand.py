@@ -15,7 +15,7 @@ from pathlib import Path
 
 from inertia_module.compiling.linking import compiler
 from inertia_module.fidelity.timing import kernel_time
-from inertia_module.memory.instances import Module
+from inertia_module.memory import Module
 from studies.benchmarks.figures import R1
 
 SOURCE = Path(__file__).with_suffix(".c")

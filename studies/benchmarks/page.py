@@ -14,7 +14,7 @@ from pathlib import Path
 from playwright.sync_api import sync_playwright
 
 from inertia_module.kernel import codes
-from inertia_module.memory.instances import Module
+from inertia_module.memory import Module
 from inertia_module.page.html import html_file
 from inertia_module.scene import load_scene
 from studies.benchmarks.figures import R1, keep_parts

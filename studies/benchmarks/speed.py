@@ -16,7 +16,7 @@ from rich.progress import track
 
 from inertia_module.fmu.builder import MODULE_FMU, PYTHON_FMU, SHAFT_FMU, build
 from inertia_module.harness.fmu import Fmu
-from inertia_module.memory.instances import Module
+from inertia_module.memory import Module
 from studies.benchmarks import averaged, by_hand, native
 from studies.benchmarks.figures import R1, TABLE, keep_parts, median_time
 

@@ -21,7 +21,7 @@ from inertia_module.common.errors import Refused
 from inertia_module.common.extras import library
 from inertia_module.fidelity.timing import median_time
 from inertia_module.kernel.codes import RIGID
-from inertia_module.memory.instances import Module
+from inertia_module.memory import Module
 
 from ..reference.cases import HOUSING, OMEGA1, OMEGA4, OUTPUT, SUMS, Machine, Q
 from ..reference.geometry import Array, Unavailable

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from inertia_module.kernel.links import held_torque
-from inertia_module.memory.instances import Module
+from inertia_module.memory import Module
 
 from .case import Extreme, Segment
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from inertia_module.contract.variables import default_parameters
 from inertia_module.kernel.codes import AVERAGED, DRIVE_TORQUE, ELASTIC, EVENT, RIGID, TIMESTEPPING
-from inertia_module.memory.instances import Module
+from inertia_module.memory import Module
 
 from ..reference.cases import OMEGA1, OMEGA4
 from ..reference.geometry import Array, Unavailable, ratio

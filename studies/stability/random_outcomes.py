@@ -49,7 +49,7 @@ def outcomes_file(folder: Path, seed: int, losses: bool = False) -> Path:
         for part in ("reference", "stability")
         for path in (STUDIES / part).glob("*.py")
     }
-    code = sources("contract/*.py", "kernel/**/*.py", "memory/*.py") | own
+    code = sources("contract/*.py", "kernel/**/*.py", "memory.py") | own
     return folder / f"{name}-{content_hash(code)[:8]}.jsonl"
 
 

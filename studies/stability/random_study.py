@@ -13,7 +13,7 @@ from typing import Any
 
 from inertia_module.common.terminal import terminal
 from inertia_module.harness import results
-from inertia_module.memory.instances import Module
+from inertia_module.memory import Module
 
 from .random_checks import REFERENCE, SENSITIVE, VIRTUAL_WORK, Finding, Make, examine
 from .random_motions import Motion, draw_motion, rounded

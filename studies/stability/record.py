@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from inertia_module.contract.variables import LOSSES
 from inertia_module.kernel.codes import ELASTIC, RIGID
-from inertia_module.memory.instances import Module
+from inertia_module.memory import Module
 
 from .mechanisms import imbalance_inertia
 

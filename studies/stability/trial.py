@@ -10,7 +10,7 @@ from functools import lru_cache
 from inertia_module.common.errors import Refused
 from inertia_module.contract.variable import LARGEST_STEP
 from inertia_module.kernel.codes import ELASTIC, EVENT, KINEMATIC, TIMESTEPPING
-from inertia_module.memory.instances import Module
+from inertia_module.memory import Module
 
 from ..reference.geometry import shaft_frequency, swing_frequency
 from .case import Case, Segment

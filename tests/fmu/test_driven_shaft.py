@@ -6,7 +6,7 @@ import pytest
 
 from inertia_module.contract.models import DRIVEN_SHAFT
 from inertia_module.harness.fmu import Fmu, FmuError
-from inertia_module.memory.instances import DrivenShaft
+from inertia_module.memory import DrivenShaft
 
 FLAVOURS = ("DrivenShaft", "DrivenShaft3")
 GOOD = {"hub_speed": 20.0, "load_torque": 3.0}

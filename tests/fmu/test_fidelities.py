@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from inertia_module.memory.instances import Module
+from inertia_module.memory import Module
 
 LAYOUTS = {
     "bevel": {"omega1": 100.0, "load_torque": 10.0},

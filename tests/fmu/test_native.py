@@ -3,7 +3,7 @@
 import pytest
 from fmpy import extract, read_model_description
 
-from inertia_module.memory.instances import DrivenShaft, Module
+from inertia_module.memory import DrivenShaft, Module
 
 from .conftest import Instance
 

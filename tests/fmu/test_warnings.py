@@ -9,7 +9,7 @@ from fmpy.fmi1 import FMICallException
 
 from inertia_module.harness.fmu import Fmu
 from inertia_module.harness.logs import messages_of_others
-from inertia_module.memory.instances import Module
+from inertia_module.memory import Module
 
 CASES = {
     "overlap, planar": {"layout": 1, "satellites": 12},

@@ -5,7 +5,7 @@ import pytest
 from scenes import SCENES
 
 from inertia_module.common.extras import NotInstalled
-from inertia_module.memory.instances import Module
+from inertia_module.memory import Module
 from studies.peers import PEERS, integrators, mujoco_model
 from studies.reference.geometry import Unavailable
 from studies.trade import Case

@@ -5,7 +5,7 @@ import math
 import pytest
 from scenes import PLANAR
 
-from inertia_module.memory.instances import Module
+from inertia_module.memory import Module
 from studies.reference.cases import OMEGA1, OMEGA4
 from studies.reference.motion import Reference
 from studies.trade import R1_ELASTIC, Case, agreement

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from scenes import REFERENCE
 
-from inertia_module.memory.instances import Module, Refused
+from inertia_module.memory import Module, Refused
 from studies.stability.bounds import energy_bound, result_bound, work_bound
 from studies.stability.case import LEVELS, Case, Extreme, Segment
 from studies.stability.study import chosen_cases, run_study

@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from inertia_module.cosimulation import (
+from inertia_module.harness.fmu import Fmu, FmuError
+from inertia_module.loops import (
     SCHEMES,
     CoupledEngine,
     Engine,
@@ -18,7 +19,6 @@ from inertia_module.cosimulation import (
     Scheme,
     interface_inertia,
 )
-from inertia_module.harness.fmu import Fmu, FmuError
 from inertia_module.scene import load_scene
 from studies.coupling import (
     COUPLINGS,

@@ -10,7 +10,7 @@ import pytest
 from inertia_module import loops
 from inertia_module.loops import cycles
 from inertia_module.loops.cycles import ELEMENTARY_URBAN_CYCLE as CYCLE
-from inertia_module.memory.instances import Module
+from inertia_module.memory import Module
 
 URBAN = {
     "layout": 1,

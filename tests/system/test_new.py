@@ -19,8 +19,7 @@ from inertia_module.common.files import cache_folder
 from inertia_module.compiling import load
 from inertia_module.compiling.kernels import DRIVEN_SHAFT, MODULE, CompilationUnavailable
 from inertia_module.fmu import builder
-from inertia_module.memory.instances import Module
-from inertia_module.memory.kernel_choice import choose_kernel
+from inertia_module.memory import Module, choose_kernel
 from inertia_module.scene import SceneError, load_scene
 from inertia_module.scene.keys import keys_of
 
@@ -190,7 +189,7 @@ def test_module_on_the_kernel_of_a_wheel_gives_the_same_bits(built, tmp_path, mo
 # memory that is asked for and never used; then the kernel is loaded and runs
 FAR_APART = """
 import numpy
-from inertia_module.memory.instances import Module
+from inertia_module.memory import Module
 
 held = [numpy.empty(3 * 2**30, "u1"), *(numpy.empty(200 * 2**20, "u1") for _ in range(20))]
 module = Module("compiled").start(omega1=100.0, load_torque=10.0)

@@ -18,7 +18,7 @@ from inertia_module.jobs import order_run
 from inertia_module.jobs.order_run import pulses_a_turn
 from inertia_module.jobs.spectra import spectra
 from inertia_module.kernel.inertia import reduced_inertia
-from inertia_module.memory.instances import Module
+from inertia_module.memory import Module
 from inertia_module.scene import load_scene, read_scene, run_scene
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

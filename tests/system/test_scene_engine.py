@@ -1,4 +1,4 @@
-"""An engine as drive of a scene: held to the Python engine of cosimulation; governors; what is refused."""
+"""An engine as drive of a scene: held to the Python engine of loops; governors; what is refused."""
 
 from pathlib import Path
 
@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from inertia_module import loops
-from inertia_module.cosimulation import Engine, EngineMap, Governor, TorqueDrivenEngine, torque_driven
 from inertia_module.fidelity.scene_run import run_in_process
 from inertia_module.figures.scenes import scene_figure
 from inertia_module.harness.fmu import Fmu
+from inertia_module.loops import Engine, EngineMap, Governor, TorqueDrivenEngine, torque_driven
 from inertia_module.scene import SceneError, load_scene, read_scene, run_scene
 from inertia_module.scene.run import start_of
 from inertia_module.scene.summary import summarise
@@ -37,7 +37,7 @@ def full_throttle(stop_time=6.0, step=0.01, integral_gain=12.0):
 
 
 def by_python(scene, fmu):
-    """The same launch by the engine of cosimulation, its governor asked for the top speed."""
+    """The same launch by the engine of loops, its governor asked for the top speed."""
     step = scene.run.communication_step
     limits = EngineMap(
         tuple(np.array([0.0, 1000.0, 2000.0, 3000.0]) * np.pi / 30.0),

@@ -6,7 +6,8 @@ import math
 import numpy as np
 import pytest
 
-from inertia_module.cosimulation import (
+from inertia_module.harness.fmu import Fmu, FmuError
+from inertia_module.loops import (
     SCHEMES,
     CoupledEngine,
     Engine,
@@ -15,7 +16,6 @@ from inertia_module.cosimulation import (
     TorqueDrivenEngine,
     torque_driven,
 )
-from inertia_module.harness.fmu import Fmu, FmuError
 from studies import coupling
 
 SAMPLE = 5e-3

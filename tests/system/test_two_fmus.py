@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from inertia_module.fmu.builder import build
-from inertia_module.memory.instances import DrivenShaft, Module, Refused
+from inertia_module.memory import DrivenShaft, Module, Refused
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "two_fmus.py"
 HUB = {"output_inertia": 0.02}

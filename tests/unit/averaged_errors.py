@@ -6,7 +6,7 @@ Run: python tests/unit/averaged_errors.py, for the table in docs/mechanics.md.
 from scenes import PLANAR
 
 from inertia_module.harness.steady import SteadyMachine
-from inertia_module.memory.instances import Module
+from inertia_module.memory import Module
 
 REALISTIC = {
     "mesh_efficiency": 0.98,

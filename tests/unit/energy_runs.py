@@ -10,7 +10,7 @@ import sys
 
 from scenes import FREEWHEELS
 
-from inertia_module.memory.instances import Module
+from inertia_module.memory import Module
 
 # what rounding may make in a run, of the largest energy there was
 ROUNDING = 1e-11

@@ -4,7 +4,7 @@ import math
 
 from inertia_module.contract.variable import PARAMETER
 from inertia_module.contract.variables import with_causality
-from inertia_module.memory.instances import Module
+from inertia_module.memory import Module
 from studies.reference.motion import Reference
 
 REFERENCE = {"omega1": 100.0, "load_torque": 10.0}  # R1: everything else is at its default

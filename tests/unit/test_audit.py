@@ -8,7 +8,7 @@ from scenes import PLANAR, advanced, started
 from inertia_module.kernel import step
 from inertia_module.kernel.audit import audit
 from inertia_module.kernel.codes import NOT_BALANCED, OK
-from inertia_module.memory.instances import Refused
+from inertia_module.memory import Refused
 
 BEFORE = {"energy_in": 1.0, "energy_out": 2.0, "energy_stored": 10.0}
 AFTER = {"energy_in": 9.0, "energy_out": 6.0, "step_lost": 1.0, "energy_stored": 13.0}

@@ -6,7 +6,7 @@ import pytest
 from scenes import FREEWHEELS, SCENES, advanced, started
 
 from inertia_module.kernel import codes
-from inertia_module.memory.instances import Module, Refused
+from inertia_module.memory import Module, Refused
 
 AVERAGED = {"fidelity": 1}
 

@@ -6,7 +6,7 @@ import pytest
 from averaged_errors import MECHANISMS, REALISTIC, of_map, of_pulses
 
 from inertia_module.bridge import averaged_system
-from inertia_module.memory.instances import Module, Refused
+from inertia_module.memory import Module, Refused
 
 PLANAR = MECHANISMS["planar"]
 CAUSES = ("viscous", "mesh", "journal", "freewheel")

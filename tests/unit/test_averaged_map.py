@@ -7,12 +7,12 @@ import pytest
 from differences import assert_rates
 from scenes import DRIVEN, ENGINE, PLANAR, started
 
+from inertia_module import memory
 from inertia_module.kernel.averaged.instants import speeds_at
 from inertia_module.kernel.averaged.largest import MOMENTUM, value_at
 from inertia_module.kernel.averaged.torque_map import settle
 from inertia_module.kernel.links import inertia_at_input, motion
-from inertia_module.memory import maps
-from inertia_module.memory.instances import Module
+from inertia_module.memory import Module
 
 MECHANISMS = {
     "bevel": {},
@@ -167,8 +167,8 @@ def test_freewheels_that_rounding_makes_switch_hold_up_no_map(compiled, settings
 
 
 def test_map_is_kept_between_instances_that_are_alike(compiled, monkeypatch):
-    kept = type(maps._maps)()
-    monkeypatch.setattr(maps, "_maps", kept)
+    kept = type(memory._maps)()
+    monkeypatch.setattr(memory, "_maps", kept)
     first = Module(compiled).start(fidelity=1, omega1=100.0)
     assert first.derived.map_evaluations > 0.0
     (known,) = kept.values()
@@ -183,8 +183,8 @@ def test_map_is_kept_between_instances_that_are_alike(compiled, monkeypatch):
 
 
 def test_only_so_many_maps_are_kept(compiled, monkeypatch):
-    monkeypatch.setattr(maps, "_maps", type(maps._maps)())
-    monkeypatch.setattr(maps, "MOST_MAPS", 3)
+    monkeypatch.setattr(memory, "_maps", type(memory._maps)())
+    monkeypatch.setattr(memory, "MOST_MAPS", 3)
     for mass in (1.0, 2.0, 3.0, 4.0, 5.0):
         started(compiled, PLANAR, fidelity=1, imbalance_mass=mass)
-    assert len(maps._maps) == 3
+    assert len(memory._maps) == 3

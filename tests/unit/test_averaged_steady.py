@@ -6,7 +6,7 @@ import random
 import pytest
 from averaged_errors import MECHANISMS, of_map, of_pulses
 
-from inertia_module.memory.instances import Module, Refused
+from inertia_module.memory import Module, Refused
 
 # link 2 is heavy: thrown from rest it is not as fast as the output for long, in the end it never rests
 HEAVY = {

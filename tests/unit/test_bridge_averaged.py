@@ -8,7 +8,7 @@ from inertia_module import bridge
 from inertia_module.bridge.packing import bytes_of, numbers_of
 from inertia_module.bridge.sine_bench import fit_sine
 from inertia_module.harness.chart import torque_converter_chart
-from inertia_module.memory.instances import Module, Refused
+from inertia_module.memory import Module, Refused
 
 PLANAR = {"layout": 1, "sun_radius": 0.1, "satellite_radius": 0.06, "eccentricity": 0.04}
 PLANAR |= {"imbalance_mass": 0.3, "satellites": 3, "link2_inertia": 0.01, "output_inertia": 4.78}

@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 from inertia_module.cli import app
 from inertia_module.harness.chart import torque_converter_chart
 from inertia_module.harness.results import read_columns
-from inertia_module.memory.instances import Refused
+from inertia_module.memory import Refused
 
 PLANAR_MECHANISM = {name: value for name, value in PLANAR.items() if name not in ("omega1", "load_torque")}
 MECHANISMS = {"bevel": {}, "planar": PLANAR_MECHANISM}

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from inertia_module.memory.instances import DrivenShaft, Module
+from inertia_module.memory import DrivenShaft, Module
 from studies.papers.karetin import Geometry
 
 PLANAR = {"layout": 1, "sun_radius": 0.05, "satellite_radius": 0.03, "eccentricity": 0.02}

@@ -3,7 +3,7 @@
 import pytest
 from scenes import ELASTIC, PLANAR
 
-from inertia_module.memory.instances import Module
+from inertia_module.memory import Module
 
 # the residual over the largest energy: tolerances at once, and for each turn of link 1 and of the drives
 AT_ONCE = 100.0

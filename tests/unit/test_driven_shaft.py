@@ -8,7 +8,7 @@ import pytest
 from differences import assert_rates
 from driven_shaft_reference import exact
 
-from inertia_module.memory.instances import DrivenShaft, Refused
+from inertia_module.memory import DrivenShaft, Refused
 
 # J4, c, d, f: the corners of what is allowed, and ordinary shafts in each damping regime
 SHAFTS = {

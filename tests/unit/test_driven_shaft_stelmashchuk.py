@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from inertia_module.loops.stepping import law_of_motion
-from inertia_module.memory.instances import DrivenShaft
+from inertia_module.memory import DrivenShaft
 from studies.papers.stelmashchuk.exact import Criteria, response
 
 KAPPA2 = 1.0

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from inertia_module.memory.instances import DrivenShaft
+from inertia_module.memory import DrivenShaft
 
 WALK = {
     "underdamped": {"shaft_damping": 0.05, "driven_friction": 0.1},

@@ -7,7 +7,7 @@ from scenes import SCENES, advanced, started
 
 from inertia_module.kernel import engine, run
 from inertia_module.kernel.limits import SMALLEST_SPEED
-from inertia_module.memory.instances import Refused
+from inertia_module.memory import Refused
 
 
 @pytest.mark.parametrize("ratio", [1e-3, 1e-6, 1e-9, 1e-12])

@@ -5,7 +5,7 @@ import math
 import pytest
 from scenes import DRIVEN, SCENES, reference
 
-from inertia_module.memory.instances import Module
+from inertia_module.memory import Module
 from studies.reference.cases import OMEGA1, OMEGA2, OMEGA3
 
 ELASTIC = {"fidelity": 3, "driven_inertia": 0.5, "shaft_stiffness": 400.0, "shaft_damping": 0.05}

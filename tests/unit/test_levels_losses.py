@@ -7,7 +7,7 @@ import pytest
 
 from inertia_module.common.errors import Refused
 from inertia_module.kernel.codes import DRIVE_TORQUE, KINEMATIC, TIMESTEPPING
-from inertia_module.memory.instances import Module
+from inertia_module.memory import Module
 from studies.stability.case import LEVELS
 
 PAGE = Path(__file__).parents[2] / "docs" / "mechanics.md"

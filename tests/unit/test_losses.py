@@ -11,7 +11,7 @@ from scenes import DRIVEN, ELASTIC, FREEWHEELS, SCENES, advanced, started
 from inertia_module.contract.variables import BY_NAME
 from inertia_module.kernel.general import jam
 from inertia_module.kernel.inertia import reduced_inertia
-from inertia_module.memory.instances import Module, Refused
+from inertia_module.memory import Module, Refused
 
 LOSSES = {
     "mesh": {"mesh_efficiency": 0.97},

@@ -5,7 +5,7 @@ from energy_runs import COMBINATIONS, ROUNDING, largest_gain
 from scenes import DRIVEN, SCENES, advanced, started
 from test_losses import ACCOUNTS, ALL, CAUSE, LOSSES, MEANS, WIND_UP, every_scene, passed
 
-from inertia_module.memory.instances import Refused
+from inertia_module.memory import Refused
 
 RATIOS = [0.5, 1.0, -0.3, 1.4]
 # gravity acts with one module only, and shows with one heavy imbalance

@@ -15,7 +15,7 @@ from inertia_module import PUBLIC, Result
 from inertia_module.common.errors import Refused, did_you_mean
 from inertia_module.common.examples import example
 from inertia_module.contract.variables import BY_NAME
-from inertia_module.memory.instances import Module
+from inertia_module.memory import Module
 from inertia_module.scene import SceneResult, load_scene
 from inertia_module.scene.summary import Quantity
 

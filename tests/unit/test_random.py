@@ -9,7 +9,7 @@ from random_found import FOUND
 
 from inertia_module.common.errors import Refused
 from inertia_module.kernel.codes import ELASTIC, EVENT, KINEMATIC, RIGID
-from inertia_module.memory.instances import Module
+from inertia_module.memory import Module
 from studies.stability import random_checks, random_study
 from studies.stability.case import LEVELS, Segment
 from studies.stability.random_checks import (

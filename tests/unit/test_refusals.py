@@ -18,7 +18,7 @@ from inertia_module.contract.variable import (
     REAL,
 )
 from inertia_module.contract.variables import BY_NAME, with_causality
-from inertia_module.memory.instances import DrivenShaft, Module, Refused
+from inertia_module.memory import DrivenShaft, Module, Refused
 
 NO_NUMBERS = (math.nan, math.inf, -math.inf)
 

@@ -7,7 +7,7 @@ import pytest
 from inertia_module.common.errors import Refused
 from inertia_module.jobs.size import check_room, envelope_diameter, total_imbalance_mass
 from inertia_module.kernel.layout import imbalance
-from inertia_module.memory.instances import Module
+from inertia_module.memory import Module
 
 BEVEL = [
     {},

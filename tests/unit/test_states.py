@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scenes import SCENES, advanced, started
 
-from inertia_module.memory.instances import Module, Refused
+from inertia_module.memory import Module, Refused
 
 STEPS = st.lists(st.floats(2e-3, 0.02), min_size=1, max_size=6)
 

@@ -156,7 +156,7 @@ def test_a_linear_input_is_followed(compiled, scene):
 
 
 def test_too_many_steps_are_given_up_before_they_begin(compiled):
-    from inertia_module.memory.instances import Refused
+    from inertia_module.memory import Refused
 
     module = started(compiled, SCENES["bevel"], method=1, max_step=1e-7)
     before = module.save()

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scenes import DRIVEN, ENGINE, FREEWHEELS, SCENES, TWO_PI, advanced, drive_angle, reference, started
 
-from inertia_module.memory.instances import Module
+from inertia_module.memory import Module
 from studies.reference.cases import OMEGA4
 
 MOTION = ["input_speed", "omega2", "omega_out", "input_angle", "drive_angle", "energy_stored"]

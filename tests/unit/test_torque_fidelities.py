@@ -5,7 +5,7 @@ import math
 import pytest
 from scenes import DRIVEN, ELASTIC, FREEWHEELS, SCENES, TWO_PI, advanced, drive_angle, reference, started
 
-from inertia_module.memory.instances import Module
+from inertia_module.memory import Module
 from studies.reference.cases import WOUND
 
 SHAFT = {**ELASTIC, "driven_friction": 0.02, "balancer": 0.3}

@@ -9,7 +9,7 @@ from geometry import direct_derivatives, ratio
 from scenes import DRIVEN, FREEWHEELS, SCENES, TWO_PI, advanced, drive_angle, parameters, started
 
 from inertia_module.contract.variables import BY_NAME
-from inertia_module.memory.instances import Module, Refused
+from inertia_module.memory import Module, Refused
 
 FREE = {"housing_freewheel": False, "output_freewheel": False}
 STALL = {"load_torque": 1e6}

@@ -7,7 +7,7 @@ from scenes import DRIVEN, SCENES, advanced, drive_angle, parameters, reference,
 from inertia_module.common.errors import Refused
 from inertia_module.contract.models import DRIVEN_SHAFT
 from inertia_module.kernel import codes
-from inertia_module.memory.instances import DrivenShaft, Module
+from inertia_module.memory import DrivenShaft, Module
 from studies.reference.cases import OMEGA1, OMEGA2, OMEGA4
 
 FRICTION = {"input_friction": 0.02, "drive_friction": 0.01, "link2_friction": 0.05, "output_friction": 0.2}

@@ -28,7 +28,7 @@ from ..kernel.averaged import legs as average_legs
 from ..kernel.averaged import outputs as average_outputs
 from ..kernel.averaged import rates as average_rates
 from ..kernel.averaged import run as average
-from ..memory.instances import Module
+from ..memory import Module
 
 INPUTS = ("omega1", "load_torque")
 INPUT_RATE = "omega1_rate"

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..harness.fmu import Fmu
-from ..memory.instances import Module
+from ..memory import Module
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

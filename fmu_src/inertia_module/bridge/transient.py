@@ -16,7 +16,7 @@ import math
 from collections.abc import Mapping
 
 from ..kernel import codes
-from ..memory.instances import Module
+from ..memory import Module
 from .averaged_system import TransientInertia, averaged_system
 from .sine_bench import LOAD, PULSES, SPEED, SineBench
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ..contract.variables import COMPUTED
 from ..harness.simulate import Progress, Result
 from ..loops import ClosedLoop
-from ..memory.instances import Module
+from ..memory import Module
 from ..scene import Scene
 from ..scene.run import start_of
 from .timing import kernel_time

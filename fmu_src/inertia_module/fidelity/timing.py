@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from ..kernel import codes
-from ..memory.instances import Module
+from ..memory import Module
 
 # a call that the kernel refuses at once costs what every call costs around it
 _REFUSED_STEP = -1.0

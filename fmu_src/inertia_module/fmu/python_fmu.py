@@ -35,7 +35,7 @@ BUNDLED = (
     "contract/*.py",
     *("fmu/__init__.py", "fmu/slave.py", "fmu/slaves.py"),
     "kernel/**/*.py",
-    "memory/*.py",
+    "memory.py",
 )
 
 # pythonfmu's library beside our own, which has the name a host looks for

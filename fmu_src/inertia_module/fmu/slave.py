@@ -17,7 +17,7 @@ from pythonfmu.enums import Fmi2Status
 from ..common.errors import Refused, must_be
 from ..contract.variable import BOOLEAN, INPUT, PARAMETER, REAL, Variable
 from ..kernel import codes
-from ..memory.instances import NO_STATE, ModelInstance
+from ..memory import NO_STATE, ModelInstance
 
 INSTANTIATED = "instantiated"
 INITIALIZING = "in initialization mode"

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from .. import memory
 from ..compiling.kernels import source_hash
-from ..memory import instances as module
 from .slave import PythonSlave
 
 # while the files are there: later instances in the process share this code, when its own folder may be gone
@@ -13,4 +13,4 @@ source_hash()
 class InertiaModulePy(PythonSlave):
     """The inertia module."""
 
-    instance_type = module.Module
+    instance_type = memory.Module

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from ..contract.variables import BY_NAME
 from ..kernel import codes
 from ..kernel.averaged import rates as average_rates
-from ..memory.instances import Module
+from ..memory import Module
 from .results import write_columns
 from .simulate import Progress
 from .steady import SteadyMachine

@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 
 from ..common.errors import Refused
 from ..kernel.inertia import reduced_inertia
-from ..memory.instances import Module
+from ..memory import Module
 
 # the shaft's inertia over that of the imbalances: in a period its speed changes by some 1e-7 of omega1
 HELD = 1e8

@@ -14,7 +14,7 @@ from ..harness.simulate import Progress, Result, communication_points
 from ..kernel.codes import AVERAGED
 from ..kernel.inertia import reduced_inertia
 from ..loops.sources import evaluate
-from ..memory.instances import Module
+from ..memory import Module
 from ..scene import Scene, run_scene
 from ..scene.drives import GivenDrive
 from .evaluator import read

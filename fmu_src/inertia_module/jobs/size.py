@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..common.errors import Refused
-from ..memory.instances import Module
+from ..memory import Module
 
 
 def _farthest(d: Any) -> float:

@@ -9,8 +9,8 @@ from pydantic import BaseModel, Field
 
 from .. import loops
 from ..contract.variable import ENUMERATIONS
-from ..cosimulation import torque_driven
 from ..kernel.codes import DRIVE_SPEED, DRIVE_TORQUE
+from ..loops import torque_driven
 from ..loops.sources import Signal, Table
 from .engine import EngineDrive
 from .errors import SceneError

@@ -10,7 +10,7 @@ from pydantic import model_validator
 from .. import loops
 from ..common.errors import must_be
 from ..contract.variable import LARGEST_SPEED
-from ..cosimulation import EngineMap, Governor
+from ..loops import EngineMap, Governor
 from .tables import Strict, Tabulated, Times, one_signal
 from .units import quantities, quantity
 

@@ -15,7 +15,7 @@ from ..contract.variables import BY_NAME, COMPUTED, with_causality
 from ..harness.simulate import whole_steps
 from ..kernel.codes import ELASTIC
 from ..loops.cycles import Cycle
-from ..memory.instances import Module
+from ..memory import Module
 from .controllers import SPEED_UNITS, VEHICLE_SPEED, Controller, CycleReference, measured_speed
 from .drives import CONTROLLED_DRIVES, Drive, check_drive, with_drive
 from .engine import EngineDrive

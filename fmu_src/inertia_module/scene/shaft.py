@@ -18,7 +18,7 @@ from ..contract.variables import with_causality
 from ..harness.simulate import Progress, Result, communication_points, drive
 from ..loops.sources import evaluate
 from ..loops.stepping import law_of_motion
-from ..memory.instances import DrivenShaft
+from ..memory import DrivenShaft
 from .errors import SceneError
 from .loads import TorqueLoad
 from .mechanism import keys_of

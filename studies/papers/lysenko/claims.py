@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from inertia_module.memory.instances import Module
+from inertia_module.memory import Module
 
 from ..report import ROUNDING, Finding, shown, worst
 from .equations import ALPHA, CYCLE, INSIDE, Mechanism, exact, printed, reduced_inertia, speed_ratio

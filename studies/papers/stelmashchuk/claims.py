@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from inertia_module.loops.stepping import TWO_PI, law_of_motion, phase_of
-from inertia_module.memory.instances import DrivenShaft
+from inertia_module.memory import DrivenShaft
 
 from ..report import ROUNDING, Finding, percent, rounds_to, shown
 from . import equations

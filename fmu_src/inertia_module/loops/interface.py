@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..kernel.links import inertia_at_input
-from ..memory.instances import Module
+from ..memory import Module
 
 # points for each turn of the drive in a period of the motion
 _POINTS_A_TURN = 180

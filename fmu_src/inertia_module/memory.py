@@ -3,22 +3,86 @@
 from __future__ import annotations
 
 import ctypes
+import os
 import struct
+import threading
+import warnings
+from collections import OrderedDict
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from typing import Any, ClassVar, Self
 
-from ..common.errors import Refused, did_you_mean
-from ..compiling.kernels import source_hash
-from ..compiling.records import record_type
-from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE, RECORD_OF, Model
-from ..contract.variable import INPUT, OUTPUT, PARAMETER
-from ..contract.variables import refused_parameters
-from ..kernel import codes
-from . import maps
-from .kernel_choice import choose_kernel
+from .common.errors import Refused, did_you_mean, must_be
+from .compiling import load as compiled
+from .compiling.kernels import MODULE, CompilationUnavailable, source_hash
+from .compiling.records import record_type
+from .contract.models import DRIVEN_SHAFT, INERTIA_MODULE, RECORD_OF, Model
+from .contract.variable import INPUT, OUTPUT, PARAMETER
+from .contract.variables import refused_parameters
+from .kernel import codes, fields
 
 NO_STATE = "the state must be one saved by this build, is damaged or of another build"
+# maps of fidelity averaged kept for the process: instances alike share the work of the first
+MOST_MAPS = 64
+# what the kernel's build_map writes and is to find again
+_OF_MAP = ("map_ready", "map_key", "map_lock", "map_inertia", "map_evaluations", "forward", "backward")
+
+_lock = threading.Lock()
+_maps: OrderedDict[tuple[float, ...], Any] = OrderedDict()
+
+
+def _map_key(parameters: Any) -> tuple[float, ...]:
+    """The parameters the map depends on."""
+    return tuple(getattr(parameters, name) for name in fields.MAP_KEY)
+
+
+def recall_map(parameters: Any, derived: Any) -> None:
+    """Copy the map of these parameters into the record of derived constants, if one is kept."""
+    with _lock:
+        kept = _maps.get(_map_key(parameters))
+    if kept is not None:
+        for name in _OF_MAP:
+            setattr(derived, name, getattr(kept, name))
+
+
+def keep_map(parameters: Any, derived: Any) -> None:
+    """Keep the map that the kernel has built; the oldest of too many is forgotten."""
+    with _lock:
+        _maps[_map_key(parameters)] = type(derived).from_buffer_copy(derived)
+        _maps.move_to_end(_map_key(parameters))
+        while len(_maps) > MOST_MAPS:
+            _maps.popitem(last=False)
+
+
+def choose_kernel(kernel: str, name: str = MODULE) -> tuple[Callable[..., int] | None, str]:
+    """The compiled entry, or None for the plain kernel, and why.
+
+    Args:
+        kernel: "compiled", "plain", or "auto": what the environment variable INERTIA_MODULE_KERNEL
+            says, else compiled where there is such a kernel.
+        name: which of kernels.ENTRIES.
+
+    Raises:
+        CompilationUnavailable: "compiled" was asked for and there is none.
+        Refused: kernel is none of these.
+    """
+    if kernel == "auto":
+        kernel = os.environ.get("INERTIA_MODULE_KERNEL", "auto")
+    if kernel == "plain":
+        return None, "plain Python, as asked for"
+    if kernel == "compiled":
+        return compiled.load(name), "compiled"
+    if kernel != "auto":
+        raise Refused(must_be("kernel", "auto, compiled or plain", repr(kernel)))
+    try:
+        return compiled.load(name), "compiled"
+    except CompilationUnavailable as error:
+        warnings.warn(
+            f"the kernel runs as plain Python, a hundred times slower: there is no compiled one ({error})",
+            RuntimeWarning,
+            stacklevel=4,
+        )
+        return None, f"plain Python, for there is no compiled one ({error})"
 
 
 @cache
@@ -271,10 +335,10 @@ class Module(ModelInstance):
         """Start with the map of fidelity averaged that another instance has made, if there is one."""
         averaged = self.parameters.fidelity == codes.AVERAGED
         if averaged:
-            maps.recall(self.parameters, self.derived)
+            recall_map(self.parameters, self.derived)
         super()._begin()
         if averaged:
-            maps.keep(self.parameters, self.derived)
+            keep_map(self.parameters, self.derived)
 
 
 class DrivenShaft(ModelInstance):

@@ -1,1 +1,0 @@
-"""Models in memory, by names; the FMUs are shells of them."""
