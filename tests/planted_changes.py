@@ -58,7 +58,7 @@ SELECTION = {
         test_losses_kernel.py::test_motion_and_losses_are_those_of_the_reference
         test_losses_kernel.py::test_links_part_at_the_same_instant_at_any_tolerance
     """,
-    "timestepping|link_step": """
+    "timestepping|link_step|hub_step": """
         test_friction.py::test_fixed_steps_converge_by_second_order_and_make_no_energy
         test_timestepping.py::test_many_pulses_in_a_step_make_no_energy
         test_timestepping.py::test_no_random_run_makes_energy
@@ -106,7 +106,7 @@ links.py: {-|+} 0.5 * i2 * rate_q * omega1 * omega1\n
 links.py: k * (b1 + {2.0|1.0} * k * g1) * rate_q * alpha1
 links.py: push_rate -= k * k * g1 * rate_q * {|-}alpha2
 links.py: drive_rate = coupling_rate * {|-}alpha2
-links.py: given {-|+}= d.b1 * omega1
+links.py: prescribed {-|+}= d.b1 * omega1
 links.py: drive_rate {-|+}= d.b1 * alpha1
 links.py: rate2_q = k * (alpha1 {-|+} alpha2)\n    coupling_rate
 links.py: return d.J2 + k * k * ((d.J1 + i) * g {-|+} b * b) / inertia
@@ -116,7 +116,7 @@ inertia.py: 2.0 * (z1 * z1 {+|-} z * z2)
 inertia.py: b1 = mass * (y * z2 {-|+} z * y2)
 inertia.py: i2 -= 2.0 * d.body_i * (cos_a {-|+} sin_a)
 inertia.py: b1 {-|+}= d.body_b * sin_a
-inertia.py: bend {-|+} d.body_b * cos_a
+inertia.py: second_derivative {-|+} d.body_b * cos_a
 bodies.py: sine * (across * cosine {-|+} own * spin)
 bodies.py: d.J1 += {0.5|1.0} * (own - across)
 bodies.py: own * spin * spin {+|-} across * sine * sine
@@ -167,10 +167,10 @@ solvers/link_step.py: (rise {-|+} change * per_root * slip)
 solvers/link_step.py: mean1 {+|-}= answer1 * turned
 solvers/link_step.py: (less2 {-|+} more1)
 solvers/link_step.py: missing = mean_coupling * turned {-|+} 0.5
-solvers/timestepping.py: damping -= {0.5|0.75} * d.stiffness
+solvers/hub_step.py: damping -= {0.5|0.75} * d.stiffness
 solvers/timestepping.py: reaction = d.k * (w.end_b {+|-} d.k * w.end_g)
 solvers/timestepping.py: w.end3 {+|-}= d.J4 * (mass3 - w.end3)
-solvers/timestepping.py: lost {-|+}= d.balancer * d.J4 * (w.seen3
+solvers/hub_step.py: lost {-|+}= d.balancer * d.J4 * (w.seen3
 impulse.py: impulse * (x.omega1 {+|-} 0.5 * jump)
 impulse.py: fraction = {|0.5 * }omega2 / -change
 impulse.py: (omega4 {+|-} 0.5 * change4)
@@ -201,7 +201,7 @@ solvers/kinematic.py: weight * output * {ratio * |}speed
 solvers/elastic.py: d.k * (turned1 {-|+} change
 solvers/elastic.py: (mode == HELD or x.omega3 {<|>} 0.0)
 solvers/elastic_stages.py: (g1 * k * k {-|+} i1) * omega1
-solvers/elastic_stages.py: phi * rate1 - coupling * rate2 - w.given {+|-} r1
+solvers/elastic_stages.py: phi * rate1 - coupling * rate2 - w.prescribed {+|-} r1
 solvers/elastic_stages.py: w.stage_omega3[n] {+|-} w.stage_shaft_torque[n]
 solvers/elastic_stages.py: coupling * rate1 - r2 {+|-} friction
 solvers/shaft_stages.py: (x.twist {+|-} relative * h
@@ -211,14 +211,14 @@ solvers/collocated_guards.py: return value3 - value2, rate3 {-|+} rate2
 solvers/collocated_guards.py: value - torque, rate {-|+} h * slope
 solvers/radau.py: 0.2231039010{8|9}357075
 solvers/followed.py: square / (half {+|-} math.sqrt
-averaged/rates.py: 2.0 * speed * torque {-|+} omega3 * torque1
+averaged/rates.py: - speed * torque {-|+} omega3 * torque1
 averaged/rates.py: share_rate = rate * (share {-|+} s * share1)
 averaged/rates.py: (2.0 * c2 + {3.0|2.0} * t * c3)
 averaged/instants.py: c = k * b {-|+} d.J2
 averaged/falls.py: (alpha1 - alpha2) / d.k {-|+} abs(least)
-averaged/instants.py: return t.energy + {2.0|1.0} * t.given
+averaged/instants.py: return t.energy + {2.0|1.0} * t.prescribed
 averaged/torque_map.py: v**4) {-|+} torque * torque
-averaged/torque_map.py: t.given = omega3 * d.sum_torque {/|*} d.sum_omega1
+averaged/torque_map.py: t.prescribed = omega3 * d.sum_torque {/|*} d.sum_omega1
 averaged/table.py: w0 = {2.0|1.0} * right + left
 averaged/table.py: return (3.0 * s {-|+} 2.0 * m0 - m1)
 averaged/step.py: (begin[1] - end[1]) / {12.0|6.0}
@@ -228,7 +228,7 @@ averaged/step.py: rests = cut and -w.next {>|<} w.next - end
 averaged/legs.py: side.end * (x.drive_torque {-|+} x.load_torque)
 averaged/largest.py: (i {-|+} k * k * g)
 averaged/jump.py: x.energy_in_low, after {-|+} before
-averaged/outputs.py: y.housing_torque = torque {-|+} mesh
+averaged/outputs.py: y.housing_torque = torque + d.b2 * x.omega2 {-|+} mesh
 averaged/run.py: 1.0 {+|-} share * share / 12.0
 averaged/run.py: {4.0|2.0} * centre
 general/motion.py: passed = k / (1.0 {-|+} flow * d.mesh_loss)

@@ -138,7 +138,7 @@ def test_steady_motion_under_a_torque_ends_a_period_as_it_began(direction, inert
     d = started("plain", DRIVEN["planar"], fidelity=1, input_inertia=inertia).derived
     t, t.direction = d.travel, direction
     assert settle(d, t, d.forward if direction > 0.0 else d.backward, omega3)
-    assert direction * t.given > 0.0
+    assert direction * t.prescribed > 0.0
     assert speeds_at(d, t, t.q, t.energy, t.momentum)[0] == pytest.approx(direction, rel=1e-5)
 
 

@@ -21,11 +21,11 @@ from inertia_module.kernel.guards import guard, guard_inside, instant, is_guarde
 from inertia_module.kernel.inertia import reduced_inertia, second_derivative_of_b
 from inertia_module.kernel.links import (
     accelerations,
-    given_at_input,
     held_torque,
     inertia_at_output,
     kinetic_energy,
     motion,
+    prescribed_at_input,
     torques,
 )
 from inertia_module.kernel.shaft import load_behind_freewheel, relative_rate, shaft_torque
@@ -151,7 +151,7 @@ def in_mode(values, mode, chance):
     x.omega3 = x.omega2 if mode in (DRIVING, HELD_DRIVING) else x.omega2 + chance.uniform(0.1, 2.0)
     x.twist, x.relative = chance.uniform(-0.1, 0.1), chance.uniform(-1.0, 1.0)
     w = record_type(WORKSPACE)()
-    w.given = given_at_input(d, x)
+    w.prescribed = prescribed_at_input(d, x)
     w.load = x.load_torque
     return d, x, w, PHASE / (d.harmonic * d.k * (1.0 + abs(x.omega1) + abs(x.omega2)))
 
@@ -256,7 +256,7 @@ def test_speeds_and_guards_of_the_steady_motion(values, chance, direction, mode)
     d = started("plain", {**values, **dict.fromkeys(FRICTION, 0.0)}).derived  # averaged: none
     t = d.travel
     t.direction, t.mode, t.omega3 = direction, mode, chance.uniform(0.1, 0.8)
-    t.given = chance.uniform(-1.0, 1.0) if d.by_torque else 0.0
+    t.prescribed = chance.uniform(-1.0, 1.0) if d.by_torque else 0.0
     q, slip = chance.uniform(-7.0, 7.0), chance.uniform(1.0, 2.0)
     omega2 = {HELD: 0.0, DRIVING: t.omega3, FREE: 0.3 * t.omega3}[mode]
     if not d.by_torque:

@@ -129,9 +129,9 @@ def test_what_does_not_go_together_is_refused_and_leaves_all_as_it_was(compiled)
 
 def test_what_the_step_before_has_found_no_longer_holds(compiled):
     module = advanced(started(compiled, SCENES["bevel"]), 0.02)
-    assert module.state.goes_on == module.state.known == 1.0
+    assert module.state.torques_continue == module.state.rates_cached == 1.0
     module.set(**{name: module[name] for name in TUNED})
-    assert module.state.known == 1.0, "nothing has changed"
+    assert module.state.rates_cached == 1.0, "nothing has changed"
     module.set(drive_friction=0.01)
-    assert module.state.goes_on == module.state.known == 0.0
+    assert module.state.torques_continue == module.state.rates_cached == 0.0
     assert module.call(codes.OUTPUTS, 0.0) == codes.OK

@@ -4,7 +4,7 @@
 """
 
 from .codes import DRIVING, FREE, HELD, HELD_DRIVING
-from .links import given_at_input, motion, torque_scale
+from .links import motion, prescribed_at_input, torque_scale
 from .shaft import load_behind_freewheel
 
 # a torque below this fraction of its scale is zero: the sign of its rate decides
@@ -28,7 +28,7 @@ def sign_or_trend(value, rate, zero):
     return value >= -zero and rate > 0.0
 
 
-def select_mode(d, q, omega1, omega2, omega3, given, load, load_rate, rounding):
+def select_mode(d, q, omega1, omega2, omega3, prescribed, load, load_rate, rounding):
     """Contact mode of the 2 x 2 complementarity problem on accelerations.
 
     A freewheel counts as touching where its relative velocity is exactly zero: the event search
@@ -36,7 +36,7 @@ def select_mode(d, q, omega1, omega2, omega3, given, load, load_rate, rounding):
     for ties, which the next derivative decides.
 
     Args:
-        given: see links.given_at_input.
+        prescribed: see links.prescribed_at_input.
         load, load_rate: torque on the output shaft behind the freewheel (the load, or that of an
             elastic shaft), N m, and how it changes, N m/s.
         rounding: fraction of its scale below which a torque is zero, so that its rate decides.
@@ -47,9 +47,9 @@ def select_mode(d, q, omega1, omega2, omega3, given, load, load_rate, rounding):
         return FREE
     slip = d.k * (omega1 - omega2)
     if housing:
-        alpha1, _, _, free, trend, _, _ = motion(d, q, omega1, omega2, given, True, 0.0, 0.0, 0.0, 0.0)
+        alpha1, _, _, free, trend, _, _ = motion(d, q, omega1, omega2, prescribed, True, 0.0, 0.0, 0.0, 0.0)
         # the same zeros as in the search for events: the load counts only where it takes part
-        zero_free = rounding * torque_scale(d, omega1, alpha1, slip, given)
+        zero_free = rounding * torque_scale(d, omega1, alpha1, slip, prescribed)
         zero = zero_free + rounding * abs(load)
         if not output:
             return FREE if sign_or_trend(free, trend, zero_free) else HELD
@@ -60,10 +60,10 @@ def select_mode(d, q, omega1, omega2, omega3, given, load, load_rate, rounding):
     if d.output == 0.0:
         return DRIVING
     alpha1, alpha2, jerk2, _, _, _, _ = motion(
-        d, q, omega1, omega2, given, False, d.J3, d.b3, load, load_rate
+        d, q, omega1, omega2, prescribed, False, d.J3, d.b3, load, load_rate
     )
     torque, rate = torque_carried(d, load, load_rate, omega2, alpha2, jerk2)
-    zero = rounding * (torque_scale(d, omega1, alpha1, slip, given) + abs(load) + d.b3 * abs(omega2))
+    zero = rounding * (torque_scale(d, omega1, alpha1, slip, prescribed) + abs(load) + d.b3 * abs(omega2))
     return DRIVING if sign_or_trend(torque, rate, zero) else FREE
 
 
@@ -89,8 +89,8 @@ def settle(d, inertia2, free2, inertia3, free3):
 def present_mode(d, x, rounding):
     """Contact mode of the state in x."""
     load, rate = load_behind_freewheel(d, x)
-    given = given_at_input(d, x)
-    return select_mode(d, x.q, x.omega1, x.omega2, x.omega3, given, load, rate, rounding)
+    prescribed = prescribed_at_input(d, x)
+    return select_mode(d, x.q, x.omega1, x.omega2, x.omega3, prescribed, load, rate, rounding)
 
 
 def choose_mode(d, x, rounding):

@@ -9,7 +9,7 @@ from .contact import TORQUE_ROUNDING, choose_mode, is_held
 from .general.advance import advance_general
 from .general.choice import GOES_ON, choose_next_states, choose_states
 from .limits import MAX_EVALUATIONS, STALLS_ALLOWED, SWITCHES_ALLOWED, SWITCHES_PER_PULSE
-from .links import given_at_input
+from .links import prescribed_at_input
 from .solvers.elastic import advance_elastic
 from .solvers.explicit import advance_explicit
 from .solvers.followed import shaft_frequency
@@ -63,27 +63,27 @@ def switch(d, x):
     x.switches += x.step_switches - switches
     x.evaluations += x.step_evaluations - evaluations
     x.switching = 0.0
-    x.goes_on = 1.0
+    x.torques_continue = 1.0
 
 
 def run_events(d, x, w, h):
     """Advance the links and the output by h from event to event, or to the first one. Returns a status."""
     start1 = x.omega1
-    w.given = given_at_input(d, x)
+    w.prescribed = prescribed_at_input(d, x)
     w.load = x.load_torque
     time = 0.0
     low = 0.0
     travel = 0.0
     stalls = 0
-    if x.goes_on == 0.0 or x.given != w.given or x.load_given != w.load:
+    if x.torques_continue == 0.0 or x.prescribed != w.prescribed or x.load_prescribed != w.load:
         if d.general != 0.0:
             choose_states(d, x, GOES_ON)
         else:
             choose_mode(d, x, TORQUE_ROUNDING)
-        x.known = 0.0
-    x.goes_on = 0.0
-    x.given = w.given
-    x.load_given = w.load
+        x.rates_cached = 0.0
+    x.torques_continue = 0.0
+    x.prescribed = w.prescribed
+    x.load_prescribed = w.load
     event = False
     while time < h:
         remaining = (h - time) - low
@@ -96,13 +96,13 @@ def run_events(d, x, w, h):
         else:
             time, low = time_later(time, low, passed)
         if d.by_torque == 0.0:
-            x.omega1 = start1 + w.given * time
+            x.omega1 = start1 + w.prescribed * time
             x.omega1_low = 0.0
         travel += passed * d.k * (speeds + abs(x.omega1) + abs(x.omega2))
         if d.elastic != 0.0:
             travel += passed * shaft_frequency(d, 1.0 / d.J3)
         if event:
-            x.known = 0.0
+            x.rates_cached = 0.0
             if w.stops != 0.0:
                 copy(w.kept.numbers, x.numbers)
             changed = choose_next_mode(d, x)
@@ -117,5 +117,5 @@ def run_events(d, x, w, h):
                 return TOO_MANY_SWITCHES
         if x.step_evaluations > MAX_EVALUATIONS:
             return TOO_MUCH_WORK
-    x.goes_on = 0.0 if event else 1.0
+    x.torques_continue = 0.0 if event else 1.0
     return OK

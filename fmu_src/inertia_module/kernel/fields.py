@@ -114,12 +114,13 @@ STATE = (
         "housing_impulse",
     ),
     # ... and how the last internal step has ended; whether a step has stopped at a switch yet to come
-    *("ended", "met_slip", "switching"),
+    *("ended", "slip_reached_zero", "switching"),
     # averaged: the knot of the map last used; the speed that its torques go with, if that is not omega1
     *("map_knot", "map_speed"),
-    # by events: whether the contact mode goes on under the same torques, with what is given; whether what
-    # links.motion says now is known
-    *("goes_on", "given", "load_given", "known", "rate1", "rate2", "jerk2", "free", "free_rate"),
+    # by events: whether the contact mode continues under the same torques, with what is prescribed; whether
+    # the rates of links.motion now are kept
+    *("torques_continue", "prescribed", "load_prescribed", "rates_cached", "rate1"),
+    *("rate2", "jerk2", "free", "free_rate"),
     *("momentum", "motion_energy"),
 )
 
@@ -138,7 +139,7 @@ KNOT = (
 SIDE = ("direction", "count", "end", "locks", "start", "slow", ("knots", KNOT, KNOTS))
 
 # the steady motion that a knot is of: torque of link 1, contact mode, drive angle; integrals while free
-TRAVEL = ("direction", "given", "omega3", "mode", "q", "energy", "momentum")
+TRAVEL = ("direction", "prescribed", "omega3", "mode", "q", "energy", "momentum")
 
 # general equations of motion: motion of an instant, its weights, accelerations, torques; of the satellites
 # journals and mesh, of links that stick together the torque at the drives that is needed and the rest
@@ -178,7 +179,8 @@ CONSTANTS = (
 WORKSPACE = (
     # whether a step ends at a switch; what the solvers share: torque or acceleration given at link 1, load,
     # step in hand, inertia and friction and torque that link 2 carries, mean alpha1, P at the end of the step
-    *("stops", "solver", "short", "given", "load", "step", "carried", "carried_friction", "carried_torque"),
+    *("stops", "solver", "short", "prescribed", "load"),
+    *("step", "carried", "carried_friction", "carried_torque"),
     *("alpha1", "momentum_end", "braking"),
     *("change_q", "change1", "change2"),
     # rates at the stages of the explicit pair, what is integrated besides, and the inside of the step
@@ -210,13 +212,15 @@ WORKSPACE = (
     # ... and where look_ahead looked, which a part of the step does not come to
     *("far_i", "far_i1", "far_b", "far_g", "far_angle"),
     *("end1", "end2", "new_slip_angle", "foreseen", "angle1", "impulse1"),
-    *("work1", "taken", "rubbed", "reached"),
+    *("work1", "load_impulse", "friction_work", "reached"),
     # ... load of the hub and what follows from it, mean and end speed of the hub, its push; the driven mass
-    *("hub_load", "hub_gain", "relative_load", "relative_gain", "stiff", "late", "mean3", "end3", "pushed"),
+    *("hub_load", "hub_gain", "relative_load", "relative_gain", "stiff"),
+    *("theta", "mean3", "end3", "contact_impulse"),
     *("mean_relative", "seen3", "omega4"),
     # ... losses by load: what the satellites resist q with, the impulse against the slip, what it takes,
     # whether it has stopped the slip, whether the step is linear in it
-    *("journals", "spin", "spin_by_alpha1", "spin_by_rate2", "rub", "lost_mesh", "lost_journal", "stuck"),
+    *("journals", "spin", "spin_by_alpha1", "spin_by_rate2"),
+    *("rub", "lost_mesh", "lost_journal", "slip_stopped"),
     "straight",
     # ... weights by the angles of the slip and of link 1, this angle, works of the weights; state before
     *("weight_slip", "weight1", "far_angle1", "weighing", "weighed", ("fallen", STATE)),

@@ -10,9 +10,9 @@ from .codes import CLOSED_FORM, COLLOCATED, DRIVING, GENERAL, HELD_DRIVING, LINK
 from .contact import is_held, torque_carried
 from .general.guards import general_guard
 from .links import held_torque, motion
-from .output_shaft import coasting, coasting_bend
-from .solvers.collocated_guards import collocated_bend, collocated_guard
-from .solvers.interpolant import dense_bend, dense_change, dense_rate, dense_rate_bend
+from .output_shaft import coasting, coasting_fourth_bound
+from .solvers.collocated_guards import collocated_fourth_bound, collocated_guard
+from .solvers.interpolant import dense_change, dense_fourth_bound, dense_rate, dense_rate_fourth_bound
 
 
 def is_guarded(d, x, which):
@@ -43,14 +43,14 @@ def instant(d, x, w, q, omega1, omega2):
     """links.motion in the step in hand."""
     x.step_evaluations += 1.0
     return motion(
-        d, q, omega1, omega2, w.given, is_held(x), w.carried, w.carried_friction, w.carried_torque, 0.0
+        d, q, omega1, omega2, w.prescribed, is_held(x), w.carried, w.carried_friction, w.carried_torque, 0.0
     )
 
 
 def keep_motion(x, now):
     """Keep what links.motion says of the present state."""
     x.rate1, x.rate2, x.jerk2, x.free, x.free_rate, x.momentum, x.motion_energy = now
-    x.known = 1.0
+    x.rates_cached = 1.0
 
 
 def guard_inside(d, x, w, which, sigma):
@@ -67,14 +67,14 @@ def guard_inside(d, x, w, which, sigma):
     t = sigma * h
     if w.solver == CLOSED_FORM:
         x.step_evaluations += 1.0
-        q = x.q + d.k * t * (x.omega1 + 0.5 * w.given * t)
-        torque, rate = held_torque(d, q, x.omega1 + w.given * t, w.given)
+        q = x.q + d.k * t * (x.omega1 + 0.5 * w.prescribed * t)
+        torque, rate = held_torque(d, q, x.omega1 + w.prescribed * t, w.prescribed)
         return threshold(x, w) - torque, -h * rate
     omega2 = x.omega2
     if not is_held(x):
         omega2 += dense_change(w.dense_omega2, sigma)
     if is_held(x) or (which == OUTPUT and x.mode == DRIVING):
-        omega1 = x.omega1 + (dense_change(w.dense_omega1, sigma) if d.by_torque != 0.0 else w.given * t)
+        omega1 = x.omega1 + (dense_change(w.dense_omega1, sigma) if d.by_torque != 0.0 else w.prescribed * t)
         q = x.q + dense_change(w.dense_q, sigma)
         _, alpha2, jerk2, free, free_rate, _, _ = instant(d, x, w, q, omega1, omega2)
         value, rate = guard(d, x, w, which, t, omega2, alpha2, jerk2, free, free_rate)
@@ -84,33 +84,35 @@ def guard_inside(d, x, w, which, sigma):
     return value, h * rate
 
 
-def held_bend(d, x, w, scale):
+def held_fourth_bound(d, x, w, scale):
     """Bound of the fourth derivative of F by the fraction of the step, the speed of link 1 given.
 
     From Bernstein's inequality for trigonometric polynomials in q, F being no larger than the scale.
     """
     h = w.step
-    fastest = max(abs(x.omega1), abs(x.omega1 + w.given * h))
+    fastest = max(abs(x.omega1), abs(x.omega1 + w.prescribed * h))
     if fastest == 0.0:
         return 0.0
-    phase = h * (d.harmonic * d.k * fastest + 3.5 * abs(w.given) / fastest)
+    phase = h * (d.harmonic * d.k * fastest + 3.5 * abs(w.prescribed) / fastest)
     return scale * (phase * phase) * (phase * phase)
 
 
-def bend_inside(d, x, w, which, scale, phase):
+def fourth_bound_inside(d, x, w, which, scale, phase):
     """Bound of the fourth derivative of a guard by the fraction of the step in hand.
 
     Args:
         scale: upper bound of the torques, N m. phase: advance of the highest harmonic in the step, rad.
     """
     if w.solver == CLOSED_FORM:
-        return held_bend(d, x, w, scale)
+        return held_fourth_bound(d, x, w, scale)
     if w.solver == COLLOCATED:
         own = is_held(x) and which == LINK2 and d.by_torque == 0.0
-        return collocated_bend(d, x, w, which) + (held_bend(d, x, w, scale) if own else 0.0)
+        return collocated_fourth_bound(d, x, w, which) + (held_fourth_bound(d, x, w, scale) if own else 0.0)
     if is_held(x):
         return scale * (phase * phase) * (phase * phase)
     if which == OUTPUT and x.mode == DRIVING:
-        return d.J3 * dense_rate_bend(w.dense_omega2) / w.step + d.b3 * dense_bend(w.dense_omega2)
-    own = dense_bend(w.dense_omega2)
-    return own + coasting_bend(d, x, w.load, w.step) if which == OUTPUT else own
+        return d.J3 * dense_rate_fourth_bound(w.dense_omega2) / w.step + d.b3 * dense_fourth_bound(
+            w.dense_omega2
+        )
+    own = dense_fourth_bound(w.dense_omega2)
+    return own + coasting_fourth_bound(d, x, w.load, w.step) if which == OUTPUT else own

@@ -121,5 +121,5 @@ def second_derivative_of_b(d, q):
     z = d.axial - d.axial_cos * cos_b
     z1 = s * d.axial_cos * sin_b
     z2 = s * s * d.axial_cos * cos_b
-    bend = d.mass * (y1 * z2 - y * s * s * z1 - z1 * y2 - z * y3)
-    return bend - d.body_b * cos_a if d.bodies != 0.0 else bend
+    second_derivative = d.mass * (y1 * z2 - y * s * s * z1 - z1 * y2 - z * y3)
+    return second_derivative - d.body_b * cos_a if d.bodies != 0.0 else second_derivative

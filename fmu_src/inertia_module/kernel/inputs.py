@@ -25,7 +25,7 @@ def check_inputs(u):
 
 
 def check_rates(u, h):
-    """Status of the rates of the inputs that are given: no input becomes absurd within the step h."""
+    """Status of the rates of the inputs that are prescribed: no input becomes absurd within the step h."""
     if u.omega1_rate_given != 0.0:
         if not abs(u.omega1 + u.omega1_rate * h) <= LARGEST_SPEED:
             return BAD_OMEGA1_RATE

@@ -11,16 +11,16 @@ Of alpha1 and M1 one is given; omega2' = 0 while the housing freewheel holds lin
 from .inertia import reduced_inertia, second_derivative_of_b
 
 
-def given_at_input(d, x):
+def prescribed_at_input(d, x):
     """Prescribed quantity at link 1: its torque M1, N m, or its acceleration alpha1, rad/s^2."""
     return x.drive_torque if d.by_torque != 0.0 else x.alpha1
 
 
-def accelerations(d, q, omega1, omega2, given, held, carried, friction, torque):
+def accelerations(d, q, omega1, omega2, prescribed, held, carried, friction, torque):
     """Accelerations of both links, and their angular momentum.
 
     Args:
-        given: see given_at_input. held: whether link 2 is held.
+        prescribed: see prescribed_at_input. held: whether link 2 is held.
         carried, friction, torque: what link 2 carries while it moves: inertia, kg m^2, viscous friction,
             N m s/rad, and torque against it, N m.
 
@@ -28,22 +28,22 @@ def accelerations(d, q, omega1, omega2, given, held, carried, friction, torque):
         (alpha1, omega2', P): rad/s^2 and N m s, P = (J1 + I) omega1 + B q' + J2 omega2.
     """
     if d.by_torque != 0.0:
-        return accelerations_by_torque(d, q, omega1, omega2, given, held, carried, friction, torque)
+        return accelerations_by_torque(d, q, omega1, omega2, prescribed, held, carried, friction, torque)
     i, i1, _, b, _, g, g1, _ = reduced_inertia(d, q)
     k = d.k
     rate_q = k * (omega1 - omega2)
     momentum = (d.J1 + i) * omega1 + b * rate_q + d.J2 * omega2
     if held:
-        return given, 0.0, momentum
+        return prescribed, 0.0, momentum
     r2 = 0.5 * k * (g1 * rate_q * rate_q - i1 * omega1 * omega1)
     if d.viscous != 0.0:
         r2 += k * d.bq * rate_q
         torque += (d.b2 + friction) * omega2
-    push = r2 - torque + k * (b + k * g) * given
-    return given, push / (d.J2 + carried + k * k * g), momentum
+    push = r2 - torque + k * (b + k * g) * prescribed
+    return prescribed, push / (d.J2 + carried + k * k * g), momentum
 
 
-def accelerations_by_torque(d, q, omega1, omega2, given, held, carried, friction, torque):
+def accelerations_by_torque(d, q, omega1, omega2, prescribed, held, carried, friction, torque):
     """Accelerations where the torque of link 1 is prescribed: both equations."""
     i, i1, _, b, b1, g, g1, _ = reduced_inertia(d, q)
     k = d.k
@@ -54,10 +54,10 @@ def accelerations_by_torque(d, q, omega1, omega2, given, held, carried, friction
     r2 = 0.5 * k * (g1 * rate_q * rate_q - i1 * omega1 * omega1)
     if d.viscous != 0.0:
         r2 += k * d.bq * rate_q
-        given -= d.b1 * omega1
+        prescribed -= d.b1 * omega1
         torque += (d.b2 + friction) * omega2
     own = d.J2 + carried
-    drive = given - (i1 * omega1 + b1 * rate_q) * rate_q - r2
+    drive = prescribed - (i1 * omega1 + b1 * rate_q) * rate_q - r2
     phi = link1 + k * (2.0 * b + k * g)
     if held:
         return drive / phi, 0.0, momentum
@@ -68,7 +68,7 @@ def accelerations_by_torque(d, q, omega1, omega2, given, held, carried, friction
     return alpha1, (phi * push + coupling * drive) / determinant, momentum
 
 
-def motion(d, q, omega1, omega2, given, held, carried, friction, torque, torque_rate):
+def motion(d, q, omega1, omega2, prescribed, held, carried, friction, torque, torque_rate):
     """Accelerations of both links and their rates, what is given being constant.
 
     Args:
@@ -91,12 +91,12 @@ def motion(d, q, omega1, omega2, given, held, carried, friction, torque, torque_
     push = r2 - friction * omega2 - torque
     own = d.J2 + carried
     inertia = own + k * k * g
-    alpha1 = given
+    alpha1 = prescribed
     alpha2 = 0.0
     phi = 0.0
     determinant = 0.0
     if d.by_torque != 0.0:
-        drive = given - (i1 * omega1 + b1 * rate_q) * rate_q - d.b1 * omega1 - r2
+        drive = prescribed - (i1 * omega1 + b1 * rate_q) * rate_q - d.b1 * omega1 - r2
         phi = link1 + k * (2.0 * b + k * g)
         determinant = own * phi + k * k * (link1 * g - b * b)
         alpha1 = drive / phi
@@ -158,13 +158,13 @@ def torques(d, q, omega1, alpha1, omega2, alpha2):
     return drive, mesh
 
 
-def torque_scale(d, omega1, alpha1, rate_q, given):
+def torque_scale(d, omega1, alpha1, rate_q, prescribed):
     """Upper bound of |F| at these speeds, N m: what a torque is to be called zero against."""
     reach = d.F_by_alpha1
     scale = 0.5 * (d.F_by_slip * rate_q * rate_q + d.F_by_speed * omega1 * omega1) + reach * abs(alpha1)
     scale += d.k * d.bq * abs(rate_q)
     if d.by_torque != 0.0 and reach > 0.0:
-        scale += abs(given) * reach / (reach + d.J1)
+        scale += abs(prescribed) * reach / (reach + d.J1)
     return scale
 
 

@@ -35,7 +35,7 @@ def largest_square(d, x):
     return largest
 
 
-def see(d, x, q, omega1, omega2, alpha1, alpha2):
+def sample_load(d, x, q, omega1, omega2, alpha1, alpha2):
     """See a moment: drive angle, speeds and accelerations of links 1 and 2. It takes the place of another."""
     number = x.seen
     if number >= MANY:

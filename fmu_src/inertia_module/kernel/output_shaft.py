@@ -36,7 +36,7 @@ def coasting(d, x, load, t):
     return x.omega3 + rate * t * mean, rate * math.exp(-z)
 
 
-def coasting_bend(d, x, load, h):
+def coasting_fourth_bound(d, x, load, h):
     """Bound of the fourth derivative of the coasting shaft's speed by the fraction of the step h."""
     z = d.b3 * h / d.J3
     return abs(rate_alone(d, x, load)) * h * z * z * z

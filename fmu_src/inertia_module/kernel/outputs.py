@@ -38,7 +38,7 @@ def stored_energy(p, d, x):
     """Kinetic energy of the mechanism and the energy of an elastic output, J."""
     if p.fidelity == AVERAGED:
         return averaged_energy(d, x)
-    if x.known != 0.0:
+    if x.rates_cached != 0.0:
         return x.motion_energy + 0.5 * d.J3 * x.omega3 * x.omega3
     besides = stored_besides(d, x) if d.general != 0.0 else 0.0
     stored = besides + kinetic_energy(d, x.q, x.omega1, x.omega2, shaft_in_energy(p, x))
@@ -101,23 +101,25 @@ def write_means(p, d, x, y):
     """
     per_step = 1.0 / x.length if x.length > 0.0 else 0.0
     mesh = per_step * x.mesh_impulse
-    turned1 = rubbed = 0.0
+    turned1 = friction_impulse = 0.0
     if d.viscous != 0.0:
         turned1 = x.theta1 - x.begin_theta1 + TWO_PI * (x.input_turns - x.begin_input_turns)
         turned = x.q - x.begin_q + TWO_PI * (x.drive_turns - x.begin_drive_turns)
-        rubbed = per_step * d.b2 * (turned1 - turned / d.k)
-    housing = x.output_torque_mean + rubbed - mesh
+        friction_impulse = per_step * d.b2 * (turned1 - turned / d.k)
+    housing = x.output_torque_mean + friction_impulse - mesh
     if d.general != 0.0:
         housing = per_step * x.housing_impulse
     elif p.fidelity != AVERAGED:
         gained = angular_momentum(d, x.q, x.omega1, x.omega2)
         gained -= angular_momentum(d, x.begin_q, x.begin_omega1, x.begin_omega2)
         housing = per_step * gained + x.output_torque_mean - x.input_torque_mean
-        housing += per_step * d.b1 * turned1 + rubbed
+        housing += per_step * d.b1 * turned1 + friction_impulse
         if p.fidelity == KINEMATIC or d.housing == 0.0:
             housing = 0.0
         housing = max(housing, 0.0)  # it only pushes: below zero is rounding
-        mesh = per_step * d.J2 * (x.omega2 - x.begin_omega2) + rubbed + x.output_torque_mean - housing
+        mesh = (
+            per_step * d.J2 * (x.omega2 - x.begin_omega2) + friction_impulse + x.output_torque_mean - housing
+        )
     y.mesh_torque_mean = mesh
     y.housing_torque_mean = housing
     y.loss_power_mean = per_step * x.step_lost

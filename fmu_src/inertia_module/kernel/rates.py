@@ -40,7 +40,7 @@ def write_rates(p, d, u, x, y, w):
     Returns a status.
     """
     switch_now(p, d, x)
-    if x.goes_on == 0.0:
+    if x.torques_continue == 0.0:
         follow_parameters(p, d, x)  # which may have changed since the last step
     write_outputs(x, y)
     write_late_outputs(p, d, x, y)

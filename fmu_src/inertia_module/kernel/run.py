@@ -11,8 +11,8 @@ from .general.jump import jump_general
 from .general.motion import evaluate, take_state
 from .impulse import jump_input, jump_kinematic
 from .limits import MAX_EVALUATIONS, MAX_STEPS
-from .links import accelerations, given_at_input
-from .loads import see
+from .links import accelerations, prescribed_at_input
+from .loads import sample_load
 from .shaft import carried_by_link2, load_behind_freewheel
 from .solvers.followed import is_stiff
 from .solvers.kinematic import advance_kinematic
@@ -23,14 +23,14 @@ def accelerations_now(d, x):
     """Accelerations of links 1 and 2 in the present mode, rad/s^2."""
     if d.general != 0.0:
         take_state(d, x)
-        evaluate(d, x, given_at_input(d, x), x.load_torque, False)
+        evaluate(d, x, prescribed_at_input(d, x), x.load_torque, False)
         return d.machine.alpha1, d.machine.alpha2
-    if x.known != 0.0:
+    if x.rates_cached != 0.0:
         return x.rate1, x.rate2
     load, _ = load_behind_freewheel(d, x)
     carried, friction, torque = carried_by_link2(d, x, load)
     alpha1, alpha2, _ = accelerations(
-        d, x.q, x.omega1, x.omega2, given_at_input(d, x), is_held(x), carried, friction, torque
+        d, x.q, x.omega1, x.omega2, prescribed_at_input(d, x), is_held(x), carried, friction, torque
     )
     return alpha1, alpha2
 
@@ -70,12 +70,12 @@ def run_timestepping(d, x, w, h):
     while number < count:
         number += 1.0
         if d.by_torque != 0.0:
-            given = x.drive_torque * part
+            prescribed = x.drive_torque * part
         else:
-            given = start1 + x.alpha1 * part * number - x.omega1
+            prescribed = start1 + x.alpha1 * part * number - x.omega1
         omega1, omega2 = x.omega1, x.omega2
-        one_step(d, x, w, given, x.load_torque, part)
-        see(d, x, x.q, x.omega1, x.omega2, (x.omega1 - omega1) / part, (x.omega2 - omega2) / part)
+        one_step(d, x, w, prescribed, x.load_torque, part)
+        sample_load(d, x, x.q, x.omega1, x.omega2, (x.omega1 - omega1) / part, (x.omega2 - omega2) / part)
     # what the torques now follow from
     if d.general != 0.0:
         switches = x.step_switches
@@ -142,7 +142,7 @@ def run_at_speed(p, d, u, x, w, h, jump):
             else:
                 input_jump = jump_averaged(d, x, jump)
         else:
-            x.goes_on = 0.0
+            x.torques_continue = 0.0
             stiff = p.fidelity == ELASTIC and is_stiff(d, x, u.omega1)
             if d.general != 0.0:
                 input_jump, output_jump = jump_general(p, d, x, jump, stiff)

@@ -1,9 +1,9 @@
 """Where in the step in hand a guard first falls through zero: one search for every solver.
 
 A guard is positive while the contact mode goes on; its values and rates come from :mod:`.guards`, and so
-does its bend, a bound of its fourth derivative. The cubic with the values and rates at the ends of an
-interval is off by at most bend t^2 (h - t)^2 / 24 inside, so the ends and the bend tell what the guard cannot
-do there. The beginning of a step never counts: what holds there was settled when the mode was chosen.
+does a bound of its fourth derivative. The cubic with the values and rates at the ends of an interval is off
+by at most bound t^2 (h - t)^2 / 24 inside, so the ends and the bound tell what the guard cannot do there.
+The beginning of a step never counts: what holds there was settled when the mode was chosen.
 """
 
 from .guards import guard_inside
@@ -21,21 +21,21 @@ def stays_positive(value0, rate0, value1, rate1, h):
     return value0 + SHARE * h * rate0 >= 0.0 and value1 - SHARE * h * rate1 >= 0.0
 
 
-def is_surely_positive(value0, rate0, value1, rate1, h, bend):
+def is_surely_positive(value0, rate0, value1, rate1, h, fourth_bound):
     """Tell whether a guard is not negative in an interval h, by its Bernstein coefficients of degree 4."""
     middle = 0.5 * (value0 + value1) + h * (rate0 - rate1) / 6.0
     return (
         value0 >= 0.0
         and value0 + 0.25 * h * rate0 >= 0.0
-        and middle >= bend * h * h * h * h / 144.0
+        and middle >= fourth_bound * h * h * h * h / 144.0
         and value1 - 0.25 * h * rate1 >= 0.0
         and value1 >= 0.0
     )
 
 
-def falls_throughout(value0, rate0, value1, rate1, h, bend):
+def falls_throughout(value0, rate0, value1, rate1, h, fourth_bound):
     """Tell whether the rate of a guard is surely negative in an interval h."""
-    rest = -bend * h * h * h / 124.0  # what the rate of the cubic may be off by
+    rest = -fourth_bound * h * h * h / 124.0  # what the rate of the cubic may be off by
     return rate0 < rest and 3.0 * (value1 - value0) / h - rate0 - rate1 < rest and rate1 < rest
 
 
@@ -66,7 +66,7 @@ def find_crossing(d, x, w, which, zero, low, high, value, rate):
     return high
 
 
-def first_crossing(d, x, w, which, zero, bend, looks):
+def first_crossing(d, x, w, which, zero, fourth_bound, looks):
     """First fall of one guard below -zero in the step in hand, looked for in about so many parts, or -1.
 
     Intervals from the left that are surely clear are passed; one that is not is cut, until the guard surely
@@ -81,9 +81,11 @@ def first_crossing(d, x, w, which, zero, bend, looks):
         if not abs(value) < 1e300:
             return -1.0  # a motion that overflows is refused at the end of the step
         h = high - low
-        clear = is_surely_positive(value_low + zero, rate_low, value + zero, rate, h, bend)
+        clear = is_surely_positive(value_low + zero, rate_low, value + zero, rate, h, fourth_bound)
         if not clear:
-            if h > SHORTEST * part and not falls_throughout(value_low, rate_low, value, rate, h, bend):
+            if h > SHORTEST * part and not falls_throughout(
+                value_low, rate_low, value, rate, h, fourth_bound
+            ):
                 high = next_look(low, rate_low, high, rate)
                 continue
             if value < -zero:

@@ -98,8 +98,8 @@ def tune(p, d, x, w):
         status = build_map(p, d, w)
     if status == OK:
         switch_now(p, d, x)
-        x.goes_on = 0.0
-        x.known = 0.0
+        x.torques_continue = 0.0
+        x.rates_cached = 0.0
     return status
 
 

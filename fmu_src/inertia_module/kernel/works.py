@@ -39,7 +39,7 @@ def stage_speeds(d, x, w, n):
     if d.by_torque != 0.0:
         omega1 = w.integrand[n]
     else:
-        omega1 = x.omega1 + w.given * w.step * (SHORT_NODES[n] if w.short != 0.0 else NODES[n])
+        omega1 = x.omega1 + w.prescribed * w.step * (SHORT_NODES[n] if w.short != 0.0 else NODES[n])
     return omega1, omega1 - w.rate_q[n] / d.k
 
 
@@ -62,7 +62,7 @@ def add_viscous_losses(d, x, w, sigma):
         omega1, omega2 = stage_speeds(d, x, w, n)
         w.rate_omega2[n] = friction_power(d, omega1, omega2, friction)
     add_loss(x, VISCOUS, integral(w, w.rate_omega2, sigma))
-    if d.by_torque != 0.0 or w.given == 0.0:
+    if d.by_torque != 0.0 or w.prescribed == 0.0:
         return
     for n in range(count):
         omega1, omega2 = stage_speeds(d, x, w, n)
@@ -99,9 +99,9 @@ def add_explicit_works(d, x, w, start1, start2, passed, turned1, turned2, integr
         x.output_impulse += output_impulse
         turn(x, load, turned2)
     if d.by_torque != 0.0:
-        add_work_in(x, w.given * turned1)
+        add_work_in(x, w.prescribed * turned1)
         return
-    alpha1 = w.given
+    alpha1 = w.prescribed
     impulse = w.momentum_end - x.momentum + output_impulse + d.b1 * turned1 + d.b2 * turned2
     x.input_impulse += impulse
     if alpha1 == 0.0:
@@ -134,7 +134,7 @@ def inertia_integral(d, x, q, omega1, alpha1, start, end):
 
 
 def add_held_works(d, x, q, omega1, alpha1, h, integral_of_phi):
-    """Impulse and work of M1 over h with link 2 held and the speed given: link 1 alone turns, with Phi(q).
+    """Impulse and work of M1 over h, link 2 held and the speed prescribed: link 1 alone turns, with Phi(q).
 
     Returns:
         Its kinetic energy at the end, J.
@@ -162,7 +162,7 @@ def add_shaft_works(d, x, w):
     h = w.step
     out = 0.0
     lost = 0.0
-    rubbed = 0.0
+    friction_work = 0.0
     for n in range(RADAU_STAGES):
         relative = w.stage_relative[n]
         omega4 = w.stage_omega3[n] - relative
@@ -171,13 +171,13 @@ def add_shaft_works(d, x, w):
         balancing = d.balancer * d.J4 * w.rate3[n]
         out += weight * omega4
         lost += weight * (d.damping * relative * relative + (d.friction * omega4 - balancing) * omega4)
-        rubbed += weight * d.b3 * w.stage_omega3[n] * w.stage_omega3[n]
+        friction_work += weight * d.b3 * w.stage_omega3[n] * w.stage_omega3[n]
         x.output_square += weight * output_torque * output_torque
         x.output_impulse += weight * output_torque
         x.torque_peak = max(x.torque_peak, abs(output_torque))
     turn(x, w.load, out)
     add_loss(x, SHAFT, lost)
-    add_loss(x, VISCOUS, rubbed)
+    add_loss(x, VISCOUS, friction_work)
 
 
 def add_link_losses(d, x, w):
@@ -192,11 +192,11 @@ def add_link_losses(d, x, w):
 
 
 def add_moving_works(d, x, w, start1, momentum):
-    """Collocation step with link 2 in motion and the speed given: impulse and work of M1; momentum: P
+    """Collocation step with link 2 in motion and the speed prescribed: impulse and work of M1; momentum: P
     before.
     """
     h = w.step
-    alpha1 = w.given
+    alpha1 = w.prescribed
     momentum_end = angular_momentum(d, x.q, x.omega1, x.omega2)
     x.step_evaluations += 2.0
     resisting_impulse = 0.0

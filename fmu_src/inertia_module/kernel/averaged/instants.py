@@ -64,12 +64,12 @@ def signed_root(square):
 
 def integrals_after(d, t, here, angle):
     """The integrals so much drive angle further: the torque of link 1 adds M1 theta1 to E and M1 t to P."""
-    if d.by_torque == 0.0 or t.given == 0.0:
+    if d.by_torque == 0.0 or t.prescribed == 0.0:
         return t.energy, t.momentum
     if t.mode != FREE:
-        return t.energy + 2.0 * t.given * angle / d.k, t.momentum
+        return t.energy + 2.0 * t.prescribed * angle / d.k, t.momentum
     # by the midpoint
-    part = t.given * angle / d.k
+    part = t.prescribed * angle / d.k
     slip = here[0] - here[1]
     energy = t.energy + part * here[0] / slip
     momentum = t.momentum + 0.5 * part / slip
@@ -82,7 +82,7 @@ def instant(d, t, q, omega1, omega2):
     """Accelerations and the torque that passes link 2, kept at its speed unless it is free."""
     d.map_evaluations += 1.0
     alpha1, alpha2, jerk2, torque, torque_rate, _, _ = motion(
-        d, q, omega1, omega2, t.given, t.mode != FREE, 0.0, 0.0, 0.0, 0.0
+        d, q, omega1, omega2, t.prescribed, t.mode != FREE, 0.0, 0.0, 0.0, 0.0
     )
     return omega1, omega2, alpha1, alpha2, jerk2, torque, torque_rate
 

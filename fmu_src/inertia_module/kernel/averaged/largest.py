@@ -48,8 +48,8 @@ def find_largest(d, t, which, start, length):
         after = value_at(d, t, which, start + (n + 1) * width)
         if here >= before and here >= after:
             # the top of the parabola through the three is near: only a promising one is looked at
-            bend = before - 2.0 * here + after
-            top = here - (after - before) ** 2 / (8.0 * bend) if bend < 0.0 else here
+            curve = before - 2.0 * here + after
+            top = here - (after - before) ** 2 / (8.0 * curve) if curve < 0.0 else here
             if top + 0.1 * (top - here) > best:
                 low = start + (n - 1) * width
                 q, value = refine_largest(d, t, which, low, low + 2.0 * width)

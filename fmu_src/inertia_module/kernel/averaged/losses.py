@@ -40,12 +40,12 @@ LEAST_STALL = 0.01
 
 def slow_speed(p, d, stall):
     """Input speed, rad/s, at which friction and drag would take the stall torque, stall omega1^2; 0: none."""
-    rubbed = p.link2_friction + p.housing_drag_viscous + p.output_drag_viscous + d.k * d.k * p.drive_friction
+    viscous = p.link2_friction + p.housing_drag_viscous + p.output_drag_viscous + d.k * d.k * p.drive_friction
     drag = p.housing_drag + p.output_drag
     stall = max(stall, LEAST_STALL * d.F_by_speed)
     if not stall > 0.0:
         return 0.0
-    return (rubbed + math.sqrt(rubbed * rubbed + 4.0 * stall * drag)) / (2.0 * stall)
+    return (viscous + math.sqrt(viscous * viscous + 4.0 * stall * drag)) / (2.0 * stall)
 
 
 def crawl(p, d, side, knot):
@@ -59,19 +59,19 @@ def crawl(p, d, side, knot):
     # of the mesh, over the slip
     pulling = d.k * d.k * d.bq / (1.0 - d.mesh_loss)
     driving = side.direction * pulling - (pulling + d.b2 + d.housing_drag_viscous) * ratio
-    pushed = side.direction * pulling + d.output_drag_viscous * ratio
+    driving = side.direction * pulling + d.output_drag_viscous * ratio
     ahead = d.output_drag - d.housing_drag
     omega2 = 0.0
     if ratio == 0.0:
-        linear.torque[0] = max(pushed, 0.0)
+        linear.torque[0] = max(driving, 0.0)
         square.torque[0] = 0.0
     elif ahead > 0.0 or (ahead == 0.0 and driving >= 0.0):
         omega2 = ratio
         linear.torque[0] = driving
         square.torque[0] = -d.housing_drag
     else:
-        if ahead == 0.0 and pushed > 0.0:
-            omega2 = pushed / (pulling + d.b2 + d.housing_drag_viscous + d.output_drag_viscous)
+        if ahead == 0.0 and driving > 0.0:
+            omega2 = driving / (pulling + d.b2 + d.housing_drag_viscous + d.output_drag_viscous)
         linear.torque[0] = -d.output_drag_viscous * (ratio - omega2)
         square.torque[0] = -d.output_drag
     linear.omega2[0] = omega2
@@ -253,7 +253,7 @@ def settle_losses(p, d, w, side, ratio, slowness):
     d.max_step = NO_LIMIT
     d.b1 = d.b3 = 0.0
     set_losses(p, d, slowness)
-    w.given = 0.0
+    w.prescribed = 0.0
     w.load = 0.0
     through = add_steady(d, w.part, w, side, ratio, slowness)
     d.J3, d.tolerance, d.max_step, d.b1, d.b3 = inertia, tolerance, longest, b1, b3

@@ -73,10 +73,10 @@ def smooth_length(d, at, slope_before, length):
     slip = abs(omega1 - omega2)
     slope = 2.0 * (alpha1 - alpha2) / d.k
     # the rate of alpha1 by difference, that of alpha2 is known
-    bend = 2.0 * abs(jerk2) / (d.k * d.k * slip)
+    curvature = 2.0 * abs(jerk2) / (d.k * d.k * slip)
     if length > 0.0:
-        bend = max(bend, abs(slope - slope_before) / length)
-    rate = math.sqrt(0.5 * bend) + 0.5 * abs(slope) / slip
+        curvature = max(curvature, abs(slope - slope_before) / length)
+    rate = math.sqrt(0.5 * curvature) + 0.5 * abs(slope) / slip
     return SINGULAR_SHARE * slip / rate if rate > 0.0 else 1e300, slope
 
 

@@ -94,7 +94,7 @@ def impulse_with_work(passed, omega1, alpha1, work, torque0, torque1):
 def advance_leg(d, side, x, w, leg, v, alpha1, remaining):
     """Advance speeds and sums by one leg or internal step. Returns (time passed or -1, v at its end)."""
     energy0, share, _ = energy_at(d, side, x, v)
-    given = d.by_torque == 0.0
+    prescribed = d.by_torque == 0.0
     omega3 = x.omega3
     impulse = 0.0
     torque0, mesh0 = 0.0, 0.0
@@ -105,15 +105,15 @@ def advance_leg(d, side, x, w, leg, v, alpha1, remaining):
     elif leg == COASTING:
         h, impulse = coast(d, side, x, w, v, alpha1, remaining)
     else:
-        if alpha1 != 0.0 and given:
+        if alpha1 != 0.0 and prescribed:
             torque0, mesh0 = torques_at(d, side, x, leg, v, alpha1)
         h, impulse = slip(d, side, x, w, v, alpha1, remaining)
         if h < 0.0:
             return -1.0, v
-    end = v + alpha1 * h if given else side.direction * w.next_speed
+    end = v + alpha1 * h if prescribed else side.direction * w.next_speed
     x.output_impulse += impulse
     turn(x, x.load_torque, w.turned3)
-    if given:
+    if prescribed:
         energy1, _, _ = energy_at(d, side, x, end)
         work = w.work + energy1 - energy0
         turned = h * (v + 0.5 * alpha1 * h)
@@ -146,7 +146,7 @@ def advance_leg(d, side, x, w, leg, v, alpha1, remaining):
         wrap_input_angle(x)
         if leg == SLIPPING and turned != 0.0:
             x.mesh_impulse += h * w.work / turned
-    if leg == LOCKED and not given:
+    if leg == LOCKED and not prescribed:
         x.mesh_impulse += impulse
     x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, work)
     x.q, x.q_low = add(x.q, x.q_low, d.k * (turned - w.turned2))

@@ -137,7 +137,7 @@ def implicit_step(d, side, x, w, speed, speed_rate, h, first, allowed):
         if moved <= 1e-3 * allowed or moved <= 1e-15 * (abs(found) + abs(found_speed)):
             # where the slope is positive the balance repels: a damped step would be drawn to it
             if e <= 0.0 and is_one_way(side, x, d.b3, found_speed, found, first[1][0]):
-                bent = max(bend(h, first[0], last[0]), bend(h, first[1], last[1]))
+                bent = max(step_error(h, first[0], last[0]), step_error(h, first[1], last[1]))
                 w.error = abs(bent / steep) / allowed
                 # a transient that is damped out within the step would be wrong in the angle and the work
                 slope = abs(first[2][3])
@@ -147,7 +147,7 @@ def implicit_step(d, side, x, w, speed, speed_rate, h, first, allowed):
     finish_step(d, x, w, h, first, last, found_speed, found, True)
 
 
-def bend(h, begin, end):
+def step_error(h, begin, end):
     """Difference that the rate at the end leaves of the change of a rate over h, times h / 3."""
     return abs(h / 3.0 * (end[0] - begin[0] - h * end[1]))
 
@@ -161,7 +161,7 @@ def take_step(d, side, x, w, speed, speed_rate, h, first, allowed):
     x.step_evaluations += 1.0
 
 
-def unbalanced(d, side, x, w, speed, fastest, allowed):
+def energy_residual(d, side, x, w, speed, fastest, allowed):
     """Energy residual of a step under a torque, relative to its tolerance: some errors of the speeds."""
     passed_on = x.load_torque * w.turned3
     gained = 0.5 * d.J3 * (w.next - x.omega3) * (w.next + x.omega3)
@@ -183,7 +183,7 @@ def take_accurate_step(d, side, x, w, speed, speed_rate, h, first, allowed, fast
         take_step(d, side, x, w, speed, speed_rate, h, first, allowed)
         if d.by_torque != 0.0 and h * steepness(first) <= LARGEST_EXPLICIT:
             # (a transient that an implicit step damps out may miss much of the little that it moves)
-            w.error = max(w.error, unbalanced(d, side, x, w, speed, fastest, allowed))
+            w.error = max(w.error, energy_residual(d, side, x, w, speed, fastest, allowed))
         if w.error <= 1.0:
             factor = min(5.0, 0.8 * w.error**-0.25) if w.error > 1e-4 else 5.0
             # a step cut short by the end of the communication step says little about longer ones

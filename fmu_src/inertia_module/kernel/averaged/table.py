@@ -2,7 +2,7 @@
 
 Slopes are those of Fritsch and Butland (1984), SIAM J. Sci. Stat. Comput. 5, 300, as in SciPy's
 PchipInterpolator: between knots no value leaves the range of its neighbours.
-A cubic is its four coefficients in the distance from its knot: value, slope, and two that bend it.
+A cubic is its four coefficients in the distance from its knot: value, slope, and those of square and cube.
 """
 
 # error of an interval that has not been looked at
@@ -67,7 +67,7 @@ def set_slopes(side, n):
             )
 
 
-def bends(here, after, h):
+def cubic_coefficients(here, after, h):
     """The other two coefficients of a cubic that ends, h further, with the value and slope of the next."""
     m0 = here[1]
     m1 = after[1]
@@ -77,7 +77,7 @@ def bends(here, after, h):
 
 def interpolate(here, after, h, t):
     """Value t above a knot, while the map is built."""
-    c2, c3 = bends(here, after, h)
+    c2, c3 = cubic_coefficients(here, after, h)
     return here[0] + t * (here[1] + t * (c2 + t * c3))
 
 
@@ -146,9 +146,9 @@ def worst_interval(side):
     return worst, error
 
 
-def set_bends(here, after, h):
+def set_cubic_coefficients(here, after, h):
     """Write the last two coefficients of a cubic."""
-    here[2], here[3] = bends(here, after, h)
+    here[2], here[3] = cubic_coefficients(here, after, h)
 
 
 def finish_table(side):
@@ -161,10 +161,10 @@ def finish_table(side):
         here = side.knots[n]
         after = side.knots[n + 1]
         h = after.ratio - here.ratio
-        set_bends(here.torque, after.torque, h)
-        set_bends(here.input, after.input, h)
-        set_bends(here.omega2, after.omega2, h)
+        set_cubic_coefficients(here.torque, after.torque, h)
+        set_cubic_coefficients(here.input, after.input, h)
+        set_cubic_coefficients(here.omega2, after.omega2, h)
         if side.slow != 0.0:
             for m in range(len(here.slower)):
-                set_bends(here.slower[m].torque, after.slower[m].torque, h)
-                set_bends(here.slower[m].omega2, after.slower[m].omega2, h)
+                set_cubic_coefficients(here.slower[m].torque, after.slower[m].torque, h)
+                set_cubic_coefficients(here.slower[m].omega2, after.slower[m].omega2, h)

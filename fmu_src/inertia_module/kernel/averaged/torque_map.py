@@ -111,15 +111,15 @@ def settle(d, t, side, omega3):
     Returns whether there is one.
     """
     t.omega3 = omega3
-    t.given = 0.0
+    t.prescribed = 0.0
     if d.by_torque == 0.0:
         return add_period(d, t, side)
     for _ in range(ROUNDS):
         if not add_period(d, t, side):
             return False
-        before = t.given
-        t.given = omega3 * d.sum_torque / d.sum_omega1
-        if abs(t.given - before) <= KEPT * abs(t.given):
+        before = t.prescribed
+        t.prescribed = omega3 * d.sum_torque / d.sum_omega1
+        if abs(t.prescribed - before) <= KEPT * abs(t.prescribed):
             break
     return True
 
@@ -136,7 +136,7 @@ def find_end(d, t, side):
 
     Where it begins, and whether link 2 comes up to link 1, is left in the side.
     """
-    t.given = 0.0
+    t.prescribed = 0.0
     phase = d.phase_b
     side.start, d.phase_b, _ = find_largest_anywhere(d, t, MOMENTUM)
     t.q = side.start

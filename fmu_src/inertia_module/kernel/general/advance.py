@@ -5,7 +5,7 @@ import math
 from ..accumulate import add, add_loss, wrap_drive_angle, wrap_input_angle
 from ..codes import FREEWHEEL, GENERAL, NONE, SHAFT
 from ..links import response
-from ..loads import INSIDE_PHASE, see
+from ..loads import INSIDE_PHASE, sample_load
 from ..search import first_crossing
 from ..solvers.dormand_prince import END, sum_9
 from ..solvers.step_size import REJECTIONS, carry_size, first_size, next_factor
@@ -18,7 +18,7 @@ from .guards import (
     SLIP,
     SPIN,
     fit_guard,
-    general_bend,
+    general_fourth_bound,
     how_many_guards,
     is_clear,
     is_speed,
@@ -98,11 +98,11 @@ def try_steps(d, x, w, limit):
     return -1.0
 
 
-def zero_of(d, x, w, which, fastest):
+def guard_tolerance(d, x, w, which, fastest):
     """Threshold below which a guard counts as crossed."""
     if is_speed(x, which):
-        taken = max(abs(x.omega2), max(abs(x.omega2 + w.followed[OMEGA2].change), abs(x.omega3)))
-        return VELOCITY_ROUNDING * max(response(d, d.J2) * fastest, taken)
+        fastest_output = max(abs(x.omega2), max(abs(x.omega2 + w.followed[OMEGA2].change), abs(x.omega3)))
+        return VELOCITY_ROUNDING * max(response(d, d.J2) * fastest, fastest_output)
     m = d.machine
     share = max(TORQUE_ROUNDING, d.tolerance) if is_spring(x, which) else TORQUE_ROUNDING
     return share * (abs(m.mesh) + abs(m.housing) + abs(m.output) + abs(w.load))
@@ -123,8 +123,8 @@ def first_event(d, x, w, fastest):
             make_inside(d, x, w)
             inside = True
         fit_guard(w, guard)
-        zero = zero_of(d, x, w, guard, fastest)
-        sigma = first_crossing(d, x, w, guard, zero, general_bend(x, w, guard), looks)
+        zero = guard_tolerance(d, x, w, guard, fastest)
+        sigma = first_crossing(d, x, w, guard, zero, general_fourth_bound(x, w, guard), looks)
         if sigma > 0.0 and (earliest < 0.0 or sigma < earliest):
             earliest = sigma
             which = guard
@@ -192,7 +192,7 @@ def meet_limits(d, x):
 def has_fallen(d, x, w, which):
     """Tell whether a guard has, by the state at the end of the step in hand."""
     take_state(d, x)
-    evaluate(d, x, w.given, w.load, True)
+    evaluate(d, x, w.prescribed, w.load, True)
     x.step_evaluations += 1.0
     value, _ = value_and_rate(d, x, d.machine, which)
     return value <= 0.0
@@ -216,7 +216,7 @@ def see_inside(d, x, w):
     omega1 = f[THETA].rate[SEEN]
     omega2 = omega1 - f[Q].rate[SEEN] / d.k
     q = x.q + w.step * sum_9(f[Q].rate)
-    see(d, x, q, omega1, omega2, f[OMEGA1].rate[SEEN], f[OMEGA2].rate[SEEN])
+    sample_load(d, x, q, omega1, omega2, f[OMEGA1].rate[SEEN], f[OMEGA2].rate[SEEN])
 
 
 def advance_general(d, x, w, remaining):
@@ -229,16 +229,16 @@ def advance_general(d, x, w, remaining):
     m = d.machine
     take_speeds(x)
     take_state(d, x)
-    evaluate(d, x, w.given, w.load, True)
+    evaluate(d, x, w.prescribed, w.load, True)
     x.step_evaluations += 1.0
     keep_rates(d, x, w, 0)
-    see(d, x, x.q, x.omega1, x.omega2, m.alpha1, m.alpha2)
+    sample_load(d, x, x.q, x.omega1, x.omega2, m.alpha1, m.alpha2)
     fastest = try_steps(d, x, w, longest_step(d, x, w, remaining))
     if fastest < 0.0:
         return -1.0, False
     sigma, which = first_event(d, x, w, fastest)
     if sigma >= 0.0 and which == SLIP and x.slip_sign == 0.0:
-        sigma = part_at(d, x, w, zero_of(d, x, w, SLIP, fastest), sigma)
+        sigma = part_at(d, x, w, guard_tolerance(d, x, w, SLIP, fastest), sigma)
     wound = is_wound(x)
     if sigma < 0.0:
         see_inside(d, x, w)
@@ -253,7 +253,7 @@ def advance_general(d, x, w, remaining):
         x.step_size *= AFRESH
         which = NONE
     x.ended = 0.0
-    x.met_slip = 0.0
+    x.slip_reached_zero = 0.0
     if which == FLOW:
         x.flow_sign = -x.flow_sign
     elif which > FLOW:
@@ -261,7 +261,7 @@ def advance_general(d, x, w, remaining):
     elif which != NONE:
         x.step_size *= AFRESH
         if is_speed(x, which):
-            x.met_slip = 1.0 if which == SLIP and x.housing_state != LOCKED else 0.0
+            x.slip_reached_zero = 1.0 if which == SLIP and x.housing_state != LOCKED else 0.0
             meet(d, x, which)
         else:
             x.ended = 1.0

@@ -3,7 +3,7 @@
 0 <= omega2 _|_ Th + drag >= 0      0 <= omega3 - omega2 _|_ Tc + drag >= 0      slip _|_ what friction leaves
 """
 
-from ..links import given_at_input
+from ..links import prescribed_at_input
 from .motion import evaluate, take_state
 from .states import LOCKED, OPEN, contact_mode, is_rough, may_be_housing, may_be_output, may_slip
 
@@ -24,10 +24,10 @@ def worst_of_freewheel(state, drag, torque, speed, push):
     return -torque - drag if state == LOCKED else 0.0
 
 
-def violation(d, x, given, load):
+def violation(d, x, prescribed, load):
     """By how much the states in x miss their conditions, as a share of the torques."""
     m = d.machine
-    evaluate(d, x, given, load, False)
+    evaluate(d, x, prescribed, load, False)
     inertia = d.J2 + d.J3 + d.F_by_alpha1
     worst = 0.0
     if d.housing != 0.0:
@@ -64,7 +64,7 @@ def choose_states(d, x, before_misses):
         before_misses: what is added to the violation of what they did before, as a share of the torques.
     """
     take_state(d, x)
-    given = given_at_input(d, x)
+    prescribed = prescribed_at_input(d, x)
     before = (x.housing_state, x.output_state, x.slip_sign)
     best = before
     least = 1e300
@@ -77,7 +77,7 @@ def choose_states(d, x, before_misses):
         if not possible:
             continue
         x.housing_state, x.output_state, x.slip_sign = housing, output, sign
-        missing = violation(d, x, given, x.load_torque)
+        missing = violation(d, x, prescribed, x.load_torque)
         if (housing, output, sign) == before:
             missing += before_misses
         if missing < least:
@@ -97,7 +97,7 @@ def choose_states(d, x, before_misses):
 def choose_next_states(d, x):
     """Choose them after an event. Returns whether they have changed."""
     before = (x.housing_state, x.output_state, x.slip_sign)
-    if x.met_slip != 0.0:
+    if x.slip_reached_zero != 0.0:
         x.omega2 = x.omega1
         x.omega2_low = x.omega1_low
         if x.output_state == LOCKED:

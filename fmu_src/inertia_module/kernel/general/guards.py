@@ -6,7 +6,13 @@ their torques, by the signs that the losses go by.
 """
 
 from ..solvers.dormand_prince import END, NODES
-from ..solvers.interpolant import dense_bend, dense_change, dense_rate, dense_rate_bend, fit_dense
+from ..solvers.interpolant import (
+    dense_change,
+    dense_fourth_bound,
+    dense_rate,
+    dense_rate_fourth_bound,
+    fit_dense,
+)
 from .satellites import MANY
 from .states import OPEN, WOUND
 
@@ -111,7 +117,7 @@ def general_guard(x, w, which, sigma):
     return value - (0.0 if is_spring(x, which) else min(start, 0.0)), 0.5 * slope / APART
 
 
-def general_bend(x, w, which):
+def general_fourth_bound(x, w, which):
     """Bound of the fourth derivative of the fit."""
     dense = w.watched[which].dense
-    return dense_bend(dense) if is_speed(x, which) else dense_rate_bend(dense) / w.step
+    return dense_fourth_bound(dense) if is_speed(x, which) else dense_rate_fourth_bound(dense) / w.step

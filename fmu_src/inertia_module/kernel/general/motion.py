@@ -45,14 +45,14 @@ def freewheel_torques(d, x, m):
         m.output = -d.output_drag - d.output_drag_viscous * (m.omega3 - m.omega2)
 
 
-def accelerate_links(d, x, m, given, inertia, place, carried, resisting, fixed):
+def accelerate_links(d, x, m, prescribed, inertia, place, carried, resisting, fixed):
     """Accelerations of links that slip and the torques between them, into m.
 
     The sign of tau gives f, that of tau6 the way its loss acts; both are followed as what the freewheels do,
     and found here by Newton's method where they may have changed.
 
     Args:
-        given: acceleration or torque of link 1. inertia, place: of reduced_inertia and imbalance.
+        prescribed: acceleration or torque of link 1. inertia, place: of reduced_inertia and imbalance.
         carried, resisting: inertia that link 2 carries, kg m^2, and torque against it, N m.
         fixed: whether the signs in x hold.
     """
@@ -64,7 +64,7 @@ def accelerate_links(d, x, m, given, inertia, place, carried, resisting, fixed):
     own2 = d.J2 + carried
     rest1 = d.b1 * m.omega1 + (i1 * m.omega1 + b1 * rate_q) * rate_q + m.weight1
     rest = 0.5 * (g1 * rate_q * rate_q - i1 * m.omega1 * m.omega1) + d.bq * rate_q + m.weight_q
-    alpha1 = given if d.by_torque == 0.0 else 0.0
+    alpha1 = prescribed if d.by_torque == 0.0 else 0.0
     alpha2 = 0.0
     loaded = d.journal + d.satellite_loss > 0.0
     flow = x.flow_sign if fixed else 1.0
@@ -86,7 +86,7 @@ def accelerate_links(d, x, m, given, inertia, place, carried, resisting, fixed):
             if x.housing_state != LOCKED:
                 alpha2 = (push + passed * coupling * alpha1) / (own2 + passed * k * by_q)
         else:
-            drive = given - rest1 - passed * demand
+            drive = prescribed - rest1 - passed * demand
             phi = own1 + k * b + passed * coupling
             if x.housing_state == LOCKED:
                 alpha1 = drive / phi
@@ -121,18 +121,18 @@ def accelerate_links(d, x, m, given, inertia, place, carried, resisting, fixed):
     m.margin = sign * (m.omega1 - m.omega2)
 
 
-def stick_links(d, x, m, given, inertia, place, carried, resisting):
+def stick_links(d, x, m, prescribed, inertia, place, carried, resisting):
     """Accelerate links that stick together, and find the margin of the friction that holds them, N m."""
     i, i1, b, _, _, _ = inertia
     omega1 = m.omega1
     rest1 = d.b1 * omega1 + m.weight1
     own2 = d.J2 + carried
     held = x.housing_state == LOCKED
-    alpha = given
+    alpha = prescribed
     if held:
         alpha = 0.0
     elif d.by_torque != 0.0:
-        alpha = (given - rest1 - resisting) / (d.J1 + i + own2)
+        alpha = (prescribed - rest1 - resisting) / (d.J1 + i + own2)
     ideal = b * alpha - 0.5 * i1 * omega1 * omega1 + m.weight_q
     journals, mesh, by_alpha1, _ = spin_torques(d, m.q, place, omega1, 0.0, alpha, 0.0, AS_THEY_ARE)
     m.mesh = own2 * alpha + resisting
@@ -140,7 +140,7 @@ def stick_links(d, x, m, given, inertia, place, carried, resisting):
         # at rest: what the drive torque leaves, or with the speed given what friction need not hold
         m.mesh = min(d.k * ideal, resisting + d.housing_drag)
         if d.by_torque != 0.0:
-            m.mesh = given - rest1
+            m.mesh = prescribed - rest1
     m.journals = journals
     m.spun = mesh + by_alpha1 * alpha
     m.flow_sign = 1.0
@@ -149,23 +149,24 @@ def stick_links(d, x, m, given, inertia, place, carried, resisting):
     m.drive = (d.J1 + i) * alpha + rest1 + m.mesh
     needed = m.mesh / d.k - ideal
     m.margin = journals + m.spun + d.mesh_loss * abs(m.mesh) / d.k - abs(needed)
-    if held and d.by_torque == 0.0 and given != 0.0:
-        m.margin = -(d.J2 + d.F_by_alpha1) * abs(given)  # link 1 turns, whatever the friction
+    if held and d.by_torque == 0.0 and prescribed != 0.0:
+        m.margin = -(d.J2 + d.F_by_alpha1) * abs(prescribed)  # link 1 turns, whatever the friction
 
 
-def evaluate(d, x, given, load, fixed):
+def evaluate(d, x, prescribed, load, fixed):
     """Accelerations, torques and what the guards look at, of the motion in d.machine, into it.
 
     Args:
-        x: state, for what the freewheels and the slip do. given: see links.given_at_input. load: N m.
+        x: state, for what the freewheels and the slip do. prescribed: see links.prescribed_at_input.
+        load: N m.
         fixed: whether the signs of the loads in x hold (see accelerate_links).
     """
     m = d.machine
     place = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    known = d.journal + d.satellite_loss + d.weight > 0.0
-    if known:
+    satellites_loaded = d.journal + d.satellite_loss + d.weight > 0.0
+    if satellites_loaded:
         place = imbalance(d, m.q, 0.0)
-    if known and d.single != 0.0 and d.planar + d.bodies == 0.0:
+    if satellites_loaded and d.single != 0.0 and d.planar + d.bodies == 0.0:
         inertia = inertia_at(d, place)
     else:
         i, i1, _, b, b1, g, g1, _ = reduced_inertia(d, m.q)
@@ -182,9 +183,9 @@ def evaluate(d, x, given, load, fixed):
     carried = d.J3 if locked else 0.0
     resisting = d.b2 * m.omega2 - m.housing + (against3 if locked else m.output)
     if x.slip_sign == 0.0:
-        stick_links(d, x, m, given, inertia, place, carried, resisting)
+        stick_links(d, x, m, prescribed, inertia, place, carried, resisting)
     else:
-        accelerate_links(d, x, m, given, inertia, place, carried, resisting, fixed)
+        accelerate_links(d, x, m, prescribed, inertia, place, carried, resisting, fixed)
     if locked:
         m.output = against3 + d.J3 * m.alpha2
         m.alpha3 = m.alpha2

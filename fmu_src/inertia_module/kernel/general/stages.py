@@ -152,7 +152,7 @@ def evaluate_stage(d, x, w, n, rate_q, mean1, mean2, mean3):
     m.q = x.q + h * rate_q
     m.omega2 = x.omega2 + h * mean2
     m.omega3 = m.omega2 if x.output_state == LOCKED else x.omega3 + h * mean3
-    m.omega1 = x.omega1 + h * (mean1 if d.by_torque != 0.0 else NODES[n] * w.given)
+    m.omega1 = x.omega1 + h * (mean1 if d.by_torque != 0.0 else NODES[n] * w.prescribed)
     if d.weight != 0.0:
         m.theta1 = x.theta1 + h * weighed(n, f[THETA].rate)
     if d.elastic != 0.0:
@@ -160,7 +160,7 @@ def evaluate_stage(d, x, w, n, rate_q, mean1, mean2, mean3):
         m.relative = x.relative + h * weighed(n, f[RELATIVE].rate)
         m.wound_housing = x.wound_housing + h * weighed(n, f[WOUND_HOUSING].rate)
         m.wound_output = x.wound_output + h * weighed(n, f[WOUND_OUTPUT].rate)
-    evaluate(d, x, w.given, w.load, True)
+    evaluate(d, x, w.prescribed, w.load, True)
     keep_rates(d, x, w, n)
     x.step_evaluations += 1.0
 
@@ -187,7 +187,7 @@ def make_step(d, x, w, h):
         if is_followed(d, n, moving):
             w.followed[n].change = h * sum_12(w.followed[n].rate)
     if d.by_torque == 0.0:
-        w.followed[OMEGA1].change = h * w.given
+        w.followed[OMEGA1].change = h * w.prescribed
 
 
 def change_inside(d, w, sigma, count):
@@ -201,7 +201,7 @@ def change_inside(d, w, sigma, count):
                 change += w.weights[stage] * w.followed[n].rate[stage]
             w.followed[n].change = w.step * change
     if d.by_torque == 0.0:
-        w.followed[OMEGA1].change = sigma * w.step * w.given
+        w.followed[OMEGA1].change = sigma * w.step * w.prescribed
 
 
 def cut_step(d, w, sigma):
@@ -225,7 +225,7 @@ def evaluate_inside(d, x, w, sigma):
         m.relative = x.relative + f[RELATIVE].change
         m.wound_housing = x.wound_housing + f[WOUND_HOUSING].change
         m.wound_output = x.wound_output + f[WOUND_OUTPUT].change
-    evaluate(d, x, w.given, w.load, True)
+    evaluate(d, x, w.prescribed, w.load, True)
     x.step_evaluations += 1.0
 
 

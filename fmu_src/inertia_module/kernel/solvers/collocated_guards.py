@@ -2,7 +2,7 @@
 
 from ..codes import DRIVING, FREE, HELD, HELD_DRIVING, LINK2, OUTPUT
 from ..links import held_torque
-from .collocation import fit, fit_integral, polynomial, polynomial_bend
+from .collocation import fit, fit_integral, polynomial, polynomial_fourth_bound
 from .elastic_stages import solve_stages
 from .radau import STAGES
 
@@ -53,24 +53,24 @@ def collocated_guard(d, x, w, which, sigma):
     if mode == HELD_DRIVING:
         value, rate = polynomial(w.polynomial_torque, STAGES, sigma)
     t = sigma * h
-    omega1 = x.omega1 + w.given * t
-    q = x.q + d.k * t * (x.omega1 + 0.5 * w.given * t)
-    torque, slope = held_torque(d, q, omega1, w.given)
+    omega1 = x.omega1 + w.prescribed * t
+    q = x.q + d.k * t * (x.omega1 + 0.5 * w.prescribed * t)
+    torque, slope = held_torque(d, q, omega1, w.prescribed)
     x.step_evaluations += 1.0
     return value - torque, rate - h * slope
 
 
-def collocated_bend(d, x, w, which):
+def collocated_fourth_bound(d, x, w, which):
     """Bound of the fourth derivative of what a guard takes from the polynomials."""
     mode = x.mode
     if mode == HELD and which == LINK2 and d.by_torque == 0.0:
         return 0.0
     if which == LINK2 and (mode != HELD_DRIVING or d.by_torque != 0.0):
-        return polynomial_bend(w.polynomial_2)
+        return polynomial_fourth_bound(w.polynomial_2)
     if mode == DRIVING or mode == HELD_DRIVING:
-        return polynomial_bend(w.polynomial_torque)
-    bend = polynomial_bend(w.polynomial_3)
-    return bend + polynomial_bend(w.polynomial_2) if mode == FREE else bend
+        return polynomial_fourth_bound(w.polynomial_torque)
+    fourth_bound = polynomial_fourth_bound(w.polynomial_3)
+    return fourth_bound + polynomial_fourth_bound(w.polynomial_2) if mode == FREE else fourth_bound
 
 
 def land(d, x, w, which, zero, sigma):

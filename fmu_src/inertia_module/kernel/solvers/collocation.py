@@ -92,7 +92,7 @@ def polynomial(coefficients, size, sigma):
     return value, slope
 
 
-def polynomial_bend(coefficients):
+def polynomial_fourth_bound(coefficients):
     """Bound of the fourth derivative of the polynomial of six coefficients in the fraction of the step."""
     return 24.0 * abs(coefficients[STAGES - 1]) + 120.0 * abs(coefficients[STAGES])
 

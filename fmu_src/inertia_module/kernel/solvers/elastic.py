@@ -9,9 +9,9 @@ import math
 from ..accumulate import add, wrap_drive_angle, wrap_input_angle
 from ..codes import COLLOCATED, DRIVING, FREE, HELD, HELD_DRIVING, LINK2, NONE, OUTPUT
 from ..contact import TORQUE_ROUNDING, is_held
-from ..guards import bend_inside
+from ..guards import fourth_bound_inside
 from ..links import accelerations, angular_momentum, inertia_at_output, response, torque_scale
-from ..loads import INSIDE_PHASE, see
+from ..loads import INSIDE_PHASE, sample_load
 from ..search import find_crossing, first_crossing, is_surely_positive
 from ..shaft import carried_by_link2, hub_rate, relative_rate, shaft_torque
 from ..works import (
@@ -52,10 +52,10 @@ def start_rates(d, x, w):
     held = is_held(x)
     x.step_evaluations += 1.0
     carried, friction, behind = carried_by_link2(d, x, torque)
-    rate1, rate2, _ = accelerations(d, x.q, x.omega1, x.omega2, w.given, held, carried, friction, behind)
+    rate1, rate2, _ = accelerations(d, x.q, x.omega1, x.omega2, w.prescribed, held, carried, friction, behind)
     guess_rates(w, rate1, rate2)
     w.alpha1 = rate1
-    see(d, x, x.q, x.omega1, x.omega2, rate1, rate2)
+    sample_load(d, x, x.q, x.omega1, x.omega2, rate1, rate2)
     rate3 = hub_rate(d, x, torque, rate2)
     rates = (rate1, rate2, rate3, relative_rate(d, x, w.load, torque, rate3))
     return rates, 0.0 if held else inertia_at_output(d, x.q)
@@ -113,24 +113,24 @@ def rounding_of(x, which):
     return CROSSING
 
 
-def zero_of(d, x, w, which, fastest):
+def guard_tolerance(d, x, w, which, fastest):
     """Threshold below which a guard counts as crossed: velocities by what link 2 and the hub take on."""
     mode = x.mode
     if rounding_of(x, which) == VELOCITY_ROUNDING:
-        taken = max(abs(x.omega2), abs(x.omega3))
+        fastest_output = max(abs(x.omega2), abs(x.omega3))
         share = response(d, d.J2 + (d.J3 if mode == DRIVING else 0.0)) if d.F_by_alpha1 > 0.0 else 0.0
-        return VELOCITY_ROUNDING * max(taken, fastest * share)
+        return VELOCITY_ROUNDING * max(fastest_output, fastest * share)
     torque = shaft_torque(d, x)
     if which == OUTPUT and mode == HELD_DRIVING:
         # the shaft alone presses the hub on link 2: by what it swings with behind it
         return CROSSING * (abs(torque) + abs(x.relative) * math.sqrt(d.stiffness * d.J4))
     scale = torque_scale(d, x.omega1, w.alpha1, 2.0 * d.k * fastest, 0.0)
     if d.by_torque != 0.0:
-        scale += abs(w.given)
+        scale += abs(w.prescribed)
     return CROSSING * (scale + abs(torque) + abs(w.load))
 
 
-def is_clear(d, x, w, which, followed, bend):
+def is_clear(d, x, w, which, followed, fourth_bound):
     """Tell whether a guard stays positive in the step, by its ends (its end if stiffness is damped out)."""
     value1, rate1 = collocated_guard(d, x, w, which, 1.0)
     if value1 < 0.0:
@@ -138,7 +138,7 @@ def is_clear(d, x, w, which, followed, bend):
     if not followed and x.mode != HELD and x.mode != FREE:
         return True
     value0, rate0 = collocated_guard(d, x, w, which, 0.0)
-    return is_surely_positive(value0, rate0, value1, rate1, 1.0, bend)
+    return is_surely_positive(value0, rate0, value1, rate1, 1.0, fourth_bound)
 
 
 def first_event(d, x, w, rate, followed, fastest, cleared):
@@ -150,13 +150,13 @@ def first_event(d, x, w, rate, followed, fastest, cleared):
     for guard in range(2):
         if guard == cleared or (d.housing if guard == LINK2 else d.output) == 0.0:
             continue
-        zero = zero_of(d, x, w, guard, fastest)
-        bend = bend_inside(d, x, w, guard, zero / CROSSING, rate * w.step)
-        if looks == 1 and is_clear(d, x, w, guard, followed, bend):
+        zero = guard_tolerance(d, x, w, guard, fastest)
+        fourth_bound = fourth_bound_inside(d, x, w, guard, zero / CROSSING, rate * w.step)
+        if looks == 1 and is_clear(d, x, w, guard, followed, fourth_bound):
             continue
         # the inside of a step is less accurate than its end: a dip that is shallower than its error is none
         shallow = 1.0 + INSIDE * embedded_tolerance(d.tolerance) / rounding_of(x, guard)
-        sigma = first_crossing(d, x, w, guard, zero * shallow, bend, looks)
+        sigma = first_crossing(d, x, w, guard, zero * shallow, fourth_bound, looks)
         value, slope = collocated_guard(d, x, w, guard, 1.0)
         if sigma < 0.0 and value < -zero:
             sigma = find_crossing(d, x, w, guard, zero, 0.0, 1.0, value, slope)
@@ -173,7 +173,7 @@ def end_at_event(d, x, w, rate, followed, fastest):
         sigma, which = first_event(d, x, w, rate, followed, fastest, cleared)
         if sigma < 0.0:
             return NONE
-        if land(d, x, w, which, zero_of(d, x, w, which, fastest), sigma):
+        if land(d, x, w, which, guard_tolerance(d, x, w, which, fastest), sigma):
             return which
         cleared = which  # a crossing of the polynomial alone: what of the other guard?
     return NONE
@@ -205,7 +205,7 @@ def commit(d, x, w, which, turned1):
 
 def see_stage(d, x, w, n):
     """See the bearing's force at a stage of the step."""
-    see(d, x, w.stage_q[n], w.stage_omega1[n], w.stage_omega2[n], w.rate1[n], w.rate2[n])
+    sample_load(d, x, w.stage_q[n], w.stage_omega1[n], w.stage_omega2[n], w.rate1[n], w.rate2[n])
 
 
 def advance_elastic(d, x, w, remaining):
@@ -227,18 +227,18 @@ def advance_elastic(d, x, w, remaining):
     start1 = x.omega1
     momentum = angular_momentum(d, q, start1, x.omega2) if d.by_torque == 0.0 else 0.0
     add_shaft_works(d, x, w)
-    turned1 = h * (start1 + 0.5 * w.given * h)
+    turned1 = h * (start1 + 0.5 * w.prescribed * h)
     if d.by_torque != 0.0:
         turned1 = change(w, w.stage_omega1)
     commit(d, x, w, which, turned1)
     if d.by_torque != 0.0:
         x.theta1, x.theta1_low = add(x.theta1, x.theta1_low, turned1)
         wrap_input_angle(x)
-        add_work_in(x, w.given * turned1)
+        add_work_in(x, w.prescribed * turned1)
         add_link_losses(d, x, w)
     elif is_held(x):
-        phi = inertia_integral(d, x, q, start1, w.given, 0.0, h) if w.given != 0.0 else 0.0
-        add_held_works(d, x, q, start1, w.given, h, phi)
+        phi = inertia_integral(d, x, q, start1, w.prescribed, 0.0, h) if w.prescribed != 0.0 else 0.0
+        add_held_works(d, x, q, start1, w.prescribed, h, phi)
     else:
         add_moving_works(d, x, w, start1, momentum)
         add_link_losses(d, x, w)

@@ -66,10 +66,10 @@ def set_equations(d, w, h, i, carried):
             w.corner[base + j] += w.shaft[base + j]
     if d.by_torque == 0.0:
         return
-    bend = second_derivative_of_b(d, w.stage_q[i])
+    second_derivative = second_derivative_of_b(d, w.stage_q[i])
     phi = d.J1 + inertia + k * (2.0 * b + k * g)
     r1 = (i1 * omega1 + b1 * rate_q) * rate_q + d.b1 * omega1 + r2
-    r1_q = (i2 * omega1 + bend * rate_q) * rate_q + r2_q
+    r1_q = (i2 * omega1 + second_derivative * rate_q) * rate_q + r2_q
     r1_rate = i1 * omega1 + 2.0 * b1 * rate_q + r2_rate
     r2_speed = -k * i1 * omega1
     r1_speed = i1 * rate_q + d.b1 + r2_speed
@@ -86,7 +86,7 @@ def set_equations(d, w, h, i, carried):
     w.jacobian[base + i] += phi
     w.columns[columns + i] -= coupling
     w.lower[base + i] -= coupling
-    w.columns[columns + STAGES] = phi * rate1 - coupling * rate2 - w.given + r1
+    w.columns[columns + STAGES] = phi * rate1 - coupling * rate2 - w.prescribed + r1
 
 
 def eliminate_link1(w):
@@ -158,7 +158,7 @@ def solve_links(d, x, w, h, carried):
         if update <= LAST_UPDATE * largest:
             compute_speeds(d, x, w, h)
             return True
-    guess_rates(w, w.given if d.by_torque == 0.0 else 0.0, 0.0)
+    guess_rates(w, w.prescribed if d.by_torque == 0.0 else 0.0, 0.0)
     return False
 
 

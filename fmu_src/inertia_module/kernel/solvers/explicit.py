@@ -11,7 +11,7 @@ from ..codes import DRIVING, EXPLICIT, HELD, LINK2, NONE
 from ..contact import is_held
 from ..guards import instant, is_guarded, keep_motion
 from ..links import angular_momentum, response
-from ..loads import INSIDE_PHASE, see
+from ..loads import INSIDE_PHASE, sample_load
 from ..output_shaft import coast, meet, pass_while_held, stop, time_to_stop
 from ..shaft import carried_by_link2
 from ..works import add_explicit_works, add_output_square, add_viscous_losses
@@ -56,7 +56,7 @@ def longest_step(d, x, w, remaining):
     scale = d.harmonic * d.k
     slip = abs(x.omega1 - x.omega2)
     if d.by_torque == 0.0:
-        slip = max(slip, abs(x.omega1 + w.given * step - x.omega2))
+        slip = max(slip, abs(x.omega1 + w.prescribed * step - x.omega2))
     if scale * slip * step > phase:
         step = phase / (scale * slip)
     # under its torque a drive at rest has no phase but what it is accelerated to
@@ -69,7 +69,7 @@ def longest_step(d, x, w, remaining):
 def set_changes(d, w):
     """Changes of q and of both speeds over the step in hand, from its stages."""
     w.change_q = w.step * step_mean(w, w.rate_q)
-    w.change1 = w.step * (step_mean(w, w.rate_omega1) if d.by_torque != 0.0 else w.given)
+    w.change1 = w.step * (step_mean(w, w.rate_omega1) if d.by_torque != 0.0 else w.prescribed)
     w.change2 = w.step * step_mean(w, w.rate_omega2)
 
 
@@ -89,10 +89,10 @@ def step_error(d, x, w):
     if d.by_torque != 0.0:
         others = w.rate_omega1
         allowed = tolerance * max(response(d, d.J1) * fastest, abs(w.change1))
-    elif w.given != 0.0:
+    elif w.prescribed != 0.0:
         # alpha1 times the integral of P is work, to be compared with the energy at these speeds
         inertia = (d.F_by_alpha1 + 0.5 * d.F_by_speed) / d.k + d.J1 + d.J2
-        allowed = tolerance * inertia * fastest * fastest / abs(w.given)
+        allowed = tolerance * inertia * fastest * fastest / abs(w.prescribed)
     if w.short != 0.0:
         return short_error_norm(w, tolerance, allowed2, others, allowed), fastest
     return error_norm(w, tolerance, allowed2, others, allowed), fastest
@@ -165,12 +165,12 @@ def see_inside(d, x, w, sigma):
     inside = 0.0 <= sigma < NODES[SEEN]
     if w.short != 0.0 or inside or d.harmonic * abs(w.change_q) < INSIDE_PHASE:
         return
-    omega1 = x.omega1 + NODES[SEEN] * w.step * w.given
+    omega1 = x.omega1 + NODES[SEEN] * w.step * w.prescribed
     if d.by_torque != 0.0:
         omega1 = w.integrand[SEEN]
     alpha1 = w.rate_omega1[SEEN]
     q = x.q + w.step * sum_9(w.rate_q)
-    see(d, x, q, omega1, omega1 - w.rate_q[SEEN] / d.k, alpha1, w.rate_omega2[SEEN])
+    sample_load(d, x, q, omega1, omega1 - w.rate_q[SEEN] / d.k, alpha1, w.rate_omega2[SEEN])
 
 
 def commit(d, x, w, passed, sigma, which):
@@ -183,10 +183,10 @@ def commit(d, x, w, passed, sigma, which):
     if sigma >= 0.0:
         change_q = dense_change(w.dense_q, sigma)
         change2 = dense_change(w.dense_omega2, sigma)
-        change1 = dense_change(w.dense_omega1, sigma) if d.by_torque != 0.0 else w.given * passed
+        change1 = dense_change(w.dense_omega1, sigma) if d.by_torque != 0.0 else w.prescribed * passed
     see_inside(d, x, w, sigma)
     integrated = 0.0
-    if d.by_torque != 0.0 or w.given != 0.0:
+    if d.by_torque != 0.0 or w.prescribed != 0.0:
         integrated = integral(w, w.integrand, sigma)
     if x.mode == DRIVING:
         add_output_square(d, x, w, sigma)
@@ -195,7 +195,7 @@ def commit(d, x, w, passed, sigma, which):
     x.q, x.q_low = add(x.q, x.q_low, change_q)
     wrap_drive_angle(d, x)
     x.omega1, x.omega1_low = add(x.omega1, x.omega1_low, change1)
-    turned1 = passed * (start1 + 0.5 * w.given * passed)
+    turned1 = passed * (start1 + 0.5 * w.prescribed * passed)
     if d.by_torque != 0.0:
         turned1 = integrated
         x.theta1, x.theta1_low = add(x.theta1, x.theta1_low, turned1)
@@ -230,11 +230,11 @@ def advance_explicit(d, x, w, remaining):
     stopping = time_to_stop(d, x, w.load, remaining) if x.mode == HELD else -1.0
     if stopping >= 0.0:
         remaining = stopping
-    if x.known == 0.0:
+    if x.rates_cached == 0.0:
         keep_motion(x, instant(d, x, w, x.q, x.omega1, x.omega2))
     begin = (x.rate1, x.rate2, x.jerk2, x.free, x.free_rate, x.momentum, x.motion_energy)
     keep_stage(d, w, 0, x.omega1, x.omega2, begin[0], begin[1], begin[5])
-    see(d, x, x.q, x.omega1, x.omega2, begin[0], begin[1])
+    sample_load(d, x, x.q, x.omega1, x.omega2, begin[0], begin[1])
     limit = longest_step(d, x, w, remaining)
     done = False
     end = begin

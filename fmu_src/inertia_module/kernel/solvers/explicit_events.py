@@ -4,7 +4,7 @@ import math
 
 from ..codes import DRIVING, NONE, OUTPUT
 from ..contact import TORQUE_ROUNDING, is_held
-from ..guards import bend_inside, guard, is_guarded
+from ..guards import fourth_bound_inside, guard, is_guarded
 from ..links import response, torque_scale
 from ..search import first_crossing, is_surely_positive
 from .explicit_stages import fit_inside
@@ -26,7 +26,7 @@ def advance_of_phase(d, x, w):
 def torque_bound(d, x, w, fastest):
     """Upper bound of the torques in the step in hand, N m."""
     rate_q = d.k * fastest if is_held(x) else 2.0 * d.k * fastest
-    return torque_scale(d, fastest, x.rate1, rate_q, w.given) + abs(w.load)
+    return torque_scale(d, fastest, x.rate1, rate_q, w.prescribed) + abs(w.load)
 
 
 def is_quiet(d, x, w, which, begin, end):
@@ -39,16 +39,16 @@ def is_quiet(d, x, w, which, begin, end):
     # the fourth derivative by the cubic's second and third, as of a harmonic that advances by this phase
     phase = advance_of_phase(d, x, w)
     third = abs(12.0 * (value0 - value1) + 6.0 * (rate0 + rate1))
-    bend = phase * (third + phase * abs(rate1 - rate0))
-    return is_surely_positive(max(value0, 0.0), rate0, value1, rate1, 1.0, bend)
+    fourth_bound = phase * (third + phase * abs(rate1 - rate0))
+    return is_surely_positive(max(value0, 0.0), rate0, value1, rate1, 1.0, fourth_bound)
 
 
-def zero_of(d, x, w, which, fastest):
+def guard_tolerance(d, x, w, which, fastest):
     """Threshold below which a guard counts as crossed."""
     if is_held(x) or (which == OUTPUT and x.mode == DRIVING):
         return TORQUE_ROUNDING * torque_bound(d, x, w, fastest)
-    taken = max(abs(x.omega2), max(abs(x.omega2 + w.change2), abs(x.omega3)))
-    return VELOCITY_ROUNDING * max(response(d, d.J2 + w.carried) * fastest, taken)
+    fastest_output = max(abs(x.omega2), max(abs(x.omega2 + w.change2), abs(x.omega3)))
+    return VELOCITY_ROUNDING * max(response(d, d.J2 + w.carried) * fastest, fastest_output)
 
 
 def first_event(d, x, w, fastest, begin, end):
@@ -74,8 +74,10 @@ def first_event(d, x, w, fastest, begin, end):
         if not inside:
             fit_inside(d, x, w)
             inside = True
-        bend = bend_inside(d, x, w, number, scale, phase)
-        sigma = first_crossing(d, x, w, number, zero_of(d, x, w, number, fastest), bend, looks)
+        fourth_bound = fourth_bound_inside(d, x, w, number, scale, phase)
+        sigma = first_crossing(
+            d, x, w, number, guard_tolerance(d, x, w, number, fastest), fourth_bound, looks
+        )
         if sigma > 0.0 and (earliest < 0.0 or sigma < earliest):
             earliest = sigma
             which = number

@@ -39,14 +39,14 @@ def keep_stage(d, w, n, omega1, omega2, alpha1, alpha2, momentum):
 def evaluate(d, x, w, n, node, mean_q, mean1, mean2):
     """Rates at stage n, at this fraction of the step in hand, from weighted rates of the stages before."""
     h = w.step
-    omega1 = x.omega1 + h * (mean1 if d.by_torque != 0.0 else node * w.given)
+    omega1 = x.omega1 + h * (mean1 if d.by_torque != 0.0 else node * w.prescribed)
     omega2 = x.omega2 + h * mean2
     alpha1, alpha2, momentum = accelerations(
         d,
         x.q + h * mean_q,
         omega1,
         omega2,
-        w.given,
+        w.prescribed,
         is_held(x),
         w.carried,
         w.carried_friction,

@@ -19,7 +19,7 @@ def find_drags(d, x, w, held, joined, h):
     w.over_gain = h * d.output_drag_viscous
     drag = h * d.output_drag
     braking = w.hub_load + w.hub_gain * x.omega3 + drag + w.over_gain * (x.omega3 - x.omega2)
-    mean3 = x.omega3 - w.late * braking / (d.J3 + w.late * w.hub_gain)
+    mean3 = x.omega3 - w.theta * braking / (d.J3 + w.theta * w.hub_gain)
     w.over_load = drag + w.over_gain * mean3
 
 

@@ -1,4 +1,4 @@
-"""Link 2 held and the speed of link 1 given: the motion is known, only the moment of release has to be found.
+"""Link 2 held, the speed of link 1 prescribed: the motion is known, only the release has to be found.
 
 With omega2 = 0 the drive angle is q + k (omega1 t + alpha1 t^2 / 2) and link 1 has one degree of freedom of
 inertia
@@ -10,9 +10,9 @@ import math
 from ..accumulate import add, wrap_drive_angle
 from ..codes import CLOSED_FORM, HELD, LINK2
 from ..contact import TORQUE_ROUNDING
-from ..guards import held_bend, keep_motion, threshold
+from ..guards import held_fourth_bound, keep_motion, threshold
 from ..links import torque_scale
-from ..loads import see
+from ..loads import sample_load
 from ..output_shaft import pass_while_held, stop, time_to_stop
 from ..search import first_crossing
 from ..works import add_held_works, held_angle, inertia_integral
@@ -30,7 +30,7 @@ def advance_held(d, x, w, remaining):
         (time passed, whether the contact mode may change then).
     """
     omega1 = x.omega1
-    alpha1 = w.given
+    alpha1 = w.prescribed
     w.solver = CLOSED_FORM
     stopping = time_to_stop(d, x, w.load, remaining) if x.mode == HELD else -1.0
     h = stopping if stopping >= 0.0 else remaining
@@ -49,7 +49,7 @@ def advance_held(d, x, w, remaining):
         fastest = max(abs(omega1), abs(omega1 + alpha1 * h))
         scale = torque_scale(d, fastest, alpha1, d.k * fastest, 0.0)
         zero = TORQUE_ROUNDING * (scale + abs(threshold(x, w)))
-        sigma = first_crossing(d, x, w, LINK2, zero, held_bend(d, x, w, scale), looks)
+        sigma = first_crossing(d, x, w, LINK2, zero, held_fourth_bound(d, x, w, scale), looks)
         if sigma > 0.0:
             released = True
             looks = max(1, int(math.ceil(sigma * looks)))
@@ -60,7 +60,7 @@ def advance_held(d, x, w, remaining):
                 phi += inertia_integral(d, x, x.q, omega1, alpha1, h * n / looks, h * (n + 1) / looks)
         for n in range(2 * looks):
             t = h * n / (2 * looks)
-            see(d, x, held_angle(d, x.q, omega1, alpha1, t), omega1 + alpha1 * t, 0.0, alpha1, 0.0)
+            sample_load(d, x, held_angle(d, x.q, omega1, alpha1, t), omega1 + alpha1 * t, 0.0, alpha1, 0.0)
         energy = add_held_works(d, x, x.q, omega1, alpha1, h, phi)
         x.q, x.q_low = add(x.q, x.q_low, d.k * h * (omega1 + 0.5 * alpha1 * h))
         wrap_drive_angle(d, x)

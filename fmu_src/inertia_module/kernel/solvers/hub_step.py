@@ -15,13 +15,14 @@ def load_hub(d, x, w, held, joined, h):
 
     The mean relative speed behind it is relative_load + relative_gain u. Where the step does not resolve the
     shaft its torque is that of the twist at the end. A light hub that turns freely then ends at its mean
-    speed (w.late), but where not even link 2 with the hub is heavy enough it meets the driven mass (w.stiff).
+    speed (w.theta), but where not even link 2 with the hub is heavy enough it meets the driven mass
+    (w.stiff).
     """
     w.hub_load = w.load * h
     w.hub_gain = d.b3 * h
     w.stiff = 0.0
     # one that friction stops within the step does not turn back
-    w.late = 0.5 if w.hub_gain < 2.0 * d.J3 else 1.0
+    w.theta = 0.5 if w.hub_gain < 2.0 * d.J3 else 1.0
     if d.elastic == 0.0:
         return
     damping = d.damping + d.stiffness * h
@@ -30,7 +31,7 @@ def load_hub(d, x, w, held, joined, h):
     if pull * (together + d.J4) > RESOLVED * together * d.J4:
         w.stiff = 1.0
     elif not joined and pull * (d.J3 + d.J4) > RESOLVED * d.J3 * d.J4:
-        w.late = 1.0
+        w.theta = 1.0
     else:
         damping -= 0.5 * d.stiffness * h
     free = 2.0 * d.J4 * (1.0 - d.balancer)
@@ -56,7 +57,7 @@ def turn_shaft(d, x, w, end3, h):
     """The hub to its end speed, with twist, driven mass and works of the shaft behind it."""
     mean4 = w.mean3
     if d.viscous != 0.0:
-        lost = w.rubbed + h * d.b3 * w.mean3 * w.mean3
+        lost = w.friction_work + h * d.b3 * w.mean3 * w.mean3
         add_loss(x, VISCOUS, lost)
     if d.elastic != 0.0:
         mean4 -= w.mean_relative

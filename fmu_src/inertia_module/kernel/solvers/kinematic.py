@@ -6,7 +6,7 @@ from ..accumulate import add, add_loss, wrap_input_angle
 from ..codes import FREEWHEEL, JOURNAL, MESH, VISCOUS
 from ..general.prescribed import prescribed_torques
 from ..links import friction_power, torques
-from ..loads import see
+from ..loads import sample_load
 from ..works import GAUSS_NODE_1, GAUSS_NODE_2, GAUSS_WEIGHT_1, GAUSS_WEIGHT_2, GAUSS_WEIGHT_3
 
 # phase of the highest harmonic within one Gauss interval, rad
@@ -112,7 +112,7 @@ def advance_kinematic(d, x, ratio, omega1, alpha1, remaining):
     add_node(d, x, ratio, omega1, alpha1, 0.5 * h, GAUSS_WEIGHT_3 * h)
     add_node(d, x, ratio, omega1, alpha1, h - GAUSS_NODE_2 * h, GAUSS_WEIGHT_2 * h)
     add_node(d, x, ratio, omega1, alpha1, h - GAUSS_NODE_1 * h, GAUSS_WEIGHT_1 * h)
-    see(d, x, x.q, omega1, ratio * omega1, alpha1, ratio * alpha1)
+    sample_load(d, x, x.q, omega1, ratio * omega1, alpha1, ratio * alpha1)
     turned1 = h * (omega1 + 0.5 * alpha1 * h)
     if d.general != 0.0:
         x.theta1, x.theta1_low = add(x.theta1, x.theta1_low, turned1)

@@ -11,18 +11,18 @@ from ..links import friction_power, inertia_of_link1, slip_inertia
 SMALLEST_DIFFERENCE = 1e-8
 
 
-def move_links(d, x, w, carried, load, gain, given, h):
+def move_links(d, x, w, carried, load, gain, prescribed, h):
     """Links 1 and 2 over the step, link 2 against the impulse load + gain u, u its mean speed.
 
     Writes w.end1, end2, new_slip_angle, angle1 (of link 1), impulse1 and work1 (of the input torque), taken
-    (the impulse of the load), rubbed (the work of the links' friction) and reached: whether the energy
+    (the impulse of the load), friction_work (the work of the links' friction) and reached: whether the energy
     suffices to come to where the step is to end. Besides the load w.rub, N m s, resists the mean slip, and
     weights w.weight1 and w.weight_slip, N m, the angles of link 1 and of the slip.
     With w.straight the energy is not looked at, so that all is linear in w.rub.
 
     Args:
         carried: inertia that link 2 carries, kg m^2.
-        given: change of omega1, rad/s, or impulse of the input torque, N m s.
+        prescribed: change of omega1, rad/s, or impulse of the input torque, N m s.
     """
     slip = x.omega1 - x.omega2
     total, coupling, inertia = slip_inertia(d, x.i, x.b, x.g, carried)
@@ -37,10 +37,10 @@ def move_links(d, x, w, carried, load, gain, given, h):
     y = x.omega1
     share = 1.0
     end_rate = 0.0
-    speed = y + 0.5 * given
+    speed = y + 0.5 * prescribed
     force = 0.5 * y
     change = d.k * d.k * (w.end_g - x.g)
-    driven = given - by_torque * h * w.weight1
+    driven = prescribed - by_torque * h * w.weight1
     if by_torque != 0.0:
         y = total * (x.omega1 - coupling * slip)
         share -= mean_coupling
@@ -90,27 +90,27 @@ def move_links(d, x, w, carried, load, gain, given, h):
     w.new_slip_angle = h * turned
     mean1 += answer1 * turned
     mean2 = mean1 - turned
-    w.taken = load + gain * mean2
-    w.rubbed = h * friction_power(d, mean1, mean2, d.b2)
-    resisted = w.taken + h * (d.b1 * mean1 + d.b2 * mean2)
+    w.load_impulse = load + gain * mean2
+    w.friction_work = h * friction_power(d, mean1, mean2, d.b2)
+    resisted = w.load_impulse + h * (d.b1 * mean1 + d.b2 * mean2)
     if by_torque != 0.0:
         end_y = y + driven - resisted
         w.end1 = 2.0 * end_rate * end_y + end_coupling * end_slip
         w.angle1 = h * mean1
-        w.work1 = given / h * w.angle1
+        w.work1 = prescribed / h * w.angle1
     else:
         w.end1 = end_y
         w.angle1 = h * speed
         kept = mean_coupling * change_slip - d.k * (w.end_b - x.b) * (slip + 0.5 * change_slip)
-        w.impulse1 = 0.5 * (total + end_total) * given + (w.end_i - x.i) * speed - kept + resisted
+        w.impulse1 = 0.5 * (total + end_total) * prescribed + (w.end_i - x.i) * speed - kept + resisted
         w.impulse1 += h * w.weight1
         missing = mean_coupling * turned - 0.5 * (coupling * slip + end_coupling * end_slip)
-        w.work1 = speed * w.impulse1 + given * missing
+        w.work1 = speed * w.impulse1 + prescribed * missing
     w.end2 = x.omega2 + ((w.end1 - x.omega1) - change_slip)
     w.weighing = w.weight1 * w.angle1 + w.weight_slip * w.slip_angle
 
 
-def turn_link1(d, x, w, given, h):
+def turn_link1(d, x, w, prescribed, h):
     """Step of link 1 with link 2 held: link 1 turns the inertia Phi."""
     inertia = inertia_of_link1(d, x.i, x.b, x.g)
     end_inertia = inertia_of_link1(d, w.end_i, w.end_b, w.end_g)
@@ -123,18 +123,20 @@ def turn_link1(d, x, w, given, h):
         end_root = math.sqrt(end_inertia)
         twice = math.sqrt(inertia) + end_root
         slowed = 2.0 * friction / (twice * twice)
-        end = (start * (1.0 - slowed) + 2.0 * (given - against) / twice) / (1.0 + slowed)
+        end = (start * (1.0 - slowed) + 2.0 * (prescribed - against) / twice) / (1.0 + slowed)
         w.end1 = end / end_root
         w.angle1 = h * (start + end) / twice
-        w.work1 = given / h * w.angle1
+        w.work1 = prescribed / h * w.angle1
     else:
-        w.end1 = x.omega1 + given
-        w.angle1 = h * (x.omega1 + 0.5 * given)
-        w.impulse1 = 0.5 * (end_inertia * w.end1 - inertia * x.omega1 + 0.5 * (inertia + end_inertia) * given)
+        w.end1 = x.omega1 + prescribed
+        w.angle1 = h * (x.omega1 + 0.5 * prescribed)
+        w.impulse1 = 0.5 * (
+            end_inertia * w.end1 - inertia * x.omega1 + 0.5 * (inertia + end_inertia) * prescribed
+        )
         w.impulse1 += friction * w.angle1 / h + against
         w.work1 = 0.5 * (end_inertia * w.end1 * w.end1 - inertia * x.omega1 * x.omega1)
         w.work1 += friction * w.angle1 * w.angle1 / (h * h)
         w.work1 += against * w.angle1 / h + w.weight_slip * (w.slip_angle - w.angle1)
-    w.rubbed = h * friction_power(d, w.angle1 / h, 0.0, 0.0)
+    w.friction_work = h * friction_power(d, w.angle1 / h, 0.0, 0.0)
     w.new_slip_angle = w.foreseen = w.angle1
     w.weighing = (w.weight1 + w.weight_slip) * w.angle1

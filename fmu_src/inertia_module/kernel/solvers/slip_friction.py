@@ -25,13 +25,13 @@ def load_satellites(d, x, w, h):
     )
 
 
-def move_rubbing(d, x, w, held, carried, load, gain, given, h, rub):
+def move_rubbing(d, x, w, held, carried, load, gain, prescribed, h, rub):
     """Links 1 and 2 over the step against this impulse on their slip, N m s (see link_step)."""
     w.rub = rub
     if held:
-        turn_link1(d, x, w, given, h)
+        turn_link1(d, x, w, prescribed, h)
     else:
-        move_links(d, x, w, carried, load, gain, given, h)
+        move_links(d, x, w, carried, load, gain, prescribed, h)
 
 
 def mesh_impulse(d, x, w, h):
@@ -53,14 +53,14 @@ def solve_friction(base, by_base, loss, mesh, by_mesh):
     return 1e300
 
 
-def move_with_friction(d, x, w, held, carried, load, gain, given, h):
+def move_with_friction(d, x, w, held, carried, load, gain, prescribed, h):
     """Links 1 and 2 over the step; their friction, solved for, goes into w.lost_mesh and w.lost_journal.
 
     All it depends on is linear in it but for signs, so two steps tell it, and a third is made with it.
     """
-    w.lost_mesh = w.lost_journal = w.stuck = 0.0
+    w.lost_mesh = w.lost_journal = w.slip_stopped = 0.0
     w.straight = 1.0
-    move_rubbing(d, x, w, held, carried, load, gain, given, h, 0.0)
+    move_rubbing(d, x, w, held, carried, load, gain, prescribed, h, 0.0)
     k = d.k
     slip = x.omega1 - x.omega2
     end_slip, mean, end1 = w.end1 - w.end2, w.new_slip_angle / h, w.end1
@@ -68,7 +68,7 @@ def move_with_friction(d, x, w, held, carried, load, gain, given, h):
     # the change by an impulse that is about enough to stop the slip, or any
     speed = abs(slip) + abs(end_slip)
     trial = (d.J2 + carried + k * k * x.g) * (speed if speed > 0.0 else 1.0)
-    move_rubbing(d, x, w, held, carried, load, gain, given, h, trial)
+    move_rubbing(d, x, w, held, carried, load, gain, prescribed, h, trial)
     by_end = (end_slip - (w.end1 - w.end2)) / trial
     by_mean = (mean - w.new_slip_angle / h) / trial
     by_end1 = (w.end1 - end1) / trial
@@ -84,12 +84,12 @@ def move_with_friction(d, x, w, held, carried, load, gain, given, h):
     friction = solve_friction(journals + k * spun, k * way * by_spun, d.mesh_loss, mesh, way * by_mesh)
     rub = way * min(friction, most)
     w.straight = 0.0
-    move_rubbing(d, x, w, held, carried, load, gain, given, h, rub)
+    move_rubbing(d, x, w, held, carried, load, gain, prescribed, h, rub)
     if rub * w.new_slip_angle < 0.0:
         rub = 0.0
-        move_rubbing(d, x, w, held, carried, load, gain, given, h, rub)
+        move_rubbing(d, x, w, held, carried, load, gain, prescribed, h, rub)
     if friction >= most and abs(w.end1 - w.end2) <= STOPPED * (abs(slip) + abs(w.end1)):
-        w.stuck = 1.0
+        w.slip_stopped = 1.0
         w.end2 = w.end1
         if slip == 0.0:
             w.new_slip_angle = w.foreseen = 0.0

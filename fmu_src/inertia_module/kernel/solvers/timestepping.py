@@ -56,7 +56,7 @@ def end_at(x, w, part):
     w.slip_angle = part * w.far_angle
 
 
-def follow(d, x, w, held, joined, given, h):
+def follow(d, x, w, held, joined, prescribed, h):
     """Follow all over the step with link 2 held or not, joined with the hub or not.
 
     Returns:
@@ -73,22 +73,22 @@ def follow(d, x, w, held, joined, given, h):
         load += w.hub_load
         gain += w.hub_gain
     if d.general != 0.0 and is_rough(d):
-        move_with_friction(d, x, w, held, carried, load, gain, given, h)
+        move_with_friction(d, x, w, held, carried, load, gain, prescribed, h)
     elif held:
-        turn_link1(d, x, w, given, h)
+        turn_link1(d, x, w, prescribed, h)
     else:
-        move_links(d, x, w, carried, load, gain, given, h)
+        move_links(d, x, w, carried, load, gain, prescribed, h)
     if d.general != 0.0:
         take_drags(w, held, h)
     if joined:
         w.end3 = w.end2
         w.mean3 = 0.0 if held else (w.angle1 - w.new_slip_angle) / h
-        w.pushed = w.hub_load if held else d.J3 * (w.end3 - x.omega3) + (w.taken - w.drag)
+        w.contact_impulse = w.hub_load if held else d.J3 * (w.end3 - x.omega3) + (w.load_impulse - w.drag)
     else:
-        w.pushed = -w.overrun
+        w.contact_impulse = -w.overrun
         braking = w.hub_load + w.hub_gain * x.omega3 + w.overrun
-        w.end3 = x.omega3 - braking / (d.J3 + w.late * w.hub_gain)
-        w.mean3 = x.omega3 + w.late * (w.end3 - x.omega3)
+        w.end3 = x.omega3 - braking / (d.J3 + w.theta * w.hub_gain)
+        w.mean3 = x.omega3 + w.theta * (w.end3 - x.omega3)
     if d.general != 0.0:
         lose_by_drag(w, held, h)
     inertia3 = d.J3
@@ -99,7 +99,7 @@ def follow(d, x, w, held, joined, given, h):
             mass3 = w.omega4 + d.balancer * (w.end3 - w.seen3)
             w.end3 += d.J4 * (mass3 - w.end3) / inertia3
     inertia2 = inertia_of_link2(d, w.end_i, w.end_b, w.end_g)
-    push = w.pushed + w.holding
+    push = w.contact_impulse + w.holding
     if push > 0.0 and d.output != 0.0:
         # it is the impulse over the whole step that must not pull, but for the drag
         back = 0.0 if held else push / inertia2
@@ -107,31 +107,31 @@ def follow(d, x, w, held, joined, given, h):
         if mode == DRIVING or mode == HELD_DRIVING:
             return end2, end3, output - w.holding, mode
     end2, end3, output, mode = settle(d, inertia2, w.end2, inertia3, w.end3)
-    return end2, end3, output + w.pushed, mode
+    return end2, end3, output + w.contact_impulse, mode
 
 
-def follow_contacts(d, x, w, given, h):
+def follow_contacts(d, x, w, prescribed, h):
     """A step with contacts as below; without drag in a step that would turn back against it."""
-    end2, end3, output, mode = follow_closed(d, x, w, given, h)
+    end2, end3, output, mode = follow_closed(d, x, w, prescribed, h)
     if w.reversed != 0.0:
         w.dragging = 0.0
-        end2, end3, output, mode = follow_closed(d, x, w, given, h)
+        end2, end3, output, mode = follow_closed(d, x, w, prescribed, h)
         w.dragging = d.general
     return end2, end3, output, mode
 
 
-def follow_closed(d, x, w, given, h):
+def follow_closed(d, x, w, prescribed, h):
     """A step in which a closed freewheel stays closed unless the contact force is negative."""
     always = d.output == 0.0
     joined = always or x.omega3 == x.omega2
-    end2, end3, output, mode = follow(d, x, w, False, joined, given, h)
-    if joined and not always and w.pushed + w.holding <= 0.0:
-        end2, end3, output, mode = follow(d, x, w, False, False, given, h)
+    end2, end3, output, mode = follow(d, x, w, False, joined, prescribed, h)
+    if joined and not always and w.contact_impulse + w.holding <= 0.0:
+        end2, end3, output, mode = follow(d, x, w, False, False, prescribed, h)
     if d.housing != 0.0 and x.omega2 == 0.0 and (mode == HELD or mode == HELD_DRIVING):
         joined = always or (x.omega3 == 0.0 and mode == HELD_DRIVING)
-        end2, end3, output, mode = follow(d, x, w, True, joined, given, h)
-        if joined and not always and w.pushed + w.holding < 0.0:
-            end2, end3, output, mode = follow(d, x, w, True, False, given, h)
+        end2, end3, output, mode = follow(d, x, w, True, joined, prescribed, h)
+        if joined and not always and w.contact_impulse + w.holding < 0.0:
+            end2, end3, output, mode = follow(d, x, w, True, False, prescribed, h)
     return end2, end3, output, mode
 
 
@@ -144,7 +144,7 @@ def share_until_closed(d, x, w, mode):
     return 1.0
 
 
-def close_within(d, x, w, given, h, share, held):
+def close_within(d, x, w, prescribed, h, share, held):
     """Go the step in two, parted where a freewheel closes and holds link 2 or joins it with the hub.
 
     No part makes energy with any inertia between, so nothing is evaluated there. Returns whether it went.
@@ -160,7 +160,7 @@ def close_within(d, x, w, given, h, share, held):
         if not (0.0 < part < 1.0 and SHORTEST < share < 1.0):
             return False
         end_at(x, w, part)
-        end2, end3, output, mode = follow(d, x, w, False, False, share * given, share * h)
+        end2, end3, output, mode = follow(d, x, w, False, False, share * prescribed, share * h)
         gap = x.omega2 if held else x.omega3 - x.omega2
         left = w.end2 if held else w.end3 - w.end2
         if n < 2 and gap > left:
@@ -173,7 +173,7 @@ def close_within(d, x, w, given, h, share, held):
     end_at(x, w, 1.0)
     w.slip_angle = (1.0 - part) * angle
     rest = 1.0 - share
-    end2, end3, output, mode = follow_contacts(d, x, w, rest * given, rest * h)
+    end2, end3, output, mode = follow_contacts(d, x, w, rest * prescribed, rest * h)
     if w.reached == 0.0:
         copy(x.numbers, w.part.numbers)
         w.weighed = 0.0
@@ -199,7 +199,7 @@ def add_general(d, x, w, end2, output, h):
 
 def finish(d, x, w, end2, end3, output, mode, h):
     """Take over what the step, or a part of it, ends with."""
-    if w.stuck != 0.0 and abs(end2 - w.end1) <= STOPPED * abs(w.end1):
+    if w.slip_stopped != 0.0 and abs(end2 - w.end1) <= STOPPED * abs(w.end1):
         if end3 == end2:
             end3 = w.end1
         end2 = w.end1
@@ -231,17 +231,17 @@ def finish(d, x, w, end2, end3, output, mode, h):
         x.step_switches += 1.0
 
 
-def one_step(d, x, w, given, load, h):
+def one_step(d, x, w, prescribed, load, h):
     """One fixed step.
 
     Args:
-        given: change of omega1, rad/s, or impulse of the input torque, N m s. load: N m.
+        prescribed: change of omega1, rad/s, or impulse of the input torque, N m s. load: N m.
     """
     w.load = load
     falls = d.weight * d.by_torque != 0.0
     if falls:
         begin_fall(d, x, w)
-    move_all(d, x, w, given, h)
+    move_all(d, x, w, prescribed, h)
     if falls:
         end_fall(d, x, w)
 
@@ -249,39 +249,39 @@ def one_step(d, x, w, given, load, h):
 def clear_losses(d, w):
     """Nothing is known yet of losses and weights; ideal steps leave all of it so."""
     w.journals = w.spin = w.spin_by_alpha1 = w.spin_by_rate2 = w.weight1 = w.weight_slip = 0.0
-    w.rub = w.straight = w.stuck = w.reversed = w.lost_mesh = w.lost_journal = 0.0
+    w.rub = w.straight = w.slip_stopped = w.reversed = w.lost_mesh = w.lost_journal = 0.0
     w.drag_load = w.drag_gain = w.over_load = w.over_gain = w.holding = w.drag = w.overrun = 0.0
     w.dragging = d.general
 
 
-def move_all(d, x, w, given, h):
+def move_all(d, x, w, prescribed, h):
     """Follow the step to its end, in parts where a freewheel closes within it."""
     if d.general != 0.0:
         clear_losses(d, w)
-    w.far_angle1 = h * (x.omega1 if d.by_torque != 0.0 else x.omega1 + 0.5 * given)
+    w.far_angle1 = h * (x.omega1 if d.by_torque != 0.0 else x.omega1 + 0.5 * prescribed)
     slip = x.omega1 - x.omega2
-    look_ahead(d, x, w, h * (slip if d.by_torque != 0.0 else slip + 0.5 * given))
-    end2, end3, output, mode = follow_contacts(d, x, w, given, h)
+    look_ahead(d, x, w, h * (slip if d.by_torque != 0.0 else slip + 0.5 * prescribed))
+    end2, end3, output, mode = follow_contacts(d, x, w, prescribed, h)
     if d.general != 0.0 and d.journal + d.satellite_loss + d.weight > 0.0:
         for _ in range(LOADED):
             w.far_angle1 = w.angle1
             load_satellites(d, x, w, h)
             look_ahead(d, x, w, w.foreseen)
-            end2, end3, output, mode = follow_contacts(d, x, w, given, h)
+            end2, end3, output, mode = follow_contacts(d, x, w, prescribed, h)
     share = share_until_closed(d, x, w, mode)
     if share < 1.0:
-        if close_within(d, x, w, given, h, share, mode == HELD):
+        if close_within(d, x, w, prescribed, h, share, mode == HELD):
             return
         end_at(x, w, 1.0)
-        end2, end3, output, mode = follow_contacts(d, x, w, given, h)
+        end2, end3, output, mode = follow_contacts(d, x, w, prescribed, h)
     elif w.foreseen != w.far_angle:
         look_ahead(d, x, w, w.foreseen)
-        end2, end3, output, mode = follow_contacts(d, x, w, given, h)
+        end2, end3, output, mode = follow_contacts(d, x, w, prescribed, h)
     if w.reached == 0.0:
         # the drive stays where it is: there the energy always suffices
         end_at(x, w, 0.0)
         if d.weight != 0.0:
             w.far_angle = 0.0
             weigh(d, x, w)
-        end2, end3, output, mode = follow_contacts(d, x, w, given, h)
+        end2, end3, output, mode = follow_contacts(d, x, w, prescribed, h)
     finish(d, x, w, end2, end3, output, mode, h)
