@@ -197,9 +197,8 @@ WORKSPACE = (
     *(("stage_omega3", COLLOCATED), ("stage_relative", COLLOCATED), ("stage_shaft_torque", COLLOCATED)),
     *(("stage_output_torque", COLLOCATED), ("stage_release", COLLOCATED)),
     *(("right_side", COLLOCATED), ("shaft_right_side", COLLOCATED), ("update1", COLLOCATED)),
-    # ... equations of both links: of the first by the rates of omega2 with its right side, of the
-    # second by those
-    # of omega1 and of omega2
+    # ... equations of both links: of the first by the rates of omega2 with its right side, of the second by
+    # those of omega1 and of omega2
     *(("columns", MATRIX + COLLOCATED), ("lower", MATRIX), ("corner", MATRIX)),
     # ... polynomials of omega2, omega3 and the torque that a guard looks at
     *(

@@ -1,9 +1,8 @@
 """The guards of a contact mode, positive while it goes on, at an instant of the step in hand; rates are
 exact.
 
-held: what is left of the torque that F has to pass, Tc - F; free: omega2 and omega3 - omega2; driving:
-omega2 and
-the torque Tc. With an elastic output the hub or its shaft torque stands for the load.
+held: what is left of the torque that F has to pass, Tc - F; free: omega2 and omega3 - omega2; driving: omega2
+and the torque Tc. With an elastic output the hub or its shaft torque stands for the load.
 """
 
 from .codes import CLOSED_FORM, COLLOCATED, DRIVING, GENERAL, HELD_DRIVING, LINK2, OUTPUT

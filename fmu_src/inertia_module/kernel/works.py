@@ -1,12 +1,9 @@
 """Impulses and works of the torques over a step, its mean square and peak: in one place for all solvers.
 
-With the torque given its impulse is the torque times the time and its work the torque times the angle of
-link 1.
-With the speed given M1 - Tc + Th is the rate of the angular momentum P and Tc = J3 omega3' + load, so the
-impulses are
-exact in the end values, and so is the work while omega1 is constant. With a ramp alpha1 of it the work
-takes the
-integral of P as well: that of omega1 dP is omega1 P less alpha1 times it.
+With the torque given its impulse is the torque times the time and its work the torque times the angle of link
+1. With the speed given M1 - Tc + Th is the rate of the angular momentum P and Tc = J3 omega3' + load, so the
+impulses are exact in the end values, and so is the work while omega1 is constant. With a ramp alpha1 of it
+the work takes the integral of P as well: that of omega1 dP is omega1 P less alpha1 times it.
 """
 
 from .accumulate import add, add_loss

@@ -1,10 +1,8 @@
 """Coefficients of Dormand and Prince's pair 8(5,3): Hairer, Norsett and Wanner, section II.5 (DOP853).
 
-Stages 0 to 11, the end of the step (12), and three more for the inside (13 to 15). sum_n weighs the rates
-of the stages before stage n;
-sum_12 is the result. fifth and third weigh the errors of orders 5 and 3, dense_3 to dense_6 the last four
-coefficients
-of the interpolant of order 7.
+Stages 0 to 11, the end of the step (12), and three more for the inside (13 to 15). sum_n weighs the rates of
+the stages before stage n; sum_12 is the result. fifth and third weigh the errors of orders 5 and 3, dense_3
+to dense_6 the last four coefficients of the interpolant of order 7.
 """
 
 STAGES = 16

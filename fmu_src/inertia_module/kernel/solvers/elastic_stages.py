@@ -1,8 +1,8 @@
 """One collocation step with the elastic output: the stages in each contact mode.
 
 Unknown are the rates of omega1, omega2 and omega3 at the five stages; q follows from both links, the twist
-and the
-driven mass from omega3 (:mod:`.shaft_stages`). The equations are those of :mod:`..links`, by Newton's method,
+and the driven mass from omega3 (:mod:`.shaft_stages`). The equations are those of :mod:`..links`, by Newton's
+method,
 
     Phi alpha1 - N omega2' + R1 - M1 = 0
     (J2 + k^2 G + carried) omega2' - N alpha1 - R2 + b omega2 + Ts = 0

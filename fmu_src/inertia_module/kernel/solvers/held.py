@@ -1,8 +1,7 @@
 """Link 2 held, the speed of link 1 prescribed: the motion is known, only the release has to be found.
 
 With omega2 = 0 the drive angle is q + k (omega1 t + alpha1 t^2 / 2) and link 1 has one degree of freedom of
-inertia
-Phi(q) = J1 + I + 2 k B + k^2 G, so work and impulse of the input torque are exact.
+inertia Phi(q) = J1 + I + 2 k B + k^2 G, so work and impulse of the input torque are exact.
 """
 
 import math

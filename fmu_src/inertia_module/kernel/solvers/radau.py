@@ -1,10 +1,9 @@
 """Radau IIA method with five stages: order 9, L-stable, stiffly accurate, collocation of degree 5.
 
-Source: Hairer and Wanner, Solving Ordinary Differential Equations II, sections IV.5 and IV.8. ERROR
-belongs to the embedded formula of order 5 with the rate at the beginning weighted by GAMMA; LAGRANGE are
-the coefficients of the polynomials that are 1 at one node and 0 at the others, by ascending power. Matrices
-are kept
-row by row.
+Source: Hairer and Wanner, Solving Ordinary Differential Equations II, sections IV.5 and IV.8. ERROR belongs
+to the embedded formula of order 5 with the rate at the beginning weighted by GAMMA; LAGRANGE are the
+coefficients of the polynomials that are 1 at one node and 0 at the others, by ascending power. Matrices are
+kept row by row.
 """
 
 STAGES = 5
