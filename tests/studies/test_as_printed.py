@@ -8,14 +8,11 @@ from math import pi, sqrt
 
 import numpy as np
 import pytest
-from karetin_cases import geometry
 
-from studies.papers.forms import Forms, in_time, rate, vector
-from studies.papers.karetin import equations as karetin
-from studies.papers.karetin import exact, stop_mode
-from studies.papers.lysenko import equations as lysenko
-from studies.papers.stelmashchuk import equations as stelmashchuk
-from studies.papers.stelmashchuk.exact import Criteria, constants, response
+from studies.papers import karetin, lysenko, stelmashchuk
+from studies.papers.engine import Forms, in_time, rate, vector
+from studies.papers.karetin import Geometry, exact, stop_mode
+from studies.papers.stelmashchuk import REFERENCE, Criteria, constants, response
 
 
 def close(values):
@@ -25,6 +22,13 @@ def close(values):
 # --- Karetin ---
 
 DEGREE = pi / 180
+
+
+def geometry(**parameters):
+    """A geometry of simple numbers: phi = psi = 45 degrees, AD = QA = OQ = 1 m."""
+    return Geometry(**({"z17": 20, "z6": 20, "shaft_angle": pi / 2, "wheel_radius": 1.0} | parameters))
+
+
 D = {"x_D": 1.0, "y_D": 2.0, "z_D": 5.0}
 # phi = psi = 45 degrees, a = b = c = 1
 CONES = karetin.inputs(geometry(), stop_mode(1.0), 1.0)
@@ -260,7 +264,6 @@ def test_lysenkos_arm_14_lacks_a_term_even_for_the_direction_the_page_takes():
 # nu1 = sqrt(7) pi, hence nu0/chi = 1/(8 pi^2) = 1/nu^2 and nu0^2/chi = 1/2 ---
 
 CRITERIA, NU1 = Criteria(nu=math.sqrt(8.0) * pi, Pi=pi), math.sqrt(7.0) * pi
-REFERENCE = Criteria(8.0, 0.5)
 STELMASHCHUK = {
     "nu0": ({}, "nu0", 4 * pi**2),
     "chi": ({}, "chi", 32 * pi**4),
@@ -290,19 +293,18 @@ def test_stelmashchuk_5_without_the_particular_solution():
     # kappa = 1/2 with C1 = 2, C2 = 0: e^(-pi/2) (2 sin(nu1/2) (pi^2 - 7 pi^2) - 2 pi nu1 2 cos(nu1/2))
     sine, cosine = math.sin(NU1 / 2), math.cos(NU1 / 2)
     expected = math.exp(-pi / 2) * (-12 * pi**2 * sine - 4 * pi * NU1 * cosine)
-    assert float(stelmashchuk.free_acceleration(s, 0.5, (2.0, 0.0))) == pytest.approx(expected)
+    assert float(s.replaced(kappa=0.5, C=(2.0, 0.0)).free_acceleration) == pytest.approx(expected)
     # kappa = 0 with C1 = C2 = 1: (pi^2 - 7 pi^2) - 2 pi nu1; the part itself and its rate: C2, nu1 C1 - Pi C2
-    assert float(stelmashchuk.free_acceleration(s, 0.0, (1.0, 1.0))) == pytest.approx(
-        -6 * pi**2 - 2 * pi * NU1
-    )
+    found = float(s.replaced(kappa=0.0, C=(1.0, 1.0)).free_acceleration)
+    assert found == pytest.approx(-6 * pi**2 - 2 * pi * NU1)
     assert stelmashchuk.free_part(0.0, (3.0, 2.0), NU1, pi) == pytest.approx((2.0, 3 * NU1 - 2 * pi))
 
 
 def test_second_derivative_of_the_particular_solution_has_four_pi_squared():
     s = stelmashchuk.printed(CRITERIA, 1.0)
     # 2 pi nu0/chi = 1/(4 pi); kappa = 1/4: (1/(4 pi)) 4 pi^2; kappa = 0: -(1/(4 pi)) 4 pi^2 pi, right is -pi
-    assert float(stelmashchuk.particular_acceleration(s, 0.25)) == pytest.approx(pi)
-    assert float(stelmashchuk.particular_acceleration(s, 0.0)) == pytest.approx(-(pi**2))
+    assert float(s.replaced(kappa=0.25).particular_acceleration) == pytest.approx(pi)
+    assert float(s.replaced(kappa=0.0).particular_acceleration) == pytest.approx(-(pi**2))
     # kappa = 0: free part with C1 = -0.5/nu1: -2 pi nu1 C1 = pi, and R'' = -pi^2; the mass really starts at 0
     assert float(stelmashchuk.acceleration(s, 0.0)) == pytest.approx(pi - pi**2)
     assert float(response(0.0, CRITERIA, 1.0).acceleration) == 0.0
