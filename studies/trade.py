@@ -96,10 +96,10 @@ class Trajectory:
     drive_angle: Array
     omega2: Array
     omega_out: Array
-    switches: Array | None
     evaluations: int
     energy_residual: float | None
     wall_time: float
+    switches: Array | None = None
     impulse: Array | None = None
     energy_in: float | None = None
     number_of_switches: float = math.nan

@@ -21,7 +21,6 @@ class Multibody:
         self.gear = np.array(
             [{"drive": 1.0, "satellite": satellite_ratio(p)}.get(name.split()[0], 0.0) for name in names]
         )
-        self.offset = np.array([p["epsilon"] * (name.split()[0] == "satellite") for name in names])
 
     def prescribe(self, q, theta1, omega1, alpha1, omega2, alpha2):
         """Inverse dynamics of a motion of links 1 and 2: (M1, M2).
@@ -31,7 +30,7 @@ class Multibody:
         """
         k = ratio(self.p)
         data = self.data
-        data.qpos[:] = self.link1 * theta1 + self.gear * q + self.offset
+        data.qpos[:] = self.link1 * theta1 + self.gear * q
         data.qvel[:] = self.link1 * omega1 + self.link2 * omega2 + self.gear * k * (omega1 - omega2)
         data.qacc[:] = self.link1 * alpha1 + self.link2 * alpha2 + self.gear * k * (alpha1 - alpha2)
         mujoco.mj_inverse(self.model, data)
