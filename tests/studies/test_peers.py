@@ -68,6 +68,13 @@ def test_integrators_with_exact_events_follow_the_kernel_and_meet_the_same_event
     assert abs(found.energy_residual) < 1e-4
 
 
+def test_links_that_come_to_rest_together_do_so_exactly():
+    problem, state = integrators.Problem(CASES["R1"]), np.array([0.3, -1e-12, 1e-15])
+    problem.data[0][integrators.OUTPUT] = 1.0
+    problem.leave(state, integrators.HOUSING)
+    assert state.tolist() == [0.3, 0.0, 0.0]
+
+
 @both
 def test_a_tighter_tolerance_is_nearer_the_kernel_and_a_stiffer_clutch_slips_less(name):
     for errors in (
