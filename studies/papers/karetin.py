@@ -348,20 +348,11 @@ PRINTED, EXACT = tables(
 
 def inputs(g: Geometry, motion: Motion, t: Any) -> dict[str, Any]:
     """Mechanism and motion by the symbols of the paper, i = omega1/omega2 of (1), times."""
-    lengths = {
-        name: getattr(g, name) for name in ("s", "k", "phi", "psi", "AD", "QA", "OQ", "across", "height")
-    }
+    names = ("s", "k", "phi", "psi", "AD", "QA", "OQ", "across", "height")
+    known: dict[str, Any] = {**asdict(g), **motion._asdict(), "chi": g.shaft_angle, "t": t}
+    known |= {name: getattr(g, name) for name in names}
     i = motion.omega1 / motion.omega2 if motion.omega2 else np.inf
-    return {
-        **asdict(g),
-        **lengths,
-        **motion._asdict(),
-        "chi": g.shaft_angle,
-        "i": i,
-        "t": t,
-        "g": g,
-        "motion": motion,
-    }
+    return known | {"i": i, "g": g, "motion": motion}
 
 
 def exact(g: Geometry, motion: Motion, t: Any) -> Forms:
@@ -393,36 +384,29 @@ STOPPED, MOVING = over_period(GENERAL, STOP), over_period(GENERAL, DYNAMIC)
 STOPPED_IN_TIME, MOVING_IN_TIME = (exact(e.g, e.motion, in_time(e.t)) for e in (STOPPED, MOVING))
 
 
-def _angular_velocities() -> tuple[Any, ...]:
-    """Rates of the exact angles, whose quadrant does not count."""
-    x, y, z = STOPPED_IN_TIME.position
-    return rate(np.arctan(vector(y / x, y / z, z / x))), STOPPED.angular_velocities
-
-
 def _summed(name: str, e: Forms, as_of: Forms) -> Equation:
     """A sum of velocities in the frame that carries OQ against the rate of the exact place."""
     return Equation(name, lambda: (PRINTED[name](e), turned_x(rate(as_of.position), -e.theta)))
 
 
-def _coefficient_v() -> tuple[Any, ...]:
-    """Product v x_D, which (20) and (22) use: v itself has no largest value."""
-    x = MOVING.position_in_link1[0]
-    return PRINTED["v"](MOVING) * x, MOVING.v * x
-
-
-def _slope() -> tuple[Any, ...]:
-    """Angle of the slope: the slope has no largest value. The foot is as steep as OL."""
-    return np.arctan(MOVING.k1), np.arctan(MOVING.foot_L[1] / MOVING.foot_L[0])
+def _slopes(e: Forms) -> Any:
+    """Tangents of the angles (5), for which their quadrant does not count."""
+    return vector(e.y / e.x, e.y / e.z, e.z / e.x)
 
 
 SUM_IN_LINK1 = _summed("velocity_in_link1", STOPPED, STOPPED_IN_TIME)
 SPECIAL = {
-    "(6)": Equation("angular_velocities", _angular_velocities),
+    "(6)": Equation(
+        "angular_velocities",
+        lambda: (rate(np.arctan(_slopes(STOPPED_IN_TIME))), STOPPED.angular_velocities),
+    ),
     "(7)": SUM_IN_LINK1,
     "(17)": SUM_IN_LINK1,
-    "(21)": Equation("v", _coefficient_v),
+    # v has no largest value, v x_D, which (20) and (22) use, has one; so has the angle of the slope k1, as
+    # which the foot is as steep
+    "(21)": Equation("v", lambda: (PRINTED["v"](MOVING) * MOVING.x_D, MOVING.v * MOVING.x_D)),
     "(23)": _summed("sum_of_three", MOVING, MOVING_IN_TIME),
-    "(27)": Equation("k1", _slope),
+    "(27)": Equation("k1", lambda: (np.arctan(MOVING.k1), np.arctan(MOVING.foot_L[1] / MOVING.foot_L[0]))),
     "(32)": Equation("acceleration", lambda: (rate(MOVING_IN_TIME.velocity), MOVING.acceleration)),
 }
 NAMES = {number: row.name for row in ROWS for number in row.number.split(", ")}
@@ -502,7 +486,7 @@ def of_the_abstract() -> Iterator[tuple[str, Claim]]:
     others = replace(G, a=0.5), replace(G, b=0.5), replace(G, c=0.5)
     moved = [largest(exact(other, STOP, S.t).position - S.position) for other in others]
     across = np.ptp(over_period(STANDARD, STOP).position[0])
-    says = (*(move > 0.01 for move in moved), across < ROUNDING)
+    says: Any = (*(move > 0.01 for move in moved), across < ROUNDING)
     yield "layout", Claim(*says, across=across, longest=Geometry(shaft_angle=1e-6).L)
 
     agreed = EQUATIONS["(23)"].difference

@@ -33,7 +33,20 @@ import numpy as np
 
 from inertia_module.memory import Module
 
-from .engine import ROUNDING, Claim, Equation, Forms, Row, compared, in_time, largest, rate, tables, worst
+from .engine import (
+    ROUNDING,
+    Claim,
+    Equation,
+    Forms,
+    Formulas,
+    Row,
+    compared,
+    in_time,
+    largest,
+    rate,
+    tables,
+    worst,
+)
 
 # moduli of wheels that can be built, and arms of the imbalance over r
 MODULI = (0.1, 0.2, 1.0 / 3.0, 0.5, 1.0)
@@ -189,14 +202,15 @@ ROWS = (
 PRINTED, EXACT = tables(ROWS, arcsin_of, root_of, moment, parts)
 
 
-def _inputs(m: Mechanism, alpha: Any, omega: Any, known: dict[str, Any]) -> dict[str, Any]:
-    """By the symbols of the paper; links: their constant inertia."""
+def _forms(formulas: Formulas, m: Mechanism, alpha: Any, omega: Any, known: dict[str, Any]) -> Forms:
+    """Forms of the symbols of the paper; links: their constant inertia."""
     lengths = {**asdict(m), "D": m.centre_distance, "l": m.arm, "b": m.b, "links": m.J_carrier + m.J_wheel}
-    inertias = {
+    motion = {"alpha": np.asarray(alpha), "omega": omega, "omega_rate": 0.0}
+    inertias: dict[str, Any] = {
         "J_at": lambda angle: exact(m, angle).J,
         "J_red_at": lambda angle: reduced_inertia(m, angle),
     }
-    return lengths | inertias | {"alpha": np.asarray(alpha), "omega": omega, "omega_rate": 0.0} | known
+    return Forms(formulas, **lengths | motion | inertias | known)
 
 
 def printed(m: Mechanism, alpha: Any, omega: Any, **known: Any) -> Forms:
@@ -205,7 +219,7 @@ def printed(m: Mechanism, alpha: Any, omega: Any, **known: Any) -> Forms:
     Args:
         m: dimensions. alpha, omega: numbers or of shape (n,). known: quantities in place of the printed.
     """
-    return Forms(PRINTED, **_inputs(m, alpha, omega, known))
+    return _forms(PRINTED, m, alpha, omega, known)
 
 
 def exact(m: Mechanism, alpha: Any, omega: Any = 1.0, **known: Any) -> Forms:
@@ -214,7 +228,7 @@ def exact(m: Mechanism, alpha: Any, omega: Any = 1.0, **known: Any) -> Forms:
     Args:
         m: dimensions. alpha, omega: numbers or of shape (n,). known: as omega_rate, rad/s^2, if not steady.
     """
-    return Forms(EXACT, **_inputs(m, alpha, omega, known))
+    return _forms(EXACT, m, alpha, omega, known)
 
 
 # l = r as in the paper, b = 1/3 (three cycles a turn); speed of wheel 1 relative to the carrier, rad/s
@@ -227,13 +241,10 @@ INSIDE = ALPHA[1:-1]
 CYCLE = exact(EXAMPLE, INSIDE, EXAMPLE_SPEED)
 
 
-def _arm_of_coriolis_force() -> tuple[Any, ...]:
-    """With the printed delta, over l: the exact arm is 0."""
-    return PRINTED["k1"](CYCLE.replaced(delta=PRINTED["delta"](CYCLE))), CYCLE.k1, EXAMPLE.arm
-
-
 EQUATIONS = {row.number: compared(row.name, PRINTED, CYCLE) for row in ROWS if row.number}
-EQUATIONS["(13)"] = Equation("k1", _arm_of_coriolis_force)
+# over l, with the printed delta: the exact arm is 0
+WITH_PRINTED_DELTA = CYCLE.replaced(delta=PRINTED["delta"](CYCLE))
+EQUATIONS["(13)"] = Equation("k1", lambda: (PRINTED["k1"](WITH_PRINTED_DELTA), CYCLE.k1, EXAMPLE.arm))
 
 
 # --- claims ---

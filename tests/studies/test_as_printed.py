@@ -12,7 +12,7 @@ import pytest
 from studies.papers import karetin, lysenko, stelmashchuk
 from studies.papers.engine import Forms, in_time, rate, vector
 from studies.papers.karetin import Geometry, exact, stop_mode
-from studies.papers.stelmashchuk import REFERENCE, Criteria, constants, response
+from studies.papers.stelmashchuk import REFERENCE, Criteria, response
 
 
 def close(values):
@@ -308,19 +308,6 @@ def test_second_derivative_of_the_particular_solution_has_four_pi_squared():
     # kappa = 0: free part with C1 = -0.5/nu1: -2 pi nu1 C1 = pi, and R'' = -pi^2; the mass really starts at 0
     assert float(stelmashchuk.acceleration(s, 0.0)) == pytest.approx(pi - pi**2)
     assert float(response(0.0, CRITERIA, 1.0).acceleration) == 0.0
-
-
-def test_only_the_two_misprints_part_printed_from_exact():
-    right = constants(REFERENCE, 1.0)
-    names = ("C_I", "C_II", "C_III", "C_IV")
-    fed = [
-        stelmashchuk.printed(REFERENCE, 1.0, **dict(zip(names[:n], right, strict=False))) for n in range(4)
-    ]
-    found = [getattr(s, name) for s, name in zip(fed, names, strict=True)]
-    for n in (0, 1, 3):
-        assert found[n] == pytest.approx(right[n], rel=1e-12)
-    R0_rate, nu1 = 1 + fed[0].nu0 ** 2 / fed[0].chi, fed[0].nu1
-    assert (found[2][0] + R0_rate - R0_rate / nu1, found[2][1]) == pytest.approx(right[2], rel=1e-12)
 
 
 def test_stelmashchuks_solution_is_exact_in_phase_2_and_wrong_elsewhere():
