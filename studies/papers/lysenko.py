@@ -380,7 +380,7 @@ def of_the_energy() -> Iterator[tuple[str, Claim]]:
     yield "limits", Claim(error < ROUNDING, error=error, printed=page_ratio, reduced=reduced)
 
     fast, slow = FREE.omega.argmax(), FREE.omega.argmin()
-    says = fast == WHOLE.rho.argmin(), slow == WHOLE.rho.argmax()
+    says: Any = fast == WHOLE.rho.argmin(), slow == WHOLE.rho.argmax()
     yield "places", Claim(*says, fast=np.degrees(ALPHA[fast]), slow=np.degrees(ALPHA[slow]))
 
     others = [worst(printed(m, 0.0, 1.0).omega_max, speed_ratio(m)) for m in map(with_modulus, MODULI)]
