@@ -1,9 +1,9 @@
 """The engine under the papers: quantities by formulas, equations and claims under their verdicts.
 
-A paper is a table of rows, each a quantity by its formula as printed and exact, and a table of claims. An
-equation is judged alone, fed with exact values of all it takes, and is right if rounding is all that is left.
-A claim is taken apart into what it says: it holds if all of it does. Its words stand in the Markdown beside
-the code, which names its figures.
+A paper is a table of rows, each a quantity by its formula as printed and exact (PAPER_forms.toml), and a
+table of claims. An equation is judged alone, fed with exact values of all it takes, and is right if rounding
+is all that is left. A claim is taken apart into what it says: it holds if all of it does. Its words stand in
+the Markdown beside the code, which names its figures.
 
 Formulas are written in the symbols of the paper and take and give numbers, arrays over n times or angles,
 shape (n,), and vectors with their components first, shape (3, n).
@@ -11,7 +11,9 @@ shape (n,), and vectors with their components first, shape (3, n).
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Callable, Iterable
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -32,12 +34,14 @@ class Row(NamedTuple):
         number: of the equations that give it; none of what stands in between.
         name: of the quantity; of more than one, parts of what the formula gives.
         printed: its formula on the page. exact: its exact formula, if that is another.
+        drawn: components with their units, where both are drawn.
     """
 
     number: str
     name: str
     printed: str
     exact: str = ""
+    drawn: str = ""
 
 
 class Forms(dict[str, Any]):
@@ -68,6 +72,12 @@ class Forms(dict[str, Any]):
         return Forms(self.formulas, **self | known)
 
 
+def rows_of(paper: str) -> list[Row]:
+    """Read the table of a paper's quantities, which stands beside the code: rows of Row."""
+    text = Path(__file__).with_name(f"{paper}_forms.toml").read_text(encoding="utf-8")
+    return [Row(*row) for row in tomllib.loads(text)["rows"]]
+
+
 def tables(rows: Iterable[Row], *functions: Callable[..., Any]) -> tuple[Formulas, Formulas]:
     """The formulas as printed and the exact ones by the name of the quantity.
 
@@ -85,7 +95,8 @@ def tables(rows: Iterable[Row], *functions: Callable[..., Any]) -> tuple[Formula
     for row in rows:
         names = row.name.split(", ")
         for n, name in enumerate(names):
-            part = "{}" if len(names) == 1 else f"({{}})[{n}]"
+            # in brackets it may go over lines
+            part = "({})" if len(names) == 1 else f"({{}})[{n}]"
             printed[name] = formula(part.format(row.printed))
             exact[name] = formula(part.format(row.exact or row.printed))
     return printed, exact

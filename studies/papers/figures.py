@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,7 @@ from inertia_module.loops.stepping import PHASES, law_of_motion, phase_starts
 
 from . import karetin, lysenko, sketches, stelmashchuk
 from .drawing import Panel, mechanism, numbers, panels, wheels
-from .engine import Equation
+from .engine import Row
 from .karetin import DYNAMIC, GENERAL, OFFSET, PAPER, STOP, exact, period
 from .stelmashchuk import KAPPA2, Criteria, response
 
@@ -36,60 +37,35 @@ KAPPA = np.linspace(0.0, 3.5, 1401)
 RELATIVE_TIME = "relative time κ = t/T [1]"
 
 
-# equations, abscissa and the part of it that is shown, its label, mechanism and motion
-SHEETS: dict[str, tuple[Mapping[str, Equation], Any, slice, str, str]] = {
+# of the equations of a paper: abscissa and the part of it that is shown, its label, mechanism and motion
+SHEETS: dict[str, tuple[ModuleType, Any, slice, str, str]] = {
     "karetin": (
-        karetin.EQUATIONS,
+        karetin,
         karetin.STOPPED.t * karetin.STOPPED.omega16 / (2.0 * np.pi),
         slice(0, karetin.SAMPLES // GENERAL.turns_in_period, 10),
         DRIVE,
         mechanism(GENERAL),
     ),
-    "lysenko": (lysenko.EQUATIONS, np.degrees(lysenko.INSIDE), slice(0, None, 18), ALPHA, wheels()),
+    "lysenko": (lysenko, np.degrees(lysenko.INSIDE), slice(0, None, 18), ALPHA, wheels()),
     "stelmashchuk": (
-        stelmashchuk.EQUATIONS,
+        stelmashchuk,
         stelmashchuk.RISE,
         slice(0, None, 15),
         "relative time κ in phase I [1]",
         f"ν = 8, Π = 0.5, κ2 = {KAPPA2:g}.",
     ),
 }
-# the equations that are drawn: their components with units
-COMPONENTS = {
-    ("karetin", "(2)"): "$x_D$ [m], $y_D$ [m], $z_D$ [m]",
-    ("karetin", "(5)"): "$β_H$ [rad], $β_P$ [rad], $β_F$ [rad]",
-    ("karetin", "(9)"): "$ω_{6x}$ [rad/s], $ω_{6y}$ [rad/s], $ω_{6z}$ [rad/s]",
-    ("karetin", "(11)"): "$V_{QAx}$ [m/s], $V_{QAy}$ [m/s], $V_{QAz}$ [m/s]",
-    ("karetin", "(14)"): "$λ$ [1/(m·s)]",
-    ("karetin", "(15)"): "$V_{Ozx}$ [m/s], $V_{Ozy}$ [m/s]",
-    ("karetin", "(19)"): "$α$ [rad]",
-    ("karetin", "(21)"): "$v·x_D$ [rad/s]",
-    ("karetin", "(22)"): "$V_{Oxx}$ [m/s], $V_{Oxy}$ [m/s], $V_{Oxz}$ [m/s]",
-    ("karetin", "(24)"): "$V_x$ [m/s], $V_y$ [m/s], $V_z$ [m/s]",
-    ("karetin", "(31)"): "$x_N$ [m], $y_N$ [m], $z_N$ [m]",
-    ("lysenko", "(2), note"): "$ρ$ [m]",
-    ("lysenko", "(5)"): "$F_k$ [N]",
-    ("lysenko", "(8)"): "$β_1$ [rad]",
-    ("lysenko", "(10)"): "$M$ [N·m]",
-    ("lysenko", "(13)"): "$k_1$ [m]",
-    ("lysenko", "(14)"): "$k_2$ [m]",
-    ("lysenko", "(15)"): "$M_1$ [N·m]",
-    ("lysenko", "(16)"): "$M$ [N·m]",
-    ("stelmashchuk", "R″"): "$R_κ''$ [1]",
-}
 
 
-def equation(paper: str, number: str) -> Figure:
+def equation(name: str, row: Row) -> Figure:
     """A panel for each component of an equation: exact, and as printed but fed with exact values."""
-    equations, x, shown, label, case = SHEETS[paper]
-    page, right, _ = np.broadcast_arrays(*equations[number].forms()[:2], x)
-    row = [
-        Panel(name, {"exact": one[shown], "as printed": other[shown]})
-        for name, one, other in zip(
-            COMPONENTS[paper, number].split(", "), np.atleast_2d(right), np.atleast_2d(page), strict=False
-        )
+    paper, x, shown, label, case = SHEETS[name]
+    page, right, _ = np.broadcast_arrays(*paper.EQUATIONS[row.number].forms()[:2], x)
+    forms = zip(row.drawn.split(", "), np.atleast_2d(right), np.atleast_2d(page), strict=False)
+    cells = [
+        Panel(component, {"exact": one[shown], "as printed": other[shown]}) for component, one, other in forms
     ]
-    return panels([row], x[shown], label, f"Equation {number}, exact and as printed. {case}")
+    return panels([cells], x[shown], label, f"Equation {row.number}, exact and as printed. {case}")
 
 
 def in_period(motion: Any, turns: Any = TURNS, geometry: Any = PAPER) -> Any:
@@ -272,8 +248,10 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "stelmashchuk_3": partial(accelerations, DAMPINGS, "damping, ν = 8"),
     "stelmashchuk_printed": over_printed,
     **{
-        f"{paper}_equation_{''.join(filter(str.isalnum, number))}": partial(equation, paper, number)
-        for paper, number in COMPONENTS
+        f"{name}_equation_{''.join(filter(str.isalnum, row.number))}": partial(equation, name, row)
+        for name, (paper, *_) in SHEETS.items()
+        for row in paper.ROWS
+        if row.drawn
     },
 }
 

@@ -39,11 +39,11 @@ from .engine import (
     Equation,
     Forms,
     Formulas,
-    Row,
     compared,
     in_time,
     largest,
     rate,
+    rows_of,
     tables,
     worst,
 )
@@ -127,78 +127,7 @@ def speed_ratio(m: Mechanism) -> float:
     return float(np.sqrt(reduced_inertia(m, np.pi) / reduced_inertia(m, 0.0)))
 
 
-ROWS = (
-    # O1 to the imbalance, O to it, its velocity, and the inertia force -m a
-    Row("", "spoke", "-l * exp(1j * alpha)"),
-    Row("", "place", "D + spoke"),
-    Row("", "velocity", "1j * omega * (b * D + (1 + b) * spoke)"),
-    Row("", "force", "m * omega**2 * (b**2 * D + (1 + b) ** 2 * spoke)"),
-    Row(
-        "(1)",
-        "epicycloid",
-        "D * cos(b * alpha) - l * cos((1 + b) * alpha), D * sin(b * alpha) - l * sin((1 + b) * alpha)",
-        "parts(place * exp(1j * b * alpha))",
-    ),
-    Row("(2)", "rho", "root_of(D**2 + l**2 - 2 * D * l * cos(alpha))", "abs(place)"),
-    # used nowhere else
-    Row("(2), note", "rho_of_note", "root_of(D**2 + l**2 - 2 * D * l * cos(b * alpha))", "rho"),
-    Row("(3)", "F1", "m * l * omega**2", "m * omega**2 * abs(spoke)"),
-    Row("(4)", "F2", "m * rho * b**2 * omega**2"),
-    # put right the same at every angle
-    Row("(5)", "Fk", "2 * m * V * b * omega", "2 * m * b * omega * (l * omega)"),
-    Row("", "V1, V2", "l * omega, rho * b * omega"),
-    Row("(6)", "resultant", "sqrt(V1**2 + V2**2 - 2 * V1 * V2 * cos(pi - beta1))", "V"),
-    Row("", "root", "sqrt(l**2 + (rho * b) ** 2 + 2 * l * rho * b * cos(beta1))", "V / omega"),
-    Row("(7)", "V", "omega * root", "abs(velocity)"),
-    # printed never beyond pi/2; exact from O1 S to O S, -pi to pi
-    Row("(8)", "beta1", "arcsin_of(D * sin(alpha) / rho)", "angle(place / spoke)"),
-    # moments of the forces by their arms (11) to (14): the Coriolis force is in line with F1
-    Row("(9)", "M1_of_forces", "F2 * n2 + Fk * k1", "M1"),
-    Row("(10)", "M_of_forces", "-F1 * n1 - F2 * n2 - Fk * k2", "M"),
-    Row("(11)", "n1", "D * sin(alpha)", "-moment(D, spoke) / l"),
-    Row("(12)", "n2", "D * l * sin(alpha) / rho", "moment(spoke, place) / rho"),
-    # the angle in (13), from V to b omega OS
-    Row(
-        "", "delta", "arcsin_of(l * D * sin(alpha) / (rho * root))", "angle(1j * place * conjugate(velocity))"
-    ),
-    Row("(13)", "k1", "l * sin(beta1 - delta)", "0.0 * alpha"),
-    Row("(14)", "k2", "D * sin(alpha + beta1 - delta)", "n1"),
-    # on wheel 1 about O1, m b^2 omega^2 l D sin alpha: F1 and Fk pass through O1
-    Row(
-        "(15)",
-        "M1",
-        "m * b * l * omega**2 * (b * D * sin(alpha) + 2 * root * sin(beta1 - delta))",
-        "moment(spoke, force)",
-    ),
-    # about O, -m D (1 + 2 b) l omega^2 sin alpha: what drive and held wheel have to balance
-    Row(
-        "(16)",
-        "M",
-        "-m * D * omega**2 * (l * (1 + b**2) * sin(alpha) + 2 * b * root * sin(alpha + beta1 - delta))",
-        "moment(place, force)",
-    ),
-    # powers: together all the inertia forces do, at constant speed minus the power of the drive
-    Row("(17)", "N1", "M1 * omega"),
-    Row("(18)", "N", "M * b * omega"),
-    # farthest from O and nearest to it; exact energies with omega that of the carrier
-    Row("(19)", "J", "links + m * rho**2"),
-    Row("(20)", "J_limits", "links + m * (D + l) ** 2, links + m * (D - l) ** 2", "J_at(pi), J_at(0.0)"),
-    Row("", "J_max, J_min", "J_limits"),
-    Row("(21)", "omega_max", "omega * J_max / J_min", "omega * sqrt(J_red_max / J_red_min)"),
-    Row("(22)", "T1", "J_max * omega**2 / 2", "J_red_max * omega**2 / 2"),
-    Row("(23)", "T2", "J_min * omega_max**2 / 2", "J_red_min * omega_max**2 / 2"),
-    Row("(24)", "T2_of_T1", "T1 * J_max / J_min", "T1"),
-    # of all links
-    Row("", "J_red, J_red_max, J_red_min", "J_red_at(alpha), J_red_at(pi), J_red_at(0.0)"),
-    Row("", "kinetic_energy", "J_red * (b * omega) ** 2 / 2"),
-    Row("", "links_momentum", "J_carrier * b * omega + J_wheel * (1 + b) * omega"),
-    Row("", "angular_momentum", "links_momentum + m * moment(place, velocity)"),
-    # at the carrier by Lagrange, J_red theta'' + J_red' theta'^2 / 2; steadily -(M + M1/b)
-    Row("", "drive_torque", "J_red * b * omega_rate + m * D**2 * l / r * b * sin(alpha) * omega**2"),
-    Row("", "drive_power", "drive_torque * b * omega"),
-    # of wheel 1 on the carrier in free motion, omega being that at alpha = pi
-    Row("", "free_speed", "omega * sqrt(J_red_max / J_red)"),
-)
+ROWS = rows_of("lysenko")
 PRINTED, EXACT = tables(ROWS, arcsin_of, root_of, moment, parts)
 
 

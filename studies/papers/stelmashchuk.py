@@ -35,7 +35,7 @@ import numpy as np
 from inertia_module.loops.stepping import HALF, PHASES, TWO_PI, law_of_motion, phase_of, phase_starts
 from inertia_module.memory import DrivenShaft
 
-from .engine import ROUNDING, Claim, Equation, Forms, Row, compared, largest, rounds_to, tables
+from .engine import ROUNDING, Claim, Equation, Forms, compared, largest, rounds_to, rows_of, tables
 
 # phase IV has no end: it is watched for this many units of kappa
 WATCHED = 2.0
@@ -216,53 +216,7 @@ def free_part(kappa: Any, C: tuple[Any, Any], nu1: float, Pi: float) -> tuple[An
     return fading * swing, fading * (nu1 * (C[0] * cosine - C[1] * sine) - Pi * swing)
 
 
-# R at the beginning of a phase and a at the end, with their rates; C1 and C2 from those of the phase before
-ROWS = (
-    Row("", "nu0", "nu**2 - 4 * pi**2"),
-    Row("", "chi", "nu0**2 + (4 * pi * Pi) ** 2"),
-    Row("", "nu1", "sqrt(nu**2 - Pi**2)"),
-    Row("", "R_I, R_I_rate", "2 * Pi * (nu0 / chi - 1 / nu**2), 1 - nu0**2 / chi"),
-    Row("C I", "C_I", "-(R_I_rate + Pi * R_I) / nu1, -R_I"),
-    Row("", "free_I, free_I_rate", "free_part(0.5, C_I, nu1, Pi)"),
-    Row("", "a_I", "free_I + 0.5 - 2 * Pi * (nu0 / chi + 1 / nu**2)"),
-    Row("", "a_I_rate", "free_I_rate + 1 + nu0**2 / chi"),
-    Row("", "C2_II", "a_I + 4 * Pi / nu**2 - 0.5"),
-    Row("C II", "C_II", "(Pi * C2_II + a_I_rate - 2) / nu1, C2_II"),
-    Row("", "free_II, free_II_rate", "free_part(kappa2, C_II, nu1, Pi)"),
-    Row("", "a_II, a_II_rate", "free_II + 0.5 - 4 * Pi / nu**2 + 2 * kappa2, free_II_rate + 2"),
-    Row("", "R_III", "0.5 + B * kappa2 - 2 * Pi * (1 / nu**2 + nu0 / chi)"),
-    Row("", "R_III_rate", "1 + nu0**2 / chi"),
-    # the bracket closes too early
-    Row("C III", "C_III", "(a_II_rate + Pi * (a_II - R_III)) / nu1 - R_III_rate, a_II - R_III"),
-    Row("", "free_III, free_III_rate", "free_part(0.5, C_III, nu1, Pi)"),
-    Row("", "a_III", "free_III + 1 + 2 * kappa2 - 2 * Pi * (1 / nu**2 - nu0 / chi)"),
-    Row("", "a_III_rate", "free_III_rate + 1 - nu0**2 / chi"),
-    Row("", "C2_IV", "a_III - 1 - 2 * kappa2"),
-    Row("C IV", "C_IV", "(a_III_rate + Pi * C2_IV) / nu1, C2_IV"),
-    # the sinusoidal law for which the printed R stand: right side of (4), and the left side
-    Row("", "sine, cosine", "sin(2 * pi * kappa), cos(2 * pi * kappa)"),
-    Row(
-        "(3), (4)",
-        "law_of_motion",
-        "nu**2 * (kappa - sine / (2 * pi)) + 2 * pi * sine",
-        "motion.acceleration + 2 * Pi * motion.velocity + nu**2 * motion.angle",
-    ),
-    # without R'', which is zero in phase II
-    Row("", "free_sine, free_cosine", "sin(nu1 * kappa), cos(nu1 * kappa)"),
-    Row(
-        "(5)",
-        "free_acceleration",
-        "exp(-Pi * kappa) * ((C[0] * free_sine + C[1] * free_cosine) * (Pi**2 - nu1**2)"
-        " - 2 * Pi * nu1 * (C[0] * free_cosine - C[1] * free_sine))",
-    ),
-    # of phase I, and with the sign turned of phase III; exactly what of a'' is not free oscillation
-    Row(
-        "R″",
-        "particular_acceleration",
-        "2 * pi * nu0 / chi * (nu0 * sine - 4 * pi**2 * Pi * cosine)",
-        "motion.acceleration - free_acceleration",
-    ),
-)
+ROWS = rows_of("stelmashchuk")
 PRINTED, EXACT = tables(ROWS, free_part)
 
 
