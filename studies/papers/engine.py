@@ -68,7 +68,7 @@ class Forms(dict[str, Any]):
         return self[name]
 
     def replaced(self, **known: Any) -> Forms:
-        """These forms with other values of some; what has been worked out stays."""
+        """Copy with other values of some; what has been worked out stays."""
         return Forms(self.formulas, **self | known)
 
 
@@ -79,7 +79,7 @@ def rows_of(paper: str) -> list[Row]:
 
 
 def tables(rows: Iterable[Row], *functions: Callable[..., Any]) -> tuple[Formulas, Formulas]:
-    """The formulas as printed and the exact ones by the name of the quantity.
+    """Compile the formulas as printed and the exact ones, by the name of the quantity.
 
     Args:
         rows: of the paper. functions: that formulas use besides those of numpy.
@@ -103,7 +103,7 @@ def tables(rows: Iterable[Row], *functions: Callable[..., Any]) -> tuple[Formula
 
 
 def in_time(t: Any) -> Any:
-    """Times, s, as of which quantities carry their rates: see rate."""
+    """Times, s, as complex numbers, as of which quantities carry their rates: see rate."""
     return np.asarray(t) + STEP * 1j
 
 

@@ -338,7 +338,7 @@ def asymmetry_of_components(g: Geometry, motion: Motion) -> float:
 
 
 def swings(g: Geometry, motion: Motion) -> tuple[Any, Any]:
-    """Whole turns gained (0 is a swing to and fro) and half the range, rad, of D about Ox, Oy, Oz."""
+    """Count turns gained (0 is a swing to and fro) and half the range, rad, of D about Ox, Oy, Oz."""
     beta = np.unwrap(over_period(g, motion).angles)[[1, 2, 0]]
     turns = np.rint((beta[:, -1] - beta[:, 0]) / (2.0 * np.pi))
     return turns.astype(int), 0.5 * np.ptp(beta, axis=1)
@@ -476,7 +476,7 @@ def of_the_conclusions() -> Iterator[tuple[str, Claim]]:
 
 
 def claims() -> Iterator[tuple[str, Claim]]:
-    """The rows of the table of claims, in the order of the page."""
+    """Rows of the table of claims, in the order of the page."""
     yield from of_the_abstract()
     yield from of_the_modes()
     yield from of_the_conclusions()

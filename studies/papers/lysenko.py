@@ -387,7 +387,7 @@ def of_the_machine() -> Iterator[tuple[str, Claim]]:
 
 
 def claims() -> Iterator[tuple[str, Claim]]:
-    """The rows of the table of claims."""
+    """Rows of the table of claims."""
     yield from of_the_path()
     yield from of_the_forces()
     yield from of_the_energy()

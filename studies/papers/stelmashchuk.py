@@ -381,6 +381,6 @@ def of_figure_3() -> Iterator[tuple[str, Claim]]:
 
 
 def claims() -> Iterator[tuple[str, Claim]]:
-    """The rows of the table of claims."""
+    """Rows of the table of claims."""
     yield from of_figure_2()
     yield from of_figure_3()

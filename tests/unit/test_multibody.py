@@ -151,7 +151,7 @@ def test_link_2_accelerates_as_the_multibody_engine_says(multibodies):
 
 
 def rubbed(multibody):
-    """The same with dampers at the hinges, the drives' evenly, dry friction at link 2, and weight."""
+    """Mechanism with dampers at the hinges, the drives' evenly, dry friction at link 2, and weight."""
     p, model, names = multibody.p, multibody.model, multibody.names
     drives = sum(name.startswith("drive") for name in names)
     damping = {"drive": p["drive_friction"] / drives, "satellite": 0.0}
