@@ -69,14 +69,10 @@ class Case:
         """Values of all parameters of the module in this case."""
         return {**default_parameters(), **self.parameters}
 
-    def parameter(self, name: str) -> float:
-        """Value of a parameter in this case."""
-        return float(self.all_parameters[name])
-
 
 @dataclass(frozen=True)
 class Trajectory:
-    """What an integrator gives at the sampling times of a case; arrays of shape (points + 1,).
+    """Motion by an integrator at the sampling times of a case; arrays of shape (points + 1,).
 
     Attributes:
         time: s. drive_angle: q, unwrapped, rad (NaN where there is no phase).
@@ -96,10 +92,10 @@ class Trajectory:
     drive_angle: Array
     omega2: Array
     omega_out: Array
-    switches: Array | None
     evaluations: int
     energy_residual: float | None
     wall_time: float
+    switches: Array | None = None
     impulse: Array | None = None
     energy_in: float | None = None
     number_of_switches: float = math.nan
@@ -219,7 +215,7 @@ def impulse(case: Case, trajectory: Trajectory) -> Array:
     if trajectory.impulse is not None:
         return trajectory.impulse
     gained = trajectory.omega_out - trajectory.omega_out[0]
-    total: Array = case.parameter("output_inertia") * gained + case.load_torque * trajectory.time
+    total: Array = case.all_parameters["output_inertia"] * gained + case.load_torque * trajectory.time
     return total
 
 

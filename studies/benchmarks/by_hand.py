@@ -67,7 +67,7 @@ class ByHand:
 
 
 class ByKernel:
-    """The same by the compiled kernel."""
+    """Run of the case by the compiled kernel."""
 
     def run(self, tolerance, steps):
         module = Module("compiled").start(tolerance=tolerance, **R1)
@@ -112,7 +112,7 @@ def figures():
 
 
 def run_figures(case, tolerance, error, seconds, evaluations):
-    """What the table tells of a run of one simulated second."""
+    """Rows of the table for a run of one simulated second."""
     return [
         (case, "tolerance", tolerance, ""),
         (case, "error", error, ""),

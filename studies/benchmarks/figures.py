@@ -1,4 +1,4 @@
-"""What the benchmarks share: clocks, the scene, and a table of measured figures, docs/performance.csv."""
+"""Tools that the benchmarks share: clocks, the scene, and a table of measured figures, docs/performance.csv."""
 
 import csv
 import statistics

@@ -9,9 +9,7 @@ import time
 
 import numpy as np
 
-from studies.papers.karetin import dynamic_mode
-from studies.papers.karetin.equations import EXACT, exact
-from studies.papers.karetin.mechanism import GENERAL
+from studies.papers.karetin import EXACT, GENERAL, dynamic_mode, exact
 
 REPEATS = 5
 # so many times at once that what is needed of them stays in the cache of the processor

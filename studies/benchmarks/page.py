@@ -57,7 +57,7 @@ class ByKernel:
         return 1e3 * min(taken)
 
     def time(self, step, steps):
-        """The same of the kernel alone: without what a call costs that is refused at once."""
+        """Time of the kernel alone: without what a call costs that is refused at once."""
         return self.shortest(step, steps) - self.shortest(-1.0, steps)
 
 

@@ -50,7 +50,7 @@ def plain_run(tolerance):
 
 
 def fmu_run(path, steps):
-    """The same in an FMU, as a function of the tolerance."""
+    """Run of the case in an FMU, as a function of the tolerance."""
 
     def run(tolerance):
         with Fmu(path, inputs=R1, tolerance=tolerance) as fmu:

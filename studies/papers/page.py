@@ -3,47 +3,49 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
-from importlib.resources import files
+from pathlib import Path
 from types import ModuleType
 
 from inertia_module.contract import driven_shaft_variables, variables
-from inertia_module.contract.variable import Variable
 
 from . import karetin, lysenko, stelmashchuk
 
 PAPERS: tuple[ModuleType, ...] = (karetin, lysenko, stelmashchuk)
-# a section of equations.md: the name of an equation, and the rest of its heading
+# a section of the equations of a paper: the name of an equation, and the rest of its heading
 SECTION = re.compile(r"^#### (.+?): (.+)\n", re.M)
 
 
 def papers_page() -> str:
-    """The page in Markdown: the words of page.md of each paper, with what is found now in their places."""
-    cells = {"fmu": _cells(variables.BY_NAME), "shaft": _cells(driven_shaft_variables.BY_NAME)}
-    parts = [words(__package__)]
+    """The page in Markdown: the words beside the code of each paper, with what is found in their places."""
+    # of a symbol, the cells of a table that tell what variable of the FMU it is
+    cells = {
+        fmu: {
+            name: f"`{name}` | {variable.unit} | " + variable.description.replace("|", r"\|")
+            for name, variable in known.items()
+        }
+        for fmu, known in (("fmu", variables.BY_NAME), ("shaft", driven_shaft_variables.BY_NAME))
+    }
+    parts = [words("papers.md")]
     for paper in PAPERS:
-        found = {**paper.findings(), **cells, "equations": equations(paper)}
-        parts.append(words(paper).format_map(found))
+        found = {**dict(paper.claims()), **cells, "equations": equations(paper)}
+        parts.append(words(f"{name_of(paper)}.md").format_map(found))
     return "\n".join(parts)
 
 
-def _cells(known: Mapping[str, Variable]) -> dict[str, str]:
-    """Cells of a table that tell of a symbol what variable of the FMU it is."""
-    return {
-        name: f"`{name}` | {variable.unit} | " + variable.description.replace("|", r"\|")
-        for name, variable in known.items()
-    }
-
-
 def equations(paper: ModuleType) -> str:
-    """The words of equations.md of a paper, a verdict below each heading."""
+    """The words on the equations of a paper, a verdict below each heading."""
 
     def judged(heading: re.Match[str]) -> str:
         return f"{heading[0]}\n{paper.EQUATIONS[heading[1]]}\n"
 
-    return SECTION.sub(judged, words(paper, "equations.md"))
+    return SECTION.sub(judged, words(f"{name_of(paper)}_equations.md"))
 
 
-def words(package: ModuleType | str, name: str = "page.md") -> str:
-    """A text beside the code of a paper."""
-    return files(package).joinpath(name).read_text(encoding="utf-8")
+def name_of(paper: ModuleType) -> str:
+    """Name of a paper, that of its first author."""
+    return paper.__name__.rpartition(".")[2]
+
+
+def words(name: str) -> str:
+    """A text beside the code."""
+    return Path(__file__).with_name(name).read_text(encoding="utf-8")

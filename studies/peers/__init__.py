@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from ..trade import Case, Peer, Trajectory
+from ..trade import Peer
 from . import integrators, mujoco_model
 
 # name, method, tolerances, stiffnesses of the clutches, N.m.s/rad (none: by events)
@@ -25,20 +25,13 @@ _INTEGRATORS: tuple[tuple[str, str, tuple[float, ...], tuple[float, ...]], ...] 
 )
 
 
-def _integrate(method: str, stiffness: float | None, case: Case, tolerance: float) -> Trajectory:
-    return integrators.simulate(case, method, tolerance, stiffness)
-
-
-def _step(integrator: str, case: Case, step: float) -> Trajectory:
-    return mujoco_model.simulate(case, integrator, step)
-
-
 PEERS: tuple[Peer, ...] = (
     *(
         Peer(
             name if stiffness is None else f"{name}, clutch {stiffness:.0e}",
             {f"rtol {value:.0e}": value for value in tolerances},
-            partial(_integrate, method, stiffness),
+            # of (case, tolerance)
+            partial(integrators.simulate, method=method, stiffness=stiffness),
         )
         for name, method, tolerances, stiffnesses in _INTEGRATORS
         for stiffness in stiffnesses or (None,)
@@ -47,7 +40,7 @@ PEERS: tuple[Peer, ...] = (
         Peer(
             f"MuJoCo {integrator}",
             {f"step {step:.0e}": step for step in (1e-3, 1e-4, 1e-5)},
-            partial(_step, integrator),
+            partial(mujoco_model.simulate, integrator=integrator),
         )
         for integrator in ("Euler", "RK4")
     ),

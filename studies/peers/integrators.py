@@ -45,21 +45,13 @@ LOSSES = (
 )
 
 
-class Equations(NamedTuple):
-    """Compiled functions.
+@functools.cache
+def equations() -> tuple[Any, Any]:
+    """Compile the equations, once a process.
 
-    Attributes:
+    Returns:
         rates: (t, y, numbers, series), of the state, in a new array.
         guard: (t, y, numbers, series, which), positive while the freewheel stays as it is.
-    """
-
-    rates: Any
-    guard: Any
-
-
-@functools.cache
-def equations() -> Equations:
-    """Compile the equations, once a process.
 
     Raises:
         NotInstalled: numba is not.
@@ -107,7 +99,7 @@ def equations() -> Equations:
         carried = numbers[LOAD] if numbers[OUTPUT] != 0.0 else 0.0
         return carried - link2(y, numbers, series, 0.0, 0.0)[1]
 
-    return Equations(rates, guard)
+    return rates, guard
 
 
 class Problem:
@@ -153,7 +145,7 @@ class Problem:
 
     def choose(self, y: Array) -> None:
         """Close the freewheels that neither pull nor turn; an open one that does not turn begins to."""
-        numbers, compiled = self.data[0], equations()
+        numbers, (rates, guard) = self.data[0], equations()
         if numbers[STIFFNESS]:
             return
         there, turning = numbers[list(THERE)] != 0.0, np.array([y[1] != 0.0, y[2] != y[1]])
@@ -162,10 +154,10 @@ class Problem:
             if any(closed[n] != (n == OUTPUT) for n in (HOUSING, OUTPUT) if not there[n]):
                 continue
             numbers[list(CLOSED)] = closed
-            _, alpha2, alpha3 = compiled.rates(0.0, y, *self.data)
+            _, alpha2, alpha3 = rates(0.0, y, *self.data)
             gained = alpha2, alpha3 - alpha2
             if not any(
-                turning[n] or compiled.guard(0.0, y, *self.data, n) < 0.0
+                turning[n] or guard(0.0, y, *self.data, n) < 0.0
                 if closed[n]
                 else not turning[n] and gained[n] < 0.0
                 for n in np.flatnonzero(there)
@@ -188,8 +180,8 @@ class Problem:
     def residual(self, segment: Segment) -> float:
         """Energy that a segment leaves open, J: input - output - stored.
 
-        While link 2 is held the input works into the kinetic energy only; else M1 - Tc is the rate of
-        the angular momentum of links 1, 2 and the imbalances, and Tc - load that of the shaft's.
+        While link 2 is held the input works into the kinetic energy of the links alone; else M1 - load is the
+        rate of the angular momentum of links, imbalances and shaft.
         """
         omega1, load, k, inertia2, inertia3 = self.data[0][SPEED:STIFFNESS]
         time, (y0, y1) = segment.time - segment.begin, (segment.first, segment.state)
@@ -201,13 +193,15 @@ class Problem:
 
         def momentum(y: Array) -> float:
             torques, _, _ = self.machine.work(y[0])
-            return float(torques[0, :2] @ [omega1, y[1]] + inertia2 * y[1])
+            return float(torques[0, :2] @ [omega1, y[1]] + inertia2 * y[1] + inertia3 * y[2])
 
         housing, output = segment.closed
-        work = energy(y1, 0.0) - energy(y0, 0.0) if housing else omega1 * (momentum(y1) - momentum(y0))
+        if housing:
+            work = energy(y1, 0.0) - energy(y0, 0.0)
+        else:
+            work = omega1 * (momentum(y1) - momentum(y0) + load * time)
         turned = 0.5 * (y0[2] + y1[2]) * time
         if output and not housing:
-            work += omega1 * (inertia3 * (y1[2] - y0[2]) + load * time)
             turned = omega1 * time - (y1[0] - y0[0]) / k
         return float(work - load * turned - energy(y1, y1[2]) + energy(y0, y0[2]))
 
@@ -230,54 +224,46 @@ class Segment(NamedTuple):
     closed: tuple[float, float] = (0.0, 0.0)
 
 
-# integrates (problem, time, state, output times not before time, the last of them the end)
-Integrator = Callable[[Problem, float, Array, Array], Segment]
+# integrates (time, state, output times not before time, the last of them the end)
+Integrator = Callable[[float, Array, Array], Segment]
 
 
-def _by_solve_ivp(method: str, tolerance: float, events: bool) -> Integrator:
-    compiled = equations()
+def _by_solve_ivp(problem: Problem, method: str, tolerance: float, events: bool) -> Integrator:
+    rates, guard = equations()
 
     def falling(which: int) -> Any:
         def event(t: float, y: Array, *data: Array) -> float:
-            return float(compiled.guard(t, y, *data, which))
+            return float(guard(t, y, *data, which))
 
         event.terminal, event.direction = True, -1.0  # type: ignore[attr-defined]
         return event
 
     guards = [falling(HOUSING), falling(OUTPUT)] if events else None
+    step = problem.largest_step(SCIPY_PHASE) if events else np.inf
+    options = {"rtol": tolerance, "atol": tolerance, "events": guards, "max_step": step}
 
-    def integrate(problem: Problem, time: float, state: Array, times: Array) -> Segment:
-        sampled = len(times) > 1
-        found = solve_ivp(
-            compiled.rates,
-            (time, times[-1]),
-            state,
-            method=method,
-            t_eval=times if sampled else None,
-            args=problem.data,
-            rtol=tolerance,
-            atol=tolerance,
-            events=guards,
-            max_step=problem.largest_step(SCIPY_PHASE) if events else np.inf,
-        )
+    def integrate(time: float, state: Array, times: Array) -> Segment:
+        sampled = times if len(times) > 1 else None
+        found = solve_ivp(rates, (time, times[-1]), state, method, sampled, args=problem.data, **options)
         if found.status < 0:
             raise RuntimeError(f"{method} gave up: {found.message}")
         states = np.transpose(found.y).reshape(-1, 3)  # an empty list where no sampling time was reached
         if found.status == 0:
-            return Segment(times[-1], states[-1], None, states if sampled else states[-1:], found.nfev)
-        guard = HOUSING if len(found.t_events[HOUSING]) else OUTPUT
-        event = found.t_events[guard][0], found.y_events[guard][0], guard
-        return Segment(*event, states if sampled else states[:0], found.nfev)
+            taken = states if sampled is not None else states[-1:]
+            return Segment(times[-1], states[-1], None, taken, found.nfev)
+        which = HOUSING if len(found.t_events[HOUSING]) else OUTPUT
+        taken = states if sampled is not None else states[:0]
+        return Segment(found.t_events[which][0], found.y_events[which][0], which, taken, found.nfev)
 
     return integrate
 
 
-def _by_odeint(tolerance: float) -> Integrator:
+def _by_odeint(problem: Problem, tolerance: float) -> Integrator:
     """LSODA with its loop in compiled code, which knows no events."""
-    rates = equations().rates
+    rates, _ = equations()
     options = {"rtol": tolerance, "atol": tolerance, "mxstep": STEPS_ALLOWED}
 
-    def integrate(problem: Problem, time: float, state: Array, times: Array) -> Segment:
+    def integrate(time: float, state: Array, times: Array) -> Segment:
         states, found = odeint(
             rates, state, [time, *times], problem.data, tfirst=True, full_output=True, **options
         )
@@ -290,21 +276,21 @@ def _by_odeint(tolerance: float) -> Integrator:
 
 def _by_cvode(problem: Problem, method: str, tolerance: float, events: bool) -> Integrator:
     """CVODE with its own root finding, started anew where a root function falls through zero."""
-    compiled, data = equations(), problem.data
+    (rates, guard), data = equations(), problem.data
     step = problem.largest_step(CVODE_PHASE) if events else np.inf
 
-    def rates(t: float, y: Array, values: Array) -> None:
-        values[:] = compiled.rates(t, y, *data)
+    def write_rates(t: float, y: Array, values: Array) -> None:
+        values[:] = rates(t, y, *data)
 
-    def guards(t: float, y: Array, values: Array) -> None:
-        values[HOUSING] = compiled.guard(t, y, *data, HOUSING)
-        values[OUTPUT] = compiled.guard(t, y, *data, OUTPUT)
+    def write_guards(t: float, y: Array, values: Array) -> None:
+        for which in (HOUSING, OUTPUT):
+            values[which] = guard(t, y, *data, which)
 
-    guards.terminal, guards.direction = [True, True], [-1, -1]  # type: ignore[attr-defined]
+    write_guards.terminal, write_guards.direction = [True, True], [-1, -1]  # type: ignore[attr-defined]
     solver = library("sksundae.cvode", "peers", "scikit-sundae").CVODE(
-        rates,
+        write_rates,
         method=method,
-        eventsfn=guards,
+        eventsfn=write_guards,
         num_events=2,
         rtol=tolerance,
         atol=tolerance,
@@ -312,18 +298,18 @@ def _by_cvode(problem: Problem, method: str, tolerance: float, events: bool) -> 
         max_num_steps=STEPS_ALLOWED,
     )
 
-    def integrate(_: Problem, time: float, state: Array, times: Array) -> Segment:
+    def integrate(time: float, state: Array, times: Array) -> Segment:
         solver.init_step(time, state)
         # the wrapper keeps and copies all events it has ever met
-        for kept in (guards._i, guards._t, guards._y):  # type: ignore[attr-defined]
+        for kept in (write_guards._i, write_guards._t, write_guards._y):  # type: ignore[attr-defined]
             kept.clear()
         samples: list[Array] = []
         for until in times:
             found = solver.step(until)
             if found.status == ROOT_FOUND:
-                guard = int(np.flatnonzero(found.i_events[-1])[0])
-                taken = np.array(samples) if samples else np.empty((0, 3))
-                return Segment(float(found.t), found.y, guard, taken, found.nfev)
+                which = int(np.flatnonzero(found.i_events[-1])[0])
+                taken = np.array(samples).reshape(-1, 3)
+                return Segment(float(found.t), found.y, which, taken, found.nfev)
             if found.status < 0:
                 raise RuntimeError(f"CVODE gave up at {found.t} s: {found.message}")
             samples.append(found.y)
@@ -343,7 +329,7 @@ def _run(problem: Problem, times: Array, integrate: Integrator) -> list[Segment]
     times = times[1:]
     while len(found) < EVENTS_ALLOWED:
         closed = tuple(problem.data[0][list(CLOSED)])
-        segment = integrate(problem, time, state, times)
+        segment = integrate(time, state, times)
         found.append(segment._replace(begin=time, first=state, closed=closed))
         times = times[len(segment.samples) :]
         time, state = segment.time, segment.state.copy()
@@ -353,12 +339,12 @@ def _run(problem: Problem, times: Array, integrate: Integrator) -> list[Segment]
     raise RuntimeError(f"more than {EVENTS_ALLOWED} events")
 
 
-def simulate(case: Case, method: str, tolerance: float, stiffness: float | None = None) -> Trajectory:
+def simulate(case: Case, tolerance: float, method: str, stiffness: float | None = None) -> Trajectory:
     """Run a case with all samples, then, timed, to the end alone: what an integrator costs is its own steps.
 
     Args:
-        case: of the rigid module. method: "Adams" or "BDF" of CVODE, as solve_ivp names it, or, with
-            clutches, "odeint". tolerance: relative and absolute.
+        case: of the rigid module. tolerance: relative and absolute.
+        method: "Adams" or "BDF" of CVODE, as solve_ivp names it, or, with clutches, "odeint".
         stiffness: of a clutch for each freewheel, N.m.s/rad, which has no events, or None.
 
     Raises:
@@ -368,8 +354,10 @@ def simulate(case: Case, method: str, tolerance: float, stiffness: float | None 
     problem, events = Problem(case, stiffness), stiffness is None
     if method in ("Adams", "BDF"):
         integrate = _by_cvode(problem, method, tolerance, events)
+    elif method == "odeint":
+        integrate = _by_odeint(problem, tolerance)
     else:
-        integrate = _by_odeint(tolerance) if method == "odeint" else _by_solve_ivp(method, tolerance, events)
+        integrate = _by_solve_ivp(problem, method, tolerance, events)
     segments = _run(problem, case.times, integrate)
     samples = [problem.start[None, :], *(segment.samples for segment in segments)]
     q, omega2, omega3 = np.concatenate(samples).T

@@ -1,11 +1,11 @@
 """The module as a constrained multibody model in MuJoCo, an independent engine, stepped forwards.
 
-Each joint is a hinge of its own: link 1, link 2, the drives on link 1 and the satellites on them. Gears are
-equality constraints: each drive's turn is tied to links 1 and 2 by a fixed tendon, each satellite's to its
-drive's by a joint constraint. A freewheel is the limit of a tendon (or joint) that is always active, without
-stiffness and with damping 1 / timestep: MuJoCo then keeps the relative speed after the step from falling
-below zero by a torque that only pushes. That is the complementarity condition on velocities, at each step.
-The input speed is held by a flywheel on link 1.
+Each joint is a hinge of its own: link 1, link 2, the drives on link 1 and the satellites on them, where the
+reference's geometry has them at drive angle 0. Gears are equality constraints: each drive's turn is tied to
+links 1 and 2 by a fixed tendon, each satellite's to its drive's by a joint constraint. A freewheel is the
+limit of a tendon (or joint) that is always active, without stiffness and with damping 1 / timestep: MuJoCo
+then keeps the relative speed after the step from falling below zero by a torque that only pushes. That is
+the complementarity condition on velocities, at each step. The input speed is held by a flywheel on link 1.
 
 Source: MuJoCo, "Computation": constraint model, reference acceleration and impedance.
 """
@@ -19,7 +19,18 @@ import numpy as np
 from inertia_module.common.extras import library
 from inertia_module.fidelity.timing import median_time
 
-from ..reference.geometry import EX, EZ, Array, Parameters, bevel_lengths, ratio, satellite_ratio, turn
+from ..reference.geometry import (
+    EX,
+    EZ,
+    Array,
+    Parameters,
+    attitudes,
+    bevel_lengths,
+    positions,
+    ratio,
+    satellite_ratio,
+    turn,
+)
 from ..trade import Case, Trajectory
 from .integrators import Problem
 
@@ -33,67 +44,51 @@ INVERSE_INERTIA = 0.01
 ARMATURE = 1e-9
 # inertia of the flywheel on link 1 in units of those of the shafts
 FLYWHEEL = 1e7
+ORIGIN, UPRIGHT = np.zeros(3), np.eye(3)
 
 
 def _numbers(values: Iterable[float]) -> str:
     return " ".join(f"{value:.17g}" for value in values)
 
 
-def _frame(place: Array, turned: Array) -> str:
-    return f'pos="{_numbers(place)}" xyaxes="{_numbers([*turned[:, 0], *turned[:, 1]])}"'
+def _body(
+    name: str,
+    children: str = "",
+    axis: Array | None = None,
+    inertia: Iterable[float] = (0.0, 0.0, 0.0),
+    mass: float = NEGLIGIBLE,
+    place: Array = ORIGIN,
+    turned: Array = UPRIGHT,
+) -> str:
+    """A body, with a hinge of its name where an axis in its frame is given; kg, kg m^2, m."""
+    frame = f'pos="{_numbers(place)}" xyaxes="{_numbers([*turned[:, 0], *turned[:, 1]])}"'
+    hinge = f'<joint name="{name}" type="hinge" axis="{_numbers(axis)}"/>' if axis is not None else ""
+    own = _numbers(max(value, NEGLIGIBLE) for value in inertia)
+    inertial = f'<inertial pos="0 0 0" mass="{mass:.17g}" diaginertia="{own}"/>'
+    return f'<body name="{name}" {frame}>{hinge}{inertial}{children}</body>'
 
 
-def _inertial(mass: float, *inertia: float) -> str:
-    return f'<inertial pos="0 0 0" mass="{mass:.17g}" diaginertia="{_numbers(inertia)}"/>'
-
-
-def _imbalance(p: Parameters, name: str, place: Iterable[float]) -> str:
-    inertial = _inertial(p["imbalance_mass"], *[NEGLIGIBLE] * 3)
-    return f'<body name="{name}" pos="{_numbers(place)}">{inertial}</body>'
-
-
-def _bevel_module(p: Parameters, module: int) -> str:
-    """Drive about the z axis of link 1, satellites on it. Half of J16 across its axis is J1's."""
-    own = max(p["drive_inertia"] / p["modules"], NEGLIGIBLE)
-    across = max(p["satellite_transverse_inertia"], NEGLIGIBLE)
-    gear = across, across, max(p["satellite_inertia"], NEGLIGIBLE)
-    ad, qa, oq = bevel_lengths(p)
-    satellites = ""
+def _module(p: Parameters, module: int) -> str:
+    """Drives and satellites of a module. In the planar layout a drive is its satellite, on link 1."""
+    shares = p["modules"] * (p["satellites"] if p["layout"] else 1.0)
+    own, across = p["drive_inertia"] / shares, p["satellite_transverse_inertia"]
+    satellites, start = "", np.zeros(1)
     for n in range(int(p["satellites"])):
-        turned = turn(2, p["gamma"] + 2.0 * np.pi * n / p["satellites"]) @ turn(1, -p["shaft_angle"])
-        satellites += (
-            f"<body {_frame(oq * EZ, turned)}>"
-            f'<joint name="satellite {module} {n}" type="hinge" axis="0 0 1"/>'
-            f"{_inertial(NEGLIGIBLE, *gear)}"
-            f"{_imbalance(p, f'imbalance {module} {n}', (-ad, 0.0, -qa))}</body>"
-        )
-    return (
-        f'<joint name="drive {module}" type="hinge" axis="0 0 1"/>'
-        f"{_inertial(NEGLIGIBLE, 0.5 * own, 0.5 * own, own)}{satellites}"
-    )
-
-
-def _planar_module(p: Parameters, module: int) -> str:
-    """Satellites on link 1, their axes parallel to the central one."""
-    own = max(p["drive_inertia"] / p["modules"] / p["satellites"] + p["satellite_inertia"], NEGLIGIBLE)
-    centre = (p["sun_radius"] + p["satellite_radius"]) * EZ
-    satellites = ""
-    for n in range(int(p["satellites"])):
-        turned = turn(0, 2.0 * np.pi * n / p["satellites"])
-        satellites += (
-            f"<body {_frame(turned @ centre, turned)}>"
-            f'<joint name="drive {module} {n}" type="hinge" axis="1 0 0"/>'
-            f"{_inertial(NEGLIGIBLE, own, own, own)}"
-            f"{_imbalance(p, f'imbalance {module} {n}', (0.0, 0.0, -p['eccentricity']))}</body>"
-        )
-    return f"{_inertial(NEGLIGIBLE, *[NEGLIGIBLE] * 3)}{satellites}"
-
-
-def _shaft(name: str, inertia: float, children: str = "") -> str:
-    return (
-        f'<body><joint name="{name}" type="hinge" axis="{_numbers(EX)}"/>'
-        f"{_inertial(NEGLIGIBLE, *[inertia] * 3)}{children}</body>"
-    )
+        turned = attitudes(p, start, n)[0]
+        if p["layout"]:
+            name, axis, inertia = "drive", EX, [own + p["satellite_inertia"]] * 3
+            pivot = (p["sun_radius"] + p["satellite_radius"]) * turned @ EZ
+        else:
+            name, axis, inertia = "satellite", EZ, [across, across, p["satellite_inertia"]]
+            pivot = bevel_lengths(p)[2] * EZ
+        place = turned.T @ (positions(p, start, n)[0] - pivot)
+        imbalance = _body(f"imbalance {module} {n}", mass=p["imbalance_mass"], place=place)
+        satellites += _body(f"{name} {module} {n}", imbalance, axis, inertia, place=pivot, turned=turned)
+    frame = turn(0, 2.0 * np.pi * module / p["modules"])
+    if p["layout"]:
+        return _body(f"module {module}", satellites, turned=frame)
+    # half of J16 across its axis is J1's
+    return _body(f"drive {module}", satellites, EZ, [0.5 * own, 0.5 * own, own], turned=frame)
 
 
 def mechanism(
@@ -106,14 +101,12 @@ def mechanism(
         options: attributes of <option>. more: elements beside the worldbody.
         output_shaft: whether the output shaft is there. flywheel: inertia on link 1 beyond J1, kg m^2.
     """
-    module = _planar_module if p["layout"] else _bevel_module
     # of the input inertia J1 the drives of the bevel layout already bring half of J16
     rest = p["input_inertia"] - (0.0 if p["layout"] else 0.5 * p["drive_inertia"]) + flywheel
-    frames = [_frame(np.zeros(3), turn(0, 2.0 * np.pi * n / p["modules"])) for n in range(int(p["modules"]))]
-    modules = "".join(f"<body {frame}>{module(p, n)}</body>" for n, frame in enumerate(frames))
-    shafts = _shaft("link 1", rest, modules) + _shaft("link 2", p["link2_inertia"])
+    modules = "".join(_module(p, n) for n in range(int(p["modules"])))
+    shafts = _body("link 1", modules, EX, [rest] * 3) + _body("link 2", "", EX, [p["link2_inertia"]] * 3)
     if output_shaft:
-        shafts += _shaft("output", p["output_inertia"])
+        shafts += _body("output", "", EX, [p["output_inertia"]] * 3)
     return f"""<mujoco>
         <compiler angle="radian" inertiafromgeom="false"/>
         <option gravity="0 0 0" {options}><flag energy="enable"/></option>
@@ -122,7 +115,7 @@ def mechanism(
 
 
 def _model_text(
-    p: dict[str, float], drives: list[str], satellites: dict[str, str], step: float, integrator: str
+    p: Parameters, drives: list[str], satellites: dict[str, str], step: float, integrator: str
 ) -> str:
     """The mechanism with its gears and freewheels."""
     k, s = ratio(p), satellite_ratio(p)
@@ -158,10 +151,9 @@ class ForwardModel:
 
     def __init__(self, case: Case, step: float, integrator: str) -> None:
         self.engine, self.case = library("mujoco", "peers"), case
-        p = case.all_parameters
+        self.p = p = case.all_parameters
         modules, satellites = range(int(p["modules"])), range(int(p["satellites"]))
         places = [f"{module} {n}" for module in modules for n in satellites]
-        self.p = p
         self.drives = [f"drive {place}" for place in (places if p["layout"] else modules)]
         drive_of = {f"satellite {place}": f"drive {place.split()[0]}" for place in places}
         self.satellites = {} if p["layout"] else drive_of
@@ -183,7 +175,7 @@ class ForwardModel:
             **{"link 1": (0.0, self.case.omega1), "link 2": (0.0, p["omega2_start"])},
             **{"output": (0.0, p["omega_out_start"])},
             **dict.fromkeys(self.drives, (start, rate)),
-            **dict.fromkeys(self.satellites, (s * start + p["epsilon"], s * rate)),
+            **dict.fromkeys(self.satellites, (s * start, s * rate)),
         }
         for name, (angle, speed) in motion.items():
             joint = self.data.joint(name)
@@ -217,12 +209,12 @@ class ForwardModel:
         return float(self.data.energy[1] + self.case.load_torque * self.data.joint("output").qpos[0])
 
 
-def simulate(case: Case, integrator: str, timestep: float) -> Trajectory:
+def simulate(case: Case, timestep: float, integrator: str) -> Trajectory:
     """Run a case in MuJoCo.
 
     Args:
-        case: of the rigid module. integrator: "Euler" or "RK4". timestep: at most, s; a whole number
-            of steps makes a sampling interval.
+        case: of the rigid module. timestep: at most, s; a whole number of steps makes a sampling interval.
+        integrator: "Euler" or "RK4".
 
     Raises:
         Unavailable: the case is not for it. NotInstalled: mujoco is not.
@@ -232,8 +224,7 @@ def simulate(case: Case, integrator: str, timestep: float) -> Trajectory:
     interval = case.stop_time / case.points
     steps = max(1, int(np.ceil(interval / timestep * (1.0 - 1e-12))))
     model = ForwardModel(case, interval / steps, integrator)
-    samples: list[tuple[float, float, float]] = [model.read()]
-    energy = model.energy()
+    samples, energy = [model.read()], model.energy()
     for _ in range(case.points):
         model.advance(steps)
         samples.append(model.read())
@@ -244,14 +235,12 @@ def simulate(case: Case, integrator: str, timestep: float) -> Trajectory:
         model.advance(steps * case.points)
 
     q, omega2, omega3 = np.array(samples).T
-    stages = 4 if integrator == "RK4" else 1
     return Trajectory(
         time=case.times,
         drive_angle=q,
         omega2=omega2,
         omega_out=omega3,
-        switches=None,
-        evaluations=stages * steps * case.points,
+        evaluations=(4 if integrator == "RK4" else 1) * steps * case.points,
         energy_residual=residual,
         wall_time=median_time(again),
     )

@@ -1,6 +1,7 @@
-"""The printed equations give what the pages print: each against numbers worked out by hand.
+"""Equations that are wrong in print give what the page prints: each against numbers worked out by hand.
 
-Where a page is wrong the exact result stands beside it, so that nobody takes one for the other.
+The exact result stands beside it, so that nobody takes one for the other. Equations that are right are
+compared with their exact forms (test_papers.py), and these with chains of bodies.
 """
 
 import math
@@ -8,14 +9,11 @@ from math import pi, sqrt
 
 import numpy as np
 import pytest
-from karetin_cases import geometry
 
-from studies.papers.forms import Forms, in_time, rate, vector
-from studies.papers.karetin import equations as karetin
-from studies.papers.karetin import exact, stop_mode
-from studies.papers.lysenko import equations as lysenko
-from studies.papers.stelmashchuk import equations as stelmashchuk
-from studies.papers.stelmashchuk.exact import Criteria, constants, response
+from studies.papers import karetin, lysenko, stelmashchuk
+from studies.papers.engine import Forms, in_time, rate, vector
+from studies.papers.karetin import Geometry, exact, stop_mode
+from studies.papers.stelmashchuk import REFERENCE, Criteria, response
 
 
 def close(values):
@@ -25,17 +23,18 @@ def close(values):
 # --- Karetin ---
 
 DEGREE = pi / 180
+
+
+def geometry(**parameters):
+    """A geometry of simple numbers: phi = psi = 45 degrees, AD = QA = OQ = 1 m."""
+    return Geometry(**({"z17": 20, "z6": 20, "shaft_angle": pi / 2, "wheel_radius": 1.0} | parameters))
+
+
 D = {"x_D": 1.0, "y_D": 2.0, "z_D": 5.0}
 # phi = psi = 45 degrees, a = b = c = 1
 CONES = karetin.inputs(geometry(), stop_mode(1.0), 1.0)
 AT_60 = CONES | {"A": pi / 3, "B": pi / 3}
 KARETIN = {
-    # omega16 = 90 * 30/20 * (1 - 1/3) = 90, omega6 = 90 * 40/10 = 360
-    "(1)": (
-        {"omega1": 90.0, "i": 3.0, "z2": 30, "z16": 20, "z17": 40, "z6": 10},
-        "speeds",
-        (30.0, 90.0, 360.0),
-    ),
     # 1/sin 45; cos 45 cos 0; sin 45; cos 45; U1 (cos 45 + 0); U1 U3 sin 90
     "(2) U1": (CONES, "U1", sqrt(2)),
     "(2) U2": (CONES, "U2", 1 / sqrt(2)),
@@ -52,61 +51,28 @@ KARETIN = {
         "position_in_link1",
         (1.0, 0.0, 0.5),
     ),
-    "(3)": ({"position": (2.0, 3.0, 6.0)}, "radius", 7.0),
-    "(4)": ({"position": (3.0, 4.0, 12.0)}, "projections", (5.0, sqrt(160.0), sqrt(153.0))),
     # arctan(-1), pi/2 - arccos(1/sqrt 2), arccos(-1/sqrt 2)
     "(5)": ({"position": (-1.0, 1.0, -1.0)}, "angles", (-pi / 4, pi / 4, 3 * pi / 4)),
-    "(7)": (
-        {"about_satellite": np.array([1, 2, 3]), "about_drive": np.array([10, 20, 30])},
-        "velocity_in_link1",
-        (11, 22, 33),
-    ),
-    "(8)": (
-        {"position_in_link1": np.array([1, 2, 3]), "centre_of_satellite": np.array([5, 5, 5])},
-        "arm_of_imbalance",
-        (-4, -3, -2),
-    ),
     "(9)": ({"mu": 2.0, "centre_of_satellite": np.array([1, 2, 3])}, "spin_of_satellite", (2, 4, 6)),
-    # A = (3, 0, 5), OQ = 1: 34 - 2*5*1 + 1 = 25
-    "(10)": ({"omega6": 10.0, "centre_of_satellite": (3.0, 0.0, 5.0), "OQ": 1.0}, "mu", 2.0),
     # 2 (2*5 - 3*5) = -10; -2 (1 (6 - 3*4)) = 12; 2*1*5 - 2*4 = 2, exact are 2 (1, 2, 3) x (4, 5, 5)
     "(11)": (
         {"mu": 2.0, "OQ": 1.0, "arm_of_imbalance": (1.0, 2.0, 3.0), "centre_of_satellite": (4.0, 5.0, 6.0)},
         "about_satellite",
         (-10.0, 12.0, 2.0),
     ),
-    "(12)": ({"about_satellite": (2.0, 3.0, 6.0)}, "speed_about_satellite", 7.0),
-    "(13)": ({"lambda_": 3.0, "OQ": 2.0}, "spin_of_drive", (0.0, 0.0, 6.0)),
     "(14)": ({"angular_velocities": (6.0, 0.0, 0.0), "OQ": 2.0}, "lambda_", 3.0),
     # lambda OQ = 6 rad/s: r x omega, while omega x r = (-12, 6, 0)
     "(15)": (D | {"lambda_": 3.0, "OQ": 2.0}, "about_drive", (12.0, -6.0, 0.0)),
-    "(16)": ({"about_drive": (3.0, -4.0, 0.0)}, "speed_about_drive", 5.0),
-    "(18)": ({"velocity_in_link1": (2.0, 3.0, 6.0)}, "speed_in_link1", 7.0),
     # (100 + 5) * 2; the turn of link 1 is 200
     "(19)": ({"omega1": 100.0, "angular_velocities": (0.0, 5.0, 0.0), "t": 2.0}, "alpha", 210.0),
-    "(20)": ({"v": 3.0, "position_in_link1": (2.0, 0.0, 0.0)}, "spin_of_link1", (6.0, 0.0, 0.0)),
     # (105 + 5)/2, with omega_alpha = 100 + 5; exact omega1/x = 50
     "(21)": ({"omega1": 100.0, "swing_rate": 5.0, "position_in_link1": (2.0, 0.0, 0.0)}, "v", 55.0),
     # v x = 6 rad/s about Ox at y = 5, z = 7: omega x r = (0, -42, 30)
     "(22)": ({"v": 3.0, "position_in_link1": (2.0, 5.0, 7.0)}, "about_centre", (0.0, 42.0, 30.0)),
-    "(23)": (
-        {"velocity_in_link1": np.array([1, 2, 3]), "about_centre": np.array([0, 42, 30])},
-        "sum_of_three",
-        (1, 44, 33),
-    ),
     # alpha = 30 degrees: (1, 2 sin, 4 cos), of length sqrt 14, while a turn keeps sqrt 21
     "(24)": ({"sum_of_three": (1.0, 2.0, 4.0), "alpha": pi / 6}, "velocity", (1.0, 1.0, 2.0 * sqrt(3))),
-    "(25)": ({"velocity": (2.0, 3.0, 6.0)}, "speed", 7.0),
-    # (3 + 2*4)/5 = 2.2
-    "(26)": ({"position": (3.0, 4.0, 0.0), "k1": 2.0}, "foot_L", (2.2, 4.4)),
-    "(27)": ({"velocity": (6.0, -3.0, 0.0)}, "k1", 2.0),
-    "(28)": ({"foot_L": (3.0, 4.0)}, "arm_L", 5.0),
-    "(29)": ({"velocity": (3.0, 4.0, 0.0)}, "speed_L", 5.0),
-    # y = 1, z = 2, V_y = 2, V_z = -6: k2 = 6/2 = 3, z_M = (2 + 3*1)/10
-    "(30)": ({"position": (9.0, 1.0, 2.0), "velocity": (9.0, 2.0, -6.0)}, "foot_M", (0.5, 1.5)),
     # x = 1, z = 2, V_x = 2, V_z = -6: k3 = 3, z_N = (2 + 3*1)/10; the foot is (1.5, ., 0.5) in x and z
     "(31)": ({"position": (1.0, 9.0, 2.0), "velocity": (2.0, 9.0, -6.0)}, "foot_N", (0.0, 1.5, 0.5)),
-    "(33)": ({"acceleration": (2.0, 3.0, 6.0)}, "acceleration_modulus", 7.0),
 }
 
 
@@ -178,27 +144,14 @@ OMEGA, HALF = 10.0, math.sqrt(0.5)
 # quantity, what the page gives by hand, angle alpha, speed omega; at 90 degrees rho = sqrt(10),
 # sin b1 = 3/sqrt(10), cos b1 = 1/sqrt(10), delta = arctan(1/2), b1 - delta = 45 degrees
 LYSENKO = {
-    # X = 3 cos 45 - cos 135, Y = 3 sin 45 - sin 135
-    "(1)": ("epicycloid", (4 * HALF, 2 * HALF), pi / 2, OMEGA),
-    # sqrt(9 + 1 - 6 cos 60)
-    "(2)": ("rho", math.sqrt(7.0), pi / 3, OMEGA),
     "(2), note": ("rho_of_note", math.sqrt(7.0), 2 * pi / 3, OMEGA),
-    "(3)": ("F1", 200.0, 0.0, OMEGA),
-    # 2 sqrt(10) / 4 * 100
-    "(4)": ("F2", 50 * math.sqrt(10.0), pi / 2, OMEGA),
     # 2 * 2 * 10 sqrt(4.5) * 5, from the speed of (7)
     "(5)": ("Fk", 200 * math.sqrt(4.5), pi / 2, OMEGA),
-    # 10 sqrt(1 + 10/4 + 2 sqrt(10)/2 / sqrt(10)); at the cusp l w + rho b w, as b1 comes out zero
-    "(7)": ("V", 10 * math.sqrt(4.5), pi / 2, OMEGA),
     "(7) at the cusp": ("V", 20.0, 0.0, OMEGA),
     "(8)": ("beta1", math.asin(3 / math.sqrt(10.0)), pi / 2, OMEGA),
     # sin b1 = 3 sin 60 / sqrt(7)
     "(8) at 60": ("beta1", math.asin(math.sqrt(27 / 28)), pi / 3, OMEGA),
-    # F2 n2 + Fk k1 = 150 + 300; -F1 n1 - F2 n2 - Fk k2 = -600 - 150 - 900
-    "(9)": ("M1_of_forces", 450.0, pi / 2, OMEGA),
     "(10)": ("M_of_forces", -1650.0, pi / 2, OMEGA),
-    "(11)": ("n1", 3.0, pi / 2, OMEGA),
-    "(12)": ("n2", 3 / math.sqrt(10.0), pi / 2, OMEGA),
     "(13) delta": ("delta", math.atan(0.5), pi / 2, OMEGA),
     "(13)": ("k1", HALF, pi / 2, OMEGA),
     # 3 sin(90 + 45)
@@ -207,10 +160,7 @@ LYSENKO = {
     "(15)": ("M1", 450.0, pi / 2, OMEGA),
     # -2 * 3 * 100 * (1.25 + sqrt(4.5) sin 135): exact are -1200
     "(16)": ("M", -1650.0, pi / 2, OMEGA),
-    "(17)": ("N1", 4500.0, pi / 2, OMEGA),
-    "(18)": ("N", -8250.0, pi / 2, OMEGA),
     "(19)": ("J", 4.0 + 2 * 10, pi / 2, OMEGA),
-    "(20)": ("J_limits", (4 + 2 * 16, 4 + 2 * 4), 0.0, 1.0),
     "(21)": ("omega_max", 2.0 * 36 / 12, 0.0, 2.0),
     "(22)": ("T1", 72.0, 0.0, 2.0),
     "(23)": ("T2", 216.0, 0.0, 2.0),
@@ -260,23 +210,12 @@ def test_lysenkos_arm_14_lacks_a_term_even_for_the_direction_the_page_takes():
 # nu1 = sqrt(7) pi, hence nu0/chi = 1/(8 pi^2) = 1/nu^2 and nu0^2/chi = 1/2 ---
 
 CRITERIA, NU1 = Criteria(nu=math.sqrt(8.0) * pi, Pi=pi), math.sqrt(7.0) * pi
-REFERENCE = Criteria(8.0, 0.5)
 STELMASHCHUK = {
-    "nu0": ({}, "nu0", 4 * pi**2),
-    "chi": ({}, "chi", 32 * pi**4),
-    "nu1": ({}, "nu1", NU1),
-    # R0 = 2 pi (1/(8 pi^2) - 1/(8 pi^2)) = 0, R0' = 1/2
-    "C I": ({}, "C_I", (-0.5 / NU1, 0.0)),
-    # from C = (0, 0): a = 0.5 - 2 pi (2/(8 pi^2)) = 0.5 - 1/(2 pi), a' = 1.5
-    # C2 = a + 4 pi/(8 pi^2) - 0.5 = 0, C1 = (1.5 - 2)/nu1
-    "C II": ({"C_I": (0.0, 0.0)}, "C_II", (-0.5 / NU1, 0.0)),
     # from C = (0, 0), kappa2 = 1: a = 2.5 - 1/(2 pi), a' = 2, R0 = 2.5 - 1/(2 pi), R0' = 1.5
     # printed C1 = (2 + pi (a - R0))/nu1 - 1.5, the bracket closed too early; right is (2 - 1.5)/nu1
     "C III": ({"C_II": (0.0, 0.0)}, "C_III", (2 / NU1 - 1.5, 0.0)),
     # with B = 1, undefined on the page, instead of 2, R0 is smaller by kappa2
     "C III, B": ({"C_II": (0.0, 0.0), "B": 1.0}, "C_III", ((2 + pi) / NU1 - 1.5, 1.0)),
-    # from C = (0, 0): a = 1 + 2 kappa2 - 2 pi (1/(8 pi^2) - 1/(8 pi^2)), a' = 1 - 1/2
-    "C IV": ({"C_III": (0.0, 0.0)}, "C_IV", (0.5 / NU1, 0.0)),
 }
 
 
@@ -290,35 +229,21 @@ def test_stelmashchuk_5_without_the_particular_solution():
     # kappa = 1/2 with C1 = 2, C2 = 0: e^(-pi/2) (2 sin(nu1/2) (pi^2 - 7 pi^2) - 2 pi nu1 2 cos(nu1/2))
     sine, cosine = math.sin(NU1 / 2), math.cos(NU1 / 2)
     expected = math.exp(-pi / 2) * (-12 * pi**2 * sine - 4 * pi * NU1 * cosine)
-    assert float(stelmashchuk.free_acceleration(s, 0.5, (2.0, 0.0))) == pytest.approx(expected)
+    assert float(s.replaced(kappa=0.5, C=(2.0, 0.0)).free_acceleration) == pytest.approx(expected)
     # kappa = 0 with C1 = C2 = 1: (pi^2 - 7 pi^2) - 2 pi nu1; the part itself and its rate: C2, nu1 C1 - Pi C2
-    assert float(stelmashchuk.free_acceleration(s, 0.0, (1.0, 1.0))) == pytest.approx(
-        -6 * pi**2 - 2 * pi * NU1
-    )
+    found = float(s.replaced(kappa=0.0, C=(1.0, 1.0)).free_acceleration)
+    assert found == pytest.approx(-6 * pi**2 - 2 * pi * NU1)
     assert stelmashchuk.free_part(0.0, (3.0, 2.0), NU1, pi) == pytest.approx((2.0, 3 * NU1 - 2 * pi))
 
 
 def test_second_derivative_of_the_particular_solution_has_four_pi_squared():
     s = stelmashchuk.printed(CRITERIA, 1.0)
     # 2 pi nu0/chi = 1/(4 pi); kappa = 1/4: (1/(4 pi)) 4 pi^2; kappa = 0: -(1/(4 pi)) 4 pi^2 pi, right is -pi
-    assert float(stelmashchuk.particular_acceleration(s, 0.25)) == pytest.approx(pi)
-    assert float(stelmashchuk.particular_acceleration(s, 0.0)) == pytest.approx(-(pi**2))
+    assert float(s.replaced(kappa=0.25).particular_acceleration) == pytest.approx(pi)
+    assert float(s.replaced(kappa=0.0).particular_acceleration) == pytest.approx(-(pi**2))
     # kappa = 0: free part with C1 = -0.5/nu1: -2 pi nu1 C1 = pi, and R'' = -pi^2; the mass really starts at 0
     assert float(stelmashchuk.acceleration(s, 0.0)) == pytest.approx(pi - pi**2)
     assert float(response(0.0, CRITERIA, 1.0).acceleration) == 0.0
-
-
-def test_only_the_two_misprints_part_printed_from_exact():
-    right = constants(REFERENCE, 1.0)
-    names = ("C_I", "C_II", "C_III", "C_IV")
-    fed = [
-        stelmashchuk.printed(REFERENCE, 1.0, **dict(zip(names[:n], right, strict=False))) for n in range(4)
-    ]
-    found = [getattr(s, name) for s, name in zip(fed, names, strict=True)]
-    for n in (0, 1, 3):
-        assert found[n] == pytest.approx(right[n], rel=1e-12)
-    R0_rate, nu1 = 1 + fed[0].nu0 ** 2 / fed[0].chi, fed[0].nu1
-    assert (found[2][0] + R0_rate - R0_rate / nu1, found[2][1]) == pytest.approx(right[2], rel=1e-12)
 
 
 def test_stelmashchuks_solution_is_exact_in_phase_2_and_wrong_elsewhere():

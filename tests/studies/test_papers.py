@@ -1,13 +1,16 @@
-"""What was found of the equations and claims of the papers, and that docs/papers.md says it of each."""
+"""Verdicts on the equations and claims of the papers, the page that tells them, and the figures."""
 
+import io
 import re
 
+import numpy as np
 import pytest
 
-from studies.papers import karetin, lysenko, report, stelmashchuk
+from studies.papers import karetin, lysenko, stelmashchuk
+from studies.papers.engine import FAILS, HOLDS, PARTLY, ROUNDING, Claim, Found, rounds_to, worst
 from studies.papers.figures import all_figures
 from studies.papers.page import equations, papers_page, words
-from studies.papers.report import FAILS, HOLDS, PARTLY, Finding, rounds_to, worst
+from studies.papers.sketches import pitch_cones
 
 PAPERS = {"karetin": karetin, "lysenko": lysenko, "stelmashchuk": stelmashchuk}
 # wrong even if fed with exact values of all they take
@@ -33,44 +36,39 @@ FAILING = {
     },
     "stelmashchuk": set(),
 }
-EQUATIONS = [
-    pytest.param(name, number, id=f"{name} {number}")
-    for name, paper in PAPERS.items()
-    for number, equation in paper.EQUATIONS.items()
-    if not equation.verdict
-]
+papers = pytest.mark.parametrize("name", PAPERS)
 
 
 @pytest.fixture(scope="module")
-def findings():
-    return {name: paper.findings() for name, paper in PAPERS.items()}
+def claims():
+    return {name: dict(paper.claims()) for name, paper in PAPERS.items()}
 
 
-@pytest.mark.parametrize(("name", "number"), EQUATIONS)
-def test_an_equation_fed_with_exact_values_is_right_or_clearly_wrong(name, number):
-    difference = PAPERS[name].EQUATIONS[number].difference
-    assert difference > 0.01 if number in WRONG[name] else difference < report.ROUNDING
+@pytest.fixture(scope="module")
+def drawn():
+    """Figures and their columns by name, each drawn once."""
+    return {name: draw() for name, draw in all_figures().items()}
 
 
-@pytest.mark.parametrize("name", PAPERS)
-def test_claims_have_the_verdicts_that_their_figures_give_them(name, findings):
-    for verdict, claims in ((HOLDS, HOLDING[name]), (FAILS, FAILING[name])):
-        assert {claim for claim, found in findings[name].items() if str(found) == verdict} == claims
+@papers
+def test_every_numbered_equation_is_judged_and_fed_with_exact_values_right_or_clearly_wrong(name):
+    judged, last = PAPERS[name].EQUATIONS, {"karetin": 33, "lysenko": 24, "stelmashchuk": 5}[name]
+    assert [n for n in judged if re.fullmatch(r"\(\d+\)", n)] == [f"({n})" for n in range(1, last + 1)]
+    for number, equation in judged.items():
+        if not equation.verdict:
+            off = equation.difference
+            assert off > 0.01 if number in WRONG[name] else off < ROUNDING, number
 
 
-def test_every_numbered_equation_of_the_papers_is_judged():
-    assert list(karetin.EQUATIONS) == [f"({n})" for n in range(1, 34)]
-    assert [n for n in lysenko.EQUATIONS if "note" not in n] == [f"({n})" for n in range(1, 25)]
-    assert [n for n in stelmashchuk.EQUATIONS if n.startswith("(")] == [f"({n})" for n in range(1, 6)]
+@papers
+def test_claims_have_the_verdicts_that_their_figures_give_them_and_a_row_each(name, claims):
+    for verdict, expected in ((HOLDS, HOLDING[name]), (FAILS, FAILING[name])):
+        assert {claim for claim, found in claims[name].items() if str(found) == verdict} == expected
+    told = re.findall(r"\*\*\{(\w+)\}\*\*", words(f"{name}.md"))
+    assert sorted(told) == sorted(claims[name])
 
 
-@pytest.mark.parametrize("name", PAPERS)
-def test_the_page_has_a_row_for_each_claim(name, findings):
-    told = re.findall(r"\*\*\{(\w+)\}\*\*", words(PAPERS[name]))
-    assert sorted(told) == sorted(findings[name])
-
-
-@pytest.mark.parametrize("name", PAPERS)
+@papers
 def test_each_equation_is_shown_as_printed_and_exact_and_a_wrong_curve_is_drawn(name):
     _, *sections = re.split(r"^#### ", equations(PAPERS[name]), flags=re.M)
     shown = {section.partition(": ")[0]: section for section in sections}
@@ -89,37 +87,87 @@ def test_each_equation_is_shown_as_printed_and_exact_and_a_wrong_curve_is_drawn(
             assert any(part.startswith("Exact") for part in rest) == two
 
 
-def test_the_page_has_no_figure_that_is_none_and_whole_tables():
-    page = papers_page()
-    assert not re.search(r"\bnan\b|\binf\b", page)
-    for table in page.split("| in the paper | in the FMU |")[1:]:
+def test_the_page_has_no_figure_that_is_none_and_whole_tables(claims, monkeypatch):
+    for name, paper in PAPERS.items():
+        monkeypatch.setattr(paper, "claims", lambda name=name: claims[name].items())
+    whole = papers_page()
+    assert not re.search(r"\bnan\b|\binf\b", whole)
+    for table in whole.split("| in the paper | in the FMU |")[1:]:
         rows = table.split("\n\n")[0].splitlines()[1:]
         assert {row.replace(r"\|", "").count("|") for row in rows} == {6}
 
 
-@pytest.mark.parametrize(
-    ("says", "verdict"),
-    [((True, True), HOLDS), ((True, False), PARTLY), ((False, False), FAILS)],
-)
-def test_a_claim_holds_as_far_as_what_it_says_is_so(says, verdict):
-    assert str(Finding(*says)) == verdict
+def test_a_claim_holds_as_far_as_what_it_says_is_so_and_tells_its_figures():
+    for says, verdict in (((True, True), HOLDS), ((True, False), PARTLY), ((False, False), FAILS)):
+        assert str(Claim(*says)) == verdict
+    claim = Claim(True, off=0.1234, each=[0.5, 0.25], count=3, kept={"a": 2.5}, same=1e-15)
+    told = (
+        "{0.off:.1%} of {0.count}, {0.each:.2f}; {0.each:.0%}; {0.each[1]:g}; {0.kept[a]:g}; {0.same} {0.off}"
+    )
+    assert told.format(claim) == "12.3 % of 3, 0.50, 0.25; 50, 25 %; 0.25; 2.5; rounding 0.12"
+    assert f"{Found(['a', 'b'])}" == "a, b"
 
 
-@pytest.mark.parametrize(
-    ("found", "printed", "same"),
-    [
-        (0.048, "0.05", True),
-        (0.055001, "0.05", False),
-        (8.0, "7", False),
-        (7.22, "7", True),
-        (2.4, "3", False),
-    ],
-)
-def test_a_number_is_met_when_it_rounds_to_what_is_printed(found, printed, same):
-    assert rounds_to(found, printed) == same
+def test_a_number_is_met_when_it_rounds_to_what_is_printed():
+    for found, printed in ((0.048, "0.05"), (7.22, "7")):
+        assert rounds_to(found, printed)
+    for found, printed in ((0.055001, "0.05"), (8.0, "7"), (2.4, "3")):
+        assert not rounds_to(found, printed)
 
 
 def test_the_worst_difference_is_over_the_largest_length():
     assert worst(([3.0, 0.0], [0.0, 4.0]), ([0.0, 0.0], [0.0, 5.0])) == pytest.approx(3.0 / 5.0)
     assert worst([1.0, 2.5], [1.0, 2.0]) == pytest.approx(0.25)
     assert worst(0.5, 0.0, scale=2.0) == 0.25
+
+
+# --- figures ---
+
+
+def test_figures_come_with_columns_of_one_length_and_their_parameters(drawn):
+    for figure, columns in drawn.values():
+        assert len({values.shape for values in columns.values()}) == 1
+        assert all(np.isfinite(values).all() for values in columns.values())
+        assert "=" in figure.get_supxlabel()
+        # a unit, or a number of turns
+        assert all("[" in column or "turns" in column for column in columns)
+    # of each kind one is written
+    for name in ("karetin_1", "karetin_2", "karetin_3", "lysenko_forces"):
+        written = io.BytesIO()
+        drawn[name][0].savefig(written, format="svg")
+        assert written.tell() > 10_000
+
+
+def test_columns_hold_the_curves(drawn):
+    for name, values in drawn["karetin_2"][1].items():
+        # trajectories close after a period
+        assert values[-1] == pytest.approx(values[0], abs=1e-12), name
+    columns = drawn["karetin_3"][1]
+    for quantity, kind in (("V", "velocity [m/s]"), ("a", "acceleration [km/s²]")):
+        for mode in ("stop mode", "dynamic mode, i = 2"):
+            of = [columns[f"{kind}, {mode}, {quantity}_{axis}"] for axis in "xyz"]
+            modulus = columns[f"{kind}, {mode}, |{quantity}|"]
+            np.testing.assert_allclose(modulus**2, sum(part**2 for part in of), atol=1e-12)
+    # what is drawn as mirrored is as far from the speed as is told
+    columns = drawn["karetin_offsets"][1]
+    exact = [name for name in columns if name.endswith("exact")]
+    assert len(exact) == 8
+    for name in exact:
+        off = np.abs(columns[name] - columns[name.replace("exact", "mirrored")]).max() / np.ptp(columns[name])
+        assert 100.0 * off == pytest.approx(float(re.search(r"asymmetry ([\d.]+) %", name)[1]), abs=0.06)
+    second, third = (drawn[f"stelmashchuk_{n}"][1] for n in (2, 3))
+    for balancer in ("with the balancer", "without the balancer"):
+        assert {f"a″ [1], {balancer}, ν = {nu}" for nu in ("4.4", "8", "100")} < set(second)
+        assert {f"a″ [1], {balancer}, Π = {Pi}" for Pi in ("0", "5")} < set(third)
+    motion = stelmashchuk.response(second["relative time κ = t/T [1]"], stelmashchuk.REFERENCE, 1.0, 0.0)
+    assert (second["a″ [1], without the balancer, ν = 8"] == motion.acceleration).all()
+
+
+def test_the_pitch_cones_touch_along_the_generatrix():
+    g = karetin.Geometry(z17=31, z6=19, shaft_angle=1.2, gamma=0.4)
+    apex, wheel, satellite = pitch_cones(g)
+    for rim in (wheel, satellite):
+        np.testing.assert_allclose(np.linalg.norm(rim.T - apex, axis=1), g.L, rtol=1e-14)
+    # rims come near each other only at the pole
+    pole = g.L * np.array([np.sin(g.psi) * np.cos(g.gamma), np.sin(g.psi) * np.sin(g.gamma), -np.cos(g.psi)])
+    assert np.linalg.norm(satellite.T - apex - pole, axis=1).min() < 1e-12

@@ -1,122 +1,186 @@
+"""The kernel's equations, and the reference's with losses, against MuJoCo, each joint a hinge of its own."""
+
+import itertools
+
 import numpy as np
 import pytest
-from geometry import ratio
+from geometry import ratio, satellite_ratio
 from scenes import LAYOUTS, parameters, started, vector
 
 from inertia_module.kernel.layout import imbalance_in_fixed_frame
 from inertia_module.kernel.links import accelerations, kinetic_energy, torques
 from inertia_module.kernel.loads import write_loads
+from studies.peers.mujoco_model import mechanism
+from studies.reference.cases import A1, A2, A3, CLOSED, OMEGA1, OPEN, SUMS, THETA1, Machine, Q
 
-pytest.importorskip("mujoco")
-from multibody import Multibody
+mujoco = pytest.importorskip("mujoco")
 
-STATES = 20
+# of random (q, theta1, omega1, alpha1, omega2, alpha2)
+SCALE = np.array([10.0, 10.0, 100.0, 3000.0, 100.0, 3000.0])
+GEAR = {"drive_inertia": 0.004, "satellite_inertia": 0.007, "satellite_transverse_inertia": 0.005}
+FLAT = {"imbalance_mass": 1e-3, "satellite_inertia": 0.2, "satellite_transverse_inertia": 0.1}
 OWN = {
     "J16": {"drive_inertia": 0.004},
-    "J16 and bodies": {
-        "drive_inertia": 0.004,
-        "satellite_inertia": 0.007,
-        "satellite_transverse_inertia": 0.005,
-    },
+    "J16 and bodies": GEAR,
     "long bodies": {"satellite_inertia": 1e-4, "satellite_transverse_inertia": 0.02},
-    "flat bodies, nearly alone": {
-        "imbalance_mass": 1e-3,
-        "satellite_inertia": 0.2,
-        "satellite_transverse_inertia": 0.1,
-    },
+    "flat bodies, nearly alone": FLAT,
 }
+layouts = pytest.mark.parametrize("layout", LAYOUTS)
 
 
-@pytest.fixture(params=LAYOUTS)
-def layout(request):
-    return LAYOUTS[request.param]
+class Multibody:
+    """Links 1 and 2, drives and satellites as hinges; the gears are virtual work."""
+
+    def __init__(self, p):
+        self.p = p
+        self.model = mujoco.MjModel.from_xml_string(mechanism(p))
+        self.data = mujoco.MjData(self.model)
+        self.names = [self.model.joint(n).name for n in range(self.model.njnt)]
+        self.link1, self.link2 = (
+            np.array([name == link for name in self.names], float) for link in ("link 1", "link 2")
+        )
+        # how each hinge turns with the drive angle q
+        turns = {"drive": 1.0, "satellite": satellite_ratio(p)}
+        self.gear = np.array([turns.get(name.split()[0], 0.0) for name in self.names])
+
+    def prescribe(self, q, theta1, omega1, alpha1, omega2, alpha2):
+        """Inverse dynamics of a motion of links 1 and 2: (M1, M2).
+
+        With dq = k (dtheta1 - dtheta2) the virtual work of the hinge torques is that of M1 on link 1
+        and of the outer torque on link 2, and J2 alpha2 is the outer torque and that of the mesh.
+        """
+        k, data = ratio(self.p), self.data
+        data.qpos[:] = self.link1 * theta1 + self.gear * q
+        data.qvel[:] = self.link1 * omega1 + self.link2 * omega2 + self.gear * k * (omega1 - omega2)
+        data.qacc[:] = self.link1 * alpha1 + self.link2 * alpha2 + self.gear * k * (alpha1 - alpha2)
+        mujoco.mj_inverse(self.model, data)
+        torque = data.qfrc_inverse
+        geared = k * (self.gear @ torque)
+        outer = self.link2 @ torque - geared
+        return self.link1 @ torque + geared, self.p["link2_inertia"] * alpha2 - outer
+
+    def energy(self):
+        """Kinetic energy of the motion prescribed last."""
+        mujoco.mj_energyVel(self.model, self.data)
+        return self.data.energy[1]
+
+    def on_the_mount(self):
+        """(F, Mo) of the motion prescribed last: what the world gives to links 1 and 2, the other way round.
+
+        Their own inertia and the torques that turn them are left out.
+        """
+        mujoco.mj_rnePostConstraint(self.model, self.data)
+        force, moment = np.zeros(3), np.zeros(3)
+        for name, inertia, hinge in (
+            ("link 1", self.p["input_inertia"], self.link1),
+            ("link 2", self.p["link2_inertia"], self.link2),
+        ):
+            body = self.model.joint(name).bodyid[0]
+            torque, given = np.split(self.data.cfrc_int[body], 2)
+            force -= given
+            moment -= torque + np.cross(self.data.subtree_com[body], given)
+            moment[0] += inertia * (hinge @ self.data.qacc)
+        return force, moment
+
+    def imbalance(self):
+        """(position, velocity, acceleration) of imbalance 0 of module 0 in the motion prescribed last."""
+        body = self.model.body("imbalance 0 0").id
+        velocity, acceleration = np.zeros(6), np.zeros(6)
+        mujoco.mj_rnePostConstraint(self.model, self.data)
+        kind = mujoco.mjtObj.mjOBJ_BODY
+        mujoco.mj_objectVelocity(self.model, self.data, kind, body, velocity, 0)
+        mujoco.mj_objectAcceleration(self.model, self.data, kind, body, acceleration, 0)
+        return self.data.xipos[body], velocity[3:], acceleration[3:]
 
 
-@pytest.fixture(params=[1, 2, 3])
-def satellites(request):
-    return request.param
-
-
-@pytest.fixture(params=[1, 2])
-def modules(request):
-    return request.param
-
-
-@pytest.fixture(params=OWN)
-def multibody(layout, satellites, modules, request):
-    inertias = {"imbalance_mass": 0.8, "input_inertia": 0.02, "link2_inertia": 0.006, **OWN[request.param]}
-    return Multibody(parameters(**layout, satellites=satellites, modules=modules, **inertias))
-
-
-@pytest.fixture
-def states():
-    """Random (q, theta1, omega1, alpha1, omega2, alpha2)."""
-    scale = np.array([10.0, 10.0, 100.0, 3000.0, 100.0, 3000.0])
-    return scale * np.random.default_rng(2020).uniform(-1.0, 1.0, (STATES, 6))
-
-
-def derived(multibody):
-    return started("plain", multibody.p).derived
+def states(number, seed):
+    return SCALE * np.random.default_rng(seed).uniform(-1.0, 1.0, (number, 6))
 
 
 def largest(values):
     return np.abs(values).max()
 
 
-def test_torques_agree_with_inverse_dynamics_of_the_multibody_engine(multibody, states):
-    d = derived(multibody)
-    expected = np.array([multibody.prescribe(*state) for state in states])
-    found = np.array([torques(d, q, *speeds) for q, _, *speeds in states])
-    assert largest(found - expected) < 1e-8 * largest(expected)
+@pytest.fixture(params=itertools.product(LAYOUTS, (1, 2, 3), (1, 2)), ids=str)
+def multibodies(request):
+    """A layout with so many satellites and modules, with each of the own inertias."""
+    layout, satellites, modules = request.param
+    links = {"imbalance_mass": 0.8, "input_inertia": 0.02, "link2_inertia": 0.006}
+    many = {"satellites": satellites, "modules": modules}
+    return [Multibody(parameters(**LAYOUTS[layout], **many, **{**links, **own})) for own in OWN.values()]
 
 
-@pytest.mark.parametrize(("inertia", "torque"), [(0.0, 0.0), (0.5, 30.0)], ids=["free", "driving"])
-def test_link_2_accelerates_as_the_multibody_engine_says(multibody, states, inertia, torque):
-    d = derived(multibody)
-    for q, theta1, omega1, alpha1, omega2, _ in states:
-        # the engine's mesh torque is linear in the acceleration of link 2
-        _, still = multibody.prescribe(q, theta1, omega1, alpha1, omega2, 0.0)
-        _, moved = multibody.prescribe(q, theta1, omega1, alpha1, omega2, 1000.0)
-        carried = multibody.p["link2_inertia"] + inertia
-        alpha2 = (still - torque) / (carried - (moved - still) / 1000.0)
-        drive, mesh = multibody.prescribe(q, theta1, omega1, alpha1, omega2, alpha2)
-        expected = (alpha1, alpha2, drive, torque + inertia * alpha2, mesh)
-        scale = largest([still, drive, torque])
-        *found, _ = accelerations(d, q, omega1, omega2, alpha1, False, inertia, 0.0, torque)
-        found += torques(d, q, omega1, alpha1, omega2, found[1])
-        found.insert(3, found[3] - multibody.p["link2_inertia"] * found[1])  # what link 2 passes on
-        assert found == pytest.approx(expected, rel=1e-8, abs=1e-8 * scale)
+def test_torques_imbalance_mount_and_energy_are_those_of_the_multibody_engine(multibodies):
+    for multibody in multibodies:
+        p, module, k = multibody.p, started("plain", multibody.p), ratio(multibody.p)
+        d, found, expected = module.derived, [], []
+        for q, theta1, omega1, alpha1, omega2, alpha2 in states(20, 2020):
+            motion = {"q": q, "theta1": theta1, "omega1": omega1, "alpha1": alpha1, "omega2": omega2}
+            expected.append(multibody.prescribe(**motion, alpha2=alpha2))
+            found.append(torques(d, q, omega1, alpha1, omega2, alpha2))
+            assert kinetic_energy(d, q, omega1, omega2, 0.0) == pytest.approx(multibody.energy(), rel=1e-8)
+            moved = imbalance_in_fixed_frame(
+                d, q, theta1, omega1, alpha1, k * (omega1 - omega2), k * (alpha1 - alpha2), 0.0
+            )
+            for right, values in zip(multibody.imbalance(), np.reshape(moved, (3, 3)), strict=True):
+                assert largest(values - right) < 1e-8 * largest(right)
+            for name, value in motion.items():
+                setattr(module.state, name, value)
+            write_loads(module.parameters, d, module.state, module.outputs, alpha2)
+            scale = p["imbalance_mass"] * module["imbalance_acceleration"] * p["modules"] * p["satellites"]
+            for name, right in zip(("force", "moment"), multibody.on_the_mount(), strict=True):
+                scale = max(scale, largest(right))
+                assert largest(vector(module, f"shaking_{name}") - right) < 1e-8 * scale
+        assert largest(np.array(found) - expected) < 1e-8 * largest(expected)
 
 
-def test_imbalance_moves_and_accelerates_as_in_the_multibody_engine(multibody, states):
-    d = derived(multibody)
-    k = ratio(multibody.p)
-    for q, theta1, omega1, alpha1, omega2, alpha2 in states:
-        multibody.prescribe(q, theta1, omega1, alpha1, omega2, alpha2)
-        found = imbalance_in_fixed_frame(
-            d, q, theta1, omega1, alpha1, k * (omega1 - omega2), k * (alpha1 - alpha2), 0.0
-        )
-        for expected, values in zip(multibody.imbalance(), np.reshape(found, (3, 3)), strict=True):
-            assert largest(values - expected) < 1e-8 * largest(expected)
+def test_link_2_accelerates_as_the_multibody_engine_says(multibodies):
+    for multibody, (inertia, torque) in itertools.product(multibodies, ((0.0, 0.0), (0.5, 30.0))):
+        d, own = started("plain", multibody.p).derived, multibody.p["link2_inertia"]
+        for q, theta1, omega1, alpha1, omega2, _ in states(20, 2020):
+            # the engine's mesh torque is linear in the acceleration of link 2
+            _, still = multibody.prescribe(q, theta1, omega1, alpha1, omega2, 0.0)
+            _, moved = multibody.prescribe(q, theta1, omega1, alpha1, omega2, 1000.0)
+            alpha2 = (still - torque) / (own + inertia - (moved - still) / 1000.0)
+            drive, mesh = multibody.prescribe(q, theta1, omega1, alpha1, omega2, alpha2)
+            expected = (alpha1, alpha2, drive, torque + inertia * alpha2, mesh)
+            *found, _ = accelerations(d, q, omega1, omega2, alpha1, False, inertia, 0.0, torque)
+            found += torques(d, q, omega1, alpha1, omega2, found[1])
+            found.insert(3, found[3] - own * found[1])  # what link 2 passes on
+            assert found == pytest.approx(expected, rel=1e-8, abs=1e-8 * largest([still, drive, torque]))
 
 
-def test_mount_feels_what_the_multibody_engine_says(multibody, states):
-    module = started("plain", multibody.p)
-    for q, theta1, omega1, alpha1, omega2, alpha2 in states:
-        multibody.prescribe(q, theta1, omega1, alpha1, omega2, alpha2)
-        motion = {"q": q, "theta1": theta1, "omega1": omega1, "alpha1": alpha1, "omega2": omega2}
-        for name, value in motion.items():
-            setattr(module.state, name, value)
-        write_loads(module.parameters, module.derived, module.state, module.outputs, alpha2)
-        largest_force = multibody.p["imbalance_mass"] * module["imbalance_acceleration"]
-        scale = largest_force * multibody.p["modules"] * multibody.p["satellites"]
-        for name, expected in zip(("force", "moment"), multibody.on_the_mount(), strict=True):
-            scale = max(scale, largest(expected))
-            assert largest(vector(module, f"shaking_{name}") - expected) < 1e-8 * scale
+def rubbed(multibody):
+    """Mechanism with dampers at the hinges, the drives' evenly, dry friction at link 2, and weight."""
+    p, model, names = multibody.p, multibody.model, multibody.names
+    drives = sum(name.startswith("drive") for name in names)
+    damping = {"drive": p["drive_friction"] / drives, "satellite": 0.0}
+    links = iter((p["input_friction"], p["link2_friction"] + p["housing_drag_viscous"]))
+    model.dof_damping[:] = [
+        damping[name.split()[0]] if name.split()[0] in damping else next(links) for name in names
+    ]
+    last = names.index("link 2")
+    model.dof_frictionloss[last] = p["housing_drag"]
+    # as stiff as that, it slides whatever the acceleration
+    model.dof_solref[last] = -1.0, -1e9
+    model.opt.gravity[:] = 0.0, 0.0, -p["gravity"]
+    return multibody
 
 
-def test_kinetic_energy_is_that_of_the_multibody_engine(multibody, states):
-    d = derived(multibody)
-    for q, theta1, omega1, alpha1, omega2, alpha2 in states:
-        multibody.prescribe(q, theta1, omega1, alpha1, omega2, alpha2)
-        assert kinetic_energy(d, q, omega1, omega2, 0.0) == pytest.approx(multibody.energy(), rel=1e-8)
+@layouts
+@pytest.mark.parametrize("satellites, modules", [(1, 1), (2, 1), (3, 2)])
+def test_links_with_losses_accelerate_as_inverse_dynamics_says(layout, satellites, modules):
+    p = {"drive_inertia": 0.004, "satellite_inertia": 5e-4, "satellite_transverse_inertia": 4e-4}
+    p |= {"input_inertia": 0.02, "link2_inertia": 0.006, "output_inertia": 0.03, "gravity": 9.81, "drive": 1}
+    p |= {"input_friction": 0.3, "drive_friction": 0.2, "link2_friction": 0.1}
+    p |= {"housing_drag": 4.0, "housing_drag_viscous": 0.05, "satellites": satellites, "modules": modules}
+    multibody = rubbed(Multibody(parameters(**LAYOUTS[layout], **p, imbalance_mass=0.8)))
+    machine, y = Machine(multibody.p), np.zeros(SUMS)
+    for q, theta1, omega1, alpha1, omega2, alpha2 in states(20, 7):
+        ahead = abs(omega2)  # the freewheel to the housing overruns
+        m1, m2 = multibody.prescribe(q, theta1, omega1, alpha1, ahead, alpha2)
+        # what is left of the mesh torque, friction taken off, turns link 2 and the shaft behind it
+        machine.torque, machine.load = m1, m2 - (p["link2_inertia"] + p["output_inertia"]) * alpha2
+        y[Q], y[THETA1], y[OMEGA1 : OMEGA1 + 4] = q, theta1, (omega1, ahead, ahead, ahead)
+        found = machine.forces(y, (OPEN, CLOSED, 1, 1, *[1] * satellites)).x
+        assert found[[A1, A2, A3]] == pytest.approx([alpha1, alpha2, alpha2], rel=1e-8, abs=3e-5)

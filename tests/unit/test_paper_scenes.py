@@ -12,8 +12,8 @@ from inertia_module.figures.scenes import scene_figure
 from inertia_module.figures.shaft import shaft_figure
 from inertia_module.scene import SceneError, load_any_scene, load_scene, run_scene, run_shaft_scene
 from studies.papers.karetin import Geometry, dynamic_mode, exact
-from studies.papers.lysenko.equations import EXAMPLE, speed_ratio
-from studies.papers.stelmashchuk.exact import Criteria, response
+from studies.papers.lysenko import EXAMPLE, speed_ratio
+from studies.papers.stelmashchuk import Criteria, response
 
 PAPERS = Path(__file__).parents[2] / "examples" / "papers"
 SHAFT = """

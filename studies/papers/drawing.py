@@ -13,8 +13,8 @@ from matplotlib.figure import Figure
 
 from inertia_module.common.colours import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
 
-from ..karetin.mechanism import STOP, Geometry
-from ..lysenko.equations import EXAMPLE, EXAMPLE_SPEED
+from .karetin import STOP, Geometry
+from .lysenko import EXAMPLE, EXAMPLE_SPEED
 
 BROKEN, DOTTED, CHAIN = (0, (4, 2)), (0, (1, 1)), (0, (8, 3, 2, 3))
 SMALL: dict[str, Any] = {"fontsize": 8, "frameon": False}

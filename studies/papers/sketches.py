@@ -12,13 +12,24 @@ from matplotlib.figure import Figure
 
 from inertia_module.common.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION
 
-from ..karetin import Geometry, Motion, exact, stop_mode
-from ..karetin.equations import MOVING, PLANES, turned_x
-from ..karetin.mechanism import DYNAMIC, GENERAL, PAPER, STOP, period
-from ..lysenko import equations as lysenko
-from ..lysenko.equations import EXAMPLE as M
-from ..lysenko.equations import EXAMPLE_SPEED as W
+from . import lysenko
 from .drawing import BROKEN, CENTRED, CHAIN, DOTTED, SMALL, Panel, draw, dress, mechanism, sheet, wheels
+from .karetin import (
+    DYNAMIC,
+    GENERAL,
+    MOVING,
+    PAPER,
+    PLANES,
+    STOP,
+    Geometry,
+    Motion,
+    exact,
+    period,
+    stop_mode,
+    turned_x,
+)
+from .lysenko import EXAMPLE as M
+from .lysenko import EXAMPLE_SPEED as W
 
 View = tuple[float, float, float, float]
 ARROW = {"arrowstyle": "-|>", "linewidth": 1.6, "shrinkA": 0, "shrinkB": 0}

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -17,14 +18,11 @@ from matplotlib.figure import Figure
 from inertia_module.common.colours import GREY
 from inertia_module.loops.stepping import PHASES, law_of_motion, phase_starts
 
-from ..karetin import claims, exact
-from ..karetin import equations as karetin
-from ..karetin.mechanism import DYNAMIC, GENERAL, PAPER, STOP, period
-from ..lysenko import equations as lysenko
-from ..report import Equation
-from ..stelmashchuk import equations as stelmashchuk
-from ..stelmashchuk.exact import Criteria, response
-from .drawing import Panel, mechanism, panels, wheels
+from . import karetin, lysenko, sketches, stelmashchuk
+from .drawing import Panel, mechanism, numbers, panels, wheels
+from .engine import Row
+from .karetin import DYNAMIC, GENERAL, OFFSET, PAPER, STOP, exact, period
+from .stelmashchuk import KAPPA2, Criteria, response
 
 TURNS = np.linspace(0.0, 1.0, 1441)
 # between the instants at which D is on an axis or the page divides by zero
@@ -32,7 +30,6 @@ BETWEEN = (np.arange(5760) + 0.5) / 5760
 DRIVE = "turns of the drive"
 ALPHA = "angle α of wheel 1 on the carrier [°]"
 MODES = (("stop mode", STOP), ("dynamic mode, i = 2", DYNAMIC))
-OFFSET = claims.OFFSET
 # quantity, symbol, unit, and that over the SI unit
 VECTORS = (("velocity", "V", "m/s", 1.0), ("acceleration", "a", "km/s²", 1e-3))
 # the dwell of Stelmashchuk's figures is not given
@@ -40,60 +37,35 @@ KAPPA = np.linspace(0.0, 3.5, 1401)
 RELATIVE_TIME = "relative time κ = t/T [1]"
 
 
-# equations, abscissa and the part of it that is shown, its label, mechanism and motion
-SHEETS: dict[str, tuple[Mapping[str, Equation], Any, slice, str, str]] = {
+# of the equations of a paper: abscissa and the part of it that is shown, its label, mechanism and motion
+SHEETS: dict[str, tuple[ModuleType, Any, slice, str, str]] = {
     "karetin": (
-        karetin.EQUATIONS,
+        karetin,
         karetin.STOPPED.t * karetin.STOPPED.omega16 / (2.0 * np.pi),
         slice(0, karetin.SAMPLES // GENERAL.turns_in_period, 10),
         DRIVE,
         mechanism(GENERAL),
     ),
-    "lysenko": (lysenko.EQUATIONS, np.degrees(lysenko.INSIDE), slice(0, None, 18), ALPHA, wheels()),
+    "lysenko": (lysenko, np.degrees(lysenko.INSIDE), slice(0, None, 18), ALPHA, wheels()),
     "stelmashchuk": (
-        stelmashchuk.EQUATIONS,
+        stelmashchuk,
         stelmashchuk.RISE,
         slice(0, None, 15),
         "relative time κ in phase I [1]",
-        f"ν = 8, Π = 0.5, κ2 = {stelmashchuk.KAPPA2:g}.",
+        f"ν = 8, Π = 0.5, κ2 = {KAPPA2:g}.",
     ),
 }
-# the equations that are drawn: their components with units
-COMPONENTS = {
-    ("karetin", "(2)"): "$x_D$ [m], $y_D$ [m], $z_D$ [m]",
-    ("karetin", "(5)"): "$β_H$ [rad], $β_P$ [rad], $β_F$ [rad]",
-    ("karetin", "(9)"): "$ω_{6x}$ [rad/s], $ω_{6y}$ [rad/s], $ω_{6z}$ [rad/s]",
-    ("karetin", "(11)"): "$V_{QAx}$ [m/s], $V_{QAy}$ [m/s], $V_{QAz}$ [m/s]",
-    ("karetin", "(14)"): "$λ$ [1/(m·s)]",
-    ("karetin", "(15)"): "$V_{Ozx}$ [m/s], $V_{Ozy}$ [m/s]",
-    ("karetin", "(19)"): "$α$ [rad]",
-    ("karetin", "(21)"): "$v·x_D$ [rad/s]",
-    ("karetin", "(22)"): "$V_{Oxx}$ [m/s], $V_{Oxy}$ [m/s], $V_{Oxz}$ [m/s]",
-    ("karetin", "(24)"): "$V_x$ [m/s], $V_y$ [m/s], $V_z$ [m/s]",
-    ("karetin", "(31)"): "$x_N$ [m], $y_N$ [m], $z_N$ [m]",
-    ("lysenko", "(2), note"): "$ρ$ [m]",
-    ("lysenko", "(5)"): "$F_k$ [N]",
-    ("lysenko", "(8)"): "$β_1$ [rad]",
-    ("lysenko", "(10)"): "$M$ [N·m]",
-    ("lysenko", "(13)"): "$k_1$ [m]",
-    ("lysenko", "(14)"): "$k_2$ [m]",
-    ("lysenko", "(15)"): "$M_1$ [N·m]",
-    ("lysenko", "(16)"): "$M$ [N·m]",
-    ("stelmashchuk", "R″"): "$R_κ''$ [1]",
-}
 
 
-def equation(paper: str, number: str) -> Figure:
+def equation(name: str, row: Row) -> Figure:
     """A panel for each component of an equation: exact, and as printed but fed with exact values."""
-    equations, x, shown, label, case = SHEETS[paper]
-    page, right, _ = np.broadcast_arrays(*equations[number].forms()[:2], x)
-    row = [
-        Panel(name, {"exact": one[shown], "as printed": other[shown]})
-        for name, one, other in zip(
-            COMPONENTS[paper, number].split(", "), np.atleast_2d(right), np.atleast_2d(page), strict=False
-        )
+    paper, x, shown, label, case = SHEETS[name]
+    page, right, _ = np.broadcast_arrays(*paper.EQUATIONS[row.number].forms()[:2], x)
+    forms = zip(row.drawn.split(", "), np.atleast_2d(right), np.atleast_2d(page), strict=False)
+    cells = [
+        Panel(component, {"exact": one[shown], "as printed": other[shown]}) for component, one, other in forms
     ]
-    return panels([row], x[shown], label, f"Equation {number}, exact and as printed. {case}")
+    return panels([cells], x[shown], label, f"Equation {row.number}, exact and as printed. {case}")
 
 
 def in_period(motion: Any, turns: Any = TURNS, geometry: Any = PAPER) -> Any:
@@ -173,7 +145,7 @@ def offsets() -> Figure:
             def speed(t: Any, geometry: Any = geometry, motion: Any = motion) -> Any:
                 return exact(geometry, motion, t).speed
 
-            share, instant = claims.best_mirror(speed, span)
+            share, instant = karetin.best_mirror(speed, span)
             both = {"exact": speed(TURNS * span), "mirrored": speed(2.0 * instant - TURNS * span)}
             told = f"ε = {epsilon:g}, γ = {gamma:g}: asymmetry {100.0 * share:.1f} %"
             row.append(Panel(f"|V| [m/s], {title}", both, told))
@@ -189,7 +161,7 @@ def effective_offset() -> Figure:
     for title, motion in MODES:
         for symbol, name in (("|V|", "speed"), ("|a|", "acceleration_modulus")):
             half = [
-                100.0 * claims.asymmetry(name, replace(PAPER, gamma=g), motion) for g in gamma[:13].tolist()
+                100.0 * karetin.asymmetry(name, replace(PAPER, gamma=g), motion) for g in gamma[:13].tolist()
             ]
             # even, and repeated every pi/s: the drive has turned on by that when B has by pi
             found[f"{symbol}, {title}"] = np.array([*half, *half[-2::-1]])
@@ -223,7 +195,7 @@ def cycle() -> Figure:
 
 def _phases(figure: Figure) -> Figure:
     """Mark the phases of Stelmashchuk's law along the top of each panel."""
-    edges = [*phase_starts(stelmashchuk.KAPPA2), KAPPA[-1]]
+    edges = [*phase_starts(KAPPA2), KAPPA[-1]]
     for axes in figure.axes:
         for number, name in enumerate(PHASES):
             start, end = edges[number : number + 2]
@@ -238,13 +210,10 @@ def accelerations(cases: Mapping[str, Criteria], over: str) -> Figure:
     """Stelmashchuk's figures 2 and 3: a'' with the balancer above that without it, to one scale."""
     rows = []
     for title, beta in (("with the balancer", 1.0), ("without the balancer", 0.0)):
-        sine = {"sine": law_of_motion(KAPPA, stelmashchuk.KAPPA2)[2]}
-        found = {
-            name: response(KAPPA, case, stelmashchuk.KAPPA2, beta).acceleration
-            for name, case in cases.items()
-        }
+        sine = {"sine": law_of_motion(KAPPA, KAPPA2)[2]}
+        found = {name: response(KAPPA, case, KAPPA2, beta).acceleration for name, case in cases.items()}
         rows.append([Panel("a″ [1]", sine | found, title)])
-    told = f"Acceleration of the driven mass over the {over}, exact; κ2 = {stelmashchuk.KAPPA2:g}"
+    told = f"Acceleration of the driven mass over the {over}, exact; κ2 = {KAPPA2:g}"
     return _phases(
         panels(rows, KAPPA, RELATIVE_TIME, f"{told}. Accelerations in φ/T², times in T.", sharey=True)
     )
@@ -255,8 +224,8 @@ def over_printed() -> Figure:
     rows = []
     for nu in (4.4, 8.0, 100.0):
         case = Criteria(nu, 0.5)
-        page = stelmashchuk.acceleration(stelmashchuk.printed(case, stelmashchuk.KAPPA2), KAPPA)
-        right = response(KAPPA, case, stelmashchuk.KAPPA2).acceleration
+        page = stelmashchuk.acceleration(stelmashchuk.printed(case, KAPPA2), KAPPA)
+        right = response(KAPPA, case, KAPPA2).acceleration
         rows.append([Panel("a″ [1]", {"exact": right, "as printed": page}, f"ν = {nu:g}")])
     told = "Acceleration of the driven mass with the balancer, where the printed C1 of phase III leads"
     figure = panels(rows, KAPPA, RELATIVE_TIME, f"{told}; Π = 0.5, κ2 = 1. In φ/T², logarithmic beyond ±10.")
@@ -268,6 +237,7 @@ def over_printed() -> Figure:
 STIFFNESSES = {f"ν = {nu:g}": Criteria(nu, 0.5) for nu in (4.4, 8.0, 100.0)}
 DAMPINGS = {f"Π = {Pi:g}": Criteria(8.0, Pi) for Pi in (0.0, 0.5, 1.0, 2.0, 3.0, 5.0)}
 FIGURES: dict[str, Callable[[], Figure]] = {
+    **sketches.FIGURES,
     "karetin_3": velocity_and_acceleration,
     "karetin_offsets": offsets,
     "karetin_effective_offset": effective_offset,
@@ -278,7 +248,19 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "stelmashchuk_3": partial(accelerations, DAMPINGS, "damping, ν = 8"),
     "stelmashchuk_printed": over_printed,
     **{
-        f"{paper}_equation_{''.join(filter(str.isalnum, number))}": partial(equation, paper, number)
-        for paper, number in COMPONENTS
+        f"{name}_equation_{''.join(filter(str.isalnum, row.number))}": partial(equation, name, row)
+        for name, (paper, *_) in SHEETS.items()
+        for row in paper.ROWS
+        if row.drawn
     },
 }
+
+
+def all_figures() -> dict[str, Callable[[], tuple[Figure, dict[str, Any]]]]:
+    """The functions that draw the figures and return them with their numbers by column, by name."""
+
+    def drawn(draw: Callable[[], Figure]) -> tuple[Figure, dict[str, Any]]:
+        figure = draw()
+        return figure, numbers(figure)
+
+    return {name: partial(drawn, draw) for name, draw in FIGURES.items()}

@@ -1,0 +1,293 @@
+"""Lysenko's exact forms against a chain of turned bodies in 30 digits, against integration and the module."""
+
+import math
+
+import mpmath as mp
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scenes import advanced, drive_angle, started, vector
+from scipy.integrate import solve_ivp
+
+from studies.papers import lysenko
+from studies.papers.lysenko import EXAMPLE, EXAMPLE_SPEED, Mechanism, exact, speed_ratio
+
+OMEGA, OMEGA_RATE = 37.0, 210.0
+MECHANISMS = {
+    "l=r": EXAMPLE,
+    "l<r": Mechanism(R0=0.05, r=0.03, arm=0.02, m=0.8),
+    "l>r": Mechanism(R0=0.04, r=0.11, arm=0.2, m=0.3, J_carrier=1e-3, J_wheel=2e-4),
+    "tiny": Mechanism(R0=2.0, r=1e-3, arm=1e-6, m=5.0, J_carrier=0.1),
+}
+ALPHAS = [0.0, 0.4, 1.3, 1.5707963267948966, 2.2, 3.141592653589793, 4.0, 6.1, 1e4]
+
+
+class Chain:
+    """Carrier and wheel turned in the plane as complex numbers; time is zero at the angle asked for."""
+
+    def __init__(self, mechanism, alpha, omega_rate=0.0):
+        mp.mp.dps = 30
+        self.m, self.ratio = mechanism, mp.mpf(mechanism.r) / mp.mpf(mechanism.R0)
+        self.angle = lambda t: mp.mpf(alpha) + OMEGA * t + omega_rate * t * t / 2
+
+    def pin(self, t):
+        return (mp.mpf(self.m.R0) + mp.mpf(self.m.r)) * mp.expj(self.ratio * self.angle(t))
+
+    def mass(self, t):
+        # the wheel has turned by the carrier's angle and by alpha on it; at alpha = 0 it points to O
+        return self.pin(t) - mp.mpf(self.m.arm) * mp.expj(self.ratio * self.angle(t) + self.angle(t))
+
+    def speeds(self, t):
+        """Of the carrier and of the wheel, in the frame."""
+        speed = mp.diff(self.angle, t)
+        return self.ratio * speed, (1 + self.ratio) * speed
+
+    def energy(self, t):
+        carrier, wheel = self.speeds(t)
+        of_mass = mp.mpf(self.m.m) * abs(mp.diff(self.mass, t)) ** 2
+        return (of_mass + self.m.J_carrier * carrier**2 + self.m.J_wheel * wheel**2) / 2
+
+    def momentum(self, t):
+        carrier, wheel = self.speeds(t)
+        of_mass = self.m.m * cross(self.mass(t), mp.diff(self.mass, t))
+        return self.m.J_carrier * carrier + self.m.J_wheel * wheel + of_mass
+
+
+def cross(one, two):
+    return one.real * two.imag - one.imag * two.real
+
+
+def torque_scale(mechanism, omega=OMEGA):
+    return mechanism.m * mechanism.centre_distance * mechanism.arm * omega**2 * (1 + mechanism.b) ** 2
+
+
+@pytest.fixture(params=MECHANISMS)
+def mechanism(request):
+    return MECHANISMS[request.param]
+
+
+@pytest.mark.parametrize("alpha", ALPHAS)
+def test_places_speeds_forces_and_moments_are_those_of_the_chain(mechanism, alpha):
+    m, e, chain = mechanism, exact(mechanism, alpha, OMEGA), Chain(mechanism, alpha)
+    place, pin = chain.mass(0), chain.pin(0)
+    size, largest = m.centre_distance + m.arm, float(exact(m, math.pi, OMEGA).V)
+    for found, right in (
+        (complex(*e.epicycloid), place),
+        (complex(e.place), place * mp.expj(-chain.ratio * mp.mpf(alpha))),
+    ):
+        assert abs(found - complex(right)) < 1e-12 * size
+    assert float(e.rho) == pytest.approx(float(abs(place)), rel=1e-13)
+    velocity = mp.diff(chain.mass, 0)
+    assert float(e.V) == pytest.approx(float(abs(velocity)), abs=1e-11 * largest)
+    # angles keep their quadrant
+    assert math.cos(float(e.beta1) - float(mp.arg(place / (place - pin)))) == pytest.approx(1.0, abs=1e-12)
+    if abs(velocity) > 1e-9 * largest:
+        delta = float(mp.arg(1j * place / velocity))
+        assert math.cos(float(e.delta) - delta) == pytest.approx(1.0, abs=1e-12)
+    # inertia forces add up to -m a, moments are those of it
+    force = -m.m * mp.diff(chain.mass, 0, 2)
+    total = (e.F1 + e.Fk) * (place - pin) / m.arm + float(e.F2) * place / abs(place)
+    bound = m.m * OMEGA**2 * (m.arm * (1 + m.b) ** 2 + m.b**2 * m.centre_distance)
+    assert abs(complex(total - force)) <= 1e-11 * bound
+    for found, right in (
+        (e.M1, cross(place - pin, force)),
+        (e.M, cross(place, force)),
+        (e.M - e.M1, cross(pin, force)),
+        # equations 9 and 10, put right
+        (e.F2 * e.n2, e.M1),
+        (-(e.F1 + e.Fk) * e.n1, e.M),
+    ):
+        assert float(found) == pytest.approx(float(right), abs=1e-11 * torque_scale(m))
+
+
+@pytest.mark.parametrize("omega_rate", [0.0, OMEGA_RATE])
+@pytest.mark.parametrize("alpha", ALPHAS)
+def test_drive_supplies_the_change_of_energy_and_with_the_held_wheel_that_of_momentum(
+    mechanism, alpha, omega_rate
+):
+    m, e = mechanism, exact(mechanism, alpha, OMEGA, omega_rate=omega_rate)
+    chain, speed = Chain(mechanism, alpha, omega_rate), m.b * OMEGA
+    scale = torque_scale(m) + abs(float(exact(m, math.pi, OMEGA, omega_rate=omega_rate).drive_torque))
+    assert float(e.drive_torque) * speed == pytest.approx(
+        float(mp.diff(chain.energy, 0)), abs=1e-11 * scale * speed
+    )
+    assert float(e.kinetic_energy) == pytest.approx(float(chain.energy(0)), rel=1e-9)
+    if omega_rate:
+        return
+    momentum = float(chain.momentum(0))
+    assert float(e.angular_momentum) == pytest.approx(
+        momentum, abs=1e-12 * torque_scale(m) / OMEGA / min(m.b, 1.0)
+    )
+    # from outside act the drive and the held wheel; the drive's power is minus that of the inertia forces,
+    # by the absolute speed of the wheel where forces are moved to the pin
+    for found, right, bound in (
+        (e.drive_torque + e.M1 / m.b, mp.diff(chain.momentum, 0), 10.0),
+        (e.drive_torque, -e.M - e.M1 / m.b, 1.0 / m.b),
+        (e.N1 + e.N, -e.drive_power, speed),
+        (((e.M - e.M1) * m.b + e.M1 * (1 + m.b)) * OMEGA, -e.drive_power, (1 + m.b) * OMEGA),
+    ):
+        assert float(found) == pytest.approx(float(right), abs=1e-12 * torque_scale(m) * bound)
+
+
+def test_everything_is_finite_at_degenerate_dimensions():
+    angle = np.linspace(-7.0, 7.0, 57)
+    for mechanism in (
+        Mechanism(1.0, 1.0, 2.0, 1.0),  # the imbalance passes through O
+        Mechanism(1.0, 1e-9, 1e-12, 1.0),
+        Mechanism(1e-9, 1.0, 1.0, 1.0),
+        Mechanism(1.0, 1.0, 1.0, 1.0),
+    ):
+        found = exact(mechanism, angle, 3.0)
+        for name in ("rho", "beta1", "delta", "n1", "J_red", "V", "M1", "M", "drive_power"):
+            assert found[name].shape == angle.shape
+            assert np.isfinite(found[name]).all()
+
+
+@given(
+    st.floats(0.02, 5.0),
+    st.floats(0.05, 3.0),
+    st.floats(0.0, 1e-2),
+    st.floats(0.0, 1e-4),
+    st.floats(1.0, 500.0),
+)
+def test_mean_power_over_a_cycle_is_zero(b, arm, carrier, wheel, omega):
+    mechanism = Mechanism(0.06, b * 0.06, arm * b * 0.06, 1.0, carrier, wheel)
+    power = exact(mechanism, np.linspace(0.0, 2.0 * math.pi, 1000, endpoint=False), omega).drive_power
+    assert abs(power.mean()) <= 1e-13 * np.abs(power).max()
+
+
+# --- free motion ---
+
+
+def _free_motion(mechanism, omega_start, turns):
+    """Lagrange's equation of the carrier from derivatives of the place of the imbalance."""
+    b, D, arm = mechanism.b, mechanism.centre_distance, mechanism.arm
+    fixed = mechanism.J_carrier + mechanism.J_wheel * (1 + 1 / b) ** 2
+
+    def rates(_, state):
+        theta, speed = state
+        turn, wheel = np.exp(1j * theta), (1 + 1 / b) * np.exp(1j * (1 + 1 / b) * theta)
+        first = 1j * (D * turn - arm * wheel)
+        second = -(D * turn - arm * (1 + 1 / b) * wheel)
+        inertia = fixed + mechanism.m * abs(first) ** 2
+        return speed, -mechanism.m * (first.conjugate() * second).real * speed**2 / inertia
+
+    period = 2 * math.pi * turns / (b * omega_start)
+    times = np.linspace(0.0, period, 400)
+    start = (b * math.pi, b * omega_start)
+    run = solve_ivp(rates, (0.0, period), start, "DOP853", times, rtol=1e-12, atol=1e-13)
+    return run.y[0] / b, run.y[1] / b
+
+
+@pytest.mark.parametrize("name", ["l=r", "l<r", "l>r"])
+def test_free_mechanism_keeps_its_energy_and_not_its_angular_momentum(name):
+    mechanism = MECHANISMS[name]
+    alpha, omega = _free_motion(mechanism, 10.0, turns=2)
+    energy = exact(mechanism, alpha, omega).kinetic_energy
+    assert energy == pytest.approx(np.full_like(energy, energy[0]), rel=1e-9)
+    assert omega == pytest.approx(exact(mechanism, alpha, 10.0).free_speed, rel=1e-8)
+    assert omega.min() == pytest.approx(10.0, rel=1e-9)
+    assert omega.max() <= 10.0 * speed_ratio(mechanism) * (1 + 1e-9)
+    assert omega.max() == pytest.approx(10.0 * speed_ratio(mechanism), rel=2e-2)
+    if mechanism is EXAMPLE:
+        momentum = exact(EXAMPLE, alpha, omega).angular_momentum
+        assert momentum.min() < 0.4 * momentum.max()
+
+
+def test_free_mechanism_accelerates_as_no_drive_asks(mechanism):
+    for alpha in ALPHAS:
+        if mechanism.arm == mechanism.r or mechanism.J_carrier + mechanism.J_wheel > 0.0:
+            free = exact(mechanism, alpha + 1e-30j).free_speed
+            rate = OMEGA**2 * free.imag / free.real / 1e-30
+            torque = float(exact(mechanism, alpha, OMEGA, omega_rate=rate).drive_torque)
+            assert torque == pytest.approx(0.0, abs=1e-12 * torque_scale(mechanism) * (1 + mechanism.b))
+
+
+# --- the module ---
+
+CARRIER = 120.0
+
+
+def held_module(kernel, m, held=None, **values):
+    """The mechanism as a module with link 2 at rest: by fidelity kinematic, or held as told."""
+    lengths = {"sun_radius": m.R0, "satellite_radius": m.r, "eccentricity": m.arm, "imbalance_mass": m.m}
+    inertias = {"input_inertia": m.J_carrier, "drive_inertia": m.J_wheel}
+    held = held or {"fidelity": 0, "kinematic_ratio": 0.0}
+    return started(kernel, lengths, inertias, held, layout=1, omega1=CARRIER, **values)
+
+
+# or by a load that is too large to be moved
+@pytest.mark.parametrize("held", [None, {"load_torque": 1e6}], ids=["prescribed", "held by the freewheel"])
+@pytest.mark.parametrize(
+    "m", [*MECHANISMS.values()][:3] + [Mechanism(0.05, r, 0.013, 0.8) for r in (0.05, 0.11)]
+)
+def test_module_with_link_2_held_is_the_mechanism(compiled, m, held):
+    omega, module, passed = CARRIER / m.b, held_module(compiled, m, held), 0.0
+    scale, start = torque_scale(m, omega), float(exact(m, 0.0, omega).kinetic_energy)
+    for time in (1e-6, 0.004, 0.0171, 0.03, 0.2):
+        advanced(module, time - passed)
+        passed, alpha = time, drive_angle(module)
+        assert alpha == pytest.approx(omega * time, rel=1e-13)
+        e = exact(m, alpha, omega)
+        x, y = map(float, e.epicycloid)
+        assert vector(module, "imbalance") == pytest.approx([0.0, -y, x], abs=1e-12 * (m.R0 + m.r + m.arm))
+        for found, right in (
+            (module["input_torque"], e.drive_torque),
+            # of the inertia force about the satellite through the gear
+            (module["mesh_torque"], -e.M1 / m.b),
+            (module["input_torque"] - module["mesh_torque"], -e.M),
+        ):
+            assert found == pytest.approx(float(right), abs=1e-11 * scale)
+        # the drive takes only the power that changes the energy
+        energy = float(e.kinetic_energy)
+        assert module["energy_stored"] == pytest.approx(energy, rel=1e-11)
+        assert module["energy_in"] == pytest.approx(energy - start, rel=1e-9, abs=1e-11 * energy)
+        assert module["energy_out"] == 0.0
+
+
+def test_module_accelerated_takes_the_torque_of_lagrange(compiled):
+    step, rate = 0.01, 400.0
+    module = held_module(compiled, EXAMPLE, input_hold=1)
+    for number in range(1, 4):
+        advanced(module, step, omega1=CARRIER + number * rate * step)
+    # the input is extrapolated from its last two values to the end of the step
+    speed = CARRIER + 4 * rate * step
+    torque = exact(EXAMPLE, drive_angle(module), speed / EXAMPLE.b, omega_rate=rate / EXAMPLE.b).drive_torque
+    assert module["input_torque"] == pytest.approx(float(torque), rel=1e-9)
+
+
+# --- figures of claims, by the module, against equations of their own ---
+
+
+def test_power_of_the_drive_is_the_rate_of_the_energy_the_lift_of_the_weight_and_what_is_lost():
+    # at the ends of the steps over a turn of the carrier
+    alpha, step = np.linspace(0.0, 2.0 * np.pi / EXAMPLE.b, lysenko.STEPS + 1), lysenko.TURN / lysenko.STEPS
+    e, loss, power = exact(EXAMPLE, alpha, EXAMPLE_SPEED), lysenko.LOSSES, lysenko.drive_power(EXAMPLE)
+    assert power == pytest.approx(np.diff(e.kinetic_energy) / step, abs=1e-7 * power.max())
+    added = lysenko.drive_power(EXAMPLE, gravity=9.81) - power
+    height = (e.place * np.exp(1j * EXAMPLE.b * alpha)).real
+    assert added == pytest.approx(EXAMPLE.m * 9.81 * np.diff(height) / step, abs=1e-6 * added.max())
+    viscous = loss["input_friction"] * lysenko.CARRIER_SPEED**2 + loss["drive_friction"] * EXAMPLE_SPEED**2
+    journal = loss["journal_friction"] * np.abs(e.force[:-1]).mean() * EXAMPLE_SPEED
+    mesh = (1.0 - loss["mesh_efficiency"]) * np.abs(e.M1[:-1]).mean() / EXAMPLE.b * lysenko.CARRIER_SPEED
+    # the mesh also carries what journal and wheel lose
+    assert lysenko.drive_power(EXAMPLE, **loss).mean() == pytest.approx(viscous + journal + mesh, rel=0.01)
+
+
+def test_mesh_loses_its_share_of_the_power_that_passes_it_steady_and_free():
+    m, alpha = EXAMPLE, np.linspace(0.0, 2.0 * np.pi, 20001)
+    inertia = m.J_wheel + m.m * m.arm * (m.arm - m.centre_distance * np.cos(alpha))
+    shares = next(lysenko.of_the_machine())[1].figures["share"]
+    for speed, found in zip((1.0, exact(m, alpha).free_speed), shares, strict=True):
+        square = (m.b * speed) ** 2 * np.ones_like(alpha)
+        acceleration = 0.5 * np.gradient(square, m.b * alpha)
+        # by links.py with omega2 = 0: k ((k G + B) alpha1 - I' omega1^2 / 2)
+        torque = ((m.J_wheel + m.m * m.arm**2) / m.b + inertia) * acceleration
+        torque -= m.m * m.arm * m.centre_distance * np.sin(alpha) * square
+        lost = (1.0 - lysenko.LOSSES["mesh_efficiency"]) * np.trapezoid(np.abs(torque) / m.b, alpha)
+        time = 1.0 / speed * np.ones_like(alpha)
+        energy = 0.5 * exact(m, alpha).J_red * square
+        mean = np.trapezoid(energy * time, alpha) / np.trapezoid(time, alpha)
+        # three cycles a turn, each m.b of it; free, the energy falls by some percent in it
+        assert found == pytest.approx(lost / mean, rel=0.03)

@@ -1,0 +1,305 @@
+"""Stelmashchuk exact against numerical integration and a propagator in 50 digits, and the FMU's shaft."""
+
+import itertools
+import math
+
+import mpmath as mp
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+
+from inertia_module.loops import stepping as law
+from inertia_module.loops.stepping import TWO_PI
+from inertia_module.memory import DrivenShaft
+from studies.papers import stelmashchuk
+from studies.papers.stelmashchuk import Criteria, constants, free_oscillation, response
+
+# (nu, Pi): under-, critically and overdamped, near to critical and to resonance, soft and stiff
+REGIMES = [
+    (4.4, 0.0),
+    (8.0, 0.5),
+    (100.0, 0.5),
+    (4.4, 5.0),
+    (8.0, 8.0),
+    (8.0, 8.0 * (1 - 1e-12)),
+    (8.0, 8.0 * (1 + 1e-9)),
+    (TWO_PI, 0.0),
+    (TWO_PI * (1 + 1e-9), 0.0),
+    (TWO_PI, 1e-7),
+    (0.1, 0.0),
+    (0.1, 0.1),
+    (0.1, 50.0),
+    (1e6, 0.5),
+]
+regimes = pytest.mark.parametrize("nu, Pi", REGIMES)
+balancers = pytest.mark.parametrize("beta", [0.0, 1.0, 0.6])
+
+
+def law_in_words(kappa, kappa2):
+    """The driving wheel, phase after phase as the paper has it: angle, velocity, acceleration."""
+    if kappa < 0.5:
+        angle = TWO_PI * kappa
+        return kappa - math.sin(angle) / TWO_PI, 1 - math.cos(angle), TWO_PI * math.sin(angle)
+    kappa -= 0.5
+    if kappa < kappa2:
+        return 0.5 + 2 * kappa, 2.0, 0.0
+    kappa -= kappa2
+    if kappa < 0.5:
+        angle = TWO_PI * kappa
+        turned = 0.5 + 2 * kappa2 + kappa + math.sin(angle) / TWO_PI
+        return turned, 1 + math.cos(angle), -TWO_PI * math.sin(angle)
+    return 1 + 2 * kappa2, 0.0, 0.0
+
+
+def integrated(kappa, nu, Pi, kappa2, beta):
+    """Equation 3 integrated from one of the times kappa to the next: a, a', a''."""
+
+    def acceleration(t, angle, velocity):
+        driving = law_in_words(t, kappa2)
+        return nu**2 * (driving[0] - angle) + beta * driving[2] - 2 * Pi * velocity
+
+    # no step goes over a boundary, where a'' has a kink, and none is interpolated
+    stops = sorted({*kappa.tolist(), 0.0, 0.5, 0.5 + kappa2, 1.0 + kappa2})
+    state, rows = (0.0, 0.0), {0.0: (0.0, 0.0, 0.0)}
+    for span in itertools.pairwise(stops):
+        run = solve_ivp(
+            lambda t, y: (y[1], acceleration(t, *y)), span, state, "DOP853", rtol=3e-14, atol=1e-15
+        )
+        state = run.y[:, -1]
+        rows[span[1]] = (*state, acceleration(span[1], *state))
+    return np.array([rows[time] for time in kappa.tolist()]).T
+
+
+class Propagator:
+    """Equation 3 for the twist, its forcing made part of the system, as a matrix exponential in 50 digits."""
+
+    def __init__(self, nu, Pi, kappa2, beta):
+        mp.mp.dps = 50
+        nu, Pi, beta, w = mp.mpf(nu), mp.mpf(Pi), mp.mpf(beta), 2 * mp.pi
+        self.systems = []
+        for steady, wave in ((-2, 1), (-4, 0), (-2, -1), (0, 0)):
+            rows = [
+                [0, 1, 0, 0, 0],
+                [-(nu**2), -2 * Pi, steady * Pi, wave * 2 * Pi, -wave * (1 - beta) * w],
+                [0, 0, 0, 0, 0],
+                [0, 0, 0, 0, -w],
+                [0, 0, 0, w, 0],
+            ]
+            self.systems.append(mp.matrix(rows))
+        self.edges = [mp.mpf(0), mp.mpf(0.5), mp.mpf(0.5) + kappa2, mp.mpf(1) + kappa2]
+        self.starts = [(mp.mpf(0), mp.mpf(0))]
+        for phase in range(3):
+            self.starts.append(self.moved(phase, self.edges[phase + 1] - self.edges[phase])[:2])
+
+    def moved(self, phase, time):
+        start = mp.matrix([*self.starts[phase], 1, 1, 0])
+        state = mp.expm(self.systems[phase] * time) * start
+        return state[0], state[1], (self.systems[phase] * state)[1]
+
+    def __call__(self, kappa):
+        phase = max(number for number in range(4) if kappa >= self.edges[number])
+        return [float(value) for value in self.moved(phase, mp.mpf(float(kappa)) - self.edges[phase])]
+
+
+# --- against independent solutions ---
+
+
+@pytest.mark.parametrize("kappa2, beta", [(0.0, 1.0), (0.37, 0.0), (1.0, 0.6)])
+@pytest.mark.parametrize(
+    "nu, Pi", [(8.0, 0.5), (4.4, 5.0), (8.0, 8.0), (TWO_PI, 0.0), (30.0, 2.0), (0.1, 1.0)]
+)
+def test_closed_form_is_what_integration_gives(nu, Pi, kappa2, beta):
+    kappa = np.linspace(0.0, 2.5 + kappa2, 36)
+    found = response(kappa, Criteria(nu, Pi), kappa2, beta)[:3]
+    assert np.array(found) == pytest.approx(integrated(kappa, nu, Pi, kappa2, beta), abs=1e-10)
+
+
+@balancers
+@regimes
+def test_closed_form_keeps_its_digits_is_continuous_and_fulfils_equation_3(nu, Pi, beta):
+    kappa = np.array([0.03, 0.2, 0.499, 0.5, 0.7, 1.3, 1.5, 1.8, 2.0, 2.3, 4.0])
+    found = response(kappa, Criteria(nu, Pi), 1.0, beta)
+    _, velocity, acceleration = law.law_of_motion(kappa, 1.0)
+    twist, rate, rate2 = np.array([*map(Propagator(nu, Pi, 1, beta), kappa)]).T
+    # the twist itself, not only next to the angle: it is 1e-12 of it at nu = 1e6
+    assert found.twist == pytest.approx(twist, abs=1e-12 * np.abs(twist).max() + 1e-16 * (nu < 1e3))
+    assert found.velocity - velocity == pytest.approx(rate, abs=5e-15 + 1e-12 * np.abs(rate).max())
+    assert found.acceleration - acceleration == pytest.approx(rate2, abs=1e-12)
+    edges = law.phase_starts(0.6)[1:]
+    before, after = (
+        response(times, Criteria(nu, Pi), 0.6, beta) for times in (np.nextafter(edges, 0.0), edges)
+    )
+    # in one unit of rounding of kappa a' turns by up to nu^2 eps, a'' by nu^3 eps of the free oscillation
+    for name, bound in (
+        ("angle", 1e-14),
+        ("velocity", 1e-13),
+        ("acceleration", 1e-12 * (1 + Pi) + 1e-15 * nu),
+    ):
+        assert getattr(before, name) == pytest.approx(getattr(after, name), abs=bound)
+    kappa = np.linspace(0.0, 3.0, 301)
+    motion, driving = response(kappa, Criteria(nu, Pi), 0.8, beta), law.law_of_motion(kappa, 0.8)
+    left = motion.acceleration + 2 * Pi * motion.velocity + nu**2 * motion.twist
+    assert left == pytest.approx(beta * driving[2], abs=1e-12 * (1 + Pi + nu * 1e-2))
+    assert motion.angle - motion.twist == pytest.approx(driving[0], abs=1e-15)
+
+
+def test_strongly_damped_mass_creeps_with_all_its_digits():
+    # time constant 2 Pi / nu^2 = 2e5: the slow root is a difference of nearly equal numbers
+    kappa = np.array([1.0, 3e4, 1e5])
+    twist, rate, _ = np.array([*map(Propagator(0.1, 1e3, 200000, 1.0), kappa)]).T
+    found = response(kappa, Criteria(0.1, 1e3), 2e5)
+    assert found.twist == pytest.approx(twist, rel=1e-13)
+    assert found.velocity == pytest.approx(2.0 + rate, abs=1e-14)
+
+
+# --- behaviour ---
+
+
+def test_without_friction_the_balanced_mass_follows_exactly():
+    kappa = np.linspace(0.0, 4.0, 401)
+    for nu in (0.1, 4.4, TWO_PI, 8.0, 1e6):
+        motion = response(kappa, Criteria(nu, 0.0), 1.0)
+        assert (motion.twist == 0.0).all()
+        assert (motion.acceleration == law.law_of_motion(kappa, 1.0)[2]).all()
+
+
+def test_special_motions():
+    # resonance without balancer and friction: a'' + w^2 a = w^2 kappa - w sin(w kappa), solved by hand
+    kappa, w = np.linspace(0.0, 0.5, 51), TWO_PI
+    expected = kappa - 1.5 * np.sin(w * kappa) / w + 0.5 * kappa * np.cos(w * kappa)
+    assert response(kappa, Criteria(w, 0.0), 1.0, 0.0).angle == pytest.approx(expected, abs=1e-15)
+    # a stiff shaft follows within the quasistatic twist
+    kappa = np.linspace(0.01, 2.99, 300)
+    motion, (_, velocity, acceleration) = (
+        response(kappa, Criteria(1e6, 0.5), 1.0),
+        law.law_of_motion(kappa, 1.0),
+    )
+    assert motion.twist == pytest.approx(-velocity / 1e12, abs=1e-16)
+    assert motion.acceleration == pytest.approx(acceleration, abs=1e-9)
+    # a long dwell ends in steady motion: the friction 2 Pi a' at a' = 2 twists the shaft by 4 Pi / nu^2
+    motion = response(np.array([1e5, 1e6]), Criteria(8.0, 0.5), 2e6)
+    assert motion.twist == pytest.approx([-4 * 0.5 / 64] * 2, rel=1e-14)
+    assert motion.velocity == pytest.approx([2.0, 2.0], rel=1e-15)
+    assert motion.acceleration == pytest.approx([0.0, 0.0], abs=1e-13)
+    # before the start everything rests
+    for values in response(np.array([-3.0, -1e-9, 0.0]), Criteria(8.0, 0.5), 1.0):
+        assert (values == 0.0).all()
+
+
+def test_response_is_linear_in_the_gain_of_the_balancer():
+    kappa = np.linspace(0.0, 4.0, 101)
+    without, half, full = (response(kappa, Criteria(5.0, 0.7), 1.2, beta) for beta in (0.0, 0.5, 1.0))
+    assert half.acceleration == pytest.approx(0.5 * (without.acceleration + full.acceleration), abs=1e-13)
+
+
+@settings(max_examples=8)
+@given(st.floats(0.2, 200.0), st.floats(0.001, 0.9), st.floats(0.05, 4.0), st.sampled_from([1, 3]))
+def test_balancer_lowers_the_free_oscillation_by_nu_over_twice_pi(nu, share, kappa2, phase):
+    criteria = Criteria(nu, share * nu)
+    with_it, without = (free_oscillation(criteria, kappa2, beta, phase)[0] for beta in (1.0, 0.0))
+    assert with_it * nu == pytest.approx(without * 2 * criteria.Pi, rel=1e-6, abs=1e-9)
+
+
+def test_amplitude_is_that_of_the_envelope():
+    criteria, kappa2 = Criteria(8.0, 0.5), 1.0
+    (C1, C2), amplitude = constants(criteria, kappa2)[1], free_oscillation(criteria, kappa2)[0]
+    assert amplitude == pytest.approx(64.0 * math.hypot(C1, C2), rel=1e-13)
+    local = np.linspace(0.0, kappa2, 500, endpoint=False)
+    swing = np.abs(response(0.5 + local, criteria, kappa2).acceleration) * np.exp(0.5 * local)
+    assert swing.max() <= amplitude * (1 + 1e-12)
+    assert swing.max() == pytest.approx(amplitude, rel=1e-3)
+
+
+@pytest.mark.parametrize("shape", [(), (0,), (3,), (2, 3)])
+def test_shape_of_the_times_is_kept(shape):
+    assert all(values.shape == shape for values in response(np.full(shape, 0.8), Criteria(8.0, 0.5), 1.0))
+
+
+@given(st.floats(0.0, 3.0), st.floats(0.0, 2.0))
+def test_law_of_motion_is_the_one_of_the_phases(kappa, kappa2):
+    found = [float(values) for values in law.law_of_motion(kappa, kappa2)]
+    assert found == pytest.approx(law_in_words(kappa, kappa2), abs=1e-13)
+    # a boundary counts to the later phase
+    assert law.phase_of([-1.0, 0.0, 0.5, 1.2, 1.5, 2.0, 9.0], 1.0).tolist() == [0, 0, 1, 1, 2, 3, 3]
+
+
+def test_response_in_physical_units_solves_the_driven_shaft():
+    # c = 400 N m/rad, J4 = 0.5 kg m2, f = 2 N m s/rad, T = 0.3 s, phi = 0.7 rad, balanced by half
+    c, J4, f, T, phi, beta, kappa2 = 400.0, 0.5, 2.0, 0.3, 0.7, 0.5, 1.0
+    criteria = Criteria(nu=T * math.sqrt(c / J4), Pi=0.5 * f * T / J4)
+    kappa = np.linspace(0.0, 3.0, 60)
+    motion = response(kappa, criteria, kappa2, beta)
+    driving, _, driving_acceleration = law.law_of_motion(kappa, kappa2)
+    shaft, friction = c * phi * (driving - motion.angle), f * phi / T * motion.velocity
+    balance = beta * J4 * phi / T**2 * driving_acceleration
+    assert J4 * phi / T**2 * motion.acceleration == pytest.approx(shaft - friction + balance, abs=1e-10)
+
+
+# --- the FMU's driven shaft ---
+
+# rise, dwell, fall, and three quarters of a unit at rest; s; rad that a = 1 stands for; kg m2
+END, T, PHI, J4 = 2.75, 0.2, 0.5, 0.3
+CASES = {
+    "underdamped": Criteria(8.0, 0.5),
+    "hardly damped": Criteria(8.0, 1e-4),
+    "resonance": Criteria(2.0 * np.pi, 0.2),
+    "critical": Criteria(8.0, 8.0),
+    "overdamped": Criteria(8.0, 30.0),
+    "stiff": Criteria(100.0, 0.5),
+}
+
+
+def shaft_errors(criteria, beta, steps):
+    """Largest errors of twist, speed and acceleration of the driven mass over the run, as invariants.
+
+    nu^2 = c T^2/J4, 2 Pi = f T/J4, no relative damping. The speed of the hub is sent at the communication
+    points and goes on linearly between them, so the error falls with the square of the step.
+    """
+    shaft = DrivenShaft("compiled").start(
+        driven_inertia=J4,
+        shaft_stiffness=criteria.nu**2 * J4 / T**2,
+        shaft_damping=0.0,
+        driven_friction=2.0 * criteria.Pi * J4 / T,
+        balancer=beta,
+        input_hold=1,
+    )
+    kappa = np.linspace(0.0, END, steps + 1)
+    found = []
+    for speed in law.law_of_motion(kappa[:-1], 1.0)[1] * PHI / T:
+        shaft.set(hub_speed=float(speed))
+        shaft.advance(END * T / steps)
+        found.append(
+            (shaft["twist"] / PHI, shaft["omega_out"] * T / PHI, shaft["driven_acceleration"] * T**2 / PHI)
+        )
+    exact = response(kappa[1:], criteria, 1.0, beta)
+    right = np.column_stack((-exact.twist, exact.velocity, exact.acceleration))
+    scale = np.abs(right).max(axis=0)
+    return np.abs(np.array(found) - right).max(axis=0) / np.where(scale > 0.0, scale, 1.0)
+
+
+@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("beta", [0.0, 1.0])
+def test_driven_shaft_meets_the_closed_form_with_the_square_of_the_step(name, beta):
+    coarse, fine = (shaft_errors(CASES[name], beta, steps) for steps in (2000, 8000))
+    # the balancer pushes with the slope of the step before: its acceleration is right to first order
+    order = np.log(coarse / fine) / np.log(4.0)
+    assert order[:2] == pytest.approx(2.0, abs=0.1)
+    assert order[2] == pytest.approx(2.0 if beta == 0.0 else 1.0, abs=0.1)
+    assert fine[:2].max() < 1e-4
+    assert fine[2] < (1e-4 if beta == 0.0 else 2e-2)
+
+
+def test_balancer_without_friction_leaves_no_twist():
+    """a = a_k, the paper's ideal: what is left is the line the hub's speed is taken for."""
+    assert np.abs(shaft_errors(Criteria(8.0, 0.0), 1.0, 8000)[1]) < 1e-5
+
+
+@pytest.mark.parametrize("load", [1.0, 0.1])
+@pytest.mark.parametrize("Pi", [5.0, 0.1])
+def test_efficiency_of_the_driven_shaft_is_that_of_the_closed_form(Pi, load):
+    velocity = response(stelmashchuk.TIMES, Criteria(8.0, Pi), 1.0).velocity
+    friction = 2.0 * Pi * np.sum(velocity[:-1] ** 2) * stelmashchuk.TIMES[1]
+    out = load * 2.0 * np.pi * 3.0
+    assert stelmashchuk.under_load(Pi, load) == pytest.approx(out / (out + friction), rel=2e-3)
