@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from inertia_module import bridge
-from inertia_module.bridge.packing import bytes_of, numbers_of
-from inertia_module.bridge.sine_bench import fit_sine
+from inertia_module.bridge.fmu_system import bytes_of, numbers_of
+from inertia_module.bridge.small_signal import fit_sine
 from inertia_module.harness.chart import torque_converter_chart
 from inertia_module.memory import Module, Refused
 

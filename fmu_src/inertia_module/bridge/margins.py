@@ -49,7 +49,7 @@ class Margins:
 
 
 def predicted_margins(loop: Any) -> Margins:
-    """Margins of a linear discrete-time loop by control.margin; loop is that of negative feedback, 1 x 1."""
+    """Compute the margins of a linear discrete-time loop (1 x 1, of negative feedback) by control.margin."""
     step = float(loop.dt)
     frequency = np.geomspace(_LOWEST, 0.999, _POINTS) * math.pi / step
     response = loop(np.exp(1j * frequency * step))
@@ -77,8 +77,7 @@ def run_linear_loop(
         point: values at the operating point of all these names.
         kick: state of the surrounding at the start, shape (states,).
         steps: number of steps of the surrounding's dt.
-        factor: deviations reach the surrounding times this.
-        delay: and so many steps late.
+        factor, delay: deviations reach the surrounding times this, and so many steps late.
         limits: of what it gives to the plant; the run ends where it leaves them.
 
     Returns:
@@ -112,7 +111,7 @@ def run_linear_loop(
 
 
 def swings(deviation: Array) -> tuple[float, float]:
-    """RMS of the second and of the last quarter of a record, each about its mean and drift.
+    """Compute the RMS of the second and of the last quarter of a record, each about its mean and drift.
 
     Args:
         deviation: shape (n,), n at least 16.
@@ -131,17 +130,14 @@ def measured_margins(
     *,
     limits: tuple[float, float] = (-math.inf, math.inf),
 ) -> Margins:
-    """Margins of the loop around an FMU: made worse until a kick grows on, by bisection.
+    """Measure the margins of the loop around an FMU: it is made worse until a kick grows on, by bisection.
 
     A loop counts as settled if its first measured signal swings less at the end than early on, or no more
     than twice what the pulses leave in the loop as it is; as unstable also if it leaves the limits.
 
     Args:
         fmu: started at the operating point; it is left there.
-        surrounding: as in run_linear_loop.
-        point: the same.
-        kick: the same.
-        limits: the same.
+        surrounding, point, kick, limits: as in run_linear_loop.
         expected: by predicted_margins; looked for from half to twice of them, to 2 %.
 
     Returns:
@@ -178,7 +174,7 @@ def measured_margins(
 
 
 def stability_limit(is_stable: Callable[[float], bool], low: float, high: float, share: float) -> float:
-    """Value between low (stable) and high (not) at which stability ends, by bisection in the logarithm.
+    """Find the value between low (stable) and high (not) where stability ends, by bisection in the logarithm.
 
     Args:
         is_stable: of a value. low, high: positive. share: relative width at which to stop.
