@@ -15,7 +15,7 @@ the step size of the integration: results agree within the tolerance, not to the
 **whole.** The serialised state of the FMU, some 3200 numbers. Exact to the bit and good for every FMU,
 fidelity `elastic` (which has no start parameters for its twist) and `input_hold` linear, but it can only be
 passed on: no part of it can be changed, so it cannot be linearised. Six bytes to a number: whole numbers
-below 2^48, which every copy, print and CSV file keeps (read as doubles the bytes would hold NaN and denormals).
+below 2^48, which every copy, print and CSV file keeps (bytes read as doubles would hold NaN and denormals).
 """
 
 from __future__ import annotations

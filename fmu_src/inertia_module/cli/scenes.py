@@ -54,8 +54,7 @@ def run(
     """
     from ..common.files import write_atomically
     from ..contract.variables import COMPUTED
-    from ..figures.scenes import scene_figure
-    from ..figures.shaft import shaft_figure
+    from ..figures.scenes import scene_figure, shaft_figure
     from ..harness.results import write_figure, write_text
     from ..harness.simulate import progress_bar
     from ..page.html import html_file, template
