@@ -156,7 +156,7 @@ def test_rows_are_read_back_as_they_were_written(reference, rows, tmp_path):
 
 
 def test_plots_are_drawn_even_where_some_runs_failed(reference, rows, tmp_path):
-    from inertia_module.fidelity.plots import work_precision
+    from inertia_module.fidelity.tradeoff import work_precision
     from inertia_module.harness.results import write_figure
 
     failed = trade.measure(CASE, reference, [Level(2, 0, "tolerance 1", {"tolerance": 1.0})], steps=[0.1])
@@ -165,7 +165,7 @@ def test_plots_are_drawn_even_where_some_runs_failed(reference, rows, tmp_path):
 
 
 def test_the_front_is_what_no_other_run_beats():
-    from inertia_module.fidelity.plots import front
+    from inertia_module.fidelity.tradeoff import front
 
     costs_and_errors = (3.0, 1e-3), (1.0, 1e-1), (2.0, 1e-1), (4.0, 1e-3), (5.0, 1e-5), (0.5, 0.0)
     measured = [Row("rigid", "event", "", 1.0, {"e": e}, wall_time=cost) for cost, e in costs_and_errors]
@@ -174,7 +174,7 @@ def test_the_front_is_what_no_other_run_beats():
 
 
 def test_slope_is_the_exponent_of_the_error():
-    from inertia_module.fidelity.plots import slope
+    from inertia_module.fidelity.tradeoff import slope
 
     costs = np.array([1.0, 3.0, 10.0])
     assert slope(costs, 5.0 * costs**-2) == pytest.approx(-2.0)

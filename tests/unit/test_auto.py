@@ -10,9 +10,8 @@ from inertia_module.contract.variables import BY_NAME, COMPUTED
 from inertia_module.fidelity import trials
 from inertia_module.fidelity.choice import NoneMeets
 from inertia_module.fidelity.levels import NOT_MODELLED, event
-from inertia_module.fidelity.scene_run import run_in_process
 from inertia_module.fidelity.tradeoff import scene_study
-from inertia_module.fidelity.window_errors import window_errors, window_means
+from inertia_module.fidelity.trials import run_in_process, window_errors, window_means
 from inertia_module.harness.simulate import Result
 from inertia_module.scene import SceneError, read_scene
 

@@ -141,8 +141,8 @@ def tradeoff(
 
     Of each fidelity, method, tolerance or step, and communication step (out/tradeoff without -o).
     """
+    from ..fidelity.choice import print_levels
     from ..fidelity.choice import recommend as choose_cheapest
-    from ..fidelity.report import print_levels
     from ..fidelity.tradeoff import scene_study, scene_trials
     from ..harness.simulate import progress_bar
     from ..scene import load_scene
