@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -88,26 +88,21 @@ def _pulse_panels(figure: Figure, result: SceneResult) -> None:
     """Left the whole run, right its end; the forces take the place of the acceleration."""
     table, numbers = result.record, result.summary
     first, shown = end_of_run(table)
-    forced = not FORCES.keys().isdisjoint(forces(table))
-    lossy = bool(losses(table))
-    number = 3 + (forced or "imbalance_acceleration" in table) + 2 * lossy
-    figure.set_figheight(SIZE[1] * max(1.0, number / MOST_PANELS))
-    grid = figure.subplots(number, 2, sharex="col", width_ratios=(3, 2))
-    for column, begin in ((0, 0), (1, first)):
-        panels, rows = list(grid[:, column]), slice(begin, None)
-        _speeds(panels[0], table, rows, zoomed=column == 1)
-        _torques(panels[1], table, rows, zoomed=column == 1)
-        if forced:
-            _force_panel(panels[2], table, rows)
-        elif "imbalance_acceleration" in table:
-            _acceleration(panels[2], table, rows)
-        if lossy:
-            _power_panel(panels[-3], table, rows, zoomed=column == 1)
-            _loss_panel(panels[-2], table, rows, zoomed=column == 1)
-        _energy_panel(panels[-1], table, rows)
+    drawn: list[Callable[[Axes, Result, slice, bool], None]] = [_speeds, _torques]
+    if not FORCES.keys().isdisjoint(forces(table)):
+        drawn.append(_force_panel)
+    elif "imbalance_acceleration" in table:
+        drawn.append(_acceleration)
+    drawn += [_power_panel, _loss_panel] if losses(table) else []
+    drawn.append(_energy_panel)
+    figure.set_figheight(SIZE[1] * max(1.0, len(drawn) / MOST_PANELS))
+    grid = figure.subplots(len(drawn), 2, sharex="col", width_ratios=(3, 2))
+    for panels, begin, zoomed in ((grid[:, 0], 0, False), (grid[:, 1], first, True)):
+        for axes, draw in zip(panels, drawn, strict=True):
+            draw(axes, table, slice(begin, None), zoomed)
         panels[-1].set_xlabel("time [s]")
-        for panel in panels[:2] if column == 0 else ():
-            panel.axvspan(table.time[first], table.time[-1], color=ORANGE, alpha=0.12, linewidth=0)
+    for axes in grid[:2, 0]:
+        axes.axvspan(table.time[first], table.time[-1], color=ORANGE, alpha=0.12, linewidth=0)
     # the first speed of a vehicle that was asked for and reached, and when
     reached = [
         f"{name.split('_')[2]} km/h in {numbers[name]:.3g} s, "
@@ -169,7 +164,8 @@ def _torques(axes: Axes, table: Result, rows: slice, zoomed: bool) -> None:
     dress(axes, "torque [N·m]")
 
 
-def _acceleration(axes: Axes, table: Result, rows: slice) -> None:
+def _acceleration(axes: Axes, table: Result, rows: slice, zoomed: bool) -> None:
+    """Magnitude at instants."""
     acceleration = table["imbalance_acceleration"] / 1e3
     plot_instants(axes, table, acceleration, rows, "imbalance", color=PURPLE, linewidth=0.9)
     axes.set_ylim(bottom=0.0)
@@ -195,7 +191,7 @@ def plot_all(
     return shown
 
 
-def _energy_panel(axes: Axes, table: Result, rows: slice = slice(None), lost: str = "lost") -> None:
+def _energy_panel(axes: Axes, table: Result, rows: slice, zoomed: bool, lost: str = "lost") -> None:
     """Energies since the start: in, out, gain of what is stored and, if there is any, what is lost."""
     energies = {
         "in": (table["energy_in"], BLACK),
@@ -249,7 +245,7 @@ def _loss_panel(axes: Axes, table: Result, rows: slice, zoomed: bool) -> None:
     axes.set_ylim(bottom=min(axes.get_ylim()[0], 0.0))
 
 
-def _force_panel(axes: Axes, table: Result, rows: slice) -> None:
+def _force_panel(axes: Axes, table: Result, rows: slice, zoomed: bool) -> None:
     """Magnitudes of the forces that are recorded."""
     found = {name: values for name, values in forces(table).items() if name in FORCES}
     factor, unit = in_thousands("N", *found.values())
@@ -369,7 +365,7 @@ def shaft_figure(result: ShaftResult) -> Figure:
         dress(axes, label)
     panels[2].plot(time, 1e3 * table["twist"], color=PURPLE, linewidth=1.6, label="twist")
     dress(panels[2], "twist [mrad]")
-    _energy_panel(panels[3], table, lost="lost, less the balancer's work")
+    _energy_panel(panels[3], table, slice(None), zoomed=False, lost="lost, less the balancer's work")
     panels[3].set_xlabel("time [s]")
     headline(
         panels[0],
