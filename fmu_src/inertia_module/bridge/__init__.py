@@ -1,4 +1,4 @@
-"""The module as systems of python-control: FMUs in discrete time, the averaged module in continuous time."""
+"""Systems of python-control: FMUs in discrete time, the averaged module in continuous time."""
 
 from .averaged_system import TransientInertia, averaged_system
 from .fmu_system import FmuSystem, fmu_system

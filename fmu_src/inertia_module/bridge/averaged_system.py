@@ -1,4 +1,4 @@
-"""The averaged module as a continuous system of python-control, on the map the kernel itself has found.
+"""Averaged module as a continuous system of python-control, on the map the kernel itself has found.
 
     J3 omega_out' = omega1^2 F(omega_out / |omega1|) - load_torque
 
@@ -59,7 +59,7 @@ QUASI_STEADY = TransientInertia(0.0, 0.0)
 
 
 class _AveragedModule:
-    """The kernel of fidelity averaged at one instant."""
+    """Kernel of fidelity averaged at one instant."""
 
     def __init__(
         self, parameters: Mapping[str, float | str], kernel: str, transient: TransientInertia

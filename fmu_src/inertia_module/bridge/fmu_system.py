@@ -1,4 +1,4 @@
-"""An FMU as a discrete-time system of python-control, pure in its state.
+"""FMU as a discrete-time system of python-control, pure in its state.
 
 A communication step is the update of the system. Outputs hold the values at the end of the last step, so
 there is no direct feedthrough. Step means belong to the step that has been taken and do not follow from
@@ -125,13 +125,13 @@ class _Motion:
 
     def update(self, x: Array, u: Array) -> Array:
         """State after a step."""
-        given = dict(zip(self._inputs, u.tolist(), strict=True))
+        inputs = dict(zip(self._inputs, u.tolist(), strict=True))
         motion = dict(zip(self._start_names, x.tolist(), strict=False))
         held = dict(zip(self._held, x[len(self._motion) :].tolist(), strict=False))
-        self.fmu.restart({**motion, **given, **held})
-        self.fmu.set(**{name: given[name] for name in held})
+        self.fmu.restart({**motion, **inputs, **held})
+        self.fmu.set(**{name: inputs[name] for name in held})
         self.fmu.advance(self._step)
-        return self._state([given[name] for name in held])
+        return self._state([inputs[name] for name in held])
 
     def output(self, x: Array) -> Array:
         """Outputs of a state."""
@@ -142,14 +142,14 @@ class _Motion:
 
 
 def numbers_of(data: bytes) -> Array:
-    """Bytes as whole numbers, shape (n,); the first is the count of bytes."""
+    """Pack bytes as whole numbers, shape (n,); the first is the count of bytes."""
     padded = np.frombuffer(data + bytes(-len(data) % _BYTES), dtype=np.uint8).reshape(-1, _BYTES)
     wide = np.pad(padded, ((0, 0), (0, 8 - _BYTES)))
     return np.concatenate([[float(len(data))], wide.view("<u8")[:, 0].astype(np.float64)])
 
 
 def bytes_of(numbers: Array) -> bytes:
-    """Bytes that numbers_of was given.
+    """Unpack the bytes of numbers_of.
 
     Raises:
         ValueError: the numbers are none of numbers_of: a state that has been changed.

@@ -88,12 +88,12 @@ def run_linear_loop(
     """
     if np.any(surrounding.D):
         raise ValueError("a surrounding must have D = 0, has direct feedthrough")
-    measured, given = list(surrounding.input_labels), list(surrounding.output_labels)
-    missing = [name for name in (*measured, *given) if name not in point]
+    measured, fed = list(surrounding.input_labels), list(surrounding.output_labels)
+    missing = [name for name in (*measured, *fed) if name not in point]
     if missing:
-        raise ValueError(f"point must have {', '.join([*measured, *given])}, is without {', '.join(missing)}")
+        raise ValueError(f"point must have {', '.join([*measured, *fed])}, is without {', '.join(missing)}")
     a, b, c = (np.asarray(matrix) for matrix in (surrounding.A, surrounding.B, surrounding.C))
-    around, offset = np.array([point[name] for name in measured]), np.array([point[name] for name in given])
+    around, offset = np.array([point[name] for name in measured]), np.array([point[name] for name in fed])
     low, high = limits
     state = np.array(kick, dtype=float)
     rows = np.empty((steps + 1, len(measured)))
@@ -103,7 +103,7 @@ def run_linear_loop(
         values = (offset + c @ state).tolist()
         if n == steps or not all(low <= value <= high for value in values):
             return rows[: n + 1]
-        plant.set(**dict(zip(given, values, strict=True)))
+        plant.set(**dict(zip(fed, values, strict=True)))
         plant.advance(float(surrounding.dt))
         under_way.append(factor * rows[n])
         state = a @ state + b @ under_way.popleft()

@@ -71,7 +71,7 @@ def fit_sine(time: Array, values: Array, frequency: float) -> tuple[complex, flo
 
 @dataclass(frozen=True)
 class SineBench:
-    """A plant at an operating point, and how it is excited and read.
+    """Plant at an operating point, and how it is excited and read.
 
     Attributes:
         plant: started. point: omega1, rad/s, and load_torque, N.m. outputs: names that are read.
@@ -84,7 +84,7 @@ class SineBench:
     step: float
 
     def run(self, excited: str, amplitude: float, frequency: float, first: int, count: int) -> Array:
-        """Outputs at the ends of count steps, shape (count, outputs), under the sine from step first on."""
+        """Run count steps under the sine from step first on; outputs at the ends, shape (count, outputs)."""
         plant, step = self.plant, self.step
         ramped = excited == SPEED
         turns = frequency * step * (np.arange(first, first + count + 1) + (0.0 if ramped else 0.5))
@@ -101,7 +101,7 @@ class SineBench:
     def response(
         self, excited: str, amplitude: float, frequency: float, settling: float, record: float
     ) -> tuple[Complex, Array]:
-        """Outputs over the input at one frequency, and their means, shape (outputs,) each.
+        """Measure outputs over the input at one frequency, and their means, shape (outputs,) each.
 
         Args:
             excited: name of the input. amplitude: in its units. frequency: Hz.
@@ -236,10 +236,10 @@ def operating_point(system: Any, omega1: float, load_torque: float, guess: float
         ValueError: there is none below lock-up.
     """
     first = 0.5 * omega1 if guess is None else guess
-    given = np.zeros(system.ninputs)
+    inputs = np.zeros(system.ninputs)
     for name, value in ((SPEED, omega1), (LOAD, load_torque)):
-        given[system.find_input(name)] = value
-    point = ct.find_operating_point(system, [first], given)
+        inputs[system.find_input(name)] = value
+    point = ct.find_operating_point(system, [first], inputs)
     if point.states is None or not 0.0 < point.states[0] < omega1:
         raise ValueError(
             f"with omega1 = {omega1:g} rad/s load_torque must be carried below lock-up, is {load_torque:g}"
@@ -278,14 +278,14 @@ def averaged_response(
     own = [MEANS.get(name, name) for name in names]
     system = averaged_system(parameters, inputs=(*INPUTS, INPUT_RATE), outputs=own, transient=transient)
     state = [operating_point(system, omega1, load_torque, guess)]
-    given = [omega1, load_torque, 0.0]
-    linear = ct.linearize(system, state, given)
+    inputs = [omega1, load_torque, 0.0]
+    linear = ct.linearize(system, state, inputs)
     wanted = np.atleast_1d(np.asarray(frequencies, dtype=float))
     values = linear(2j * math.pi * wanted, squeeze=False)
     response = values[:, INPUTS.index(excited), :]
     if excited == SPEED:
         response = response + 2j * math.pi * wanted * values[:, len(INPUTS), :]
-    mean = np.asarray(system.output(0.0, state, given), dtype=float)
+    mean = np.asarray(system.output(0.0, state, inputs), dtype=float)
     return SmallSignal(wanted, np.asarray(response, dtype=complex), names, mean)
 
 

@@ -38,7 +38,7 @@ NOT_MODELLED: Mapping[int, Mapping[str, str]] = {
 
 @dataclass(frozen=True)
 class Level:
-    """A level of fidelity, at one setting.
+    """Level of fidelity at one setting.
 
     Attributes:
         fidelity, method: numbers as in the table of variables. setting: as it is printed.

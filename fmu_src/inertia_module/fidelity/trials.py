@@ -95,19 +95,19 @@ def kernel_time(
 
 
 class RecordedModule(Module):
-    """A module as a plant of loops.ClosedLoop, which keeps the inputs of each step.
+    """Module as a plant of loops.ClosedLoop, which keeps the inputs of each step.
 
     Attributes:
-        given: (omega1, load_torque, drive_torque) of each step.
+        held: (omega1, load_torque, drive_torque) of each step.
     """
 
     def __init__(self) -> None:
         super().__init__()
-        self.given: list[tuple[float, float, float]] = []
+        self.held: list[tuple[float, float, float]] = []
 
     def advance(self, step_size: float) -> None:
         """Advance by a communication step, s."""
-        self.given.append((self.inputs.omega1, self.inputs.load_torque, self.inputs.drive_torque))
+        self.held.append((self.inputs.omega1, self.inputs.load_torque, self.inputs.drive_torque))
         super().advance(step_size)
 
 
@@ -126,7 +126,7 @@ class SceneRun:
 
 
 def run_in_process(scene: Scene, progress: Progress | None = None) -> SceneRun:
-    """Run a scene, its fidelity being given.
+    """Run a scene whose fidelity is chosen.
 
     Args:
         scene: as it is to be run. progress: told how much is done (0 to 1).
@@ -143,7 +143,7 @@ def run_in_process(scene: Scene, progress: Progress | None = None) -> SceneRun:
     began = time.perf_counter()
     record = loop.run(scene.run.stop_time, progress)
     loop_time, duration = time.perf_counter() - began, scene.run.stop_time
-    spent = kernel_time(plant, begin, plant.given, scene.run.communication_step)
+    spent = kernel_time(plant, begin, plant.held, scene.run.communication_step)
     return SceneRun(record, spent / duration, loop_time / duration)
 
 
@@ -222,7 +222,7 @@ def has_elastic_output(scene: Scene) -> bool:
 
 
 def reference_level(scene: Scene) -> Level:
-    """The finest level of a scene: elastic where it has parameters of an elastic output."""
+    """Pick the finest level of a scene: elastic where it has parameters of an elastic output."""
     return event(ELASTIC if has_elastic_output(scene) else RIGID, REFERENCE_TOLERANCE)
 
 
@@ -286,12 +286,12 @@ def measurement_file(scene: Scene) -> Path:
 
 
 def candidates(scene: Scene) -> list[Level]:
-    """The levels that are tried for a scene."""
+    """List the levels that are tried for a scene."""
     return list(all_levels(has_elastic_output(scene), kinematic=False, few=True))
 
 
 def trial_rows(scene: Scene, progress: Progress | None = None) -> list[Row]:
-    """Measured rows of the candidates for a scene, from the last time if nothing has changed since.
+    """Give the measured rows of the candidates for a scene, from the last time if nothing has changed since.
 
     Raises:
         Refused: the reference itself is refused.

@@ -1,4 +1,4 @@
-"""The torque converter chart as a figure, one curve a mechanism."""
+"""Pictures of torque converter charts, one curve a mechanism."""
 
 from __future__ import annotations
 

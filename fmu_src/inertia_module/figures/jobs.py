@@ -30,7 +30,7 @@ MOST = 3
 
 
 def shown_figures(sweep: SweepResult, figures: Sequence[str] = ()) -> list[str]:
-    """The figures to show: those asked for, or of the usual ones at most MOST that vary.
+    """Choose the figures to show: those asked for, or of the usual ones at most MOST that vary.
 
     Raises:
         Refused: the sweep has no such figure.
@@ -101,7 +101,7 @@ def _curve(panel: Axes, sweep: SweepResult, name: str) -> None:
 
 
 def _map(picture: Figure, panel: Axes, sweep: SweepResult, name: str) -> None:
-    """A grid as a map, other samples as dots; what was refused stays white."""
+    """Draw a grid as a map, other samples as dots; what was refused stays white."""
     (x, x_names), (y, y_names) = (_values(sweep, axis) for axis in sweep.axes)
     values = sweep.figure(name)
     across, up = np.unique(x), np.unique(y)
@@ -145,7 +145,7 @@ def _parallel(sweep: SweepResult, names: Sequence[str]) -> Figure:
 
 
 def _share(values: Array, low: float, high: float) -> Array:
-    """Where values are between the ends, 0 to 1."""
+    """Scale values to their place between the ends, 0 to 1."""
     return (values - low) / (high - low) if high > low else np.full(values.shape, 0.5)
 
 
@@ -167,11 +167,11 @@ def design_figure(found: DesignResult) -> Figure:
 
 
 def _goals(panel: Axes, found: DesignResult, across: str | None, up: str) -> None:
-    """One goal over another, or over the number of the design."""
+    """Draw one goal over another, or over the number of the design."""
     place = {str(row.point): n for n, row in enumerate(found.rows, 1)}
 
     def points(rows: Sequence[Row]) -> tuple[Array, Array]:
-        """Where rows are; NaN without the figure."""
+        """Coordinates of rows, NaN without the figure."""
         x = [place[str(row.point)] if across is None else row.figures.get(across, np.nan) for row in rows]
         return np.array(x, dtype=float), np.array([row.figures.get(up, np.nan) for row in rows])
 
@@ -294,7 +294,7 @@ def _over(found: Orders) -> tuple[Array, str]:
 
 
 def _last_order(found: Orders) -> float:
-    """A little above the order up to which SHOWN of all that swings is found, of every signal."""
+    """Find a little above the order up to which SHOWN of all that swings is found, of every signal."""
     shares = (np.cumsum(values**2) / np.sum(values**2) for values in found.amplitude.values() if values.any())
     place = max(int(np.searchsorted(share, SHOWN)) for share in shares)
     return min(1.1 * float(found.order[place]), float(found.order[-1]))

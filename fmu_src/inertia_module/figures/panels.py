@@ -57,7 +57,7 @@ def titled(name: str, unit: str) -> str:
 
 
 def headline(axes: Axes, text: str) -> None:
-    """A line above the legend of a panel."""
+    """Write a line above the legend of a panel."""
     axes.set_title(text, loc="left", fontsize=11, pad=22)
 
 

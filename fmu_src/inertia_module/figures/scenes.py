@@ -85,7 +85,7 @@ def end_of_run(table: Result) -> tuple[int, str]:
 
 
 def _pulse_panels(figure: Figure, result: SceneResult) -> None:
-    """Left the whole run, right its end; the forces take the place of the acceleration."""
+    """Draw left the whole run, right its end; the forces take the place of the acceleration."""
     table, numbers = result.record, result.summary
     first, shown = end_of_run(table)
     drawn: list[Callable[[Axes, Result, slice, bool], None]] = [_speeds, _torques]
@@ -119,7 +119,7 @@ def _pulse_panels(figure: Figure, result: SceneResult) -> None:
 
 
 def _speeds(axes: Axes, table: Result, rows: slice, zoomed: bool) -> None:
-    """Close up without the input, which would press the others flat."""
+    """Speeds of the links; close up without the input, which would press the others flat."""
     time = table.time[rows]
     if not zoomed:
         axes.plot(time, input_speed(table)[rows], color=BLACK, linewidth=1.2, label="input ω1")
@@ -139,7 +139,7 @@ def _mean_over_pulses(table: Result) -> tuple[Array, Array]:
 
 
 def _torques(axes: Axes, table: Result, rows: slice, zoomed: bool) -> None:
-    """In the whole run the means, close up what happens at each instant (if recorded, and often enough)."""
+    """Torques: means over the whole run, close up what happens at each instant (if recorded often enough)."""
     time = table.time[rows]
     instants = {"output_torque", "housing_torque", "input_torque"} <= set(table.names)
     if zoomed and instants and not is_coarse(table):
@@ -319,7 +319,7 @@ def _mean_torques(axes: Axes, table: Result) -> None:
 
 
 def _energy_shares(axes: Axes, table: Result) -> None:
-    """Where the energy of the input went, up to each moment."""
+    """Shares of the energy of the input, by where it went up to each moment."""
     parts = {
         "brake": (work(table, "brake_torque"), BLUE),
         "rolling": (work(table, "rolling_torque"), ORANGE),
