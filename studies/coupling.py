@@ -1,4 +1,4 @@
-"""An engine coupled to the module: every coupling over step and inertia ratio, and the energies of a cycle.
+"""Engine coupled to the module: every coupling over step and inertia ratio, and the energies of a cycle.
 
 Each part gives rows, which are written as CSV; the map is drawn too.
 """
@@ -94,14 +94,14 @@ RUNS = (
 
 
 def governor(inertia: float) -> Governor:
-    """A governor for what turns with the engine, its rotor included, kg.m2."""
+    """Make a governor for what turns with the engine, its rotor included, kg.m2."""
     gain = _BANDWIDTH * inertia
     return Governor(gain, 0.25 * _BANDWIDTH * gain, sample_time=0.005)
 
 
 @dataclass(frozen=True)
 class CoupledCase:
-    """An engine that holds its speed while the module launches the output shaft.
+    """Engine that holds its speed while the module launches the output shaft.
 
     Attributes:
         name: as the table calls it. parameters: of the module, those that differ from the defaults.
@@ -121,18 +121,18 @@ class CoupledCase:
         return interface_inertia(self.parameters)
 
     def engine(self) -> Engine:
-        """The engine at the start of the case."""
+        """Make the engine at the start of the case."""
         inertia = self.interface.greatest / self.ratio
         return Engine(inertia, _LIMITS, governor(inertia + self.interface.mean), self.speed, self.speed)
 
 
 def planar(ratio: float) -> CoupledCase:
-    """The module of the urban scene, launching 1 kg.m2."""
+    """Module of the urban scene, launching 1 kg.m2."""
     return CoupledCase("planar", {**URBAN_MODULE, "output_inertia": 1.0}, 200.0, 8.0, ratio)
 
 
 def bevel(ratio: float) -> CoupledCase:
-    """The module of scene R1."""
+    """Module of scene R1."""
     return CoupledCase("bevel", {}, 100.0, 10.0, ratio)
 
 
@@ -225,7 +225,7 @@ def course(
 
 @dataclass(frozen=True)
 class Trial:
-    """How far a run is from the reference, what it loses and costs; errors are NaN where it is unstable.
+    """Errors of a run against the reference, what it loses and costs; errors are NaN where it is unstable.
 
     Attributes:
         case, ratio, scheme: what was run. step: communication step, s. stable: whether it was.
@@ -271,7 +271,7 @@ def trial(case: CoupledCase, name: str, step: float, reference: Course, fmu_path
 
 
 def coupling_map(fmu_path: Path, quick: bool, progress: Progress | None = None) -> list[Trial]:
-    """All couplings over step, inertia ratio and case; quick: a corner of it."""
+    """Measure all couplings over step, inertia ratio and case; quick: a corner of it."""
     names = QUICK_CASES if quick else tuple(CASES)
     ratios, steps = (QUICK_RATIOS, QUICK_STEPS) if quick else (RATIOS, STEPS)
     total = len(names) * len(ratios) * len(COUPLINGS)
@@ -320,7 +320,7 @@ class UrbanRun:
 
 
 def urban_scene(path: Path = SCENE) -> Scene:
-    """The scene of the car in the urban cycle, its engine idling where it would stop."""
+    """Load the scene of the car in the urban cycle, its engine idling where it would stop."""
     return load_scene(path).replaced(controller={"minimum": f"{IDLE_SPEED} rad/s"})
 
 
@@ -374,7 +374,7 @@ def urban_run(
 
 
 def urban_runs(fmu_path: Path, scene_path: Path = SCENE, progress: Progress | None = None) -> list[UrbanRun]:
-    """All of RUNS (arguments of urban_run)."""
+    """Drive all of RUNS (arguments of urban_run)."""
     scene, found = urban_scene(scene_path), list[UrbanRun]()
     for name, substeps in RUNS:
 

@@ -16,7 +16,7 @@ import numpy as np
 from inertia_module.contract.variables import default_parameters
 from inertia_module.fidelity.levels import Level, all_levels
 from inertia_module.fidelity.rows import PEER, Attempt, Row, attempt_all, head_of
-from inertia_module.fidelity.timing import kernel_time
+from inertia_module.fidelity.trials import kernel_time
 from inertia_module.harness.simulate import Progress, whole_steps
 from inertia_module.kernel.codes import AVERAGED, DRIVING, ELASTIC, EVENT, FREE, RIGID
 from inertia_module.kernel.layout import imbalance_in_fixed_frame

@@ -14,7 +14,7 @@ from functools import partial
 from pathlib import Path
 
 from inertia_module.compiling.linking import compiler
-from inertia_module.fidelity.timing import kernel_time
+from inertia_module.fidelity.trials import kernel_time
 from inertia_module.memory import Module
 from studies.benchmarks.figures import R1
 

@@ -19,7 +19,7 @@ from scipy.integrate import odeint, solve_ivp
 
 from inertia_module.common.errors import Refused
 from inertia_module.common.extras import library
-from inertia_module.fidelity.timing import median_time
+from inertia_module.fidelity.trials import median_time
 from inertia_module.kernel.codes import RIGID
 from inertia_module.memory import Module
 

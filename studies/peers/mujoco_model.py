@@ -17,7 +17,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from inertia_module.common.extras import library
-from inertia_module.fidelity.timing import median_time
+from inertia_module.fidelity.trials import median_time
 
 from ..reference.geometry import (
     EX,

@@ -2,6 +2,7 @@
 
 import contextlib
 import json
+import math
 from pathlib import Path
 
 import pytest
@@ -76,11 +77,20 @@ def test_stability_of_an_unknown_axis_is_refused_in_one_line(tmp_path):
     assert not (tmp_path / "map").exists()
 
 
-def test_coupling_measures_a_part_and_leaves_its_rows(workshop, tmp_path):
+def test_coupling_finds_driving_by_torque_more_accurate_and_cheaper_and_leaves_its_rows(workshop, tmp_path):
     done = command("coupling", "--quick", "-o", tmp_path, "--json", folder=workshop)
     assert done.exit_code == 0, done.stderr
     found = {(row["scheme"], row["step"]): row for row in json.loads(done.stdout)["rows"]["map"]}
-    assert abs(found["torque-driven", 0.005]["speed_error"]) < 1e-7
+    errors = {
+        key: max(abs(row[f"{name}_error"]) for name in ("speed", "output", "energy"))
+        if row["stable"]
+        else math.inf
+        for key, row in found.items()
+    }
+    by_torque, implicit = ("torque-driven", 0.005), ("implicit ramp", 0.001)
+    assert max(errors[key] for key in found if key[0] == "torque-driven") < 1e-7
+    assert found[implicit]["cost"] >= 20 * found[by_torque]["cost"]
+    assert errors[implicit] > 1e3 * errors[by_torque]
     assert (tmp_path / "coupling_map.csv").read_text().startswith("case,ratio,scheme,step [s],")
     assert (tmp_path / "coupling.png").stat().st_size > 1000
 

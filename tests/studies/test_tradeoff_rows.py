@@ -8,6 +8,8 @@ import pytest
 
 from inertia_module.fidelity.levels import Level, all_levels, event, timestepping
 from inertia_module.fidelity.rows import Row, read_rows, write_rows
+from inertia_module.fidelity.tradeoff import front, slope, work_precision
+from inertia_module.harness.results import write_figure
 from studies import trade
 from studies.reference.geometry import Unavailable
 
@@ -75,24 +77,25 @@ def test_switches_are_found_in_steps_of_any_length(reference):
         assert run.module["contact_switches"] == n
 
 
-@pytest.mark.parametrize(
-    "level, words",
-    [
-        (Level(2, 0, "tolerance 1", {"tolerance": 1.0}), "tolerance must be between 1e-13 and 0.1, is 1"),
-        (Level(2, 0, "backwards", {"max_step": -1.0}), "max_step must be between 0 and 1000000 s, is -1"),
-    ],
-)
-def test_refused_settings_are_rows_with_the_reason(reference, level, words, tmp_path):
-    (row,) = trade.measure(CASE, reference, [level], steps=[0.1])
-    assert words in row.failure
-    assert math.isnan(row.wall_time)
-    assert row.worst(["omega_out_final"]) == math.inf
-    assert words in write_rows(tmp_path / "rows.csv", [row]).read_text()
+REFUSED = [
+    (Level(2, 0, "tolerance 1", {"tolerance": 1.0}), 0.1, "tolerance must be between 1e-13 and 0.1, is 1"),
+    (Level(2, 0, "backwards", {"max_step": -1.0}), 0.1, "max_step must be between 0 and 1000000 s, is -1"),
+    (event(2, 1e-6), 0.03, "must be a whole part of 0.1 s, is 0.03 s"),
+]
 
 
-def test_a_step_that_does_not_divide_the_run_is_a_failure(reference):
-    (row,) = trade.measure(CASE, reference, [event(2, 1e-6)], steps=[0.03])
-    assert "must be a whole part of 0.1 s, is 0.03 s" in row.failure
+@pytest.fixture(scope="module")
+def failed(reference):
+    return [trade.measure(CASE, reference, [level], steps=[step])[0] for level, step, _ in REFUSED]
+
+
+def test_refused_settings_and_steps_are_rows_with_the_reason(failed, tmp_path):
+    written = write_rows(tmp_path / "rows.csv", failed).read_text()
+    for row, (_, _, words) in zip(failed, REFUSED, strict=True):
+        assert words in row.failure
+        assert math.isnan(row.wall_time)
+        assert row.worst(["omega_out_final"]) == math.inf
+        assert words in written
 
 
 def peer(integrate):
@@ -113,20 +116,16 @@ def test_peers_are_measured_by_the_same_errors(reference):
     assert loose.wall_time == pytest.approx(2.0)
 
 
-@pytest.mark.parametrize("error", [Unavailable, ValueError, RuntimeError, ZeroDivisionError])
-def test_peers_that_fail_are_listed(reference, error):
-    def integrate(case, setting):
-        raise error("no such thing")
+def test_peers_that_fail_or_have_other_samples_are_listed(reference):
+    for error in (Unavailable, ValueError, RuntimeError, ZeroDivisionError):
 
-    rows = trade.measure(CASE, reference, [], [peer(integrate)])
-    assert [row.failure for row in rows] == ["no such thing"] * 2
+        def integrate(case, setting, error=error):
+            raise error("no such thing")
 
-
-def test_peers_with_other_samples_are_listed_as_failures(reference):
-    def integrate(case, setting):
-        return dataclasses.replace(reference, omega_out=np.zeros(3))
-
-    assert all("has 3" in row.failure for row in trade.measure(CASE, reference, [], [peer(integrate)]))
+        rows = trade.measure(CASE, reference, [], [peer(integrate)])
+        assert [row.failure for row in rows] == ["no such thing"] * 2
+    short = peer(lambda case, setting: dataclasses.replace(reference, omega_out=np.zeros(3)))
+    assert all("has 3" in row.failure for row in trade.measure(CASE, reference, [], [short]))
 
 
 def test_a_rigid_output_is_measured_against_the_elastic_one_with_the_same_inertia():
@@ -142,40 +141,33 @@ def test_there_are_elastic_levels_only_where_there_is_a_shaft():
     assert timestepping(2, 1e-3).values == {"fidelity": 2.0, "method": 1.0, "max_step": 1e-3}
 
 
-def test_rows_are_read_back_as_they_were_written(reference, rows, tmp_path):
-    failed = trade.measure(CASE, reference, [Level(2, 0, "tolerance 1", {"tolerance": 1.0})], steps=[0.1])
-    *found, last = read_rows(write_rows(tmp_path / "rows.csv", [*rows, *failed]))
+def test_rows_are_read_back_as_they_were_written(rows, failed, tmp_path):
+    *found, last = read_rows(write_rows(tmp_path / "rows.csv", [*rows, failed[0]]))
     assert [dataclasses.replace(row, loop_time=0.0) for row in found] == [
         dataclasses.replace(row, loop_time=0.0) for row in rows
     ]
-    assert (last.label, last.failure, last.worst(["energy"])) == (
-        failed[0].label,
-        failed[0].failure,
-        math.inf,
+    assert (last.label, last.failure) == (failed[0].label, failed[0].failure)
+    assert last.worst(["energy"]) == math.inf
+
+
+def test_plots_show_the_front_and_its_slope_even_where_some_runs_failed(failed, tmp_path):
+    costs_and_errors = (
+        (3.0, 1e-3),
+        (1.0, 1e-1),
+        (2.0, 1e-1),
+        (4.0, 1e-3),
+        (10.0, 1e-3),
+        (0.5, 0.0),
+        (9.0, 1e-5),
     )
-
-
-def test_plots_are_drawn_even_where_some_runs_failed(reference, rows, tmp_path):
-    from inertia_module.fidelity.plots import work_precision
-    from inertia_module.harness.results import write_figure
-
-    failed = trade.measure(CASE, reference, [Level(2, 0, "tolerance 1", {"tolerance": 1.0})], steps=[0.1])
-    figure = work_precision([*rows, *failed], "omega_out_worst", "some rows")
-    assert write_figure(tmp_path / "plot.png", figure).stat().st_size > 10_000
-
-
-def test_the_front_is_what_no_other_run_beats():
-    from inertia_module.fidelity.plots import front
-
-    costs_and_errors = (3.0, 1e-3), (1.0, 1e-1), (2.0, 1e-1), (4.0, 1e-3), (5.0, 1e-5), (0.5, 0.0)
     measured = [Row("rigid", "event", "", 1.0, {"e": e}, wall_time=cost) for cost, e in costs_and_errors]
-    failed = Row("rigid", "event", "", 1.0, {"e": 1e-9}, wall_time=0.1, failure="refused")
-    assert [row.wall_time for row in front([*measured, failed], "e", "wall_time")] == [1.0, 3.0, 5.0]
-
-
-def test_slope_is_the_exponent_of_the_error():
-    from inertia_module.fidelity.plots import slope
-
+    refused = Row("rigid", "event", "", 1.0, {"e": 1e-9}, wall_time=0.1, failure="refused")
+    assert [row.wall_time for row in front([*measured, refused], "e", "wall_time")] == [1.0, 3.0, 9.0]
     costs = np.array([1.0, 3.0, 10.0])
     assert slope(costs, 5.0 * costs**-2) == pytest.approx(-2.0)
     assert math.isnan(slope(costs[:2], costs[:2]))
+    figure = work_precision([*measured, refused, *failed], "e", "some rows")
+    drawn = figure.axes[0]
+    assert drawn.lines[0].get_xdata() == pytest.approx([1e3, 3e3, 9e3])
+    assert [text.get_text() for text in drawn.texts] == ["rigid, event (slope -4.2)"]
+    assert write_figure(tmp_path / "plot.png", figure).stat().st_size > 10_000

@@ -3,7 +3,7 @@
 import pytest
 
 from inertia_module import jobs
-from inertia_module.figures.designs import design_figure
+from inertia_module.figures.jobs import design_figure
 from inertia_module.scene import SceneError, load_scene, run_scene
 
 pytest.importorskip("distributed")

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 from inertia_module import jobs
 from inertia_module.cli import app
 from inertia_module.common.errors import Refused
-from inertia_module.figures.orders import order_figure
+from inertia_module.figures.jobs import order_figure
 from inertia_module.harness.results import Result, read_columns
 from inertia_module.harness.simulate import Fmu
 from inertia_module.jobs import order_run

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from inertia_module import loops
-from inertia_module.fidelity.scene_run import run_in_process
+from inertia_module.fidelity.trials import run_in_process
 from inertia_module.figures.scenes import scene_figure
 from inertia_module.harness.fmu import Fmu
 from inertia_module.loops import Engine, EngineMap, Governor, TorqueDrivenEngine, torque_driven

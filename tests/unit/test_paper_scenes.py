@@ -8,8 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 from inertia_module.cli import app
-from inertia_module.figures.scenes import scene_figure
-from inertia_module.figures.shaft import shaft_figure
+from inertia_module.figures.scenes import scene_figure, shaft_figure
 from inertia_module.scene import SceneError, load_any_scene, load_scene, run_scene, run_shaft_scene
 from studies.papers.karetin import Geometry, dynamic_mode, exact
 from studies.papers.lysenko import EXAMPLE, speed_ratio

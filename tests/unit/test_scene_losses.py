@@ -8,8 +8,7 @@ import pytest
 
 from inertia_module.contract.variable import PARAMETER
 from inertia_module.contract.variables import BY_NAME, LOSSES, with_causality
-from inertia_module.figures.losses import losses
-from inertia_module.figures.scenes import scene_figure
+from inertia_module.figures.scenes import losses, scene_figure
 from inertia_module.harness.results import Result
 from inertia_module.harness.steady import SteadyMachine
 from inertia_module.scene import SceneError, load_scene, read_scene, run_scene

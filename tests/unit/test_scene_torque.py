@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from inertia_module.fidelity.levels import all_levels
-from inertia_module.fidelity.scene_run import run_in_process
-from inertia_module.fidelity.trials import measure_scene
+from inertia_module.fidelity.trials import measure_scene, run_in_process
 from inertia_module.figures.scenes import scene_figure
 from inertia_module.scene import SceneError, load_scene, read_scene, run_scene
 from inertia_module.scene.run import start_of

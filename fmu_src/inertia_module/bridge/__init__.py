@@ -1,10 +1,15 @@
-"""The module as systems of python-control: FMUs in discrete time, the averaged module in continuous time."""
+"""Systems of python-control: FMUs in discrete time, the averaged module in continuous time."""
 
 from .averaged_system import TransientInertia, averaged_system
 from .fmu_system import FmuSystem, fmu_system
 from .margins import Margins, measured_margins, predicted_margins, run_linear_loop, stability_limit, swings
-from .small_signal import SmallSignal, averaged_response, measured_response, operating_point
-from .transient import transient_inertia
+from .small_signal import (
+    SmallSignal,
+    averaged_response,
+    measured_response,
+    operating_point,
+    transient_inertia,
+)
 
 __all__ = [
     "FmuSystem",

@@ -1,4 +1,4 @@
-"""The averaged module as a continuous system of python-control, on the map the kernel itself has found.
+"""Averaged module as a continuous system of python-control, on the map the kernel itself has found.
 
     J3 omega_out' = omega1^2 F(omega_out / |omega1|) - load_torque
 
@@ -59,7 +59,7 @@ QUASI_STEADY = TransientInertia(0.0, 0.0)
 
 
 class _AveragedModule:
-    """The kernel of fidelity averaged at one instant."""
+    """Kernel of fidelity averaged at one instant."""
 
     def __init__(
         self, parameters: Mapping[str, float | str], kernel: str, transient: TransientInertia
@@ -67,10 +67,10 @@ class _AveragedModule:
         self._module = Module(kernel).start(**{**parameters, "fidelity": float(codes.AVERAGED)})
         self._transient = transient
 
-    def _motion(
+    def motion(
         self, omega_out: float, omega1: float, load: float, rate: float
     ) -> tuple[Any, Any, float, float]:
-        """(state, side of the map, mean output torque, acceleration of the output shaft)."""
+        """State, side of the map, mean output torque, N.m, acceleration of the output shaft, rad/s2."""
         d, x = self._module.derived, type(self._module.state)()
         x.omega1, x.alpha1 = omega1, rate
         # the shaft does not turn backwards: what a solver leaves below 0 is rest
@@ -85,14 +85,10 @@ class _AveragedModule:
             torque = carried + d.J3 * acceleration
         return x, side, torque, acceleration
 
-    def acceleration(self, omega_out: float, omega1: float, load: float, rate: float) -> float:
-        """Acceleration of the output shaft, rad/s2."""
-        return self._motion(omega_out, omega1, load, rate)[3]
-
     def outputs(self, omega_out: float, omega1: float, load: float, rate: float) -> dict[str, float]:
         """OUTPUTS by name."""
         d, y = self._module.derived, type(self._module.outputs)()
-        x, side, torque, acceleration = self._motion(omega_out, omega1, load, rate)
+        x, side, torque, acceleration = self.motion(omega_out, omega1, load, rate)
         average.end_step(d, x, average_legs.RESTING, -1.0, x.omega1)  # type: ignore[no-untyped-call]
         average_outputs.write_averaged(d, x, y)  # type: ignore[no-untyped-call]
         values = {name: getattr(y, name) for name in OUTPUTS}
@@ -112,7 +108,7 @@ def averaged_system(
     name: str = "averaged",
     kernel: str = "auto",
 ) -> Any:
-    """The averaged module as a continuous-time NonlinearIOSystem.
+    """Make a continuous-time NonlinearIOSystem of the averaged module.
 
     Args:
         parameters: of the module by name, as in Module.set; fidelity is averaged whatever they say.
@@ -147,7 +143,7 @@ def averaged_system(
         return [float(u[place]) if place >= 0 else 0.0 for place in places]
 
     def update(_: float, x: Any, u: Any, __: Any) -> Any:
-        return np.array([module.acceleration(float(x[0]), *values_of(u))])
+        return np.array([module.motion(float(x[0]), *values_of(u))[3]])
 
     def output(_: float, x: Any, u: Any, __: Any) -> Any:
         values = module.outputs(float(x[0]), *values_of(u))

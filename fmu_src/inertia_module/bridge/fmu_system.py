@@ -1,4 +1,4 @@
-"""An FMU as a discrete-time system of python-control, pure in its state.
+"""FMU as a discrete-time system of python-control, pure in its state.
 
 A communication step is the update of the system. Outputs hold the values at the end of the last step, so
 there is no direct feedthrough. Step means belong to the step that has been taken and do not follow from
@@ -14,7 +14,8 @@ the step size of the integration: results agree within the tolerance, not to the
 
 **whole.** The serialised state of the FMU, some 3200 numbers. Exact to the bit and good for every FMU,
 fidelity `elastic` (which has no start parameters for its twist) and `input_hold` linear, but it can only be
-passed on: no part of it can be changed, so it cannot be linearised.
+passed on: no part of it can be changed, so it cannot be linearised. Six bytes to a number: whole numbers
+below 2^48, which every copy, print and CSV file keeps (bytes read as doubles would hold NaN and denormals).
 """
 
 from __future__ import annotations
@@ -28,34 +29,93 @@ import control as ct
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.errors import must_be
+from ..common.errors import did_you_mean, must_be
+from ..contract.driven_shaft_variables import BY_NAME as OF_SHAFT
+from ..contract.variable import DRIVE_ANGLE, ENUMERATIONS, LINK1_ANGLE, SINCE_START
+from ..contract.variables import BY_NAME as OF_MODULE
 from ..harness.calls import Closing
-from ..harness.fmu import Fmu, as_names
+from ..harness.fmu import Fmu, FmuError, as_names
 from ..harness.restarted import RestartedFmu
-from .motion import check_inputs, check_outputs, motion_of, start_name
-from .packing import bytes_of, numbers_of
+from ..kernel.codes import DRIVE_TORQUE
 
 Array = NDArray[np.float64]
 StateKind = Literal["motion", "whole"]
 
 # inputs whose jumps act impulsively
 _SPEEDS = ("omega1", "hub_speed")
+# what of the motion has a start parameter, by fidelity
+_MOTION = {
+    "kinematic": ("drive_angle",),
+    "averaged": ("omega_out",),
+    "rigid": ("drive_angle", "omega2", "omega_out"),
+}
+_SHAFT_MOTION = ("omega_out", "twist")
+# speed of link 1 where a torque drives the module, which starts at omega1
+_INPUT_SPEED = "input_speed"
+# of a whole state in each number
+_BYTES = 6
+
+
+# --- state: motion ---
+
+
+def _is_driven_by_torque(fmu: Fmu) -> bool:
+    return "drive" in fmu.variables and fmu["drive"] == DRIVE_TORQUE
+
+
+def _motion_of(fmu: Fmu) -> tuple[str, ...]:
+    """Names of the motion that the FMU has start parameters for.
+
+    Raises:
+        FmuError: these are not all of its motion.
+    """
+    if "input_hold" in fmu.variables and fmu["input_hold"] != 0.0:
+        raise FmuError(
+            "with state = 'motion' input_hold must be constant, is linear: that goes on from the last two"
+            " inputs; state = 'whole' has them"
+        )
+    if "fidelity" not in fmu.variables:
+        return _SHAFT_MOTION
+    fidelity = ENUMERATIONS["Fidelity"][int(fmu["fidelity"])][0]
+    if fidelity not in _MOTION:
+        raise FmuError(
+            f"with state = 'motion' fidelity must be one of {', '.join(_MOTION)}, is {fidelity}: that has no"
+            " start parameters for all of its motion; state = 'whole' needs none"
+        )
+    return (*_MOTION[fidelity], _INPUT_SPEED) if _is_driven_by_torque(fmu) else _MOTION[fidelity]
+
+
+def _check_outputs(names: Sequence[str], motion: Sequence[str]) -> None:
+    """Refuse outputs of a system that do not follow from its motion.
+
+    Raises:
+        FmuError: the output, and what is allowed.
+    """
+    for name in names:
+        variable = OF_MODULE.get(name) or OF_SHAFT.get(name)
+        follows = variable.follows if variable is not None else ""
+        if follows == SINCE_START:
+            why = "is a sum since the start, which does not follow from the motion"
+        elif follows == LINK1_ANGLE or (follows == DRIVE_ANGLE and "drive_angle" not in motion):
+            why = f"depends on {follows}, which is no state here ({', '.join(motion)})"
+        else:
+            continue
+        raise FmuError(f"with output {name} state must be 'whole', is 'motion': it {why}")
 
 
 class _Motion:
     """Steps from the motion, by a fresh start each."""
 
     def __init__(self, fmu: RestartedFmu, step: float, inputs: Sequence[str], outputs: Sequence[str]) -> None:
-        self.fmu, self._step, self._inputs = fmu, step, tuple(inputs)
-        self._motion = motion_of(fmu)
-        check_outputs(outputs, self._motion)
+        self.fmu, self._step, self._inputs = fmu, step, inputs
+        self._motion = _motion_of(fmu)
+        _check_outputs(outputs, self._motion)
         self._held = tuple(name for name in inputs if name in _SPEEDS)
         self._read = (*self._motion, *(name for name in outputs if name not in self._motion))
-        self._start_names = tuple(start_name(name) for name in self._motion)
+        self._start_names = ["omega1" if name == _INPUT_SPEED else f"{name}_start" for name in self._motion]
         carried = self._read[len(self._motion) :]
         self.names = [*self._motion, *(f"{name}_held" for name in self._held), *carried]
-        places = [self.names.index(name) for name in outputs]
-        self._places = np.array(places, dtype=np.intp)
+        self._places = np.array([self.names.index(name) for name in outputs], dtype=np.intp)
         self.start = self._state(fmu.read(self._held))
 
     def _state(self, held: Sequence[float]) -> Array:
@@ -65,25 +125,54 @@ class _Motion:
 
     def update(self, x: Array, u: Array) -> Array:
         """State after a step."""
-        given = dict(zip(self._inputs, u.tolist(), strict=True))
+        inputs = dict(zip(self._inputs, u.tolist(), strict=True))
         motion = dict(zip(self._start_names, x.tolist(), strict=False))
         held = dict(zip(self._held, x[len(self._motion) :].tolist(), strict=False))
-        self.fmu.restart({**motion, **given, **held})
-        self.fmu.set(**{name: given[name] for name in held})
+        self.fmu.restart({**motion, **inputs, **held})
+        self.fmu.set(**{name: inputs[name] for name in held})
         self.fmu.advance(self._step)
-        return self._state([given[name] for name in held])
+        return self._state([inputs[name] for name in held])
 
     def output(self, x: Array) -> Array:
         """Outputs of a state."""
         return x[self._places]
 
 
+# --- state: whole ---
+
+
+def numbers_of(data: bytes) -> Array:
+    """Pack bytes as whole numbers, shape (n,); the first is the count of bytes."""
+    padded = np.frombuffer(data + bytes(-len(data) % _BYTES), dtype=np.uint8).reshape(-1, _BYTES)
+    wide = np.pad(padded, ((0, 0), (0, 8 - _BYTES)))
+    return np.concatenate([[float(len(data))], wide.view("<u8")[:, 0].astype(np.float64)])
+
+
+def bytes_of(numbers: Array) -> bytes:
+    """Unpack the bytes of numbers_of.
+
+    Raises:
+        ValueError: the numbers are none of numbers_of: a state that has been changed.
+    """
+    limit = 2.0 ** (8 * _BYTES)
+    whole = np.isfinite(numbers) & (numbers >= 0.0) & (numbers < limit) & (numbers == np.floor(numbers))
+    count = (len(numbers) - 1) * _BYTES
+    if not whole.all() or not count - _BYTES < numbers[0] <= count:
+        place = int(np.argmin(whole))
+        raise ValueError(
+            f"a whole state must be one that the system has given, is changed: number {place} is"
+            f" {numbers[place]:.17g} (state = 'motion' has one that can be changed)"
+        )
+    narrow = numbers[1:].astype("<u8").view(np.uint8).reshape(-1, 8)[:, :_BYTES]
+    return narrow.tobytes()[: int(numbers[0])]
+
+
 class _Whole:
     """Steps on from serialised states. The FMU stays at the state it gave last, so a run restores none."""
 
     def __init__(self, fmu: Fmu, step: float, inputs: Sequence[str], outputs: Sequence[str]) -> None:
-        self.fmu, self._step, self._inputs, self._outputs = fmu, step, tuple(inputs), tuple(outputs)
-        fmu.read(self._outputs)
+        self.fmu, self._step, self._inputs, self._outputs = fmu, step, inputs, outputs
+        fmu.read(outputs)
         self._at: Array | None = None
         self.start = self._saved()
         self.names = ["time", *(f"state[{n}]" for n in range(self.start.size - 1))]
@@ -114,8 +203,11 @@ class _Whole:
         return np.array(self.fmu.read(self._outputs))
 
 
+# --- the system ---
+
+
 class FmuSystem(Closing):
-    """An FMU as a system of python-control; a context manager, which closes the FMU.
+    """FMU as a system of python-control; a context manager, which closes the FMU.
 
     Attributes:
         system: control.NonlinearIOSystem in discrete time. Copies of it share the FMU, which is safe: no
@@ -123,17 +215,8 @@ class FmuSystem(Closing):
         start: state at the start, shape (states,): initial_state for input_output_response.
     """
 
-    def __init__(
-        self,
-        fmu: Fmu,
-        stepper: _Motion | _Whole,
-        step: float,
-        inputs: Sequence[str],
-        outputs: Sequence[str],
-        name: str,
-    ) -> None:
-        self._fmu = fmu
-        self.start = stepper.start
+    def __init__(self, stepper: _Motion | _Whole, **names: Any) -> None:
+        self._fmu, self.start = stepper.fmu, stepper.start
 
         def update(_: float, x: Any, u: Any, __: Any) -> Any:
             return stepper.update(np.asarray(x, dtype=np.float64), np.asarray(u, dtype=np.float64))
@@ -141,19 +224,30 @@ class FmuSystem(Closing):
         def output(_: float, x: Any, __: Any, ___: Any) -> Any:
             return stepper.output(np.asarray(x, dtype=np.float64))
 
-        self.system = ct.nlsys(
-            update,
-            output,
-            inputs=list(inputs),
-            outputs=list(outputs),
-            states=stepper.names,
-            dt=step,
-            name=name,
-        )
+        self.system = ct.nlsys(update, output, states=stepper.names, **names)
 
     def close(self) -> None:
         """Free the FMU; the system cannot be stepped after that."""
         self._fmu.close()
+
+
+def _check_inputs(fmu: Fmu, inputs: Sequence[str]) -> None:
+    """Refuse inputs of a system that are none of the FMU, or that have no effect with its drive.
+
+    Raises:
+        FmuError: the input, and what is allowed.
+    """
+    known = [name for name, variable in fmu.variables.items() if variable.causality == "input"]
+    for name in inputs:
+        if name not in known:
+            raise FmuError(f"input {name} must be one of the FMU {did_you_mean(name, known)}")
+    idle, needed, drive = "drive_torque", "omega1", "speed"
+    if _is_driven_by_torque(fmu):
+        idle, needed, drive = "omega1", "drive_torque", "torque"
+    if idle in inputs:
+        raise FmuError(
+            f"with drive = {drive} an input must be {needed}, is {idle}: that has no effect after the start"
+        )
 
 
 def fmu_system(
@@ -168,7 +262,7 @@ def fmu_system(
     state: StateKind = "motion",
     name: str | None = None,
 ) -> FmuSystem:
-    """An FMU as a discrete-time NonlinearIOSystem: same state and input, same result, whatever came before.
+    """Make an FMU a discrete-time NonlinearIOSystem: same state and input, same result, whatever came before.
 
     Finite differences of linearize (eps) have to be larger than the tolerance of the FMU: with a tolerance of
     1e-10 an eps of 1e-3 is good.
@@ -201,13 +295,15 @@ def fmu_system(
     kind = RestartedFmu if state == "motion" else Fmu
     fmu = kind(path, parameters, start, tolerance)
     try:
-        check_inputs(fmu, inputs)
-        stepper: _Motion | _Whole
-        if isinstance(fmu, RestartedFmu):
-            stepper = _Motion(fmu, step, inputs, outputs)
-        else:
-            stepper = _Whole(fmu, step, inputs, outputs)
-        return FmuSystem(fmu, stepper, step, inputs, outputs, name or fmu.path.stem)
+        _check_inputs(fmu, inputs)
+        stepper = (
+            _Motion(fmu, step, inputs, outputs)
+            if isinstance(fmu, RestartedFmu)
+            else _Whole(fmu, step, inputs, outputs)
+        )
+        return FmuSystem(
+            stepper, inputs=list(inputs), outputs=list(outputs), dt=step, name=name or fmu.path.stem
+        )
     except BaseException:
         fmu.close()
         raise

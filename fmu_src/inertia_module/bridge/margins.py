@@ -49,7 +49,7 @@ class Margins:
 
 
 def predicted_margins(loop: Any) -> Margins:
-    """Margins of a linear discrete-time loop by control.margin; loop is that of negative feedback, 1 x 1."""
+    """Compute the margins of a linear discrete-time loop (1 x 1, of negative feedback) by control.margin."""
     step = float(loop.dt)
     frequency = np.geomspace(_LOWEST, 0.999, _POINTS) * math.pi / step
     response = loop(np.exp(1j * frequency * step))
@@ -77,8 +77,7 @@ def run_linear_loop(
         point: values at the operating point of all these names.
         kick: state of the surrounding at the start, shape (states,).
         steps: number of steps of the surrounding's dt.
-        factor: deviations reach the surrounding times this.
-        delay: and so many steps late.
+        factor, delay: deviations reach the surrounding times this, and so many steps late.
         limits: of what it gives to the plant; the run ends where it leaves them.
 
     Returns:
@@ -89,12 +88,12 @@ def run_linear_loop(
     """
     if np.any(surrounding.D):
         raise ValueError("a surrounding must have D = 0, has direct feedthrough")
-    measured, given = list(surrounding.input_labels), list(surrounding.output_labels)
-    missing = [name for name in (*measured, *given) if name not in point]
+    measured, fed = list(surrounding.input_labels), list(surrounding.output_labels)
+    missing = [name for name in (*measured, *fed) if name not in point]
     if missing:
-        raise ValueError(f"point must have {', '.join([*measured, *given])}, is without {', '.join(missing)}")
+        raise ValueError(f"point must have {', '.join([*measured, *fed])}, is without {', '.join(missing)}")
     a, b, c = (np.asarray(matrix) for matrix in (surrounding.A, surrounding.B, surrounding.C))
-    around, offset = np.array([point[name] for name in measured]), np.array([point[name] for name in given])
+    around, offset = np.array([point[name] for name in measured]), np.array([point[name] for name in fed])
     low, high = limits
     state = np.array(kick, dtype=float)
     rows = np.empty((steps + 1, len(measured)))
@@ -104,7 +103,7 @@ def run_linear_loop(
         values = (offset + c @ state).tolist()
         if n == steps or not all(low <= value <= high for value in values):
             return rows[: n + 1]
-        plant.set(**dict(zip(given, values, strict=True)))
+        plant.set(**dict(zip(fed, values, strict=True)))
         plant.advance(float(surrounding.dt))
         under_way.append(factor * rows[n])
         state = a @ state + b @ under_way.popleft()
@@ -112,7 +111,7 @@ def run_linear_loop(
 
 
 def swings(deviation: Array) -> tuple[float, float]:
-    """RMS of the second and of the last quarter of a record, each about its mean and drift.
+    """Compute the RMS of the second and of the last quarter of a record, each about its mean and drift.
 
     Args:
         deviation: shape (n,), n at least 16.
@@ -131,17 +130,14 @@ def measured_margins(
     *,
     limits: tuple[float, float] = (-math.inf, math.inf),
 ) -> Margins:
-    """Margins of the loop around an FMU: made worse until a kick grows on, by bisection.
+    """Measure the margins of the loop around an FMU: it is made worse until a kick grows on, by bisection.
 
     A loop counts as settled if its first measured signal swings less at the end than early on, or no more
     than twice what the pulses leave in the loop as it is; as unstable also if it leaves the limits.
 
     Args:
         fmu: started at the operating point; it is left there.
-        surrounding: as in run_linear_loop.
-        point: the same.
-        kick: the same.
-        limits: the same.
+        surrounding, point, kick, limits: as in run_linear_loop.
         expected: by predicted_margins; looked for from half to twice of them, to 2 %.
 
     Returns:
@@ -178,7 +174,7 @@ def measured_margins(
 
 
 def stability_limit(is_stable: Callable[[float], bool], low: float, high: float, share: float) -> float:
-    """Value between low (stable) and high (not) at which stability ends, by bisection in the logarithm.
+    """Find the value between low (stable) and high (not) where stability ends, by bisection in the logarithm.
 
     Args:
         is_stable: of a value. low, high: positive. share: relative width at which to stop.

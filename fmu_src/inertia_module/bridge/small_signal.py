@@ -1,7 +1,17 @@
 """Small-signal frequency response: of an FMU, measured, and of the linearised averaged module.
 
-Measured as on a test bed: the FMU runs at constant inputs until it has settled, then a small sine is added to
-one input, and after the transient the sine of that frequency in the outputs is fitted (see sine_bench).
+Measured as on a test bed: a plant runs at constant inputs until it has settled, then a small sine is added to
+one input, and after the transient the sine of that frequency in the outputs is fitted.
+
+- **Input.** The load torque is held over a step at its value at the middle of the step; omega1 goes linearly
+  from sample to sample (by input derivatives: a native FMU is needed). Neither lags; the loss of amplitude,
+  sinc(f h) or its square, is divided out.
+- **Output.** A step mean belongs to the middle of its step and is fitted there; its sinc(f h) is divided out
+  as well.
+- **Fit.** Least squares of mean, drift, sine and cosine, weighted by a Hann window over a whole number of
+  periods. The pulses are no multiple of the sine, but a record of N periods separates frequencies that
+  differ by more than 2/N of it, and beyond that leakage falls with the cube of the distance. The step has to
+  be so short that pulses do not alias: some 20 steps to a pulse.
 """
 
 from __future__ import annotations
@@ -18,15 +28,119 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..common.errors import must_be
 from ..harness.fmu import Fmu, as_names
-from ..kernel.codes import DRIVE_SPEED
+from ..kernel import codes
+from ..memory import Module
 from .averaged_system import INPUT_RATE, INPUTS, QUASI_STEADY, TransientInertia, averaged_system
-from .sine_bench import SineBench
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
+SPEED, LOAD = INPUTS
+PULSES = "output_torque_mean"
+LEAST_PERIODS = 10
 # outputs of the averaged system, by those of the FMU over a communication step
 MEANS = {"input_torque_mean": "input_torque", "output_torque_mean": "output_torque"}
+# inertia that no torque moves, kg m^2
+_HEAVY = 1e7
+# sine that shows the transient inertia: share of the pulse rate, and of omega1
+_SHARE_OF_RATE = 0.05
+_SHARE_OF_SPEED = 0.005
+_STEPS_PER_CYCLE = 8.0
+# pulses that settle and that are recorded: beats of the pulses have to be separated from the sine
+_SETTLING_PULSES = 40.0
+_RECORDED_PULSES = 600.0
+
+
+# --- a sine on an input of a plant ---
+
+
+def fit_sine(time: Array, values: Array, frequency: float) -> tuple[complex, float]:
+    """Fit the complex amplitude z of Im(z exp(2 pi i f t)) in values, and their mean, under a Hann window.
+
+    Args:
+        time, values: shape (n,). frequency: Hz; the times cover a whole number of its periods.
+    """
+    window = 0.5 - 0.5 * np.cos(2.0 * math.pi * (np.arange(time.size) + 0.5) / time.size)
+    angle = 2.0 * math.pi * frequency * time
+    drift = (time - time.mean()) / float(np.ptp(time))
+    basis = np.stack([np.sin(angle), np.cos(angle), np.ones(time.size), drift], axis=1)
+    root = np.sqrt(window)
+    found = np.linalg.lstsq(basis * root[:, None], values * root, rcond=None)[0]
+    return complex(found[0], found[1]), float(found[2])
+
+
+@dataclass(frozen=True)
+class SineBench:
+    """Plant at an operating point, and how it is excited and read.
+
+    Attributes:
+        plant: started. point: omega1, rad/s, and load_torque, N.m. outputs: names that are read.
+        step: communication step, s.
+    """
+
+    plant: Fmu | Module
+    point: Mapping[str, float]
+    outputs: tuple[str, ...]
+    step: float
+
+    def run(self, excited: str, amplitude: float, frequency: float, first: int, count: int) -> Array:
+        """Run count steps under the sine from step first on; outputs at the ends, shape (count, outputs)."""
+        plant, step = self.plant, self.step
+        ramped = excited == SPEED
+        turns = frequency * step * (np.arange(first, first + count + 1) + (0.0 if ramped else 0.5))
+        values = (self.point[excited] + amplitude * np.sin(2.0 * math.pi * turns)).tolist()
+        rows = np.empty((count, len(self.outputs)))
+        for n in range(count):
+            plant.set(**{excited: values[n]})
+            if ramped:
+                plant.set_rates(**{excited: (values[n + 1] - values[n]) / step})
+            plant.advance(step)
+            rows[n] = plant.read(self.outputs)
+        return rows
+
+    def response(
+        self, excited: str, amplitude: float, frequency: float, settling: float, record: float
+    ) -> tuple[Complex, Array]:
+        """Measure outputs over the input at one frequency, and their means, shape (outputs,) each.
+
+        Args:
+            excited: name of the input. amplitude: in its units. frequency: Hz.
+            settling: time given to the transient, s. record: least time of the record, s.
+        """
+        before = math.ceil(settling / self.step)
+        self.run(excited, amplitude, frequency, 0, before)
+        periods = max(LEAST_PERIODS, math.ceil(record * frequency))
+        count = round(periods / (frequency * self.step))
+        rows = self.run(excited, amplitude, frequency, before, count)
+        ends: Array = np.arange(before + 1, before + count + 1, dtype=np.float64) * self.step
+        sinc = float(np.sinc(frequency * self.step))
+        held = amplitude * (sinc**2 if excited == SPEED else sinc)
+        found, means = np.empty(len(self.outputs), dtype=complex), np.empty(len(self.outputs))
+        for n, name in enumerate(self.outputs):
+            is_mean = name.endswith("_mean")
+            time: Array = ends - 0.5 * self.step if is_mean else ends
+            sine, means[n] = fit_sine(time, rows[:, n], frequency)
+            found[n] = sine / (held * sinc if is_mean else held)
+        return found, means
+
+    def settle(self, time: float) -> float:
+        """Run at constant inputs for a time, s; torque pulses per second in its last half (0: not two)."""
+        count = math.ceil(time / self.step)
+        torque = np.empty(count)
+        for n in range(count):
+            self.plant.advance(self.step)
+            torque[n] = self.plant.read((PULSES,))[0]
+        driven = torque[count // 2 :] > 1e-9 * max(float(np.abs(torque).max()), 1e-300)
+        starts = np.flatnonzero(~driven[:-1] & driven[1:])
+        return float((starts.size - 1) / ((starts[-1] - starts[0]) * self.step)) if starts.size > 1 else 0.0
+
+
+# --- frequency responses ---
+
+
+def _check_excited(excited: str) -> None:
+    if excited not in INPUTS:
+        raise ValueError(must_be("excited", " or ".join(INPUTS), repr(excited)))
 
 
 @dataclass(frozen=True)
@@ -66,12 +180,11 @@ def measured_response(
     record: float = 20.0,
     tolerance: float | None = 1e-7,
 ) -> SmallSignal:
-    """Frequency response of an FMU around an operating point, by a small sine on one input.
+    """Measure the frequency response of an FMU around an operating point, by a small sine on one input.
 
     Args:
         path: the .fmu file. parameters: by name; omega_out_start near the operating point saves settling.
-        omega1: operating point, rad/s.
-        load_torque: the same, N.m.
+        omega1, load_torque: operating point, rad/s and N.m.
         excited: "omega1" or "load_torque". amplitude: of the sine, in units of this input.
         frequencies: Hz, shape (n,).
         outputs: variables of the FMU; torques as step means.
@@ -96,9 +209,9 @@ def measured_response(
         if not 0.0 < frequency <= 0.25 / step:
             most = f"above 0 and at most {0.25 / step:g} Hz, a quarter of the sampling rate"
             raise ValueError(must_be("frequency", most, frequency))
-    point = {"omega1": omega1, "load_torque": load_torque}
+    point = {SPEED: omega1, LOAD: load_torque}
     with Fmu(path, parameters, point, tolerance) as fmu:
-        if fmu["drive"] != DRIVE_SPEED:
+        if fmu["drive"] != codes.DRIVE_SPEED:
             raise ValueError("drive must be 0 (speed), is 1 (torque): omega1 is made to swing")
         bench = SineBench(fmu, point, as_names(outputs), step)
         rate = bench.settle(settling)
@@ -113,7 +226,7 @@ def measured_response(
 
 
 def operating_point(system: Any, omega1: float, load_torque: float, guess: float | None = None) -> float:
-    """Output speed, rad/s, at which an averaged_system carries a load; by control.find_operating_point.
+    """Find the output speed, rad/s, at which an averaged_system carries a load.
 
     Args:
         system: of averaged_system. omega1, load_torque: rad/s and N.m.
@@ -123,10 +236,10 @@ def operating_point(system: Any, omega1: float, load_torque: float, guess: float
         ValueError: there is none below lock-up.
     """
     first = 0.5 * omega1 if guess is None else guess
-    given = np.zeros(system.ninputs)
-    for name, value in ((INPUTS[0], omega1), (INPUTS[1], load_torque)):
-        given[system.find_input(name)] = value
-    point = ct.find_operating_point(system, [first], given)
+    inputs = np.zeros(system.ninputs)
+    for name, value in ((SPEED, omega1), (LOAD, load_torque)):
+        inputs[system.find_input(name)] = value
+    point = ct.find_operating_point(system, [first], inputs)
     if point.states is None or not 0.0 < point.states[0] < omega1:
         raise ValueError(
             f"with omega1 = {omega1:g} rad/s load_torque must be carried below lock-up, is {load_torque:g}"
@@ -146,7 +259,7 @@ def averaged_response(
     guess: float | None = None,
     transient: TransientInertia = QUASI_STEADY,
 ) -> SmallSignal:
-    """Frequency response of the linearised averaged module; torques include their part in omega1'.
+    """Compute the response of the linearised averaged module; torques include their part in omega1'.
 
     Args:
         parameters: of the module, as numbers. omega1, load_torque: operating point, rad/s and N.m.
@@ -165,17 +278,70 @@ def averaged_response(
     own = [MEANS.get(name, name) for name in names]
     system = averaged_system(parameters, inputs=(*INPUTS, INPUT_RATE), outputs=own, transient=transient)
     state = [operating_point(system, omega1, load_torque, guess)]
-    given = [omega1, load_torque, 0.0]
-    linear = ct.linearize(system, state, given)
+    inputs = [omega1, load_torque, 0.0]
+    linear = ct.linearize(system, state, inputs)
     wanted = np.atleast_1d(np.asarray(frequencies, dtype=float))
     values = linear(2j * math.pi * wanted, squeeze=False)
     response = values[:, INPUTS.index(excited), :]
-    if excited == INPUTS[0]:
+    if excited == SPEED:
         response = response + 2j * math.pi * wanted * values[:, len(INPUTS), :]
-    mean = np.asarray(system.output(0.0, state, given), dtype=float)
+    mean = np.asarray(system.output(0.0, state, inputs), dtype=float)
     return SmallSignal(wanted, np.asarray(response, dtype=complex), names, mean)
 
 
-def _check_excited(excited: str) -> None:
-    if excited not in INPUTS:
-        raise ValueError(must_be("excited", " or ".join(INPUTS), repr(excited)))
+# --- how the mean output torque answers to accelerations ---
+
+
+def transient_inertia(
+    parameters: Mapping[str, float], omega1: float, omega_out: float, kernel: str = "auto"
+) -> TransientInertia:
+    """Find the two inertias of the mean output torque at an operating point, kg m2.
+
+    The map of fidelity averaged holds for steady speeds. Where they change, the pulses come in between: to
+    first order in the accelerations, and because nothing but speeds and inertias enters, the mean torque is
+
+        T = omega1^2 F(sigma) + m1(sigma) omega1' - m3(sigma) omega_out'
+
+    with two inertias that depend on the speed ratio alone. The rigid module in memory is run with an output
+    so heavy that its speed is prescribed, once with a sine on omega1 and once with a sine of omega_out, at a
+    twentieth of the pulse rate; the part of the torque in quadrature gives m1 and m3.
+
+    Args:
+        parameters: of the module, as numbers. omega1, omega_out: rad/s, 0 < omega_out < omega1.
+        kernel: as in Module.
+
+    Raises:
+        Refused: the parameters cannot be. ValueError: speeds out of range, or no pulses there.
+    """
+    if not 0.0 < omega_out < omega1:
+        raise ValueError(
+            f"omega_out must be above 0 and below omega1 = {omega1:g} rad/s, is {omega_out:g} rad/s"
+        )
+    averaged = averaged_system(parameters, outputs=("output_torque",), kernel=kernel)
+    point = {SPEED: omega1, LOAD: float(averaged.output(0.0, [omega_out], [omega1, 0.0])[0])}
+    prescribed = {
+        "fidelity": float(codes.RIGID),
+        "output_inertia": _HEAVY,
+        "omega_out_start": omega_out,
+        "tolerance": 1e-8,
+    }
+    gains = []
+    for excited in (SPEED, LOAD):
+        module = Module(kernel).start(**{**parameters, **prescribed}, **point)
+        d = module.derived
+        step = 2.0 * math.pi / (_STEPS_PER_CYCLE * d.harmonic * d.k * omega1)
+        bench = SineBench(module, point, ("omega_out", PULSES), step)
+        rate = bench.settle(2.0 * _SETTLING_PULSES * _STEPS_PER_CYCLE * step)
+        if rate == 0.0:
+            raise ValueError(
+                f"no pulses come through at omega_out = {omega_out:g} rad/s and omega1 = {omega1:g} rad/s"
+            )
+        frequency, swing = _SHARE_OF_RATE * rate, _SHARE_OF_SPEED * omega1
+        turn = 2.0 * math.pi * frequency
+        amplitude = swing if excited == SPEED else swing * turn * _HEAVY
+        settling, record = _SETTLING_PULSES / rate, _RECORDED_PULSES / rate
+        found, _ = bench.response(excited, amplitude, frequency, settling, record)
+        # torque per acceleration of the speed that swings
+        gain = found[1] if excited == SPEED else found[1] / found[0]
+        gains.append(float(gain.imag / turn))
+    return TransientInertia(gains[0], -gains[1])

@@ -52,7 +52,7 @@ def orders(
     (out/orders/SCENE without -o).
     """
     from .. import jobs
-    from ..figures.orders import order_figure
+    from ..figures.jobs import order_figure
     from ..harness.results import write_figure
     from ..harness.simulate import progress_bar
     from ..jobs.spectra import BASES
@@ -130,7 +130,7 @@ def fit(
     (out/SCENE_fit without -o).
     """
     from .. import jobs
-    from ..figures.fits import fit_figure
+    from ..figures.jobs import fit_figure
     from ..harness.results import write_figure
     from ..harness.simulate import progress_bar
     from ..scene import load_scene

@@ -54,8 +54,7 @@ def run(
     """
     from ..common.files import write_atomically
     from ..contract.variables import COMPUTED
-    from ..figures.scenes import scene_figure
-    from ..figures.shaft import shaft_figure
+    from ..figures.scenes import scene_figure, shaft_figure
     from ..harness.results import write_figure, write_text
     from ..harness.simulate import progress_bar
     from ..page.html import html_file, template
@@ -142,8 +141,8 @@ def tradeoff(
 
     Of each fidelity, method, tolerance or step, and communication step (out/tradeoff without -o).
     """
+    from ..fidelity.choice import print_levels
     from ..fidelity.choice import recommend as choose_cheapest
-    from ..fidelity.report import print_levels
     from ..fidelity.tradeoff import scene_study, scene_trials
     from ..harness.simulate import progress_bar
     from ..scene import load_scene

@@ -62,7 +62,7 @@ def sweep(
     in journal.jsonl of the folder and is not done again.
     """
     from .. import jobs
-    from ..figures.sweeps import sweep_figure
+    from ..figures.jobs import sweep_figure
     from ..harness.results import write_figure
     from ..harness.simulate import progress_bar
     from ..scene import load_scene
@@ -116,7 +116,7 @@ def design(
     and so on, in a folder (out/SPEC_design without -o).
     """
     from .. import jobs
-    from ..figures.designs import design_figure
+    from ..figures.jobs import design_figure
     from ..harness.results import write_figure
     from ..harness.simulate import progress_bar
     from ..jobs.spec import read_spec

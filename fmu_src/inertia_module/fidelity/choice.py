@@ -1,4 +1,4 @@
-"""The cheapest level of fidelity that meets an accuracy, read off measured rows, and why."""
+"""Choice of the cheapest level of fidelity that meets an accuracy, from measured rows, and its reasons."""
 
 from __future__ import annotations
 
@@ -8,11 +8,15 @@ from dataclasses import dataclass
 from typing import Any
 
 from .levels import FIDELITIES, NOT_MODELLED
-from .rows import Row
+from .rows import PEER, Row
 
 _NUMBER = {name: number for number, name in FIDELITIES.items()}
 # where there is no higher fidelity, the next level is one that is so much more accurate
 _FINER = 0.1
+# the largest error of a level shown where none is asked for
+USUAL_ERROR = 0.01
+# columns that any table fits in
+_WIDE = 10_000
 
 
 class NoneMeets(ValueError):
@@ -69,7 +73,7 @@ class Choice:
 
 
 def why_not(row: Row, error: float, wanted: Sequence[str]) -> str:
-    """Why a row does not meet an error, "" where it does."""
+    """Say why a row does not meet an error, "" where it does."""
     if row.failure:
         return row.failure
     lacking = NOT_MODELLED.get(_NUMBER.get(row.fidelity, -1), {})
@@ -84,7 +88,7 @@ def why_not(row: Row, error: float, wanted: Sequence[str]) -> str:
 
 
 def cheapest(rows: Sequence[Row]) -> Row | None:
-    """The cheapest by wall time; among settings of one level by right-hand sides, which do not jitter."""
+    """Pick the cheapest by wall time; of settings of one level by right-hand sides, which do not jitter."""
     best: dict[tuple[str, float], Row] = {}
     for row in sorted(rows, key=lambda row: row.evaluations):
         best.setdefault((row.level, row.communication_step), row)
@@ -92,7 +96,7 @@ def cheapest(rows: Sequence[Row]) -> Row | None:
 
 
 def recommend(rows: Sequence[Row], error: float, wanted: Sequence[str]) -> Choice:
-    """The cheapest level of the module that meets an error in all wanted outputs.
+    """Recommend the cheapest level of the module that meets an error in all wanted outputs.
 
     The next is the cheapest of a higher fidelity that meets it too, else the cheapest that is much finer.
 
@@ -121,3 +125,72 @@ def recommend(rows: Sequence[Row], error: float, wanted: Sequence[str]) -> Choic
             passed.setdefault(row.level, (row.label, reason))
     following = cheapest(higher) or cheapest(finer)
     return Choice(chosen, tuple(wanted), error, following, dict(passed.values()))
+
+
+# --- on a terminal ---
+
+
+def at_levels(rows: Sequence[Row], error: float, wanted: Sequence[str]) -> list[Row]:
+    """Pick a row for each fidelity and method: its cheapest that meets the error, else its most accurate.
+
+    The cheapest is found as in recommend, so the recommended row is one of these.
+    """
+    levels: dict[str, list[Row]] = {}
+    for row in rows:
+        levels.setdefault(row.level, []).append(row)
+    return [
+        cheapest([row for row in level if not why_not(row, error, wanted)])
+        or min(level, key=lambda row: row.worst(wanted))
+        for level in levels.values()
+    ]
+
+
+def _table(rows: Sequence[Row], wanted: Sequence[str], largest: bool) -> Any:
+    """Lay out a column for each wanted output, or one for the largest error and one for where it is."""
+    from rich import box
+    from rich.table import Table
+
+    def text(number: float, form: str) -> str:
+        return "-" if math.isnan(number) else format(number, form)
+
+    table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
+    for heading in ("level of fidelity", "setting"):
+        table.add_column(heading, no_wrap=True)
+    for heading in ("error",) if largest else wanted:
+        table.add_column(heading.replace("_", " "), justify="right")
+    table.add_column("ms per s", justify="right")
+    if largest:
+        table.add_column("largest error in", no_wrap=True)
+    for row in rows:
+        known = {name: row.errors.get(name, math.nan) for name in wanted}
+        # an output that nothing is known of counts as the worst
+        worst = [max(known, key=lambda name: (math.isnan(known[name]), known[name]))] if largest else []
+        errors = [text(known[name], ".1e") for name in worst or wanted]
+        level = row.method if row.fidelity == PEER else row.level
+        table.add_row(level, row.setting, *errors, text(1e3 * row.wall_time, ".3g"), *worst)
+    return table
+
+
+def print_levels(title: str, rows: Sequence[Row], wanted: Sequence[str], error: float | None = None) -> None:
+    """Print a line for each level of fidelity: its errors in the wanted outputs, and its cost.
+
+    Where the terminal is too narrow for all of these outputs, the one with the largest error is named.
+
+    Args:
+        title: of the table. rows: measured, in one communication step. wanted: names in Row.errors.
+        error: largest allowed; by default USUAL_ERROR.
+    """
+    from ..common.terminal import terminal
+
+    console = terminal()
+    allowed = USUAL_ERROR if error is None else error
+    levels = at_levels(rows, allowed, wanted)
+    console.print(title, style="bold")
+    console.print(
+        f"Each level at its cheapest setting with errors up to {allowed:g}, else at its most accurate;"
+        f" communication step {rows[0].communication_step:g} s; ms of the kernel per simulated second"
+    )
+    table = _table(levels, wanted, largest=False)
+    if console.measure(table, options=console.options.update(width=_WIDE)).minimum > console.width:
+        table = _table(levels, wanted, largest=True)
+    console.print(table)

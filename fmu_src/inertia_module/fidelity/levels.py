@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
-from ..contract.variable import ENUMERATIONS
+from ..contract.variable import DRIVE_ANGLE, ENUMERATIONS, LINK1_ANGLE
+from ..contract.variables import BY_NAME
 from ..kernel.codes import AVERAGED, ELASTIC, EVENT, KINEMATIC, RIGID, TIMESTEPPING
 
 FIDELITIES = {number: name for name, number, _ in ENUMERATIONS["Fidelity"]}
@@ -20,14 +21,8 @@ _PULSES = (
     *("contact_mode", "contact_switches", "torque_ripple", "torque_peak"),
     *("input_acceleration", "output_acceleration"),
 )
-_VECTORS = (
-    *("imbalance_", "imbalance_velocity_", "imbalance_acceleration_"),
-    *("shaking_force_", "shaking_moment_"),
-)
-_PHASE = (
-    *("imbalance_acceleration", "satellite_force", "satellite_force_peak", "drive_angle", "drive_turns"),
-    *(f"{vector}{axis}" for vector in _VECTORS for axis in "xyz"),
-)
+_ANGLES = (DRIVE_ANGLE, LINK1_ANGLE)
+_PHASE = ("drive_turns", *(name for name, variable in BY_NAME.items() if variable.follows in _ANGLES))
 _NO_SHAFT = {"shaft_twist": "has no elastic shaft"}
 
 # outputs that a fidelity does not model, and why; everything else it has
@@ -43,7 +38,7 @@ NOT_MODELLED: Mapping[int, Mapping[str, str]] = {
 
 @dataclass(frozen=True)
 class Level:
-    """A level of fidelity, at one setting.
+    """Level of fidelity at one setting.
 
     Attributes:
         fidelity, method: numbers as in the table of variables. setting: as it is printed.
@@ -77,12 +72,12 @@ class Level:
 
 
 def event(fidelity: int, tolerance: float) -> Level:
-    """From event to event, at a tolerance."""
+    """Make a level from event to event, at a tolerance."""
     return Level(fidelity, EVENT, f"tolerance {tolerance:.0e}", {"tolerance": tolerance})
 
 
 def timestepping(fidelity: int, step: float) -> Level:
-    """In fixed steps, s."""
+    """Make a level in fixed steps, s."""
     return Level(fidelity, TIMESTEPPING, f"step {1e3 * step:g} ms", {"max_step": step})
 
 
@@ -93,10 +88,10 @@ _FEW_STEPS = (1e-2, 1e-3, 1e-4)
 
 
 def all_levels(elastic: bool, kinematic: bool = True, few: bool = False) -> Iterator[Level]:
-    """The levels to measure, from coarse to fine.
+    """Yield the levels to measure, from coarse to fine.
 
     Args:
-        elastic: whether there are parameters of an elastic output. kinematic: whether to include it.
+        elastic: there are parameters of an elastic output. kinematic: that one too.
         few: fewer tolerances and steps, for long scenes.
     """
     if kinematic:

@@ -64,7 +64,7 @@ Attempt = tuple[Row, Callable[[Progress], dict[str, Any]]]
 
 
 def head_of(level: Level, step: float) -> Row:
-    """The row of a level of the module in communication steps, s, before anything is measured."""
+    """Make the row of a level of the module in communication steps, s, before anything is measured."""
     return Row(level.fidelity_name, level.method_name, level.setting, step)
 
 
@@ -116,7 +116,7 @@ def write_rows(path: Path, rows: Sequence[Row]) -> Path:
 
 
 def read_rows(path: Path) -> list[Row]:
-    """Rows that write_rows has written.
+    """Read rows that write_rows has written.
 
     Raises:
         OSError: there is no such file. ValueError: it is another table.
@@ -135,7 +135,7 @@ def read_rows(path: Path) -> list[Row]:
 
 
 def as_dict(row: Row) -> dict[str, Any]:
-    """A row for machines: what is not known is None."""
+    """Give a row for machines: what is not known is None."""
 
     def known(value: float) -> float | None:
         return value if math.isfinite(value) else None
@@ -148,7 +148,7 @@ def as_dict(row: Row) -> dict[str, Any]:
 
 
 def failure_lines(rows: Sequence[Row]) -> list[str]:
-    """One line for each kind of run that failed, with its reason."""
+    """Say in a line for each kind of run that failed why it did."""
     labels: dict[str, dict[str, None]] = {}
     for row in rows:
         if row.failure:

@@ -1,25 +1,133 @@
-"""The trade of speed for accuracy of a scene as a study: rows, and the files they are left in."""
+"""Trade of speed for accuracy of a scene: measured rows, their files, and plots of error against cost."""
 
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from ..common.colours import BLUE, VERMILION
 from ..harness.results import write_figure
 from ..harness.simulate import Progress, whole_steps
 from ..scene import Scene
 from .choice import Choice
 from .levels import all_levels
-from .plots import all_errors, work_precision
-from .rows import Row, as_dict, failure_lines, write_rows
+from .rows import PEER, Row, as_dict, failure_lines, write_rows
 from .trials import has_elastic_output, measure_scene, trial_rows
+
+Array = NDArray[np.float64]
 
 # communication steps of a scene over its own
 _LONGER = (1, 10, 100)
 WORST = "worst"
+_DPI = 110
+_COLUMNS = 4
+# a slope is fitted to at least so many points
+_FITTED = 3
+_COSTS = {"wall_time": "ms per simulated second", "evaluations": "right-hand sides"}
+
+
+# --- least error for the cost, on log-log axes ---
+
+
+def front(rows: Sequence[Row], error: str, cost: str) -> list[Row]:
+    """Pick rows that succeeded and no other one beats, cheapest first: each is more accurate than the last.
+
+    Args:
+        rows: measured. error: name in Row.errors. cost: wall_time or evaluations.
+    """
+    known = [
+        row
+        for row in rows
+        if not row.failure and getattr(row, cost) > 0.0 and row.errors.get(error, 0.0) > 0.0
+    ]
+    best: list[Row] = []
+    for row in sorted(known, key=lambda row: (getattr(row, cost), row.errors[error])):
+        if not best or row.errors[error] < best[-1].errors[error]:
+            best.append(row)
+    return best
+
+
+def slope(costs: Array, errors: Array) -> float:
+    """Fit the exponent p of error ~ cost^p; NaN of fewer than three different points."""
+    if np.unique(costs).size < _FITTED:
+        return math.nan
+    return float(np.polyfit(np.log(costs), np.log(errors), 1)[0])
+
+
+def _panel(axes: Axes, rows: Sequence[Row], error: str, cost: str) -> None:
+    """Draw the front of the module and that of the peers; where a level begins, its name and slope."""
+    scale = 1e3 if cost == "wall_time" else 1.0
+    for peers, colour, side in ((False, VERMILION, -1), (True, BLUE, 1)):
+        found = front([row for row in rows if (row.fidelity == PEER) is peers], error, cost)
+        costs = np.array([scale * getattr(row, cost) for row in found])
+        errors = np.array([row.errors[error] for row in found])
+        if found:
+            axes.loglog(costs, errors, color=colour, marker="o", markersize=3, linewidth=1.2)
+        names = [row.method.partition(",")[0] if peers else row.level for row in found]
+        for name, part in groupby(range(len(found)), key=names.__getitem__):
+            places = list(part)
+            fitted = slope(costs[places], errors[places])
+            axes.annotate(
+                name if math.isnan(fitted) else f"{name} (slope {fitted:.1f})",
+                (costs[places[0]], errors[places[0]]),
+                xytext=(6 * side, 2 * side),
+                textcoords="offset points",
+                ha="left" if peers else "right",
+                fontsize=7,
+                color=colour,
+            )
+    # room for the names at the line
+    axes.margins(x=0.3)
+    axes.set_xlabel(_COSTS[cost])
+    axes.set_ylabel(f"error of {error.replace('_', ' ')} [1]")
+    axes.grid(alpha=0.3, linewidth=0.4)
+
+
+def _figure(
+    rows: Sequence[Row],
+    panels: Sequence[tuple[str, str]],
+    title: str,
+    size: tuple[float, float],
+    sharey: bool = False,
+) -> Figure:
+    """Draw panels of (error, cost)."""
+    figure = Figure(figsize=size, dpi=_DPI, layout="constrained")
+    figure.suptitle(f"{title}: least relative error for the cost", fontsize=11)
+    columns = min(_COLUMNS, len(panels))
+    grid = figure.subplots(math.ceil(len(panels) / columns), columns, sharey=sharey, squeeze=False).ravel()
+    for axes, (error, cost) in zip(grid, panels, strict=False):
+        _panel(axes, rows, error, cost)
+    for axes in grid[len(panels) :]:
+        axes.set_axis_off()
+    return figure
+
+
+def work_precision(rows: Sequence[Row], error: str, title: str) -> Figure:
+    """Draw one error against wall time and against right-hand sides.
+
+    Args:
+        rows: measured. error: name in Row.errors. title: of the figure.
+    """
+    return _figure(rows, [(error, cost) for cost in _COSTS], title, (11.0, 5.0), sharey=True)
+
+
+def all_errors(rows: Sequence[Row], names: Sequence[str], title: str) -> Figure:
+    """Draw each error against wall time, a panel each."""
+    size = 4.0 * min(_COLUMNS, len(names)), 3.4 * math.ceil(len(names) / _COLUMNS) + 0.6
+    return _figure(rows, [(name, "wall_time") for name in names], title, size)
+
+
+# --- a study ---
 
 
 @dataclass(frozen=True)
@@ -27,13 +135,12 @@ class Study:
     """Measured rows of a scene, and how they are shown.
 
     Attributes:
-        title: of table and plots. rows: all of them. names: errors to show. plotted: the one to plot.
+        title: of table and plots. rows: all of them. names: errors to show; the last one is plotted alone.
     """
 
     title: str
     rows: list[Row]
     names: tuple[str, ...]
-    plotted: str
 
     def as_dict(self) -> dict[str, Any]:
         """Give the study for machines."""
@@ -43,7 +150,7 @@ class Study:
         """Leave all rows as CSV and plots as PNG and SVG in a folder. Returns the files by name."""
         files = {"rows": write_rows(folder / f"{stem}.csv", self.rows)}
         figures = {
-            stem: work_precision(self.rows, self.plotted, self.title),
+            stem: work_precision(self.rows, self.names[-1], self.title),
             f"{stem}_errors": all_errors(self.rows, self.names, self.title),
         }
         for name, figure in figures.items():
@@ -57,12 +164,12 @@ class Study:
 
 
 def _of_scene(scene: Scene, rows: Sequence[Row]) -> Study:
-    """A study of the errors of the wanted outputs alone, and the worst of them."""
+    """Make a study of the errors of the wanted outputs alone, and the worst of them."""
     wanted, kept = scene.run.outputs, []
     for row in rows:
         errors = {name: row.errors[name] for name in wanted if name in row.errors}
         kept.append(dataclasses.replace(row, errors={**errors, WORST: row.worst(wanted)} if errors else {}))
-    return Study(scene.title, kept, (*wanted, WORST), WORST)
+    return Study(scene.title, kept, (*wanted, WORST))
 
 
 def scene_study(scene: Scene, progress: Progress | None = None) -> Study:
@@ -71,13 +178,12 @@ def scene_study(scene: Scene, progress: Progress | None = None) -> Study:
     Raises:
         Refused: the module refuses the scene.
     """
-    duration = scene.run.stop_time
     longer = (factor * scene.run.communication_step for factor in _LONGER)
-    steps = [step for step in longer if whole_steps(duration, step)]
+    steps = [step for step in longer if whole_steps(scene.run.stop_time, step)]
     levels = list(all_levels(has_elastic_output(scene), kinematic=False))
     return _of_scene(scene, measure_scene(scene, levels, steps, progress))
 
 
 def scene_trials(scene: Scene, progress: Progress | None = None) -> Study:
-    """The trials that `fidelity = "auto"` chooses from, measured or from the last time."""
+    """Give the trials that `fidelity = "auto"` chooses from, measured or from the last time."""
     return _of_scene(scene, trial_rows(scene, progress))

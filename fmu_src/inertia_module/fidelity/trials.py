@@ -1,29 +1,207 @@
-"""Trial runs of a scene at its levels of fidelity, measured against the finest, kept for the next time."""
+"""Trial runs of a scene at its levels of fidelity, measured against the finest, kept for the next time.
+
+Outputs of a long run under control are compared by window and not by instant: the loop keeps speeds and
+torques where they belong, but nothing keeps the phase of the pulses, which drifts between any two runs.
+"""
 
 from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Sequence
+import statistics
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ..common.files import cache_folder, content_hash, sources
-from ..harness.simulate import Progress
-from ..kernel.codes import AVERAGED, ELASTIC, RIGID
+from ..contract.variables import COMPUTED
+from ..harness.results import TIME
+from ..harness.simulate import Progress, Result
+from ..kernel.codes import AVERAGED, ELASTIC, RIGID, STEP
+from ..loops import ClosedLoop
+from ..memory import Module
 from ..scene import Scene
 from ..scene.mechanism import at_fidelity, is_elastic, parameters
+from ..scene.run import start_of
 from .choice import Choice, recommend
-from .levels import Level, all_levels, event
+from .levels import NOT_MODELLED, Level, all_levels, event
 from .rows import Attempt, Row, attempt_all, head_of, read_rows, write_rows
-from .scene_run import run_in_process
-from .window_errors import window_errors
+
+Array = NDArray[np.float64]
 
 REFERENCE_TOLERANCE = 1e-12
+# a call that the kernel refuses at once costs what every call costs around it
+_REFUSED_STEP = -1.0
+# no further call once so much time has passed, s
+_PATIENCE = 0.5
+# shortest time that can be measured, s a call
+_RESOLUTION = 1e-8
+_PULSING = frozenset(NOT_MODELLED[1])
+# relative to the energy in, for they are small or zero by themselves
+_ENERGIES = ("energy_in", "energy_out", "energy_stored", "energy_lost", "energy_residual")
+# a matter of cost, not of accuracy
+NOT_COMPARED = ("rhs_evaluations",)
+
+
+# --- wall time ---
+
+
+def median_time(run: Callable[[], Any], repeats: int = 11) -> float:
+    """Measure the median wall time of some calls, s.
+
+    Args:
+        run: what is timed. repeats: at most so many calls; fewer (at least one) of what is slow.
+    """
+    times: list[float] = []
+    begun = time.perf_counter()
+    while len(times) < repeats and (not times or time.perf_counter() - begun < _PATIENCE):
+        begin = time.perf_counter()
+        run()
+        times.append(time.perf_counter() - begin)
+    return statistics.median(times)
+
+
+def kernel_time(
+    module: Module,
+    begin: bytes,
+    inputs: Sequence[tuple[float, float, float]],
+    communication_step: float,
+    repeats: int = 31,
+) -> float:
+    """Measure the time of the kernel for a run that succeeds, s: that of all calls less that of empty ones.
+
+    Args:
+        module: that ran it. begin: its state before (Module.save). communication_step: s.
+        inputs: (omega1, load_torque, drive_torque) of each step. repeats: at most.
+    """
+
+    def calls(size: float) -> None:
+        module.restore(begin)
+        held, call = module.inputs, module.call
+        for held.omega1, held.load_torque, held.drive_torque in inputs:
+            call(STEP, size)
+
+    spent = median_time(lambda: calls(communication_step), repeats)
+    empty = median_time(lambda: calls(_REFUSED_STEP), repeats)
+    return max(spent - empty, _RESOLUTION * len(inputs))
+
+
+# --- a run ---
+
+
+class RecordedModule(Module):
+    """Module as a plant of loops.ClosedLoop, which keeps the inputs of each step.
+
+    Attributes:
+        held: (omega1, load_torque, drive_torque) of each step.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.held: list[tuple[float, float, float]] = []
+
+    def advance(self, step_size: float) -> None:
+        """Advance by a communication step, s."""
+        self.held.append((self.inputs.omega1, self.inputs.load_torque, self.inputs.drive_torque))
+        super().advance(step_size)
+
+
+@dataclass(frozen=True)
+class SceneRun:
+    """Result of a run of a scene.
+
+    Attributes:
+        record: all variables of the module and all signals of the loop at each communication point.
+        module_time, loop_time: s per simulated second, of the kernel alone and of the whole loop.
+    """
+
+    record: Result
+    module_time: float
+    loop_time: float
+
+
+def run_in_process(scene: Scene, progress: Progress | None = None) -> SceneRun:
+    """Run a scene whose fidelity is chosen.
+
+    Args:
+        scene: as it is to be run. progress: told how much is done (0 to 1).
+
+    Raises:
+        Refused: the module refuses its parameters, an input or a step.
+    """
+    surroundings, values, inputs = start_of(scene)
+    if scene.accuracy.tolerance is not None:
+        values["tolerance"] = scene.accuracy.tolerance
+    plant = RecordedModule().start(**values, **inputs)
+    begin = plant.save()
+    loop = ClosedLoop(plant, surroundings, COMPUTED, scene.signal_units)
+    began = time.perf_counter()
+    record = loop.run(scene.run.stop_time, progress)
+    loop_time, duration = time.perf_counter() - began, scene.run.stop_time
+    spent = kernel_time(plant, begin, plant.held, scene.run.communication_step)
+    return SceneRun(record, spent / duration, loop_time / duration)
+
+
+# --- errors over windows of time ---
+
+
+def window_means(values: Array, rows: int) -> Array:
+    """Average over windows of so many rows; what is left over belongs to the last window."""
+    count = max(values.size // rows, 1)
+    edges = np.arange(count) * rows
+    sizes = np.diff(np.append(edges, values.size))
+    means: Array = np.add.reduceat(values, edges) / sizes
+    return means
+
+
+def _features(record: Result, name: str, window: float) -> list[Array]:
+    """Window means and, of what pulses, window RMS; the start itself is left out: it is no step."""
+    values = record[name][1:]
+    rows = max(round(window / float(record.time[1] - record.time[0])), 1)
+    means = window_means(values, rows)
+    return [means, np.sqrt(window_means(values**2, rows))] if name in _PULSING else [means]
+
+
+def window_errors(record: Result, exact: Result, window: float, fidelity: int) -> Mapping[str, float]:
+    """Compute the error of each recorded output, NaN where the fidelity does not model it.
+
+    Each is the largest difference over the windows, relative to the largest magnitude of the output in
+    the reference; energies relative to the largest energy in.
+
+    Args:
+        record, exact: of the run and of the reference, over the same time. window: s.
+        fidelity: of the run.
+    """
+    largest_energy = float(np.abs(exact["energy_in"]).max())
+    errors: dict[str, float] = {}
+    for name in exact.names:
+        if name == TIME:
+            continue
+        if name in NOT_COMPARED:
+            errors[name] = 0.0
+            continue
+        if name in NOT_MODELLED[fidelity]:
+            errors[name] = math.nan
+            continue
+        pairs = list(zip(_features(record, name, window), _features(exact, name, window), strict=True))
+        difference = max(float(np.abs(ours - theirs).max()) for ours, theirs in pairs)
+        scale = float(np.abs(exact[name]).max())
+        if name in _ENERGIES:
+            scale = largest_energy
+        errors[name] = 0.0 if difference == 0.0 else difference / scale if scale > 0.0 else math.inf
+    return errors
+
+
+# --- levels, measured ---
 
 
 def at_level(scene: Scene, level: Level, communication_step: float | None = None) -> Scene:
-    """The scene at a level; where that has no elastic shaft, the driven mass is rigid with the hub.
+    """Set a scene to a level; where that has no elastic shaft, the driven mass is rigid with the hub.
 
     Raises:
         SceneError: the scene is refused there.
@@ -44,7 +222,7 @@ def has_elastic_output(scene: Scene) -> bool:
 
 
 def reference_level(scene: Scene) -> Level:
-    """The finest level of a scene: elastic where it has parameters of an elastic output."""
+    """Pick the finest level of a scene: elastic where it has parameters of an elastic output."""
     return event(ELASTIC if has_elastic_output(scene) else RIGID, REFERENCE_TOLERANCE)
 
 
@@ -66,9 +244,8 @@ def measure_scene(
     lengths = (scene.run.communication_step,) if steps is None else steps
     share = 1.0 / (1 + len(levels) * len(lengths))
     tell = progress or (lambda done: None)
-    reference = run_in_process(
-        at_level(scene, reference_level(scene)), lambda done: tell(done * share)
-    ).record
+    finest = at_level(scene, reference_level(scene))
+    reference = run_in_process(finest, lambda done: tell(done * share)).record
 
     def of_level(level: Level, step: float) -> Callable[[Progress], dict[str, Any]]:
         def run(report: Progress) -> dict[str, Any]:
@@ -94,7 +271,7 @@ def measure_scene(
 
 
 def measurement_file(scene: Scene) -> Path:
-    """Where the measurements of a scene are kept: by what it simulates, whatever error is asked of it."""
+    """Name the file of the measurements of a scene: by what it simulates, whatever error is asked of it."""
     content = scene.model_dump(mode="json", exclude_none=True)
     for name in ("title", "description"):
         content.pop(name, None)
@@ -109,12 +286,12 @@ def measurement_file(scene: Scene) -> Path:
 
 
 def candidates(scene: Scene) -> list[Level]:
-    """The levels that are tried for a scene."""
+    """List the levels that are tried for a scene."""
     return list(all_levels(has_elastic_output(scene), kinematic=False, few=True))
 
 
 def trial_rows(scene: Scene, progress: Progress | None = None) -> list[Row]:
-    """Measured rows of the candidates for a scene, from the last time if nothing has changed since.
+    """Give the measured rows of the candidates for a scene, from the last time if nothing has changed since.
 
     Raises:
         Refused: the reference itself is refused.

@@ -1,4 +1,4 @@
-"""The torque converter chart as a figure, one curve a mechanism."""
+"""Pictures of torque converter charts, one curve a mechanism."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from matplotlib.figure import Figure, SubFigure
 
 from ..common.colours import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
 from ..harness.chart import EfficiencyMap, TorqueConverterChart
-from .panels import SIZE, sheet
+from .panels import SIZE, plain, sheet
 
 COLOURS = (VERMILION, BLUE, GREEN, ORANGE, PURPLE, SKY, BLACK)
 LARGEST_TORQUE_RATIO = 6.0
@@ -21,7 +21,7 @@ LEVELS = (0.0, 0.2, 0.4, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95, 1.0)
 def chart_figure(
     charts: Mapping[str, TorqueConverterChart], maps: Mapping[str, EfficiencyMap] | None = None
 ) -> Figure:
-    """Torque ratio and efficiency, output and input torque, capacity and ripple over the speed ratio.
+    """Draw torque ratio and efficiency, output and input torque, capacity and ripple over the speed ratio.
 
     Args:
         charts: by the names for the legend. maps: of the efficiency of those with losses.
@@ -38,43 +38,36 @@ def chart_figure(
         for axes, (name, found) in zip(below.flat, maps.items(), strict=True):
             _efficiency(axes, found, name)
     panels = upper.subplots(2, 2, sharex=True)
+    ratio, output, taken, ripple = panels.flat
     for number, (name, chart) in enumerate(charts.items()):
         colour = COLOURS[number % len(COLOURS)]
-        _ratios(panels[0, 0], chart, name, colour)
-        _output(panels[0, 1], chart, name, colour)
-        _input(panels[1, 0], chart, name, colour)
-        _ripple(panels[1, 1], chart, name, colour)
-    for axes, title in zip(
-        panels.flat,
-        (
-            "torque ratio, and efficiency (broken line)"
-            if maps
-            else "torque ratio (no losses: efficiency 1)",
-            "mean output torque / ω1²; bar: lock-up holds up to",
-            "mean input torque / ω1² (what the drive has to give)",
-            "RMS ripple over mean output torque",
-        ),
-        strict=True,
+        speed, torque = chart.speed_ratio, chart.output_torque
+        # torque ratio and ripple where they are not too steep
+        gentle = chart.input_torque * LARGEST_TORQUE_RATIO > torque
+        passing = torque > 1e-3 * max(chart.stall_torque, 1e-300)
+        ratio.plot(speed[gentle], torque[gentle] / chart.input_torque[gentle], color=colour, label=name)
+        ratio.plot(speed, chart.efficiency, "--", color=colour)
+        output.plot(speed, torque, color=colour, label=name)
+        if chart.lock_up_torque[0] > 0.0:
+            output.plot([1.0, 1.0], [0.0, chart.lock_up_torque[0]], color=colour, linewidth=3.0, alpha=0.5)
+        taken.plot(speed, chart.input_torque, color=colour, label=name)
+        ripple.plot(speed[passing], chart.ripple[passing] / torque[passing], color=colour, label=name)
+    first = "torque ratio, and efficiency (broken line)" if maps else "torque ratio (no losses: efficiency 1)"
+    for axes, title, unit in (
+        (ratio, first, ""),
+        (output, "mean output torque / ω1²; bar: lock-up holds up to", "N·m·s²"),
+        (taken, "mean input torque / ω1² (what the drive has to give)", "N·m·s²"),
+        (ripple, "RMS ripple over mean output torque", "-"),
     ):
         axes.set_title(title, loc="left", fontsize=11)
-        axes.grid(alpha=0.25)
-        for side in ("top", "right"):
-            axes.spines[side].set_visible(False)
-    for axes in panels.flat:
+        axes.set_ylabel(unit)
         axes.set_ylim(bottom=0.0)
         axes.legend(fontsize=9, frameon=False)
+        plain(axes)
+    ratio.set_ylim(0.0, LARGEST_TORQUE_RATIO)
     for axes in panels[1]:
         axes.set_xlabel("speed ratio, output / input")
     return figure
-
-
-def _ratios(axes: Axes, chart: TorqueConverterChart, name: str, colour: str) -> None:
-    """Output over input torque, where that is not too steep, and the efficiency on the same axis."""
-    taken = chart.input_torque * LARGEST_TORQUE_RATIO > chart.output_torque
-    ratio = chart.output_torque[taken] / chart.input_torque[taken]
-    axes.plot(chart.speed_ratio[taken], ratio, color=colour, label=name)
-    axes.plot(chart.speed_ratio, chart.efficiency, "--", color=colour)
-    axes.set_ylim(0.0, LARGEST_TORQUE_RATIO)
 
 
 def _efficiency(axes: Axes, found: EfficiencyMap, name: str) -> None:
@@ -89,22 +82,3 @@ def _efficiency(axes: Axes, found: EfficiencyMap, name: str) -> None:
     axes.set_title(f"efficiency of {name}", loc="left", fontsize=11)
     axes.set_xlabel("speed ratio, output / input")
     axes.set_ylabel("input speed [rad/s]")
-
-
-def _output(axes: Axes, chart: TorqueConverterChart, name: str, colour: str) -> None:
-    axes.plot(chart.speed_ratio, chart.output_torque, color=colour, label=name)
-    if chart.lock_up_torque[0] > 0.0:
-        axes.plot([1.0, 1.0], [0.0, chart.lock_up_torque[0]], color=colour, linewidth=3.0, alpha=0.5)
-    axes.set_ylabel("N·m·s²")
-
-
-def _input(axes: Axes, chart: TorqueConverterChart, name: str, colour: str) -> None:
-    axes.plot(chart.speed_ratio, chart.input_torque, color=colour, label=name)
-    axes.set_ylabel("N·m·s²")
-
-
-def _ripple(axes: Axes, chart: TorqueConverterChart, name: str, colour: str) -> None:
-    passing = chart.output_torque > 1e-3 * max(chart.stall_torque, 1e-300)
-    share = np.divide(chart.ripple, chart.output_torque, out=np.zeros_like(chart.ripple), where=passing)
-    axes.plot(chart.speed_ratio[passing], share[passing], color=colour, label=name)
-    axes.set_ylabel("-")

@@ -1,16 +1,12 @@
-"""Panels of a scene's figure: their dress, pulses, means over pulses."""
+"""Look of all pictures: sheets, dressed panels, labels with units, smoothed curves."""
 
 from __future__ import annotations
-
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from ..common.colours import BLACK, BLUE, GREEN, VERMILION
 from ..harness.picture import Picture
-from ..harness.simulate import Result
 from ..scene.keys import MECHANISM
 
 # 1200 x 900 pixels
@@ -18,26 +14,30 @@ SIZE = (12.0, 9.0)
 DPI = 100
 # a weighted mean over this time, s, shows the drive behind the pulses
 SMOOTHING = 1.0
-# switches of freewheels in a row that has any, on average, above which a line does not say what instants did
-MOST_SWITCHES = 1.1
 
 Array = NDArray[np.float64]
 
 
-def sheet(title: str, height: float = SIZE[1]) -> Picture:
-    """An empty figure with a title; height: inches."""
-    figure = Picture(figsize=(SIZE[0], height), dpi=DPI, layout="constrained")
-    figure.suptitle(title, fontsize=15, fontweight="bold")
+def sheet(title: str = "", height: float = SIZE[1], width: float = SIZE[0]) -> Picture:
+    """Make an empty figure with a title; height, width: inches."""
+    figure = Picture(figsize=(width, height), dpi=DPI, layout="constrained")
+    if title:
+        figure.suptitle(title, fontsize=15, fontweight="bold")
     return figure
+
+
+def plain(axes: Axes) -> None:
+    """Grid, and no frame above and to the right."""
+    axes.grid(alpha=0.25)
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(False)
 
 
 def dress(axes: Axes, label: str) -> None:
     """Label, grid and, above the panel where it hides nothing, legend."""
     axes.set_ylabel(label)
-    axes.grid(alpha=0.25)
     axes.margins(x=0.0)
-    for side in ("top", "right"):
-        axes.spines[side].set_visible(False)
+    plain(axes)
     if axes.get_legend_handles_labels()[1]:
         axes.legend(
             loc="lower left",
@@ -57,48 +57,8 @@ def titled(name: str, unit: str) -> str:
 
 
 def headline(axes: Axes, text: str) -> None:
-    """A line above the legend of a panel."""
+    """Write a line above the legend of a panel."""
     axes.set_title(text, loc="left", fontsize=11, pad=22)
-
-
-def in_thousands(unit: str, *values: Array) -> tuple[float, str]:
-    """Divisor and unit in which values are shown: with a k where they are large."""
-    largest = max(float(np.abs(part).max()) for part in values)
-    return (1e3, f"k{unit}") if largest > 2e3 else (1.0, unit)
-
-
-def energy_panel(axes: Axes, table: Result, rows: slice = slice(None), lost: str = "lost") -> None:
-    """Energies since the start: in, out, gain of what is stored and, if there is any, what is lost."""
-    energies = {
-        "in": (table["energy_in"], BLACK),
-        "out to the load": (table["energy_out"], GREEN),
-        "gain of stored": (table["energy_stored"] - table["energy_stored"][0], BLUE),
-    }
-    if table["energy_lost"].any():
-        energies[lost] = table["energy_lost"], VERMILION
-    factor, unit = in_thousands("J", *(values for values, _ in energies.values()))
-    for name, (values, colour) in energies.items():
-        axes.plot(table.time[rows], values[rows] / factor, color=colour, linewidth=1.5, label=name)
-    dress(axes, f"energy [{unit}]")
-
-
-def is_coarse(table: Result) -> bool:
-    """Tell whether the rows are too far apart for the pulses: instants make no curve then."""
-    switches = np.diff(table["contact_switches"])
-    return bool(switches.sum() > MOST_SWITCHES * np.count_nonzero(switches))
-
-
-def plot_instants(axes: Axes, table: Result, values: Array, rows: slice, label: str, **style: Any) -> None:
-    """Draw what swings with the pulses: a line, or dots where the rows are too far apart for one."""
-    dots: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 2.0} if is_coarse(table) else {}
-    shown = f"{label}, at instants" if dots else label
-    axes.plot(table.time[rows], values[rows], label=shown, **style, **dots)
-
-
-def pulse_starts(table: Result) -> NDArray[np.int64]:
-    """Rows at which a torque pulse on the output shaft begins, as far as the rows show."""
-    driving = table["output_torque_mean"] > 0.0
-    return np.flatnonzero(~driving[:-1] & driving[1:]).astype(np.int64)
 
 
 def smooth(time: Array, values: Array, window: float = SMOOTHING) -> Array:

@@ -1,40 +1,38 @@
-"""The plot of a scene that answers its question at a glance."""
+"""Pictures of scenes that answer their question at a glance: of the module and its losses, and of a shaft."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from ..common.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
+from ..contract.variables import LOSSES, LOST_TO
 from ..harness.simulate import Result
 from ..loops.cycles import KILOMETRE_PER_HOUR, Cycle
 from ..scene import SceneResult
+from ..scene.shaft import ShaftResult
 from ..scene.summary import forces, input_speed, work
-from .losses import FORCES, force_panel, loss_panel, losses, power_panel
-from .panels import (
-    SIZE,
-    Array,
-    dress,
-    energy_panel,
-    headline,
-    in_thousands,
-    is_coarse,
-    plot_instants,
-    pulse_starts,
-    sheet,
-    smooth,
-)
+from .panels import SIZE, SMOOTHING, Array, dress, headline, sheet, smooth
 
 PULSES_SHOWN = 4
 # more of them one below the other make the figure higher
 MOST_PANELS = 4
+# switches of freewheels in a row that has any, on average, above which a line does not say what instants did
+MOST_SWITCHES = 1.1
+# of the losses, in their order
+COLOURS = (VERMILION, ORANGE, PURPLE, SKY, BLUE)
+# largest share of the run over which its powers are averaged
+WINDOW = 1.0 / 8.0
+FORCES = {"satellite_force": (PURPLE, "on the satellite's bearing"), "shaking_force": (BLUE, "on the mount")}
 
 
 def scene_figure(result: SceneResult) -> Figure:
-    """The figure of a scene: how a cycle was followed, or how the pulses drive the shaft.
+    """Draw a scene: how a cycle was followed, or how the pulses drive the shaft.
 
     Args:
         result: of run_scene.
@@ -54,6 +52,25 @@ def scene_figure(result: SceneResult) -> Figure:
 # --- pulses ---
 
 
+def is_coarse(table: Result) -> bool:
+    """Tell whether the rows are too far apart for the pulses: instants make no curve then."""
+    switches = np.diff(table["contact_switches"])
+    return bool(switches.sum() > MOST_SWITCHES * np.count_nonzero(switches))
+
+
+def plot_instants(axes: Axes, table: Result, values: Array, rows: slice, label: str, **style: Any) -> None:
+    """Draw what swings with the pulses: a line, or dots where the rows are too far apart for one."""
+    dots: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 2.0} if is_coarse(table) else {}
+    shown = f"{label}, at instants" if dots else label
+    axes.plot(table.time[rows], values[rows], label=shown, **style, **dots)
+
+
+def pulse_starts(table: Result) -> NDArray[np.int64]:
+    """Rows at which a torque pulse on the output shaft begins, as far as the rows show."""
+    driving = table["output_torque_mean"] > 0.0
+    return np.flatnonzero(~driving[:-1] & driving[1:]).astype(np.int64)
+
+
 def end_of_run(table: Result) -> tuple[int, str]:
     """First row of a close-up of the end, and what it shows: the last pulses, or what came after them."""
     starts = pulse_starts(table)
@@ -68,48 +85,41 @@ def end_of_run(table: Result) -> tuple[int, str]:
 
 
 def _pulse_panels(figure: Figure, result: SceneResult) -> None:
-    """Left the whole run, right its end; the forces take the place of the acceleration."""
+    """Draw left the whole run, right its end; the forces take the place of the acceleration."""
     table, numbers = result.record, result.summary
     first, shown = end_of_run(table)
-    forced = not FORCES.keys().isdisjoint(forces(table))
-    lossy = bool(losses(table))
-    number = 3 + (forced or "imbalance_acceleration" in table) + 2 * lossy
-    figure.set_figheight(SIZE[1] * max(1.0, number / MOST_PANELS))
-    grid = figure.subplots(number, 2, sharex="col", width_ratios=(3, 2))
-    for column, begin in ((0, 0), (1, first)):
-        panels, rows = list(grid[:, column]), slice(begin, None)
-        _speeds(panels[0], table, rows, zoomed=column == 1)
-        _torques(panels[1], table, rows, zoomed=column == 1)
-        if forced:
-            force_panel(panels[2], table, rows)
-        elif "imbalance_acceleration" in table:
-            _acceleration(panels[2], table, rows)
-        if lossy:
-            power_panel(panels[-3], table, rows, zoomed=column == 1)
-            loss_panel(panels[-2], table, rows, zoomed=column == 1)
-        energy_panel(panels[-1], table, rows)
+    drawn: list[Callable[[Axes, Result, slice, bool], None]] = [_speeds, _torques]
+    if not FORCES.keys().isdisjoint(forces(table)):
+        drawn.append(_force_panel)
+    elif "imbalance_acceleration" in table:
+        drawn.append(_acceleration)
+    drawn += [_power_panel, _loss_panel] if losses(table) else []
+    drawn.append(_energy_panel)
+    figure.set_figheight(SIZE[1] * max(1.0, len(drawn) / MOST_PANELS))
+    grid = figure.subplots(len(drawn), 2, sharex="col", width_ratios=(3, 2))
+    for panels, begin, zoomed in ((grid[:, 0], 0, False), (grid[:, 1], first, True)):
+        for axes, draw in zip(panels, drawn, strict=True):
+            draw(axes, table, slice(begin, None), zoomed)
         panels[-1].set_xlabel("time [s]")
-        for panel in panels[:2] if column == 0 else ():
-            panel.axvspan(table.time[first], table.time[-1], color=ORANGE, alpha=0.12, linewidth=0)
+    for axes in grid[:2, 0]:
+        axes.axvspan(table.time[first], table.time[-1], color=ORANGE, alpha=0.12, linewidth=0)
+    # the first speed of a vehicle that was asked for and reached, and when
+    reached = [
+        f"{name.split('_')[2]} km/h in {numbers[name]:.3g} s, "
+        for name in numbers
+        if name.startswith("time_to_")
+    ]
     headline(
         grid[0, 0],
         f"whole run: output shaft at {numbers['omega_out_final']:.4g} rad/s after"
-        f" {numbers['simulated_time']:g} s, {_reached(result.summary)}"
+        f" {numbers['simulated_time']:g} s, {''.join(reached[:1])}"
         f"mean torque {numbers['output_torque_mean']:.3g} N·m",
     )
     headline(grid[0, 1], f"{shown} ({numbers['contact_switches']:.0f} switches in all)")
 
 
-def _reached(numbers: Mapping[str, float]) -> str:
-    """The first speed of a vehicle that was asked for and reached, and when."""
-    times = (name for name in numbers if name.startswith("time_to_"))
-    for name in times:
-        return f"{name.split('_')[2]} km/h in {numbers[name]:.3g} s, "
-    return ""
-
-
 def _speeds(axes: Axes, table: Result, rows: slice, zoomed: bool) -> None:
-    """Close up without the input, which would press the others flat."""
+    """Speeds of the links; close up without the input, which would press the others flat."""
     time = table.time[rows]
     if not zoomed:
         axes.plot(time, input_speed(table)[rows], color=BLACK, linewidth=1.2, label="input ω1")
@@ -129,7 +139,7 @@ def _mean_over_pulses(table: Result) -> tuple[Array, Array]:
 
 
 def _torques(axes: Axes, table: Result, rows: slice, zoomed: bool) -> None:
-    """In the whole run the means, close up what happens at each instant (if recorded, and often enough)."""
+    """Torques: means over the whole run, close up what happens at each instant (if recorded often enough)."""
     time = table.time[rows]
     instants = {"output_torque", "housing_torque", "input_torque"} <= set(table.names)
     if zoomed and instants and not is_coarse(table):
@@ -154,11 +164,96 @@ def _torques(axes: Axes, table: Result, rows: slice, zoomed: bool) -> None:
     dress(axes, "torque [N·m]")
 
 
-def _acceleration(axes: Axes, table: Result, rows: slice) -> None:
+def _acceleration(axes: Axes, table: Result, rows: slice, zoomed: bool) -> None:
+    """Magnitude at instants."""
     acceleration = table["imbalance_acceleration"] / 1e3
     plot_instants(axes, table, acceleration, rows, "imbalance", color=PURPLE, linewidth=0.9)
     axes.set_ylim(bottom=0.0)
     dress(axes, "acceleration [km/s²]")
+
+
+# --- energy, losses and forces ---
+
+
+def in_thousands(unit: str, *values: Array) -> tuple[float, str]:
+    """Divisor and unit in which values are shown: with a k where they are large."""
+    largest = max(float(np.abs(part).max()) for part in values)
+    return (1e3, f"k{unit}") if largest > 2e3 else (1.0, unit)
+
+
+def plot_all(
+    axes: Axes, x: Array, curves: Mapping[str, tuple[Array, str]], unit: str, rows: slice = slice(None)
+) -> str:
+    """Plot rows of curves with their colours by name, in thousands where they are large; the unit shown."""
+    factor, shown = in_thousands(unit, *(values for values, _ in curves.values()))
+    for name, (values, colour) in curves.items():
+        axes.plot(x[rows], values[rows] / factor, color=colour, linewidth=1.5, label=name)
+    return shown
+
+
+def _energy_panel(axes: Axes, table: Result, rows: slice, zoomed: bool, lost: str = "lost") -> None:
+    """Energies since the start: in, out, gain of what is stored and, if there is any, what is lost."""
+    energies = {
+        "in": (table["energy_in"], BLACK),
+        "out to the load": (table["energy_out"], GREEN),
+        "gain of stored": (table["energy_stored"] - table["energy_stored"][0], BLUE),
+    }
+    if table["energy_lost"].any():
+        energies[lost] = table["energy_lost"], VERMILION
+    dress(axes, f"energy [{plot_all(axes, table.time, energies, 'J', rows)}]")
+
+
+def losses(table: Result) -> dict[str, tuple[Array, str]]:
+    """Collect the energy lost since the start, J, and a colour, by cause: of those that lose any."""
+    return {
+        name.removeprefix(LOST_TO).replace("_", " "): (table[name], COLOURS[n % len(COLOURS)])
+        for n, name in enumerate(LOSSES)
+        if table[name].any()
+    }
+
+
+def _powers(
+    axes: Axes, table: Result, rows: slice, zoomed: bool, energies: Mapping[str, tuple[Array, str]]
+) -> str:
+    """Plot rates of energies, in the whole run without its pulses; the unit shown."""
+    time = table.time[1:]
+    powers = {name: np.diff(energy) / np.diff(table.time) for name, (energy, _) in energies.items()}
+    shown = slice(rows.start, None)
+    if not zoomed:
+        window = min(SMOOTHING, WINDOW * float(time[-1] - time[0]))
+        powers = {name: smooth(time, power, window) for name, power in powers.items()}
+        # at the ends the window is cut off within a pulse
+        cut = round(0.5 * window / float(time[1] - time[0]))
+        shown = slice(cut, len(time) - cut)
+    curves = {name: (power[shown], energies[name][1]) for name, power in powers.items()}
+    return plot_all(axes, time[shown], curves, "W")
+
+
+def _power_panel(axes: Axes, table: Result, rows: slice, zoomed: bool) -> None:
+    """Power in, out to the load and lost."""
+    energies = {
+        "in": (table["energy_in"], BLACK),
+        "out to the load": (table["energy_out"], GREEN),
+        "lost": (table["energy_lost"], VERMILION),
+    }
+    dress(axes, f"power [{_powers(axes, table, rows, zoomed, energies)}]")
+
+
+def _loss_panel(axes: Axes, table: Result, rows: slice, zoomed: bool) -> None:
+    """Power lost by cause."""
+    dress(axes, f"lost [{_powers(axes, table, rows, zoomed, losses(table))}]")
+    axes.set_ylim(bottom=min(axes.get_ylim()[0], 0.0))
+
+
+def _force_panel(axes: Axes, table: Result, rows: slice, zoomed: bool) -> None:
+    """Magnitudes of the forces that are recorded."""
+    found = {name: values for name, values in forces(table).items() if name in FORCES}
+    factor, unit = in_thousands("N", *found.values())
+    for name, values in found.items():
+        colour, label = FORCES[name]
+        plot_instants(axes, table, values / factor, rows, label, color=colour, linewidth=0.9)
+    axes.set_ylim(bottom=0.0)
+    dress(axes, f"force [{unit}]")
 
 
 # --- driving ---
@@ -185,7 +280,7 @@ def _driving_panels(figure: Figure, result: SceneResult) -> None:
     _mean_torques(panels[2], table)
     _energy_shares(panels[3], table)
     if lossy:
-        loss_panel(panels[4], table, slice(None))
+        _loss_panel(panels[4], table, slice(0, None), zoomed=False)
     panels[-1].set_xlabel("time [s]")
 
 
@@ -224,7 +319,7 @@ def _mean_torques(axes: Axes, table: Result) -> None:
 
 
 def _energy_shares(axes: Axes, table: Result) -> None:
-    """Where the energy of the input went, up to each moment."""
+    """Shares of the energy of the input, by where it went up to each moment."""
     parts = {
         "brake": (work(table, "brake_torque"), BLUE),
         "rolling": (work(table, "rolling_torque"), ORANGE),
@@ -242,3 +337,39 @@ def _energy_shares(axes: Axes, table: Result) -> None:
     axes.stackplot(table.time, *shares, labels=list(parts), colors=colours, alpha=0.75, linewidth=0)
     axes.plot(table.time, table["energy_in"] / factor, color=BLACK, linewidth=1.5, label="input")
     dress(axes, f"energy [{unit}]")
+
+
+# --- a shaft alone ---
+
+
+def shaft_figure(result: ShaftResult) -> Figure:
+    """Draw speeds and accelerations of hub and driven mass, twist and energy, one below the other.
+
+    Args:
+        result: of run_shaft_scene.
+
+    Returns:
+        A matplotlib Figure of 1200 x 900 pixels; save it with figure.savefig(path).
+    """
+    table, numbers = result.record, result.summary
+    figure = sheet(result.scene.title)
+    panels = figure.subplots(4, 1, sharex=True)
+    time = table.time
+    law = np.gradient(table["hub_speed"], time)
+    for axes, hub, mass, label in (
+        (panels[0], table["hub_speed"], table["omega_out"], "speed [rad/s]"),
+        (panels[1], law, table["driven_acceleration"], "acceleration [rad/s²]"),
+    ):
+        axes.plot(time, hub, color=BLACK, linewidth=1.2, label="hub")
+        axes.plot(time, mass, color=VERMILION, linewidth=1.6, label="driven mass")
+        dress(axes, label)
+    panels[2].plot(time, 1e3 * table["twist"], color=PURPLE, linewidth=1.6, label="twist")
+    dress(panels[2], "twist [mrad]")
+    _energy_panel(panels[3], table, slice(None), zoomed=False, lost="lost, less the balancer's work")
+    panels[3].set_xlabel("time [s]")
+    headline(
+        panels[0],
+        f"driven mass at most {numbers['driven_acceleration_peak']:.4g} rad/s²,"
+        f" hub {np.abs(law).max():.4g} rad/s²",
+    )
+    return figure

@@ -1,0 +1,310 @@
+"""Pictures of what the jobs found: sweeps, designs, fits, orders."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter
+
+from ..common.colours import BLUE, GREY, VERMILION
+from ..jobs.axes import Axis
+from ..jobs.design import DesignResult
+from ..jobs.fitted import FitResult
+from ..jobs.spec import unit_of
+from ..jobs.spectra import BASES, Orders
+from ..jobs.sweep import SweepResult
+from ..jobs.task import Row
+from .panels import Array, dress, sheet, titled
+
+# --- sweeps ---
+
+# shown, where they vary and nothing else is asked for
+USUAL = ("efficiency", "omega_out_final", "output_torque_mean", "input_torque_mean", "satellite_force_peak")
+MOST = 3
+
+
+def shown_figures(sweep: SweepResult, figures: Sequence[str] = ()) -> list[str]:
+    """Choose the figures to show: those asked for, or of the usual ones at most MOST that vary.
+
+    Raises:
+        Refused: the sweep has no such figure.
+    """
+    if figures:
+        return [name for name in figures if sweep.figure(name).size]
+    varying = []
+    for name in dict.fromkeys(name for name in (*USUAL, *sweep.figures) if name in sweep.figures):
+        known = sweep.figure(name)[np.isfinite(sweep.figure(name))]
+        if known.size > 1 and float(np.ptp(known)) > 1e-9 * float(np.abs(known).max()):
+            varying.append(name)
+    return varying[:MOST]
+
+
+def _label_in(sweep: SweepResult, name: str) -> str:
+    """Name of a key or figure with its unit."""
+    return titled(name, sweep.units.get(name, ""))
+
+
+def sweep_figure(sweep: SweepResult, figures: Sequence[str] = ()) -> Figure:
+    """Draw a sweep: curves over one key, maps over two, parallel coordinates over more.
+
+    Args:
+        sweep: what it gave. figures: names of those to show, by default some that vary.
+
+    Raises:
+        Refused: the sweep has no such figure.
+    """
+    names = shown_figures(sweep, figures)
+    if len(sweep.axes) > 2:
+        return _parallel(sweep, names)
+    rows = max(len(names), 1)
+    picture = sheet(height=1.0 + 2.8 * rows, width=9.0)
+    panels = picture.subplots(rows, 1, squeeze=False)[:, 0]
+    for panel, name in zip(panels, names, strict=False):
+        if len(sweep.axes) == 1:
+            _curve(panel, sweep, name)
+        else:
+            _map(picture, panel, sweep, name)
+    return picture
+
+
+def _values(sweep: SweepResult, axis: Axis) -> tuple[Array, list[str]]:
+    """Places of the points on an axis, and the names of these places where they are no numbers."""
+    found = [row.point[axis.name] for row in sweep.rows]
+    if any(isinstance(value, str) for value in found):
+        known = [str(value) for value in axis.values]
+        return np.array([known.index(str(value)) for value in found], dtype=float), known
+    return np.array(found, dtype=float), []
+
+
+def _scale(panel: Axes, sweep: SweepResult, axis: Axis, names: list[str], side: str) -> None:
+    """Label one side, x or y, of a panel by an axis."""
+    getattr(panel, f"set_{side}label")(_label_in(sweep, axis.name))
+    if names:
+        getattr(panel, f"set_{side}ticks")(range(len(names)), names)
+    elif axis.logarithmic:
+        getattr(panel, f"set_{side}scale")("log")
+
+
+def _curve(panel: Axes, sweep: SweepResult, name: str) -> None:
+    (axis,) = sweep.axes
+    places, names = _values(sweep, axis)
+    order = np.argsort(places, kind="stable")
+    panel.plot(places[order], sweep.figure(name)[order], marker="o", markersize=3.5, linewidth=1.2)
+    dress(panel, _label_in(sweep, name))
+    _scale(panel, sweep, axis, names, "x")
+
+
+def _map(picture: Figure, panel: Axes, sweep: SweepResult, name: str) -> None:
+    """Draw a grid as a map, other samples as dots; what was refused stays white."""
+    (x, x_names), (y, y_names) = (_values(sweep, axis) for axis in sweep.axes)
+    values = sweep.figure(name)
+    across, up = np.unique(x), np.unique(y)
+    if across.size * up.size == values.size:
+        table = np.full((up.size, across.size), np.nan)
+        table[np.searchsorted(up, y), np.searchsorted(across, x)] = values
+        drawn: Any = panel.pcolormesh(across, up, table, shading="nearest")
+    else:
+        drawn = panel.scatter(x, y, c=values, s=14)
+    picture.colorbar(drawn, ax=panel, label=_label_in(sweep, name))
+    for axis, names, side in zip(sweep.axes, (x_names, y_names), "xy", strict=True):
+        _scale(panel, sweep, axis, names, side)
+
+
+def _parallel(sweep: SweepResult, names: Sequence[str]) -> Figure:
+    """Parallel coordinates: a line for each row, coloured by the first figure."""
+    places = [_values(sweep, axis) for axis in sweep.axes]
+    table = [values for values, _ in places] + [sweep.figure(name) for name in names]
+    titles = [_label_in(sweep, axis.name) for axis in sweep.axes] + [_label_in(sweep, name) for name in names]
+    ends = [(float(np.nanmin(column)), float(np.nanmax(column))) for column in table]
+    shares = np.array([_share(column, *end) for column, end in zip(table, ends, strict=True)]).T
+    picture = sheet(height=5.5, width=2.2 + 1.8 * len(table))
+    panel = picture.subplots()
+    colours = colormaps["viridis"]
+    by = shares[:, len(sweep.axes)] if names else shares[:, 0]
+    for line, share in zip(shares, by, strict=True):
+        if np.isfinite(line).all():
+            panel.plot(line, color=colours(share), alpha=0.5, linewidth=0.9)
+    panel.set_xticks(range(len(table)), [title.replace(" [", "\n[") for title in titles])
+    panel.set_yticks([])
+    for place, ((low, high), column_names) in enumerate(
+        zip(ends, [*(known for _, known in places), *[[]] * len(names)], strict=True)
+    ):
+        panel.axvline(place, color="0.3", linewidth=0.8)
+        for value, height in ((low, -0.03), (high, 1.03)):
+            text = column_names[int(value)] if column_names else f"{value:.4g}"
+            panel.annotate(text, (place, height), ha="center", va="center", fontsize=8)
+    for side in panel.spines.values():
+        side.set_visible(False)
+    return picture
+
+
+def _share(values: Array, low: float, high: float) -> Array:
+    """Scale values to their place between the ends, 0 to 1."""
+    return (values - low) / (high - low) if high > low else np.full(values.shape, 0.5)
+
+
+# --- designs ---
+
+
+def design_figure(found: DesignResult) -> Figure:
+    """Draw a design: one goal over the designs in their order, or the other goals over the first.
+
+    Args:
+        found: of design.
+    """
+    names = list(found.spec.goals)
+    across, up = (None, names) if len(names) == 1 else (names[0], names[1:])
+    picture = sheet(found.spec.scene.title, 1.0 + 4.8 * len(up))
+    for panel, name in zip(picture.subplots(len(up), 1, squeeze=False)[:, 0], up, strict=True):
+        _goals(panel, found, across, name)
+    return picture
+
+
+def _goals(panel: Axes, found: DesignResult, across: str | None, up: str) -> None:
+    """Draw one goal over another, or over the number of the design."""
+    place = {str(row.point): n for n, row in enumerate(found.rows, 1)}
+
+    def points(rows: Sequence[Row]) -> tuple[Array, Array]:
+        """Coordinates of rows, NaN without the figure."""
+        x = [place[str(row.point)] if across is None else row.figures.get(across, np.nan) for row in rows]
+        return np.array(x, dtype=float), np.array([row.figures.get(up, np.nan) for row in rows])
+
+    meets = [found.judge.meets(row) for row in found.rows]
+    for label, wanted, colour in (("beyond a limit", False, "0.8"), ("meets all limits", True, "tab:blue")):
+        rows = [row for row, one in zip(found.rows, meets, strict=True) if one is wanted]
+        panel.plot(*points(rows), ".", color=colour, markersize=4, label=label)
+    style = "k*" if across is None else "k-"
+    panel.plot(*points(found.front), style, linewidth=1.0, markersize=9, label="none is better")
+    for side, one in enumerate(found.finalists):
+        chosen = found.judge.meets(one.checked)
+        (x,), (y,) = points([one.checked])
+        panel.plot(x, y, "o" if chosen else "x", color="tab:green" if chosen else "tab:red", markersize=8)
+        # those beside each other to both sides
+        shift = (-14, -14) if side % 2 else (6, 6)
+        panel.annotate(one.file.stem.rpartition("_")[2], (x, y), xytext=shift, textcoords="offset points")
+    panel.plot([], [], "o", color="tab:green", label=f"checked {found.spec.search.check}")
+    dress(panel, _goal(found, up))
+    x, y = points(found.rows)
+    _stretch(panel, "y", y)
+    if across is not None:
+        _stretch(panel, "x", x)
+    panel.margins(0.03)
+    panel.set_xlabel("design, in the order of the search" if across is None else _goal(found, across))
+
+
+def _stretch(panel: Axes, side: str, values: Array) -> None:
+    """Make a side logarithmic, with plain numbers: the first designs of a search are far from the best."""
+    if (values < 0.0).any():
+        getattr(panel, f"set_{side}scale")("symlog")
+        return
+    getattr(panel, f"set_{side}scale")("log")
+    axis = getattr(panel, f"{side}axis")
+    axis.set_major_formatter("{x:g}")
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0, 7.0)))
+    axis.set_minor_formatter(NullFormatter())
+
+
+def _goal(found: DesignResult, name: str) -> str:
+    return titled(name, unit_of(name, found.judge.units))
+
+
+# --- fits ---
+
+# of a measured column, inches
+COLUMN_HEIGHT = 4.0
+# standard deviations that 95 % of normal noise are within
+WITHIN = 1.96
+
+
+def fit_figure(found: FitResult) -> Figure:
+    """Draw measured and computed over time, below residuals over noise with the band of 95 % of normal noise.
+
+    Args:
+        found: of fit.
+
+    Returns:
+        A matplotlib Figure, higher the more columns there are.
+    """
+    data, table = found.measurement, found.table()
+    figure = sheet(found.scene.title, 1.0 + COLUMN_HEIGHT * len(data.columns))
+    panels = figure.subplots(2 * len(data.columns), 1, sharex=True, height_ratios=(2, 1) * len(data.columns))
+    for n, name in enumerate(data.columns):
+        curves, residuals = panels[2 * n : 2 * n + 2]
+        counted, time = data.counted[:, n], table.time
+        curves.plot(time, table[f"{name}_measured"], ".", color=GREY, markersize=4, label="measured")
+        curves.plot(time, table[f"{name}_computed"], color=VERMILION, linewidth=1.2, label="computed")
+        dress(curves, titled(name, data.table.units.get(name, "")))
+        over = table[f"{name}_residual"] / data.noise.get(name, found.noise[name])
+        residuals.axhspan(-WITHIN, WITHIN, color=BLUE, alpha=0.12)
+        residuals.plot(time[counted], over[counted], ".", color=BLUE, markersize=4)
+        dress(residuals, "residual / noise")
+    panels[-1].set_xlabel("time [s]")
+    return figure
+
+
+# --- orders ---
+
+# lines named in a panel, and the share of all that swings that a picture goes out to
+NAMED = 3
+SHOWN = 0.99
+# decades of the colours
+DECADES = 3
+# of a signal, inches
+SIGNAL_HEIGHT = 2.6
+
+
+def order_figure(found: Orders, title: str) -> Figure:
+    """Draw left the spectrum of each signal, right its waterfall: over the speed in a run-up, else over time.
+
+    Returns:
+        A matplotlib Figure, higher the more signals there are.
+    """
+    names = [name for name, amplitude in found.amplitude.items() if amplitude.any()]
+    figure = sheet(title, 1.2 + SIGNAL_HEIGHT * len(names))
+    panels = figure.subplots(len(names), 2, sharex=True, squeeze=False)
+    lines = found.largest(NAMED)
+    over, label = _over(found)
+    for (left, right), name in zip(panels, names, strict=True):
+        amplitude, unit = found.amplitude[name], found.units[name]
+        left.plot(found.order, amplitude, color=VERMILION, linewidth=1.2)
+        for line in lines[name]:
+            place = (line.order, float(np.interp(line.order, found.order, amplitude)))
+            left.annotate(f"{line.order:.4g}", place, ha="center", va="bottom", fontsize=9)
+        left.set_ylim(0.0, 1.15 * float(amplitude.max()))
+        dress(left, titled(name, unit))
+        _waterfall(right, found.order, over, found.waterfall[name], unit)
+        right.set_ylabel(label)
+    panels[0, 0].set_xlim(0.0, _last_order(found))
+    for axes in panels[-1]:
+        axes.set_xlabel(f"order, cycles a {BASES[found.of]}")
+    return figure
+
+
+def _over(found: Orders) -> tuple[Array, str]:
+    """Axis that the windows of a waterfall stand over."""
+    if found.time.size > 1 and (np.diff(found.speed) > 1e-3 * found.speed[0]).all():
+        return found.speed, "speed of link 1 [rad/s]"
+    return found.time, "time [s]"
+
+
+def _last_order(found: Orders) -> float:
+    """Find a little above the order up to which SHOWN of all that swings is found, of every signal."""
+    shares = (np.cumsum(values**2) / np.sum(values**2) for values in found.amplitude.values() if values.any())
+    place = max(int(np.searchsorted(share, SHOWN)) for share in shares)
+    return min(1.1 * float(found.order[place]), float(found.order[-1]))
+
+
+def _waterfall(axes: Axes, order: Array, over: Array, amplitude: Array, unit: str) -> None:
+    if over.size < 2:
+        axes.text(0.5, 0.5, "one window", ha="center", transform=axes.transAxes)
+        return
+    largest = float(amplitude.max())
+    norm = LogNorm(10.0**-DECADES * largest, largest, clip=True)
+    drawn = axes.pcolormesh(order, over, amplitude, norm=norm, cmap="viridis", shading="nearest")
+    axes.figure.colorbar(drawn, ax=axes, label=unit)
