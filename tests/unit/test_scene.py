@@ -401,7 +401,7 @@ def test_energy_of_a_car_behind_an_elastic_shaft(fmu):
 
 @pytest.mark.parametrize("name", ["engine_launch", "planar", "real_machine", "urban"])
 def test_a_scene_as_text_is_the_same_scene(name):
-    from inertia_module.scene.writing import scene_text
+    from inertia_module.scene.reading import scene_text
 
     scene = load_scene(Path("examples") / f"{name}.toml")
     assert read(scene_text(scene)).tables == scene.tables

@@ -13,8 +13,7 @@ from inertia_module.figures.scenes import scene_figure
 from inertia_module.harness.results import Result
 from inertia_module.harness.steady import SteadyMachine
 from inertia_module.scene import SceneError, load_scene, read_scene, run_scene
-from inertia_module.scene.export import scene_plan
-from inertia_module.scene.run import above_stall
+from inertia_module.scene.run import above_stall, scene_plan
 from inertia_module.scene.summary import SUMMARISED, forces, summarise
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
