@@ -437,57 +437,43 @@ def test_energy_over_the_launch_adds_up_but_with_a_held_speed_in_long_steps(fmu_
 # --- what is refused ---
 
 
+def by_speed(fmu, scheme=Scheme.IMPLICIT, substeps=1, **values):
+    return CoupledEngine(fmu, engine(**values), scheme, substeps=substeps)
+
+
+def by_torque(fmu, **values):
+    return TorqueDrivenEngine(fmu, engine(**values))
+
+
+ROTOR = torque_driven({}, 0.1)
+
+
 @pytest.mark.parametrize(
-    "parameters, make, sentence",
+    "parameters, make, values, sentence",
     [
-        (
-            {},
-            lambda fmu: CoupledEngine(fmu, engine(speed=90.0), Scheme.IMPLICIT),
-            "omega1 of the FMU must be the engine's 90 rad/s, is 100",
-        ),
-        (
-            {},
-            lambda fmu: CoupledEngine(fmu, engine(), Scheme.INERTIA),
-            "inertia must be a positive interface inertia, kg.m2, is None",
-        ),
-        (
-            {},
-            lambda fmu: CoupledEngine(fmu, engine(), Scheme.IMPLICIT, substeps=0),
-            "substeps must be a whole number from 1, is 0",
-        ),
-        (
-            {"input_hold": "linear"},
-            lambda fmu: CoupledEngine(fmu, engine(), Scheme.IMPLICIT),
-            "input_hold must be constant, is linear",
-        ),
-        (
-            {"input_inertia": 0.1},
-            lambda fmu: TorqueDrivenEngine(fmu, engine()),
-            "drive of the FMU must be torque for TorqueDrivenEngine, is speed",
-        ),
-        (
-            torque_driven({}, 0.1),
-            lambda fmu: CoupledEngine(fmu, engine(), Scheme.IMPLICIT),
-            "drive of the FMU must be speed for CoupledEngine, is torque",
-        ),
-        (
-            torque_driven({}, 0.1),
-            lambda fmu: TorqueDrivenEngine(fmu, engine(inertia=0.2)),
-            "input_inertia of the FMU must be at least 0.2 kg.m2",
-        ),
-        (
-            torque_driven({}, 0.1),
-            lambda fmu: TorqueDrivenEngine(fmu, engine()).set(drive_torque=5.0),
-            "drive_torque = 5 N.m cannot be set, the engine gives it",
-        ),
+        ({}, by_speed, {"speed": 90.0}, "omega1 of the FMU must be the engine's 90 rad/s, is 100"),
+        ({}, by_speed, {"scheme": Scheme.INERTIA}, "inertia must be a positive interface inertia, kg"),
+        ({}, by_speed, {"substeps": 0}, "substeps must be a whole number from 1, is 0"),
+        ({"input_hold": "linear"}, by_speed, {}, "input_hold must be constant, is linear"),
+        (ROTOR, by_speed, {}, "drive of the FMU must be speed for CoupledEngine, is torque"),
+        ({"input_inertia": 0.1}, by_torque, {}, "drive of the FMU must be torque for Torque"),
+        (ROTOR, by_torque, {"inertia": 0.2}, "input_inertia of the FMU must be at least 0.2 kg.m2"),
     ],
 )
-def test_an_engine_that_does_not_fit_the_module_is_refused(fmu_path, parameters, make, sentence):
+def test_an_engine_that_does_not_fit_the_module_is_refused(fmu_path, parameters, make, values, sentence):
     with (
         Fmu(fmu_path, parameters, {"omega1": 100.0}) as fmu,
         pytest.raises(ValueError, match=re.escape(sentence)),
     ):
-        make(fmu)
+        make(fmu, **values)
+
+
+def test_a_torque_beside_that_of_the_engine_is_refused(fmu_path):
+    with (
+        Fmu(fmu_path, ROTOR, {"omega1": 100.0}) as fmu,
+        pytest.raises(ValueError, match=r"drive_torque = 5 N.m cannot be set, the engine gives it"),
+    ):
+        by_torque(fmu).set(drive_torque=5.0)
 
 
 def test_parameters_add_the_rotor_to_link_1():
@@ -510,3 +496,17 @@ def test_after_a_refused_step_a_good_one_goes_on_as_if_nothing_had_been(fmu_path
             ends.append((coupled.engine.state, *coupled.read(("omega_out", "energy_in"))))
             assert coupled.ledger.steps == 40
     assert ends[0] == ends[1]
+
+
+def test_an_implicit_step_refused_half_way_is_taken_back(fmu_path, monkeypatch):
+    def refuse(*_):
+        raise FmuError("no derivative")
+
+    with coupled_engine(planar(0.3), Scheme.IMPLICIT, fmu_path) as coupled:
+        coupled.step(1e-3)
+        names = ("omega_out", "energy_in", "input_angle")
+        before = coupled.fmu.time, coupled.engine.state, coupled.read(names)
+        monkeypatch.setattr(coupled.fmu, "jacobian", refuse)
+        with pytest.raises(FmuError, match="no derivative"):
+            coupled.step(1e-3)
+        assert (coupled.fmu.time, coupled.engine.state, coupled.read(names)) == before
