@@ -16,7 +16,7 @@ from inertia_module.compiling import load as compiled
 from inertia_module.contract.models import INERTIA_MODULE
 from inertia_module.fidelity.trials import run_in_process
 from inertia_module.kernel.codes import AVERAGED, DRIVE_TORQUE, RIGID, STEP_ONLY
-from inertia_module.loops.interface import interface_inertia
+from inertia_module.loops import interface_inertia
 from inertia_module.memory import Module
 from inertia_module.scene import load_scene
 from studies.benchmarks.figures import PLANAR

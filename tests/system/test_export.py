@@ -17,8 +17,8 @@ from inertia_module.export.plan import Plan, make_plan
 from inertia_module.export.writing import export
 from inertia_module.harness.fmu import Fmu
 from inertia_module.scene import load_scene
-from inertia_module.scene.errors import SceneError
-from inertia_module.scene.export import scene_plan
+from inertia_module.scene.keys import SceneError
+from inertia_module.scene.run import scene_plan
 from tests.system.programs import needs, printed, programs
 
 ROOT = Path(__file__).parents[2]

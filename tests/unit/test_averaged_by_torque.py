@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scenes import DRIVEN, PLANAR, SCENES, advanced, started
 
-from inertia_module.loops.interface import interface_inertia
+from inertia_module.loops import interface_inertia
 
 AVERAGED = {"fidelity": 1, "drive": 1}
 HEAVY = {"drive": 1, "omega1": 100.0, "drive_torque": 4.0, "load_torque": 5.0, "output_inertia": 5.0}

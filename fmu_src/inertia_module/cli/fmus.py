@@ -88,8 +88,8 @@ def export(
     """
     from ..export.writing import export as write
     from ..scene import load_scene
-    from ..scene.export import scene_plan
     from ..scene.keys import keys_of
+    from ..scene.run import scene_plan
 
     with one_line_errors():
         folder = folder_for(output, "export", scene.stem)

@@ -104,8 +104,8 @@ def shaft_fmu() -> Path:
 
 
 def quantity_of(option: str, text: str, unit: str, **limits: float) -> float:
-    """A quantity given on the command line, such as "2 s", in SI; limits: as of scene.units.checked."""
-    from ..scene.units import checked
+    """A quantity given on the command line, such as "2 s", in SI; limits: as of scene.fields.checked."""
+    from ..scene.fields import checked
 
     try:
         return checked(text, unit, **limits)

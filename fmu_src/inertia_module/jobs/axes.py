@@ -16,8 +16,8 @@ from ..common.units import parse_unit, split_quantity
 from ..contract.variable import INTEGER
 from ..contract.variables import BY_NAME
 from ..scene import Scene, SceneError
+from ..scene.fields import unit_of
 from ..scene.keys import MECHANISM, full_name
-from ..scene.units import unit_of
 
 # values by key of the scene: numbers in SI units, or names
 Point = dict[str, float | str]

@@ -16,9 +16,9 @@ from ..harness.results import write_text
 from ..harness.simulate import Progress
 from ..scene import SceneError
 from ..scene.keys import validated
+from ..scene.reading import scene_text
 from ..scene.run import SceneRunner
 from ..scene.schema import Scene
-from ..scene.writing import scene_text
 from .axes import Point, sampled, units_of
 from .evaluator import Evaluator
 from .judged import Judge

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..harness.results import Result, write_text
 from ..scene import Scene
-from ..scene.writing import scene_text
+from ..scene.reading import scene_text
 from .free import Free
 from .measurement import Measurement
 

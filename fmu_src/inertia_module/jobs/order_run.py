@@ -16,7 +16,6 @@ from ..kernel.inertia import reduced_inertia
 from ..loops.sources import evaluate
 from ..memory import Module
 from ..scene import Scene, run_scene
-from ..scene.drives import GivenDrive
 from .evaluator import read
 from .spectra import BASES, LINK1, PULSES, Array, Orders, highest_order, resolution, rounding, spectra
 
@@ -134,9 +133,8 @@ def _check_before(
     run = scene.run
     times = communication_points(run.stop_time, run.communication_step)
     times = times[_part(times, begin, last)]
-    drive = scene.drive
-    if isinstance(drive, GivenDrive) and drive.INPUT == "omega1" and not scene.parameters().get("input_hold"):
-        signal = drive.signal()
+    signal = scene.drive.prescribed().get("omega1")
+    if signal is not None and not scene.parameters().get("input_hold"):
         turned = np.cumsum([evaluate(signal, at) for at in times]) * run.communication_step / math.tau
         turned = np.append(0.0, turned[:-1])  # the speed is held over a step
         turned *= math.copysign(1.0, turned[-1])

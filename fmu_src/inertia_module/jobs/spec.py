@@ -13,10 +13,9 @@ from ..common.errors import must_be
 from ..common.units import factor_between, split_quantity
 from ..contract.variable import ENUMERATIONS
 from ..scene import Scene, SceneError
+from ..scene.fields import Strict, quantity
 from ..scene.keys import validated
 from ..scene.reading import load_tables
-from ..scene.tables import Strict
-from ..scene.units import quantity
 from .axes import Axis, axes_of
 from .named import CONDITIONS, NAMED, Wanted
 from .task import Row

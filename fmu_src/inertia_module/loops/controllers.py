@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 from ..common.errors import must_be
+from .engine import Governor
 
 
 def pi_speed_controller(
@@ -20,9 +21,7 @@ def pi_speed_controller(
 ) -> Any:
     """PI controller with output limits, feedforward of the reference and anti-windup by back-calculation.
 
-    Where the command is cut off, the integral is led back with the time constant of the controller,
-    proportional_gain / integral_gain (but never faster than the step).
-    Source: Åström and Murray, Feedback Systems (2nd edition 2021), section 11.4.
+    Its law is that of Governor, for any speed and any command.
 
     Args:
         step: communication step, s.
@@ -47,22 +46,14 @@ def pi_speed_controller(
     low, high = limits
     if not low < high:
         raise ValueError(f"limits must be a lower and a higher one, are {low:g} and {high:g}")
-    leading_back = step / max(step, proportional_gain / integral_gain) if integral_gain > 0.0 else 0.0
+    governor = Governor(proportional_gain, integral_gain, step)
 
-    def unlimited(integral: float, reference: float, speed: float) -> float:
-        return feedforward * reference + proportional_gain * (reference - speed) + integral
-
-    def output(_: float, x: Any, u: Any, __: Any) -> list[float]:
-        return [min(max(unlimited(x[0], u[0], u[1]), low), high)]
-
-    def update(_: float, x: Any, u: Any, __: Any) -> list[float]:
-        wanted = unlimited(x[0], u[0], u[1])
-        excess = wanted - min(max(wanted, low), high)
-        return [x[0] + step * integral_gain * (u[0] - u[1]) - leading_back * excess]
+    def sample(x: Any, u: Any) -> tuple[float, float]:
+        return governor.sample(x[0], u[0], u[1], limits, feedforward * u[0])
 
     return ct.nlsys(
-        update,
-        output,
+        lambda _, x, u, __: sample(x, u)[1:],
+        lambda _, x, u, __: sample(x, u)[:1],
         inputs=["reference", measured],
         outputs=[command],
         states=["integral"],

@@ -10,7 +10,6 @@ included.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -88,18 +87,24 @@ class Governor:
                 raise ValueError(f"{name} must be a finite number from 0, is {gain}")
 
     def sample(
-        self, integral: float, reference: float, speed: float, limits: tuple[float, float]
+        self,
+        integral: float,
+        reference: float,
+        speed: float,
+        limits: tuple[float, float],
+        feedforward: float = 0.0,
     ) -> tuple[float, float]:
         """One sample.
 
         Args:
             integral: N.m. reference, speed: rad/s. limits: least and greatest torque, N.m.
+            feedforward: torque besides that of the error, N.m.
 
         Returns:
             (torque, integral for the next sample), N.m.
         """
         error = reference - speed
-        wanted = self.proportional_gain * error + integral
+        wanted = feedforward + self.proportional_gain * error + integral
         torque = min(max(wanted, limits[0]), limits[1])
         grown = integral + self.sample_time * self.integral_gain * error
         if self.integral_gain > 0.0:
@@ -181,56 +186,38 @@ class Engine:
         """Advance by a step, s, of any length."""
         self.state = self.after(step, load)
 
-    def after(self, step: float, load: LoadTorque) -> EngineState:
+    def after(self, step: float, load: LoadTorque | None) -> EngineState:
         """The state after a step, s, of any length; the engine stays where it is.
 
-        Raises:
-            ValueError: the step is not positive.
-        """
-        return self._sample_by_sample(step, lambda state, part: self._moved(state, part, load))
-
-    def at_held_speed(self, step: float) -> EngineState:
-        """The state after a step, s, in which the speed stays as it is: all torque goes on to the load.
-
-        That of an engine whose rotor is simulated elsewhere, and which knows its speed at the beginning of a
-        step only.
+        Args:
+            step: s.
+            load: on the engine. None: its speed stays as it is and all torque goes on to the load, as with an
+                engine whose rotor is simulated elsewhere: it knows its speed at the beginning of a step only.
 
         Raises:
             ValueError: the step is not positive.
         """
-        return self._sample_by_sample(
-            step, lambda state, part: self._passed(state, part, state.speed, state.speed, state.torque)
-        )
-
-    def _sample_by_sample(
-        self, step: float, move: Callable[[EngineState, float], EngineState]
-    ) -> EngineState:
-        """The state after a step, s; move takes a state over a time between samples."""
         _positive("step", step, "seconds")
         state, left = self.state, step
         sample_time = self.governor.sample_time
         while True:
             if state.wait <= _ROUNDING * sample_time:
-                state = self._sampled(state)
+                limits = self.limits.limits(state.speed)
+                torque, integral = self.governor.sample(state.integral, self.reference, state.speed, limits)
+                state = state._replace(torque=torque, integral=integral, wait=state.wait + sample_time)
             part = min(state.wait, left)
-            state = move(state, part)
+            state = self._between_samples(state, part, load)
             left -= part
             if left <= _ROUNDING * min(sample_time, step):
                 return state
 
-    def _sampled(self, state: EngineState) -> EngineState:
-        limits = self.limits.limits(state.speed)
-        torque, integral = self.governor.sample(state.integral, self.reference, state.speed, limits)
-        return state._replace(torque=torque, integral=integral, wait=state.wait + self.governor.sample_time)
-
-    def _moved(self, state: EngineState, h: float, load: LoadTorque) -> EngineState:
-        """Between samples: the acceleration is constant."""
-        acceleration = (state.torque - load.value) / (self.inertia + load.inertia)
-        mean, end = state.speed + 0.5 * h * acceleration, state.speed + h * acceleration
-        return self._passed(state, h, mean, end, state.torque - self.inertia * acceleration)
-
-    def _passed(self, state: EngineState, h: float, mean: float, end: float, on_load: float) -> EngineState:
-        """The state after a time with a mean speed, a speed at its end and a torque on the load."""
+    def _between_samples(self, state: EngineState, h: float, load: LoadTorque | None) -> EngineState:
+        """The state after a time without a sample: the acceleration is constant."""
+        mean, end, on_load = state.speed, state.speed, state.torque
+        if load is not None:
+            acceleration = (state.torque - load.value) / (self.inertia + load.inertia)
+            mean, end = state.speed + 0.5 * h * acceleration, state.speed + h * acceleration
+            on_load = state.torque - self.inertia * acceleration
         turned = h * mean
         return state._replace(
             speed=end,

@@ -8,12 +8,91 @@ and damper and returns their torque. What is linear is sampled exactly (zero-ord
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from .coupling import Coupling, check_coupling, sample, sample_coupled
+import numpy as np
+from numpy.typing import NDArray
+
 from .sources import Signal, evaluate, source
 
 STANDARD_GRAVITY = 9.80665
+
+
+class Coupling(NamedTuple):
+    """Elastic coupling between the output shaft and the load.
+
+    The load follows a shaft of given speed exactly; its torque on the shaft is held over a step, so
+    the two together are right to first order in the step.
+
+    Attributes:
+        stiffness: N.m/rad. damping: N.m.s/rad.
+    """
+
+    stiffness: float
+    damping: float
+
+    def torque(self, twist: float, speed_difference: float) -> float:
+        """Its torque on both sides, N.m."""
+        return self.stiffness * twist + self.damping * speed_difference
+
+
+def sample(a: list[list[float]], b: list[list[float]], step: float) -> tuple[Any, Any]:
+    """Exact step of x' = a x + b u with u held: (A, B) of x+ = A x + B u."""
+    import control as ct
+
+    size = len(a)
+    continuous = ct.ss(a, b, np.eye(size), np.zeros((size, len(b[0]))))
+    sampled = ct.sample_system(continuous, step, method="zoh")
+    return sampled.A, sampled.B
+
+
+def sample_coupled(
+    inertia: float, coupling: Coupling, friction: float, step: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Exact step of twist, speed and angle of an inertia behind a coupling.
+
+    Returns:
+        (A, B) for the state (twist, speed, angle) and the input (speed of the shaft, torque against).
+    """
+    stiffness, damping = coupling
+    a = [
+        [0.0, -1.0, 0.0],
+        [stiffness / inertia, -(damping + friction) / inertia, 0.0],
+        [0.0, 1.0, 0.0],
+    ]
+    b = [[1.0, 0.0], [damping / inertia, -1.0 / inertia], [0.0, 0.0]]
+    return sample(a, b, step)
+
+
+def check_coupling(coupling: Coupling, inertia: float, shaft_inertia: float, step: float) -> None:
+    """Refuse a step too long for an elastic coupling: its torque is held while the shaft moves.
+
+    The shaft, with the torque held over a step, and the load behind it, in the order of ClosedLoop: no
+    swing of the two may grow, and the damping may not turn the shaft round within a step.
+
+    Args:
+        coupling: between both. inertia: of the load, kg.m2.
+        shaft_inertia: of the output shaft, kg.m2. step: communication step, s.
+
+    Raises:
+        ValueError: the step is too long.
+    """
+    a, b = sample_coupled(inertia, coupling, 0.0, step)
+    # state (twist, speed of the load, speed of the shaft): first the shaft, then the load
+    shaft = np.eye(3)
+    stiffness, damping = coupling
+    shaft[2] -= step / shaft_inertia * np.array([stiffness, -damping, damping])
+    behind = np.eye(3)
+    behind[:2, :2] = a[:2, :2]
+    behind[:2, 2] = b[:2, 0]
+    growth = np.abs(np.linalg.eigvals(behind @ shaft)).max()
+    if growth > 1.0 + 1e-6 or step * damping > shaft_inertia:
+        raise ValueError(
+            f"with stiffness = {stiffness:g} N.m/rad, damping = {damping:g} N.m.s/rad and a shaft of"
+            f" {shaft_inertia:g} kg.m2 the step must be shorter, is {step:g} s; a softer coupling or more"
+            " inertia on the shaft helps too"
+        )
 
 
 class Load(NamedTuple):
@@ -131,29 +210,10 @@ def dry_friction(free_speed: float, effect: float, capacity: float) -> float:
     return min(max(free_speed / effect, -capacity), capacity)
 
 
-class _Road:
-    """Resistances of a vehicle on a road, as torques at the output shaft, N.m."""
-
-    def __init__(
-        self, mass: float, radius: float, rolling: float, drag_area: float, density: float, slope: Signal
-    ) -> None:
-        self.radius = radius  # m of way per rad of the output shaft
-        self.weight = mass * STANDARD_GRAVITY
-        self.rolling = rolling
-        self.drag = 0.5 * density * drag_area
-        self.slope = slope
-
-    def resistances(self, speed: float, distance: float, brake_force: float) -> tuple[float, ...]:
-        """(drag, climb, capacity of rolling friction, capacity of the brake), N.m."""
-        angle = math.atan(evaluate(self.slope, distance))
-        return (
-            self.radius * self.drag * speed * abs(speed),
-            self.radius * self.weight * math.sin(angle),
-            self.radius * self.rolling * self.weight * math.cos(angle),
-            self.radius * max(brake_force, 0.0),
-        )
-
-
+# drag, climb, capacity of rolling friction, capacity of the brake: torques at the output shaft, N.m
+_Resistances = tuple[float, float, float, float]
+# those of a vehicle by its speed, m/s, way, m, and force of the brake, N
+_Road = Callable[[float, float, float], _Resistances]
 _VEHICLE_OUTPUTS = (
     "load_torque",
     "load_speed",
@@ -202,13 +262,23 @@ def vehicle_load(
     """
     import control as ct
 
-    radius = wheel_radius / final_drive
+    radius = wheel_radius / final_drive  # m of way per rad of the output shaft
     inertia = mass * radius * radius
-    road = _Road(mass, radius, rolling_resistance, drag_area, air_density, slope)
+    weight, drag = mass * STANDARD_GRAVITY, 0.5 * air_density * drag_area
+
+    def road(speed: float, distance: float, brake_force: float) -> _Resistances:
+        angle = math.atan(evaluate(slope, distance))
+        return (
+            radius * drag * speed * abs(speed),
+            radius * weight * math.sin(angle),
+            radius * rolling_resistance * weight * math.cos(angle),
+            radius * max(brake_force, 0.0),
+        )
+
     if coupling is None:
-        update, output, states = _rigid_vehicle(step, road, inertia, one_way)
+        update, output, states = _rigid_vehicle(step, road, radius, inertia, one_way)
     else:
-        update, output, states = _coupled_vehicle(step, road, inertia, coupling)
+        update, output, states = _coupled_vehicle(step, road, radius, inertia, coupling)
     system = ct.nlsys(
         update,
         output,
@@ -227,16 +297,18 @@ def _shared(friction: float, rolling: float, brake: float) -> tuple[float, float
     return (friction * rolling / capacity, friction * brake / capacity) if capacity > 0.0 else (0.0, 0.0)
 
 
-def _rigid_vehicle(step: float, road: _Road, inertia: float, one_way: bool) -> tuple[Any, Any, list[str]]:
+def _rigid_vehicle(
+    step: float, road: _Road, radius: float, inertia: float, one_way: bool
+) -> tuple[Any, Any, list[str]]:
     """State (distance) of a vehicle that moves with the output shaft."""
-    a, b = sample([[0.0]], [[road.radius]], step)
+    a, b = sample([[0.0]], [[radius]], step)
 
     def update(_: float, x: Any, u: Any, __: Any) -> Any:
         return a @ x + b @ u[:1]
 
     def output(_: float, x: Any, u: Any, __: Any) -> tuple[float, ...]:
-        speed = road.radius * u[0]
-        drag, climb, rolling, brake = road.resistances(speed, x[0], u[1])
+        speed = radius * u[0]
+        drag, climb, rolling, brake = road(speed, x[0], u[1])
         friction = rolling + brake
         if not one_way:
             # the drive's part of the free speed is not known here: it shows in the next step
@@ -249,13 +321,13 @@ def _rigid_vehicle(step: float, road: _Road, inertia: float, one_way: bool) -> t
 
 
 def _coupled_vehicle(
-    step: float, road: _Road, inertia: float, coupling: Coupling
+    step: float, road: _Road, radius: float, inertia: float, coupling: Coupling
 ) -> tuple[Any, Any, list[str]]:
     """State (twist, speed, angle), referred to the output shaft, of a vehicle behind a coupling."""
     a, b = sample_coupled(inertia, coupling, 0.0, step)
 
     def resistances(x: Any, u: Any) -> tuple[float, ...]:
-        drag, climb, rolling, brake = road.resistances(road.radius * x[1], road.radius * x[2], u[1])
+        drag, climb, rolling, brake = road(radius * x[1], radius * x[2], u[1])
         free = a @ x + b @ [u[0], drag + climb]
         friction = dry_friction(free[1], -b[1, 1], rolling + brake)
         return drag, climb, *_shared(friction, rolling, brake)
@@ -265,6 +337,6 @@ def _coupled_vehicle(
 
     def output(_: float, x: Any, u: Any, __: Any) -> tuple[float, ...]:
         torque = coupling.torque(x[0], u[0] - x[1])
-        return torque, x[1], road.radius * x[1], road.radius * x[2], *resistances(x, u)
+        return torque, x[1], radius * x[1], radius * x[2], *resistances(x, u)
 
     return update, output, ["twist", "speed", "angle"]

@@ -8,8 +8,6 @@ from ..harness.simulate import Result
 from ..loops.closed_loop import PLANT_INPUTS
 from ..loops.sources import Signal, Table
 from ..scene import Scene
-from ..scene.drives import GivenDrive
-from ..scene.loads import TorqueLoad
 from ..scene.run import start_of
 
 
@@ -23,6 +21,7 @@ def page_scene(scene: Scene, record: Result | None = None) -> dict[str, Any]:
     _, parameters, inputs = start_of(scene)
     if record is not None:
         inputs |= {name: float(f"{record[name].mean():.4g}") for name in PLANT_INPUTS if name in record}
+    prescribed = inputs | scene.drive.prescribed() | scene.load.prescribed()
     if scene.accuracy.tolerance is not None:
         parameters = {**parameters, "tolerance": scene.accuracy.tolerance}
     return {
@@ -30,7 +29,7 @@ def page_scene(scene: Scene, record: Result | None = None) -> dict[str, Any]:
         "title": scene.title,
         "description": scene.description.strip(),
         "parameters": parameters,
-        "inputs": {name: _as_input(signal) for name, signal in (inputs | _given_inputs(scene)).items()},
+        "inputs": {name: _as_input(signal) for name, signal in prescribed.items()},
         "step": scene.run.communication_step,
         "duration": scene.run.stop_time,
         "outputs": scene.run.outputs,
@@ -41,12 +40,6 @@ def page_scene(scene: Scene, record: Result | None = None) -> dict[str, Any]:
 def is_exact(scene: Scene) -> bool:
     """Tell whether the inputs follow from nothing that the module does: the page can run the scene itself."""
     return not scene.surroundings.input_labels
-
-
-def _given_inputs(scene: Scene) -> dict[str, Signal]:
-    """The inputs of the module that follow from nothing the module does."""
-    given = {scene.drive.INPUT: scene.drive.signal()} if isinstance(scene.drive, GivenDrive) else {}
-    return given | ({"load_torque": scene.load.signal()} if isinstance(scene.load, TorqueLoad) else {})
 
 
 def _as_input(signal: Signal) -> float | dict[str, list[float]]:

@@ -1,6 +1,6 @@
 """Scene files: what is to be simulated, how accurately, and what is wanted of it."""
 
-from .errors import SceneError
+from .keys import SceneError
 from .reading import load_any_scene, load_scene, read_scene
 from .run import SceneResult, run_scene
 from .schema import Scene

@@ -6,6 +6,7 @@ bare numbers are in that unit.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field, ValidationInfo, model_validator
@@ -14,18 +15,9 @@ from .. import loops
 from ..common.errors import did_you_mean, must_be
 from ..contract.variable import LARGEST_SPEED
 from ..loops.cycles import CYCLES, Cycle
-from .loads import Torque
-from .tables import AngularSpeed, Strict, Tabulated, Times
-from .units import checked, quantity
-
-VEHICLE_SPEED = "vehicle_speed"
-SHAFT_SPEED = "omega_out"
-SPEED_UNITS = {VEHICLE_SPEED: "m/s", SHAFT_SPEED: "rad/s"}
-
-
-def measured_speed(load_kind: Any) -> str:
-    """Name of the speed that is controlled with a kind of load."""
-    return VEHICLE_SPEED if load_kind == "vehicle" else SHAFT_SPEED
+from ..loops.sources import Signal
+from .fields import AngularSpeed, Strict, Tabulated, Times, Torque, checked, quantity
+from .loads import SHAFT_SPEED, SPEED_UNITS
 
 
 def _speed_unit(context: Any) -> str:
@@ -44,30 +36,40 @@ def _by_measured(vehicle_unit: str, shaft_unit: str, minimum: float | None = Non
     return BeforeValidator(check)
 
 
-class ConstantReference(Strict):
+class Reference(Strict, ABC):
+    """A wanted speed."""
+
+    def driving_cycle(self) -> Cycle | None:
+        """The driving cycle to be followed, if it is one."""
+        return None
+
+    @abstractmethod
+    def signal(self) -> Signal:
+        """The wanted speed, constant or over time."""
+
+
+class ConstantReference(Reference):
     """One speed all the time."""
 
     kind: Literal["constant"]
     speed: Annotated[float, _by_measured("m/s", "rad/s")]
 
-    def signal(self) -> float | loops.Table:
-        """Wanted speed."""
+    def signal(self) -> Signal:
+        """The speed."""
         return self.speed
 
 
-class TableReference(Tabulated):
+class TableReference(Tabulated, Reference):
     """A speed over time."""
-
-    VALUES: ClassVar[str] = "speed"
 
     kind: Literal["table"]
     time: Times
     speed: Annotated[list[float], _by_measured("m/s", "rad/s")]
 
     @classmethod
-    def units(cls, context: Any) -> tuple[str, str]:
-        """Units of points and values in SI."""
-        return "s", _speed_unit(context)
+    def columns(cls, context: Any = None) -> dict[str, str]:
+        """Units of both columns: that of the speed follows from what hangs on the shaft."""
+        return {"time": "s", "speed": _speed_unit(context)}
 
 
 def _known_cycle(name: Any) -> str:
@@ -76,19 +78,19 @@ def _known_cycle(name: Any) -> str:
     return str(name)
 
 
-class CycleReference(Strict):
+class CycleReference(Reference):
     """A driving cycle."""
 
     kind: Literal["cycle"]
     cycle: Annotated[str, BeforeValidator(_known_cycle)]
 
-    def driving_cycle(self) -> Cycle:
+    def driving_cycle(self) -> Cycle | None:
         """The cycle itself."""
         return CYCLES[self.cycle]
 
-    def signal(self) -> float | loops.Table:
-        """Wanted speed over time, m/s."""
-        cycle = self.driving_cycle()
+    def signal(self) -> Signal:
+        """The speed over time, m/s."""
+        cycle = CYCLES[self.cycle]
         return loops.Table(cycle.time, cycle.speed)
 
 
@@ -126,7 +128,7 @@ class Pi(Strict):
         return self
 
     def build(self, step: float, measured: str) -> list[Any]:
-        """The systems of reference, controller and brake, of this step, s."""
+        """Make the systems of reference, controller and brake, of this step, s."""
         systems = [
             loops.source("reference", self.reference.signal(), step),
             loops.pi_speed_controller(

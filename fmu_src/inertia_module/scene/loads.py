@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal
+from abc import ABC, abstractmethod
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
 from .. import loops
-from ..contract.variable import LARGEST_TORQUE
 from ..loops.cycles import KILOMETRE_PER_HOUR
 from ..loops.sources import Signal
-from .tables import Strict, Tabulated, Times, one_signal
-from .units import quantities, quantity
+from .fields import Strict, Tabulated, Times, Torque, one_signal, quantities, quantity
 
-Torque = Annotated[float, quantity("N.m", -LARGEST_TORQUE, LARGEST_TORQUE)]
+VEHICLE_SPEED = "vehicle_speed"
+SHAFT_SPEED = "omega_out"
+SPEED_UNITS = {VEHICLE_SPEED: "m/s", SHAFT_SPEED: "rad/s"}
+
+
+def measured_speed(load_kind: Any) -> str:
+    """Name of the speed that a controller controls with a kind of load."""
+    return VEHICLE_SPEED if load_kind == "vehicle" else SHAFT_SPEED
 
 
 class Coupling(Strict):
@@ -30,9 +36,6 @@ def _coupling(table: Coupling | None) -> loops.Coupling | None:
 class TorqueOverTime(Tabulated):
     """Torque over time."""
 
-    VALUES: ClassVar[str] = "torque"
-    UNITS: ClassVar[tuple[str, str]] = ("s", "N.m")
-
     time: Times
     torque: Annotated[list[float], quantities("N.m")]
 
@@ -40,15 +43,23 @@ class TorqueOverTime(Tabulated):
 class SlopeOverDistance(Tabulated):
     """Slope of the road, rise over run, over the way."""
 
-    POINTS: ClassVar[str] = "distance"
-    VALUES: ClassVar[str] = "slope"
-    UNITS: ClassVar[tuple[str, str]] = ("m", "1")
-
     distance: Annotated[list[float], quantities("m")]
     slope: Annotated[list[float], quantities("1")]
 
 
-class TorqueLoad(Strict):
+class AnyLoad(Strict, ABC):
+    """A load on the output shaft."""
+
+    def prescribed(self) -> dict[str, Signal]:
+        """Inputs of the module that follow from nothing the module does, by name."""
+        return {}
+
+    @abstractmethod
+    def build(self, step: float, one_way: bool) -> loops.Load:
+        """Make the load as a system of this step, s; one_way: the shaft cannot turn backwards."""
+
+
+class TorqueLoad(AnyLoad):
     """A torque on the output shaft that does not depend on the motion."""
 
     kind: Literal["torque"]
@@ -64,12 +75,16 @@ class TorqueLoad(Strict):
         """The torque, constant or over time, N.m."""
         return one_signal("torque", self.torque, self.torque_over_time)
 
+    def prescribed(self) -> dict[str, Signal]:
+        """Inputs of the module that follow from nothing the module does, by name."""
+        return {"load_torque": self.signal()}
+
     def build(self, step: float, one_way: bool) -> loops.Load:
-        """The load as a system of this step, s; one_way: the shaft cannot turn backwards."""
+        """Make the torque as a system."""
         return loops.torque_source(self.signal(), step)
 
 
-class ShaftLoad(Strict):
+class ShaftLoad(AnyLoad):
     """A shaft with inertia, viscous friction and a torque against it."""
 
     kind: Literal["shaft"]
@@ -79,13 +94,13 @@ class ShaftLoad(Strict):
     coupling: Coupling | None = None
 
     def build(self, step: float, one_way: bool) -> loops.Load:
-        """The load as a system of this step, s; one_way: the shaft cannot turn backwards."""
+        """Make the shaft as a system."""
         return loops.shaft_load(
             step, self.inertia, self.viscous_friction, self.torque, _coupling(self.coupling)
         )
 
 
-class VehicleLoad(Strict):
+class VehicleLoad(AnyLoad):
     """A vehicle on a road, behind a final drive.
 
     Attributes:
@@ -107,7 +122,7 @@ class VehicleLoad(Strict):
     )
 
     def build(self, step: float, one_way: bool) -> loops.Load:
-        """The load as a system of this step, s; one_way: the shaft cannot turn backwards."""
+        """Make the vehicle as a system."""
         table = self.slope_over_distance
         return loops.vehicle_load(
             step,

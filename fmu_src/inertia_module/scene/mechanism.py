@@ -11,8 +11,7 @@ from ..common.units import number_of
 from ..contract.variable import PARAMETER, Variable
 from ..contract.variables import BY_NAME, with_causality
 from ..kernel.codes import ELASTIC
-from .tables import Strict
-from .units import InUnit
+from .fields import InUnit, Strict
 
 FIDELITY = "fidelity"
 DRIVE = "drive"

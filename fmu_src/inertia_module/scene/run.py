@@ -8,23 +8,26 @@ import time
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import __version__
 from ..common.errors import Named, Refused
-from ..contract.variables import COMPUTED
+from ..contract.variables import BY_NAME, COMPUTED
 from ..harness.calls import Closing
 from ..harness.restarted import RestartedFmu
 from ..harness.results import html_table
 from ..harness.simulate import Fmu, Progress, Result
+from ..kernel.codes import ELASTIC
 from ..loops import ClosedLoop, initial_inputs
-from .drives import TORQUE_DRIVES
-from .errors import SceneError
+from .keys import SceneError
 from .schema import Scene
 from .summary import SUMMARISED, Quantity, input_speed, summarise, unreached
+
+if TYPE_CHECKING:
+    from ..export.plan import Plan
 
 # of the speed of link 1: below it the output shaft rests
 RESTING = 1e-6
@@ -131,11 +134,33 @@ def start_of(scene: Scene) -> tuple[Any, dict[str, float], dict[str, float]]:
     values = scene.parameters()
     surroundings = scene.surroundings
     speeds = {"omega_out": values.get("omega_out_start", 0.0)}
-    if not isinstance(scene.drive, TORQUE_DRIVES):
-        return surroundings, values, initial_inputs(surroundings, speeds)
     omega1 = scene.drive.start_speed
+    if omega1 is None:
+        return surroundings, values, initial_inputs(surroundings, speeds)
     inputs = initial_inputs(surroundings, {**speeds, "input_speed": omega1})
     return surroundings, values, {**inputs, "omega1": omega1}
+
+
+def scene_plan(scene: Scene) -> Plan:
+    """Plan the export of a scene: the FMUs of its mechanism with the values at its start.
+
+    Raises:
+        SceneError: its fidelity is still to be chosen, or its freewheels wind up.
+    """
+    from ..export.plan import make_plan  # brings the builder of FMUs along
+
+    if scene.chooses_fidelity:
+        raise SceneError("mechanism.fidelity must be a fidelity by name for an export, is 'auto'")
+    surroundings, values, inputs = start_of(scene)
+    for name in ("housing_stiffness", "freewheel_stiffness"):
+        if values.get("fidelity") == ELASTIC and values.get(name, 0.0) > 0.0:
+            raise SceneError(
+                f"mechanism.{name} must be 0 for an export, is {values[name]:g}: an elastic mechanism becomes"
+                " a rigid module and a shaft, and neither has freewheels that wind up"
+            )
+    step = float(surroundings.dt)
+    tolerance = scene.accuracy.tolerance or BY_NAME["tolerance"].start or 1e-6
+    return make_plan(scene.title, values, inputs, step, scene.run.stop_time, tolerance)
 
 
 def run_scene(

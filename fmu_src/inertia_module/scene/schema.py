@@ -10,21 +10,18 @@ from pydantic import Field, ValidationInfo, model_validator
 
 from .. import loops
 from ..common.errors import Refused, did_you_mean
-from ..contract.variable import LARGEST_STEP, OUTPUT
+from ..contract.variable import ENUMERATIONS, LARGEST_STEP, OUTPUT
 from ..contract.variables import BY_NAME, COMPUTED, with_causality
 from ..harness.simulate import whole_steps
-from ..kernel.codes import ELASTIC
+from ..kernel.codes import DRIVE_TORQUE, ELASTIC
 from ..loops.cycles import Cycle
 from ..memory import Module
-from .controllers import SPEED_UNITS, VEHICLE_SPEED, Controller, CycleReference, measured_speed
-from .drives import CONTROLLED_DRIVES, Drive, check_drive, with_drive
-from .engine import EngineDrive
-from .errors import SceneError
-from .keys import changed, validated, without_files
-from .loads import Load
+from .controllers import Controller
+from .drives import Drive
+from .fields import Duration, Strict, quantity
+from .keys import SceneError, changed, validated, without_files
+from .loads import SPEED_UNITS, VEHICLE_SPEED, Load, measured_speed
 from .mechanism import AUTO, DRIVE, FIDELITY, Mechanism, at_fidelity, is_auto, parameters
-from .tables import Duration, Strict
-from .units import quantity
 
 _TOLERANCE = BY_NAME["tolerance"]
 _OUTPUTS = tuple(variable.name for variable in with_causality(OUTPUT))
@@ -93,8 +90,7 @@ class Scene(Strict):
     @property
     def cycle(self) -> Cycle | None:
         """The driving cycle that is to be followed, if any."""
-        reference = self.controller.reference if self.controller else None
-        return reference.driving_cycle() if isinstance(reference, CycleReference) else None
+        return self.controller.reference.driving_cycle() if self.controller else None
 
     @property
     def signal_units(self) -> dict[str, str]:
@@ -205,39 +201,58 @@ class Scene(Strict):
 
     def parameters(self) -> dict[str, float]:
         """Parameters for the FMU, that of the drive too; a load coupled rigidly is in what it hangs on."""
-        values = with_drive(self.drive, self._given)
+        values = self.drive.driven(self._given)
         rigid = self.built_load.rigid_inertia
         return {**values, self._carrying: self._shaft_inertia() + rigid} if rigid else values
 
     @model_validator(mode="after")
-    def _same_surroundings(self, info: ValidationInfo) -> Scene:
-        """Take over the systems of the scene before: connecting them costs as much as a short run."""
+    def _check(self, info: ValidationInfo) -> Scene:
+        """Refuse tables that contradict each other; the module itself looks at all parameters together."""
         before = (info.context or {}).get("before")
         if before is not None and before._around == self._around:
+            # connecting the systems costs as much as a short run
             self.__dict__.update(built_load=before.built_load, surroundings=before.surroundings)
+        self._check_drive()
+        self._check_choice()
+        self._check_vehicle()
+        for name in self.run.outputs:
+            if name not in COMPUTED and name not in self.surroundings.output_labels:
+                hint = did_you_mean(name, [*COMPUTED, *self.surroundings.output_labels])
+                raise SceneError(f"run.outputs must be computed by the scene, has {name!r} {hint}")
+        try:
+            self.built_load.check_step(self._shaft_inertia())
+            turning = self.parameters().get("input_inertia", 0.0)
+            self.drive.check_step(self.run.communication_step, turning)
+        except ValueError as error:
+            raise SceneError(f"run.communication_step: {error}") from None
+        try:
+            Module("plain").check(**self.parameters())
+        except Refused as error:
+            raise SceneError(f"mechanism: {error}") from None
         return self
 
-    @model_validator(mode="after")
-    def _drive_and_controller(self) -> Scene:
-        kind = self.drive.kind
-        if self.controller is None and isinstance(self.drive, CONTROLLED_DRIVES):
+    def _check_drive(self) -> None:
+        """Refuse a drive that contradicts [controller] or mechanism.drive."""
+        kind, needed, given = self.drive.kind, self.drive.mode, self._given.get(DRIVE)
+        if self.controller is None and self.drive.COMMANDED:
             raise SceneError(f"drive.kind = {kind!r} must come with a [controller], there is none")
         if self.controller is not None and kind != self.controller.DRIVE:
             raise SceneError(
                 f"with controller.kind = {self.controller.kind!r} drive.kind must be"
                 f" {self.controller.DRIVE!r}, is {kind!r}"
             )
-        return self
+        if given is not None and given != needed:
+            names = {number: name for name, number, _ in ENUMERATIONS["Drive"]}
+            other = "speed" if needed == DRIVE_TORQUE else "torque"
+            raise SceneError(
+                f"with drive.kind = {kind!r} mechanism.drive must be {names[needed]!r}, which the scene sets"
+                f" itself, is {names[int(given)]!r}; it needs a drive.kind that gives a {other}"
+            )
 
-    @model_validator(mode="after")
-    def _drive_of_the_mechanism(self) -> Scene:
-        check_drive(self.drive, self._given.get(DRIVE))
-        return self
-
-    @model_validator(mode="after")
-    def _accuracy_of_the_choice(self) -> Scene:
+    def _check_choice(self) -> None:
+        """Refuse a fidelity to be chosen without an error to choose it by, or with what is chosen too."""
         if not self.chooses_fidelity:
-            return self
+            return
         if self.accuracy.error is None:
             raise SceneError(
                 "with mechanism.fidelity = 'auto' accuracy.error must be given, such as '1 %', is missing"
@@ -250,40 +265,11 @@ class Scene(Strict):
                     f"with mechanism.fidelity = 'auto' {name} must not be given, is {value:g}: it is chosen"
                     " too, from accuracy.error"
                 )
-        return self
 
-    @model_validator(mode="after")
-    def _vehicle_only(self) -> Scene:
+    def _check_vehicle(self) -> None:
+        """Refuse a controller that can only drive a vehicle with another load."""
         if self.controller is None or self.measured == VEHICLE_SPEED:
-            return self
+            return
         for key, given in (("reference.kind = 'cycle'", self.cycle), ("brake", self.controller.brake)):
             if given is not None:
                 raise SceneError(f"with controller.{key} load.kind must be 'vehicle', is {self.load.kind!r}")
-        return self
-
-    @model_validator(mode="after")
-    def _outputs_known(self) -> Scene:
-        for name in self.run.outputs:
-            if name not in COMPUTED and name not in self.surroundings.output_labels:
-                hint = did_you_mean(name, [*COMPUTED, *self.surroundings.output_labels])
-                raise SceneError(f"run.outputs must be computed by the scene, has {name!r} {hint}")
-        return self
-
-    @model_validator(mode="after")
-    def _step_short_enough(self) -> Scene:
-        try:
-            self.built_load.check_step(self._shaft_inertia())
-            if isinstance(self.drive, EngineDrive):
-                self.drive.check_step(self.run.communication_step, self.parameters()["input_inertia"])
-        except ValueError as error:
-            raise SceneError(f"run.communication_step: {error}") from None
-        return self
-
-    @model_validator(mode="after")
-    def _mechanism_possible(self) -> Scene:
-        """Let the module itself look at all parameters together."""
-        try:
-            Module("plain").check(**self.parameters())
-        except Refused as error:
-            raise SceneError(f"mechanism: {error}") from None
-        return self

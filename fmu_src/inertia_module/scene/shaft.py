@@ -19,14 +19,13 @@ from ..harness.simulate import Progress, Result, communication_points, drive
 from ..loops.sources import evaluate
 from ..loops.stepping import law_of_motion
 from ..memory import DrivenShaft
-from .errors import SceneError
+from .fields import Duration, Strict, Tabulated, Times, quantities, quantity
+from .keys import SceneError
 from .loads import TorqueLoad
 from .mechanism import keys_of
 from .run import Outcome
 from .schema import Run
 from .summary import Quantity, energy
-from .tables import Duration, Strict, Tabulated, Times
-from .units import quantities, quantity
 
 _OUTPUTS = tuple(variable.name for variable in with_causality(OUTPUT, table=VARIABLES))
 _READABLE = tuple(variable.name for variable in with_causality(OUTPUT, LOCAL, table=VARIABLES))
@@ -73,9 +72,6 @@ class SteppingDrive(Strict):
 
 class HubTable(Tabulated):
     """The speed of the hub over time."""
-
-    VALUES: ClassVar[str] = "hub_speed"
-    UNITS: ClassVar[tuple[str, str]] = ("s", "rad/s")
 
     kind: Literal["table"]
     time: Times

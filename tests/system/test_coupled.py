@@ -1,0 +1,512 @@
+"""An engine in front of the FMU, by speed and by torque: limits, orders, energy, an independent reference."""
+
+import csv
+import dataclasses
+import math
+import re
+from functools import cache
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from inertia_module.harness.fmu import Fmu, FmuError
+from inertia_module.loops import (
+    SCHEMES,
+    CoupledEngine,
+    Engine,
+    EngineMap,
+    Governor,
+    Scheme,
+    TorqueDrivenEngine,
+    interface_inertia,
+    torque_driven,
+)
+from inertia_module.scene import load_scene
+from studies.coupling import (
+    COUPLINGS,
+    SCENE,
+    TORQUE,
+    URBAN_MODULE,
+    bevel,
+    coupled_engine,
+    coupling_map,
+    course,
+    one_piece,
+    planar,
+    trial,
+    urban_run,
+    urban_scene,
+    write_part,
+)
+
+DOCS = Path(__file__).parents[2] / "docs"
+SAMPLE = 5e-3
+# kg.m2, nearly all of it on link 1, so that it does not change with the angle
+INTERFACE = 0.1
+PURE_INERTIA = {"input_inertia": INTERFACE, "imbalance_mass": 1e-9}
+SPEED, TORQUE_STEP = 100.0, 1.0
+CASES = {"planar": planar, "bevel": bevel}
+
+
+@pytest.fixture(scope="module")
+def fmu_path(built):
+    return built / "InertiaModule.fmu"
+
+
+@cache
+def reference(name, ratio):
+    """Course of a case in one piece."""
+    return one_piece(CASES[name](ratio))
+
+
+@pytest.fixture(scope="module")
+def quick_map(fmu_path):
+    return coupling_map(fmu_path, quick=True)
+
+
+def engine(**values):
+    given = {"inertia": 0.1, "reference": 100.0, "speed": 100.0} | values
+    return Engine(limits=EngineMap((0.0,), (100.0,), (10.0,)), governor=Governor(1.0, 1.0), **given)
+
+
+# --- the added-mass limit, on a module that is an inertia and little else ---
+
+
+def characteristic(scheme, r, rho):
+    """Polynomial of the growth in a step, of any length, highest power first: a step passes momentum on.
+
+    u and m are the changes of speed of engine and module, (1 + rho) u = (rho - r) m with r = Phi/J_E and
+    rho what the engine reckons with, over J_E; m is u of the step before, or 2 u - u along a ramp.
+    """
+    return {
+        Scheme.JACOBI: (1.0, 0.0, r),
+        Scheme.MODULE_FIRST: (1.0, r),
+        Scheme.INERTIA: (1.0 + rho, 2.0 * (r - rho), rho - r),
+        Scheme.IMPLICIT: (1.0, 0.0),
+    }[scheme]
+
+
+def speed_changes(scheme, ratio, step, fmu_path, share=1.0, count=300):
+    """Changes of the engine's speed, step by step, after a step of torque; cut off where they are absurd."""
+    inertia = INTERFACE / ratio
+    still = Governor(0.0, 0.0, 1e9)
+    engine = Engine(inertia, EngineMap((0.0,), (1e6,), (1e6,)), still, SPEED, SPEED, TORQUE_STEP)
+    changes = []
+    with Fmu(fmu_path, PURE_INERTIA, {"omega1": SPEED, "load_torque": 0.0}, 1e-8) as fmu:
+        coupled = CoupledEngine(fmu, engine, scheme, share * INTERFACE)
+        while len(changes) < count and (not changes or abs(changes[-1]) < 1e3 * TORQUE_STEP / inertia * step):
+            before = engine.speed
+            coupled.step(step)
+            changes.append(engine.speed - before)
+    return changes
+
+
+def is_stable(scheme, ratio, step, fmu_path, share, count=300):
+    changes = speed_changes(scheme, ratio, step, fmu_path, share, count)
+    if len(changes) < count:
+        return False
+    unrest = [abs(b - a) for a, b in pairwise(changes)]
+    return max(unrest[-20:]) < max(*unrest[20:40], 1e-3 * abs(changes[-1]))
+
+
+@pytest.mark.parametrize("scheme", Scheme)
+def test_changes_of_speed_follow_the_characteristic_polynomial(fmu_path, scheme):
+    for ratio, share in ((0.3, 1.0), (3.0, 0.6)):
+        polynomial = np.array(characteristic(scheme, ratio, share * ratio))
+        changes = np.array(speed_changes(scheme, ratio, 1e-3, fmu_path, share, 12)[:12])
+        unrest, rounding = np.diff(changes), 1e-5 * np.abs(changes).min()
+        for n in range(4, unrest.size - polynomial.size):
+            window = unrest[n : n + polynomial.size][::-1]
+            terms = np.abs(polynomial * window).sum()
+            assert abs(polynomial @ window) < 1e-3 * terms + rounding
+
+
+@pytest.mark.parametrize(
+    "scheme, share", [(Scheme.JACOBI, 0.0), (Scheme.MODULE_FIRST, 0.0), (Scheme.INERTIA, 0.5)]
+)
+@pytest.mark.parametrize("step", [1e-5, 5e-3])
+def test_shorter_steps_do_not_move_the_limit(fmu_path, scheme, share, step):
+    growths = [np.abs(np.roots(characteristic(scheme, r, share * r))).max() for r in (0.95, 1.05)]
+    assert growths[0] < 1.0 < growths[1]
+    given = share or 1.0
+    assert is_stable(scheme, 0.95, step, fmu_path, given)
+    assert not is_stable(scheme, 1.05, step, fmu_path, given)
+
+
+@pytest.mark.parametrize(
+    "scheme, share", [(Scheme.INERTIA, 0.75), (Scheme.INERTIA, 1.0), (Scheme.IMPLICIT, 1.0)]
+)
+def test_corrected_schemes_have_no_limit(fmu_path, scheme, share):
+    assert is_stable(scheme, 1000.0, 1e-3, fmu_path, share)
+
+
+@pytest.mark.parametrize("scheme", Scheme)
+def test_the_engine_feels_the_whole_inertia_of_the_module_in_the_end(fmu_path, scheme):
+    ratio, step = 0.2, 1e-4
+    acceleration = speed_changes(scheme, ratio, step, fmu_path)[-1] / step
+    felt = TORQUE_STEP / acceleration - INTERFACE / ratio
+    assert felt == pytest.approx(INTERFACE, rel=1e-3)
+
+
+@pytest.mark.parametrize("step", [1e-4, 5e-3])
+def test_the_mean_torque_holds_the_jump_of_a_held_speed_and_the_torque_at_an_instant_does_not(fmu_path, step):
+    with Fmu(fmu_path, PURE_INERTIA, {"omega1": SPEED, "load_torque": 0.0}) as fmu:
+        fmu.set(omega1=SPEED + 2.0)
+        fmu.advance(step)
+        mean, instant = fmu.read(("input_torque_mean", "input_torque"))
+    assert mean * step == pytest.approx(2.0 * INTERFACE, rel=1e-6)
+    assert instant == pytest.approx(0.0, abs=1e-4)
+
+
+def test_interface_inertia_is_that_of_a_rolling_satellite():
+    """Held wheel: the imbalance turns about the point of contact at (1 + k) omega1, r - l to r + l away."""
+    turned = 3 * 0.3 * (1.0 + 0.1 / 0.06) ** 2
+    found = interface_inertia(URBAN_MODULE)
+    assert found.least == pytest.approx(turned * 0.02**2, rel=1e-12)
+    assert found.greatest == pytest.approx(turned * 0.10**2, rel=1e-12)
+
+
+# --- accuracy ---
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_the_implicit_coupling_tends_to_the_one_piece_reference(fmu_path, name):
+    case, expected = CASES[name](0.5), reference(name, 0.5)
+    found = course(case, Scheme.IMPLICIT, 4e-5, fmu_path, 1e-10)
+    assert found.stable
+    assert np.abs(found.omega1 - expected.omega1).max() < 3e-6 * case.speed
+    assert np.abs(found.omega_out - expected.omega_out).max() < 3e-6 * expected.omega_out.max()
+    assert found.work == pytest.approx(expected.work, rel=3e-6)
+    assert abs(found.ledger.defect) < 3e-6 * expected.work
+
+
+@pytest.mark.parametrize("name, ratio", [("planar", 0.3), ("bevel", 5.0)])
+def test_by_torque_with_steps_that_meet_the_samples_it_is_the_one_piece_reference(fmu_path, name, ratio):
+    case, expected = CASES[name](ratio), reference(name, ratio)
+    for step in (SAMPLE / 4, SAMPLE):
+        found = course(case, None, step, fmu_path, 1e-10)
+        assert np.abs(found.omega1 - expected.omega1).max() < 1e-9 * case.speed
+        assert np.abs(found.omega_out - expected.omega_out).max() < 1e-9 * expected.omega_out.max()
+        assert found.work == pytest.approx(expected.work, rel=1e-9)
+
+
+def test_by_torque_steps_that_miss_the_samples_see_the_speed_late(fmu_path):
+    steps, expected = (2e-3, 1e-2, 2e-2), reference("planar", 0.5)
+    errors = [trial(planar(0.5), TORQUE, step, expected, fmu_path).worst for step in steps]
+    assert 1e-4 < errors[0] < errors[1] < errors[2]
+
+
+@pytest.mark.parametrize(
+    "name, order",
+    [
+        ("mean jacobi held", 1.0),
+        ("mean module first held", 1.0),
+        ("inertia module first ramp", 2.0),
+        ("implicit ramp", 2.0),
+    ],
+)
+def test_error_falls_with_the_order_of_the_scheme(fmu_path, name, order):
+    expected = reference("planar", 0.3)
+    errors = [trial(planar(0.3), name, step, expected, fmu_path).output_error for step in (1e-3, 2.5e-4)]
+    assert math.log(errors[0] / errors[1]) / math.log(4.0) > 0.85 * order
+
+
+@pytest.mark.parametrize("name, step", [("planar", 2e-3), ("bevel", 4e-3)])
+def test_recommended_scheme_is_within_a_percent_at_a_tenth_of_a_pulse(fmu_path, name, step):
+    assert trial(CASES[name](0.5), "implicit ramp", step, reference(name, 0.5), fmu_path).worst < 0.01
+
+
+# --- momentum, energy, cost ---
+
+
+@pytest.mark.parametrize("scheme", Scheme)
+def test_no_angular_momentum_is_lost_with_step_means(fmu_path, scheme):
+    """What one side has given and the other not yet got stays bounded: it is the exchange of one step."""
+    case = planar(0.2)
+    with coupled_engine(case, scheme, fmu_path) as coupled:
+        lost = largest = bound = 0.0
+        for _ in range(500):
+            exchange = coupled.step(1e-3)
+            lost += exchange.step * (exchange.engine_torque - exchange.module_torque)
+            largest = max(largest, abs(lost))
+            bound = max(bound, 1e-3 * abs(exchange.module_torque))
+    assert largest < 1.5 * bound + case.interface.middle * 0.1 * case.speed
+
+
+@pytest.mark.parametrize(
+    "scheme, step, loss",
+    [(None, 1e-3, 1e-12), (None, SAMPLE, 1e-12), (None, 2e-2, 1e-12), (Scheme.IMPLICIT, 2e-3, 3e-3)],
+)
+def test_every_joule_of_the_engine_is_on_one_of_the_accounts(fmu_path, scheme, step, loss):
+    with coupled_engine(planar(0.3), scheme, fmu_path) as coupled:
+        before = coupled.energy_stored
+        for _ in range(round(0.6 / step)):
+            coupled.advance(step)
+        names = ("energy_out", "energy_lost", "energy_in", "energy_residual", "engine_work_in", "bond_defect")
+        out, lost, given, residual, worked, defect = coupled.read(names)
+        left = worked - out - lost - (coupled.energy_stored - before)
+        assert left == pytest.approx(defect, abs=1e-5 * worked)
+        assert abs(residual) < 1e-7 * worked
+        assert abs(defect) < loss * worked
+        if scheme is None:  # by torque no rotor is in between
+            assert worked == pytest.approx(given, rel=1e-12)
+            assert abs(left) < 1e-7 * worked
+
+
+def test_cost_counts_steps_that_were_taken_back(fmu_path):
+    with coupled_engine(planar(0.3), Scheme.IMPLICIT, fmu_path) as coupled:
+        for _ in range(10):
+            coupled.step(1e-3)
+        assert coupled.fmu.time == pytest.approx(0.01)
+        ledger = coupled.ledger
+        assert (ledger.steps, ledger.fmu_steps, ledger.cost) == (10, 20, 40)
+
+
+@pytest.mark.parametrize("name", ["InertiaModule.fmu", "InertiaModulePy.fmu"])
+@pytest.mark.parametrize(
+    "level",
+    [
+        {"fidelity": 1},
+        {"method": 1, "max_step": 1e-3},
+        {"fidelity": 3, "driven_inertia": 0.5, "shaft_stiffness": 4e3, "shaft_damping": 0.5},
+    ],
+    ids=["averaged", "timestepping", "elastic"],
+)
+def test_a_torque_drives_every_level_of_fidelity_of_either_fmu(built, level, name):
+    case = planar(0.5)
+    case = dataclasses.replace(case, parameters={**case.parameters, **level})
+    with coupled_engine(case, None, built / name) as coupled:
+        for _ in range(100):
+            coupled.advance(SAMPLE)
+        worked, given, residual, defect, speed = coupled.read(
+            ("engine_work_in", "energy_in", "energy_residual", "bond_defect", "omega_out")
+        )
+        assert worked == pytest.approx(given, rel=1e-9)
+        assert abs(defect) < 1e-9 * worked
+        assert abs(residual) < (0.02 if "method" in level else 1e-4) * worked
+        assert coupled.engine.speed == pytest.approx(case.speed, rel=0.2)
+        assert speed > 10.0
+
+
+def test_by_torque_angle_and_speed_of_the_engine_are_those_of_link_1_and_its_torque_keeps_its_map(fmu_path):
+    case = planar(0.5)
+    with coupled_engine(case, None, fmu_path) as coupled:
+        torques = []
+        for reference in (2.0 * case.speed, 0.5 * case.speed):
+            coupled.set(omega1=reference)
+            for _ in range(100):
+                coupled.advance(SAMPLE)
+                torques.append(coupled.read(("engine_torque", "drive_torque")))
+        names = ("engine_speed", "input_speed", "engine_angle", "input_angle", "input_turns", "engine_energy")
+        speed, given, angle, rest, turns, energy = coupled.read(names)
+        assert speed == given
+        assert angle == pytest.approx(rest + 2.0 * math.pi * turns, rel=1e-12)
+        assert energy == pytest.approx(0.5 * case.engine().inertia * speed**2, rel=1e-12)
+        assert coupled.ledger.cost == 200
+    found = np.array(torques)
+    assert found[:, 1] == pytest.approx(found[:, 0], rel=1e-12)
+    assert (found[:, 0].max(), found[:, 0].min()) == (200.0, -20.0)
+
+
+def test_a_plant_in_substeps_is_a_plant_in_steps(fmu_path):
+    ends = []
+    for substeps, step in ((1, 0.5 * SAMPLE), (4, 2.0 * SAMPLE)):
+        with coupled_engine(planar(0.5), None, fmu_path) as coupled:
+            coupled.substeps = substeps
+            for _ in range(240 // substeps):
+                coupled.advance(step)
+            assert coupled.ledger.steps == 240
+            ends.append(coupled.engine.state)
+    assert ends[0] == ends[1]
+
+
+# --- the study and its page ---
+
+
+def test_quick_map_finds_the_recommended_couplings_best_and_leaves_its_rows(quick_map, tmp_path):
+    fine = sorted((row for row in quick_map if row.step < 2e-3), key=lambda row: row.worst)
+    assert [row.scheme for row in fine] == [TORQUE, *reversed(SCHEMES)]
+    written = write_part(tmp_path, "map", quick_map)
+    assert all(Path(file).stat().st_size > 500 for file in written.values())
+    again = read_rows(tmp_path / "coupling_map.csv")
+    assert [row["scheme"] for row in again] == [row.scheme for row in quick_map]
+    for name in ("cost", "energy_error", "work_error"):
+        expected = [getattr(row, name) for row in quick_map]
+        assert [float(row[name]) for row in again] == pytest.approx(expected, rel=1e-5)
+
+
+def test_quick_map_finds_the_torque_more_accurate_and_cheaper(quick_map):
+    found = {(row.scheme, row.step): row for row in quick_map}
+    by_torque, implicit = found[TORQUE, SAMPLE], found["implicit ramp", 1e-3]
+    assert max(row.worst for (scheme, _), row in found.items() if scheme == TORQUE) < 1e-7
+    assert implicit.cost >= 20 * by_torque.cost
+    assert implicit.worst > 1e3 * by_torque.worst
+
+
+def read_rows(path):
+    """Rows by heading, without its unit."""
+    with path.open(newline="") as file:
+        headings, *rows = csv.reader(file)
+    return [dict(zip((heading.split(" [")[0] for heading in headings), row, strict=True)) for row in rows]
+
+
+# a pulse, s, of the cases of the map
+PULSES = {"planar": 0.019, "bevel": 0.037}
+
+
+@pytest.mark.parametrize(
+    "scheme, share, ratio",
+    [
+        ("implicit ramp", 1 / 4, 0.1),
+        ("implicit ramp", 1 / 10, 0.5),
+        ("implicit ramp", 1 / 20, 2.0),
+        ("inertia module first ramp", 1 / 40, 1.0),
+    ],
+)
+def test_recommended_steps_keep_within_a_percent_and_a_half_in_the_rows_of_the_page(scheme, share, ratio):
+    rows = [
+        row
+        for row in read_rows(DOCS / "coupling_map.csv")
+        if row["scheme"] == scheme and float(row["ratio"]) <= ratio
+        # to the step of the map next to it
+        if float(row["step"]) <= 1.1 * share * PULSES[row["case"]]
+    ]
+    assert {row["case"] for row in rows} == set(PULSES)
+    for row in rows:
+        worst = max(abs(float(row[f"{name}_error"])) for name in ("speed", "output", "energy"))
+        assert worst < 0.015, row
+
+
+def test_rows_of_the_page_are_what_is_measured_now(fmu_path):
+    rows = {
+        (row["case"], float(row["ratio"]), row["scheme"], float(row["step"])): row
+        for row in read_rows(DOCS / "coupling_map.csv")
+    }
+    for case, ratio in (("planar", 0.5), ("bevel", 0.5)):
+        for name in COUPLINGS:
+            found = trial(CASES[case](ratio), name, 1e-3, reference(case, ratio), fmu_path)
+            row = rows[case, ratio, name, 1e-3]
+            assert row["stable"] == str(found.stable)
+            if found.stable:
+                for column in ("speed_error", "output_error", "energy_error"):
+                    assert float(row[column]) == pytest.approx(getattr(found, column), rel=0.02, abs=1e-6)
+
+
+def test_python_of_the_page_runs(built, tmp_path, monkeypatch, capsys):
+    (tmp_path / "build").symlink_to(built)
+    monkeypatch.chdir(tmp_path)
+    defects = []
+    for code in re.findall(r"```python\n(.*?)```", (DOCS / "coupling.md").read_text(), re.S):
+        exec(compile(code, "coupling.md", "exec"), {})
+        speed, _, defect = map(float, capsys.readouterr().out.split())
+        assert speed == pytest.approx(200.0, rel=0.2)
+        defects.append(abs(defect))
+    by_torque, by_speed = defects
+    assert by_speed < 10.0
+    assert by_torque < 1e-8
+
+
+# --- the urban cycle ---
+
+
+def test_urban_module_is_that_of_the_scene():
+    given = load_scene(SCENE).parameters()
+    assert {name: given[name] for name in URBAN_MODULE} == URBAN_MODULE
+
+
+@pytest.mark.slow
+def test_energy_over_the_urban_cycle_adds_up_with_step_means(fmu_path):
+    found = urban_run(urban_scene(), fmu_path, "implicit ramp", 3)
+    assert abs(found.residual) < 1e-3
+    assert found.outside == 0.0
+    assert found.engine > 2e5
+
+
+def test_energy_over_the_launch_adds_up_but_with_a_held_speed_in_long_steps(fmu_path):
+    scene = urban_scene()
+    found = urban_run(scene, fmu_path, TORQUE, 2, stop_time=20.0)
+    assert abs(found.residual) < 1e-6
+    assert found.outside == 0.0
+    assert found.cost == pytest.approx(200.0)
+    assert abs(urban_run(scene, fmu_path, "implicit ramp", 5, stop_time=20.0).residual) < 1e-3
+    assert abs(urban_run(scene, fmu_path, "mean module first held", 1, stop_time=20.0).residual) > 0.05
+
+
+# --- what is refused ---
+
+
+def by_speed(fmu, scheme=Scheme.IMPLICIT, substeps=1, **values):
+    return CoupledEngine(fmu, engine(**values), scheme, substeps=substeps)
+
+
+def by_torque(fmu, **values):
+    return TorqueDrivenEngine(fmu, engine(**values))
+
+
+ROTOR = torque_driven({}, 0.1)
+
+
+@pytest.mark.parametrize(
+    "parameters, make, values, sentence",
+    [
+        ({}, by_speed, {"speed": 90.0}, "omega1 of the FMU must be the engine's 90 rad/s, is 100"),
+        ({}, by_speed, {"scheme": Scheme.INERTIA}, "inertia must be a positive interface inertia, kg"),
+        ({}, by_speed, {"substeps": 0}, "substeps must be a whole number from 1, is 0"),
+        ({"input_hold": "linear"}, by_speed, {}, "input_hold must be constant, is linear"),
+        (ROTOR, by_speed, {}, "drive of the FMU must be speed for CoupledEngine, is torque"),
+        ({"input_inertia": 0.1}, by_torque, {}, "drive of the FMU must be torque for Torque"),
+        (ROTOR, by_torque, {"inertia": 0.2}, "input_inertia of the FMU must be at least 0.2 kg.m2"),
+    ],
+)
+def test_an_engine_that_does_not_fit_the_module_is_refused(fmu_path, parameters, make, values, sentence):
+    with (
+        Fmu(fmu_path, parameters, {"omega1": 100.0}) as fmu,
+        pytest.raises(ValueError, match=re.escape(sentence)),
+    ):
+        make(fmu, **values)
+
+
+def test_a_torque_beside_that_of_the_engine_is_refused(fmu_path):
+    with (
+        Fmu(fmu_path, ROTOR, {"omega1": 100.0}) as fmu,
+        pytest.raises(ValueError, match=r"drive_torque = 5 N.m cannot be set, the engine gives it"),
+    ):
+        by_torque(fmu).set(drive_torque=5.0)
+
+
+def test_parameters_add_the_rotor_to_link_1():
+    found = torque_driven({"z2": 30.0, "input_inertia": 0.05}, 0.1)
+    assert found == {"z2": 30.0, "input_inertia": pytest.approx(0.15), "drive": 1.0}
+
+
+@pytest.mark.parametrize("name", COUPLINGS)
+def test_after_a_refused_step_a_good_one_goes_on_as_if_nothing_had_been(fmu_path, name):
+    ends, step = [], SAMPLE if name == TORQUE else 1e-3
+    for load in (8.0, 1e300):
+        with coupled_engine(planar(0.3), COUPLINGS[name], fmu_path) as coupled:
+            for n in range(40):
+                if n == 21 and load != 8.0:
+                    coupled.set(load_torque=load)
+                    with pytest.raises(FmuError, match="load_torque"):
+                        coupled.step(step)
+                    coupled.set(load_torque=8.0)
+                coupled.step(step)
+            ends.append((coupled.engine.state, *coupled.read(("omega_out", "energy_in"))))
+            assert coupled.ledger.steps == 40
+    assert ends[0] == ends[1]
+
+
+def test_an_implicit_step_refused_half_way_is_taken_back(fmu_path, monkeypatch):
+    def refuse(*_):
+        raise FmuError("no derivative")
+
+    with coupled_engine(planar(0.3), Scheme.IMPLICIT, fmu_path) as coupled:
+        coupled.step(1e-3)
+        names = ("omega_out", "energy_in", "input_angle")
+        before = coupled.fmu.time, coupled.engine.state, coupled.read(names)
+        monkeypatch.setattr(coupled.fmu, "jacobian", refuse)
+        with pytest.raises(FmuError, match="no derivative"):
+            coupled.step(1e-3)
+        assert (coupled.fmu.time, coupled.engine.state, coupled.read(names)) == before

@@ -1,0 +1,427 @@
+"""Runs of scenes: the wanted columns, the numbers of the summary, what is drawn; engines and controllers."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from inertia_module import loops
+from inertia_module.contract.variable import PARAMETER
+from inertia_module.contract.variables import BY_NAME, LOSSES, with_causality
+from inertia_module.fidelity.levels import all_levels
+from inertia_module.fidelity.trials import measure_scene, run_in_process
+from inertia_module.figures.scenes import losses, scene_figure
+from inertia_module.harness.fmu import Fmu
+from inertia_module.harness.results import Result
+from inertia_module.harness.steady import SteadyMachine
+from inertia_module.loops import Engine, EngineMap, Governor, TorqueDrivenEngine, torque_driven
+from inertia_module.loops.cycles import ELEMENTARY_URBAN_CYCLE as CYCLE
+from inertia_module.scene import load_scene, read_scene, run_scene
+from inertia_module.scene.run import above_stall, start_of
+from inertia_module.scene.summary import SUMMARISED, forces, summarise
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+SCENE = """
+[mechanism]
+{mechanism}
+[drive]
+{drive}
+[load]
+{load}
+{controller}
+[run]
+stop_time = {stop}
+communication_step = {step}
+{run}
+"""
+CAR = 'kind = "vehicle"\nmass = 900\nwheel_radius = 0.3\nfinal_drive = 3'
+FOLLOWED = """[controller]
+kind = "pi"
+proportional_gain = 500
+reference = { kind = "table", time = [0, 5], speed = [0, 2] }"""
+DRIVEN_CAR = {"drive": 'kind = "controlled"', "load": CAR, "controller": FOLLOWED, "step": 0.01}
+RISING = {
+    "mechanism": "input_inertia = 0.2",
+    "drive": 'kind = "torque_table"\ntime = [0, 0.5]\ndrive_torque = [0, "20 N.m"]\nomega1 = 50',
+    "load": 'kind = "torque"\ntorque = 5',
+    "step": 0.01,
+}
+FORCES = ("satellite_force", "satellite_force_peak", "shaking_force_x", "shaking_force_y", "shaking_force_z")
+REAL = ("real_machine", "real_bevel")
+TOP_SPEED = 250.0
+
+
+def scene(stop=0.5, **parts):
+    """R1 under 10 N.m, or what is given in its place."""
+    given = {
+        "mechanism": "",
+        "drive": 'kind = "constant"\nomega1 = 100',
+        "load": 'kind = "torque"\ntorque = 10',
+        "controller": "",
+        "step": 0.001,
+        "run": "",
+    }
+    return read_scene(SCENE.format(stop=stop, **{**given, **parts}), Path())
+
+
+@pytest.fixture(scope="module")
+def fmu(built):
+    return built / "InertiaModule.fmu"
+
+
+def table(**last):
+    """A table of two rows, all zeros but what is given for the second."""
+    columns = {name: np.array([0.0, last.get(name, 0.0)]) for name in (*SUMMARISED, "load_torque", *last)}
+    return Result.from_columns({"time": np.array([0.0, 1.0]), **columns})
+
+
+def labels(figure):
+    legends = [axes.get_legend() for axes in figure.axes if axes.get_legend() is not None]
+    return {text.get_text() for legend in legends for text in legend.get_texts()}
+
+
+# --- numbers of the summary ---
+
+
+def test_load_above_stall_is_told():
+    stall = SteadyMachine({}).at(100.0, 0.0).output_torque
+
+    def told(load, parameters=None, **columns):
+        given = {"omega1": [100.0] * 3, "load_torque": [load] * 3, "omega_out": [3.0, 0.0, 0.0], **columns}
+        return above_stall(Result.from_columns({"time": [0.0, 1.0, 2.0], **given}), parameters or {})
+
+    sentence = f"is above stall: {stall + 1:.4g} N.m, the mechanism gives {stall:.4g} N.m at 100 rad/s"
+    assert told(stall + 1.0) == {"load_torque": sentence}
+    assert not told(stall - 1.0)
+    assert not told(stall + 1.0, omega_out=[3.0, 2.0, 1.0])
+    assert not told(stall + 1.0, brake_torque=[0.0, 0.0, 5.0])
+    assert not told(stall + 1.0, omega1=[0.0] * 3)
+    assert not told(stall + 1.0, {"output_freewheel": 0.0})
+
+
+@pytest.mark.parametrize(
+    "given, out, stored, lost, efficiency",
+    [
+        (100.0, 60.0, 20.0, 20.0, 0.8),
+        # a load that drives, motion used up, a drive that takes: put in is what came in
+        (-30.0, -50.0, 10.0, 10.0, 0.8),
+        (0.0, 15.0, -20.0, 5.0, 0.75),
+        (7.0, 0.0, 0.0, 7.0, 0.0),
+        (7.0, 7.0, 0.0, 0.0, 1.0),
+        # a balancer gives more than is lost; nothing moves
+        (7.0, 9.0, 0.0, -2.0, None),
+        (0.0, 0.0, 0.0, 0.0, None),
+    ],
+)
+def test_efficiency_is_what_is_not_lost_of_all_put_in(given, out, stored, lost, efficiency):
+    energies = table(energy_in=given, energy_out=out, energy_stored=stored, energy_lost=lost)
+    found = summarise(energies, None, None, 1.0)
+    assert ("efficiency" in found) == (efficiency is not None)
+    if efficiency is not None:
+        assert found["efficiency"].value == pytest.approx(efficiency, rel=1e-15)
+
+
+def test_each_loss_is_told_where_there_is_one():
+    assert len(LOSSES) == 5
+    for name in LOSSES:
+        told = summarise(table(energy_in=10.0, energy_lost=2.0, **{name: 2.0}), None, None, 1.0)
+        assert {key: told[key] for key in told if key in LOSSES} == {name: (2.0, "J")}
+        assert list(losses(table(**{name: 2.0}))) == [name.removeprefix("energy_lost_")]
+        assert BY_NAME[name].unit == "J"
+
+
+def test_forces_are_magnitudes_of_what_is_recorded():
+    one = table(satellite_force=5.0, shaking_force_x=2.0, shaking_force_y=-3.0, shaking_force_z=6.0)
+    assert {name: values[-1] for name, values in forces(one).items()} == {
+        "satellite_force": 5.0,
+        "shaking_force": 7.0,
+    }
+    found = summarise(one, None, None, 1.0)
+    assert found["shaking_force_peak"] == (7.0, "N")
+    assert found["shaking_force_rms"].value == pytest.approx(7.0 / math.sqrt(2.0))
+    assert "shaking_moment_peak" not in found
+    # two of three components are no force, and what is 0 throughout is not known
+    assert not forces(table(shaking_force_x=2.0, shaking_force_y=1.0))
+    assert not forces(table(satellite_force=0.0))
+    # nor is what three satellites leave of 3 kN by rounding
+    balanced = table(satellite_force=3e3, shaking_force_x=0.0, shaking_force_y=3e-12, shaking_force_z=-4e-12)
+    assert list(forces(balanced)) == ["satellite_force"]
+    between = summarise(table(satellite_force=5.0, satellite_force_peak=8.0), None, None, 1.0)
+    assert between["satellite_force_peak"] == (8.0, "N")
+
+
+def car(speed, time, **columns):
+    """A table with a vehicle of these speeds at these times."""
+    zeros = ("distance", "load_speed", *(f"{name}_torque" for name in ("rolling", "drag", "slope", "brake")))
+    given = {name: np.zeros(len(time)) for name in (*SUMMARISED, "load_torque", *zeros)}
+    units = {"reference": "m/s"}
+    return Result.from_columns({"time": time, **given, "vehicle_speed": np.array(speed), **columns}, units)
+
+
+def test_times_to_a_speed_count_from_the_last_standstill():
+    time = np.linspace(0.0, 2.0, 201)
+    record = car(np.interp(time, [0.0, 0.5, 1.0, 1.5, 2.0], [3.0, 0.0, 0.0, 10.0, 20.0]), time)
+    found = summarise(record, None, None, 1.0, [2.0, 10.0, 15.0, 30.0])
+    times = {name: found[name].value for name in found if name.startswith("time_to_")}
+    assert times == {"time_to_36_kmh": pytest.approx(0.5), "time_to_54_kmh": pytest.approx(0.75)}
+
+
+def test_time_out_of_the_band_of_a_cycle_counts_the_steps_that_begin_there():
+    time = np.array([0.0, 20.0, 21.0, 24.0, 195.0])
+    lower, _ = CYCLE.tolerance_band(time)
+    record = car(lower + np.array([0.1, -0.1, 0.1, 0.1, -0.1]), time, reference=CYCLE.speed_at(time))
+    found = summarise(record, "vehicle_speed", CYCLE, 1.0)
+    assert found["time_out_of_tolerance"] == (1.0, "s")
+    assert found["share_out_of_tolerance"] == (pytest.approx(100.0 / 195.0), "%")
+
+
+# --- drives that give a speed ---
+
+
+def test_run_leaves_the_wanted_columns_and_the_numbers(fmu):
+    seen = []
+    wanted = scene(0.2, step=0.01, run='outputs = ["omega2", "contact_mode"]')
+    result = run_scene(wanted, fmu, seen.append)
+    assert isinstance(result.table, Result)
+    assert result.table.names == ["time", "omega2", "contact_mode", "load_torque", "omega1"]
+    assert len(result.table) == 21
+    assert seen[-1] == 1.0
+    summary = result.summary
+    assert set(summary) == set(result.units)
+    assert summary["energy_residual_relative"] < 1e-5
+    kept = summary["energy_out"] + summary["energy_stored_gain"]
+    assert summary["energy_in"] == pytest.approx(kept, rel=1e-5)
+    assert summary["contact_switches"] > 0
+    assert summary["rhs_evaluations"] > 0
+
+
+def test_controlled_run_tells_how_well_it_follows_and_where_its_energy_went(fmu, tmp_path):
+    result = run_scene(scene(5, mechanism="satellites = 3\ninput_friction = 0.05", **DRIVEN_CAR), fmu)
+    assert result.units["tracking_error_rms"] == "km/h"
+    assert 0.1 < result.summary["tracking_error_rms"] < result.summary["tracking_error_maximum"] < 3.0
+    assert result.summary["distance"] == pytest.approx(5.0, rel=0.2)
+    figure = scene_figure(result)
+    assert len(figure.axes) == 5
+    assert {"lost", "viscous"} <= labels(figure)
+    figure.savefig(tmp_path / "closed.png")
+    assert (tmp_path / "closed.png").stat().st_size > 10_000
+
+
+def test_energy_of_a_car_behind_an_elastic_shaft(fmu):
+    """Only resistances of the car's own motion count: in = rolling + what still moves."""
+    coupled = {**DRIVEN_CAR, "load": CAR + "\ncoupling = { stiffness = 2000, damping = 20 }"}
+    coupled["controller"] = FOLLOWED.replace("[0, 2]", "[10, 10]").replace("500", "100")
+    result = run_scene(scene(2, mechanism="satellites = 3\noutput_inertia = 0.5", **coupled), fmu)
+    summary = result.summary
+    moving = 0.5 * 900.0 * result.table["vehicle_speed"][-1] ** 2
+    assert moving > 100.0
+    assert summary["energy_out"] > moving + summary["energy_rolling"]
+    assert summary["energy_rolling"] == pytest.approx(0.01 * 900 * 9.80665 * summary["distance"], rel=0.02)
+
+
+def test_losses_of_a_run_add_up_and_are_drawn(fmu):
+    friction, wanted = "input_friction = 0.005\noutput_friction = 0.02", f"outputs = {['omega2', *FORCES]}"
+    result = run_scene(scene(mechanism=friction, run=wanted), fmu)
+    numbers = result.summary
+    assert numbers["energy_lost_viscous"] == numbers["energy_lost"] > 0.0
+    kept = numbers["energy_out"] + numbers["energy_stored_gain"]
+    assert numbers["efficiency"] == pytest.approx(kept / numbers["energy_in"], rel=1e-5)
+    assert numbers["satellite_force_peak"] >= result.table["satellite_force"].max()
+    assert numbers["satellite_force_rms"] < numbers["satellite_force_peak"]
+    assert not set(LOSSES) & set(result.table.names)
+    figure = scene_figure(result)
+    assert {"on the satellite's bearing", "on the mount", "viscous", "lost"} <= labels(figure)
+    assert len(figure.axes) == 12
+    # the power lost, drawn over the end of the run, is that of the table
+    lost = next(axes for axes in figure.axes if axes.get_ylabel() == "lost [W]" and axes.get_xlim()[0] > 0.3)
+    power = np.diff(result.record["energy_lost"]) / 1e-3
+    assert lost.lines[0].get_ydata() == pytest.approx(power[-lost.lines[0].get_ydata().size :])
+
+
+@pytest.mark.parametrize(("step", "coarse"), [(0.01, True), (0.001, False)])
+def test_rows_too_far_apart_for_the_pulses_are_dots_and_mean_torques_no_curves(fmu, step, coarse):
+    figure = scene_figure(run_scene(scene(step=step), fmu))
+    lines = {line.get_label(): line for axes in figure.axes for line in axes.lines}
+    assert ("link 2 ω2, at instants" in lines) is coarse
+    assert ("output freewheel" in lines) is not coarse
+    if coarse:
+        assert lines["link 2 ω2, at instants"].get_linestyle() == "None"
+
+
+def test_an_ideal_module_has_no_panels_of_losses(fmu):
+    result = run_scene(scene(run='outputs = ["omega2", "imbalance_acceleration"]'), fmu)
+    assert result.summary["efficiency"] == 1.0
+    figure = scene_figure(result)
+    assert len(figure.axes) == 8
+    assert figure.get_figheight() == 9.0
+    assert not {"lost", "viscous", "on the mount"} & labels(figure)
+
+
+def test_a_run_of_one_step_is_drawn(fmu, tmp_path):
+    scene_figure(run_scene(scene(0.01, step=0.01), fmu)).savefig(tmp_path / "short.png")
+    assert (tmp_path / "short.png").stat().st_size > 10_000
+
+
+def test_examples_of_real_machines_have_every_loss_body_and_weight():
+    names = [variable.name for variable in with_causality(PARAMETER)]
+    lossy = names[names.index("input_friction") : names.index("gravity") + 1]
+    # what only the elastic output has
+    lossy = [name for name in lossy if not name.endswith(("_stiffness", "_damping"))]
+    given = {name for example in REAL for name in load_scene(EXAMPLES / f"{example}.toml").parameters()}
+    assert set(lossy) <= given
+
+
+@pytest.mark.parametrize("example", REAL)
+def test_examples_lose_to_every_cause_but_the_shaft_and_balance(fmu, example):
+    result = run_scene(load_scene(EXAMPLES / f"{example}.toml").replaced(run={"stop_time": 0.5}), fmu)
+    numbers = result.summary
+    assert {name for name in LOSSES if name in numbers} == set(LOSSES) - {"energy_lost_shaft"}
+    assert all(numbers[name] > 0.0 for name in LOSSES if name in numbers)
+    total = sum(numbers[name] for name in LOSSES if name in numbers)
+    assert total == pytest.approx(numbers["energy_lost"], rel=1e-12)
+    assert numbers["energy_residual_relative"] < 1e-6
+    assert 0.3 < numbers["efficiency"] < 1.0
+    assert {"mesh", "journal", "freewheel", "viscous"} <= labels(scene_figure(result))
+
+
+# --- drives that give a torque ---
+
+
+def test_run_by_torque_tells_the_speed_and_the_torque_and_draws_both(fmu):
+    result = run_scene(scene(**RISING), fmu)
+    table, summary = result.table, result.summary
+    assert table["drive_torque"][-1] == 20.0
+    assert table["input_speed"][0] == 50.0
+    assert "omega1" not in table
+    assert summary["omega1_maximum"] == table["input_speed"].max()
+    assert summary["energy_residual_relative"] < 1e-6
+    # held over each step
+    mean = np.average(table["drive_torque"][:-1])
+    assert summary["input_torque_mean"] == pytest.approx(mean, rel=1e-9)
+    assert {"input ω1", "drive"} <= labels(scene_figure(result))
+    # and in this process
+    found = run_in_process(scene(**RISING))
+    assert found.record["omega_out"][-1] == pytest.approx(table["omega_out"][-1], rel=1e-9)
+    assert found.module_time > 0.0
+
+
+def test_levels_that_no_torque_can_drive_say_so():
+    (kinematic,) = (level for level in all_levels(False) if level.fidelity_name == "kinematic")
+    (row,) = measure_scene(scene(**RISING), [kinematic])
+    assert "fidelity must be 1 (averaged), 2 (rigid) or 3 (elastic), is 0" in row.failure
+    assert "drive = 1" in row.failure
+
+
+def test_example_speeds_up_a_flywheel_while_the_motor_sags(fmu):
+    short = {"stop_time": 2.2, "communication_step": 2e-3}
+    table = run_scene(load_scene(EXAMPLES / "engine.toml").replaced(run=short), fmu).table
+    assert table["input_speed"][0] == pytest.approx(200.0)
+    assert table["omega_out"][-1] > 100.0
+    assert table["input_speed"].min() < 120.0
+
+
+def test_a_controller_commands_the_torque_within_its_limits(fmu):
+    controller = """[controller]
+    kind = "pi_torque"
+    proportional_gain = "20 N.m.s/m"
+    integral_gain = 2
+    minimum = "-10 N.m"
+    maximum = "20 N.m"
+    reference = { kind = "constant", speed = "36 km/h" }"""
+    parts = {"mechanism": "input_inertia = 0.2\nsatellites = 3", "controller": controller, "step": 0.01}
+    drive, load = 'kind = "controlled_torque"\nomega1 = 80', CAR.replace("900", "100")
+    light = scene(25, drive=drive, load=load, **parts)
+    assert light.parameters()["drive"] == 1.0
+    assert start_of(light)[2]["omega1"] == 80.0
+    result = run_scene(light, fmu)
+    torque = result.table["drive_torque"]
+    assert torque.max() == 20.0
+    assert torque.min() >= -10.0
+    assert np.abs(result.table["vehicle_speed"][-500:] - 10.0).max() < 0.15
+    assert result.summary["energy_residual_relative"] < 1e-5
+    scene_figure(result)
+
+
+# --- an engine ---
+
+
+def full_throttle(stop_time=6.0, step=0.01, integral_gain=12.0):
+    """The example, throttle open from the start, engine at idle."""
+    governor = {
+        "top_speed": TOP_SPEED,
+        "idle": 80.0,
+        "proportional_gain": 3.0,
+        "integral_gain": integral_gain,
+    }
+    return load_scene(EXAMPLES / "engine_launch.toml").replaced(
+        drive={"throttle": 1.0, "throttle_over_time": None, "governor": governor},
+        run={"stop_time": stop_time, "communication_step": step},
+    )
+
+
+def by_python(scene, fmu):
+    """The same launch by the engine of loops, its governor asked for the top speed."""
+    step = scene.run.communication_step
+    limits = EngineMap(
+        tuple(np.array([0.0, 1000.0, 2000.0, 3000.0]) * np.pi / 30.0),
+        (20.0, 30.0, 36.0, 32.0),
+        (6.0, 8.0, 10.0, 14.0),
+    )
+    governor = Governor(3.0, scene.drive.governor.integral_gain, step)
+    engine = Engine(0.15, limits, governor, TOP_SPEED, 80.0)
+    car = loops.vehicle_load(step, mass=900.0, wheel_radius=0.29, final_drive=4.0, drag_area=0.65)
+    given = {"omega1": TOP_SPEED, "brake_force": 0.0}
+    sources = [loops.source(name, value, step) for name, value in given.items()]
+    surroundings = loops.connect([*sources, car.system])
+    mechanism = {"layout": 1, "sun_radius": 0.1, "satellite_radius": 0.06, "eccentricity": 0.04}
+    mechanism |= {"imbalance_mass": 0.3, "satellites": 3, "link2_inertia": 0.01}
+    parameters = torque_driven({**mechanism, "output_inertia": 0.05 + car.rigid_inertia}, 0.15)
+    start = {**loops.initial_inputs(surroundings), "omega1": 80.0}
+    with Fmu(fmu, parameters, start, tolerance=1e-7) as started:
+        plant = TorqueDrivenEngine(started, engine)
+        outputs = ("input_speed", "omega_out", "engine_torque")
+        return loops.ClosedLoop(plant, surroundings, outputs).run(scene.run.stop_time)
+
+
+@pytest.mark.parametrize("integral_gain", [0.0, 12.0])
+def test_launch_is_that_of_the_python_engine(fmu, integral_gain):
+    """To rounding; with an integral but for the sample that the scene's controllers count it ahead."""
+    launch = full_throttle(integral_gain=integral_gain)
+    table, expected = run_scene(launch, fmu).record, by_python(launch, fmu)
+    assert expected["input_speed"].max() > TOP_SPEED  # the governor had something to do
+    if integral_gain:
+        apart = np.abs(table["vehicle_speed"] - expected["vehicle_speed"]).max()
+        assert 0.0 < apart < 1e-3 * expected["vehicle_speed"].max()
+        return
+    for name in ("input_speed", "omega_out", "vehicle_speed"):
+        assert np.abs(table[name] - expected[name]).max() < 1e-6 * expected[name].max(), name
+    assert table["drive_torque"][:-1] == pytest.approx(expected["engine_torque"][1:], abs=1e-5)
+
+
+def test_with_the_throttle_closed_the_engine_idles(fmu):
+    """The module asks for torque only to turn link 2 and the car: the governor of the idle speed gives it."""
+    closed = full_throttle(8.0).replaced(drive={"throttle": 0.0, "omega1": 150.0})
+    table = run_scene(closed, fmu).record
+    assert table["drive_torque"][0] == pytest.approx(closed.drive.torque_map().limits(150.0)[0])
+    assert table["input_speed"][table.time > 6.0].mean() == pytest.approx(80.0, rel=0.03)
+
+
+def test_example_says_how_soon_the_car_is_up_to_speed(fmu):
+    launch = load_scene(EXAMPLES / "engine_launch.toml")
+    launch = launch.replaced(load={"times_to": ["25 km/h", "50 km/h", "100 km/h"]})
+    result = run_scene(launch, fmu)
+    table, numbers = result.record, result.summary
+    for speed in (25.0, 50.0):
+        time = numbers[f"time_to_{speed:g}_kmh"]
+        assert np.interp(time, table.time, table["vehicle_speed"]) * 3.6 == pytest.approx(speed, rel=2e-3)
+    assert numbers["time_to_25_kmh"] < numbers["time_to_50_kmh"]
+    assert "time_to_100_kmh" not in numbers
+    fastest = table["vehicle_speed"].max() * 3.6
+    assert result.remarks == {"time_to_100_kmh": f"is not reached: {fastest:.4g} km/h is the most"}
+    assert numbers["energy_residual_relative"] < 1e-7
+    heading = scene_figure(result).axes[0].get_title(loc="left")
+    assert f"25 km/h in {numbers['time_to_25_kmh']:.3g} s" in heading
+    short = launch.replaced(run={"stop_time": 1.0})
+    found = run_in_process(short).record["vehicle_speed"]
+    assert found == pytest.approx(table["vehicle_speed"][: len(found)], rel=1e-9)
