@@ -36,7 +36,7 @@ class Case:
     value: str
     layout: str
     motion: Motion
-    split: int = 50
+    split: int
     slow: bool = False
 
     @property
@@ -112,37 +112,6 @@ class Mechanism:
                 return middle
             low, high = (middle, high) if engages(middle) else (low, middle)
 
-    def cases(
-        self,
-        axis: str,
-        value: str,
-        *,
-        omega1: float | None = None,
-        load: float | None = None,
-        duration: float | None = None,
-        segments: tuple[Segment, ...] = (),
-        split: int = 50,
-        turns: float = 0.0,
-        slow: bool = False,
-        levels: tuple[Level, ...] = LEVELS,
-        **parameters: float,
-    ) -> Iterator[Case]:
-        """An extreme at each level: ordinary but for what is given.
-
-        Args:
-            axis, value, split, slow: see Case. omega1, load, duration: rad/s, N.m, s (TRAVEL of link 1).
-            segments: in their place. turns: see Motion. levels: those the extreme says something about.
-            parameters: over those of the mechanism.
-        """
-        whole = Segment(
-            TRAVEL / self.omega1 if duration is None else duration,
-            self.omega1 if omega1 is None else omega1,
-            self.load if load is None else load,
-        )
-        for level in levels:
-            values = {**self.parameters, **parameters, **level.values}
-            yield Case(axis, value, self.layout, Motion(values, segments or (whole,), turns), split, slow)
-
 
 BEVEL = Mechanism("bevel", {"kinematic_ratio": 0.5}, 100.0, 10.0)
 PLANAR = Mechanism(
@@ -156,9 +125,12 @@ PLANAR = Mechanism(
 )
 MECHANISMS = (BEVEL, PLANAR)
 
-# --- the table: axis, each value as it is called, what it changes of a mechanism (see Mechanism.cases) ---
+# --- the table: axis, each value as it is called, what it changes of a mechanism ---
 
+# parameters and, by these names: speed of link 1, load and duration, or segments in their place; turns of
+# Motion; levels that the extreme says something about; split and slow of Case
 Extremes = Iterator[tuple[str, str, dict[str, Any]]]
+USUAL = {"segments": (), "turns": 0.0, "levels": LEVELS, "split": 50, "slow": False}
 SPEED_SIZES = (1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e4, 1e5)
 RATIOS = (1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e9)
 # of friction and drag, N.m.s/rad
@@ -313,15 +285,15 @@ def parts(m: Mechanism) -> Extremes:
 
 
 def losses(m: Mechanism) -> Extremes:
-    """Friction, losses by load, drag, gravity, wind-up and bodies: tiny, usual and dominant."""
+    """Friction, losses by load, drag: tiny, usual and dominant."""
     for part in ("input", "drive", "link2", "output"):
         for viscous in VISCOUS:
             yield "viscous friction", f"{part} {viscous:g} N.m.s/rad", {f"{part}_friction": viscous}
     bevel, both = m.layout == "bevel", ("mesh_efficiency", "satellite_mesh_efficiency")
     for mesh, names in {"link 2": both[:1], "satellites": both[1:], "both": both}.items():
-        for value in (1.0 - 1e-12, 0.97, 0.5, 0.1) if bevel or mesh == "link 2" else ():
-            called = "1 - 1e-12" if value > 0.99 else f"{value:g}"
-            yield "efficiency", f"{mesh} {called}", dict.fromkeys(names, value)
+        for efficiency in (1.0 - 1e-12, 0.97, 0.5, 0.1) if bevel or mesh == "link 2" else ():
+            called = "1 - 1e-12" if efficiency > 0.99 else f"{efficiency:g}"
+            yield "efficiency", f"{mesh} {called}", dict.fromkeys(names, efficiency)
     for lever in (1e-12, 1e-3, 0.1, 1.0, 1e3):
         yield "journal friction", f"{lever:g} m", {"journal_friction": lever}
     # links 1 and 2 locked together at the same speed by friction
@@ -336,6 +308,10 @@ def losses(m: Mechanism) -> Extremes:
             yield "drag", f"{wheel} {torque:g} N.m", {f"{wheel}_drag": torque}
         for viscous in VISCOUS:
             yield "drag", f"{wheel} {viscous:g} N.m.s/rad", {f"{wheel}_drag_viscous": viscous}
+
+
+def weights_springs_and_bodies(m: Mechanism) -> Extremes:
+    """Gravity, wind-up, bodies of the satellites, and everything at once: tiny, usual and dominant."""
     # next to the acceleration of the imbalances, from nothing to a thousand times as much
     for g in (1e-12, 9.81, 1e3):
         yield "gravity", f"{g:g} m/s2", {"gravity": g}
@@ -354,7 +330,7 @@ def losses(m: Mechanism) -> Extremes:
                 yield "wind up", value, {**ELASTIC_OUTPUT, **springs, **run}
     bodies = {"Ja": "satellite_inertia", "Jt": "satellite_transverse_inertia"}
     for symbol, name in bodies.items():
-        for ratio in (1e-9, 1e-3, 1.0, 1e3, 1e6) if bevel or symbol == "Ja" else ():
+        for ratio in (1e-9, 1e-3, 1.0, 1e3, 1e6) if m.layout == "bevel" or symbol == "Ja" else ():
             yield "satellite bodies", f"{symbol} {ratio:g}", {name: ratio * m.imbalance}
     usual = {"journal_friction": 1e-3, "gravity": 9.81, "housing_drag": 0.5, "output_drag": 0.5}
     usual |= {"input_friction": 0.01, "link2_friction": 0.01}
@@ -367,8 +343,16 @@ def losses(m: Mechanism) -> Extremes:
 def axes() -> dict[str, list[Case]]:
     """Cases by name of the axis: layout by layout, value by value, level by level."""
     found: dict[str, list[Case]] = {}
-    for mechanism in MECHANISMS:
-        for group in (inputs, settings, inertias, parts, losses):
-            for axis, value, changes in group(mechanism):
-                found.setdefault(axis, []).extend(mechanism.cases(axis, value, **changes))
+    for m in MECHANISMS:
+        for group in (inputs, settings, inertias, parts, losses, weights_springs_and_bodies):
+            for axis, value, changes in group(m):
+                usual = {**USUAL, "omega1": m.omega1, "load": m.load, "duration": TRAVEL / m.omega1}
+                run = {name: changes.get(name, ordinary) for name, ordinary in usual.items()}
+                changed = {name: number for name, number in changes.items() if name not in usual}
+                whole = Segment(run["duration"], run["omega1"], run["load"])
+                for level in run["levels"]:
+                    values = {**m.parameters, **changed, **level.values}
+                    motion = Motion(values, run["segments"] or (whole,), run["turns"])
+                    case = Case(axis, value, m.layout, motion, run["split"], run["slow"])
+                    found.setdefault(axis, []).append(case)
     return found

@@ -146,7 +146,7 @@ def _input_speed(module: Module) -> float:
 
 @dataclass
 class Run:
-    """What one run showed: the largest at its communication points of all that is held to a bound.
+    """Record of a run: the largest at its communication points of all that is held to a bound.
 
     Attributes:
         end: values at the end: speeds, energies, drive angle gone through, impulses of the torques.

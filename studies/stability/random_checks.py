@@ -1,4 +1,4 @@
-"""What has to hold of a random motion: invariants, and agreement with the independent reference."""
+"""Checks of a random motion: invariants, and agreement with the independent reference."""
 
 from __future__ import annotations
 
@@ -147,7 +147,7 @@ def of_momentum(motion: Motion, found: Run, make: Make) -> Figures:
 
 
 def _by_reference(motion: Motion, most: float) -> Array:
-    """What is COMPARED after each segment by the reference, as far as it gets with so many evaluations."""
+    """Values of COMPARED after each segment by the reference, as far as it gets with so many evaluations."""
     first, rows = motion.segments[0], []
     with np.errstate(all="ignore"), suppress(ArithmeticError, Unavailable, np.linalg.LinAlgError):
         reference = Reference(motion.parameters, first.omega1, first.load, first.drive, most)
@@ -192,7 +192,7 @@ CHECKS = (of_one_run, of_steps, of_restore, of_scaling, of_momentum, of_referenc
 
 @dataclass(frozen=True)
 class Finding:
-    """What a motion showed: figures by name, or the message of a refusal; long: it was run only once."""
+    """Result of the checks: figures by name, or the message of a refusal; long: it was run only once."""
 
     figures: Figures = field(default_factory=dict)
     refused: str = ""

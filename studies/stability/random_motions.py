@@ -20,12 +20,13 @@ from typing import Any
 from inertia_module.common.files import content_hash, sources
 from inertia_module.common.terminal import terminal
 from inertia_module.contract.variables import default_parameters
+from inertia_module.fidelity.levels import Level
 from inertia_module.harness import results
 from inertia_module.kernel.codes import AVERAGED, DRIVE_TORQUE, ELASTIC, EVENT, KINEMATIC, TIMESTEPPING
 from inertia_module.memory import Module
 
 from ..reference.geometry import ratio, satellite_ratio
-from .motion import LEVELS, Level, Make, Motion, Parameters, Segment
+from .motion import LEVELS, Make, Motion, Parameters, Segment
 from .random_checks import FRICTIONS, REFERENCE, SENSITIVE, VIRTUAL_WORK, Finding, examine
 from .trial import Figure
 
@@ -338,19 +339,14 @@ def findings(outcomes: Iterable[Outcome]) -> list[dict[str, Any]]:
     for one in outcomes:
         if one.reproducer:
             kinds.setdefault((one.level, cause(one.finding)), []).append(one)
-    return [
-        {"level": level, "what": what, "count": len(all_of_it), **_told(all_of_it[0])}
-        for (level, what), all_of_it in kinds.items()
-    ]
-
-
-def _told(outcome: Outcome) -> dict[str, Any]:
-    """Number of an outcome, what fails or is refused, and what reproduces it."""
-    finding = outcome.finding
-    failed = ((name, finding.figures[name]) for name in finding.failed)
-    sentences = [f"{name}: {figure.value:.1e}, bound {figure.bound:.0e}" for name, figure in failed]
-    sentence = "; ".join(sentences) or finding.refused
-    return {"number": outcome.number, "sentence": sentence, "reproducer": outcome.reproducer}
+    told = []
+    for (level, what), (first, *others) in kinds.items():
+        failed = [(name, first.finding.figures[name]) for name in first.finding.failed]
+        sentences = [f"{name}: {figure.value:.1e}, bound {figure.bound:.0e}" for name, figure in failed]
+        sentence = "; ".join(sentences) or first.finding.refused
+        where = {"number": first.number, "sentence": sentence, "reproducer": first.reproducer}
+        told.append({"level": level, "what": what, "count": 1 + len(others), **where})
+    return told
 
 
 def write_rows(path: Path, outcomes: Sequence[Outcome]) -> Path:

@@ -1,6 +1,6 @@
 """One trial of an extreme: runs in long steps, in many short ones, tightly and slightly changed; a verdict.
 
-The bounds are functions of the tolerance, of tables at the head: docs/stability.md prints these.
+The bounds are functions of the tolerance; docs/stability.md prints them.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ class Figure:
 
     @property
     def holds(self) -> bool:
-        """Whether it is within its bound (NaN is not)."""
+        """True within the bound (not for NaN)."""
         return self.value <= self.bound
 
 
@@ -183,7 +183,7 @@ class Verdict:
 
 
 def cause(message: str) -> str:
-    """What a refusal says is wrong, without the values and what is allowed."""
+    """Reason of a refusal, without the values and what is allowed."""
     found = re.search(r": ([^;]*)", message)
     return found.group(1).strip() if found else message.partition(", are ")[0]
 
@@ -208,8 +208,8 @@ def measure(trial: Trial, short: Run) -> Figures:
     for suffix, found in runs.items():
         allowed = work_bound(case, found.phase, found.steps, found.fixed_steps)
         figures[f"work{suffix}"] = Figure(found.evaluations, allowed)
-    for suffix, found in runs.items() if tight is not None else ():
-        figures[f"error{suffix}"] = Figure(distance(tight, found), result)
+    if tight is not None:
+        figures |= {f"error{suffix}": Figure(distance(tight, one), result) for suffix, one in runs.items()}
     return figures
 
 

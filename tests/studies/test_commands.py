@@ -9,6 +9,7 @@ from typer.testing import CliRunner
 
 from studies.__main__ import app
 from studies.papers.figures import all_figures
+from studies.stability.trial import Verdict
 
 
 def command(*arguments, folder):
@@ -41,20 +42,29 @@ def test_papers_leaves_every_figure_as_png_svg_and_csv(tmp_path, monkeypatch):
 
 
 def test_stability_leaves_the_map_as_tables_and_picture(tmp_path):
-    arguments = ("stability", "--only", "output locked", "--quick", "-o", tmp_path / "map")
+    arguments = ("stability", "--only", "output locked", "--quick", "-o", tmp_path / "map", "--json")
     done = command(*arguments, folder=tmp_path)
     assert done.exit_code == 0, done.stderr
-    assert "output locked" in done.stdout
-    assert "0 broken" in done.stdout
+    printed = json.loads(done.stdout)
+    assert {found["verdict"] for found in printed["verdicts"]} <= {"exact", "degraded", "refused"}
     assert {path.name for path in (tmp_path / "map").iterdir()} == {
         "stability.csv",
         "cases.csv",
         "stability.png",
         "stability_summary.png",
     }
-    printed = json.loads(command(*arguments, "--json", folder=tmp_path).stdout)
-    assert {found["verdict"] for found in printed["verdicts"]} <= {"exact", "degraded", "refused"}
     assert all(Path(path).is_file() for path in printed["files"].values())
+
+
+def test_stability_prints_the_map_and_fails_if_one_case_is_broken(tmp_path, monkeypatch):
+    def judged(chosen, report):
+        return [Verdict(case, "exact" if number else "broken") for number, case in enumerate(chosen)]
+
+    monkeypatch.setattr("studies.stability.map.run_study", judged)
+    done = command("stability", "--only", "output locked", "-o", tmp_path / "map", folder=tmp_path)
+    assert done.exit_code == 1
+    assert "output locked" in done.stdout
+    assert "47 exact, 0 sensitive, 0 degraded, 0 refused, 1 broken" in done.stdout
 
 
 def test_stability_tries_random_motions_of_a_seed(tmp_path):
@@ -99,7 +109,7 @@ def worked(*_, **__):
     "name, work, stand_in",
     [
         ("papers", "papers.figures.all_figures", lambda: {"a figure": worked}),
-        ("stability", "stability.study.run_study", worked),
+        ("stability", "stability.map.run_study", worked),
         ("coupling", "__main__.current_fmu", worked),
     ],
 )
