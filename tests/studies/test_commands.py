@@ -1,12 +1,14 @@
 """The commands of the studies, as they are run at the root of the project."""
 
 import contextlib
+import itertools
 import json
 from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
+from studies import coupling
 from studies.__main__ import app
 from studies.papers.figures import all_figures
 from studies.stability.trial import Verdict
@@ -16,13 +18,6 @@ def command(*arguments, folder):
     """A study run in a folder, in this process."""
     with contextlib.chdir(folder):
         return CliRunner().invoke(app, [*map(str, arguments)])
-
-
-@pytest.fixture
-def workshop(built, tmp_path):
-    """A folder with built FMUs."""
-    (tmp_path / "build").symlink_to(built, target_is_directory=True)
-    return tmp_path
 
 
 def test_papers_leaves_every_figure_as_png_svg_and_csv(tmp_path, monkeypatch):
@@ -86,17 +81,27 @@ def test_stability_of_an_unknown_axis_is_refused_in_one_line(tmp_path):
     assert not (tmp_path / "map").exists()
 
 
-def test_coupling_measures_a_part_and_leaves_its_rows(workshop, tmp_path):
-    done = command("coupling", "--quick", "-o", tmp_path, "--json", folder=workshop)
+def test_coupling_leaves_the_rows_of_a_part_and_its_picture(tmp_path, monkeypatch):
+    def measured(fmu_path, quick, progress):
+        # tests/system measures them
+        assert (fmu_path, quick) == ("its FMU", True)
+        steps = itertools.product(coupling.COUPLINGS, coupling.QUICK_STEPS)
+        return [coupling.Trial("planar", 0.5, name, step, True, *[0.1] * 5) for name, step in steps]
+
+    monkeypatch.setattr(coupling, "coupling_map", measured)
+    monkeypatch.setattr("studies.__main__.current_fmu", lambda: "its FMU")
+    done = command("coupling", "--quick", "-o", tmp_path, "--json", folder=tmp_path)
     assert done.exit_code == 0, done.stderr
-    found = {(row["scheme"], row["step"]): row for row in json.loads(done.stdout)["rows"]["map"]}
-    assert abs(found["torque-driven", 0.005]["speed_error"]) < 1e-7
-    assert (tmp_path / "coupling_map.csv").read_text().startswith("case,ratio,scheme,step [s],")
+    rows = json.loads(done.stdout)["rows"]["map"]
+    assert {(row["scheme"], row["step"]) for row in rows} >= {("torque-driven", 0.005)}
+    lines = (tmp_path / "coupling_map.csv").read_text().splitlines()
+    assert lines[0].startswith("case,ratio,scheme,step [s],")
+    assert len(lines) == 1 + len(rows)
     assert (tmp_path / "coupling.png").stat().st_size > 1000
 
 
-def test_coupling_refuses_a_part_that_there_is_not(workshop):
-    done = command("coupling", "--only", "limit", folder=workshop)
+def test_coupling_refuses_a_part_that_there_is_not(tmp_path):
+    done = command("coupling", "--only", "limit", folder=tmp_path)
     assert done.exit_code == 1
     assert "--only must be one of map, urban, is limit" in done.stderr
 
