@@ -5,7 +5,7 @@ from itertools import groupby
 from operator import itemgetter
 from pathlib import Path
 
-from studies.stability import bounds, random_checks, random_motions, random_study
+from studies.stability import random_checks, random_motions, trial
 
 HERE = Path(__file__).parent
 # columns of the table of random motions: all runs, and of them those beyond the bound asked for
@@ -39,13 +39,13 @@ def random_counts(rows, reference):
     compared = count("runs", reference)
     beyond = {head: count(head, reference) for head in COUNTS[1:]}
     levels = {row["level"] for row in rows if row["invariant"] == reference}
-    counters = random_study.SHORT, random_study.TAKEN
+    counters = random_motions.SHORT, random_motions.TAKEN
     return {
-        "drawn": count("runs", random_study.TAKEN),
-        "refused": count("failed", random_study.TAKEN),
+        "drawn": count("runs", random_motions.TAKEN),
+        "refused": count("failed", random_motions.TAKEN),
         "failed": count("failed", *{row["invariant"] for row in rows}.difference(counters)),
         "compared": compared,
-        "by_events": count("runs", random_study.TAKEN, levels=levels),
+        "by_events": count("runs", random_motions.TAKEN, levels=levels),
         "within": 1.0 - sum(beyond.values()) / compared,
         "beyond": ", ".join(f"{head}: {number}" for head, number in beyond.items()),
     }
@@ -73,6 +73,6 @@ def values():
         "explained": random_checks.EXPLAINED,
         "swinging": random_checks.SWINGING,
         "split": random_checks.SPLIT,
-        "rounding": bounds.ROUNDING,
-        "largest": bounds.LARGEST_ERROR,
+        "rounding": trial.ROUNDING,
+        "largest": trial.LARGEST_ERROR,
     }

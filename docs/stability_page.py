@@ -4,10 +4,10 @@ from collections import Counter
 from pathlib import Path
 
 from inertia_module.kernel import limits
-from studies.stability import bounds, case, trial
-from studies.stability.study import counts
-from studies.stability.table import read_rows
-from studies.stability.verdict import BROKEN, OUTCOMES, REFUSED
+from studies.stability import extremes, trial
+from studies.stability.map import counts, read_rows
+from studies.stability.motion import LEVELS
+from studies.stability.trial import BROKEN, OUTCOMES, REFUSED
 
 TABLE = Path(__file__).parent / "stability.csv"
 
@@ -17,7 +17,7 @@ def by_axis(rows):
     for axis in dict.fromkeys(row.axis for row in rows):
         here = [row for row in rows if row.axis == axis]
         cells = []
-        for level in case.LEVELS:
+        for level in LEVELS:
             found = Counter(row.cells[level.name].outcome for row in here if level.name in row.cells)
             told = ", ".join(f"{found[name]} {name}" for name in OUTCOMES[1:] if found[name])
             cells.append(told if found else "-")
@@ -50,22 +50,22 @@ def values():
         "axes": len({row.axis for row in rows}),
         "cases": sum(len(row.cells) for row in rows),
         "table": "\n".join(table),
-        "levels": " | ".join(level.name for level in case.LEVELS),
+        "levels": " | ".join(level.name for level in LEVELS),
         "by_axis": "\n".join(by_axis(rows)),
         "refusals": "\n".join(refusals(rows)),
         "tighter": trial.TIGHTER,
         "tightest": trial.TIGHTEST,
         "fixed_phase": trial.FIXED_PHASE,
-        "timestepping": case.TIMESTEPPING_ACCURACY,
-        "averaged": case.AVERAGED_ACCURACY,
-        "energy": bounds.ENERGY_TOLERANCES,
-        "rounding": bounds.ROUNDING,
-        "result": bounds.RESULT_ACCURACIES,
-        "largest": bounds.LARGEST_ERROR,
-        "breach": bounds.BREACH,
-        "step_work": bounds.STEP_WORK,
-        "phase_work": bounds.PHASE_WORK,
-        "order": bounds.WORK_ORDER,
-        "fixed_work": bounds.FIXED_STEP_WORK,
+        "timestepping": extremes.TIMESTEPPING_ACCURACY,
+        "averaged": extremes.AVERAGED_ACCURACY,
+        "energy": trial.ENERGY_TOLERANCES,
+        "rounding": trial.ROUNDING,
+        "result": trial.RESULT_ACCURACIES,
+        "largest": trial.LARGEST_ERROR,
+        "breach": trial.BREACH,
+        "step_work": trial.STEP_WORK,
+        "phase_work": trial.PHASE_WORK,
+        "order": trial.WORK_ORDER,
+        "fixed_work": trial.FIXED_STEP_WORK,
         "most": limits.MAX_EVALUATIONS,
     }

@@ -66,27 +66,25 @@ def stability(
     from inertia_module.harness.results import write_figure
     from inertia_module.harness.simulate import progress_bar
 
-    from .stability.figure import summary, verdict_map
-    from .stability.study import chosen_cases, print_rows, run_study
-    from .stability.table import as_records, rows_of, write_cases, write_rows
+    from .stability import map as extremes
 
     with one_line_errors():
         folder = folder_for(output, "stability")
-        chosen = chosen_cases(only, quick)
+        chosen = extremes.chosen_cases(only, quick)
         with progress_bar("trying the extremes") as progress:
-            verdicts = run_study(chosen, progress)
-        rows = rows_of(verdicts)
+            verdicts = extremes.run_study(chosen, progress)
+        rows = extremes.rows_of(verdicts)
         files = {
-            "verdicts": write_rows(folder / "stability.csv", rows),
-            "cases": write_cases(folder / "cases.csv", verdicts),
-            "map": write_figure(folder / "stability.png", verdict_map(rows)),
-            "summary": write_figure(folder / "stability_summary.png", summary(rows)),
+            "verdicts": extremes.write_rows(folder / "stability.csv", rows),
+            "cases": extremes.write_cases(folder / "cases.csv", verdicts),
+            "map": write_figure(folder / "stability.png", extremes.verdict_map(rows)),
+            "summary": write_figure(folder / "stability_summary.png", extremes.summary(rows)),
         }
     if as_json:
         listed = {name: str(file) for name, file in files.items()}
-        typer.echo(json.dumps({"verdicts": as_records(verdicts), "files": listed}))
+        typer.echo(json.dumps({"verdicts": extremes.as_records(verdicts), "files": listed}))
     else:
-        print_rows(rows)
+        extremes.print_rows(rows)
         for name, file in files.items():
             typer.echo(f"{name}: {file}")
     if any(verdict.outcome == "broken" for verdict in verdicts):
@@ -97,7 +95,7 @@ def _random_motions(number: int, seed: int, losses: bool, output: Path | None, a
     """Run random motions, print what does not hold with what reproduces it, write the counts."""
     from inertia_module.harness.simulate import progress_bar
 
-    from .stability.random_study import findings, print_outcomes, run_random, write_rows
+    from .stability.random_motions import findings, print_outcomes, run_random, write_rows
 
     with one_line_errors():
         folder = folder_for(output, "stability")

@@ -23,7 +23,6 @@ LONG = frozenset(
         "test_level_has_the_losses_that_the_page_tells[averaged]",
         "test_library_is_the_same_wherever_it_is_linked_and_tells_no_path_and_no_user",
         "test_no_thread_touches_what_another_uses",
-        "test_random_motions_with_losses_hold_all_invariants[averaged]",
         "test_the_kernel_keeps_within_its_arrays",
         "test_tutorial_shows_pictures_and_tables",
         "test_web_kernel_is_the_same_wherever_it_is_linked_and_tells_no_path",
@@ -39,8 +38,6 @@ LONG_FILES = (
     "tests/system/test_site.py",
     "test_page_looks.py",
 )
-# of the extremes `make test` tries one of so many
-EXTREMES, SAMPLE = "test_extreme_is_within_its_bounds_and_as_documented", 6
 # tests/planted_changes.py asks for that: nothing is translated
 ONLY_PLAIN = os.environ.get("INERTIA_MODULE_KERNEL") == "plain"
 
@@ -76,13 +73,10 @@ def built(tmp_path_factory):
 
 
 def pytest_collection_modifyitems(items):
-    """Mark what is long, and most of the extremes, as slow."""
-    extremes = 0
+    """Mark what is long as slow."""
     for item in items:
         name = getattr(item, "originalname", item.name)
-        extremes += name == EXTREMES
-        long = {name, item.name} & LONG or any(part in item.nodeid for part in LONG_FILES)
-        if long or (name == EXTREMES and extremes % SAMPLE):
+        if {name, item.name} & LONG or any(part in item.nodeid for part in LONG_FILES):
             item.add_marker(pytest.mark.slow)
 
 

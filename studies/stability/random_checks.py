@@ -1,11 +1,10 @@
-"""What has to hold of a random motion: invariants, and agreement with the independent reference."""
+"""Checks of a random motion: invariants, and agreement with the independent reference."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -17,16 +16,12 @@ from ..reference.cases import OMEGA1, OMEGA4
 from ..reference.geometry import Array, Unavailable, ratio
 from ..reference.motion import Reference
 from ..reference.virtual_work import VirtualWork
-from .bounds import BREACH, LARGEST_ERROR, ROUNDING, energy_bound
-from .case import TIMESTEPPING_ACCURACY, Segment
-from .random_motions import FRICTIONS, Motion
-from .record import Run
-from .trial import distance, nudged, relative, run_once
-from .verdict import Figure
+from .extremes import TIMESTEPPING_ACCURACY
+from .motion import Make, Motion, Run, distance, relative, run
+from .trial import BREACH, LARGEST_ERROR, ROUNDING, Figure, Figures, energy_bound
 
-Make = Callable[[], Module]
-Figures = dict[str, Figure]
-
+# viscous friction of the links, the drives and the output shaft
+FRICTIONS = ("input_friction", "drive_friction", "link2_friction", "output_friction")
 # of the module held to the reference, and the error from which on the motion has to explain it
 REFERENCE_TOLERANCE, REFERENCE_ERROR = 1e-9, 1e-7
 # evaluations that the reference may take, and from which on a motion is not run again in other ways
@@ -36,7 +31,7 @@ MOST_WITH_LOSSES = 500
 SPLIT = 7
 SHAFTS = ("input", "output")
 INERTIAS = ("input_inertia", "link2_inertia", "output_inertia", "driven_inertia")
-SPEEDS, ENERGY = ("input_speed", "omega2", "omega_hub", "omega_out"), "energy_stored"
+COMPARED = ("input_speed", "omega2", "omega_hub", "omega_out", "energy_stored")
 FACTOR = 4.0  # whose powers are exact
 AS_SPEED = ("omega2_start", "omega_out_start", *FRICTIONS, "housing_drag_viscous", "output_drag_viscous")
 AS_TORQUE = ("housing_drag", "output_drag", "gravity")
@@ -55,16 +50,6 @@ SWINGING = 100.0
 SENSITIVE = math.inf  # bound where the motion multiplies errors so much that no method can tell
 
 
-def run(motion: Motion, make: Make, split: int = 1, **changes: float) -> Run:
-    """The motion run by a new module, with other parameters."""
-    return run_once(make(), motion.parameters | changes, motion.segments, split)
-
-
-def changed(motion: Motion, change: float) -> list[Motion]:
-    """The motion slightly changed."""
-    return [Motion(*beside) for beside in nudged(motion.parameters, motion.segments, change)]
-
-
 def explained(apart: float, bound: float, spreads: list[float]) -> Figure:
     """A distance beyond its bound, where a change of the problem by the tolerance makes such distances."""
     spread = max(spreads, default=0.0)
@@ -72,38 +57,17 @@ def explained(apart: float, bound: float, spreads: list[float]) -> Figure:
     return Figure(apart, wider, explained=apart <= wider)
 
 
-def follow(motion: Motion, make: Make, saved_at: int = -1, **changes: float) -> Iterator[Module]:
-    """The module at the start and after each segment; from one on another instance with its state."""
-    first, module = motion.segments[0], make()
-    given = {"omega1": first.omega1, "load_torque": first.load, "drive_torque": first.drive}
-    yield module.start(**motion.parameters | changes, **given)
-    for number, part in enumerate(motion.segments):
-        if number == saved_at:
-            saved, module = module.save(), make()
-            module.restore(saved)
-        module.set(omega1=part.omega1, load_torque=part.load, drive_torque=part.drive)
-        if part.slope:
-            module.set_rates(omega1=part.slope)
-        module.advance(part.duration)
-        yield module
-
-
 def of_one_run(motion: Motion, found: Run, make: Make) -> Figures:
     """All outputs are finite, energy does not come from nowhere, freewheels neither pull nor slip back."""
     figures = {"finite": Figure(float(not found.finite), 0.0)}
     # a velocity within rounding of the fastest is zero: so much energy comes and goes
-    fastest = max(found.speed, *(abs(part.omega1 + part.slope * part.duration) for part in motion.segments))
+    fastest = max(found.speed, *(part.fastest for part in motion.segments))
     rounding = ROUNDING * sum(motion[name] for name in INERTIAS) * fastest**2
+    name, energy, accuracy = "energy residual", found.residual, motion["tolerance"]
     if motion.level.method == TIMESTEPPING:
-        bound = energy_bound(TIMESTEPPING_ACCURACY)
-        figures["energy from nowhere"] = Figure(
-            relative(max(found.gained - rounding, 0.0), found.energy), bound
-        )
-    else:
-        bound = energy_bound(motion["tolerance"])
-        figures["energy residual"] = Figure(
-            relative(max(found.residual - rounding, 0.0), found.energy), bound
-        )
+        name, energy, accuracy = "energy from nowhere", found.gained, TIMESTEPPING_ACCURACY
+    beyond = relative(max(energy - rounding, 0.0), found.energy)
+    figures[name] = Figure(beyond, energy_bound(accuracy))
     if motion.level.fidelity in (RIGID, ELASTIC):
         figures["0 <= omega2 <= omega3"] = Figure(relative(found.reversal, found.speed), BREACH)
         figures["Th, Tc >= 0"] = Figure(relative(found.pull, found.torque), BREACH)
@@ -123,22 +87,19 @@ def of_steps(motion: Motion, found: Run, make: Make) -> Figures:
     # what swings far slower than the fastest speed is followed to the tolerance of that alone
     elastic = motion.level.fidelity == ELASTIC
     swinging = motion["driven_inertia"] if elastic else 0.0, tolerance
-    allowed = (SWINGING if elastic else EXPLAINED) * tolerance + ROUNDING
-    apart, bound = distance(found, short, *swinging), allowed
+    bound = (SWINGING if elastic else EXPLAINED) * tolerance + ROUNDING
+    apart = distance(found, short, *swinging)
     if apart <= bound:
         return {STEPS: Figure(apart, bound)}
-    runs = [run(beside, make) for beside in changed(motion, tolerance)]
+    runs = [run(beside, make) for beside in motion.nudged(tolerance)]
     spreads = [distance(found, other, *swinging) for other in runs if not other.refused]
     return {STEPS: explained(apart, bound, spreads)}
 
 
 def of_restore(motion: Motion, found: Run, make: Make) -> Figures:
     """A saved state runs on to the same bits in another instance."""
-    ends = []
-    for saved_at in (-1, len(motion.segments) // 2):
-        *_, module = follow(motion, make, saved_at)
-        ends.append(bytes(module.state) + bytes(module.outputs))
-    return {"restored state": Figure(float(ends[0] != ends[1]), 0.0)}
+    restored = run(motion, make, saved_at=len(motion.segments) // 2)
+    return {"restored state": Figure(float(restored.state != found.state), 0.0)}
 
 
 def of_scaling(motion: Motion, found: Run, make: Make) -> Figures:
@@ -146,19 +107,12 @@ def of_scaling(motion: Motion, found: Run, make: Make) -> Figures:
     if (motion.level.fidelity, motion.level.method) != (RIGID, EVENT):
         return {}
     square = FACTOR**2
-    speeds = {name: motion[name] * FACTOR for name in AS_SPEED}
-    speeds |= {name: motion[name] * square for name in AS_TORQUE}
-    segments = tuple(
-        Segment(
-            part.duration / FACTOR,
-            part.omega1 * FACTOR,
-            part.load * square,
-            part.slope * square,
-            part.drive * square,
-        )
-        for part in motion.segments
+    faster = motion.changed(
+        **{name: motion[name] * FACTOR for name in AS_SPEED},
+        **{name: motion[name] * square for name in AS_TORQUE},
     )
-    end = run(Motion(motion.parameters | speeds, segments), make).end
+    segments = tuple(part.scaled(FACTOR, square, 1.0 / FACTOR) for part in motion.segments)
+    end = run(replace(faster, segments=segments), make).end
     powers = {"angle": 0, "omega2": 1, "omega_out": 1, "energy_in": 2, "energy_out": 2}
     unlike = [name for name, power in powers.items() if end.get(name) != found.end[name] * FACTOR**power]
     return {"scaling by the speed": Figure(float(len(unlike)), 0.0)}
@@ -171,38 +125,29 @@ def of_momentum(motion: Motion, found: Run, make: Make) -> Figures:
     if motion.level.method == TIMESTEPPING and any(motion[name] for name in FRICTIONS):
         return {}  # its friction is of first order in its steps
     p = {**default_parameters(), **motion.parameters}
-    work, k, momenta = VirtualWork(p), ratio(p), []
-    for module in follow(motion, make):
-        torques, _, _ = work(module["drive_angle"])
-        omega1, omega2 = module["input_speed"], module["omega2"]
+    work, momenta = VirtualWork(p), []
+    for point in found.points:
+        torques, _, _ = work(point["drive_angle"])
+        omega1, omega2 = point["input_speed"], point["omega2"]
         link1 = motion["input_inertia"] * omega1 + float(torques[0, :2] @ [omega1, omega2])
-        rest = motion["link2_inertia"] * omega2 + motion["output_inertia"] * module["omega_hub"]
+        rest = motion["link2_inertia"] * omega2 + motion["output_inertia"] * point["omega_hub"]
         momenta.append(link1 + rest)
-    turned1, turned3 = (module[f"{name}_angle"] + 2.0 * math.pi * module[f"{name}_turns"] for name in SHAFTS)
-    turned2 = turned1 - found.end["angle"] / k
-    given = (
+    turned1, turned3 = (point[f"{name}_angle"] + 2.0 * math.pi * point[f"{name}_turns"] for name in SHAFTS)
+    turned2 = turned1 - found.end["angle"] / ratio(p)
+    impulses = (
         found.end["input_torque_mean"],
         -sum(part.load * part.duration for part in motion.segments),
         -motion["input_friction"] * turned1,
         -motion["link2_friction"] * turned2,
         -motion["output_friction"] * turned3,
     )
-    missing = momenta[-1] - momenta[0] - sum(given)
+    missing = momenta[-1] - momenta[0] - sum(impulses)
     bound = BREACH if motion.level.method == TIMESTEPPING else energy_bound(motion["tolerance"])
-    return {"momentum": Figure(relative(missing, max(map(abs, (*momenta, *given)))), bound)}
-
-
-# --- against the reference ---
-
-
-def _by_module(motion: Motion, make: Make) -> Array:
-    """Speeds and energy after each segment, shape (segments, 5)."""
-    follower = follow(motion, make, tolerance=REFERENCE_TOLERANCE)
-    return np.array([[module[name] for name in (*SPEEDS, ENERGY)] for module in follower][1:])
+    return {"momentum": Figure(relative(missing, max(map(abs, (*momenta, *impulses)))), bound)}
 
 
 def _by_reference(motion: Motion, most: float) -> Array:
-    """The same by the reference, as far as it gets with so many evaluations."""
+    """Values of COMPARED after each segment by the reference, as far as it gets with so many evaluations."""
     first, rows = motion.segments[0], []
     with np.errstate(all="ignore"), suppress(ArithmeticError, Unavailable, np.linalg.LinAlgError):
         reference = Reference(motion.parameters, first.omega1, first.load, first.drive, most)
@@ -219,7 +164,7 @@ def of_reference(motion: Motion, found: Run, make: Make) -> Figures:
     """Agreement of speeds and energies with the independent reference, with losses or without."""
     if motion.level.method != EVENT or motion.level.fidelity not in (RIGID, ELASTIC):
         return {}
-    scales = np.array([*[found.speed] * len(SPEEDS), found.energy])
+    scales = np.array([*[found.speed] * (len(COMPARED) - 1), found.energy])
 
     def error(one: Array, other: Array) -> float:
         both = min(len(one), len(other))
@@ -231,10 +176,14 @@ def of_reference(motion: Motion, found: Run, make: Make) -> Figures:
     expected = _by_reference(motion, most)
     if not len(expected):
         return {}
-    apart = error(_by_module(motion, make), expected)
+    precise = run(motion.changed(tolerance=REFERENCE_TOLERANCE), make)
+    if precise.refused:
+        return {name: Figure(math.inf, 0.0)}
+    ours = np.array([[point[name] for name in COMPARED] for point in precise.points[1:]])
+    apart = error(ours, expected)
     if apart <= REFERENCE_ERROR:
         return {name: Figure(apart, REFERENCE_ERROR)}
-    beside = (_by_reference(other, 2.0 * most) for other in changed(motion, REFERENCE_TOLERANCE))
+    beside = (_by_reference(other, 2.0 * most) for other in motion.nudged(REFERENCE_TOLERANCE))
     return {name: explained(apart, REFERENCE_ERROR, [error(other, expected) for other in beside])}
 
 
@@ -243,7 +192,7 @@ CHECKS = (of_one_run, of_steps, of_restore, of_scaling, of_momentum, of_referenc
 
 @dataclass(frozen=True)
 class Finding:
-    """What a motion showed: figures by name, or the message of a refusal; long: it was run only once."""
+    """Result of the checks: figures by name, or the message of a refusal; long: it was run only once."""
 
     figures: Figures = field(default_factory=dict)
     refused: str = ""
@@ -251,7 +200,7 @@ class Finding:
 
     @property
     def failed(self) -> list[str]:
-        """What does not hold."""
+        """Names of the figures that do not hold."""
         return [name for name, figure in self.figures.items() if not figure.holds]
 
 

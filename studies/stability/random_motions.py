@@ -1,71 +1,50 @@
-"""Random mechanisms with random inputs, as plain numbers that can be printed and pasted."""
+"""Random mechanisms under random inputs: drawn by number, run, kept as they come, made small where they fail.
+
+A number of a seed is always the same motion.
+"""
 
 from __future__ import annotations
 
+import json
 import math
-from dataclasses import asdict, dataclass, fields
+import re
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import asdict, dataclass, replace
+from functools import partial
+from itertools import groupby
+from operator import itemgetter
+from pathlib import Path
 from random import Random
-from typing import Any, Self
+from typing import Any
 
-from inertia_module.contract.variables import BY_NAME, default_parameters
+from inertia_module.common.files import content_hash, sources
+from inertia_module.common.terminal import terminal
+from inertia_module.contract.variables import default_parameters
 from inertia_module.fidelity.levels import Level
+from inertia_module.harness import results
 from inertia_module.kernel.codes import AVERAGED, DRIVE_TORQUE, ELASTIC, EVENT, KINEMATIC, TIMESTEPPING
+from inertia_module.memory import Module
 
 from ..reference.geometry import ratio, satellite_ratio
-from .case import LEVELS, Segment
-from .trial import Parameters
+from .motion import LEVELS, Make, Motion, Parameters, Segment
+from .random_checks import FRICTIONS, REFERENCE, SENSITIVE, VIRTUAL_WORK, Finding, examine
+from .trial import Figure
 
 # digits of every number
 DIGITS = 5
-# viscous friction of the links, the drives and the output shaft; the share of the motions that have some
-FRICTIONS = ("input_friction", "drive_friction", "link2_friction", "output_friction")
+# viscous friction: the share of the motions that have some
 FRICTION_SHARE, MOST_FRICTION = 0.3, 100.0
 # losses by load, drag, gravity: the share of the motions that have each, efficiencies
 LOSS_SHARE, EFFICIENCIES = 0.5, (0.5, 0.9, 0.97, 0.99, 1.0 - 1e-12)
 # how often each of LEVELS is drawn
 WEIGHTS = (1, 3, 5, 3, 4, 2)
-
-
-@dataclass(frozen=True)
-class Motion:
-    """A module and its inputs over time.
-
-    Attributes:
-        parameters: over the defaults. segments: each a communication step, or split into many.
-    """
-
-    parameters: Parameters
-    segments: tuple[Segment, ...]
-
-    @classmethod
-    def of(cls, values: dict[str, Any]) -> Self:
-        """The motion that as_dict has written."""
-        return cls(values["parameters"], tuple(Segment(**part) for part in values["segments"]))
-
-    def as_dict(self) -> dict[str, Any]:
-        """Plain numbers, without those at their defaults."""
-        default = {field.name: field.default for field in fields(Segment)}
-        kept = [
-            {name: value for name, value in asdict(part).items() if value != default[name]}
-            for part in self.segments
-        ]
-        return {"parameters": self.parameters, "segments": kept}
-
-    def __getitem__(self, name: str) -> float:
-        """Value of a parameter."""
-        return float(self.parameters.get(name, BY_NAME[name].start or 0.0))
-
-    @property
-    def level(self) -> Level:
-        """Its level of fidelity."""
-        return Level(int(self["fidelity"]), int(self["method"]))
-
-    @property
-    def inertia(self) -> float:
-        """About that of link 2 and the imbalances about the central axis, kg m^2."""
-        length = self["sun_radius"] + self["satellite_radius"] if self["layout"] else self["wheel_radius"]
-        mass = self["satellites"] * self["modules"] * self["imbalance_mass"]
-        return mass * length**2 + self["link2_inertia"]
+STUDIES = Path(__file__).parents[1]
+HEADINGS = ("level", "invariant", "runs", "explained", "sensitive", "failed", "worst", "bound", "number")
+# rows that count: motions that take too long to be run again in other ways, and those refused
+SHORT, TAKEN = "not long", "not refused"
+# motions tried to make one that fails smaller; one that is given up, takes long or is compared counts more
+TRIES, SLOW = 300, 15
+_NUMBER = re.compile(r"(?<![\w.])-?\d+(\.\d+)?(e[-+]?\d+)?")
 
 
 def rounded(value: float, digits: int = DIGITS) -> float:
@@ -83,6 +62,14 @@ class Draw(Random):
     def between(self, low: float, high: float) -> float:
         """Any as likely."""
         return rounded(self.uniform(low, high))
+
+
+def _inertia(motion: Motion) -> float:
+    """About the inertia of link 2 and the imbalances about the central axis, kg m^2."""
+    planar = motion["layout"]
+    length = motion["sun_radius"] + motion["satellite_radius"] if planar else motion["wheel_radius"]
+    mass = motion["satellites"] * motion["modules"] * motion["imbalance_mass"]
+    return mass * length**2 + motion["link2_inertia"]
 
 
 def _mechanism(draw: Draw) -> Parameters:
@@ -145,7 +132,7 @@ def _losses(draw: Draw, motion: Motion, torque: float, omega: float) -> Paramete
     p = some(mesh_efficiency=draw.choice(EFFICIENCIES))
     p |= some(satellite_mesh_efficiency=draw.choice(EFFICIENCIES))
     p |= some(journal_friction=draw.decades(1e-6, 0.1), gravity=draw.choice([0.0, 9.81, 60.0]))
-    inertia = motion.inertia / (motion["satellites"] * motion["modules"])
+    inertia = _inertia(motion) / (motion["satellites"] * motion["modules"])
     p |= some(satellite_inertia=part(1e-6, 1.0, inertia, 1e9))
     p |= some(satellite_transverse_inertia=part(1e-6, 1.0, inertia, 1e9))
     for wheel, spring in (("housing", "housing"), ("output", "freewheel")):
@@ -164,7 +151,7 @@ def draw_motion(seed: int, number: int, losses: bool = False) -> Motion:
     (level,) = draw.choices(LEVELS, WEIGHTS)
     omega = draw.decades(1.0, 300.0)
     motion = Motion(_mechanism(draw) | _drive_and_output(draw, level, omega), ())
-    torque = motion.inertia * omega**2
+    torque = _inertia(motion) * omega**2
     full = {**default_parameters(), **motion.parameters}
     rate = omega * ratio(full) * (2.0 + 2.0 * satellite_ratio(full))
     travel, segments = draw.decades(0.3, 60.0), []
@@ -183,3 +170,201 @@ def draw_motion(seed: int, number: int, losses: bool = False) -> Motion:
     friction = _friction(draw, torque / omega) if rough else {}
     lossy = _losses(draw, motion, torque, omega) if losses and rough else {}
     return Motion(motion.parameters | friction | lossy, tuple(segments))
+
+
+# --- a campaign ---
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """One motion of a campaign.
+
+    Attributes:
+        number: in the campaign. level: of fidelity. finding: what it showed.
+        reproducer: the smallest motion found that fails or is refused in the same way, or None.
+    """
+
+    number: int
+    level: str
+    finding: Finding
+    reproducer: dict[str, Any] | None = None
+
+    @classmethod
+    def of_line(cls, line: str) -> Outcome:
+        """The outcome that as_line has written."""
+        values = json.loads(line)
+        finding = values.pop("finding")
+        figures = {name: Figure(**figure) for name, figure in finding.pop("figures").items()}
+        return cls(**values, finding=Finding(figures, **finding))
+
+    def as_line(self) -> str:
+        """The outcome as a line of its file."""
+        return json.dumps(asdict(self)) + "\n"
+
+
+def outcomes_file(folder: Path, seed: int, losses: bool = False) -> Path:
+    """The file in a folder that keeps the outcomes of a seed with this code: a line for each, in order."""
+    name = f"random-losses-{seed}" if losses else f"random-{seed}"
+    own = {
+        path.relative_to(STUDIES).as_posix(): path.read_bytes()
+        for part in ("reference", "stability")
+        for path in (STUDIES / part).glob("*.py")
+    }
+    code = sources("contract/*.py", "kernel/**/*.py", "memory.py") | own
+    return folder / f"{name}-{content_hash(code)[:8]}.jsonl"
+
+
+def read_outcomes(path: Path) -> list[Outcome]:
+    """The outcomes of a file, if there is one; its last line may be cut off."""
+    lines = path.read_text().splitlines(keepends=True) if path.exists() else []
+    return [Outcome.of_line(line) for line in lines if line.endswith("\n")]
+
+
+def without_numbers(message: str) -> str:
+    """A refusal without its numbers."""
+    return _NUMBER.sub("#", message)
+
+
+def cause(finding: Finding) -> str:
+    """The first thing that fails, or the refusal without its numbers; "" of what is sound."""
+    return finding.failed[0] if finding.failed else without_numbers(finding.refused)
+
+
+def smaller(motion: Motion) -> Iterator[Motion]:
+    """Motions with less in them: fewer segments, parameters at their defaults, rounder numbers."""
+    p, segments = motion.parameters, motion.segments
+    for n in range(len(segments)) if len(segments) > 1 else ():
+        yield Motion(p, segments[:n] + segments[n + 1 :])
+    for name in p:
+        yield Motion({other: value for other, value in p.items() if other != name}, segments)
+    for digits in (1, 2, 3):
+        for name in p:
+            yield motion.changed(**{name: rounded(p[name], digits)})
+        for n, part in enumerate(segments):
+            for name in ("slope", "drive", "load", "omega1", "duration"):
+                value = rounded(getattr(part, name), digits)
+                for tried in (value,) if name == "duration" else (0.0, value):
+                    changes: dict[str, Any] = {name: tried}
+                    yield Motion(p, (*segments[:n], replace(part, **changes), *segments[n + 1 :]))
+
+
+def shrunk(motion: Motion, wanted: str, make: Make = Module) -> Motion:
+    """A smaller motion with the same cause of failure or refusal."""
+    compared = wanted in (REFERENCE, VIRTUAL_WORK)
+    left, found = TRIES, True
+    while found:
+        found = False
+        for tried in smaller(motion):
+            if tried == motion or left <= 0:
+                continue
+            finding = examine(tried, make, not compared)
+            slow = compared or finding.long or "abandoned" in finding.refused
+            left -= SLOW if slow else 1
+            if wanted in (*finding.failed, without_numbers(finding.refused)):
+                motion, found = tried, True
+                break
+    return motion
+
+
+def try_number(seed: int, number: int, make: Make = Module, losses: bool = False) -> Outcome:
+    """Draw a motion, examine it and, where it fails or is refused, make it smaller."""
+    motion = draw_motion(seed, number, losses)
+    finding = examine(motion, make)
+    wanted = cause(finding)
+    reproducer = shrunk(motion, wanted, make).as_dict() if wanted else None
+    return Outcome(number, motion.level.name, finding, reproducer)
+
+
+def run_random(
+    number: int,
+    seed: int,
+    folder: Path,
+    report: Callable[[float], None] = lambda done: None,
+    losses: bool = False,
+) -> list[Outcome]:
+    """The outcomes of so many random motions, on all processors; the same for the same seed.
+
+    Each is kept in the folder (see outcomes_file): a run that was stopped goes on behind the last one.
+
+    Args:
+        number: of motions. seed: of all of them. folder: to keep them. report: called with the share done.
+        losses: whether to draw losses by load, drag and gravity besides.
+    """
+    from concurrent.futures import ProcessPoolExecutor
+
+    Module().load_kernel()  # compiled once, before there are many who would
+    path = outcomes_file(folder, seed, losses)
+    outcomes = read_outcomes(path)
+    results.write_text(path, "".join(outcome.as_line() for outcome in outcomes))
+    report(len(outcomes) / number)
+    with ProcessPoolExecutor() as pool, path.open("a") as file:
+        left = range(len(outcomes), number)
+        for outcome in pool.map(partial(try_number, seed, losses=losses), left, chunksize=4):
+            file.write(outcome.as_line())
+            file.flush()
+            outcomes.append(outcome)
+            report(len(outcomes) / number)
+    return outcomes[:number]
+
+
+def rows_of(outcomes: Sequence[Outcome]) -> list[tuple[Any, ...]]:
+    """A row of HEADINGS for each level and invariant; the last of a level count what was long, or refused."""
+    rows: list[tuple[Any, ...]] = []
+    for level in sorted({outcome.level for outcome in outcomes}):
+        here = [outcome for outcome in outcomes if outcome.level == level]
+        for name in dict.fromkeys(name for one in here for name in one.finding.figures):
+            figures = [(one.finding.figures[name], one.number) for one in here if name in one.finding.figures]
+            rows.append((level, name, *_counted(figures)))
+        long = [one.number for one in here if one.finding.long]
+        refused = [one.number for one in here if one.finding.refused]
+        for name, numbers in ((SHORT, long), (TAKEN, refused)):
+            rows.append((level, name, len(here), 0, 0, len(numbers), "", "", numbers[0] if numbers else ""))
+    return rows
+
+
+def _counted(figures: Sequence[tuple[Figure, int]]) -> tuple[Any, ...]:
+    """Runs, those explained, sensitive, failed; the value next to its bound, or furthest over, where."""
+    told = [(figure, number) for figure, number in figures if figure.bound < SENSITIVE]
+    explained = sum(figure.explained for figure, _ in told)
+    counts = len(figures), explained, len(figures) - len(told), sum(not figure.holds for figure, _ in told)
+    if not told:
+        return (*counts, "", "", "")
+    worst, number = max(told, key=lambda one: one[0].value / max(one[0].bound, 1e-300))
+    return (*counts, f"{worst.value:.0e}", f"{worst.bound:.0e}", number)
+
+
+def findings(outcomes: Iterable[Outcome]) -> list[dict[str, Any]]:
+    """Each way to fail or to be refused: how often, the first motion and what reproduces it."""
+    kinds: dict[tuple[str, str], list[Outcome]] = {}
+    for one in outcomes:
+        if one.reproducer:
+            kinds.setdefault((one.level, cause(one.finding)), []).append(one)
+    told = []
+    for (level, what), (first, *others) in kinds.items():
+        failed = [(name, first.finding.figures[name]) for name in first.finding.failed]
+        sentences = [f"{name}: {figure.value:.1e}, bound {figure.bound:.0e}" for name, figure in failed]
+        sentence = "; ".join(sentences) or first.finding.refused
+        where = {"number": first.number, "sentence": sentence, "reproducer": first.reproducer}
+        told.append({"level": level, "what": what, "count": 1 + len(others), **where})
+    return told
+
+
+def write_rows(path: Path, outcomes: Sequence[Outcome]) -> Path:
+    """Write the rows as CSV, whole or not at all."""
+    return results.write_rows(path, HEADINGS, rows_of(outcomes))
+
+
+def print_outcomes(outcomes: Sequence[Outcome]) -> None:
+    """Print the rows level by level, and each way to fail or to be refused with what reproduces it."""
+    from rich import box
+    from rich.table import Table
+
+    console = terminal()
+    for level, rows in groupby(rows_of(outcomes), itemgetter(0)):
+        table = Table(*HEADINGS[1:], title=level, box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
+        for row in rows:
+            table.add_row(*map(str, row[1:]))
+        console.print(table)
+    for found in findings(outcomes):
+        text = "\n{count} of {level}: {what}\nnumber {number}: {sentence}\n{reproducer}".format(**found)
+        console.print(text, soft_wrap=True)

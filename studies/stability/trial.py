@@ -1,139 +1,95 @@
-"""One trial: the module is run in long steps, in many short ones, tightly, and slightly changed."""
+"""One trial of an extreme: runs in long steps, in many short ones, tightly and slightly changed; a verdict.
+
+The bounds are functions of the tolerance; docs/stability.md prints them.
+"""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+import re
+from dataclasses import dataclass, field
 from functools import lru_cache
 
-from inertia_module.common.errors import Refused
 from inertia_module.contract.variable import LARGEST_STEP
 from inertia_module.kernel.codes import ELASTIC, EVENT, KINEMATIC, TIMESTEPPING
 from inertia_module.memory import Module
 
 from ..reference.geometry import shaft_frequency, swing_frequency
-from .case import Case, Segment
-from .record import ENERGIES, IMPULSES, SPEEDS, Run, input_speed, look
+from .extremes import Case
+from .motion import Make, Motion, Run, Segment, distance, relative, run
 
+# relative rounding that adds up over a run
+ROUNDING = 1e-12
+# tolerances that the energy residual may come to, of the largest energy
+ENERGY_TOLERANCES = 100.0
+# accuracies, and effects of a change of the problem by a tolerance, that a result may be off
+RESULT_ACCURACIES = 3.0
+# no relative error is allowed to be larger, whatever accuracy is asked for: a looser bound would say nothing
+LARGEST_ERROR = 0.1
+# breach of a freewheel, of the largest torque or speed
+BREACH = 1e-9
+# right-hand sides for each communication step, for each radian of the highest harmonic (by events: they grow
+# slowly with the digits asked for, at eighth order) and for each internal step of timestepping
+STEP_WORK = 100.0
+PHASE_WORK = 20.0
+WORK_ORDER = 8.0
+FIXED_STEP_WORK = 10.0
 # the run the others are measured against: tighter by this, down to what doubles allow
 TIGHTER = 1e-4
 TIGHTEST = 1e-13
 # rad of the highest harmonic in a step of method timestepping
 FIXED_PHASE = 0.1
-Parameters = dict[str, float]
+
+EXACT, SENSITIVE, DEGRADED, REFUSED, BROKEN = "exact", "sensitive", "degraded", "refused", "broken"
+OUTCOMES = (EXACT, SENSITIVE, DEGRADED, REFUSED, BROKEN)
+# figures that compare two runs of one motion, and all that are relative errors
+COMPARED = ("long against short steps", "error", "error, short steps")
+RELATIVE = ("energy residual", "energy residual, short steps", *COMPARED)
 
 
-def _rate(module: Module, omega1: float) -> float:
-    """Rate of the phase that has to be followed, rad/s: of the highest harmonic and of an elastic shaft.
+@dataclass(frozen=True)
+class Figure:
+    """One measured figure and the bound it is held to; explained: the motion's own sensitivity widened it."""
 
-    A shaft that oscillates faster than the pulses by more than 1 / sqrt(tolerance) is not followed.
-    """
-    harmonic = float(module.derived.harmonic * module.derived.k)
-    pulses = harmonic * max(abs(omega1 - module["omega2"]), abs(omega1))
-    if module["fidelity"] != ELASTIC or module["method"] != EVENT:
-        return pulses
-    shaft = shaft_frequency(module.__getitem__)
-    fastest = harmonic * max(abs(omega1), abs(module["omega_hub"]), abs(module["omega_out"]))
-    followed = shaft * math.sqrt(module["tolerance"]) <= fastest
-    return pulses + (shaft if followed else 0.0)
+    value: float
+    bound: float
+    explained: bool = False
 
-
-def _recovers(module: Module, before: bytes) -> str:
-    """What is wrong with the module after a refused step, or ""."""
-    if bytes(module.state) != before:
-        return "a refused step changed the state"
-    module.set(omega1=1.0, load_torque=1.0)
-    try:
-        module.advance(1e-6)
-    except Refused as error:
-        return f"no good step after a refused one: {error}"
-    return ""
+    @property
+    def holds(self) -> bool:
+        """True within the bound (not for NaN)."""
+        return self.value <= self.bound
 
 
-def _go(run: Run, module: Module, segment: Segment, split: int) -> None:
-    """Advance through a segment, each of its steps split in so many."""
-    count = max(segment.steps, math.ceil(segment.duration / LARGEST_STEP)) * split
-    step = segment.duration / count
-    impulses = dict.fromkeys(IMPULSES, 0.0)
-    for n in range(count):
-        omega1 = segment.omega1 + segment.slope * n * step
-        module.set(omega1=omega1, load_torque=segment.load, drive_torque=segment.drive)
-        if segment.slope and not module["input_hold"]:
-            module.set_rates(omega1=segment.slope)
-        before = bytes(module.state)
-        try:
-            module.advance(step)
-        except Refused as error:
-            run.refused = str(error)
-            run.broken = _recovers(module, before)
-            return
-        run.steps += 1
-        if module["max_step"] > 0.0:
-            run.fixed_steps += math.ceil(step / module["max_step"])
-        run.phase += step * _rate(module, input_speed(module))
-        for name in impulses:
-            impulses[name] += module[name] * step
-        look(run, module)
-    for name, impulse in impulses.items():
-        run.end[name] = run.end.get(name, 0.0) + impulse
+Figures = dict[str, Figure]
 
 
-def run_once(
-    module: Module, parameters: Parameters, segments: tuple[Segment, ...], split: int, turns: float = 0.0
-) -> Run:
-    """Run through the segments with each step split in so many.
+def energy_bound(accuracy: float) -> float:
+    """Energy residual allowed, of the largest energy."""
+    return min(LARGEST_ERROR, ENERGY_TOLERANCES * accuracy + ROUNDING)
+
+
+def result_bound(accuracy: float, sensitivity: float) -> float:
+    """Distance allowed between two runs of one motion, relative.
 
     Args:
-        module: not started yet. parameters: over the defaults. turns: already on the counters.
+        accuracy: asked for, relative.
+        sensitivity: distance that a change of the problem by the tolerance makes.
     """
-    run = Run()
-    first = segments[0]
-    try:
-        module.start(**parameters, omega1=first.omega1, load_torque=first.load, drive_torque=first.drive)
-    except Refused as error:
-        run.refused = str(error)
-        return run
-    if turns:
-        module.state.drive_turns += turns
-        module.state.input_turns += turns
-    begin = module["drive_angle"] + 2.0 * math.pi * module["drive_turns"]
-    look(run, module)
-    for segment in segments:
-        _go(run, module, segment, 1 if segment.whole else split)
-        if run.refused:
-            return run
-    run.end |= {name: module[name] for name in (*SPEEDS, *ENERGIES)}
-    run.end["angle"] = module["drive_angle"] + 2.0 * math.pi * (module["drive_turns"] - turns) - begin
-    run.evaluations = module["rhs_evaluations"]
-    return run
+    return min(LARGEST_ERROR, RESULT_ACCURACIES * (accuracy + sensitivity) + ROUNDING)
 
 
-def distance(one: Run, other: Run, inertia: float = 0.0, share: float = 0.0) -> float:
-    """Largest difference of what two runs end with, relative to the largest seen in them.
-
-    Speeds to the fastest, energies to the largest, impulses to energy over speed, the drive angle to
-    what it has gone through (at least a radian).
-
-    Args:
-        inertia: driven, kg m^2: the output's impulse is known as well as its speed is.
-        share: of the fastest speed: with a slower swing the inertia may have any energy.
-    """
-    speed = max(one.speed, other.speed)
-    energy = max(one.energy, other.energy, inertia * share * speed * speed)
-    scales = dict.fromkeys(SPEEDS, speed) | dict.fromkeys(ENERGIES, energy)
-    scales["angle"] = max(1.0, abs(one.end["angle"]))
-    for name in IMPULSES:
-        scales[name] = max(abs(one.end[name]), energy / speed if speed > 0.0 else 0.0)
-    scales["output_torque_mean"] = max(scales["output_torque_mean"], inertia * speed)
-    return max(relative(one.end[name] - other.end[name], scale) for name, scale in scales.items())
-
-
-def relative(value: float, scale: float) -> float:
-    """Size of a value, of its scale; infinite where that is zero and the value is not."""
-    if value == 0.0:
-        return 0.0
-    return abs(value) / scale if scale > 0.0 else math.inf
+def work_bound(case: Case, phase: float, steps: int, fixed_steps: int) -> float:
+    """Right-hand sides allowed for a phase (rad), communication steps and internal steps of timestepping."""
+    motion = case.motion
+    if case.level.method == TIMESTEPPING:
+        return STEP_WORK * steps + FIXED_STEP_WORK * fixed_steps
+    # what the shaft, freewheels that wind up and weights can swing through costs too
+    swinging = swing_frequency(motion.__getitem__)
+    if case.level.fidelity == ELASTIC:
+        swinging += shaft_frequency(motion.__getitem__)
+    phase += swinging * sum(part.duration for part in motion.segments)
+    digits = float(motion["tolerance"] ** (-1.0 / WORK_ORDER))
+    return STEP_WORK * steps + PHASE_WORK * digits * (1.0 + phase)
 
 
 @dataclass(frozen=True)
@@ -154,71 +110,130 @@ class Trial:
     sensitivity: float = 0.0
 
 
-def nudged(
-    parameters: Parameters, segments: tuple[Segment, ...], change: float
-) -> list[tuple[Parameters, tuple[Segment, ...]]]:
-    """The same slightly changed: angle at the start, load and speed of link 1, each to both sides."""
-    beside = []
-    for part in (change, -change):
-        start = parameters.get("drive_angle_start", 0.0) + part
-        factor = 1.0 + part
-        loads = tuple(replace(one, load=one.load * factor, drive=one.drive * factor) for one in segments)
-        speeds = tuple(replace(one, omega1=one.omega1 * factor, slope=one.slope * factor) for one in segments)
-        turned = parameters | {"drive_angle_start": start}
-        beside += [(turned, segments), (parameters, loads), (parameters, speeds)]
-    return beside
-
-
-def fixed_step(parameters: Parameters, segments: tuple[Segment, ...], module: Module) -> float:
-    """Step of method timestepping, s; 0 at rest without weights.
-
-    FIXED_PHASE of the highest harmonic at the fastest input and of the swing of link 2 on weights.
-    """
-    module.start(**parameters | {"fidelity": KINEMATIC, "method": EVENT})
-    fastest = max(max(abs(s.omega1), abs(s.omega1 + s.slope * s.duration)) for s in segments)
-    rate = float(module.derived.harmonic * module.derived.k) * fastest
-    rate += swing_frequency(module.__getitem__)
-    return min(FIXED_PHASE / rate, LARGEST_STEP) if rate > 1e-300 else 0.0
-
-
-def _runs(case: Case, make: Callable[[], Module]) -> Trial:
-    extreme, tolerance = case.extreme, case.parameter("tolerance")
-    segments = extreme.segments
-    parameters = extreme.parameters | case.level.values
-    if case.level.method == TIMESTEPPING and "max_step" not in parameters:
-        parameters["max_step"] = fixed_step(parameters, segments, make())
-    long = run_once(make(), parameters, segments, 1, extreme.turns)
-    if long.refused:
-        return Trial(case, long)
-    short = run_once(make(), parameters, segments, extreme.split, extreme.turns)
-    precise = parameters | {"method": EVENT, "max_step": 0.0}
-    tight, sensitivity = _precise(make, tuple(precise.items()), segments, tolerance)
-    return Trial(case, long, short, tight, sensitivity)
-
-
-@lru_cache(maxsize=1)  # the methods of a fidelity, which come one after the other, share it
-def _precise(
-    make: Callable[[], Module],
-    parameters: tuple[tuple[str, float], ...],
-    segments: tuple[Segment, ...],
-    tolerance: float,
-) -> tuple[Run | None, float]:
-    """The tight run, or None where it is refused, and the sensitivity of the motion (see Trial)."""
-    precise = dict(parameters) | {"tolerance": max(TIGHTER * tolerance, TIGHTEST)}
-    tight = run_once(make(), precise, segments, 1)
-    if tight.refused:
-        return None, 0.0
-    changed = [run_once(make(), *beside, 1) for beside in nudged(precise, segments, tolerance)]
-    return tight, max((distance(run, tight) for run in changed if not run.refused), default=0.0)
-
-
-def try_case(case: Case, make: Callable[[], Module] = Module) -> Trial:
+def try_case(case: Case, make: Make = Module) -> Trial:
     """All runs of a case. Never raises.
 
     Args:
         make: makes a module not started yet.
     """
+    motion = case.motion
     try:
-        return _runs(case, make)
+        if case.level.method == TIMESTEPPING and "max_step" not in motion.parameters:
+            motion = motion.changed(max_step=fixed_step(motion, make()))
+        long = run(motion, make)
+        if long.refused:
+            return Trial(case, long)
+        short = run(motion, make, case.split)
+        precise = motion.parameters | {"method": EVENT, "max_step": 0.0}
+        return Trial(case, long, short, *_precise(make, tuple(precise.items()), motion.segments))
     except Exception as error:  # whatever else it is, it is a finding
         return Trial(case, Run(broken=f"{type(error).__name__}: {error}"))
+
+
+def fixed_step(motion: Motion, module: Module) -> float:
+    """Step of method timestepping, s; 0 at rest without weights.
+
+    FIXED_PHASE of the highest harmonic at the fastest input and of the swing of link 2 on weights.
+    """
+    motion.changed(fidelity=KINEMATIC, method=EVENT).started(module)
+    rate = float(module.derived.harmonic * module.derived.k) * max(part.fastest for part in motion.segments)
+    rate += swing_frequency(module.__getitem__)
+    return min(FIXED_PHASE / rate, LARGEST_STEP) if rate > 1e-300 else 0.0
+
+
+@lru_cache(maxsize=1)  # the methods of a fidelity, which come one after the other, share it
+def _precise(
+    make: Make, parameters: tuple[tuple[str, float], ...], segments: tuple[Segment, ...]
+) -> tuple[Run | None, float]:
+    """The tight run, or None where it is refused, and the sensitivity of the motion (see Trial)."""
+    asked = Motion(dict(parameters), segments)
+    tolerance = asked["tolerance"]
+    precise = asked.changed(tolerance=max(TIGHTER * tolerance, TIGHTEST))
+    tight = run(precise, make)
+    if tight.refused:
+        return None, 0.0
+    changed = [run(beside, make) for beside in precise.nudged(tolerance)]
+    return tight, max((distance(run, tight) for run in changed if not run.refused), default=0.0)
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Verdict on a case.
+
+    Attributes:
+        outcome: exact, sensitive, degraded, refused or broken. reason: message, or which bound is missed by
+            how much.
+        figures: by name, measured and allowed.
+    """
+
+    case: Case
+    outcome: str
+    reason: str = ""
+    figures: Figures = field(default_factory=dict)
+
+    @property
+    def error(self) -> float:
+        """Largest relative error seen: energy residual, long against short, against the tight run."""
+        return max((self.figures[name].value for name in RELATIVE if name in self.figures), default=0.0)
+
+    @property
+    def missed(self) -> list[str]:
+        """Names of the figures beyond their bounds."""
+        return [name for name, figure in self.figures.items() if not figure.holds]
+
+
+def cause(message: str) -> str:
+    """Reason of a refusal, without the values and what is allowed."""
+    found = re.search(r": ([^;]*)", message)
+    return found.group(1).strip() if found else message.partition(", are ")[0]
+
+
+def measure(trial: Trial, short: Run) -> Figures:
+    """All figures of a trial that ran through, by name."""
+    case, long, tight = trial.case, trial.long, trial.tight
+    result = result_bound(case.accuracy, trial.sensitivity)
+    runs = {"": long, ", short steps": short}
+
+    def worst(name: str, scale: str) -> float:
+        return max(relative(getattr(run, name), getattr(run, scale)) for run in runs.values())
+
+    figures = {}
+    for suffix, found in runs.items():
+        residual = relative(found.residual, found.energy)
+        figures[f"energy residual{suffix}"] = Figure(residual, energy_bound(case.accuracy))
+    figures["long against short steps"] = Figure(distance(long, short), result)
+    figures["speed against a freewheel"] = Figure(worst("reversal", "speed"), BREACH)
+    figures["torque against a freewheel"] = Figure(worst("pull", "torque"), BREACH)
+    figures["lost energy regained"] = Figure(worst("regained", "energy"), BREACH)
+    for suffix, found in runs.items():
+        allowed = work_bound(case, found.phase, found.steps, found.fixed_steps)
+        figures[f"work{suffix}"] = Figure(found.evaluations, allowed)
+    if tight is not None:
+        figures |= {f"error{suffix}": Figure(distance(tight, one), result) for suffix, one in runs.items()}
+    return figures
+
+
+def judge(trial: Trial) -> Verdict:
+    """The verdict on a trial.
+
+    Where runs differ and a change of the problem by the tolerance alone moves the end by more than
+    LARGEST_ERROR, no method can say which is right: sensitive. An exception, a value that is not finite, a
+    refusal in short steps of what long ones did, or a refused step that leaves the module changed or
+    unusable is broken: a bug.
+    """
+    case, long, short = trial.case, trial.long, trial.short
+    if long.broken:
+        return Verdict(case, BROKEN, long.broken)
+    if long.refused:
+        return Verdict(case, REFUSED, long.refused)
+    if short is None or short.refused:
+        return Verdict(case, BROKEN, "short steps: " + (short.refused if short else "not run"))
+    if not (long.finite and short.finite):
+        return Verdict(case, BROKEN, "an output is not finite")
+    figures = measure(trial, short)
+    missed = {name: figure for name, figure in figures.items() if not figure.holds}
+    outcome = DEGRADED if missed else EXACT
+    if missed and trial.sensitivity > LARGEST_ERROR and set(missed) <= set(COMPARED):
+        outcome = SENSITIVE
+    reasons = [f"{name} {figure.value:.0e}, bound {figure.bound:.0e}" for name, figure in missed.items()]
+    return Verdict(case, outcome, "; ".join(reasons), figures)

@@ -23,24 +23,24 @@ def test_light_imbalance_has_the_work_of_a_heavy_one_in_proportion(compiled, rat
 
 
 @pytest.mark.parametrize("scene", SCENES)
-@pytest.mark.parametrize("inertia", [1e3, 1e5, 1e7])
-def test_heavy_link_2_ends_where_it_does_at_a_tighter_tolerance(compiled, scene, inertia):
-    values = {**SCENES[scene], "link2_inertia": inertia, "load_torque": 0.0}
-    one = advanced(started(compiled, values), 1.0)
-    tight = advanced(started(compiled, values, tolerance=1e-10), 1.0)
-    assert one["omega_out"] == pytest.approx(tight["omega_out"], rel=1e-2)
-    assert abs(one["energy_residual"]) < 1e-3 * one["energy_stored"]
+def test_heavy_link_2_ends_where_it_does_at_a_tighter_tolerance(compiled, scene):
+    for inertia in (1e3, 1e5, 1e7):
+        values = {**SCENES[scene], "link2_inertia": inertia, "load_torque": 0.0}
+        one = advanced(started(compiled, values), 1.0)
+        tight = advanced(started(compiled, values, tolerance=1e-10), 1.0)
+        assert one["omega_out"] == pytest.approx(tight["omega_out"], rel=1e-2)
+        assert abs(one["energy_residual"]) < 1e-3 * one["energy_stored"]
 
 
 @pytest.mark.parametrize("mass", [1e7, 1e8, 1e9])
-@pytest.mark.parametrize("tolerance", [1e-5, 1e-6, 1e-8])
-def test_spike_of_link_2_at_a_cusp_is_not_stepped_over(compiled, mass, tolerance):
+def test_spike_of_link_2_at_a_cusp_is_not_stepped_over(compiled, mass):
     # J2 is down to 5e-10 of the inertia of the imbalance: where that rests, link 2 darts
     values = {"omega1": 100.0, "load_torque": 10.0, "imbalance_mass": mass}
-    one = advanced(started(compiled, values, tolerance=tolerance), 1.0)
     tight = advanced(started(compiled, values, tolerance=1e-12), *[1e-3] * 1000)
-    assert one["contact_switches"] == tight["contact_switches"]
-    assert one["omega_out"] == pytest.approx(tight["omega_out"], rel=3.0 * tolerance)
+    for tolerance in (1e-5, 1e-6, 1e-8):
+        one = advanced(started(compiled, values, tolerance=tolerance), 1.0)
+        assert one["contact_switches"] == tight["contact_switches"]
+        assert one["omega_out"] == pytest.approx(tight["omega_out"], rel=3.0 * tolerance)
 
 
 @pytest.mark.parametrize("scene", SCENES)

@@ -8,7 +8,7 @@ import pytest
 from inertia_module.common.errors import Refused
 from inertia_module.kernel.codes import DRIVE_TORQUE, KINEMATIC, TIMESTEPPING
 from inertia_module.memory import Module
-from studies.stability.case import LEVELS
+from studies.stability.motion import LEVELS
 
 PAGE = Path(__file__).parents[2] / "docs" / "mechanics.md"
 MACHINE = {"input_inertia": 1.0, "output_inertia": 0.05, "driven_inertia": 0.4, "kinematic_ratio": 0.5}

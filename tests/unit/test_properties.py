@@ -8,13 +8,8 @@ from scenes import FREEWHEELS, SCENES, TWO_PI, advanced, drive_angle, started
 TOLERANCE = 1e-10
 SPEEDS = ["omega1", "omega2", "omega_out"]
 TORQUES = [
-    "input_torque",
-    "mesh_torque",
-    "output_torque",
-    "housing_torque",
-    "input_torque_mean",
-    "output_torque_mean",
-    "torque_ripple",
+    *("input_torque", "mesh_torque", "output_torque", "housing_torque"),
+    *("input_torque_mean", "output_torque_mean", "torque_ripple"),
 ]
 ENERGIES = ["energy_in", "energy_out", "energy_stored"]
 ACCELERATIONS = ["imbalance_acceleration", *(f"imbalance_acceleration_{axis}" for axis in "xyz")]
@@ -37,19 +32,16 @@ def assert_times(other, one, names, factor, rel=1e-7):
     assert {name: other[name] for name in names} == pytest.approx(values, rel=rel, abs=rel * scale)
 
 
+def after(kernel, duration, *scenes):
+    """A module after a while."""
+    return advanced(started(kernel, *scenes, tolerance=TOLERANCE), duration)
+
+
 @given(speed=st.floats(0.01, 100.0), duration=st.floats(1e-3, 0.3))
 def test_faster_input_gives_the_same_motion_in_less_time(compiled, scene, freewheels, speed, duration):
-    one = started(compiled, scene, freewheels, tolerance=TOLERANCE)
-    other = started(
-        compiled,
-        scene,
-        freewheels,
-        tolerance=TOLERANCE,
-        omega1=speed * scene["omega1"],
-        load_torque=speed**2 * scene["load_torque"],
-    )
-    advanced(one, duration)
-    advanced(other, duration / speed)
+    inputs = {"omega1": speed * scene["omega1"], "load_torque": speed**2 * scene["load_torque"]}
+    one = after(compiled, duration, scene, freewheels)
+    other = after(compiled, duration / speed, scene, freewheels, inputs)
     assert other["contact_mode"] == one["contact_mode"]
     assert other["contact_switches"] == one["contact_switches"]
     assert drive_angle(other) == pytest.approx(drive_angle(one), rel=1e-8)
@@ -66,8 +58,8 @@ def test_heavier_and_longer_parts_need_only_more_torque(compiled, scene, mass, l
     larger = {name: inertia * base[name] for name in ("link2_inertia", "output_inertia")}
     larger |= {name: length * size for name, size in sizes.items()}
     larger |= {"imbalance_mass": mass, "load_torque": inertia * scene["load_torque"]}
-    one = advanced(started(compiled, scene, base, sizes, tolerance=TOLERANCE), duration)
-    other = advanced(started(compiled, scene, larger, tolerance=TOLERANCE), duration)
+    one = after(compiled, duration, scene, base, sizes)
+    other = after(compiled, duration, scene, larger)
     assert other["contact_mode"] == one["contact_mode"]
     assert_times(other, one, SPEEDS, 1.0)
     assert_times(other, one, ACCELERATIONS, length)
@@ -78,49 +70,48 @@ def test_heavier_and_longer_parts_need_only_more_torque(compiled, scene, mass, l
 @pytest.mark.parametrize("satellites", [1, 2, 3])
 @given(omega1=st.floats(1.0, 200.0), load=st.floats(-20.0, 20.0), duration=st.floats(1e-3, 0.1))
 def test_mechanism_without_freewheels_has_a_mirror_image(compiled, scene, satellites, omega1, load, duration):
-    values = {"satellites": satellites, "tolerance": TOLERANCE, **FREEWHEELS["no freewheel"]}
-    one = started(compiled, scene, values, omega1=omega1, load_torque=load)
-    other = started(compiled, scene, values, omega1=-omega1, load_torque=-load)
-    for module in (one, other):
-        advanced(module, duration, duration)
+    values = {**scene, **FREEWHEELS["no freewheel"], "satellites": satellites}
+    one, other = (
+        advanced(
+            after(compiled, duration, values, {"omega1": sign * omega1, "load_torque": sign * load}), duration
+        )
+        for sign in (1.0, -1.0)
+    )
     assert_times(other, one, SPEEDS, -1.0, rel=1e-9)
     assert_times(other, one, [name for name in TORQUES if name != "torque_ripple"], -1.0, rel=1e-8)
     assert drive_angle(other) == pytest.approx(-drive_angle(one), rel=1e-9)
     assert_times(other, one, [*ENERGIES, "torque_ripple", "imbalance_acceleration"], 1.0)
 
 
-@given(modules=st.integers(2, 20), duration=st.floats(1e-3, 0.3))
-def test_equal_modules_are_one_with_imbalances_of_all_their_mass(compiled, scene, modules, duration):
-    mass = scene.get("imbalance_mass", 1.0)
-    many = started(compiled, scene, modules=modules, drive_inertia=0.001, tolerance=TOLERANCE)
-    one = started(compiled, scene, imbalance_mass=modules * mass, drive_inertia=0.001, tolerance=TOLERANCE)
-    for module in (many, one):
-        advanced(module, duration)
-    assert_times(many, one, [*SPEEDS, *TORQUES, *ENERGIES, *ACCELERATIONS, "drive_angle"], 1.0, rel=1e-9)
+def equal_modules(mass, count):
+    """Equal modules and one with imbalances of all their mass."""
+    drive = {"drive_inertia": 0.001}
+    return {**drive, "modules": count}, {**drive, "imbalance_mass": count * mass}
 
 
-@given(satellites=st.integers(3, 20), duration=st.floats(1e-3, 0.3))
-def test_three_or_more_satellites_of_one_mass_in_all_act_alike(compiled, satellites, duration):
-    one = started(compiled, SCENES["bevel"], satellites=3, imbalance_mass=1.0, tolerance=TOLERANCE)
-    other = started(
-        compiled,
-        SCENES["bevel"],
-        satellites=satellites,
-        imbalance_mass=3.0 / satellites,
-        tolerance=TOLERANCE,
+def many_satellites(mass, count):
+    """Three satellites and more of the same mass in all."""
+    return (
+        {"satellites": 3, "imbalance_mass": mass},
+        {"satellites": count + 1, "imbalance_mass": 3.0 * mass / (count + 1)},
     )
-    for module in (one, other):
-        advanced(module, duration)
+
+
+@pytest.mark.parametrize("alike", [equal_modules, many_satellites])
+@given(count=st.integers(2, 20), duration=st.floats(1e-3, 0.3))
+def test_imbalances_of_one_mass_in_all_act_alike(compiled, scene, alike, count, duration):
+    one, other = (
+        after(compiled, duration, scene, values) for values in alike(scene.get("imbalance_mass", 1.0), count)
+    )
     assert_times(other, one, [*SPEEDS, *TORQUES, *ENERGIES, *ACCELERATIONS], 1.0, rel=1e-9)
+    assert drive_angle(other) == pytest.approx(drive_angle(one), rel=1e-9)
 
 
 @given(turns=st.integers(-100, 100), duration=st.floats(1e-3, 0.2))
 def test_motion_repeats_with_its_period_in_the_drive_angle(compiled, scene, turns, duration):
     period = TWO_PI * (1 if scene.get("layout") else 10)
-    one = started(compiled, scene, tolerance=TOLERANCE)
-    other = started(compiled, scene, tolerance=TOLERANCE, drive_angle_start=turns * period)
-    for module in (one, other):
-        advanced(module, duration)
+    one = after(compiled, duration, scene)
+    other = after(compiled, duration, scene, {"drive_angle_start": turns * period})
     assert_times(other, one, [*SPEEDS, *TORQUES, *ENERGIES, *ACCELERATIONS, "drive_angle"], 1.0)
     gone = drive_angle(other) - turns * period
     assert gone == pytest.approx(drive_angle(one), rel=1e-9, abs=1e-9 * abs(turns))
@@ -133,15 +124,8 @@ def test_motion_repeats_with_its_period_in_the_drive_angle(compiled, scene, turn
     inertia=st.floats(0.0, 0.1),
 )
 def test_no_energy_is_gained_or_lost(compiled, scene, freewheels, turn, duration, load, inertia):
-    module = started(
-        compiled,
-        scene,
-        freewheels,
-        tolerance=TOLERANCE,
-        load_torque=load,
-        drive_angle_start=turn,
-        drive_inertia=inertia,
-    )
+    values = {"load_torque": load, "drive_angle_start": turn, "drive_inertia": inertia}
+    module = started(compiled, scene, freewheels, values, tolerance=TOLERANCE)
     before = module["energy_stored"]
     advanced(module, duration)
     turnover = max(abs(module["energy_in"]), abs(module["energy_out"]), module["energy_stored"])
@@ -153,7 +137,7 @@ def test_no_energy_is_gained_or_lost(compiled, scene, freewheels, turn, duration
 
 @given(steps=st.lists(st.floats(1e-5, 0.05), min_size=2, max_size=30))
 def test_sum_over_many_steps_is_that_of_one_long_step(compiled, scene, freewheels, steps):
-    one = advanced(started(compiled, scene, freewheels, tolerance=TOLERANCE), sum(steps))
+    one = after(compiled, sum(steps), scene, freewheels)
     many = started(compiled, scene, freewheels, tolerance=TOLERANCE)
     impulses = dict.fromkeys(("input_torque_mean", "output_torque_mean"), 0.0)
     for step in steps:

@@ -1,0 +1,332 @@
+"""A motion: a module with its inputs over time. It is run, and held against other runs of it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field, fields, replace
+from typing import Any, Self
+
+from inertia_module.common.errors import Refused
+from inertia_module.contract.variable import LARGEST_STEP
+from inertia_module.contract.variables import BY_NAME, LOSSES
+from inertia_module.fidelity.levels import Level
+from inertia_module.kernel.codes import AVERAGED, ELASTIC, EVENT, KINEMATIC, RIGID, TIMESTEPPING
+from inertia_module.memory import Module
+
+from ..reference.geometry import shaft_frequency
+
+ELASTIC_LEVELS = (Level(ELASTIC, EVENT), Level(ELASTIC, TIMESTEPPING))
+LEVELS = (
+    Level(KINEMATIC, EVENT),
+    Level(AVERAGED, EVENT),
+    Level(RIGID, EVENT),
+    Level(RIGID, TIMESTEPPING),
+    *ELASTIC_LEVELS,
+)
+# compared at the end of a run; and the torques whose largest is its scale
+SPEEDS = ("omega2", "omega_out")
+ENERGIES = ("energy_in", "energy_out")
+IMPULSES = ("input_torque_mean", "output_torque_mean")
+TORQUES = ("load_torque", "input_torque", "mesh_torque", "output_torque", "housing_torque")
+# not the shaft's: a balancer gives energy, and of a shaft too stiff to be followed it is a difference
+LOST = tuple(name for name in LOSSES if name != "energy_lost_shaft")
+
+Parameters = dict[str, float]
+Make = Callable[[], Module]
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A stretch of time with given inputs.
+
+    Attributes:
+        duration: s. omega1: at its beginning, rad/s. load: N.m. slope: of omega1, rad/s^2.
+        drive: torque on link 1, where the drive gives one, N.m.
+        steps: communication steps it takes at least (a step may be up to 1e6 s long).
+        whole: whether its steps stay as they are in the run of many short ones.
+    """
+
+    duration: float
+    omega1: float
+    load: float
+    slope: float = 0.0
+    drive: float = 0.0
+    steps: int = 1
+    whole: bool = False
+
+    @property
+    def fastest(self) -> float:
+        """Largest speed of link 1, rad/s, where it is given."""
+        return max(abs(self.omega1), abs(self.omega1 + self.slope * self.duration))
+
+    def scaled(self, speed: float = 1.0, torque: float = 1.0, time: float = 1.0) -> Segment:
+        """The segment with its speeds, torques and duration times these factors."""
+        return replace(
+            self,
+            duration=self.duration * time,
+            omega1=self.omega1 * speed,
+            load=self.load * torque,
+            slope=self.slope * (speed / time),
+            drive=self.drive * torque,
+        )
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A module and its inputs over time.
+
+    Attributes:
+        parameters: over the defaults. segments: each a communication step, or split into many.
+        turns: whole turns already on the counters of the drive and of link 1.
+    """
+
+    parameters: Parameters
+    segments: tuple[Segment, ...]
+    turns: float = 0.0
+
+    @classmethod
+    def of(cls, values: dict[str, Any]) -> Self:
+        """The motion that as_dict has written."""
+        return cls(values["parameters"], tuple(Segment(**part) for part in values["segments"]))
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain numbers that can be printed and pasted, without those at their defaults."""
+        default = {field.name: field.default for field in fields(Segment)}
+        kept = [
+            {name: value for name, value in asdict(part).items() if value != default[name]}
+            for part in self.segments
+        ]
+        return {"parameters": self.parameters, "segments": kept}
+
+    def __getitem__(self, name: str) -> float:
+        """Value of a parameter."""
+        return float(self.parameters.get(name, BY_NAME[name].start or 0.0))
+
+    @property
+    def level(self) -> Level:
+        """Its level of fidelity."""
+        return Level(int(self["fidelity"]), int(self["method"]))
+
+    def changed(self, **parameters: float) -> Motion:
+        """The motion with other parameters."""
+        return replace(self, parameters=self.parameters | parameters)
+
+    def nudged(self, change: float) -> list[Motion]:
+        """The motion slightly changed: angle at the start, load, speed of link 1, each to both sides."""
+        beside = []
+        for part in (change, -change):
+            start = self.parameters.get("drive_angle_start", 0.0) + part
+            loads = tuple(one.scaled(torque=1.0 + part) for one in self.segments)
+            speeds = tuple(one.scaled(speed=1.0 + part) for one in self.segments)
+            turned = self.changed(drive_angle_start=start)
+            beside += [turned, replace(self, segments=loads), replace(self, segments=speeds)]
+        return beside
+
+    def started(self, module: Module) -> Module:
+        """The module started with the parameters and the inputs of the first segment."""
+        first = self.segments[0]
+        module.start(**self.parameters, omega1=first.omega1, load_torque=first.load, drive_torque=first.drive)
+        if self.turns:
+            module.state.drive_turns += self.turns
+            module.state.input_turns += self.turns
+        return module
+
+
+def imbalance_inertia(derived: Any) -> float:
+    """Largest inertia of the imbalances behind link 2, k^2 G, kg m^2."""
+    far = derived.pole_offset + 2.0 * derived.pole_arm
+    return float(derived.mass * derived.k**2 * (far * far + derived.spin))
+
+
+def _input_speed(module: Module) -> float:
+    """Speed of link 1, rad/s: at the beginning of the step where it is given."""
+    return module["input_speed" if module["drive"] else "omega1"]
+
+
+@dataclass
+class Run:
+    """Record of a run: the largest at its communication points of all that is held to a bound.
+
+    Attributes:
+        end: values at the end: speeds, energies, drive angle gone through, impulses of the torques.
+        points: all values at the start and after each segment. state: state and outputs at the end.
+        finite: whether every output was, at every communication point.
+        residual: largest energy residual, J. gained: largest energy from nowhere, J.
+        energy: largest of input, output, stored, and what the imbalances can have at the speeds seen, J.
+        speed, torque: largest seen, rad/s, N.m.
+        reversal: deepest breach of omega2 >= 0 or omega3 >= omega2, rad/s.
+        pull: deepest breach of Tc >= 0 or Th >= 0, N.m.
+        slipping: largest power of a freewheel, torque by slip, W; all three without its drag.
+        lost: energy lost so far by cause, but the shaft's, J. regained: the most that one of them fell, J.
+        phase: advance of what has to be followed, rad. evaluations, steps: what it took.
+        fixed_steps: internal steps of method timestepping.
+        refused: message of the refusal that ended it, or "".
+        broken: what must never happen and did, such as an exception that is no refusal, or "".
+    """
+
+    end: dict[str, float] = field(default_factory=dict)
+    points: list[dict[str, float]] = field(default_factory=list)
+    state: bytes = b""
+    finite: bool = True
+    residual: float = 0.0
+    gained: float = 0.0
+    energy: float = 0.0
+    speed: float = 0.0
+    torque: float = 0.0
+    reversal: float = 0.0
+    pull: float = 0.0
+    slipping: float = 0.0
+    lost: dict[str, float] = field(default_factory=dict)
+    regained: float = 0.0
+    phase: float = 0.0
+    fixed_steps: int = 0
+    evaluations: float = 0.0
+    steps: int = 0
+    refused: str = ""
+    broken: str = ""
+
+    def look(self, module: Module) -> None:
+        """Take note of what shows at a communication point."""
+        self.finite = self.finite and all(map(math.isfinite, module.outputs.numbers))
+        self.residual = max(self.residual, abs(module["energy_residual"]))
+        self.gained = max(self.gained, -module["energy_residual"])
+        link1 = _input_speed(module)
+        fastest = max(abs(link1), abs(module["omega2"]))
+        possible = 0.5 * imbalance_inertia(module.derived) * fastest * fastest
+        energies = (abs(module[name]) for name in (*ENERGIES, "energy_stored"))
+        self.energy = max(self.energy, possible, *energies)
+        self.speed = max(self.speed, abs(link1), *(abs(module[name]) for name in SPEEDS))
+        self.torque = max(self.torque, *(abs(module[name]) for name in TORQUES))
+        before, self.lost = self.lost, {name: module[name] for name in LOST}
+        falls = (before.get(name, 0.0) - lost for name, lost in self.lost.items())
+        self.regained = max(self.regained, *falls)
+        elastic = module["fidelity"] == ELASTIC
+        if not elastic and module["fidelity"] != RIGID:
+            return
+        slips = {"housing": module["omega2"], "output": module["omega_hub"] - module["omega2"]}
+        springs = {"housing": "housing_stiffness", "output": "freewheel_stiffness"}
+        for wheel, slip in slips.items():
+            if not module[f"{wheel}_freewheel"]:
+                continue
+            drag = module[f"{wheel}_drag"] + module[f"{wheel}_drag_viscous"] * max(slip, 0.0)
+            held = module[f"{wheel}_torque"] + drag
+            self.pull = max(self.pull, -held)
+            if not elastic or module[springs[wheel]] == 0.0:  # while it winds up it may turn backwards
+                self.reversal = max(self.reversal, -slip)
+                self.slipping = max(self.slipping, slip * held)
+
+
+def run(motion: Motion, make: Make, split: int = 1, saved_at: int = -1) -> Run:
+    """Run a module through a motion.
+
+    Args:
+        make: makes a module not started yet. split: short communication steps that replace each long one.
+        saved_at: segment from which on another module goes on from the saved state.
+    """
+    found, module = Run(), make()
+    try:
+        motion.started(module)
+    except Refused as error:
+        found.refused = str(error)
+        return found
+    begin = module["drive_angle"] + 2.0 * math.pi * module["drive_turns"]
+    found.look(module)
+    found.points.append(module.snapshot())
+    for number, segment in enumerate(motion.segments):
+        if number == saved_at:
+            saved, module = module.save(), make()
+            module.restore(saved)
+        _advance(found, module, segment, 1 if segment.whole else split)
+        if found.refused:
+            return found
+        found.points.append(module.snapshot())
+    found.end |= {name: module[name] for name in (*SPEEDS, *ENERGIES)}
+    turns = module["drive_turns"] - motion.turns
+    found.end["angle"] = module["drive_angle"] + 2.0 * math.pi * turns - begin
+    found.evaluations = module["rhs_evaluations"]
+    found.state = bytes(module.state) + bytes(module.outputs)
+    return found
+
+
+def _advance(found: Run, module: Module, segment: Segment, split: int) -> None:
+    """Advance through a segment, each of its steps split in so many."""
+    count = max(segment.steps, math.ceil(segment.duration / LARGEST_STEP)) * split
+    step = segment.duration / count
+    impulses = dict.fromkeys(IMPULSES, 0.0)
+    for n in range(count):
+        omega1 = segment.omega1 + segment.slope * n * step
+        module.set(omega1=omega1, load_torque=segment.load, drive_torque=segment.drive)
+        if segment.slope and not module["input_hold"]:
+            module.set_rates(omega1=segment.slope)
+        before = bytes(module.state)
+        try:
+            module.advance(step)
+        except Refused as error:
+            found.refused = str(error)
+            found.broken = _after_refusal(module, before)
+            return
+        found.steps += 1
+        if module["max_step"] > 0.0:
+            found.fixed_steps += math.ceil(step / module["max_step"])
+        found.phase += step * _followed_rate(module)
+        for name in impulses:
+            impulses[name] += module[name] * step
+        found.look(module)
+    for name, impulse in impulses.items():
+        found.end[name] = found.end.get(name, 0.0) + impulse
+
+
+def _after_refusal(module: Module, before: bytes) -> str:
+    """Try the module after a refused step and tell what is wrong with it, or ""."""
+    if bytes(module.state) != before:
+        return "a refused step changed the state"
+    module.set(omega1=1.0, load_torque=1.0)
+    try:
+        module.advance(1e-6)
+    except Refused as error:
+        return f"no good step after a refused one: {error}"
+    return ""
+
+
+def _followed_rate(module: Module) -> float:
+    """Rate of the phase that has to be followed, rad/s: of the highest harmonic and of an elastic shaft.
+
+    A shaft that oscillates faster than the pulses by more than 1 / sqrt(tolerance) is not followed.
+    """
+    omega1 = _input_speed(module)
+    harmonic = float(module.derived.harmonic * module.derived.k)
+    pulses = harmonic * max(abs(omega1 - module["omega2"]), abs(omega1))
+    if module["fidelity"] != ELASTIC or module["method"] != EVENT:
+        return pulses
+    shaft = shaft_frequency(module.__getitem__)
+    fastest = harmonic * max(abs(omega1), abs(module["omega_hub"]), abs(module["omega_out"]))
+    followed = shaft * math.sqrt(module["tolerance"]) <= fastest
+    return pulses + (shaft if followed else 0.0)
+
+
+def relative(value: float, scale: float) -> float:
+    """Size of a value, of its scale; infinite where that is zero and the value is not."""
+    if value == 0.0:
+        return 0.0
+    return abs(value) / scale if scale > 0.0 else math.inf
+
+
+def distance(one: Run, other: Run, inertia: float = 0.0, share: float = 0.0) -> float:
+    """Largest difference of what two runs end with, relative to the largest seen in them.
+
+    Speeds to the fastest, energies to the largest, impulses to energy over speed, the drive angle to
+    what it has gone through (at least a radian).
+
+    Args:
+        inertia: driven, kg m^2: the output's impulse is known as well as its speed is.
+        share: of the fastest speed: with a slower swing the inertia may have any energy.
+    """
+    speed = max(one.speed, other.speed)
+    energy = max(one.energy, other.energy, inertia * share * speed * speed)
+    scales = dict.fromkeys(SPEEDS, speed) | dict.fromkeys(ENERGIES, energy)
+    scales["angle"] = max(1.0, abs(one.end["angle"]))
+    for name in IMPULSES:
+        scales[name] = max(abs(one.end[name]), energy / speed if speed > 0.0 else 0.0)
+    scales["output_torque_mean"] = max(scales["output_torque_mean"], inertia * speed)
+    return max(relative(one.end[name] - other.end[name], scale) for name, scale in scales.items())
