@@ -5,8 +5,12 @@ import pytest
 from scenes import PLANAR, started
 
 from inertia_module.common.errors import Refused
-from inertia_module.harness.chart import TorqueConverterChart, torque_converter_chart
-from inertia_module.harness.converter import LARGEST_TORQUE_RATIO, converter_table
+from inertia_module.harness.chart import (
+    LARGEST_TORQUE_RATIO,
+    TorqueConverterChart,
+    converter_table,
+    torque_converter_chart,
+)
 from inertia_module.harness.steady import SteadyMachine
 
 PLANAR_MECHANISM = {name: value for name, value in PLANAR.items() if name not in ("omega1", "load_torque")}

@@ -29,9 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import must_be
-from ..harness.calls import Closing
-from ..harness.fmu import Fmu, as_names
-from ..harness.restarted import RestartedFmu
+from ..harness.fmu import Closing, Fmu, RestartedFmu, as_names
 from .motion import check_inputs, check_outputs, motion_of, start_name
 from .packing import bytes_of, numbers_of
 

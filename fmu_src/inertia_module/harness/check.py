@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from ..common.errors import FmuError
-from .descriptions import existing_fmu
-from .logs import messages_of_others, pass_on
+from .fmu import existing_fmu
+from .loading import messages_of_others, pass_on
 
 STEPS = 100
 

@@ -14,8 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..common.errors import Refused, did_you_mean
 from ..common.units import split_quantity
-from .descriptions import fmu_file, read_description
-from .fmu import Fmu, FmuError, Plant, as_names
+from .fmu import Fmu, FmuError, Plant, as_names, fmu_file, read_description
 from .results import TIME, Result, TableError
 
 __all__ = ["Fmu", "FmuError", "Plant", "Progress", "Result", "TableError", "drive", "progress_bar"]
