@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 from inertia_module.cli import app
 from inertia_module.harness.results import Result
-from inertia_module.page import html, recording
+from inertia_module.page import html
 from tests.system.page_state import NEXT_FRAME, settled
 
 EXAMPLES = Path("examples").absolute()
@@ -92,8 +92,8 @@ def test_a_run_too_coarse_for_its_pulses_shows_means_and_dots_in_place_of_curves
 def test_a_row_of_a_long_run_has_the_means_and_peaks_of_those_left_out(monkeypatch):
     columns = {"time": np.arange(8.0), "torque_mean": np.arange(8.0), "force_peak": -np.arange(8.0)}
     record = Result(columns, {})
-    monkeypatch.setattr(recording, "MOST", 6)
-    found = recording.page_run(record)
+    monkeypatch.setattr(html, "MOST", 6)
+    found = html.page_run(record)
     packed = zlib.decompress(base64.b64decode(found["numbers"]), -zlib.MAX_WBITS)
     torque, force = np.frombuffer(packed, "<f4").reshape(2, -1)
     assert (found["every"], found["rows"]) == (3, 3)
