@@ -10,49 +10,41 @@ from pathlib import Path
 from typing import Any
 
 from .. import __version__
-from ..contract.variable import UNITS, Variable
+from ..contract.variable import UNITS
 from ..fmu.archive import DESCRIPTION, archive, generation_date, guid_of
 from ..fmu.linking import join_for_mac
-from .osp import structure
 from .plan import Plan, typed
+from .systems import osp_structure
 
 LIBRARY = "container_fmu"
 CONFIGURATION = "container.json"
 
 
-def _variable(number: int, name: str, variable: Variable, value: float | None) -> Any:
-    from fmpy.model_description import ModelVariable
-
-    kind, start = typed(variable, value or 0.0)
-    return ModelVariable(
-        name=name,
-        valueReference=number,
-        type=kind,
-        causality=variable.causality,
-        variability=variable.variability,
-        description=variable.description,
-        unit=variable.unit or None,
-        start=None if value is None else start,
-        # unless told, FMPy writes true for every variable; FMI 2.0 allows it for inputs only
-        canHandleMultipleSetPerTimeInstant=False,
-    )
-
-
 def _shown(plan: Plan) -> dict[tuple[str, str], Any]:
     """The container's variables by part and name: values that no wire drives, then outputs."""
+    from fmpy.model_description import ModelVariable
+
     wired = {(wire.sink, wire.input) for wire in plan.wires}
-    found: dict[tuple[str, str], float | None] = {
-        (part.name, name): value
-        for part in plan.parts
-        for name, value in part.values.items()
-        if (part.name, name) not in wired
-    }
-    found |= dict.fromkeys(plan.outputs)
+    values = {(part.name, name): value for part in plan.parts for name, value in part.values.items()}
+    ends = [end for end in values if end not in wired] + list(plan.outputs)
+    shown = {}
     # its library counts from 1: its 0 is the time, which a description need not name
-    return {
-        (part, name): _variable(number, f"{part}.{name}", plan.part(part).variable(name), value)
-        for number, ((part, name), value) in enumerate(found.items(), 1)
-    }
+    for number, (part, name) in enumerate(ends, 1):
+        variable, value = plan.part(part).variable(name), values.get((part, name))
+        kind, start = typed(variable, value or 0.0)
+        shown[part, name] = ModelVariable(
+            name=f"{part}.{name}",
+            valueReference=number,
+            type=kind,
+            causality=variable.causality,
+            variability=variable.variability,
+            description=variable.description,
+            unit=variable.unit or None,
+            start=None if value is None else start,
+            # unless told, FMPy writes true for every variable; FMI 2.0 allows it for inputs only
+            canHandleMultipleSetPerTimeInstant=False,
+        )
+    return shown
 
 
 def _description(plan: Plan, shown: Mapping[tuple[str, str], Any], guid: str) -> Any:
@@ -115,7 +107,7 @@ def _texts(plan: Plan, fmus: Mapping[str, bytes]) -> dict[str, bytes]:
         ]
         shown = _shown(plan)
         mappings = {variable: [(components[end[0]], inner[end])] for end, variable in shown.items()}
-        guid = guid_of({**fmus, "structure": structure(plan)})
+        guid = guid_of({**fmus, "structure": osp_structure(plan)})
         description = _description(plan, shown, guid)
         write_model_description(description, folder / DESCRIPTION)
         write_configuration(

@@ -3,17 +3,36 @@
 from __future__ import annotations
 
 import io
+import zipfile
 from pathlib import Path
+from xml.etree import ElementTree
 
 from ..common.files import write_atomically
+from ..fmu.archive import DESCRIPTION, archive
 from ..fmu.builder import content_of
 from ..fmu.linking import Progress
 from ..harness.wires import check_wiring
 from .container import container
-from .integers import with_integers
-from .osp import STRUCTURE, structure
 from .plan import Plan
-from .ssp import ssp_file
+from .systems import OSP_STRUCTURE, osp_structure, ssp_file
+
+
+def with_integers(fmu: bytes) -> bytes:
+    """A copy of an FMU whose enumerations are described as Integers: to the library inside that is the same.
+
+    libcosim and Ecos leave variables out that are enumerations, so there no fidelity could be set.
+
+    Args:
+        fmu: content of the file.
+    """
+    with zipfile.ZipFile(io.BytesIO(fmu)) as packed:
+        content = {name: packed.read(name) for name in packed.namelist()}
+    root = ElementTree.fromstring(content[DESCRIPTION])
+    for element in root.iterfind("ModelVariables/ScalarVariable/Enumeration"):
+        element.tag = "Integer"
+        del element.attrib["declaredType"]
+    content[DESCRIPTION] = ElementTree.tostring(root, xml_declaration=True, encoding="UTF-8")
+    return archive(content)
 
 
 def _check(plan: Plan, fmus: dict[str, bytes]) -> None:
@@ -49,7 +68,7 @@ def export(plan: Plan, folder: Path, progress: Progress = lambda stage: None) ->
         fmus[part.fmu.file_name] = with_integers(content_of(part.fmu, progress)[0])
     _check(plan, fmus)
     progress("packing the system")
-    files = {"system.ssp": ssp_file(plan, fmus), f"osp/{STRUCTURE}": structure(plan)}
+    files = {"system.ssp": ssp_file(plan, fmus), f"osp/{OSP_STRUCTURE}": osp_structure(plan)}
     files |= {f"osp/{name}": content for name, content in fmus.items()}
     files["container.fmu"] = container(plan, fmus)
     for name, content in files.items():
