@@ -32,7 +32,7 @@ _maps: dict[tuple[float, ...], Any] = {}
 
 
 def choose_kernel(kernel: str, name: str = MODULE) -> tuple[Callable[..., int] | None, str]:
-    """The compiled entry, or None for the plain kernel, and why.
+    """Choose the compiled entry, or None for the plain kernel, and why.
 
     Args:
         kernel: "compiled", "plain", or "auto": what the environment variable INERTIA_MODULE_KERNEL
@@ -233,7 +233,7 @@ class ModelInstance:
         return tuple([self[name] for name in names])
 
     def save(self) -> bytes:
-        """Everything that makes up the state, bit for bit: kind of model, started or not, build, records."""
+        """Serialise the state bit for bit: kind of model, started or not, build, records."""
         head = self.model.name.encode() + struct.pack("<?", self.started) + source_hash().encode()
         return head + b"".join(bytes(record) for record in self._records[:5])
 

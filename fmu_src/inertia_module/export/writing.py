@@ -1,4 +1,4 @@
-"""Writes a system in all formats: each file whole or not at all, and checked before."""
+"""Writing a system in all formats: each file whole or not at all, and checked before."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .systems import OSP_STRUCTURE, osp_structure, ssp_file
 
 
 def with_integers(fmu: bytes) -> bytes:
-    """A copy of an FMU whose enumerations are described as Integers: to the library inside that is the same.
+    """Copy an FMU so that its enumerations are described as Integers: to the library inside that is the same.
 
     libcosim and Ecos leave variables out that are enumerations, so there no fidelity could be set.
 

@@ -1,4 +1,4 @@
-"""Drives an FMU with fmpy: a whole run from a table of inputs to a table of results."""
+"""Driving an FMU: a whole run from a table of inputs to a table of results."""
 
 from __future__ import annotations
 
@@ -161,7 +161,7 @@ def drive(
 
 
 def whole_steps(duration: float, step: float) -> int:
-    """How many steps a duration is, both in s; 0 where it is no whole number of them (to a millionth)."""
+    """Number of steps in a duration, both in s; 0 where it is no whole number (to a millionth)."""
     number = duration / step
     return max(round(number), 0) if math.isfinite(number) and abs(number - round(number)) <= 1e-6 else 0
 

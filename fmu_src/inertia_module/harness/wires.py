@@ -70,7 +70,7 @@ def _check_driven(
     given: Mapping[str, Sequence[str]],
     parameters: Mapping[str, Mapping[str, Any]],
 ) -> list[str]:
-    """Every input is driven once: by a wire, or given by the user; one without effect by no wire."""
+    """List inputs that are not driven once, by a wire or by the user, and wires to one without effect."""
     problems = []
     idle = {name: idle_input(found, parameters.get(name, {})) for name, found in descriptions.items()}
     for wire in wires:
