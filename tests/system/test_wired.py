@@ -2,7 +2,8 @@
 
 import pytest
 
-from inertia_module.harness.fmu import FmuError
+from inertia_module.harness.fmu import Fmu, FmuError
+from inertia_module.harness.simulate import drive
 from inertia_module.harness.system import GAUSS_SEIDEL, JACOBI, Node, WiredFmus
 from inertia_module.harness.wires import Wire, WiringError
 
@@ -33,6 +34,17 @@ def test_a_run_gives_a_table_with_units_and_goes_on_where_the_last_one_ended(nod
     assert more.time[[0, -1]] == pytest.approx([0.06, 0.1])
     assert more["shaft.omega_out"][0] == table["shaft.omega_out"][-1]
     assert more["shaft.omega_out"][-1] > 1.0
+
+
+def test_a_run_from_a_table_gives_each_step_the_inputs_of_its_beginning(nodes):
+    path, ends = nodes["module"].path, {"omega1": [100.0, 120.0], "load_torque": 4.0}
+    table = drive(path, {"time": [0.0, 0.05], **ends}, 0.05, 0.01)
+    assert table["omega1"] == pytest.approx([100.0, 104.0, 108.0, 112.0, 116.0, 120.0])
+    with Fmu(path, inputs={"omega1": 100.0, "load_torque": 4.0}) as fmu:
+        for speed, expected in zip(table["omega1"], table["omega_out"][1:], strict=False):
+            fmu.set(omega1=speed)
+            fmu.advance(0.01)
+            assert fmu["omega_out"] == pytest.approx(expected, rel=1e-9)
 
 
 def test_jacobi_does_not_depend_on_the_order_of_the_fmus_and_gauss_seidel_does(nodes):

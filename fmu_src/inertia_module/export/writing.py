@@ -7,6 +7,8 @@ import zipfile
 from pathlib import Path
 from xml.etree import ElementTree
 
+from fmpy import read_model_description
+
 from ..common.files import write_atomically
 from ..fmu.archive import DESCRIPTION, archive
 from ..fmu.builder import content_of
@@ -35,20 +37,6 @@ def with_integers(fmu: bytes) -> bytes:
     return archive(content)
 
 
-def _check(plan: Plan, fmus: dict[str, bytes]) -> None:
-    """Refuse a plan whose wires cannot work."""
-    from fmpy import read_model_description
-
-    descriptions = {
-        part.name: read_model_description(io.BytesIO(fmus[part.fmu.file_name])) for part in plan.parts
-    }
-    given: dict[str, list[str]] = {}
-    for owner, name in plan.inputs:
-        given.setdefault(owner, []).append(name)
-    values = {part.name: part.values for part in plan.parts}
-    check_wiring(descriptions, plan.wires, given, plan.step, parameters=values)
-
-
 def export(plan: Plan, folder: Path, progress: Progress = lambda stage: None) -> list[Path]:
     """Write system.ssp, osp/ (structure and FMUs) and container.fmu into a folder.
 
@@ -66,7 +54,16 @@ def export(plan: Plan, folder: Path, progress: Progress = lambda stage: None) ->
     for part in plan.parts:
         progress(f"building {part.fmu.file_name}")
         fmus[part.fmu.file_name] = with_integers(content_of(part.fmu, progress)[0])
-    _check(plan, fmus)
+    given: dict[str, list[str]] = {}
+    for owner, name in plan.inputs:
+        given.setdefault(owner, []).append(name)
+    check_wiring(
+        {part.name: read_model_description(io.BytesIO(fmus[part.fmu.file_name])) for part in plan.parts},
+        plan.wires,
+        given,
+        plan.step,
+        parameters={part.name: part.values for part in plan.parts},
+    )
     progress("packing the system")
     files = {"system.ssp": ssp_file(plan, fmus), f"osp/{OSP_STRUCTURE}": osp_structure(plan)}
     files |= {f"osp/{name}": content for name, content in fmus.items()}
