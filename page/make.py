@@ -11,8 +11,7 @@ import tomllib
 from pathlib import Path
 
 from inertia_module.common.files import write_atomically
-from inertia_module.page.html import PRESETS, TEMPLATE, script
-from inertia_module.page.start import page_scene
+from inertia_module.page.html import PRESETS, TEMPLATE, page_scene, script
 from inertia_module.scene import load_scene
 
 PAGE = Path(__file__).parent

@@ -7,7 +7,6 @@ import os
 import struct
 import threading
 import warnings
-from collections import OrderedDict
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from typing import Any, ClassVar, Self
@@ -28,34 +27,12 @@ MOST_MAPS = 64
 _OF_MAP = ("map_ready", "map_key", "map_lock", "map_inertia", "map_evaluations", "forward", "backward")
 
 _lock = threading.Lock()
-_maps: OrderedDict[tuple[float, ...], Any] = OrderedDict()
-
-
-def _map_key(parameters: Any) -> tuple[float, ...]:
-    """The parameters the map depends on."""
-    return tuple(getattr(parameters, name) for name in fields.MAP_KEY)
-
-
-def recall_map(parameters: Any, derived: Any) -> None:
-    """Copy the map of these parameters into the record of derived constants, if one is kept."""
-    with _lock:
-        kept = _maps.get(_map_key(parameters))
-    if kept is not None:
-        for name in _OF_MAP:
-            setattr(derived, name, getattr(kept, name))
-
-
-def keep_map(parameters: Any, derived: Any) -> None:
-    """Keep the map that the kernel has built; the oldest of too many is forgotten."""
-    with _lock:
-        _maps[_map_key(parameters)] = type(derived).from_buffer_copy(derived)
-        _maps.move_to_end(_map_key(parameters))
-        while len(_maps) > MOST_MAPS:
-            _maps.popitem(last=False)
+# records of derived constants by the parameters the map depends on, the oldest first
+_maps: dict[tuple[float, ...], Any] = {}
 
 
 def choose_kernel(kernel: str, name: str = MODULE) -> tuple[Callable[..., int] | None, str]:
-    """The compiled entry, or None for the plain kernel, and why.
+    """Choose the compiled entry, or None for the plain kernel, and why.
 
     Args:
         kernel: "compiled", "plain", or "auto": what the environment variable INERTIA_MODULE_KERNEL
@@ -68,15 +45,15 @@ def choose_kernel(kernel: str, name: str = MODULE) -> tuple[Callable[..., int] |
     """
     if kernel == "auto":
         kernel = os.environ.get("INERTIA_MODULE_KERNEL", "auto")
+    if kernel not in ("auto", "compiled", "plain"):
+        raise Refused(must_be("kernel", "auto, compiled or plain", repr(kernel)))
     if kernel == "plain":
         return None, "plain Python, as asked for"
-    if kernel == "compiled":
-        return compiled.load(name), "compiled"
-    if kernel != "auto":
-        raise Refused(must_be("kernel", "auto, compiled or plain", repr(kernel)))
     try:
         return compiled.load(name), "compiled"
     except CompilationUnavailable as error:
+        if kernel == "compiled":
+            raise
         warnings.warn(
             f"the kernel runs as plain Python, a hundred times slower: there is no compiled one ({error})",
             RuntimeWarning,
@@ -190,11 +167,6 @@ class ModelInstance:
             setattr(self.inputs, f"{name}_rate", rate)
             setattr(self.inputs, f"{name}_rate_given", 1.0)
 
-    def _forget_rates(self) -> None:
-        for variable in self.model.with_causality(INPUT):
-            setattr(self.inputs, f"{variable.name}_rate", 0.0)
-            setattr(self.inputs, f"{variable.name}_rate_given", 0.0)
-
     def rates(self) -> dict[str, float]:
         """Rates of the outputs now, per second, inputs going on as they do; a step mean has rate 0.
 
@@ -238,7 +210,9 @@ class ModelInstance:
         if not self.started:
             raise Refused("a step must come after the start, the module has not been started")
         self._check(self.call(codes.STEP, step_size), step_size)
-        self._forget_rates()
+        for variable in self.model.with_causality(INPUT):
+            setattr(self.inputs, f"{variable.name}_rate", 0.0)
+            setattr(self.inputs, f"{variable.name}_rate_given", 0.0)
 
     def _check(self, status: int, step_size: float) -> None:
         if status != codes.OK:
@@ -258,13 +232,9 @@ class ModelInstance:
         """Values of variables by name."""
         return tuple([self[name] for name in names])
 
-    @property
-    def _magic(self) -> bytes:
-        return self.model.name.encode()
-
     def save(self) -> bytes:
-        """Everything that makes up the state, bit for bit."""
-        head = self._magic + struct.pack("<?", self.started) + source_hash().encode()
+        """Serialise the state bit for bit: kind of model, started or not, build, records."""
+        head = self.model.name.encode() + struct.pack("<?", self.started) + source_hash().encode()
         return head + b"".join(bytes(record) for record in self._records[:5])
 
     def restore(self, saved: bytes, must_be_started: bool = False) -> None:
@@ -276,37 +246,34 @@ class ModelInstance:
         Raises:
             Refused: it is not one, is damaged or of another build; nothing is changed.
         """
-        head = len(self._magic) + 1
-        start = head + len(source_hash())
+        kind, build = self.model.name.encode(), source_hash().encode()
+        start = len(kind) + 1 + len(build)
         size = start + sum(ctypes.sizeof(record) for record in self._records[:5])
         if len(saved) != size:
             raise Refused(
                 f"the state must be one saved by this build, of {size} bytes, is of {len(saved)} bytes"
             )
-        if saved[: len(self._magic)] != self._magic or saved[head:start] != source_hash().encode():
+        if not saved.startswith(kind) or saved[len(kind) + 1 : start] != build:
             raise Refused(NO_STATE)
-        started = saved[head - 1] != 0
-        parts = []
-        for record in self._records[:5]:
-            parts.append(type(record).from_buffer_copy(saved, start))
+        started = saved[len(kind)] != 0
+        parts = {}
+        for name, record in zip("pduxy", self._records, strict=False):
+            parts[name] = type(record).from_buffer_copy(saved, start)
             start += ctypes.sizeof(record)
         if must_be_started and not started:
             raise Refused("the state must be one that can step, is one saved before the start")
-        self._check_sound(started, dict(zip("pduxy", parts, strict=True)))
+        # a number used as an index or a choice must be one
+        sound = all(bound.accepts(parts[bound.record].numbers[bound.place]) for bound in self.model.bounds)
+        if not sound or (started and self._refused_parameters(parts["p"])):
+            raise Refused(NO_STATE)
         self.load_kernel()
         self.started = started
-        for record, part in zip(self._records, parts, strict=False):
+        for record, part in zip(self._records, parts.values(), strict=False):
             record.numbers[:] = part.numbers
 
     def _refused_parameters(self, parameters: Any) -> list[str]:
         values = {name: getattr(parameters, name) for name in self.model.records[0]}
         return refused_parameters(values, self.model.variables)
-
-    def _check_sound(self, started: bool, parts: dict[str, Any]) -> None:
-        """Refuse a state in which a number used as an index or a choice is none."""
-        sound = all(bound.accepts(parts[bound.record].numbers[bound.place]) for bound in self.model.bounds)
-        if not sound or (started and self._refused_parameters(parts["p"])):
-            raise Refused(NO_STATE)
 
     def snapshot(self) -> dict[str, Any]:
         """All variables by name."""
@@ -333,12 +300,20 @@ class Module(ModelInstance):
 
     def _begin(self) -> None:
         """Start with the map of fidelity averaged that another instance has made, if there is one."""
-        averaged = self.parameters.fidelity == codes.AVERAGED
-        if averaged:
-            recall_map(self.parameters, self.derived)
+        if self.parameters.fidelity != codes.AVERAGED:
+            super()._begin()
+            return
+        key = tuple(getattr(self.parameters, name) for name in fields.MAP_KEY)
+        with _lock:
+            kept = _maps.get(key)
+        for name in _OF_MAP if kept is not None else ():
+            setattr(self.derived, name, getattr(kept, name))
         super()._begin()
-        if averaged:
-            keep_map(self.parameters, self.derived)
+        with _lock:
+            _maps.pop(key, None)
+            _maps[key] = type(self.derived).from_buffer_copy(self.derived)
+            while len(_maps) > MOST_MAPS:
+                del _maps[next(iter(_maps))]
 
 
 class DrivenShaft(ModelInstance):

@@ -10,8 +10,7 @@ from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave, fmi2Discard, fmi2Error
 
 from inertia_module.contract.variable import BOOLEAN, PARAMETER, REAL
-from inertia_module.harness.fmi3 import Slave
-from inertia_module.harness.logs import messages_of_others, pass_on
+from inertia_module.harness.loading import Slave, messages_of_others, pass_on
 
 # the FMUs a test runs with, unless its file says otherwise by a FLAVOURS of its own
 FLAVOURS = ("InertiaModule", "InertiaModule3", "InertiaModulePy")

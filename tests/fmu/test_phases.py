@@ -8,7 +8,7 @@ from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import fmi2Discard, fmi2LastSuccessfulTime, fmi2Terminated
 
 from inertia_module.harness.fmu import Fmu
-from inertia_module.harness.logs import messages_of_others
+from inertia_module.harness.loading import messages_of_others
 
 GOOD = {"omega1": 100.0, "load_torque": 10.0}
 

@@ -13,7 +13,7 @@ from fmpy.fmi2 import FMU2Slave, fmi2Discard, fmi2Error, fmi2OK
 from inertia_module.compiling.records import place, size
 from inertia_module.contract.models import INERTIA_MODULE
 from inertia_module.harness.fmu import Fmu
-from inertia_module.harness.logs import callbacks_of, messages_of_others
+from inertia_module.harness.loading import callbacks_of, messages_of_others
 
 FLAVOURS = ("InertiaModulePy",)
 FOLDERS = ["Jürgen Müller", "日本", "100%", "a%41b", "module #3", "100%25", "ends in %"]

@@ -9,7 +9,7 @@ from fmpy.validation import validate_fmu
 
 from inertia_module.contract.models import INERTIA_MODULE
 from inertia_module.harness.fmu import Fmu, FmuError
-from inertia_module.harness.logs import messages_of_others
+from inertia_module.harness.loading import messages_of_others
 from inertia_module.harness.simulate import drive
 
 from .conftest import sentence

@@ -8,7 +8,7 @@ import pytest
 from fmpy.fmi1 import FMICallException
 
 from inertia_module.harness.fmu import Fmu
-from inertia_module.harness.logs import messages_of_others
+from inertia_module.harness.loading import messages_of_others
 from inertia_module.memory import Module
 
 CASES = {

@@ -1,12 +1,14 @@
-"""Chromium, and what a page in it has said and asked for."""
+"""Chromium, and what a page in it shows, has said and asked for."""
 
 import base64
 from pathlib import Path
 
 import matplotlib
+import numpy as np
 
 ROOT = Path(__file__).parents[2]
 OUT, REFERENCE = ROOT / "out" / "page", ROOT / "examples" / "reference.toml"
+PHONE, DESK = {"width": 360, "height": 740}, {"width": 1440, "height": 900}
 # no sandbox: the tests may run as root. WebGL without a graphics card; nothing that calls home
 FLAGS = (
     *("--no-sandbox", "--no-first-run", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"),
@@ -16,6 +18,18 @@ FLAGS = (
 # files of matplotlib, and how far apart their letters stand: text is as wide on every machine, and wider or
 # narrower than in the fonts that machines have
 FONTS = {"narrow": ("STIXGeneral.ttf", "-0.02em"), "wide": ("DejaVuSansMono.ttf", "0.04em")}
+SIMULATE = """options => {
+  try {
+    const found = window.inertiaModule.simulate(options);
+    return Object.fromEntries(Object.entries(found).map(([name, array]) => [name, [...array]]));
+  } catch (error) {
+    return error.message;
+  }
+}"""
+SHOWN = """name => {
+  const { run } = inertiaModule.state();
+  return [...(name === "time" ? run.time : run.columns[name])];
+}"""
 
 
 def set_font(page, name):
@@ -51,19 +65,38 @@ class Opened:
         """Of the file, without what follows #."""
         return self.path.absolute().as_uri()
 
+    def at(self, change):
+        """Load the page anew at another address; it, once nothing is being integrated."""
+        self.page.goto("about:blank")
+        self.page.goto(self.url + change)
+        self.page.wait_for_function("window.inertiaModule")
+        return self.settled()
+
+    def settled(self):
+        """The page once nothing is being integrated."""
+        self.page.wait_for_function("inertiaModule.state().run?.complete && !inertiaModule.state().busy")
+        return self
+
+    def drawn(self):
+        """The page once what has changed is drawn: by the frame after the one that is on its way."""
+        self.page.evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+        return self
+
+    def state(self, name):
+        """A part of the page's state."""
+        return self.page.evaluate(f"inertiaModule.state().{name}")
+
+    def shown(self, name):
+        """Column of the run that is shown."""
+        return np.array(self.page.evaluate(SHOWN, name))
+
+    def press(self, name):
+        """Press a button."""
+        self.page.get_by_role("button", name=name, exact=True).click()
+
     def simulate(self, options):
         """Arrays by name from the page's own simulate, or the sentence it refuses with."""
-        return self.page.evaluate(
-            """options => {
-              try {
-                const found = window.inertiaModule.simulate(options);
-                return Object.fromEntries(Object.entries(found).map(([name, array]) => [name, [...array]]));
-              } catch (error) {
-                return error.message;
-              }
-            }""",
-            options,
-        )
+        return self.page.evaluate(SIMULATE, options)
 
     def keep_picture(self, name):
         """Leave a screenshot in out/page."""

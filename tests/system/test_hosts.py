@@ -1,4 +1,4 @@
-"""The native FMUs in other hosts than FMPy: libcosim, Ecos, and the container that comes with FMPy.
+"""The native FMUs in other hosts than FMPy: libcosim and Ecos. FMPy's container is tried in test_export.
 
 libcosim and Ecos know no enumerations and leave such variables out; where a scene sets one, they are given a
 copy of the FMU in which it is described as an Integer.
@@ -10,7 +10,7 @@ from hosts import ACCUMULATED, FMPY, HOSTS, NANOSECONDS, HostFailed, Scene, run
 
 from inertia_module.contract.models import INERTIA_MODULE
 from inertia_module.contract.variable import ENUMERATION
-from inertia_module.export.integers import with_integers
+from inertia_module.export.writing import with_integers
 from inertia_module.fmu.builder import MODULE_FMU, SHAFT_FMU
 
 MODULE, SHAFT = MODULE_FMU.identifier, SHAFT_FMU.identifier
@@ -65,11 +65,11 @@ ENUMERATIONS = {variable.name for variable in INERTIA_MODULE.variables if variab
 
 @pytest.fixture(scope="module")
 def folders(built, tmp_path_factory):
-    """Folders with the FMUs: as built, and with integers for enumerations."""
+    """Folders with the FMUs: with enumerations as built, and with integers for them."""
     changed = tmp_path_factory.mktemp("changed")
     for name in (MODULE_FMU.file_name, SHAFT_FMU.file_name):
         (changed / name).write_bytes(with_integers((built / name).read_bytes()))
-    return {True: built, False: changed}
+    return {"built": built, "changed": changed}
 
 
 @pytest.fixture(scope="module", params=HOSTS)
@@ -86,7 +86,7 @@ def host(request):
 @pytest.fixture(scope="module")
 def reference(folders, tmp_path_factory):
     """Outputs of all scenes over FMPy, by clock and scene."""
-    scenes = {name: (scene, folders[True]) for name, scene in SCENES.items()}
+    scenes = {name: (scene, folders["built"]) for name, scene in SCENES.items()}
     work = tmp_path_factory.mktemp("fmpy")
     return {clock: run(FMPY, scenes, work / clock, clock) for clock in (ACCUMULATED, NANOSECONDS)}
 
@@ -95,11 +95,10 @@ def reference(folders, tmp_path_factory):
 def found(host, folders, tmp_path_factory):
     """Outputs of all scenes in a host."""
 
-    def folder_for(scene):
-        plain = not any(ENUMERATIONS & set(values) for values in scene.models.values())
-        return folders[plain or HOSTS[host].enumerations]
-
-    scenes = {name: (scene, folder_for(scene)) for name, scene in SCENES.items()}
+    scenes = {}
+    for name, scene in SCENES.items():
+        sets_one = any(ENUMERATIONS & set(values) for values in scene.models.values())
+        scenes[name] = (scene, folders["changed" if sets_one else "built"])
     return run(host, scenes, tmp_path_factory.mktemp(host))
 
 
@@ -136,7 +135,7 @@ def test_instances_in_one_host_do_not_know_of_each_other(host, found, reference)
 
 @pytest.mark.parametrize("values", [{"wheel_radius": -1.0}, {"omega1": 1e9}])
 def test_refusal_ends_the_run_and_says_why(host, values, folders, tmp_path):
-    scenes = {"bad": (Scene({MODULE: R1 | values}, 0.01, 3), folders[True])}
+    scenes = {"bad": (Scene({MODULE: R1 | values}, 0.01, 3), folders["built"])}
     if not HOSTS[host].minds_errors:
         run(host, scenes, tmp_path)  # goes on without results, and survives that
         return

@@ -22,14 +22,17 @@ LEVELS = {
     "fixed steps": {"fidelity": 2, "method": 1, "max_step": 1e-4},
     "losses": LOSSES,
 }
+# each level with a layout driven by speed and the other one driven by torque
 CASES = {
-    f"{layout}, {level}, {drive}": {**scene, **values}
-    for drive, scenes in (("speed", SCENES), ("torque", DRIVEN))
-    for layout, scene in scenes.items()
-    for level, values in LEVELS.items()
+    f"{level}, {layout}, {drive}": {**scenes[layout], **values}
+    for n, (level, values) in enumerate(LEVELS.items())
+    for drive, scenes, layout in (
+        ("speed", SCENES, ("bevel", "planar")[n % 2]),
+        ("torque", DRIVEN, ("planar", "bevel")[n % 2]),
+    )
     if (level, drive) != ("kinematic", "torque")
 }
-STEP, STEPS = 1e-3, 400
+STEP, STEPS = 1e-3, 200
 
 
 def options(values):
@@ -72,12 +75,12 @@ BAD = {
 }
 
 
-@pytest.mark.parametrize("case", BAD)
-def test_bad_value_gives_the_sentence_of_the_native_fmu(still, built, case):
-    given = options(BAD[case])
-    with pytest.raises(FmuError) as refused:
-        native(built, given)
-    assert still.simulate(given) == str(refused.value)
+def test_bad_value_gives_the_sentence_of_the_native_fmu(still, built):
+    for case, values in BAD.items():
+        given = options(values)
+        with pytest.raises(FmuError) as refused:
+            native(built, given)
+        assert still.simulate(given) == str(refused.value), case
 
 
 INTEGRATE = """request => new Promise(done => {
@@ -108,11 +111,12 @@ def over_time(signal, time):
 
 
 def test_inputs_over_time_are_straight_lines_as_the_fmu_takes_them(still, built):
-    found = still.simulate({**options({}), "inputs": OVER_TIME})
+    steps = 400  # beyond the last point
+    found = still.simulate({**options({}), "inputs": OVER_TIME, "steps": steps})
     start = {name: over_time(signal, 0.0)[0] for name, signal in OVER_TIME.items()}
     with Fmu(built / "InertiaModule.fmu", {}, start) as fmu:
         rows = [fmu.read(READ)]
-        for n in range(STEPS):
+        for n in range(steps):
             now = {name: over_time(signal, n * STEP) for name, signal in OVER_TIME.items()}
             fmu.set(**{name: value for name, (value, _) in now.items()})
             fmu.set_rates(**{name: rate for name, (_, rate) in now.items()})
@@ -123,7 +127,7 @@ def test_inputs_over_time_are_straight_lines_as_the_fmu_takes_them(still, built)
 
 
 def test_integrate_is_simulate_in_slices_with_angles_whole(still):
-    given = options(CASES["planar, rigid, speed"])
+    given = options(SCENES["planar"])
     request = {**given, "duration": 2.0}
     run = still.page.evaluate(INTEGRATE, request)
     at_once = still.simulate({**given, "steps": 2000})

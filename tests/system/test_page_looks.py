@@ -2,8 +2,7 @@
 
 import pytest
 
-from tests.system.chromium import FONTS, REFERENCE, ROOT, Opened, set_font
-from tests.system.page_state import DESK, NEXT_FRAME, PHONE, settled, state
+from tests.system.chromium import DESK, FONTS, PHONE, REFERENCE, ROOT, Opened, set_font
 
 AXE = ROOT / "page" / "node_modules" / "axe-core" / "axe.min.js"
 
@@ -14,42 +13,43 @@ TOO_NARROW = """() => {
     box => getComputedStyle(box).display !== 'inline' && box.scrollWidth > box.clientWidth + 1
   ).map(box => `${box.tagName} ${box.className}: ${box.textContent.slice(0, 60)}`);
 }"""
+PAPER = "getComputedStyle(document.body).backgroundColor"
 
 
-@pytest.mark.parametrize("font", FONTS)
-@pytest.mark.parametrize("size", [PHONE, DESK], ids=["phone", "desk"])
-def test_nothing_hangs_over_in_any_font(opened, size, font):
-    page = settled(opened(REFERENCE, viewport=size, reduced_motion="reduce"))
-    set_font(page.page, font)
-    page.page.evaluate(NEXT_FRAME)
-    assert page.page.evaluate("document.documentElement.scrollWidth") <= size["width"]
-    assert page.page.evaluate(TOO_NARROW) == []
+@pytest.fixture(params=[PHONE, DESK], ids=["phone", "desk"])
+def sized(page, request):
+    """The page of scene R1 at rest, loaded at a size."""
+    page.page.set_viewport_size(request.param)
+    return page.at("")
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-@pytest.mark.parametrize("size", [PHONE, DESK], ids=["phone", "desk"])
-def test_axe_finds_no_serious_fault(opened, size, scheme):
-    page = settled(opened(REFERENCE, viewport=size, color_scheme=scheme, reduced_motion="reduce"))
+def test_nothing_hangs_over_in_any_font_and_the_theme_can_be_switched(sized):
+    before = sized.page.evaluate(PAPER)
+    sized.press("Light or dark")
+    assert sized.page.evaluate(PAPER) != before
+    for font in FONTS:
+        set_font(sized.page, font)
+        sized.drawn()
+        width = sized.page.viewport_size["width"]
+        assert sized.page.evaluate("document.documentElement.scrollWidth") <= width, font
+        assert sized.page.evaluate(TOO_NARROW) == [], font
+
+
+def test_axe_finds_no_serious_fault(sized):
     if not AXE.exists():
         pytest.skip("axe-core is not installed: `make page` installs it")
-    page.page.evaluate(AXE.read_text())
-    found = page.page.evaluate("axe.run()")["violations"]
-    serious = [
-        (fault["id"], node["target"], node["failureSummary"])
-        for fault in found
-        if fault["impact"] in ("serious", "critical")
-        for node in fault["nodes"]
-    ]
-    assert serious == []
-    page.keep_picture(f"{size['width']}-{scheme}")
-
-
-def test_theme_can_be_switched(opened):
-    page = opened(REFERENCE)
-    paper = "getComputedStyle(document.body).backgroundColor"
-    before = page.page.evaluate(paper)
-    page.page.get_by_role("button", name="Light or dark").click()
-    assert page.page.evaluate(paper) != before
+    sized.page.evaluate(AXE.read_text())
+    for scheme in ("light", "dark"):
+        sized.page.emulate_media(color_scheme=scheme)
+        sized.drawn()
+        serious = [
+            (fault["id"], node["target"], node["failureSummary"])
+            for fault in sized.page.evaluate("axe.run()")["violations"]
+            if fault["impact"] in ("serious", "critical")
+            for node in fault["nodes"]
+        ]
+        assert serious == [], scheme
+        sized.keep_picture(f"{sized.page.viewport_size['width']}-{scheme}")
 
 
 def test_first_picture_and_frames_are_quick(browser, written):
@@ -62,8 +62,7 @@ def test_first_picture_and_frames_are_quick(browser, written):
             metrics = session.send("Performance.getMetrics")["metrics"]
             return next(metric["value"] for metric in metrics if metric["name"] == what)
 
-        opened = Opened(page, written(REFERENCE))
-        settled(opened)
+        opened = Opened(page, written(REFERENCE)).settled()
         assert spent("TaskDuration") < 1.5
         page.wait_for_timeout(2000)
         before = spent("ScriptDuration")
@@ -71,4 +70,4 @@ def test_first_picture_and_frames_are_quick(browser, written):
         page.wait_for_function("drawn > 20")
         frame = (spent("ScriptDuration") - before) / page.evaluate("drawn")
         assert 0 < frame < 8e-3
-        assert state(opened, "playing")
+        assert opened.state("playing")

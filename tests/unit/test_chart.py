@@ -1,4 +1,4 @@
-"""Torque converter charts: made, saved, read, compared."""
+"""Torque converter charts and converter tables: made, saved, read, compared, taken up by lookup blocks."""
 
 import csv
 import json
@@ -11,17 +11,29 @@ from scipy.io import loadmat
 from typer.testing import CliRunner
 
 from inertia_module.cli import app
-from inertia_module.harness.chart import torque_converter_chart
+from inertia_module.harness.chart import (
+    LARGEST_TORQUE_RATIO,
+    TorqueConverterChart,
+    converter_table,
+    torque_converter_chart,
+)
 from inertia_module.harness.results import read_columns
+from inertia_module.harness.steady import SteadyMachine
 from inertia_module.memory import Refused
 
 PLANAR_MECHANISM = {name: value for name, value in PLANAR.items() if name not in ("omega1", "load_torque")}
+LOSSES = {"input_friction": 0.002, "output_friction": 0.001, "output_drag": 0.2, "output_drag_viscous": 1e-3}
 MECHANISMS = {"bevel": {}, "planar": PLANAR_MECHANISM}
+LOSSY = {**PLANAR_MECHANISM, **LOSSES}
+
+
+def invoke(*arguments):
+    return CliRunner().invoke(app, ["chart", *map(str, arguments)])
 
 
 @pytest.mark.parametrize("mechanism", MECHANISMS)
 @pytest.mark.parametrize("backward", [False, True])
-def test_chart_tells_the_torque_of_the_averaged_module(compiled, mechanism, backward):
+def test_chart_tells_the_torque_of_the_averaged_module_and_loses_no_power(compiled, mechanism, backward):
     settings = MECHANISMS[mechanism]
     chart = torque_converter_chart(settings, backward, compiled)
     omega1 = -50.0 if backward else 50.0
@@ -31,28 +43,20 @@ def test_chart_tells_the_torque_of_the_averaged_module(compiled, mechanism, back
         assert chart.output_torque[n] * 2500.0 == pytest.approx(module["output_torque"], rel=1e-12)
         assert chart.peak[n] * 2500.0 == pytest.approx(module["torque_peak"], rel=1e-12)
         assert chart.link2_ratio[n] * 50.0 == pytest.approx(module["omega2"], rel=1e-12)
-
-
-@pytest.mark.parametrize("mechanism", MECHANISMS)
-def test_an_ideal_module_loses_no_power_at_any_ratio(compiled, mechanism):
-    chart = torque_converter_chart(MECHANISMS[mechanism], kernel=compiled)
     moving = slice(1, None)
     power_out = chart.output_torque * chart.speed_ratio
     assert np.allclose(power_out[moving], chart.efficiency[moving] * chart.input_torque[moving], rtol=1e-14)
-    assert chart.end_ratio == 1.0
-    assert chart.lock_up_torque[0] > chart.output_torque[-1] > 0.0
+    if not backward:
+        assert chart.end_ratio == 1.0
+        assert chart.lock_up_torque[0] > chart.output_torque[-1] > 0.0
 
 
-def test_chart_saved_is_the_chart_read(compiled, tmp_path):
+def test_chart_saved_is_the_chart_read_and_its_numbers_have_units(compiled, tmp_path):
     chart = torque_converter_chart({}, kernel=compiled)
     columns, units = read_columns(chart.save(tmp_path / "chart.csv"))
     assert columns == {name: values.tolist() for name, values in vars(chart).items()}
     assert units["output_torque"] == "N.m.s2"
     assert "efficiency" not in units
-
-
-def test_numbers_of_a_chart_have_units(compiled):
-    chart = torque_converter_chart({}, kernel=compiled)
     assert chart.units()["stall_torque"] == "N.m.s2"
     assert chart.units(50.0)["stall_torque"] == "N.m"
     assert chart.units()["end_ratio"] == ""
@@ -71,15 +75,91 @@ def test_a_mechanism_may_be_given_by_names_and_units(compiled):
             torque_converter_chart(bad)
 
 
-def test_without_a_freewheel_there_is_no_chart(compiled):
-    with pytest.raises(Refused, match="output_freewheel must both be 1, are 1 and 0"):
-        torque_converter_chart({"output_freewheel": 0}, kernel=compiled)
+@pytest.mark.parametrize("name, told", [("housing_freewheel", "0 and 1"), ("output_freewheel", "1 and 0")])
+def test_without_a_freewheel_there_is_no_chart(compiled, name, told):
+    for losses in ({}, {"input_friction": 0.1}):
+        with pytest.raises(Refused, match=f"must both be 1, are {told}: without both there is no mean"):
+            torque_converter_chart({name: 0, **losses}, kernel=compiled)
+
+
+# --- converter tables ---
+
+
+def table_of(parameters, omega1, kernel):
+    chart = torque_converter_chart(parameters, omega1 < 0.0, kernel, abs(omega1))
+    return converter_table(parameters, chart, omega1, kernel)
+
+
+def block(table, speed_ratio):
+    """What a lookup block makes of a table: input and output torque."""
+    k = np.interp(speed_ratio, table.speed_ratio, table.capacity_factor)
+    taken = (table.omega1 / k) ** 2
+    return taken, np.interp(speed_ratio, table.speed_ratio, table.torque_ratio) * taken
+
+
+@pytest.mark.parametrize(
+    "parameters, omega1",
+    [({}, 30.0), ({}, -50.0), (PLANAR_MECHANISM, 314.0), (LOSSY, 314.0), (LOSSY, -50.0)],
+    ids=["bevel", "bevel, backward", "planar", "losses", "losses, backward"],
+)
+def test_table_is_finite_and_gives_the_torques_of_the_chart(compiled, parameters, omega1):
+    table = table_of(parameters, omega1, compiled)
+    assert all(np.isfinite(values).all() for name, values in vars(table).items() if name != "omega1")
+    assert (np.diff(table.speed_ratio) > 0.0).all()
+    assert table.speed_ratio[0] == 0.0
+    assert table.torque_ratio.max() <= LARGEST_TORQUE_RATIO * (1.0 + 1e-12)
+    taken, passed = block(table, table.speed_ratio)
+    assert passed == pytest.approx(table.output_torque, rel=1e-12, abs=1e-12)
+    limited = table.torque_ratio > LARGEST_TORQUE_RATIO * (1.0 - 1e-9)
+    # no capacity factor says that the shaft drives link 1: the column of the input torque does
+    expected, floor = np.maximum(table.input_torque, 0.0), 1e-4 * table.input_torque.max()
+    assert taken[~limited] == pytest.approx(expected[~limited], rel=1e-9, abs=1.01 * floor)
+    assert (taken[limited] >= table.input_torque[limited] * (1.0 - 1e-9)).all()
+
+
+@pytest.mark.parametrize("mechanism", MECHANISMS)
+def test_between_its_rows_a_block_has_the_torque_of_the_module(compiled, mechanism):
+    settings = MECHANISMS[mechanism]
+    table = table_of(settings, 100.0, compiled)
+    for ratio in (0.0, 0.0525, 0.3333, 0.721):
+        module = started(compiled, settings, fidelity=1, omega1=100.0, omega_out_start=100.0 * ratio)
+        taken, passed = block(table, ratio)
+        assert passed == pytest.approx(module["output_torque"], rel=5e-3)
+        if ratio > 0.04:
+            assert taken == pytest.approx(ratio * module["output_torque"], rel=5e-3)
+
+
+def test_on_the_coast_side_an_ideal_freewheel_passes_nothing_and_losses_brake(compiled):
+    ideal, lossy = (table_of(parameters, 100.0, compiled) for parameters in (PLANAR_MECHANISM, LOSSY))
+    coast = ideal.speed_ratio > 1.0
+    assert coast.sum() == 5
+    assert not ideal.output_torque[coast].any()
+    assert not ideal.input_torque[coast].any()
+    # as the rigid module, whose shaft is driven from outside
+    braked, taken = SteadyMachine(PLANAR_MECHANISM, compiled).coasting(100.0, 1.5)
+    assert abs(braked) + abs(taken) < 1e-2 * ideal.output_torque.max()
+    coast = lossy.speed_ratio > 1.0
+    ahead = 100.0 * (lossy.speed_ratio[coast] - 1.0)
+    # link 2 has come along at the speed of link 1
+    drag = LOSSES["output_drag"] + LOSSES["output_drag_viscous"] * ahead
+    shaft = LOSSES["output_friction"] * 100.0 * lossy.speed_ratio[coast]
+    assert lossy.output_torque[coast] == pytest.approx(-(drag + shaft), rel=1e-3)
+    assert lossy.input_torque[coast] == pytest.approx(LOSSES["input_friction"] * 100.0 - drag, abs=0.02)
+
+
+def test_a_mechanism_that_passes_nothing_is_refused(compiled):
+    chart = torque_converter_chart({}, kernel=compiled)
+    none = TorqueConverterChart(*(0.0 * values for values in vars(chart).values()))
+    with pytest.raises(Refused, match="must pass torque for a converter table, passes none at 100 rad/s"):
+        converter_table({}, none, 100.0, compiled)
+
+
+# --- the command ---
 
 
 def test_command_compares_scenes(compiled, tmp_path):
     assert compiled
-    arguments = ["chart", "examples/urban.toml", "examples/planar.toml", "-o", str(tmp_path), "--json"]
-    done = CliRunner().invoke(app, arguments)
+    done = invoke("examples/urban.toml", "examples/planar.toml", "-o", tmp_path, "--json")
     assert done.exit_code == 0, done.output
     told = json.loads(done.output)
     assert set(told["charts"]) == {"urban", "planar"}
@@ -89,47 +169,38 @@ def test_command_compares_scenes(compiled, tmp_path):
     assert (tmp_path / "chart.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_command_gives_torques_and_a_converter_table_at_a_speed(compiled, tmp_path):
+@pytest.mark.parametrize("speed, told", [("3000", "3000 rad/s (28648 rpm)"), ("3000 rpm", "(3000 rpm)")])
+def test_command_gives_finite_torques_and_a_converter_table_at_the_speed_it_has_understood(
+    speed, told, compiled, tmp_path
+):
     assert compiled
-    arguments = ["chart", "examples/planar.toml", "--speed", "3000 rpm", "-o", str(tmp_path)]
-    done = CliRunner().invoke(app, arguments)
+    done = invoke("examples/planar.toml", "--speed", speed, "-o", tmp_path)
     assert done.exit_code == 0, done.output
+    assert told in done.output
+    warned = "warning: --speed 3000 has no unit, is taken as 3000 rad/s" in done.stderr
+    assert warned == (speed == "3000")
+    omega1 = 3000.0 if warned else 100.0 * math.pi
     columns, _ = read_columns(tmp_path / "planar.csv")
-    stall = columns["output_torque"][0] * (100.0 * math.pi) ** 2
+    stall = columns["output_torque"][0] * omega1**2
     assert f"{stall:.6g} N.m " in done.output
     rows = list(csv.DictReader((tmp_path / "planar_converter.csv").open()))
     assert float(rows[0]["output_torque [N.m]"]) == pytest.approx(stall, rel=1e-12)
     read = loadmat(tmp_path / "planar_converter.mat", simplify_cells=True)["converter"]
-    assert read["omega1"] == pytest.approx(100.0 * math.pi)
+    assert read["omega1"] == pytest.approx(omega1)
     assert read["units"]["capacity_factor"] == "rad/s/(N.m)^0.5"
     for name in ("speed_ratio", "torque_ratio"):
         assert read[name].tolist() == [float(row[name]) for row in rows]
-
-
-@pytest.mark.parametrize("speed, told", [("3000", "3000 rad/s (28648 rpm)"), ("3000 rpm", "(3000 rpm)")])
-def test_command_tells_the_speed_it_has_understood(speed, told, compiled, tmp_path):
-    assert compiled
-    done = CliRunner().invoke(app, ["chart", "examples/planar.toml", "--speed", speed, "-o", str(tmp_path)])
-    assert told in done.stdout
-    assert ("warning: --speed 3000 has no unit, is taken as 3000 rad/s" in done.stderr) == (speed == "3000")
-
-
-def test_no_file_of_a_chart_holds_what_is_not_finite(compiled, tmp_path):
-    assert compiled
-    CliRunner().invoke(app, ["chart", "examples/urban.toml", "--speed", "100", "-o", str(tmp_path)])
     files = sorted(tmp_path.glob("*.csv"))
-    assert [file.stem for file in files] == ["urban", "urban_converter"]
+    assert [file.stem for file in files] == ["planar", "planar_converter"]
     for file in files:
         cells = [cell for row in list(csv.reader(file.open()))[1:] for cell in row]
         assert all(math.isfinite(float(cell)) for cell in cells), file.name
 
 
-@pytest.mark.parametrize("speed", ["0", "fast", "10 N.m", "1e9 rad/s", "nan"])
-def test_command_refuses_a_speed_that_is_none(speed, tmp_path):
-    done = CliRunner().invoke(
-        app, ["chart", "examples/planar.toml", "--speed", speed, "-o", str(tmp_path / "x")]
-    )
-    assert done.exit_code == 1
-    assert "--speed must be a speed up to 1e+06 rad/s" in done.output
-    assert repr(speed) in done.output
-    assert not (tmp_path / "x").exists()
+def test_command_refuses_a_speed_that_is_none(tmp_path):
+    for speed in ("0", "fast", "10 N.m", "1e9 rad/s", "nan"):
+        done = invoke("examples/planar.toml", "--speed", speed, "-o", tmp_path / "x")
+        assert done.exit_code == 1
+        assert "--speed must be a speed up to 1e+06 rad/s" in done.output
+        assert repr(speed) in done.output
+        assert not (tmp_path / "x").exists()

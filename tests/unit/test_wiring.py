@@ -9,7 +9,10 @@ from inertia_module.harness.wires import Wire, WiringError, check_wiring
 
 SPEED = Wire("module", "omega_out", "shaft", "hub_speed")
 TORQUE = Wire("shaft", "shaft_torque_mean", "module", "load_torque")
+BOTH = [SPEED, TORQUE]
 GIVEN = {"module": ["omega1"], "shaft": ["load_torque"]}
+# what a module driven by torque is given
+TURNED = {**GIVEN, "module": ["drive_torque"]}
 
 
 def described(model, folder, *changes):
@@ -22,92 +25,76 @@ def described(model, folder, *changes):
     return read_model_description(str(folder), validate=False)
 
 
-@pytest.fixture
-def both(tmp_path):
+@pytest.fixture(scope="module")
+def both(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("described")
     return {
-        "module": described(INERTIA_MODULE, tmp_path / "module"),
-        "shaft": described(DRIVEN_SHAFT, tmp_path / "shaft"),
+        "module": described(INERTIA_MODULE, folder / "module"),
+        "shaft": described(DRIVEN_SHAFT, folder / "shaft"),
     }
 
 
-def test_module_and_shaft_wired_as_they_are_meant_to_be_are_accepted(both):
-    check_wiring(both, [SPEED, TORQUE], GIVEN, 1e-3)
-
-
-@pytest.mark.parametrize(
-    "wires, given, words",
-    [
-        (
-            [Wire("module", "output_torque_mean", "shaft", "hub_speed"), TORQUE],
-            GIVEN,
-            (
-                "module.output_torque_mean -> shaft.hub_speed: both ends must be in one unit",
-                "are in N.m and rad/s",
-            ),
-        ),
-        ([SPEED], GIVEN, ("module.load_torque must be driven by a wire or a given value, nothing",)),
-        (
-            [SPEED, TORQUE],
-            {"shaft": ["load_torque"]},
-            ("module.omega1 must be driven by a wire or a given value, nothing",),
-        ),
-        (
-            [SPEED, TORQUE],
-            {**GIVEN, "module": ["omega1", "load_torque"]},
-            (
-                "module.load_torque must be driven by one",
-                "is driven by shaft.shaft_torque_mean and by a given value",
-            ),
-        ),
-        (
-            [SPEED, TORQUE._replace(source="axle")],
-            GIVEN,
-            ("axle must be an FMU of the system (there",),
-        ),
-        (
-            [SPEED._replace(output="omega_3"), TORQUE],
-            GIVEN,
-            ("omega_3 must be an output of module (did you mean omega2?)",),
-        ),
-        (
-            [SPEED._replace(input="omega1"), TORQUE],
-            GIVEN,
-            ("omega1 must be an input of shaft (there",),
-        ),
-        ([SPEED._replace(output="omega1"), TORQUE], GIVEN, ("omega1 must be an output of module (",)),
-        ([SPEED, TORQUE], {**GIVEN, "shaft": ["torque"]}, ("torque must be an input of shaft (",)),
-    ],
-)
-def test_wires_that_cannot_work_are_named(both, wires, given, words):
-    with pytest.raises(WiringError) as caught:
-        check_wiring(both, wires, given, 1e-3)
-    for word in words:
-        assert word in str(caught.value)
+def by_torque(drive):
+    return {"module": {"drive": drive, "input_inertia": 0.1}}
 
 
 @pytest.mark.parametrize("drive", [1.0, 1, "torque"])
-def test_a_module_driven_by_torque_needs_its_torque_and_not_its_speed(both, drive):
-    by_torque = {"parameters": {"module": {"drive": drive, "input_inertia": 0.1}}}
-    given = {**GIVEN, "module": ["drive_torque"]}
-    check_wiring(both, [SPEED, TORQUE], given, 1e-3, **by_torque)
-    check_wiring(both, [SPEED, TORQUE], {**given, "module": ["drive_torque", "omega1"]}, 1e-3, **by_torque)
+def test_module_and_shaft_wired_as_they_are_meant_to_be_are_accepted(both, drive):
+    check_wiring(both, BOTH, GIVEN, 1e-3)
+    for names in (["drive_torque"], ["drive_torque", "omega1"]):
+        check_wiring(both, BOTH, {**GIVEN, "module": names}, 1e-3, by_torque(drive))
     with pytest.raises(WiringError, match=r"module\.drive_torque must be driven by a wire"):
-        check_wiring(both, [SPEED, TORQUE], GIVEN, 1e-3, **by_torque)
+        check_wiring(both, BOTH, GIVEN, 1e-3, by_torque(drive))
     idle = Wire("module", "omega_out", "module", "omega1")
     with pytest.raises(WiringError, match="the input must be drive_torque, omega1 has no effect"):
-        check_wiring(both, [SPEED, TORQUE, idle], given, 1e-3, **by_torque)
+        check_wiring(both, [*BOTH, idle], TURNED, 1e-3, by_torque(drive))
 
 
-def test_a_wire_to_the_torque_of_a_module_driven_by_speed_is_refused(both):
-    idle = Wire("shaft", "shaft_torque_mean", "module", "drive_torque")
-    with pytest.raises(WiringError, match="the input must be omega1, drive_torque has no effect"):
-        check_wiring(both, [SPEED, TORQUE, idle], GIVEN, 1e-3)
+NOTHING = "must be driven by a wire or a given value, nothing"
+# wires, what is given, the step, and words of the sentence
+BAD = [
+    (
+        [Wire("module", "output_torque_mean", "shaft", "hub_speed"), TORQUE],
+        GIVEN,
+        1e-3,
+        "module.output_torque_mean -> shaft.hub_speed: both ends must be in one unit, are in N.m and rad/s",
+    ),
+    ([SPEED], GIVEN, 1e-3, f"module.load_torque {NOTHING}"),
+    (BOTH, {"shaft": ["load_torque"]}, 1e-3, f"module.omega1 {NOTHING}"),
+    (
+        BOTH,
+        {**GIVEN, "module": ["omega1", "load_torque"]},
+        1e-3,
+        "module.load_torque must be driven by one of them, is driven by shaft.shaft_torque_mean and by a",
+    ),
+    ([*BOTH, SPEED], GIVEN, 1e-3, "shaft.hub_speed must be driven by one of them, is driven by"),
+    (
+        [*BOTH, Wire("shaft", "shaft_torque_mean", "module", "drive_torque")],
+        GIVEN,
+        1e-3,
+        "the input must be omega1, drive_torque has no effect",
+    ),
+    ([SPEED, TORQUE._replace(source="axle")], GIVEN, 1e-3, "axle must be an FMU of the system (there"),
+    (
+        [SPEED._replace(output="omega_3"), TORQUE],
+        GIVEN,
+        1e-3,
+        "omega_3 must be an output of module (did you mean omega2?)",
+    ),
+    ([SPEED._replace(input="omega1"), TORQUE], GIVEN, 1e-3, "omega1 must be an input of shaft (there"),
+    ([SPEED._replace(output="omega1"), TORQUE], GIVEN, 1e-3, "omega1 must be an output of module ("),
+    (BOTH, {**GIVEN, "shaft": ["torque"]}, 1e-3, "torque must be an input of shaft ("),
+    (BOTH, GIVEN, 0.0, "step must be a positive number of seconds, is 0"),
+    (BOTH, GIVEN, -1.0, "step must be a positive number of seconds, is -1"),
+    (BOTH, GIVEN, float("nan"), "step must be a positive number of seconds, is nan"),
+]
 
 
-@pytest.mark.parametrize("step", [0.0, -1.0, float("nan")])
-def test_a_step_that_is_none_is_refused(both, step):
-    with pytest.raises(WiringError, match=f"^step must be a positive number of seconds, is {step:g}$"):
-        check_wiring(both, [SPEED, TORQUE], GIVEN, step)
+@pytest.mark.parametrize("wires, given, step, words", BAD)
+def test_wires_that_cannot_work_are_named(both, wires, given, step, words):
+    with pytest.raises(WiringError) as caught:
+        check_wiring(both, wires, given, step)
+    assert words in str(caught.value)
 
 
 def test_a_loop_of_signals_that_follow_from_each_other_at_once_is_refused(both, tmp_path):
@@ -117,22 +104,18 @@ def test_a_loop_of_signals_that_follow_from_each_other_at_once_is_refused(both, 
         "module": described(INERTIA_MODULE, tmp_path / "one", through),
         "shaft": described(DRIVEN_SHAFT, tmp_path / "two", through),
     }
-    check_wiring(both | {"shaft": direct["shaft"]}, [SPEED, TORQUE], GIVEN, 1e-3)
+    check_wiring(both | {"shaft": direct["shaft"]}, BOTH, GIVEN, 1e-3)
     with pytest.raises(WiringError, match="an algebraic loop must hold an output") as caught:
-        check_wiring(direct, [SPEED, TORQUE], GIVEN, 1e-3)
+        check_wiring(direct, BOTH, GIVEN, 1e-3)
     assert "module.omega_out" in str(caught.value)
     assert "shaft.shaft_torque_mean" in str(caught.value)
 
 
 def test_kinds_have_to_match(both, tmp_path):
-    other = described(
-        DRIVEN_SHAFT,
-        tmp_path / "other",
-        (
-            b'<Real unit="rad/s" displayUnit="rpm" min="-1000000.0" max="1000000.0" nominal="100.0"'
-            b' start="0.0" />',
-            b'<Integer start="0" />',
-        ),
+    real = (
+        b'<Real unit="rad/s" displayUnit="rpm" min="-1000000.0" max="1000000.0" nominal="100.0"'
+        b' start="0.0" />'
     )
+    other = described(DRIVEN_SHAFT, tmp_path / "other", (real, b'<Integer start="0" />'))
     with pytest.raises(WiringError, match="both ends must be of one kind, are Real and Integer"):
-        check_wiring(both | {"shaft": other}, [SPEED, TORQUE], GIVEN, 1e-3)
+        check_wiring(both | {"shaft": other}, BOTH, GIVEN, 1e-3)

@@ -33,9 +33,7 @@ from ..common.errors import did_you_mean, must_be
 from ..contract.driven_shaft_variables import BY_NAME as OF_SHAFT
 from ..contract.variable import DRIVE_ANGLE, ENUMERATIONS, LINK1_ANGLE, SINCE_START
 from ..contract.variables import BY_NAME as OF_MODULE
-from ..harness.calls import Closing
-from ..harness.fmu import Fmu, FmuError, as_names
-from ..harness.restarted import RestartedFmu
+from ..harness.fmu import Closing, Fmu, FmuError, RestartedFmu, as_names
 from ..kernel.codes import DRIVE_TORQUE
 
 Array = NDArray[np.float64]

@@ -191,8 +191,7 @@ def chart(
     one input speed, and there is a map of the efficiency over speed ratio and input speed.
     """
     from ..figures.chart import chart_figure
-    from ..harness.chart import NOMINAL_SPEED, efficiency_map, torque_converter_chart
-    from ..harness.converter import converter_table
+    from ..harness.chart import NOMINAL_SPEED, converter_table, efficiency_map, torque_converter_chart
     from ..harness.results import write_figure
     from ..harness.simulate import progress_bar
     from ..scene import load_scene

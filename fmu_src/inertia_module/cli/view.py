@@ -34,8 +34,7 @@ def view(
     from ..common.files import write_atomically
     from ..contract.variables import COMPUTED
     from ..harness.simulate import progress_bar
-    from ..page.html import checked_path, html_file, template
-    from ..page.start import is_exact
+    from ..page.html import checked_path, html_file, is_exact, template
     from ..scene import Scene, load_any_scene, run_scene
     from ..scene.keys import keys_of
 

@@ -9,62 +9,57 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import fmpy.container_fmu
+from fmpy import read_model_description
+from fmpy.container_fmu import write_configuration
+from fmpy.container_fmu.config import Component, Configuration, Connection
+from fmpy.model_description import (
+    BaseUnit,
+    CoSimulation,
+    DefaultExperiment,
+    ModelDescription,
+    ModelVariable,
+    Unit,
+    Unknown,
+    write_model_description,
+)
+
 from .. import __version__
-from ..contract.variable import UNITS, Variable
+from ..contract.variable import UNITS
 from ..fmu.archive import DESCRIPTION, archive, generation_date, guid_of
 from ..fmu.linking import join_for_mac
-from .osp import structure
 from .plan import Plan, typed
+from .systems import osp_structure
 
 LIBRARY = "container_fmu"
-CONFIGURATION = "container.json"
-
-
-def _variable(number: int, name: str, variable: Variable, value: float | None) -> Any:
-    from fmpy.model_description import ModelVariable
-
-    kind, start = typed(variable, value or 0.0)
-    return ModelVariable(
-        name=name,
-        valueReference=number,
-        type=kind,
-        causality=variable.causality,
-        variability=variable.variability,
-        description=variable.description,
-        unit=variable.unit or None,
-        start=None if value is None else start,
-        # unless told, FMPy writes true for every variable; FMI 2.0 allows it for inputs only
-        canHandleMultipleSetPerTimeInstant=False,
-    )
 
 
 def _shown(plan: Plan) -> dict[tuple[str, str], Any]:
     """The container's variables by part and name: values that no wire drives, then outputs."""
     wired = {(wire.sink, wire.input) for wire in plan.wires}
-    found: dict[tuple[str, str], float | None] = {
-        (part.name, name): value
-        for part in plan.parts
-        for name, value in part.values.items()
-        if (part.name, name) not in wired
-    }
-    found |= dict.fromkeys(plan.outputs)
+    values = {(part.name, name): value for part in plan.parts for name, value in part.values.items()}
+    ends = [end for end in values if end not in wired] + list(plan.outputs)
+    shown = {}
     # its library counts from 1: its 0 is the time, which a description need not name
-    return {
-        (part, name): _variable(number, f"{part}.{name}", plan.part(part).variable(name), value)
-        for number, ((part, name), value) in enumerate(found.items(), 1)
-    }
+    for number, (part, name) in enumerate(ends, 1):
+        variable, value = plan.part(part).variable(name), values.get((part, name))
+        kind, start = typed(variable, value or 0.0)
+        shown[part, name] = ModelVariable(
+            name=f"{part}.{name}",
+            valueReference=number,
+            type=kind,
+            causality=variable.causality,
+            variability=variable.variability,
+            description=variable.description,
+            unit=variable.unit or None,
+            start=None if value is None else start,
+            # unless told, FMPy writes true for every variable; FMI 2.0 allows it for inputs only
+            canHandleMultipleSetPerTimeInstant=False,
+        )
+    return shown
 
 
 def _description(plan: Plan, shown: Mapping[tuple[str, str], Any], guid: str) -> Any:
-    from fmpy.model_description import (
-        BaseUnit,
-        CoSimulation,
-        DefaultExperiment,
-        ModelDescription,
-        Unit,
-        Unknown,
-    )
-
     unknowns = [Unknown(variable=shown[end]) for end in plan.outputs]
     units = sorted({variable.unit for variable in shown.values()} - {None})
     return ModelDescription(
@@ -85,11 +80,6 @@ def _description(plan: Plan, shown: Mapping[tuple[str, str], Any], guid: str) ->
 
 def _texts(plan: Plan, fmus: Mapping[str, bytes]) -> dict[str, bytes]:
     """Files that FMPy writes: the description, and the configuration for the container's library."""
-    from fmpy import read_model_description
-    from fmpy.container_fmu import write_configuration
-    from fmpy.container_fmu.config import Component, Configuration, Connection
-    from fmpy.model_description import ModelVariable, write_model_description
-
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         components: dict[str, Any] = {}
@@ -115,23 +105,20 @@ def _texts(plan: Plan, fmus: Mapping[str, bytes]) -> dict[str, bytes]:
         ]
         shown = _shown(plan)
         mappings = {variable: [(components[end[0]], inner[end])] for end, variable in shown.items()}
-        guid = guid_of({**fmus, "structure": structure(plan)})
+        guid = guid_of({**fmus, "structure": osp_structure(plan)})
         description = _description(plan, shown, guid)
-        write_model_description(description, folder / DESCRIPTION)
-        write_configuration(
-            Configuration(False, description, list(components.values()), connections, mappings),
-            folder / CONFIGURATION,
-        )
+        told, configuration = folder / DESCRIPTION, folder / "container.json"
+        write_model_description(description, told)
+        parts = list(components.values())
+        write_configuration(Configuration(False, description, parts, connections, mappings), configuration)
         return {
-            DESCRIPTION: (folder / DESCRIPTION).read_bytes(),
-            f"resources/{CONFIGURATION}": (folder / CONFIGURATION).read_bytes(),
+            DESCRIPTION: told.read_bytes(),
+            f"resources/{configuration.name}": configuration.read_bytes(),
         }
 
 
 def _libraries() -> dict[str, bytes]:
     """FMPy's libraries of the container, by their path in an FMU; for macOS one for both processors."""
-    import fmpy.container_fmu
-
     folder = Path(fmpy.container_fmu.__file__).parent / "binaries"
     mac = [
         (triple, (folder / name / f"{LIBRARY}.dylib").read_bytes())

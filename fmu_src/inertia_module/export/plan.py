@@ -50,7 +50,7 @@ class Plan(NamedTuple):
     Attributes:
         title: of the system. parts: its FMUs. wires: between them.
         inputs: inputs that no wire drives (part, variable). outputs: those that are shown, likewise.
-        step: communication step, s. stop_time: s. tolerance: of the experiment.
+        step: communication step, s. stop_time: s.
     """
 
     title: str
@@ -60,14 +60,13 @@ class Plan(NamedTuple):
     outputs: tuple[tuple[str, str], ...]
     step: float
     stop_time: float
-    tolerance: float
 
     def part(self, name: str) -> Part:
         """A part by its name."""
         return next(part for part in self.parts if part.name == name)
 
 
-def _of(model: Model, values: Mapping[str, float]) -> dict[str, float]:
+def _parameters(model: Model, values: Mapping[str, float]) -> dict[str, float]:
     names = {variable.name for variable in model.with_causality(PARAMETER)}
     return {name: float(value) for name, value in values.items() if name in names}
 
@@ -80,43 +79,36 @@ def make_plan(
     stop_time: float,
     tolerance: float = 1e-6,
 ) -> Plan:
-    """The system for a mechanism: the module alone or, if it is elastic, the rigid module and its shaft.
+    """Plan the system for a mechanism: the module alone or, if it is elastic, the rigid module and its shaft.
 
     Args:
+        title: of the system.
         values: parameters of the module that differ from their start values.
         inputs: omega1, load_torque and, of a module driven by torque, drive_torque at the start.
         step: communication step, s. stop_time: s. tolerance: of the module.
     """
+    own, of_shaft = _parameters(INERTIA_MODULE, values), _parameters(DRIVEN_SHAFT, values)
+    own["tolerance"] = tolerance
+    wires: tuple[Wire, ...] = ()
+    if values.get("fidelity") == ELASTIC:
+        rigid = {name: value for name, value in own.items() if name not in DRIVEN_SHAFT.by_name}
+        rigid |= {name: own[name] for name in ("omega_out_start", "input_hold") if name in own}
+        rigid |= {**inputs, "fidelity": float(RIGID), "load_torque": 0.0}
+        start = {"hub_speed": own.get("omega_out_start", 0.0), "load_torque": inputs["load_torque"]}
+        parts: tuple[Part, ...] = (
+            Part(MODULE, MODULE_FMU, rigid),
+            Part(SHAFT, SHAFT_FMU, of_shaft | start),
+        )
+        wires = (
+            Wire(MODULE, "omega_out", SHAFT, "hub_speed"),
+            Wire(SHAFT, "shaft_torque_mean", MODULE, "load_torque"),
+        )
+    else:
+        parts = (Part(MODULE, MODULE_FMU, {**own, **inputs}),)
     drive = "drive_torque" if values.get("drive") == DRIVE_TORQUE else "omega1"
-    own = {**_of(INERTIA_MODULE, values), "tolerance": tolerance}
-    if values.get("fidelity") != ELASTIC:
-        module = Part(MODULE, MODULE_FMU, {**own, **inputs})
-        ends = tuple((MODULE, name) for name in (drive, "load_torque"))
-        return Plan(title, (module,), (), ends, _shown(MODULE), step, stop_time, tolerance)
-    rigid = {name: value for name, value in own.items() if name not in DRIVEN_SHAFT.by_name}
-    shared: dict[str, float] = {name: own[name] for name in ("omega_out_start", "input_hold") if name in own}
-    module_values: dict[str, float] = {
-        **rigid,
-        **shared,
-        **inputs,
-        "fidelity": float(RIGID),
-        "load_torque": 0.0,
-    }
-    start = {"hub_speed": own.get("omega_out_start", 0.0), "load_torque": inputs["load_torque"]}
-    parts = (
-        Part(MODULE, MODULE_FMU, module_values),
-        Part(SHAFT, SHAFT_FMU, {**_of(DRIVEN_SHAFT, values), **start}),
-    )
-    wires = (
-        Wire(MODULE, "omega_out", SHAFT, "hub_speed"),
-        Wire(SHAFT, "shaft_torque_mean", MODULE, "load_torque"),
-    )
-    ends = ((MODULE, drive), (SHAFT, "load_torque"))
-    return Plan(title, parts, wires, ends, _shown(MODULE, SHAFT), step, stop_time, tolerance)
-
-
-def _shown(*names: str) -> tuple[tuple[str, str], ...]:
-    return tuple((name, output) for name in names for output in SHOWN[name])
+    ends = ((MODULE, drive), (parts[-1].name, "load_torque"))
+    shown = tuple((part.name, output) for part in parts for output in SHOWN[part.name])
+    return Plan(title, parts, wires, ends, shown, step, stop_time)
 
 
 def typed(variable: Variable, value: float) -> tuple[str, str]:

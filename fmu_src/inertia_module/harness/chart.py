@@ -5,10 +5,16 @@ The chart of a hydrodynamic converter plots torque ratio, efficiency and capacit
 one chart holds for all speeds. Its efficiency is 1 and its torque ratio one over the speed ratio; at
 stall it passes torque and takes no power. Mechanisms differ in the torque they pass. With losses the chart is
 that of one input speed, and a map tells the efficiency over speed ratio and input speed.
+
+Blocks of torque converters look up torque ratio R and capacity factor K = omega1 / sqrt(input torque) and
+make of them input torque = (omega1 / K)^2 and output torque = R (omega1 / K)^2. At stall both are infinite.
+So in a converter table R is limited, and the input torque to be had from it is then the output torque over
+that limit; the output torque is right everywhere.
 """
 
 from __future__ import annotations
 
+import io
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -16,6 +22,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ..common.errors import Refused
+from ..common.files import write_atomically
 from ..contract.variables import BY_NAME
 from ..kernel import codes
 from ..kernel.averaged import rates as average_rates
@@ -32,13 +40,18 @@ POINTS = 200
 # ratios at which a mechanism with losses is measured, and speeds of its map up to the one given
 RATIOS = np.linspace(0.0, 0.98, 29)
 MAP_SPEEDS = np.geomspace(0.1, 1.0, 8)
+# of a converter table: the largest torque ratio, and the least input torque over its largest
+LARGEST_TORQUE_RATIO, LEAST_SHARE = 50.0, 1e-4
+# speed ratios of its coast side, over 1 or what the chart ends with above that
+COAST = np.array([1.01, 1.1, 1.25, 1.5, 2.0])
 
-_UNITS = {
-    "output_torque": "N.m.s2",
-    "input_torque": "N.m.s2",
-    "ripple": "N.m.s2",
-    "peak": "N.m.s2",
-    "lock_up_torque": "N.m.s2",
+_TORQUES = ("output_torque", "input_torque", "ripple", "peak", "lock_up_torque")
+_CONVERTER_UNITS = {
+    "speed_ratio": "1",
+    "torque_ratio": "1",
+    "capacity_factor": "rad/s/(N.m)^0.5",
+    "output_torque": "N.m",
+    "input_torque": "N.m",
 }
 # the numbers of summary that are no torques
 _RATIOS = (
@@ -112,7 +125,8 @@ class TorqueConverterChart:
 
     def save(self, path: Path) -> Path:
         """Write as CSV, whole or not at all; the numbers read back are the same doubles."""
-        return write_columns(path, {field.name: getattr(self, field.name) for field in fields(self)}, _UNITS)
+        columns = {field.name: getattr(self, field.name) for field in fields(self)}
+        return write_columns(path, columns, dict.fromkeys(_TORQUES, "N.m.s2"))
 
 
 @dataclass(frozen=True)
@@ -219,3 +233,74 @@ def _chart_of_map(parameters: Mapping[str, float | str], backward: bool, kernel:
     lock = d.map_lock if side.locks else 0.0
     one = np.ones(ratios.size)
     return TorqueConverterChart(ratios, torque, ratios * torque, one, link2, ripple, peak, lock * one)
+
+
+@dataclass(frozen=True)
+class ConverterTable:
+    """A converter at an input speed; arrays of shape (n,), all finite.
+
+    Attributes:
+        omega1: speed of the input, rad/s. speed_ratio: output over input speed, rising from 0.
+        torque_ratio: output over input torque, at most LARGEST_TORQUE_RATIO, negative on a braked shaft.
+        capacity_factor: omega1 / sqrt(input torque), rad/s/(N m)^0.5.
+        output_torque, input_torque: mean torques of the mechanism itself, N m.
+    """
+
+    omega1: float
+    speed_ratio: Array
+    torque_ratio: Array
+    capacity_factor: Array
+    output_torque: Array
+    input_torque: Array
+
+    def save(self, path: Path) -> Path:
+        """Write as CSV, whole or not at all."""
+        units = {name: unit for name, unit in _CONVERTER_UNITS.items() if unit != "1"}
+        return write_columns(path, {name: getattr(self, name) for name in _CONVERTER_UNITS}, units)
+
+    def save_mat(self, path: Path) -> Path:
+        """Write as MAT file (version 5), whole or not at all: a struct converter, with units."""
+        fields = {name: getattr(self, name) for name in _CONVERTER_UNITS}
+        from scipy.io import savemat  # takes half a second
+
+        stream = io.BytesIO()
+        content = {
+            "converter": {"omega1": self.omega1, **fields, "units": {"omega1": "rad/s", **_CONVERTER_UNITS}}
+        }
+        savemat(stream, content, oned_as="column")
+        write_atomically(path, stream.getvalue())
+        return path
+
+
+def converter_table(
+    parameters: Mapping[str, float | str], chart: TorqueConverterChart, omega1: float, kernel: str = "auto"
+) -> ConverterTable:
+    """The converter table of a mechanism.
+
+    Args:
+        parameters, kernel: as in torque_converter_chart. chart: of these at this speed.
+        omega1: speed of the input, rad/s, not 0.
+
+    Raises:
+        Refused: no torque is passed at any ratio.
+    """
+    machine = SteadyMachine(parameters, kernel)
+    ratios = COAST * max(1.0, chart.end_ratio)
+    coast = np.zeros((ratios.size, 2))
+    if not machine.ideal:
+        coast = np.array([machine.coasting(omega1, ratio) for ratio in ratios])
+    square = omega1 * omega1
+    passed = np.concatenate([square * chart.output_torque, coast[:, 0]])
+    taken = np.concatenate([square * chart.input_torque, coast[:, 1]])
+    greatest = float(taken.max())
+    if not greatest > 0.0:
+        raise Refused(f"a mechanism must pass torque for a converter table, passes none at {omega1:g} rad/s")
+    given = np.maximum(taken, np.maximum(passed / LARGEST_TORQUE_RATIO, LEAST_SHARE * greatest))
+    return ConverterTable(
+        omega1,
+        np.concatenate([chart.speed_ratio, ratios]),
+        passed / given,
+        abs(omega1) / np.sqrt(given),
+        passed,
+        taken,
+    )

@@ -1,4 +1,4 @@
-"""Checks any FMU file: fmpy's validation, then a run over its default experiment."""
+"""Check of any FMU file: fmpy's validation, then a run over its default experiment."""
 
 from __future__ import annotations
 
@@ -7,10 +7,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from fmpy import platform as host
+from fmpy import platform_tuple, read_model_description, simulate_fmu, supported_platforms
+from fmpy.validation import validate_fmu
 
 from ..common.errors import FmuError
-from .descriptions import existing_fmu
-from .logs import messages_of_others, pass_on
+from .fmu import existing_fmu
+from .loading import messages_of_others, pass_on
 
 STEPS = 100
 
@@ -31,21 +34,8 @@ class Report:
     outputs: dict[str, float] = field(default_factory=dict)
 
 
-def _facts(description: Any, platforms: list[str]) -> dict[str, str]:
-    kinds = {"co-simulation": description.coSimulation, "model exchange": description.modelExchange}
-    return {
-        "model": description.modelName,
-        "FMI": f"{description.fmiVersion}, {' and '.join(name for name, kind in kinds.items() if kind)}",
-        "made by": description.generationTool or "not said",
-        "platforms": ", ".join(platforms) or "none",
-        "variables": str(len(description.modelVariables)),
-    }
-
-
 def _step(path: Path, description: Any, report: Report, events: bool = False) -> None:
     """Run the default experiment in STEPS steps, or from event to event too, and look at the outputs."""
-    from fmpy import simulate_fmu
-
     experiment = description.defaultExperiment
     stop = float(getattr(experiment, "stopTime", None) or 1.0)
     what = f"stepping it to {stop:g} s" + " with event mode" * events
@@ -74,23 +64,25 @@ def check_fmu(path: Path) -> Report:
     Raises:
         FmuError: the file is no FMU that could be read at all.
     """
-    from fmpy import platform as host
-    from fmpy import platform_tuple, read_model_description, supported_platforms
-    from fmpy.validation import validate_fmu
-
     report = Report(existing_fmu(path))
     try:
         description = read_model_description(str(path), validate=False)
         platforms = list(supported_platforms(str(path)))
     except Exception as error:
         raise FmuError(f"{path} must be an FMU: {error}") from error
-    report.facts = _facts(description, platforms)
+    kinds = {"co-simulation": description.coSimulation, "model exchange": description.modelExchange}
+    report.facts = {
+        "model": description.modelName,
+        "FMI": f"{description.fmiVersion}, {' and '.join(name for name, kind in kinds.items() if kind)}",
+        "made by": description.generationTool or "not said",
+        "platforms": ", ".join(platforms) or "none",
+        "variables": str(len(description.modelVariables)),
+    }
     report.problems += validate_fmu(str(path))
-    hosts = (host, platform_tuple)
-    if any(name in platforms for name in hosts):
-        _step(path, description, report)
-        if getattr(description.coSimulation, "hasEventMode", False):
-            _step(path, description, report, events=True)
-    else:
+    if not {host, platform_tuple} & set(platforms):
         report.problems.append(f"it cannot be stepped here: it has no binary for {host}")
+        return report
+    _step(path, description, report)
+    if getattr(description.coSimulation, "hasEventMode", False):
+        _step(path, description, report, events=True)
     return report

@@ -2,29 +2,39 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Mapping, Sequence
-from ctypes import c_char_p, c_double, c_int
+from ctypes import c_double, c_uint, c_void_p
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import FmuError, did_you_mean
-from .calls import Instance, Kept
-from .descriptions import number_for
+from ..common.units import BOOLEANS, allowed_number, number_of
 
-__all__ = ["Fmu", "FmuError", "Kept", "Plant", "as_names"]
+if TYPE_CHECKING:
+    from .loading import Unpacked
+
+__all__ = ["Fmu", "FmuError", "Plant", "RestartedFmu"]
+
+# ctypes cuts off what is more, silently
+LARGEST_INTEGER = 2.0**31 - 1.0
 
 
-def as_names(names: str | Sequence[str]) -> tuple[str, ...]:
-    """Names, of which one alone may be given as it is."""
-    return (names,) if isinstance(names, str) else tuple(names)
+class Closing:
+    """Context that closes itself at the end of a with statement."""
 
+    def close(self) -> None:
+        """Free what it holds."""
+        raise NotImplementedError
 
-def _kind(variable: Any) -> str:
-    """The kind of call that reads and sets a variable: FMI has none of its own for enumerations."""
-    return variable.type if variable.type in ("Real", "Boolean") else "Integer"
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *raised: object) -> None:
+        self.close()
 
 
 class Plant(Protocol):
@@ -37,10 +47,102 @@ class Plant(Protocol):
         """Advance by a communication step, s."""
 
     def read(self, names: Sequence[str]) -> tuple[float, ...]:
-        """Values by name."""
+        """Read values by name."""
 
 
-class Fmu(Instance):
+def as_names(names: str | Sequence[str]) -> tuple[str, ...]:
+    """Names, of which one alone may be given as it is."""
+    return (names,) if isinstance(names, str) else tuple(names)
+
+
+def fmu_file(path: Path | str | None) -> Path:
+    """The path of an FMU file; without one that of the module, as it comes with the package or is built.
+
+    Raises:
+        RuntimeError: it is to be compiled, and cannot be.
+    """
+    if path is not None:
+        return Path(path)
+    from ..fmu.builder import current_fmu
+
+    return current_fmu()
+
+
+def existing_fmu(path: Path) -> Path:
+    """The path, if there is a file.
+
+    Raises:
+        FmuError: there is none, or it is a folder.
+    """
+    if path.is_dir():
+        raise FmuError(f"{path} must be an FMU file, is a folder")
+    if not path.is_file():
+        raise FmuError(f"{path} must be an FMU file: there is no such file")
+    return path
+
+
+def read_description(path: Path) -> Any:
+    """Read the description of an FMU file by fmpy; types of variables by their names in FMI 2.0.
+
+    Raises:
+        FmuError: there is no such file, or it is no FMU.
+    """
+    from fmpy import read_model_description
+
+    from .loading import TYPES
+
+    existing_fmu(path)
+    try:
+        description = read_model_description(str(path))
+    except Exception as error:
+        raise FmuError(f"{path} must be an FMU: {error}") from error
+    for variable in description.modelVariables:
+        variable.type = TYPES.get(variable.type, variable.type)
+    return description
+
+
+def _number_for(variable: Any, value: Any) -> float:
+    """The number that a variable of an FMU takes for a value; its range is for the FMU to check.
+
+    Args:
+        variable: fmpy's. value: a number, a string with a unit, or the name of an item.
+
+    Raises:
+        FmuError: the variable, the value, and what is allowed.
+    """
+    if variable.type == "Real" and isinstance(value, float):
+        return value
+    unit, items, largest = variable.unit or "1", None, LARGEST_INTEGER
+    if variable.type == "Boolean":
+        items, largest = BOOLEANS, 1.0
+    elif variable.type != "Real" and getattr(variable.declaredType, "items", None):
+        items = {item.name: float(item.value) for item in variable.declaredType.items}
+    if variable.type == "Real":
+        allowed = allowed_number(unit)
+    else:
+        allowed = f"one of {', '.join(items)}" if items else "a whole number of 32 bits"
+    try:
+        number = number_of(value, unit, items)
+    except ValueError as error:
+        raise FmuError(f"{variable.name} must be {allowed}, is {value!r}: {error}") from None
+    if variable.type != "Real" and not (number.is_integer() and abs(number) <= largest):
+        raise FmuError(f"{variable.name} must be {allowed}, is {value!r}")
+    return number
+
+
+def _kind(variable: Any) -> str:
+    """The kind of call that reads and sets a variable: FMI has none of its own for enumerations."""
+    return variable.type if variable.type in ("Real", "Boolean") else "Integer"
+
+
+class Kept(NamedTuple):
+    """A state kept by an instance, and its time, s."""
+
+    state: c_void_p
+    time: float
+
+
+class Fmu(Closing):
     """One co-simulation instance of an FMU, 2.0 or 3.0, initialised and ready to step; a context manager.
 
     Those of FMI 3.0 run without event mode and early return.
@@ -73,9 +175,17 @@ class Fmu(Instance):
         start_time: float = 0.0,
         stop_time: float | None = None,
     ) -> None:
-        super().__init__(path, start_time)
+        self.path = fmu_file(path)
+        self.time = start_time
+        self.messages: list[str] = []
+        self.warnings: list[str] = []
+        self._errors: list[str] = []
+        self._kept: list[Kept] = []
+        self._unpacked: Unpacked | None = None
+        self._instance: Any = None
         self._readers: dict[tuple[str, ...], tuple[Any, Any, int, list[tuple[int, str]]]] = {}
         try:
+            self._load()
             self._call("setupExperiment", tolerance, start_time, stop_time)
             self._assign(parameters or {})
             self._assign(inputs or {})
@@ -86,8 +196,67 @@ class Fmu(Instance):
             self.close()
             raise
 
+    def _load(self) -> None:
+        from .loading import instantiate, unpacked
+
+        description = read_description(self.path)
+        try:
+            self._unpacked = unpacked(self.path)
+        except Exception as error:
+            raise FmuError(f"{self.path} must be an FMU: {error}") from error
+        if description.fmiVersion not in ("2.0", "3.0") or description.coSimulation is None:
+            raise FmuError(f"{self.path} must be an FMU for co-simulation of FMI 2.0 or 3.0")
+        self.variables = {variable.name: variable for variable in description.modelVariables}
+        self.units = {name: variable.unit for name, variable in self.variables.items() if variable.unit}
+        try:
+            self._instance = instantiate(description, self._unpacked.folder, self.path.stem, self)
+        except Exception as error:
+            reasons = "; ".join(self.messages) or str(error)
+            raise FmuError(f"{self.path} cannot be instantiated: {reasons}") from error
+
     def _before_start(self) -> None:
         """Prepare what a kind of instance needs before the end of its initialisation."""
+
+    def close(self) -> None:
+        """Terminate and free the instance; the last one of its FMU removes what was unpacked."""
+        if self._instance is not None and getattr(self._instance, "component", None):
+            with contextlib.suppress(Exception):
+                self._instance.terminate()
+            self._instance.freeInstance()
+        self._instance = None
+        self._kept.clear()
+        self._unpacked = None
+
+    def on_message(self, status: int, message: str) -> None:
+        """Take a log message of the FMU; status as in FMI 2.0: 1 for a warning, above it for errors."""
+        self.messages.append(message)
+        if status == 1:
+            self.warnings.append(message)
+        elif status > 1:
+            self._errors.append(message)
+
+    def _call(self, function: str, *arguments: Any) -> Any:
+        """Call a function of fmpy's instance; a failing status or an error it logs becomes a FmuError."""
+        if self._instance is None:
+            raise FmuError(f"{self.path.name} is closed: {function} needs an instance that is open")
+        self._errors.clear()
+        try:
+            found = getattr(self._instance, function)(*arguments)
+        except Exception as error:
+            raise FmuError("; ".join(self._errors) or f"{function}: {error}") from error
+        if self._errors:
+            raise FmuError("; ".join(self._errors))
+        return found
+
+    def set_logging(self, on: bool, *categories: str) -> None:
+        """Switch log categories on or off; all of them if none is named.
+
+        Raises:
+            FmuError: an unknown category.
+        """
+        self._call("setDebugLogging", on, categories)
+
+    # --- values ---
 
     def _variable(self, name: str) -> Any:
         variable = self.variables.get(name)
@@ -96,11 +265,14 @@ class Fmu(Instance):
             raise FmuError(f"{name} must be a variable of {self.path.name} {hint}")
         return variable
 
+    def _references(self, names: str | Sequence[str]) -> list[int]:
+        return [self._variable(name).valueReference for name in as_names(names)]
+
     def _assign(self, values: Mapping[str, float | bool | str]) -> None:
         """Set variables by name: all of them or, on an unknown name or value, none."""
         calls: dict[str, dict[int, float]] = {}
         for variable, value in [(self._variable(name), value) for name, value in values.items()]:
-            calls.setdefault(_kind(variable), {})[variable.valueReference] = number_for(variable, value)
+            calls.setdefault(_kind(variable), {})[variable.valueReference] = _number_for(variable, value)
         for kind, numbers in calls.items():
             convert = {"Real": float, "Boolean": bool, "Integer": int}[kind]
             self._call(f"set{kind}", list(numbers), [convert(number) for number in numbers.values()])
@@ -117,6 +289,45 @@ class Fmu(Instance):
         """
         self._assign(values)
 
+    def read(self, names: str | Sequence[str]) -> tuple[float, ...]:
+        """Read values by name, of any type, as floats.
+
+        Args:
+            names: of variables, or one alone.
+
+        Raises:
+            FmuError: an unknown name, or the FMU refuses to give a value.
+        """
+        key = as_names(names)
+        if key not in self._readers:
+            # arguments of the call that reads the reals, and places and names of the others, in rising order
+            reals = [name for name in key if self._variable(name).type == "Real"]
+            others = [(n, name) for n, name in enumerate(key) if self.variables[name].type != "Real"]
+            count = len(reals)
+            self._readers[key] = (
+                (c_uint * count)(*self._references(reals)),
+                (c_double * count)(),
+                count,
+                others,
+            )
+        references, values, count, others = self._readers[key]
+        if count:
+            component = getattr(self._instance, "component", None)
+            self._call("fmi2GetReal", component, references, count, values)
+        found = list(values)
+        for place, name in others:
+            found.insert(place, self._read_one(name))
+        return tuple(found)
+
+    def _read_one(self, name: str) -> float:
+        variable = self._variable(name)
+        return float(self._call(f"get{_kind(variable)}", [variable.valueReference])[0])
+
+    def __getitem__(self, name: str) -> float:
+        return self.read(name)[0]
+
+    # --- steps ---
+
     def advance(self, step: float) -> None:
         """Advance by a communication step, s.
 
@@ -129,53 +340,6 @@ class Fmu(Instance):
             raise FmuError(f"at time {self.time:.9g} s: {error}") from error
         self.time += step
 
-    def read(self, names: str | Sequence[str]) -> tuple[float, ...]:
-        """Values by name, of any type, as floats.
-
-        Args:
-            names: of variables, or one alone.
-
-        Raises:
-            FmuError: an unknown name, or the FMU refuses to give a value.
-        """
-        key = as_names(names)
-        if key not in self._readers:
-            self._readers[key] = self._reader(key)
-        references, values, count, others = self._readers[key]
-        if count:
-            self._call("fmi2GetReal", references, count, values)
-        found = list(values)
-        for place, name in others:  # in rising order
-            found.insert(place, self._read_one(name))
-        return tuple(found)
-
-    def _reader(self, names: tuple[str, ...]) -> tuple[Any, Any, int, list[tuple[int, str]]]:
-        """Split names: arguments of the call that reads the reals, and places and names of the others."""
-        reals = [name for name in names if self._variable(name).type == "Real"]
-        others = [(place, name) for place, name in enumerate(names) if self.variables[name].type != "Real"]
-        return self._references(reals), (c_double * len(reals))(), len(reals), others
-
-    def _read_one(self, name: str) -> float:
-        variable = self._variable(name)
-        return float(self._call(f"get{_kind(variable)}", [variable.valueReference])[0])
-
-    def __getitem__(self, name: str) -> float:
-        return self.read(name)[0]
-
-    def set_logging(self, on: bool, *categories: str) -> None:
-        """Switch log categories on or off; all of them if none is named.
-
-        Raises:
-            FmuError: an unknown category.
-        """
-        names = (c_char_p * len(categories))(*(category.encode() for category in categories))
-        self._call("fmi2SetDebugLogging", int(on), len(categories), names)
-
-    def _references(self, names: Sequence[str]) -> Any:
-        from fmpy.fmi2 import fmi2ValueReference
-
-        return (fmi2ValueReference * len(names))(*(self._variable(name).valueReference for name in names))
-
     def set_rates(self, **rates: float) -> None:
         """Give inputs a rate over the coming step (native FMUs; see docs/fmu.md).
 
@@ -185,12 +349,11 @@ class Fmu(Instance):
         Raises:
             FmuError: an unknown name, no input, or an FMU that takes no derivatives of inputs.
         """
-        count = len(rates)
-        orders, values = (c_int * count)(*[1] * count), (c_double * count)(*rates.values())
-        self._call("fmi2SetRealInputDerivatives", self._references(tuple(rates)), count, orders, values)
+        orders, values = [1] * len(rates), list(rates.values())
+        self._call("setRealInputDerivatives", self._references(tuple(rates)), orders, values)
 
     def rates(self, names: str | Sequence[str]) -> tuple[float, ...]:
-        """Rates of outputs at the end of the last step, per second (native FMUs; see docs/fmu.md).
+        """Read rates of outputs at the end of the last step, per second (native FMUs; see docs/fmu.md).
 
         Args:
             names: of outputs, or one alone.
@@ -198,14 +361,14 @@ class Fmu(Instance):
         Raises:
             FmuError: an unknown name, no output, or an FMU that gives no derivatives of outputs.
         """
-        references = self._references(as_names(names))
-        count = len(references)
-        orders, values = (c_int * count)(*[1] * count), (c_double * count)()
-        self._call("fmi2GetRealOutputDerivatives", references, count, orders, values)
-        return tuple(values)
+        references = self._references(names)
+        return tuple(self._call("getRealOutputDerivatives", references, [1] * len(references)))
 
     def jacobian(self, outputs: str | Sequence[str], inputs: str | Sequence[str]) -> NDArray[np.float64]:
-        """How outputs after the last step change with the inputs over it (native FMUs; see docs/fmu.md).
+        """Derivatives of outputs after the last step by the inputs over it (native FMUs; see docs/fmu.md).
+
+        Args:
+            outputs, inputs: names, or one alone.
 
         Returns:
             Shape (outputs, inputs), units of the output over those of the input.
@@ -213,6 +376,116 @@ class Fmu(Instance):
         Raises:
             FmuError: an unknown name, or an FMU that gives no directional derivatives.
         """
-        unknowns, knowns = list(self._references(as_names(outputs))), self._references(as_names(inputs))
+        unknowns, knowns = self._references(outputs), self._references(inputs)
         columns = [self._call("getDirectionalDerivative", unknowns, [known], [1.0]) for known in knowns]
         return np.array(columns, dtype=np.float64).reshape(len(knowns), len(unknowns)).T
+
+    # --- states ---
+
+    def get_state(self) -> Kept:
+        """Keep the state to go back to; cheaper than save, and good for this instance only.
+
+        Raises:
+            FmuError: the FMU cannot give its state.
+        """
+        self._kept.append(Kept(self._call("getFMUstate"), self.time))
+        return self._kept[-1]
+
+    def _check_kept(self, kept: Kept) -> None:
+        # some FMUs crash on a state that is not theirs
+        if not any(kept is known for known in self._kept):
+            raise FmuError("a state must be one of get_state of this instance, not freed since")
+
+    def set_state(self, kept: Kept) -> None:
+        """Take over a state of get_state, and its time.
+
+        Args:
+            kept: the state.
+
+        Raises:
+            FmuError: it is not one, or freed.
+        """
+        self._check_kept(kept)
+        self._call("setFMUstate", kept.state)
+        self.time = kept.time
+
+    def free_state(self, kept: Kept) -> None:
+        """Free a state of get_state; closing the instance frees all.
+
+        Args:
+            kept: the state.
+
+        Raises:
+            FmuError: it is not one, or freed.
+        """
+        self._check_kept(kept)
+        self._kept = [known for known in self._kept if known is not kept]
+        self._call("freeFMUstate", kept.state)
+
+    def save(self) -> bytes:
+        """Serialise the whole state of the instance.
+
+        Raises:
+            FmuError: the FMU cannot give its state.
+        """
+        kept = self.get_state()
+        try:
+            return bytes(self._call("serializeFMUstate", kept.state))
+        finally:
+            self.free_state(kept)
+
+    def restore(self, saved: bytes, time: float | None = None) -> None:
+        """Take over a state of save; time, s, is the communication point it belongs to.
+
+        Args:
+            saved: the state. time: None to leave it as it is.
+
+        Raises:
+            FmuError: it is not one; the state is as it was.
+        """
+        if not isinstance(saved, bytes):
+            raise FmuError(f"a state must be the bytes that save gave, is {type(saved).__name__}")
+        before = self.get_state()
+        try:
+            state = self._call("deSerializeFMUstate", saved)
+            try:
+                self._call("setFMUstate", state)
+            finally:
+                self._instance.freeFMUstate(state)
+        except FmuError:
+            # the Python FMU else refuses all steps from now on
+            self._call("setFMUstate", before.state)
+            raise
+        finally:
+            self.free_state(before)
+        if time is not None:
+            self.time = time
+
+
+class RestartedFmu(Fmu):
+    """As Fmu; restart takes it back to initialisation with other start values, as often as wanted.
+
+    It goes back to a state kept in initialisation mode, after everything that follows from the parameters
+    (the map of fidelity averaged) has been found: without the cost of a new instance.
+
+    Args: as Fmu.
+    """
+
+    def _before_start(self) -> None:
+        # a value read here makes the native FMU derive its constants, for the state that is kept
+        self._read_one(next(name for name, v in self.variables.items() if v.causality == "output"))
+        self._blank = self.get_state()
+
+    def restart(self, values: Mapping[str, float]) -> None:
+        """Start anew with these start parameters and inputs; all others are those of the first start.
+
+        Args:
+            values: by name.
+
+        Raises:
+            FmuError: a value is refused, alone or with others.
+        """
+        self.messages.clear()  # a run restarts every step: only what concerns this start is kept
+        self.set_state(self._blank)
+        self._assign(values)
+        self._call("exitInitializationMode")

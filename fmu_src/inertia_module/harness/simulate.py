@@ -1,4 +1,4 @@
-"""Drives an FMU with fmpy: a whole run from a table of inputs to a table of results."""
+"""Driving an FMU: a whole run from a table of inputs to a table of results."""
 
 from __future__ import annotations
 
@@ -14,8 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..common.errors import Refused, did_you_mean
 from ..common.units import split_quantity
-from .descriptions import fmu_file, read_description
-from .fmu import Fmu, FmuError, Plant, as_names
+from .fmu import Fmu, FmuError, Plant, as_names, fmu_file, read_description
 from .results import TIME, Result, TableError
 
 __all__ = ["Fmu", "FmuError", "Plant", "Progress", "Result", "TableError", "drive", "progress_bar"]
@@ -162,7 +161,7 @@ def drive(
 
 
 def whole_steps(duration: float, step: float) -> int:
-    """How many steps a duration is, both in s; 0 where it is no whole number of them (to a millionth)."""
+    """Number of steps in a duration, both in s; 0 where it is no whole number (to a millionth)."""
     number = duration / step
     return max(round(number), 0) if math.isfinite(number) and abs(number - round(number)) <= 1e-6 else 0
 

@@ -110,7 +110,7 @@ class SteadyMachine:
         return Module(self._kernel).start(**{**self._values, **inputs})
 
     def at(self, omega1: float, ratio: float) -> SteadyPulses:
-        """The steady pulses.
+        """Compute the steady pulses.
 
         Args:
             omega1: speed of link 1, rad/s, not 0. ratio: output over input speed, from 0 to below 1.
@@ -128,7 +128,7 @@ class SteadyMachine:
         return pulses
 
     def _times(self, omega1: float, ratio: float) -> tuple[float, float]:
-        """Between which the time of the turns is, s."""
+        """Bounds of the time that the turns take, s."""
         slowest = self._turns * math.tau / (self._derived.k * abs(omega1))
         # link 2 turns between 0 and the speed of the shaft
         moved = 1.0 - ratio if omega1 > 0.0 else 1.0 + ratio
@@ -163,7 +163,7 @@ class SteadyMachine:
         )
 
     def coasting(self, omega1: float, ratio: float) -> tuple[float, float]:
-        """Mean torques on the load and of link 1, N m, where the shaft runs ahead: what rubs, else nothing.
+        """Compute mean torques on the load and of link 1, N m, where the shaft runs ahead: of what rubs.
 
         Args:
             omega1: speed of link 1, rad/s, not 0. ratio: output over input speed, above 1.
@@ -175,7 +175,7 @@ class SteadyMachine:
         return braked, math.copysign(1.0, omega1) * module["input_torque_mean"]
 
     def mount(self, omega1: float, ratio: float) -> MountLoad:
-        """The largest load on the mount, of SAMPLES a turn of the drive.
+        """Find the largest load on the mount, of SAMPLES a turn of the drive.
 
         Args: as in at.
         """
@@ -191,7 +191,7 @@ class SteadyMachine:
         return MountLoad(max(forces), max(moments))
 
     def lock_up_torque(self, omega1: float) -> float:
-        """The largest torque on the load at which the drive can stand still in link 1, N m; stick apart.
+        """Find the largest torque on the load at which the drive can stand still in link 1, N m; stick apart.
 
         That of the imbalances, - k I' omega1^2 / 2, less the viscous friction of link 2 and output shaft.
         """

@@ -10,9 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..common.errors import did_you_mean, must_be
-from .calls import Closing
-from .descriptions import read_description
-from .fmu import Fmu, FmuError
+from .fmu import Closing, Fmu, FmuError, read_description
 from .results import TIME, Result
 from .simulate import whole_steps
 from .wires import Wire, WiringError, check_wiring

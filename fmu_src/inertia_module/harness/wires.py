@@ -36,10 +36,6 @@ class Wire(NamedTuple):
         return f"{self.source}.{self.output} -> {self.sink}.{self.input}"
 
 
-def _by_name(description: Any) -> dict[str, Any]:
-    return {variable.name: variable for variable in description.modelVariables}
-
-
 def _end(descriptions: Mapping[str, Any], wire: Wire, instance: str, name: str, causality: str) -> Any:
     """The variable at one end of a wire.
 
@@ -49,22 +45,10 @@ def _end(descriptions: Mapping[str, Any], wire: Wire, instance: str, name: str, 
     if instance not in descriptions:
         hint = did_you_mean(instance, descriptions)
         raise WiringError(f"{wire}: {instance} must be an FMU of the system {hint}")
-    variable = _by_name(descriptions[instance]).get(name)
-    if variable is None or variable.causality != causality:
-        there = [v.name for v in descriptions[instance].modelVariables if v.causality == causality]
+    there = {v.name: v for v in descriptions[instance].modelVariables if v.causality == causality}
+    if name not in there:
         raise WiringError(f"{wire}: {name} must be an {causality} of {instance} {did_you_mean(name, there)}")
-    return variable
-
-
-def _check_wire(descriptions: Mapping[str, Any], wire: Wire) -> None:
-    start = _end(descriptions, wire, wire.source, wire.output, "output")
-    end = _end(descriptions, wire, wire.sink, wire.input, "input")
-    if start.type != end.type:
-        raise WiringError(f"{wire}: both ends must be of one kind, are {start.type} and {end.type}")
-    if (start.unit or "1") != (end.unit or "1"):
-        raise WiringError(
-            f"{wire}: both ends must be in one unit, are in {start.unit or '1'} and {end.unit or '1'}"
-        )
+    return there[name]
 
 
 def idle_input(description: Any, parameters: Mapping[str, Any]) -> str | None:
@@ -73,7 +57,7 @@ def idle_input(description: Any, parameters: Mapping[str, Any]) -> str | None:
     Args:
         description: fmpy's. parameters: by name, those that differ from their start values.
     """
-    known = _by_name(description)
+    known = {variable.name: variable for variable in description.modelVariables}
     if not {"drive", *_IDLE.values()} <= known.keys():
         return None
     drive = parameters.get("drive", int(known["drive"].start))
@@ -86,7 +70,7 @@ def _check_driven(
     given: Mapping[str, Sequence[str]],
     parameters: Mapping[str, Mapping[str, Any]],
 ) -> list[str]:
-    """Every input is driven once: by a wire, or given by the user; one without effect by no wire."""
+    """List inputs that are not driven once, by a wire or by the user, and wires to one without effect."""
     problems = []
     idle = {name: idle_input(found, parameters.get(name, {})) for name, found in descriptions.items()}
     for wire in wires:
@@ -114,24 +98,18 @@ def _check_driven(
     return problems
 
 
-def _feedthrough(description: Any) -> dict[str, set[str]]:
-    """Inputs that each output depends on at a communication point; all where the FMU does not say."""
-    inputs = {v.name for v in description.modelVariables if v.causality == "input"}
-    found = {}
-    for unknown in description.outputs:
-        if unknown.dependencies is None:
-            found[unknown.variable.name] = inputs
-        else:
-            found[unknown.variable.name] = {v.name for v in unknown.dependencies} & inputs
-    return found
-
-
 def _check_loops(descriptions: Mapping[str, Any], wires: Sequence[Wire]) -> None:
     """Refuse a loop of signals that all follow from each other at one communication point."""
     graph: graphlib.TopologicalSorter[str] = graphlib.TopologicalSorter()
     for instance, description in descriptions.items():
-        for output, inputs in _feedthrough(description).items():
-            graph.add(f"{instance}.{output}", *(f"{instance}.{name}" for name in sorted(inputs)))
+        inputs = {v.name for v in description.modelVariables if v.causality == "input"}
+        for unknown in description.outputs:
+            # an output depends on all inputs where the FMU does not say on which
+            known = unknown.dependencies
+            found = inputs if known is None else {v.name for v in known} & inputs
+            graph.add(
+                f"{instance}.{unknown.variable.name}", *(f"{instance}.{name}" for name in sorted(found))
+            )
     for wire in wires:
         graph.add(f"{wire.sink}.{wire.input}", f"{wire.source}.{wire.output}")
     try:
@@ -166,7 +144,13 @@ def check_wiring(
     if not (math.isfinite(step) and step > 0.0):
         raise WiringError(must_be("step", "a positive number of seconds", step))
     for wire in wires:
-        _check_wire(descriptions, wire)
+        start = _end(descriptions, wire, wire.source, wire.output, "output")
+        end = _end(descriptions, wire, wire.sink, wire.input, "input")
+        if start.type != end.type:
+            raise WiringError(f"{wire}: both ends must be of one kind, are {start.type} and {end.type}")
+        units = (start.unit or "1", end.unit or "1")
+        if units[0] != units[1]:
+            raise WiringError(f"{wire}: both ends must be in one unit, are in {units[0]} and {units[1]}")
     for instance, names in given.items():
         for name in names:
             _end(descriptions, Wire("given", name, instance, name), instance, name, "input")

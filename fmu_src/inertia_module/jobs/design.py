@@ -11,7 +11,7 @@ from typing import Any
 from ..common.errors import did_you_mean
 from ..common.extras import library
 from ..common.files import OUTPUT_FOLDER
-from ..harness.descriptions import fmu_file
+from ..harness.fmu import fmu_file
 from ..harness.results import write_text
 from ..harness.simulate import Progress
 from ..scene import SceneError

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..common.extras import library
-from ..harness.calls import Closing
+from ..harness.fmu import Closing
 from ..harness.simulate import Progress
 from ..scene import Scene, load_scene
 from .axes import Point

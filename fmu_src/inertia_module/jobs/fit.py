@@ -16,7 +16,7 @@ import numpy as np
 from ..common.errors import Refused
 from ..common.extras import library
 from ..common.files import OUTPUT_FOLDER
-from ..harness.descriptions import fmu_file
+from ..harness.fmu import fmu_file
 from ..harness.simulate import Progress, Result
 from ..scene import Scene
 from .axes import shares_sampled

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ..common.errors import Refused
 from ..contract.variables import COMPUTED
-from ..harness.calls import Closing
+from ..harness.fmu import Closing
 from ..harness.simulate import Plant
 from ..loops import ClosedLoop
 from ..scene import Scene

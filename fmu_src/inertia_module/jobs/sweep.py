@@ -11,7 +11,7 @@ import numpy as np
 
 from ..common.errors import Refused, did_you_mean
 from ..common.files import OUTPUT_FOLDER
-from ..harness.descriptions import fmu_file
+from ..harness.fmu import fmu_file
 from ..harness.simulate import Progress
 from ..scene import Scene
 from ..scene.summary import time_to

@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 from .. import __version__
 from ..common.errors import Named, Refused
 from ..contract.variables import BY_NAME, COMPUTED
-from ..harness.calls import Closing
-from ..harness.restarted import RestartedFmu
+from ..harness.fmu import Closing, RestartedFmu
 from ..harness.results import html_table
 from ..harness.simulate import Fmu, Progress, Result
 from ..kernel.codes import ELASTIC

@@ -25,13 +25,11 @@ class Host:
 
     Attributes:
         clock: how it counts time. packages: what it needs besides fmpy.
-        enumerations: whether it knows them; those that do not leave such variables out.
         minds_errors: whether it stops when the FMU refuses something.
     """
 
     clock: str
     packages: tuple[str, ...] = ()
-    enumerations: bool = False
     minds_errors: bool = True
 
     @property
@@ -45,7 +43,6 @@ HOSTS = {
     "ecos": Host(
         ACCUMULATED, ("ecospy", "tbb") if sys.platform == "linux" else ("ecospy",), minds_errors=False
     ),
-    "container": Host(ACCUMULATED, enumerations=True),
 }
 
 

@@ -1,0 +1,241 @@
+"""Instances of FMUs as fmpy makes them: unpacked, each with log messages of its own, FMI 3.0 called like 2.0.
+
+Importing it brings fmpy along.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import hashlib
+import io
+import shutil
+import tempfile
+import threading
+import weakref
+from collections.abc import Iterator, Mapping, Sequence
+from ctypes import byref
+from multiprocessing.util import Finalize
+from pathlib import Path
+from typing import Any, Protocol
+
+from fmpy import extract
+from fmpy.fmi1 import calloc, free, printLogMessage
+from fmpy.fmi2 import (
+    FMU2Slave,
+    fmi2CallbackAllocateMemoryTYPE,
+    fmi2CallbackFreeMemoryTYPE,
+    fmi2CallbackFunctions,
+    fmi2CallbackLoggerTYPE,
+)
+from fmpy.fmi3 import FMU3Slave
+from fmpy.logging import addLoggerProxy
+
+from ..fmu.description3 import TYPES as IN_FMI_3
+
+# types of FMI 2.0 by their names in FMI 3.0, where they have others
+TYPES = {name: of_fmi_2 for of_fmi_2, name in IN_FMI_3.items()}
+# status of a warning in FMI 2.0; above it are errors
+WARNING = 1
+
+
+class Unpacked:
+    """Folder with an FMU's content: removed with the last reference to it, or when the process ends.
+
+    Args:
+        content: of the FMU's file.
+    """
+
+    def __init__(self, content: bytes) -> None:
+        self.folder = tempfile.mkdtemp(prefix="fmu-")
+        # also at the end of processes that multiprocessing has forked, which atexit knows nothing of; after
+        # those that this one has forked, which leave the folder to it
+        remove = Finalize(self, shutil.rmtree, args=(self.folder, True), exitpriority=-1)
+        try:
+            extract(io.BytesIO(content), self.folder)
+        except BaseException:
+            remove()
+            raise
+
+
+_lock = threading.Lock()
+# by the content of the FMU's file
+_copies: weakref.WeakValueDictionary[str, Unpacked] = weakref.WeakValueDictionary()
+
+
+def unpacked(path: Path) -> Unpacked:
+    """Unpack an FMU, or find the copy that another instance in this process holds."""
+    content = path.read_bytes()
+    key = hashlib.sha256(content).hexdigest()
+    with _lock:
+        copy = _copies.get(key) or Unpacked(content)
+        _copies[key] = copy
+        return copy
+
+
+class Listener(Protocol):
+    """Receiver of the messages of an instance."""
+
+    def on_message(self, status: int, message: str) -> None:
+        """Take a message; status as in FMI 2.0."""
+
+
+# instances by the environment their callbacks carry, and what takes the messages of all others
+_listeners: weakref.WeakValueDictionary[int, Listener] = weakref.WeakValueDictionary()
+_others: list[tuple[list[str], list[str]]] = []
+
+
+def _dispatch(environment: int | None, instance: bytes, status: int, category: bytes, message: bytes) -> None:
+    """Pass a log message on to the instance it is for; others are printed, as fmpy does."""
+    listener = _listeners.get(environment or 0)
+    if listener is not None:
+        listener.on_message(status, message.decode("utf-8", "replace"))
+    elif _others and status > 0:
+        warnings, errors = _others[-1]
+        (warnings if status == WARNING else errors).append(message.decode("utf-8", "replace"))
+    elif not _others:
+        printLogMessage(environment, instance, status, category, message)
+
+
+def pass_on(environment: int | None, status: int, category: bytes, message: bytes) -> None:
+    """Log callback of an instance of FMI 3.0 that fmpy makes itself: its messages are no printf formats."""
+    _dispatch(environment, b"", status, category, message)
+
+
+@functools.cache
+def _dispatcher() -> Any:
+    return fmi2CallbackLoggerTYPE(_dispatch)
+
+
+def _callbacks() -> Any:
+    """Callbacks with the log callback of all instances, to which fmpy's proxy passes messages from now on.
+
+    The proxy, which formats the messages, knows one callback a process: the last one given. One that is
+    freed while another instance still logs would crash the process: this one stays.
+    """
+    callbacks = fmi2CallbackFunctions()
+    callbacks.logger = _dispatcher()
+    addLoggerProxy(byref(callbacks))
+    return callbacks
+
+
+def callbacks_of(listener: Listener) -> Any:
+    """Callbacks of one instance of FMI 2.0, with its own environment."""
+    callbacks = _callbacks()
+    callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
+    callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
+    callbacks.componentEnvironment = id(listener)
+    _listeners[id(listener)] = listener
+    return callbacks
+
+
+@contextlib.contextmanager
+def messages_of_others(warnings: list[str] | None = None) -> Iterator[list[str]]:
+    """Collect warnings and errors of instances that fmpy makes itself.
+
+    Args:
+        warnings: list for the warnings; by default they come with the errors.
+    """
+    _callbacks()
+    messages: list[str] = []
+    _others.append((messages if warnings is None else warnings, messages))
+    try:
+        yield messages
+    finally:
+        _others.pop()
+
+
+def instantiate(description: Any, folder: str, name: str, listener: Listener) -> Any:
+    """Make an instance for co-simulation, with FMPy's FMI 2.0 method names.
+
+    Args:
+        description: fmpy's. folder: with its content. name: of the instance. listener: takes its messages.
+    """
+    arguments = {
+        "guid": description.guid,
+        "unzipDirectory": folder,
+        "modelIdentifier": description.coSimulation.modelIdentifier,
+        "instanceName": name,
+    }
+    if description.fmiVersion == "2.0":
+        instance = FMU2Slave(**arguments)
+        instance.instantiate(callbacks=callbacks_of(listener), loggingOn=True)
+    else:
+
+        def log(environment: int | None, status: int, category: bytes, message: bytes) -> None:
+            listener.on_message(status, message.decode("utf-8", "replace"))
+
+        types = {variable.valueReference: variable.type for variable in description.modelVariables}
+        instance = Slave(types, **arguments)
+        instance.instantiate(logMessage=log, loggingOn=True)
+    return instance
+
+
+class Slave(FMU3Slave):  # type: ignore[misc]
+    """Adapter: an FMI 3.0 instance for co-simulation with FMPy's FMI 2.0 method names.
+
+    Event mode and early return only if instantiate is asked for them. Names are those of the standards.
+
+    Args:
+        types: of the variables in the description, by value reference. arguments: those of fmpy.
+    """
+
+    def __init__(self, types: Mapping[int, str], **arguments: Any) -> None:
+        super().__init__(**arguments)
+        self._types = types
+        self._experiment: tuple[float | None, float, float | None] = (None, 0.0, None)
+
+    def setupExperiment(
+        self, tolerance: float | None = None, startTime: float = 0.0, stopTime: float | None = None
+    ) -> None:
+        """Keep the experiment, s: FMI 3.0 has it with the beginning of initialization."""
+        self._experiment = (tolerance, startTime, stopTime)
+
+    def enterInitializationMode(self) -> None:
+        super().enterInitializationMode(*self._experiment)
+
+    def _by_type(self, references: Sequence[int]) -> Iterator[tuple[str, list[int]]]:
+        """Types of whole numbers, and the places of the references of each: FMI 2.0 has one type for all."""
+        for kind, of_enumerations in (("Int32", False), ("Int64", True)):
+            is_one = [self._types.get(reference) == "Enumeration" for reference in references]
+            places = [place for place, found in enumerate(is_one) if found == of_enumerations]
+            if places:
+                yield kind, places
+
+    def getInteger(self, references: Sequence[int]) -> Any:
+        found: dict[int, int] = {}
+        for kind, places in self._by_type(references):
+            numbers = getattr(self, f"get{kind}")([references[place] for place in places])
+            found |= dict(zip(places, numbers, strict=True))
+        return [found[place] for place in range(len(references))]
+
+    def setInteger(self, references: Sequence[int], values: Sequence[int]) -> None:
+        for kind, places in self._by_type(references):
+            set_values = getattr(self, f"set{kind}")
+            set_values([references[place] for place in places], [values[place] for place in places])
+
+    getReal, setReal = FMU3Slave.getFloat64, FMU3Slave.setFloat64
+    getFMUstate, setFMUstate = FMU3Slave.getFMUState, FMU3Slave.setFMUState
+    freeFMUstate, serializeFMUstate = FMU3Slave.freeFMUState, FMU3Slave.serializeFMUState
+    deSerializeFMUstate = FMU3Slave.deserializeFMUState
+    getRealOutputDerivatives = FMU3Slave.getOutputDerivatives
+
+    def setRealInputDerivatives(self, *arguments: Any) -> None:
+        raise NotImplementedError("FMI 3.0 has no derivatives of inputs")
+
+    def fmi2SetDebugLogging(self, component: Any, on: int, count: int, categories: Any) -> None:
+        self.fmi3SetDebugLogging(component, bool(on), count, categories)
+
+    def fmi2DoStep(self, component: Any, time: float, step: float, no_state_prior: bool) -> None:
+        self.doStep(time, step, no_state_prior)
+
+    def fmi2GetReal(self, component: Any, references: Any, count: int, values: Any) -> None:
+        self.fmi3GetFloat64(component, references, count, values, count)
+
+    def fmi2GetRealOutputDerivatives(
+        self, component: Any, references: Any, count: int, orders: Any, values: Any
+    ) -> None:
+        self.fmi3GetOutputDerivatives(component, references, count, orders, values, count)
+
+    def fmi2FreeInstance(self, component: Any) -> None:
+        self.freeInstance()
