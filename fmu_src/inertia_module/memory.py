@@ -13,13 +13,13 @@ from functools import cache
 from typing import Any, ClassVar, Self
 
 from .common.errors import Refused, did_you_mean, must_be
+from .compiling import CompilationUnavailable
 from .compiling import load as compiled
-from .compiling.kernels import MODULE, CompilationUnavailable, source_hash
-from .compiling.records import record_type
 from .contract.models import DRIVEN_SHAFT, INERTIA_MODULE, RECORD_OF, Model
+from .contract.records import record_type
 from .contract.variable import INPUT, OUTPUT, PARAMETER
-from .contract.variables import refused_parameters
-from .kernel import codes, fields
+from .contract.variables import MAP_KEY, refused_parameters
+from .kernel import codes
 
 NO_STATE = "the state must be one saved by this build, is damaged or of another build"
 # maps of fidelity averaged kept for the process: instances alike share the work of the first
@@ -33,7 +33,7 @@ _maps: OrderedDict[tuple[float, ...], Any] = OrderedDict()
 
 def _map_key(parameters: Any) -> tuple[float, ...]:
     """The parameters the map depends on."""
-    return tuple(getattr(parameters, name) for name in fields.MAP_KEY)
+    return tuple(getattr(parameters, name) for name in MAP_KEY)
 
 
 def recall_map(parameters: Any, derived: Any) -> None:
@@ -54,13 +54,13 @@ def keep_map(parameters: Any, derived: Any) -> None:
             _maps.popitem(last=False)
 
 
-def choose_kernel(kernel: str, name: str = MODULE) -> tuple[Callable[..., int] | None, str]:
+def choose_kernel(kernel: str, model: Model = INERTIA_MODULE) -> tuple[Callable[..., int] | None, str]:
     """The compiled entry, or None for the plain kernel, and why.
 
     Args:
         kernel: "compiled", "plain", or "auto": what the environment variable INERTIA_MODULE_KERNEL
             says, else compiled where there is such a kernel.
-        name: which of kernels.ENTRIES.
+        model: whose.
 
     Raises:
         CompilationUnavailable: "compiled" was asked for and there is none.
@@ -71,11 +71,11 @@ def choose_kernel(kernel: str, name: str = MODULE) -> tuple[Callable[..., int] |
     if kernel == "plain":
         return None, "plain Python, as asked for"
     if kernel == "compiled":
-        return compiled.load(name), "compiled"
+        return compiled.load(model), "compiled"
     if kernel != "auto":
         raise Refused(must_be("kernel", "auto, compiled or plain", repr(kernel)))
     try:
-        return compiled.load(name), "compiled"
+        return compiled.load(model), "compiled"
     except CompilationUnavailable as error:
         warnings.warn(
             f"the kernel runs as plain Python, a hundred times slower: there is no compiled one ({error})",
@@ -119,7 +119,7 @@ class ModelInstance:
     def load_kernel(self) -> None:
         """Load the kernel (and compile it, the first time ever) now instead of at the start."""
         if not self.kernel:
-            self._entry, self.kernel = choose_kernel(self._wanted, self.model.entry)
+            self._entry, self.kernel = choose_kernel(self._wanted, self.model)
 
     def call(self, operation: int, step_size: float) -> int:
         """Call the kernel (an operation of kernel.codes) and return its status."""
@@ -264,7 +264,7 @@ class ModelInstance:
 
     def save(self) -> bytes:
         """Everything that makes up the state, bit for bit."""
-        head = self._magic + struct.pack("<?", self.started) + source_hash().encode()
+        head = self._magic + struct.pack("<?", self.started) + self.model.source_hash.encode()
         return head + b"".join(bytes(record) for record in self._records[:5])
 
     def restore(self, saved: bytes, must_be_started: bool = False) -> None:
@@ -277,13 +277,13 @@ class ModelInstance:
             Refused: it is not one, is damaged or of another build; nothing is changed.
         """
         head = len(self._magic) + 1
-        start = head + len(source_hash())
+        start = head + len(self.model.source_hash)
         size = start + sum(ctypes.sizeof(record) for record in self._records[:5])
         if len(saved) != size:
             raise Refused(
                 f"the state must be one saved by this build, of {size} bytes, is of {len(saved)} bytes"
             )
-        if saved[: len(self._magic)] != self._magic or saved[head:start] != source_hash().encode():
+        if saved[: len(self._magic)] != self._magic or saved[head:start] != self.model.source_hash.encode():
             raise Refused(NO_STATE)
         started = saved[head - 1] != 0
         parts = []

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from inertia_module.compiling import CompilationUnavailable
 from inertia_module.compiling import ir as llvm_text
-from inertia_module.compiling.kernels import CompilationUnavailable
 from inertia_module.compiling.targets import LINUX_ARM
 from inertia_module.fmu import builder, linking, native_fmu, python_fmu
 from inertia_module.fmu.archive import DESCRIPTION, archive

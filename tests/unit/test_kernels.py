@@ -6,6 +6,7 @@ import pytest
 from scenes import FREEWHEELS, SCENES, advanced, started
 
 from inertia_module.compiling.ir import llvm_text
+from inertia_module.contract.models import INERTIA_MODULE
 
 COUNTERS = {"contact_mode", "contact_switches", "rhs_evaluations", "drive_turns", "input_turns"}
 
@@ -63,4 +64,4 @@ def test_both_kernels_give_the_same_results(
 def test_compiled_kernel_counts_no_references(compiled):
     # calls that count references of arrays made R1 slower by a fifth, with the same results
     assert compiled == "compiled"
-    assert "NRT_" not in llvm_text("module")
+    assert "NRT_" not in llvm_text(INERTIA_MODULE)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ..common.errors import did_you_mean
-from ..contract.driven_shaft_variables import BY_NAME as OF_SHAFT
+from ..contract.driven_shaft import BY_NAME as OF_SHAFT
 from ..contract.variable import DRIVE_ANGLE, ENUMERATIONS, LINK1_ANGLE, SINCE_START
 from ..contract.variables import BY_NAME as OF_MODULE
 from ..harness.fmu import Fmu, FmuError

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 from ..common.units import BOOLEANS
-from ..compiling.kernels import ENTRIES
 from ..contract.models import Model
 from ..contract.variable import BOOLEAN, ENUMERATIONS, INPUT, Variable
 from ..kernel import codes
@@ -15,10 +14,9 @@ OPERATIONS = ("START", "STEP", "WARN")
 
 def page_tables(model: Model) -> dict[str, Any]:
     """Tables of a model for the page (the interface Tables of page/src/kernel/tables.ts), ready for JSON."""
-    entry = ENTRIES[model.entry]
     return {
-        "symbol": entry.symbol,
-        "sizes": list(entry.sizes),
+        "symbol": model.symbol,
+        "sizes": list(model.sizes),
         "operations": {name: getattr(codes, name) for name in OPERATIONS},
         "ok": codes.OK,
         "variables": [_variable(variable, model) for variable in model.variables],
