@@ -147,6 +147,7 @@ def test_choices_are_enumerations_with_their_numbers(description, model):
         items = ENUMERATIONS[name]
         (found,) = [t for t in description.typeDefinitions if t.name == name]
         assert [(item.name, int(item.value)) for item in found.items] == [(i, n) for i, n, _ in items]
+        assert [number for _, number, _ in items] == list(range(len(items)))  # the shell knows ranges
 
 
 def test_structure_lists_every_output_and_what_it_depends_on_at_first(description):

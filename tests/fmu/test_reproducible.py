@@ -87,12 +87,15 @@ ALL, COMPILED, LINKED = {"text", "object", "library"}, {"object", "library"}, {"
 # what is made anew after a change of a file of the package
 FILES = {
     "kernel/inertia.py": ALL,
-    "kernel/driven_shaft/fields.py": ALL,
+    "contract/records.py": ALL,
     "compiling/ir.py": ALL,
     "compiling/linking.py": COMPILED,
+    "fmu/linking.py": LINKED,
     "fmu/native_fmu.py": LINKED,
     "compiling/targets.py": LINKED,
     "fmu/shell/values.c": LINKED,
+    # the table of variables: by the fields that the records have of it, not by its words
+    "contract/driven_shaft.py": set(),
 }
 OTHER_VERSION = """
 import importlib.metadata as metadata
@@ -105,6 +108,7 @@ TOOLS = {
     "numba": (ALL, OTHER_VERSION.format("numba")),
     "llvmlite": (ALL, OTHER_VERSION.format("llvmlite")),
     "ziglang": (LINKED, OTHER_VERSION.format("ziglang")),
+    "fields of records": (ALL, "vars(SHAFT_FMU.model)['records'] = SHAFT_FMU.model.records[::-1]"),
     "headers of FMI 2.0": (LINKED, "native_fmu.header_folder = lambda: files.PACKAGE_FOLDER"),
 }
 

@@ -212,7 +212,7 @@ VARIABLES: tuple[Variable, ...] = (
     _parameter(Group.LAYOUT, "output_freewheel", "", 1.0, None, None, "whether link 2 has a freewheel to the output shaft, else it is rigid with it", BOOLEAN),
     _choice(Group.SOLVER, "fidelity", "Fidelity", 2, "what is modelled"),
     _choice(Group.SOLVER, "method", "Method", 0, "how it is integrated", idle=True),
-    _choice(Group.SOLVER, "drive", "Drive", 0, "what is given at the input shaft, link 1: its speed or its torque", in_map=True),
+    _choice(Group.FLANGES, "drive", "Drive", 0, "what is given at the input shaft, link 1: its speed or its torque", in_map=True),
     _choice(Group.SOLVER, "input_hold", "InputHold", 0, "speed omega1 between communication points", idle=True),
     _parameter(Group.SOLVER, "tolerance", "1", 1e-6, 1e-13, 0.1, "relative tolerance; that of the host's experiment wins", nominal=1e-6, idle=True),
     _parameter(Group.SOLVER, "max_step", "s", 0.0, 0.0, LARGEST_STEP, "longest internal step, 0 for no limit (timestepping: the communication step)", idle=True),

@@ -29,6 +29,7 @@ def _variable(variable: Variable, model: Model) -> dict[str, Any]:
     is_input = variable.causality == INPUT
     return {
         "name": variable.name,
+        "group": variable.group,
         "kind": variable.kind,
         "causality": variable.causality,
         "tunable": variable.is_tunable,
