@@ -10,6 +10,7 @@ import pytest
 from PIL import Image
 
 from inertia_module.fmu.builder import FMUS
+from inertia_module.fmu.documentation import variables_page
 
 FLAVOURS = [fmu.identifier for fmu in FMUS]
 ROOT = Path(__file__).parents[2]
@@ -80,6 +81,10 @@ def test_page_lists_every_variable_once_and_the_flanges(page, model):
         name for end in model.terminals for name in (end.name, end.speed, end.torque, end.angle) if name
     ]
     assert sorted(page.names) == sorted([*(variable.name for variable in model.variables), *flanges])
+
+
+def test_page_of_the_site_is_made_from_the_table():
+    assert (ROOT / "docs" / "variables.md").read_text() == variables_page()
 
 
 def test_icon_is_a_square_with_the_machine_in_colours(unpacked, description):
