@@ -63,7 +63,7 @@ def signal(
 
 def _imbalance(causality: str, name: str, unit: str, nominal: float, follows: str, *text: Any) -> Variable:
     """Motion of an imbalance, or a force that it makes: of an instant, by the place where it is."""
-    place = {"follows": follows, "late": True, "needs": (PHASE,)}
+    place: dict[str, Any] = {"follows": follows, "late": True, "needs": (PHASE,)}
     return signal(causality, Group.IMBALANCE, name, unit, nominal, *text, **place)
 
 
