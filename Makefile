@@ -17,7 +17,7 @@ $(VENV)/.made:
 # imported is not compiled
 $(VENV)/.run: $(VENV)/.made pyproject.toml
 	PIP_NO_COMPILE=1 $(BIN)/python -m pip install $(QUIET) numba ziglang
-	PYTHONPATH=fmu_src $(BIN)/python -m inertia_module.compiling.objects module & \
+	PYTHONPATH=fmu_src $(BIN)/python -m inertia_module.compiling.linking InertiaModule & \
 	PIP_NO_COMPILE=1 $(BIN)/python -m pip install $(QUIET) -e '.[fast]'; installed=$$?; wait; exit $$installed
 	@touch $@
 

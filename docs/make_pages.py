@@ -10,8 +10,7 @@ import performance_page
 import random_page
 import stability_page
 
-from inertia_module.fmu.documentation import variables_page
-from inertia_module.fmu.guide import guide
+from inertia_module.fmu.documentation import guide, variables_page
 from studies.papers.page import papers_page
 
 HERE = Path(__file__).parent

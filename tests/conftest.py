@@ -84,7 +84,8 @@ def pytest_configure(config):
     """Compile the kernels once, before the workers start: each of them would do it for itself."""
     if ONLY_PLAIN or importlib.util.find_spec("numba") is None or hasattr(config, "workerinput"):
         return
-    from inertia_module.compiling import load as compiled
+    from inertia_module.compiling.load import load
+    from inertia_module.contract.models import MODELS
 
-    for name in ("module", "driven_shaft"):
-        compiled.load(name)
+    for model in MODELS.values():
+        load(model)

@@ -12,13 +12,13 @@ from functools import cache
 from typing import Any, ClassVar, Self
 
 from .common.errors import Refused, did_you_mean, must_be
+from .compiling import CompilationUnavailable
 from .compiling import load as compiled
-from .compiling.kernels import MODULE, CompilationUnavailable, source_hash
-from .compiling.records import record_type
 from .contract.models import DRIVEN_SHAFT, INERTIA_MODULE, RECORD_OF, Model
+from .contract.records import record_type
 from .contract.variable import INPUT, OUTPUT, PARAMETER
-from .contract.variables import refused_parameters
-from .kernel import codes, fields
+from .contract.variables import MAP_KEY, refused_parameters
+from .kernel import codes
 
 NO_STATE = "the state must be one saved by this build, is damaged or of another build"
 # maps of fidelity averaged kept for the process: instances alike share the work of the first
@@ -31,13 +31,13 @@ _lock = threading.Lock()
 _maps: dict[tuple[float, ...], Any] = {}
 
 
-def choose_kernel(kernel: str, name: str = MODULE) -> tuple[Callable[..., int] | None, str]:
+def choose_kernel(kernel: str, model: Model = INERTIA_MODULE) -> tuple[Callable[..., int] | None, str]:
     """Choose the compiled entry, or None for the plain kernel, and why.
 
     Args:
         kernel: "compiled", "plain", or "auto": what the environment variable INERTIA_MODULE_KERNEL
             says, else compiled where there is such a kernel.
-        name: which of kernels.ENTRIES.
+        model: whose.
 
     Raises:
         CompilationUnavailable: "compiled" was asked for and there is none.
@@ -50,7 +50,7 @@ def choose_kernel(kernel: str, name: str = MODULE) -> tuple[Callable[..., int] |
     if kernel == "plain":
         return None, "plain Python, as asked for"
     try:
-        return compiled.load(name), "compiled"
+        return compiled.load(model), "compiled"
     except CompilationUnavailable as error:
         if kernel == "compiled":
             raise
@@ -96,7 +96,7 @@ class ModelInstance:
     def load_kernel(self) -> None:
         """Load the kernel (and compile it, the first time ever) now instead of at the start."""
         if not self.kernel:
-            self._entry, self.kernel = choose_kernel(self._wanted, self.model.entry)
+            self._entry, self.kernel = choose_kernel(self._wanted, self.model)
 
     def call(self, operation: int, step_size: float) -> int:
         """Call the kernel (an operation of kernel.codes) and return its status."""
@@ -234,7 +234,7 @@ class ModelInstance:
 
     def save(self) -> bytes:
         """Serialise the state bit for bit: kind of model, started or not, build, records."""
-        head = self.model.name.encode() + struct.pack("<?", self.started) + source_hash().encode()
+        head = self.model.name.encode() + struct.pack("<?", self.started) + self.model.source_hash.encode()
         return head + b"".join(bytes(record) for record in self._records[:5])
 
     def restore(self, saved: bytes, must_be_started: bool = False) -> None:
@@ -246,7 +246,7 @@ class ModelInstance:
         Raises:
             Refused: it is not one, is damaged or of another build; nothing is changed.
         """
-        kind, build = self.model.name.encode(), source_hash().encode()
+        kind, build = self.model.name.encode(), self.model.source_hash.encode()
         start = len(kind) + 1 + len(build)
         size = start + sum(ctypes.sizeof(record) for record in self._records[:5])
         if len(saved) != size:
@@ -303,7 +303,7 @@ class Module(ModelInstance):
         if self.parameters.fidelity != codes.AVERAGED:
             super()._begin()
             return
-        key = tuple(getattr(self.parameters, name) for name in fields.MAP_KEY)
+        key = tuple(getattr(self.parameters, name) for name in MAP_KEY)
         with _lock:
             kept = _maps.get(key)
         for name in _OF_MAP if kept is not None else ():

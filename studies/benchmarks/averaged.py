@@ -12,7 +12,7 @@ from pathlib import Path
 import numba
 import numpy as np
 
-from inertia_module.compiling import load as compiled
+from inertia_module.compiling.load import load as load_kernel
 from inertia_module.contract.models import INERTIA_MODULE
 from inertia_module.fidelity.trials import run_in_process
 from inertia_module.kernel.codes import AVERAGED, DRIVE_TORQUE, RIGID, STEP_ONLY
@@ -40,7 +40,7 @@ BEGIN, END = 2.0, 4.0  # s, of the means
 
 def player():
     """Compiled loop: steps of h with the inputs given, from the state given. Returns how many it refused."""
-    entry = compiled.load()
+    entry = load_kernel(INERTIA_MODULE)
     omega1_place, load_place = INERTIA_MODULE.place("omega1"), INERTIA_MODULE.place("load_torque")
 
     @numba.njit

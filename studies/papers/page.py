@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 from types import ModuleType
 
-from inertia_module.contract import driven_shaft_variables, variables
+from inertia_module.contract import driven_shaft, variables
 
 from . import karetin, lysenko, stelmashchuk
 
@@ -23,7 +23,7 @@ def papers_page() -> str:
             name: f"`{name}` | {variable.unit} | " + variable.description.replace("|", r"\|")
             for name, variable in known.items()
         }
-        for fmu, known in (("fmu", variables.BY_NAME), ("shaft", driven_shaft_variables.BY_NAME))
+        for fmu, known in (("fmu", variables.BY_NAME), ("shaft", driven_shaft.BY_NAME))
     }
     parts = [words("papers.md")]
     for paper in PAPERS:

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from inertia_module.compiling import CompilationUnavailable, targets
 from inertia_module.compiling import ir as llvm_text
-from inertia_module.compiling.kernels import CompilationUnavailable
 from inertia_module.compiling.targets import LINUX_ARM
 from inertia_module.fmu import builder, linking, native_fmu, python_fmu
 from inertia_module.fmu.archive import DESCRIPTION, archive
@@ -122,6 +122,22 @@ def test_file_that_is_cut_short_or_missing_is_not_current(module_fmu):
 
 def test_fmu_of_one_model_is_not_that_of_another(built):
     assert not builder.is_current(built / builder.SHAFT_FMU.file_name, builder.MODULE_FMU)
+
+
+@pytest.mark.parametrize(
+    "system, processor, folder",
+    [
+        ("linux", "x86_64", "linux64"),
+        ("win32", "AMD64", "win64"),
+        ("win32", "ARM64", "aarch64-windows"),
+        ("linux", "aarch64", "aarch64-linux"),
+        ("darwin", "arm64", "darwin64"),
+    ],
+)
+def test_this_platform_is_known_by_the_names_that_systems_give_it(monkeypatch, system, processor, folder):
+    monkeypatch.setattr(targets.sys, "platform", system)
+    monkeypatch.setattr(targets.platform, "machine", lambda: processor)
+    assert targets.here().folder == folder
 
 
 def test_build_says_what_it_is_doing(tmp_path, monkeypatch):

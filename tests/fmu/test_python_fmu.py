@@ -10,8 +10,8 @@ import sys
 import pytest
 from fmpy.fmi2 import FMU2Slave, fmi2Discard, fmi2Error, fmi2OK
 
-from inertia_module.compiling.records import place, size
 from inertia_module.contract.models import INERTIA_MODULE
+from inertia_module.contract.records import place, size
 from inertia_module.harness.fmu import Fmu
 from inertia_module.harness.loading import callbacks_of, messages_of_others
 

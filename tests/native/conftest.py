@@ -11,9 +11,14 @@ import pytest
 from fmpy import extract
 
 from inertia_module.common.files import PACKAGE_FOLDER
-from inertia_module.compiling.kernels import ENTRIES, CompilationUnavailable
-from inertia_module.compiling.linking import WARNINGS, import_library, run_tool, windows_arguments
-from inertia_module.compiling.objects import object_file
+from inertia_module.compiling import CompilationUnavailable
+from inertia_module.compiling.linking import (
+    WARNINGS,
+    import_library,
+    object_file,
+    run_tool,
+    windows_arguments,
+)
 from inertia_module.compiling.targets import LINUX64, WIN64
 from inertia_module.fmu import builder, native_fmu
 from inertia_module.fmu.linking import SHELL_FOLDER, header_folder, shell_sources
@@ -88,13 +93,13 @@ class Workshop:
     def kernel(self, target):
         """Object file of the kernel for a target."""
         path = self.folder / f"kernel-{target.label}.o"
-        path.write_bytes(object_file(self.fmu.model.entry, target))
+        path.write_bytes(object_file(self.fmu.model, target))
         return path
 
     def flags(self):
         """What every compilation takes: language, warnings as errors, headers, name of the kernel."""
         headers = ["-I", str(SHELL_FOLDER), "-I", str(SOURCES), "-I", str(self.folder)]
-        symbol = f"-DKERNEL={ENTRIES[self.fmu.model.entry].symbol}"
+        symbol = f"-DKERNEL={self.fmu.model.symbol}"
         return ["-std=c99", "-O1", *WARNINGS, *headers, "-isystem", str(header_folder()), symbol]
 
     def all_sources(self, *names):

@@ -5,9 +5,9 @@ import re
 import pytest
 
 from inertia_module import __version__
-from inertia_module.compiling.kernels import DRIVEN_SHAFT
 from inertia_module.compiling.linking import with_kernel
 from inertia_module.compiling.targets import TARGETS
+from inertia_module.contract.models import DRIVEN_SHAFT
 from inertia_module.fmu.linking import header_folder
 
 from . import binaries

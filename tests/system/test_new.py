@@ -16,8 +16,8 @@ from inertia_module.cli import app
 from inertia_module.common.errors import Refused
 from inertia_module.common.examples import example, examples
 from inertia_module.common.files import cache_folder
-from inertia_module.compiling import load
-from inertia_module.compiling.kernels import DRIVEN_SHAFT, MODULE, CompilationUnavailable
+from inertia_module.compiling import CompilationUnavailable, load
+from inertia_module.contract.models import MODELS
 from inertia_module.fmu import builder
 from inertia_module.memory import Module, choose_kernel
 from inertia_module.scene import SceneError, load_scene
@@ -163,13 +163,13 @@ def test_scene_without_a_loop_runs_without_python_control(built):
     assert subprocess.run(command, capture_output=True, text=True, check=True).stdout == "[]\n"
 
 
-@pytest.mark.parametrize("name", [MODULE, DRIVEN_SHAFT])
+@pytest.mark.parametrize("name", MODELS)
 def test_kernel_of_a_wheel_is_that_of_its_native_fmu(name, built, tmp_path, monkeypatch):
     monkeypatch.setenv("INERTIA_MODULE_CACHE", str(tmp_path))
     monkeypatch.setattr(load, "ready_made", lambda file: built / file)
     monkeypatch.setattr(load, "_loaded", {})
-    load.load(name)
-    assert [path.stem.partition("-")[0] for path in tmp_path.iterdir()] == [load.NATIVE_FMUS[name]]
+    load.load(MODELS[name])
+    assert [path.stem.partition("-")[0] for path in tmp_path.iterdir()] == [name]
 
 
 def test_module_on_the_kernel_of_a_wheel_gives_the_same_bits(built, tmp_path, monkeypatch, compiled):
@@ -205,12 +205,12 @@ def test_compiled_kernel_loads_where_memory_is_far_apart(compiled):
 
 
 def test_processes_that_link_at_once_leave_one_whole_library(tmp_path, monkeypatch, compiled):
-    for path in (*cache_folder().glob(f"{DRIVEN_SHAFT}-*.o"), *cache_folder().glob(f"{DRIVEN_SHAFT}-*.xz")):
+    for path in (*cache_folder().glob("DrivenShaft-*.o"), *cache_folder().glob("DrivenShaft-*.xz")):
         shutil.copy(path, tmp_path)
     (tmp_path / "zig").symlink_to(cache_folder() / "zig")
     before = set(tmp_path.iterdir())
     monkeypatch.setenv("INERTIA_MODULE_CACHE", str(tmp_path))
-    code = f"from inertia_module.compiling.load import load; load({DRIVEN_SHAFT!r})"
+    code = "from inertia_module.memory import DrivenShaft; DrivenShaft('compiled').load_kernel()"
     running = [subprocess.Popen([sys.executable, "-c", code]) for _ in range(3)]
     assert [process.wait() for process in running] == [0, 0, 0]
     assert len(set(tmp_path.iterdir()) - before) == 1

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 from inertia_module.cli import app
 from inertia_module.cli.shared import show_table
 from inertia_module.common.terminal import progress, terminal
-from inertia_module.compiling.kernels import CompilationUnavailable
+from inertia_module.compiling import CompilationUnavailable
 from inertia_module.fidelity.choice import at_levels, print_levels, recommend
 from inertia_module.fidelity.rows import Row as Measured
 from studies.coupling import Trial

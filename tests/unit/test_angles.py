@@ -8,7 +8,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from scenes import SCENES, advanced, drive_angle, started
 
-from inertia_module.compiling.records import record_type
+from inertia_module.contract.records import record_type
 from inertia_module.kernel import fields
 from inertia_module.kernel.accumulate import add, wrap_drive_angle, wrap_input_angle
 

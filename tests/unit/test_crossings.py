@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scenes import PLANAR, REFERENCE, SCENES, advanced, started
 
-from inertia_module.compiling.records import record_type
+from inertia_module.contract.records import record_type
 from inertia_module.kernel import fields
 from inertia_module.kernel.solvers.interpolant import error_norm
 

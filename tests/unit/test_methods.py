@@ -5,7 +5,7 @@ import random
 import numpy as np
 import pytest
 
-from inertia_module.compiling.records import record_type
+from inertia_module.contract.records import record_type
 from inertia_module.kernel.driven_shaft import propagator
 from inertia_module.kernel.fields import WORKSPACE
 from inertia_module.kernel.solvers import collocation, dormand_prince, dormand_prince_5, radau

@@ -12,7 +12,7 @@ import pytest
 from differences import assert_rates, difference
 from scenes import DRIVEN, ENGINE, LAYOUTS, SCENES, advanced, started
 
-from inertia_module.compiling.records import record_type
+from inertia_module.contract.records import record_type
 from inertia_module.kernel.averaged import falls, instants
 from inertia_module.kernel.codes import CLOSED_FORM, COLLOCATED, DRIVING, EXPLICIT, FREE, HELD, HELD_DRIVING
 from inertia_module.kernel.contact import TORQUE_ROUNDING, is_held, select_mode

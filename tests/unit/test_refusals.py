@@ -18,7 +18,7 @@ from inertia_module.contract.variable import (
     REAL,
 )
 from inertia_module.contract.variables import BY_NAME, with_causality
-from inertia_module.memory import DrivenShaft, Module, Refused
+from inertia_module.memory import NO_STATE, DrivenShaft, Module, Refused
 
 NO_NUMBERS = (math.nan, math.inf, -math.inf)
 
@@ -118,6 +118,24 @@ def test_bad_step_is_refused_and_the_next_good_one_works(kernel):
         assert refusal(module.advance, step) == expected
         assert module.save() == saved, f"a step of {step} s changes something"
     assert advanced(module, 5e-324, 1e-3)["energy_in"] > 0.0
+
+
+def test_rate_that_makes_an_input_absurd_is_refused_with_its_unit():
+    module = Module("plain").start(omega1=100.0)
+    module.set_rates(omega1=1e12)
+    said = "the rate of omega1 must keep it between -1000000 and 1000000 rad/s over 0.01 s, is 1000000000000"
+    assert refusal(module.advance, 0.01) == f"{said} rad/s/s from omega1 = 100"
+
+
+@pytest.mark.parametrize("record, field, value", [("state", "mode", 4.0), ("state", "map_knot", 0.5)])
+def test_state_with_a_number_that_is_no_index_is_refused(record, field, value):
+    module = Module("plain").start()
+    good = module.save()
+    setattr(getattr(module, record), field, value)
+    forged = module.save()
+    module.restore(good)
+    assert refusal(module.restore, forged) == NO_STATE
+    assert module.save() == good
 
 
 def test_what_is_no_parameter_or_input_cannot_be_set():

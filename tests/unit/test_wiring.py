@@ -4,7 +4,7 @@ import pytest
 from fmpy import read_model_description
 
 from inertia_module.contract.models import DRIVEN_SHAFT, INERTIA_MODULE
-from inertia_module.fmu.description import NATIVE_CAPABILITIES, model_description
+from inertia_module.fmu.description import model_description
 from inertia_module.harness.wires import Wire, WiringError, check_wiring
 
 SPEED = Wire("module", "omega_out", "shaft", "hub_speed")
@@ -16,7 +16,7 @@ TURNED = {**GIVEN, "module": ["drive_torque"]}
 
 
 def described(model, folder, *changes):
-    text = model_description(model, model.name, "{}", "2026-01-01T00:00:00Z", NATIVE_CAPABILITIES)
+    text = model_description(model, model.name, "{}", "2026-01-01T00:00:00Z")
     for old, new in changes:
         assert old in text
         text = text.replace(old, new)

@@ -30,7 +30,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import did_you_mean, must_be
-from ..contract.driven_shaft_variables import BY_NAME as OF_SHAFT
+from ..contract.driven_shaft import BY_NAME as OF_SHAFT
 from ..contract.variable import DRIVE_ANGLE, ENUMERATIONS, LINK1_ANGLE, SINCE_START
 from ..contract.variables import BY_NAME as OF_MODULE
 from ..harness.fmu import Closing, Fmu, FmuError, RestartedFmu, as_names

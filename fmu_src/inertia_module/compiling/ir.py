@@ -22,8 +22,9 @@ from typing import Any
 
 from .. import kernel
 from ..common.files import PACKAGE_FOLDER, cache_folder, content_hash, sources, write_atomically
-from .kernels import ENTRIES, CompilationUnavailable, Entry
-from .records import Field, place, size
+from ..contract.models import MODELS, Model
+from ..contract.records import Field, place, size
+from . import CompilationUnavailable
 
 # order of numba's sets, and the processor it takes for the host: what the text would depend on
 ENVIRONMENT = {"PYTHONHASHSEED": "0", "NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
@@ -40,6 +41,8 @@ def jitted_kernel(entry: str = "entry", **options: bool) -> dict[str, types.Modu
     Raises:
         ImportError: numba is not installed.
     """
+    import numpy
+
     numba: Any = importlib.import_module("numba")
     package = types.ModuleType(f"{kernel.__name__}_for_numba")
     package.__path__ = [str(PACKAGE_FOLDER / "kernel")]
@@ -55,7 +58,6 @@ def jitted_kernel(entry: str = "entry", **options: bool) -> dict[str, types.Modu
     finally:
         for name in [name for name in sys.modules if name.startswith(package.__name__)]:
             del sys.modules[name]
-    numpy: Any = importlib.import_module("numpy")
     wrapped: dict[int, Any] = {}
     for module in modules.values():
         for name, value in list(vars(module).items()):
@@ -67,15 +69,15 @@ def jitted_kernel(entry: str = "entry", **options: bool) -> dict[str, types.Modu
                 # numba compiles a function anew for each Python constant it is called with, not for these
                 setattr(module, name, numpy.int64(value))
             elif type(value) is tuple and value and all(type(number) in (int, float) for number in value):
-                setattr(
-                    module, name, numpy.array(value)
-                )  # a table: a constant in the code, indexed at run time
+                # a table: a constant in the code, indexed at run time
+                setattr(module, name, numpy.array(value))
     return modules
 
 
 def data_type(fields: tuple[Field, ...]) -> Any:
     """NumPy's type of a record (see records.record_type), which numba takes."""
-    numpy: Any = importlib.import_module("numpy")
+    import numpy
+
     names, formats, offsets = [], [], []
     for field in fields:
         name, kind, *count = (field, 1) if isinstance(field, str) else field
@@ -94,13 +96,14 @@ def data_type(fields: tuple[Field, ...]) -> Any:
     )
 
 
-def translate(which: Entry) -> str:
-    """LLVM IR of an entry, as numba makes it from the kernel's source."""
+def translate(model: Model) -> str:
+    """LLVM IR of a kernel's entry, as numba makes it from the kernel's source."""
+    from . import lowered
+
     numba: Any = importlib.import_module("numba")
     nt = numba.types
     carray = numba.carray
-    lowered: Any = importlib.import_module(".lowered", __package__)
-    call = jitted_kernel(which.module, **lowered.OPTIONS)[which.module].call
+    call = jitted_kernel(model.module, **lowered.OPTIONS)[model.module].call
 
     def entry(operation, p, d, u, x, y, w, h):  # type: ignore[no-untyped-def]
         return call(
@@ -114,13 +117,13 @@ def translate(which: Entry) -> str:
             h,
         )
 
-    pointers = [nt.CPointer(numba.from_dtype(data_type(fields))) for fields in which.records]
+    pointers = [nt.CPointer(numba.from_dtype(data_type(fields))) for fields in model.records]
     signature = nt.int64(nt.int64, *pointers, nt.float64)
     with lowered.only_lowered():
         function = numba.cfunc(signature, error_model="numpy")(entry)
         text: str = function.inspect_llvm()
-    text = for_any_processor(text.replace(function.native_name, which.symbol))
-    return without_target(lowered.optimised(text, which.symbol))
+    text = for_any_processor(text.replace(function.native_name, model.symbol))
+    return without_target(lowered.optimised(text, model.symbol))
 
 
 def without_target(ir: str) -> str:
@@ -159,74 +162,59 @@ def without_aliases(ir: str) -> str:
     return re.sub(r"^define .*$", marked, ir, flags=re.M)
 
 
-def _version(package: str) -> str:
-    try:
-        return importlib.metadata.version(package)
-    except importlib.metadata.PackageNotFoundError:
-        raise CompilationUnavailable(
-            f"{package} is not installed; it comes with the extra inertia-module[fast]"
-        ) from None
-
-
 def tool_versions(*packages: str) -> dict[str, bytes]:
     """Versions of Python and of packages, by name.
 
     Raises:
         CompilationUnavailable: one of them is not installed.
     """
-    python = {platform.python_implementation(): platform.python_version()}
-    versions = python | {package: _version(package) for package in packages}
+    versions = {platform.python_implementation(): platform.python_version()}
+    for package in packages:
+        try:
+            versions[package] = importlib.metadata.version(package)
+        except importlib.metadata.PackageNotFoundError:
+            raise CompilationUnavailable(
+                f"{package} is not installed; it comes with the extra inertia-module[fast]"
+            ) from None
     return {name: version.encode() for name, version in versions.items()}
 
 
-def made_from() -> dict[str, bytes]:
+def made_from(model: Model) -> dict[str, bytes]:
     """All that the text depends on: source of the kernel, what translates it, versions of the tools.
 
     Raises:
         CompilationUnavailable: a tool is not installed.
     """
-    return sources(
-        "kernel/**/*.py",
-        "compiling/kernels.py",
-        "compiling/records.py",
-        "compiling/lowered.py",
-        "compiling/ir.py",
-    ) | tool_versions(*NEEDED)
+    translator = sources("contract/records.py", "compiling/lowered.py", "compiling/ir.py")
+    return model.source | translator | tool_versions(*NEEDED)
 
 
-def _path(name: str) -> Path:
-    return cache_folder() / f"{name}-{content_hash(made_from())[:16]}.ll.xz"
+def _path(model: Model) -> Path:
+    return cache_folder() / f"{model.name}-{content_hash(made_from(model))[:16]}.ll.xz"
 
 
-def is_cached(name: str) -> bool:
+def is_cached(model: Model) -> bool:
     """Tell whether llvm_text will find the text of this source in the cache."""
-    return _path(name).exists()
+    return _path(model).exists()
 
 
-def llvm_text(name: str) -> str:
-    """LLVM IR of an entry, from the cache or, the first time ever, translated: about a minute.
-
-    Args:
-        name: one of ENTRIES.
+def llvm_text(model: Model) -> str:
+    """LLVM IR of a kernel, from the cache or, the first time ever, translated: about a minute.
 
     Raises:
         CompilationUnavailable: numba is not installed, or fails.
     """
-    path = _path(name)
+    path = _path(model)
     if not path.exists():
         environment = {key: value for key, value in os.environ.items() if not key.startswith("NUMBA_")}
         # the package of this file, wherever it lies
         environment |= ENVIRONMENT | {"PYTHONPATH": str(PACKAGE_FOLDER.parent)}
-        command = [sys.executable, "-m", __name__, name, str(path)]
+        command = [sys.executable, "-m", __name__, model.name, str(path)]
         done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
         if done.returncode != 0:
             raise CompilationUnavailable(f"numba fails: {done.stderr.strip()[-2000:]}")
     return lzma.decompress(path.read_bytes()).decode()
 
 
-def _main(name: str, path: str) -> None:
-    write_atomically(Path(path), lzma.compress(translate(ENTRIES[name]).encode()))
-
-
 if __name__ == "__main__":
-    _main(*sys.argv[1:])
+    write_atomically(Path(sys.argv[2]), lzma.compress(translate(MODELS[sys.argv[1]]).encode()))

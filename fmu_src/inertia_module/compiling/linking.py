@@ -1,10 +1,14 @@
-"""Shared libraries with the kernel's machine code in them.
+"""Machine code of a kernel for any processor and system, from its LLVM IR, and shared libraries of it.
 
 The C compiler comes with the package ziglang and makes code for every platform on any of them.
+
+Run: python -m inertia_module.compiling.linking InertiaModule, to have the machine code of a model made ahead
+for an FMU of this platform.
 """
 
 from __future__ import annotations
 
+import importlib
 import importlib.util
 import os
 import re
@@ -13,12 +17,12 @@ import sys
 import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from ..common.files import cache_folder, content_hash, kept, sources
-from .ir import tool_versions
-from .kernels import ENTRIES, CompilationUnavailable
-from .objects import made_from, object_file, this_processor
-from .targets import Target
+from ..contract.models import MODELS, Model
+from . import CompilationUnavailable, ir
+from .targets import Target, here
 
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Werror")
 FLAGS = ("-std=c99", "-O2", "-g0", "-fvisibility=hidden", "-fno-sanitize=all", "-fno-ident")
@@ -30,6 +34,63 @@ RUNTIME = (
     *("strncmp", "strncpy", "strstr", "strtol"),
     *("__stdio_common_vsprintf", "fmax", "fmin"),
 )
+
+
+def binding() -> Any:
+    """The binding of llvmlite.
+
+    Raises:
+        CompilationUnavailable: llvmlite is not installed.
+    """
+    try:
+        found: Any = importlib.import_module("llvmlite.binding")
+    except ImportError as error:
+        raise CompilationUnavailable(f"{error}; it comes with the extra inertia-module[fast]") from None
+    return found
+
+
+def compile_ir(model: Model, target: Target) -> bytes:
+    """Object file of a kernel for a target, with the entry as its only visible function.
+
+    Raises:
+        CompilationUnavailable: numba or llvmlite is not installed, or fails.
+    """
+    llvm = binding()
+    llvm.initialize_all_targets()
+    llvm.initialize_all_asmprinters()
+    # Code finds all by its distance from itself, within 2 GB. llvmlite's own choice writes whole addresses
+    # into the code: the loader of macOS lets no one do that.
+    machine = llvm.Target.from_triple(target.triple).create_target_machine(
+        cpu=target.processor, features=target.features, opt=3, reloc="pic", codemodel="small"
+    )
+    module = llvm.parse_assembly(ir.llvm_text(model))
+    module.triple = machine.triple
+    module.data_layout = str(machine.target_data)
+    # no other library may put its own in its place
+    module.get_function(model.symbol).visibility = "hidden"
+    builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=3))
+    builder.getModulePassManager().run(module, builder)
+    return bytes(machine.emit_object(module))
+
+
+def made_from(model: Model) -> dict[str, bytes]:
+    """All that machine code depends on besides the platform, and what links it.
+
+    Raises:
+        CompilationUnavailable: a tool is not installed.
+    """
+    return ir.made_from(model) | sources("compiling/linking.py")
+
+
+def object_file(model: Model, target: Target) -> bytes:
+    """Object file of a kernel for a target, kept in the cache.
+
+    Raises:
+        CompilationUnavailable: numba or llvmlite is not installed, or fails.
+    """
+    platform = f"{target.triple}-{target.processor}{target.features}"
+    digest = content_hash(made_from(model) | {"platform": platform.encode()})[:16]
+    return kept(f"{model.name}-{digest}.o", lambda: compile_ir(model, target)).read_bytes()
 
 
 def compiler() -> list[str]:
@@ -59,12 +120,6 @@ def run_tool(tool: str, arguments: Sequence[str], folder: Path) -> None:
         raise CompilationUnavailable(f"{tool} fails: {done.stderr.strip()[-2000:]}")
 
 
-def mathematics() -> set[str]:
-    """Functions of the C library that the kernel calls: those of math it names, and those of ** and %."""
-    text = b"".join(sources("kernel/**/*.py").values()).decode()
-    return {"pow", "fmod", *re.findall(r"\bmath\.(\w+)", text)}
-
-
 def import_library(target: Target, folder: Path, library: str, names: Sequence[str]) -> str:
     """Make in a folder what links with functions of a library of Windows; the name of its file."""
     stem = library.removesuffix(".dll")
@@ -82,7 +137,10 @@ def windows_arguments(target: Target, folder: Path) -> list[str]:
     assert found is not None  # compiler() has looked
     assert found.origin is not None
     headers = Path(found.origin).parent / "lib" / "libc" / "include" / "any-windows-any"
-    runtime = import_library(target, folder, "ucrtbase.dll", [*RUNTIME, *sorted(mathematics())])
+    # of the mathematics what the kernel names, and what ** and % are
+    kernel = b"".join(sources("kernel/**/*.py").values()).decode()
+    mathematics = {"pow", "fmod", *re.findall(r"\bmath\.(\w+)", kernel)}
+    runtime = import_library(target, folder, "ucrtbase.dll", [*RUNTIME, *sorted(mathematics)])
     return ["-nostdlib", "-mno-stack-arg-probe", "-isystem", str(headers), runtime]
 
 
@@ -116,30 +174,31 @@ def link(
         return (folder / file).read_bytes()
 
 
-def with_kernel(name: str, target: Target, file: str, content: dict[str, bytes], *flags: str) -> bytes:
-    """A shared library that offers a kernel and has it in it, for link.
+def with_kernel(model: Model, target: Target, file: str, content: dict[str, bytes], *flags: str) -> bytes:
+    """A shared library that offers the kernel of a model and has it in it, for link.
 
     Raises:
         CompilationUnavailable: what it takes is not installed, or fails.
     """
     entry = {Path(path).name: text for path, text in sources("compiling/*.c").items()}
-    own = entry | {"kernel.o": object_file(name, target)}
-    return link(target, file, own | content, f"-DKERNEL={ENTRIES[name].symbol}", *flags)
+    own = entry | {"kernel.o": object_file(model, target)}
+    return link(target, file, own | content, f"-DKERNEL={model.symbol}", *flags)
 
 
-def kernel_library(name: str) -> Path:
-    """The shared library of a kernel alone, for this processor, in the cache.
-
-    Args:
-        name: one of ENTRIES.
+def kernel_library(model: Model) -> Path:
+    """The shared library of a kernel alone, for all that this processor can do, in the cache.
 
     Raises:
         CompilationUnavailable: what it takes is not installed, or fails.
     """
-    target = this_processor()
-    made = made_from() | tool_versions("ziglang") | {"target": repr(target).encode()}
-    digest = content_hash(made | sources("compiling/*.c", "compiling/linking.py", "compiling/targets.py"))[
-        :16
-    ]
-    file = f"{name}{target.suffix}"
-    return kept(f"{name}-{digest}{target.suffix}", lambda: with_kernel(name, target, file, {}))
+    llvm = binding()
+    features = llvm.get_host_cpu_features().flatten()
+    target = here()._replace(processor=llvm.get_host_cpu_name(), features=features)
+    made = made_from(model) | ir.tool_versions("ziglang") | {"target": repr(target).encode()}
+    digest = content_hash(made | sources("compiling/*.c", "compiling/targets.py"))[:16]
+    file = f"{model.name}{target.suffix}"
+    return kept(f"{model.name}-{digest}{target.suffix}", lambda: with_kernel(model, target, file, {}))
+
+
+if __name__ == "__main__":
+    object_file(MODELS[sys.argv[1]], here())

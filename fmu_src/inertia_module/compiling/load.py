@@ -8,13 +8,14 @@ from collections.abc import Callable
 from pathlib import Path
 
 from ..common.files import PACKAGE_FOLDER, content_hash, kept, ready_made
-from .kernels import DRIVEN_SHAFT, MODULE, SIGNATURE, CompilationUnavailable
+from ..contract.models import Model
+from . import CompilationUnavailable
 from .targets import here
 
+# operation, addresses of p, d, u, x, y and w, communication step
+SIGNATURE = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64, *[ctypes.c_void_p] * 6, ctypes.c_double)
 # in a Python FMU: the libraries of its native twin, one a platform
 SHIPPED = PACKAGE_FOLDER / "binaries"
-# in a wheel: the native FMU of each kernel
-NATIVE_FMUS = {MODULE: "InertiaModule", DRIVEN_SHAFT: "DrivenShaft"}
 
 _loaded: dict[str, Callable[..., int]] = {}
 
@@ -35,38 +36,35 @@ def _unpacked(fmu: Path) -> Path:
     return kept(name, lambda: content)
 
 
-def _library(name: str) -> Path:
-    """The shared library with a kernel."""
+def _library(model: Model) -> Path:
+    """The shared library with the kernel of a model."""
     if SHIPPED.is_dir():
         return _shipped()
-    fmu = ready_made(f"{NATIVE_FMUS[name]}.fmu")
+    fmu = ready_made(f"{model.name}.fmu")
     if fmu is not None:
         return _unpacked(fmu)
     try:
         from .linking import kernel_library
     except ImportError:
         raise CompilationUnavailable("this FMU was built without compiled kernels") from None
-    return kernel_library(name)
+    return kernel_library(model)
 
 
-def load(name: str = MODULE) -> Callable[..., int]:
-    """A compiled entry: entry(operation, p, d, u, x, y, w, h) with addresses of arrays of doubles.
+def load(model: Model) -> Callable[..., int]:
+    """A compiled kernel: entry(operation, p, d, u, x, y, w, h) with addresses of arrays of doubles.
 
     An FMU and a wheel bring it along; in a clone the first call ever on a machine compiles (about a minute
     for the module), later ones load from the cache.
 
-    Args:
-        name: MODULE or DRIVEN_SHAFT.
-
     Raises:
         CompilationUnavailable: there is none here, and it cannot be made.
     """
-    if name not in _loaded:
+    if model.name not in _loaded:
         try:
-            library = ctypes.CDLL(str(_library(name)))
-            _loaded[name] = SIGNATURE(("inertia_module_kernel", library))
+            library = ctypes.CDLL(str(_library(model)))
+            _loaded[model.name] = SIGNATURE(("inertia_module_kernel", library))
+        except CompilationUnavailable:
+            raise
         except Exception as error:
-            if isinstance(error, CompilationUnavailable):
-                raise
             raise CompilationUnavailable(f"{type(error).__name__}: {error}") from error
-    return _loaded[name]
+    return _loaded[model.name]

@@ -6,7 +6,7 @@ import platform
 import sys
 from typing import NamedTuple
 
-from .kernels import CompilationUnavailable
+from . import CompilationUnavailable
 
 
 class Target(NamedTuple):

@@ -11,8 +11,8 @@ from collections.abc import Mapping
 
 from ..common.errors import must_be
 from ..kernel import codes
-from .variable import LARGEST_STEP, Variable
-from .variables import BY_NAME
+from .variable import LARGEST_STEP, Group, Variable
+from .variables import BY_NAME, VARIABLES
 
 
 def named(*names: str) -> str:
@@ -45,10 +45,8 @@ def not_finite(*inputs: Variable) -> str:
     return f"{_ABANDONED}the motion leaves the range of doubles with {listed}; it must stay below 1e300"
 
 
-_LOSSES = (
-    *("mesh_efficiency", "satellite_mesh_efficiency", "journal_friction"),
-    *("housing_drag", "housing_drag_viscous", "output_drag", "output_drag_viscous"),
-)
+_FRICTION = ("input_friction", "drive_friction", "link2_friction", "output_friction")
+_LOSSES = [v.name for v in VARIABLES if v.group == Group.LOSSES and v.name not in _FRICTION]
 
 MESSAGES: Mapping[int, str] = {
     codes.NO_RECTIFIER: (
@@ -58,7 +56,7 @@ MESSAGES: Mapping[int, str] = {
     ),
     codes.FRICTION_AVERAGED: (
         f"with {named('fidelity')} (averaged) and {named('drive')} (torque) losses must be off, are"
-        f" {named('input_friction', 'drive_friction', 'link2_friction', 'output_friction', *_LOSSES)}:"
+        f" {named(*_FRICTION, *_LOSSES)}:"
         " fidelity 2 (rigid) has them, or drive 0 (speed)"
     ),
     codes.WIND_UP_STEPPED: (

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, NamedTuple
 
 from ..common.errors import Named
-from ..compiling.kernels import DRIVEN_SHAFT as SHAFT_ENTRY
-from ..compiling.kernels import ENTRIES
-from ..compiling.kernels import MODULE as MODULE_ENTRY
-from ..compiling.records import Field, place
+from ..common.files import content_hash, sources
 from ..kernel import codes, entry, fields
-from ..kernel.driven_shaft import entry as driven_shaft
-from . import driven_shaft_messages, driven_shaft_variables, messages, variables
+from ..kernel.driven_shaft import entry as shaft_entry
+from ..kernel.driven_shaft import fields as shaft_fields
+from . import driven_shaft, messages, variables
+from .records import Field, place, size
 from .variable import INPUT, LOCAL, OUTPUT, PARAMETER, Variable
 from .variables import with_causality
 
@@ -59,20 +58,32 @@ class Terminal(NamedTuple):
     angle: str = ""
 
 
+def interface(table: Iterable[Variable]) -> tuple[tuple[str, ...], ...]:
+    """Fields of the kernel's records p, u and y: variables by name, inputs with their rates.
+
+    What the map of fidelity averaged depends on comes first in p, what is late last in y.
+    """
+    rows = list(table)
+    parameters = sorted(with_causality(PARAMETER, table=rows), key=lambda variable: not variable.in_map)
+    outputs = sorted(with_causality(OUTPUT, LOCAL, table=rows), key=lambda variable: variable.late)
+    inputs = [variable.name for variable in with_causality(INPUT, table=rows)]
+    return (
+        tuple(variable.name for variable in parameters),
+        tuple(name + ending for ending in ("", "_rate", "_rate_given") for name in inputs),
+        tuple(variable.name for variable in outputs),
+    )
+
+
 @dataclass(frozen=True, eq=False)
 class Model:
     """One model: its variables, its kernel, and what it says.
 
     Attributes:
-        name: name in saved states. title: for people. description: one sentence without its full stop.
-        variables: its table.
-        entry: name of its kernel in kernels.ENTRIES. call: the same as plain Python.
+        name: of the native FMU, of saved states. title: for people.
+        description: one sentence without its full stop. variables: its table.
+        call: its kernel as plain Python. records: fields of the kernel's p, d, u, x, y and w.
         messages: what it says for each status of its kernel but OK (see messages.MESSAGES).
         warnings: what it says of a mechanism that is accepted but cannot be built (see messages.WARNINGS).
-        zero_at_start: outputs that are zero at initialisation.
-        given_at_start: outputs that depend at initialisation on these names alone. All other outputs
-            depend on all inputs and parameters but idle_at_start.
-        late: variables that the kernel's STEP_ONLY leaves out and OUTPUTS fills in.
         traced: variables that a log of every step shows.
         bounds: of the numbers in d and x that are used as an index or a choice.
         terminals: the flanges.
@@ -82,17 +93,13 @@ class Model:
     title: str
     description: str
     variables: tuple[Variable, ...]
-    entry: str
     call: Callable[..., int]
+    records: tuple[tuple[Field, ...], ...]
     messages: Mapping[int, str]
-    idle_at_start: frozenset[str]
-    zero_at_start: frozenset[str]
-    given_at_start: Mapping[str, frozenset[str]] = field(default_factory=dict)
-    late: frozenset[str] = frozenset()
-    traced: tuple[str, ...] = ()
+    traced: tuple[str, ...]
+    terminals: tuple[Terminal, ...]
     bounds: tuple[Bound, ...] = ()
     warnings: Mapping[int, str] = field(default_factory=dict)
-    terminals: tuple[Terminal, ...] = ()
 
     @cached_property
     def by_name(self) -> dict[str, Variable]:
@@ -100,9 +107,29 @@ class Model:
         return Named({variable.name: variable for variable in self.variables}, f"a variable of {self.name}")
 
     @property
-    def records(self) -> tuple[tuple[Field, ...], ...]:
-        """Fields of the kernel's records p, d, u, x, y and w."""
-        return ENTRIES[self.entry].records
+    def module(self) -> str:
+        """Name of the module of its kernel's entry within the kernel."""
+        return self.call.__module__.rpartition(".kernel.")[2]
+
+    @property
+    def symbol(self) -> str:
+        """Name of its kernel in machine code."""
+        return f"inertia_module_{self.module.replace('.', '_')}"
+
+    @property
+    def sizes(self) -> tuple[int, ...]:
+        """Doubles in p, d, u, x, y and w."""
+        return tuple(size(record) for record in self.records)
+
+    @property
+    def source(self) -> dict[str, bytes]:
+        """Source files of the kernel and fields of its records: all that its results follow from."""
+        return sources("kernel/**/*.py") | {"records": repr(self.records).encode()}
+
+    @cached_property
+    def source_hash(self) -> str:
+        """Hash of that: by it a saved state knows its build."""
+        return content_hash(self.source)[:16]
 
     @property
     def switches(self) -> bool:
@@ -144,13 +171,15 @@ class Model:
 
     def known_at_start(self, output: str) -> frozenset[str]:
         """Inputs and parameters an output depends on at initialisation."""
-        if output in self.zero_at_start:
-            return frozenset()
-        if output in self.given_at_start:
-            return self.given_at_start[output]
-        known = {variable.name for variable in self.with_causality(INPUT, PARAMETER)}
-        return frozenset(known - self.idle_at_start)
+        known = self.by_name[output].at_start
+        if known is not None:
+            return frozenset(known)
+        return frozenset(v.name for v in self.with_causality(INPUT, PARAMETER) if not v.idle)
 
+
+_P, _U, _Y = interface(variables.VARIABLES)
+_D = fields.constants(len(variables.MAP_KEY))  # type: ignore[no-untyped-call]
+_W = fields.workspace(_Y)  # type: ignore[no-untyped-call]
 
 INERTIA_MODULE = Model(
     name="InertiaModule",
@@ -160,25 +189,10 @@ INERTIA_MODULE = Model(
         " differential, rectified by freewheels"
     ),
     variables=variables.VARIABLES,
-    entry=MODULE_ENTRY,
     call=entry.call,
+    records=(_P, _D, _U, fields.STATE, _Y, _W),
     messages=messages.MESSAGES,
     warnings=messages.WARNINGS,
-    idle_at_start=frozenset(
-        {"tolerance", "max_step", "method", "input_hold", "shaft_stiffness", "shaft_damping"}
-    ),
-    zero_at_start=frozenset(
-        {
-            *("input_torque_mean", "output_torque_mean", "mesh_torque_mean", "housing_torque_mean"),
-            *("loss_power_mean", "output_angle", "output_turns"),
-            *("input_flange_angle", "output_flange_angle"),
-        }
-    ),
-    given_at_start={
-        "input_speed": frozenset({"omega1"}),
-        "omega_out": frozenset({"omega1", "fidelity", "kinematic_ratio", "omega_out_start"}),
-    },
-    late=frozenset(fields.LATE),
     traced=("contact_mode", "contact_switches", "rhs_evaluations", "omega2", "omega_out"),
     bounds=(
         Bound("d", place(fields.CONSTANTS, "forward.count"), fields.KNOTS),
@@ -221,7 +235,7 @@ INERTIA_MODULE = Model(
     ),
 )
 
-_SHAFT = frozenset({"hub_speed", "shaft_stiffness", "shaft_damping", "omega_out_start", "twist_start"})
+_P, _U, _Y = interface(driven_shaft.VARIABLES)
 
 DRIVEN_SHAFT = Model(
     name="DrivenShaft",
@@ -230,17 +244,10 @@ DRIVEN_SHAFT = Model(
         "Driven shaft: hub of given speed, elastic shaft with damping, driven mass with friction and"
         " balancer; the elastic output of the inertia module alone"
     ),
-    variables=driven_shaft_variables.VARIABLES,
-    entry=SHAFT_ENTRY,
-    call=driven_shaft.call,
-    messages=driven_shaft_messages.MESSAGES,
-    idle_at_start=frozenset({"balancer", "input_hold"}),
-    zero_at_start=frozenset({"shaft_torque_mean"}),
-    given_at_start={
-        "shaft_torque": _SHAFT,
-        "omega_out": frozenset({"omega_out_start"}),
-        "twist": frozenset({"twist_start"}),
-    },
+    variables=driven_shaft.VARIABLES,
+    call=shaft_entry.call,
+    records=(_P, shaft_fields.CONSTANTS, _U, shaft_fields.STATE, _Y, shaft_fields.WORKSPACE),
+    messages=driven_shaft.MESSAGES,
     traced=("omega_out", "twist"),
     terminals=(
         Terminal(
@@ -259,3 +266,5 @@ DRIVEN_SHAFT = Model(
         ),
     ),
 )
+
+MODELS = {model.name: model for model in (INERTIA_MODULE, DRIVEN_SHAFT)}

@@ -1,15 +1,17 @@
-"""Variables of a model: their kind, causality, unit, range and what its value follows from."""
+"""Variables of a model: group, kind, causality, unit, range, and what their values depend on."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from enum import StrEnum
+from typing import Any, NamedTuple
 
 from ..common.errors import Refused, must_be
-from ..common.units import BOOLEANS, number_of
+from ..common.units import BOOLEANS, number_of, parse_unit
 from ..kernel import limits
+from ..kernel.codes import AVERAGED, KINEMATIC, RIGID
 
 REAL = "Real"
 INTEGER = "Integer"
@@ -30,29 +32,56 @@ SINCE_START = "a sum since the start"
 LINK1_ANGLE = "the angle of link 1"
 DRIVE_ANGLE = "the angle of the drive"
 
+
+class Group(StrEnum):
+    """Groups that variables are listed in, in this order: no host can make a tree of their flat names."""
+
+    FLANGES = "Given at the flanges"
+    MOTION = "Speeds, angles, accelerations"
+    MEANS = "Torques, mean over the step"
+    INSTANT = "Torques at this instant"
+    RIPPLE = "Ripple"
+    IMBALANCE = "Imbalance, bearing and mount"
+    ENERGY = "Energy"
+    FREEWHEELS = "Freewheels and cost"
+    LAYOUT = "Layout"
+    BEVEL = "Bevel layout"
+    PLANAR = "Planar layout"
+    MASSES = "Masses and gravity"
+    ELASTIC = "Elastic output"
+    LOSSES = "Losses"
+    SOLVER = "Model and solver"
+    START = "Start"
+
+
+class Need(NamedTuple):
+    """Part of the model without which a variable means nothing.
+
+    Attributes:
+        lacking: fidelities without it. reason: why they are, after "fidelity averaged".
+    """
+
+    lacking: tuple[int, ...]
+    reason: str
+
+
+SOLVED = Need((KINEMATIC,), "prescribes the motion instead of solving it")
+PULSES = Need((AVERAGED,), "has no pulses, only their mean")
+PHASE = Need((AVERAGED,), "has no drive angle, so it does not know where the imbalance is")
+TWIST = Need((AVERAGED, RIGID), "has no elastic shaft")
+
 # what the kernel takes for absurd
 LARGEST_SPEED: float = limits.LARGEST_SPEED
 LARGEST_TORQUE: float = limits.LARGEST_TORQUE
 LARGEST_STEP: float = limits.LARGEST_STEP
 
-# FMI base units: exponents of kg, m, s, rad
+# units in the order of the description, by their exponents of kg, m, s, rad
 UNITS: dict[str, dict[str, int]] = {
-    "1": {},
-    "rad": {"rad": 1},
-    "rad/s": {"rad": 1, "s": -1},
-    "rad/s2": {"rad": 1, "s": -2},
-    "m": {"m": 1},
-    "m/s": {"m": 1, "s": -1},
-    "m/s2": {"m": 1, "s": -2},
-    "s": {"s": 1},
-    "kg": {"kg": 1},
-    "kg.m2": {"kg": 1, "m": 2},
-    "N.m": {"kg": 1, "m": 2, "s": -2},
-    "N.m/rad": {"kg": 1, "m": 2, "s": -2, "rad": -1},
-    "N.m.s/rad": {"kg": 1, "m": 2, "s": -1, "rad": -1},
-    "J": {"kg": 1, "m": 2, "s": -2},
-    "N": {"kg": 1, "m": 1, "s": -2},
-    "W": {"kg": 1, "m": 2, "s": -3},
+    unit: parse_unit(unit)[1]
+    for unit in (
+        *("1", "rad", "rad/s", "rad/s2", "m", "m/s", "m/s2", "s", "kg", "kg.m2"),
+        *("N.m", "N.m/rad", "N.m.s/rad", "J", "N", "W"),
+    )
 }
 
 # display units: name and factor from the base unit
@@ -98,14 +127,20 @@ class Variable:
     """One variable of the module.
 
     Attributes:
-        name: name in the FMU. kind: Real, Integer, Boolean or Enumeration.
+        name: name in the FMU. group: that it is listed in. kind: Real, Integer, Boolean or Enumeration.
         causality, variability: as in FMI 2.0. unit: of UNITS ("" where it has none).
         start: start value (None: calculated). minimum, maximum, nominal: or None.
         description: one sentence. enumeration: name in ENUMERATIONS, or "".
         follows: what it depends on besides the speeds: SINCE_START, LINK1_ANGLE, DRIVE_ANGLE, or "".
+        late: whether the kernel's STEP_ONLY leaves it out, for it takes more work than some steps do.
+        needs: parts of the model without which it means nothing; a fidelity that lacks one has it not.
+        at_start: of an output, all that it depends on at initialisation; None: on all but what is idle.
+        idle: whether no output depends on this parameter at initialisation.
+        in_map: whether the torque map of fidelity averaged depends on this parameter.
     """
 
     name: str
+    group: str
     kind: str
     causality: str
     variability: str
@@ -113,10 +148,15 @@ class Variable:
     start: float | None
     minimum: float | None
     maximum: float | None
-    nominal: float | None
     description: str
+    nominal: float | None = None
     enumeration: str = ""
     follows: str = ""
+    late: bool = False
+    needs: tuple[Need, ...] = ()
+    at_start: tuple[str, ...] | None = None
+    idle: bool = False
+    in_map: bool = False
 
     @property
     def is_tunable(self) -> bool:

@@ -5,34 +5,22 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
-from ..contract.variable import DRIVE_ANGLE, ENUMERATIONS, LINK1_ANGLE
-from ..contract.variables import BY_NAME
+from ..contract.variable import ENUMERATIONS
+from ..contract.variables import VARIABLES
 from ..kernel.codes import AVERAGED, ELASTIC, EVENT, KINEMATIC, RIGID, TIMESTEPPING
 
 FIDELITIES = {number: name for name, number, _ in ENUMERATIONS["Fidelity"]}
 METHODS = {number: name for name, number, _ in ENUMERATIONS["Method"]}
 
-_SPEEDS = (
-    *("omega2", "omega_out", "omega_hub", "output_acceleration"),
-    *("output_angle", "output_turns", "output_flange_angle"),
-)
-_PULSES = (
-    *("omega2", "input_torque", "mesh_torque", "output_torque", "housing_torque"),
-    *("contact_mode", "contact_switches", "torque_ripple", "torque_peak"),
-    *("input_acceleration", "output_acceleration"),
-)
-_ANGLES = (DRIVE_ANGLE, LINK1_ANGLE)
-_PHASE = ("drive_turns", *(name for name, variable in BY_NAME.items() if variable.follows in _ANGLES))
-_NO_SHAFT = {"shaft_twist": "has no elastic shaft"}
-
 # outputs that a fidelity does not model, and why; everything else it has
 NOT_MODELLED: Mapping[int, Mapping[str, str]] = {
-    KINEMATIC: dict.fromkeys(_SPEEDS, "prescribes the motion instead of solving it"),
-    AVERAGED: _NO_SHAFT
-    | dict.fromkeys(_PULSES, "has no pulses, only their mean")
-    | dict.fromkeys(_PHASE, "has no drive angle, so it does not know where the imbalance is"),
-    RIGID: _NO_SHAFT,
-    ELASTIC: {},
+    fidelity: {
+        variable.name: need.reason
+        for variable in VARIABLES
+        for need in variable.needs
+        if fidelity in need.lacking
+    }
+    for fidelity in FIDELITIES
 }
 
 

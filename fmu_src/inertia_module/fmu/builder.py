@@ -12,8 +12,8 @@ from typing import NamedTuple
 from xml.etree import ElementTree
 
 from ..common.files import BUILD_FOLDER, ready_made, writable_folder, write_atomically
+from ..compiling import CompilationUnavailable
 from ..compiling.ir import is_cached, llvm_text
-from ..compiling.kernels import CompilationUnavailable
 from ..compiling.targets import TARGETS, Target, here
 from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE
 from .archive import DESCRIPTION
@@ -87,11 +87,11 @@ def _compile(fmus: Sequence[NativeFmu], targets: Sequence[Target], progress: Pro
                 library(fmu, target, progress)
 
     try:
-        missing = {fmu.model.entry for fmu in fmus if not is_cached(fmu.model.entry)}
+        missing = {fmu.model for fmu in fmus if not is_cached(fmu.model)}
         if missing:
             progress("translating the kernels for compilation, once: about a minute")
             with ThreadPoolExecutor(len(missing)) as pool:
-                list(pool.map(llvm_text, sorted(missing)))
+                list(pool.map(llvm_text, missing))
     except CompilationUnavailable:
         return
     with ThreadPoolExecutor(os.cpu_count()) as pool:

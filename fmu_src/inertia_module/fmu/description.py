@@ -1,12 +1,12 @@
-"""modelDescription.xml of FMI 2.0 from a model and its table of variables."""
+"""XML of an FMU from the table of variables: modelDescription.xml, terminalsAndIcons.xml."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from xml.etree.ElementTree import Element, SubElement
 
 from .. import __version__
-from ..contract.models import Model
+from ..contract.models import INFLOW, Model, Terminal
 from ..contract.variable import (
     BOOLEAN,
     DISPLAY_UNITS,
@@ -14,6 +14,7 @@ from ..contract.variable import (
     ENUMERATIONS,
     INPUT,
     INTEGER,
+    LOCAL,
     OUTPUT,
     PARAMETER,
     REAL,
@@ -49,17 +50,38 @@ PYTHON_CAPABILITIES = NATIVE_CAPABILITIES | {
     "providesDirectionalDerivative": "false",
 }
 
+NATIVE_CAPABILITIES_3 = {
+    "needsExecutionTool": "false",
+    "canBeInstantiatedOnlyOncePerProcess": "false",
+    "canGetAndSetFMUState": "true",
+    "canSerializeFMUState": "true",
+    "providesDirectionalDerivatives": "true",
+    "providesAdjointDerivatives": "true",
+    "canHandleVariableCommunicationStepSize": "true",
+    "maxOutputDerivativeOrder": "1",
+    "providesIntermediateUpdate": "true",
+}
+# of a model whose steps can stop at a switch
+OF_SWITCHES = {"mightReturnEarlyFromDoStep": "true", "hasEventMode": "true"}
+# names of types in FMI 3.0, where they are others
+TYPES_3 = {REAL: "Float64", INTEGER: "Int32"}
+TIME = Variable(
+    *("time", "", REAL, "independent", "continuous", "s", None, None, None),
+    "time since the start of the run",
+)
+# icon of FMI 3.0: its square, the millimetres it is drawn in, the icon of a flange
+CORNERS = {"x1": "-100", "y1": "-100", "x2": "100", "y2": "100"}
+MILLIMETRES = "0.1"
+FLANGE = "flange"
+# in the icon that docs/make_icons.py draws: height of the central axis, half a flange, distance of two
+AXIS, HALF, APART = -18, 8, 40
+
 
 def _number(value: float) -> str:
     return f"{value:.17g}" if value != int(value) or abs(value) > 1e15 else f"{value:.1f}"
 
 
-def truth(value: bool) -> str:
-    """A Boolean as XML has it."""
-    return "true" if value else "false"
-
-
-def add_units(root: Element, variables: Iterable[Variable]) -> None:
+def _add_units(root: Element, variables: Iterable[Variable]) -> None:
     """The units that variables have, with their display units."""
     used = {variable.unit for variable in variables}
     definitions = SubElement(root, "UnitDefinitions")
@@ -73,42 +95,39 @@ def add_units(root: Element, variables: Iterable[Variable]) -> None:
             SubElement(unit, "DisplayUnit", name=display, factor=_number(factor))
 
 
-def add_types(root: Element, model: Model, new_type: Callable[[Element, str], Element]) -> None:
-    """The enumerations that variables have; new_type: adds the element of one, by its name."""
+def _add_types(root: Element, model: Model, fmi: int) -> None:
+    """The enumerations that variables have."""
     used = {variable.enumeration for variable in model.variables}
     definitions = SubElement(root, "TypeDefinitions")
     for name, items in ENUMERATIONS.items():
-        if name in used:
-            enumeration = new_type(definitions, name)
-            for item, value, description in items:
-                SubElement(enumeration, "Item", name=item, value=str(value), description=description)
+        if name not in used:
+            continue
+        if fmi == 2:
+            enumeration = SubElement(SubElement(definitions, "SimpleType", name=name), "Enumeration")
+        else:
+            enumeration = SubElement(definitions, "EnumerationType", name=name)
+        for item, value, description in items:
+            SubElement(enumeration, "Item", name=item, value=str(value), description=description)
 
 
-def _new_type(definitions: Element, name: str) -> Element:
-    return SubElement(SubElement(definitions, "SimpleType", name=name), "Enumeration")
+def _value_attributes(variable: Variable) -> dict[str, str]:
+    """Attributes of a variable by its kind: unit or declared type, range, nominal and start value."""
+    if variable.kind == BOOLEAN:
+        return {"start": "true" if variable.start else "false"}
+    numbers = {"min": variable.minimum, "max": variable.maximum}
+    if variable.kind == REAL:
+        attributes = {"unit": variable.unit}
+        if variable.unit in DISPLAY_UNITS:
+            attributes["displayUnit"] = DISPLAY_UNITS[variable.unit][0]
+        numbers["nominal"] = variable.nominal
+    else:
+        attributes = {"declaredType": variable.enumeration} if variable.kind == ENUMERATION else {}
+    write = _number if variable.kind == REAL else lambda value: str(int(value))
+    numbers["start"] = variable.start
+    return attributes | {key: write(value) for key, value in numbers.items() if value is not None}
 
 
-def real_attributes(variable: Variable) -> dict[str, str]:
-    """Attributes of a Real: units, range, nominal and start value."""
-    attributes = {"unit": variable.unit}
-    if variable.unit in DISPLAY_UNITS:
-        attributes["displayUnit"] = DISPLAY_UNITS[variable.unit][0]
-    numbers = {"min": variable.minimum, "max": variable.maximum, "nominal": variable.nominal}
-    attributes |= {key: _number(value) for key, value in numbers.items() if value is not None}
-    if variable.start is not None:
-        attributes["start"] = _number(variable.start)
-    return attributes
-
-
-def discrete_attributes(variable: Variable) -> dict[str, str]:
-    """Attributes of an Integer or an Enumeration: type, range and start value."""
-    attributes = {"declaredType": variable.enumeration} if variable.kind == ENUMERATION else {}
-    numbers = {"min": variable.minimum, "max": variable.maximum, "start": variable.start}
-    return attributes | {key: str(int(value)) for key, value in numbers.items() if value is not None}
-
-
-def variable_attributes(reference: int, variable: Variable) -> dict[str, str]:
-    """Attributes of a variable of any type."""
+def _add_variable(parent: Element, reference: int, variable: Variable, fmi: int) -> None:
     attributes = {
         "name": variable.name,
         "valueReference": str(reference),
@@ -116,53 +135,38 @@ def variable_attributes(reference: int, variable: Variable) -> dict[str, str]:
         "causality": variable.causality,
         "variability": variable.variability,
     }
-    if variable.causality != INPUT:
+    if variable.causality not in (INPUT, TIME.causality):  # which the host gives
         attributes["initial"] = "exact" if variable.causality == PARAMETER else "calculated"
-    return attributes
+    if fmi == 2:
+        scalar = SubElement(parent, "ScalarVariable", attributes)
+        SubElement(scalar, variable.kind, _value_attributes(variable))
+        return
+    attributes |= _value_attributes(variable)
+    calculated = variable.causality in (OUTPUT, LOCAL)
+    if variable.kind == REAL and calculated and variable.variability == "continuous":
+        attributes["intermediateUpdate"] = "true"  # which shows values and takes none
+    SubElement(parent, TYPES_3.get(variable.kind, variable.kind), attributes)
 
 
-def _add_variable(parent: Element, reference: int, variable: Variable) -> None:
-    scalar = SubElement(parent, "ScalarVariable", variable_attributes(reference, variable))
-    if variable.kind == REAL:
-        SubElement(scalar, REAL, real_attributes(variable))
-    elif variable.kind == BOOLEAN:
-        SubElement(scalar, BOOLEAN, start=truth(bool(variable.start)))
-    elif variable.kind in (INTEGER, ENUMERATION):
-        SubElement(scalar, variable.kind, discrete_attributes(variable))
-
-
-def outputs_of(model: Model, first: int) -> Iterator[tuple[str, str]]:
-    """Number of each output, and those of what it depends on at initialisation, counted from first."""
-    numbers = {variable.name: str(n) for n, variable in enumerate(model.variables, first)}
-    for output in model.with_causality(OUTPUT):
-        known = model.known_at_start(output.name)
-        yield numbers[output.name], " ".join(number for name, number in numbers.items() if name in known)
-
-
-def _add_structure(root: Element, model: Model) -> None:
+def _add_structure(root: Element, model: Model, fmi: int) -> None:
     """Outputs hold the end of the last step: at a communication point none depends on an input."""
     structure = SubElement(root, "ModelStructure")
-    outputs = SubElement(structure, "Outputs")
-    unknowns = SubElement(structure, "InitialUnknowns")
-    for index, dependencies in outputs_of(model, first=1):
-        SubElement(outputs, "Unknown", index=index, dependencies="")
-        SubElement(unknowns, "Unknown", index=index, dependencies=dependencies)
+    # FMI 2.0 counts variables from 1, FMI 3.0 has their value references
+    numbers = {variable.name: str(n) for n, variable in enumerate(model.variables, 3 - fmi)}
+    outputs, unknowns, key = structure, structure, "valueReference"
+    names = ("Output", "InitialUnknown")
+    if fmi == 2:
+        outputs, unknowns = SubElement(structure, "Outputs"), SubElement(structure, "InitialUnknowns")
+        names, key = ("Unknown", "Unknown"), "index"
+    for output in model.with_causality(OUTPUT):
+        SubElement(outputs, names[0], {key: numbers[output.name], "dependencies": ""})
+    for output in model.with_causality(OUTPUT):
+        known = model.known_at_start(output.name)
+        dependencies = " ".join(number for name, number in numbers.items() if name in known)
+        SubElement(unknowns, names[1], {key: numbers[output.name], "dependencies": dependencies})
 
 
-def origin(model: Model, date: str) -> dict[str, str]:
-    """Attributes of the description that say what it is of, and where it is from; date: of the generation."""
-    return {
-        "description": model.description,
-        "author": "The inertia module developers",
-        "version": __version__,
-        "license": "MIT",
-        "generationTool": f"inertia-module {__version__}",
-        "generationDateAndTime": date,
-        "variableNamingConvention": "flat",
-    }
-
-
-def add_run(root: Element, model: Model, *, logs_steps: bool) -> None:
+def _add_run(root: Element, model: Model, *, logs_steps: bool) -> None:
     """Categories of the log, with one of the steps or without, and the experiment to begin with."""
     categories = SubElement(root, "LogCategories")
     for name, description in LOG_CATEGORIES.items():
@@ -175,23 +179,75 @@ def add_run(root: Element, model: Model, *, logs_steps: bool) -> None:
 
 
 def model_description(
-    model: Model, identifier: str, guid: str, date: str, capabilities: Mapping[str, str]
+    model: Model,
+    identifier: str,
+    guid: str,
+    date: str,
+    fmi: int = 2,
+    capabilities: Mapping[str, str] = NATIVE_CAPABILITIES,
 ) -> bytes:
     """The XML of modelDescription.xml.
 
     Args:
         model: what it describes. identifier: model identifier, the name of the binaries.
         guid: hash of the content. date: generation date and time, UTC, ending in Z.
-        capabilities: attributes of the element CoSimulation.
+        fmi: version of FMI, 2 or 3. capabilities: attributes of the element CoSimulation with FMI 2.0.
     """
-    named = {"fmiVersion": "2.0", "modelName": identifier, "guid": guid}
-    root = Element("fmiModelDescription", named | origin(model, date))
+    logs_steps = capabilities is not PYTHON_CAPABILITIES  # which pythonfmu does not know
+    variables = model.variables
+    named = {"fmiVersion": f"{fmi}.0", "modelName": identifier}
+    if fmi == 2:
+        named["guid"] = guid
+    else:
+        named["instantiationToken"] = guid
+        capabilities = NATIVE_CAPABILITIES_3 | (OF_SWITCHES if model.switches else {})
+        variables = (*variables, TIME)
+    origin = {
+        "description": model.description,
+        "author": "The inertia module developers",
+        "version": __version__,
+        "license": "MIT",
+        "generationTool": f"inertia-module {__version__}",
+        "generationDateAndTime": date,
+        "variableNamingConvention": "flat",
+    }
+    root = Element("fmiModelDescription", named | origin)
     SubElement(root, "CoSimulation", {"modelIdentifier": identifier, **capabilities})
-    add_units(root, model.variables)
-    add_types(root, model, _new_type)
-    add_run(root, model, logs_steps=capabilities is not PYTHON_CAPABILITIES)  # which pythonfmu does not know
-    variables = SubElement(root, "ModelVariables")
-    for reference, variable in enumerate(model.variables):
-        _add_variable(variables, reference, variable)
-    _add_structure(root, model)
+    _add_units(root, variables)
+    _add_types(root, model, fmi)
+    _add_run(root, model, logs_steps=logs_steps)
+    described = SubElement(root, "ModelVariables")
+    for reference, variable in enumerate(variables):
+        _add_variable(described, reference, variable, fmi)
+    _add_structure(root, model, fmi)
+    return xml_text(root)
+
+
+def _place(model: Model, flange: Terminal) -> dict[str, str]:
+    """Corners of a flange: at the left end of the central axis if power comes in there, else at the right."""
+    same_side = [other for other in model.terminals if other.flow == flange.flow]
+    x, y = -100 if flange.flow == INFLOW else 100, AXIS - APART * same_side.index(flange)
+    return {"x1": f"{x - HALF}", "y1": f"{y - HALF}", "x2": f"{x + HALF}", "y2": f"{y + HALF}"}
+
+
+def terminals(model: Model) -> bytes:
+    """The XML: members of a name belong together, a speed to a speed and a torque to a torque.
+
+    An angle goes where there is one (matching rule bus). The kind of a torque says which way it is positive.
+    """
+    root = Element("fmiTerminalsAndIcons", fmiVersion="3.0")
+    drawing = SubElement(root, "GraphicalRepresentation")
+    SubElement(drawing, "CoordinateSystem", CORNERS, suggestedScalingFactorTo_mm=MILLIMETRES)
+    SubElement(drawing, "Icon", CORNERS)
+    parent = SubElement(root, "Terminals")
+    for flange in model.terminals:
+        described = {"name": flange.name, "matchingRule": "bus", "description": flange.description}
+        terminal = SubElement(parent, "Terminal", described)
+        members = [("speed", flange.speed, "signal"), ("torque", flange.torque, flange.flow)]
+        if flange.angle:
+            members.append(("angle", flange.angle, "signal"))
+        for member, variable, kind in members:
+            attributes = {"variableName": variable, "variableKind": kind, "memberName": member}
+            SubElement(terminal, "TerminalMemberVariable", attributes)
+        SubElement(terminal, "TerminalGraphicalRepresentation", _place(model, flange), iconBaseName=FLANGE)
     return xml_text(root)

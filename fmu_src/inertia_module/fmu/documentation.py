@@ -1,16 +1,61 @@
-"""The tables of variables for people: rows by groups, and docs/variables.md."""
+"""Documentation for people: guides (guides/*.md) and tables of variables; documentation/index.html of an FMU.
+
+The tables are docs/variables.md too.
+"""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator
+from html import escape
+from pathlib import Path
 from typing import NamedTuple
 
+from .. import __version__
 from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE, Model
-from ..contract.variable import ENUMERATION, ENUMERATIONS, FIXED, INPUT, PARAMETER, Variable
-from .groups import grouped
-from .guide import COMPUTES, REFUSALS, guide
+from ..contract.variable import (
+    ENUMERATION,
+    ENUMERATIONS,
+    FIXED,
+    INPUT,
+    LOCAL,
+    OUTPUT,
+    PARAMETER,
+    Group,
+    Variable,
+)
 
+# sections of the guides
+PICTURE, COMPUTES, COUPLING = "Picture", "What it computes", "How to couple it"
+ORDER, REFUSALS, LIMITS = "Order of calls", "Refusals", "What is not modelled"
+_ITEM = re.compile(r"^(?:-|\d+\.) ", re.M)
+# name of the picture beside the page
+MECHANISM = "mechanism.png"
+STYLE = """
+body { font: 16px/1.5 system-ui, sans-serif; color: #222; background: #fff; }
+body { max-width: 60rem; margin: 2rem auto; padding: 0 1rem; }
+p, li { max-width: 44rem; }
+h2 { margin-top: 2.2rem; border-bottom: 1px solid #ccc; }
+figure { margin: 0; }
+figcaption { color: #555; font-size: 0.9rem; }
+img { max-width: 100%; height: auto; }
+table { border-collapse: collapse; font-size: 0.85rem; width: 100%; }
+td, th { border-bottom: 1px solid #ddd; padding: 0.25rem 0.6rem 0.25rem 0; }
+td, th { text-align: left; vertical-align: top; }
+td:first-child { width: 15rem; }
+td:nth-child(2) { width: 5rem; }
+"""
+HEAD = """<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8"><title>{title}</title><style>{style}</style></head><body>
+<h1>{title}</h1>
+<p>{description}.</p>
+<figure><img src="{picture}" alt="{caption}" width="640"><figcaption>{caption}</figcaption></figure>"""
+FOOT = """<h2>Licences</h2>
+<p>inertia-module {version}, MIT licence. Texts: {texts}.</p>
+</body></html>
+"""
 COLUMNS = ("name", "unit", "start", "allowed", "meaning")
+HEADINGS = {INPUT: "Inputs", OUTPUT: "Outputs", LOCAL: "Locals", PARAMETER: "Parameters"}
 # what goes without saying
 USUAL = (FIXED, "continuous")
 
@@ -21,6 +66,31 @@ class Table(NamedTuple):
     heading: str
     columns: list[str]
     rows: list[list[str]]
+
+
+def guide(name: str) -> dict[str, str]:
+    """Markdown of the sections of a guide by heading; name: of a model, or "all" for what holds for each."""
+    text = (Path(__file__).parent / "guides" / f"{name}.md").read_text(encoding="utf-8")
+    parts = re.split(r"^## (.*)\n", text, flags=re.M)
+    return {heading: section.strip() for heading, section in zip(parts[1::2], parts[2::2], strict=True)}
+
+
+def inline(text: str) -> str:
+    """HTML of a sentence with names in `backticks` and what it is about in **stars**."""
+    code = re.sub(r"`([^`]+)`", r"<code>\1</code>", escape(text, quote=False))
+    return re.sub(r"\*\*([^*]+)\*\*", r"<strong>\1</strong>", code)
+
+
+def blocks(section: str) -> Iterator[str]:
+    """HTML of the paragraphs and lists of a section: as much of Markdown as the guides use."""
+    for block in section.split("\n\n"):
+        if not _ITEM.match(block):
+            yield f"<p>{inline(block)}</p>"
+            continue
+        kind = "ul" if block.startswith("-") else "ol"
+        yield f"<{kind}>"
+        yield from (f"<li>{inline(item.strip())}</li>" for item in _ITEM.split(block)[1:])
+        yield f"</{kind}>"
 
 
 def _cells(variable: Variable) -> tuple[str, ...]:
@@ -47,8 +117,10 @@ def _table(heading: str, variables: Iterable[Variable]) -> Table:
 
 def tables(model: Model) -> Iterator[tuple[str, list[Table]]]:
     """Tables of the groups of a model by the heading of their causality."""
-    for heading, groups in grouped(model).items():
-        yield heading, [_table(group, variables) for group, variables in groups.items()]
+    for causality, heading in HEADINGS.items():
+        of_causality = list(model.with_causality(causality))
+        by_group = {group: [one for one in of_causality if one.group == group] for group in Group}
+        yield heading, [_table(group, variables) for group, variables in by_group.items() if variables]
 
 
 def flanges(model: Model) -> Table:
@@ -83,3 +155,33 @@ def variables_page() -> str:
     for model in (INERTIA_MODULE, DRIVEN_SHAFT):
         lines += _model(model)
     return "\n".join(lines)
+
+
+def _html(table: Table) -> Iterator[str]:
+    yield "<table><tr>" + "".join(f"<th>{column}</th>" for column in table.columns) + "</tr>"
+    for name, *rest in table.rows:
+        cells = "".join(f"<td>{inline(cell)}</td>" for cell in rest)
+        yield f"<tr><td><code>{name}</code></td>{cells}</tr>"
+    yield "</table>"
+
+
+def index_page(model: Model, licences: Iterable[str]) -> str:
+    """The page, whole in itself but for the picture and the licences beside it; licences: their names."""
+    own, common = guide(model.name), guide("all")
+    head = {"title": model.title, "description": model.description, "caption": own[PICTURE]}
+    escaped = {key: escape(text) for key, text in head.items()}
+    parts = [HEAD.format(style=STYLE, picture=MECHANISM, **escaped)]
+    for heading, section in (
+        *((heading, own[heading]) for heading in (COMPUTES, COUPLING)),
+        *((heading, common[heading]) for heading in (ORDER, REFUSALS)),
+        (LIMITS, own[LIMITS]),
+    ):
+        parts += [f"<h2>{heading}</h2>", *blocks(section)]
+    ends = flanges(model)
+    parts += [f"<h2>{ends.heading}</h2>", *_html(ends)]
+    for causality, found in tables(model):
+        parts.append(f"<h2>{causality}</h2>")
+        for table in found:
+            parts += [f"<h3>{table.heading}</h3>", *_html(table)]
+    texts = ", ".join(f'<a href="licenses/{name}.txt">{name}.txt</a>' for name in licences)
+    return "\n".join([*parts, FOOT.format(version=__version__, texts=texts)])

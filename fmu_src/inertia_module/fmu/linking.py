@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import importlib.resources
+import re
 import struct
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from .. import __version__
 from ..common.files import content_hash, kept, sources
+from ..compiling import CompilationUnavailable
 from ..compiling import linking as compiling
 from ..compiling.ir import tool_versions
-from ..compiling.kernels import CompilationUnavailable
 from ..compiling.linking import with_kernel
 from ..compiling.targets import Target
 from ..contract.models import Model
 from .tables import generated
-from .version_resource import version_resource
 
 # what is told each stage of a build as it begins
 Progress = Callable[[str], None]
@@ -30,6 +30,11 @@ WINDOWS_FUNCTIONS = (
 FAT_MAGIC = 0xCAFEBABE
 FAT_PROCESSORS = {"x86_64": (0x01000007, 3), "arm64": (0x0100000C, 0)}
 FAT_ALIGNMENT = 14
+
+# a resource file of Windows (Microsoft, "VS_VERSIONINFO structure" and "RESOURCEHEADER structure")
+SIGNATURE, STRUCTURE, ALL_FLAGS, WINDOWS, LIBRARY = 0xFEEF04BD, 0x10000, 0x3F, 0x40004, 2
+ENGLISH, UNICODE = 0x0409, 0x04B0
+VERSION_INFO, ITS_NAME, SHARED = 16, 1, 0x30
 
 
 def header_folder() -> Path:
@@ -51,11 +56,29 @@ def shell_sources(fmi: int) -> list[Path]:
     return sorted(path for path in SHELL_FOLDER.glob("*.c") if not path.name.startswith(other))
 
 
+def _padded(content: bytes) -> bytes:
+    return content + bytes(-len(content) % 4)
+
+
+def _block(key: str, value: bytes = b"", children: Sequence[bytes] = (), *, text: bool = True) -> bytes:
+    """Length, length of the value (of text in letters), whether that is text, key, value, children."""
+    body = _padded(bytes(6) + key.encode("utf-16-le") + bytes(2)) + value
+    for child in children:
+        body = _padded(body) + child
+    return struct.pack("<HHH", len(body), len(value) // 2 if text else len(value), text) + body[6:]
+
+
+def _entry(kind: int, name: int, flags: int, language: int, content: bytes) -> bytes:
+    header = struct.pack("<8HI", 0xFFFF, kind, 0xFFFF, name, 0, 0, flags, language, 0)
+    return struct.pack("<II", len(content), 12 + len(header)) + header + bytes(4) + _padded(content)
+
+
 def version_file(target: Target, library: str, title: str) -> dict[str, bytes]:
-    """Resource with the version of a library, by the name of its file; only Windows has one.
+    """Resource with the version of a library, which Windows shows, by the name of its file.
 
     Args:
-        target: for which platform. library: name of its file. title: what it is, for people.
+        target: for which platform, {} unless it is Windows. library: name of its file.
+        title: what it is, for people.
     """
     if not target.import_machine:
         return {}
@@ -64,7 +87,20 @@ def version_file(target: Target, library: str, title: str) -> dict[str, bytes]:
         **{"LegalCopyright": "MIT License", "OriginalFilename": library},
         **{"ProductName": "inertia-module", "ProductVersion": __version__},
     }
-    return {"version.res": version_resource(__version__, texts)}
+    numbers = (*(int(number) for number in re.findall(r"\d+", __version__)), 0, 0, 0)[:4]
+    most, least = (numbers[n] << 16 | numbers[n + 1] for n in (0, 2))
+    fixed = (SIGNATURE, STRUCTURE, most, least, most, least, ALL_FLAGS, 0, WINDOWS, LIBRARY, 0, 0, 0)
+    shown = [_block(key, text.encode("utf-16-le") + bytes(2)) for key, text in texts.items()]
+    children = (
+        _block("StringFileInfo", children=[_block(f"{ENGLISH:04x}{UNICODE:04x}", children=shown)]),
+        _block(
+            "VarFileInfo",
+            children=[_block("Translation", struct.pack("<HH", ENGLISH, UNICODE), text=False)],
+        ),
+    )
+    content = _block("VS_VERSION_INFO", struct.pack("<13I", *fixed), children, text=False)
+    resource = _entry(0, 0, 0, 0, b"") + _entry(VERSION_INFO, ITS_NAME, SHARED, ENGLISH, content)
+    return {"version.res": resource}
 
 
 def link(model: Model, identifier: str, guid: str, target: Target, fmi: int) -> bytes:
@@ -81,7 +117,7 @@ def link(model: Model, identifier: str, guid: str, target: Target, fmi: int) -> 
     content = {path.name: path.read_bytes() for path in (*shell_sources(fmi), *SHELL_FOLDER.glob("*.h"))}
     content |= {file: text.encode() for file, text in generated(model, guid, fmi).items()}
     content |= version_file(target, library, model.title)
-    return with_kernel(model.entry, target, library, content, "-isystem", str(header_folder()))
+    return with_kernel(model, target, library, content, "-isystem", str(header_folder()))
 
 
 def link_front(target: Target, behind: str) -> bytes:
@@ -94,7 +130,7 @@ def link_front(target: Target, behind: str) -> bytes:
         CompilationUnavailable: what it takes is not installed, or fails.
     """
     files = sources("fmu/front/*", "compiling/windows.c")
-    made_from = files | sources("__init__.py", "fmu/linking.py", "fmu/version_resource.py")
+    made_from = files | sources("__init__.py", "fmu/linking.py")
     made_from |= sources("compiling/linking.py") | tool_versions("ziglang", "fmpy")
     made_from[behind] = target.label.encode()
 

@@ -7,19 +7,17 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ..common.files import content_hash, kept, sources
-from ..compiling import objects
+from ..compiling import CompilationUnavailable
 from ..compiling.ir import tool_versions
-from ..compiling.kernels import CompilationUnavailable
 from ..compiling.linking import compiler
+from ..compiling.linking import made_from as machine_code_made_from
 from ..compiling.targets import TARGETS, Target
 from ..contract.models import Model
-from . import description3
 from .archive import DESCRIPTION, archive, generation_date, guid_of
-from .description import NATIVE_CAPABILITIES, model_description
-from .index_page import MECHANISM, index_page
+from .description import FLANGE, model_description, terminals
+from .documentation import MECHANISM, index_page
 from .linking import Progress, header_folder, join_for_mac, link
 from .tables import generated
-from .terminals import FLANGE, terminals
 
 
 class NativeFmu(NamedTuple):
@@ -36,13 +34,6 @@ class NativeFmu(NamedTuple):
         return f"{self.identifier}.fmu"
 
 
-class Libraries(NamedTuple):
-    """Shared libraries by their path in the FMU, and the targets skipped, with the reason."""
-
-    files: dict[str, bytes]
-    skipped: dict[str, str]
-
-
 def guid(fmu: NativeFmu) -> str:
     """Hash of all that the FMU is made from: its sources and the versions of the tools.
 
@@ -50,24 +41,17 @@ def guid(fmu: NativeFmu) -> str:
         CompilationUnavailable: the tools are not installed.
     """
     compiler()
-    made_from = objects.made_from() | tool_versions("ziglang")
+    made_from = machine_code_made_from(fmu.model) | tool_versions("ziglang")
     made_from |= sources("fmu/*.py", "fmu/shell/*", "compiling/*.c")
-    made_from |= sources("compiling/linking.py", "compiling/targets.py")
+    made_from |= sources("compiling/targets.py")
     made_from |= {path.name: path.read_bytes() for path in header_folder().glob(f"fmi{fmu.fmi}*.h")}
-    made_from |= papers(fmu.model, fmu.picture, fmu.fmi)
+    made_from |= accompanying_files(fmu.model, fmu.picture, fmu.fmi)
     made_from |= {name: text.encode() for name, text in generated(fmu.model, "", fmu.fmi).items()}
-    made_from["description"] = description(fmu, "", "")
+    made_from["description"] = model_description(fmu.model, fmu.identifier, "", "", fmu.fmi)
     return guid_of(made_from)
 
 
-def description(fmu: NativeFmu, guid: str, date: str) -> bytes:
-    """The XML of modelDescription.xml in the version of FMI."""
-    if fmu.fmi == 2:
-        return model_description(fmu.model, fmu.identifier, guid, date, NATIVE_CAPABILITIES)
-    return description3.model_description(fmu.model, fmu.identifier, guid, date)
-
-
-def papers(model: Model, picture: str, fmi: int, **licences: str) -> dict[str, bytes]:
+def accompanying_files(model: Model, picture: str, fmi: int, **licences: str) -> dict[str, bytes]:
     """Documentation, licences, icon and, with FMI 3.0, terminals, by path in an FMU.
 
     Args:
@@ -117,10 +101,17 @@ def library(fmu: NativeFmu, target: Target, progress: Progress = lambda stage: N
     return kept(f"{fmu.identifier}-{target.label}-{label}{target.suffix}", linked).read_bytes()
 
 
-def libraries(
+def native_fmu(
     fmu: NativeFmu, progress: Progress = lambda stage: None, targets: Sequence[Target] = TARGETS
-) -> Libraries:
-    """The shared libraries for those of some targets that can be compiled for."""
+) -> tuple[bytes, dict[str, str]]:
+    """The content of an FMU's file for those of some targets that can be compiled for.
+
+    Returns:
+        The content; the targets skipped, with the reason.
+
+    Raises:
+        CompilationUnavailable: there is no target at all it could be compiled for.
+    """
     found: dict[str, list[tuple[str, bytes]]] = {}
     skipped = {}
     for target in targets:
@@ -130,20 +121,9 @@ def libraries(
             skipped[f"{fmu.identifier} for {target.label}"] = str(reason)
             continue
         found.setdefault(library_path(fmu, target), []).append((target.triple, content))
-    files = {path: same[0][1] if len(same) == 1 else join_for_mac(same) for path, same in found.items()}
-    return Libraries(files, skipped)
-
-
-def native_fmu(
-    fmu: NativeFmu, progress: Progress = lambda stage: None, targets: Sequence[Target] = TARGETS
-) -> tuple[bytes, dict[str, str]]:
-    """The content of an FMU's file for some targets, and those skipped, with the reason.
-
-    Raises:
-        CompilationUnavailable: there is no target at all it could be compiled for.
-    """
-    files, skipped = libraries(fmu, progress, targets)
-    if not files:
+    if not found:
         raise CompilationUnavailable(next(iter(skipped.values())))
-    described = description(fmu, guid(fmu), generation_date())
-    return archive(files | papers(fmu.model, fmu.picture, fmu.fmi) | {DESCRIPTION: described}), skipped
+    files = {path: same[0][1] if len(same) == 1 else join_for_mac(same) for path, same in found.items()}
+    files |= accompanying_files(fmu.model, fmu.picture, fmu.fmi)
+    described = model_description(fmu.model, fmu.identifier, guid(fmu), generation_date(), fmu.fmi)
+    return archive(files | {DESCRIPTION: described}), skipped

@@ -17,23 +17,22 @@ from typing import NamedTuple
 from pythonfmu import FmuBuilder
 
 from ..common.files import content_hash, sources
+from ..compiling import CompilationUnavailable
 from ..compiling.ir import tool_versions
-from ..compiling.kernels import CompilationUnavailable
 from ..compiling.load import SHIPPED
 from ..compiling.targets import LINUX64, WIN64
 from ..contract.models import Model
 from .archive import DESCRIPTION, archive, generation_date, guid_of
 from .description import PYTHON_CAPABILITIES, model_description
 from .linking import Progress, link_front
-from .native_fmu import NativeFmu, library, papers
+from .native_fmu import NativeFmu, accompanying_files, library
 
 BUNDLED = (
     "__init__.py",
     *("common/__init__.py", "common/errors.py", "common/files.py", "common/units.py"),
-    *("compiling/__init__.py", "compiling/kernels.py", "compiling/load.py", "compiling/records.py"),
-    "compiling/targets.py",
+    *("compiling/__init__.py", "compiling/load.py", "compiling/targets.py"),
     "contract/*.py",
-    *("fmu/__init__.py", "fmu/slave.py", "fmu/slaves.py"),
+    *("fmu/__init__.py", "fmu/slave.py"),
     "kernel/**/*.py",
     "memory.py",
 )
@@ -45,7 +44,7 @@ PLATFORMS = (LINUX64, WIN64)
 
 
 class PythonFmu(NamedTuple):
-    """A Python FMU to build: its model identifier (a class of slaves.py), its model, its pictures by name.
+    """A Python FMU to build: its model identifier (a class of slave.py), its model, its pictures by name.
 
     Attributes:
         native: the native FMU whose libraries it brings along, for the compiled kernel in them.
@@ -68,7 +67,7 @@ SCRIPT = """import ctypes
 
 ctypes.pythonapi.Py_IncRef(ctypes.py_object(globals()))
 
-from {package}.fmu.slaves import {identifier}
+from {package}.fmu.slave import {identifier}
 """
 
 
@@ -131,18 +130,24 @@ def _pack(identifier: str, files: dict[str, bytes], label: str) -> dict[str, byt
             return {name: packed_archive.read(name) for name in packed_archive.namelist()}
 
 
-def _papers(fmu: PythonFmu) -> dict[str, bytes]:
+def _accompanying_files(fmu: PythonFmu) -> dict[str, bytes]:
     """Documentation, picture and the licences of this package and of pythonfmu, by path in the FMU."""
     of_pythonfmu = next(
         path for path in importlib.metadata.files("pythonfmu") or () if path.name == "LICENSE"
     )
-    own = papers(fmu.model, fmu.picture, 2, pythonfmu=of_pythonfmu.read_text())
+    own = accompanying_files(fmu.model, fmu.picture, 2, pythonfmu=of_pythonfmu.read_text())
     return own | {DEPENDENCIES: NEEDED.encode()}
 
 
+def _description(fmu: PythonFmu, guid: str, date: str) -> bytes:
+    return model_description(fmu.model, fmu.identifier, guid, date, 2, PYTHON_CAPABILITIES)
+
+
 def _guid(fmu: PythonFmu, files: Mapping[str, bytes]) -> str:
-    made_from = dict(files) | _papers(fmu) | sources("fmu/python_fmu.py") | tool_versions("pythonfmu")
-    made_from["description"] = model_description(fmu.model, fmu.identifier, "", "", PYTHON_CAPABILITIES)
+    made_from = (
+        dict(files) | _accompanying_files(fmu) | sources("fmu/python_fmu.py") | tool_versions("pythonfmu")
+    )
+    made_from["description"] = _description(fmu, "", "")
     return guid_of(made_from)
 
 
@@ -157,10 +162,8 @@ def python_fmu(fmu: PythonFmu, progress: Progress = lambda stage: None) -> tuple
     package = bundled_files() | shipped
     in_front, without = fronts(fmu)
     made_for = _guid(fmu, package | in_front)
-    description = model_description(
-        fmu.model, fmu.identifier, made_for, generation_date(), PYTHON_CAPABILITIES
-    )
-    content = _pack(fmu.identifier, package, content_hash(package)[:12]) | _papers(fmu)
+    description = _description(fmu, made_for, generation_date())
+    content = _pack(fmu.identifier, package, content_hash(package)[:12]) | _accompanying_files(fmu)
     for path, front in in_front.items():
         content[path.replace(fmu.identifier, BEHIND)] = content[path]
         content[path] = front

@@ -17,7 +17,7 @@ from pythonfmu.enums import Fmi2Status
 from ..common.errors import Refused, must_be
 from ..contract.variable import BOOLEAN, INPUT, PARAMETER, REAL, Variable
 from ..kernel import codes
-from ..memory import NO_STATE, ModelInstance
+from ..memory import NO_STATE, ModelInstance, Module
 
 INSTANTIATED = "instantiated"
 INITIALIZING = "in initialization mode"
@@ -30,7 +30,7 @@ _PHASES = (INSTANTIATED, INITIALIZING, STEPPING, REFUSED, TERMINATED)
 HEAD_SIZE = 17
 # a step may end past the stop time by this share of it, or of a second, as in shell/stepping.c
 NEAR_STOP = 1e-5
-_UNKNOWN = Variable("unknown", "", "", "", "", None, None, None, None, "")
+_UNKNOWN = Variable("unknown", "", "", "", "", "", None, None, None, "")
 
 
 class PythonSlave(Fmi2Slave):  # type: ignore[misc]
@@ -292,6 +292,16 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
     @staticmethod
     def _fmu_state_from_bytes(state: bytes) -> bytes:
         return state
+
+
+class InertiaModulePy(PythonSlave):
+    """The inertia module; the name of the class is the model identifier."""
+
+    instance_type = Module
+
+
+# while the files are there: later instances in the process share this code, when its own folder may be gone
+_SOURCE_HASH = Module.model.source_hash
 
 
 def _no_reference(reference: int, kind: str) -> str:

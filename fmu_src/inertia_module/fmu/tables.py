@@ -6,10 +6,9 @@ import math
 from collections.abc import Mapping
 from string import Formatter
 
-from ..compiling.kernels import ENTRIES
-from ..compiling.records import place
 from ..contract.models import Bound, Model
-from ..contract.variable import BOOLEAN, ENUMERATION, ENUMERATIONS, INPUT, OUTPUT, PARAMETER, Variable
+from ..contract.records import place
+from ..contract.variable import BOOLEAN, INPUT, OUTPUT, PARAMETER, Variable
 from ..kernel import codes
 
 # the row of the time: no place in a record of the kernel, no rate
@@ -17,6 +16,12 @@ _TIME = '    {"time", REAL, CLOCK, 0, -1, -1, -1, 0, 0, 0, 0.0, -HUGE_VAL, HUGE_
 # of the state: how long the last step was, and whether it has stopped at a switch
 SWITCH_FIELDS = ("length", "switching")
 _ARRAYS = {PARAMETER: "PARAMETERS", INPUT: "INPUTS"}
+_RECORDS = {"d": "CONSTANTS", "x": "STATE"}
+# operations of the kernel (kernel.codes) that the shell calls
+OPERATIONS = (
+    *("START", "CHECK", "STEP_ONLY", "OUTPUTS", "STEP_PRECISELY", "RATES", "WARN", "TUNE"),
+    *("STEP_TO_SWITCH", "SWITCH"),
+)
 
 
 def quoted(text: str) -> str:
@@ -29,18 +34,10 @@ def number(value: float) -> str:
     return repr(float(value)) if math.isfinite(value) else ("HUGE_VAL" if value > 0.0 else "-HUGE_VAL")
 
 
-def _kind(variable: Variable) -> str:
-    return variable.kind.upper()
-
-
 def _range(variable: Variable) -> tuple[float, float]:
+    """Ends of the range: an enumeration has no gaps."""
     if variable.kind == BOOLEAN:
         return 0.0, 1.0
-    if variable.kind == ENUMERATION:
-        values = [value for _, value, _ in ENUMERATIONS[variable.enumeration]]
-        if values != list(range(values[0], values[-1] + 1)):
-            raise ValueError(f"{variable.enumeration} has gaps: the shell knows ranges only")
-        return float(values[0]), float(values[-1])
     low = -math.inf if variable.minimum is None else variable.minimum
     high = math.inf if variable.maximum is None else variable.maximum
     return low, high
@@ -70,12 +67,12 @@ def _variable(variable: Variable, model: Model) -> str:
     discrete = _discrete(model)
     cells = (
         quoted(variable.name),
-        _kind(variable),
+        variable.kind.upper(),
         _ARRAYS.get(variable.causality, "OUTPUTS"),
         str(model.place(variable.name)),
         *_rate_places(variable, model),
         str(discrete.index(variable.name) if variable.name in discrete else -1),
-        str(int(variable.name in model.late)),
+        str(int(variable.late)),
         str(int(variable.causality == OUTPUT)),
         str(int(variable.is_tunable)),
         number(variable.start or 0.0),
@@ -114,33 +111,20 @@ def _messages(name: str, texts: Mapping[int, str], model: Model) -> list[str]:
     return [*lines, f"static const struct message {name}[] = {{", *rows, "};", ""]
 
 
-def _bound(bound: Bound) -> str:
-    record = {"d": "CONSTANTS", "x": "STATE"}[bound.record]
-    return f"{{{record}, {bound.place}, {number(bound.most)}}}"
-
-
-def c_codes() -> str:
-    """C header of the operations of a kernel and its good status."""
-    operations = (
-        *("START", "CHECK", "STEP_ONLY", "OUTPUTS", "STEP_PRECISELY", "RATES", "WARN", "TUNE"),
-        *("STEP_TO_SWITCH", "SWITCH"),
-    )
-    numbers = ", ".join(f"OPERATION_{name} = {getattr(codes, name)}" for name in operations)
-    lines = [
-        "/* Made from kernel/codes.py. */",
-        f"enum operation {{ {numbers} }};",
-        f"#define STATUS_OK {codes.OK}",
-    ]
-    return "\n".join([*lines, ""])
-
-
 def generated(model: Model, guid: str, fmi: int) -> dict[str, str]:
     """The C files of the shell that are made for a model, by name.
 
     Args:
         model: what they are of. guid: the one of modelDescription.xml. fmi: version of FMI, 2 or 3.
     """
-    return {"tables.c": c_tables(model, guid, fmi), "codes.h": c_codes()}
+    numbers = ", ".join(f"OPERATION_{name} = {getattr(codes, name)}" for name in OPERATIONS)
+    header = [
+        "/* Made from kernel/codes.py. */",
+        f"enum operation {{ {numbers} }};",
+        f"#define STATUS_OK {codes.OK}",
+        "",
+    ]
+    return {"tables.c": c_tables(model, guid, fmi), "codes.h": "\n".join(header)}
 
 
 def c_tables(model: Model, guid: str, fmi: int) -> str:
@@ -149,12 +133,13 @@ def c_tables(model: Model, guid: str, fmi: int) -> str:
     Args:
         model: what they are of. guid: the one of modelDescription.xml. fmi: version of FMI, 2 or 3.
     """
-    n_p, n_d, n_u, n_x, n_y, n_w = ENTRIES[model.entry].sizes
+    n_p, n_d, n_u, n_x, n_y, n_w = model.sizes
     references = {variable.name: n for n, variable in enumerate(model.variables)}
     traced = ", ".join(str(references[name]) for name in model.traced)
     discrete = [str(model.place(name)) for name in _discrete(model)]
     length, switching = (place(model.records[3], name) if model.switches else -1 for name in SWITCH_FIELDS)
     tolerance = model.place("tolerance") if "tolerance" in model.by_name else -1
+    bounds = model.bounds or (Bound("d", 0, 0),)  # C has no empty arrays
     lines = [
         f"/* Tables of {model.name}, made from its table of variables. */",
         '#include "model.h"',
@@ -174,7 +159,7 @@ def c_tables(model: Model, guid: str, fmi: int) -> str:
         f"static const size_t traced[] = {{{traced}}};",
         "",
         "static const struct bound bounds[] = {",
-        *(f"    {_bound(bound)}," for bound in model.bounds or (Bound("d", 0, 0),)),
+        *(f"    {{{_RECORDS[b.record]}, {b.place}, {number(b.most)}}}," for b in bounds),
         "};",
         "",
         "const struct model model = {",

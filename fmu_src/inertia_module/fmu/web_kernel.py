@@ -8,9 +8,7 @@ from typing import NamedTuple
 
 from ..common.files import content_hash, kept, sources
 from ..compiling.ir import tool_versions
-from ..compiling.kernels import ENTRIES
-from ..compiling.linking import compiler, run_tool
-from ..compiling.objects import made_from, object_file
+from ..compiling.linking import compiler, made_from, object_file, run_tool
 from ..compiling.targets import Target
 from ..contract.models import Model
 from .linking import Progress
@@ -44,8 +42,7 @@ def web_kernel(kernel: WebKernel, progress: Progress = lambda stage: None) -> by
         CompilationUnavailable: what it takes is not installed, or fails.
     """
     compiler()
-    depends_on = made_from() | tool_versions("ziglang")
-    depends_on |= sources("fmu/web_kernel.py", "compiling/linking.py")
+    depends_on = made_from(kernel.model) | tool_versions("ziglang") | sources("fmu/web_kernel.py")
 
     def linked() -> bytes:
         progress(f"compiling {kernel.identifier} for browsers")
@@ -62,8 +59,8 @@ def link(model: Model) -> bytes:
     """
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        (folder / "kernel.o").write_bytes(object_file(model.entry, BROWSERS))
-        exported = [f"-Wl,--export={symbol}" for symbol in (ENTRIES[model.entry].symbol, "__heap_base")]
+        (folder / "kernel.o").write_bytes(object_file(model, BROWSERS))
+        exported = [f"-Wl,--export={symbol}" for symbol in (model.symbol, "__heap_base")]
         given = ["-target", BROWSERS.compiler, "-mexec-model=reactor", "-s", *exported]
         given += [f"-Wl,-z,stack-size={STACK}", f"-Wl,--max-memory={MEMORY}"]
         run_tool("cc", [*given, "-o", "kernel.wasm", "kernel.o"], folder)

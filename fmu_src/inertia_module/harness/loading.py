@@ -31,7 +31,7 @@ from fmpy.fmi2 import (
 from fmpy.fmi3 import FMU3Slave
 from fmpy.logging import addLoggerProxy
 
-from ..fmu.description3 import TYPES as IN_FMI_3
+from ..fmu.description import TYPES_3 as IN_FMI_3
 
 # types of FMI 2.0 by their names in FMI 3.0, where they have others
 TYPES = {name: of_fmi_2 for of_fmi_2, name in IN_FMI_3.items()}

@@ -1,9 +1,10 @@
 """The records the module's kernel reads and writes, by the names of their fields.
 
-p parameters, u inputs, y outputs and locals carry the names of the table of variables; x is the state,
-d what is derived from the parameters, w the workspace of one call. A field is a name (one double), a name
-with a length (an array of doubles), or a name with a list of fields (a record within) and maybe a number
-(so many).
+p parameters, u inputs (with omega1_rate, its rate over the coming step, omega1_rate_given, and so on), y
+outputs and locals: their fields are made from the table of variables (contract.models.interface). First in p
+stands what the map of fidelity averaged depends on. x is the state, d what is derived from the parameters, w
+the workspace of one call. A field is a name (one double), a name with a length (an array of doubles), or a
+name with a list of fields (a record within) and maybe a number (so many).
 Every record has its doubles in one row besides, as `numbers`: so a state is copied whole.
 """
 
@@ -20,60 +21,6 @@ GUARDS, SATELLITES = 4, 50
 CAUSES = 5
 # knots of the averaged map at most, for one sign of omega1
 KNOTS = 64
-
-PARAMETERS = (
-    *("layout", "z2", "z16", "z17", "z6", "shaft_angle", "wheel_radius", "a", "b", "c", "epsilon", "gamma"),
-    *("sun_radius", "satellite_radius", "eccentricity", "imbalance_mass", "modules", "satellites"),
-    *("drive_inertia", "satellite_inertia", "satellite_transverse_inertia"),
-    *("input_inertia", "link2_inertia", "output_inertia", "driven_inertia"),
-    *("shaft_stiffness", "shaft_damping", "driven_friction", "balancer"),
-    *("input_friction", "drive_friction", "link2_friction", "output_friction"),
-    *("mesh_efficiency", "satellite_mesh_efficiency", "journal_friction"),
-    *("housing_drag", "housing_drag_viscous", "output_drag", "output_drag_viscous"),
-    *("housing_stiffness", "housing_damping", "freewheel_stiffness", "freewheel_damping"),
-    *("gravity", "housing_freewheel", "output_freewheel"),
-    *("fidelity", "method", "drive", "input_hold", "tolerance"),
-    *("max_step", "kinematic_ratio", "omega2_start", "omega_out_start", "drive_angle_start"),
-)
-# the parameters that the map of fidelity averaged depends on, shape and losses, and whether the torque of
-# link 1 is given
-MAP_SHAPE = PARAMETERS.index("input_inertia")
-MAP_LOSSES = PARAMETERS.index("drive_friction")
-MAP_KEY = (
-    *PARAMETERS[:MAP_SHAPE],
-    *PARAMETERS[MAP_LOSSES : PARAMETERS.index("output_drag_viscous") + 1],
-    *("link2_inertia", "input_inertia", "drive"),
-)
-
-# inputs, their rates over the coming step, and whether each rate is given
-INPUTS = (
-    *("omega1", "load_torque", "drive_torque"),
-    *("omega1_rate", "load_torque_rate", "drive_torque_rate"),
-    *("omega1_rate_given", "load_torque_rate_given", "drive_torque_rate_given"),
-)
-
-# outputs and locals that stand in the state as they are
-READY = (
-    *("omega2", "omega_out", "input_torque_mean", "output_torque_mean", "input_speed", "omega_hub"),
-    *("drive_angle", "drive_turns", "input_angle", "input_turns", "output_angle", "output_turns"),
-    *("input_flange_angle", "output_flange_angle"),
-    *("contact_mode", "shaft_twist", "energy_in", "energy_out", "energy_lost"),
-    *("energy_lost_viscous", "energy_lost_shaft", "energy_lost_mesh", "energy_lost_journal"),
-    "energy_lost_freewheel",
-    *("contact_switches", "rhs_evaluations"),
-)
-# those that take more work than some steps do: STEP_ONLY leaves them out and OUTPUTS fills them in
-LATE = (
-    *("input_torque", "mesh_torque", "output_torque", "housing_torque"),
-    *("mesh_torque_mean", "housing_torque_mean", "loss_power_mean", "torque_ripple", "torque_peak"),
-    *("input_acceleration", "output_acceleration", "energy_stored", "energy_residual"),
-    *("imbalance_x", "imbalance_y", "imbalance_z"),
-    *("imbalance_velocity_x", "imbalance_velocity_y", "imbalance_velocity_z", "imbalance_acceleration"),
-    *("imbalance_acceleration_x", "imbalance_acceleration_y", "imbalance_acceleration_z"),
-    *("satellite_force", "satellite_force_peak", "shaking_force_x", "shaking_force_y", "shaking_force_z"),
-    *("shaking_moment_x", "shaking_moment_y", "shaking_moment_z"),
-)
-OUTPUTS = (*READY, *LATE)
 
 # motion of links 1 and 2 at a moment, and how many moments of a step are kept (see loads)
 MOMENT = ("q", "omega1", "omega2", "alpha1", "alpha2")
@@ -169,11 +116,17 @@ CONSTANTS = (
     ("machine", MACHINE),
     # square of the slowest shaft whose own motion is followed, over that of the pulses
     "followed",
-    # averaged: the map, the parameters it is of, and sums while it is built
-    *("map_ready", "map_failed", ("map_key", len(MAP_KEY)), "map_lock", "map_inertia", "map_evaluations"),
+    # averaged: the map, and sums while it is built
+    *("map_ready", "map_failed", "map_lock", "map_inertia", "map_evaluations"),
     *("sum_time", "sum_torque", "sum_square", "sum_energy", "sum_omega1", "sum_omega2", "sum_peak"),
     *(("sum_lost", CAUSES), ("travel", TRAVEL), ("forward", SIDE), ("backward", SIDE)),
 )
+
+
+def constants(map_key):
+    """Fields of d; map_key: number of parameters that the map of fidelity averaged depends on."""
+    return *CONSTANTS, ("map_key", map_key)
+
 
 # nothing in it outlives the call
 WORKSPACE = (
@@ -230,7 +183,11 @@ WORKSPACE = (
     # internal step of the averaged motion: both speeds at its end, its error, integrals of omega3, T omega3,
     # omega2 and, under its torque, omega1
     *("next", "next_speed", "error", "turned3", "work", "turned2", "turned1", "lost3", "dragged"),
-    # state at the beginning of the call, of two short steps for rates, of a part of a step; outputs there
+    # state at the beginning of the call, of two short steps for rates, of a part of a step
     *(("before", STATE), ("kept", STATE), ("part", STATE)),
-    *(("outputs_0", OUTPUTS), ("outputs_1", OUTPUTS)),
 )
+
+
+def workspace(outputs):
+    """Fields of w; outputs: fields of y."""
+    return *WORKSPACE, ("outputs_0", outputs), ("outputs_1", outputs)

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from ..common.errors import Refused, must_be
 from ..common.files import writable_folder
 from ..common.units import BOOLEANS
-from ..compiling.kernels import ENTRIES
 from ..contract.models import INERTIA_MODULE, Model
 from ..contract.variable import BOOLEAN, ENUMERATIONS, INPUT, Variable
 from ..fmu.builder import WEB_KERNEL, content_of
@@ -106,10 +105,9 @@ def _packed(content: bytes) -> str:
 
 def page_tables(model: Model) -> dict[str, Any]:
     """Tables of a model for the page (the interface Tables of page/src/kernel/tables.ts), ready for JSON."""
-    entry = ENTRIES[model.entry]
     return {
-        "symbol": entry.symbol,
-        "sizes": list(entry.sizes),
+        "symbol": model.symbol,
+        "sizes": list(model.sizes),
         "operations": {name: getattr(codes, name) for name in OPERATIONS},
         "ok": codes.OK,
         "variables": [_variable(variable, model) for variable in model.variables],
@@ -125,6 +123,7 @@ def _variable(variable: Variable, model: Model) -> dict[str, Any]:
         items = tuple((name, int(number), "") for name, number in BOOLEANS.items())
     return {
         "name": variable.name,
+        "group": variable.group,
         "kind": variable.kind,
         "causality": variable.causality,
         "tunable": variable.is_tunable,

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import BaseModel, Field, create_model, model_validator
 
 from ..common.errors import Refused, did_you_mean
-from ..contract.driven_shaft_variables import BY_NAME, VARIABLES
+from ..contract.driven_shaft import BY_NAME, VARIABLES
 from ..contract.variable import LOCAL, OUTPUT, PARAMETER
 from ..contract.variables import with_causality
 from ..harness.simulate import Progress, Result, communication_points, drive

@@ -1,54 +1,38 @@
-// Which variables stand together, and how far their sliders reach. What is in no group stands in the last one.
+// Which variables stand together, as in the table of variables, and how far their sliders reach.
 
 import { variables, type Variable } from "../run/run";
+
+type Value = (name: string) => number;
 
 export interface Group {
   readonly title: string;
   readonly names: readonly string[];
   readonly open?: boolean;
   /** Whether the group has a meaning with these values. */
-  readonly counts?: (value: (name: string) => number) => boolean;
+  readonly counts?: (value: Value) => boolean;
 }
 
-const LISTED: readonly Group[] = [
-  { title: "Drive and load", names: ["drive", "omega1", "drive_torque", "load_torque"], open: true },
-  { title: "Layout", names: ["layout", "modules", "satellites"], open: true },
-  {
-    title: "Planar gears", names: ["sun_radius", "satellite_radius", "eccentricity"], open: true,
-    counts: (value) => value("layout") === 1,
-  },
-  {
-    title: "Bevel gears", counts: (value) => value("layout") === 0,
-    names: ["wheel_radius", "shaft_angle", "z2", "z16", "z17", "z6", "a", "b", "c", "epsilon", "gamma"],
-  },
-  {
-    title: "Masses and inertias", open: true,
-    names: ["imbalance_mass", "output_inertia", "link2_inertia", "input_inertia", "drive_inertia", "satellite_inertia",
-      "satellite_transverse_inertia", "gravity"],
-  },
-  {
-    title: "Elastic output shaft", counts: (value) => value("fidelity") === 3, open: true,
-    names: ["driven_inertia", "shaft_stiffness", "shaft_damping", "driven_friction", "balancer"],
-  },
-  {
-    title: "Losses",
-    names: ["mesh_efficiency", "satellite_mesh_efficiency", "journal_friction", "housing_drag", "housing_drag_viscous",
-      "output_drag", "output_drag_viscous", "input_friction", "drive_friction", "link2_friction", "output_friction"],
-  },
-  {
-    title: "Freewheels",
-    names: ["housing_freewheel", "output_freewheel", "housing_stiffness", "housing_damping", "freewheel_stiffness", "freewheel_damping"],
-  },
-  { title: "Model and accuracy", names: ["fidelity", "kinematic_ratio", "method", "tolerance", "max_step", "input_hold"], open: true },
-  { title: "Start", names: ["omega2_start", "omega_out_start", "drive_angle_start"] },
-];
+const OPEN = ["Given at the flanges", "Layout", "Planar layout", "Masses and gravity", "Elastic output", "Model and solver"];
+
+const COUNTS: Readonly<Record<string, (value: Value) => boolean>> = {
+  "Planar layout": (value) => value("layout") === 1,
+  "Bevel layout": (value) => value("layout") === 0,
+  "Elastic output": (value) => value("fidelity") === 3,
+};
 
 const settable = variables.filter((v) => v.causality === "input" || v.causality === "parameter");
-const listed = new Set(LISTED.flatMap((group) => group.names));
-const others = settable.filter((v) => !listed.has(v.name)).map((v) => v.name);
+const titles = [...new Set(settable.map((v) => v.group))];
+for (const title of [...OPEN, ...Object.keys(COUNTS)]) {
+  if (!titles.includes(title)) throw new Error(`there is no group ${title}`);
+}
 
-/** All groups; none of the variables that can be set is left out. */
-export const GROUPS: readonly Group[] = others.length > 0 ? [...LISTED, { title: "Other", names: others }] : LISTED;
+/** All groups of what can be set, in the order of the table. */
+export const GROUPS: readonly Group[] = titles.map((title) => ({
+  title,
+  names: settable.filter((v) => v.group === title).map((v) => v.name),
+  open: OPEN.includes(title),
+  counts: COUNTS[title] ?? (() => true),
+}));
 
 /** How far a slider reaches where the start value, 0 or far from the middle, does not say it, in the unit of the table. */
 const REACH: Readonly<Record<string, readonly [number, number]>> = {

@@ -9,8 +9,8 @@ import { GROUPS, type Group } from "./groups";
 const TIMES: readonly Variable[] = [
   ["duration", "length of the run"], ["step", "communication step: distance of the points of the run"],
 ].map(([name = "", description = ""]) => ({
-  name, description, kind: "Real", causality: "input", tunable: false, unit: "s", start: name === "step" ? 0.0005 : 1,
-  min: 0, max: null, allowed: "", items: [], place: -1, ratePlace: -1, rateGivenPlace: -1,
+  name, group: "Run", description, kind: "Real", causality: "input", tunable: false, unit: "s",
+  start: name === "step" ? 0.0005 : 1, min: 0, max: null, allowed: "", items: [], place: -1, ratePlace: -1, rateGivenPlace: -1,
 }));
 
 const RUN: Group = { title: "Run", names: ["duration", "step"] };

@@ -3,6 +3,8 @@
 /** A variable of the module: an input, a parameter, an output or a local. */
 export interface Variable {
   name: string;
+  /** Heading of the group that it stands in. */
+  group: string;
   kind: "Real" | "Integer" | "Boolean" | "Enumeration";
   causality: "input" | "output" | "local" | "parameter";
   tunable: boolean;

@@ -1,17 +1,5 @@
 """The records of DrivenShaft (see :mod:`.fields`)."""
 
-PARAMETERS = (
-    *("driven_inertia", "shaft_stiffness", "shaft_damping", "driven_friction", "balancer", "input_hold"),
-    *("omega_out_start", "twist_start"),
-)
-INPUTS = (
-    *("hub_speed", "load_torque", "hub_speed_rate", "load_torque_rate"),
-    *("hub_speed_rate_given", "load_torque_rate_given"),
-)
-OUTPUTS = (
-    *("shaft_torque", "shaft_torque_mean", "omega_out", "driven_acceleration", "twist"),
-    *("energy_in", "energy_out", "energy_stored", "energy_lost", "energy_residual"),
-)
 STATE = (
     *("twist", "twist_low", "slip", "slip_low", "omega4", "omega4_low"),
     *("hub_slope", "held_input", "held_step", "load_torque", "shaft_torque_mean", "energy_start"),
