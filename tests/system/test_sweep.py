@@ -14,7 +14,7 @@ import pytest
 from inertia_module import jobs
 from inertia_module.common.errors import Refused
 from inertia_module.jobs.axes import axes_of, grid
-from inertia_module.jobs.task import SceneTask, evaluate
+from inertia_module.jobs.evaluation import Task, evaluate
 from inertia_module.jobs.workers import evaluations, pool
 from inertia_module.scene import load_scene, run_scene
 from inertia_module.scene.summary import Quantity
@@ -63,7 +63,7 @@ def told(rows):
 def evaluated(read, module, points):
     """Rows of points, computed in this process."""
     with ExitStack() as closing:
-        figures_of = SceneTask(read.tables, module.read_bytes()).opened(module, closing)
+        figures_of = Task(module.read_bytes(), read.tables).make_evaluator(module, closing)
         return evaluate(figures_of, points).rows
 
 
@@ -133,7 +133,7 @@ class DeadlyTask:
     fmu: bytes = b""
     identity: str = "deadly"
 
-    def opened(self, fmu, closing):
+    def make_evaluator(self, fmu, closing):
         def figures(point):
             if point["number"] == 200.0:
                 os._exit(1)

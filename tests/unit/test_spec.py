@@ -3,10 +3,9 @@
 import pytest
 
 from inertia_module.common.examples import example
-from inertia_module.jobs.judged import Judge, Limit
-from inertia_module.jobs.spec import read_spec
+from inertia_module.jobs.evaluation import Row
+from inertia_module.jobs.spec import Judge, Limit, read_spec
 from inertia_module.jobs.sweep import unreached
-from inertia_module.jobs.task import Row
 from inertia_module.scene import SceneError, load_scene
 from inertia_module.scene.keys import keys_of
 

@@ -11,8 +11,8 @@ from matplotlib.ticker import LogLocator, NullFormatter
 from numpy.typing import NDArray
 
 from ..jobs.design import DesignResult
+from ..jobs.evaluation import Row
 from ..jobs.spec import unit_of
-from ..jobs.task import Row
 from .panels import dress, sheet, titled
 
 Array = NDArray[np.float64]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from matplotlib.figure import Figure
 
 from ..common.colours import BLUE, GREY, VERMILION
-from ..jobs.fitted import FitResult
+from ..jobs.fit import FitResult
 from .panels import dress, sheet, titled
 
 # of a column, inches

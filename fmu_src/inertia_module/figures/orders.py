@@ -8,7 +8,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from ..common.colours import VERMILION
-from ..jobs.spectra import BASES, Array, Orders
+from ..jobs.orders import BASES, Array, Orders
 from .panels import dress, sheet, titled
 
 # lines named in a panel, and the share of all that swings that a picture goes out to

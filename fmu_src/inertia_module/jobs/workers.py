@@ -22,7 +22,7 @@ from distributed import Client, LocalCluster, Worker, WorkerPlugin, get_worker, 
 from distributed.scheduler import KilledWorker
 
 from .axes import Point
-from .task import Batch, Figures, Row, Task, evaluate
+from .evaluation import Batch, Figures, Row, Task, evaluate
 
 # a batch takes about so long, s, and has at most so many points
 BATCH_TIME = 0.25
@@ -64,7 +64,7 @@ class TaskPlugin(WorkerPlugin):  # type: ignore[misc]
             self.running += 1
         try:
             if not hasattr(self.local, "figures_of"):
-                self.local.figures_of = self.task.opened(self.path, self.closing)
+                self.local.figures_of = self.task.make_evaluator(self.path, self.closing)
             figures_of: Callable[[Point], Figures] = self.local.figures_of
             return evaluate(figures_of, points)
         finally:
