@@ -18,7 +18,7 @@ import typer
 
 import inertia_module
 
-from ..common.files import OUTPUT_FOLDER
+from ..common.files import OUTPUT_FOLDER, writable_folder
 from ..common.units import factor_between, split_quantity, to_si
 
 if TYPE_CHECKING:
@@ -84,7 +84,7 @@ def command(work: Callable[..., Answer]) -> Callable[..., None]:
 
 @contextmanager
 def one_line_errors() -> Iterator[None]:
-    """Errors a user can cause leave with one clear line and exit code 1."""
+    """Turn errors that a user can cause into one clear line and exit code 1."""
     try:
         yield
     except (ValueError, RuntimeError, OSError) as error:
@@ -93,7 +93,7 @@ def one_line_errors() -> Iterator[None]:
 
 
 def folder_for(output: Path | None, *default: str) -> Path:
-    """The folder that a command writes to, looked at before its work begins.
+    """Check the folder that a command writes to before its work begins.
 
     Args:
         output: as given by -o. default: its place in out/ without that.
@@ -101,8 +101,6 @@ def folder_for(output: Path | None, *default: str) -> Path:
     Raises:
         OSError: it cannot be written to.
     """
-    from ..common.files import writable_folder
-
     return writable_folder(output or OUTPUT_FOLDER.joinpath(*default))
 
 

@@ -25,7 +25,7 @@ from ..scene.writing import scene_text
 from .axes import Point, of_shares, shares_sampled, units_of
 from .evaluation import Evaluator, Figures, Row, Task, summary_of, write_tables
 from .named import NAMED, Mechanism, Wanted
-from .spec import OPTIONAL, Judge, Spec, absent, check_limits, read_spec, unit_of
+from .spec import OPTIONAL, Judge, Spec, absent, read_spec, unit_of
 
 # key of a point that is none of the scene: the fidelity it is run at
 LEVEL = "fidelity"
@@ -128,7 +128,7 @@ class DesignResult:
         return {**keys, **figures, "limits": f"missed by {', '.join(missed)}" if missed else "met"}
 
     def verdict(self) -> str:
-        """In a sentence: how many meet the limits and which limit binds, or what stops them all."""
+        """Say in a sentence how many meet the limits and which limit binds, or what stops them all."""
         chosen = [one.checked for one in self.chosen]
         row = chosen[0] if chosen else self.nearest
         limit = self.judge.tightest(row)
@@ -184,7 +184,7 @@ def design(
         rows = evaluate(of_shares(read.axes, start))
         keys = units_of((axis.name for axis in read.axes), read.scene)
         units = {**keys, **evaluator.journal.units}
-        _check_figures(read, rows, units)
+        _check_figures(read, rows)
         judge = Judge(read, units)
         rows = _search(read, judge, start, evaluate, progress)
         fronts = judge.fronts([row for row in rows if judge.meets(row, read.search.margin)])
@@ -203,8 +203,8 @@ def design(
     return DesignResult(read, judge, rows, front, finalists, evaluator.new, files)
 
 
-def _check_figures(spec: Spec, rows: Sequence[Row], units: dict[str, str]) -> None:
-    """Refuse figures that no row has, and limits that are not of their kind.
+def _check_figures(spec: Spec, rows: Sequence[Row]) -> None:
+    """Refuse figures that no row has.
 
     Raises:
         SceneError: which, or why no row has any.
@@ -212,14 +212,13 @@ def _check_figures(spec: Spec, rows: Sequence[Row], units: dict[str, str]) -> No
     known = list(dict.fromkeys([*(name for row in rows for name in row.figures), *NAMED]))
     if all(row.refused for row in rows):
         raise SceneError(f"none of the first {len(rows)} designs can be computed: {rows[0].refused}")
-    for name, demand in spec.demands.items():
+    for name in spec.demands:
         if name not in known and not name.startswith(OPTIONAL):
             raise SceneError(f"figures.{name} must be one that there is {did_you_mean(name, known)}")
-        check_limits(name, demand, unit_of(name, units))
 
 
 def _finalists(fronts: Sequence[Sequence[Row]], number: int) -> list[Row]:
-    """At most so many rows: spread over the first front, and filled up from the next ones."""
+    """Pick at most so many rows: spread over the first front, and filled up from the next ones."""
     if not fronts:
         return []
     first, rest = fronts[0], [row for front in fronts[1:] for row in front]

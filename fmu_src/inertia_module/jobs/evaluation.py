@@ -181,7 +181,7 @@ def _key(point: Point) -> str:
 
 
 class Evaluator(Closing):
-    """Gives rows of points, as often as it is called; a context manager that ends its workers.
+    """Evaluator of points, as often as it is called; a context manager that ends its workers.
 
     Args:
         task: what is evaluated. folder: of its journal. scheduler, workers: as in workers.pool; they start

@@ -444,7 +444,7 @@ def _end(excess: Callable[[float], float], inside: float, step: float, limit: fl
 def _parameters(
     keys: Sequence[Free], best: Any, intervals: Mapping[str, tuple[float, float]]
 ) -> list[Fitted]:
-    """The free keys as they were found.
+    """Free keys as they were found.
 
     Args:
         best: MinimizerResult of lmfit. intervals: of each variable that has an influence, by identifier.
@@ -474,7 +474,7 @@ def _doubt(key: Free, variable: float, width: float) -> str:
 
 
 def _correlations(keys: Sequence[Free], best: Any) -> dict[tuple[str, str], float]:
-    """Of each pair of free keys whose errors are known."""
+    """Correlation of each pair of free keys whose errors are known."""
     found = {}
     for n, first in enumerate(keys):
         known = best.params[first.identifier].correl or {}

@@ -57,7 +57,7 @@ class Measurement:
 
     @property
     def values(self) -> Array:
-        """Shape (rows, columns)."""
+        """Measured values, shape (rows, columns)."""
         return np.column_stack([self.table[name] for name in self.columns])
 
 

@@ -63,7 +63,7 @@ class Mechanism:
 
     @cached_property
     def pulses(self) -> Callable[[float, float], SteadyPulses]:
-        """Gives steady pulses at a speed, rad/s, and a ratio."""
+        """Function from a speed, rad/s, and a ratio to the steady pulses there."""
         return cache(self.machine.at)
 
     def greatest_input_torque(self, speed: float) -> float:

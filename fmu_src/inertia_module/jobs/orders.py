@@ -162,7 +162,7 @@ class Orders:
         return found
 
     def _along(self, name: str, track: Array, reach: float) -> tuple[Array, Array]:
-        """Of a line with an order in each window, to be found within a reach: amplitude and order in each."""
+        """Amplitude and order, in each window, of a line whose order in it is known within a reach."""
         beside = np.abs(self.order - track[:, None]) <= reach
         places = np.where(beside, self.waterfall[name], -1.0).argmax(axis=1)
         return self.waterfall[name][np.arange(places.size), places], self.order[places]

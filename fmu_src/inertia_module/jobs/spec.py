@@ -55,21 +55,9 @@ class Demand(Strict):
             raise ValueError("must have a minimum, a maximum or a goal ('least' or 'greatest'), has none")
         return self
 
-    def limit(self, which: str, unit: str) -> float | None:
-        """The minimum or maximum in a unit, None if there is none.
-
-        Raises:
-            ValueError: it is in a unit of another kind, or no quantity.
-        """
-        given = getattr(self, which)
-        if not isinstance(given, str):
-            return None if given is None else float(given)
-        number, own = split_quantity(given)
-        return number * factor_between(own or unit or "1", unit or "1")
-
 
 class Search(Strict):
-    """How designs are searched.
+    """Settings of the search for designs.
 
     Attributes:
         population, generations: of NSGA-II. seed: same seed, same result. fidelity: of the search.
@@ -145,7 +133,7 @@ def _spec(data: dict[str, Any], folder: Path) -> Spec:
     for name, demand in tables.figures.items():
         _check_conditions(name, demand)
         if name in NAMED:
-            check_limits(name, demand, NAMED[name].unit)
+            limits_of(name, demand, NAMED[name].unit)
     spec = Spec(scene, axes_of(tables.free, scene), tables.figures, tables.search)
     if not 1 <= len(spec.goals) <= MOST_GOALS:
         raise SceneError(must_be("the number of figures with a goal", f"1 to {MOST_GOALS}", len(spec.goals)))
@@ -175,26 +163,6 @@ def unit_of(name: str, units: dict[str, str]) -> str:
     return units.get(name, "s" if name.startswith(OPTIONAL) else "")
 
 
-def check_limits(name: str, demand: Demand, unit: str) -> None:
-    """Refuse limits that are no quantities in a unit, or that no number meets.
-
-    Raises:
-        SceneError: which, and why.
-    """
-    found = {}
-    for which in ("minimum", "maximum"):
-        try:
-            found[which] = demand.limit(which, unit)
-        except ValueError as error:
-            value = getattr(demand, which)
-            raise SceneError(
-                f"figures.{name}.{which} must be a number in {unit or '1'}, is {value!r}: {error}"
-            ) from None
-    low, high = found["minimum"], found["maximum"]
-    if low is not None and high is not None and low > high:
-        raise SceneError(f"figures.{name}: minimum must be at most maximum, {low:g} is above {high:g}")
-
-
 class Limit(NamedTuple):
     """A limit of a figure.
 
@@ -207,7 +175,7 @@ class Limit(NamedTuple):
     side: float
 
     def violation(self, row: Row, margin: float = 0.0) -> float:
-        """How far a row is beyond the limit, relative to it; below 0 what is left.
+        """Excess of a row over the limit, relative to it; below 0 what is left.
 
         Args:
             row: of the design. margin: by which the limit is narrower, relative to it.
@@ -226,6 +194,31 @@ class Limit(NamedTuple):
         return f"{self.figure} is {has}, must be {allowed}"
 
 
+def limits_of(name: str, demand: Demand, unit: str) -> list[Limit]:
+    """Limits of a figure in its unit.
+
+    Raises:
+        SceneError: one is no quantity in this unit, or no number meets both.
+    """
+    found = []
+    for which, side in (("minimum", -1.0), ("maximum", 1.0)):
+        given = getattr(demand, which)
+        try:
+            if isinstance(given, str):
+                number, own = split_quantity(given)
+                given = number * factor_between(own or unit or "1", unit or "1")
+        except ValueError as error:
+            raise SceneError(
+                f"figures.{name}.{which} must be a number in {unit or '1'}, is {given!r}: {error}"
+            ) from None
+        if given is not None:
+            found.append(Limit(name, float(given), side))
+    if len(found) == 2 and found[0].bound > found[1].bound:
+        low, high = (limit.bound for limit in found)
+        raise SceneError(f"figures.{name}: minimum must be at most maximum, {low:g} is above {high:g}")
+    return found
+
+
 class Judge:
     """Judges rows by a specification.
 
@@ -236,16 +229,15 @@ class Judge:
         limits: all of them.
 
     Raises:
-        SceneError: a limit is in a unit of another kind than its figure.
+        SceneError: as limits_of.
     """
 
     def __init__(self, spec: Spec, units: dict[str, str]) -> None:
         self.spec, self.units = spec, units
         self.limits = [
-            Limit(name, bound, side)
+            limit
             for name, demand in spec.demands.items()
-            for which, side in (("minimum", -1.0), ("maximum", 1.0))
-            if (bound := demand.limit(which, unit_of(name, units))) is not None
+            for limit in limits_of(name, demand, unit_of(name, units))
         ]
 
     def violations(self, row: Row, margin: float = 0.0) -> list[float]:

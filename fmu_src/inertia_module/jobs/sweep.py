@@ -145,7 +145,7 @@ def sweep(
 
 
 def unreached(scene: Scene, rows: Sequence[Row]) -> dict[str, int]:
-    """By the time to a speed, in how many rows it is not reached; without those where it always is."""
+    """Count, by the time to a speed, the rows that do not reach it; without those where all do."""
     names = [time_to(speed) for speed in getattr(scene.load, "times_to", ())]
     counted = {name: sum(name not in row.figures for row in rows if not row.refused) for name in names}
     return {name: number for name, number in counted.items() if number}
@@ -154,7 +154,7 @@ def unreached(scene: Scene, rows: Sequence[Row]) -> dict[str, int]:
 def indices(
     axes: Sequence[Axis], number: int, seed: int, evaluate: Callable[[Sequence[Point]], list[Row]]
 ) -> tuple[Sensitivity, list[Point]]:
-    """Sobol indices of all figures that vary, and the points they are from.
+    """Compute Sobol indices of all figures that vary; with the points they are from.
 
     Args:
         axes: the ranges, independent and uniform. number: n, a power of 2, for n (d + 2) runs. seed: of the
