@@ -14,7 +14,7 @@ from pathlib import Path
 
 from inertia_module import current_fmu, example, load_scene
 from inertia_module.jobs.axes import axes_of, grid
-from inertia_module.jobs.task import SceneTask, evaluate
+from inertia_module.jobs.evaluation import Task, evaluate
 from inertia_module.jobs.workers import evaluations, pool
 from inertia_module.scene import read_scene
 
@@ -36,7 +36,7 @@ LAUNCHES, ALONE = 40, 5
 def task_and_points(scene, runs):
     """The task of a scene and its points: imbalances of 0.5 to 2 kg."""
     points = grid(axes_of([f"imbalance_mass=0.5:2:{runs}"], scene))
-    return SceneTask(scene.tables, current_fmu().read_bytes()), points
+    return Task(current_fmu().read_bytes(), scene.tables), points
 
 
 def measure(task, points, workers):
@@ -60,7 +60,7 @@ def times(client):
 def own_time(task, points):
     """Time of a run in this process, s: the mean of some."""
     with ExitStack() as closing:
-        figures_of = task.opened(current_fmu(), closing)
+        figures_of = task.make_evaluator(current_fmu(), closing)
         evaluate(figures_of, points[:1])
         began = time.perf_counter()
         evaluate(figures_of, points)

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from inertia_module import __version__
+from inertia_module import __version__, jobs
 from inertia_module.cli import app
 from inertia_module.fmu.builder import FMUS
 
@@ -18,13 +18,10 @@ ROOT = Path(__file__).parents[2]
 
 def process(*arguments, folder):
     """A command as a process of its own."""
-    return subprocess.run(
-        [sys.executable, "-m", "inertia_module", *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        cwd=folder,
-        check=False,
-    )
+    words = [sys.executable, "-m", "inertia_module", *map(str, arguments)]
+    done = subprocess.run(words, capture_output=True, text=True, cwd=folder, check=False)
+    done.exit_code = done.returncode
+    return done
 
 
 def command(*arguments, folder):
@@ -60,22 +57,17 @@ def scene(tmp_path):
     return path
 
 
-def test_build_leaves_the_fmus_in_build(tmp_path):
-    done = process("build", folder=tmp_path)
-    assert done.returncode == 0, done.stderr
+def test_build_leaves_the_fmus_in_build_and_tells_machines(tmp_path):
+    done = command("build", "--json", folder=tmp_path)
+    assert done.exit_code == 0, done.stderr
+    assert [Path(path).name for path in json.loads(done.stdout)["fmus"]] == [fmu.file_name for fmu in FMUS]
     for fmu in FMUS:
         assert (tmp_path / "build" / fmu.file_name).is_file()
 
 
-def test_build_for_machines_prints_one_json_object(tmp_path):
-    done = command("build", "-o", tmp_path / "there", "--json", folder=tmp_path)
-    assert done.exit_code == 0, done.stderr
-    assert [Path(path).name for path in json.loads(done.stdout)["fmus"]] == [fmu.file_name for fmu in FMUS]
-
-
 def test_run_leaves_table_summary_and_plot(workshop, scene, tmp_path):
     done = process("run", scene, "-o", tmp_path / "out", folder=workshop)
-    assert done.returncode == 0, done.stderr
+    assert done.exit_code == 0, done.stderr
     table = (tmp_path / "out" / "table.csv").read_text().splitlines()
     assert table[0].startswith("time [s]")
     assert len(table) == 102
@@ -88,13 +80,6 @@ def test_run_leaves_table_summary_and_plot(workshop, scene, tmp_path):
     assert summary["rhs_evaluations"] > 0
     assert (tmp_path / "out" / "plot.png").read_bytes().startswith(b"\x89PNG")
     assert "omega out final" in done.stdout
-
-
-def test_run_for_machines_prints_one_json_object(workshop, scene, tmp_path):
-    done = command("run", scene, "-o", tmp_path / "out", "--json", folder=workshop)
-    found = json.loads(done.stdout)
-    assert found["summary"]["simulated_time"] == 0.1
-    assert Path(found["files"]["table"]).is_file()
 
 
 def test_run_builds_the_fmu_it_needs(scene, tmp_path):
@@ -182,11 +167,18 @@ def test_tradeoff_refuses_in_one_line(scene, tmp_path, arguments, words):
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize("name", ["InertiaModule", "InertiaModule3", "InertiaModulePy", "DrivenShaft3"])
-def test_check_finds_no_problem_in_ours(workshop, name):
-    # in a process of its own: that of a Python FMU is left in a way of its own
-    done = process("check", f"build/{name}.fmu", folder=workshop)
-    assert done.returncode == 0
+@pytest.mark.parametrize(
+    "name, run",
+    [
+        ("InertiaModule", command),
+        ("InertiaModule3", command),
+        ("InertiaModulePy", process),  # that of a Python FMU is left in a way of its own
+        ("DrivenShaft3", command),
+    ],
+)
+def test_check_finds_no_problem_in_ours(workshop, name, run):
+    done = run("check", f"build/{name}.fmu", folder=workshop)
+    assert done.exit_code == 0
     assert "no problems found" in done.stdout
     assert ("with event mode" in done.stdout) == (name == "InertiaModule3")
 
@@ -209,10 +201,12 @@ def test_check_tells_what_is_wrong_with_another(workshop, tmp_path):
     assert any("furlong" in problem for problem in json.loads(done.stdout)["problems"])
 
 
-@pytest.mark.parametrize("arguments", [("check", "nothing.fmu"), ("run", "nothing.toml")])
-def test_missing_files_are_named(tmp_path, arguments):
-    done = process(*arguments, folder=tmp_path)
-    assert done.returncode == 1
+@pytest.mark.parametrize(
+    "run, arguments", [(process, ("check", "nothing.fmu")), (command, ("run", "nothing.toml"))]
+)
+def test_missing_files_are_named(tmp_path, run, arguments):
+    done = run(*arguments, folder=tmp_path)
+    assert done.exit_code == 1
     assert done.stderr.startswith("error: ")
     assert done.stderr.count("\n") == 1
     assert arguments[1] in done.stderr
@@ -227,4 +221,45 @@ def test_run_warns_of_a_mechanism_that_cannot_be_built_and_runs_it(workshop, tmp
     assert "the 6 satellites of a module overlap" in done.stderr
     assert "a must be at most 1 and at most b = 1, is 1.5" in done.stderr
     printed = json.loads(command("run", path, "-o", tmp_path / "out", "--json", folder=workshop).stdout)
+    assert printed["summary"]["simulated_time"] == 0.1
+    assert Path(printed["files"]["table"]).is_file()
     assert [f"warning: {warning}" for warning in printed["warnings"]] == done.stderr.splitlines()
+
+
+OPTIONS = {
+    "sweep": (
+        [*("--vary", "a=1:2", "--sample", "latin:3", "--seed", "7"), *("--sensitivity", "8")],
+        {"sample": "latin:3", "sensitivity": 8, "seed": 7},
+    ),
+    "design": ([], {}),
+    "fit": (
+        [*("--free", "a", "--column", "omega2", "--starts", "3", "--seed", "7")],
+        {"columns": ["omega2"], "starts": 3, "seed": 7},
+    ),
+    "orders": (
+        [*("--of", "pulses", "--signal", "omega2", "--highest", "5", "--turns", "6"), "--from", "1 s"],
+        {"of": "pulses", "signals": ["omega2"], "highest": 5.0, "turns": 6.0, "begin": 1.0, "end": None},
+    ),
+}
+CLUSTER = ["--scheduler", "tcp://host:1", "--workers", "2"]
+
+
+@pytest.mark.parametrize("name", OPTIONS)
+def test_options_of_a_job_reach_it_and_what_it_refuses_is_one_line(name, scene, tmp_path, monkeypatch):
+    told = {}
+
+    def stand_in(*arguments, **options):
+        told.update(options)
+        raise RuntimeError("the work\nis not done")
+
+    monkeypatch.setattr(jobs, name, stand_in)
+    options, expected = OPTIONS[name]
+    if name in ("sweep", "design"):
+        options = [*options, *CLUSTER]
+        expected = {**expected, "scheduler": "tcp://host:1", "workers": 2}
+    if name == "design":
+        scene.write_text(SCENE + '[free]\na = "0.5:0.9"\n[figures]\nenergy_in = { goal = "least" }\n')
+    first = [scene.with_suffix(".csv"), scene] if name == "fit" else [scene]
+    done = command(name, *first, *options, "--fmu", "x.fmu", "-o", tmp_path / "out", folder=tmp_path)
+    assert (done.exit_code, done.stderr) == (1, "error: the work is not done\n")
+    assert {key: told[key] for key in expected} == expected

@@ -41,63 +41,57 @@ def test_help_is_short_too():
     assert command("run", "-h").exit_code == 0
 
 
-@pytest.mark.parametrize("name", ["planar", "urban", "karetin_stop"])
-def test_new_copies_an_example_and_overwrites_nothing(name, tmp_path, monkeypatch):
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    assert command("new", name).exit_code == 0
-    assert Path(f"{name}.toml").read_bytes() == example(name).read_bytes()
-    again = command("new", name)
-    assert again.exit_code == 1
-    assert f"{name}.toml must be a new file, is there already" in again.stderr
-    assert json.loads(command("new", name, "-o", "other.toml", "--json").stdout) == {"files": ["other.toml"]}
-
-
-def test_new_copies_what_was_measured_too(built, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    assert "new: rig.csv" in command("new", "fit_rig", "-o", "rig.toml").stdout
-    assert Path("rig.csv").read_bytes() == example("fit_rig").with_suffix(".csv").read_bytes()
-    Path("rig.toml").unlink()
-    again = command("new", "fit_rig", "-o", "rig.toml")
-    assert again.exit_code == 1
-    assert "rig.csv must be a new file, is there already" in again.stderr
-    assert not Path("rig.toml").exists()
+    return tmp_path
 
 
 @pytest.mark.parametrize(
-    "name, told",
+    "name, files, told",
     [
-        ("planar", "inertia-module run planar.toml"),
-        ("design_car", "inertia-module design design_car.toml"),
-        ("orders", "inertia-module orders orders.toml --highest 8"),
-        ("stelmashchuk_stepping", "inertia-module run stelmashchuk_stepping.toml"),
-        ("tutorial", "jupyter lab tutorial.ipynb"),
-        ("planar.py", "python planar.py"),
-        ("small_signal", "python small_signal.py"),
+        ("planar", ["planar.toml"], "inertia-module run planar.toml"),
+        ("urban", ["urban.toml"], "inertia-module run urban.toml"),
+        ("design_car", ["design_car.toml"], "inertia-module design design_car.toml"),
+        ("orders", ["orders.toml"], "inertia-module orders orders.toml --highest 8"),
+        ("stelmashchuk_stepping", ["stelmashchuk_stepping.toml"], "run stelmashchuk_stepping.toml"),
+        ("karetin_stop", ["karetin_stop.toml"], "inertia-module run karetin_stop.toml"),
+        ("tutorial", ["tutorial.ipynb"], "jupyter lab tutorial.ipynb"),
+        ("planar.py", ["planar.py"], "python planar.py"),
+        ("small_signal", ["small_signal.py"], "python small_signal.py"),
+        ("hoist", ["hoist.py", "launch.py"], "python hoist.py"),
+        ("speed_control", ["speed_control.py", "speed_control_report.py"], "python speed_control.py"),
+        ("fit_rig", ["fit_rig.toml", "fit_rig.csv"], "--free link2_inertia=0.001:0.02"),
     ],
 )
-def test_new_tells_the_next_command(name, told, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    assert command("new", name).stdout.splitlines()[-1] == f"next: {told}"
+def test_new_copies_an_example_with_what_belongs_to_it_and_tells_the_next_command(name, files, told, folder):
+    shown = command("new", name).stdout.splitlines()
+    assert [line for line in shown if line.startswith("new: ")] == [f"new: {file}" for file in files]
+    assert shown[-1].startswith("next: ")
+    assert shown[-1].endswith(told)
+    source = example(name)
+    assert Path(files[0]).read_bytes() == source.read_bytes()
+    assert all((folder / file).read_bytes() == source.with_name(file).read_bytes() for file in files)
+    assert f"{files[0]} must be a new file, is there already" in command("new", name).stderr
 
 
-def test_new_tells_what_comes_before(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    assert (
-        "next: pip install 'inertia-module[jobs,notebook]' jupyterlab\n" in command("new", "tutorial").stdout
-    )
-    assert "next: inertia-module build\n" in command("new", "two_fmus").stdout
-
-
-def test_new_tells_how_to_fit_to_the_measurement_it_has_copied(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_new_overwrites_nothing_and_tells_machines_what_it_has_left(folder):
     told = command("new", "fit_rig", "-o", "here/rig.toml").stdout.splitlines()[-1]
     assert told.startswith("next: inertia-module fit here/rig.csv here/rig.toml --free imbalance_mass=0.5:2")
+    Path("here/rig.toml").unlink()
+    again = command("new", "fit_rig", "-o", "here/rig.toml")
+    assert again.exit_code == 1
+    assert "rig.csv must be a new file, is there already" in again.stderr
+    assert not Path("here/rig.toml").exists()
+    assert json.loads(command("new", "planar", "-o", "other.toml", "--json").stdout) == {
+        "files": ["other.toml"]
+    }
 
 
-def test_new_copies_the_programs_that_a_program_imports(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    assert json.loads(command("new", "hoist", "--json").stdout) == {"files": ["hoist.py", "launch.py"]}
-    assert "new: speed_control_report.py\n" in command("new", "speed_control").stdout
+def test_new_tells_what_comes_before(folder):
+    install = "next: pip install 'inertia-module[jobs,notebook]' jupyterlab\n"
+    assert install in command("new", "tutorial").stdout
+    assert "next: inertia-module build\n" in command("new", "two_fmus").stdout
 
 
 def test_all_scenes_programs_and_the_notebook_are_examples():

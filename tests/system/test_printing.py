@@ -88,15 +88,10 @@ def no_compiler(monkeypatch):
 def test_build_without_a_compiler_fails_and_names_the_extra(no_compiler, tmp_path):
     done = CliRunner().invoke(app, ["build", "-o", str(tmp_path)])
     assert done.exit_code == 1
-    assert (
-        "InertiaModule.fmu: ziglang is not installed; it comes with the extra inertia-module[fast]"
-        in done.stderr
-    )
+    missing = "ziglang is not installed; it comes with the extra inertia-module[fast]"
+    assert f"InertiaModule.fmu: {missing}" in done.stderr
     assert (tmp_path / "InertiaModulePy.fmu").is_file()
     assert not (tmp_path / "InertiaModule.fmu").exists()
-
-
-def test_build_without_a_compiler_fails_for_machines_too(no_compiler, tmp_path):
     done = CliRunner().invoke(app, ["build", "-o", str(tmp_path), "--json"])
     assert done.exit_code == 1
     assert {"InertiaModule.fmu", "DrivenShaft.fmu"} <= set(json.loads(done.stdout)["skipped"])
@@ -123,13 +118,8 @@ def test_trade_has_a_line_for_each_level_and_fits_the_terminal(wanted, capsys, m
     lines = capsys.readouterr().out.splitlines()
     assert max(map(len, lines)) <= 80
     assert not any("…" in line for line in lines)
-    for level in (
-        "averaged",
-        "rigid, timestepping",
-        "rigid, event",
-        "elastic, timestepping",
-        "elastic, event",
-    ):
+    stepped = [f"{level}, {method}" for level in ("rigid", "elastic") for method in ("timestepping", "event")]
+    for level in ("averaged", *stepped):
         assert sum(line.startswith(level) for line in lines) == 1
     assert any("2.4e-05" in line and "1.6" in line for line in lines)
     assert not any("tolerance 1e-07" in line for line in lines)
@@ -139,18 +129,7 @@ def test_wanted_outputs_that_fit_have_a_column_each(capsys, monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
     print_levels("A scene", LEVELS, ["omega2", "omega_out"])
     heading = next(line for line in capsys.readouterr().out.splitlines() if line.startswith("level"))
-    assert heading.split() == [
-        "level",
-        "of",
-        "fidelity",
-        "setting",
-        "omega2",
-        "omega",
-        "out",
-        "ms",
-        "per",
-        "s",
-    ]
+    assert " ".join(heading.split()) == "level of fidelity setting omega2 omega out ms per s"
 
 
 def test_recommended_level_is_the_fastest_of_those_printed_that_meet_the_error():

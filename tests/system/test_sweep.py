@@ -14,7 +14,7 @@ import pytest
 from inertia_module import jobs
 from inertia_module.common.errors import Refused
 from inertia_module.jobs.axes import axes_of, grid
-from inertia_module.jobs.task import SceneTask, evaluate
+from inertia_module.jobs.evaluation import Task, evaluate
 from inertia_module.jobs.workers import evaluations, pool
 from inertia_module.scene import load_scene, run_scene
 from inertia_module.scene.summary import Quantity
@@ -63,7 +63,7 @@ def told(rows):
 def evaluated(read, module, points):
     """Rows of points, computed in this process."""
     with ExitStack() as closing:
-        figures_of = SceneTask(read.tables, module.read_bytes()).opened(module, closing)
+        figures_of = Task(module.read_bytes(), read.tables).make_evaluator(module, closing)
         return evaluate(figures_of, points).rows
 
 
@@ -133,7 +133,7 @@ class DeadlyTask:
     fmu: bytes = b""
     identity: str = "deadly"
 
-    def opened(self, fmu, closing):
+    def make_evaluator(self, fmu, closing):
         def figures(point):
             if point["number"] == 200.0:
                 os._exit(1)
@@ -142,37 +142,32 @@ class DeadlyTask:
         return figures
 
 
-def test_a_point_that_ends_its_workers_is_refused_alone():
+def listening(processes):
+    """Addresses at which processes listen."""
+    sockets = [socket for process in processes for socket in process.net_connections("inet")]
+    return {socket.laddr for socket in sockets if socket.status == psutil.CONN_LISTEN}
+
+
+def test_a_point_that_ends_its_workers_is_refused_alone_and_nobody_elsewhere_can_reach_them():
+    own = psutil.Process()
+    before = listening([own, *own.children(recursive=True)])  # other tests of this process may listen too
     # the workers cannot import this file
     cloudpickle.register_pickle_by_value(sys.modules[__name__])
     points = [{"number": float(n)} for n in range(400)]
     few = dask.config.set({"distributed.scheduler.allowed-failures": 1})
     with few, pool(DeadlyTask(), workers=1) as client:
+        addresses = listening([own, *own.children(recursive=True)]) - before
         rows = [row for batch in evaluations(client, "deadly", points) for row in batch.rows]
     cloudpickle.unregister_pickle_by_value(sys.modules[__name__])
     assert sorted(row.point["number"] for row in rows) == [point["number"] for point in points]
     refused = [row for row in rows if row.refused]
     assert [(row.point["number"], row.refused) for row in refused] == [(200.0, "its worker ended 2 times")]
     assert all(row.figures["double"] == 2.0 * row.point["number"] for row in rows if not row.refused)
+    assert len(addresses) > 2
+    assert {address.ip for address in addresses} == {"127.0.0.1"}
 
 
 SLOW = ["imbalance_mass=0.5:2:60"]
-
-
-def test_nobody_on_another_machine_can_reach_the_workers():
-    own = psutil.Process()
-
-    def listening():
-        processes = [own, *own.children(recursive=True)]
-        sockets = [socket for process in processes for socket in process.net_connections("inet")]
-        return {socket.laddr for socket in sockets if socket.status == psutil.CONN_LISTEN}
-
-    # other tests of this process may listen too
-    before = listening()
-    with pool(DeadlyTask(), workers=2):
-        found = listening() - before
-    assert len(found) > 2
-    assert {address.ip for address in found} == {"127.0.0.1"}
 
 
 @pytest.fixture(scope="module")

@@ -5,7 +5,7 @@ import pytest
 
 from inertia_module.common.errors import Refused
 from inertia_module.harness.results import Result
-from inertia_module.jobs.free import free_keys
+from inertia_module.jobs.axes import free_keys
 from inertia_module.jobs.measurement import measurement
 from inertia_module.scene import read_scene
 

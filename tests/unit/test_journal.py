@@ -6,8 +6,7 @@ import math
 import pytest
 
 from inertia_module.common.errors import Refused
-from inertia_module.jobs.store import Journal, write_tables
-from inertia_module.jobs.task import Batch, Row
+from inertia_module.jobs.evaluation import Batch, Journal, Row, write_tables
 
 ROWS = [
     Row({"drive.omega1": 10.0}, {"energy_in": 0.1 + 0.2, "efficiency": 1.0}, 1e-3),

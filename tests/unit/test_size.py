@@ -5,7 +5,7 @@ import math
 import pytest
 
 from inertia_module.common.errors import Refused
-from inertia_module.jobs.size import check_room, envelope_diameter, total_imbalance_mass
+from inertia_module.jobs.named import Mechanism
 from inertia_module.kernel.layout import imbalance
 from inertia_module.memory import Module
 
@@ -28,25 +28,31 @@ def farthest(values):
 def test_envelope_of_bevel_gears_is_that_of_imbalance_and_rim(values):
     # a whole number of teeth: in time an imbalance passes all angles of its satellite anywhere
     reached = max(farthest(values), farthest({**values, "a": 1.0, "b": 1.0}))
-    assert envelope_diameter(values) / 2.0 == pytest.approx(reached, rel=2e-3)
-    assert envelope_diameter(values) / 2.0 >= reached * (1.0 - 1e-12)
+    assert Mechanism(values).envelope_diameter / 2.0 == pytest.approx(reached, rel=2e-3)
+    assert Mechanism(values).envelope_diameter / 2.0 >= reached * (1.0 - 1e-12)
 
 
 def test_envelope_of_a_planar_mechanism():
     planar = {"layout": "planar", "sun_radius": 0.1, "satellite_radius": 0.06}
-    assert envelope_diameter({**planar, "eccentricity": 0.04}) == pytest.approx(2 * (0.1 + 2 * 0.06))
-    assert envelope_diameter({**planar, "eccentricity": 0.08}) == pytest.approx(2 * (0.1 + 0.06 + 0.08))
+    assert Mechanism({**planar, "eccentricity": 0.04}).envelope_diameter == pytest.approx(
+        2 * (0.1 + 2 * 0.06)
+    )
+    assert Mechanism({**planar, "eccentricity": 0.08}).envelope_diameter == pytest.approx(
+        2 * (0.1 + 0.06 + 0.08)
+    )
 
 
 def test_mass_of_all_imbalances():
-    assert total_imbalance_mass({"modules": 2.0, "satellites": 3.0, "imbalance_mass": "250 g"}) == 1.5
-    assert total_imbalance_mass({}) == 1.0
+    assert (
+        Mechanism({"modules": 2.0, "satellites": 3.0, "imbalance_mass": "250 g"}).total_imbalance_mass == 1.5
+    )
+    assert Mechanism({}).total_imbalance_mass == 1.0
 
 
 def test_what_cannot_be_built_is_refused():
     planar = {"layout": "planar", "sun_radius": 0.1, "satellite_radius": 0.06}
-    check_room({**planar, "eccentricity": 0.06})
+    Mechanism({**planar, "eccentricity": 0.06}).check_room()
     with pytest.raises(Refused, match="eccentricity"):
-        check_room({**planar, "eccentricity": 0.061})
+        Mechanism({**planar, "eccentricity": 0.061}).check_room()
     with pytest.raises(Refused, match="satellites"):
-        check_room({**planar, "satellites": 9.0})
+        Mechanism({**planar, "satellites": 9.0}).check_room()

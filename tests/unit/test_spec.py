@@ -3,10 +3,9 @@
 import pytest
 
 from inertia_module.common.examples import example
-from inertia_module.jobs.judged import Judge, Limit
-from inertia_module.jobs.spec import read_spec
+from inertia_module.jobs.evaluation import Row
+from inertia_module.jobs.spec import Judge, Limit, limits_of, read_spec
 from inertia_module.jobs.sweep import unreached
-from inertia_module.jobs.task import Row
 from inertia_module.scene import SceneError, load_scene
 from inertia_module.scene.keys import keys_of
 
@@ -134,7 +133,7 @@ def test_keys_of_a_specification_are_set_as_in_its_file(tmp_path):
     keys = keys_of(["search.population=8", "figures.stall_torque.minimum=30 N.m", "free.satellites=2:3"])
     spec = read_spec(path, keys)
     assert spec.search.population == 8
-    assert spec.demands["stall_torque"].limit("minimum", "N.m") == 30.0
+    assert [limit.bound for limit in limits_of("stall_torque", spec.demands["stall_torque"], "N.m")] == [30.0]
     assert {axis.name: axis.high for axis in spec.axes}["mechanism.satellites"] == 3.0
     with pytest.raises(SceneError, match=r"spec.toml: .*populatoin.*did you mean population\?"):
         read_spec(path, keys_of(["search.populatoin=8"]))

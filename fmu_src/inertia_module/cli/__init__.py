@@ -6,11 +6,38 @@ import atexit
 import os
 import signal
 import sys
+from typing import Annotated
 
-from . import fmus, jobs, new, scenes, searches, view  # each adds its commands to app
-from .shared import app, current_fmu
+import typer
 
-__all__ = ["app", "current_fmu", "fmus", "jobs", "main", "new", "scenes", "searches", "view"]
+from .. import __version__
+from .fmus import build, check, export
+from .jobs import design, fit, orders, sweep
+from .scenes import chart, new, run, tradeoff, view
+
+app = typer.Typer(
+    context_settings={"help_option_names": ["-h", "--help"]},
+    no_args_is_help=True,
+    rich_markup_mode=None,  # with it "[free]" is a style and vanishes from the help
+    pretty_exceptions_enable=False,
+)
+for one in (build, check, export, orders, fit, new, run, tradeoff, chart, sweep, design, view):
+    app.command()(one)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"inertia-module {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    """Inertia module: an inertial torque transformer as an FMI 2.0 or 3.0 co-simulation FMU."""
 
 
 def main() -> None:

@@ -1,28 +1,35 @@
-"""Commands around scenes: run them, measure what accuracy costs, draw their charts."""
+"""Commands around scenes: new ones, run and show them, measure what accuracy costs, draw their charts."""
 
 from __future__ import annotations
 
 import json
+import re
+import tomllib
+import webbrowser
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+import inertia_module
+
+from ..common.files import OUTPUT_FOLDER, write_atomically
 from .shared import (
-    PAGE,
+    Answer,
     FmuToRun,
-    Json,
     Keys,
     OutputFolder,
-    app,
+    SceneFile,
+    command,
     current_fmu,
     folder_for,
-    one_line_errors,
-    shaft_fmu,
+    load_scene,
+    progress_bar,
     share,
     show_table,
     speed_text,
     turning,
+    write_figure,
 )
 
 if TYPE_CHECKING:
@@ -30,10 +37,59 @@ if TYPE_CHECKING:
     from ..scene import Scene
     from ..scene.run import Outcome
 
+# name of the page of a scene
+PAGE = "page.html"
 
-@app.command()
+
+@command
+def new(
+    name: Annotated[str, typer.Argument(help="Example to copy: planar, planar.py, urban, tutorial, ...")],
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", metavar="FILE", help="Its file (NAME.toml).")
+    ] = None,
+) -> Answer:
+    """Copy an example to a new file.
+
+    What belongs to it goes along: a measurement, programs that it imports.
+    """
+    from ..common.examples import belonging
+
+    source = inertia_module.example(name)
+    path = output or Path(source.name)
+    copies = {path: source}
+    for part in belonging(source):
+        same = part.stem == source.stem
+        copies[path.with_suffix(part.suffix) if same else path.with_name(part.name)] = part
+    for copy in copies:
+        if copy.exists():
+            raise ValueError(f"{copy} must be a new file, is there already: -o FILE writes another")
+    for copy, original in copies.items():
+        write_atomically(copy, original.read_bytes())
+
+    def show() -> None:
+        for copy in copies:
+            typer.echo(f"new: {copy}")
+        for line in _commands(source, path):
+            typer.echo(f"next: {line}")
+
+    return Answer({"files": [str(copy) for copy in copies]}, show)
+
+
+def _commands(source: Path, path: Path) -> list[str]:
+    """Commands that an example is for, one after the other, with the path of its copy."""
+    text = source.read_text(encoding="utf-8")
+    if source.suffix == ".ipynb":
+        return ["pip install 'inertia-module[jobs,notebook]' jupyterlab", f"jupyter lab {path}"]
+    if source.suffix == ".py":
+        return [*re.findall(r"Run `(.+?)` first", text), f"python {path}"]
+    if told := re.match("# (inertia-module .*)", text):
+        return [told[1].replace(f"{source.stem}.", f"{path.with_suffix('')}.")]
+    return [f"inertia-module {'design' if 'free' in tomllib.loads(text) else 'run'} {path}"]
+
+
+@command
 def run(
-    scene: Annotated[Path, typer.Argument(metavar="SCENE.toml", help="Scene file.")],
+    scene: SceneFile,
     output: OutputFolder = None,
     fidelity: Annotated[
         str | None,
@@ -46,70 +102,63 @@ def run(
     fmu: FmuToRun = None,
     view: Annotated[bool, typer.Option("--view", help="Leave page.html too: see view.")] = False,
     keys: Keys = None,
-    as_json: Json = False,
-) -> None:
+) -> Answer:
     """Run a scene: table, summary and plot.
 
     Leaves table.csv, summary.json and plot.png in a folder (out/SCENE without -o).
     """
-    from ..common.files import write_atomically
     from ..contract.variables import COMPUTED
-    from ..figures.scenes import scene_figure, shaft_figure
-    from ..harness.results import write_figure, write_text
-    from ..harness.simulate import progress_bar
+    from ..figures.scenes import shaft_figure
+    from ..fmu.builder import SHAFT_FMU
+    from ..harness.results import write_text
     from ..page.html import html_file, template
-    from ..scene import ShaftScene, load_any_scene, run_scene, run_shaft_scene
+    from ..scene import ShaftScene, load_any_scene, run_shaft_scene
     from ..scene.keys import keys_of
 
     choice, page = None, None
     result: Outcome
-    with one_line_errors():
-        folder = folder_for(output, scene.stem)
-        read = load_any_scene(scene, keys_of(keys))
-        if isinstance(read, ShaftScene):
-            if fidelity is not None or error is not None or view:
-                raise ValueError("--fidelity, --error and --view must come with a scene of the module")
-            path = fmu or shaft_fmu()
-            with progress_bar(read.title) as progress:
-                of_shaft = run_shaft_scene(read, path, progress)
-            result, figure = of_shaft, shaft_figure(of_shaft)
-        else:
-            if view:
-                template()
-            read, choice = at_fidelity(read, fidelity, error)
-            path = fmu or current_fmu()
-            with progress_bar(read.title) as progress:
-                of_module = run_scene(read, path, progress, COMPUTED if view else ())
-            result, figure = of_module, scene_figure(of_module)
-            page = html_file(read, of_module) if view else None
-        chosen = {} if choice is None else {"fidelity_choice": choice.as_dict()}
-        told = {"scene": str(scene), **result.as_dict(), **chosen}
-        files = {
-            "table": result.table.to_csv(folder / "table.csv"),
-            "summary": write_text(folder / "summary.json", json.dumps(told, indent=2) + "\n"),
-            "plot": write_figure(folder / "plot.png", figure),
-        }
-        if page is not None:
-            files["page"] = folder / PAGE
-            write_atomically(files["page"], page)
-    if as_json:
-        listed = {name: str(file) for name, file in files.items()}
-        warned = {"warnings": list(result.warnings)}
-        typer.echo(json.dumps({**told, **warned, "files": listed}))
-        return
-    for warning in result.warnings:
-        typer.echo(f"warning: {warning}", err=True)
-    show_table(read.title, result.lines())
-    for line in choice.lines() if choice is not None else ():
-        typer.echo(line)
-    for name, file in files.items():
-        typer.echo(f"{name}: {file}")
+    folder = folder_for(output, scene.stem)
+    read = load_any_scene(scene, keys_of(keys))
+    if isinstance(read, ShaftScene):
+        if fidelity is not None or error is not None or view:
+            raise ValueError("--fidelity, --error and --view must come with a scene of the module")
+        path = fmu or current_fmu(SHAFT_FMU)
+        with progress_bar(read.title) as progress:
+            of_shaft = run_shaft_scene(read, path, progress)
+        result, figure = of_shaft, shaft_figure(of_shaft)
+    else:
+        if view:
+            template()
+        read, choice = _at_fidelity(read, fidelity, error)
+        path = fmu or current_fmu()
+        with progress_bar(read.title) as progress:
+            of_module = inertia_module.run_scene(read, path, progress, COMPUTED if view else ())
+        result, figure = of_module, inertia_module.scene_figure(of_module)
+        page = html_file(read, of_module) if view else None
+    chosen = {} if choice is None else {"fidelity_choice": choice.as_dict()}
+    told = {"scene": str(scene), **result.as_dict(), **chosen}
+    files = {
+        "table": result.table.to_csv(folder / "table.csv"),
+        "summary": write_text(folder / "summary.json", json.dumps(told, indent=2) + "\n"),
+        "plot": write_figure(folder / "plot.png", figure),
+    }
+    if page is not None:
+        files["page"] = folder / PAGE
+        write_atomically(files["page"], page)
+
+    def show() -> None:
+        for warning in result.warnings:
+            typer.echo(f"warning: {warning}", err=True)
+        show_table(read.title, result.lines())
+        for line in choice.lines() if choice is not None else ():
+            typer.echo(line)
+
+    return Answer({**told, "warnings": list(result.warnings)}, show, files)
 
 
-def at_fidelity(read: Scene, fidelity: str | None, error: str | None) -> tuple[Scene, Choice | None]:
+def _at_fidelity(read: Scene, fidelity: str | None, error: str | None) -> tuple[Scene, Choice | None]:
     """A scene at the fidelity asked for, or at one chosen by measuring, and then why."""
     from ..fidelity.trials import choose
-    from ..harness.simulate import progress_bar
 
     allowed = share("--error", error)
     if fidelity is not None or (allowed is not None and read.chooses_fidelity):
@@ -122,9 +171,49 @@ def at_fidelity(read: Scene, fidelity: str | None, error: str | None) -> tuple[S
         return choose(read, progress)
 
 
-@app.command()
+@command
+def view(
+    scene: SceneFile,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", metavar="FILE.html", help="The page (out/SCENE/page.html)."),
+    ] = None,
+    show: Annotated[bool, typer.Option("--open", help="Open it in the browser.")] = False,
+    fmu: FmuToRun = None,
+    keys: Keys = None,
+) -> Answer:
+    """Leave a scene as a page that shows the machine moving.
+
+    It is one HTML file, with the kernel in it. What the page cannot integrate itself, a load that follows
+    the motion or a controller, is run here first and played in it.
+    """
+    from ..contract.variables import COMPUTED
+    from ..page.html import checked_path, html_file, is_exact, template
+    from ..scene import Scene, load_any_scene
+    from ..scene.keys import keys_of
+
+    path = checked_path(output or OUTPUT_FOLDER / scene.stem / PAGE)
+    template()
+    found = load_any_scene(scene, keys_of(keys))
+    if not isinstance(found, Scene):
+        raise ValueError(f"{scene.name} must be a scene of the module, is one of a driven shaft")
+    read, _ = _at_fidelity(found, None, None)
+    outcome = None
+    if not is_exact(read):
+        with progress_bar(read.title) as progress:
+            outcome = inertia_module.run_scene(read, fmu or current_fmu(), progress, COMPUTED)
+    content = html_file(read, outcome)
+    write_atomically(path, content)
+    if show:
+        webbrowser.open(path.absolute().as_uri())
+    warnings = [] if outcome is None else list(outcome.warnings)
+    told = {"scene": str(scene), "page": str(path), "bytes": len(content), "warnings": warnings}
+    return Answer(told, lambda: typer.echo(f"page: {path} ({len(content) / 1e6:.1f} MB)"))
+
+
+@command
 def tradeoff(
-    scene: Annotated[Path, typer.Argument(metavar="SCENE.toml", help="Scene file.")],
+    scene: SceneFile,
     output: OutputFolder = None,
     recommend: Annotated[
         str | None,
@@ -135,8 +224,7 @@ def tradeoff(
         typer.Option(metavar="NAME", help="Output that counts, instead of the scene's; may be repeated."),
     ] = None,
     keys: Keys = None,
-    as_json: Json = False,
-) -> None:
+) -> Answer:
     """Measure error against cost of a scene.
 
     Of each fidelity, method, tolerance or step, and communication step (out/tradeoff without -o).
@@ -144,34 +232,29 @@ def tradeoff(
     from ..fidelity.choice import print_levels
     from ..fidelity.choice import recommend as choose_cheapest
     from ..fidelity.tradeoff import scene_study, scene_trials
-    from ..harness.simulate import progress_bar
-    from ..scene import load_scene
-    from ..scene.keys import keys_of
 
-    with one_line_errors(), progress_bar("measuring the trade") as progress:
+    with progress_bar("measuring the trade") as progress:
         folder = folder_for(output, "tradeoff")
         allowed = share("--recommend", recommend)
-        read = load_scene(scene, keys_of(keys))
+        read = load_scene(scene, keys)
         read = read.replaced(run={"outputs": wanted}) if wanted else read
         names = tuple(read.run.outputs)
         found = (scene_trials if allowed else scene_study)(read, progress)
         choice = choose_cheapest(found.rows, allowed, names) if allowed else None
         files = found.write(folder)
-    if as_json:
-        recommended = {} if choice is None else {"recommendation": choice.as_dict()}
-        listed = {"files": {name: str(file) for name, file in files.items()}}
-        typer.echo(json.dumps({**found.as_dict(), **recommended, **listed}))
-        return
-    step = (found.rows[0] if choice is None else choice.row).communication_step
-    shown = [row for row in found.rows if row.communication_step == step]
-    print_levels(found.title, shown, names, allowed)
-    for line in found.closing_lines(choice):
-        typer.echo(line)
-    for name, file in files.items():
-        typer.echo(f"{name}: {file}")
+
+    def show() -> None:
+        step = (found.rows[0] if choice is None else choice.row).communication_step
+        shown = [row for row in found.rows if row.communication_step == step]
+        print_levels(found.title, shown, names, allowed)
+        for line in found.closing_lines(choice):
+            typer.echo(line)
+
+    recommended = {} if choice is None else {"recommendation": choice.as_dict()}
+    return Answer({**found.as_dict(), **recommended}, show, files)
 
 
-@app.command()
+@command
 def chart(
     scenes: Annotated[list[Path], typer.Argument(metavar="SCENE.toml...", help="Scenes to compare.")],
     output: OutputFolder = None,
@@ -183,55 +266,47 @@ def chart(
         ),
     ] = None,
     keys: Keys = None,
-    as_json: Json = False,
-) -> None:
+) -> Answer:
     """Draw torque converter charts of mechanisms.
 
     A CSV each and one figure (out/chart without -o). Of mechanisms with losses the charts are those of
     one input speed, and there is a map of the efficiency over speed ratio and input speed.
     """
-    from ..figures.chart import chart_figure
-    from ..harness.chart import NOMINAL_SPEED, converter_table, efficiency_map, torque_converter_chart
-    from ..harness.results import write_figure
-    from ..harness.simulate import progress_bar
-    from ..scene import load_scene
-    from ..scene.keys import keys_of
+    from ..harness.chart import NOMINAL_SPEED, converter_table, efficiency_map
 
-    with one_line_errors():
-        folder = folder_for(output, "chart")
-        names = [scene.stem for scene in scenes]
-        if len(set(names)) < len(names):
-            raise ValueError(f"scenes must be files of different names, are {', '.join(names)}")
-        omega1 = None if speed is None else turning(speed)
-        at = omega1 or NOMINAL_SPEED
-        changes = keys_of(keys)
-        mechanisms = {
-            name: load_scene(scene, changes).parameters() for name, scene in zip(names, scenes, strict=True)
-        }
-        charts = {
-            name: torque_converter_chart(values, at < 0.0, omega1=abs(at))
-            for name, values in mechanisms.items()
-        }
-        maps = {}
-        for name in (name for name, found in charts.items() if not found.lossless):
-            with progress_bar(f"efficiency of {name}") as progress:
-                maps[name] = efficiency_map(mechanisms[name], at, progress=progress)
-        files = [str(found.save(folder / f"{name}.csv")) for name, found in charts.items()]
-        files += [str(found.save(folder / f"{name}_efficiency.csv")) for name, found in maps.items()]
-        if omega1 is not None:
-            for name, found in charts.items():
-                table = converter_table(mechanisms[name], found, omega1)
-                files.append(str(table.save(folder / f"{name}_converter.csv")))
-                files.append(str(table.save_mat(folder / f"{name}_converter.mat")))
-        files.append(str(write_figure(folder / "chart.png", chart_figure(charts, maps))))
+    folder = folder_for(output, "chart")
+    names = [scene.stem for scene in scenes]
+    if len(set(names)) < len(names):
+        raise ValueError(f"scenes must be files of different names, are {', '.join(names)}")
+    omega1 = None if speed is None else turning(speed)
+    at = omega1 or NOMINAL_SPEED
+    mechanisms = {scene.stem: load_scene(scene, keys).parameters() for scene in scenes}
+    charts = {
+        name: inertia_module.torque_converter_chart(values, at < 0.0, omega1=abs(at))
+        for name, values in mechanisms.items()
+    }
+    maps = {}
+    for name in (name for name, found in charts.items() if not found.lossless):
+        with progress_bar(f"efficiency of {name}") as progress:
+            maps[name] = efficiency_map(mechanisms[name], at, progress=progress)
+    files = [found.save(folder / f"{name}.csv") for name, found in charts.items()]
+    files += [found.save(folder / f"{name}_efficiency.csv") for name, found in maps.items()]
+    if omega1 is not None:
+        for name, found in charts.items():
+            table = converter_table(mechanisms[name], found, omega1)
+            files.append(table.save(folder / f"{name}_converter.csv"))
+            files.append(table.save_mat(folder / f"{name}_converter.mat"))
+    files.append(write_figure(folder / "chart.png", inertia_module.chart_figure(charts, maps)))
     summaries = {name: found.summary(omega1) for name, found in charts.items()}
     units = {name: found.units(omega1) for name, found in charts.items()}
-    if as_json:
-        typer.echo(json.dumps({"omega1": omega1, "charts": summaries, "units": units, "files": files}))
-        return
-    for name, numbers in summaries.items():
-        rows = {key: f"{value:.6g} {units[name][key]}".rstrip() for key, value in numbers.items()}
-        title = f"{name}, losses at {speed_text(at)}" if name in maps else name
-        title = f"{name} at {speed_text(omega1)}" if omega1 is not None else title
-        show_table(title, {key.replace("_", " "): text for key, text in rows.items()})
-    typer.echo("\n".join(files))
+    listed = [str(file) for file in files]
+
+    def show() -> None:
+        for name, numbers in summaries.items():
+            rows = {key: f"{value:.6g} {units[name][key]}".rstrip() for key, value in numbers.items()}
+            title = f"{name}, losses at {speed_text(at)}" if name in maps else name
+            title = f"{name} at {speed_text(omega1)}" if omega1 is not None else title
+            show_table(title, {key.replace("_", " "): text for key, text in rows.items()})
+        typer.echo("\n".join(listed))
+
+    return Answer({"omega1": omega1, "charts": summaries, "units": units, "files": listed}, show)

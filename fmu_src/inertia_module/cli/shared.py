@@ -1,28 +1,32 @@
-"""Shared by the commands: the application, options, errors in one line, tables."""
+"""Shared by the commands: options, and what each does: errors in one line, --json, files, the exit code.
+
+Libraries and rooms of the package are imported when a command runs: help needs none of them.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+import functools
+import inspect
+import json
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from .. import __version__
-from ..common.files import OUTPUT_FOLDER
+import inertia_module
+
+from ..common.files import OUTPUT_FOLDER, writable_folder
 from ..common.units import factor_between, split_quantity, to_si
 
-# name of the page of a scene
-PAGE = "page.html"
+if TYPE_CHECKING:
+    from ..fmu.native_fmu import NativeFmu
+    from ..harness.simulate import Progress
+    from ..scene import Scene
 
-app = typer.Typer(
-    context_settings={"help_option_names": ["-h", "--help"]},
-    no_args_is_help=True,
-    rich_markup_mode=None,  # with it "[free]" is a style and vanishes from the help
-    pretty_exceptions_enable=False,
-)
-
+SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="Scene file.")]
 OutputFolder = Annotated[
     Path | None,
     typer.Option("--output", "-o", metavar="DIR", help="Folder to write to; made if it is not there."),
@@ -37,24 +41,50 @@ Keys = Annotated[
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object for machines.")]
 
 
-def _print_version(wanted: bool) -> None:
-    if wanted:
-        typer.echo(f"inertia-module {__version__}")
-        raise typer.Exit
+@dataclass
+class Answer:
+    """Outcome of a command.
+
+    Attributes:
+        told: for machines. show: prints it for people. failed: whether the exit code is 1.
+        files: that were left, by name; a machine is told them as well, for people they are listed at the end.
+    """
+
+    told: dict[str, Any]
+    show: Callable[[], None] = lambda: None
+    files: Mapping[str, Path] = field(default_factory=dict)
+    failed: bool = False
 
 
-@app.callback()
-def options(
-    version: Annotated[
-        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version.")
-    ] = False,
-) -> None:
-    """Inertia module: an inertial torque transformer as an FMI 2.0 or 3.0 co-simulation FMU."""
+def command(work: Callable[..., Answer]) -> Callable[..., None]:
+    """Make a command of its work: with --json, errors in one line and the exit code."""
+
+    @functools.wraps(work)
+    def run(as_json: bool, **options: Any) -> None:
+        with one_line_errors():
+            answer = work(**options)
+        listed = {name: str(file) for name, file in answer.files.items()}
+        if as_json:
+            typer.echo(json.dumps(answer.told | ({"files": listed} if listed else {})))
+        else:
+            answer.show()
+            for name, file in listed.items():
+                typer.echo(f"{name}: {file}")
+        if answer.failed:
+            raise typer.Exit(1)
+
+    as_json = inspect.Parameter("as_json", inspect.Parameter.KEYWORD_ONLY, default=False, annotation=Json)
+    signature = inspect.signature(work, eval_str=True)
+    run.__signature__ = signature.replace(  # type: ignore[attr-defined]
+        parameters=[*signature.parameters.values(), as_json]
+    )
+    run.__annotations__ = {**work.__annotations__, "as_json": Json}
+    return run
 
 
 @contextmanager
 def one_line_errors() -> Iterator[None]:
-    """Errors a user can cause leave with one clear line and exit code 1."""
+    """Turn errors that a user can cause into one clear line and exit code 1."""
     try:
         yield
     except (ValueError, RuntimeError, OSError) as error:
@@ -63,7 +93,7 @@ def one_line_errors() -> Iterator[None]:
 
 
 def folder_for(output: Path | None, *default: str) -> Path:
-    """The folder that a command writes to, looked at before its work begins.
+    """Check the folder that a command writes to before its work begins.
 
     Args:
         output: as given by -o. default: its place in out/ without that.
@@ -71,9 +101,28 @@ def folder_for(output: Path | None, *default: str) -> Path:
     Raises:
         OSError: it cannot be written to.
     """
-    from ..common.files import writable_folder
-
     return writable_folder(output or OUTPUT_FOLDER.joinpath(*default))
+
+
+def load_scene(path: Path, keys: list[str] | None) -> Scene:
+    """Read a scene of the module, with keys as --set gives them."""
+    from ..scene.keys import keys_of
+
+    return inertia_module.load_scene(path, keys_of(keys))
+
+
+def progress_bar(title: str) -> AbstractContextManager[Progress]:
+    """Show a progress bar: see harness.simulate."""
+    from ..harness.simulate import progress_bar as bar
+
+    return bar(title)
+
+
+def write_figure(path: Path, figure: Any) -> Path:
+    """Write a picture: see harness.results."""
+    from ..harness.results import write_figure as write
+
+    return write(path, figure)
 
 
 def show_table(title: str, rows: dict[str, str]) -> None:
@@ -88,19 +137,12 @@ def show_table(title: str, rows: dict[str, str]) -> None:
     terminal().print(table)
 
 
-def current_fmu() -> Path:
-    """The FMU of the module: see builder.current_fmu."""
+def current_fmu(fmu: NativeFmu | None = None) -> Path:
+    """The FMU of the module, or another: see builder.current_fmu."""
+    from ..fmu.builder import MODULE_FMU
     from ..fmu.builder import current_fmu as current
 
-    return current(progress=lambda stage: typer.echo(stage, err=True))
-
-
-def shaft_fmu() -> Path:
-    """The FMU of the driven shaft: see builder.current_fmu."""
-    from ..fmu.builder import SHAFT_FMU
-    from ..fmu.builder import current_fmu as current
-
-    return current(SHAFT_FMU, progress=lambda stage: typer.echo(stage, err=True))
+    return current(fmu or MODULE_FMU, progress=lambda stage: typer.echo(stage, err=True))
 
 
 def quantity_of(option: str, text: str, unit: str, **limits: float) -> float:

@@ -15,11 +15,11 @@ from matplotlib.ticker import LogLocator, NullFormatter
 from ..common.colours import BLUE, GREY, VERMILION
 from ..jobs.axes import Axis
 from ..jobs.design import DesignResult
-from ..jobs.fitted import FitResult
+from ..jobs.evaluation import Row
+from ..jobs.fit import FitResult
+from ..jobs.orders import BASES, Orders
 from ..jobs.spec import unit_of
-from ..jobs.spectra import BASES, Orders
 from ..jobs.sweep import SweepResult
-from ..jobs.task import Row
 from .panels import Array, dress, sheet, titled
 
 # --- sweeps ---

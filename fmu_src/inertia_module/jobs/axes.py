@@ -1,10 +1,10 @@
-"""Axes of a sweep: keys of a scene by dots, their ranges or lists, and the points sampled of them."""
+"""Keys of a scene by dots: axes of a sweep with the points sampled of them, free keys of a fit."""
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..common.errors import Refused
 from ..common.units import parse_unit, split_quantity
-from ..contract.variable import INTEGER
+from ..contract.variable import INTEGER, REAL
 from ..contract.variables import BY_NAME
 from ..scene import Scene, SceneError
 from ..scene.fields import unit_of
@@ -21,6 +21,8 @@ from ..scene.keys import MECHANISM, full_name
 
 # values by key of the scene: numbers in SI units, or names
 Point = dict[str, float | str]
+# of a free key
+Range = str | tuple[float, float] | None
 LARGEST_GRID = 10_000_000
 SAMPLES = ("latin", "sobol")
 
@@ -86,29 +88,48 @@ class Axis:
                     raise
 
 
-def unit_of_key(name: str, scene: Scene) -> str:
-    """Unit of a key of a scene, "" for none."""
-    *tables, key = name.split(".")
-    table: Any = scene
-    for part in tables:
-        table = getattr(table, part, None)
-    fields = getattr(type(table), "model_fields", {})
-    return unit_of(fields[key]) if key in fields else ""
+def units_of(names: Iterable[str], scene: Scene) -> dict[str, str]:
+    """Units of keys of a scene by name, "" for none."""
+    units = {}
+    for name in names:
+        *tables, key = name.split(".")
+        table: Any = scene
+        for part in tables:
+            table = getattr(table, part, None)
+        fields = getattr(type(table), "model_fields", {})
+        units[name] = unit_of(fields[key]) if key in fields else ""
+    return units
 
 
-def units_of(axes: Sequence[Axis], scene: Scene) -> dict[str, str]:
-    """Units of the keys that are varied, by name."""
-    return {one.name: unit_of_key(one.name, scene) for one in axes}
+def axis(name: str, given: str | Sequence[Any], scene: Scene) -> Axis:
+    """The axis of a key.
 
-
-def _number(text: Any) -> float | str:
-    """A quantity as a number in SI units; anything else as it is.
+    Args:
+        name: of the key, by dots. scene: whose key it is.
+        given: "FROM:TO:COUNT", "FROM:TO", "log:FROM:TO:COUNT" or "A,B,C", each with units if wanted, or a
+            list of values.
 
     Raises:
-        Refused: the unit is not known.
+        Refused: it is none of these, or no range of this key.
+    """
+    if isinstance(given, str) and ":" in given:
+        found = _range(name, given, scene)
+    else:
+        texts = given.split(",") if isinstance(given, str) else given
+        found = Axis(name, values=tuple(dict.fromkeys(_value(name, text, scene) for text in texts)))
+    found.check(scene)
+    return found
+
+
+def _value(name: str, text: Any, scene: Scene) -> float | str:
+    """Value of a key: a quantity as a number in SI units; a name as it is.
+
+    Raises:
+        Refused: its unit is not known, or not of this key.
     """
     if not isinstance(text, str):
         return float(text)
+    Axis(name, values=(text.strip(),)).check(scene)
     try:
         number, unit = split_quantity(text)
     except ValueError:
@@ -119,39 +140,13 @@ def _number(text: Any) -> float | str:
         raise Refused(f"{text!r}: {error}") from None
 
 
-def axis(name: str, given: str | Sequence[Any], scene: Scene) -> Axis:
-    """The axis of a key.
-
-    Args:
-        name: of the key. given: "FROM:TO:COUNT", "FROM:TO", "log:FROM:TO:COUNT" or "A,B,C", each with units
-            if wanted, or a list of values. scene: whose key it is.
-
-    Raises:
-        Refused: it is none of these, or no range of this key.
-    """
-    name = full_name(name)
-    texts = given.split(",") if isinstance(given, str) else list(given)
-    if isinstance(given, str) and ":" in given:
-        logarithmic = given.startswith("log:")
-        found = _range(name, given.removeprefix("log:").split(":"), logarithmic, scene)
-    else:
-        found = Axis(name, values=tuple(dict.fromkeys(_checked_number(name, text, scene) for text in texts)))
-    found.check(scene)
-    return found
-
-
-def _checked_number(name: str, text: Any, scene: Scene) -> float | str:
-    """A value in SI units; its unit is looked at by the scene."""
-    if isinstance(text, str):
-        Axis(name, values=(text.strip(),)).check(scene)
-    return _number(text)
-
-
-def _range(name: str, parts: list[str], logarithmic: bool, scene: Scene) -> Axis:
+def _range(name: str, given: str, scene: Scene) -> Axis:
+    logarithmic = given.startswith("log:")
+    parts = given.removeprefix("log:").split(":")
     demand = f"{name} must be given as FROM:TO:COUNT, log:FROM:TO:COUNT or A,B,C, is {':'.join(parts)!r}"
     if len(parts) not in (2, 3):
         raise Refused(demand)
-    low, high = (_checked_number(name, part, scene) for part in parts[:2])
+    low, high = (_value(name, part, scene) for part in parts[:2])
     number = parts[2] if len(parts) == 3 else "0"
     if isinstance(low, str) or isinstance(high, str) or not number.strip().isdigit():
         raise Refused(demand)
@@ -212,17 +207,13 @@ def grid(axes: Sequence[Axis]) -> list[Point]:
     total = math.prod(map(len, values))
     if total > LARGEST_GRID:
         raise Refused(f"a grid must have at most {LARGEST_GRID} points, has {total}")
-    return [points_at(axes, row) for row in itertools.product(*values)]
-
-
-def points_at(axes: Sequence[Axis], values: Sequence[float | str]) -> Point:
-    """Values, one for each axis, by name."""
-    return {one.name: value for one, value in zip(axes, values, strict=True)}
+    names = [one.name for one in axes]
+    return [dict(zip(names, row, strict=True)) for row in itertools.product(*values)]
 
 
 def of_shares(axes: Sequence[Axis], shares: NDArray[np.float64]) -> list[Point]:
     """Points of shares (0 to 1), shape (points, axes)."""
-    return [points_at(axes, [one.at(u) for one, u in zip(axes, row, strict=True)]) for row in shares.tolist()]
+    return [{one.name: one.at(u) for one, u in zip(axes, row, strict=True)} for row in shares.tolist()]
 
 
 def sampled(axes: Sequence[Axis], sample: str, seed: int) -> list[Point]:
@@ -247,3 +238,88 @@ def shares_sampled(number: int, sample: str, seed: int) -> NDArray[np.float64]:
         raise Refused(f"sample must be latin:COUNT or sobol:COUNT, such as latin:200, is {sample!r}")
     sampler = (qmc.LatinHypercube if kind == "latin" else qmc.Sobol)(number, rng=seed)
     return np.atleast_2d(sampler.random(int(count)))
+
+
+@dataclass(frozen=True)
+class Free:
+    """One key, as a variable u that is near 1: its value is origin + span (u - 1).
+
+    Attributes:
+        name: of the key, by dots. range: that it is held to, or None. start: of the variable.
+        origin, span: the low end and the width of the range; without one both are the value in the scene.
+        low, high: limits of the variable. unit: of the key, "" for none.
+    """
+
+    name: str
+    range: Axis | None
+    origin: float
+    span: float
+    start: float
+    low: float
+    high: float
+    unit: str
+
+    @property
+    def identifier(self) -> str:
+        """The name as one word."""
+        return self.name.replace(".", "_")
+
+    def value(self, variable: float) -> float:
+        """The value, SI."""
+        return self.origin + self.span * (variable - 1.0)
+
+    def spread(self, share: float) -> float:
+        """The variable at a share (0 to 1) of the range; at the start where there is none."""
+        if self.range is None:
+            return self.start
+        return 1.0 + (float(self.range.at(share)) - self.origin) / self.span
+
+
+def free_keys(free: Sequence[str] | Mapping[str, Range], scene: Scene) -> list[Free]:
+    """The free keys of a fit.
+
+    Args:
+        free: "NAME" or "NAME=LOW:HIGH" each (or log:LOW:HIGH, whose starts are even in the logarithm), or by
+            name such a range, (low, high) or None. scene: whose values they begin at.
+
+    Raises:
+        Refused: nothing is free, a key twice, or one that is not a number or has no such range.
+    """
+    return [_free(name, given, scene) for name, given in by_key(free, "free", "imbalance_mass=0.5:2")]
+
+
+def _free(name: str, given: Range, scene: Scene) -> Free:
+    variable = BY_NAME.get(name.removeprefix(MECHANISM))
+    value: Any = scene.tables
+    for part in name.split("."):
+        value = value.get(part) if isinstance(value, dict) else None
+    if value is None and variable is not None:
+        value = variable.start
+    if (variable is not None and variable.kind != REAL) or isinstance(value, str | list | dict):
+        raise Refused(
+            f"{name} must be a number that changes by small steps to be free: sweep takes the others"
+        )
+    unit = units_of([name], scene)[name]
+    if given is not None:
+        text = given if isinstance(given, str) else ":".join(map(repr, given))
+        if ":" not in text:
+            raise Refused(f"{name} must be free within LOW:HIGH, is given {text!r}")
+        held = axis(name, text, scene)
+        if held.number:
+            raise Refused(
+                f"{name} must be free within LOW:HIGH, without a number of points, is given {text!r}"
+            )
+        span = held.high - held.low
+        inside = value is not None and held.low <= value <= held.high
+        start = 1.0 + (value - held.low) / span if inside else 1.5
+        return Free(name, held, held.low, span, start, 1.0, 2.0, unit)
+    if not value:
+        # which says so if there is no such key
+        scene.with_keys({name: 1.0})
+        raise Refused(
+            f"{name} must have a range, {name}=LOW:HIGH: the scene has {value or 'no value'} to begin at"
+        )
+    minimum, maximum = (None, None) if variable is None else (variable.minimum, variable.maximum)
+    limits = (-math.inf if minimum is None else minimum, math.inf if maximum is None else maximum)
+    low, high = sorted(limit / value for limit in limits)
+    return Free(name, None, value, value, 1.0, low, high, unit)

@@ -1,4 +1,4 @@
-"""Design: which values of the free keys meet the limits of a specification, and are best for its goals."""
+"""Design: values of the free keys that meet the limits of a specification and are best for its goals."""
 
 from __future__ import annotations
 
@@ -7,6 +7,9 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from ..common.errors import did_you_mean
 from ..common.extras import library
@@ -19,49 +22,43 @@ from ..scene.keys import validated
 from ..scene.reading import scene_text
 from ..scene.run import SceneRunner
 from ..scene.schema import Scene
-from .axes import Point, sampled, units_of
-from .evaluator import Evaluator
-from .judged import Judge
-from .named import NAMED, Wanted, named_figures
-from .search import search
-from .size import check_room
-from .spec import OPTIONAL, Spec, absent, check_limits, read_spec, unit_of
-from .store import write_tables
-from .task import Figures, Row, identity, summary_of
+from .axes import Point, of_shares, shares_sampled, units_of
+from .evaluation import Evaluator, Figures, Row, Task, summary_of, write_tables
+from .named import NAMED, Mechanism, Wanted
+from .spec import OPTIONAL, Judge, Spec, absent, read_spec, unit_of
 
 # key of a point that is none of the scene: the fidelity it is run at
 LEVEL = "fidelity"
 
 
 @dataclass(frozen=True)
-class DesignTask:
+class DesignTask(Task):
     """The figures of a specification at points.
 
     Attributes:
-        scenes: tables by fidelity. named: figures that need no run. runs: whether the scene is run.
-        fmu: content of the FMU's file.
+        fmu: content of the FMU's file. tables: of the scene, by fidelity.
+        named: figures that need no run. runs: whether the scene is run.
     """
 
-    scenes: dict[str, dict[str, Any]]
     named: Wanted
     runs: bool
-    fmu: bytes
 
     @property
-    def identity(self) -> str:
+    def settings(self) -> dict[str, Any]:
         """See Task."""
-        return identity({**self.scenes, "named": self.named, "runs": self.runs}, self.fmu)
+        return {**self.tables, "named": self.named, "runs": self.runs}
 
-    def opened(self, fmu: Path, closing: ExitStack) -> Callable[[Point], Figures]:
+    def make_evaluator(self, fmu: Path, closing: ExitStack) -> Callable[[Point], Figures]:
         """See Task."""
         runner = closing.enter_context(SceneRunner(fmu))
-        scenes = {level: validated(Scene, tables) for level, tables in self.scenes.items()}
+        scenes = {level: validated(Scene, tables) for level, tables in self.tables.items()}
 
         def figures(point: Point) -> Figures:
             keys = {name: value for name, value in point.items() if name != LEVEL}
             scene = scenes[str(point[LEVEL])].with_keys(keys)
-            check_room(scene.parameters())
-            found = named_figures(scene.parameters(), self.named)
+            mechanism = Mechanism(scene.parameters())
+            mechanism.check_room()
+            found = mechanism.figures(self.named)
             if self.runs:
                 found |= summary_of(runner, scene)
             return found
@@ -115,20 +112,23 @@ class DesignResult:
 
     def lines(self, one: Finalist) -> dict[str, str]:
         """The values of a finalist and its figures, searched and checked, as text by name."""
+
+        def text(value: float | str, unit: str = "") -> str:
+            return value if isinstance(value, str) else f"{value:.4g} {unit}".removesuffix(" 1").rstrip()
+
         units = self.judge.units
-        keys = {name: _text(value, units.get(name, "")) for name, value in one.searched.point.items()}
+        keys = {name: text(value, units.get(name, "")) for name, value in one.searched.point.items()}
         figures = {}
         for name in self.spec.demands:
-            unit = unit_of(name, units)
             searched, checked = (
                 row.figures.get(name, absent(name, row)) for row in (one.searched, one.checked)
             )
-            figures[name] = f"{_text(searched)} → {_text(checked, unit)}"
+            figures[name] = f"{text(searched)} → {text(checked, unit_of(name, units))}"
         missed = [limit.figure for limit in self.judge.limits if limit.violation(one.checked) > 0.0]
         return {**keys, **figures, "limits": f"missed by {', '.join(missed)}" if missed else "met"}
 
     def verdict(self) -> str:
-        """In a sentence: how many meet the limits and which limit binds, or what stops them all."""
+        """Say in a sentence how many meet the limits and which limit binds, or what stops them all."""
         chosen = [one.checked for one in self.chosen]
         row = chosen[0] if chosen else self.nearest
         limit = self.judge.tightest(row)
@@ -172,7 +172,7 @@ def design(
     levels = (read.search.fidelity, read.search.check)
     scenes = {level: read.scene.with_fidelity(level) for level in levels}
     tables = {level: scene.tables for level, scene in scenes.items()}
-    task = DesignTask(tables, read.named, read.runs_scene, fmu_file(fmu).read_bytes())
+    task = DesignTask(fmu_file(fmu).read_bytes(), tables, read.named, read.runs_scene)
     folder = OUTPUT_FOLDER / f"{name}_design" if output is None else Path(output)
     with Evaluator(task, folder, scheduler, workers) as evaluator:
 
@@ -180,12 +180,13 @@ def design(
             rows = evaluator([{**point, LEVEL: level} for point in points])
             return [row._replace(point=point) for row, point in zip(rows, points, strict=True)]
 
-        first = sampled(read.axes, f"latin:{read.search.population}", read.search.seed)
-        rows = evaluate(first)
-        units = {**units_of(read.axes, read.scene), **evaluator.journal.units}
-        _check_figures(read, rows, units)
+        start = shares_sampled(len(read.axes), f"latin:{read.search.population}", read.search.seed)
+        rows = evaluate(of_shares(read.axes, start))
+        keys = units_of((axis.name for axis in read.axes), read.scene)
+        units = {**keys, **evaluator.journal.units}
+        _check_figures(read, rows)
         judge = Judge(read, units)
-        rows = search(read, judge, evaluate, progress)
+        rows = _search(read, judge, start, evaluate, progress)
         fronts = judge.fronts([row for row in rows if judge.meets(row, read.search.margin)])
         picked = _finalists(fronts, read.search.finalists) or [min(rows, key=judge.beyond)]
         checked = evaluate([row.point for row in picked], levels[1])
@@ -202,12 +203,8 @@ def design(
     return DesignResult(read, judge, rows, front, finalists, evaluator.new, files)
 
 
-def _text(value: float | str, unit: str = "") -> str:
-    return value if isinstance(value, str) else f"{value:.4g} {unit}".removesuffix(" 1").rstrip()
-
-
-def _check_figures(spec: Spec, rows: Sequence[Row], units: dict[str, str]) -> None:
-    """Refuse figures that no row has, and limits that are not of their kind.
+def _check_figures(spec: Spec, rows: Sequence[Row]) -> None:
+    """Refuse figures that no row has.
 
     Raises:
         SceneError: which, or why no row has any.
@@ -215,14 +212,13 @@ def _check_figures(spec: Spec, rows: Sequence[Row], units: dict[str, str]) -> No
     known = list(dict.fromkeys([*(name for row in rows for name in row.figures), *NAMED]))
     if all(row.refused for row in rows):
         raise SceneError(f"none of the first {len(rows)} designs can be computed: {rows[0].refused}")
-    for name, demand in spec.demands.items():
+    for name in spec.demands:
         if name not in known and not name.startswith(OPTIONAL):
             raise SceneError(f"figures.{name} must be one that there is {did_you_mean(name, known)}")
-        check_limits(name, demand, unit_of(name, units))
 
 
 def _finalists(fronts: Sequence[Sequence[Row]], number: int) -> list[Row]:
-    """At most so many rows: spread over the first front, and filled up from the next ones."""
+    """Pick at most so many rows: spread over the first front, and filled up from the next ones."""
     if not fronts:
         return []
     first, rest = fronts[0], [row for front in fronts[1:] for row in front]
@@ -230,3 +226,46 @@ def _finalists(fronts: Sequence[Sequence[Row]], number: int) -> list[Row]:
         return [*first, *rest[: number - len(first)]]
     places = {round(n * (len(first) - 1) / max(number - 1, 1)) for n in range(number)}
     return [first[place] for place in sorted(places)]
+
+
+def _search(
+    spec: Spec,
+    judge: Judge,
+    start: NDArray[np.float64],
+    evaluate: Callable[[Sequence[Point]], list[Row]],
+    progress: Progress | None,
+) -> list[Row]:
+    """Search by NSGA-II; all designs, each once, in the order in which they were first asked for.
+
+    The search is over shares (0 to 1) of the ranges, so that whole numbers, lists and logarithmic ranges are
+    searched alike. A design that is refused is beyond its limits.
+
+    Args:
+        judge: of the limits. start: shares of the first generation, shape (population, axes).
+        evaluate: gives rows of points. progress: told the share of the generations done.
+    """
+    from pymoo.algorithms.moo.nsga2 import NSGA2
+    from pymoo.core.problem import Problem
+    from pymoo.optimize import minimize
+
+    settings, found = spec.search, dict[str, Row]()
+
+    class Designs(Problem):  # type: ignore[misc]
+        """Designs by shares of the ranges of their keys."""
+
+        generation = 0
+
+        def _evaluate(self, x: Any, out: dict[str, Any], *_: Any, **__: Any) -> None:
+            rows = evaluate(of_shares(spec.axes, x))
+            found.update({str(row.point): row for row in rows})
+            out["F"] = np.array([judge.costs(row) for row in rows])
+            out["G"] = np.array([judge.violations(row, settings.margin) for row in rows])
+            self.generation += 1
+            if progress is not None:
+                progress(self.generation / settings.generations)
+
+    keys, limits = len(spec.axes), len(judge.limits) + 1
+    problem = Designs(n_var=keys, n_obj=len(spec.goals), n_ieq_constr=limits, xl=0.0, xu=1.0)
+    algorithm = NSGA2(pop_size=settings.population, sampling=start)
+    minimize(problem, algorithm, ("n_gen", settings.generations), seed=settings.seed)
+    return list(found.values())

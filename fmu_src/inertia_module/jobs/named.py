@@ -1,16 +1,21 @@
-"""Figures by name: of steady pulses at a speed and a speed ratio, of the size, of the summary of a scene."""
+"""Figures of a mechanism by name: of steady pulses at a speed and a speed ratio, and of its size."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from functools import cache, cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+from ..common.errors import Refused
 from ..contract.variable import LARGEST_SPEED
 from ..harness.chart import torque_converter_chart
 from ..harness.steady import SteadyMachine, SteadyPulses
+from ..memory import Module
 from ..scene.summary import Quantity
-from .size import envelope_diameter, total_imbalance_mass
+
+# speed and ratio of each figure
+Wanted = Mapping[str, tuple[float, float]]
 
 
 class Mechanism:
@@ -23,8 +28,33 @@ class Mechanism:
         Refused: the parameters cannot be.
     """
 
-    def __init__(self, parameters: Mapping[str, float]) -> None:
+    def __init__(self, parameters: Mapping[str, float | str]) -> None:
         self.parameters = parameters
+        self.module = Module("plain")
+        self.module.check(**parameters)
+
+    def check_room(self) -> None:
+        """Refuse what can be computed but not built.
+
+        Raises:
+            Refused: the module warns that there is no room for its parts, or that they are no bodies.
+        """
+        found = self.module.warnings()
+        if found:
+            raise Refused("; ".join(found))
+
+    @property
+    def envelope_diameter(self) -> float:
+        """Diameter about the central axis that imbalances and pitch circles of the satellites need, m."""
+        # the rim of a satellite is where an imbalance on its pitch circle would be
+        rim = Module("plain")
+        rim.check(**{**self.parameters, "a": 1.0, "b": 1.0, "eccentricity": self.module["satellite_radius"]})
+        return 2.0 * max(_farthest(self.module.derived), _farthest(rim.derived))
+
+    @property
+    def total_imbalance_mass(self) -> float:
+        """Mass of the imbalances of all satellites of all modules, kg."""
+        return math.prod(self.module[name] for name in ("modules", "satellites", "imbalance_mass"))
 
     @cached_property
     def machine(self) -> SteadyMachine:
@@ -33,13 +63,39 @@ class Mechanism:
 
     @cached_property
     def pulses(self) -> Callable[[float, float], SteadyPulses]:
-        """Gives steady pulses at a speed, rad/s, and a ratio."""
+        """Function from a speed, rad/s, and a ratio to the steady pulses there."""
         return cache(self.machine.at)
 
     def greatest_input_torque(self, speed: float) -> float:
         """Largest mean input torque over the speed ratios, N.m."""
         chart = torque_converter_chart(self.parameters, omega1=speed)
         return float(chart.input_torque.max()) * speed**2
+
+    def figures(self, wanted: Wanted) -> dict[str, Quantity]:
+        """Compute figures by name.
+
+        Args:
+            wanted: names of NAMED, each with speed (rad/s) and ratio.
+
+        Raises:
+            Refused: a freewheel is missing.
+        """
+        return {name: Quantity(NAMED[name].value(self, *at), NAMED[name].unit) for name, at in wanted.items()}
+
+
+def _farthest(d: Any) -> float:
+    """Largest distance of an imbalance from the central axis, m, at any drive angle.
+
+    Planar: R0 + r + l. Bevel: with R, T and z of the layout (Karetin 2020, equation 2) R^2 + T^2 + z^2 is
+    linear in cos B, hence largest where that is 1 or -1.
+
+    Args:
+        d: derived constants of the kernel.
+    """
+    if d.planar != 0.0:
+        return float(d.axial + d.radial)
+    swing = abs(d.radial * d.radial_cos + d.axial * d.axial_cos)
+    return math.sqrt(d.radial**2 + d.axial**2 + d.arm**2 + 2.0 * swing)
 
 
 class Named(NamedTuple):
@@ -67,26 +123,8 @@ NAMED = {
     "bearing_force": Named("N", _BOTH, lambda m, w, i: m.pulses(w, i).bearing_force),
     "mount_force": Named("N", _BOTH, lambda m, w, i: m.machine.mount(w, i).force),
     "mount_moment": Named("N.m", _BOTH, lambda m, w, i: m.machine.mount(w, i).moment),
-    "envelope_diameter": Named("m", (), lambda m, w, i: envelope_diameter(m.parameters)),
-    "total_imbalance_mass": Named("kg", (), lambda m, w, i: total_imbalance_mass(m.parameters)),
+    "envelope_diameter": Named("m", (), lambda m, w, i: m.envelope_diameter),
+    "total_imbalance_mass": Named("kg", (), lambda m, w, i: m.total_imbalance_mass),
 }
 # of what a figure may be given: unit and range
 CONDITIONS = {"speed": ("rad/s", LARGEST_SPEED), "ratio": ("1", 0.99)}
-
-# speed and ratio of each figure
-Wanted = Mapping[str, tuple[float, float]]
-
-
-def named_figures(parameters: Mapping[str, float], wanted: Wanted) -> dict[str, Quantity]:
-    """Figures of a mechanism by name.
-
-    Args:
-        parameters: of the module by name. wanted: names of NAMED, each with speed (rad/s) and ratio.
-
-    Raises:
-        Refused: the parameters cannot be, or a freewheel is missing.
-    """
-    mechanism = Mechanism(parameters)
-    return {
-        name: Quantity(NAMED[name].value(mechanism, *at), NAMED[name].unit) for name, at in wanted.items()
-    }

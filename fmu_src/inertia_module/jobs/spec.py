@@ -1,12 +1,17 @@
-"""Specification of a design: a scene with its free keys, limits and goals of figures, and the search."""
+"""Specification of a design: a scene with its free keys, limits and goals of figures, and the search.
+
+A judge says how far a design is from meeting it, and which designs are best.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, NamedTuple
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from ..common.errors import must_be
@@ -17,13 +22,15 @@ from ..scene.fields import Strict, quantity
 from ..scene.keys import validated
 from ..scene.reading import load_tables
 from .axes import Axis, axes_of
+from .evaluation import Row
 from .named import CONDITIONS, NAMED, Wanted
-from .task import Row
 
 LEVELS = tuple(name for name, _, _ in ENUMERATIONS["Fidelity"])
 # of a summary that has it only where the speed is reached
 OPTIONAL = "time_to_"
 MOST_GOALS = 3
+# violation of a limit whose figure there is not: the run was refused, or a speed is not reached
+MISSING = 1.0
 
 
 class Demand(Strict):
@@ -47,21 +54,9 @@ class Demand(Strict):
             raise ValueError("must have a minimum, a maximum or a goal ('least' or 'greatest'), has none")
         return self
 
-    def limit(self, which: str, unit: str) -> float | None:
-        """The minimum or maximum in a unit, None if there is none.
-
-        Raises:
-            ValueError: it is in a unit of another kind, or no quantity.
-        """
-        given = getattr(self, which)
-        if not isinstance(given, str):
-            return None if given is None else float(given)
-        number, own = split_quantity(given)
-        return number * factor_between(own or unit or "1", unit or "1")
-
 
 class Search(Strict):
-    """How designs are searched.
+    """Settings of the search for designs.
 
     Attributes:
         population, generations: of NSGA-II. seed: same seed, same result. fidelity: of the search.
@@ -135,33 +130,26 @@ def _spec(data: dict[str, Any], folder: Path) -> Spec:
     tables = validated(Tables, own)
     scene = validated(Scene, data, folder)
     for name, demand in tables.figures.items():
-        _check(name, demand)
+        _check_conditions(name, demand)
+        if name in NAMED:
+            limits_of(name, demand, NAMED[name].unit)
     spec = Spec(scene, axes_of(tables.free, scene), tables.figures, tables.search)
     if not 1 <= len(spec.goals) <= MOST_GOALS:
         raise SceneError(must_be("the number of figures with a goal", f"1 to {MOST_GOALS}", len(spec.goals)))
     return spec
 
 
-def _check(name: str, demand: Demand) -> None:
-    """Refuse a demand that is not of its figure.
-
-    Raises:
-        SceneError: which is missing or too much, or a limit that is no quantity of its kind.
-    """
+def _check_conditions(name: str, demand: Demand) -> None:
+    """Refuse a demand that lacks the speed or ratio of its figure, or has one too many."""
     asked = NAMED[name].asks if name in NAMED else ()
     given = [condition for condition in CONDITIONS if condition in demand.model_fields_set]
     if sorted(given) != sorted(asked):
-        known = (
-            ""
-            if name in NAMED
-            else f"; figures at a speed are {', '.join(n for n in NAMED if NAMED[n].asks)}"
-        )
+        at_speed = ", ".join(one for one, named in NAMED.items() if named.asks)
+        known = "" if name in NAMED else f"; figures at a speed are {at_speed}"
         raise SceneError(
             f"figures.{name} must be given {' and '.join(asked) or 'no speed and no ratio'}, is given"
             f" {' and '.join(given) or 'none of it'}{known}"
         )
-    if name in NAMED:
-        check_limits(name, demand, NAMED[name].unit)
 
 
 def absent(name: str, row: Row) -> str:
@@ -174,21 +162,110 @@ def unit_of(name: str, units: dict[str, str]) -> str:
     return units.get(name, "s" if name.startswith(OPTIONAL) else "")
 
 
-def check_limits(name: str, demand: Demand, unit: str) -> None:
-    """Refuse limits that are no quantities in a unit, or that no number meets.
+class Limit(NamedTuple):
+    """A limit of a figure.
+
+    Attributes:
+        figure: its name. bound: in the unit of the figure. side: 1.0 for a maximum, -1.0 for a minimum.
+    """
+
+    figure: str
+    bound: float
+    side: float
+
+    def violation(self, row: Row, margin: float = 0.0) -> float:
+        """Excess of a row over the limit, relative to it; below 0 what is left.
+
+        Args:
+            row: of the design. margin: by which the limit is narrower, relative to it.
+        """
+        value = row.figures.get(self.figure)
+        if value is None or not math.isfinite(value):
+            return MISSING
+        narrower = 0.0 if self.figure in NAMED else margin
+        return self.side * (value - self.bound) / (abs(self.bound) or 1.0) + narrower
+
+    def text(self, row: Row, unit: str) -> str:
+        """Compare what a row has with the limit, in a line."""
+        value = row.figures.get(self.figure)
+        has = absent(self.figure, row) if value is None else f"{value:.4g} {unit}".strip()
+        allowed = f"{'at most' if self.side > 0.0 else 'at least'} {self.bound:.4g} {unit}".strip()
+        return f"{self.figure} is {has}, must be {allowed}"
+
+
+def limits_of(name: str, demand: Demand, unit: str) -> list[Limit]:
+    """Limits of a figure in its unit.
 
     Raises:
-        SceneError: which, and why.
+        SceneError: one is no quantity in this unit, or no number meets both.
     """
-    found = {}
-    for which in ("minimum", "maximum"):
+    found = []
+    for which, side in (("minimum", -1.0), ("maximum", 1.0)):
+        given = getattr(demand, which)
         try:
-            found[which] = demand.limit(which, unit)
+            if isinstance(given, str):
+                number, own = split_quantity(given)
+                given = number * factor_between(own or unit or "1", unit or "1")
         except ValueError as error:
-            value = getattr(demand, which)
             raise SceneError(
-                f"figures.{name}.{which} must be a number in {unit or '1'}, is {value!r}: {error}"
+                f"figures.{name}.{which} must be a number in {unit or '1'}, is {given!r}: {error}"
             ) from None
-    low, high = found["minimum"], found["maximum"]
-    if low is not None and high is not None and low > high:
+        if given is not None:
+            found.append(Limit(name, float(given), side))
+    if len(found) == 2 and found[0].bound > found[1].bound:
+        low, high = (limit.bound for limit in found)
         raise SceneError(f"figures.{name}: minimum must be at most maximum, {low:g} is above {high:g}")
+    return found
+
+
+class Judge:
+    """Judges rows by a specification.
+
+    Args:
+        spec: the specification. units: of the figures by name.
+
+    Attributes:
+        limits: all of them.
+
+    Raises:
+        SceneError: as limits_of.
+    """
+
+    def __init__(self, spec: Spec, units: dict[str, str]) -> None:
+        self.spec, self.units = spec, units
+        self.limits = [
+            limit
+            for name, demand in spec.demands.items()
+            for limit in limits_of(name, demand, unit_of(name, units))
+        ]
+
+    def violations(self, row: Row, margin: float = 0.0) -> list[float]:
+        """Violation of each limit, and at last whether a goal has no figure."""
+        missing = any(name not in row.figures for name in self.spec.goals)
+        return [limit.violation(row, margin) for limit in self.limits] + [MISSING if missing else 0.0]
+
+    def meets(self, row: Row, margin: float = 0.0) -> bool:
+        """Tell whether a row meets all limits."""
+        return max(self.violations(row, margin)) <= 0.0
+
+    def beyond(self, row: Row) -> float:
+        """Sum of all violations: 0 where all limits are met."""
+        return sum(max(violation, 0.0) for violation in self.violations(row))
+
+    def tightest(self, row: Row) -> Limit | None:
+        """The limit that a row is the furthest beyond, or nearest to; None without limits."""
+        return max(self.limits, key=lambda limit: limit.violation(row), default=None)
+
+    def costs(self, row: Row) -> list[float]:
+        """The goals as numbers that are to be small."""
+        sign = {"least": 1.0, "greatest": -1.0}
+        return [sign[goal] * row.figures.get(name, 0.0) for name, goal in self.spec.goals.items()]
+
+    def fronts(self, rows: Sequence[Row]) -> list[list[Row]]:
+        """Rows by rank: the first ones are those that no other is better than in every goal."""
+        from pymoo.util.nds.non_dominated_sorting import NonDominatedSorting
+
+        if not rows:
+            return []
+        ranks = NonDominatedSorting().do(np.array([self.costs(row) for row in rows]))
+        return [sorted((rows[n] for n in rank), key=self.costs) for rank in ranks]

@@ -1,25 +1,54 @@
-"""Sweep: the summary of a scene over values of its keys."""
+"""Sweep: the summary of a scene over values of its keys, and what varies it the most."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..common.errors import Refused, did_you_mean
 from ..common.files import OUTPUT_FOLDER
 from ..harness.fmu import fmu_file
+from ..harness.results import write_rows
 from ..harness.simulate import Progress
 from ..scene import Scene
 from ..scene.summary import time_to
-from .axes import Axis, axes_of, grid, sampled, units_of
-from .evaluator import Evaluator, read
-from .sensitivity import Sensitivity, indices
-from .store import write_tables
-from .task import Row, SceneTask
+from .axes import Axis, Point, axes_of, grid, of_shares, sampled, units_of
+from .evaluation import Evaluator, Row, Task, read, write_tables
+
+# a figure that varies less than this, relative to its magnitude, does not vary
+CONSTANT = 1e-9
+
+
+@dataclass(frozen=True)
+class Sensitivity:
+    """Sobol indices.
+
+    Source: Saltelli et al. (2010), Variance based sensitivity analysis of model output, table 2.
+
+    Attributes:
+        keys: n names. figures: m names of those that vary.
+        first: share of the variance that a key makes alone, shape (m, n).
+        total: with all that it does together with others, shape (m, n).
+    """
+
+    keys: list[str]
+    figures: list[str]
+    first: NDArray[np.float64]
+    total: NDArray[np.float64]
+
+    def save(self, path: Path) -> Path:
+        """Write as CSV, a row for each figure and key."""
+        pairs = [(m, n) for m in range(len(self.figures)) for n in range(len(self.keys))]
+        rows = [
+            (self.figures[m], self.keys[n], repr(float(self.first[m, n])), repr(float(self.total[m, n])))
+            for m, n in pairs
+        ]
+        return write_rows(path, ("figure", "key", "first_order", "total"), rows)
 
 
 @dataclass(frozen=True)
@@ -46,7 +75,7 @@ class SweepResult:
         """The rows that were refused."""
         return [row for row in self.rows if row.refused]
 
-    def figure(self, name: str) -> np.ndarray[Any, np.dtype[np.float64]]:
+    def figure(self, name: str) -> NDArray[np.float64]:
         """Values of a figure, NaN where refused, shape (rows,).
 
         Raises:
@@ -101,14 +130,14 @@ def sweep(
         points = grid(axes) if sample is None else sampled(axes, sample, seed)
     elif sample is not None:
         raise Refused("sample and sensitivity must not both be given")
-    task = SceneTask(base.tables, fmu_file(fmu).read_bytes())
+    task = Task(fmu_file(fmu).read_bytes(), base.tables)
     folder = OUTPUT_FOLDER / f"{name}_sweep" if output is None else Path(output)
     found = None
     with Evaluator(task, folder, scheduler, workers, progress) as evaluator:
         if sensitivity is not None:
             found, points = indices(axes, sensitivity, seed, evaluator)
         rows = evaluator(points)
-    units = {**units_of(axes, base), **evaluator.journal.units}
+    units = {**units_of((axis.name for axis in axes), base), **evaluator.journal.units}
     files = write_tables(folder, "sweep", rows, units)
     if found is not None:
         files["sensitivity"] = found.save(folder / "sensitivity.csv")
@@ -116,7 +145,49 @@ def sweep(
 
 
 def unreached(scene: Scene, rows: Sequence[Row]) -> dict[str, int]:
-    """By the time to a speed, in how many rows it is not reached; without those where it always is."""
+    """Count, by the time to a speed, the rows that do not reach it; without those where all do."""
     names = [time_to(speed) for speed in getattr(scene.load, "times_to", ())]
     counted = {name: sum(name not in row.figures for row in rows if not row.refused) for name in names}
     return {name: number for name, number in counted.items() if number}
+
+
+def indices(
+    axes: Sequence[Axis], number: int, seed: int, evaluate: Callable[[Sequence[Point]], list[Row]]
+) -> tuple[Sensitivity, list[Point]]:
+    """Compute Sobol indices of all figures that vary; with the points they are from.
+
+    Args:
+        axes: the ranges, independent and uniform. number: n, a power of 2, for n (d + 2) runs. seed: of the
+            points. evaluate: gives rows of points.
+
+    Raises:
+        Refused: number is no power of 2, or a point was refused: indices take whole ranges.
+    """
+    from scipy.stats import sobol_indices, uniform
+
+    if number < 2 or number & (number - 1):
+        raise Refused(f"sensitivity must be a power of 2, such as 256, is {number}")
+    points: list[Point] = []
+    names: list[str] = []
+
+    def figures_at(shares: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Figures, shape (m, points), at shares of the ranges, shape (axes, points)."""
+        asked = of_shares(axes, shares.T)
+        rows = evaluate(asked)
+        points.extend(asked)
+        refused = next((row for row in rows if row.refused), None)
+        if refused is not None:
+            raise Refused(
+                f"Sobol indices must have runs at all points, at {refused.point}: {refused.refused}"
+            )
+        names[:] = names or sorted(set.intersection(*(set(row.figures) for row in rows)))
+        return np.array([[row.figures[name] for row in rows] for name in names])
+
+    with np.errstate(divide="ignore", invalid="ignore"):
+        found = sobol_indices(func=figures_at, n=number, dists=[uniform()] * len(axes), rng=seed)
+    values = evaluate(points)
+    table = np.array([[row.figures[name] for name in names] for row in values])
+    varies = np.ptp(table, axis=0) > CONSTANT * np.abs(table).max(axis=0)
+    kept = [name for name, one in zip(names, varies, strict=True) if one]
+    first, total = found.first_order[varies], found.total_order[varies]
+    return Sensitivity([one.name for one in axes], kept, first, total), points

@@ -22,7 +22,7 @@ from distributed import Client, LocalCluster, Worker, WorkerPlugin, get_worker, 
 from distributed.scheduler import KilledWorker
 
 from .axes import Point
-from .task import Batch, Figures, Row, Task, evaluate
+from .evaluation import Batch, Figures, Row, Task, evaluate
 
 # a batch takes about so long, s, and has at most so many points
 BATCH_TIME = 0.25
@@ -64,7 +64,7 @@ class TaskPlugin(WorkerPlugin):  # type: ignore[misc]
             self.running += 1
         try:
             if not hasattr(self.local, "figures_of"):
-                self.local.figures_of = self.task.opened(self.path, self.closing)
+                self.local.figures_of = self.task.make_evaluator(self.path, self.closing)
             figures_of: Callable[[Point], Figures] = self.local.figures_of
             return evaluate(figures_of, points)
         finally:
@@ -81,7 +81,7 @@ def _evaluated_here(name: str, points: list[Point]) -> str:
 
 @contextlib.contextmanager
 def pool(task: Task, scheduler: str | None = None, workers: int | None = None) -> Iterator[Client]:
-    """A client whose workers know a task.
+    """Connect a client whose workers know a task.
 
     Args:
         task: what is evaluated. scheduler: address of one that runs, such as tcp://host:8786; without it a
@@ -112,12 +112,6 @@ def pool(task: Task, scheduler: str | None = None, workers: int | None = None) -
             client.unregister_worker_plugin(task.identity)
 
 
-def _start_anew(client: Client) -> None:
-    """Start workers of this machine that Dask has given up, as it does when one dies while it starts."""
-    if client.cluster is not None:
-        client.cluster.scale(len(client.cluster.worker_spec))
-
-
 def evaluations(client: Client, name: str, points: Sequence[Point]) -> Iterator[Batch]:
     """Evaluate points on the workers; the batches as they come, in no order.
 
@@ -142,7 +136,9 @@ def evaluations(client: Client, name: str, points: Sequence[Point]) -> Iterator[
             found = Batch.of(future.result(timeout=PATIENCE))
             del under_way[future]
         except TimeoutError:
-            _start_anew(client)
+            if client.cluster is not None:
+                # Dask gives up workers of this machine that die while they start: start them anew
+                client.cluster.scale(len(client.cluster.worker_spec))
             continue
         except KilledWorker as error:
             batch = under_way.pop(future)

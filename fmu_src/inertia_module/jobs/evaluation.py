@@ -1,0 +1,279 @@
+"""Evaluation of points: each to figures with their units, its cost, or the sentence of a refusal.
+
+A task travels to the workers once, with its FMU as bytes. Results are kept as they come in a journal that
+survives a kill; the tables are made of it, Parquet and CSV.
+"""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from ..common.errors import Refused
+from ..common.extras import library
+from ..common.files import content_hash, writable_folder, write_atomically
+from ..harness.fmu import Closing
+from ..harness.results import heading, write_rows
+from ..harness.simulate import Progress
+from ..scene import Scene, load_scene
+from ..scene.keys import validated
+from ..scene.run import SceneRunner
+from ..scene.summary import Quantity
+from .axes import Point
+
+Figures = dict[str, Quantity]
+# figures of a summary that tell of the computer
+TIMES = ("wall_time", "real_time_factor")
+JOURNAL = "journal.jsonl"
+
+
+class Row(NamedTuple):
+    """Result of the evaluation of a point.
+
+    Attributes:
+        point: keys of the scene by name. figures: numbers by name, none if it was refused.
+        cost: s of computing. refused: why, in a sentence, or "".
+    """
+
+    point: Point
+    figures: dict[str, float]
+    cost: float
+    refused: str = ""
+
+
+@dataclass
+class Batch:
+    """Rows, and the units of their figures by name."""
+
+    rows: list[Row] = field(default_factory=list)
+    units: dict[str, str] = field(default_factory=dict)
+
+    def text(self) -> str:
+        """Write as a line of JSON."""
+        return json.dumps({"rows": self.rows, "units": self.units})
+
+    @classmethod
+    def of(cls, text: str) -> Batch:
+        """Read the outcome that text has written."""
+        data = json.loads(text)
+        return cls([Row(*row) for row in data["rows"]], data["units"])
+
+
+@dataclass(frozen=True)
+class Task:
+    """The summary of a scene at points; it is pickled.
+
+    Attributes:
+        fmu: content of the FMU's file. tables: of the scene (Scene.tables).
+    """
+
+    fmu: bytes
+    tables: dict[str, Any]
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """All that results depend on other than point and FMU, not what the scene is called."""
+        return {name: table for name, table in self.tables.items() if name not in ("title", "description")}
+
+    @property
+    def identity(self) -> str:
+        """Hash of settings and FMU."""
+        settings = json.dumps(self.settings, sort_keys=True)
+        return content_hash({"scene": settings.encode(), "fmu": self.fmu})
+
+    def make_evaluator(self, fmu: Path, closing: ExitStack) -> Callable[[Point], Figures]:
+        """Make a function that gives the figures of a point, of one thread alone; it may raise Refused.
+
+        Args:
+            fmu: the FMU as a file. closing: what is to be closed in the end.
+        """
+        scene, runner = validated(Scene, self.tables), closing.enter_context(SceneRunner(fmu))
+        return lambda point: summary_of(runner, scene.with_keys(point))
+
+
+def summary_of(runner: SceneRunner, scene: Scene) -> Figures:
+    """Run a scene; the figures of its summary but TIMES."""
+    found = runner.run(scene).quantities
+    return {name: quantity for name, quantity in found.items() if name not in TIMES}
+
+
+def evaluate(figures_of: Callable[[Point], Figures], points: list[Point]) -> Batch:
+    """Evaluate points one after the other; a refusal is a result."""
+    batch = Batch()
+    for point in points:
+        began = time.perf_counter()
+        figures: Figures = {}
+        refused = ""
+        try:
+            figures = figures_of(point)
+        except Refused as error:
+            refused = " ".join(str(error).split())
+        cost = time.perf_counter() - began
+        batch.units.update({name: quantity.unit for name, quantity in figures.items()})
+        values = {name: quantity.value for name, quantity in figures.items()}
+        batch.rows.append(Row(point, values, cost, refused))
+    return batch
+
+
+class Journal:
+    """The results of a task in a folder: a line for each batch, written as soon as it is there.
+
+    Args:
+        folder: where; made if it is not there. identity: of the task (Task.identity).
+
+    Attributes:
+        rows: by key. units: of the figures by name.
+
+    Raises:
+        Refused: the folder holds results of another task.
+        OSError: it cannot be written to.
+    """
+
+    def __init__(self, folder: Path, identity: str) -> None:
+        self.path = writable_folder(folder) / JOURNAL
+        self.rows: dict[str, Row] = {}
+        self.units: dict[str, str] = {}
+        head = json.dumps({"task": identity})
+        if self.path.is_file():
+            found, *lines = self.path.read_text(encoding="utf-8").split("\n")
+            if found != head:
+                raise Refused(
+                    f"{folder} must be another folder, or {JOURNAL} in it removed: it holds results of"
+                    " another scene, or of another version"
+                )
+            *whole, cut = lines  # a kill may have cut the last line: what it held is done again
+            for line in whole:
+                self._take(Batch.of(line))
+            if cut:
+                write_atomically(self.path, "\n".join([head, *whole, ""]).encode())
+        else:
+            write_atomically(self.path, f"{head}\n".encode())
+
+    def _take(self, batch: Batch) -> None:
+        self.rows.update({_key(row.point): row for row in batch.rows})
+        self.units.update(batch.units)
+
+    def missing(self, points: Iterable[Point]) -> list[Point]:
+        """Points without a result, each once."""
+        return list({_key(point): point for point in points if _key(point) not in self.rows}.values())
+
+    def keep(self, batches: Iterable[Batch]) -> Iterator[Batch]:
+        """Keep batches as they come, and pass them on."""
+        with self.path.open("a", encoding="utf-8") as stream:
+            for batch in batches:
+                stream.write(batch.text() + "\n")
+                stream.flush()
+                self._take(batch)
+                yield batch
+
+    def of(self, points: Iterable[Point]) -> list[Row]:
+        """Rows of points, all of which have been done."""
+        return [self.rows[_key(point)] for point in points]
+
+
+def _key(point: Point) -> str:
+    return json.dumps(point, sort_keys=True)
+
+
+class Evaluator(Closing):
+    """Evaluator of points, as often as it is called; a context manager that ends its workers.
+
+    Args:
+        task: what is evaluated. folder: of its journal. scheduler, workers: as in workers.pool; they start
+            when the first point is to be evaluated. progress: told the share done of the points of a call.
+
+    Attributes:
+        journal: of all results. new: how many of them were not there before.
+
+    Raises:
+        Refused: the folder holds results of another task. NotInstalled: the extra jobs is not.
+    """
+
+    def __init__(
+        self,
+        task: Task,
+        folder: Path,
+        scheduler: str | None = None,
+        workers: int | None = None,
+        progress: Progress | None = None,
+    ) -> None:
+        for name in ("distributed", "pyarrow"):
+            library(name, "jobs")
+        self.task, self.journal, self.new = task, Journal(folder, task.identity), 0
+        self.progress = progress or (lambda share: None)
+        self._pool = (scheduler, workers)
+        self._stack = ExitStack()
+        self._client: Any = None
+
+    def close(self) -> None:
+        """End the workers."""
+        self._stack.close()
+
+    def __call__(self, points: Sequence[Point]) -> list[Row]:
+        """Rows of points, in their order; what is in the journal is not done again."""
+        missing = self.journal.missing(points)
+        if missing:
+            from .workers import evaluations, pool
+
+            if self._client is None:
+                self._client = self._stack.enter_context(pool(self.task, *self._pool))
+            done = 0
+            for batch in self.journal.keep(evaluations(self._client, self.task.identity, missing)):
+                done += len(batch.rows)
+                self.progress(done / len(missing))
+            self.new += done
+        return self.journal.of(points)
+
+
+def read(scene: Scene | Path | str) -> tuple[Scene, str]:
+    """Read a scene; with what to call its results.
+
+    Raises:
+        SceneError: as load_scene.
+    """
+    return (scene, "scene") if isinstance(scene, Scene) else (load_scene(scene), Path(scene).stem)
+
+
+def write_tables(folder: Path, name: str, rows: Sequence[Row], units: dict[str, str]) -> dict[str, Path]:
+    """Write rows as NAME.parquet (units in the metadata of its columns) and NAME.csv (units in headings).
+
+    Columns are the keys varied, the figures, cost and refused; empty where there is none.
+
+    Raises:
+        NotInstalled: pyarrow is not.
+    """
+    arrow = library("pyarrow", "jobs")
+    parquet = library("pyarrow.parquet", "jobs")
+    keys = dict.fromkeys(name for row in rows for name in row.point)
+    figures = dict.fromkeys(name for row in rows for name in row.figures)
+    columns: dict[str, list[Any]] = {
+        **{name: [row.point.get(name) for row in rows] for name in keys},
+        **{name: [row.figures.get(name) for row in rows] for name in figures},
+        "cost": [row.cost for row in rows],
+        "refused": [row.refused for row in rows],
+    }
+    units = {**units, "cost": "s"}
+    arrays = {title: arrow.array(values) for title, values in columns.items()}
+    schema = arrow.schema(
+        [arrow.field(t, array.type, metadata={"unit": units.get(t, "")}) for t, array in arrays.items()]
+    )
+    buffer = arrow.BufferOutputStream()
+    parquet.write_table(arrow.table(arrays, schema=schema), buffer)
+    tables = {"parquet": folder / f"{name}.parquet", "csv": folder / f"{name}.csv"}
+    write_atomically(tables["parquet"], buffer.getvalue().to_pybytes())
+
+    def cell(value: Any, unit: str) -> Any:
+        """Nothing for none, counts as whole numbers."""
+        if isinstance(value, float) and value.is_integer() and not unit:
+            return int(value)
+        return "" if value is None else value
+
+    headings = [heading(title, units.get(title, "")) for title in columns]
+    cells = ([cell(value, units.get(title, "")) for value in values] for title, values in columns.items())
+    write_rows(tables["csv"], headings, zip(*cells, strict=True))
+    return tables
