@@ -1,7 +1,7 @@
 """Do the tests notice? Single changes are planted in copies of the kernel, and tests run with each.
 
     python tests/planted_changes.py -n 2                     all changes, each with the selection below
-    python tests/planted_changes.py -k search tests/unit/test_dips.py
+    python tests/planted_changes.py -k search tests/unit/test_crossings.py
 
 Prints for each change the first test that failed, or "survived". Nothing is translated: the tests run with
 INERTIA_MODULE_KERNEL=plain and few examples each, so choose tests of the kernel itself, tests/unit, not of
@@ -24,12 +24,36 @@ TIME_LIMIT = 400  # s a change: an endless run is noticed too
 FEW = ["--hypothesis-profile=few"]
 # tests that are quick in plain Python, in tests/unit, what notices most first; by the file that is changed
 # (maps of fidelity averaged take no time in the planar layout, minutes in the bevel one under a torque)
+CHECK_VALUES = """
+    test_check_values.py::test_reference_scene_has_its_check_values
+    test_check_values.py::test_planar_scene_has_its_check_values
+    test_check_values.py::test_elastic_scene_has_its_check_values
+"""
+MEANS = """
+    test_mean_torques.py::test_input_goes_on_as_over_the_last_step_where_it_is_held_so
+    test_mean_torques.py::test_impulses_are_what_changes_the_momentum
+    test_mean_torques.py::test_means_and_peak_are_those_of_the_torques_at_each_instant[bevel-speed-rigid-ideal]
+    test_mean_torques.py::test_means_and_peak_are_those_of_the_torques_at_each_instant[planar-speed-kinematic-friction]
+    test_mean_torques.py::test_means_and_peak_are_those_of_the_torques_at_each_instant[planar-torque-elastic-friction]
+"""
+DIPS = """
+    test_crossings.py::test_dip_with_zero_slope_at_its_beginning_is_found
+    test_crossings.py::test_first_of_three_zeros_releases_link_2
+    test_crossings.py::test_release_among_close_zeros_is_found_as_by_short_steps
+"""
+LOADS = """
+    test_loads.py::test_moment_about_the_axis_is_what_link_1_and_link_2_are_given
+    test_loads.py::test_forces_on_the_mount_are_the_sums_over_all_imbalances
+    test_loads.py::test_means_with_a_jump_are_those_with_a_steep_ramp
+    test_loads.py::test_without_a_housing_freewheel_the_housing_takes_nothing
+    test_loads.py::test_peak_on_the_bearing_is_that_of_all_instants
+"""
 SELECTION = {
     "averaged/": """
         test_averaged_rates.py test_rates.py::test_speeds_and_guards_of_the_steady_motion
         test_averaged_map.py::test_momentum_while_link_2_is_held_changes_by_what_holds_it
         test_mean_torques.py::test_constant_torque_over_a_part_of_the_mean_motion_has_its_impulse_at_any_ramp
-        test_averaged.py::test_error_follows_the_tolerance[planar]
+        test_motions.py::test_error_follows_the_tolerance[planar-speed-averaged-ideal]
         test_averaged_map.py::test_steady_motion_under_a_torque_ends_a_period_as_it_began
         test_averaged.py::test_input_passes_through_zero_and_back[0-planar]
         test_averaged.py::test_overrunning_shaft_leaves_the_input_behind_and_comes_back
@@ -37,65 +61,63 @@ SELECTION = {
         test_averaged.py::test_shaft_is_braked_to_rest_and_stays_there[planar]
         test_averaged.py::test_energy_taken_in_while_the_input_changes_is_the_mean_of_the_rigid_module[planar]
         test_averaged_map.py::test_ripple_and_mean_speed_and_energy_are_those_of_the_rigid_motion[0.3-planar]
-        test_averaged_map.py::test_mean_housing_and_mesh_torques_share_the_output_torque_by_the_ratio[0.2-100.0-planar]
-        test_averaged_by_torque.py::test_behind_an_engine_of_great_inertia_the_motion_is_that_at_its_speed[planar-10.0]
-        test_averaged_by_torque.py::test_torque_that_alternates_about_ratio_1_is_followed[0.2-planar]
-        test_averaged_by_torque.py::test_mean_speeds_are_those_of_the_pulses_however_light_link_1_is[1.0-planar]
+        test_averaged_map.py::test_mean_torques_are_those_of_the_rigid_module_at_held_output_speed[0.31-100.0-planar]
+        test_averaged.py::test_behind_an_engine_of_great_inertia_the_motion_is_that_at_its_speed[planar-10.0]
+        test_averaged.py::test_torque_that_alternates_about_ratio_1_is_followed[0.2-planar]
+        test_averaged.py::test_mean_speeds_are_those_of_the_pulses_however_light_link_1_is[1.0-planar]
         test_averaged.py::test_shaft_that_starts_at_the_end_of_the_map_comes_to_rest_within_one_step
+        test_averaged_losses.py::test_locked_to_link_1_friction_and_drag_alone_are_lost
     """,
     "driven_shaft/": "test_propagator.py test_driven_shaft.py",
     "general/": """
-        test_losses_kernel.py::test_losses_of_several_satellites_follow_the_tolerance
-        test_losses_kernel.py::test_impulse_of_the_input_is_that_of_the_momentum_though_it_does_no_work
+        test_reference.py::test_losses_of_several_satellites_follow_the_tolerance
+        test_reference.py::test_impulse_of_the_input_is_that_of_the_momentum_though_it_does_no_work
         test_losses.py::test_meshes_that_jam_are_refused
         test_losses.py::test_ramp_from_rest_breaks_friction_loose[mesh-0.01]
         test_losses.py::test_locked_up_machine_with_friction_stays_so
-        test_losses_steps.py::test_prescribed_motion_has_the_efficiency_of_planetary_gears
-        test_losses_steps.py::test_prescribed_motion_pays_for_each_loss_and_nothing_else[gravity-0.5-planar]
-        test_losses_kernel.py::test_loads_that_change
-        test_losses_kernel.py::test_freewheels_that_wind_up
-        test_losses_kernel.py::test_several_satellites_and_modules
-        test_losses_kernel.py::test_motion_and_losses_are_those_of_the_reference
-        test_losses_kernel.py::test_links_part_at_the_same_instant_at_any_tolerance
+        test_losses.py::test_prescribed_motion_has_the_efficiency_of_planetary_gears
+        test_losses.py::test_prescribed_motion_pays_for_each_loss_and_nothing_else[gravity-0.5-planar]
+        test_reference.py::test_loads_that_change
+        test_reference.py::test_motion_and_losses_are_those_of_the_reference
+        test_reference.py::test_links_part_at_the_same_instant_at_any_tolerance
     """,
     "timestepping|link_step|hub_step": """
-        test_friction.py::test_fixed_steps_converge_by_second_order_and_make_no_energy
+        test_timestepping.py::test_fixed_steps_come_to_what_events_say
         test_timestepping.py::test_many_pulses_in_a_step_make_no_energy
         test_timestepping.py::test_no_random_run_makes_energy
         test_timestepping.py::test_mean_output_torque_is_within_two_percent_at_steps_of_a_millisecond
         test_timestepping.py::test_energy_audit_shows_the_error_and_closes_with_the_step
-        test_timestepping.py::test_every_set_of_freewheels_agrees_with_the_event_method
     """,
-    "solvers/followed": "test_elastic.py::test_the_twist_of_an_overdamped_shaft_follows_tolerance",
-    "^(audit|step)": """
-        test_audit.py test_mean_torques.py::test_means_and_peak_are_those_of_the_torques_at_each_instant
+    "solvers/followed": """
+        test_elastic.py::test_slowest_rate_is_that_of_the_slowest_eigenvalue
+        test_elastic.py::test_the_twist_of_an_overdamped_shaft_follows_tolerance
     """,
-    "solvers/": """
-        test_friction.py::test_motion_is_that_of_lagranges_equations
-        test_methods.py test_check_values.py test_elastic.py::test_check_values_of_the_design test_rates.py
-        test_torque_driven.py::test_course_is_that_of_lagranges_equations_under_scipy
-        test_elastic.py::test_means_of_the_step_are_the_momentum_they_give test_mean_torques.py
-        test_elastic.py::test_the_work_of_the_balancer_is_in_the_audit test_freewheels.py test_dips.py
+    "^(audit|step)": f"""
+        test_audit.py {MEANS}
+    """,
+    "solvers/": f"""
+        {CHECK_VALUES} test_methods.py test_reference.py::test_motion_is_that_of_the_reference test_rates.py
+        test_motions.py::test_means_are_the_momentum_they_give
+        test_elastic.py::test_the_work_of_the_balancer_is_in_the_audit test_freewheels.py {MEANS} {DIPS}
     """,
     "^bodies": "test_multibody.py",
-    "^(inertia|layout|derive|sine|accumulate|clearance)": """
-        test_check_values.py test_circular.py test_clearance.py test_rates.py test_reduced_inertia.py
+    "^(inertia|layout|derive|sine|accumulate|clearance)": f"""
+        {CHECK_VALUES} test_circular.py test_clearance.py test_rates.py test_reduced_inertia.py
         test_angles.py::test_wrapped_angles_are_within_one_turn
         test_angles.py::test_link_2_held_by_its_freewheel_keeps_the_same_angles
     """,
-    "^(links|contact|guards|search|shaft|output_shaft)": """
-        test_friction.py
-        test_check_values.py test_rates.py test_freewheels.py test_mean_torques.py test_dips.py
-        test_torque_driven.py::test_course_is_that_of_lagranges_equations_under_scipy
+    "^(links|contact|guards|search|shaft|output_shaft)": f"""
+        {CHECK_VALUES} test_reference.py::test_motion_is_that_of_the_reference test_rates.py
+        test_losses.py::test_free_output_spins_down_exponentially test_freewheels.py {MEANS} {DIPS}
     """,
-    "": """
-        test_friction.py test_loads.py
-        test_check_values.py test_methods.py test_elastic.py::test_check_values_of_the_design
-        test_mean_torques.py test_elastic.py::test_the_work_of_the_balancer_is_in_the_audit
+    "": f"""
+        {CHECK_VALUES} test_reference.py::test_motion_is_that_of_the_reference {LOADS} test_methods.py
+        test_losses.py::test_free_output_spins_down_exponentially {MEANS}
+        test_elastic.py::test_the_work_of_the_balancer_is_in_the_audit
         test_rates.py::test_rates_of_the_outputs test_freewheels.py test_jumps.py test_invariants.py
         test_torque_driven.py::test_torque_with_a_rate_counts_by_its_mean_over_the_step
-        test_elastic.py::test_means_of_the_step_are_the_momentum_they_give
-        test_torque_driven.py::test_course_is_that_of_lagranges_equations_under_scipy
+        test_motions.py::test_means_are_the_momentum_they_give
+        test_motions.py::test_many_steps_are_one[bevel-speed-timestepping-ideal]
         test_angles.py::test_link_2_held_by_its_freewheel_keeps_the_same_angles
     """,
 }

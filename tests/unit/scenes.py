@@ -1,6 +1,9 @@
 """Scenes the tests share, and what they read off a module."""
 
 import math
+from itertools import product
+
+import pytest
 
 from inertia_module.contract.variable import PARAMETER
 from inertia_module.contract.variables import with_causality
@@ -59,6 +62,72 @@ FREEWHEELS = {
     "no freewheel": {"housing_freewheel": False, "output_freewheel": False},
 }
 TWO_PI = 2.0 * math.pi
+DRIVES = {"speed": SCENES, "torque": DRIVEN}
+FIXED = {"method": 1, "max_step": 1e-4}
+LEVELS = {
+    "kinematic": {"fidelity": 0, "kinematic_ratio": 0.4},
+    "averaged": {"fidelity": 1},
+    "rigid": {},
+    "elastic": ELASTIC,
+    "timestepping": FIXED,
+    "elastic-timestepping": {**ELASTIC, **FIXED},
+}
+# the satellite gears' own
+GEARS = {"satellite_inertia": 4e-3, "satellite_transverse_inertia": 3e-3}
+LOSSES = {
+    "mesh": {"mesh_efficiency": 0.97},
+    "satellite_mesh": {"satellite_mesh_efficiency": 0.97},
+    "journal": {"journal_friction": 1e-3},
+    "housing_drag": {"housing_drag": 0.5, "housing_drag_viscous": 0.01},
+    "output_drag": {"output_drag": 0.5, "output_drag_viscous": 0.01},
+    "viscous": dict.fromkeys(("input_friction", "drive_friction", "link2_friction", "output_friction"), 0.01),
+    "gravity": {"gravity": 9.81},
+}
+ALL_LOSSES = {name: value for one in LOSSES.values() for name, value in one.items()}
+WIND_UP = {
+    "housing_stiffness": 2e4,
+    "housing_damping": 2.0,
+    "freewheel_stiffness": 1e4,
+    "freewheel_damping": 1.0,
+}
+ACCOUNTS = [f"energy_lost_{cause}" for cause in ("viscous", "shaft", "mesh", "journal", "freewheel")]
+# the account of a loss that is not its own
+CAUSE = {"satellite_mesh": "mesh", "housing_drag": "freewheel", "output_drag": "freewheel"}
+MOTION = ("omega2", "omega_out", "input_speed", "drive_angle", "energy_in", "energy_out", "energy_stored")
+MEANS = (
+    *("input_torque_mean", "output_torque_mean", "mesh_torque_mean", "housing_torque_mean"),
+    "torque_ripple",
+)
+# what is added to the mechanism: what the ideal engines have as well, and all that asks for the general one
+ADDED = {
+    "ideal": {},
+    "gears": GEARS,
+    "friction": LOSSES["viscous"],
+    "losses": ALL_LOSSES | GEARS,
+    "wind-up": ALL_LOSSES | WIND_UP,
+}
+
+
+def motions(levels=tuple(LEVELS), added=tuple(ADDED), missing=tuple(FREEWHEELS)[1:]):
+    """The table of scenes: layouts x drives x levels x what is added, or which freewheels are missing.
+
+    Returns a decorator that calls a test with each as `scene`.
+    """
+    rows = []
+    for layout, drive, level in product(SCENES, DRIVES, levels):
+        if (drive, level) == ("torque", "kinematic"):
+            continue  # the motion is prescribed
+        scene = DRIVES[drive][layout] | LEVELS[level]
+        name = f"{layout}-{drive}-{level}"
+        for more in added:
+            refused = drive == "torque" and level == "averaged" and more not in ("ideal", "gears")
+            if not (refused or (more == "wind-up" and level != "elastic")):
+                rows.append(pytest.param(scene | ADDED[more], id=f"{name}-{more}"))
+        if level not in ("kinematic", "averaged"):
+            for freewheels in missing:
+                more = freewheels.replace(" ", "-")
+                rows.append(pytest.param(scene | FREEWHEELS[freewheels], id=f"{name}-{more}"))
+    return pytest.mark.parametrize("scene", rows)
 
 
 def started(kernel, *scenes, **values):
@@ -94,6 +163,23 @@ def reference(values, duration=0.0):
     motion = Reference(values, *(values.get(name, 0.0) for name in ("omega1", "load_torque", "drive_torque")))
     motion.advance(duration)
     return motion
+
+
+def input_angle(module):
+    return module["input_angle"] + TWO_PI * module["input_turns"]
+
+
+def passed(module):
+    """Energies that went through a module, J."""
+    names = ("energy_in", "energy_out", "energy_stored", "energy_lost")
+    return sum(abs(module[name]) for name in names)
+
+
+def momentum(module):
+    """Angular momentum of imbalance and link 2 about the central axis: one module of one satellite."""
+    _, y, z = vector(module, "imbalance")
+    _, vy, vz = vector(module, "imbalance_velocity")
+    return module["imbalance_mass"] * (y * vz - z * vy) + module["link2_inertia"] * module["omega2"]
 
 
 def vector(module, name):

@@ -36,12 +36,12 @@ def distance(angle, exact, period):
 
 @pytest.mark.parametrize("teeth", [(34, 20), (20, 20), (13, 20), (36, 24)], ids=str)
 @pytest.mark.parametrize("ratio", [0.0, 0.5, -0.25, 2.0])
-@pytest.mark.parametrize("omega1", [4096.0, -4096.0])
-def test_angles_over_many_steps_are_exact_but_for_whole_turns(compiled, teeth, ratio, omega1):
+def test_angles_over_many_steps_are_exact_but_for_whole_turns(compiled, teeth, ratio):
     z17, z6 = teeth
+    omega1 = 4096.0 if z17 > z6 else -4096.0
     period = 2 * PI * Fraction(z17, z6).denominator
     module = started(compiled, fidelity=0, z17=z17, z6=z6, kinematic_ratio=ratio, omega1=omega1)
-    steps = 20_000
+    steps = 10_000
     for _ in range(steps):
         module.advance(TINY)
     theta1 = steps * Fraction(TINY) * Fraction(omega1)
@@ -56,17 +56,23 @@ def test_angles_over_many_steps_are_exact_but_for_whole_turns(compiled, teeth, r
     assert module["input_flange_angle"] == pytest.approx(float(theta1), rel=1e-15)
 
 
-@pytest.mark.parametrize("step", [1e-3, 1.0])
-def test_fast_input_keeps_its_angles_over_long_steps(compiled, scene, step):
-    module = started(compiled, scene, fidelity=0, omega1=1e5)
-    for _ in range(round(1.0 / step)):
-        module.advance(step)
-    steps = round(1.0 / step)
-    theta1 = steps * Fraction(step) * Fraction(1e5)
-    k = Fraction(module["sun_radius"]) / Fraction(module["satellite_radius"]) if module["layout"] else 1
-    assert distance(module["input_angle"], theta1, 2 * PI) < 1e-16 * float(theta1)
-    period = 2 * PI * (1 if module["layout"] else 10)
-    assert distance(module["drive_angle"], k * theta1, period) < 3e-16 * float(k * theta1)
+def test_fast_input_keeps_its_angles_over_long_steps(compiled, scene):
+    for steps in (1000, 1):
+        module = advanced(started(compiled, scene, fidelity=0, omega1=1e5), *[1.0 / steps] * steps)
+        theta1 = steps * Fraction(1.0 / steps) * Fraction(1e5)
+        planar = module["layout"]
+        k = Fraction(module["sun_radius"]) / Fraction(module["satellite_radius"]) if planar else 1
+        assert distance(module["input_angle"], theta1, 2 * PI) < 1e-16 * float(theta1)
+        period = 2 * PI * (1 if planar else 10)
+        assert distance(module["drive_angle"], k * theta1, period) < 3e-16 * float(k * theta1)
+
+
+@pytest.mark.parametrize("start", [1e6, -1e6, 123456.789, -0.001])
+def test_drive_started_many_turns_ahead_is_where_it_should_be(compiled, start):
+    module = started(compiled, drive_angle_start=start)
+    expected, turns = wrapped(Fraction(start), 20 * PI)
+    assert module["drive_angle"] == pytest.approx(float(expected), rel=1e-15, abs=1e-14)
+    assert module["drive_turns"] == turns
 
 
 def test_link_2_held_by_its_freewheel_keeps_the_same_angles(compiled, scene):
@@ -77,14 +83,6 @@ def test_link_2_held_by_its_freewheel_keeps_the_same_angles(compiled, scene):
     assert held["contact_mode"] == 3
     assert drive_angle(held) == pytest.approx(drive_angle(prescribed), rel=1e-14)
     assert held["input_turns"] == prescribed["input_turns"]
-
-
-@pytest.mark.parametrize("start", [1e6, -1e6, 123456.789, -0.001])
-def test_drive_started_many_turns_ahead_is_where_it_should_be(kernel, start):
-    module = started(kernel, drive_angle_start=start)
-    expected, turns = wrapped(Fraction(start), 20 * PI)
-    assert module["drive_angle"] == pytest.approx(float(expected), rel=1e-15, abs=1e-14)
-    assert module["drive_turns"] == turns
 
 
 @pytest.mark.parametrize("turns", [1e9, -1e9, 1e15])

@@ -31,9 +31,18 @@ def agree(ours, rigid, bound):
 
 
 @pytest.mark.parametrize("mechanism", MECHANISMS)
-@pytest.mark.parametrize(("omega1", "bound"), [(15.0, 0.03), (30.0, 0.01), (200.0, 0.01), (-60.0, 0.01)])
-@pytest.mark.parametrize("ratio", [0.1, 0.5, 0.9])
-def test_steady_means_are_those_of_the_pulses(compiled, mechanism, omega1, bound, ratio):
+@pytest.mark.parametrize(
+    ("omega1", "ratio", "bound"),
+    [
+        (15.0, 0.1, 0.03),
+        (15.0, 0.9, 0.03),
+        (30.0, 0.5, 0.01),
+        (200.0, 0.1, 0.01),
+        (200.0, 0.9, 0.01),
+        (-60.0, 0.5, 0.01),
+    ],
+)
+def test_steady_means_are_those_of_the_pulses(compiled, mechanism, omega1, ratio, bound):
     case = compiled, {**MECHANISMS[mechanism], **REALISTIC}, omega1, ratio
     agree(of_map(*case), of_pulses(*case), bound)
 
@@ -82,6 +91,7 @@ def test_locked_to_link_1_friction_and_drag_alone_are_lost(compiled):
     assert module["mesh_torque"] == pytest.approx(12.3, rel=2e-3)
     assert module["input_torque_mean"] == pytest.approx(13.3, rel=2e-3)
     assert module["housing_torque_mean"] == pytest.approx(-0.3, abs=0.02)
+    assert module["housing_torque"] == pytest.approx(-0.3, abs=0.02)
     assert module["energy_lost_freewheel"] == pytest.approx(15.0, rel=2e-3)
 
 
@@ -180,28 +190,18 @@ def test_the_continuous_system_is_the_module(compiled):
         assert taken == pytest.approx(module["input_torque"], rel=1e-9)
 
 
-def test_losses_that_change_between_steps_have_their_map(compiled):
+def test_each_module_has_the_map_of_its_losses_also_where_they_change_between_steps(compiled):
     def started(**values):
-        return Module(compiled).start(
-            **{**PLANAR, **values}, fidelity=1, omega1=100.0, omega_out_start=40.0, load_torque=0.0
-        )
+        scene = {**PLANAR, "omega_out_start": 40.0, "load_torque": 0.0, **values}
+        return Module(compiled).start(**scene, fidelity=1, omega1=100.0)
 
     tuned = started()
+    ideal = tuned["output_torque"]
     tuned.set(journal_friction=2e-3)
     tuned.advance(0.01)
     other = started(journal_friction=2e-3)
+    assert other["output_torque"] > 1.05 * ideal
     other.advance(0.01)
     assert tuned["output_torque_mean"] == other["output_torque_mean"]
     assert tuned["energy_lost_journal"] == other["energy_lost_journal"] > 0.0
-
-
-def test_each_module_has_the_map_of_its_own_losses(compiled):
-    def torque(**values):
-        module = Module(compiled).start(
-            **{**PLANAR, **values}, fidelity=1, omega1=100.0, omega_out_start=40.0, load_torque=0.0
-        )
-        return module["output_torque"]
-
-    ideal = torque()
-    assert torque(journal_friction=2e-3) > 1.05 * ideal
-    assert torque() == ideal
+    assert started()["output_torque"] == ideal

@@ -142,11 +142,11 @@ def test_96_random_machines_with_losses_have_the_torque_and_efficiency_of_their_
 
 @pytest.mark.parametrize("mechanism", MECHANISMS)
 @pytest.mark.parametrize("losses", SLOW)
-@pytest.mark.parametrize("ratio", [0.1, 0.5, 0.9])
+@pytest.mark.parametrize("ratio", [0.1, 0.9])
 def test_a_machine_too_slow_for_its_friction_brakes_as_its_pulses_do(compiled, mechanism, losses, ratio):
     values = {**MECHANISMS[mechanism], **SLOW[losses]}
     slow = Module(compiled).start(**values, fidelity=1).derived.forward.slow
-    for share in (1.5, 3.0, 9.0, 30.0, 100.0):
+    for share in (1.5, 9.0, 100.0):
         omega1 = slow / share
         ours, pulses = (of(compiled, values, omega1, ratio)[0] for of in (of_map, of_pulses))
         stall = stall_torque(values, omega1)

@@ -109,8 +109,8 @@ def test_parts_that_touch_are_not_warned_of(values):
         ),
     ],
 )
-def test_warning_names_the_values_and_what_they_must_be(kernel, values, sentence):
-    module = Module(kernel).start(**values)
+def test_warning_names_the_values_and_what_they_must_be(compiled, values, sentence):
+    module = Module(compiled).start(**values)
     assert module.warnings() == [sentence]
     # it is no refusal: the module runs as it did
     module.set(omega1=100.0, load_torque=10.0)

@@ -1,4 +1,4 @@
-"""Hard crossings: two in a step, grazing, rounding at rest, thousands in one communication step."""
+"""Hard crossings: two in a step, dips, grazing, rounding at rest, thousands in one communication step."""
 
 import itertools
 import math
@@ -40,10 +40,10 @@ def test_long_steps_find_the_crossings_that_short_ones_find(compiled, pulses):
         assert found["omega_out"] == pytest.approx(expected["omega_out"], abs=tolerance * 100.0)
 
 
-def first_pulse(kernel, scene, speed, tolerance=1e-10):
+def first_pulse(compiled, scene, speed, tolerance=1e-10):
     """The unloaded shaft at this speed while link 2 makes its first pulse."""
     quiet = {"load_torque": 0.0, "drive_angle_start": 0.5, "omega_out_start": speed}
-    return advanced(started(kernel, scene, quiet, tolerance=tolerance), 0.045)
+    return advanced(started(compiled, scene, quiet, tolerance=tolerance), 0.045)
 
 
 @pytest.fixture(scope="module")
@@ -90,22 +90,12 @@ def test_thousands_of_pulses_pass_in_one_communication_step(compiled, scene):
 
 
 @pytest.mark.parametrize("input_hold", [0, 1], ids=["constant", "linear"])
-def test_speed_creeping_up_from_rest_under_load_moves_the_shaft(kernel, scene, input_hold):
-    module = started(kernel, scene, input_hold=input_hold, omega1=0.0)
+def test_speed_creeping_up_from_rest_under_load_moves_the_shaft(compiled, scene, input_hold):
+    module = started(compiled, scene, input_hold=input_hold, omega1=0.0)
     for n in range(1, 300):
         advanced(module, 1e-3, omega1=0.3 * n)
         assert module["omega_out"] >= module["omega2"] >= 0.0
     assert module["energy_out"] > 0.0
-
-
-@given(
-    jumps=st.lists(st.floats(-1e-9, 1e-9), min_size=1, max_size=20), load=st.sampled_from([0.0, 8.0, 50.0])
-)
-def test_input_that_trembles_by_rounding_is_no_trouble(compiled, scene, jumps, load):
-    module = started(compiled, scene, load_torque=load)
-    for jump in jumps:
-        advanced(module, 2e-5, omega1=scene["omega1"] * (1.0 + 1e-6 * jump))
-        assert module["omega_out"] >= module["omega2"] >= 0.0
 
 
 @pytest.mark.parametrize("omega1", [1e-3, 1e-6, 1e-9, 1e-20, 1e-100, 1e-300, 5e-324])
@@ -115,14 +105,6 @@ def test_shaft_coasts_while_the_input_hardly_turns(compiled, scene, omega1):
         module = advanced(started(compiled, scene, start), 1e-5, omega1=sign * omega1)
         assert module["omega_out"] == pytest.approx(1.0 - 1e-5 * load / module["output_inertia"], rel=1e-9)
         assert module["rhs_evaluations"] < 1000
-
-
-@pytest.mark.parametrize("load", [0.0, 8.0, -8.0])
-@pytest.mark.parametrize("omega1", [1e-290, 1e-310, -1e-310, 5e-324])
-def test_input_may_be_among_the_smallest_doubles(kernel, scene, load, omega1):
-    module = started(kernel, scene, omega1=0.0, load_torque=load, tolerance=1e-12)
-    advanced(module, 1e-9, 1e-3, omega1=omega1)
-    assert module["omega_out"] >= module["omega2"] >= 0.0
 
 
 @pytest.mark.parametrize("tolerance", [1e-11, 1e-12, 1e-13])
@@ -198,3 +180,65 @@ def test_load_at_rounding_level_on_an_elastic_shaft_at_rest_is_no_trouble(compil
         values = {"satellites": satellites, "omega1": 0.0, "load_torque": load, "tolerance": tolerance}
         module = advanced(started(compiled, STILL, shaft, light, values), step)
         assert abs(module["omega_out"]) < 20.0 * abs(load)
+
+
+# link 2 leaves the shaft at its own speed, so its slope over the shaft starts at zero, and dips to rest
+DIP = {
+    "omega1": 11.410121749714413,
+    "z17": 36,
+    "z6": 48,
+    "shaft_angle": 1.4167520990887148,
+    "a": 1.0,
+    "b": 0.40330594364089606,
+    "gamma": -1.261574699342242,
+    "imbalance_mass": 0.8225726448583082,
+    "satellites": 2,
+    "link2_inertia": 0.00017444423393536806,
+    "output_inertia": 1.1993859597651855,
+}
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-5, 1e-6, 1e-7, 1e-8])
+def test_dip_with_zero_slope_at_its_beginning_is_found(compiled, tolerance):
+    long_steps = advanced(started(compiled, DIP, tolerance=tolerance), 1.75)
+    short_steps = advanced(started(compiled, DIP, tolerance=tolerance, max_step=1e-4), 1.75)
+    assert long_steps["contact_switches"] == short_steps["contact_switches"]
+    assert long_steps["omega_out"] == pytest.approx(short_steps["omega_out"], abs=20 * tolerance)
+
+
+# held, the torque that would release link 2 falls through zero three times within a radian of its phase
+THREE_ZEROS = {
+    "z2": 19,
+    "z16": 31,
+    "z17": 22,
+    "z6": 22,
+    "wheel_radius": 0.27916,
+    "b": 0.48044,
+    "c": 1.02694,
+    "epsilon": -4.81607,
+    "gamma": -3.69265,
+    "imbalance_mass": 1.11706,
+    "satellites": 3,
+    "link2_inertia": 0.000115186,
+    "output_inertia": 0.0193366,
+    "omega_out_start": 5.713833,
+    "drive_angle_start": 6.491726,
+    "omega1": -51.10686,
+    "load_torque": 0.0,
+}
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-9])
+def test_first_of_three_zeros_releases_link_2(compiled, tolerance):
+    one = advanced(started(compiled, THREE_ZEROS, tolerance=tolerance), 0.10453)
+    many = advanced(started(compiled, THREE_ZEROS, tolerance=tolerance), *[1.0453e-4] * 1000)
+    for name in ("drive_angle", "omega2", "omega_out"):
+        assert one[name] == pytest.approx(many[name], rel=tolerance)
+
+
+def test_release_among_close_zeros_is_found_as_by_short_steps(compiled):
+    for start, b, c in itertools.product((0.0, 0.4, 3.6), (0.476, 0.48, 0.486), (1.005, 1.027, 1.045)):
+        scene = (THREE_ZEROS, {"drive_angle_start": start, "b": b, "c": c})
+        one = advanced(started(compiled, *scene), 0.1)
+        many = advanced(started(compiled, *scene), *[1e-3] * 100)
+        assert one["omega2"] == pytest.approx(many["omega2"], abs=1e-4)

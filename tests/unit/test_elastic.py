@@ -1,13 +1,13 @@
-"""Fidelity `elastic`: hub, shaft and driven mass behind the output freewheel."""
+"""Fidelity `elastic`: hub, shaft and driven mass behind the output freewheel; any stiffness, any damping."""
 
 import itertools
 import math
 
 import numpy as np
 import pytest
-from scenes import ELASTIC, FREEWHEELS, REFERENCE, SCENES, advanced, drive_angle, reference, started
+from scenes import ELASTIC, FREEWHEELS, REFERENCE, SCENES, advanced, passed, started
 
-from studies.reference.cases import WOUND
+from inertia_module.kernel.solvers.followed import slowest_rate
 
 # damping over the critical one
 DAMPINGS = {"undamped": 0.0, "underdamped": 0.1, "critical": 1.0, "overdamped": 10.0}
@@ -18,40 +18,12 @@ def damping(stiffness, share, hub=0.02, driven=0.5):
     return 2.0 * share * math.sqrt(stiffness / (1.0 / hub + 1.0 / driven))
 
 
-def test_check_values_of_the_design(kernel):
-    module = advanced(started(kernel, REFERENCE, ELASTIC, tolerance=1e-11), 1.0)
-    assert module["omega_hub"] == pytest.approx(3.908460340, abs=2e-8)
-    assert module["omega_out"] == pytest.approx(16.766411224, abs=2e-9)
-    assert module["shaft_twist"] == pytest.approx(-1.550114589e-3, abs=1e-9)
-
-
-@pytest.mark.parametrize(
-    "shaft",
-    [
-        {},
-        {"shaft_stiffness": 3000.0, "shaft_damping": 0.5, "driven_friction": 0.3},
-        {"shaft_stiffness": 800.0, "shaft_damping": 0.1, "driven_friction": 0.1, "balancer": 0.6},
-    ],
-    ids=["damping", "friction", "balancer"],
-)
-def test_independent_integrator_gives_the_same_motion(compiled, shaft):
-    angle, _, twist, _, *speeds = reference({**REFERENCE, **ELASTIC, **shaft}, 0.3).state[:WOUND]
-    module = advanced(started(compiled, REFERENCE, ELASTIC, shaft, tolerance=1e-12), 0.3)
-    found = (
-        drive_angle(module),
-        *(module[name] for name in ("shaft_twist", "omega2", "omega_hub", "omega_out")),
-    )
-    assert found == pytest.approx((angle, twist, *speeds), rel=2e-9, abs=1e-10)
-
-
-def test_error_follows_tolerance(compiled):
-    def speed(tolerance):
-        return advanced(started(compiled, REFERENCE, ELASTIC, tolerance=tolerance), 1.0)["omega_out"]
-
-    exact = speed(1e-13)
-    errors = {tolerance: abs(speed(tolerance) / exact - 1.0) for tolerance in (1e-4, 1e-6, 1e-8, 1e-10)}
-    assert all(error < 3.0 * tolerance for tolerance, error in errors.items())
-    assert errors[1e-10] < 1e-3 * errors[1e-4]
+@pytest.mark.parametrize("share", [0.1, 1.1, 3.0, 100.0])
+def test_slowest_rate_is_that_of_the_slowest_eigenvalue(share):
+    d, compliance = started("plain", ELASTIC, shaft_damping=damping(400.0, share)).derived, 1.0 / 0.02
+    mobility = compliance + 1.0 / ELASTIC["driven_inertia"]
+    slowest = min(abs(np.roots([1.0, d.damping * mobility, d.stiffness * mobility])))
+    assert slowest_rate(d, compliance) == pytest.approx(slowest, rel=1e-9)
 
 
 @pytest.mark.parametrize("scene", SCENES)
@@ -83,25 +55,20 @@ def test_a_stiff_shaft_costs_no_small_steps(compiled, scene, share, stiffness):
 
 
 @pytest.mark.parametrize("scene", SCENES)
-@pytest.mark.parametrize("stiffness", [1e-3, 1.0, 1e4, 1e7])
 @pytest.mark.parametrize("share", DAMPINGS.values(), ids=DAMPINGS)
-@pytest.mark.parametrize("freewheels", FREEWHEELS)
-def test_energy_audit_closes_in_every_regime(compiled, scene, stiffness, share, freewheels):
-    shaft = {
-        "shaft_stiffness": stiffness,
-        "shaft_damping": damping(stiffness, share),
-        "driven_friction": 0.02,
-    }
-    module = started(
-        compiled, SCENES[scene], FREEWHEELS[freewheels], ELASTIC, shaft, tolerance=1e-8, input_hold=1
-    )
-    turnover = 0.0
-    for n in range(20):
-        advanced(module, 0.01, omega1=SCENES[scene]["omega1"] * (1.0 + 0.3 * math.sin(0.4 * n)))
-        turnover = max(turnover, *(abs(module[f"energy_{name}"]) for name in ("in", "out", "stored", "lost")))
-        assert abs(module["energy_residual"]) < 3e-6 * turnover
-        assert module["energy_lost"] >= 0.0
-    assert module["energy_lost"] > 0.0
+@pytest.mark.parametrize("stiffness", [1e-3, 1.0, 1e4, 1e7])
+def test_energy_audit_closes_in_every_regime(compiled, scene, stiffness, share):
+    shaft = {"shaft_stiffness": stiffness, "shaft_damping": damping(stiffness, share)}
+    settings = ELASTIC | shaft | {"driven_friction": 0.02, "tolerance": 1e-8, "input_hold": 1}
+    for freewheels in FREEWHEELS.values():
+        module = started(compiled, SCENES[scene], freewheels, settings)
+        turnover = 0.0
+        for n in range(20):
+            advanced(module, 0.01, omega1=SCENES[scene]["omega1"] * (1.0 + 0.3 * math.sin(0.4 * n)))
+            turnover = max(turnover, passed(module))
+            assert abs(module["energy_residual"]) < 7e-7 * turnover
+            assert module["energy_lost"] >= 0.0
+        assert module["energy_lost"] > 0.0
 
 
 @pytest.mark.parametrize("balancer", [-0.5, 0.4, 0.9])
@@ -141,19 +108,8 @@ def test_one_long_step_is_many_short_ones(compiled, scene, stiffness):
     assert short["contact_switches"] == long["contact_switches"]
 
 
-def test_means_of_the_step_are_the_momentum_they_give(compiled):
-    module = started(compiled, REFERENCE, ELASTIC, tolerance=1e-10)
-    for n in range(40):
-        before = 0.02 * module["omega_hub"] + 0.5 * module["omega_out"]
-        advanced(module, 0.005, omega1=100.0 + (10.0 * (n % 3) if n >= 20 else 0.0))
-        gained = 0.02 * module["omega_hub"] + 0.5 * module["omega_out"] - before
-        assert 0.005 * (module["output_torque_mean"] - 10.0) == pytest.approx(gained, abs=1e-9)
-        if n < 20:  # without jumps, whose impulses are in the mean alone
-            assert module["torque_peak"] >= module["output_torque_mean"] - 1e-9
-
-
-def test_the_load_pulls_an_untwisted_shaft_away_from_the_freewheel(kernel):
-    module = advanced(started(kernel, REFERENCE, ELASTIC, omega1=0.0), 0.01)
+def test_the_load_pulls_an_untwisted_shaft_away_from_the_freewheel(compiled):
+    module = advanced(started(compiled, REFERENCE, ELASTIC, omega1=0.0), 0.01)
     assert module["omega_out"] < 0.0 < module["shaft_twist"]
     assert module["omega_hub"] == 0.0
     assert module["output_torque"] == pytest.approx(
@@ -161,7 +117,7 @@ def test_the_load_pulls_an_untwisted_shaft_away_from_the_freewheel(kernel):
     )
 
 
-def pulled_by_a_load(kernel, hub, stiffness, drag, tolerance, steps):
+def pulled_by_a_load(compiled, hub, stiffness, drag, tolerance, steps):
     """A shaft between free masses, the driven one of 1 kg m^2, 0.1 s after a load pulls there from rest.
 
     Returns (the module, its twist in closed form, modulus of the slowest eigenvalue).
@@ -173,30 +129,28 @@ def pulled_by_a_load(kernel, hub, stiffness, drag, tolerance, steps):
         "shaft_damping": drag,
     }
     scene = (ELASTIC, shaft, {"omega1": 0.0, "load_torque": -10.0})
-    module = advanced(started(kernel, *scene, tolerance=tolerance), *[0.1 / steps] * steps)
+    module = advanced(started(compiled, *scene, tolerance=tolerance), *[0.1 / steps] * steps)
     mobility = 1.0 / hub + 1.0
     fast, slow = np.roots([1.0, drag * mobility, stiffness * mobility])
     left = (fast * np.exp(0.1 * slow) - slow * np.exp(0.1 * fast)) / (fast - slow)
     return module, -10.0 / (stiffness * mobility) * (1.0 - left.real), abs(slow)
 
 
-@pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8])
-@pytest.mark.parametrize("steps", [1, 10])
 @pytest.mark.parametrize(
-    ("stiffness", "hub"), [*itertools.product([40.0, 400.0, 1e4], [1e-4, 1e-3, 0.1]), (1e7, 1e-3), (1e7, 0.1)]
+    "stiffness, hub", [*itertools.product([40.0, 400.0, 1e4], [1e-4, 1e-3, 0.1]), (1e7, 1e-3), (1e7, 0.1)]
 )
-def test_a_shaft_swung_by_its_load_follows_tolerance(compiled, tolerance, steps, stiffness, hub):
-    module, twist, rate = pulled_by_a_load(compiled, hub, stiffness, 5e-3, tolerance, steps)
-    assert rate * abs(module["shaft_twist"] - twist) < 30.0 * tolerance * module["omega_out"]
+def test_a_shaft_swung_by_its_load_follows_tolerance(compiled, stiffness, hub):
+    for tolerance, steps in itertools.product((1e-4, 1e-6, 1e-8), (1, 10)):
+        module, twist, rate = pulled_by_a_load(compiled, hub, stiffness, 5e-3, tolerance, steps)
+        assert rate * abs(module["shaft_twist"] - twist) < 30.0 * tolerance * module["omega_out"]
 
 
-@pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8])
-@pytest.mark.parametrize("steps", [1, 10])
 @pytest.mark.parametrize("stiffness", [40.0, 400.0, 1e4])
 @pytest.mark.parametrize("hub", [1e-4, 1e-3, 0.1])
-def test_the_twist_of_an_overdamped_shaft_follows_tolerance(compiled, tolerance, steps, stiffness, hub):
-    module, twist, _ = pulled_by_a_load(compiled, hub, stiffness, 100.0, tolerance, steps)
-    assert module["shaft_twist"] == pytest.approx(twist, rel=30.0 * tolerance, abs=0.0)
+def test_the_twist_of_an_overdamped_shaft_follows_tolerance(compiled, stiffness, hub):
+    for tolerance, steps in itertools.product((1e-4, 1e-6, 1e-8), (1, 10)):
+        module, twist, _ = pulled_by_a_load(compiled, hub, stiffness, 100.0, tolerance, steps)
+        assert module["shaft_twist"] == pytest.approx(twist, rel=30.0 * tolerance, abs=0.0)
 
 
 def test_a_shaft_that_has_come_to_rest_costs_little(compiled):

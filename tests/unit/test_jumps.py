@@ -41,7 +41,7 @@ def brute_force(p, q, jump, omega2, omega3):
     raise AssertionError("a P-matrix always has a solution")
 
 
-def before_jump(kernel, scene, housing, output, omega1, omega2, slip, q, inertia):
+def before_jump(compiled, scene, housing, output, omega1, omega2, slip, q, inertia):
     """A module about to jump, with its parameters."""
     omega2 = abs(omega2) if housing else omega2
     p = parameters(
@@ -54,7 +54,7 @@ def before_jump(kernel, scene, housing, output, omega1, omega2, slip, q, inertia
         omega_out_start=omega2 + (slip if output else 0.0),
         drive_angle_start=q,
     )
-    return p, started(kernel, p, omega1=omega1, load_torque=scene["load_torque"])
+    return p, started(compiled, p, omega1=omega1, load_torque=scene["load_torque"])
 
 
 @pytest.mark.parametrize("output", [True, False], ids=["output freewheel", "rigid with the shaft"])
@@ -90,18 +90,6 @@ def test_speeds_and_impulses_after_a_jump_solve_the_complementarity_problem(
     turnover = stored + abs(module["energy_in"]) + p["output_inertia"] * fastest**2
     assert abs(module["energy_residual"]) <= 1e-12 * turnover + 1e-20
     assert module["energy_lost"] == 0.0
-
-
-@pytest.mark.parametrize("targets", [[150.0], [20.0], [0.0], [-100.0], [-100.0, 100.0], [0.0, 100.0]])
-@given(duration=st.floats(1e-3, 0.1))
-def test_module_goes_on_after_jumps_up_down_and_through_zero(compiled, scene, targets, duration):
-    module = advanced(started(compiled, scene, tolerance=1e-10), duration)
-    turnover = module["energy_stored"]
-    for target in targets:
-        advanced(module, duration, omega1=target)
-        turnover = max(turnover, abs(module["energy_in"]), module["energy_stored"])
-        assert module["omega_out"] >= module["omega2"] >= 0.0
-        assert abs(module["energy_residual"]) < 1e-8 * turnover
 
 
 @given(jump=st.floats(1.0, 100.0), parts=st.integers(2, 50))

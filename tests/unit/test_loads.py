@@ -1,4 +1,4 @@
-"""Forces of the imbalances on mount and bearing, means of housing and mesh torque, motion of the output."""
+"""Forces of the imbalances on mount and bearing, accelerations, means with a jump."""
 
 import math
 
@@ -6,41 +6,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scenes import DRIVEN, FREEWHEELS, LAYOUTS, SCENES, TWO_PI, advanced, drive_angle, started, vector
+from scenes import FREEWHEELS, LAYOUTS, SCENES, TWO_PI, advanced, drive_angle, motions, started, vector
 
 from inertia_module.kernel.layout import imbalance
 
-ELASTIC = {"fidelity": 3, "driven_inertia": 0.5, "driven_friction": 0.1, "tolerance": 1e-10}
-LEVELS = {
-    "kinematic": {"fidelity": 0, "kinematic_ratio": 0.4},
-    "averaged": {"fidelity": 1},
-    "rigid": {"fidelity": 2, "tolerance": 1e-10},
-    "elastic": ELASTIC,
-    "timestepping": {"method": 1, "max_step": 1e-4},
-}
-WITH_INSTANTS = [name for name in LEVELS if name != "averaged"]
-FRICTION = {"input_friction": 0.3, "drive_friction": 0.01, "link2_friction": 0.5, "output_friction": 0.2}
-STEP_MEANS = {"mesh_torque_mean": "mesh_torque", "housing_torque_mean": "housing_torque"}
+STEP_MEANS = ("mesh_torque_mean", "housing_torque_mean")
 # greatest force, moment across Ox and about it of scene R1 at half the speed of link 1, by satellites
 GREATEST = {1: (2928.0, 179.0, 106.0), 2: (2562.0, 256.0, 196.0), 3: (3844.0, 192.0, 124.0)}
-
-
-def scene_of(layout, drive, level):
-    """A scene of both layouts and drives at a level; kinematic prescribes the speed."""
-    if drive == "torque" and level == "kinematic":
-        pytest.skip("the motion is prescribed")
-    scenes = DRIVEN if drive == "torque" else SCENES
-    return {**scenes[layout], **LEVELS[level], "load_torque": 3.0, "drive_angle_start": 1.0}
-
-
-@pytest.fixture(params=SCENES)
-def layout(request):
-    return request.param
-
-
-@pytest.fixture(params=["speed", "torque"])
-def drive(request):
-    return request.param
 
 
 @pytest.mark.parametrize("satellites", GREATEST)
@@ -58,25 +30,14 @@ def test_scene_r1_shakes_its_mount_as_much_as_computed_by_hand(compiled, satelli
     assert (force, across, about) == pytest.approx(GREATEST[satellites], abs=0.6)
 
 
-@pytest.mark.parametrize("level", WITH_INSTANTS)
-@pytest.mark.parametrize("satellites", [1, 2, 3, 7])
-@pytest.mark.parametrize("modules", [1, 3])
-def test_moment_about_the_axis_is_what_link_1_and_link_2_are_given(
-    kernel, layout, drive, level, satellites, modules
-):
-    module = started(
-        kernel,
-        scene_of(layout, drive, level),
-        satellites=satellites,
-        modules=modules,
-        drive_inertia=0.003,
-        satellite_inertia=0.004,
-        satellite_transverse_inertia=0.003,
-        omega1=60.0,
-    )
+@pytest.mark.parametrize("satellites, modules", [(1, 1), (1, 3), (2, 1), (2, 3), (3, 3), (7, 1)])
+@motions(levels=("kinematic", "rigid", "elastic", "timestepping"), added=("gears",), missing=())
+def test_moment_about_the_axis_is_what_link_1_and_link_2_are_given(compiled, scene, satellites, modules):
+    several = {"satellites": satellites, "modules": modules, "drive_inertia": 0.003, "drive_angle_start": 1.0}
+    module = started(compiled, scene, several, omega1=60.0)
     for step in (0.0, 0.003, 0.01):
         if step:
-            module.set_rates(omega1=0.0 if drive == "torque" else 500.0)
+            module.set_rates(omega1=0.0 if module["drive"] else 500.0)
             module.advance(step)
         own = module["input_inertia"] * module["input_acceleration"]
         given_to_both = module["input_torque"] - own - module["mesh_torque"]
@@ -134,35 +95,6 @@ def test_forces_on_the_mount_are_the_sums_over_all_imbalances(
     assert vector(module, "shaking_moment") == pytest.approx(list(moment), abs=1e-11 * scale * arm)
 
 
-@pytest.mark.parametrize(
-    "level, friction",
-    [*((level, {}) for level in LEVELS), *((level, FRICTION) for level in LEVELS if level != "averaged")],
-)
-def test_means_are_those_of_the_torques_at_each_instant(compiled, layout, drive, level, friction):
-    scene, duration, steps = {**scene_of(layout, drive, level), **friction}, 0.05, 5000
-    one, many = (started(compiled, scene) for _ in range(2))
-    ramp = 0.0 if drive == "torque" else 700.0
-    sums = dict.fromkeys(STEP_MEANS, 0.0)
-    largest = turned = 0.0
-    one.set_rates(omega1=ramp)
-    one.advance(duration)
-    for n in range(steps):
-        sums = {name: value + 0.5 * many[STEP_MEANS[name]] for name, value in sums.items()}
-        turned += 0.5 * many["omega_out"] * duration / steps
-        many.set(omega1=scene["omega1"] + ramp * duration * n / steps)
-        many.set_rates(omega1=ramp)
-        many.advance(duration / steps)
-        sums = {name: value + 0.5 * many[STEP_MEANS[name]] for name, value in sums.items()}
-        turned += 0.5 * many["omega_out"] * duration / steps
-        largest = max(largest, abs(many["mesh_torque"]))
-    for name, total in sums.items():
-        assert one[name] == pytest.approx(total / steps, abs=2e-3 * largest)
-    assert one["output_angle"] + TWO_PI * one["output_turns"] == pytest.approx(turned, rel=1e-3, abs=1e-5)
-    assert one["output_flange_angle"] == pytest.approx(turned, rel=1e-3, abs=1e-5)
-    assert one["loss_power_mean"] * duration == pytest.approx(one["energy_lost"], rel=1e-12)
-    assert (one["energy_lost"] != 0.0) == (level == "elastic" or bool(friction))
-
-
 @pytest.mark.parametrize("name", SCENES)
 @given(jump=st.floats(-80.0, 80.0), before=st.floats(1e-3, 0.05), load=st.floats(0.0, 20.0))
 def test_means_with_a_jump_are_those_with_a_steep_ramp(compiled, name, jump, before, load):
@@ -181,14 +113,15 @@ def test_means_with_a_jump_are_those_with_a_steep_ramp(compiled, name, jump, bef
 
 
 @pytest.mark.parametrize("freewheels", FREEWHEELS)
+@pytest.mark.parametrize("layout", SCENES)
 def test_without_a_housing_freewheel_the_housing_takes_nothing(compiled, layout, freewheels):
     module = advanced(started(compiled, SCENES[layout], FREEWHEELS[freewheels]), 0.1)
     assert (module["housing_torque_mean"] > 0.0) == (module["housing_freewheel"] != 0.0)
 
 
-@pytest.mark.parametrize("level", [name for name in LEVELS if name != "timestepping"])
-def test_accelerations_are_the_rates_of_the_speeds(compiled, layout, drive, level):
-    module = advanced(started(compiled, scene_of(layout, drive, level), tolerance=1e-12), 0.02)
+@motions(levels=("kinematic", "averaged", "rigid", "elastic"), added=("ideal",), missing=())
+def test_accelerations_are_the_rates_of_the_speeds(compiled, scene):
+    module = advanced(started(compiled, scene, load_torque=3.0, drive_angle_start=1.0, tolerance=1e-12), 0.02)
     step, names = 1e-6, {"input_acceleration": "input_speed", "output_acceleration": "omega_out"}
     before = {name: module[speed] for name, speed in names.items()}
     found = {name: module[name] for name in names}
@@ -198,16 +131,13 @@ def test_accelerations_are_the_rates_of_the_speeds(compiled, layout, drive, leve
         assert (module[speed] - before[name]) / step == pytest.approx(middle, rel=1e-4, abs=1e-2)
 
 
-@pytest.mark.parametrize("level", LEVELS)
+@motions(levels=("kinematic", "rigid", "elastic", "timestepping"), added=("ideal",), missing=())
 @pytest.mark.parametrize("duration", [1e-3, 1e-2, 0.1])
-def test_peak_on_the_bearing_is_that_of_all_instants(compiled, layout, drive, level, duration):
-    scene = scene_of(layout, drive, level) | {"tolerance": 1e-6}
+def test_peak_on_the_bearing_is_that_of_all_instants(compiled, scene, duration):
+    scene = scene | {"load_torque": 3.0, "drive_angle_start": 1.0}
     one, many = (advanced(started(compiled, scene), 0.03) for _ in range(2))
     advanced(one, duration)
     assert one["satellite_force"] == pytest.approx(one["imbalance_mass"] * one["imbalance_acceleration"])
-    if level == "averaged":  # of a uniform motion: only its last instant
-        assert one["satellite_force_peak"] == one["satellite_force"]
-        return
     peak = many["satellite_force"]
     for _ in range(1000):
         advanced(many, duration / 1000)
@@ -215,8 +145,14 @@ def test_peak_on_the_bearing_is_that_of_all_instants(compiled, layout, drive, le
     assert 0.97 * peak <= one["satellite_force_peak"] <= 1.01 * peak
 
 
-def test_nothing_is_known_of_a_step_before_the_first(kernel, layout):
-    module = started(kernel, SCENES[layout])
+def test_peak_on_the_bearing_of_a_mean_motion_is_that_of_its_last_instant(compiled):
+    module = advanced(started(compiled, SCENES["planar"], fidelity=1), 0.1)
+    assert module["satellite_force_peak"] == module["satellite_force"]
+
+
+@pytest.mark.parametrize("layout", SCENES)
+def test_nothing_is_known_of_a_step_before_the_first(compiled, layout):
+    module = started(compiled, SCENES[layout])
     for name in (*STEP_MEANS, "loss_power_mean", "output_angle", "output_turns"):
         assert module[name] == 0.0
     assert module["satellite_force_peak"] == module["satellite_force"] > 0.0

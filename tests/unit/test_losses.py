@@ -1,4 +1,7 @@
-"""Losses by load, drag and wind-up, gravity: known limits, accounts that close, values that are refused."""
+"""Losses by load, drag and wind-up, friction, gravity: known limits, accounts, values that are refused.
+
+Their motion is held to the reference in test_reference.py, their invariants in test_motions.py.
+"""
 
 import math
 from itertools import product
@@ -6,75 +9,37 @@ from itertools import product
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scenes import DRIVEN, ELASTIC, FREEWHEELS, SCENES, advanced, started
+from scenes import (
+    ACCOUNTS,
+    ALL_LOSSES,
+    CAUSE,
+    DRIVES,
+    ELASTIC,
+    FREEWHEELS,
+    LOSSES,
+    MEANS,
+    MOTION,
+    SCENES,
+    advanced,
+    motions,
+    passed,
+    started,
+)
 
-from inertia_module.contract.variables import BY_NAME
 from inertia_module.kernel.general import jam
 from inertia_module.kernel.inertia import reduced_inertia
 from inertia_module.memory import Module, Refused
 
-LOSSES = {
-    "mesh": {"mesh_efficiency": 0.97},
-    "satellite_mesh": {"satellite_mesh_efficiency": 0.97},
-    "journal": {"journal_friction": 1e-3},
-    "housing_drag": {"housing_drag": 0.5, "housing_drag_viscous": 0.01},
-    "output_drag": {"output_drag": 0.5, "output_drag_viscous": 0.01},
-    "viscous": {
-        "input_friction": 0.01,
-        "drive_friction": 0.01,
-        "link2_friction": 0.01,
-        "output_friction": 0.01,
-    },
-    "gravity": {"gravity": 9.81},
-}
-ALL = {name: value for one in LOSSES.values() for name, value in one.items()}
-WIND_UP = {
-    "housing_stiffness": 2e4,
-    "housing_damping": 2.0,
-    "freewheel_stiffness": 1e4,
-    "freewheel_damping": 1.0,
-}
+FRICTION = {"input_friction": 0.02, "drive_friction": 0.01, "link2_friction": 0.05, "output_friction": 0.2}
 LOCKED_UP = {"drive_angle_start": 3.0, "omega2_start": 100.0, "omega_out_start": 100.0}
 # asks for the general equations, and adds nothing
 NOTHING = {"gravity": 1e-250}
-ACCOUNTS = [name for name in BY_NAME if name.startswith("energy_lost_")]
-CAUSE = {"satellite_mesh": "mesh", "housing_drag": "freewheel", "output_drag": "freewheel"}
-MOTION = ("omega2", "omega_out", "input_speed", "drive_angle", "energy_in", "energy_out", "energy_stored")
 TORQUES = ("input_torque", "mesh_torque", "output_torque", "housing_torque", "output_acceleration")
-MEANS = (
-    "input_torque_mean",
-    "output_torque_mean",
-    "mesh_torque_mean",
-    "housing_torque_mean",
-    "torque_ripple",
-)
-KERNEL = "auto"
 
 
-def all_scenes():
-    for layout in SCENES:
-        yield pytest.param(SCENES[layout], id=f"{layout} by speed")
-        yield pytest.param(DRIVEN[layout], id=f"{layout} by torque")
-        yield pytest.param(SCENES[layout] | ELASTIC, id=f"{layout} elastic")
-        yield pytest.param(DRIVEN[layout] | ELASTIC, id=f"{layout} elastic by torque")
-
-
-every_scene = pytest.mark.parametrize("scene", list(all_scenes()))
-
-
-def passed(module):
-    """Energies that went through a module, J."""
-    return (
-        abs(module["energy_in"])
-        + abs(module["energy_out"])
-        + abs(module["energy_stored"])
-        + module["energy_lost"]
-    )
-
-
-@every_scene
-def test_general_equations_without_a_loss_are_the_ideal_machine(scene):
-    ideal, general = (started(KERNEL, scene, extra, tolerance=1e-10) for extra in ({}, NOTHING))
+@motions(levels=("rigid", "elastic"), added=("ideal",))
+def test_general_equations_without_a_loss_are_the_ideal_machine(compiled, scene):
+    ideal, general = (started(compiled, scene, extra, tolerance=1e-10) for extra in ({}, NOTHING))
     for _ in range(10):
         ideal.advance(0.01)
         general.advance(0.01)
@@ -84,90 +49,173 @@ def test_general_equations_without_a_loss_are_the_ideal_machine(scene):
                 assert general[name] == pytest.approx(ideal[name], rel=within, abs=within * largest), name
 
 
-@every_scene
-@pytest.mark.parametrize("losses", [*LOSSES, "all", "wind-up"])
-def test_accounts_close_and_only_what_is_there_loses(scene, losses):
-    given = {"all": ALL | WIND_UP, "wind-up": WIND_UP}.get(losses) or LOSSES[losses]
-    tolerance = 1e-6
-    module = started(KERNEL, scene, given, tolerance=tolerance)
-    lost = dict.fromkeys(ACCOUNTS, 0.0)
-    for step in [0.001] * 20 + [0.05] * 5:
-        module.advance(step)
-        assert abs(module["energy_residual"]) < 100.0 * tolerance * passed(module)
-        assert module["energy_lost"] == sum(module[name] for name in ACCOUNTS)
-        for name in ACCOUNTS:
-            assert module[name] >= lost[name] - 1e-9 * passed(module), name
-            lost[name] = module[name]
-    elastic = scene.get("fidelity") == 3
-    expected = {"energy_lost_shaft"} if elastic else set()
-    if losses == "all":
-        expected |= {
-            "energy_lost_viscous",
-            "energy_lost_mesh",
-            "energy_lost_journal",
-            "energy_lost_freewheel",
-        }
-    elif losses == "wind-up":
-        expected |= {"energy_lost_freewheel"} if elastic else set()
-    elif losses != "gravity":
+@pytest.mark.parametrize("losses", LOSSES)
+@motions(levels=("rigid", "elastic"), added=("ideal",))
+def test_only_what_is_there_loses(compiled, scene, losses):
+    module = started(compiled, scene, LOSSES[losses])
+    advanced(module, *[0.001] * 20, *[0.05] * 5)
+    assert abs(module["energy_residual"]) < 1e-4 * passed(module)
+    expected = {"energy_lost_shaft"} if scene.get("fidelity") == 3 else set()
+    if losses != "gravity":
         expected |= {f"energy_lost_{CAUSE.get(losses, losses)}"}
     if losses == "satellite_mesh" and scene.get("layout"):
         expected -= {"energy_lost_mesh"}  # there is no such mesh in the planar layout
-    assert {name for name in ACCOUNTS if lost[name] > 0.0} == expected
+    if not scene.get("housing_freewheel", True) and losses == "housing_drag":
+        expected -= {"energy_lost_freewheel"}
+    if not scene.get("output_freewheel", True) and losses == "output_drag":
+        expected -= {"energy_lost_freewheel"}
+    assert {name for name in ACCOUNTS if module[name] > 0.0} == expected
 
 
-@every_scene
-def test_long_and_short_steps_are_one_motion_and_a_state_is_restored(scene):
-    long, short = (started(KERNEL, scene, ALL, tolerance=1e-9) for _ in range(2))
-    long.advance(0.1)
-    advanced(short, *[0.001] * 100)
-    for name in (*MOTION, *ACCOUNTS):
-        assert short[name] == pytest.approx(long[name], rel=1e-5, abs=1e-7 * passed(long)), name
-    state = short.save()
-    short.advance(0.013)
-    other = started(KERNEL, scene, ALL, tolerance=1e-9)
-    other.restore(state)
-    other.advance(0.013)
-    for name in (*MOTION, *ACCOUNTS, *TORQUES, *MEANS):
-        assert other[name] == short[name], name
-
-
-def test_locked_up_machine_with_friction_stays_so():
+@pytest.mark.parametrize("drive", [0, 1], ids=["by-speed", "by-torque"])
+@pytest.mark.parametrize("method", [{}, {"method": 1}], ids=["events", "timestepping"])
+def test_locked_up_machine_with_friction_stays_so(compiled, method, drive):
     """At a speed ratio of one, under a load that friction holds, nothing slips or is lost for ever."""
-    module = started(
-        KERNEL,
-        SCENES["bevel"],
-        {"journal_friction": 1.0},
-        load_torque=1.0,
-        **LOCKED_UP,
-    )
-    angle = module["drive_angle"]
-    for _ in range(5):
-        module.advance(1.0)
-        assert module["omega2"] == module["omega_out"] == 100.0
-        assert module["drive_angle"] == angle
-        assert module["energy_lost"] == 0.0
-        assert module["contact_mode"] == 2
-        assert module["energy_out"] == pytest.approx(module["energy_in"], rel=1e-12)
+    engine = {"drive": drive, "input_inertia": 0.2, "drive_torque": 1.0, "load_torque": 1.0}
+    locked = {**SCENES["bevel"], **LOCKED_UP, "journal_friction": 1.0}
+    for angle, step in product((1.5, 3.0), (1e-4, 0.01, 1.0)):
+        module = started(compiled, locked, engine, method, drive_angle_start=angle)
+        for _ in range(5):
+            module.advance(step)
+            assert module["omega2"] == module["omega_out"] == module["input_speed"]
+            assert module["input_speed"] == pytest.approx(100.0, rel=1e-12)
+            assert module["drive_angle"] == angle
+            assert module["energy_lost"] == 0.0
+            assert module["contact_mode"] == 2
+            assert module["energy_out"] == pytest.approx(module["energy_in"], rel=1e-12)
 
 
-def test_lock_up_ends_where_the_load_is_more_than_friction_holds():
+@pytest.mark.parametrize(
+    "method", [{}, *({"method": 1, "max_step": step} for step in (1e-3, 0.1, 1.0))], ids=str
+)
+@pytest.mark.parametrize("holds", [{"link2_inertia": 1e9}, {"housing_drag": 2.02}], ids=["mass", "drag"])
+def test_drag_of_the_output_freewheel_slows_the_shaft_alone(compiled, holds, method):
+    """Link 2, too heavy to follow or held by the drag of its own freewheel, lets the shaft coast evenly."""
+    coasting = {"omega_out_start": 10.0, "output_inertia": 0.5, "output_drag": 2.0}
+    module = advanced(started(compiled, coasting, holds, method), 1.0)
+    assert module["omega_out"] == pytest.approx(6.0, rel=1e-8)
+    assert module["energy_lost_freewheel"] == pytest.approx(16.0, rel=1e-8)
+    assert module["output_torque_mean"] == pytest.approx(-2.0, rel=1e-12)
+    if "housing_drag" in holds:
+        assert module["omega2"] == 0.0
+        assert module["housing_torque"] == pytest.approx(-2.0, rel=1e-12)
+
+
+def test_lock_up_ends_where_the_load_is_more_than_friction_holds(compiled):
     """The threshold is that of the journals: |T / k + I' omega1^2 / 2| = mu r s m |a|."""
     friction = 0.01
-    start = started(KERNEL, SCENES["bevel"], LOCKED_UP, journal_friction=friction, load_torque=0.0)
+    start = started(compiled, SCENES["bevel"], LOCKED_UP, journal_friction=friction, load_torque=0.0)
     _, i1, *_ = reduced_inertia(start.derived, start.state.q)
     holds = friction * 1.7 * start["imbalance_acceleration"] - 0.5 * i1 * 100.0**2
     for share, sticks in ((1.0 - 1e-6, True), (1.0 + 1e-6, False)):
         module = started(
-            KERNEL, SCENES["bevel"], LOCKED_UP, journal_friction=friction, load_torque=share * holds
+            compiled, SCENES["bevel"], LOCKED_UP, journal_friction=friction, load_torque=share * holds
         )
         assert (advanced(module, 1e-3)["omega2"] == 100.0) == sticks
 
 
+@pytest.mark.parametrize("housing, load", [(1, 0.0), (1, 4.0), (0, -4.0)])
+def test_free_output_spins_down_exponentially(compiled, housing, load):
+    # link 1 at rest: nothing drives the shaft
+    one = started(
+        compiled,
+        tolerance=1e-9,
+        omega1=0.0,
+        load_torque=load,
+        omega_out_start=50.0,
+        output_friction=0.3,
+        housing_freewheel=housing,
+    )
+    rate, time = 0.3 / 0.5, 2.0
+    expected = (50.0 + load / 0.3) * math.exp(-rate * time) - load / 0.3
+    one.advance(time)
+    assert one["omega_out"] == pytest.approx(max(expected, 0.0), rel=1e-9)
+    gone = 0.25 * (50.0**2 - one["omega_out"] ** 2)
+    assert one["energy_lost_viscous"] == pytest.approx(gone - one["energy_out"], rel=1e-9)
+
+
+def test_prescribed_motion_pays_for_friction(compiled):
+    plain, rubbed = (
+        started(compiled, SCENES["bevel"], fidelity=0, kinematic_ratio=0.5, **friction)
+        for friction in ({}, FRICTION)
+    )
+    for one in (plain, rubbed):
+        one.advance(0.5)
+    # k = 1: the drives turn at 50 rad/s, as link 2 does
+    power = 0.02 * 100.0**2 + 0.01 * 50.0**2 + 0.05 * 50.0**2
+    assert rubbed["energy_lost"] == pytest.approx(0.5 * power, rel=1e-12)
+    assert abs(rubbed["energy_residual"]) < 1e-10 * rubbed["energy_in"]
+    drag = 0.02 * 100.0 + 0.01 * 50.0
+    assert rubbed["input_torque_mean"] - plain["input_torque_mean"] == pytest.approx(drag, rel=1e-9)
+
+
+@pytest.mark.parametrize("layout", SCENES)
+@pytest.mark.parametrize("ratio", [0.5, 1.0, -0.3, 1.4])
+@pytest.mark.parametrize("losses", [*LOSSES, "all"])
+def test_prescribed_motion_pays_for_each_loss_and_nothing_else(compiled, layout, ratio, losses):
+    values = ALL_LOSSES if losses == "all" else LOSSES[losses]
+    module = started(
+        compiled,
+        SCENES[layout],
+        {"modules": 1, "satellites": 1, "imbalance_mass": 3.0},
+        values,
+        fidelity=0,
+        kinematic_ratio=ratio,
+    )
+    lost = dict.fromkeys(ACCOUNTS, 0.0)
+    for speed, rate in ((100.0, 0.0), (60.0, 800.0), (-40.0, -300.0)):
+        module.set(omega1=speed)
+        module.set_rates(omega1=rate)
+        link2 = module["omega2"]
+        module.advance(0.03)
+        # the ratio jumps with omega1 at the beginning: part of the means
+        gained = 0.0 if rate else module.derived.J2 * (module["omega2"] - link2) / 0.03
+        assert abs(module["energy_residual"]) < 1e-11 * passed(module)
+        balance = module["mesh_torque_mean"] + module["housing_torque_mean"] - module["output_torque_mean"]
+        if losses not in {"all", "viscous"} and rate == 0.0:
+            assert balance == pytest.approx(gained, abs=1e-9 * abs(module["mesh_torque_mean"]) + 1e-12)
+        for name in ACCOUNTS:
+            assert module[name] >= lost[name], name
+            lost[name] = module[name]
+    cause = f"energy_lost_{CAUSE.get(losses, losses)}"
+    assert losses == "all" or {name for name in ACCOUNTS if lost[name] != 0.0} <= {cause}
+    if losses in ("mesh", "journal", "viscous") and ratio != 1.0:
+        assert lost[cause] > 0.0
+
+
+@pytest.mark.parametrize("ratio", [0.5, 1.4])
+@pytest.mark.parametrize("slope", [1.0, -1.0])
+def test_prescribed_motion_has_the_efficiency_of_planetary_gears(compiled, ratio, slope):
+    """Drives alone that are sped up or slowed down: M2 = f k^2 J16 (alpha1 - alpha2), of one sign."""
+    efficiency, inertia = 0.9, 0.01
+    module = started(
+        compiled,
+        fidelity=0,
+        kinematic_ratio=ratio,
+        imbalance_mass=0.0,
+        drive_inertia=inertia,
+        mesh_efficiency=efficiency,
+        omega1=100.0,
+    )
+    rate = 500.0 * slope
+    module.set_rates(omega1=rate)
+    module.advance(0.1)
+    slip = (1.0 - ratio) * 100.0
+    ideal = inertia * (1.0 - ratio) * rate
+    factor = 1.0 / efficiency if ideal * slip > 0.0 else 1.0 / (2.0 - efficiency)
+    assert module["mesh_torque"] == pytest.approx(factor * ideal, rel=1e-12)
+    mean_slip = (1.0 - ratio) * (100.0 + 0.5 * rate * 0.1)
+    lost = (1.0 - efficiency) * abs(factor * ideal * mean_slip) * 0.1
+    assert module["energy_lost_mesh"] == pytest.approx(lost, rel=1e-10)
+    assert module["energy_lost"] == module["energy_lost_mesh"]
+
+
 @pytest.mark.parametrize("load", [5000.0, 0.01, -1.0])
 @pytest.mark.parametrize("losses", ["mesh", "satellite_mesh", "journal", "all"])
-def test_ramp_from_rest_breaks_friction_loose(losses, load):
-    module = started(KERNEL, ALL if losses == "all" else LOSSES[losses], omega1=0.0, load_torque=load)
+def test_ramp_from_rest_breaks_friction_loose(compiled, losses, load):
+    module = started(
+        compiled, ALL_LOSSES if losses == "all" else LOSSES[losses], omega1=0.0, load_torque=load
+    )
     for omega1 in (0.0, 2.0):
         module.set(omega1=omega1)
         module.set_rates(omega1=400.0)
@@ -177,36 +225,23 @@ def test_ramp_from_rest_breaks_friction_loose(losses, load):
     assert module["drive_angle"] + module["drive_turns"] > 0.0
 
 
-def test_drag_of_the_output_freewheel_slows_the_shaft_alone():
-    """Link 2 is held by the drag of its own freewheel: the output coasts down evenly; its heat."""
-    drag, inertia = 2.0, 0.5
-    module = started(
-        KERNEL, omega_out_start=10.0, output_drag=drag, housing_drag=1.01 * drag, output_inertia=inertia
-    )
-    module.advance(1.0)
-    assert module["omega2"] == 0.0
-    assert module["housing_torque"] == pytest.approx(-drag, rel=1e-12)
-    assert module["omega_out"] == pytest.approx(10.0 - drag / inertia, rel=1e-12)
-    assert module["energy_lost_freewheel"] == pytest.approx(drag * (10.0 - 0.5 * drag / inertia), rel=1e-12)
-
-
-def test_freewheels_that_hardly_wind_up_are_rigid():
-    rigid = advanced(started(KERNEL, SCENES["bevel"], ELASTIC), 0.1)
+def test_freewheels_that_hardly_wind_up_are_rigid(compiled):
+    rigid = advanced(started(compiled, SCENES["bevel"], ELASTIC), 0.1)
     errors = []
     for stiffness in (1e5, 1e6, 1e7):
         stiff = {"housing_stiffness": stiffness, "freewheel_stiffness": stiffness}
         damped = {"housing_damping": 1e-4 * stiffness, "freewheel_damping": 1e-4 * stiffness}
-        module = advanced(started(KERNEL, SCENES["bevel"], ELASTIC, stiff, damped), 0.1)
+        module = advanced(started(compiled, SCENES["bevel"], ELASTIC, stiff, damped), 0.1)
         errors.append(abs(module["energy_in"] - rigid["energy_in"]) / rigid["energy_in"])
     assert errors[0] > 4.0 * errors[1] > 16.0 * errors[2]
     assert errors[2] < 2e-4
 
 
-def test_wound_up_freewheel_swings_at_its_own_frequency():
+def test_wound_up_freewheel_swings_at_its_own_frequency(compiled):
     """Link 2 pushed back by a load that it is rigid with turns on the spring of the housing freewheel."""
     stiffness, inertia, load = 1e3, 0.5, 10.0
     module = started(
-        KERNEL,
+        compiled,
         ELASTIC,
         omega1=0.0,
         load_torque=0.0,
@@ -224,14 +259,14 @@ def test_wound_up_freewheel_swings_at_its_own_frequency():
     assert module["omega2"] == pytest.approx(-load / inertia / frequency * math.sin(0.25 * math.pi), rel=1e-3)
 
 
-def test_wound_up_freewheel_never_pulls():
+def test_wound_up_freewheel_never_pulls(compiled):
     """A random motion in which the spring began steps slightly below zero, and once did not let go."""
     planar = {"layout": 1, "sun_radius": 0.020447, "satellite_radius": 0.21185, "eccentricity": 0.099414}
     heavy = {"satellites": 2, "imbalance_mass": 10.525, "drive_inertia": 0.03, "link2_inertia": 2e-5}
     losses = {"mesh_efficiency": 0.5, "housing_drag": 0.004}
     spring = {"freewheel_stiffness": 84645.0, "freewheel_damping": 8.4645}
     start = {"fidelity": 3, "omega_out_start": 1.0, "drive_angle_start": -6.4794}
-    module = started(KERNEL, planar, heavy, losses, spring, start, omega1=1.1326, load_torque=-0.085738)
+    module = started(compiled, planar, heavy, losses, spring, start, omega1=1.1326, load_torque=-0.085738)
     for n in range(1, 81):
         module.set_rates(omega1=-0.1)
         module.advance(0.1)
@@ -241,11 +276,11 @@ def test_wound_up_freewheel_never_pulls():
 
 @pytest.mark.parametrize("wheel", ["housing", "freewheel"])
 @pytest.mark.parametrize("scene", SCENES)
-def test_wound_up_freewheel_never_pulls_whatever_its_stiffness_and_damping(scene, wheel):
+def test_wound_up_freewheel_never_pulls_whatever_its_stiffness_and_damping(compiled, scene, wheel):
     for stiffness, damping in product((1e3, 1e5, 1e7, 1e9), (0.0, 1.0, 1e2, 1e4)):
         spring, speeds = {f"{wheel}_stiffness": stiffness, f"{wheel}_damping": damping}, []
         for tolerance in (1e-3, 1e-6, 1e-9):
-            module = started(KERNEL, SCENES[scene], ELASTIC, spring, tolerance=tolerance)
+            module = started(compiled, SCENES[scene], ELASTIC, spring, tolerance=tolerance)
             torques = []
             for _ in range(40):
                 module.advance(1e-3)
@@ -266,21 +301,28 @@ NOT_THERE = {
 
 
 @given(
-    scene=st.sampled_from([one.values[0] for one in all_scenes()]),
+    scene=st.sampled_from(
+        [
+            values | output
+            for scenes in DRIVES.values()
+            for values in scenes.values()
+            for output in ({}, ELASTIC)
+        ]
+    ),
     freewheels=st.sampled_from(sorted(FREEWHEELS)),
     loss=st.sampled_from(sorted(LOSSES)),
     tolerance=st.sampled_from([1e-9, 1e-6, 1e-3]),
     dampings=st.tuples(DAMPINGS, DAMPINGS, DAMPINGS, DAMPINGS),
 )
 @settings(settings.get_profile("same"), max_examples=25)
-def test_damping_without_a_spring_has_no_meaning(scene, freewheels, loss, tolerance, dampings):
+def test_damping_without_a_spring_has_no_meaning(compiled, scene, freewheels, loss, tolerance, dampings):
     """Not at the start, not tuned between steps and not in a state that is restored."""
 
     def motion(housing, output, then_housing, then_output):
         damped = {"housing_damping": housing, "freewheel_damping": output}
         values = {**LOSSES[loss], **FREEWHEELS[freewheels], **damped, "tolerance": tolerance}
-        first = advanced(started(KERNEL, scene, values), *[5e-4] * 20)
-        second = Module(KERNEL)
+        first = advanced(started(compiled, scene, values), *[5e-4] * 20)
+        second = Module(compiled)
         second.restore(first.save())
         # the load changes as well, for what is tuned ends the step in any case
         second.set(housing_damping=then_housing, freewheel_damping=then_output, output_friction=1e-3)
@@ -291,34 +333,34 @@ def test_damping_without_a_spring_has_no_meaning(scene, freewheels, loss, tolera
 
 @pytest.mark.parametrize("missing", NOT_THERE)
 @pytest.mark.parametrize("scene", SCENES)
-def test_freewheel_that_is_not_there_takes_nothing(scene, missing):
+def test_freewheel_that_is_not_there_takes_nothing(compiled, scene, missing):
     values = {**SCENES[scene], **ELASTIC, **FREEWHEELS[missing], **LOSSES["mesh"]}
-    without = advanced(started(KERNEL, values), *[1e-3] * 20)
+    without = advanced(started(compiled, values), *[1e-3] * 20)
     for value in (1e-3, 1e2):
-        module = advanced(started(KERNEL, values, dict.fromkeys(NOT_THERE[missing], value)), *[1e-3] * 20)
+        module = advanced(started(compiled, values, dict.fromkeys(NOT_THERE[missing], value)), *[1e-3] * 20)
         assert list(module.state.numbers) == list(without.state.numbers), value
 
 
-def test_stiff_freewheels_on_a_light_link_do_not_chatter():
+def test_stiff_freewheels_on_a_light_link_do_not_chatter(compiled):
     """A random motion of 1000 switches and more: the inside of steps as long as is stable is coarse."""
     planar = {"layout": 1, "sun_radius": 0.012402, "link2_inertia": 1.2678e-5, "input_inertia": 9.8187e-4}
     losses = {"drive_friction": 0.0173, "output_friction": 0.0029, "satellite_transverse_inertia": 1.1718e-5}
     shaft = {"fidelity": 3, "drive": 1, "driven_inertia": 0.41141, "shaft_stiffness": 164.17}
     springs = {"housing_stiffness": 514280.0, "housing_damping": 514.28, "freewheel_stiffness": 476.58}
     scene = planar | losses | shaft | springs | {"shaft_damping": 0.0, "tolerance": 4.3352e-7}
-    module = started(KERNEL, scene, omega1=22.811, load_torque=0.091088)
+    module = started(compiled, scene, omega1=22.811, load_torque=0.091088)
     module.advance(0.06)
     assert module["contact_switches"] < 100
     assert abs(module["energy_residual"]) < 1e-6 * module["energy_stored"]
 
 
-def test_jump_after_many_short_steps_of_a_freewheel_at_its_limit():
+def test_jump_after_many_short_steps_of_a_freewheel_at_its_limit(compiled):
     """A random motion in which omega2 fell below zero by rounding step by step, and then omega1 jumped."""
     output = {"output_inertia": 0.016992, "driven_inertia": 60.0, "shaft_stiffness": 10.0}
     scene = output | {"fidelity": 3, "imbalance_mass": 0.0, "link2_inertia": 9e-4, "shaft_damping": 0.02}
 
     def run(split):
-        module = started(KERNEL, scene, freewheel_stiffness=400.0, omega1=100.0, load_torque=0.04)
+        module = started(compiled, scene, freewheel_stiffness=400.0, omega1=100.0, load_torque=0.04)
         for _ in range(split):
             module.advance(0.0010221 / split)
         assert module["omega2"] >= 0.0
@@ -330,45 +372,27 @@ def test_jump_after_many_short_steps_of_a_freewheel_at_its_limit():
 
 @pytest.mark.parametrize("efficiency", [0.5, 0.9, 1.0 - 1e-12])
 @pytest.mark.parametrize("name", ["mesh_efficiency", "satellite_mesh_efficiency"])
-def test_any_efficiency_up_to_one_is_followed(name, efficiency):
-    module = advanced(started(KERNEL, SCENES["bevel"], {name: efficiency}), 0.2)
-    ideal = advanced(started(KERNEL, SCENES["bevel"]), 0.2)
+def test_any_efficiency_up_to_one_is_followed(compiled, name, efficiency):
+    module = advanced(started(compiled, SCENES["bevel"], {name: efficiency}), 0.2)
+    ideal = advanced(started(compiled, SCENES["bevel"]), 0.2)
     lost = module["energy_lost_mesh"]
     assert lost > 0.0 if efficiency < 0.99 else lost < 1e-8 * passed(module)
     if efficiency > 0.99:
         assert module["omega_out"] == pytest.approx(ideal["omega_out"], rel=1e-5)
 
 
-def test_gravity_beyond_the_centrifugal_force_is_followed():
-    module = started(KERNEL, omega1=3.0, load_torque=0.1, gravity=100.0)
+def test_gravity_beyond_the_centrifugal_force_is_followed(compiled):
+    module = started(compiled, omega1=3.0, load_torque=0.1, gravity=100.0)
     for _ in range(20):
         module.advance(0.1)
         assert abs(module["energy_residual"]) < 1e-4 * passed(module)
 
 
-def test_gravity_of_modules_that_stand_evenly_balances():
+def test_gravity_of_modules_that_stand_evenly_balances(compiled):
     one, other = (
-        advanced(started(KERNEL, SCENES["bevel"], modules=2, **g), 0.1) for g in ({}, {"gravity": 9.81})
+        advanced(started(compiled, SCENES["bevel"], modules=2, **g), 0.1) for g in ({}, {"gravity": 9.81})
     )
     assert [one[name] for name in MOTION] == [other[name] for name in MOTION]
-
-
-@pytest.mark.parametrize(
-    ("name", "value", "allowed"),
-    [
-        ("mesh_efficiency", 0.0, "between 0.1 and 1"),
-        ("mesh_efficiency", 1.01, "between 0.1 and 1"),
-        ("satellite_mesh_efficiency", -0.5, "between 0.1 and 1"),
-        ("journal_friction", -1e-3, "between 0 and"),
-        ("housing_drag", -1.0, "between 0 and"),
-        ("output_drag_viscous", -1.0, "between 0 and"),
-        ("freewheel_stiffness", -1.0, "between 0 and"),
-        ("gravity", -9.81, "between 0 and"),
-    ],
-)
-def test_wrong_value_is_refused_with_what_is_allowed(name, value, allowed):
-    with pytest.raises(Refused, match=f"{name} must be {allowed}.*is {value:g}"):
-        started("plain", SCENES["bevel"], {name: value})
 
 
 def test_meshes_that_jam_are_refused():

@@ -1,10 +1,10 @@
-"""The torque of link 1 given: accelerations, and the contact mode that follows."""
+"""The torque of link 1 given: accelerations by the inverse dynamics of a multibody engine."""
 
 from itertools import product
 
 import numpy as np
 import pytest
-from scenes import FREEWHEELS, LAYOUTS, parameters, started
+from scenes import LAYOUTS, parameters, started
 
 from inertia_module.kernel.links import accelerations, motion
 
@@ -56,48 +56,3 @@ def test_accelerations_take_the_drive_torque_by_inverse_dynamics(mechanism, stat
         else:
             taken = (mechanism["link2_inertia"] + inertia) * alpha2 + load
             assert mesh == pytest.approx(taken, abs=1e-8 * scale)
-
-
-@pytest.mark.parametrize("freewheels", FREEWHEELS)
-@pytest.mark.parametrize("resting", [False, True], ids=["moving", "link 2 at rest"])
-def test_contact_mode_fulfils_all_conditions_on_velocities_accelerations_and_torques(
-    mechanism, states, freewheels, resting
-):
-    engine = Multibody(mechanism)
-    for n, (q, _, omega1, omega2, torque) in enumerate(states):
-        speed2 = 0.0 if resting else abs(omega2)
-        touching = n % 2 == 0 or not FREEWHEELS[freewheels].get("output_freewheel", True)
-        module = started(
-            "plain",
-            mechanism,
-            FREEWHEELS[freewheels],
-            omega1=omega1,
-            omega2_start=speed2,
-            omega_out_start=speed2 + (0.0 if touching else 7.0),
-            drive_angle_start=q,
-            drive_torque=torque,
-            load_torque=30.0 - 12.0 * n,
-        )
-        house, clutch, mesh = (module[f"{name}_torque"] for name in ("housing", "output", "mesh"))
-        alpha1, alpha2 = module.state.alpha1, (mesh - clutch + house) / module["link2_inertia"]
-        alpha3 = (clutch - module["load_torque"]) / module["output_inertia"]
-        drive, expected = engine.prescribe(q, 0.0, omega1, alpha1, speed2, alpha2)
-        scale = abs(torque) + abs(mesh) + abs(clutch) + abs(house)
-        tiny = 1e-8 * scale / module["link2_inertia"]
-        assert (drive, expected) == pytest.approx((torque, mesh), abs=1e-8 * scale)
-        assert module["input_torque"] == pytest.approx(torque, abs=1e-10 * scale)
-        # a freewheel that is there and touches pushes or opens, any other one has no torque
-        if module["housing_freewheel"] and speed2 == 0.0:
-            assert house >= 0.0
-            assert alpha2 >= -tiny
-            assert house * alpha2 <= tiny * scale
-        else:
-            assert house == 0.0
-        if not module["output_freewheel"]:
-            assert alpha3 == pytest.approx(alpha2, abs=tiny)
-        elif touching:
-            assert clutch >= 0.0
-            assert alpha3 >= alpha2 - tiny
-            assert clutch * (alpha3 - alpha2) <= tiny * scale
-        else:
-            assert clutch == 0.0

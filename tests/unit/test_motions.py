@@ -1,0 +1,164 @@
+"""What holds of every motion: each invariant over one table of scenes (scenes.motions)."""
+
+import math
+
+import pytest
+from scenes import ACCOUNTS, MEANS, MOTION, advanced, motions, passed, started
+
+from inertia_module.kernel import codes
+from inertia_module.memory import Module
+
+EVENTS = ("rigid", "elastic")
+STEPS = [0.01] * 5 + [1e-3] * 20 + [0.05] * 5
+COUNTERS = ("contact_switches", "rhs_evaluations")
+
+
+def led(module, steps):
+    """Lead a module through jumps, ramps and changes of the load; yields after each of these steps."""
+    speed, torque = module["omega1"], module["drive_torque"]
+    for n, step in enumerate(steps):
+        module.set(
+            omega1=speed * (1.0 + 0.3 * math.sin(0.4 * n)), drive_torque=(1.0, 2.5, -2.0)[n % 3] * torque
+        )
+        module.set(load_torque=10.0 if n % 10 < 5 else -3.0)
+        module.set_rates(omega1=0.0 if module["drive"] or n % 2 else 3.0 * speed)
+        module.advance(step)
+        yield
+
+
+def audit_bound(module):
+    """Most that the residual may be of the energies that passed."""
+    if module["method"]:
+        return 2e-2
+    return {0: 1e-11, 1: 1e-6}.get(module["fidelity"], 10.0 * module["tolerance"])
+
+
+def assert_freewheels_hold(module, tiny):
+    """That no freewheel pulls, and none slips that is closed, in a module without drag and wind-up."""
+    house, clutch = module["housing_torque"], module["output_torque"]
+    slip = module["omega_hub"] - module["omega2"]
+    if module["housing_freewheel"]:
+        assert module["omega2"] >= 0.0
+        assert house >= -tiny
+        assert module["omega2"] * house == 0.0
+    else:
+        assert house == 0.0
+    if module["output_freewheel"]:
+        assert slip >= 0.0
+        assert clutch >= -tiny
+        assert slip * clutch == 0.0
+    else:
+        assert slip == 0.0
+
+
+@motions()
+def test_energies_balance_and_freewheels_only_push(compiled, scene):
+    module = started(compiled, scene, tolerance=1e-8)
+    ideal = not any(name in scene for name in ("housing_drag", "housing_stiffness"))
+    last = dict.fromkeys((*COUNTERS, *ACCOUNTS, "energy_residual"), 0.0)
+    energy = passed(module)
+    for _ in led(module, STEPS):
+        assert all(math.isfinite(value) for value in module.snapshot().values())
+        energy = max(energy, passed(module))
+        assert abs(module["energy_residual"]) < audit_bound(module) * energy
+        if module["method"]:  # which may lose energy, but makes none
+            assert module["energy_residual"] > last["energy_residual"] - 1e-11 * energy
+        assert sum(module[name] for name in ACCOUNTS) == pytest.approx(module["energy_lost"], rel=1e-12)
+        for name in (*COUNTERS, *ACCOUNTS):
+            assert module[name] >= last[name] - 1e-9 * energy * (name in ACCOUNTS), name
+        last = {name: module[name] for name in last}
+        if ideal and module["fidelity"] >= codes.RIGID:
+            torques = ("input_torque", "mesh_torque", "output_torque", "load_torque")
+            assert_freewheels_hold(module, 1e-9 * max(abs(module[name]) for name in torques) + 1e-11 * energy)
+    elastic = module["fidelity"] == codes.ELASTIC
+    assert (module["energy_lost_shaft"] > 0.0) == elastic
+    assert (module["energy_lost_viscous"] > 0.0) == ("drive_friction" in scene)
+    others = [module[f"energy_lost_{cause}"] > 0.0 for cause in ("mesh", "journal", "freewheel")]
+    assert others == [not ideal] * 3
+
+
+@motions()
+def test_many_steps_are_one(compiled, scene):
+    """Steps of a ramp: angles, speeds, energies, switches, and means by their sums."""
+    ramp = {"omega1": 0.0 if scene.get("drive") else 300.0}
+    one, many = (started(compiled, scene, tolerance=1e-10) for _ in range(2))
+    one.set_rates(**ramp)
+    one.advance(0.05)
+    sums = dict.fromkeys(MEANS[:4], 0.0)
+    for _ in range(50):
+        many.set_rates(**ramp)
+        many.advance(1e-3)
+        many.set(omega1=many["omega1"] + 1e-3 * ramp["omega1"])
+        sums = {name: value + many[name] / 50 for name, value in sums.items()}
+    within = 3e-7 if one["fidelity"] >= codes.RIGID else 1e-5
+    for name in (*MOTION, "omega_hub", "shaft_twist", *ACCOUNTS):
+        assert many[name] == pytest.approx(one[name], rel=within, abs=within * passed(one)), name
+    assert many["contact_switches"] == one["contact_switches"]
+    largest = max(abs(one[name]) for name in sums)
+    for name, mean in sums.items():
+        assert mean == pytest.approx(one[name], abs=100.0 * within * largest), name
+
+
+@motions()
+def test_a_saved_state_runs_on_to_the_same_bits(compiled, scene):
+    module = advanced(started(compiled, scene), 0.01, 0.003)
+    other = Module(compiled)
+    other.restore(module.save())
+    assert other.snapshot() == module.snapshot()
+    for each in (module, other):
+        for _ in led(each, [0.02, 0.013]):
+            pass
+    assert other.save() == module.save()
+
+
+@motions(added=("ideal", "losses"))
+def test_a_step_without_late_outputs_and_those_afterwards_are_a_whole_step(compiled, scene):
+    whole, parts = (started(compiled, scene) for _ in range(2))
+    advanced(whole, 0.01, 0.01)
+    late = [variable.name for variable in parts.model.variables if variable.late]
+    before = [parts[name] for name in late]
+    for _ in range(2):
+        assert parts.call(codes.STEP_ONLY, 0.01) == 0
+    assert [parts[name] for name in late] == before
+    for name in set(parts.model.by_name) - set(late):
+        assert parts[name] == whole[name], name
+    assert parts.call(codes.OUTPUTS, 0.0) == 0
+    assert parts.save() == whole.save()
+
+
+@motions(levels=("averaged", *EVENTS))
+def test_error_follows_the_tolerance(compiled, scene):
+    general = "mesh_efficiency" in scene
+    # no prescribed speed keeps the errors small
+    duration, most = 0.3 if scene.get("drive") or general else 1.0, 30.0 if general else 10.0
+
+    def end(tolerance):
+        return advanced(started(compiled, scene, tolerance=tolerance), duration)
+
+    exact, errors = end(1e-13), []
+    for tolerance in (1e-4, 1e-6, 1e-8, 1e-10):
+        module = end(tolerance)
+        names = ("input_speed", "omega2", "omega_out")[:: 2 if module["fidelity"] == codes.AVERAGED else 1]
+        errors.append(max(abs(module[name] - exact[name]) for name in names) / exact["input_speed"])
+        assert errors[-1] < most * tolerance
+        assert abs(module["energy_residual"]) < 15.0 * tolerance * passed(module)
+    assert errors[-1] < max(1e-3 * errors[0], 1e-9)
+
+
+@motions(levels=EVENTS, added=("ideal",))
+def test_means_are_the_momentum_they_give(compiled, scene):
+    module = started(compiled, scene, tolerance=1e-10)
+    driven = module["driven_inertia"] if module["fidelity"] == codes.ELASTIC else 0.0
+    inertias = {"omega2": module["link2_inertia"], "omega_hub": module["output_inertia"], "omega_out": driven}
+    names = (*inertias, "input_speed")
+    before = [module[name] for name in names]
+    for _ in led(module, [0.005] * 20):
+        gains = {name: module[name] - was for name, was in zip(names, before, strict=True)}
+        before = [module[name] for name in names]
+        gained = {name: inertia * gains[name] / 0.005 for name, inertia in inertias.items()}
+        mesh, house, clutch = (module[f"{name}_torque_mean"] for name in ("mesh", "housing", "output"))
+        tiny = 1e-7 * (abs(mesh) + abs(house) + abs(clutch) + 1.0)
+        assert clutch - module["load_torque"] == pytest.approx(
+            gained["omega_hub"] + gained["omega_out"], abs=tiny
+        )
+        assert mesh + house - clutch == pytest.approx(gained["omega2"], abs=tiny)
