@@ -365,9 +365,9 @@ def test_imbalance_of_the_module_moves_as_the_exact_form(seed, ratio, compiled):
         for name, quantity in IMBALANCE.items():
             off = np.abs(vector(module, f"imbalance{name}") - k[quantity][:, 0]).max()
             assert off < (1e-12 if time < 1.0 else 1e-11) * scale[name]
-    if ratio == 0.0:
-        # seen from link 1 it is in the stop mode
-        theta = module["input_angle"]
-        back = karetin.turned_x(np.array(vector(module, "imbalance"))[:, None], -theta)
-        at = exact(g, stop_mode(SPEED), [time]).position_in_link1
-        assert np.abs(back - at).max() < 1e-11 * reach(g)
+        if ratio == 0.0:
+            # seen from link 1 it is in the stop mode
+            seen = np.array(vector(module, "imbalance"))[:, None]
+            back = karetin.turned_x(seen, -module["input_angle"])
+            at = exact(g, stop_mode(SPEED), [time]).position_in_link1
+            assert np.abs(back - at).max() < (1e-12 if time < 1.0 else 1e-11) * reach(g)
