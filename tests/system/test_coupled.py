@@ -452,11 +452,21 @@ ROTOR = torque_driven({}, 0.1)
     "parameters, make, values, sentence",
     [
         ({}, by_speed, {"speed": 90.0}, "omega1 of the FMU must be the engine's 90 rad/s, is 100"),
-        ({}, by_speed, {"scheme": Scheme.INERTIA}, "inertia must be a positive interface inertia, kg"),
+        (
+            {},
+            by_speed,
+            {"scheme": Scheme.INERTIA},
+            "inertia must be a positive interface inertia, kg.m2, is None",
+        ),
         ({}, by_speed, {"substeps": 0}, "substeps must be a whole number from 1, is 0"),
         ({"input_hold": "linear"}, by_speed, {}, "input_hold must be constant, is linear"),
         (ROTOR, by_speed, {}, "drive of the FMU must be speed for CoupledEngine, is torque"),
-        ({"input_inertia": 0.1}, by_torque, {}, "drive of the FMU must be torque for Torque"),
+        (
+            {"input_inertia": 0.1},
+            by_torque,
+            {},
+            "drive of the FMU must be torque for TorqueDrivenEngine, is speed",
+        ),
         (ROTOR, by_torque, {"inertia": 0.2}, "input_inertia of the FMU must be at least 0.2 kg.m2"),
     ],
 )

@@ -1,4 +1,4 @@
-"""What stands around an FMU and is stepped together with it.
+"""Surroundings of an FMU, stepped together with it.
 
 Loads, controllers and sources are python-control systems, closed_loop.py connects them. An engine
 (engine.py) is coupled to the module by coupled.py; what its schemes are worth is measured in

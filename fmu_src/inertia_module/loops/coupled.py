@@ -237,7 +237,7 @@ class _Answer(NamedTuple):
     acceleration: float
 
     def with_inertia(self, inertia: float, acceleration: float | None = None) -> LoadTorque:
-        """Its torque, less what its own acceleration took of it, plus what the engine's will take."""
+        """Load of the engine: the torque, less what the acceleration took, plus what the engine's takes."""
         own = self.acceleration if acceleration is None else acceleration
         return LoadTorque(self.torque - inertia * own, inertia)
 

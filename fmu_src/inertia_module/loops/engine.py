@@ -114,7 +114,7 @@ class Governor:
 
 
 class EngineState(NamedTuple):
-    """All that makes up the state of an engine, which may be set to an old one.
+    """State of an engine, which may be set to an old one.
 
     Attributes:
         speed: rad/s. angle: rad. integral: of the governor, N.m. torque: held until the next sample, N.m.

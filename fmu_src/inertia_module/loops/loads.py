@@ -33,7 +33,7 @@ class Coupling(NamedTuple):
     damping: float
 
     def torque(self, twist: float, speed_difference: float) -> float:
-        """Its torque on both sides, N.m."""
+        """Torque on both sides, N.m."""
         return self.stiffness * twist + self.damping * speed_difference
 
 

@@ -20,7 +20,7 @@ PHASES = ("I", "II", "III", "IV")
 
 
 def phase_starts(kappa2: float) -> Array:
-    """Where phases I to IV begin, in kappa, shape (4,).
+    """Starts of phases I to IV, in kappa, shape (4,).
 
     Raises:
         ValueError: kappa2 is below 0 or not finite.

@@ -28,7 +28,7 @@ _OUTPUTS = tuple(variable.name for variable in with_causality(OUTPUT))
 
 
 class Accuracy(Strict):
-    """How accurate the integration has to be, or, where the fidelity is to be chosen, the outputs.
+    """Accuracy of the integration or, where the fidelity is to be chosen, of the outputs.
 
     Attributes:
         tolerance: of the integration; None for that of the module (1e-6).
@@ -42,7 +42,7 @@ class Accuracy(Strict):
 
 
 class Run(Strict):
-    """How long, in which steps, and what is recorded."""
+    """Length of the run, its steps, and the outputs it records."""
 
     stop_time: Duration
     communication_step: Annotated[float, quantity("s", maximum=LARGEST_STEP, above=0.0)]
@@ -104,7 +104,7 @@ class Scene(Strict):
 
     @cached_property
     def tables(self) -> dict[str, Any]:
-        """All keys that are given, by table, in SI units."""
+        """Keys that are given, by table, in SI units."""
         return without_files(self.model_dump(exclude_none=True))
 
     @cached_property

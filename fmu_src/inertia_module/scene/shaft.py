@@ -83,7 +83,7 @@ class HubTable(Tabulated):
 
 
 class ShaftRun(Run):
-    """How long, in which steps, and what is recorded."""
+    """Length of the run, its steps, and the outputs it records."""
 
     outputs: list[str] = Field(default=list(_OUTPUTS), min_length=1)
 

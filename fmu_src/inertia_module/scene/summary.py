@@ -145,7 +145,7 @@ def _times_to(table: Result, speeds: Sequence[float]) -> dict[str, Quantity]:
 
 
 def unreached(table: Result, summary: Mapping[str, Quantity], speeds: Sequence[float]) -> dict[str, str]:
-    """Why the summary has no time to some of the speeds, m/s, by the names of these times."""
+    """Say why the summary has no time to some of the speeds, m/s, by the names of these times."""
     found = {}
     for speed in speeds:
         if (name := time_to(speed)) not in summary:
