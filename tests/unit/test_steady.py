@@ -91,7 +91,7 @@ def test_where_nothing_comes_out_the_efficiency_is_zero_and_the_chart_ends(compi
     assert SteadyMachine(parameters, compiled).at(50.0, 0.9).efficiency == 0.0
 
 
-def test_map_has_more_efficiency_at_speed_where_friction_is_viscous(compiled):
+def test_map_has_more_efficiency_at_speed_where_friction_is_viscous_and_agrees_with_the_chart(compiled):
     told = []
     parameters = {**PLANAR_MECHANISM, "input_friction": 0.01}
     found = efficiency_map(parameters, 200.0, compiled, told.append)
@@ -104,19 +104,13 @@ def test_map_has_more_efficiency_at_speed_where_friction_is_viscous(compiled):
     assert 1.0 / middle - 1.0 == pytest.approx(
         (1.0 / middle[0] - 1.0) * found.omega1[0] / found.omega1, rel=1e-4
     )
-
-
-def test_chart_at_a_speed_agrees_with_the_map(compiled):
-    parameters = {**PLANAR_MECHANISM, "link2_friction": 0.01}
-    chart = torque_converter_chart(parameters, kernel=compiled, omega1=80.0)
-    found = efficiency_map(parameters, 80.0, compiled)
+    chart = torque_converter_chart(parameters, kernel=compiled, omega1=200.0)
     assert chart.speed_ratio == pytest.approx(found.speed_ratio)
     assert chart.efficiency == pytest.approx(found.efficiency[-1], abs=1e-6)
-    # at rest link 2 rubs nothing, and the more of its speed the shaft has the less is lost of the power
-    assert chart.efficiency[1:].max() < 1.0
+    assert chart.efficiency.max() < 1.0
     assert len(chart_figure({"rubbed": chart}).axes) == 4
-    titles = [axes.get_title(loc="left") for axes in chart_figure({"rubbed": chart}, {"rubbed": found}).axes]
-    assert "efficiency of rubbed" in titles
+    titles = [axes.get_title(loc="left") for axes in chart_figure({"rubbed": chart}, {"map": found}).axes]
+    assert "efficiency of map" in titles
 
 
 def test_a_long_period_is_cut_off(compiled):

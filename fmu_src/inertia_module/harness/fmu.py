@@ -368,7 +368,8 @@ class Fmu(Closing):
         """Derivatives of outputs after the last step by the inputs over it (native FMUs; see docs/fmu.md).
 
         Args:
-            outputs, inputs: names, or one alone.
+            outputs: names, or one alone.
+            inputs: likewise.
 
         Returns:
             Shape (outputs, inputs), units of the output over those of the input.
