@@ -70,6 +70,12 @@ def page(still):
 
 
 @pytest.fixture(scope="session")
+def fmu(built):
+    """The FMU of the module."""
+    return built / "InertiaModule.fmu"
+
+
+@pytest.fixture(scope="session")
 def cluster(tmp_path_factory):
     """A cluster with two workers."""
     pytest.importorskip("distributed")

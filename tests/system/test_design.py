@@ -40,11 +40,6 @@ margin = "5 %"
 
 
 @pytest.fixture(scope="module")
-def module(built):
-    return built / "InertiaModule.fmu"
-
-
-@pytest.fixture(scope="module")
 def spec(tmp_path_factory):
     path = tmp_path_factory.mktemp("spec") / "spec.toml"
     path.write_text(SPEC)
@@ -52,8 +47,8 @@ def spec(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def found(spec, module, tmp_path_factory):
-    return jobs.design(spec, output=tmp_path_factory.mktemp("one"), fmu=module, workers=1)
+def found(spec, fmu, tmp_path_factory):
+    return jobs.design(spec, output=tmp_path_factory.mktemp("one"), fmu=fmu, workers=1)
 
 
 def told(rows):
@@ -73,18 +68,18 @@ def test_designs_that_meet_all_limits_are_found_and_no_other_is_better(found):
     assert found.verdict().startswith("3 of 3 checked designs meet all limits; nearest to its limit")
 
 
-def test_the_same_seed_gives_the_same_whatever_the_number_of_workers(found, spec, module, cluster, tmp_path):
-    two = jobs.design(spec, output=tmp_path, fmu=module, scheduler=cluster.address)
+def test_the_same_seed_gives_the_same_whatever_the_number_of_workers(found, spec, fmu, cluster, tmp_path):
+    two = jobs.design(spec, output=tmp_path, fmu=fmu, scheduler=cluster.address)
     assert told(two.rows) == told(found.rows)
     assert told(one.checked for one in two.finalists) == told(one.checked for one in found.finalists)
 
 
-def test_a_chosen_design_is_a_scene_that_runs_and_gives_its_figures(found, module):
+def test_a_chosen_design_is_a_scene_that_runs_and_gives_its_figures(found, fmu):
     for one in found.finalists:
         read = load_scene(one.file)
         assert read.tables == one.scene.tables
         assert 'layout = "planar"' in one.file.read_text()
-        summary = run_scene(read, module).summary
+        summary = run_scene(read, fmu).summary
         assert summary["omega_out_final"] == one.checked.figures["omega_out_final"]
         assert read.mechanism.fidelity == 2.0
 
@@ -109,11 +104,11 @@ def test_what_a_design_leaves_has_titles_units_and_whole_numbers(found):
     assert not any("$" in label.get_text() for label in panel.get_xticklabels(which="both"))
 
 
-def test_another_search_of_the_same_scene_takes_what_is_there(found, spec, module, cluster):
+def test_another_search_of_the_same_scene_takes_what_is_there(found, spec, fmu, cluster):
     harder = spec.with_name("harder.toml")
     harder.write_text(SPEC.replace('150 rad/s", minimum = "20 N.m"', '150 rad/s", minimum = "2 kN.m"'))
     folder = found.files["checked csv"].parent
-    stopped = jobs.design(harder, output=folder, fmu=module, scheduler=cluster.address)
+    stopped = jobs.design(harder, output=folder, fmu=fmu, scheduler=cluster.address)
     assert 0 < stopped.new < len(stopped.rows)
     assert stopped.chosen == []
     assert "no design of" in stopped.verdict()
@@ -121,8 +116,8 @@ def test_another_search_of_the_same_scene_takes_what_is_there(found, spec, modul
     assert "must be at least 2000 N.m" in stopped.verdict()
 
 
-def test_a_figure_that_no_run_has_is_refused(spec, module, cluster, tmp_path):
+def test_a_figure_that_no_run_has_is_refused(spec, fmu, cluster, tmp_path):
     wrong = spec.with_name("wrong.toml")
     wrong.write_text(SPEC.replace("omega_out_final", "omega_out_last"))
     with pytest.raises(SceneError, match=r"figures.omega_out_last must be .* .did you mean omega_out_final"):
-        jobs.design(wrong, output=tmp_path, fmu=module, scheduler=cluster.address)
+        jobs.design(wrong, output=tmp_path, fmu=fmu, scheduler=cluster.address)

@@ -23,11 +23,6 @@ SETS = 16
 
 
 @pytest.fixture(scope="module")
-def fmu(built):
-    return built / "InertiaModule.fmu"
-
-
-@pytest.fixture(scope="module")
 def rig():
     """The script that made the data of the example."""
     from studies import fit_rig_data

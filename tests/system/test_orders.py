@@ -48,11 +48,6 @@ satellites = 3
 link2_inertia = 0.01"""
 
 
-@pytest.fixture(scope="module")
-def fmu(built):
-    return built / "InertiaModule.fmu"
-
-
 def held(mechanism="", stop=4.0, omega1=OMEGA1):
     return read_scene(HELD.format(mechanism=mechanism, stop=stop, omega1=omega1), Path())
 

@@ -6,14 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from inertia_module.fmu.builder import MODULE_FMU
-
 STUDIES = Path(__file__).parents[2] / "examples" / "studies"
-
-
-@pytest.fixture(scope="module")
-def fmu(built):
-    return built / MODULE_FMU.file_name
 
 
 @pytest.fixture(scope="module", autouse=True)

@@ -50,38 +50,33 @@ def scene(tmp_path_factory):
     return path
 
 
-@pytest.fixture(scope="module")
-def module(built):
-    return built / "InertiaModule.fmu"
-
-
 def told(rows):
     """Rows without what they cost."""
     return [row._replace(cost=0.0) for row in rows]
 
 
-def evaluated(read, module, points):
+def evaluated(read, fmu, points):
     """Rows of points, computed in this process."""
     with ExitStack() as closing:
-        figures_of = Task(module.read_bytes(), read.tables).make_evaluator(module, closing)
+        figures_of = Task(fmu.read_bytes(), read.tables).make_evaluator(fmu, closing)
         return evaluate(figures_of, points).rows
 
 
 @pytest.fixture(scope="module")
-def expected(scene, module):
+def expected(scene, fmu):
     """The rows of the sweep, computed in this process."""
     read = load_scene(scene)
-    return evaluated(read, module, grid(axes_of(VARY, read)))
+    return evaluated(read, fmu, grid(axes_of(VARY, read)))
 
 
 @pytest.fixture(scope="module")
-def found(scene, module, cluster, tmp_path_factory):
+def found(scene, fmu, cluster, tmp_path_factory):
     """The sweep on the cluster."""
     folder = tmp_path_factory.mktemp("sweep")
-    return jobs.sweep(scene, VARY, output=folder, fmu=module, scheduler=cluster.address)
+    return jobs.sweep(scene, VARY, output=folder, fmu=fmu, scheduler=cluster.address)
 
 
-def test_one_instance_after_the_other_gives_what_run_scene_gives(scene, module):
+def test_one_instance_after_the_other_gives_what_run_scene_gives(scene, fmu):
     read = load_scene(scene)
     points = [
         {"mechanism.imbalance_mass": 2.0, "mechanism.fidelity": "averaged"},
@@ -91,10 +86,10 @@ def test_one_instance_after_the_other_gives_what_run_scene_gives(scene, module):
         {"load.inertia": 1.0},
         {},
     ]
-    rows = evaluated(read, module, points)
+    rows = evaluated(read, fmu, points)
     assert "z17 must be a whole number between" in rows.pop(3).refused
     for row in rows:
-        summary = run_scene(read.with_keys(row.point), module).summary
+        summary = run_scene(read.with_keys(row.point), fmu).summary
         assert row.figures == {name: value for name, value in summary.items() if name in row.figures}
         assert set(summary) - set(row.figures) == {"wall_time", "real_time_factor"}
     assert rows[1].figures == rows[-1].figures
@@ -115,15 +110,15 @@ def test_a_refusal_is_a_row_with_its_sentence(found):
     assert all(row.figures["energy_in"] > 0.0 for row in found.rows if not row.refused)
 
 
-def test_what_is_done_is_not_done_again(scene, module, found):
+def test_what_is_done_is_not_done_again(scene, fmu, found):
     folder = found.files["csv"].parent
     # nothing listens there: no worker is asked for
-    again = jobs.sweep(scene, VARY, output=folder, fmu=module, scheduler="tcp://127.0.0.1:1")
+    again = jobs.sweep(scene, VARY, output=folder, fmu=fmu, scheduler="tcp://127.0.0.1:1")
     assert again.new == 0
     assert again.rows == found.rows
     other = load_scene(scene).replaced(run={"stop_time": 0.2})
     with pytest.raises(Refused, match="another scene"):
-        jobs.sweep(other, VARY, output=folder, fmu=module)
+        jobs.sweep(other, VARY, output=folder, fmu=fmu)
 
 
 @dataclass(frozen=True)
@@ -178,9 +173,9 @@ def slow_scene(scene):
     return slow
 
 
-def test_a_client_that_is_killed_loses_nothing(slow_scene, module, cluster, tmp_path):
+def test_a_client_that_is_killed_loses_nothing(slow_scene, fmu, cluster, tmp_path):
     command = [sys.executable, "-m", "inertia_module", "sweep", str(slow_scene), "--vary", SLOW[0]]
-    options = ["-o", str(tmp_path / "out"), "--fmu", str(module), "--scheduler", cluster.address]
+    options = ["-o", str(tmp_path / "out"), "--fmu", str(fmu), "--scheduler", cluster.address]
     client = subprocess.Popen([*command, *options], stderr=subprocess.DEVNULL)
     journal = tmp_path / "out" / "journal.jsonl"
     deadline = time.monotonic() + 60.0
@@ -190,13 +185,13 @@ def test_a_client_that_is_killed_loses_nothing(slow_scene, module, cluster, tmp_
     client.wait()
     done = sum(len(json.loads(line)["rows"]) for line in journal.read_text().split("\n")[1:-1])
     assert 0 < done < 60
-    found = jobs.sweep(slow_scene, SLOW, output=tmp_path / "out", fmu=module, scheduler=cluster.address)
+    found = jobs.sweep(slow_scene, SLOW, output=tmp_path / "out", fmu=fmu, scheduler=cluster.address)
     assert found.new == 60 - done
     assert len(found.rows) == 60
     assert not found.refused
 
 
-def test_a_worker_that_is_killed_loses_nothing(slow_scene, module, cluster, tmp_path):
+def test_a_worker_that_is_killed_loses_nothing(slow_scene, fmu, cluster, tmp_path):
     victims = [cluster.worker()]
     with Client(cluster.address) as client:
         client.wait_for_workers(3, timeout=60)
@@ -206,10 +201,10 @@ def test_a_worker_that_is_killed_loses_nothing(slow_scene, module, cluster, tmp_
             os.kill(victims.pop().pid, signal.SIGKILL)
 
     found = jobs.sweep(
-        slow_scene, SLOW, output=tmp_path, fmu=module, scheduler=cluster.address, progress=kill_one
+        slow_scene, SLOW, output=tmp_path, fmu=fmu, scheduler=cluster.address, progress=kill_one
     )
     assert not victims
     assert len(found.rows) == 60 == found.new
     assert not found.refused
     some = found.rows[::20]
-    assert told(some) == told(evaluated(load_scene(slow_scene), module, [row.point for row in some]))
+    assert told(some) == told(evaluated(load_scene(slow_scene), fmu, [row.point for row in some]))
