@@ -66,25 +66,25 @@ def stability(
     from inertia_module.harness.results import write_figure
     from inertia_module.harness.simulate import progress_bar
 
-    from .stability import map as extremes
+    from .stability import map as extremes_map
 
     with one_line_errors():
         folder = folder_for(output, "stability")
-        chosen = extremes.chosen_cases(only, quick)
+        chosen = extremes_map.chosen_cases(only, quick)
         with progress_bar("trying the extremes") as progress:
-            verdicts = extremes.run_study(chosen, progress)
-        rows = extremes.rows_of(verdicts)
+            verdicts = extremes_map.run_study(chosen, progress)
+        rows = extremes_map.rows_of(verdicts)
         files = {
-            "verdicts": extremes.write_rows(folder / "stability.csv", rows),
-            "cases": extremes.write_cases(folder / "cases.csv", verdicts),
-            "map": write_figure(folder / "stability.png", extremes.verdict_map(rows)),
-            "summary": write_figure(folder / "stability_summary.png", extremes.summary(rows)),
+            "verdicts": extremes_map.write_rows(folder / "stability.csv", rows),
+            "cases": extremes_map.write_cases(folder / "cases.csv", verdicts),
+            "map": write_figure(folder / "stability.png", extremes_map.verdict_map(rows)),
+            "summary": write_figure(folder / "stability_summary.png", extremes_map.summary(rows)),
         }
     if as_json:
         listed = {name: str(file) for name, file in files.items()}
-        typer.echo(json.dumps({"verdicts": extremes.as_records(verdicts), "files": listed}))
+        typer.echo(json.dumps({"verdicts": extremes_map.as_records(verdicts), "files": listed}))
     else:
-        extremes.print_rows(rows)
+        extremes_map.print_rows(rows)
         for name, file in files.items():
             typer.echo(f"{name}: {file}")
     if any(verdict.outcome == "broken" for verdict in verdicts):
