@@ -17,10 +17,10 @@ PAPER = "getComputedStyle(document.body).backgroundColor"
 
 
 @pytest.fixture(params=[PHONE, DESK], ids=["phone", "desk"])
-def sized(page, request):
+def sized(still, request):
     """The page of scene R1 at rest, loaded at a size."""
-    page.page.set_viewport_size(request.param)
-    return page.at("")
+    still.page.set_viewport_size(request.param)
+    return still.at("")
 
 
 def test_nothing_hangs_over_in_any_font_and_the_theme_can_be_switched(sized):
