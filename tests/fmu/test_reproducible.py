@@ -102,13 +102,17 @@ import importlib.metadata as metadata
 installed = metadata.version
 metadata.version = lambda name: "99" if name == "{}" else installed(name)
 """
+OTHER_FIELDS = """
+first, *others = SHAFT_FMU.model.records
+vars(SHAFT_FMU.model)["records"] = (first[::-1], *others)
+"""
 # what is made anew with another tool, and the code that makes it another
 TOOLS = {
     "Python": (ALL, "import platform; platform.python_version = lambda: '3.99.0'"),
     "numba": (ALL, OTHER_VERSION.format("numba")),
     "llvmlite": (ALL, OTHER_VERSION.format("llvmlite")),
     "ziglang": (LINKED, OTHER_VERSION.format("ziglang")),
-    "fields of records": (ALL, "vars(SHAFT_FMU.model)['records'] = SHAFT_FMU.model.records[::-1]"),
+    "fields of records": (ALL, OTHER_FIELDS),
     "headers of FMI 2.0": (LINKED, "native_fmu.header_folder = lambda: files.PACKAGE_FOLDER"),
 }
 

@@ -22,7 +22,7 @@ def ready_made(name: str) -> Path | None:
 
 
 def cache_folder() -> Path:
-    """Where compiled kernels are kept; the environment variable INERTIA_MODULE_CACHE overrides it."""
+    """Folder of the compiled kernels; the environment variable INERTIA_MODULE_CACHE overrides it."""
     chosen = os.environ.get("INERTIA_MODULE_CACHE")
     if chosen:
         return Path(chosen)

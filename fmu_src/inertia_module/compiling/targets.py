@@ -69,7 +69,7 @@ PROCESSORS = {"x86_64": "x86_64", "amd64": "x86_64", "arm64": "aarch64", "aarch6
 
 
 def here() -> Target:
-    """That of this process.
+    """Target of this process.
 
     Raises:
         CompilationUnavailable: it is none of TARGETS.

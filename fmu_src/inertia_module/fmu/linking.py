@@ -38,7 +38,7 @@ VERSION_INFO, ITS_NAME, SHARED = 16, 1, 0x30
 
 
 def header_folder() -> Path:
-    """Where the headers of FMI 2.0 and 3.0 are: fmpy brings them.
+    """Folder with the headers of FMI 2.0 and 3.0, which fmpy brings along.
 
     Raises:
         CompilationUnavailable: this fmpy has none.

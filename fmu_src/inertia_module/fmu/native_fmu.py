@@ -80,7 +80,7 @@ def _picture(name: str) -> bytes:
 
 
 def library_path(fmu: NativeFmu, target: Target) -> str:
-    """Where the FMU keeps its shared library for a target."""
+    """Path in the FMU of its shared library for a target."""
     folder = target.folder if fmu.fmi == 2 else target.platform
     return f"binaries/{folder}/{fmu.identifier}{target.suffix}"
 
