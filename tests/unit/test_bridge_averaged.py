@@ -176,3 +176,36 @@ def test_margins_of_an_integrator_are_those_of_the_book():
     crossover = 2.0 * np.arcsin(0.05)
     assert margins.crossover == pytest.approx(crossover, rel=1e-3)
     assert margins.phase == pytest.approx(90.0 - np.degrees(1.5 * crossover), abs=0.1)
+
+
+class Pulsing(Integrator):
+    """An integrator that is read with pulses, which grow a little; it can go back to a state."""
+
+    def __init__(self):
+        super().__init__()
+        self.steps = 0
+
+    def advance(self, step):
+        super().advance(step)
+        self.steps += 1
+
+    def read(self, names):
+        return (self.speed + 1e-3 * (1.0 + 1e-3 * self.steps) * (-1.0) ** self.steps,)
+
+    def get_state(self):
+        return self.speed, self.steps
+
+    def set_state(self, state):
+        self.speed, self.steps = state
+
+    def free_state(self, state):
+        self.set_state((0.0, -1))
+
+
+def test_measured_margins_are_those_of_the_book_though_pulses_never_settle():
+    around = ct.ss([[0.0]], [[-0.1]], [[1.0]], [[0.0]], 1.0, inputs="omega_out", outputs="omega1")
+    expected = bridge.predicted_margins(ct.tf([0.1], [1.0, -1.0, 0.0], 1.0))
+    point = {"omega_out": 0.0, "omega1": 0.0}
+    found = bridge.measured_margins(Pulsing(), around, point, [1.0], expected, limits=(-1e9, 1e9))
+    assert found.gain == pytest.approx(expected.gain, rel=0.05)
+    assert found.delay == pytest.approx(expected.delay, rel=0.05)
