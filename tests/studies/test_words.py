@@ -38,7 +38,7 @@ def short_lines(block):
     """Lines of one or two words inside a sentence whose next word had room beside them."""
     for line, after in pairwise(block):
         together = bool(line.strip() and after.strip()) and not re.match(r"\s{4,}\S.*=", after)
-        fits = len(line) + 1 + len((after.split() or [""])[0]) <= LONGEST
+        fits = line.strip() != "fmt: on" and len(line) + 1 + len((after.split() or [""])[0]) <= LONGEST
         if (
             together
             and fits

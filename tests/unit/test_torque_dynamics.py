@@ -9,7 +9,7 @@ from scenes import LAYOUTS, parameters, started
 from inertia_module.kernel.links import accelerations, motion
 
 pytest.importorskip("mujoco")
-from multibody import Multibody
+from test_multibody import Multibody
 
 STATES = 10
 # inertia and torque of what link 2 carries, and whether it is held

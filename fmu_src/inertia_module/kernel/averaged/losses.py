@@ -59,19 +59,19 @@ def crawl(p, d, side, knot):
     # of the mesh, over the slip
     pulling = d.k * d.k * d.bq / (1.0 - d.mesh_loss)
     driving = side.direction * pulling - (pulling + d.b2 + d.housing_drag_viscous) * ratio
-    driving = side.direction * pulling + d.output_drag_viscous * ratio
+    overrun = side.direction * pulling + d.output_drag_viscous * ratio
     ahead = d.output_drag - d.housing_drag
     omega2 = 0.0
     if ratio == 0.0:
-        linear.torque[0] = max(driving, 0.0)
+        linear.torque[0] = max(overrun, 0.0)
         square.torque[0] = 0.0
     elif ahead > 0.0 or (ahead == 0.0 and driving >= 0.0):
         omega2 = ratio
         linear.torque[0] = driving
         square.torque[0] = -d.housing_drag
     else:
-        if ahead == 0.0 and driving > 0.0:
-            omega2 = driving / (pulling + d.b2 + d.housing_drag_viscous + d.output_drag_viscous)
+        if ahead == 0.0 and overrun > 0.0:
+            omega2 = overrun / (pulling + d.b2 + d.housing_drag_viscous + d.output_drag_viscous)
         linear.torque[0] = -d.output_drag_viscous * (ratio - omega2)
         square.torque[0] = -d.output_drag
     linear.omega2[0] = omega2

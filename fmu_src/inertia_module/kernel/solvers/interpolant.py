@@ -27,8 +27,7 @@ def error_norm(w, scale_q, scale_omega2, others, scale_others):
 
     Args:
         others: one more block of rates, whose integral counts where an error scale_others of it is allowed
-        (else
-            0): P with a ramp of omega1, or omega1' where that is a state.
+            (else 0): P with a ramp of omega1, or omega1' where that is a state.
     """
     q5 = fifth(w.rate_q) / scale_q
     q3 = third(w.rate_q) / scale_q
