@@ -77,7 +77,8 @@ def run_linear_loop(
         point: values at the operating point of all these names.
         kick: state of the surrounding at the start, shape (states,).
         steps: number of steps of the surrounding's dt.
-        factor, delay: deviations reach the surrounding times this, and so many steps late.
+        factor: by which deviations reach the surrounding.
+        delay: steps by which they come late.
         limits: of what it gives to the plant; the run ends where it leaves them.
 
     Returns:
@@ -137,7 +138,10 @@ def measured_margins(
 
     Args:
         fmu: started at the operating point; it is left there.
-        surrounding, point, kick, limits: as in run_linear_loop.
+        surrounding: around it, of deviations; see run_linear_loop.
+        point: values at the operating point of all signals between both.
+        kick: state of the surrounding at the start.
+        limits: of what the surrounding gives to the FMU.
         expected: by predicted_margins; looked for from half to twice of them, to 2 %.
 
     Returns:

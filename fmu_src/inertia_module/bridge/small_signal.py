@@ -184,7 +184,8 @@ def measured_response(
 
     Args:
         path: the .fmu file. parameters: by name; omega_out_start near the operating point saves settling.
-        omega1, load_torque: operating point, rad/s and N.m.
+        omega1: of the operating point, rad/s.
+        load_torque: there, N.m.
         excited: "omega1" or "load_torque". amplitude: of the sine, in units of this input.
         frequencies: Hz, shape (n,).
         outputs: variables of the FMU; torques as step means.
