@@ -272,3 +272,9 @@ def test_sdist_makes_a_complete_wheel_or_none(forced_into_a_wheel, tmp_path, bui
     (tmp_path / "fmu_src" / "inertia_module" / "page" / "template.html").touch()
     ready = {f"inertia_module/ready/{path.name}" for path in built.iterdir() if path.is_file()}
     assert forced_into_a_wheel() == ready | {"inertia_module/examples"}
+
+
+def test_an_empty_name_of_a_cache_folder_counts_as_none(monkeypatch):
+    monkeypatch.delenv("INERTIA_MODULE_CACHE", raising=False)
+    monkeypatch.setenv("XDG_CACHE_HOME", "")
+    assert cache_folder().is_absolute()

@@ -30,7 +30,8 @@ def cache_folder() -> Path:
         return Path(os.environ.get("LOCALAPPDATA", str(Path.home()))) / "inertia-module"
     if sys.platform == "darwin":
         return Path.home() / "Library" / "Caches" / "inertia-module"
-    return Path(os.environ.get("XDG_CACHE_HOME", str(Path.home() / ".cache"))) / "inertia-module"
+    # an empty one counts as none
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "inertia-module"
 
 
 def sources(*patterns: str) -> dict[str, bytes]:
