@@ -137,11 +137,8 @@ def for_any_processor(ir: str) -> str:
     The kernel raises nothing and allocates nothing, so that path is never taken.
     """
     ir = without_target(ir)
-    # references of arrays are not counted: all arrays belong to the caller
-    ir = re.sub(r"^ *(?:tail )?call void @NRT_(?:in|de)cref\(.*\n", "", ir, flags=re.M)
-    ir = re.sub(r"@llvm\.x86\.atomic\.\w+(\.\w+)*", "@numba_atomic", ir)
     ir = re.sub(
-        r"^declare ([^@\n]*)@((?:NRT|numba|Py|_Py)\w*)\(([^)]*)\)[^\n]*$",
+        r"^declare ([^@\n]*)@((?:numba|Py|_Py)\w*)\(([^)]*)\)[^\n]*$",
         lambda found: (
             f"define internal {found[1]}@{found[2]}({found[3].replace('immarg', '')}) {{\n"
             "  call void @llvm.trap()\n  unreachable\n}"

@@ -9,13 +9,16 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
+from unittest.mock import patch
 
 import llvmlite.binding as llvm
 from numba.core.codegen import JITCodeLibrary
 from numba.core.registry import cpu_target
+from numba.core.types import Record, Type
 
-# of numba.njit, for functions that only others of them call
-OPTIONS = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+# of numba.njit, for functions that only others of them call; references of arrays are not counted (_nrt), for
+# all arrays belong to the caller
+OPTIONS = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "_nrt": False}
 # what every evaluation of the equations of motion calls: made part of its callers, which then leave out
 # the derivatives they do not want. The compiler by itself finds them too long.
 INLINED = ("inertia.reduced_inertia", "sine.sine_cosine", "sine.sines_cosines")
@@ -83,11 +86,13 @@ def only_lowered() -> Iterator[None]:
     """Within it numba's functions are lowered and kept, not compiled."""
     context = cpu_target.target_context
     codegen = context.codegen()
-    codegen._library_class, context.get_executable = Lowered, _stand_in
-    try:
+    with (
+        patch.object(codegen, "_library_class", Lowered),
+        patch.object(context, "get_executable", _stand_in),
+        # numba writes down all types of arguments for each pass: field by field a tenth of the time
+        patch.object(Record, "__repr__", Type.__repr__),
+    ):
         yield
-    finally:
-        del codegen._library_class, context.get_executable
 
 
 def is_inlined(symbol: str) -> bool:
