@@ -1,6 +1,5 @@
 """FMUs as systems of python-control."""
 
-import re
 import runpy
 from pathlib import Path
 
@@ -12,8 +11,8 @@ from inertia_module import bridge, loops
 from inertia_module.contract.variable import DRIVE_ANGLE, LINK1_ANGLE, LOCAL, OUTPUT, SINCE_START
 from inertia_module.contract.variables import BY_NAME, with_causality
 from inertia_module.harness.fmu import Fmu, FmuError
+from tests.system.programs import programs
 
-PAGE = Path(__file__).parents[2] / "docs" / "control.md"
 EXAMPLE = Path(__file__).parents[2] / "examples" / "speed_control.py"
 STEP = 0.01
 START = {"omega1": 100.0, "load_torque": 10.0}
@@ -299,13 +298,11 @@ def test_bad_arguments_are_refused(native):
 # --- the page and the study ---
 
 
-def test_python_of_the_page_runs(built, monkeypatch):
-    (built / "work" / "build").mkdir(parents=True)
-    (built / "work" / "build" / "InertiaModule.fmu").write_bytes((built / "InertiaModule.fmu").read_bytes())
-    (code,) = re.findall(r"```python\n(.*?)```", PAGE.read_text(), re.S)
-    monkeypatch.chdir(built / "work")
-    names = {}
-    exec(compile(code, PAGE.name, "exec"), names)
+def test_python_of_the_page_runs(built, tmp_path, monkeypatch):
+    (tmp_path / "build").symlink_to(built)
+    monkeypatch.chdir(tmp_path)
+    (code,), names = programs("control.md"), {}
+    exec(compile(code, "control.md", "exec"), names)
     speed = names["run"].outputs[0]
     assert speed[-50:] == pytest.approx(np.full(50, 20.0), abs=1.0)
 

@@ -62,11 +62,7 @@ def _is_driven_by_torque(fmu: Fmu) -> bool:
 
 
 def _motion_of(fmu: Fmu) -> tuple[str, ...]:
-    """Names of the motion that the FMU has start parameters for.
-
-    Raises:
-        FmuError: these are not all of its motion.
-    """
+    """Names of the motion that the FMU has start parameters for: refused where these are not all of it."""
     if "input_hold" in fmu.variables and fmu["input_hold"] != 0.0:
         raise FmuError(
             "with state = 'motion' input_hold must be constant, is linear: that goes on from the last two"
@@ -84,11 +80,7 @@ def _motion_of(fmu: Fmu) -> tuple[str, ...]:
 
 
 def _check_outputs(names: Sequence[str], motion: Sequence[str]) -> None:
-    """Refuse outputs of a system that do not follow from its motion.
-
-    Raises:
-        FmuError: the output, and what is allowed.
-    """
+    """Refuse outputs of a system that do not follow from its motion."""
     for name in names:
         variable = OF_MODULE.get(name) or OF_SHAFT.get(name)
         follows = variable.follows if variable is not None else ""
@@ -147,11 +139,7 @@ def numbers_of(data: bytes) -> Array:
 
 
 def bytes_of(numbers: Array) -> bytes:
-    """Unpack the bytes of numbers_of.
-
-    Raises:
-        ValueError: the numbers are none of numbers_of: a state that has been changed.
-    """
+    """Unpack the bytes of numbers_of, refused where it has not given them: a state that has been changed."""
     limit = 2.0 ** (8 * _BYTES)
     whole = np.isfinite(numbers) & (numbers >= 0.0) & (numbers < limit) & (numbers == np.floor(numbers))
     count = (len(numbers) - 1) * _BYTES
@@ -230,11 +218,7 @@ class FmuSystem(Closing):
 
 
 def _check_inputs(fmu: Fmu, inputs: Sequence[str]) -> None:
-    """Refuse inputs of a system that are none of the FMU, or that have no effect with its drive.
-
-    Raises:
-        FmuError: the input, and what is allowed.
-    """
+    """Refuse inputs of a system that are none of the FMU, or that have no effect with its drive."""
     known = [name for name, variable in fmu.variables.items() if variable.causality == "input"]
     for name in inputs:
         if name not in known:

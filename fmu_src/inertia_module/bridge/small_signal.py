@@ -55,11 +55,7 @@ _RECORDED_PULSES = 600.0
 
 
 def fit_sine(time: Array, values: Array, frequency: float) -> tuple[complex, float]:
-    """Fit the complex amplitude z of Im(z exp(2 pi i f t)) in values, and their mean, under a Hann window.
-
-    Args:
-        time, values: shape (n,). frequency: Hz; the times cover a whole number of its periods.
-    """
+    """Fit z of Im(z exp(2 pi i f t)) in values over whole periods, and their mean, under a Hann window."""
     window = 0.5 - 0.5 * np.cos(2.0 * math.pi * (np.arange(time.size) + 0.5) / time.size)
     angle = 2.0 * math.pi * frequency * time
     drift = (time - time.mean()) / float(np.ptp(time))
@@ -101,12 +97,7 @@ class SineBench:
     def response(
         self, excited: str, amplitude: float, frequency: float, settling: float, record: float
     ) -> tuple[Complex, Array]:
-        """Measure outputs over the input at one frequency, and their means, shape (outputs,) each.
-
-        Args:
-            excited: name of the input. amplitude: in its units. frequency: Hz.
-            settling: time given to the transient, s. record: least time of the record, s.
-        """
+        """Measure outputs over the input at a frequency, Hz, and their means; settling, record: times, s."""
         before = math.ceil(settling / self.step)
         self.run(excited, amplitude, frequency, 0, before)
         periods = max(LEAST_PERIODS, math.ceil(record * frequency))
@@ -136,11 +127,6 @@ class SineBench:
 
 
 # --- frequency responses ---
-
-
-def _check_excited(excited: str) -> None:
-    if excited not in INPUTS:
-        raise ValueError(must_be("excited", " or ".join(INPUTS), repr(excited)))
 
 
 @dataclass(frozen=True)
@@ -201,7 +187,8 @@ def measured_response(
             FMU is driven by torque.
         FmuError: the FMU refuses something.
     """
-    _check_excited(excited)
+    if excited not in INPUTS:
+        raise ValueError(must_be("excited", " or ".join(INPUTS), repr(excited)))
     for name, value in (("amplitude", amplitude), ("step", step), ("settling", settling), ("record", record)):
         if not (math.isfinite(value) and value > 0.0):
             raise ValueError(must_be(name, "a positive number", value))
@@ -274,7 +261,8 @@ def averaged_response(
     Raises:
         ValueError: there is no operating point below lock-up, or excited is no input.
     """
-    _check_excited(excited)
+    if excited not in INPUTS:
+        raise ValueError(must_be("excited", " or ".join(INPUTS), repr(excited)))
     names = as_names(outputs)
     own = [MEANS.get(name, name) for name in names]
     system = averaged_system(parameters, inputs=(*INPUTS, INPUT_RATE), outputs=own, transient=transient)
