@@ -11,7 +11,6 @@ from .coupled import (
     SCHEMES,
     CoupledEngine,
     EnginePlant,
-    Exchange,
     InterfaceInertia,
     Ledger,
     Scheme,
@@ -20,7 +19,7 @@ from .coupled import (
     torque_driven,
 )
 from .engine import Engine, EngineMap, EngineState, Governor
-from .loads import Coupling, Load, shaft_load, torque_source, vehicle_load
+from .loads import Coupling, Load, shaft_load, vehicle_load
 from .sources import Table, source
 
 __all__ = [
@@ -32,7 +31,6 @@ __all__ = [
     "EngineMap",
     "EnginePlant",
     "EngineState",
-    "Exchange",
     "Governor",
     "InterfaceInertia",
     "Ledger",
@@ -48,6 +46,5 @@ __all__ = [
     "shaft_load",
     "source",
     "torque_driven",
-    "torque_source",
     "vehicle_load",
 ]

@@ -14,7 +14,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .sources import Signal, evaluate, source
+from .sources import Signal, evaluate
+
+Array = NDArray[np.float64]
 
 STANDARD_GRAVITY = 9.80665
 
@@ -37,19 +39,15 @@ class Coupling(NamedTuple):
         return self.stiffness * twist + self.damping * speed_difference
 
 
-def sample(a: list[list[float]], b: list[list[float]], step: float) -> tuple[Any, Any]:
+def sample(a: list[list[float]], b: list[list[float]], step: float) -> tuple[Array, Array]:
     """Exact step of x' = a x + b u with u held: (A, B) of x+ = A x + B u."""
-    import control as ct
+    from scipy.signal import cont2discrete  # takes half a second
 
-    size = len(a)
-    continuous = ct.ss(a, b, np.eye(size), np.zeros((size, len(b[0]))))
-    sampled = ct.sample_system(continuous, step, method="zoh")
-    return sampled.A, sampled.B
+    exact_a, exact_b, *_ = cont2discrete((np.array(a), np.array(b), np.eye(len(a)), np.zeros_like(b)), step)
+    return np.array(exact_a), np.array(exact_b)
 
 
-def sample_coupled(
-    inertia: float, coupling: Coupling, friction: float, step: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def sample_coupled(inertia: float, coupling: Coupling, friction: float, step: float) -> tuple[Array, Array]:
     """Exact step of twist, speed and angle of an inertia behind a coupling.
 
     Returns:
@@ -63,36 +61,6 @@ def sample_coupled(
     ]
     b = [[1.0, 0.0], [damping / inertia, -1.0 / inertia], [0.0, 0.0]]
     return sample(a, b, step)
-
-
-def check_coupling(coupling: Coupling, inertia: float, shaft_inertia: float, step: float) -> None:
-    """Refuse a step too long for an elastic coupling: its torque is held while the shaft moves.
-
-    The shaft, with the torque held over a step, and the load behind it, in the order of ClosedLoop: no
-    swing of the two may grow, and the damping may not turn the shaft round within a step.
-
-    Args:
-        coupling: between both. inertia: of the load, kg.m2.
-        shaft_inertia: of the output shaft, kg.m2. step: communication step, s.
-
-    Raises:
-        ValueError: the step is too long.
-    """
-    a, b = sample_coupled(inertia, coupling, 0.0, step)
-    # state (twist, speed of the load, speed of the shaft): first the shaft, then the load
-    shaft = np.eye(3)
-    stiffness, damping = coupling
-    shaft[2] -= step / shaft_inertia * np.array([stiffness, -damping, damping])
-    behind = np.eye(3)
-    behind[:2, :2] = a[:2, :2]
-    behind[:2, 2] = b[:2, 0]
-    growth = np.abs(np.linalg.eigvals(behind @ shaft)).max()
-    if growth > 1.0 + 1e-6 or step * damping > shaft_inertia:
-        raise ValueError(
-            f"with stiffness = {stiffness:g} N.m/rad, damping = {damping:g} N.m.s/rad and a shaft of"
-            f" {shaft_inertia:g} kg.m2 the step must be shorter, is {step:g} s; a softer coupling or more"
-            " inertia on the shaft helps too"
-        )
 
 
 class Load(NamedTuple):
@@ -118,31 +86,39 @@ class Load(NamedTuple):
     def check_step(self, shaft_inertia: float) -> None:
         """Refuse a step that is too long: the torque of the load is held while the shaft moves.
 
+        Behind an elastic coupling, in the order of ClosedLoop, no swing of shaft and load may grow, and the
+        damping may not turn the shaft round within a step.
+
         Args:
             shaft_inertia: of the output shaft without the load, kg.m2.
 
         Raises:
-            ValueError: friction held over a step would turn the shaft round; or see check_coupling.
+            ValueError: the step is too long, or friction held over it would turn the shaft round.
         """
         step = float(self.system.dt)
-        if self.coupling is not None:
-            check_coupling(self.coupling, self.inertia, shaft_inertia, step)
+        if self.coupling is None:
+            inertia = self.inertia + shaft_inertia
+            if step * self.friction > inertia:
+                raise ValueError(
+                    f"with viscous_friction = {self.friction:g} N.m.s/rad the step must be at most inertia"
+                    f" over friction, {inertia / self.friction:g} s, is {step:g} s"
+                )
             return
-        inertia = self.inertia + shaft_inertia
-        if step * self.friction > inertia:
+        a, b = sample_coupled(self.inertia, self.coupling, 0.0, step)
+        # state (twist, speed of the load, speed of the shaft): first the shaft, then the load
+        shaft = np.eye(3)
+        stiffness, damping = self.coupling
+        shaft[2] -= step / shaft_inertia * np.array([stiffness, -damping, damping])
+        behind = np.eye(3)
+        behind[:2, :2] = a[:2, :2]
+        behind[:2, 2] = b[:2, 0]
+        growth = np.abs(np.linalg.eigvals(behind @ shaft)).max()
+        if growth > 1.0 + 1e-6 or step * damping > shaft_inertia:
             raise ValueError(
-                f"with viscous_friction = {self.friction:g} N.m.s/rad the step must be at most inertia over"
-                f" friction, {inertia / self.friction:g} s, is {step:g} s"
+                f"with stiffness = {stiffness:g} N.m/rad, damping = {damping:g} N.m.s/rad and a shaft of"
+                f" {shaft_inertia:g} kg.m2 the step must be shorter, is {step:g} s; a softer coupling or more"
+                " inertia on the shaft helps too"
             )
-
-
-def torque_source(torque: Signal, step: float) -> Load:
-    """A torque that does not depend on the motion.
-
-    Args:
-        torque: N.m, positive against the motion: constant, or table over time. step: s.
-    """
-    return Load(source("load_torque", torque, step))
 
 
 def shaft_load(
