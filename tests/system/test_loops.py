@@ -339,6 +339,9 @@ def test_tolerance_band_by_brute_force():
         assert upper[n] == pytest.approx(near.max() + 2.0 * KMH, abs=1e-3)
         assert lower[n] == pytest.approx(max(near.min() - 2.0 * KMH, 0.0), abs=1e-3)
     assert cycles.CYCLES[CYCLE.name] is CYCLE
+    rise_and_fall = (cycles.Operation(5.0, 36.0, "up"), cycles.Operation(5.0, 0.0, "down"))
+    _, upper = cycles.Cycle("peak", rise_and_fall, "").tolerance_band(np.array([4.5]))
+    assert upper == pytest.approx(10.0 + 2.0 * KMH)
 
 
 @pytest.fixture(scope="module")

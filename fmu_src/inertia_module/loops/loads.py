@@ -8,7 +8,6 @@ and damper and returns their torque. What is linear is sampled exactly (zero-ord
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -186,10 +185,12 @@ def dry_friction(free_speed: float, effect: float, capacity: float) -> float:
     return min(max(free_speed / effect, -capacity), capacity)
 
 
-# drag, climb, capacity of rolling friction, capacity of the brake: torques at the output shaft, N.m
-_Resistances = tuple[float, float, float, float]
-# those of a vehicle by its speed, m/s, way, m, and force of the brake, N
-_Road = Callable[[float, float, float], _Resistances]
+def _shared(friction: float, rolling: float, brake: float) -> tuple[float, float]:
+    """Dry friction as shared by rolling resistance and brake, N.m each."""
+    capacity = rolling + brake
+    return (friction * rolling / capacity, friction * brake / capacity) if capacity > 0.0 else (0.0, 0.0)
+
+
 _VEHICLE_OUTPUTS = (
     "load_torque",
     "load_speed",
@@ -242,7 +243,8 @@ def vehicle_load(
     inertia = mass * radius * radius
     weight, drag = mass * STANDARD_GRAVITY, 0.5 * air_density * drag_area
 
-    def road(speed: float, distance: float, brake_force: float) -> _Resistances:
+    def road(speed: float, distance: float, brake_force: float) -> tuple[float, float, float, float]:
+        """Drag, climb, capacities of rolling friction and of the brake: torques at the output shaft, N.m."""
         angle = math.atan(evaluate(slope, distance))
         return (
             radius * drag * speed * abs(speed),
@@ -252,9 +254,39 @@ def vehicle_load(
         )
 
     if coupling is None:
-        update, output, states = _rigid_vehicle(step, road, radius, inertia, one_way)
+        states = ["distance"]
+        a, b = sample([[0.0]], [[radius]], step)
+
+        def update(_: float, x: Any, u: Any, __: Any) -> Any:
+            return a @ x + b @ u[:1]
+
+        def output(_: float, x: Any, u: Any, __: Any) -> tuple[float, ...]:
+            speed = radius * u[0]
+            drag, climb, rolling, brake = road(speed, x[0], u[1])
+            friction = rolling + brake
+            if not one_way:
+                # the drive's part of the free speed is not known here: it shows in the next step
+                effect = step / inertia
+                friction = dry_friction(u[0] - effect * (drag + climb), effect, friction)
+            return drag + climb + friction, u[0], speed, x[0], drag, climb, *_shared(friction, rolling, brake)
+
     else:
-        update, output, states = _coupled_vehicle(step, road, radius, inertia, coupling)
+        states = ["twist", "speed", "angle"]  # referred to the output shaft
+        a, b = sample_coupled(inertia, coupling, 0.0, step)
+
+        def resistances(x: Any, u: Any) -> tuple[float, ...]:
+            drag, climb, rolling, brake = road(radius * x[1], radius * x[2], u[1])
+            free = a @ x + b @ [u[0], drag + climb]
+            friction = dry_friction(free[1], -b[1, 1], rolling + brake)
+            return drag, climb, *_shared(friction, rolling, brake)
+
+        def update(_: float, x: Any, u: Any, __: Any) -> Any:
+            return a @ x + b @ [u[0], sum(resistances(x, u))]
+
+        def output(_: float, x: Any, u: Any, __: Any) -> tuple[float, ...]:
+            torque = coupling.torque(x[0], u[0] - x[1])
+            return torque, x[1], radius * x[1], radius * x[2], *resistances(x, u)
+
     system = ct.nlsys(
         update,
         output,
@@ -265,54 +297,3 @@ def vehicle_load(
         name="vehicle_load",
     )
     return Load(system, inertia, coupling)
-
-
-def _shared(friction: float, rolling: float, brake: float) -> tuple[float, float]:
-    """Dry friction as shared by rolling resistance and brake, N.m each."""
-    capacity = rolling + brake
-    return (friction * rolling / capacity, friction * brake / capacity) if capacity > 0.0 else (0.0, 0.0)
-
-
-def _rigid_vehicle(
-    step: float, road: _Road, radius: float, inertia: float, one_way: bool
-) -> tuple[Any, Any, list[str]]:
-    """State (distance) of a vehicle that moves with the output shaft."""
-    a, b = sample([[0.0]], [[radius]], step)
-
-    def update(_: float, x: Any, u: Any, __: Any) -> Any:
-        return a @ x + b @ u[:1]
-
-    def output(_: float, x: Any, u: Any, __: Any) -> tuple[float, ...]:
-        speed = radius * u[0]
-        drag, climb, rolling, brake = road(speed, x[0], u[1])
-        friction = rolling + brake
-        if not one_way:
-            # the drive's part of the free speed is not known here: it shows in the next step
-            effect = step / inertia
-            friction = dry_friction(u[0] - effect * (drag + climb), effect, friction)
-        rolling, brake = _shared(friction, rolling, brake)
-        return drag + climb + friction, u[0], speed, x[0], drag, climb, rolling, brake
-
-    return update, output, ["distance"]
-
-
-def _coupled_vehicle(
-    step: float, road: _Road, radius: float, inertia: float, coupling: Coupling
-) -> tuple[Any, Any, list[str]]:
-    """State (twist, speed, angle), referred to the output shaft, of a vehicle behind a coupling."""
-    a, b = sample_coupled(inertia, coupling, 0.0, step)
-
-    def resistances(x: Any, u: Any) -> tuple[float, ...]:
-        drag, climb, rolling, brake = road(radius * x[1], radius * x[2], u[1])
-        free = a @ x + b @ [u[0], drag + climb]
-        friction = dry_friction(free[1], -b[1, 1], rolling + brake)
-        return drag, climb, *_shared(friction, rolling, brake)
-
-    def update(_: float, x: Any, u: Any, __: Any) -> Any:
-        return a @ x + b @ [u[0], sum(resistances(x, u))]
-
-    def output(_: float, x: Any, u: Any, __: Any) -> tuple[float, ...]:
-        torque = coupling.torque(x[0], u[0] - x[1])
-        return torque, x[1], radius * x[1], radius * x[2], *resistances(x, u)
-
-    return update, output, ["twist", "speed", "angle"]
