@@ -6,7 +6,6 @@ Importing it brings fmpy along.
 from __future__ import annotations
 
 import contextlib
-import functools
 import hashlib
 import io
 import shutil
@@ -98,9 +97,7 @@ def pass_on(environment: int | None, status: int, category: bytes, message: byte
     _dispatch(environment, b"", status, category, message)
 
 
-@functools.cache
-def _dispatcher() -> Any:
-    return fmi2CallbackLoggerTYPE(_dispatch)
+_DISPATCHER = fmi2CallbackLoggerTYPE(_dispatch)
 
 
 def _callbacks() -> Any:
@@ -110,7 +107,7 @@ def _callbacks() -> Any:
     freed while another instance still logs would crash the process: this one stays.
     """
     callbacks = fmi2CallbackFunctions()
-    callbacks.logger = _dispatcher()
+    callbacks.logger = _DISPATCHER
     addLoggerProxy(byref(callbacks))
     return callbacks
 
