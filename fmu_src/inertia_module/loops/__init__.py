@@ -1,8 +1,7 @@
 """Surroundings of an FMU, stepped together with it.
 
-Loads, controllers and sources are python-control systems, closed_loop.py connects them. An engine
-(engine.py) is coupled to the module by coupled.py; what its schemes are worth is measured in
-studies/coupling and described in docs/coupling.md.
+Loads, controllers and sources are systems of python-control, which closed_loop.py connects. An engine is
+coupled to the module by coupled.py; docs/coupling.md tells what its schemes are worth.
 """
 
 from .closed_loop import ClosedLoop, connect, initial_inputs

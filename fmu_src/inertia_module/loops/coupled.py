@@ -98,16 +98,14 @@ class EnginePlant(ABC):
         Raises:
             ValueError: drive_torque, which the engine gives.
         """
-        given: Mapping[str, float] = values
-        if "drive_torque" in given:
+        if "drive_torque" in values:
             raise ValueError(
-                f"drive_torque = {given['drive_torque']:g} N.m cannot be set, the engine gives it;"
+                f"drive_torque = {values['drive_torque']:g} N.m cannot be set, the engine gives it;"
                 " set omega1, the speed its governor is asked for"
             )
-        if "omega1" in given:
-            self.engine.reference = given["omega1"]
-            given = {name: value for name, value in given.items() if name != "omega1"}
-        self.fmu.set(**given)
+        if "omega1" in values:
+            self.engine.reference = values.pop("omega1")
+        self.fmu.set(**values)
 
     def advance(self, step: float) -> None:
         """Advance engine and module by a step, s, in substeps.

@@ -172,15 +172,10 @@ def shaft_load(
 
 
 def dry_friction(free_speed: float, effect: float, capacity: float) -> float:
-    """Friction torque that brings a shaft to rest within the step, as far as it reaches, N.m.
+    """Friction torque that brings a shaft to rest within the step, as far as its capacity reaches, N.m.
 
-    The complementarity condition of dry friction in discrete time: it never turns the motion round,
-    and holds at standstill.
-
-    Args:
-        free_speed: speed at the end of the step without it, rad/s.
-        effect: loss of speed over the step by 1 N.m of it, rad/s.
-        capacity: largest friction torque, N.m.
+    The complementarity condition of dry friction in discrete time: it never turns the motion round, and holds
+    at standstill. Without it the step ends at free_speed, rad/s; 1 N.m of it takes off effect, rad/s.
     """
     return min(max(free_speed / effect, -capacity), capacity)
 
