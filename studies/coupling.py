@@ -213,7 +213,7 @@ def course(
             angle = engine.state.angle
             try:
                 for _ in range(count):
-                    coupled.step(WINDOW / count)
+                    coupled.advance(WINDOW / count)
             except (FmuError, OverflowError):
                 break
             omega1[n] = (engine.state.angle - angle) / WINDOW

@@ -16,13 +16,13 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from inertia_module.common.colours import GREY
-from inertia_module.loops.stepping import PHASES, law_of_motion, phase_starts
 
 from . import karetin, lysenko, sketches, stelmashchuk
 from .drawing import Panel, mechanism, numbers, panels, wheels
 from .engine import Row
 from .karetin import DYNAMIC, GENERAL, OFFSET, PAPER, STOP, exact, period
 from .stelmashchuk import KAPPA2, Criteria, response
+from .stepping import PHASES, law_of_motion, phase_starts
 
 TURNS = np.linspace(0.0, 1.0, 1441)
 # between the instants at which D is on an axis or the page divides by zero

@@ -32,10 +32,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from inertia_module.loops.stepping import HALF, PHASES, TWO_PI, law_of_motion, phase_of, phase_starts
 from inertia_module.memory import DrivenShaft
 
 from .engine import ROUNDING, Claim, Equation, Forms, compared, largest, rounds_to, rows_of, tables
+from .stepping import HALF, PHASES, TWO_PI, law_of_motion, phase_of, phase_starts
 
 # phase IV has no end: it is watched for this many units of kappa
 WATCHED = 2.0

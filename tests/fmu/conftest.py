@@ -1,7 +1,6 @@
 """FMUs as an importer sees them: built once a session, driven through fmpy only."""
 
 import ctypes
-import functools
 import math
 
 import pytest
@@ -62,10 +61,6 @@ def unpacked(fmu_path, tmp_path_factory):
     return extract(str(fmu_path), unzipdir=str(tmp_path_factory.mktemp("unpacked")))
 
 
-# kinds of calls by types of variables; those of all other types are Integers
-KINDS = {"Real": "Real", "Float64": "Real", "Boolean": "Boolean"}
-
-
 class Instance:
     """One instance over fmpy's calls, values by name."""
 
@@ -73,17 +68,17 @@ class Instance:
         table = [v for v in description.modelVariables if v.causality != "independent"]
         self.clock = len(table)
         self.references = {v.name: v.valueReference for v in table}
-        self.types = {v.name: v.type for v in description.modelVariables}
         self.causalities = {v.name: v.causality for v in description.modelVariables}
         self.is_native = not description.modelName.endswith("Py")
         self.is_fmi3 = description.fmiVersion == "3.0"
         self.takes_rates = description.coSimulation.canInterpolateInputs
-        slave = FMU2Slave
+        of_enumerations = "Int64" if self.is_fmi3 else "Integer"
+        self.calls = {
+            v.name: of_enumerations if v.type == "Enumeration" else v.type for v in description.modelVariables
+        }
         if self.is_fmi3:
-            types = {v.valueReference: v.type for v in description.modelVariables}
-            slave = functools.partial(Slave, types)
             modes["logMessage"] = pass_on
-        self.fmu = slave(
+        self.fmu = (Slave if self.is_fmi3 else FMU2Slave)(
             guid=description.guid,
             unzipDirectory=str(folder),
             modelIdentifier=description.coSimulation.modelIdentifier,
@@ -94,12 +89,10 @@ class Instance:
 
     def set(self, **values):
         for name, value in values.items():
-            kind = KINDS.get(self.types[name], "Integer")
-            getattr(self.fmu, f"set{kind}")([self.references[name]], [value])
+            getattr(self.fmu, f"set{self.calls[name]}")([self.references[name]], [value])
 
     def get(self, name):
-        kind = KINDS.get(self.types[name], "Integer")
-        return getattr(self.fmu, f"get{kind}")([self.references[name]])[0]
+        return getattr(self.fmu, f"get{self.calls[name]}")([self.references[name]])[0]
 
     def all_values(self):
         return {name: self.get(name) for name in self.references}
@@ -112,11 +105,11 @@ class Instance:
         return self
 
     def step(self, h):
-        self.fmu.doStep(currentCommunicationPoint=self.time, communicationStepSize=h)
+        self.try_step(h)
         self.time += h
 
     def try_step(self, h):
-        self.fmu.fmi2DoStep(self.fmu.component, self.time, h, True)
+        self.fmu.doStep(self.time, h)
 
     def is_discarded(self, h):
         """Whether the step is answered by fmi2Discard."""
@@ -161,24 +154,11 @@ class Instance:
         if self.is_fmi3:
             pytest.skip("FMI 3.0 has no derivatives of inputs")
         references = [self.references[name] for name in rates]
-        self.fmu.fmi2SetRealInputDerivatives(
-            self.fmu.component,
-            (ctypes.c_uint * len(rates))(*references),
-            len(rates),
-            (ctypes.c_int * len(rates))(*[order] * len(rates)),
-            (ctypes.c_double * len(rates))(*rates.values()),
-        )
+        self.fmu.setRealInputDerivatives(references, [order] * len(rates), list(rates.values()))
 
     def rates(self, *names, order=1):
-        values = (ctypes.c_double * len(names))()
-        self.fmu.fmi2GetRealOutputDerivatives(
-            self.fmu.component,
-            (ctypes.c_uint * len(names))(*[self.references[name] for name in names]),
-            len(names),
-            (ctypes.c_int * len(names))(*[order] * len(names)),
-            values,
-        )
-        return list(values)
+        references = [self.references[name] for name in names]
+        return self.fmu.getRealOutputDerivatives(references, [order] * len(names))
 
     def directional(self, unknowns, knowns, direction):
         return self.fmu.getDirectionalDerivative(
@@ -209,7 +189,9 @@ class Instance:
         return "; ".join(messages)
 
     def close(self):
-        self.fmu.fmi2FreeInstance(self.fmu.component)
+        # the library stays: one of pythonfmu that is loaded again may abort the process at its end
+        free = self.fmu.fmi3FreeInstance if self.is_fmi3 else self.fmu.fmi2FreeInstance
+        free(self.fmu.component)
 
 
 @pytest.fixture

@@ -1,5 +1,6 @@
 """Bad input never gets in: refused with a message, no crash, nothing lost."""
 
+import functools
 import math
 
 import pytest
@@ -196,20 +197,19 @@ def test_outputs_cannot_be_set(instance):
 
 def test_unknown_references_and_wrong_types_are_refused(instance):
     instance.start(omega1=100.0)
-    z2 = instance.references["z2"]
-    omega1 = instance.references["omega1"]
-    calls = (
-        (lambda: instance.fmu.getReal([9999]), "Real", 9999),
-        (lambda: instance.fmu.getReal([z2]), "Real", z2),
-        (lambda: instance.fmu.getInteger([omega1]), "Integer", omega1),
-        (lambda: instance.fmu.setReal([9999], [1.0]), "Real", 9999),
-        (lambda: instance.fmu.setReal([z2], [1.0]), "Real", z2),
-    )
-    for call, kind, reference in calls:
-        name = {"Real": "Float64", "Integer": "Int32"}[kind] if instance.is_fmi3 else kind
+    z2, omega1 = (instance.references[name] for name in ("z2", "omega1"))
+    real, integer = ("Float64", "Int32") if instance.is_fmi3 else ("Real", "Integer")
+    for act, kind, *arguments in (
+        ("get", real, [9999]),
+        ("get", real, [z2]),
+        ("get", integer, [omega1]),
+        ("set", real, [9999], [1.0]),
+        ("set", real, [z2], [1.0]),
+    ):
+        call = functools.partial(getattr(instance.fmu, f"{act}{kind}"), *arguments)
         assert instance.refusal(call) == (
-            f"a value reference must be that of a variable of type {name} in modelDescription.xml,"
-            f" is {reference}"
+            f"a value reference must be that of a variable of type {kind} in modelDescription.xml,"
+            f" is {arguments[0][0]}"
         )
     assert not instance.is_discarded(0.01)
 

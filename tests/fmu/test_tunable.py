@@ -36,7 +36,8 @@ def level(request):
 
 def tune(instance, **values):
     """Set Real variables in one call."""
-    instance.fmu.setReal([instance.references[name] for name in values], list(values.values()))
+    set_reals = instance.fmu.setFloat64 if instance.is_fmi3 else instance.fmu.setReal
+    set_reals([instance.references[name] for name in values], list(values.values()))
 
 
 def run(instance, *steps):

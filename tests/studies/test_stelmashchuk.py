@@ -8,11 +8,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from inertia_module.loops import stepping as law
-from inertia_module.loops.stepping import TWO_PI
 from inertia_module.memory import DrivenShaft
 from studies.papers import stelmashchuk
+from studies.papers import stepping as law
 from studies.papers.stelmashchuk import Criteria, constants, free_oscillation, response
+from studies.papers.stepping import TWO_PI
 
 # (nu, Pi): under-, critically and overdamped, near to critical and to resonance, soft and stiff
 REGIMES = [

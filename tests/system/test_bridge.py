@@ -1,6 +1,5 @@
 """FMUs as systems of python-control."""
 
-import re
 import runpy
 from pathlib import Path
 
@@ -12,8 +11,8 @@ from inertia_module import bridge, loops
 from inertia_module.contract.variable import DRIVE_ANGLE, LINK1_ANGLE, LOCAL, OUTPUT, SINCE_START
 from inertia_module.contract.variables import BY_NAME, with_causality
 from inertia_module.harness.fmu import Fmu, FmuError
+from tests.system.programs import programs
 
-PAGE = Path(__file__).parents[2] / "docs" / "control.md"
 EXAMPLE = Path(__file__).parents[2] / "examples" / "speed_control.py"
 STEP = 0.01
 START = {"omega1": 100.0, "load_torque": 10.0}
@@ -24,7 +23,7 @@ PLANAR = {"layout": 1, "sun_radius": 0.1, "satellite_radius": 0.06, "eccentricit
 PLANAR |= {"imbalance_mass": 0.3, "satellites": 3, "link2_inertia": 0.01, "output_inertia": 4.78}
 
 
-SPEEDS, TORQUES = ("omega1", "load_torque"), ("drive_torque", "load_torque")
+SPEEDS, TORQUES, HUB = ((name, "load_torque") for name in ("omega1", "drive_torque", "hub_speed"))
 BY_TORQUE = {"drive": "torque", "input_inertia": 0.3}
 KEYWORDS = {"step": STEP, "start": START, "tolerance": 1e-9}
 
@@ -32,17 +31,6 @@ KEYWORDS = {"step": STEP, "start": START, "tolerance": 1e-9}
 @pytest.fixture(scope="module")
 def native(built):
     return built / "InertiaModule.fmu"
-
-
-def plain_loop(path, parameters, inputs, names=SPEEDS, outputs=OUTPUTS):
-    """Outputs before each step, shape (outputs, steps)."""
-    rows = []
-    with Fmu(path, parameters, START, 1e-9) as fmu:
-        for values in inputs.T:
-            rows.append(fmu.read(outputs))
-            fmu.set(**dict(zip(names, values, strict=True)))
-            fmu.advance(STEP)
-    return np.array(rows).T
 
 
 def run(system, inputs, start):
@@ -53,37 +41,48 @@ def run(system, inputs, start):
 # --- as stepping, and pure ---
 
 
-AVERAGED = {"fidelity": "averaged"}, 1e-7, ["omega_out", "omega1_held"]
-RIGID = {}, 1e-6, ["drive_angle", "omega2", "omega_out", "omega1_held"]
-TORQUE_DRIVEN = BY_TORQUE, 1e-6, ["drive_angle", "omega2", "omega_out", "input_speed"]
+SHAFT = {"driven_inertia": 0.5, "shaft_stiffness": 400.0, "shaft_damping": 0.05}
+# parameters, what a run from the motion differs by, the motion
+MOTIONS = [
+    ({"fidelity": "averaged"}, 1e-7, ["omega_out", "omega1_held"]),
+    ({}, 1e-6, ["drive_angle", "omega2", "omega_out", "omega1_held"]),
+    (BY_TORQUE, 1e-6, ["drive_angle", "omega2", "omega_out", "input_speed"]),
+]
 
 
 @pytest.mark.parametrize(
     "name, parameters, share, motion",
     [
-        *(
-            (name, *case)
-            for name in ("InertiaModule", "InertiaModulePy")
-            for case in (AVERAGED, RIGID, TORQUE_DRIVEN)
-        ),
+        *(("InertiaModule", *case) for case in MOTIONS),
+        *(("InertiaModulePy", *case) for case in MOTIONS),
         ("InertiaModule", {"input_hold": "linear"}, None, None),
         ("InertiaModule", {"method": "timestepping"}, None, None),
         ("InertiaModule", ELASTIC, None, None),
+        ("DrivenShaft", SHAFT, 1e-9, ["omega_out", "twist", "hub_speed_held"]),
     ],
 )
 def test_system_is_a_plain_loop_to_the_bit_and_from_its_motion_within_the_tolerance(
     built, name, parameters, share, motion
 ):
-    path, native = built / f"{name}.fmu", name == "InertiaModule"
+    path, native = built / f"{name}.fmu", name != "InertiaModulePy"
     steps = 100 if native else 40
     time = STEP * np.arange(steps)
     # inputs that jump and change sign of slope
     inputs = np.stack([100.0 + 20.0 * np.sin(9.0 * time), 10.0 + 5.0 * (time > 0.5 * time[-1])])
-    names, outputs = SPEEDS, OUTPUTS
+    names, outputs, start = SPEEDS, OUTPUTS, START
     if "drive" in parameters:
         inputs, names, outputs = inputs * np.array([[0.3], [1.0]]), TORQUES, ("input_speed", *OUTPUTS)
-    expected = plain_loop(path, parameters, inputs, names, outputs)
-    given = {"inputs": names, "outputs": outputs, **KEYWORDS}
+    elif name == "DrivenShaft":
+        inputs, names, start = inputs * np.array([[0.1], [1.0]]), HUB, {"load_torque": 10.0}
+        outputs = ("omega_out", "shaft_torque_mean", "twist")
+    rows = []
+    with Fmu(path, parameters, start, 1e-9) as fmu:
+        for values in inputs.T:
+            rows.append(fmu.read(outputs))
+            fmu.set(**dict(zip(names, values, strict=True)))
+            fmu.advance(STEP)
+    expected = np.array(rows).T
+    given = {**KEYWORDS, "inputs": names, "outputs": outputs, "start": start}
     with bridge.fmu_system(path, parameters, state="whole", **given) as plant:
         assert (run(plant.system, inputs, plant.start) == expected).all()
         if native:
@@ -95,22 +94,6 @@ def test_system_is_a_plain_loop_to_the_bit_and_from_its_motion_within_the_tolera
         scale = np.abs(expected).max(axis=1, keepdims=True)
         assert (np.abs(found - expected) / scale).max() < share
         assert np.ptp(expected[0]) > 0.5
-
-
-def test_driven_shaft_starts_anew_with_its_twist(built):
-    parameters = {"driven_inertia": 0.5, "shaft_stiffness": 400.0, "shaft_damping": 0.05}
-    outputs = ("omega_out", "shaft_torque_mean", "twist")
-    path, hub = built / "DrivenShaft.fmu", np.linspace(5.0, 15.0, 100)
-    with Fmu(path, parameters, {"load_torque": 10.0}) as fmu:
-        for speed in hub[:-1]:
-            fmu.set(hub_speed=speed)
-            fmu.advance(STEP)
-        expected = fmu.read(outputs)
-    with bridge.fmu_system(
-        path, parameters, step=STEP, inputs=["hub_speed"], outputs=outputs, start={"load_torque": 10.0}
-    ) as plant:
-        found = run(plant.system, hub[None, :], plant.start)
-    assert found[:, -1] == pytest.approx(expected, rel=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -216,21 +199,6 @@ def test_rigid_fmu_answers_a_small_sine_as_the_averaged_module_linearised(native
     assert np.abs(phase[0]).max() < 5.0
 
 
-@pytest.mark.parametrize(
-    "change, message",
-    [
-        ({"excited": "omega2"}, "excited must be omega1 or load_torque, is 'omega2'"),
-        ({"step": 0.5}, r"frequency must be above 0 and at most .*, is 1$"),
-        ({"parameters": BY_TORQUE}, r"drive must be 0 \(speed\), is 1 \(torque\)"),
-        ({"amplitude": 0.0}, "amplitude must be a positive number, is 0"),
-    ],
-)
-def test_measurement_refuses_what_it_cannot_measure(native, change, message):
-    good = {"parameters": {}, "excited": "omega1", "amplitude": 1.0, "step": 1e-3, "settling": 0.1}
-    with pytest.raises(ValueError, match=message):
-        bridge.measured_response(native, **START, **{**good, "frequencies": 1.0, **change})
-
-
 # --- what follows from the motion ---
 
 
@@ -266,6 +234,11 @@ def test_the_table_tells_which_variables_follow_from_the_motion(native):
 # --- refusals ---
 
 
+def measured(path, **change):
+    good = {"parameters": {}, "excited": "omega1", "amplitude": 1.0, "settling": 0.1, "frequencies": 1.0}
+    return bridge.measured_response(path, **{**START, **good, **change})
+
+
 @pytest.mark.parametrize(
     "parameters, arguments, message",
     [
@@ -289,23 +262,30 @@ def test_what_cannot_be_a_system_is_refused_with_a_way_out(native, parameters, a
         bridge.fmu_system(native, parameters, step=STEP, **arguments)
 
 
-def test_bad_arguments_are_refused(native):
-    with pytest.raises(ValueError, match="step must be a positive number of seconds, is 0"):
-        bridge.fmu_system(native, step=0)
-    with pytest.raises(ValueError, match="state must be 'motion' or 'whole', is 'all'"):
-        bridge.fmu_system(native, step=STEP, state="all")
+@pytest.mark.parametrize(
+    "make, change, message",
+    [
+        (bridge.fmu_system, {"step": 0}, "step must be a positive number of seconds, is 0"),
+        (bridge.fmu_system, {"state": "all"}, "state must be 'motion' or 'whole', is 'all'"),
+        (measured, {"excited": "omega2"}, "excited must be omega1 or load_torque, is 'omega2'"),
+        (measured, {"step": 0.5}, r"frequency must be above 0 and at most .*, is 1$"),
+        (measured, {"parameters": BY_TORQUE}, r"drive must be 0 \(speed\), is 1 \(torque\)"),
+        (measured, {"amplitude": 0.0}, "amplitude must be a positive number, is 0"),
+    ],
+)
+def test_bad_arguments_are_refused(native, make, change, message):
+    with pytest.raises(ValueError, match=message):
+        make(native, **{"step": 1e-3, **change})
 
 
 # --- the page and the study ---
 
 
-def test_python_of_the_page_runs(built, monkeypatch):
-    (built / "work" / "build").mkdir(parents=True)
-    (built / "work" / "build" / "InertiaModule.fmu").write_bytes((built / "InertiaModule.fmu").read_bytes())
-    (code,) = re.findall(r"```python\n(.*?)```", PAGE.read_text(), re.S)
-    monkeypatch.chdir(built / "work")
-    names = {}
-    exec(compile(code, PAGE.name, "exec"), names)
+def test_python_of_the_page_runs(built, tmp_path, monkeypatch):
+    (tmp_path / "build").symlink_to(built)
+    monkeypatch.chdir(tmp_path)
+    (code,), names = programs("control.md"), {}
+    exec(compile(code, "control.md", "exec"), names)
     speed = names["run"].outputs[0]
     assert speed[-50:] == pytest.approx(np.full(50, 20.0), abs=1.0)
 

@@ -1,7 +1,8 @@
-"""The programs of docs/tools.md: one second of the module in each host that is installed."""
+"""What a reader runs: the programs of docs/tools.md, in each host that is installed, and the tutorial."""
 
 import re
 import shutil
+from pathlib import Path
 
 import pytest
 from fmpy import simulate_fmu
@@ -48,3 +49,27 @@ def test_fmpy_gives_the_tolerance_that_the_fmu_proposes(built):
 
     assert ended(1e-6) == ended(1e-2) == ended(1e-2, relative_tolerance=1e-6)
     assert ended(1e-6) != ended(1e-6, relative_tolerance=1e-2)
+
+
+def test_tutorial_shows_pictures_and_tables(built, tmp_path):
+    nbformat = pytest.importorskip("nbformat", reason="nbformat is not installed")
+    client = pytest.importorskip("nbclient", reason="nbclient is not installed")
+    pytest.importorskip("pymoo", reason="pymoo is not installed")
+    (tmp_path / "build").symlink_to(built, target_is_directory=True)
+    notebook = nbformat.read(Path("examples/tutorial.ipynb"), as_version=4)
+    assert all(not cell.get("outputs") for cell in notebook.cells), "it is kept without outputs"
+    client.NotebookClient(
+        notebook, timeout=300, kernel_name="python3", resources={"metadata": {"path": str(tmp_path)}}
+    ).execute()
+    outputs = [output for cell in notebook.cells for output in cell.get("outputs", ())]
+    shown = [output["data"] for output in outputs if "data" in output]
+    assert sum("image/png" in data for data in shown) >= 5
+    assert "<table>" in shown[0]["text/html"]
+    assert "omega_out [rad/s]" in shown[1]["text/html"]
+    # it launches the car and finds the values of the rig
+    text = "".join(output.get("text", "") for output in outputs)
+    light, heavy = (float(speed) for speed in re.findall(r"kg: ([\d.]+) rad/s", text))
+    assert heavy > light
+    assert float(re.search(r"25 km/h after ([\d.]+) s", text)[1]) < 20.0
+    low, high = (float(n) for n in re.search(r"imbalance_mass = \S+ from (\S+) to (\S+)", text).groups())
+    assert low < 1.07 < high

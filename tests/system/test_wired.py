@@ -1,5 +1,10 @@
-"""Several FMUs as one system: wires are checked before anything starts, and steps are the plainest."""
+"""Module and shaft as two models: wired, checked before anything starts, against the elastic module."""
 
+import math
+import runpy
+from pathlib import Path
+
+import numpy as np
 import pytest
 
 from inertia_module.harness.fmu import Fmu, FmuError
@@ -7,18 +12,19 @@ from inertia_module.harness.simulate import drive
 from inertia_module.harness.system import GAUSS_SEIDEL, JACOBI, Node, WiredFmus
 from inertia_module.harness.wires import Wire, WiringError
 
+EXAMPLE = runpy.run_path(str(Path(__file__).parents[2] / "examples" / "two_fmus.py"))
+SHAFT, (SPEED, TORQUE) = EXAMPLE["SHAFT"], EXAMPLE["WIRES"]
 HUB = {"output_inertia": 0.02}
-DRIVEN = {"driven_inertia": 0.5, "shaft_stiffness": 400.0, "shaft_damping": 0.05}
-SPEED = Wire("module", "omega_out", "shaft", "hub_speed")
-TORQUE = Wire("shaft", "shaft_torque_mean", "module", "load_torque")
 ENDS = (("module", "omega_out"), ("shaft", "omega_out"))
+WINDOW, WINDOWS = 0.01, 30
+WITH_DERIVATIVES = "with derivatives"
 
 
 @pytest.fixture(scope="module")
 def nodes(built):
     return {
         "module": Node(built / "InertiaModule.fmu", HUB, {"omega1": 100.0}, 1e-8),
-        "shaft": Node(built / "DrivenShaft.fmu", DRIVEN, {"load_torque": 10.0}),
+        "shaft": Node(built / "DrivenShaft.fmu", SHAFT, {"load_torque": 10.0}),
     }
 
 
@@ -100,16 +106,110 @@ def test_what_a_system_cannot_do_is_said_in_a_sentence(nodes):
             refused()
 
 
-@pytest.mark.parametrize("drive", ["torque", 1, 1.0, "much"])
-def test_the_drive_of_a_module_may_be_named(nodes, drive):
-    module = nodes["module"]._replace(parameters=HUB | {"drive": drive, "input_inertia": "0.2 kg.m2"})
-    wanted = (
-        (FmuError, "drive must be one of speed, torque") if drive == "much" else (WiringError, "no effect")
-    )
-    idle = Wire("shaft", "omega_out", "module", "omega1")
-    with pytest.raises(wanted[0], match=wanted[1]):
+@pytest.mark.parametrize(
+    "drive, kind, words",
+    [
+        ("torque", WiringError, "the input must be drive_torque, omega1 has no effect"),
+        ("much", FmuError, "drive must be one of speed, torque"),
+    ],
+)
+def test_the_drive_of_a_module_may_be_named(nodes, drive, kind, words):
+    parameters = HUB | {"drive": drive, "input_inertia": "0.2 kg.m2"}
+    module = nodes["module"]._replace(parameters=parameters, inputs={"drive_torque": 9.0, "omega1": 1.0})
+    with pytest.raises(kind, match=words):
         WiredFmus(
-            nodes | {"module": module._replace(inputs={"drive_torque": 9.0, "omega1": 1.0})},
-            (SPEED, TORQUE, idle) if drive != "much" else (SPEED, TORQUE),
-            1e-3,
+            nodes | {"module": module}, (SPEED, TORQUE, Wire("shaft", "omega_out", "module", "omega1")), 1e-3
         )
+
+
+# --- in each of the ways, against the elastic module in one piece ---
+
+
+@pytest.fixture(scope="module")
+def elastic(built):
+    """Speeds of hub and driven mass at the end of each window, shape (windows, 2), in one piece."""
+    parameters = {"fidelity": "elastic", **HUB, **SHAFT}
+    with Fmu(built / "InertiaModule.fmu", parameters, {"omega1": 100.0, "load_torque": 10.0}, 1e-10) as fmu:
+        rows = []
+        for _ in range(WINDOWS):
+            fmu.advance(WINDOW)
+            rows.append(fmu.read(("omega_hub", "omega_out")))
+    return np.array(rows)
+
+
+def stepped(nodes, way, step, steps, look):
+    """What `look` finds in the two FMUs after each step, and the FMUs' own energies over the seam."""
+    found = []
+    with WiredFmus(nodes, (SPEED, TORQUE), step, JACOBI if way == WITH_DERIVATIVES else way) as system:
+        both = system.fmus["module"], system.fmus["shaft"]
+        for _ in range(steps):
+            EXAMPLE["advance"](*both, step) if way == WITH_DERIVATIVES else system.advance()
+            found.append(look(*both))
+        return np.array(found), both[0]["energy_out"], both[1]["energy_in"]
+
+
+def coupled(nodes, way, step):
+    """(speeds as above of two FMUs, share of the energy out of the module that is lost on the way)."""
+    every = round(WINDOW / step)
+    speeds, left, arrived = stepped(
+        nodes, way, step, WINDOWS * every, lambda *both: [fmu["omega_out"] for fmu in both]
+    )
+    return speeds[every - 1 :: every], (left - arrived) / abs(left)
+
+
+def error(found, expected):
+    return math.sqrt(np.mean((found[:, 1] - expected[:, 1]) ** 2)) / np.abs(expected[:, 1]).max()
+
+
+@pytest.mark.parametrize("way, order", [(JACOBI, 1.0), (GAUSS_SEIDEL, 1.0), (WITH_DERIVATIVES, 2.0)])
+def test_two_fmus_tend_to_the_elastic_module_with_the_order_of_the_coupling(nodes, elastic, way, order):
+    errors = [error(coupled(nodes, way, step)[0], elastic) for step in (5e-4, 1e-4)]
+    assert math.log(errors[0] / errors[1]) / math.log(5.0) > 0.8 * order
+
+
+def test_example_couples_as_this_does(built, nodes):
+    for way, name in ((JACOBI, "simulate"), (WITH_DERIVATIVES, "simulate_with_derivatives")):
+        ends = EXAMPLE[name](1e-3, stop=WINDOW * WINDOWS, folder=built)
+        assert ends == pytest.approx(coupled(nodes, way, 1e-3)[0][-1], rel=1e-4)
+
+
+def test_recommended_coupling_loses_no_energy_where_the_mean_torque_makes_some(nodes, elastic):
+    _, made = coupled(nodes, JACOBI, 1e-3)
+    assert made < -0.1
+    found, lost = coupled(nodes, WITH_DERIVATIVES, 1e-3)
+    assert abs(lost) < 1e-3
+    assert error(found, elastic) < 2e-3
+
+
+def swing(built, way, z, steps):
+    """Growth of the swing of a free hub on an undamped shaft with a heavy mass; z = h^2 c/J3."""
+    step, speed = 1e-4, 50.0
+    free = {**HUB, "imbalance_mass": 1e-9, "omega_out_start": speed}
+    shaft = {
+        "shaft_stiffness": z * HUB["output_inertia"] / step**2,
+        "shaft_damping": 0.0,
+        "driven_inertia": 1e6,
+    }
+    shaft |= {"twist_start": 1e-7, "omega_out_start": speed}
+    nodes = {
+        "module": Node(built / "InertiaModule.fmu", free, {"omega1": 100.0}, 1e-9),
+        "shaft": Node(built / "DrivenShaft.fmu", shaft, {"load_torque": 0.0, "hub_speed": speed}),
+    }
+    twists, _, _ = stepped(nodes, way, step, steps, lambda _, driven: abs(driven["twist"]))
+    third = steps // 3
+    return max(twists[-third:]) / max(twists[:third])
+
+
+@pytest.mark.parametrize(
+    "way, z, steps, least, most",
+    [
+        # up to two steps to a radian it neither swings up nor dies down
+        *((WITH_DERIVATIVES, z, 120, 0.98, 1.02) for z in (0.04, 1.0, 3.0, 3.9)),
+        (WITH_DERIVATIVES, 4.1, 15, 10.0, math.inf),
+        # a mean torque makes it swing up at any step
+        (JACOBI, 0.04, 120, 1.2, math.inf),
+        (GAUSS_SEIDEL, 0.04, 120, 1.2, math.inf),
+    ],
+)
+def test_undamped_hub_swings_up_beyond_its_limit_and_not_before(built, way, z, steps, least, most):
+    assert least < swing(built, way, z, steps) < most

@@ -130,63 +130,16 @@ def test_bytes_survive_as_whole_numbers_and_a_change_of_one_is_refused():
         bytes_of(numbers)
 
 
-def test_stability_limit_is_found_by_bisection_and_bad_limits_are_refused():
-    assert bridge.stability_limit(lambda value: value < 7.0, 1.0, 100.0, 1e-4) == pytest.approx(7.0, rel=1e-4)
-    with pytest.raises(ValueError, match="8 is not stable"):
-        bridge.stability_limit(lambda value: value < 7.0, 8.0, 100.0, 1e-4)
+class Pulsing:
+    """A plant whose speed is the sum of what it is given, read with pulses, which grow a little."""
 
-
-class Integrator:
-    """A plant whose speed is the sum of what it is given."""
-
-    def __init__(self):
-        self.speed, self.given = 0.0, 0.0
+    speed, given, steps = 0.0, 0.0, 0
 
     def set(self, **values):
         self.given = values["omega1"]
 
     def advance(self, step):
         self.speed += step * self.given
-
-    def read(self, names):
-        return (self.speed,)
-
-
-@pytest.mark.parametrize(
-    "gain, delay, settles",
-    [(0.95, 1, True), (1.05, 1, False), (0.7, 1, True), (0.7, 2, False)],
-)
-def test_linear_loop_around_an_integrator_settles_up_to_its_margin(gain, delay, settles):
-    """Gain and d steps of delay are stable below 2 sin(pi / (4 d + 2)): 1 for one step, 0.618 for two."""
-    around = ct.ss([[0.0]], [[-gain]], [[1.0]], [[0.0]], 1.0, inputs="omega_out", outputs="omega1")
-    point = {"omega_out": 0.0, "omega1": 0.0}
-    # the surrounding itself is one step late
-    rows = bridge.run_linear_loop(
-        Integrator(), around, point, [1.0], 400, delay=delay - 1, limits=(-1e9, 1e9)
-    )
-    early, late = bridge.swings(rows[:, 0])
-    assert (len(rows) > 400 and late < early) == settles
-
-
-def test_margins_of_an_integrator_are_those_of_the_book():
-    """L = g z / (z (z - 1)): with one step of delay unstable from g = 1; the phase falls by half a step."""
-    loop = ct.tf([0.1], [1.0, -1.0, 0.0], 1.0)
-    margins = bridge.predicted_margins(loop)
-    assert margins.gain == pytest.approx(10.0, rel=1e-2)
-    crossover = 2.0 * np.arcsin(0.05)
-    assert margins.crossover == pytest.approx(crossover, rel=1e-3)
-    assert margins.phase == pytest.approx(90.0 - np.degrees(1.5 * crossover), abs=0.1)
-
-
-class Pulsing(Integrator):
-    """An integrator that is read with pulses, which grow a little; it can go back to a state."""
-
-    def __init__(self):
-        super().__init__()
-        self.steps = 0
-
-    def advance(self, step):
-        super().advance(step)
         self.steps += 1
 
     def read(self, names):
@@ -202,10 +155,19 @@ class Pulsing(Integrator):
         self.set_state((0.0, -1))
 
 
-def test_measured_margins_are_those_of_the_book_though_pulses_never_settle():
-    around = ct.ss([[0.0]], [[-0.1]], [[1.0]], [[0.0]], 1.0, inputs="omega_out", outputs="omega1")
+def test_margins_of_an_integrator_are_those_of_the_book_predicted_and_measured_though_pulses_never_settle():
+    """L = g z / (z (z - 1)): with one step of delay unstable from g = 1; the phase falls by half a step."""
     expected = bridge.predicted_margins(ct.tf([0.1], [1.0, -1.0, 0.0], 1.0))
-    point = {"omega_out": 0.0, "omega1": 0.0}
-    found = bridge.measured_margins(Pulsing(), around, point, [1.0], expected, limits=(-1e9, 1e9))
+    assert expected.gain == pytest.approx(10.0, rel=1e-2)
+    crossover = 2.0 * np.arcsin(0.05)
+    assert expected.crossover == pytest.approx(crossover, rel=1e-3)
+    assert expected.phase == pytest.approx(90.0 - np.degrees(1.5 * crossover), abs=0.1)
+    # the surrounding itself is one step late
+    around = ct.ss([[0.0]], [[-0.1]], [[1.0]], [[0.0]], 1.0, inputs="omega_out", outputs="omega1")
+    point, limits = {"omega_out": 0.0, "omega1": 0.0}, (-1e9, 1e9)
+    found = bridge.measured_margins(Pulsing(), around, point, [1.0], expected, limits=limits)
     assert found.gain == pytest.approx(expected.gain, rel=0.05)
-    assert found.delay == pytest.approx(expected.delay, rel=0.05)
+    assert found.delay == pytest.approx(expected.delay, rel=0.03)
+    too_low = bridge.Margins(0.4 * expected.gain, expected.delay, expected.crossover)
+    with pytest.raises(ValueError, match=r"limits must be a stable and an unstable one, .* is not unstable"):
+        bridge.measured_margins(Pulsing(), around, point, [1.0], too_low, limits=limits)

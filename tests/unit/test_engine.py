@@ -64,6 +64,8 @@ def test_governor_holds_the_speed_against_a_load_without_error():
 
 
 def test_torque_keeps_within_the_map_and_the_integral_does_not_wind_up():
+    assert MAP.limits(100.0) == (-10.0, 150.0)
+    assert MAP.limits(0.0) == (0.0, 80.0)  # at rest nothing drags
     one = engine(Governor(4.0, 20.0), reference=290.0)
     for _ in range(300):
         one.advance(0.01, LoadTorque(200.0 if one.speed > 100.0 else 0.0))

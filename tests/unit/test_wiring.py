@@ -50,50 +50,43 @@ def test_module_and_shaft_wired_as_they_are_meant_to_be_are_accepted(both, drive
         check_wiring(both, [*BOTH, idle], TURNED, 1e-3, by_torque(drive))
 
 
-NOTHING = "must be driven by a wire or a given value, nothing"
-# wires, what is given, the step, and words of the sentence
+NOTHING, NAN = "must be driven by a wire or a given value, nothing", float("nan")
+# what is asked for in place of the good wires, values and step, and words of the sentence
 BAD = [
     (
-        [Wire("module", "output_torque_mean", "shaft", "hub_speed"), TORQUE],
-        GIVEN,
-        1e-3,
+        {"wires": [SPEED._replace(output="output_torque_mean"), TORQUE]},
         "module.output_torque_mean -> shaft.hub_speed: both ends must be in one unit, are in N.m and rad/s",
     ),
-    ([SPEED], GIVEN, 1e-3, f"module.load_torque {NOTHING}"),
-    (BOTH, {"shaft": ["load_torque"]}, 1e-3, f"module.omega1 {NOTHING}"),
+    ({"wires": [SPEED]}, f"module.load_torque {NOTHING}"),
+    ({"given": {"shaft": ["load_torque"]}}, f"module.omega1 {NOTHING}"),
     (
-        BOTH,
-        {**GIVEN, "module": ["omega1", "load_torque"]},
-        1e-3,
+        {"given": {**GIVEN, "module": ["omega1", "load_torque"]}},
         "module.load_torque must be driven by one of them, is driven by shaft.shaft_torque_mean and by a",
     ),
-    ([*BOTH, SPEED], GIVEN, 1e-3, "shaft.hub_speed must be driven by one of them, is driven by"),
+    ({"wires": [*BOTH, SPEED]}, "shaft.hub_speed must be driven by one of them, is driven by"),
     (
-        [*BOTH, Wire("shaft", "shaft_torque_mean", "module", "drive_torque")],
-        GIVEN,
-        1e-3,
+        {"wires": [*BOTH, TORQUE._replace(input="drive_torque")]},
         "the input must be omega1, drive_torque has no effect",
     ),
-    ([SPEED, TORQUE._replace(source="axle")], GIVEN, 1e-3, "axle must be an FMU of the system (there"),
+    ({"wires": [SPEED, TORQUE._replace(source="axle")]}, "axle must be an FMU of the system (there"),
     (
-        [SPEED._replace(output="omega_3"), TORQUE],
-        GIVEN,
-        1e-3,
+        {"wires": [SPEED._replace(output="omega_3"), TORQUE]},
         "omega_3 must be an output of module (did you mean omega2?)",
     ),
-    ([SPEED._replace(input="omega1"), TORQUE], GIVEN, 1e-3, "omega1 must be an input of shaft (there"),
-    ([SPEED._replace(output="omega1"), TORQUE], GIVEN, 1e-3, "omega1 must be an output of module ("),
-    (BOTH, {**GIVEN, "shaft": ["torque"]}, 1e-3, "torque must be an input of shaft ("),
-    (BOTH, GIVEN, 0.0, "step must be a positive number of seconds, is 0"),
-    (BOTH, GIVEN, -1.0, "step must be a positive number of seconds, is -1"),
-    (BOTH, GIVEN, float("nan"), "step must be a positive number of seconds, is nan"),
+    ({"wires": [SPEED._replace(input="omega1"), TORQUE]}, "omega1 must be an input of shaft (there"),
+    ({"wires": [SPEED._replace(output="omega1"), TORQUE]}, "omega1 must be an output of module ("),
+    ({"given": {**GIVEN, "shaft": ["torque"]}}, "torque must be an input of shaft ("),
+    *(
+        ({"step": step}, f"step must be a positive number of seconds, is {step:g}")
+        for step in (0.0, -1.0, NAN)
+    ),
 ]
 
 
-@pytest.mark.parametrize("wires, given, step, words", BAD)
-def test_wires_that_cannot_work_are_named(both, wires, given, step, words):
+@pytest.mark.parametrize("asked, words", BAD)
+def test_wires_that_cannot_work_are_named(both, asked, words):
     with pytest.raises(WiringError) as caught:
-        check_wiring(both, wires, given, step)
+        check_wiring(both, **{"wires": BOTH, "given": GIVEN, "step": 1e-3, **asked})
     assert words in str(caught.value)
 
 

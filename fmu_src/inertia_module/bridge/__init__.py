@@ -2,7 +2,7 @@
 
 from .averaged_system import TransientInertia, averaged_system
 from .fmu_system import FmuSystem, fmu_system
-from .margins import Margins, measured_margins, predicted_margins, run_linear_loop, stability_limit, swings
+from .margins import Margins, measured_margins, predicted_margins
 from .small_signal import (
     SmallSignal,
     averaged_response,
@@ -23,8 +23,5 @@ __all__ = [
     "measured_response",
     "operating_point",
     "predicted_margins",
-    "run_linear_loop",
-    "stability_limit",
-    "swings",
     "transient_inertia",
 ]

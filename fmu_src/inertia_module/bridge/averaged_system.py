@@ -58,47 +58,6 @@ class TransientInertia(NamedTuple):
 QUASI_STEADY = TransientInertia(0.0, 0.0)
 
 
-class _AveragedModule:
-    """Kernel of fidelity averaged at one instant."""
-
-    def __init__(
-        self, parameters: Mapping[str, float | str], kernel: str, transient: TransientInertia
-    ) -> None:
-        self._module = Module(kernel).start(**{**parameters, "fidelity": float(codes.AVERAGED)})
-        self._transient = transient
-
-    def motion(
-        self, omega_out: float, omega1: float, load: float, rate: float
-    ) -> tuple[Any, Any, float, float]:
-        """State, side of the map, mean output torque, N.m, acceleration of the output shaft, rad/s2."""
-        d, x = self._module.derived, type(self._module.state)()
-        x.omega1, x.alpha1 = omega1, rate
-        # the shaft does not turn backwards: what a solver leaves below 0 is rest
-        x.omega3, x.load_torque = max(omega_out, 0.0), load
-        side = average_rates.side_at(d, omega1, rate)  # type: ignore[no-untyped-call]
-        leg = average_legs.choose_leg(d, side, x, omega1, rate)  # type: ignore[no-untyped-call]
-        torque, acceleration, _, _ = average.torque_at(d, side, x, leg, omega1, rate)  # type: ignore[no-untyped-call]
-        if leg == average_legs.SLIPPING and self._transient != QUASI_STEADY:
-            carried = load + d.b3 * x.omega3
-            driving = torque - carried + self._transient.input * rate
-            acceleration = driving / (d.J3 + self._transient.output)
-            torque = carried + d.J3 * acceleration
-        return x, side, torque, acceleration
-
-    def outputs(self, omega_out: float, omega1: float, load: float, rate: float) -> dict[str, float]:
-        """OUTPUTS by name."""
-        d, y = self._module.derived, type(self._module.outputs)()
-        x, side, torque, acceleration = self.motion(omega_out, omega1, load, rate)
-        average.end_step(d, x, average_legs.RESTING, -1.0, x.omega1)  # type: ignore[no-untyped-call]
-        average_outputs.write_averaged(d, x, y)  # type: ignore[no-untyped-call]
-        values = {name: getattr(y, name) for name in OUTPUTS}
-        mesh = average_balance.mesh_share(d, side, x, omega1, torque)  # type: ignore[no-untyped-call]
-        taken = average_balance.mean_input_torque(d, side, x, omega1, rate, acceleration, torque)  # type: ignore[no-untyped-call]
-        values |= {"omega_out": omega_out, "omega2": x.omega2, "input_torque": taken}
-        housing = torque + d.b2 * x.omega2 - mesh
-        return values | {"output_torque": torque, "mesh_torque": mesh, "housing_torque": housing}
-
-
 def averaged_system(
     parameters: Mapping[str, float | str] | None = None,
     *,
@@ -136,17 +95,42 @@ def averaged_system(
                 raise ValueError(f"{kind} {wanted} must be of this system {did_you_mean(wanted, allowed)}")
     if not set(INPUTS) <= set(inputs):
         raise ValueError(f"inputs must contain {' and '.join(INPUTS)}, are {', '.join(inputs)}")
-    module = _AveragedModule(parameters or {}, kernel, transient)
+    module = Module(kernel).start(**{**(parameters or {}), "fidelity": float(codes.AVERAGED)})
+    d = module.derived
     places = [list(inputs).index(wanted) if wanted in inputs else -1 for wanted in known]
 
-    def values_of(u: Any) -> list[float]:
-        return [float(u[place]) if place >= 0 else 0.0 for place in places]
+    def motion(omega_out: float, u: Any) -> tuple[Any, Any, float, float, float]:
+        """State, side of the map, omega1', rad/s2, mean output torque, N.m, omega_out', rad/s2."""
+        omega1, load, rate = (float(u[place]) if place >= 0 else 0.0 for place in places)
+        x = type(module.state)()
+        x.omega1, x.alpha1 = omega1, rate
+        # the shaft does not turn backwards: what a solver leaves below 0 is rest
+        x.omega3, x.load_torque = max(omega_out, 0.0), load
+        side = average_rates.side_at(d, omega1, rate)  # type: ignore[no-untyped-call]
+        leg = average_legs.choose_leg(d, side, x, omega1, rate)  # type: ignore[no-untyped-call]
+        torque, acceleration, _, _ = average.torque_at(d, side, x, leg, omega1, rate)  # type: ignore[no-untyped-call]
+        if leg == average_legs.SLIPPING and transient != QUASI_STEADY:
+            carried = load + d.b3 * x.omega3
+            driving = torque - carried + transient.input * rate
+            acceleration = driving / (d.J3 + transient.output)
+            torque = carried + d.J3 * acceleration
+        return x, side, rate, torque, acceleration
 
-    def update(_: float, x: Any, u: Any, __: Any) -> Any:
-        return np.array([module.motion(float(x[0]), *values_of(u))[3]])
+    def update(_: float, state: Any, u: Any, __: Any) -> Any:
+        return np.array([motion(float(state[0]), u)[-1]])
 
-    def output(_: float, x: Any, u: Any, __: Any) -> Any:
-        values = module.outputs(float(x[0]), *values_of(u))
+    def output(_: float, state: Any, u: Any, __: Any) -> Any:
+        omega_out, y = float(state[0]), type(module.outputs)()
+        x, side, rate, torque, acceleration = motion(omega_out, u)
+        omega1 = x.omega1
+        average.end_step(d, x, average_legs.RESTING, -1.0, omega1)  # type: ignore[no-untyped-call]
+        average_outputs.write_averaged(d, x, y)  # type: ignore[no-untyped-call]
+        values = {name: getattr(y, name) for name in OUTPUTS}
+        mesh = average_balance.mesh_share(d, side, x, omega1, torque)  # type: ignore[no-untyped-call]
+        taken = average_balance.mean_input_torque(d, side, x, omega1, rate, acceleration, torque)  # type: ignore[no-untyped-call]
+        values |= {"omega_out": omega_out, "omega2": x.omega2, "input_torque": taken}
+        housing = torque + d.b2 * x.omega2 - mesh
+        values |= {"output_torque": torque, "mesh_torque": mesh, "housing_torque": housing}
         return np.array([values[wanted] for wanted in outputs])
 
     return ct.nlsys(

@@ -4,18 +4,15 @@ A communication step is the update of the system. Outputs hold the values at the
 there is no direct feedthrough. Step means belong to the step that has been taken and do not follow from
 where the motion is now: they are part of the state. There are two states.
 
-**motion.** A few named numbers: what the motion is (`omega_out`; for fidelity rigid `drive_angle`,
-`omega2` and `omega_out`; for DrivenShaft `omega_out` and `twist`), the speed the input was left at
-(a new one is a jump, and a jump is an impulse), and the outputs of the last step. Every update starts the FMU
-anew from these, through its start parameters: nothing outside of them can matter. A module driven by torque
-has `input_speed` among its motion in the place of the speed the input was left at. It is the state for
-find_operating_point and linearize. Against stepping on, a restart loses what rounding was carried along and
-the step size of the integration: results agree within the tolerance, not to the bit.
+**motion.** A few named numbers: what the motion is and has start parameters for, the speed the input was left
+at (a new one is a jump, and a jump is an impulse), and the outputs of the last step. Every update starts the
+FMU anew from these, so nothing outside of them can matter. A module driven by torque has `input_speed` in the
+place of the speed the input was left at. Against stepping on, a restart loses what rounding was carried along
+and the step size of the integration: results agree within the tolerance, not to the bit.
 
-**whole.** The serialised state of the FMU, some 3200 numbers. Exact to the bit and good for every FMU,
-fidelity `elastic` (which has no start parameters for its twist) and `input_hold` linear, but it can only be
-passed on: no part of it can be changed, so it cannot be linearised. Six bytes to a number: whole numbers
-below 2^48, which every copy, print and CSV file keeps (bytes read as doubles would hold NaN and denormals).
+**whole.** The serialised state of the FMU, exact to the bit and good for every FMU, but only to be passed on:
+no part of it can be changed, so it cannot be linearised. Six bytes to a number: whole numbers below 2^48,
+which every copy, print and CSV file keeps (bytes read as doubles would hold NaN and denormals).
 """
 
 from __future__ import annotations
@@ -62,11 +59,7 @@ def _is_driven_by_torque(fmu: Fmu) -> bool:
 
 
 def _motion_of(fmu: Fmu) -> tuple[str, ...]:
-    """Names of the motion that the FMU has start parameters for.
-
-    Raises:
-        FmuError: these are not all of its motion.
-    """
+    """Names of the motion that the FMU has start parameters for: refused where these are not all of it."""
     if "input_hold" in fmu.variables and fmu["input_hold"] != 0.0:
         raise FmuError(
             "with state = 'motion' input_hold must be constant, is linear: that goes on from the last two"
@@ -84,11 +77,7 @@ def _motion_of(fmu: Fmu) -> tuple[str, ...]:
 
 
 def _check_outputs(names: Sequence[str], motion: Sequence[str]) -> None:
-    """Refuse outputs of a system that do not follow from its motion.
-
-    Raises:
-        FmuError: the output, and what is allowed.
-    """
+    """Refuse outputs of a system that do not follow from its motion."""
     for name in names:
         variable = OF_MODULE.get(name) or OF_SHAFT.get(name)
         follows = variable.follows if variable is not None else ""
@@ -147,11 +136,7 @@ def numbers_of(data: bytes) -> Array:
 
 
 def bytes_of(numbers: Array) -> bytes:
-    """Unpack the bytes of numbers_of.
-
-    Raises:
-        ValueError: the numbers are none of numbers_of: a state that has been changed.
-    """
+    """Unpack the bytes of numbers_of, refused where it has not given them: a state that has been changed."""
     limit = 2.0 ** (8 * _BYTES)
     whole = np.isfinite(numbers) & (numbers >= 0.0) & (numbers < limit) & (numbers == np.floor(numbers))
     count = (len(numbers) - 1) * _BYTES
@@ -230,11 +215,7 @@ class FmuSystem(Closing):
 
 
 def _check_inputs(fmu: Fmu, inputs: Sequence[str]) -> None:
-    """Refuse inputs of a system that are none of the FMU, or that have no effect with its drive.
-
-    Raises:
-        FmuError: the input, and what is allowed.
-    """
+    """Refuse inputs of a system that are none of the FMU, or that have no effect with its drive."""
     known = [name for name, variable in fmu.variables.items() if variable.causality == "input"]
     for name in inputs:
         if name not in known:
@@ -290,18 +271,12 @@ def fmu_system(
     if state not in ("motion", "whole"):
         raise ValueError(must_be("state", "'motion' or 'whole'", repr(state)))
     inputs, outputs = as_names(inputs), as_names(outputs)
-    kind = RestartedFmu if state == "motion" else Fmu
-    fmu = kind(path, parameters, start, tolerance)
+    kind, stepper = (RestartedFmu, _Motion) if state == "motion" else (Fmu, _Whole)
+    fmu: Any = kind(path, parameters, start, tolerance)
     try:
         _check_inputs(fmu, inputs)
-        stepper = (
-            _Motion(fmu, step, inputs, outputs)
-            if isinstance(fmu, RestartedFmu)
-            else _Whole(fmu, step, inputs, outputs)
-        )
-        return FmuSystem(
-            stepper, inputs=list(inputs), outputs=list(outputs), dt=step, name=name or fmu.path.stem
-        )
+        names = {"inputs": list(inputs), "outputs": list(outputs), "name": name or fmu.path.stem}
+        return FmuSystem(stepper(fmu, step, inputs, outputs), dt=step, **names)
     except BaseException:
         fmu.close()
         raise

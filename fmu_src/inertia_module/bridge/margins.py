@@ -19,15 +19,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import detrend
 
-from ..harness.fmu import Fmu, Plant
+from ..harness.fmu import Fmu
 
 Array = NDArray[np.float64]
 
 # frequencies at which a loop is looked at, and the lowest, as a share of the Nyquist frequency
 _POINTS = 4000
 _LOWEST = 1e-4
-# relative width at which the search for a margin stops
-_SHARE = 0.02
+# margins are looked for within these shares of the expected one, to this relative width
+_WITHIN, _SHARE = np.array([0.5, 2.0]), 0.02
 # periods of the expected crossover that a run lasts
 _PERIODS = 10.0
 # swings that the pulses leave, times this, count as settled
@@ -57,71 +57,6 @@ def predicted_margins(loop: Any) -> Margins:
     return Margins(float(gain), math.radians(phase) / float(crossover), float(crossover))
 
 
-def run_linear_loop(
-    plant: Plant,
-    surrounding: Any,
-    point: Mapping[str, float],
-    kick: Sequence[float],
-    steps: int,
-    *,
-    factor: float = 1.0,
-    delay: int = 0,
-    limits: tuple[float, float] = (-math.inf, math.inf),
-) -> Array:
-    """Step a plant inside a linear discrete-time surrounding of deviations.
-
-    Args:
-        plant: started at the operating point.
-        surrounding: control.StateSpace in discrete time; inputs are named as outputs of the plant and
-            outputs as inputs of it; what it gives depends on its state only (D = 0).
-        point: values at the operating point of all these names.
-        kick: state of the surrounding at the start, shape (states,).
-        steps: number of steps of the surrounding's dt.
-        factor: by which deviations reach the surrounding.
-        delay: steps by which they come late.
-        limits: of what it gives to the plant; the run ends where it leaves them.
-
-    Returns:
-        Deviations of what is measured, shape (steps + 1, inputs of the surrounding), or fewer rows.
-
-    Raises:
-        ValueError: the surrounding has direct feedthrough, or a signal has no value in point.
-    """
-    if np.any(surrounding.D):
-        raise ValueError("a surrounding must have D = 0, has direct feedthrough")
-    measured, fed = list(surrounding.input_labels), list(surrounding.output_labels)
-    missing = [name for name in (*measured, *fed) if name not in point]
-    if missing:
-        raise ValueError(f"point must have {', '.join([*measured, *fed])}, is without {', '.join(missing)}")
-    a, b, c = (np.asarray(matrix) for matrix in (surrounding.A, surrounding.B, surrounding.C))
-    around, offset = np.array([point[name] for name in measured]), np.array([point[name] for name in fed])
-    low, high = limits
-    state = np.array(kick, dtype=float)
-    rows = np.empty((steps + 1, len(measured)))
-    under_way = deque([np.zeros(len(measured))] * delay)
-    for n in range(steps + 1):
-        rows[n] = np.array(plant.read(measured)) - around
-        values = (offset + c @ state).tolist()
-        if n == steps or not all(low <= value <= high for value in values):
-            return rows[: n + 1]
-        plant.set(**dict(zip(fed, values, strict=True)))
-        plant.advance(float(surrounding.dt))
-        under_way.append(factor * rows[n])
-        state = a @ state + b @ under_way.popleft()
-    return rows
-
-
-def swings(deviation: Array) -> tuple[float, float]:
-    """Compute the RMS of the second and of the last quarter of a record, each about its mean and drift.
-
-    Args:
-        deviation: shape (n,), n at least 16.
-    """
-    quarter = deviation.size // 4
-    early, late = deviation[quarter : 2 * quarter], deviation[3 * quarter : 4 * quarter]
-    return float(np.std(detrend(early))), float(np.std(detrend(late)))
-
-
 def measured_margins(
     fmu: Fmu,
     surrounding: Any,
@@ -138,9 +73,10 @@ def measured_margins(
 
     Args:
         fmu: started at the operating point; it is left there.
-        surrounding: around it, of deviations; see run_linear_loop.
+        surrounding: around it, of deviations: control.StateSpace in discrete time, inputs named as outputs of
+            the FMU and outputs as inputs of it, without direct feedthrough (D = 0).
         point: values at the operating point of all signals between both.
-        kick: state of the surrounding at the start.
+        kick: state of the surrounding at the start, shape (states,).
         limits: of what the surrounding gives to the FMU.
         expected: by predicted_margins; looked for from half to twice of them, to 2 %.
 
@@ -148,51 +84,70 @@ def measured_margins(
         The margins found, with the crossover expected.
 
     Raises:
-        ValueError: a margin is not within half and twice of the expected one.
+        ValueError: a margin is not within half and twice of the expected one, the surrounding has direct
+            feedthrough, or a signal has no value in point.
     """
+    if np.any(surrounding.D):
+        raise ValueError("a surrounding must have D = 0, has direct feedthrough")
+    measured, fed = list(surrounding.input_labels), list(surrounding.output_labels)
+    missing = [name for name in (*measured, *fed) if name not in point]
+    if missing:
+        raise ValueError(f"point must have {', '.join([*measured, *fed])}, is without {', '.join(missing)}")
+    a, b, c = (np.asarray(matrix) for matrix in (surrounding.A, surrounding.B, surrounding.C))
+    around, offset = np.array([point[name] for name in measured]), np.array([point[name] for name in fed])
     step = float(surrounding.dt)
     steps = round(_PERIODS * 2.0 * math.pi / expected.crossover / step)
     begin = fmu.get_state()
 
-    def swing(**worse: Any) -> tuple[float, float]:
+    def swings(factor: float = 1.0, delay: int = 0) -> tuple[float, float]:
+        """RMS of the second and the last quarter of a run, each about its mean and drift.
+
+        What is measured reaches the surrounding times the factor, late by delay steps. Infinite where what
+        the surrounding gives leaves the limits.
+        """
         fmu.set_state(begin)
-        rows = run_linear_loop(fmu, surrounding, point, kick, steps, limits=limits, **worse)
-        return swings(rows[:, 0]) if len(rows) > steps else (0.0, math.inf)
+        state, first = np.array(kick, dtype=float), np.empty(steps + 1)
+        under_way = deque([np.zeros(len(measured))] * delay)
+        for n in range(steps + 1):
+            deviation = np.array(fmu.read(measured)) - around
+            first[n] = deviation[0]
+            if n == steps:
+                break
+            values = (offset + c @ state).tolist()
+            if not all(limits[0] <= value <= limits[1] for value in values):
+                return 0.0, math.inf
+            fmu.set(**dict(zip(fed, values, strict=True)))
+            fmu.advance(step)
+            under_way.append(factor * deviation)
+            state = a @ state + b @ under_way.popleft()
+        quarter = first.size // 4
+        early, late = (first[n * quarter : (n + 1) * quarter] for n in (1, 3))
+        return float(np.std(detrend(early))), float(np.std(detrend(late)))
 
-    ripple = _RIPPLE * swing()[1]
+    ripple = _RIPPLE * swings()[1]
 
-    def settles(**worse: Any) -> bool:
-        early, late = swing(**worse)
+    def settles(factor: float = 1.0, delay: float = 0.0) -> bool:
+        early, late = swings(factor, round(delay))
         return late < max(early, ripple)
 
     try:
-        gain = stability_limit(
-            lambda factor: settles(factor=factor), 0.5 * expected.gain, 2.0 * expected.gain, _SHARE
-        )
-        late = expected.delay / step
-        late = stability_limit(lambda n: settles(delay=round(n)), 0.5 * late, 2.0 * late, _SHARE)
+        gain = _stability_limit(settles, *(expected.gain * _WITHIN))
+        late = _stability_limit(lambda delay: settles(delay=delay), *(expected.delay / step * _WITHIN))
     finally:
         fmu.set_state(begin)
         fmu.free_state(begin)
     return Margins(gain, late * step, expected.crossover)
 
 
-def stability_limit(is_stable: Callable[[float], bool], low: float, high: float, share: float) -> float:
-    """Find the value between low (stable) and high (not) where stability ends, by bisection in the logarithm.
-
-    Args:
-        is_stable: of a value. low, high: positive. share: relative width at which to stop.
-
-    Raises:
-        ValueError: low is not stable, or high is.
-    """
+def _stability_limit(is_stable: Callable[[float], bool], low: float, high: float) -> float:
+    """Value between low (stable) and high (not) where stability ends, by bisection in the logarithm."""
     for value, wanted in ((low, True), (high, False)):
         if is_stable(value) != wanted:
             raise ValueError(
                 f"limits must be a stable and an unstable one, are {low:g} and {high:g}: {value:g} is not"
                 f" {'stable' if wanted else 'unstable'}"
             )
-    while high > low * (1.0 + share):
+    while high > low * (1.0 + _SHARE):
         middle = math.sqrt(low * high)
         low, high = (middle, high) if is_stable(middle) else (low, middle)
     return math.sqrt(low * high)

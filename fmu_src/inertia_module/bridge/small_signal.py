@@ -55,11 +55,7 @@ _RECORDED_PULSES = 600.0
 
 
 def fit_sine(time: Array, values: Array, frequency: float) -> tuple[complex, float]:
-    """Fit the complex amplitude z of Im(z exp(2 pi i f t)) in values, and their mean, under a Hann window.
-
-    Args:
-        time, values: shape (n,). frequency: Hz; the times cover a whole number of its periods.
-    """
+    """Fit z of Im(z exp(2 pi i f t)) in values over whole periods, and their mean, under a Hann window."""
     window = 0.5 - 0.5 * np.cos(2.0 * math.pi * (np.arange(time.size) + 0.5) / time.size)
     angle = 2.0 * math.pi * frequency * time
     drift = (time - time.mean()) / float(np.ptp(time))
@@ -83,43 +79,32 @@ class SineBench:
     outputs: tuple[str, ...]
     step: float
 
-    def run(self, excited: str, amplitude: float, frequency: float, first: int, count: int) -> Array:
-        """Run count steps under the sine from step first on; outputs at the ends, shape (count, outputs)."""
+    def response(
+        self, excited: str, amplitude: float, frequency: float, settling: float, record: float
+    ) -> tuple[Complex, Array]:
+        """Measure outputs over the input at a frequency, Hz, and their means; settling, record: times, s."""
         plant, step = self.plant, self.step
+        before = math.ceil(settling / step)
+        periods = max(LEAST_PERIODS, math.ceil(record * frequency))
+        last = before + round(periods / (frequency * step))
         ramped = excited == SPEED
-        turns = frequency * step * (np.arange(first, first + count + 1) + (0.0 if ramped else 0.5))
+        turns = frequency * step * (np.arange(last + 1) + (0.0 if ramped else 0.5))
         values = (self.point[excited] + amplitude * np.sin(2.0 * math.pi * turns)).tolist()
-        rows = np.empty((count, len(self.outputs)))
-        for n in range(count):
+        rows = np.empty((last, len(self.outputs)))
+        for n in range(last):
             plant.set(**{excited: values[n]})
             if ramped:
                 plant.set_rates(**{excited: (values[n + 1] - values[n]) / step})
             plant.advance(step)
             rows[n] = plant.read(self.outputs)
-        return rows
-
-    def response(
-        self, excited: str, amplitude: float, frequency: float, settling: float, record: float
-    ) -> tuple[Complex, Array]:
-        """Measure outputs over the input at one frequency, and their means, shape (outputs,) each.
-
-        Args:
-            excited: name of the input. amplitude: in its units. frequency: Hz.
-            settling: time given to the transient, s. record: least time of the record, s.
-        """
-        before = math.ceil(settling / self.step)
-        self.run(excited, amplitude, frequency, 0, before)
-        periods = max(LEAST_PERIODS, math.ceil(record * frequency))
-        count = round(periods / (frequency * self.step))
-        rows = self.run(excited, amplitude, frequency, before, count)
-        ends: Array = np.arange(before + 1, before + count + 1, dtype=np.float64) * self.step
-        sinc = float(np.sinc(frequency * self.step))
-        held = amplitude * (sinc**2 if excited == SPEED else sinc)
+        ends: Array = np.arange(before + 1, last + 1, dtype=np.float64) * step
+        sinc = float(np.sinc(frequency * step))
+        held = amplitude * (sinc**2 if ramped else sinc)
         found, means = np.empty(len(self.outputs), dtype=complex), np.empty(len(self.outputs))
         for n, name in enumerate(self.outputs):
             is_mean = name.endswith("_mean")
-            time: Array = ends - 0.5 * self.step if is_mean else ends
-            sine, means[n] = fit_sine(time, rows[:, n], frequency)
+            time: Array = ends - 0.5 * step if is_mean else ends
+            sine, means[n] = fit_sine(time, rows[before:, n], frequency)
             found[n] = sine / (held * sinc if is_mean else held)
         return found, means
 
@@ -136,11 +121,6 @@ class SineBench:
 
 
 # --- frequency responses ---
-
-
-def _check_excited(excited: str) -> None:
-    if excited not in INPUTS:
-        raise ValueError(must_be("excited", " or ".join(INPUTS), repr(excited)))
 
 
 @dataclass(frozen=True)
@@ -201,7 +181,8 @@ def measured_response(
             FMU is driven by torque.
         FmuError: the FMU refuses something.
     """
-    _check_excited(excited)
+    if excited not in INPUTS:
+        raise ValueError(must_be("excited", " or ".join(INPUTS), repr(excited)))
     for name, value in (("amplitude", amplitude), ("step", step), ("settling", settling), ("record", record)):
         if not (math.isfinite(value) and value > 0.0):
             raise ValueError(must_be(name, "a positive number", value))
@@ -274,7 +255,8 @@ def averaged_response(
     Raises:
         ValueError: there is no operating point below lock-up, or excited is no input.
     """
-    _check_excited(excited)
+    if excited not in INPUTS:
+        raise ValueError(must_be("excited", " or ".join(INPUTS), repr(excited)))
     names = as_names(outputs)
     own = [MEANS.get(name, name) for name in names]
     system = averaged_system(parameters, inputs=(*INPUTS, INPUT_RATE), outputs=own, transient=transient)

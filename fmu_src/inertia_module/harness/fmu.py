@@ -21,6 +21,11 @@ __all__ = ["Fmu", "FmuError", "Plant", "RestartedFmu"]
 
 # ctypes cuts off what is more, silently
 LARGEST_INTEGER = 2.0**31 - 1.0
+# calls that read and set a variable, by version of FMI and type; those of whole numbers for all others
+_CALLS = {
+    "2.0": {"Real": "Real", "Boolean": "Boolean", "": "Integer"},
+    "3.0": {"Real": "Float64", "Boolean": "Boolean", "Enumeration": "Int64", "": "Int32"},
+}
 
 
 class Closing:
@@ -102,14 +107,7 @@ def read_description(path: Path) -> Any:
 
 
 def _number_for(variable: Any, value: Any) -> float:
-    """The number that a variable of an FMU takes for a value; its range is for the FMU to check.
-
-    Args:
-        variable: fmpy's. value: a number, a string with a unit, or the name of an item.
-
-    Raises:
-        FmuError: the variable, the value, and what is allowed.
-    """
+    """The number that a variable takes for a value, quantity or name of an item; the FMU checks its range."""
     if variable.type == "Real" and isinstance(value, float):
         return value
     unit, items, largest = variable.unit or "1", None, LARGEST_INTEGER
@@ -128,11 +126,6 @@ def _number_for(variable: Any, value: Any) -> float:
     if variable.type != "Real" and not (number.is_integer() and abs(number) <= largest):
         raise FmuError(f"{variable.name} must be {allowed}, is {value!r}")
     return number
-
-
-def _kind(variable: Any) -> str:
-    """The kind of call that reads and sets a variable: FMI has none of its own for enumerations."""
-    return variable.type if variable.type in ("Real", "Boolean") else "Integer"
 
 
 class Kept(NamedTuple):
@@ -204,8 +197,9 @@ class Fmu(Closing):
             self._unpacked = unpacked(self.path)
         except Exception as error:
             raise FmuError(f"{self.path} must be an FMU: {error}") from error
-        if description.fmiVersion not in ("2.0", "3.0") or description.coSimulation is None:
+        if description.fmiVersion not in _CALLS or description.coSimulation is None:
             raise FmuError(f"{self.path} must be an FMU for co-simulation of FMI 2.0 or 3.0")
+        self._calls = _CALLS[description.fmiVersion]
         self.variables = {variable.name: variable for variable in description.modelVariables}
         self.units = {name: variable.unit for name, variable in self.variables.items() if variable.unit}
         try:
@@ -265,6 +259,9 @@ class Fmu(Closing):
             raise FmuError(f"{name} must be a variable of {self.path.name} {hint}")
         return variable
 
+    def _kind(self, variable: Any) -> str:
+        return self._calls.get(variable.type, self._calls[""])
+
     def _references(self, names: str | Sequence[str]) -> list[int]:
         return [self._variable(name).valueReference for name in as_names(names)]
 
@@ -272,16 +269,13 @@ class Fmu(Closing):
         """Set variables by name: all of them or, on an unknown name or value, none."""
         calls: dict[str, dict[int, float]] = {}
         for variable, value in [(self._variable(name), value) for name, value in values.items()]:
-            calls.setdefault(_kind(variable), {})[variable.valueReference] = _number_for(variable, value)
+            number = {"Real": float, "Boolean": bool}.get(variable.type, int)(_number_for(variable, value))
+            calls.setdefault(self._kind(variable), {})[variable.valueReference] = number
         for kind, numbers in calls.items():
-            convert = {"Real": float, "Boolean": bool, "Integer": int}[kind]
-            self._call(f"set{kind}", list(numbers), [convert(number) for number in numbers.values()])
+            self._call(f"set{kind}", list(numbers), list(numbers.values()))
 
     def set(self, **values: float | str) -> None:
-        """Set inputs and tunable parameters by name; all or none.
-
-        Args:
-            values: numbers, or strings with a unit.
+        """Set inputs and tunable parameters by name to values, numbers or strings with a unit; all or none.
 
         Raises:
             FmuError: an unknown name, no quantity, a variable that cannot be set now, or a value of a tunable
@@ -290,10 +284,7 @@ class Fmu(Closing):
         self._assign(values)
 
     def read(self, names: str | Sequence[str]) -> tuple[float, ...]:
-        """Read values by name, of any type, as floats.
-
-        Args:
-            names: of variables, or one alone.
+        """Read values by names, or one alone, of any type, as floats.
 
         Raises:
             FmuError: an unknown name, or the FMU refuses to give a value.
@@ -321,7 +312,7 @@ class Fmu(Closing):
 
     def _read_one(self, name: str) -> float:
         variable = self._variable(name)
-        return float(self._call(f"get{_kind(variable)}", [variable.valueReference])[0])
+        return float(self._call(f"get{self._kind(variable)}", [variable.valueReference])[0])
 
     def __getitem__(self, name: str) -> float:
         return self.read(name)[0]
@@ -341,10 +332,7 @@ class Fmu(Closing):
         self.time += step
 
     def set_rates(self, **rates: float) -> None:
-        """Give inputs a rate over the coming step (native FMUs; see docs/fmu.md).
-
-        Args:
-            rates: by name, in the unit of the input per second.
+        """Give inputs rates over the coming step, by name, per second (native FMUs; see docs/fmu.md).
 
         Raises:
             FmuError: an unknown name, no input, or an FMU that takes no derivatives of inputs.
@@ -353,10 +341,7 @@ class Fmu(Closing):
         self._call("setRealInputDerivatives", self._references(tuple(rates)), orders, values)
 
     def rates(self, names: str | Sequence[str]) -> tuple[float, ...]:
-        """Read rates of outputs at the end of the last step, per second (native FMUs; see docs/fmu.md).
-
-        Args:
-            names: of outputs, or one alone.
+        """Rates of outputs by names, or one alone, after the last step, per second (see docs/fmu.md).
 
         Raises:
             FmuError: an unknown name, no output, or an FMU that gives no derivatives of outputs.
@@ -398,10 +383,7 @@ class Fmu(Closing):
             raise FmuError("a state must be one of get_state of this instance, not freed since")
 
     def set_state(self, kept: Kept) -> None:
-        """Take over a state of get_state, and its time.
-
-        Args:
-            kept: the state.
+        """Take over a kept state of get_state, and its time.
 
         Raises:
             FmuError: it is not one, or freed.
@@ -411,10 +393,7 @@ class Fmu(Closing):
         self.time = kept.time
 
     def free_state(self, kept: Kept) -> None:
-        """Free a state of get_state; closing the instance frees all.
-
-        Args:
-            kept: the state.
+        """Free a kept state of get_state; closing the instance frees all.
 
         Raises:
             FmuError: it is not one, or freed.
@@ -478,10 +457,7 @@ class RestartedFmu(Fmu):
         self._blank = self.get_state()
 
     def restart(self, values: Mapping[str, float]) -> None:
-        """Start anew with these start parameters and inputs; all others are those of the first start.
-
-        Args:
-            values: by name.
+        """Start anew with values by name, parameters and inputs; all others are those of the first start.
 
         Raises:
             FmuError: a value is refused, alone or with others.

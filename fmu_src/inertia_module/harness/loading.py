@@ -6,18 +6,17 @@ Importing it brings fmpy along.
 from __future__ import annotations
 
 import contextlib
-import functools
 import hashlib
 import io
 import shutil
 import tempfile
 import threading
 import weakref
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from ctypes import byref
 from multiprocessing.util import Finalize
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from fmpy import extract
 from fmpy.fmi1 import calloc, free, printLogMessage
@@ -32,6 +31,9 @@ from fmpy.fmi3 import FMU3Slave
 from fmpy.logging import addLoggerProxy
 
 from ..fmu.description import TYPES_3 as IN_FMI_3
+
+if TYPE_CHECKING:
+    from .fmu import Fmu
 
 # types of FMI 2.0 by their names in FMI 3.0, where they have others
 TYPES = {name: of_fmi_2 for of_fmi_2, name in IN_FMI_3.items()}
@@ -73,15 +75,8 @@ def unpacked(path: Path) -> Unpacked:
         return copy
 
 
-class Listener(Protocol):
-    """Receiver of the messages of an instance."""
-
-    def on_message(self, status: int, message: str) -> None:
-        """Take a message; status as in FMI 2.0."""
-
-
 # instances by the environment their callbacks carry, and what takes the messages of all others
-_listeners: weakref.WeakValueDictionary[int, Listener] = weakref.WeakValueDictionary()
+_listeners: weakref.WeakValueDictionary[int, Fmu] = weakref.WeakValueDictionary()
 _others: list[tuple[list[str], list[str]]] = []
 
 
@@ -102,9 +97,7 @@ def pass_on(environment: int | None, status: int, category: bytes, message: byte
     _dispatch(environment, b"", status, category, message)
 
 
-@functools.cache
-def _dispatcher() -> Any:
-    return fmi2CallbackLoggerTYPE(_dispatch)
+_DISPATCHER = fmi2CallbackLoggerTYPE(_dispatch)
 
 
 def _callbacks() -> Any:
@@ -114,12 +107,12 @@ def _callbacks() -> Any:
     freed while another instance still logs would crash the process: this one stays.
     """
     callbacks = fmi2CallbackFunctions()
-    callbacks.logger = _dispatcher()
+    callbacks.logger = _DISPATCHER
     addLoggerProxy(byref(callbacks))
     return callbacks
 
 
-def callbacks_of(listener: Listener) -> Any:
+def callbacks_of(listener: Fmu) -> Any:
     """Callbacks of one instance of FMI 2.0, with its own environment."""
     callbacks = _callbacks()
     callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
@@ -145,7 +138,7 @@ def messages_of_others(warnings: list[str] | None = None) -> Iterator[list[str]]
         _others.pop()
 
 
-def instantiate(description: Any, folder: str, name: str, listener: Listener) -> Any:
+def instantiate(description: Any, folder: str, name: str, listener: Fmu) -> Any:
     """Make an instance for co-simulation, with FMPy's FMI 2.0 method names.
 
     Args:
@@ -165,25 +158,18 @@ def instantiate(description: Any, folder: str, name: str, listener: Listener) ->
         def log(environment: int | None, status: int, category: bytes, message: bytes) -> None:
             listener.on_message(status, message.decode("utf-8", "replace"))
 
-        types = {variable.valueReference: variable.type for variable in description.modelVariables}
-        instance = Slave(types, **arguments)
+        instance = Slave(**arguments)
         instance.instantiate(logMessage=log, loggingOn=True)
     return instance
 
 
 class Slave(FMU3Slave):  # type: ignore[misc]
-    """Adapter: an FMI 3.0 instance for co-simulation with FMPy's FMI 2.0 method names.
+    """Adapter: an FMI 3.0 instance for co-simulation with FMPy's FMI 2.0 method names, but for values.
 
     Event mode and early return only if instantiate is asked for them. Names are those of the standards.
-
-    Args:
-        types: of the variables in the description, by value reference. arguments: those of fmpy.
     """
 
-    def __init__(self, types: Mapping[int, str], **arguments: Any) -> None:
-        super().__init__(**arguments)
-        self._types = types
-        self._experiment: tuple[float | None, float, float | None] = (None, 0.0, None)
+    _experiment: tuple[float | None, float, float | None] = (None, 0.0, None)
 
     def setupExperiment(
         self, tolerance: float | None = None, startTime: float = 0.0, stopTime: float | None = None
@@ -194,27 +180,6 @@ class Slave(FMU3Slave):  # type: ignore[misc]
     def enterInitializationMode(self) -> None:
         super().enterInitializationMode(*self._experiment)
 
-    def _by_type(self, references: Sequence[int]) -> Iterator[tuple[str, list[int]]]:
-        """Types of whole numbers, and the places of the references of each: FMI 2.0 has one type for all."""
-        for kind, of_enumerations in (("Int32", False), ("Int64", True)):
-            is_one = [self._types.get(reference) == "Enumeration" for reference in references]
-            places = [place for place, found in enumerate(is_one) if found == of_enumerations]
-            if places:
-                yield kind, places
-
-    def getInteger(self, references: Sequence[int]) -> Any:
-        found: dict[int, int] = {}
-        for kind, places in self._by_type(references):
-            numbers = getattr(self, f"get{kind}")([references[place] for place in places])
-            found |= dict(zip(places, numbers, strict=True))
-        return [found[place] for place in range(len(references))]
-
-    def setInteger(self, references: Sequence[int], values: Sequence[int]) -> None:
-        for kind, places in self._by_type(references):
-            set_values = getattr(self, f"set{kind}")
-            set_values([references[place] for place in places], [values[place] for place in places])
-
-    getReal, setReal = FMU3Slave.getFloat64, FMU3Slave.setFloat64
     getFMUstate, setFMUstate = FMU3Slave.getFMUState, FMU3Slave.setFMUState
     freeFMUstate, serializeFMUstate = FMU3Slave.freeFMUState, FMU3Slave.serializeFMUState
     deSerializeFMUstate = FMU3Slave.deserializeFMUState
@@ -223,19 +188,5 @@ class Slave(FMU3Slave):  # type: ignore[misc]
     def setRealInputDerivatives(self, *arguments: Any) -> None:
         raise NotImplementedError("FMI 3.0 has no derivatives of inputs")
 
-    def fmi2SetDebugLogging(self, component: Any, on: int, count: int, categories: Any) -> None:
-        self.fmi3SetDebugLogging(component, bool(on), count, categories)
-
-    def fmi2DoStep(self, component: Any, time: float, step: float, no_state_prior: bool) -> None:
-        self.doStep(time, step, no_state_prior)
-
     def fmi2GetReal(self, component: Any, references: Any, count: int, values: Any) -> None:
         self.fmi3GetFloat64(component, references, count, values, count)
-
-    def fmi2GetRealOutputDerivatives(
-        self, component: Any, references: Any, count: int, orders: Any, values: Any
-    ) -> None:
-        self.fmi3GetOutputDerivatives(component, references, count, orders, values, count)
-
-    def fmi2FreeInstance(self, component: Any) -> None:
-        self.freeInstance()

@@ -80,11 +80,7 @@ def input_table(inputs: Result | Mapping[str, ArrayLike] | Path | str) -> Result
 
 
 def _for_fmu(description: Any, file: str, table: Result) -> tuple[Result, list[str]]:
-    """A table in the units of an FMU, and the names of its columns that are inputs; others are measured.
-
-    Raises:
-        TableError: a column that is neither input nor output of the FMU, or in a unit of another kind.
-    """
+    """A table in the units of an FMU, and the names of its columns that are inputs; others are measured."""
     variables = {variable.name: variable for variable in description.modelVariables}
     units, given, measured = {}, [], {}
     for name in table.names[1:]:

@@ -37,11 +37,7 @@ class Wire(NamedTuple):
 
 
 def _end(descriptions: Mapping[str, Any], wire: Wire, instance: str, name: str, causality: str) -> Any:
-    """The variable at one end of a wire.
-
-    Raises:
-        WiringError: there is no such instance or variable, or it is of another causality.
-    """
+    """The variable at one end of a wire, refused where there is none of this causality."""
     if instance not in descriptions:
         hint = did_you_mean(instance, descriptions)
         raise WiringError(f"{wire}: {instance} must be an FMU of the system {hint}")
@@ -51,12 +47,8 @@ def _end(descriptions: Mapping[str, Any], wire: Wire, instance: str, name: str, 
     return there[name]
 
 
-def idle_input(description: Any, parameters: Mapping[str, Any]) -> str | None:
-    """The input of a module that has no effect with its drive; None of any other FMU.
-
-    Args:
-        description: fmpy's. parameters: by name, those that differ from their start values.
-    """
+def _idle_input(description: Any, parameters: Mapping[str, Any]) -> str | None:
+    """The input of a module that has no effect with its drive; None of any other FMU."""
     known = {variable.name: variable for variable in description.modelVariables}
     if not {"drive", *_IDLE.values()} <= known.keys():
         return None
@@ -72,7 +64,7 @@ def _check_driven(
 ) -> list[str]:
     """List inputs that are not driven once, by a wire or by the user, and wires to one without effect."""
     problems = []
-    idle = {name: idle_input(found, parameters.get(name, {})) for name, found in descriptions.items()}
+    idle = {name: _idle_input(found, parameters.get(name, {})) for name, found in descriptions.items()}
     for wire in wires:
         if wire.input == idle[wire.sink]:
             other = next(name for name in _IDLE.values() if name != wire.input)

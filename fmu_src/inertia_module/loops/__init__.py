@@ -1,8 +1,7 @@
 """Surroundings of an FMU, stepped together with it.
 
-Loads, controllers and sources are python-control systems, closed_loop.py connects them. An engine
-(engine.py) is coupled to the module by coupled.py; what its schemes are worth is measured in
-studies/coupling and described in docs/coupling.md.
+Loads, controllers and sources are systems of python-control, which closed_loop.py connects. An engine is
+coupled to the module by coupled.py; docs/coupling.md tells what its schemes are worth.
 """
 
 from .closed_loop import ClosedLoop, connect, initial_inputs
@@ -11,7 +10,6 @@ from .coupled import (
     SCHEMES,
     CoupledEngine,
     EnginePlant,
-    Exchange,
     InterfaceInertia,
     Ledger,
     Scheme,
@@ -20,7 +18,7 @@ from .coupled import (
     torque_driven,
 )
 from .engine import Engine, EngineMap, EngineState, Governor
-from .loads import Coupling, Load, shaft_load, torque_source, vehicle_load
+from .loads import Coupling, Load, shaft_load, vehicle_load
 from .sources import Table, source
 
 __all__ = [
@@ -32,7 +30,6 @@ __all__ = [
     "EngineMap",
     "EnginePlant",
     "EngineState",
-    "Exchange",
     "Governor",
     "InterfaceInertia",
     "Ledger",
@@ -48,6 +45,5 @@ __all__ = [
     "shaft_load",
     "source",
     "torque_driven",
-    "torque_source",
     "vehicle_load",
 ]

@@ -119,26 +119,6 @@ class ClosedLoop:
         self.names = ("time", *self._outputs, *signals)
         self._units = {**SIGNAL_UNITS, **(units or {})}
 
-    def unit(self, name: str) -> str:
-        """Unit of a recorded name, "" where none is known."""
-        if name == "time":
-            return "s"
-        return BY_NAME[name].unit if name in BY_NAME else self._units.get(name, "")
-
-    def steps(self, stop_time: float) -> int:
-        """Number of steps to the stop time.
-
-        Raises:
-            ValueError: it is not a whole number of them, or none.
-        """
-        number = whole_steps(stop_time, self.step)
-        if not number:
-            raise ValueError(
-                f"stop_time must be a whole number of communication steps of {self.step:g} s, and at least"
-                f" one, is {stop_time:g} s"
-            )
-        return number
-
     def rows(self, stop_time: float, progress: Progress | None = None) -> Iterator[tuple[float, ...]]:
         """Step to the stop time, s; give a row with the values of names at each communication point.
 
@@ -149,7 +129,12 @@ class ClosedLoop:
             ValueError: the stop time is not a whole number of steps.
             FmuError: the FMU refuses a value or a step.
         """
-        number = self.steps(stop_time)
+        number = whole_steps(stop_time, self.step)
+        if not number:
+            raise ValueError(
+                f"stop_time must be a whole number of communication steps of {self.step:g} s, and at least"
+                f" one, is {stop_time:g} s"
+            )
         report_every = max(number // _PROGRESS_CALLS, 1)
         names = [*self.surroundings.input_labels, *self._outputs]
         state = np.zeros(self.surroundings.nstates)
@@ -171,4 +156,5 @@ class ClosedLoop:
         """Step to the stop time, s, and return the rows as a named table. Raises as rows does."""
         table = np.array(list(self.rows(stop_time, progress)))
         columns = {name: table[:, index] for index, name in enumerate(self.names)}
-        return Result.from_columns(columns, {name: self.unit(name) for name in self.names})
+        known = self._units | {name: BY_NAME[name].unit for name in self.names if name in BY_NAME}
+        return Result.from_columns(columns, {name: known.get(name, "") for name in self.names[1:]})

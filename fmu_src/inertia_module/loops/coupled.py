@@ -32,33 +32,15 @@ _ANSWERS = ("input_speed", "input_angle", "input_turns", "energy_in")
 _POINTS_A_TURN = 180
 
 
-class Exchange(NamedTuple):
-    """Exchange between engine and module in one communication step: each side's own account.
-
-    Attributes:
-        step: s. engine_torque, module_torque: means over the step, N.m. engine_work, module_work: J.
-    """
-
-    step: float
-    engine_torque: float
-    module_torque: float
-    engine_work: float
-    module_work: float
-
-    @property
-    def defect(self) -> float:
-        """Energy lost between both, J: each side is exact for what it was given."""
-        return self.engine_work - self.module_work
-
-
 @dataclass
 class Ledger:
     """Sums over a run.
 
     Attributes:
         time: s. steps: communication steps. fmu_steps: steps of the FMU, those taken back included.
-        derivatives: directional derivatives asked for. defect: energy lost on the bond, J.
-        defect_magnitude: sum of |defect| of the steps, J.
+        derivatives: directional derivatives asked for.
+        defect: energy lost on the bond, J: what the engine has done less what the module has got; each side
+            is exact for what it was given. defect_magnitude: sum of |defect| of the steps, J.
     """
 
     time: float = 0.0
@@ -72,13 +54,6 @@ class Ledger:
     def cost(self) -> int:
         """In steps of the FMU; a directional derivative takes two, those of outputs are not counted."""
         return self.fmu_steps + 2 * self.derivatives
-
-    def add(self, exchange: Exchange) -> None:
-        """Add a communication step."""
-        self.time += exchange.step
-        self.steps += 1
-        self.defect += exchange.defect
-        self.defect_magnitude += abs(exchange.defect)
 
 
 class EnginePlant(ABC):
@@ -114,18 +89,8 @@ class EnginePlant(ABC):
         """Kinetic energy of engine and module together, J."""
 
     @abstractmethod
-    def _exchange(self, h: float) -> Exchange:
-        """Advance both by one communication step, s; what raises leaves both where they were."""
-
-    def step(self, h: float) -> Exchange:
-        """Advance both by one communication step, s.
-
-        Raises:
-            FmuError: the FMU refused the step; both are where they were, and a good step goes on.
-        """
-        exchange = self._exchange(h)
-        self.ledger.add(exchange)
-        return exchange
+    def _exchange(self, h: float) -> tuple[float, float]:
+        """Advance both by a step, s: work of the engine and on the module, J; what raises leaves both."""
 
     def set(self, **values: float) -> None:
         """Set inputs of the FMU by name; omega1 is the speed the governor is asked for.
@@ -133,25 +98,28 @@ class EnginePlant(ABC):
         Raises:
             ValueError: drive_torque, which the engine gives.
         """
-        given: Mapping[str, float] = values
-        if "drive_torque" in given:
+        if "drive_torque" in values:
             raise ValueError(
-                f"drive_torque = {given['drive_torque']:g} N.m cannot be set, the engine gives it;"
+                f"drive_torque = {values['drive_torque']:g} N.m cannot be set, the engine gives it;"
                 " set omega1, the speed its governor is asked for"
             )
-        if "omega1" in given:
-            self.engine.reference = given["omega1"]
-            given = {name: value for name, value in given.items() if name != "omega1"}
-        self.fmu.set(**given)
+        if "omega1" in values:
+            self.engine.reference = values.pop("omega1")
+        self.fmu.set(**values)
 
     def advance(self, step: float) -> None:
         """Advance engine and module by a step, s, in substeps.
 
         Raises:
-            FmuError: the FMU refused the step.
+            FmuError: the FMU refused a substep; both are where they were before it, and a good one goes on.
         """
+        h, ledger = step / self.substeps, self.ledger
         for _ in range(self.substeps):
-            self.step(step / self.substeps)
+            given, got = self._exchange(h)
+            ledger.time += h
+            ledger.steps += 1
+            ledger.defect += given - got
+            ledger.defect_magnitude += abs(given - got)
 
     def read(self, names: Sequence[str]) -> tuple[float, ...]:
         """Values by name: variables of the FMU, and engine_speed, engine_torque, engine_angle (SI units),
@@ -249,18 +217,13 @@ class CoupledEngine(EnginePlant):
     the beginning of the module's next step, whose impulse is in the next step mean.
 
     Args:
-        fmu: a started FMU of the module with omega1 = speed of the engine, whose drive is speed and whose
-            input_hold is constant; a native one for INERTIA and IMPLICIT.
-        engine: at the same speed. scheme: of coupling.
+        fmu, engine, substeps: as of EnginePlant; drive of the module is speed and its input_hold constant; a
+            native FMU for INERTIA and IMPLICIT.
+        scheme: of coupling.
         inertia: interface inertia the engine takes into account (INERTIA), kg.m2; see interface_inertia.
-        substeps: equal communication steps between engine and module in each step of the plant.
-
-    Attributes:
-        ledger: sums over the run.
 
     Raises:
-        ValueError: the speeds differ, no inertia for INERTIA, a module driven by torque or with another
-            input_hold, or no substeps.
+        ValueError: as EnginePlant, no inertia for INERTIA, or another input_hold.
     """
 
     def __init__(
@@ -287,7 +250,7 @@ class CoupledEngine(EnginePlant):
         """Kinetic energy of engine and module together, J."""
         return self.engine.energy_stored + self.fmu["energy_stored"]
 
-    def _exchange(self, h: float) -> Exchange:
+    def _exchange(self, h: float) -> tuple[float, float]:
         before, last = self.engine.state, self._last
         if self.scheme == Scheme.IMPLICIT:
             after, answer = self._implicit(h)
@@ -299,13 +262,7 @@ class CoupledEngine(EnginePlant):
             after = self.engine.after(h, load)
         self.engine.state, self._last = after, answer
         self._acceleration = (after.speed - before.speed) / h
-        return Exchange(
-            h,
-            (after.impulse_out - before.impulse_out) / h,
-            answer.torque,
-            after.work_out - before.work_out,
-            answer.energy - last.energy,
-        )
+        return after.work_out - before.work_out, answer.energy - last.energy
 
     def _move_module(self, h: float, rate: float | None) -> _Answer:
         """Step the module from the engine's speed on, which is held or goes on with a rate."""
@@ -364,17 +321,12 @@ class TorqueDrivenEngine(EnginePlant):
     the speed at its beginning, and the module gets the mean of the torques: no energy is lost by that.
 
     Args:
-        fmu: a started FMU of the module (see torque_driven) with omega1 = speed of the engine.
-        engine: at the same speed; its inertia is in input_inertia of the FMU.
-        substeps: equal communication steps between engine and module in each step of the plant.
-
-    Attributes:
-        ledger: sums over the run. Of the readings, engine_work_out is all that the torque has done (the
-            rotor takes none of it), and engine_energy, the rotor's, is a part of energy_stored of the FMU.
+        fmu, engine, substeps: as of EnginePlant; the inertia of the engine is in input_inertia of the FMU
+            (see torque_driven). Of the readings, engine_work_out is all that the torque has done (the rotor
+            takes none of it), and engine_energy, the rotor's, is a part of energy_stored of the FMU.
 
     Raises:
-        ValueError: a module driven by speed, or one that cannot carry the rotor; speeds that differ; no
-            substeps.
+        ValueError: as EnginePlant, or a module that cannot carry the rotor.
     """
 
     def __init__(self, fmu: Fmu, engine: Engine, substeps: int = 1) -> None:
@@ -392,7 +344,7 @@ class TorqueDrivenEngine(EnginePlant):
         """Kinetic energy of engine and module together, J."""
         return self.fmu["energy_stored"]
 
-    def _exchange(self, h: float) -> Exchange:
+    def _exchange(self, h: float) -> tuple[float, float]:
         before, after = self.engine.state, self.engine.after(h, None)
         torque = (after.impulse_out - before.impulse_out) / h
         self.fmu.set(drive_torque=torque)
@@ -409,4 +361,4 @@ class TorqueDrivenEngine(EnginePlant):
             work_in=before.work_in + work,
             work_out=before.work_out + work,
         )
-        return Exchange(h, torque, torque, work, energy - last_energy)
+        return work, energy - last_energy

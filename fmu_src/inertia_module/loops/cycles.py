@@ -55,11 +55,6 @@ class Cycle:
         """Length of the cycle, s."""
         return float(self.time[-1])
 
-    @property
-    def distance(self) -> float:
-        """Length of the way, m."""
-        return float(np.trapezoid(self.speed, self.time))
-
     def speed_at(self, time: ArrayLike) -> NDArray[np.float64]:
         """Speed at any times, m/s; after the end the last speed is held."""
         return np.interp(np.asarray(time, dtype=np.float64), self.time, self.speed)

@@ -205,25 +205,22 @@ class Engine:
                 limits = self.limits.limits(state.speed)
                 torque, integral = self.governor.sample(state.integral, self.reference, state.speed, limits)
                 state = state._replace(torque=torque, integral=integral, wait=state.wait + sample_time)
-            part = min(state.wait, left)
-            state = self._between_samples(state, part, load)
-            left -= part
+            # to the next sample the acceleration is constant
+            h = min(state.wait, left)
+            left -= h
+            mean, end, on_load = state.speed, state.speed, state.torque
+            if load is not None:
+                acceleration = (state.torque - load.value) / (self.inertia + load.inertia)
+                mean, end = state.speed + 0.5 * h * acceleration, state.speed + h * acceleration
+                on_load = state.torque - self.inertia * acceleration
+            turned = h * mean
+            state = state._replace(
+                speed=end,
+                angle=state.angle + turned,
+                wait=state.wait - h,
+                work_in=state.work_in + state.torque * turned,
+                work_out=state.work_out + on_load * turned,
+                impulse_out=state.impulse_out + h * on_load,
+            )
             if left <= _ROUNDING * min(sample_time, step):
                 return state
-
-    def _between_samples(self, state: EngineState, h: float, load: LoadTorque | None) -> EngineState:
-        """The state after a time without a sample: the acceleration is constant."""
-        mean, end, on_load = state.speed, state.speed, state.torque
-        if load is not None:
-            acceleration = (state.torque - load.value) / (self.inertia + load.inertia)
-            mean, end = state.speed + 0.5 * h * acceleration, state.speed + h * acceleration
-            on_load = state.torque - self.inertia * acceleration
-        turned = h * mean
-        return state._replace(
-            speed=end,
-            angle=state.angle + turned,
-            wait=state.wait - h,
-            work_in=state.work_in + state.torque * turned,
-            work_out=state.work_out + on_load * turned,
-            impulse_out=state.impulse_out + h * on_load,
-        )

@@ -8,13 +8,14 @@ and damper and returns their torque. What is linear is sampled exactly (zero-ord
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .sources import Signal, evaluate, source
+from .sources import Signal, evaluate
+
+Array = NDArray[np.float64]
 
 STANDARD_GRAVITY = 9.80665
 
@@ -37,19 +38,15 @@ class Coupling(NamedTuple):
         return self.stiffness * twist + self.damping * speed_difference
 
 
-def sample(a: list[list[float]], b: list[list[float]], step: float) -> tuple[Any, Any]:
+def sample(a: list[list[float]], b: list[list[float]], step: float) -> tuple[Array, Array]:
     """Exact step of x' = a x + b u with u held: (A, B) of x+ = A x + B u."""
-    import control as ct
+    from scipy.signal import cont2discrete  # takes half a second
 
-    size = len(a)
-    continuous = ct.ss(a, b, np.eye(size), np.zeros((size, len(b[0]))))
-    sampled = ct.sample_system(continuous, step, method="zoh")
-    return sampled.A, sampled.B
+    exact_a, exact_b, *_ = cont2discrete((np.array(a), np.array(b), np.eye(len(a)), np.zeros_like(b)), step)
+    return np.array(exact_a), np.array(exact_b)
 
 
-def sample_coupled(
-    inertia: float, coupling: Coupling, friction: float, step: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def sample_coupled(inertia: float, coupling: Coupling, friction: float, step: float) -> tuple[Array, Array]:
     """Exact step of twist, speed and angle of an inertia behind a coupling.
 
     Returns:
@@ -63,36 +60,6 @@ def sample_coupled(
     ]
     b = [[1.0, 0.0], [damping / inertia, -1.0 / inertia], [0.0, 0.0]]
     return sample(a, b, step)
-
-
-def check_coupling(coupling: Coupling, inertia: float, shaft_inertia: float, step: float) -> None:
-    """Refuse a step too long for an elastic coupling: its torque is held while the shaft moves.
-
-    The shaft, with the torque held over a step, and the load behind it, in the order of ClosedLoop: no
-    swing of the two may grow, and the damping may not turn the shaft round within a step.
-
-    Args:
-        coupling: between both. inertia: of the load, kg.m2.
-        shaft_inertia: of the output shaft, kg.m2. step: communication step, s.
-
-    Raises:
-        ValueError: the step is too long.
-    """
-    a, b = sample_coupled(inertia, coupling, 0.0, step)
-    # state (twist, speed of the load, speed of the shaft): first the shaft, then the load
-    shaft = np.eye(3)
-    stiffness, damping = coupling
-    shaft[2] -= step / shaft_inertia * np.array([stiffness, -damping, damping])
-    behind = np.eye(3)
-    behind[:2, :2] = a[:2, :2]
-    behind[:2, 2] = b[:2, 0]
-    growth = np.abs(np.linalg.eigvals(behind @ shaft)).max()
-    if growth > 1.0 + 1e-6 or step * damping > shaft_inertia:
-        raise ValueError(
-            f"with stiffness = {stiffness:g} N.m/rad, damping = {damping:g} N.m.s/rad and a shaft of"
-            f" {shaft_inertia:g} kg.m2 the step must be shorter, is {step:g} s; a softer coupling or more"
-            " inertia on the shaft helps too"
-        )
 
 
 class Load(NamedTuple):
@@ -118,31 +85,39 @@ class Load(NamedTuple):
     def check_step(self, shaft_inertia: float) -> None:
         """Refuse a step that is too long: the torque of the load is held while the shaft moves.
 
+        Behind an elastic coupling, in the order of ClosedLoop, no swing of shaft and load may grow, and the
+        damping may not turn the shaft round within a step.
+
         Args:
             shaft_inertia: of the output shaft without the load, kg.m2.
 
         Raises:
-            ValueError: friction held over a step would turn the shaft round; or see check_coupling.
+            ValueError: the step is too long, or friction held over it would turn the shaft round.
         """
         step = float(self.system.dt)
-        if self.coupling is not None:
-            check_coupling(self.coupling, self.inertia, shaft_inertia, step)
+        if self.coupling is None:
+            inertia = self.inertia + shaft_inertia
+            if step * self.friction > inertia:
+                raise ValueError(
+                    f"with viscous_friction = {self.friction:g} N.m.s/rad the step must be at most inertia"
+                    f" over friction, {inertia / self.friction:g} s, is {step:g} s"
+                )
             return
-        inertia = self.inertia + shaft_inertia
-        if step * self.friction > inertia:
+        a, b = sample_coupled(self.inertia, self.coupling, 0.0, step)
+        # state (twist, speed of the load, speed of the shaft): first the shaft, then the load
+        shaft = np.eye(3)
+        stiffness, damping = self.coupling
+        shaft[2] -= step / shaft_inertia * np.array([stiffness, -damping, damping])
+        behind = np.eye(3)
+        behind[:2, :2] = a[:2, :2]
+        behind[:2, 2] = b[:2, 0]
+        growth = np.abs(np.linalg.eigvals(behind @ shaft)).max()
+        if growth > 1.0 + 1e-6 or step * damping > shaft_inertia:
             raise ValueError(
-                f"with viscous_friction = {self.friction:g} N.m.s/rad the step must be at most inertia over"
-                f" friction, {inertia / self.friction:g} s, is {step:g} s"
+                f"with stiffness = {stiffness:g} N.m/rad, damping = {damping:g} N.m.s/rad and a shaft of"
+                f" {shaft_inertia:g} kg.m2 the step must be shorter, is {step:g} s; a softer coupling or more"
+                " inertia on the shaft helps too"
             )
-
-
-def torque_source(torque: Signal, step: float) -> Load:
-    """A torque that does not depend on the motion.
-
-    Args:
-        torque: N.m, positive against the motion: constant, or table over time. step: s.
-    """
-    return Load(source("load_torque", torque, step))
 
 
 def shaft_load(
@@ -197,23 +172,20 @@ def shaft_load(
 
 
 def dry_friction(free_speed: float, effect: float, capacity: float) -> float:
-    """Friction torque that brings a shaft to rest within the step, as far as it reaches, N.m.
+    """Friction torque that brings a shaft to rest within the step, as far as its capacity reaches, N.m.
 
-    The complementarity condition of dry friction in discrete time: it never turns the motion round,
-    and holds at standstill.
-
-    Args:
-        free_speed: speed at the end of the step without it, rad/s.
-        effect: loss of speed over the step by 1 N.m of it, rad/s.
-        capacity: largest friction torque, N.m.
+    The complementarity condition of dry friction in discrete time: it never turns the motion round, and holds
+    at standstill. Without it the step ends at free_speed, rad/s; 1 N.m of it takes off effect, rad/s.
     """
     return min(max(free_speed / effect, -capacity), capacity)
 
 
-# drag, climb, capacity of rolling friction, capacity of the brake: torques at the output shaft, N.m
-_Resistances = tuple[float, float, float, float]
-# those of a vehicle by its speed, m/s, way, m, and force of the brake, N
-_Road = Callable[[float, float, float], _Resistances]
+def _shared(friction: float, rolling: float, brake: float) -> tuple[float, float]:
+    """Dry friction as shared by rolling resistance and brake, N.m each."""
+    capacity = rolling + brake
+    return (friction * rolling / capacity, friction * brake / capacity) if capacity > 0.0 else (0.0, 0.0)
+
+
 _VEHICLE_OUTPUTS = (
     "load_torque",
     "load_speed",
@@ -266,7 +238,8 @@ def vehicle_load(
     inertia = mass * radius * radius
     weight, drag = mass * STANDARD_GRAVITY, 0.5 * air_density * drag_area
 
-    def road(speed: float, distance: float, brake_force: float) -> _Resistances:
+    def road(speed: float, distance: float, brake_force: float) -> tuple[float, float, float, float]:
+        """Drag, climb, capacities of rolling friction and of the brake: torques at the output shaft, N.m."""
         angle = math.atan(evaluate(slope, distance))
         return (
             radius * drag * speed * abs(speed),
@@ -276,9 +249,39 @@ def vehicle_load(
         )
 
     if coupling is None:
-        update, output, states = _rigid_vehicle(step, road, radius, inertia, one_way)
+        states = ["distance"]
+        a, b = sample([[0.0]], [[radius]], step)
+
+        def update(_: float, x: Any, u: Any, __: Any) -> Any:
+            return a @ x + b @ u[:1]
+
+        def output(_: float, x: Any, u: Any, __: Any) -> tuple[float, ...]:
+            speed = radius * u[0]
+            drag, climb, rolling, brake = road(speed, x[0], u[1])
+            friction = rolling + brake
+            if not one_way:
+                # the drive's part of the free speed is not known here: it shows in the next step
+                effect = step / inertia
+                friction = dry_friction(u[0] - effect * (drag + climb), effect, friction)
+            return drag + climb + friction, u[0], speed, x[0], drag, climb, *_shared(friction, rolling, brake)
+
     else:
-        update, output, states = _coupled_vehicle(step, road, radius, inertia, coupling)
+        states = ["twist", "speed", "angle"]  # referred to the output shaft
+        a, b = sample_coupled(inertia, coupling, 0.0, step)
+
+        def resistances(x: Any, u: Any) -> tuple[float, ...]:
+            drag, climb, rolling, brake = road(radius * x[1], radius * x[2], u[1])
+            free = a @ x + b @ [u[0], drag + climb]
+            friction = dry_friction(free[1], -b[1, 1], rolling + brake)
+            return drag, climb, *_shared(friction, rolling, brake)
+
+        def update(_: float, x: Any, u: Any, __: Any) -> Any:
+            return a @ x + b @ [u[0], sum(resistances(x, u))]
+
+        def output(_: float, x: Any, u: Any, __: Any) -> tuple[float, ...]:
+            torque = coupling.torque(x[0], u[0] - x[1])
+            return torque, x[1], radius * x[1], radius * x[2], *resistances(x, u)
+
     system = ct.nlsys(
         update,
         output,
@@ -289,54 +292,3 @@ def vehicle_load(
         name="vehicle_load",
     )
     return Load(system, inertia, coupling)
-
-
-def _shared(friction: float, rolling: float, brake: float) -> tuple[float, float]:
-    """Dry friction as shared by rolling resistance and brake, N.m each."""
-    capacity = rolling + brake
-    return (friction * rolling / capacity, friction * brake / capacity) if capacity > 0.0 else (0.0, 0.0)
-
-
-def _rigid_vehicle(
-    step: float, road: _Road, radius: float, inertia: float, one_way: bool
-) -> tuple[Any, Any, list[str]]:
-    """State (distance) of a vehicle that moves with the output shaft."""
-    a, b = sample([[0.0]], [[radius]], step)
-
-    def update(_: float, x: Any, u: Any, __: Any) -> Any:
-        return a @ x + b @ u[:1]
-
-    def output(_: float, x: Any, u: Any, __: Any) -> tuple[float, ...]:
-        speed = radius * u[0]
-        drag, climb, rolling, brake = road(speed, x[0], u[1])
-        friction = rolling + brake
-        if not one_way:
-            # the drive's part of the free speed is not known here: it shows in the next step
-            effect = step / inertia
-            friction = dry_friction(u[0] - effect * (drag + climb), effect, friction)
-        rolling, brake = _shared(friction, rolling, brake)
-        return drag + climb + friction, u[0], speed, x[0], drag, climb, rolling, brake
-
-    return update, output, ["distance"]
-
-
-def _coupled_vehicle(
-    step: float, road: _Road, radius: float, inertia: float, coupling: Coupling
-) -> tuple[Any, Any, list[str]]:
-    """State (twist, speed, angle), referred to the output shaft, of a vehicle behind a coupling."""
-    a, b = sample_coupled(inertia, coupling, 0.0, step)
-
-    def resistances(x: Any, u: Any) -> tuple[float, ...]:
-        drag, climb, rolling, brake = road(radius * x[1], radius * x[2], u[1])
-        free = a @ x + b @ [u[0], drag + climb]
-        friction = dry_friction(free[1], -b[1, 1], rolling + brake)
-        return drag, climb, *_shared(friction, rolling, brake)
-
-    def update(_: float, x: Any, u: Any, __: Any) -> Any:
-        return a @ x + b @ [u[0], sum(resistances(x, u))]
-
-    def output(_: float, x: Any, u: Any, __: Any) -> tuple[float, ...]:
-        torque = coupling.torque(x[0], u[0] - x[1])
-        return torque, x[1], radius * x[1], radius * x[2], *resistances(x, u)
-
-    return update, output, ["twist", "speed", "angle"]

@@ -81,7 +81,7 @@ class TorqueLoad(AnyLoad):
 
     def build(self, step: float, one_way: bool) -> loops.Load:
         """Make the torque as a system."""
-        return loops.torque_source(self.signal(), step)
+        return loops.Load(loops.source("load_torque", self.signal(), step))
 
 
 class ShaftLoad(AnyLoad):

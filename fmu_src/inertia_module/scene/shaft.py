@@ -17,7 +17,6 @@ from ..contract.variable import LOCAL, OUTPUT, PARAMETER
 from ..contract.variables import with_causality
 from ..harness.simulate import Progress, Result, communication_points, drive
 from ..loops.sources import evaluate
-from ..loops.stepping import law_of_motion
 from ..memory import DrivenShaft
 from .fields import Duration, Strict, Tabulated, Times, quantities, quantity
 from .keys import SceneError
@@ -53,6 +52,17 @@ Shaft: type[BaseModel] = create_model(
 )
 
 
+def stepping_speed(kappa: Array, kappa2: float) -> Array:
+    """Derivative of the angle of Stelmashchuk's law by the relative time t/T: rising to 2, steady, falling.
+
+    Args:
+        kappa: t/T, of any shape. kappa2: length of the steady phase; the others take 1/2 each.
+    """
+    up, down = np.clip(kappa, 0.0, 0.5), np.clip(kappa - (0.5 + kappa2), 0.0, 0.5)
+    # 1 - cos without cancellation; after the end both terms are 2 and their difference is rest
+    return 2.0 * np.sin(np.pi * up) ** 2 - 2.0 * np.sin(np.pi * down) ** 2
+
+
 class SteppingDrive(Strict):
     """The hub by Stelmashchuk's law: up to speed within T/2, steady for kappa2 T, to rest within T/2.
 
@@ -67,7 +77,7 @@ class SteppingDrive(Strict):
 
     def speeds(self, times: Array) -> Array:
         """Speed of the hub, rad/s, at times, s, shape (n,)."""
-        return law_of_motion(times / self.T, self.kappa2)[1] * self.angle / self.T
+        return stepping_speed(times / self.T, self.kappa2) * self.angle / self.T
 
 
 class HubTable(Tabulated):

@@ -11,6 +11,8 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from inertia_module.scene.shaft import stepping_speed
+
 Array = NDArray[np.float64]
 
 TWO_PI = 2.0 * np.pi
@@ -51,7 +53,5 @@ def law_of_motion(kappa: ArrayLike, kappa2: float) -> tuple[Array, Array, Array]
     steady = np.clip(time - starts[1], 0.0, kappa2)
     down = np.clip(time - starts[2], 0.0, HALF)
     angle = up - np.sin(TWO_PI * up) / TWO_PI + 2.0 * steady + down + np.sin(TWO_PI * down) / TWO_PI
-    # 1 - cos without cancellation; after the end both terms are 2 and their difference is rest
-    velocity = 2.0 * np.sin(np.pi * up) ** 2 - 2.0 * np.sin(np.pi * down) ** 2
     wave = (phase == 0) * np.sin(TWO_PI * up) - (phase == 2) * np.sin(TWO_PI * down)
-    return angle, velocity, TWO_PI * wave
+    return angle, stepping_speed(time, kappa2), TWO_PI * wave
