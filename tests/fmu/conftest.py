@@ -1,21 +1,43 @@
 """FMUs as an importer sees them: built once a session, driven through fmpy only."""
 
-import ctypes
-import math
+import functools
+from pathlib import Path
 
 import pytest
 from fmpy import extract, read_model_description
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave, fmi2Discard, fmi2Error
 
-from inertia_module.contract.variable import BOOLEAN, PARAMETER, REAL
+from inertia_module.fmu.builder import FMUS
 from inertia_module.harness.loading import Slave, messages_of_others, pass_on
 
-# the FMUs a test runs with, unless its file says otherwise by a FLAVOURS of its own
+# the FMUs a test runs with, unless its file has FLAVOURS of its own, or the test asks for the model: then all
 FLAVOURS = ("InertiaModule", "InertiaModule3", "InertiaModulePy")
-
-
-BAD_STEPS = (0.0, -0.01, math.nan, math.inf, 1e9)
+MODELS = {fmu.identifier: fmu.model for fmu in FMUS}
+R1 = {"omega1": 100.0, "load_torque": 10.0}
+ELASTIC = {"output_inertia": 0.02, "driven_inertia": 0.5, "shaft_stiffness": 400.0, "shaft_damping": 0.05}
+LOSSES = {
+    **{"mesh_efficiency": 0.97, "satellite_mesh_efficiency": 0.98, "journal_friction": 1e-3},
+    **{"housing_drag": 0.3, "output_drag": 0.2, "output_drag_viscous": 0.01, "link2_friction": 0.01},
+}
+WIND_UP = {"housing_stiffness": 1e4, "freewheel_stiffness": 1e4, "freewheel_damping": 1.0}
+TUNED = {
+    **{"input_friction": 0.02, "drive_friction": 0.01, "link2_friction": 0.05, "output_friction": 0.2},
+    **{"shaft_damping": 0.4, "driven_friction": 0.1, "balancer": 0.5, "kinematic_ratio": 0.7},
+}
+BY_TORQUE = {"drive": 1, "input_inertia": 0.3}
+# each fidelity and method, by speed and, where that can make the motion, by torque
+LEVELS = {
+    "kinematic": {"fidelity": 0, "kinematic_ratio": 0.3},
+    "averaged": {"fidelity": 1},
+    "rigid": {"fidelity": 2},
+    "timestepping": {"fidelity": 2, "method": 1, "max_step": 1e-3},
+    "elastic": {"fidelity": 3, **ELASTIC},
+    "elastic, timestepping": {"fidelity": 3, "method": 1, "max_step": 1e-3, **ELASTIC},
+    "rigid with losses": {"fidelity": 2, **LOSSES},
+    "elastic with losses": {"fidelity": 3, **ELASTIC, **LOSSES, **WIND_UP},
+}
+LEVELS |= {f"{name}, by torque": {**LEVELS[name], **BY_TORQUE} for name in LEVELS if name != "kinematic"}
 
 
 def sentence(variable, value):
@@ -23,24 +45,10 @@ def sentence(variable, value):
     return f"{variable.name} must be {variable.allowed}, is {value:.16g}"
 
 
-def bad_step(step):
-    """The whole refusal of a communication step."""
-    return f"communication step must be above 0 and at most 1e+06 s, is {step:.16g}"
-
-
-def out_of_range(model):
-    """Parameters of a model and values that they do not take."""
-    for variable in model.with_causality(PARAMETER):
-        if variable.kind == REAL:
-            too_far = (variable.minimum - 1.0, variable.maximum * 2.0 + 1.0)
-            yield from ((variable, value) for value in (math.nan, math.inf, *too_far))
-        elif variable.kind != BOOLEAN:  # in FMI a Boolean has two values and no others
-            yield from ((variable, value) for value in (int(variable.minimum) - 1, int(variable.maximum) + 1))
-
-
 def pytest_generate_tests(metafunc):
     if "fmu_path" in metafunc.fixturenames:
-        flavours = getattr(metafunc.module, "FLAVOURS", FLAVOURS)
+        of_both = "model" in metafunc.fixturenames
+        flavours = MODELS if of_both else getattr(metafunc.module, "FLAVOURS", FLAVOURS)
         if metafunc.definition.get_closest_marker("fmi2"):
             flavours = [flavour for flavour in flavours if not flavour.endswith("3")]
         metafunc.parametrize("fmu_path", flavours, indirect=True, scope="session")
@@ -52,13 +60,31 @@ def fmu_path(request, built):
 
 
 @pytest.fixture(scope="session")
-def description(fmu_path):
-    return read_model_description(str(fmu_path))
+def model(fmu_path):
+    """The model the FMU is made from."""
+    return MODELS[fmu_path.stem]
 
 
 @pytest.fixture(scope="session")
-def unpacked(fmu_path, tmp_path_factory):
-    return extract(str(fmu_path), unzipdir=str(tmp_path_factory.mktemp("unpacked")))
+def opened(built, tmp_path_factory):
+    """Gives description and folder of an FMU by its identifier, unpacked once."""
+
+    @functools.cache
+    def of(identifier):
+        folder = extract(str(built / f"{identifier}.fmu"), str(tmp_path_factory.mktemp(identifier)))
+        return read_model_description(folder), Path(folder)
+
+    return of
+
+
+@pytest.fixture(scope="session")
+def description(fmu_path, opened):
+    return opened(fmu_path.stem)[0]
+
+
+@pytest.fixture(scope="session")
+def unpacked(fmu_path, opened):
+    return opened(fmu_path.stem)[1]
 
 
 class Instance:
@@ -71,7 +97,6 @@ class Instance:
         self.causalities = {v.name: v.causality for v in description.modelVariables}
         self.is_native = not description.modelName.endswith("Py")
         self.is_fmi3 = description.fmiVersion == "3.0"
-        self.takes_rates = description.coSimulation.canInterpolateInputs
         of_enumerations = "Int64" if self.is_fmi3 else "Integer"
         self.calls = {
             v.name: of_enumerations if v.type == "Enumeration" else v.type for v in description.modelVariables
@@ -97,6 +122,13 @@ class Instance:
     def all_values(self):
         return {name: self.get(name) for name in self.references}
 
+    def saved(self):
+        """Its state, serialised."""
+        return self.fmu.serializeFMUstate(self.fmu.getFMUstate())
+
+    def restore(self, saved):
+        self.fmu.setFMUstate(self.fmu.deSerializeFMUstate(saved))
+
     def start(self, tolerance=None, **values):
         self.fmu.setupExperiment(tolerance=tolerance, startTime=0.0)
         self.set(**values)
@@ -107,6 +139,9 @@ class Instance:
     def step(self, h):
         self.try_step(h)
         self.time += h
+
+    # as a model in memory has them
+    advance, snapshot = step, all_values
 
     def try_step(self, h):
         self.fmu.doStep(self.time, h)
@@ -121,35 +156,6 @@ class Instance:
             return True
         return False
 
-    def discard(self, h):
-        """The message of a step that is answered by fmi2Discard."""
-        with messages_of_others() as messages:
-            assert self.is_discarded(h), f"a step of {h} s is not discarded"
-        return "; ".join(messages)
-
-    def check_range_of_parameters(self, model):
-        """Every parameter out of its range is refused by name, value and range, and a good start follows."""
-        for variable, value in out_of_range(model):
-            self.set(**{variable.name: value})
-            said = self.refusal(self.start)
-            assert said == sentence(variable, value)
-            self.fmu.reset()
-        self.start()
-        assert not self.is_discarded(0.01)
-
-    def check_bad_input_and_step(self, undisturbed, model, good, bad):
-        """Bad inputs and steps are discarded with a sentence, and the run goes on as if nothing had been."""
-        for name, value in [*bad, *((None, step) for step in BAD_STEPS)]:
-            before = self.all_values()
-            self.set(**({name: value} if name else {}))
-            said = self.discard(0.01 if name else value)
-            assert said == (sentence(model.by_name[name], value) if name else bad_step(value))
-            self.set(**good)
-            assert self.all_values() == before, f"{said}: values have changed"
-            for one in (self, undisturbed):
-                one.step(0.1)
-            assert self.all_values() == undisturbed.all_values(), f"{said}: the next step is another"
-
     def set_rates(self, order=1, **rates):
         if self.is_fmi3:
             pytest.skip("FMI 3.0 has no derivatives of inputs")
@@ -158,7 +164,7 @@ class Instance:
 
     def rates(self, *names, order=1):
         references = [self.references[name] for name in names]
-        return self.fmu.getRealOutputDerivatives(references, [order] * len(names))
+        return list(self.fmu.getRealOutputDerivatives(references, [order] * len(names)))
 
     def directional(self, unknowns, knowns, direction):
         return self.fmu.getDirectionalDerivative(
@@ -167,25 +173,15 @@ class Instance:
             direction,
         )
 
-    def real_status(self, kind):
-        value = ctypes.c_double()
-        self.fmu.fmi2GetRealStatus(self.fmu.component, kind, ctypes.byref(value))
-        return value.value
-
-    def boolean_status(self, kind):
-        value = ctypes.c_int(7)
-        self.fmu.fmi2GetBooleanStatus(self.fmu.component, kind, ctypes.byref(value))
-        return bool(value.value)
-
-    def refusal(self, action):
-        """The message of what an action is refused with: an error."""
+    def refusal(self, action, expected=fmi2Error):
+        """The message of what an action is refused with: an error, or another status that is expected."""
         status = None
         with messages_of_others() as messages:
             try:
                 action()
             except FMICallException as error:
                 status = error.status
-        assert status == fmi2Error
+        assert status == expected
         return "; ".join(messages)
 
     def close(self):
@@ -195,17 +191,23 @@ class Instance:
 
 
 @pytest.fixture
-def instances(description, unpacked):
-    """Makes instances and frees them after the test."""
+def instances_of(opened):
+    """Makes instances of an FMU, in modes of FMI 3.0 if asked to, and frees them after the test."""
     made = []
 
-    def make():
-        made.append(Instance(description, unpacked))
+    def make(identifier, **modes):
+        made.append(Instance(*opened(identifier), **modes))
         return made[-1]
 
     yield make
     for instance in made:
         instance.close()
+
+
+@pytest.fixture
+def instances(fmu_path, instances_of):
+    """Makes instances of the FMU of the test."""
+    return functools.partial(instances_of, fmu_path.stem)
 
 
 @pytest.fixture

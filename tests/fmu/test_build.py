@@ -1,7 +1,4 @@
-import os
 import shutil
-import subprocess
-import sys
 import zipfile
 from pathlib import Path
 
@@ -13,45 +10,7 @@ from inertia_module.compiling.targets import LINUX_ARM
 from inertia_module.fmu import builder, linking, native_fmu, python_fmu
 from inertia_module.fmu.archive import DESCRIPTION, archive
 
-FLAVOURS = ("InertiaModulePy",)
-# pythonfmu 0.7 writes to freed memory at the exit of the process: leave without one
-DRIVE = """
-import os, sys
-for name in {blocked!r}:
-    sys.modules[name] = None
-from inertia_module.harness.fmu import Fmu
-with Fmu({path!r}, inputs={{"omega1": 100.0, "load_torque": 10.0}}, tolerance=1e-9) as fmu:
-    fmu.advance(1.0)
-    print(fmu.messages[0])
-    print(fmu["omega_out"].hex(), flush=True)
-os._exit(0)
-"""
-
-
-def drive(path, blocked=(), **environment):
-    code = DRIVE.format(path=str(path), blocked=list(blocked))
-    done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True, env=os.environ | environment
-    )
-    return done.stdout.splitlines()
-
-
-def test_python_fmu_runs_the_compiled_kernel_it_brings_along_on_a_host_with_no_compiler(fmu_path, tmp_path):
-    message, _ = drive(fmu_path, ("numba", "llvmlite", "ziglang"), INERTIA_MODULE_CACHE=str(tmp_path / "no"))
-    assert message == "the kernel is compiled"
-    assert not (tmp_path / "no").exists()
-
-
-def test_python_fmu_runs_as_plain_python_when_asked_to_with_the_same_bits(fmu_path):
-    plain_message, plain_result = drive(fmu_path, INERTIA_MODULE_KERNEL="plain")
-    assert plain_message == "the kernel is plain Python, as asked for"
-    assert plain_result == drive(fmu_path)[1]
-
-
-def test_python_fmu_refuses_an_unknown_kernel(fmu_path):
-    with pytest.raises(subprocess.CalledProcessError) as caught:
-        drive(fmu_path, INERTIA_MODULE_KERNEL="fast")
-    assert "kernel must be auto, compiled or plain, is 'fast'" in caught.value.stderr
+from .test_python_fmu import drive
 
 
 def test_interrupted_build_leaves_the_old_files_and_no_others(built, tmp_path, monkeypatch):
@@ -120,6 +79,13 @@ def test_file_that_is_cut_short_or_missing_is_not_current(module_fmu):
     assert not builder.is_current(module_fmu, builder.MODULE_FMU)
 
 
+def test_python_fmu_of_another_source_is_not_current(built, monkeypatch):
+    path, files = built / builder.PYTHON_FMU.file_name, python_fmu.bundled_files()
+    changed = files | {"contract/messages.py": b"# another build\n" + files["contract/messages.py"]}
+    monkeypatch.setattr(python_fmu, "bundled_files", lambda: changed)
+    assert not builder.is_current(path, builder.PYTHON_FMU)
+
+
 def test_fmu_of_one_model_is_not_that_of_another(built):
     assert not builder.is_current(built / builder.SHAFT_FMU.file_name, builder.MODULE_FMU)
 
@@ -176,10 +142,10 @@ def test_without_numba_the_reason_is_named(tmp_path, monkeypatch):
 
 
 def test_a_platform_that_fails_is_skipped_and_the_others_are_built(tmp_path, monkeypatch):
-    def fails(fmu, target, progress):
+    def fails(fmu, guid, target, progress):
         if target is LINUX_ARM:
             raise CompilationUnavailable("no such processor")
-        return real(fmu, target, progress)
+        return real(fmu, guid, target, progress)
 
     real = builder.native_fmu.__globals__["library"]
     monkeypatch.setitem(builder.native_fmu.__globals__, "library", fails)

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from inertia_module.fmu.builder import FMUS
 from inertia_module.fmu.documentation import variables_page
 
-FLAVOURS = [fmu.identifier for fmu in FMUS]
+from .conftest import MODELS
+
+FLAVOURS = tuple(MODELS)
 ROOT = Path(__file__).parents[2]
 PICTURES = ROOT / "fmu_src" / "inertia_module" / "fmu" / "pictures"
 ICON = (200, 200)
@@ -44,17 +45,12 @@ class Page(HTMLParser):
 
 
 @pytest.fixture
-def model(description):
-    return {fmu.identifier: fmu.model for fmu in FMUS}[description.modelName]
-
-
-@pytest.fixture
 def page(unpacked):
-    return Page((Path(unpacked) / "documentation" / "index.html").read_text(encoding="utf-8"))
+    return Page((unpacked / "documentation" / "index.html").read_text(encoding="utf-8"))
 
 
 def test_page_refers_to_files_of_the_fmu_alone(page, unpacked):
-    folder = Path(unpacked) / "documentation"
+    folder = unpacked / "documentation"
     licences = {f"licenses/{path.name}" for path in (folder / "licenses").iterdir()}
     assert licences >= {"licenses/license.txt"}
     assert set(page.references) == {"mechanism.png"} | licences
@@ -89,7 +85,7 @@ def test_page_of_the_site_is_made_from_the_table():
 
 def test_icon_is_a_square_with_the_machine_in_colours(unpacked, description):
     name = "model.png" if description.fmiVersion == "2.0" else "terminalsAndIcons/icon.png"
-    with Image.open(Path(unpacked) / name) as icon:
+    with Image.open(unpacked / name) as icon:
         assert icon.size == ICON
         assert icon.mode == "RGBA"
         small = np.asarray(icon.resize((100, 100)))
@@ -98,7 +94,7 @@ def test_icon_is_a_square_with_the_machine_in_colours(unpacked, description):
 
 
 def test_picture_of_the_documentation_is_larger_than_the_icon(unpacked):
-    with Image.open(Path(unpacked) / "documentation" / "mechanism.png") as picture:
+    with Image.open(unpacked / "documentation" / "mechanism.png") as picture:
         assert min(picture.size) > 2 * ICON[0]
 
 

@@ -3,40 +3,16 @@
 import fmpy
 import numpy as np
 import pytest
-from fmpy import extract, read_model_description
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi3 import fmi3Discard, fmi3Error
 
 from inertia_module.kernel.codes import DRIVING, FREE
 
-from .conftest import Instance
-from .test_native import BY_TORQUE, LEVELS, SCENES, driven
+from .conftest import BY_TORQUE, LEVELS, R1
 
 FLAVOURS = ("InertiaModule3",)
-R1 = {"omega1": 100.0, "load_torque": 10.0}
 # levels of fidelity whose steps stop at switches
 BY_EVENTS = [name for name in LEVELS if name.startswith(("rigid", "elastic")) and "timestepping" not in name]
-
-
-@pytest.fixture(scope="module")
-def twin(built, tmp_path_factory):
-    """The FMU of FMI 2.0: its description and its folder."""
-    path = str(built / "InertiaModule.fmu")
-    return read_model_description(path), extract(path, unzipdir=str(tmp_path_factory.mktemp("twin")))
-
-
-@pytest.fixture
-def make(description, unpacked):
-    """Makes instances with the modes of FMI 3.0 that are asked for, and frees them after the test."""
-    made = []
-
-    def instance(**modes):
-        made.append(Instance(description, unpacked, **modes))
-        return made[-1]
-
-    yield instance
-    for one in made:
-        one.close()
 
 
 def pass_event(instance):
@@ -45,14 +21,19 @@ def pass_event(instance):
     instance.fmu.enterStepMode()
 
 
-def started(make, event_mode=True, **settings):
-    instance = make(eventModeUsed=event_mode, earlyReturnAllowed=True).start(**settings)
+def handle_event(instance):
+    instance.fmu.enterEventMode()
+    pass_event(instance)
+
+
+def started(instances, event_mode=True, **settings):
+    instance = instances(eventModeUsed=event_mode, earlyReturnAllowed=True).start(**settings)
     if event_mode:
         pass_event(instance)
     return instance
 
 
-def run(instance, step, count, seen=lambda: None, event_mode=True):
+def run(instance, step, count, seen=lambda: None, event_mode=True, handle=handle_event):
     """Steps of a host that goes on where the FMU returns early; times of the returns."""
     times = []
     for n in range(1, count + 1):
@@ -64,53 +45,39 @@ def run(instance, step, count, seen=lambda: None, event_mode=True):
                 times.append(reached)
             if event:
                 seen()
-                instance.fmu.enterEventMode()
-                pass_event(instance)
+                handle(instance)
                 seen()
     return times
 
 
-@pytest.mark.parametrize("level", LEVELS)
-def test_without_early_return_it_has_the_bits_of_fmi_2(instance, twin, level):
-    other = Instance(*twin)
-    settings = {**SCENES["bevel"], **LEVELS[level]}
-    assert driven(instance, settings) == driven(other, settings)
-    other.close()
-
-
-def test_events_are_the_125_switches_of_r1_each_at_its_time(make, twin):
-    instance = started(make, **R1)
+def test_events_are_the_125_switches_of_r1_each_at_its_time(instances, instances_of):
+    instance = started(instances, **R1)
     seen = []
-
     names = ("contact_mode", "contact_switches", "omega2", "omega_out")
-
-    def look():
-        seen.append({name: instance.get(name) for name in names})
-
-    times = np.array(run(instance, 1e-3, 1000, look))
+    times = np.array(run(instance, 1e-3, 1000, lambda: seen.append([instance.get(name) for name in names])))
     assert len(times) == 125
     assert (np.diff(times) > 0.0).all()
-    for before, after in zip(seen[::2], seen[1::2], strict=True):
-        assert before["contact_mode"] != after["contact_mode"]
-        assert after["contact_switches"] == before["contact_switches"] + 1.0
-        assert (before["omega2"], before["omega_out"]) == (after["omega2"], after["omega_out"])
+    for (mode, count, *speeds), (next_mode, next_count, *next_speeds) in zip(
+        seen[::2], seen[1::2], strict=True
+    ):
+        assert mode != next_mode
+        assert next_count == count + 1.0
+        assert next_speeds == speeds
     # a host of FMI 2.0 sees the same number of them before each communication point
-    other = Instance(*twin)
-    other.start(**R1)
+    other = instances_of("InertiaModule").start(**R1)
     for n in range(1, 1001):
         other.step(1e-3)
         assert other.get("contact_switches") == (times <= n * 1e-3).sum(), n
     assert instance.get("omega_out") == pytest.approx(other.get("omega_out"), rel=1e-9)
-    other.close()
 
 
-def test_events_do_not_depend_on_the_communication_step(make):
-    fine, coarse = (started(make, tolerance=1e-10, **R1) for _ in range(2))
+def test_events_do_not_depend_on_the_communication_step(instances):
+    fine, coarse = (started(instances, tolerance=1e-10, **R1) for _ in range(2))
     assert run(coarse, 0.05, 20) == pytest.approx(run(fine, 1e-3, 1000), abs=1e-8)
 
 
-def test_torque_is_seen_before_and_after_an_event(make):
-    instance = started(make, tolerance=1e-9, **R1)
+def test_torque_is_seen_before_and_after_an_event(instances):
+    instance = started(instances, tolerance=1e-9, **R1)
     seen = []
     run(
         instance, 0.01, 10, lambda: seen.append((instance.get("contact_mode"), instance.get("output_torque")))
@@ -128,10 +95,10 @@ def test_torque_is_seen_before_and_after_an_event(make):
 
 
 @pytest.mark.parametrize("level", BY_EVENTS)
-def test_early_return_changes_nothing_beyond_the_tolerance(make, level):
+def test_early_return_changes_nothing_beyond_the_tolerance(instances, level):
     settings = {**R1, "drive_torque": 30.0, **LEVELS[level]}
-    plain = make().start(tolerance=1e-9, **settings)
-    events = started(make, tolerance=1e-9, **settings)
+    plain = instances().start(tolerance=1e-9, **settings)
+    events = started(instances, tolerance=1e-9, **settings)
     for _ in range(10):
         plain.step(0.02)
     assert len(run(events, 0.02, 10)) > 5
@@ -142,27 +109,24 @@ def test_early_return_changes_nothing_beyond_the_tolerance(make, level):
 
 
 @pytest.mark.parametrize("level", [level for level in LEVELS if level not in BY_EVENTS])
-def test_levels_that_locate_no_switch_return_at_the_end(make, level):
-    assert run(started(make, **{**R1, "drive_torque": 30.0, **LEVELS[level]}), 0.02, 5) == []
+def test_levels_that_locate_no_switch_return_at_the_end(instances, level):
+    assert run(started(instances, **{**R1, "drive_torque": 30.0, **LEVELS[level]}), 0.02, 5) == []
 
 
 @pytest.mark.parametrize("settings", [{}, BY_TORQUE], ids=["speed", "torque"])
-def test_a_host_may_go_on_without_event_mode(make, settings):
+def test_a_host_may_go_on_without_event_mode(instances, settings):
     settings = {**R1, "drive_torque": 30.0, **settings}
-    passing, ignoring = (started(make, event_mode=mode, **settings) for mode in (True, False))
+    passing, ignoring = (started(instances, event_mode=mode, **settings) for mode in (True, False))
     assert run(passing, 0.01, 20) == run(ignoring, 0.01, 20, event_mode=False)
     assert passing.all_values() == ignoring.all_values()
     # one that was made for it, and steps on all the same
-    careless = started(make, **settings)
-    for n in range(1, 21):
-        reached = (n - 1) * 0.01
-        while reached < n * 0.01:
-            *_, reached = careless.fmu.doStep(reached, n * 0.01 - reached)
+    careless = started(instances, **settings)
+    run(careless, 0.01, 20, handle=lambda one: None)
     assert careless.get("omega_out") == passing.get("omega_out")
 
 
-def test_without_early_return_a_switch_is_an_event_at_the_end_of_the_step(make, twin):
-    instance, plain = make(eventModeUsed=True).start(**R1), make().start(**R1)
+def test_without_early_return_a_switch_is_an_event_at_the_end_of_the_step(instances):
+    instance, plain = instances(eventModeUsed=True).start(**R1), instances().start(**R1)
     pass_event(instance)
     changes = 0
     for n in range(300):
@@ -173,25 +137,18 @@ def test_without_early_return_a_switch_is_an_event_at_the_end_of_the_step(make, 
         assert event == (plain.get("contact_switches") != before)
         if event:
             changes += 1
-            instance.fmu.enterEventMode()
-            pass_event(instance)
+            handle_event(instance)
         assert instance.all_values() == plain.all_values()
     assert changes == 42
 
 
-def names_of_discrete_values(description):
-    given = ("input", "parameter")
-    return [
-        v.name for v in description.modelVariables if v.variability == "discrete" and v.causality not in given
-    ]
-
-
 @pytest.mark.parametrize("early", [False, True])
 @pytest.mark.parametrize("level", LEVELS)
-def test_discrete_values_change_in_event_mode_only(make, description, level, early):
-    names = names_of_discrete_values(description)
+def test_discrete_values_change_in_event_mode_only(instances, description, level, early):
+    found = [v for v in description.modelVariables if v.variability == "discrete"]
+    names = [v.name for v in found if v.causality not in ("input", "parameter")]
     assert names == ["contact_mode", "contact_switches"]
-    instance = make(eventModeUsed=True, earlyReturnAllowed=early)
+    instance = instances(eventModeUsed=True, earlyReturnAllowed=early)
     instance.start(**{**R1, "drive_torque": 30.0, **LEVELS[level]})
     pass_event(instance)
     held, changes = None, 0
@@ -202,45 +159,38 @@ def test_discrete_values_change_in_event_mode_only(make, description, level, ear
             event, _, _, reached = instance.fmu.doStep(reached, n * 1e-3 - reached)
             assert [instance.get(name) for name in names] == held
             if event:
-                instance.fmu.enterEventMode()
-                pass_event(instance)
+                handle_event(instance)
                 changes += [instance.get(name) for name in names] != held
     assert (changes > 0) == (not level.startswith(("kinematic", "averaged")))
 
 
-def test_a_pending_event_is_part_of_the_state(make):
-    instance, other = (make(eventModeUsed=True).start(**R1) for _ in range(2))
+def test_a_pending_event_is_part_of_the_state(instances):
+    instance, other = (instances(eventModeUsed=True).start(**R1) for _ in range(2))
     pass_event(instance)
     before = instance.get("contact_mode")
     assert any(instance.fmu.doStep(n * 1e-3, 1e-3)[0] for n in range(100))
-    saved = instance.fmu.serializeFMUState(instance.fmu.getFMUState())
-    other.fmu.setFMUState(other.fmu.deserializeFMUState(saved))
+    other.restore(instance.saved())
     for one in (instance, other):
         assert one.get("contact_mode") == before
-        one.fmu.enterEventMode()
-        pass_event(one)
+        handle_event(one)
         assert one.get("contact_mode") != before
         one.fmu.terminate()
         assert one.get("contact_mode") != before
 
 
-def test_state_at_an_event_goes_on_with_the_same_bits(make):
-    instance, other = started(make, **R1), started(make, **R1)
+def test_state_at_an_event_goes_on_with_the_same_bits(instances):
+    instance, other = started(instances, **R1), started(instances, **R1)
     _, _, early, reached = instance.fmu.doStep(0.0, 0.1)
     assert early
-    saved = instance.fmu.serializeFMUState(instance.fmu.getFMUState())
-    other.fmu.setFMUState(other.fmu.deserializeFMUState(saved))
-    rows = []
+    other.restore(instance.saved())
     for one in (instance, other):
-        one.fmu.enterEventMode()
-        pass_event(one)
+        handle_event(one)
         one.fmu.doStep(reached, 0.1 - reached)
-        rows.append(one.all_values())
-    assert rows[0] == rows[1]
+    assert instance.all_values() == other.all_values()
 
 
-def test_parameters_and_inputs_may_change_at_an_event(make):
-    instance = started(make, **R1)
+def test_parameters_and_inputs_may_change_at_an_event(instances):
+    instance = started(instances, **R1)
     *_, reached = instance.fmu.doStep(0.0, 0.1)
     instance.fmu.enterEventMode()
     instance.set(input_friction=0.5, load_torque=20.0, omega1=90.0)
@@ -251,7 +201,7 @@ def test_parameters_and_inputs_may_change_at_an_event(make):
     assert abs(instance.get("energy_residual")) < 1e-5
 
 
-def test_intermediate_update_shows_every_switch_and_changes_nothing(make):
+def test_intermediate_update_shows_every_switch_and_changes_nothing(instances):
     seen = []
     holder = []
 
@@ -264,7 +214,7 @@ def test_intermediate_update_shows_every_switch_and_changes_nothing(make):
         assert said == "terminate must come between steps, the instance is in an intermediate update"
         seen.append((time, bool(finished), holder[0].get("contact_mode")))
 
-    watched, plain = make(intermediateUpdate=update).start(**R1), make().start(**R1)
+    watched, plain = instances(intermediateUpdate=update).start(**R1), instances().start(**R1)
     holder.append(watched)
     for _ in range(20):
         shown = len(seen)
@@ -273,13 +223,13 @@ def test_intermediate_update_shows_every_switch_and_changes_nothing(make):
         plain.step(0.01)
         assert {mode for *_, mode in seen[shown:]} == {before}
     assert watched.all_values() == plain.all_values()
-    times = run(started(make, **R1), 0.01, 20)
+    times = run(started(instances, **R1), 0.01, 20)
     assert [time for time, finished, _ in seen if not finished] == pytest.approx(times, abs=1e-12)
     assert [time for time, finished, _ in seen if finished] == pytest.approx(np.arange(1, 21) * 0.01)
 
 
-def test_adjoint_derivatives_are_the_transposed_of_the_directional_ones(make):
-    instance = make().start(**R1)
+def test_adjoint_derivatives_are_the_transposed_of_the_directional_ones(instances):
+    instance = instances().start(**R1)
     instance.step(0.01)
     outputs, inputs = ("omega_out", "input_torque_mean", "output_torque_mean"), ("omega1", "load_torque")
     unknowns, knowns = ([instance.references[name] for name in names] for names in (outputs, inputs))
@@ -293,8 +243,8 @@ def test_adjoint_derivatives_are_the_transposed_of_the_directional_ones(make):
 
 
 @pytest.mark.parametrize("event_mode", [False, True])
-def test_modes_follow_each_other_in_order_only(make, event_mode):
-    instance = started(make, event_mode=event_mode, **R1)
+def test_modes_follow_each_other_in_order_only(instances, event_mode):
+    instance = started(instances, event_mode=event_mode, **R1)
     assert "must come in event mode" in instance.refusal(instance.fmu.enterStepMode)
     assert "must come in event mode" in instance.refusal(instance.fmu.updateDiscreteStates)
     if not event_mode:

@@ -6,12 +6,12 @@ import pytest
 from inertia_module.common.errors import Refused
 from inertia_module.harness.simulate import Fmu, FmuError, TableError, drive
 
-START = {"omega1": 100.0, "load_torque": 10.0}
+from .conftest import R1
 
 
 @pytest.fixture
 def fmu(fmu_path):
-    with Fmu(fmu_path, inputs=START) as fmu:
+    with Fmu(fmu_path, inputs=R1) as fmu:
         fmu.advance(0.01)
         yield fmu
 
@@ -27,12 +27,12 @@ def refusal(action, *arguments, **values):
 # --- states ---
 
 
-@pytest.mark.parametrize("junk", [b"junk", b"", bytes(19232), "junk", None, 7])
-def test_what_is_no_state_is_refused_and_the_run_goes_on(fmu, junk):
+def test_what_is_no_state_is_refused_and_the_run_goes_on(fmu):
     before = fmu.save()
-    assert "state" in refusal(fmu.restore, junk, 5.0)
-    assert fmu.time == pytest.approx(0.01)
-    assert fmu.save() == before
+    for junk in (b"junk", b"", bytes(19232), "junk", None, 7):
+        assert "state" in refusal(fmu.restore, junk, 5.0)
+        assert fmu.time == pytest.approx(0.01)
+        assert fmu.save() == before
     fmu.advance(0.01)
     assert fmu["omega_out"] > 0.0
 
@@ -44,7 +44,7 @@ def test_a_state_that_was_forgotten_or_is_of_another_instance_is_refused(fmu, fm
     assert words in refusal(fmu.set_state, forgotten)
     assert words in refusal(fmu.free_state, forgotten)
     assert words in refusal(fmu.set_state, None)
-    with Fmu(fmu_path, inputs=START) as other:
+    with Fmu(fmu_path, inputs=R1) as other:
         assert words in refusal(other.set_state, kept)
     fmu.advance(0.01)
     fmu.set_state(kept)
@@ -52,27 +52,27 @@ def test_a_state_that_was_forgotten_or_is_of_another_instance_is_refused(fmu, fm
     fmu.advance(0.01)
 
 
-USES = {
-    "read": lambda fmu: fmu.read(("omega_out",)),
-    "read one": lambda fmu: fmu["contact_mode"],
-    "set": lambda fmu: fmu.set(omega1=1.0),
-    "advance": lambda fmu: fmu.advance(0.01),
-    "get_state": lambda fmu: fmu.get_state(),
-    "save": lambda fmu: fmu.save(),
-    "restore": lambda fmu: fmu.restore(b"junk"),
-    "rates": lambda fmu: fmu.rates(("omega_out",)),
-    "set_rates": lambda fmu: fmu.set_rates(omega1=1.0),
-    "jacobian": lambda fmu: fmu.jacobian(("omega_out",), ("omega1",)),
-    "set_logging": lambda fmu: fmu.set_logging(True),
-}
+USES = (
+    lambda fmu: fmu.read(("omega_out",)),
+    lambda fmu: fmu["contact_mode"],
+    lambda fmu: fmu.set(omega1=1.0),
+    lambda fmu: fmu.advance(0.01),
+    lambda fmu: fmu.get_state(),
+    lambda fmu: fmu.save(),
+    lambda fmu: fmu.restore(b"junk"),
+    lambda fmu: fmu.rates(("omega_out",)),
+    lambda fmu: fmu.set_rates(omega1=1.0),
+    lambda fmu: fmu.jacobian(("omega_out",), ("omega1",)),
+    lambda fmu: fmu.set_logging(True),
+)
 
 
-@pytest.mark.parametrize("use", USES)
-def test_a_closed_instance_says_that_it_is_closed(fmu_path, use):
+def test_a_closed_instance_says_that_it_is_closed(fmu_path):
     fmu = Fmu(fmu_path)
     fmu.close()
     fmu.close()
-    assert f"{fmu_path.name} is closed" in refusal(USES[use], fmu)
+    for use in USES:
+        assert f"{fmu_path.name} is closed" in refusal(use, fmu)
 
 
 # --- values ---
@@ -90,39 +90,31 @@ VALUES = {
 }
 
 
-@pytest.mark.parametrize("name", VALUES)
-def test_values_may_have_units_and_names(fmu_path, name):
-    value, expected = VALUES[name]
-    with Fmu(fmu_path, {name: value}) as fmu:
-        assert fmu[name] == pytest.approx(expected, rel=1e-15)
-
-
-def test_an_input_may_have_a_unit(fmu):
-    fmu.set(omega1="3000 rpm")
-    assert fmu["omega1"] == pytest.approx(100.0 * np.pi)
+def test_values_may_have_units_and_names(fmu_path):
+    with Fmu(fmu_path, {name: value for name, (value, _) in VALUES.items()}) as fmu:
+        for name, (_, expected) in VALUES.items():
+            assert fmu[name] == pytest.approx(expected, rel=1e-15)
+        fmu.set(omega1="3000 rpm")
+        assert fmu["omega1"] == pytest.approx(100.0 * np.pi)
 
 
 @pytest.mark.parametrize(
     "name, value, words",
     [
-        (
-            "imbalance_mass",
-            "1 s",
-            "imbalance_mass must be a number in kg.*, is '1 s': s is not a unit for kg",
-        ),
+        ("imbalance_mass", "1 s", "must be a number in kg.*, is '1 s': s is not a unit for kg"),
         ("imbalance_mass", "much", "must be a number in kg.*, is 'much': it is not a number with a unit"),
         ("imbalance_mass", None, "must be a number in kg.*, is None"),
         ("imbalance_mass", [1.0, 2.0], r"must be a number in kg.*, is \[1.0, 2.0\]"),
-        ("satellites", 2.5, "satellites must be a whole number of 32 bits, is 2.5"),
-        ("satellites", 2**32 + 3, "satellites must be a whole number of 32 bits, is 4294967299"),
-        ("layout", "flat", "layout must be one of bevel, planar, is 'flat'"),
-        ("layout", True, "layout must be one of bevel, planar, is True"),
-        ("housing_freewheel", "off", "housing_freewheel must be one of false, true, is 'off'"),
-        ("housing_freewheel", 0.5, "housing_freewheel must be one of false, true, is 0.5"),
+        ("satellites", 2.5, "must be a whole number of 32 bits, is 2.5"),
+        ("satellites", 2**32 + 3, "must be a whole number of 32 bits, is 4294967299"),
+        ("layout", "flat", "must be one of bevel, planar, is 'flat'"),
+        ("layout", True, "must be one of bevel, planar, is True"),
+        ("housing_freewheel", "off", "must be one of false, true, is 'off'"),
+        ("housing_freewheel", 0.5, "must be one of false, true, is 0.5"),
     ],
 )
 def test_what_is_no_value_is_refused_by_name(fmu_path, name, value, words):
-    with pytest.raises(FmuError, match=words):
+    with pytest.raises(FmuError, match=f"^{name} {words}"):
         Fmu(fmu_path, {name: value})
 
 
@@ -134,7 +126,7 @@ def test_one_bad_value_keeps_all_others_out(fmu, bad):
 
 def test_one_name_may_stand_for_names(fmu, fmu_path):
     assert fmu.read("omega_out") == fmu.read(("omega_out",))
-    table = drive(fmu_path, START, 0.02, 0.01, outputs="omega_out")
+    table = drive(fmu_path, R1, 0.02, 0.01, outputs="omega_out")
     assert table.names == ["time", "omega1", "load_torque", "omega_out"]
 
 
@@ -196,11 +188,11 @@ def test_what_a_rig_has_measured_comes_along_beside_what_is_computed(fmu_path, t
 def test_a_run_of_no_length_is_refused(fmu_path, name, value):
     times = {"stop_time": 1.0, "step": 0.1, name: value}
     with pytest.raises(Refused, match=f"{name} must be a positive number of seconds, is {value}"):
-        drive(fmu_path, START, **times)
+        drive(fmu_path, R1, **times)
 
 
 def test_rates_of_inputs_are_refused_where_fmi_has_none(fmu_path):
     if not fmu_path.stem.endswith("3"):
         pytest.skip("FMI 2.0 has them")
-    with Fmu(fmu_path, inputs=START) as fmu, pytest.raises(FmuError, match="has no derivatives of inputs"):
+    with Fmu(fmu_path, inputs=R1) as fmu, pytest.raises(FmuError, match="has no derivatives of inputs"):
         fmu.set_rates(omega1=1.0)

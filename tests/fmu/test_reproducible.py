@@ -76,11 +76,12 @@ def translate(command, **_):
 files.cache_folder().mkdir(exist_ok=True)
 subprocess.run = translate
 linking.compile_ir = native_fmu.link = lambda *_: word.encode()
+guid = native_fmu.guid(SHAFT_FMU)
 print(json.dumps({
     "text": ir.llvm_text(SHAFT_FMU.model),
     "object": linking.object_file(SHAFT_FMU.model, LINUX64).decode(),
-    "library": native_fmu.library(SHAFT_FMU, LINUX64).decode(),
-    "guid": native_fmu.guid(SHAFT_FMU),
+    "library": native_fmu.library(SHAFT_FMU, guid, LINUX64, lambda stage: None).decode(),
+    "guid": guid,
 }))
 """
 ALL, COMPILED, LINKED = {"text", "object", "library"}, {"object", "library"}, {"library"}
@@ -161,9 +162,12 @@ def test_fmu_is_the_same_file_wherever_it_is_built(fmu, built_twice):
     assert here == other
 
 
-def test_second_build_leaves_the_same_files(built, tmp_path):
-    for path in build(tmp_path).paths:
+def test_second_build_leaves_the_same_files_but_for_the_date(built, tmp_path, monkeypatch):
+    for path in build(tmp_path / "again").paths:
         assert path.read_bytes() == (built / path.name).read_bytes()
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1900000000")
+    for path in build(tmp_path / "later", files=FMUS).paths:
+        assert path.read_bytes() != (built / path.name).read_bytes()
 
 
 def test_web_kernel_is_the_same_wherever_it_is_linked_and_tells_no_path(built, tmp_path):

@@ -4,10 +4,7 @@ from pathlib import Path
 
 import fmpy
 import pytest
-from fmpy import extract, read_model_description
 from lxml import etree
-
-from .conftest import Instance
 
 SCHEMA = Path(fmpy.__file__).parent / "schema" / "fmi3" / "fmi3TerminalsAndIcons.xsd"
 FLAVOURS = ("InertiaModule3", "DrivenShaft3")
@@ -16,7 +13,7 @@ SHAFT = {"driven_inertia": 0.5, "shaft_stiffness": 400.0, "shaft_damping": 0.05,
 
 def terminals_in(folder):
     """(variable, kind) by member, by terminal, of an unpacked FMU."""
-    tree = etree.parse(str(Path(folder) / "terminalsAndIcons" / "terminalsAndIcons.xml"))
+    tree = etree.parse(str(folder / "terminalsAndIcons" / "terminalsAndIcons.xml"))
     assert etree.XMLSchema(file=str(SCHEMA)).validate(tree)
     return {
         terminal.get("name"): {
@@ -28,7 +25,7 @@ def terminals_in(folder):
 
 
 def test_icons_of_flanges_are_there_and_lie_at_the_edge_of_that_of_the_model(unpacked):
-    folder = Path(unpacked) / "terminalsAndIcons"
+    folder = unpacked / "terminalsAndIcons"
     root = etree.parse(str(folder / "terminalsAndIcons.xml")).getroot()
     (edge,) = root.iter("Icon")
     drawn = list(root.iter("TerminalGraphicalRepresentation"))
@@ -90,16 +87,8 @@ def test_torques_at_the_flanges_bring_power_in_or_take_it_out_as_their_kinds_say
         assert work == pytest.approx(instance.get(ends[terminal][2]), rel=2e-2)
 
 
-@pytest.fixture(scope="module")
-def unpacked_by_name(built, tmp_path_factory):
-    folder = tmp_path_factory.mktemp("two")
-    names = ("InertiaModule", "DrivenShaft", "InertiaModule3", "DrivenShaft3")
-    return {name: extract(str(built / f"{name}.fmu"), str(folder / name)) for name in names}
-
-
-def side_by_side(folders, connections):
+def side_by_side(module, shaft, connections):
     """Values of module and shaft, each connection an output and an input of one and the other."""
-    module, shaft = (Instance(read_model_description(folder), folder) for folder in folders)
     module.start(omega1=100.0, output_inertia=0.02)
     shaft.start(**SHAFT)
     for _ in range(200):
@@ -110,18 +99,15 @@ def side_by_side(folders, connections):
             sink.set(**{name: value})
         for one in (module, shaft):
             one.step(1e-3)
-    values = module.all_values(), shaft.all_values()
-    for one in (module, shaft):
-        one.close()
-    return values
+    return module.all_values(), shaft.all_values()
 
 
-def test_module_and_shaft_wired_by_terminals_run_as_wired_by_names(unpacked_by_name):
+def test_module_and_shaft_wired_by_terminals_run_as_wired_by_names(instances_of, opened):
     def by_names(module, shaft):
         return (shaft, "shaft_torque_mean", module, "load_torque"), (module, "omega_out", shaft, "hub_speed")
 
-    ends = {name: terminals_in(unpacked_by_name[name]) for name in ("InertiaModule3", "DrivenShaft3")}
-    flange, hub = ends["InertiaModule3"]["output_flange"], ends["DrivenShaft3"]["hub"]
+    flange = terminals_in(opened("InertiaModule3")[1])["output_flange"]
+    hub = terminals_in(opened("DrivenShaft3")[1])["hub"]
 
     def by_terminals(module, shaft):
         for member in flange.keys() & hub.keys():  # of each, one end is an output
@@ -132,6 +118,6 @@ def test_module_and_shaft_wired_by_terminals_run_as_wired_by_names(unpacked_by_n
             else:
                 yield shaft, other, module, own
 
-    of_2 = side_by_side([unpacked_by_name[name] for name in ("InertiaModule", "DrivenShaft")], by_names)
-    of_3 = side_by_side([unpacked_by_name[name] for name in ("InertiaModule3", "DrivenShaft3")], by_terminals)
+    of_2 = side_by_side(instances_of("InertiaModule"), instances_of("DrivenShaft"), by_names)
+    of_3 = side_by_side(instances_of("InertiaModule3"), instances_of("DrivenShaft3"), by_terminals)
     assert of_2 == of_3

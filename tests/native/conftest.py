@@ -8,7 +8,6 @@ import tempfile
 from pathlib import Path
 
 import pytest
-from fmpy import extract
 
 from inertia_module.common.files import PACKAGE_FOLDER
 from inertia_module.compiling import CompilationUnavailable
@@ -24,6 +23,9 @@ from inertia_module.fmu import builder, native_fmu
 from inertia_module.fmu.linking import SHELL_FOLDER, header_folder, shell_sources
 from inertia_module.fmu.tables import generated
 
+from ..fmu.conftest import opened
+
+__all__ = ["opened"]
 SOURCES = Path(__file__).parent
 # C files of every library with a kernel in it
 WITH_KERNEL = PACKAGE_FOLDER / "compiling"
@@ -181,25 +183,10 @@ def workshop(request, workshops):
 
 
 @pytest.fixture(scope="session")
-def unpacked(built, tmp_path_factory):
-    """Folders with the content of the native FMUs, by identifier."""
-    folder = tmp_path_factory.mktemp("unpacked")
-    return {name: Path(extract(str(built / f"{name}.fmu"), str(folder / name))) for name in FMUS}
-
-
-def wine():
-    """Command of 64-bit Wine, or None."""
-    for name in ("wine64", "wine", "/usr/lib/wine/wine64"):
-        path = shutil.which(name)
-        if path:
-            return path
-    return None
-
-
-@pytest.fixture(scope="session")
 def windows(tmp_path_factory):
     """Runs a program for Windows; its files are in a folder of their own."""
-    command = wine()
+    found = (shutil.which(name) for name in ("wine64", "wine", "/usr/lib/wine/wine64"))
+    command = next(filter(None, found), None)
     if command is None:
         pytest.skip("wine is not installed")
     settings = {
@@ -207,8 +194,8 @@ def windows(tmp_path_factory):
         "WINEDEBUG": "-all",
         "DISPLAY": "",
         "LC_ALL": "C.UTF-8",
+        "WINEDLLOVERRIDES": "mscoree,mshtml=",  # no offers to install these
     }
-    settings["WINEDLLOVERRIDES"] = "mscoree,mshtml="  # no offers to install these
     yield lambda program, **environment: run([command, program], **settings, **environment)
     server = shutil.which("wineserver") or "/usr/lib/wine/wineserver"
     if os.path.exists(server):

@@ -43,22 +43,14 @@ def required(fmu):
 
 
 @pytest.fixture
-def library(fmu, unpacked):
+def library(fmu, opened):
     """Path of a library of an FMU, by its folder and suffix."""
 
     def path(system, suffix):
         folder = system if fmu.fmi == 2 else FOLDERS.get(system, system)
-        return unpacked[fmu.identifier] / "binaries" / folder / f"{fmu.identifier}{suffix}"
+        return opened(fmu.identifier)[1] / "binaries" / folder / f"{fmu.identifier}{suffix}"
 
     return path
-
-
-@pytest.fixture
-def of_mac(fmu, library):
-    """The libraries of macOS by processor: in one file, or with FMI 3.0 in a file each."""
-    folders = ("darwin64",) if fmu.fmi == 2 else ("x86_64-darwin", "aarch64-darwin")
-    parts = [binaries.read_universal(library(folder, ".dylib")) for folder in folders]
-    return {processor: part for found in parts for processor, part in found.items()}
 
 
 def test_the_headers_name_the_functions_of_co_simulation():
@@ -74,62 +66,43 @@ def test_the_headers_name_the_functions_of_co_simulation():
 
 
 @pytest.mark.parametrize("system", ["linux64", "aarch64-linux"])
-def test_linux_library_needs_only_the_c_library_of_2012(library, required, system):
+def test_linux_library_needs_only_the_c_library_of_2012_and_its_loader_changes_no_code(
+    library, required, system
+):
     found = binaries.read_elf(library(system, ".so"))
     assert required <= found.offers
-    assert found.needs <= {
-        "libc.so.6",
-        "libm.so.6",
-        "ld-linux-aarch64.so.1",
-    }  # of which the last is the loader
+    # of which the last is the loader
+    assert found.needs <= {"libc.so.6", "libm.so.6", "ld-linux-aarch64.so.1"}
     assert "__stack_chk_fail" in found.asks
     versions = {tuple(map(int, name.removeprefix("GLIBC_").split("."))) for name in found.versions}
     assert max(versions) <= (2, 17)
-
-
-@pytest.mark.parametrize("system", ["linux64", "aarch64-linux"])
-def test_loader_of_linux_changes_no_code(library, system):
-    fixups = binaries.read_elf(library(system, ".so")).fixups
-    assert ".data.rel.ro" in fixups
-    assert fixups <= {".data.rel.ro", ".got", ".got.plt"}
+    assert ".data.rel.ro" in found.fixups
+    assert found.fixups <= {".data.rel.ro", ".got", ".got.plt"}
 
 
 @pytest.mark.parametrize("system", ["win64", "aarch64-windows"])
-def test_windows_library_needs_only_the_runtime_of_windows(library, required, system):
+def test_windows_library_needs_only_windows_and_says_what_it_is(fmu, library, required, system):
     found = binaries.read_pe(library(system, ".dll"))
     assert required <= found.offers
     assert found.needs == {"ucrtbase.dll"}
+    assert found.fixups == {".rdata"}  # the loader changes no code
+    assert found.says["FileDescription"] == fmu.model.title
+    assert found.says["FileVersion"] == found.says["ProductVersion"] == __version__
+    assert __version__.startswith(f"{found.says['numbers']}.")
+    assert found.says["OriginalFilename"] == f"{fmu.identifier}.dll"
 
 
-@pytest.mark.parametrize("system", ["win64", "aarch64-windows"])
-def test_windows_library_says_what_it_is_and_of_which_version(fmu, library, system):
-    says = binaries.read_pe(library(system, ".dll")).says
-    assert says["FileDescription"] == fmu.model.title
-    assert says["FileVersion"] == says["ProductVersion"] == __version__
-    assert __version__.startswith(f"{says['numbers']}.")
-    assert says["OriginalFilename"] == f"{fmu.identifier}.dll"
-
-
-@pytest.mark.parametrize("system", ["win64", "aarch64-windows"])
-def test_loader_of_windows_changes_no_code(library, system):
-    assert binaries.read_pe(library(system, ".dll")).fixups == {".rdata"}
-
-
-def test_mac_libraries_are_for_both_processors(of_mac, required):
+def test_mac_libraries_are_for_both_processors_and_that_for_arm_is_signed(fmu, library, required):
+    folders = ("darwin64",) if fmu.fmi == 2 else ("x86_64-darwin", "aarch64-darwin")
+    parts = [binaries.read_universal(library(folder, ".dylib")) for folder in folders]
+    of_mac = {processor: part for found in parts for processor, part in found.items()}
     assert set(of_mac) == {"X86_64", "ARM64"}
     for found in of_mac.values():
         assert {f"_{name}" for name in required} <= found.offers
         assert found.needs == {"/usr/lib/libSystem.B.dylib"}
         assert found.minimum == "11.0"
         assert "___stack_chk_fail" in found.asks
-
-
-@pytest.mark.parametrize("processor", ["X86_64", "ARM64"])
-def test_loader_of_macos_changes_no_code(of_mac, processor):
-    assert of_mac[processor].fixups == {"__DATA", "__DATA_CONST"}
-
-
-def test_mac_library_for_arm_is_signed(of_mac):
+        assert found.fixups == {"__DATA", "__DATA_CONST"}  # the loader changes no code
     assert of_mac["ARM64"].signed
 
 

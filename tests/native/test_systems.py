@@ -5,13 +5,11 @@ import shutil
 from pathlib import Path
 
 import pytest
-from fmpy import read_model_description
-from fmpy.fmi2 import FMU2Slave
 
 from inertia_module.compiling.targets import LINUX_ARM
 from inertia_module.contract.variable import REAL
 
-from . import scenes
+from ..fmu.conftest import ELASTIC, R1, Instance
 from .conftest import FMUS, run
 
 # the C program that runs the scenes knows FMI 2.0
@@ -20,37 +18,59 @@ OF_FMI_2 = [name for name, fmu in FMUS.items() if fmu.fmi == 2]
 RELATIVE, OF_ZERO = 1e-9, 1e-9
 
 
+# of each scene, s
+STEP, STEPS = 0.01, 100
+OF_ELASTIC = {"fidelity": 3, **ELASTIC}
+# the size of a step follows the last digits of pow, which differ: with a small tolerance little comes of it
+OF_TORQUE = {"drive": 1, "input_inertia": 0.2, "drive_torque": 15.0, "tolerance": 1e-10}
+SCENES = {
+    "InertiaModule": {
+        "R1": R1,
+        "elastic": R1 | OF_ELASTIC,
+        "timestepping": R1 | {"method": 1, "max_step": 1e-4},
+        "averaged": R1 | {"fidelity": 1},
+        "by_torque": R1 | OF_TORQUE,
+        "elastic_by_torque": R1 | OF_ELASTIC | OF_TORQUE,
+        "averaged_by_torque": R1 | OF_TORQUE | {"fidelity": 1},
+        "planar": {"layout": 1, "satellites": 3, "omega1": 120.0, "load_torque": 8.0},
+    },
+    "DrivenShaft": {
+        "shaft": {"hub_speed": 50.0, "load_torque": 3.0},
+        "overdamped": {"hub_speed": 50.0, "shaft_damping": 100.0},
+    },
+}
+
+
+def header(identifier, library=""):
+    """C source of the scenes of an FMU, and of the path of its library."""
+    lines = [
+        "struct setting {\n    const char *name;\n    double value;\n};",
+        "struct scene {\n    const char *name;\n    const struct setting *settings;\n"
+        "    double step;\n    int steps;\n};",
+        f'#define LIBRARY "{library}"',
+    ]
+    for name, settings in SCENES[identifier].items():
+        values = ", ".join(f'{{"{key}", {float(value)!r}}}' for key, value in settings.items())
+        lines.append(f"static const struct setting of_{name}[] = {{{values}, {{0, 0.0}}}};")
+    lines.append("static const struct scene scenes[] = {")
+    lines += [f'    {{"{name}", of_{name}, {STEP!r}, {STEPS}}},' for name in SCENES[identifier]]
+    return "\n".join([*lines, "};", ""])
+
+
 def outputs(identifier):
     """Variables the C program prints, in its order: all that are calculated, but enumerations."""
     table = FMUS[identifier].model.variables
     return [v.name for v in table if v.kind == REAL and v.causality in ("output", "local")]
 
 
-def by_fmpy(folder, scene):
+def by_fmpy(opened, identifier, settings):
     """Values of the outputs after every step of a scene, here."""
-    description = read_model_description(str(folder))
-    known = {v.name: v for v in description.modelVariables}
-    fmu = FMU2Slave(
-        guid=description.guid,
-        unzipDirectory=str(folder),
-        modelIdentifier=description.modelName,
-        instanceName="here",
-    )
-    fmu.instantiate()
-    fmu.setupExperiment(startTime=0.0)
-    for name, value in scene.settings.items():
-        kind = "Real" if known[name].type == "Real" else "Integer"
-        getattr(fmu, f"set{kind}")(
-            [known[name].valueReference], [float(value) if kind == "Real" else int(value)]
-        )
-    fmu.enterInitializationMode()
-    fmu.exitInitializationMode()
-    references = [known[name].valueReference for name in outputs(description.modelName)]
-    rows = [fmu.getReal(references)]
-    for n in range(scene.steps):
-        fmu.doStep(currentCommunicationPoint=n * scene.step, communicationStepSize=scene.step)
-        rows.append(fmu.getReal(references))
-    fmu.freeInstance()
+    fmu = Instance(*opened(identifier)).start(**settings)
+    rows = [[fmu.get(name) for name in outputs(identifier)]]
+    for _ in range(STEPS):
+        fmu.step(STEP)
+        rows.append([fmu.get(name) for name in outputs(identifier)])
+    fmu.close()
     return rows
 
 
@@ -69,14 +89,14 @@ def transposed(rows):
     return list(zip(*rows, strict=True))
 
 
-def deviations(identifier, folder, text):
+def deviations(identifier, opened, text):
     """Largest deviation of each scene from fmpy's values here, over the largest value of the output."""
     there = printed_rows(text)
-    assert set(there) == set(scenes.SCENES[identifier])
+    assert set(there) == set(SCENES[identifier])
     found = {}
-    for name, scene in scenes.SCENES[identifier].items():
-        here = by_fmpy(folder, scene)
-        assert len(there[name]) == len(here) == scene.steps + 1
+    for name, settings in SCENES[identifier].items():
+        here = by_fmpy(opened, identifier, settings)
+        assert len(there[name]) == len(here) == STEPS + 1
         pairs = zip(transposed(here), transposed(there[name]), strict=True)
         for label, (mine, other) in zip(outputs(identifier), pairs, strict=True):
             # the error of the integration is nothing but rounding, and which moments a peak sees hangs on it
@@ -89,13 +109,13 @@ def deviations(identifier, folder, text):
 
 
 @pytest.mark.parametrize("identifier", OF_FMI_2)
-def test_windows_computes_the_same(identifier, workshops, unpacked, windows, record_testsuite_property):
+def test_windows_computes_the_same(identifier, workshops, opened, windows, record_testsuite_property):
     workshop = workshops(identifier)
-    library = unpacked[identifier] / "binaries" / "win64" / f"{identifier}.dll"
+    library = opened(identifier)[1] / "binaries" / "win64" / f"{identifier}.dll"
     (workshop.folder / library.name).write_bytes(library.read_bytes())
-    (workshop.folder / "scenes.h").write_text(scenes.header(identifier, library.name))
+    (workshop.folder / "scenes.h").write_text(header(identifier, library.name))
     program = workshop.build_windows_program("scenes.exe", "scenes.c")
-    found = deviations(identifier, unpacked[identifier], windows(program))
+    found = deviations(identifier, opened, windows(program))
     record_testsuite_property(f"deviations of {identifier} on Windows", found)
     assert max(found.values()) < RELATIVE, found
 
@@ -113,12 +133,12 @@ def arm():
 
 
 @pytest.mark.parametrize("identifier", OF_FMI_2)
-def test_arm_computes_the_same(identifier, workshops, unpacked, arm, record_testsuite_property):
+def test_arm_computes_the_same(identifier, workshops, opened, arm, record_testsuite_property):
     workshop = workshops(identifier)
-    library = unpacked[identifier] / "binaries" / "aarch64-linux" / f"{identifier}.so"
+    library = opened(identifier)[1] / "binaries" / "aarch64-linux" / f"{identifier}.so"
     (workshop.folder / library.name).write_bytes(library.read_bytes())
-    (workshop.folder / "scenes.h").write_text(scenes.header(identifier))
+    (workshop.folder / "scenes.h").write_text(header(identifier))
     program = workshop.build_beside_library(LINUX_ARM, "scenes-arm", library.name, "scenes.c")
-    found = deviations(identifier, unpacked[identifier], arm(program))
+    found = deviations(identifier, opened, arm(program))
     record_testsuite_property(f"deviations of {identifier} on ARM", found)
     assert max(found.values()) < RELATIVE, found

@@ -212,7 +212,7 @@ def test_processes_that_link_at_once_leave_one_whole_library(tmp_path, monkeypat
 
 def test_wheel_builds_nothing(built, tmp_path, monkeypatch):
     monkeypatch.setattr(builder, "ready_made", lambda file: built / file)
-    monkeypatch.setattr(builder, "_compile", lambda *_: pytest.fail("compiled"))
+    monkeypatch.setattr(builder, "_translate", lambda *_: pytest.fail("compiled"))
     assert builder.current_fmu(builder.MODULE_FMU, tmp_path) == built / "InertiaModule.fmu"
     done = builder.build(tmp_path)
     assert not done.skipped

@@ -5,18 +5,13 @@ What the module has too is taken from its table.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
-from ..kernel import codes
-from .messages import BAD_STEP, bad_input, bad_rate, not_finite
+from .messages import of_inputs
 from .variable import FIXED, OUTPUT, PARAMETER, REAL, Group, Variable
 from .variables import BY_NAME as OF_MODULE
 from .variables import signal
-
-_LOST = "energy turned to heat by damping and friction since the start, less the work of the balancer"
 
 
 def _as_in_module(of_module: str, text: str = "", **columns: Any) -> Variable:
@@ -26,21 +21,19 @@ def _as_in_module(of_module: str, text: str = "", **columns: Any) -> Variable:
     return replace(known, description=text or known.description.replace(" (elastic)", ""), **own)
 
 
-_output = partial(signal, OUTPUT)
-
 # inputs are at rest unless they are set, as the driven mass is: a hub that jumps is a shock
 VARIABLES: tuple[Variable, ...] = (
     _as_in_module("omega1", "speed of the hub, where the shaft is driven", name="hub_speed", start=0.0),
     _as_in_module("load_torque", "torque of the load on the driven mass, positive against positive speed", start=0.0),
-    _output(Group.INSTANT, "shaft_torque", "N.m", 100.0, "torque of spring and damper at this instant: Ts, drives the driven mass, brakes the hub", at_start=("hub_speed", "shaft_stiffness", "shaft_damping", "omega_out_start", "twist_start")),
-    _output(Group.MEANS, "shaft_torque_mean", "N.m", 100.0, "mean torque of spring and damper over the last communication step: Ts", at_start=()),
+    signal(OUTPUT, Group.INSTANT, "shaft_torque", "N.m", 100.0, "torque of spring and damper at this instant: Ts, drives the driven mass, brakes the hub", at_start=("hub_speed", "shaft_stiffness", "shaft_damping", "omega_out_start", "twist_start")),
+    signal(OUTPUT, Group.MEANS, "shaft_torque_mean", "N.m", 100.0, "mean torque of spring and damper over the last communication step: Ts", at_start=()),
     _as_in_module("omega_out", "speed omega4 of the driven mass", at_start=("omega_out_start",)),
-    _output(Group.MOTION, "driven_acceleration", "rad/s2", 100.0, "angular acceleration of the driven mass at this instant"),
-    _output(Group.MOTION, "twist", "rad", 1e-2, "twist of the shaft: angle of the hub less that of the driven mass", at_start=("twist_start",)),
+    signal(OUTPUT, Group.MOTION, "driven_acceleration", "rad/s2", 100.0, "angular acceleration of the driven mass at this instant"),
+    signal(OUTPUT, Group.MOTION, "twist", "rad", 1e-2, "twist of the shaft: angle of the hub less that of the driven mass", at_start=("twist_start",)),
     _as_in_module("energy_in", "work of the hub on the shaft since the start"),
     _as_in_module("energy_out", "work done on the load since the start"),
     _as_in_module("energy_stored", "kinetic energy of the driven mass and energy of the twist now"),
-    _as_in_module("energy_lost", _LOST),
+    _as_in_module("energy_lost", "energy turned to heat by damping and friction since the start, less the work of the balancer"),
     _as_in_module("energy_residual", "energy audit: in - out - lost - gain of stored, rounding only"),
     _as_in_module("driven_inertia"),
     _as_in_module("shaft_stiffness", "stiffness c of the shaft"),
@@ -54,11 +47,4 @@ VARIABLES: tuple[Variable, ...] = (
 
 BY_NAME: dict[str, Variable] = {variable.name: variable for variable in VARIABLES}
 
-MESSAGES: Mapping[int, str] = {
-    codes.BAD_HUB_SPEED: bad_input(BY_NAME["hub_speed"]),
-    codes.BAD_LOAD_TORQUE: bad_input(BY_NAME["load_torque"]),
-    codes.BAD_HUB_SPEED_RATE: bad_rate(BY_NAME["hub_speed"]),
-    codes.BAD_LOAD_TORQUE_RATE: bad_rate(BY_NAME["load_torque"]),
-    codes.BAD_STEP: BAD_STEP,
-    codes.NOT_FINITE: not_finite(BY_NAME["hub_speed"], BY_NAME["load_torque"]),
-}
+MESSAGES = of_inputs(VARIABLES)

@@ -1,4 +1,4 @@
-"""The sentences for what the kernel of the module refuses: names, values and what is allowed.
+"""The sentences for what the kernels refuse: names, values and what is allowed.
 
 Each status and each warning has one; {name} in it stands for the value of that parameter or input,
 {omega1_rate} and the like for the rates given, {step} for the communication step. Python and the native
@@ -7,12 +7,15 @@ FMU fill them in.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from ..common.errors import must_be
 from ..kernel import codes
-from .variable import LARGEST_STEP, Group, Variable
-from .variables import BY_NAME, VARIABLES
+from .variable import INPUT, LARGEST_STEP, Group, Variable
+from .variables import VARIABLES, with_causality
+
+_STEPS = f"above 0 and at most {LARGEST_STEP:g} s"
+_ABANDONED = "communication step = {step} s is abandoned: "
 
 
 def named(*names: str) -> str:
@@ -20,29 +23,24 @@ def named(*names: str) -> str:
     return ", ".join(f"{name} = {{{name}}}" for name in names)
 
 
-def bad_input(variable: Variable) -> str:
-    """Sentence for an input that is not finite or absurd."""
-    return must_be(variable.name, variable.allowed, f"{{{variable.name}}}")
-
-
-def bad_rate(variable: Variable) -> str:
-    """Sentence for a rate that makes an input absurd within the step."""
-    name = variable.name
-    return (
-        f"the rate of {name} must keep it {variable.allowed} over {{step}} s, is {{{name}_rate}}"
-        f" {variable.unit}/s from {named(name)}"
-    )
-
-
-BAD_STEP = must_be("communication step", f"above 0 and at most {LARGEST_STEP:g} s", "{step}")
-_ABANDONED = "communication step = {step} s is abandoned: "
-
-
-def not_finite(*inputs: Variable) -> str:
-    """Sentence for a motion that overflows with these inputs."""
+def of_inputs(table: Iterable[Variable]) -> dict[int, str]:
+    """Sentences for inputs and rates that are not finite or absurd, for a bad step, for an overflow."""
+    sentences = {codes.BAD_STEP: must_be("communication step", _STEPS, "{step}")}
+    inputs = list(with_causality(INPUT, table=table))
+    for variable in inputs:
+        name, allowed = variable.name, variable.allowed
+        code = f"BAD_{name.upper()}"
+        sentences[getattr(codes, code)] = must_be(name, allowed, f"{{{name}}}")
+        sentences[getattr(codes, f"{code}_RATE")] = (
+            f"the rate of {name} must keep it {allowed} over {{step}} s, is {{{name}_rate}} {variable.unit}/s"
+            f" from {named(name)}"
+        )
     *others, last = (f"{named(variable.name)} {variable.unit}" for variable in inputs)
-    listed = f"{', '.join(others)} and {last}"
-    return f"{_ABANDONED}the motion leaves the range of doubles with {listed}; it must stay below 1e300"
+    sentences[codes.NOT_FINITE] = (
+        f"{_ABANDONED}the motion leaves the range of doubles with {', '.join(others)} and {last}; it must"
+        " stay below 1e300"
+    )
+    return sentences
 
 
 _FRICTION = ("input_friction", "drive_friction", "link2_friction", "output_friction")
@@ -94,13 +92,7 @@ MESSAGES: Mapping[int, str] = {
         f"with {named('drive')} (torque) fidelity must be 1 (averaged), 2 (rigid) or 3 (elastic), is"
         " {fidelity} (kinematic): the motion is prescribed, so no torque can make it"
     ),
-    codes.BAD_OMEGA1: bad_input(BY_NAME["omega1"]),
-    codes.BAD_LOAD_TORQUE: bad_input(BY_NAME["load_torque"]),
-    codes.BAD_OMEGA1_RATE: bad_rate(BY_NAME["omega1"]),
-    codes.BAD_LOAD_TORQUE_RATE: bad_rate(BY_NAME["load_torque"]),
-    codes.BAD_DRIVE_TORQUE: bad_input(BY_NAME["drive_torque"]),
-    codes.BAD_DRIVE_TORQUE_RATE: bad_rate(BY_NAME["drive_torque"]),
-    codes.BAD_STEP: BAD_STEP,
+    **of_inputs(VARIABLES),
     codes.TOO_MANY_SWITCHES: (
         f"{_ABANDONED}the freewheels switch too often; they must switch at most 1000 times and 64 more a"
         " pulse"
@@ -121,7 +113,6 @@ MESSAGES: Mapping[int, str] = {
         f" constant speed, do not with {named('link2_inertia', 'drive_friction', 'link2_friction')},"
         f" {named(*_LOSSES)}: link2_inertia must be larger, or fidelity 2 (rigid)"
     ),
-    codes.NOT_FINITE: not_finite(BY_NAME["omega1"], BY_NAME["load_torque"], BY_NAME["drive_torque"]),
 }
 
 # what a mechanism that is accepted is warned of, by the numbers of kernel.clearance

@@ -164,6 +164,14 @@ class Variable:
         return self.variability == TUNABLE
 
     @property
+    def ends(self) -> tuple[float, float]:
+        """Ends of its range; the numbers of an enumeration have no gaps."""
+        if self.kind == BOOLEAN:
+            return 0.0, 1.0
+        low = -math.inf if self.minimum is None else self.minimum
+        return low, math.inf if self.maximum is None else self.maximum
+
+    @property
     def allowed(self) -> str:
         """The allowed values, as they follow "must be"."""
         if self.kind == BOOLEAN:
@@ -171,8 +179,7 @@ class Variable:
         if self.kind == ENUMERATION:
             *others, last = (f"{number} ({name})" for name, number, _ in ENUMERATIONS[self.enumeration])
             return f"{', '.join(others)} or {last}"
-        low = -math.inf if self.minimum is None else self.minimum
-        high = math.inf if self.maximum is None else self.maximum
+        low, high = self.ends
         unit = f" {self.unit}" if self.unit not in ("", "1") else ""
         number = "a whole number " if self.kind == INTEGER else ""
         return f"{number}between {low:.16g} and {high:.16g}{unit}"
@@ -202,14 +209,5 @@ class Variable:
 
     def accepts(self, value: float) -> bool:
         """Tell whether a value is finite, whole where it has to be, and within the range."""
-        if not math.isfinite(value):
-            return False
-        if self.kind != REAL and value != math.floor(value):
-            return False
-        if self.kind == BOOLEAN:
-            return value in (0.0, 1.0)
-        if self.kind == ENUMERATION:
-            return any(value == number for _, number, _ in ENUMERATIONS[self.enumeration])
-        return (self.minimum is None or value >= self.minimum) and (
-            self.maximum is None or value <= self.maximum
-        )
+        low, high = self.ends
+        return math.isfinite(value) and low <= value <= high and (self.kind == REAL or value % 1.0 == 0.0)

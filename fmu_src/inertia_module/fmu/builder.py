@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import os
 import zipfile
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from pathlib import Path
@@ -15,10 +14,10 @@ from ..common.files import BUILD_FOLDER, ready_made, writable_folder, write_atom
 from ..compiling import CompilationUnavailable
 from ..compiling.ir import is_cached, llvm_text
 from ..compiling.targets import TARGETS, Target, here
-from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE
+from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE, Model
 from .archive import DESCRIPTION
 from .linking import Progress
-from .native_fmu import NativeFmu, library, library_path, native_fmu
+from .native_fmu import NativeFmu, library_path, native_fmu
 from .native_fmu import guid as native_guid
 from .python_fmu import PythonFmu, python_fmu
 from .python_fmu import guid as python_guid
@@ -58,7 +57,10 @@ def content_of(
         return ready.read_bytes(), {}
     if isinstance(what, WebKernel):
         return web_kernel(what, progress), {}
-    return native_fmu(what, progress, targets) if isinstance(what, NativeFmu) else python_fmu(what, progress)
+    if isinstance(what, PythonFmu):
+        return python_fmu(what, progress)
+    _translate([what.model], progress)
+    return native_fmu(what, progress, targets)
 
 
 def is_current(path: Path, fmu: NativeFmu | PythonFmu, targets: Sequence[Target] = TARGETS) -> bool:
@@ -75,27 +77,13 @@ def is_current(path: Path, fmu: NativeFmu | PythonFmu, targets: Sequence[Target]
         return False
 
 
-def _compile(fmus: Sequence[NativeFmu], targets: Sequence[Target], progress: Progress) -> None:
-    """Translate the kernels of FMUs where that is still to do, compile and link for platforms, side by side.
-
-    Translator and C compiler are processes of their own. Each FMU will say what is missing or fails.
-    """
-
-    def compile_for(target: Target) -> None:
-        for fmu in fmus:
-            with suppress(CompilationUnavailable):
-                library(fmu, target, progress)
-
-    try:
-        missing = {fmu.model for fmu in fmus if not is_cached(fmu.model)}
-        if missing:
-            progress("translating the kernels for compilation, once: about a minute")
-            with ThreadPoolExecutor(len(missing)) as pool:
-                list(pool.map(llvm_text, missing))
-    except CompilationUnavailable:
-        return
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        list(pool.map(compile_for, targets))
+def _translate(models: Collection[Model], progress: Progress) -> None:
+    """Translate kernels where that is still to do, side by side: translators are processes of their own."""
+    missing = [model for model in models if not is_cached(model)]
+    if missing:
+        progress("translating the kernels for compilation, once: about a minute")
+        with ThreadPoolExecutor(len(missing)) as pool:
+            list(pool.map(llvm_text, missing))
 
 
 def build(
@@ -116,7 +104,8 @@ def build(
     built = Built([], {})
     writable_folder(folder)
     if ready_made(MODULE_FMU.file_name) is None:
-        _compile([fmu for fmu in files if isinstance(fmu, NativeFmu)], targets, progress)
+        with suppress(CompilationUnavailable):  # each FMU will say what is missing or fails
+            _translate({fmu.model for fmu in files if isinstance(fmu, NativeFmu)}, progress)
     for what in files:
         progress(f"building {what.file_name}")
         try:

@@ -9,6 +9,7 @@ import re
 from collections.abc import Iterable, Iterator
 from html import escape
 from pathlib import Path
+from string import Template
 from typing import NamedTuple
 
 from .. import __version__
@@ -31,29 +32,7 @@ ORDER, REFUSALS, LIMITS = "Order of calls", "Refusals", "What is not modelled"
 _ITEM = re.compile(r"^(?:-|\d+\.) ", re.M)
 # name of the picture beside the page
 MECHANISM = "mechanism.png"
-STYLE = """
-body { font: 16px/1.5 system-ui, sans-serif; color: #222; background: #fff; }
-body { max-width: 60rem; margin: 2rem auto; padding: 0 1rem; }
-p, li { max-width: 44rem; }
-h2 { margin-top: 2.2rem; border-bottom: 1px solid #ccc; }
-figure { margin: 0; }
-figcaption { color: #555; font-size: 0.9rem; }
-img { max-width: 100%; height: auto; }
-table { border-collapse: collapse; font-size: 0.85rem; width: 100%; }
-td, th { border-bottom: 1px solid #ddd; padding: 0.25rem 0.6rem 0.25rem 0; }
-td, th { text-align: left; vertical-align: top; }
-td:first-child { width: 15rem; }
-td:nth-child(2) { width: 5rem; }
-"""
-HEAD = """<!DOCTYPE html>
-<html lang="en"><head><meta charset="utf-8"><title>{title}</title><style>{style}</style></head><body>
-<h1>{title}</h1>
-<p>{description}.</p>
-<figure><img src="{picture}" alt="{caption}" width="640"><figcaption>{caption}</figcaption></figure>"""
-FOOT = """<h2>Licences</h2>
-<p>inertia-module {version}, MIT licence. Texts: {texts}.</p>
-</body></html>
-"""
+GUIDES = Path(__file__).parent / "guides"
 COLUMNS = ("name", "unit", "start", "allowed", "meaning")
 HEADINGS = {INPUT: "Inputs", OUTPUT: "Outputs", LOCAL: "Locals", PARAMETER: "Parameters"}
 # what goes without saying
@@ -70,7 +49,7 @@ class Table(NamedTuple):
 
 def guide(name: str) -> dict[str, str]:
     """Markdown of the sections of a guide by heading; name: of a model, or "all" for what holds for each."""
-    text = (Path(__file__).parent / "guides" / f"{name}.md").read_text(encoding="utf-8")
+    text = (GUIDES / f"{name}.md").read_text(encoding="utf-8")
     parts = re.split(r"^## (.*)\n", text, flags=re.M)
     return {heading: section.strip() for heading, section in zip(parts[1::2], parts[2::2], strict=True)}
 
@@ -170,7 +149,7 @@ def index_page(model: Model, licences: Iterable[str]) -> str:
     own, common = guide(model.name), guide("all")
     head = {"title": model.title, "description": model.description, "caption": own[PICTURE]}
     escaped = {key: escape(text) for key, text in head.items()}
-    parts = [HEAD.format(style=STYLE, picture=MECHANISM, **escaped)]
+    parts = []
     for heading, section in (
         *((heading, own[heading]) for heading in (COMPUTES, COUPLING)),
         *((heading, common[heading]) for heading in (ORDER, REFUSALS)),
@@ -184,4 +163,6 @@ def index_page(model: Model, licences: Iterable[str]) -> str:
         for table in found:
             parts += [f"<h3>{table.heading}</h3>", *_html(table)]
     texts = ", ".join(f'<a href="licenses/{name}.txt">{name}.txt</a>' for name in licences)
-    return "\n".join([*parts, FOOT.format(version=__version__, texts=texts)])
+    page = Template((GUIDES / "page.html").read_text(encoding="utf-8"))
+    around = {"picture": MECHANISM, "version": __version__, "texts": texts}
+    return page.substitute(escaped, **around, body="\n".join(parts))

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import NamedTuple
 
@@ -85,13 +87,15 @@ def library_path(fmu: NativeFmu, target: Target) -> str:
     return f"binaries/{folder}/{fmu.identifier}{target.suffix}"
 
 
-def library(fmu: NativeFmu, target: Target, progress: Progress = lambda stage: None) -> bytes:
+def library(fmu: NativeFmu, made_for: str, target: Target, progress: Progress) -> bytes:
     """The shared library for one target, from the cache if it was built before.
+
+    Args:
+        fmu: it belongs to. made_for: its GUID. target: platform. progress: told if it is compiled.
 
     Raises:
         CompilationUnavailable: what it takes is not installed, or fails.
     """
-    made_for = guid(fmu)
     label = content_hash({made_for: target.label.encode()})[:16]
 
     def linked() -> bytes:
@@ -112,18 +116,26 @@ def native_fmu(
     Raises:
         CompilationUnavailable: there is no target at all it could be compiled for.
     """
+    made_for = guid(fmu)
+
+    def compiled_for(target: Target) -> bytes | CompilationUnavailable:
+        try:
+            return library(fmu, made_for, target, progress)
+        except CompilationUnavailable as reason:
+            return reason
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:  # the compiler is a process of its own
+        libraries = list(pool.map(compiled_for, targets))
     found: dict[str, list[tuple[str, bytes]]] = {}
     skipped = {}
-    for target in targets:
-        try:
-            content = library(fmu, target, progress)
-        except CompilationUnavailable as reason:
-            skipped[f"{fmu.identifier} for {target.label}"] = str(reason)
-            continue
-        found.setdefault(library_path(fmu, target), []).append((target.triple, content))
+    for target, content in zip(targets, libraries, strict=True):
+        if isinstance(content, CompilationUnavailable):
+            skipped[f"{fmu.identifier} for {target.label}"] = str(content)
+        else:
+            found.setdefault(library_path(fmu, target), []).append((target.triple, content))
     if not found:
         raise CompilationUnavailable(next(iter(skipped.values())))
     files = {path: same[0][1] if len(same) == 1 else join_for_mac(same) for path, same in found.items()}
     files |= accompanying_files(fmu.model, fmu.picture, fmu.fmi)
-    described = model_description(fmu.model, fmu.identifier, guid(fmu), generation_date(), fmu.fmi)
+    described = model_description(fmu.model, fmu.identifier, made_for, generation_date(), fmu.fmi)
     return archive(files | {DESCRIPTION: described}), skipped

@@ -26,6 +26,7 @@ from .archive import DESCRIPTION, archive, generation_date, guid_of
 from .description import PYTHON_CAPABILITIES, model_description
 from .linking import Progress, link_front
 from .native_fmu import NativeFmu, accompanying_files, library
+from .native_fmu import guid as native_guid
 
 BUNDLED = (
     "__init__.py",
@@ -90,7 +91,7 @@ def shipped_libraries(fmu: PythonFmu, progress: Progress) -> tuple[dict[str, byt
     for target in PLATFORMS:
         path = f"{SHIPPED.name}/{target.folder}{target.suffix}"
         try:
-            files[path] = library(fmu.native, target, progress)
+            files[path] = library(fmu.native, native_guid(fmu.native), target, progress)
         except CompilationUnavailable as reason:
             skipped[f"compiled kernel in {fmu.identifier} for {target.label}"] = str(reason)
     return files, skipped

@@ -8,7 +8,7 @@ from string import Formatter
 
 from ..contract.models import Bound, Model
 from ..contract.records import place
-from ..contract.variable import BOOLEAN, INPUT, OUTPUT, PARAMETER, Variable
+from ..contract.variable import INPUT, OUTPUT, PARAMETER, Variable
 from ..kernel import codes
 
 # the row of the time: no place in a record of the kernel, no rate
@@ -34,22 +34,6 @@ def number(value: float) -> str:
     return repr(float(value)) if math.isfinite(value) else ("HUGE_VAL" if value > 0.0 else "-HUGE_VAL")
 
 
-def _range(variable: Variable) -> tuple[float, float]:
-    """Ends of the range: an enumeration has no gaps."""
-    if variable.kind == BOOLEAN:
-        return 0.0, 1.0
-    low = -math.inf if variable.minimum is None else variable.minimum
-    high = math.inf if variable.maximum is None else variable.maximum
-    return low, high
-
-
-def _rate_places(variable: Variable, model: Model) -> tuple[str, str]:
-    """Places of the rate of an input and of whether it is given."""
-    if variable.causality != INPUT:
-        return "-1", "-1"
-    return str(model.place(f"{variable.name}_rate")), str(model.place(f"{variable.name}_rate_given"))
-
-
 def _discrete(model: Model) -> list[str]:
     """Names of outputs that change at switches only."""
     return [variable.name for variable in model.variables if variable.variability == "discrete"]
@@ -63,14 +47,17 @@ def _small(variable: Variable) -> float:
 
 
 def _variable(variable: Variable, model: Model) -> str:
-    low, high = _range(variable)
+    low, high = variable.ends
     discrete = _discrete(model)
+    rate, given = "-1", "-1"
+    if variable.causality == INPUT:
+        rate, given = (str(model.place(variable.name + ending)) for ending in ("_rate", "_rate_given"))
     cells = (
         quoted(variable.name),
         variable.kind.upper(),
         _ARRAYS.get(variable.causality, "OUTPUTS"),
         str(model.place(variable.name)),
-        *_rate_places(variable, model),
+        *(rate, given),
         str(discrete.index(variable.name) if variable.name in discrete else -1),
         str(int(variable.late)),
         str(int(variable.causality == OUTPUT)),
@@ -112,7 +99,7 @@ def _messages(name: str, texts: Mapping[int, str], model: Model) -> list[str]:
 
 
 def generated(model: Model, guid: str, fmi: int) -> dict[str, str]:
-    """The C files of the shell that are made for a model, by name.
+    """The C files of the shell that are made for a model, by name; with FMI 3.0 time is the last variable.
 
     Args:
         model: what they are of. guid: the one of modelDescription.xml. fmi: version of FMI, 2 or 3.
@@ -124,15 +111,6 @@ def generated(model: Model, guid: str, fmi: int) -> dict[str, str]:
         f"#define STATUS_OK {codes.OK}",
         "",
     ]
-    return {"tables.c": c_tables(model, guid, fmi), "codes.h": "\n".join(header)}
-
-
-def c_tables(model: Model, guid: str, fmi: int) -> str:
-    """C source of the model's tables; with FMI 3.0 the time is the last of the variables.
-
-    Args:
-        model: what they are of. guid: the one of modelDescription.xml. fmi: version of FMI, 2 or 3.
-    """
     n_p, n_d, n_u, n_x, n_y, n_w = model.sizes
     references = {variable.name: n for n, variable in enumerate(model.variables)}
     traced = ", ".join(str(references[name]) for name in model.traced)
@@ -171,4 +149,4 @@ def c_tables(model: Model, guid: str, fmi: int) -> str:
         "};",
         "",
     ]
-    return "\n".join(lines)
+    return {"tables.c": "\n".join(lines), "codes.h": "\n".join(header)}

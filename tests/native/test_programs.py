@@ -1,0 +1,124 @@
+"""C programs around the shell: hosts that call anything in any order, memory, threads, other countries."""
+
+import os
+import shutil
+import subprocess
+
+import pytest
+
+from inertia_module.compiling.targets import LINUX64
+
+from .conftest import OF_FMI_3, SANITIZERS, run, system_compiler
+
+# a million calls a seed where the environment asks for them, else what a test has the time for
+CALLS = int(os.environ.get("INERTIA_MODULE_ABUSE_CALLS", "200000"))
+# how a host drives an FMU, by the version of FMI (see fmi2_by_3.c)
+MODES = {2: ("",), 3: ("", "event", "early", "update")}
+SEEDS = os.environ.get("INERTIA_MODULE_ABUSE_SEEDS", "1").split(",")
+FILES = (
+    *("abuse.c", "abuse_arguments.c", "abuse_life.c", "abuse_states.c", "abuse_values.c"),
+    *("host.c", "snapshot.c"),
+)
+MOST_BYTES = 327680  # of an instance with a saved state: most of it the averaged map with losses
+LIVES = 1000
+
+
+@pytest.fixture
+def checked():
+    """Runs a program under valgrind; what it prints."""
+    valgrind = shutil.which("valgrind")
+    if valgrind is None:
+        pytest.skip("valgrind is not installed")
+    checker = [valgrind, "--quiet", "--error-exitcode=9", "--leak-check=full", "--show-leak-kinds=all"]
+    return lambda *command: run([*checker, *command])
+
+
+@pytest.fixture
+def comma(tmp_path):
+    """Environment of a country that writes 1,5."""
+    tool = shutil.which("localedef")
+    command = [tool, "--no-archive", "-i", "de_DE", "-f", "UTF-8", str(tmp_path / "comma")]
+    if tool is None or subprocess.run(command, capture_output=True, check=False).returncode != 0:
+        pytest.skip("no locale with a decimal comma can be made (Debian: locales)")
+    return {"LOCPATH": str(tmp_path), "LC_ALL": "comma"}
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_random_calls_are_survived_under_sanitizers_and_leave_no_trace(workshop, seed):
+    program = workshop.build("abuse", *FILES, flags=SANITIZERS)
+    modes = MODES[workshop.fmu.fmi]
+    calls = CALLS // len(modes)
+    for mode in modes:
+        printed = run([program, seed, calls], ASAN_OPTIONS="detect_leaks=1", FMI3=mode)
+        assert printed.startswith(f"{calls} calls")
+
+
+@pytest.mark.parametrize("identifier", OF_FMI_3)
+@pytest.mark.parametrize("seed", SEEDS)
+def test_random_calls_of_fmi_3_in_any_order_are_survived(workshops, identifier, seed):
+    program = workshops(identifier).build("abuse3", "abuse3.c", "host.c", flags=SANITIZERS)
+    assert "error" in run([program, seed, CALLS], ASAN_OPTIONS="detect_leaks=1")
+
+
+def test_refusals_that_random_calls_seldom_meet(workshop):
+    run([workshop.build("refusals", "refusals.c", "host.c", "snapshot.c", flags=SANITIZERS)])
+
+
+def test_forged_states_reach_no_memory_beyond_their_own(workshop):
+    """A sum of bytes keeps nobody out: what is an index or a choice is checked when a state is read in."""
+    run([workshop.build("forged", "forged.c", "host.c", "snapshot.c", flags=SANITIZERS)])
+
+
+def test_a_thousand_lives_leak_nothing(workshop, checked):
+    program = workshop.build("leaks", "leaks.c", "host.c", "snapshot.c", flags=("-g",))
+    assert checked(program, LIVES) == f"{LIVES} instances lived\n"
+
+
+@pytest.mark.parametrize("identifier", OF_FMI_3)
+def test_random_calls_of_fmi_3_use_no_memory_that_is_not_theirs(workshops, identifier, checked):
+    program = workshops(identifier).build("abuse3", "abuse3.c", "host.c", flags=("-g",))
+    assert "events" in checked(program, 1, 20 * LIVES)
+
+
+def test_the_kernel_keeps_within_its_arrays(workshop, checked):
+    checked(workshop.build("bounds", "bounds.c", "host.c", flags=("-g",)))
+
+
+def test_steps_and_values_ask_for_no_memory_and_an_instance_is_small(workshop):
+    program = workshop.build("memory", "memory.c", "host.c", "snapshot.c")
+    of_instance, with_state = map(int, run([program]).split())
+    assert 0 < of_instance < with_state < MOST_BYTES
+
+
+def test_eight_threads_give_the_bits_of_one(workshop):
+    program = workshop.build_for(
+        LINUX64, "threads", "threads.c", "host.c", "snapshot.c", flags=("-O2", "-lpthread")
+    )
+    assert run([program, 8, 250]) == "8 threads, 250 instances each: the bits of one thread\n"
+
+
+def test_no_thread_touches_what_another_uses(workshop):
+    flags = ("-fsanitize=thread", "-g")
+    program = workshop.build(
+        "races", "threads.c", "host.c", "snapshot.c", flags=flags, libraries=("-lpthread",)
+    )
+    run([program, 8, 30], TSAN_OPTIONS="halt_on_error=1")
+
+
+def test_shell_and_tables_are_c99_without_a_warning(workshop):
+    compiler = system_compiler()
+    if compiler is None:
+        pytest.skip("there is no C compiler of the system")
+    strict = ["-Wshadow", "-Wstrict-prototypes", "-O2", "-fsyntax-only"]
+    command = [compiler, *workshop.flags(), *strict, *workshop.all_sources()]
+    done = subprocess.run(command, cwd=workshop.folder, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_messages_write_numbers_alike_in_every_country(workshop, comma):
+    program = workshop.build("locales", "locales.c", "host.c")
+    tolerance, begin, speed = run([program], **comma).splitlines()
+    variable = workshop.fmu.model.variables[0]
+    assert tolerance == "tolerance must be a positive number, is -1.5"
+    assert begin == "start time must be a finite number of seconds, is nan"
+    assert speed == f"{variable.name} must be {variable.allowed}, is 1234567.5"
