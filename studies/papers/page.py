@@ -9,6 +9,7 @@ from types import ModuleType
 from inertia_module.contract import driven_shaft, variables
 
 from . import karetin, lysenko, stelmashchuk
+from .engine import claims_of
 
 PAPERS: tuple[ModuleType, ...] = (karetin, lysenko, stelmashchuk)
 # a section of the equations of a paper: the name of an equation, and the rest of its heading
@@ -27,7 +28,7 @@ def papers_page() -> str:
     }
     parts = [words("papers.md")]
     for paper in PAPERS:
-        found = {**dict(paper.claims()), **cells, "equations": equations(paper)}
+        found = {**claims_of(paper), **cells, "equations": equations(paper)}
         parts.append(words(f"{name_of(paper)}.md").format_map(found))
     return "\n".join(parts)
 

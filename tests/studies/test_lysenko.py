@@ -11,6 +11,7 @@ from scenes import advanced, drive_angle, started, vector
 from scipy.integrate import solve_ivp
 
 from studies.papers import lysenko
+from studies.papers.engine import claims_of
 from studies.papers.lysenko import EXAMPLE, EXAMPLE_SPEED, Mechanism, exact, speed_ratio
 
 OMEGA, OMEGA_RATE = 37.0, 210.0
@@ -278,7 +279,7 @@ def test_power_of_the_drive_is_the_rate_of_the_energy_the_lift_of_the_weight_and
 def test_mesh_loses_its_share_of_the_power_that_passes_it_steady_and_free():
     m, alpha = EXAMPLE, np.linspace(0.0, 2.0 * np.pi, 20001)
     inertia = m.J_wheel + m.m * m.arm * (m.arm - m.centre_distance * np.cos(alpha))
-    shares = next(lysenko.of_the_machine())[1].figures["share"]
+    shares = claims_of(lysenko)["circulation"]["share"].value
     for speed, found in zip((1.0, exact(m, alpha).free_speed), shares, strict=True):
         square = (m.b * speed) ** 2 * np.ones_like(alpha)
         acceleration = 0.5 * np.gradient(square, m.b * alpha)

@@ -6,8 +6,8 @@ import re
 import numpy as np
 import pytest
 
-from studies.papers import karetin, lysenko, stelmashchuk
-from studies.papers.engine import FAILS, HOLDS, PARTLY, ROUNDING, Claim, Found, rounds_to, worst
+from studies.papers import karetin, lysenko, page, stelmashchuk
+from studies.papers.engine import FAILS, HOLDS, PARTLY, ROUNDING, Found, claims_of, rounds_to, verdict, worst
 from studies.papers.figures import all_figures
 from studies.papers.page import equations, papers_page, words
 from studies.papers.sketches import pitch_cones
@@ -41,7 +41,7 @@ papers = pytest.mark.parametrize("name", PAPERS)
 
 @pytest.fixture(scope="module")
 def claims():
-    return {name: dict(paper.claims()) for name, paper in PAPERS.items()}
+    return {name: claims_of(paper) for name, paper in PAPERS.items()}
 
 
 @pytest.fixture(scope="module")
@@ -62,9 +62,9 @@ def test_every_numbered_equation_is_judged_and_fed_with_exact_values_right_or_cl
 
 @papers
 def test_claims_have_the_verdicts_that_their_figures_give_them_and_a_row_each(name, claims):
-    for verdict, expected in ((HOLDS, HOLDING[name]), (FAILS, FAILING[name])):
-        assert {claim for claim, found in claims[name].items() if str(found) == verdict} == expected
-    told = re.findall(r"\*\*\{(\w+)\}\*\*", words(f"{name}.md"))
+    for judged, expected in ((HOLDS, HOLDING[name]), (FAILS, FAILING[name])):
+        assert {claim for claim, found in claims[name].items() if found["verdict"] == judged} == expected
+    told = re.findall(r"\*\*\{(\w+)\[verdict\]\}\*\*", words(f"{name}.md"))
     assert sorted(told) == sorted(claims[name])
 
 
@@ -88,8 +88,7 @@ def test_each_equation_is_shown_as_printed_and_exact_and_a_wrong_curve_is_drawn(
 
 
 def test_the_page_has_no_figure_that_is_none_and_whole_tables(claims, monkeypatch):
-    for name, paper in PAPERS.items():
-        monkeypatch.setattr(paper, "claims", lambda name=name: claims[name].items())
+    monkeypatch.setattr(page, "claims_of", lambda paper: claims[page.name_of(paper)])
     whole = papers_page()
     assert not re.search(r"\bnan\b|\binf\b", whole)
     for table in whole.split("| in the paper | in the FMU |")[1:]:
@@ -98,13 +97,18 @@ def test_the_page_has_no_figure_that_is_none_and_whole_tables(claims, monkeypatc
 
 
 def test_a_claim_holds_as_far_as_what_it_says_is_so_and_tells_its_figures():
-    for says, verdict in (((True, True), HOLDS), ((True, False), PARTLY), ((False, False), FAILS)):
-        assert str(Claim(*says)) == verdict
-    claim = Claim(True, off=0.1234, each=[0.5, 0.25], count=3, kept={"a": 2.5}, same=1e-15)
-    told = (
-        "{0.off:.1%} of {0.count}, {0.each:.2f}; {0.each:.0%}; {0.each[1]:g}; {0.kept[a]:g}; {0.same} {0.off}"
-    )
-    assert told.format(claim) == "12.3 % of 3, 0.50, 0.25; 50, 25 %; 0.25; 2.5; rounding 0.12"
+    for says, judged in (
+        ((True, True), HOLDS),
+        ((True, False), PARTLY),
+        ((False, False), FAILS),
+        (np.array([[True, False]]), PARTLY),
+        (True, HOLDS),
+    ):
+        assert verdict(says) == judged
+    figures = {"off": 0.1234, "each": [0.5, 0.25], "count": 3, "kept": {"a": 2.5}, "same": 1e-15}
+    claim = {name: Found(value) for name, value in figures.items()}
+    told = "{off:.1%} of {count}, {each:.2f}; {each:.0%}; {each[1]:g}; {kept[a]:g}; {same} {off}"
+    assert told.format_map(claim) == "12.3 % of 3, 0.50, 0.25; 50, 25 %; 0.25; 2.5; rounding 0.12"
     assert f"{Found(['a', 'b'])}" == "a, b"
 
 
