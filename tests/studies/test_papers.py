@@ -8,9 +8,8 @@ import pytest
 
 from studies.papers import karetin, lysenko, page, stelmashchuk
 from studies.papers.engine import FAILS, HOLDS, PARTLY, ROUNDING, Found, claims_of, rounds_to, verdict, worst
-from studies.papers.figures import all_figures
+from studies.papers.figures import all_figures, pitch_cones
 from studies.papers.page import equations, papers_page, words
-from studies.papers.sketches import pitch_cones
 
 PAPERS = {"karetin": karetin, "lysenko": lysenko, "stelmashchuk": stelmashchuk}
 # wrong even if fed with exact values of all they take
