@@ -76,17 +76,16 @@ class Forms(dict[str, Any]):
         return Forms(self.formulas, **self | known)
 
 
-def read_table(module: str, kind: str) -> dict[str, Any]:
-    """Read a table that stands beside the module of a paper: PAPER_KIND.toml."""
-    name = f"{module.rpartition('.')[2]}_{kind}.toml"
-    return tomllib.loads(Path(__file__).with_name(name).read_text(encoding="utf-8"))
+def words(name: str) -> str:
+    """A text beside the code."""
+    return Path(__file__).with_name(name).read_text(encoding="utf-8")
 
 
 def tables(paper: str, functions: Mapping[str, Any]) -> tuple[list[Row], Formulas, Formulas]:
     """Read the rows of a paper, and compile its formulas as printed and the exact ones, by quantity.
 
     Args:
-        paper: name of its module. functions: that formulas use besides those of numpy, by name.
+        paper: its name. functions: that formulas use besides those of numpy, by name.
     """
     used = NAMES | functions
 
@@ -94,7 +93,7 @@ def tables(paper: str, functions: Mapping[str, Any]) -> tuple[list[Row], Formula
         code = compile(text, text, "eval")
         return lambda forms: eval(code, used, forms)
 
-    rows = [Row(*row) for row in read_table(paper, "forms")["rows"]]
+    rows = [Row(*row) for row in tomllib.loads(words(f"{paper}_forms.toml"))["rows"]]
     printed: Formulas = {}
     exact: Formulas = {}
     for row in rows:
@@ -213,15 +212,15 @@ def verdict(says: Any) -> str:
     return HOLDS if so.all() else PARTLY if so.any() else FAILS
 
 
-def claims_of(paper: ModuleType) -> dict[str, dict[str, Found]]:
+def claims_of(paper: str, module: ModuleType) -> dict[str, dict[str, Found]]:
     """Work out the table of a paper's claims, which stands beside the code.
 
-    Formulas use what the paper's module has, what is known to all claims and the figures before them.
+    Formulas use what its module has, what is known to all claims and the figures before them.
 
     Returns:
         Of each claim the figures by name, with its verdict; its words name them.
     """
-    known = NAMES | globals() | vars(paper)
+    known = NAMES | globals() | vars(module)
 
     def worked_out(formulas: dict[str, str]) -> dict[str, Any]:
         scope = dict(known)
@@ -229,7 +228,7 @@ def claims_of(paper: ModuleType) -> dict[str, dict[str, Found]]:
             scope[name] = eval(f"({formula})", scope)
         return {name: scope[name] for name in formulas}
 
-    table = read_table(paper.__name__, "claims")
+    table = tomllib.loads(words(f"{paper}_claims.toml"))
     known |= worked_out(table.pop("known"))
     figures = {name: worked_out(formulas) for name, formulas in table.items()}
     return {

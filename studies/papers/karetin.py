@@ -158,11 +158,6 @@ def lengths(v: Any) -> Any:
     return np.stack([np.sqrt(v[one] * v[one] + v[other] * v[other]) for one, other in PLANES])
 
 
-def cross(one: Any, other: Any) -> Any:
-    """Vector product."""
-    return np.cross(one, other, axis=0)
-
-
 def turned_x(v: Any, angle: Any) -> Any:
     """Vectors turned about Ox."""
     sine, cosine = np.sin(angle), np.cos(angle)
@@ -205,7 +200,7 @@ def feet_of(r: Any, v: Any) -> Any:
     return found
 
 
-ROWS, PRINTED, EXACT = tables(__name__, globals())
+ROWS, PRINTED, EXACT = tables("karetin", globals())
 
 
 def inputs(g: Geometry, motion: Motion, t: Any) -> dict[str, Any]:
@@ -256,14 +251,17 @@ def _slopes(e: Forms) -> Any:
     return vector(e.y / e.x, e.y / e.z, e.z / e.x)
 
 
-SUM_IN_LINK1 = _summed("velocity_in_link1", STOPPED, STOPPED_IN_TIME)
-SPECIAL = {
+NAMES = {number: row.name for row in ROWS for number in row.number.split(", ")}
+EQUATIONS = {
+    number: compared(NAMES[number], PRINTED, STOPPED if 1 < n < 19 else MOVING)
+    for n, number in ((n, f"({n})") for n in range(1, 34))
+}
+EQUATIONS |= {
     "(6)": Equation(
         "angular_velocities",
         lambda: (rate(np.arctan(_slopes(STOPPED_IN_TIME))), STOPPED.angular_velocities),
     ),
-    "(7)": SUM_IN_LINK1,
-    "(17)": SUM_IN_LINK1,
+    "(7)": _summed("velocity_in_link1", STOPPED, STOPPED_IN_TIME),
     # v has no largest value, v x_D, which (20) and (22) use, has one; so has the angle of the slope k1, as
     # which the foot is as steep
     "(21)": Equation("v", lambda: (PRINTED["v"](MOVING) * MOVING.x_D, MOVING.v * MOVING.x_D)),
@@ -271,11 +269,7 @@ SPECIAL = {
     "(27)": Equation("k1", lambda: (np.arctan(MOVING.k1), np.arctan(MOVING.foot_L[1] / MOVING.foot_L[0]))),
     "(32)": Equation("acceleration", lambda: (rate(MOVING_IN_TIME.velocity), MOVING.acceleration)),
 }
-NAMES = {number: row.name for row in ROWS for number in row.number.split(", ")}
-EQUATIONS = {
-    number: SPECIAL.get(number) or compared(NAMES[number], PRINTED, STOPPED if 1 < n < 19 else MOVING)
-    for n, number in ((n, f"({n})") for n in range(1, 34))
-}
+EQUATIONS["(17)"] = EQUATIONS["(7)"]
 
 
 # --- claims ---
@@ -328,15 +322,3 @@ def asymmetry_of_components(g: Geometry, motion: Motion) -> float:
     span = period(g, motion)
     components = [lambda t, axis=axis: exact(g, motion, t).velocity[axis] for axis in range(3)]
     return max(min(best_mirror(v, span, sign)[0] for sign in (1.0, -1.0)) for v in components)
-
-
-def swings(g: Geometry, motion: Motion) -> tuple[Any, Any]:
-    """Count turns gained (0 is a swing to and fro) and half the range, rad, of D about Ox, Oy, Oz."""
-    beta = np.unwrap(over_period(g, motion).angles)[[1, 2, 0]]
-    turns = np.rint((beta[:, -1] - beta[:, 0]) / (2.0 * np.pi))
-    return turns.astype(int), 0.5 * np.ptp(beta, axis=1)
-
-
-def moments(v: Any) -> Any:
-    """The vectors r x v of the dynamic mode about the normals of xOy, yOz and xOz."""
-    return np.cross(MOVING.position, v, axis=0)[[2, 0, 1]]

@@ -25,7 +25,7 @@ weight unless it is told.
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -42,9 +42,6 @@ from .engine import (
     worst,
 )
 
-# moduli of wheels that can be built, and arms of the imbalance over r
-MODULI = (0.1, 0.2, 1.0 / 3.0, 0.5, 1.0)
-ARMS = (0.5, 1.0, 2.0)
 # losses of examples/real_machine.toml
 LOSSES = {
     "mesh_efficiency": 0.99,
@@ -86,53 +83,19 @@ class Mechanism:
         return self.R0 + self.r
 
 
-def arcsin_of(sine: Any) -> Any:
-    """Arcsine; rounding alone can carry a sine past one: |D sin alpha| <= rho always."""
-    return np.arcsin(np.clip(sine, -1.0, 1.0))
-
-
-def root_of(square: Any) -> Any:
-    """Square root; rounding alone can make the square negative."""
-    return np.sqrt(np.maximum(square, 0.0))
-
-
 def moment(place: Any, force: Any) -> Any:
     """Moment of a force at a place, about where the place is counted from."""
     return (np.conj(place) * force).imag
 
 
-def parts(place: Any) -> tuple[Any, Any]:
-    """Both coordinates of a place."""
-    return place.real, place.imag
-
-
-def reduced_inertia(m: Mechanism, alpha: Any) -> Any:
-    """J_carrier + J_wheel ((1 + b)/b)^2 + m |dS/dtheta|^2, reduced to the carrier, kg m^2: for (19)."""
-    ratio, turns = m.arm / m.r, m.centre_distance / m.r
-    swing = (1.0 - ratio) ** 2 + 4.0 * ratio * np.sin(0.5 * np.asarray(alpha)) ** 2
-    return m.J_carrier + m.J_wheel * turns**2 + m.m * m.centre_distance**2 * swing
-
-
-def speed_ratio(m: Mechanism) -> float:
-    """omega_max / omega_min of the free mechanism, sqrt(J_red,max / J_red,min): corrects (21).
-
-    It has no bound where l = r and the links have no inertia.
-    """
-    return float(np.sqrt(reduced_inertia(m, np.pi) / reduced_inertia(m, 0.0)))
-
-
-ROWS, PRINTED, EXACT = tables(__name__, globals())
+ROWS, PRINTED, EXACT = tables("lysenko", globals())
 
 
 def _forms(formulas: Formulas, m: Mechanism, alpha: Any, omega: Any, known: dict[str, Any]) -> Forms:
-    """Forms of the symbols of the paper; links: their constant inertia."""
+    """Forms of the symbols of the paper; links: their constant inertia; at: the exact forms at an angle."""
     lengths = {**asdict(m), "D": m.centre_distance, "l": m.arm, "b": m.b, "links": m.J_carrier + m.J_wheel}
     motion = {"alpha": np.asarray(alpha), "omega": omega, "omega_rate": 0.0}
-    inertias: dict[str, Any] = {
-        "J_at": lambda angle: exact(m, angle).J,
-        "J_red_at": lambda angle: reduced_inertia(m, angle),
-    }
-    return Forms(formulas, **lengths | motion | inertias | known)
+    return Forms(formulas, **lengths | motion | {"at": lambda angle: exact(m, angle)} | known)
 
 
 def printed(m: Mechanism, alpha: Any, omega: Any, **known: Any) -> Forms:
@@ -174,12 +137,6 @@ EQUATIONS["(13)"] = Equation("k1", lambda: (PRINTED["k1"](WITH_PRINTED_DELTA), C
 # speed of the carrier of the example, rad/s, and its time for a turn, s
 CARRIER_SPEED = EXAMPLE.b * EXAMPLE_SPEED
 TURN = 2.0 * np.pi / CARRIER_SPEED
-
-
-def with_modulus(b: float, arm: float = 1.0) -> Mechanism:
-    """The example with another wheel 1, r = b R0, and the imbalance at arm times r."""
-    r = b * EXAMPLE.R0
-    return replace(EXAMPLE, r=r, arm=arm * r)
 
 
 def module_of(m: Mechanism, **values: Any) -> Module:

@@ -215,7 +215,7 @@ def free_part(kappa: Any, C: tuple[Any, Any], nu1: float, Pi: float) -> tuple[An
     return fading * swing, fading * (nu1 * (C[0] * cosine - C[1] * sine) - Pi * swing)
 
 
-ROWS, PRINTED, EXACT = tables(__name__, globals())
+ROWS, PRINTED, EXACT = tables("stelmashchuk", globals())
 
 
 def acceleration(s: Forms, kappa: Any) -> Any:
