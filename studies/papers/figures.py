@@ -629,13 +629,3 @@ def numbers(figure: Figure) -> dict[str, Any]:
                 parts = [name] if shared else [name, axes.get_title("left"), label]
                 columns[", ".join(filter(None, parts))] = np.asarray(values)
     return {name.replace("$", ""): values for name, values in columns.items()}
-
-
-def all_figures() -> dict[str, Callable[[], tuple[Figure, dict[str, Any]]]]:
-    """The functions that draw the figures and return them with their numbers by column, by name."""
-
-    def drawn(draw: Callable[[], Figure]) -> tuple[Figure, dict[str, Any]]:
-        figure = draw()
-        return figure, numbers(figure)
-
-    return {name: partial(drawn, draw) for name, draw in FIGURES.items()}
