@@ -1,9 +1,9 @@
 """The engine under the papers: quantities by formulas, equations and claims under their verdicts.
 
 A paper is a table of rows, each a quantity by its formula as printed and exact (PAPER_forms.toml), and a
-table of claims. An equation is judged alone, fed with exact values of all it takes, and is right if rounding
-is all that is left. A claim is taken apart into what it says: it holds if all of it does. Its words stand in
-the Markdown beside the code, which names its figures.
+table of claims (PAPER_claims.toml). An equation is judged alone, fed with exact values of all it takes, and
+is right if rounding is all that is left. A claim is taken apart into what it says: it holds if all of it
+does. Its words stand in the Markdown beside the code (PAPER.md), which names its figures.
 
 Formulas are written in the symbols of the paper and take and give numbers, arrays over n times or angles,
 shape (n,), and vectors with their components first, shape (3, n).

@@ -320,8 +320,6 @@ def over_printed() -> Figure:
 
 # --- mechanisms to scale ---
 
-View = tuple[float, float, float, float]
-ARROW = {"arrowstyle": "-|>", "linewidth": 1.6, "shrinkA": 0, "shrinkB": 0}
 # a, b and c differ from 1, so that no two points are one
 LAYOUT = replace(GENERAL, epsilon=0.0, gamma=0.0)
 # where the dynamic mode is drawn: share of a turn of the drive
@@ -338,7 +336,7 @@ class Sketch:
         axes: to draw in. plane: names of both coordinates. view: left, right, bottom, top, mm.
     """
 
-    def __init__(self, axes: Axes, plane: str, view: View, title: str = "") -> None:
+    def __init__(self, axes: Axes, plane: str, view: Any, title: str = "") -> None:
         self.axes, self.plane = axes, plane
         axes.set_aspect("equal")
         axes.axis(view)
@@ -365,8 +363,9 @@ class Sketch:
     def arrow(self, start: complex, along: complex, colour: str, name: str = "", line: Any = "-") -> None:
         """An arrow, its name beyond the tip."""
         end = start + along
-        look = {"color": colour, "linestyle": line} | ARROW
-        self.axes.annotate("", (end.real, end.imag), (start.real, start.imag), arrowprops=look)
+        look = {"color": colour, "linestyle": line, "linewidth": 1.6, "shrinkA": 0, "shrinkB": 0}
+        tip, tail = (end.real, end.imag), (start.real, start.imag)
+        self.axes.annotate("", tip, tail, arrowprops={"arrowstyle": "-|>", **look})
         self.write(end + 7.0 * along / abs(along), name, colour)
 
     def arc(self, corner: complex, start: complex, angle: float, radius: float, name: str) -> None:
@@ -507,7 +506,7 @@ def arms() -> Figure:
     return figure
 
 
-def wheels_at(axes: Axes, view: View) -> tuple[Sketch, complex, complex]:
+def wheels_at(axes: Axes, view: Any) -> tuple[Sketch, complex, complex]:
     """Draw Lysenko's wheels 1 and 2, carrier 3, imbalance and its epicycloid 4.
 
     Returns:

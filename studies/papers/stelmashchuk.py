@@ -15,10 +15,8 @@ of exp(lambda kappa) over the characteristic numbers and the number of the forci
 when points meet. Motion from rest under the forcing exp(mu kappa) is the second divided difference over
 (slow, fast, mu), the impulse response the first over (slow, fast).
 
-The page calls v what is nu here. It does not say what nu0, chi and nu1 are; the names below reproduce
-every printed R. Errors kept: 4 pi^2 Pi in R'' (should be 4 pi Pi), the bracket in C1 of phase III
-(R0' belongs inside), B of phase III, which is not defined (2 is right). Only Pi < nu is covered, and no
-resonance without friction.
+The page calls v what is nu here. It does not say what nu0, chi and nu1 are; the names in the table reproduce
+every printed R. It covers only Pi < nu, and no resonance without friction.
 
 kappa: relative time t/T, from the beginning of a phase where a phase is given, numbers or arrays of shape
 (n,), as the results, all without unit; kappa2: length of phase II, from 0 on, 1 where not told; beta: gain of

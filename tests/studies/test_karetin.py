@@ -35,6 +35,14 @@ DIGITS = 50
 TIMES = 21
 # coordinates in which the angles of H, P and F count
 SENSES = ((0, 1), (2, 1), (0, 2))
+MODULI = {
+    "position": "radius",
+    "about_satellite": "speed_about_satellite",
+    "about_drive": "speed_about_drive",
+    "velocity_in_link1": "speed_in_link1",
+    "velocity": "speed",
+    "acceleration": "acceleration_modulus",
+}
 
 
 def random_parameters(rng):
@@ -148,15 +156,8 @@ def test_position_its_rates_its_angles_and_the_feet_are_those_of_the_chain(case)
 
 def test_moduli_and_projections_are_those_of_their_vectors(case):
     _, _, k = case
-    for whole, modulus in (
-        (k.position, k.radius),
-        (k.about_satellite, k.speed_about_satellite),
-        (k.about_drive, k.speed_about_drive),
-        (k.velocity_in_link1, k.speed_in_link1),
-        (k.velocity, k.speed),
-        (k.acceleration, k.acceleration_modulus),
-    ):
-        np.testing.assert_allclose(modulus, np.linalg.norm(whole, axis=0), rtol=1e-15)
+    for name, modulus in MODULI.items():
+        np.testing.assert_allclose(k[modulus], np.linalg.norm(k[name], axis=0), rtol=1e-15)
     for whole, lengths in ((k.position, k.projections), (k.velocity, k.plane_speeds)):
         expected = np.stack([np.hypot(whole[u], whole[v]) for u, v in PLANES])
         np.testing.assert_allclose(lengths, expected, rtol=1e-15)
@@ -220,24 +221,27 @@ def test_near_an_axis_the_rate_is_large_and_feet_exist_where_the_printed_slope_i
 
 # of the search for the best instant
 SEARCH = 1e-6
-MODULI = ("speed", "acceleration_modulus")
+
+
+def asymmetries(base, motion, **offsets):
+    g = replace(base, **offsets)
+    return np.array([karetin.asymmetry(name, g, motion) for name in ("speed", "acceleration_modulus")])
 
 
 @pytest.mark.parametrize("base", [STANDARD, GENERAL], ids=["standard", "general"])
 def test_conclusion_2_offsets_make_the_dynamic_mode_asymmetric_and_leave_the_stop_mode_symmetric(base):
     for epsilon, gamma in ((0.5, 0.0), (0.0, 0.5), (0.5, 0.5)):
-        g = replace(base, epsilon=epsilon, gamma=gamma)
-        assert all(karetin.asymmetry(name, g, STOP) < SEARCH for name in MODULI)
+        assert (asymmetries(base, STOP, epsilon=epsilon, gamma=gamma) < SEARCH).all()
         # together they may make up for each other
         if epsilon * gamma == 0.0:
-            assert all(karetin.asymmetry(name, g, DYNAMIC) > 0.02 for name in MODULI)
+            assert (asymmetries(base, DYNAMIC, epsilon=epsilon, gamma=gamma) > 0.02).all()
 
 
 @pytest.mark.parametrize("epsilon", [0.0, 1.7])
 def test_conclusion_2_offsets_that_only_shift_time_leave_all_symmetric(epsilon):
-    g = replace(PAPER, epsilon=epsilon, gamma=epsilon / PAPER.s)
-    assert all(karetin.asymmetry(name, g, DYNAMIC) < SEARCH for name in MODULI)
-    assert karetin.asymmetry_of_components(g, STOP) < SEARCH
+    shifted = {"epsilon": epsilon, "gamma": epsilon / PAPER.s}
+    assert (asymmetries(PAPER, DYNAMIC, **shifted) < SEARCH).all()
+    assert karetin.asymmetry_of_components(replace(PAPER, **shifted), STOP) < SEARCH
 
 
 def test_the_best_mirror_of_a_known_function_is_found():

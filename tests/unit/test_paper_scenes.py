@@ -84,22 +84,6 @@ def test_stelmashchuks_scene_gives_his_motion(built):
 # --- a shaft alone ---
 
 
-def test_criteria_are_stiffness_and_friction(tmp_path):
-    scene = shaft_scene(tmp_path, "nu = 8\nPi = 0.5")
-    assert scene.parameters() == pytest.approx(
-        {"driven_inertia": 0.2, "shaft_stiffness": 64.0 * 0.2 / 0.04, "driven_friction": 0.2 / 0.2}
-    )
-
-
-def test_hub_turns_by_the_angles_of_the_law(tmp_path):
-    drive = shaft_scene(tmp_path).drive
-    times = np.linspace(0.0, 1.0, 100_001)
-    speeds = drive.speeds(times)
-    # phases I and III turn the angle together, the dwell twice kappa2 times as much
-    assert np.trapezoid(speeds, times) == pytest.approx(0.5 + 2.0 * 0.5, rel=1e-8)
-    assert speeds[0] == speeds[-1] == 0.0
-
-
 def test_hub_by_table_with_a_load(built, tmp_path):
     drive = TABLE + '\n[load]\nkind = "torque"\ntorque = "2 N.m"'
     scene = shaft_scene(tmp_path, 'shaft_damping = 5\ninput_hold = "linear"', drive, 'outputs = ["twist"]')
