@@ -152,14 +152,12 @@ class Equation(NamedTuple):
     """An equation of a paper under its verdict.
 
     Attributes:
-        name: of the quantity in the tables of formulas, if it is in them.
+        name: of the quantity in the tables of formulas.
         forms: its printed and exact form over a period, as arguments of worst.
-        verdict: in words, where there is nothing to compare.
     """
 
-    name: str = ""
-    forms: Callable[[], tuple[Any, ...]] = tuple
-    verdict: str = ""
+    name: str
+    forms: Callable[[], tuple[Any, ...]]
 
     @property
     def difference(self) -> float:
@@ -168,12 +166,9 @@ class Equation(NamedTuple):
 
     def __str__(self) -> str:
         """Verdict, with the name in the code and the difference, in Markdown."""
-        if self.verdict:
-            return f"**{self.verdict}**"
         difference = self.difference
-        if difference < ROUNDING:
-            return f"**right** (`{self.name}`)"
-        return f"**wrong**, by {difference:.2g} (`{self.name}`)"
+        wrong = f"**wrong**, by {difference:.2g}"
+        return f"{'**right**' if difference < ROUNDING else wrong} (`{self.name}`)"
 
 
 def compared(name: str, printed: Formulas, exact: Forms) -> Equation:

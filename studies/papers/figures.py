@@ -197,8 +197,7 @@ def in_a_row() -> Figure:
             step = 1e-3 * k.t[0]
             after, before = (karetin.printed(PAPER, motion, k.t + h, velocity) for h in (step, -step))
             page = (after - before) / (2.0 * step)
-        forms = {"exact": k[name], "as printed": page}
-        return {form: scale * karetin.modulus(vector) for form, vector in forms.items()}
+        return {"exact": scale * karetin.modulus(k[name]), "as printed": scale * karetin.modulus(page)}
 
     told = "Moduli of velocity and acceleration, exact and as printed, the equations of the page in a row"
     figure = by_mode(BETWEEN, told, curves)

@@ -25,16 +25,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from .engine import (
-    ROUNDING,
-    Equation,
-    Forms,
-    compared,
-    in_time,
-    rate,
-    tables,
-    vector,
-)
+from .engine import ROUNDING, Equation, Forms, compared, in_time, rate, tables, vector
 
 # axes of xOy, yOz and xOz
 PLANES = ((0, 1), (1, 2), (0, 2))

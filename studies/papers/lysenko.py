@@ -32,15 +32,7 @@ import numpy as np
 
 from inertia_module.memory import Module
 
-from .engine import (
-    Equation,
-    Forms,
-    Formulas,
-    compared,
-    largest,
-    tables,
-    worst,
-)
+from .engine import Equation, Forms, Formulas, compared, largest, tables, worst
 
 # losses of examples/real_machine.toml
 LOSSES = {

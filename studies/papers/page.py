@@ -32,9 +32,10 @@ def papers_page() -> str:
 
 
 def equations(paper: str) -> str:
-    """The words on the equations of a paper, a verdict below each heading."""
+    """The words on the equations of a paper, below each heading the verdict on its forms, if it has them."""
+    found = PAPERS[paper].EQUATIONS
 
     def judged(heading: re.Match[str]) -> str:
-        return f"{heading[0]}\n{PAPERS[paper].EQUATIONS[heading[1]]}\n"
+        return heading[0] + (f"\n{found[heading[1]]}\n" if heading[1] in found else "")
 
     return SECTION.sub(judged, words(f"{paper}_equations.md"))

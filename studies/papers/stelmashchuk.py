@@ -242,8 +242,6 @@ RISING, DWELLING = (
 )
 
 EQUATIONS = {
-    "(1)": Equation(verdict="not known"),
-    "(2)": Equation(verdict="wrong"),
     "(3)": compared("law_of_motion", PRINTED, RISING),
     "(4)": compared("law_of_motion", PRINTED, RISING),
     "(5)": Equation("free_acceleration", lambda: (DWELLING.free_acceleration, DWELLING.motion.acceleration)),

@@ -15,21 +15,7 @@ from mpmath import mp, mpf
 from scenes import advanced, started, vector
 
 from studies.papers import karetin
-from studies.papers.karetin import (
-    DYNAMIC,
-    GENERAL,
-    PAPER,
-    PLANES,
-    STANDARD,
-    STOP,
-    Geometry,
-    Motion,
-    angular_velocities_of,
-    dynamic_mode,
-    exact,
-    feet_of,
-    stop_mode,
-)
+from studies.papers.karetin import PAPER, PLANES, STANDARD, Geometry, Motion, dynamic_mode, exact, stop_mode
 
 DIGITS = 50
 TIMES = 21
@@ -211,9 +197,9 @@ def test_everything_is_finite_at_the_limits_and_lengths_are_right(shaft_angle):
 
 def test_near_an_axis_the_rate_is_large_and_feet_exist_where_the_printed_slope_is_infinite():
     r = np.array([[1.0, 1e-12, 0.0]]).T
-    assert angular_velocities_of(r, np.array([[0.0, 0.0, 1.0]]).T)[1, 0] == pytest.approx(-1e12)
+    assert karetin.angular_velocities_of(r, np.array([[0.0, 0.0, 1.0]]).T)[1, 0] == pytest.approx(-1e12)
     # V_y = 0, where (27) and (30) divide by 0; in xOz: n = (4, -3)/5, n r = -1
-    foot = feet_of(np.array([[1.0, 2.0, 3.0]]).T, np.array([[3.0, 0.0, 4.0]]).T)[..., 0]
+    foot = karetin.feet_of(np.array([[1.0, 2.0, 3.0]]).T, np.array([[3.0, 0.0, 4.0]]).T)[..., 0]
     np.testing.assert_allclose(foot, [[0.0, 2.0, 0.0], [0.0, 2.0, 0.0], [-0.8, 0.0, 0.6]], atol=1e-15)
 
 
@@ -228,20 +214,20 @@ def asymmetries(base, motion, **offsets):
     return np.array([karetin.asymmetry(name, g, motion) for name in ("speed", "acceleration_modulus")])
 
 
-@pytest.mark.parametrize("base", [STANDARD, GENERAL], ids=["standard", "general"])
+@pytest.mark.parametrize("base", [STANDARD, karetin.GENERAL], ids=["standard", "general"])
 def test_conclusion_2_offsets_make_the_dynamic_mode_asymmetric_and_leave_the_stop_mode_symmetric(base):
     for epsilon, gamma in ((0.5, 0.0), (0.0, 0.5), (0.5, 0.5)):
-        assert (asymmetries(base, STOP, epsilon=epsilon, gamma=gamma) < SEARCH).all()
+        assert (asymmetries(base, karetin.STOP, epsilon=epsilon, gamma=gamma) < SEARCH).all()
         # together they may make up for each other
         if epsilon * gamma == 0.0:
-            assert (asymmetries(base, DYNAMIC, epsilon=epsilon, gamma=gamma) > 0.02).all()
+            assert (asymmetries(base, karetin.DYNAMIC, epsilon=epsilon, gamma=gamma) > 0.02).all()
 
 
 @pytest.mark.parametrize("epsilon", [0.0, 1.7])
 def test_conclusion_2_offsets_that_only_shift_time_leave_all_symmetric(epsilon):
     shifted = {"epsilon": epsilon, "gamma": epsilon / PAPER.s}
-    assert (asymmetries(PAPER, DYNAMIC, **shifted) < SEARCH).all()
-    assert karetin.asymmetry_of_components(replace(PAPER, **shifted), STOP) < SEARCH
+    assert (asymmetries(PAPER, karetin.DYNAMIC, **shifted) < SEARCH).all()
+    assert karetin.asymmetry_of_components(replace(PAPER, **shifted), karetin.STOP) < SEARCH
 
 
 def test_the_best_mirror_of_a_known_function_is_found():
