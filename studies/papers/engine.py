@@ -12,7 +12,7 @@ shape (n,), and vectors with their components first, shape (3, n).
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
@@ -81,7 +81,7 @@ def words(name: str) -> str:
     return Path(__file__).with_name(name).read_text(encoding="utf-8")
 
 
-def tables(paper: str, functions: Mapping[str, Any]) -> tuple[list[Row], Formulas, Formulas]:
+def tables(paper: str, functions: dict[str, Any]) -> tuple[list[Row], Formulas, Formulas]:
     """Read the rows of a paper, and compile its formulas as printed and the exact ones, by quantity.
 
     Args:
