@@ -161,17 +161,8 @@ def turned_z(v: Any, angle: Any) -> Any:
     return vector(v[0] * cosine - v[1] * sine, v[0] * sine + v[1] * cosine, v[2])
 
 
-def angles_of(r: Any) -> Any:
-    """beta_H = xOH, beta_P = zOP, beta_F = xOF, rad, in the whole circle (-pi, pi]: (5) put right.
-
-    The sense is the paper's: beta_H from Ox to Oy, beta_P from Oz to Oy, beta_F from Ox to Oz; the last
-    two are against the right-hand turn about Ox and Oy.
-    """
-    return np.arctan2(r[[1, 1, 2]], r[[0, 2, 0]])
-
-
 def angular_velocities_of(r: Any, v: Any) -> Any:
-    """omega_H, omega_P, omega_F, the rates of these angles, rad/s: (6) in closed form."""
+    """omega_H, omega_P, omega_F, the rates of the angles (5), rad/s: (6) in closed form."""
     return (r[[0, 2, 0]] * v[[1, 1, 2]] - r[[1, 1, 2]] * v[[0, 2, 0]]) / lengths(r) ** 2
 
 
@@ -237,20 +228,15 @@ def _summed(name: str, e: Forms, as_of: Forms) -> Equation:
     return Equation(name, lambda: (PRINTED[name](e), turned_x(rate(as_of.position), -e.theta)))
 
 
-def _slopes(e: Forms) -> Any:
-    """Tangents of the angles (5), for which their quadrant does not count."""
-    return vector(e.y / e.x, e.y / e.z, e.z / e.x)
-
-
 NAMES = {number: row.name for row in ROWS for number in row.number.split(", ")}
 EQUATIONS = {
     number: compared(NAMES[number], PRINTED, STOPPED if 1 < n < 19 else MOVING)
     for n, number in ((n, f"({n})") for n in range(1, 34))
 }
 EQUATIONS |= {
+    # of tangents, for which the quadrant does not count
     "(6)": Equation(
-        "angular_velocities",
-        lambda: (rate(np.arctan(_slopes(STOPPED_IN_TIME))), STOPPED.angular_velocities),
+        "angular_velocities", lambda: (rate(np.arctan(STOPPED_IN_TIME.tangents)), STOPPED.angular_velocities)
     ),
     "(7)": _summed("velocity_in_link1", STOPPED, STOPPED_IN_TIME),
     # v has no largest value, v x_D, which (20) and (22) use, has one; so has the angle of the slope k1, as
