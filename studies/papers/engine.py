@@ -220,7 +220,7 @@ def claims_of(paper: str, module: ModuleType) -> dict[str, dict[str, Found]]:
     def worked_out(formulas: dict[str, str]) -> dict[str, Any]:
         scope = dict(known)
         for name, formula in formulas.items():
-            scope[name] = eval(f"({formula})", scope)
+            scope[name] = eval(compile(f"({formula})", formula, "eval"), scope)
         return {name: scope[name] for name in formulas}
 
     table = tomllib.loads(words(f"{paper}_claims.toml"))
