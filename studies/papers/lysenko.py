@@ -26,6 +26,7 @@ weight unless it is told.
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -83,30 +84,20 @@ def moment(place: Any, force: Any) -> Any:
 ROWS, PRINTED, EXACT = tables("lysenko", globals())
 
 
-def _forms(formulas: Formulas, m: Mechanism, alpha: Any, omega: Any, known: dict[str, Any]) -> Forms:
-    """Forms of the symbols of the paper; links: their constant inertia; at: the exact forms at an angle."""
+def forms(formulas: Formulas, m: Mechanism, alpha: Any, omega: Any = 1.0, **known: Any) -> Forms:
+    """Results for dimensions, angles of wheel 1 on the carrier, rad, and its speed, rad/s.
+
+    Args:
+        formulas: PRINTED, each fed with the printed results before it, or EXACT. m: dimensions.
+        alpha, omega: numbers or of shape (n,). known: quantities in place of formulas, or omega_rate,
+            rad/s^2, if the speed is not steady.
+    """
     lengths = {**asdict(m), "D": m.centre_distance, "l": m.arm, "b": m.b, "links": m.J_carrier + m.J_wheel}
     motion = {"alpha": np.asarray(alpha), "omega": omega, "omega_rate": 0.0}
     return Forms(formulas, **lengths | motion | {"at": lambda angle: exact(m, angle)} | known)
 
 
-def printed(m: Mechanism, alpha: Any, omega: Any, **known: Any) -> Forms:
-    """Results of the page for dimensions, angle (rad) and speed (rad/s), its equations in a row.
-
-    Args:
-        m: dimensions. alpha, omega: numbers or of shape (n,). known: quantities in place of the printed.
-    """
-    return _forms(PRINTED, m, alpha, omega, known)
-
-
-def exact(m: Mechanism, alpha: Any, omega: Any = 1.0, **known: Any) -> Forms:
-    """The exact forms at angles of wheel 1 on the carrier, rad, and its speed, rad/s.
-
-    Args:
-        m: dimensions. alpha, omega: numbers or of shape (n,). known: as omega_rate, rad/s^2, if not steady.
-    """
-    return _forms(EXACT, m, alpha, omega, known)
-
+printed, exact = partial(forms, PRINTED), partial(forms, EXACT)
 
 # l = r as in the paper, b = 1/3 (three cycles a turn); speed of wheel 1 relative to the carrier, rad/s
 EXAMPLE = Mechanism(R0=0.06, r=0.02, arm=0.02, m=1.0, J_carrier=2e-3, J_wheel=5e-5)
