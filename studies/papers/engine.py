@@ -226,7 +226,6 @@ def claims_of(paper: str, module: ModuleType) -> dict[str, dict[str, Found]]:
     table = tomllib.loads(words(f"{paper}_claims.toml"))
     known |= worked_out(table.pop("known"))
     figures = {name: worked_out(formulas) for name, formulas in table.items()}
-    return {
-        name: {figure: Found(value) for figure, value in found.items()} | {"verdict": verdict(found["says"])}
-        for name, found in figures.items()
-    }
+    for found in figures.values():
+        found["verdict"] = verdict(found["says"])
+    return {name: {figure: Found(found[figure]) for figure in found} for name, found in figures.items()}
