@@ -27,16 +27,15 @@ def papers(output: OutputFolder = None, as_json: Json = False) -> None:
     from inertia_module.harness.results import write_columns, write_figure
     from inertia_module.harness.simulate import progress_bar
 
-    from .papers.figures import all_figures
+    from .papers.figures import FIGURES, numbers
 
-    figures = all_figures()
     files: list[str] = []
-    with one_line_errors(), progress_bar("drawing the papers", len(figures)) as progress:
+    with one_line_errors(), progress_bar("drawing the papers", len(FIGURES)) as progress:
         folder = folder_for(output, "papers")
-        for number, (name, draw) in enumerate(figures.items(), 1):
-            figure, columns = draw()
+        for number, (name, draw) in enumerate(FIGURES.items(), 1):
+            figure = draw()
             files += [str(write_figure(folder / f"{name}.{kind}", figure)) for kind in ("png", "svg")]
-            files.append(str(write_columns(folder / f"{name}.csv", columns)))
+            files.append(str(write_columns(folder / f"{name}.csv", numbers(figure))))
             progress(number)
     typer.echo(json.dumps({"files": files}) if as_json else "\n".join(files))
 

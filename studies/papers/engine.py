@@ -1,9 +1,9 @@
 """The engine under the papers: quantities by formulas, equations and claims under their verdicts.
 
 A paper is a table of rows, each a quantity by its formula as printed and exact (PAPER_forms.toml), and a
-table of claims. An equation is judged alone, fed with exact values of all it takes, and is right if rounding
-is all that is left. A claim is taken apart into what it says: it holds if all of it does. Its words stand in
-the Markdown beside the code, which names its figures.
+table of claims (PAPER_claims.toml). An equation is judged alone, fed with exact values of all it takes, and
+is right if rounding is all that is left. A claim is taken apart into what it says: it holds if all of it
+does. Its words stand in the Markdown beside the code (PAPER.md), which names its figures.
 
 Formulas are written in the symbols of the paper and take and give numbers, arrays over n times or angles,
 shape (n,), and vectors with their components first, shape (3, n).
@@ -12,8 +12,10 @@ shape (n,), and vectors with their components first, shape (3, n).
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
+from types import ModuleType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,6 +24,8 @@ import numpy as np
 STEP = 1e-30
 ROUNDING = 1e-12
 HOLDS, PARTLY, FAILS = "holds", "holds partly", "does not hold"
+# what every formula may use
+NAMES = {**vars(np), "replace": replace}
 # takes what it needs from the Forms it is called with
 Formula = Callable[["Forms"], Any]
 Formulas = dict[str, Formula]
@@ -72,24 +76,24 @@ class Forms(dict[str, Any]):
         return Forms(self.formulas, **self | known)
 
 
-def rows_of(paper: str) -> list[Row]:
-    """Read the table of a paper's quantities, which stands beside the code: rows of Row."""
-    text = Path(__file__).with_name(f"{paper}_forms.toml").read_text(encoding="utf-8")
-    return [Row(*row) for row in tomllib.loads(text)["rows"]]
+def words(name: str) -> str:
+    """A text beside the code."""
+    return Path(__file__).with_name(name).read_text(encoding="utf-8")
 
 
-def tables(rows: Iterable[Row], *functions: Callable[..., Any]) -> tuple[Formulas, Formulas]:
-    """Compile the formulas as printed and the exact ones, by the name of the quantity.
+def tables(paper: str, functions: dict[str, Any]) -> tuple[list[Row], Formulas, Formulas]:
+    """Read the rows of a paper, and compile its formulas as printed and the exact ones, by quantity.
 
     Args:
-        rows: of the paper. functions: that formulas use besides those of numpy.
+        paper: its name. functions: that formulas use besides those of numpy, by name.
     """
-    used = {**vars(np), **{function.__name__: function for function in functions}}
+    used = NAMES | functions
 
     def formula(text: str) -> Formula:
         code = compile(text, text, "eval")
         return lambda forms: eval(code, used, forms)
 
+    rows = [Row(*row) for row in tomllib.loads(words(f"{paper}_forms.toml"))["rows"]]
     printed: Formulas = {}
     exact: Formulas = {}
     for row in rows:
@@ -99,7 +103,7 @@ def tables(rows: Iterable[Row], *functions: Callable[..., Any]) -> tuple[Formula
             part = "({})" if len(names) == 1 else f"({{}})[{n}]"
             printed[name] = formula(part.format(row.printed))
             exact[name] = formula(part.format(row.exact or row.printed))
-    return printed, exact
+    return rows, printed, exact
 
 
 def in_time(t: Any) -> Any:
@@ -134,8 +138,7 @@ def worst(printed: Any, exact: Any, scale: float | None = None) -> float:
     """
 
     def longest(values: Any) -> float:
-        lengths = np.sqrt(np.sum(np.square(values), axis=0)) if np.ndim(values) > 1 else values
-        return largest(lengths)
+        return largest(np.linalg.norm(values, axis=0) if np.ndim(values) > 1 else values)
 
     return longest(np.subtract(printed, exact)) / (scale or longest(exact))
 
@@ -149,14 +152,12 @@ class Equation(NamedTuple):
     """An equation of a paper under its verdict.
 
     Attributes:
-        name: of the quantity in the tables of formulas, if it is in them.
+        name: of the quantity in the tables of formulas.
         forms: its printed and exact form over a period, as arguments of worst.
-        verdict: in words, where there is nothing to compare.
     """
 
-    name: str = ""
-    forms: Callable[[], tuple[Any, ...]] = tuple
-    verdict: str = ""
+    name: str
+    forms: Callable[[], tuple[Any, ...]]
 
     @property
     def difference(self) -> float:
@@ -165,12 +166,9 @@ class Equation(NamedTuple):
 
     def __str__(self) -> str:
         """Verdict, with the name in the code and the difference, in Markdown."""
-        if self.verdict:
-            return f"**{self.verdict}**"
         difference = self.difference
-        if difference < ROUNDING:
-            return f"**right** (`{self.name}`)"
-        return f"**wrong**, by {difference:.2g} (`{self.name}`)"
+        wrong = f"**wrong**, by {difference:.2g}"
+        return f"{'**right**' if difference < ROUNDING else wrong} (`{self.name}`)"
 
 
 def compared(name: str, printed: Formulas, exact: Forms) -> Equation:
@@ -178,19 +176,12 @@ def compared(name: str, printed: Formulas, exact: Forms) -> Equation:
     return Equation(name, lambda: (printed[name](exact), exact[name]))
 
 
-def told(value: Any) -> str:
-    """A text, a count, or a relative difference; rounding differs from machine to machine: not spelt out."""
-    if not isinstance(value, float):
-        return str(value)
-    return "rounding" if value < ROUNDING else f"{value:.2g}"
-
-
 class Found:
     """Figures of a claim as the page tells them, several after one another.
 
     Args:
-        value: number, text, or several of them. A format that ends in % gives shares in percent; without a
-            format they are told as differences.
+        value: number, text, or several of them. A format that ends in % gives shares in percent. Without a
+            format they are differences, and rounding, other on each machine, is not spelt out.
     """
 
     def __init__(self, value: Any) -> None:
@@ -202,26 +193,39 @@ class Found:
     def __format__(self, form: str) -> str:
         if form.endswith("%"):
             return f"{Found(np.multiply(100.0, self.value)):{form[:-1]}f} %"
-        values = np.ravel(np.array(self.value, dtype=object))
-        return ", ".join(format(value, form) if form else told(value) for value in values)
+        told = []
+        for value in np.ravel(np.array(self.value, dtype=object)):
+            difference = not form and isinstance(value, float)
+            small = difference and value < ROUNDING
+            told.append("rounding" if small else format(value, ".2g" if difference else form))
+        return ", ".join(told)
 
 
-class Claim:
-    """A claim in the text of a paper: what was found of it, its words being in the Markdown of the paper.
+def verdict(says: Any) -> str:
+    """Judge a claim by whether each thing it says is so."""
+    so = np.ravel(says)
+    return HOLDS if so.all() else PARTLY if so.any() else FAILS
 
-    Args:
-        says: whether each thing the claim says is so, or in each of the cases it names or leaves open.
-        figures: by the names by which the words have them.
+
+def claims_of(paper: str, module: ModuleType) -> dict[str, dict[str, Found]]:
+    """Work out the table of a paper's claims, which stands beside the code.
+
+    Formulas use what its module has, what is known to all claims and the figures before them.
+
+    Returns:
+        Of each claim the figures by name, with its verdict; its words name them.
     """
+    known = NAMES | globals() | vars(module)
 
-    def __init__(self, *says: Any, **figures: Any) -> None:
-        self.says = [bool(so) for so in says]
-        self.figures = figures
+    def worked_out(formulas: dict[str, str]) -> dict[str, Any]:
+        scope = dict(known)
+        for name, formula in formulas.items():
+            scope[name] = eval(compile(f"({formula})", formula, "eval"), scope)
+        return {name: scope[name] for name in formulas}
 
-    def __getattr__(self, name: str) -> Found:
-        if name not in self.__dict__["figures"]:
-            raise AttributeError(name)
-        return Found(self.figures[name])
-
-    def __str__(self) -> str:
-        return HOLDS if all(self.says) else PARTLY if any(self.says) else FAILS
+    table = tomllib.loads(words(f"{paper}_claims.toml"))
+    known |= worked_out(table.pop("known"))
+    figures = {name: worked_out(formulas) for name, formulas in table.items()}
+    for found in figures.values():
+        found["verdict"] = verdict(found["says"])
+    return {name: {figure: Found(found[figure]) for figure in found} for name, found in figures.items()}

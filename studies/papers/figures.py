@@ -1,29 +1,45 @@
-"""Figures of curves: each equation that is wrong as printed beside its exact form, and what the papers draw.
+"""Figures of the papers: curves in panels, mechanisms to scale, and the numbers in them.
 
-Karetin's are drawn for the scene R1 with 40 teeth on wheel 17: then s = 2 is whole and one turn of the drive
-is one period of the motion in link 1, as the paper has it.
+Each equation that is wrong as printed stands beside its exact form. Karetin's figures are drawn for the scene
+R1 with 40 teeth on wheel 17: then s = 2 is whole and one turn of the drive is one period of the motion in
+link 1, as the paper has it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import math
+import textwrap
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from types import ModuleType
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from inertia_module.common.colours import GREY
+from inertia_module.common.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 
-from . import karetin, lysenko, sketches, stelmashchuk
-from .drawing import Panel, mechanism, numbers, panels, wheels
+from . import karetin, lysenko, stelmashchuk
 from .engine import Row
-from .karetin import DYNAMIC, GENERAL, OFFSET, PAPER, STOP, exact, period
+from .karetin import DYNAMIC, GENERAL, MOVING, OFFSET, PAPER, STOP, Geometry, exact, period, turned_x
+from .lysenko import EXAMPLE as M
+from .lysenko import EXAMPLE_SPEED as W
 from .stelmashchuk import KAPPA2, Criteria, response
 from .stepping import PHASES, law_of_motion, phase_starts
 
+BROKEN, DOTTED, CHAIN = (0, (4, 2)), (0, (1, 1)), (0, (8, 3, 2, 3))
+SMALL: dict[str, Any] = {"fontsize": 8, "frameon": False}
+CENTRED: dict[str, Any] = {"fontsize": 11, "ha": "center", "va": "center"}
+COLOURS = (BLUE, GREEN, ORANGE, VERMILION, PURPLE, SKY)
+# of curves with these labels; others take the colours in turn
+LOOKS: Mapping[str, Mapping[str, Any]] = {
+    "exact": {"color": BLUE, "linewidth": 2.0},
+    "as printed": {"color": VERMILION, "linewidth": 1.3, "linestyle": BROKEN},
+    "mirrored": {"color": BLACK, "linewidth": 1.0, "linestyle": BROKEN},
+    "sine": {"color": BLACK, "linewidth": 1.0, "linestyle": BROKEN, "zorder": 3},
+}
 TURNS = np.linspace(0.0, 1.0, 1441)
 # between the instants at which D is on an axis or the page divides by zero
 BETWEEN = (np.arange(5760) + 0.5) / 5760
@@ -35,6 +51,85 @@ VECTORS = (("velocity", "V", "m/s", 1.0), ("acceleration", "a", "km/s²", 1e-3))
 # the dwell of Stelmashchuk's figures is not given
 KAPPA = np.linspace(0.0, 3.5, 1401)
 RELATIVE_TIME = "relative time κ = t/T [1]"
+# Lysenko's mechanism and the speed of wheel 1 on the carrier
+WHEELS = (
+    f"R, r, l = {1e3 * M.R0:g}, {1e3 * M.r:g}, {1e3 * M.arm:g} mm, b = {M.b:.3g}, m = {M.m:g} kg, "
+    f"J of carrier and wheel {M.J_carrier:g} and {M.J_wheel:g} kg·m², ω = {W:g} rad/s."
+)
+
+
+def mechanism(g: Geometry, offsets: bool = True) -> str:
+    """Parameters of Karetin's mechanism and motions, with or without the offsets of the imbalance."""
+    teeth = f"z2, z16, z17, z6 = {g.z2}, {g.z16}, {g.z17}, {g.z6}"
+    lengths = f"OrΠ = {1e3 * g.wheel_radius:g} mm, Σ = {math.degrees(g.shaft_angle):g}°"
+    places = f"a, b, c = {g.a:g}, {g.b:g}, {g.c:g}"
+    places += f"; ε, γ = {g.epsilon:g}, {g.gamma:g} rad" if offsets else ""
+    return f"{teeth}; {lengths}; {places}; ω1 = {STOP.omega1:g} rad/s, i = 2 in the dynamic mode."
+
+
+# --- curves ---
+
+
+class Panel(NamedTuple):
+    """One of the panels of a figure.
+
+    Attributes:
+        ordinate: its label with the unit. curves: values over the abscissa by label, each of shape (n,).
+        title: at the left above it.
+    """
+
+    ordinate: str
+    curves: Mapping[str, Any]
+    title: str = ""
+
+
+def two_forms(ordinate: str, right: Any, page: Any, title: str = "") -> Panel:
+    """A panel of a quantity as it is and as the page has it."""
+    return Panel(ordinate, {"exact": right, "as printed": page}, title)
+
+
+def sheet(width: float, height: float, told: str) -> Figure:
+    """An empty figure of this size, inches, with what is drawn below it; needs no window."""
+    figure = Figure(figsize=(width, height), dpi=150, layout="constrained")
+    figure.supxlabel(textwrap.fill(told, round(16 * width)), fontsize=8)
+    return figure
+
+
+def dress(axes: Axes, abscissa: str, ordinate: str, title: str = "") -> None:
+    """Labels, title at the left, light grid, no box."""
+    axes.set_xlabel(abscissa)
+    axes.set_ylabel(ordinate)
+    axes.set_title(title, loc="left", fontsize=10)
+    axes.grid(alpha=0.25, linewidth=0.6)
+    axes.spines[["top", "right"]].set_visible(False)
+
+
+def draw(axes: Axes, panel: Panel, x: Any, abscissa: str = "") -> None:
+    """Draw the curves of a panel over x, shape (n,)."""
+    axes.set_prop_cycle(color=COLOURS)
+    for label, values in panel.curves.items():
+        axes.plot(x, values, label=label, **{"linewidth": 1.4, **LOOKS.get(label, {})})
+    dress(axes, abscissa, panel.ordinate, panel.title)
+    axes.margins(x=0.0)
+    axes.axhline(0.0, color=BLACK, linewidth=0.6)
+
+
+def panels(rows: Sequence[Sequence[Panel]], x: Any, abscissa: str, told: str, **shared: Any) -> Figure:
+    """Draw rows of panels over one abscissa, x of shape (n,), with a caption.
+
+    Args:
+        rows: of panels. shared: scales, as sharey of Figure.subplots.
+    """
+    figure = sheet(max(5.8, 3.1 * len(rows[0])), 0.7 + 2.2 * len(rows), told)
+    grid = figure.subplots(len(rows), len(rows[0]), sharex=True, squeeze=False, **shared)
+    for row, cells in zip(grid, rows, strict=True):
+        for axes, panel in zip(row, cells, strict=True):
+            draw(axes, panel, x, abscissa if row[0] is grid[-1, 0] else "")
+    # one legend will do where all panels show the same
+    alike = len({tuple(panel.curves) for row in rows for panel in row}) == 1
+    for axes in grid.flat[:1] if alike else grid.flat:
+        axes.legend(**SMALL)
+    return figure
 
 
 # of the equations of a paper: abscissa and the part of it that is shown, its label, mechanism and motion
@@ -46,7 +141,7 @@ SHEETS: dict[str, tuple[ModuleType, Any, slice, str, str]] = {
         DRIVE,
         mechanism(GENERAL),
     ),
-    "lysenko": (lysenko, np.degrees(lysenko.INSIDE), slice(0, None, 18), ALPHA, wheels()),
+    "lysenko": (lysenko, np.degrees(lysenko.INSIDE), slice(0, None, 18), ALPHA, WHEELS),
     "stelmashchuk": (
         stelmashchuk,
         stelmashchuk.RISE,
@@ -62,9 +157,7 @@ def equation(name: str, row: Row) -> Figure:
     paper, x, shown, label, case = SHEETS[name]
     page, right, _ = np.broadcast_arrays(*paper.EQUATIONS[row.number].forms()[:2], x)
     forms = zip(row.drawn.split(", "), np.atleast_2d(right), np.atleast_2d(page), strict=False)
-    cells = [
-        Panel(component, {"exact": one[shown], "as printed": other[shown]}) for component, one, other in forms
-    ]
+    cells = [two_forms(component, one[shown], other[shown]) for component, one, other in forms]
     return panels([cells], x[shown], label, f"Equation {row.number}, exact and as printed. {case}")
 
 
@@ -86,7 +179,7 @@ def velocity_and_acceleration() -> Figure:
     """Karetin's figure 3: velocity and acceleration of D, their moduli and components."""
 
     def curves(name: str, symbol: str, scale: float, motion: Any) -> Mapping[str, Any]:
-        vector = scale * getattr(in_period(motion), name)
+        vector = scale * in_period(motion)[name]
         parts = {f"${symbol}_{axis}$": part for axis, part in zip("xyz", vector, strict=True)}
         return parts | {f"$|{symbol}|$": karetin.modulus(vector)}
 
@@ -104,8 +197,7 @@ def in_a_row() -> Figure:
             step = 1e-3 * k.t[0]
             after, before = (karetin.printed(PAPER, motion, k.t + h, velocity) for h in (step, -step))
             page = (after - before) / (2.0 * step)
-        forms = {"exact": getattr(k, name), "as printed": page}
-        return {form: scale * karetin.modulus(vector) for form, vector in forms.items()}
+        return {"exact": scale * karetin.modulus(k[name]), "as printed": scale * karetin.modulus(page)}
 
     told = "Moduli of velocity and acceleration, exact and as printed, the equations of the page in a row"
     figure = by_mode(BETWEEN, told, curves)
@@ -134,22 +226,21 @@ def swing() -> Figure:
 
 def offsets() -> Figure:
     """Conclusion 2: |V| with the offsets epsilon and gamma, each beside its mirror image."""
+
+    def beside_its_mirror(title: str, motion: Any, epsilon: float, gamma: float) -> Panel:
+        geometry = replace(PAPER, epsilon=epsilon, gamma=gamma)
+        span = period(geometry, motion)
+
+        def speed(t: Any) -> Any:
+            return exact(geometry, motion, t).speed
+
+        share, instant = karetin.best_mirror(speed, span)
+        both = {"exact": speed(TURNS * span), "mirrored": speed(2.0 * instant - TURNS * span)}
+        told = f"ε = {epsilon:g}, γ = {gamma:g}: asymmetry {100.0 * share:.1f} %"
+        return Panel(f"|V| [m/s], {title}", both, told)
+
     cases = ((0.0, 0.0), (OFFSET, 0.0), (0.0, OFFSET), (OFFSET, OFFSET / PAPER.s))
-    rows = []
-    for title, motion in MODES:
-        row = []
-        for epsilon, gamma in cases:
-            geometry = replace(PAPER, epsilon=epsilon, gamma=gamma)
-            span = period(geometry, motion)
-
-            def speed(t: Any, geometry: Any = geometry, motion: Any = motion) -> Any:
-                return exact(geometry, motion, t).speed
-
-            share, instant = karetin.best_mirror(speed, span)
-            both = {"exact": speed(TURNS * span), "mirrored": speed(2.0 * instant - TURNS * span)}
-            told = f"ε = {epsilon:g}, γ = {gamma:g}: asymmetry {100.0 * share:.1f} %"
-            row.append(Panel(f"|V| [m/s], {title}", both, told))
-        rows.append(row)
+    rows = [[beside_its_mirror(*mode, *case) for case in cases] for mode in MODES]
     told = "Speed of D and its mirror image about the instant that suits best (broken), exact"
     return panels(rows, TURNS, DRIVE, f"{told}. {mechanism(PAPER, offsets=False)}", sharey="row")
 
@@ -157,12 +248,11 @@ def offsets() -> Figure:
 def effective_offset() -> Figure:
     """Conclusion 2: asymmetry of |V| and |a| over gamma - epsilon/s, all that counts of the offsets."""
     gamma = np.linspace(0.0, 0.5 * np.pi, 25)
+    cases = [replace(PAPER, gamma=g) for g in gamma[:13].tolist()]
     found = {}
     for title, motion in MODES:
         for symbol, name in (("|V|", "speed"), ("|a|", "acceleration_modulus")):
-            half = [
-                100.0 * karetin.asymmetry(name, replace(PAPER, gamma=g), motion) for g in gamma[:13].tolist()
-            ]
+            half = [100.0 * karetin.asymmetry(name, case, motion) for case in cases]
             # even, and repeated every pi/s: the drive has turned on by that when B has by pi
             found[f"{symbol}, {title}"] = np.array([*half, *half[-2::-1]])
     told = f"Asymmetry within a period, exact. {mechanism(PAPER, offsets=False)}"
@@ -172,29 +262,26 @@ def effective_offset() -> Figure:
 
 def cycle() -> Figure:
     """Lysenko: moments and power of the drive over a cycle at constant speed, and the free motion."""
-    alpha, m, omega = np.linspace(0.0, 2.0 * np.pi, 721), lysenko.EXAMPLE, lysenko.EXAMPLE_SPEED
+    alpha = np.linspace(0.0, 2.0 * np.pi, 721)
     # the page divides by the speed, which is 0 at both ends
-    e, page = (
-        lysenko.exact(m, alpha, omega),
-        lysenko.printed(m, np.clip(alpha, 1e-9, 2.0 * np.pi - 1e-9), omega),
+    e, page = lysenko.exact(M, alpha, W), lysenko.printed(M, np.clip(alpha, 1e-9, 2.0 * np.pi - 1e-9), W)
+    power, page_power = (-k.N1 - k.N for k in (e, page))
+    free = lysenko.exact(M, alpha).free_speed
+    upper = (
+        two_forms("$M_1$ [N·m]", e.M1, page.M1, "moment about O1"),
+        two_forms("$M$ [N·m]", e.M, page.M, "moment about O"),
     )
-    quantities = (
-        ("$M_1$ [N·m]", "moment about O1", e.M1, page.M1),
-        ("$M$ [N·m]", "moment about O", e.M, page.M),
-        ("$-(N_1 + N)$ [W]", "power of the drive, zero on average", *(-k.N1 - k.N for k in (e, page))),
+    lower = (
+        two_forms("$-(N_1 + N)$ [W]", power, page_power, "power of the drive, zero on average"),
+        two_forms("ω / ω min [1]", free, page.J_limits[0] / page.J, "free mechanism, no drive"),
     )
-    cells = [
-        Panel(label, {"exact": right, "as printed": wrong}, title)
-        for label, title, right, wrong in quantities
-    ]
-    free = {"exact": lysenko.exact(m, alpha).free_speed, "as printed": page.J_limits[0] / page.J}
-    cells.append(Panel("ω / ω min [1]", free, "free mechanism, no drive"))
-    told = f"A cycle of the epicycloid, exact and as printed. {wheels()}"
-    return panels([cells[:2], cells[2:]], np.degrees(alpha), ALPHA, told)
+    told = f"A cycle of the epicycloid, exact and as printed. {WHEELS}"
+    return panels((upper, lower), np.degrees(alpha), ALPHA, told)
 
 
-def _phases(figure: Figure) -> Figure:
-    """Mark the phases of Stelmashchuk's law along the top of each panel."""
+def over_phases(rows: Sequence[Sequence[Panel]], told: str, **shared: Any) -> Figure:
+    """Draw panels over the relative time, phases of Stelmashchuk's law marked along the top of each."""
+    figure = panels(rows, KAPPA, RELATIVE_TIME, told, **shared)
     edges = [*phase_starts(KAPPA2), KAPPA[-1]]
     for axes in figure.axes:
         for number, name in enumerate(PHASES):
@@ -214,30 +301,298 @@ def accelerations(cases: Mapping[str, Criteria], over: str) -> Figure:
         found = {name: response(KAPPA, case, KAPPA2, beta).acceleration for name, case in cases.items()}
         rows.append([Panel("a″ [1]", sine | found, title)])
     told = f"Acceleration of the driven mass over the {over}, exact; κ2 = {KAPPA2:g}"
-    return _phases(
-        panels(rows, KAPPA, RELATIVE_TIME, f"{told}. Accelerations in φ/T², times in T.", sharey=True)
-    )
+    return over_phases(rows, f"{told}. Accelerations in φ/T², times in T.", sharey=True)
 
 
 def over_printed() -> Figure:
     """Acceleration with the balancer as the page computes it, its equations in a row, beside the exact."""
     rows = []
-    for nu in (4.4, 8.0, 100.0):
-        case = Criteria(nu, 0.5)
+    for name, case in STIFFNESSES.items():
         page = stelmashchuk.acceleration(stelmashchuk.printed(case, KAPPA2), KAPPA)
-        right = response(KAPPA, case, KAPPA2).acceleration
-        rows.append([Panel("a″ [1]", {"exact": right, "as printed": page}, f"ν = {nu:g}")])
+        rows.append([two_forms("a″ [1]", response(KAPPA, case, KAPPA2).acceleration, page, name)])
     told = "Acceleration of the driven mass with the balancer, where the printed C1 of phase III leads"
-    figure = panels(rows, KAPPA, RELATIVE_TIME, f"{told}; Π = 0.5, κ2 = 1. In φ/T², logarithmic beyond ±10.")
+    figure = over_phases(rows, f"{told}; Π = 0.5, κ2 = 1. In φ/T², logarithmic beyond ±10.")
     for axes in figure.axes:
         axes.set_yscale("symlog", linthresh=10.0, linscale=2.0)
-    return _phases(figure)
+    return figure
 
 
-STIFFNESSES = {f"ν = {nu:g}": Criteria(nu, 0.5) for nu in (4.4, 8.0, 100.0)}
+# --- mechanisms to scale ---
+
+# a, b and c differ from 1, so that no two points are one
+LAYOUT = replace(GENERAL, epsilon=0.0, gamma=0.0)
+# where the dynamic mode is drawn: share of a turn of the drive
+INSTANT = 0.08
+# Lysenko's mechanism is drawn at this angle, rad
+SHOWN = np.radians(130.0)
+AT, TURN = lysenko.exact(M, SHOWN, W), np.exp(1j * M.b * SHOWN)
+
+
+class Sketch:
+    """A drawing in the plane of complex numbers, mm.
+
+    Args:
+        axes: to draw in. plane: names of both coordinates. view: left, right, bottom, top, mm.
+    """
+
+    def __init__(self, axes: Axes, plane: str, view: Any, title: str = "") -> None:
+        self.axes, self.plane = axes, plane
+        axes.set_aspect("equal")
+        axes.axis(view)
+        dress(axes, f"${plane[0]}$ [mm]", f"${plane[1]}$ [mm]", title)
+
+    def seen(self, place: Any) -> Any:
+        """Places in the plane, mm, of places in x, y, z, m, shape (3,) or (3, n)."""
+        one, other = (place["xyz".index(axis)] for axis in self.plane)
+        return 1e3 * (one + 1j * other)
+
+    def line(self, *places: complex, colour: str = BLACK, **look: Any) -> None:
+        """A line through places."""
+        self.axes.plot(np.real(places), np.imag(places), color=colour, **{"linewidth": 1.3, **look})
+
+    def write(self, place: complex, text: str, colour: str = BLACK) -> None:
+        """A text about a place."""
+        self.axes.text(place.real, place.imag, text, color=colour, **CENTRED)
+
+    def point(self, place: complex, name: str, aside: complex, colour: str = BLACK) -> None:
+        """A point, its name aside."""
+        self.line(place, colour=colour, marker="o", markersize=4, zorder=4)
+        self.write(place + aside, name, colour)
+
+    def arrow(self, start: complex, along: complex, colour: str, name: str = "", line: Any = "-") -> None:
+        """An arrow, its name beyond the tip."""
+        end = start + along
+        look = {"color": colour, "linestyle": line, "linewidth": 1.6, "shrinkA": 0, "shrinkB": 0}
+        tip, tail = (end.real, end.imag), (start.real, start.imag)
+        self.axes.annotate("", tip, tail, arrowprops={"arrowstyle": "-|>", **look})
+        self.write(end + 7.0 * along / abs(along), name, colour)
+
+    def arc(self, corner: complex, start: complex, angle: float, radius: float, name: str) -> None:
+        """An angle, rad, about a corner from a direction, its name in the middle."""
+        turned = start / abs(start) * np.exp(1j * np.linspace(0.0, angle, 41))
+        self.line(*(corner + radius * turned))
+        self.write(corner + (radius + 7.0) * turned[20], name)
+
+
+def linkage(axes: Axes, plane: str, motion: Any, share: float, title: str) -> tuple[Sketch, complex, complex]:
+    """Draw O, Q, A and D of Karetin's mechanism after a share of a turn of the drive, seen on a plane.
+
+    Returns:
+        The drawing; places of Q and D, mm.
+    """
+    drawn = Sketch(axes, plane, (-130.0, 140.0, -125.0, 90.0), title)
+    now = in_period(motion, share / LAYOUT.turns_in_period, LAYOUT)
+    apex = np.array([0.0, 0.0, LAYOUT.OQ])
+    Q, A = (drawn.seen(turned_x(place, now.theta)) for place in (apex, now.centre_of_satellite))
+    D = drawn.seen(now.position)
+    drawn.line(0j, Q, A, linewidth=2.0)
+    drawn.line(A, D, colour=ORANGE, linewidth=2.4)
+    drawn.point(0j, "$O$", -8 - 7j)
+    drawn.point(Q, "$Q$", -9 + 5j)
+    drawn.point(A, "$A$", 9 + 3j)
+    drawn.point(D, "$P$" if plane == "yz" else "$D$", 10 - 2j, VERMILION)
+    return drawn, Q, D
+
+
+def figure_1() -> Figure:
+    """Karetin's figure 1: the layout in section at the time 0, both modes seen against the central axis."""
+    g, told = LAYOUT, f"All exact. b, c: one turn of the drive, drawn after {INSTANT:g} of it; P is D on yOz"
+    figure = sheet(12.0, 4.2, f"{told}. {mechanism(g)}")
+    section, *others = figure.subplots(1, 3)
+    told = f"a) layout: AD, QA, OQ = {1e3 * g.AD:.1f}, {1e3 * g.QA:.1f}, {1e3 * g.OQ:.1f} mm"
+    drawn, Q, _ = linkage(section, "xz", STOP, 0.0, told)
+    rims = [drawn.seen(rim) for rim in pitch_cones(g)[1:]]
+    for rim, colour in zip(rims, (GREY, BLUE), strict=True):
+        drawn.line(Q, rim[0], rim[60], Q, colour=colour)
+    centre, K = (0.5 * (rim[0] + rim[60]) for rim in rims)
+    drawn.line(-125.0, 135.0, linewidth=0.8, linestyle=CHAIN)
+    drawn.line(centre, Q, linewidth=0.8, linestyle=CHAIN)
+    drawn.point(K, "$K$", -6 + 8j)
+    drawn.point(centre, "$O_r$", -9 - 5j)
+    drawn.point(rims[0][0], "$Π$", 2 - 8j)
+    drawn.arc(Q, -1j, g.psi, 28.0, "$ψ$")
+    drawn.arc(Q, -1j * np.exp(1j * g.psi), g.phi, 34.0, "$φ$")
+    places = {"17": -52 - 28j, "6": 64 + 48j, "16, $ω_{16}$": 60j, "link 1, $ω_1$": -96 + 9j}
+    for name, place in (places | {"link 2, $ω_2$": 112 - 32j}).items():
+        drawn.write(place, name)
+    titles = "b) stop mode: ω2 = 0, OQ at rest", "c) dynamic mode: OQ turns about Ox"
+    for axes, motion, title in zip(others, (STOP, DYNAMIC), titles, strict=True):
+        drawn, _, D = linkage(axes, "yz", motion, INSTANT, title)
+        turn = exact(g, motion, np.linspace(0.0, period(g, motion) / g.turns_in_period, 361))
+        drawn.line(*drawn.seen(turn.position), colour=VERMILION, label="P")
+        drawn.line(0j, D, colour=GREY, linestyle=BROKEN)
+        drawn.arc(0j, 1j, np.angle(D / 1j), 34.0, "$β_P$")
+        if motion.carrier:
+            drawn.line(0j, 60j, linewidth=0.8, linestyle=CHAIN)
+            drawn.arc(0j, 1j, motion.carrier * INSTANT * turn.t[-1], 16.0, "$ω_1t$")
+    return figure
+
+
+def pitch_cones(g: Geometry) -> tuple[Any, Any, Any]:
+    """Apex and rims at the time 0.
+
+    Returns:
+        Q, m, shape (3,); rims of wheel 17 and of the satellite, m, shape (3, 121) each.
+    """
+    up, turn = np.array([0.0, 0.0, 1.0]), np.array([np.cos(g.gamma), np.sin(g.gamma), 0.0])
+    sideways = np.cross(up, turn)
+    around = np.linspace(0.0, 2.0 * np.pi, 121)
+
+    def rim(half: float, axis: Any) -> Any:
+        circle = np.outer(np.cross(axis, sideways), np.cos(around)) + np.outer(sideways, np.sin(around))
+        return (g.OQ * up + g.L * np.cos(half) * axis)[:, None] + g.L * np.sin(half) * circle
+
+    satellite = np.sin(g.shaft_angle) * turn - np.cos(g.shaft_angle) * up
+    return g.OQ * up, rim(g.psi, -up), rim(g.phi, satellite)
+
+
+def trajectories() -> Figure:
+    """Karetin's figure 2: trajectory of D in the stop and in the dynamic mode, with the pitch cones."""
+    told = f"Trajectory of D over a period, exact, with its place at the start. {mechanism(PAPER)}"
+    figure = sheet(10.4, 5.2, told)
+    apex, *rims = pitch_cones(PAPER)
+    start = exact(PAPER, STOP, [0.0])
+    centre, A, D = np.zeros(3), start.centre_of_satellite[:, 0], start.position[:, 0]
+    for n, (title, motion) in enumerate(MODES, 1):
+        axes: Any = figure.add_subplot(1, 2, n, projection="3d", computed_zorder=False)
+        path = exact(PAPER, motion, np.linspace(0.0, period(PAPER, motion), 1441)).position
+        look: dict[str, Any] = {"color": GREY, "linewidth": 0.9, "linestyle": BROKEN}
+        axes.plot(path[0], path[1], 0.0 * path[2], label="H: D on xOy", **look)
+        for rim, colour in zip(rims, (GREY, BLUE), strict=True):
+            axes.plot(*rim, color=colour, linewidth=1.3)
+            for place in rim[:, ::20].T:
+                axes.plot(*np.stack([apex, place], axis=1), color=colour, linewidth=0.4)
+        axes.plot(*path, color=VERMILION, linewidth=2.2, label="D")
+        axes.plot(*np.stack([centre, apex, A], axis=1), color=BLACK, linewidth=1.2)
+        axes.plot(*np.stack([A, D], axis=1), color=ORANGE, linewidth=2.0)
+        reach = 1.2 * np.abs(path).max()
+        for axis, name in zip(np.eye(3), "xyz", strict=True):
+            axes.plot(*np.stack([centre, reach * axis], axis=1), color=BLACK, linewidth=0.9)
+            axes.text(*(1.08 * reach * axis), f"${name}$", **CENTRED)
+        for place, name in ((centre, "O"), (apex, "Q"), (A, "A"), (D, "D")):
+            axes.plot(*place[:, None], "o", color=BLACK, markersize=4)
+            axes.text(*(place + 0.09 * reach), f"${name}$", **CENTRED)
+        axes.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]", aspect="equal")
+        axes.set_title(f"{'ab'[n - 1]}) {title}", loc="left", fontsize=10)
+        axes.legend(**SMALL, loc="lower left")
+        axes.view_init(elev=24, azim=-46)
+    return figure
+
+
+def arms() -> Figure:
+    """Karetin's (26) to (31): projections of V on the planes at one instant, arms and speeds over a turn."""
+    turn, at = slice(0, len(MOVING.t) // int(GENERAL.turns_in_period), 5), 112
+    turns = MOVING.t[turn] * MOVING.omega16 / (2.0 * np.pi)
+    told = "Projections of V and their arms about O, exact, (26) to (30) as printed the same; in (31) the"
+    told += f" printed y_N is the x of N. V: 1 m/s is 4 mm; the planes are drawn at {turns[at]:.2f} turns"
+    figure = sheet(9.6, 8.0, f"{told}. {mechanism(GENERAL)}")
+    grid = figure.subplots(3, 3, height_ratios=(2.2, 1.0, 1.0)).T
+    look: dict[str, Any] = {"color": GREY, "linewidth": 0.8}
+    names = zip(("xOy", "yOz", "xOz"), "HPF", "LMN", strict=True)
+    for n, (axes, (plane, point, foot)) in enumerate(zip(grid, names, strict=True)):
+        drawn = Sketch(axes[0], plane[::2], (-200, 200, -200, 200), plane)
+        vectors = MOVING.position, 4e-3 * MOVING.velocity, MOVING.feet[n]
+        path, V, foot_of_O = (drawn.seen(v)[turn] for v in vectors)
+        mass, end = path[at], foot_of_O[at]
+        drawn.axes.plot(path.real, path.imag, label=f"${point}$", **look)
+        drawn.axes.axline((mass.real, mass.imag), (end.real, end.imag), linestyle=BROKEN, **look)
+        drawn.line(0j, end, colour=BLUE)
+        drawn.arrow(mass, V[at], VERMILION)
+        for place, name in ((0j, "O"), (mass, point), (end, foot)):
+            drawn.point(place, f"${name}$", 9 + 9j)
+        draw(axes[1], Panel(f"O{foot} [mm]", {f"O{foot}": 1e3 * MOVING.arms[n, turn]}), turns)
+        draw(axes[2], Panel("speed [m/s]", {plane: MOVING.plane_speeds[n, turn]}), turns, DRIVE)
+    return figure
+
+
+def wheels_at(axes: Axes, view: Any) -> tuple[Sketch, complex, complex]:
+    """Draw Lysenko's wheels 1 and 2, carrier 3, imbalance and its epicycloid 4.
+
+    Returns:
+        The drawing; places of the axis of wheel 1 and of the imbalance, mm.
+    """
+    drawn, around = Sketch(axes, "XY", view), np.exp(2j * np.pi * np.linspace(0.0, 1.0, 721))
+    x, y = lysenko.exact(M, np.linspace(0.0, 2.0 * np.pi / M.b, 721)).epicycloid
+    centre, mass = 1e3 * AT.D * TURN, complex(1e3 * AT.place * TURN)
+    drawn.line(*(1e3 * (x + 1j * y)), colour=GREY, label="epicycloid")
+    drawn.line(*(1e3 * M.R0 * around), colour=GREY, linewidth=1.6)
+    drawn.line(*(centre + 1e3 * M.r * around), colour=BLUE, linewidth=1.6)
+    drawn.line(0j, centre)
+    drawn.line(centre, mass, colour=BLUE)
+    drawn.line(0j, mass, linestyle=BROKEN)
+    drawn.write(0.5 * mass, "$ρ$")
+    drawn.point(0j, "$O$", -5 - 5j)
+    drawn.point(centre, "$O_1$", -8 + 3j)
+    drawn.point(mass, "$S$", 3 - 7j, VERMILION)
+    drawn.arc(0j, 1 + 0j, M.b * SHOWN, 22.0, "$bα$")
+    drawn.arc(centre, -centre, SHOWN, 8.0, "$α$")
+    return drawn, centre, mass
+
+
+def epicycloid() -> Figure:
+    """The figure of Lysenko, to scale: wheels 1 and 2, carrier 3, epicycloid 4, distance and angles."""
+    figure = sheet(5.6, 6.0, f"Wheel 1 rolls around the held wheel 2 (exact), drawn at α = 130°. {WHEELS}")
+    drawn, centre, _ = wheels_at(figure.subplots(), (-105, 105, -105, 105))
+    for name, place in (("1", centre + 15j), ("2", -37 - 37j), ("3", 0.4 * centre + 6j), ("4", -90 + 45j)):
+        drawn.write(place, name)
+    return figure
+
+
+def speeds_and_forces() -> Figure:
+    """Lysenko's angles and speeds, (6) to (8) and (13), and his forces and arms, at one angle.
+
+    45 mm for V, 24 mm for F1; grey as printed.
+    """
+    page, view = lysenko.printed(M, SHOWN, W), (-12, 132, -12, 112)
+    printed_arms = f"its arms as printed k1 = {1e3 * page.k1:.1f} and k2 = {1e3 * page.k2:.1f} mm"
+    told = f"exact (Fk lies behind F1, on one line: k1 = 0), grey Fk as printed, {printed_arms}"
+    figure = sheet(9.4, 5.0, f"At α = 130°, {told}. {WHEELS}")
+    left, right = figure.subplots(1, 2)
+    drawn, centre, mass = wheels_at(left, view)
+    spoke, velocity, scale = complex(AT.spoke * TURN), complex(AT.velocity * TURN), 45.0 / AT.V
+    drawn.arrow(mass, scale * 1j * W * spoke, BLUE, "$V_1$")
+    drawn.arrow(mass, scale * 1e-3j * M.b * W * mass, GREEN, "$V_2$")
+    drawn.arrow(mass, scale * velocity, VERMILION, "$V$")
+    for direction in (spoke, mass):
+        drawn.line(mass, mass + 30.0 * direction / abs(direction), colour=GREY, linestyle=BROKEN)
+    drawn.arc(mass, spoke, float(AT.beta1), 22.0, "$β_1$")
+    drawn.arc(mass, velocity, float(AT.delta), 30.0, "$δ$")
+    sizes = f"{AT.V1:.2f}, {AT.V2:.2f}, {AT.V:.2f} m/s"
+    left.set_title(f"angles and speeds: $V_1, V_2, V$ = {sizes}", loc="left", fontsize=9)
+
+    drawn, centre, mass = wheels_at(right, view)
+    outward, along_OS, scale = spoke / M.arm, mass / abs(mass), 24.0 / AT.F1
+    wrong = outward * np.exp(1j * (page.beta1 - page.delta))
+    for of, along, colour, name, aside in (
+        (0j, outward, GREEN, "$n_1 = k_2$", 15 + 6j),
+        (centre, along_OS, PURPLE, "$n_2$", 8 - 9j),
+        (centre, wrong, GREY, "$k_1$", -6 - 2j),
+        (0j, wrong, GREY, "$k_2$", -5 + 0j),
+    ):
+        # of the perpendicular from a point on the line of a force through the imbalance
+        foot = mass + ((of - mass) * np.conj(along)).real * along
+        drawn.line(mass, foot, colour=colour, linestyle=BROKEN)
+        drawn.line(of, foot, colour=colour, linestyle=DOTTED)
+        drawn.write(0.5 * (of + foot) + aside, name, colour)
+    drawn.arrow(mass, scale * (AT.F1 + AT.Fk) * outward, ORANGE, "$F_k$")
+    drawn.arrow(mass, scale * AT.F1 * outward, GREEN, "$F_1$")
+    drawn.arrow(mass, scale * AT.F2 * along_OS, PURPLE, "$F_2$")
+    drawn.arrow(mass, scale * page.Fk * wrong, GREY, "$F_k$", BROKEN)
+    sizes = f"{AT.F1:.0f}, {AT.F2:.0f}, {AT.Fk:.0f} N (printed {page.Fk:.0f} N)"
+    right.set_title(f"forces and arms: $F_1, F_2, F_k$ = {sizes}", loc="left", fontsize=9)
+    return figure
+
+
+# --- all of them ---
+
+STIFFNESSES = {f"ν = {nu:g}": Criteria(nu, 0.5) for nu in stelmashchuk.STIFFNESSES}
 DAMPINGS = {f"Π = {Pi:g}": Criteria(8.0, Pi) for Pi in (0.0, 0.5, 1.0, 2.0, 3.0, 5.0)}
 FIGURES: dict[str, Callable[[], Figure]] = {
-    **sketches.FIGURES,
+    "karetin_1": figure_1,
+    "karetin_2": trajectories,
+    "karetin_arms": arms,
+    "lysenko_1": epicycloid,
+    "lysenko_forces": speeds_and_forces,
     "karetin_3": velocity_and_acceleration,
     "karetin_offsets": offsets,
     "karetin_effective_offset": effective_offset,
@@ -256,11 +611,19 @@ FIGURES: dict[str, Callable[[], Figure]] = {
 }
 
 
-def all_figures() -> dict[str, Callable[[], tuple[Figure, dict[str, Any]]]]:
-    """The functions that draw the figures and return them with their numbers by column, by name."""
-
-    def drawn(draw: Callable[[], Figure]) -> tuple[Figure, dict[str, Any]]:
-        figure = draw()
-        return figure, numbers(figure)
-
-    return {name: partial(drawn, draw) for name, draw in FIGURES.items()}
+def numbers(figure: Figure) -> dict[str, Any]:
+    """The numbers of the curves with a label by column, each of one shape (n,)."""
+    columns: dict[str, Any] = {}
+    for axes in figure.axes:
+        names = [axes.get_xlabel() or figure.axes[-1].get_xlabel(), axes.get_ylabel()]
+        names += [axes.get_zlabel()] if hasattr(axes, "get_zlabel") else []
+        for line in axes.get_lines():
+            label = str(line.get_label())
+            if label.startswith("_"):
+                continue
+            data = line.get_data_3d() if hasattr(line, "get_data_3d") else line.get_data()
+            for name, values in zip(names, data, strict=True):
+                shared = name == names[0] and np.array_equal(columns.get(name, values), values)
+                parts = [name] if shared else [name, axes.get_title("left"), label]
+                columns[", ".join(filter(None, parts))] = np.asarray(values)
+    return {name.replace("$", ""): values for name, values in columns.items()}

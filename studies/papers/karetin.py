@@ -17,28 +17,15 @@ Projections are in the order of the paper: H or L in xOy, P or M in yOz, F or N 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
 from functools import cache, cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from .engine import (
-    ROUNDING,
-    Claim,
-    Equation,
-    Forms,
-    compared,
-    in_time,
-    largest,
-    rate,
-    rows_of,
-    tables,
-    vector,
-    worst,
-)
+from .engine import ROUNDING, Equation, Forms, compared, in_time, rate, tables, vector
 
 # axes of xOy, yOz and xOz
 PLANES = ((0, 1), (1, 2), (0, 2))
@@ -162,11 +149,6 @@ def lengths(v: Any) -> Any:
     return np.stack([np.sqrt(v[one] * v[one] + v[other] * v[other]) for one, other in PLANES])
 
 
-def cross(one: Any, other: Any) -> Any:
-    """Vector product."""
-    return np.cross(one, other, axis=0)
-
-
 def turned_x(v: Any, angle: Any) -> Any:
     """Vectors turned about Ox."""
     sine, cosine = np.sin(angle), np.cos(angle)
@@ -179,17 +161,8 @@ def turned_z(v: Any, angle: Any) -> Any:
     return vector(v[0] * cosine - v[1] * sine, v[0] * sine + v[1] * cosine, v[2])
 
 
-def angles_of(r: Any) -> Any:
-    """beta_H = xOH, beta_P = zOP, beta_F = xOF, rad, in the whole circle (-pi, pi]: (5) put right.
-
-    The sense is the paper's: beta_H from Ox to Oy, beta_P from Oz to Oy, beta_F from Ox to Oz; the last
-    two are against the right-hand turn about Ox and Oy.
-    """
-    return np.arctan2(r[[1, 1, 2]], r[[0, 2, 0]])
-
-
 def angular_velocities_of(r: Any, v: Any) -> Any:
-    """omega_H, omega_P, omega_F, the rates of these angles, rad/s: (6) in closed form."""
+    """omega_H, omega_P, omega_F, the rates of the angles (5), rad/s: (6) in closed form."""
     return (r[[0, 2, 0]] * v[[1, 1, 2]] - r[[1, 1, 2]] * v[[0, 2, 0]]) / lengths(r) ** 2
 
 
@@ -209,10 +182,7 @@ def feet_of(r: Any, v: Any) -> Any:
     return found
 
 
-ROWS = rows_of("karetin")
-PRINTED, EXACT = tables(
-    ROWS, vector, rate, modulus, lengths, cross, turned_x, turned_z, angles_of, angular_velocities_of, feet_of
-)
+ROWS, PRINTED, EXACT = tables("karetin", globals())
 
 
 def inputs(g: Geometry, motion: Motion, t: Any) -> dict[str, Any]:
@@ -258,19 +228,17 @@ def _summed(name: str, e: Forms, as_of: Forms) -> Equation:
     return Equation(name, lambda: (PRINTED[name](e), turned_x(rate(as_of.position), -e.theta)))
 
 
-def _slopes(e: Forms) -> Any:
-    """Tangents of the angles (5), for which their quadrant does not count."""
-    return vector(e.y / e.x, e.y / e.z, e.z / e.x)
-
-
-SUM_IN_LINK1 = _summed("velocity_in_link1", STOPPED, STOPPED_IN_TIME)
-SPECIAL = {
+NAMES = {number: row.name for row in ROWS for number in row.number.split(", ")}
+EQUATIONS = {
+    number: compared(NAMES[number], PRINTED, STOPPED if 1 < n < 19 else MOVING)
+    for n, number in ((n, f"({n})") for n in range(1, 34))
+}
+EQUATIONS |= {
+    # of tangents, for which the quadrant does not count
     "(6)": Equation(
-        "angular_velocities",
-        lambda: (rate(np.arctan(_slopes(STOPPED_IN_TIME))), STOPPED.angular_velocities),
+        "angular_velocities", lambda: (rate(np.arctan(STOPPED_IN_TIME.tangents)), STOPPED.angular_velocities)
     ),
-    "(7)": SUM_IN_LINK1,
-    "(17)": SUM_IN_LINK1,
+    "(7)": _summed("velocity_in_link1", STOPPED, STOPPED_IN_TIME),
     # v has no largest value, v x_D, which (20) and (22) use, has one; so has the angle of the slope k1, as
     # which the foot is as steep
     "(21)": Equation("v", lambda: (PRINTED["v"](MOVING) * MOVING.x_D, MOVING.v * MOVING.x_D)),
@@ -278,11 +246,7 @@ SPECIAL = {
     "(27)": Equation("k1", lambda: (np.arctan(MOVING.k1), np.arctan(MOVING.foot_L[1] / MOVING.foot_L[0]))),
     "(32)": Equation("acceleration", lambda: (rate(MOVING_IN_TIME.velocity), MOVING.acceleration)),
 }
-NAMES = {number: row.name for row in ROWS for number in row.number.split(", ")}
-EQUATIONS = {
-    number: SPECIAL.get(number) or compared(NAMES[number], PRINTED, STOPPED if 1 < n < 19 else MOVING)
-    for n, number in ((n, f"({n})") for n in range(1, 34))
-}
+EQUATIONS["(17)"] = EQUATIONS["(7)"]
 
 
 # --- claims ---
@@ -335,148 +299,3 @@ def asymmetry_of_components(g: Geometry, motion: Motion) -> float:
     span = period(g, motion)
     components = [lambda t, axis=axis: exact(g, motion, t).velocity[axis] for axis in range(3)]
     return max(min(best_mirror(v, span, sign)[0] for sign in (1.0, -1.0)) for v in components)
-
-
-def swings(g: Geometry, motion: Motion) -> tuple[Any, Any]:
-    """Count turns gained (0 is a swing to and fro) and half the range, rad, of D about Ox, Oy, Oz."""
-    beta = np.unwrap(over_period(g, motion).angles)[[1, 2, 0]]
-    turns = np.rint((beta[:, -1] - beta[:, 0]) / (2.0 * np.pi))
-    return turns.astype(int), 0.5 * np.ptp(beta, axis=1)
-
-
-def moments(v: Any) -> Any:
-    """The vectors r x v of the dynamic mode about the normals of xOy, yOz and xOz."""
-    return np.cross(MOVING.position, v, axis=0)[[2, 0, 1]]
-
-
-def of_the_abstract() -> Iterator[tuple[str, Claim]]:
-    """Layout, the three rotations, projections, and what is calculated."""
-    G, S, M = GENERAL, STOPPED, MOVING
-    others = replace(G, a=0.5), replace(G, b=0.5), replace(G, c=0.5)
-    moved = [largest(exact(other, STOP, S.t).position - S.position) for other in others]
-    across = np.ptp(over_period(STANDARD, STOP).position[0])
-    says: Any = (*(move > 0.01 for move in moved), across < ROUNDING)
-    yield "layout", Claim(*says, across=across, longest=Geometry(shaft_angle=1e-6).L)
-
-    agreed = EQUATIONS["(23)"].difference
-    yield "superposition", Claim(agreed < ROUNDING, agreed=agreed)
-
-    v, most = S.about_satellite, S.speed_about_satellite.max()
-    along = largest((v * S.spin_of_satellite / S.omega6).sum(axis=0)) / most
-    off, through = abs(1.0 - 1.0 / G.b) * G.QA, largest(v[2]) / most
-    says = along < ROUNDING, off < ROUNDING
-    yield "base_plane", Claim(*says, along=along, b=G.b, off=1e3 * off, through=through)
-
-    share = largest(turned_x(M.about_drive, M.theta)[2]) / M.speed_about_drive.max()
-    says = largest(S.about_drive[2]) < ROUNDING, share < ROUNDING
-    yield "drive_velocity_in_plane", Claim(*says, share=share)
-    yield "central_velocity_in_plane", Claim(largest(turned_x(M.about_centre, M.theta)[0]) < ROUNDING)
-
-    held, locked = (exact(G, motion, 0.0).speeds for motion in (STOP, dynamic_mode(100.0, 1.0)))
-    says = held[0] == held[1], locked[0] == locked[1]
-    yield "stop_condition", Claim(*says, held=held, locked=locked, needed=1 + 1 / G.k)
-
-    moment = moments(M.velocity)
-    agreed, negative = worst(M.arms * M.plane_speeds, np.abs(moment)), (moment < 0.0).mean()
-    yield "moments_from_arms", Claim(agreed < ROUNDING, negative == 0.0, agreed=agreed, negative=negative)
-
-    moment, planes = np.abs(moments(M.acceleration)), lengths(M.acceleration)
-    of_a = np.sqrt((feet_of(M.position, M.acceleration) ** 2).sum(axis=1))
-    off, agreed = worst(M.arms * planes, moment), worst(of_a * planes, moment)
-    yield "arms_of_acceleration", Claim(off < ROUNDING, off=off, agreed=agreed)
-
-    names = "velocity", "angular_velocities", "acceleration", "angular_accelerations"
-    about_drive = largest(rate(STOPPED_IN_TIME.angular_velocities[0]))
-    body = S.omega16 * S.omega6 * math.sin(G.shaft_angle)
-    says = (name in PRINTED for name in names)
-    yield "angular_accelerations", Claim(*says, about_drive=1e-3 * about_drive, body=1e-3 * body)
-
-
-def of_the_modes() -> Iterator[tuple[str, Claim]]:
-    """Links, angles, places and velocities of the stop and the dynamic mode: before (1) to before (19)."""
-    G, S, M = GENERAL, STOPPED, MOVING
-    page = modulus(PRINTED["sum_of_three"](M))
-    on_link2 = exact(G, Motion(DYNAMIC.omega1, DYNAMIC.omega2, DYNAMIC.omega2), M.t).speed
-    says: Any = (worst(page, speed) < ROUNDING for speed in (M.speed, on_link2))
-    yield "carrier", Claim(*says, change=largest(on_link2 - M.speed) / M.speed.max())
-
-    relative = DYNAMIC.omega2 - DYNAMIC.omega1
-    yield "freewheel", Claim(DYNAMIC.omega2 >= 0.0, relative >= 0.0, relative=relative)
-
-    drives = [exact(G, dynamic_mode(100.0, i), 0.0).omega16 for i in (0.5, 1.0, 2.0, math.inf)]
-    yield "dynamic_range", Claim(*(drive >= 0.0 for drive in drives), backwards=drives[0])
-
-    beta = PRINTED["angles"](S)
-    jumps, below = np.count_nonzero(np.abs(np.diff(beta[0])) > 3.0), np.mean(S.position[2] < 0.0)
-    says = jumps == 0, EQUATIONS["(6)"].difference < ROUNDING
-    figures = {"jumps": jumps, "turns": G.turns_in_period, "fold": worst(beta, S.angles), "below": below}
-    yield "differentiable_angles", Claim(*says, **figures)
-
-    # with a = 0 D only turns about Oz
-    case = over_period(replace(G, a=0.0), STOP)
-    about, drive = case.angular_velocities, case.omega16
-    says = (largest(omega - turn) < 1e-9 for omega, turn in zip(about, (0.0, 0.0, drive), strict=True))
-    figures = {"mean": about[0].mean(), "steady": np.ptp(about[0]) / drive, "drive": drive}
-    yield "axes_of_the_angles", Claim(*says, varies=np.ptp(about[1:], axis=1), **figures)
-
-    A = M.centre_of_satellite
-    yield "height_of_A", Claim(np.ptp(A[2]) < ROUNDING, moving=np.ptp(turned_x(A, M.theta)[2]))
-
-    # OQ on link 1, which turns while link 2 is held
-    turning = exact(G, dynamic_mode(100.0, math.inf), S.t).speed
-    off = largest(turning - S.speed_in_link1) / turning.max()
-    yield "absolute_in_stop_mode", Claim(worst(S.speed_in_link1, S.speed) < ROUNDING, off < ROUNDING, off=off)
-
-    cosine = (turned_x(M.velocity_in_link1, M.theta) * M.velocity).sum(axis=0) / (M.speed_in_link1 * M.speed)
-    angle = np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0)))
-    yield "only_modulus", Claim(angle.max() < 1e-3, mean=angle.mean(), most=angle.max())
-
-    total = np.arctan2(*M.position_in_link1[1:]) - M.alpha
-    of_place = worst(M.projections[1] * np.array([np.sin(total), np.cos(total)]), M.position[1:])
-    off = [largest(alpha - M.alpha) for alpha in (PRINTED["alpha"](M), printed(G, DYNAMIC, M.t, "alpha"))]
-    says = of_place < ROUNDING, off[0] < ROUNDING
-    yield "angle_of_turn", Claim(*says, off=off, span=M.t[-1], of_place=of_place)
-    yield "abscissa", Claim(largest(M.position[0] - M.position_in_link1[0]) < ROUNDING)
-
-    changes = []
-    for g in (PAPER, STANDARD):
-        first = over_period(g, STOP)
-        following = exact(g, STOP, first.t + 2.0 * math.pi / STOP.omega1)
-        changes.append(largest(first.speed - following.speed) / first.speed.max())
-    figures = {"whole": changes[0], "broken": changes[1], "turns": STANDARD.turns_in_period}
-    yield "period_of_a_turn", Claim(*(change < ROUNDING for change in changes), **figures)
-
-
-def of_the_conclusions() -> Iterator[tuple[str, Claim]]:
-    """Continuity, symmetry and swing."""
-    divisors = MOVING.position[0], MOVING.velocity[1], MOVING.velocity[0]
-    poles = [np.count_nonzero(np.diff(np.sign(u))) for u in divisors]
-    vectors = [MOVING.position, MOVING.velocity, MOVING.acceleration]
-    steps = [largest(np.diff(v)) / largest(v) for v in vectors]
-    yield "continuous_functions", Claim(max(steps) < 0.05, sum(poles) == 0, poles=poles)
-
-    offsets = {"epsilon": (OFFSET, 0.0), "gamma": (0.0, OFFSET), "both": (OFFSET, OFFSET / PAPER.s)}
-    found = {
-        name: [asymmetry("speed", replace(PAPER, epsilon=e, gamma=g), motion) for motion in MODES]
-        for name, (e, g) in offsets.items()
-    }
-    components = asymmetry_of_components(replace(PAPER, gamma=OFFSET), STOP)
-    says: Any = (value > 0.01 for value in found["epsilon"] + found["gamma"])
-    yield "asymmetry_from_offsets", Claim(*says, components=components, **found)
-
-    swung = [swings(g, motion) for motion in MODES for g in (PAPER, GENERAL)]
-    turns = [f"Ox {Ox:+d}, Oy {Oy:+d}, Oz {Oz:+d}" for (Ox, Oy, Oz), _ in swung]
-    says = (turn == 0 for gained, _ in swung for turn in gained[:2])
-    yield "swing_about_axes", Claim(*says, turns=turns, amplitude=math.degrees(swung[0][1][0]))
-
-    pairs = [(k.position, v) for k in (STOPPED, MOVING) for v in (k.velocity, k.acceleration)]
-    about = [np.abs(np.cross(r, v, axis=0)).max(axis=1) for r, v in pairs]
-    each = [" : ".join(f"{share:.2f}" for share in peaks / peaks.max()) for peaks in about]
-    yield "planes_of_the_swing", Claim(*(peaks[1] == peaks.min() for peaks in about), each=each)
-
-
-def claims() -> Iterator[tuple[str, Claim]]:
-    """Rows of the table of claims, in the order of the page."""
-    yield from of_the_abstract()
-    yield from of_the_modes()
-    yield from of_the_conclusions()

@@ -25,32 +25,16 @@ weight unless it is told.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from inertia_module.memory import Module
 
-from .engine import (
-    ROUNDING,
-    Claim,
-    Equation,
-    Forms,
-    Formulas,
-    compared,
-    in_time,
-    largest,
-    rate,
-    rows_of,
-    tables,
-    worst,
-)
+from .engine import Equation, Forms, Formulas, compared, largest, tables, worst
 
-# moduli of wheels that can be built, and arms of the imbalance over r
-MODULI = (0.1, 0.2, 1.0 / 3.0, 0.5, 1.0)
-ARMS = (0.5, 1.0, 2.0)
 # losses of examples/real_machine.toml
 LOSSES = {
     "mesh_efficiency": 0.99,
@@ -92,73 +76,28 @@ class Mechanism:
         return self.R0 + self.r
 
 
-def arcsin_of(sine: Any) -> Any:
-    """Arcsine; rounding alone can carry a sine past one: |D sin alpha| <= rho always."""
-    return np.arcsin(np.clip(sine, -1.0, 1.0))
-
-
-def root_of(square: Any) -> Any:
-    """Square root; rounding alone can make the square negative."""
-    return np.sqrt(np.maximum(square, 0.0))
-
-
 def moment(place: Any, force: Any) -> Any:
     """Moment of a force at a place, about where the place is counted from."""
     return (np.conj(place) * force).imag
 
 
-def parts(place: Any) -> tuple[Any, Any]:
-    """Both coordinates of a place."""
-    return place.real, place.imag
+ROWS, PRINTED, EXACT = tables("lysenko", globals())
 
 
-def reduced_inertia(m: Mechanism, alpha: Any) -> Any:
-    """J_carrier + J_wheel ((1 + b)/b)^2 + m |dS/dtheta|^2, reduced to the carrier, kg m^2: for (19)."""
-    ratio, turns = m.arm / m.r, m.centre_distance / m.r
-    swing = (1.0 - ratio) ** 2 + 4.0 * ratio * np.sin(0.5 * np.asarray(alpha)) ** 2
-    return m.J_carrier + m.J_wheel * turns**2 + m.m * m.centre_distance**2 * swing
+def forms(formulas: Formulas, m: Mechanism, alpha: Any, omega: Any = 1.0, **known: Any) -> Forms:
+    """Results for dimensions, angles of wheel 1 on the carrier, rad, and its speed, rad/s.
 
-
-def speed_ratio(m: Mechanism) -> float:
-    """omega_max / omega_min of the free mechanism, sqrt(J_red,max / J_red,min): corrects (21).
-
-    It has no bound where l = r and the links have no inertia.
+    Args:
+        formulas: PRINTED, each fed with the printed results before it, or EXACT. m: dimensions.
+        alpha, omega: numbers or of shape (n,). known: quantities in place of formulas, or omega_rate,
+            rad/s^2, if the speed is not steady.
     """
-    return float(np.sqrt(reduced_inertia(m, np.pi) / reduced_inertia(m, 0.0)))
-
-
-ROWS = rows_of("lysenko")
-PRINTED, EXACT = tables(ROWS, arcsin_of, root_of, moment, parts)
-
-
-def _forms(formulas: Formulas, m: Mechanism, alpha: Any, omega: Any, known: dict[str, Any]) -> Forms:
-    """Forms of the symbols of the paper; links: their constant inertia."""
     lengths = {**asdict(m), "D": m.centre_distance, "l": m.arm, "b": m.b, "links": m.J_carrier + m.J_wheel}
     motion = {"alpha": np.asarray(alpha), "omega": omega, "omega_rate": 0.0}
-    inertias: dict[str, Any] = {
-        "J_at": lambda angle: exact(m, angle).J,
-        "J_red_at": lambda angle: reduced_inertia(m, angle),
-    }
-    return Forms(formulas, **lengths | motion | inertias | known)
+    return Forms(formulas, **lengths | motion | {"at": lambda angle: exact(m, angle)} | known)
 
 
-def printed(m: Mechanism, alpha: Any, omega: Any, **known: Any) -> Forms:
-    """Results of the page for dimensions, angle (rad) and speed (rad/s), its equations in a row.
-
-    Args:
-        m: dimensions. alpha, omega: numbers or of shape (n,). known: quantities in place of the printed.
-    """
-    return _forms(PRINTED, m, alpha, omega, known)
-
-
-def exact(m: Mechanism, alpha: Any, omega: Any = 1.0, **known: Any) -> Forms:
-    """The exact forms at angles of wheel 1 on the carrier, rad, and its speed, rad/s.
-
-    Args:
-        m: dimensions. alpha, omega: numbers or of shape (n,). known: as omega_rate, rad/s^2, if not steady.
-    """
-    return _forms(EXACT, m, alpha, omega, known)
-
+printed, exact = partial(forms, PRINTED), partial(forms, EXACT)
 
 # l = r as in the paper, b = 1/3 (three cycles a turn); speed of wheel 1 relative to the carrier, rad/s
 EXAMPLE = Mechanism(R0=0.06, r=0.02, arm=0.02, m=1.0, J_carrier=2e-3, J_wheel=5e-5)
@@ -178,23 +117,9 @@ EQUATIONS["(13)"] = Equation("k1", lambda: (PRINTED["k1"](WITH_PRINTED_DELTA), C
 
 # --- claims ---
 
-# the cycle with its cusps; the page between them, there as well, and at the lowest speed; free motion from it
-WHOLE, FREE = exact(EXAMPLE, ALPHA, EXAMPLE_SPEED), exact(EXAMPLE, ALPHA)
-FREE = FREE.replaced(omega=FREE.free_speed)
-PAGE, PAGE_WHOLE, LOWEST = (
-    printed(EXAMPLE, INSIDE, EXAMPLE_SPEED),
-    printed(EXAMPLE, ALPHA, EXAMPLE_SPEED),
-    printed(EXAMPLE, 0.0, 1.0),
-)
 # speed of the carrier of the example, rad/s, and its time for a turn, s
 CARRIER_SPEED = EXAMPLE.b * EXAMPLE_SPEED
 TURN = 2.0 * np.pi / CARRIER_SPEED
-
-
-def with_modulus(b: float, arm: float = 1.0) -> Mechanism:
-    """The example with another wheel 1, r = b R0, and the imbalance at arm times r."""
-    r = b * EXAMPLE.R0
-    return replace(EXAMPLE, r=r, arm=arm * r)
 
 
 def module_of(m: Mechanism, **values: Any) -> Module:
@@ -237,158 +162,3 @@ def missing(coriolis: Any, turned: Any) -> float:
 def ripple(power: Any) -> float:
     """Mean over a cycle, the first angle being met again at its end, relative to the peak."""
     return float(abs(power[:-1].mean()) / largest(power))
-
-
-def of_the_path() -> Iterator[tuple[str, Claim]]:
-    """The epicycloid, its modulus and its cycles."""
-    at_cusp = WHOLE.V[0] / WHOLE.V.max()
-    yield "cusp", Claim(at_cusp < ROUNDING, at_cusp=at_cusp)
-
-    # speeds by (1), differentiated with a complex step, and by rolling
-    rates = [rate(u) * EXAMPLE_SPEED for u in printed(EXAMPLE, in_time(ALPHA), EXAMPLE_SPEED).epicycloid]
-    agreed = worst(np.hypot(*rates), WHOLE.V)
-    yield "modulus", Claim(agreed < ROUNDING, agreed=agreed)
-
-    path = exact(EXAMPLE, np.array([0.3, 0.3 + 2.0 * np.pi / EXAMPLE.b])).epicycloid
-    gap = float(np.hypot(*np.diff(path)[:, 0]) / EXAMPLE.R0)
-    yield "cycles", Claim(gap < ROUNDING, count=1.0 / EXAMPLE.b, gap=gap)
-
-    sine = np.abs(EXAMPLE.centre_distance * np.sin(ALPHA) / PAGE_WHOLE.rho_of_note).max()
-    off = worst(PAGE_WHOLE.rho_of_note, WHOLE.rho)
-    yield "note", Claim(off < ROUNDING, sine=sine, off=off)
-
-
-def of_the_forces() -> Iterator[tuple[str, Claim]]:
-    """Inertia forces, speed, moments and power at constant speed."""
-    right, off = missing(CYCLE.Fk, 0.0), missing(PAGE.Fk, PAGE.beta1 - PAGE.delta)
-    yield "forces", Claim(right < ROUNDING, off < ROUNDING, right=right, off=off)
-
-    m, force = EXAMPLE, np.abs(CYCLE.force)
-    parts = [m.m * m.centre_distance * CARRIER_SPEED**2, m.m * m.arm * ((1.0 + m.b) * EXAMPLE_SPEED) ** 2]
-    figures: dict[str, Any] = {"least": force.min(), "most": force.max(), "parts": parts}
-    figures |= {"b": CARRIER_SPEED, "wheel": EXAMPLE_SPEED + CARRIER_SPEED}
-    yield "vibration", Claim(off < ROUNDING, off=off, **figures)
-
-    wrong = np.abs(PAGE_WHOLE.V - WHOLE.V) > 1e-9 * WHOLE.V.max()
-    says = not wrong[np.abs(WHOLE.beta1) < np.pi / 2].any(), not wrong.any()
-    figures = {"off": worst(PAGE_WHOLE.V, WHOLE.V), "at_cusp": PAGE_WHOLE.V[0] / WHOLE.V.max()}
-    yield "speed", Claim(*says, share=wrong[:-1].mean(), **figures)
-
-    triple, others = worst(PAGE.M1, 3.0 * CYCLE.M1), [with_modulus(b) for b in MODULI]
-    errors = [worst(printed(m, INSIDE, EXAMPLE_SPEED).M, exact(m, INSIDE, EXAMPLE_SPEED).M) for m in others]
-    each = [f"{100 * error:.0f} % (b = {b:.2g})" for error, b in zip(errors, MODULI, strict=True)]
-    yield "moments", Claim(triple > 1.0, max(errors) < ROUNDING, triple=triple, off=each)
-
-    powers = [exact(with_modulus(b, arm), ALPHA, EXAMPLE_SPEED).drive_power for b in MODULI for arm in ARMS]
-    gain = max(map(ripple, powers))
-    yield "optimisation", Claim(gain > ROUNDING, count=len(powers), gain=gain)
-
-    right, off = (worst(-e.M - e.M1 / EXAMPLE.b, CYCLE.drive_torque) for e in (CYCLE, PAGE))
-    yield "equations_of_motion", Claim(off < ROUNDING, right=right, off=off)
-
-    power, page = CYCLE.drive_power, PAGE.N1 + PAGE.N
-    half = power.size // 2
-    out, back = np.mean(power[:half] > 0.0), np.mean(power[half + 1 :] < 0.0)
-    figures = {"peak": power.max(), "same": np.mean(-page * power >= 0.0)}
-    yield "zones", Claim(out > 0.0, back > 0.0, out=out, back=back, **figures)
-
-    gain, page_gain = ripple(WHOLE.drive_power), ripple(PAGE_WHOLE.N1 + PAGE_WHOLE.N)
-    yield "no_gain", Claim(gain > ROUNDING, gain=gain, printed=page_gain)
-
-
-def of_the_energy() -> Iterator[tuple[str, Claim]]:
-    """Inertia, speed and energy in free motion."""
-    least = FREE.angular_momentum.min() / FREE.angular_momentum.max()
-    yield "angular_momentum", Claim(1.0 - least < ROUNDING, least=least)
-
-    limits = np.array([WHOLE.rho.min(), WHOLE.rho.max()])
-    error = largest(limits / (EXAMPLE.centre_distance + EXAMPLE.arm * np.array([-1.0, 1.0])) - 1.0)
-    # ratio of largest and smallest inertia, and of the speeds, exact and by (21)
-    reduced = reduced_inertia(EXAMPLE, np.pi) / reduced_inertia(EXAMPLE, 0.0)
-    ratio, page_ratio = speed_ratio(EXAMPLE), LOWEST.omega_max
-    yield "limits", Claim(error < ROUNDING, error=error, printed=page_ratio, reduced=reduced)
-
-    fast, slow = FREE.omega.argmax(), FREE.omega.argmin()
-    says: Any = fast == WHOLE.rho.argmin(), slow == WHOLE.rho.argmax()
-    yield "places", Claim(*says, fast=np.degrees(ALPHA[fast]), slow=np.degrees(ALPHA[slow]))
-
-    others = [worst(printed(m, 0.0, 1.0).omega_max, speed_ratio(m)) for m in map(with_modulus, MODULI)]
-    figures = {"least": 100 * min(others), "most": 100 * max(others), "bare": (1 + 2 * EXAMPLE.b) ** 2}
-    yield "ratio", Claim(min(others) < ROUNDING, printed=page_ratio, exact=ratio, **figures)
-
-    omega = exact(EXAMPLE, np.linspace(0.0, 2.0 * np.pi, 36001)).free_speed[:-1]
-    fast = omega > 0.5 * (omega.max() + omega.min())
-    turns = np.count_nonzero(np.diff(np.sign(np.diff(omega))))
-    says = turns == 1, largest(np.diff(omega)) / np.ptp(omega) > 0.5
-    yield "impulse", Claim(*says, share=(1.0 / omega[fast]).sum() / (1.0 / omega).sum())
-
-    page, steady, free = LOWEST.T2_of_T1 / LOWEST.T1, WHOLE.kinetic_energy, FREE.kinetic_energy
-    says = abs(page - 1.0) < ROUNDING, abs(page - 1.0 / reduced) < ROUNDING
-    yield "energy", Claim(*says, printed=page, changed=np.ptp(free) / free.max(), steady=1.0 / reduced)
-
-    # a drive that enforced (21)
-    left = page_ratio**2 / reduced
-    yield "impulsive_drive", Claim(left > 1.0, free=ratio, page=page_ratio, left=left)
-
-    half = WHOLE.drive_power[:1801]
-    work = np.sum(0.5 * (half[1:] + half[:-1])) * ALPHA[1] / EXAMPLE_SPEED
-    says = (np.ptp(energy) > ROUNDING * energy.max() for energy in (steady, free))
-    figures = {"least": steady.min(), "most": steady.max(), "change": np.ptp(steady)}
-    yield "cyclic_energy", Claim(*says, work=work, **figures)
-
-
-def of_the_machine() -> Iterator[tuple[str, Claim]]:
-    """Friction, weight and vibration, by the module."""
-    # share of the mean energy that the mesh takes in a turn, at constant speed and left to itself
-    lost: Any = {"mesh_efficiency": LOSSES["mesh_efficiency"]}
-    steady = outputs(module_of(EXAMPLE, **lost), TURN, "energy_stored", "energy_lost")
-    free = module_of(EXAMPLE, drive="torque", drive_torque=0.0, **lost)
-    swinging = outputs(free, 3.0 * TURN, "energy_stored", "energy_lost", "drive_turns")
-    turn = swinging[swinging[:, 2] < 1.0 / EXAMPLE.b]
-    shares = [part[-1, 1] / part[:, 0].mean() for part in (steady, turn)]
-    ratio = shares[1] / shares[0]
-    yield "circulation", Claim(abs(ratio - 1.0) > 0.1, share=shares, ratio=ratio)
-
-    mechanisms = [EXAMPLE, *map(with_modulus, MODULI)]
-    # in the middle of the steps
-    alpha = 2.0 * np.pi * (np.arange(STEPS) + 0.5) / STEPS
-    pages = [printed(m, alpha, EXAMPLE_SPEED) for m in mechanisms]
-    asked = [-page.N1 - page.N for page in pages]
-    powers = [drive_power(m, **LOSSES) for m in mechanisms]
-    most = max(abs(page.max() / power.max() - 1.0) for page, power in zip(asked, powers, strict=True))
-    mean, page_mean = powers[0].mean(), asked[0].mean() / powers[0].mean()
-    free = module_of(EXAMPLE, drive="torque", drive_torque=0.0, **LOSSES)
-    start = free["energy_stored"]
-    half = 20.0 * TURN * np.mean(outputs(free, 20.0 * TURN, "energy_stored") > 0.5 * start)
-    figures = {"page": asked[0].max(), "peak": powers[0].max(), "half": half, "page_mean": page_mean}
-    says = abs(page_mean - 1.0) < 0.1, most < 0.1
-    yield "drive", Claim(*says, losses=LOSSES, mean=mean, most=most, **figures)
-
-    level, upright = drive_power(EXAMPLE, gravity=9.81), drive_power(EXAMPLE)
-    share, mean = largest(level - upright) / upright.max(), abs(level.mean()) / level.max()
-    # the weight stays, the inertia forces grow with the square of the speed
-    yield "weight", Claim(share > 0.01, share=share, small=CARRIER_SPEED * np.sqrt(share / 0.01), mean=mean)
-
-    one, three = shaking(), shaking(satellites=3, drive_inertia=3.0 * EXAMPLE.J_wheel)
-    centred = shaking(eccentricity=0.0)
-    left = three[0] / one[0], three[1] / one[1]
-    figures = {"balance": left[0], "moment": three[1], "centred": centred[0], "still": centred[1] / one[1]}
-    yield "cause_of_vibration", Claim(*(part < ROUNDING for part in left), one=one, **figures)
-
-    # link 2 free between freewheels, a shaft at half the speed of the carrier
-    freewheels: Any = {"housing_freewheel": True, "output_freewheel": True, "link2_inertia": 2e-3}
-    shaft = {"output_inertia": 1e8, "omega_out_start": 0.5 * CARRIER_SPEED, "tolerance": 1e-6}
-    modules = [module_of(EXAMPLE, **freewheels, **shaft, **losses) for losses in ({}, LOSSES)]
-    means = [
-        outputs(m, 3000.0 * TURN, "output_torque_mean", "input_torque_mean").mean(axis=0) for m in modules
-    ]
-    torque, gain = [out for out, _ in means], [0.5 * out / into for out, into in means]
-    yield "rectified", Claim(min(torque) > 0.0, max(gain) > 1.01, torque=torque, gain=gain)
-
-
-def claims() -> Iterator[tuple[str, Claim]]:
-    """Rows of the table of claims."""
-    yield from of_the_path()
-    yield from of_the_forces()
-    yield from of_the_energy()
-    yield from of_the_machine()

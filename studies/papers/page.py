@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
-from types import ModuleType
 
 from inertia_module.contract import driven_shaft, variables
 
 from . import karetin, lysenko, stelmashchuk
+from .engine import claims_of, words
 
-PAPERS: tuple[ModuleType, ...] = (karetin, lysenko, stelmashchuk)
+PAPERS = {"karetin": karetin, "lysenko": lysenko, "stelmashchuk": stelmashchuk}
 # a section of the equations of a paper: the name of an equation, and the rest of its heading
 SECTION = re.compile(r"^#### (.+?): (.+)\n", re.M)
 
@@ -26,26 +25,17 @@ def papers_page() -> str:
         for fmu, known in (("fmu", variables.BY_NAME), ("shaft", driven_shaft.BY_NAME))
     }
     parts = [words("papers.md")]
-    for paper in PAPERS:
-        found = {**dict(paper.claims()), **cells, "equations": equations(paper)}
-        parts.append(words(f"{name_of(paper)}.md").format_map(found))
+    for name, paper in PAPERS.items():
+        found = {**claims_of(name, paper), **cells, "equations": equations(name)}
+        parts.append(words(f"{name}.md").format_map(found))
     return "\n".join(parts)
 
 
-def equations(paper: ModuleType) -> str:
-    """The words on the equations of a paper, a verdict below each heading."""
+def equations(paper: str) -> str:
+    """The words on the equations of a paper, below each heading the verdict on its forms, if it has them."""
+    found = PAPERS[paper].EQUATIONS
 
     def judged(heading: re.Match[str]) -> str:
-        return f"{heading[0]}\n{paper.EQUATIONS[heading[1]]}\n"
+        return heading[0] + (f"\n{found[heading[1]]}\n" if heading[1] in found else "")
 
-    return SECTION.sub(judged, words(f"{name_of(paper)}_equations.md"))
-
-
-def name_of(paper: ModuleType) -> str:
-    """Name of a paper, that of its first author."""
-    return paper.__name__.rpartition(".")[2]
-
-
-def words(name: str) -> str:
-    """A text beside the code."""
-    return Path(__file__).with_name(name).read_text(encoding="utf-8")
+    return SECTION.sub(judged, words(f"{paper}_equations.md"))

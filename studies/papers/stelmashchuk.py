@@ -15,10 +15,8 @@ of exp(lambda kappa) over the characteristic numbers and the number of the forci
 when points meet. Motion from rest under the forcing exp(mu kappa) is the second divided difference over
 (slow, fast, mu), the impulse response the first over (slow, fast).
 
-The page calls v what is nu here. It does not say what nu0, chi and nu1 are; the names below reproduce
-every printed R. Errors kept: 4 pi^2 Pi in R'' (should be 4 pi Pi), the bracket in C1 of phase III
-(R0' belongs inside), B of phase III, which is not defined (2 is right). Only Pi < nu is covered, and no
-resonance without friction.
+The page calls v what is nu here. It does not say what nu0, chi and nu1 are; the names in the table reproduce
+every printed R. It covers only Pi < nu, and no resonance without friction.
 
 kappa: relative time t/T, from the beginning of a phase where a phase is given, numbers or arrays of shape
 (n,), as the results, all without unit; kappa2: length of phase II, from 0 on, 1 where not told; beta: gain of
@@ -27,14 +25,13 @@ the balancer, 1 the paper's, 0 for none; phase: 0 to 3; C: constants (C1, C2) of
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from inertia_module.memory import DrivenShaft
 
-from .engine import ROUNDING, Claim, Equation, Forms, compared, largest, rounds_to, rows_of, tables
+from .engine import Equation, Forms, compared, largest, tables
 from .stepping import HALF, PHASES, TWO_PI, law_of_motion, phase_of, phase_starts
 
 # phase IV has no end: it is watched for this many units of kappa
@@ -216,8 +213,7 @@ def free_part(kappa: Any, C: tuple[Any, Any], nu1: float, Pi: float) -> tuple[An
     return fading * swing, fading * (nu1 * (C[0] * cosine - C[1] * sine) - Pi * swing)
 
 
-ROWS = rows_of("stelmashchuk")
-PRINTED, EXACT = tables(ROWS, free_part)
+ROWS, PRINTED, EXACT = tables("stelmashchuk", globals())
 
 
 def acceleration(s: Forms, kappa: Any) -> Any:
@@ -246,8 +242,6 @@ RISING, DWELLING = (
 )
 
 EQUATIONS = {
-    "(1)": Equation(verdict="not known"),
-    "(2)": Equation(verdict="wrong"),
     "(3)": compared("law_of_motion", PRINTED, RISING),
     "(4)": compared("law_of_motion", PRINTED, RISING),
     "(5)": Equation("free_acceleration", lambda: (DWELLING.free_acceleration, DWELLING.motion.acceleration)),
@@ -301,86 +295,3 @@ def under_load(Pi: float, load: float) -> float:
         shaft.advance(step)
         balancer += gain * 0.5 * (before + shaft["omega_out"])
     return shaft["energy_out"] / (shaft["energy_in"] + balancer)
-
-
-def of_figure_2() -> Iterator[tuple[str, Claim]]:
-    """The printed solution, and what balancer and stiffness do."""
-    exact = over_times(REFERENCE)
-    share = phase_peaks(exact - acceleration(printed(REFERENCE, KAPPA2), TIMES)) / largest(exact)
-    yield "solution", Claim(*(share < ROUNDING), share=share)
-
-    # deviation without over with the balancer; much nearer: by half
-    cases = [Criteria(nu, Pi) for nu in STIFFNESSES for Pi in DAMPINGS]
-    every = np.array([phase_peaks(deviation(c, 0.0)) / phase_peaks(deviation(c)) for c in cases])[:, DRIVEN]
-    figures = {"at": every[cases.index(REFERENCE)], "least": every.min(), "most": every.max()}
-    yield "sine_approached", Claim(*(every > 2.0).ravel(), **figures)
-
-    # peaks of phases, shape (111, 4), without over with the balancer, over the dwell
-    without, balanced = (
-        np.array([phase_peaks(over_times(REFERENCE, beta, k), k) for k in DWELLS.tolist()])
-        for beta in (0.0, 1.0)
-    )
-    whole = without.max(axis=1) / balanced.max(axis=1)
-    first, second, third, fourth = (without / balanced).T
-    near = DWELLS[[rounds_to(ratio, "3") for ratio in third]]
-    at = (near.min(), near[near < 1.0].max(), near[near > 1.0].min(), near.max())
-    figures = {"first": first[0], "third": (third.min(), third.max()), "whole": (whole.min(), whole.max())}
-    says: Any = (rounds_to(ratio, "3") for ratio in (*first, *third, *whole))
-    yield "peaks", Claim(*says, near=at, **figures)
-
-    amplitude = [lowered(REFERENCE, phase)[0] for phase in COASTING]
-    figures = {"second": (second.min(), second.max()), "fourth": (fourth.min(), fourth.max())}
-    says = (rounds_to(ratio, "7") for ratio in (*amplitude, *second, *fourth))
-    yield "oscillation_ratio", Claim(*says, amplitude=amplitude, **figures)
-
-    off, phase = 100.0 * np.abs(deviation(Criteria(100.0, 0.5))), phase_of(TIMES, KAPPA2)
-    mean = [off[phase == number].mean() for number in DRIVEN]
-    most, softer = phase_peaks(off)[DRIVEN], 100.0 * phase_peaks(deviation(REFERENCE))[DRIVEN]
-    says = (*(rounds_to(value, "0.05") for value in mean), *(most < softer))
-    yield "stiff_difference", Claim(*says, mean=mean, most=most.max())
-
-    peaks = {Pi: phase_peaks(over_times(Criteria(100.0, Pi))) for Pi in (*DAMPINGS, 0.0)}
-    shares = {Pi: peak[COASTING].max() / peak[DRIVEN].min() for Pi, peak in peaks.items()}
-    says = (value < 0.01 for value in shares.values())
-    yield "stiff_oscillation", Claim(*says, at=shares[0.5], most=max(shares.values()))
-
-    soft = over_times(Criteria(4.4, 0.5))
-    share = 100.0 * phase_peaks(soft - exact) / TWO_PI
-    height = 100.0 * (phase_peaks(soft) / phase_peaks(exact) - 1.0)[DRIVEN]
-    says = share[COASTING].min() > 2.0 * share[DRIVEN].max(), largest(height) < 5.0
-    yield "soft_shaft", Claim(*says, share=share, height=height)
-
-
-def of_figure_3() -> Iterator[tuple[str, Claim]]:
-    """Effect of friction, and the conclusions."""
-    cases = [Criteria(8.0, Pi) for Pi in DAMPINGS]
-    first, second = np.array([phase_peaks(deviation(c))[:2] for c in (*cases, Criteria(8.0, 0.0))]).T
-    says: Any = (np.all(np.diff(column) < 0.0) for column in (first, second))
-    yield "less_friction", Claim(*says, first=first, second=second)
-
-    off = max(largest(deviation(Criteria(nu, 0.0))) for nu in (*STIFFNESSES, TWO_PI))
-    yield "no_friction", Claim(off < ROUNDING, off=off)
-
-    amplitude, peak = lowered(cases[0])
-    balanced, without = (phase_peaks(over_times(Criteria(4.4, 0.5), beta))[2] for beta in (1.0, 0.0))
-    every = (lowered(Criteria(nu, Pi))[0] > 1.0 for nu in STIFFNESSES for Pi in DAMPINGS)
-    figures = {"damped": 1.0 / amplitude, "peak": peak, "third": balanced / without}
-    yield "improvement", Claim(*every, balanced < without, **figures)
-
-    ratios = [lowered(case)[0] for case in cases]
-    yield "low_friction", Claim(*np.diff(ratios) > 0.0, ratios=ratios)
-
-    # what friction takes over the whole motion, over the largest kinetic energy
-    speeds = [response(TIMES, case, KAPPA2).velocity for case in cases]
-    energies = [2.0 * Pi * np.sum(v[:-1] ** 2) * TIMES[1] for Pi, v in zip(DAMPINGS, speeds, strict=True)]
-    lost = [energy / (0.5 * 2.0**2) for energy in energies]
-    full, tenth = ([under_load(Pi, load) for Pi in DAMPINGS] for load in (1.0, 0.1))
-    grows = np.all(np.diff([full, tenth]) > 0.0)
-    says = all(np.diff(lost) < 0.0), grows, full[-1] > 0.9, tenth[-1] > 0.9
-    yield "efficiency", Claim(*says, lost=lost, full=full, tenth=tenth)
-
-
-def claims() -> Iterator[tuple[str, Claim]]:
-    """Rows of the table of claims."""
-    yield from of_figure_2()
-    yield from of_figure_3()

@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 from studies import coupling
 from studies.__main__ import app
-from studies.papers.figures import all_figures
+from studies.papers.figures import FIGURES
 from studies.stability.trial import Verdict
 
 
@@ -22,11 +22,10 @@ def command(*arguments, folder):
 
 def test_papers_leaves_every_figure_as_png_svg_and_csv(tmp_path, monkeypatch):
     names = {"karetin_2", "karetin_3", "lysenko_1", "lysenko_2", "stelmashchuk_2", "stelmashchuk_3"}
-    figures = all_figures()
-    assert names <= set(figures)
-    # tests/unit draws them all
-    few = {name: figures[name] for name in ("lysenko_1", "stelmashchuk_2")}
-    monkeypatch.setattr("studies.papers.figures.all_figures", lambda: few)
+    assert names <= set(FIGURES)
+    # test_papers.py draws them all
+    few = {name: FIGURES[name] for name in ("lysenko_1", "stelmashchuk_2")}
+    monkeypatch.setattr("studies.papers.figures.FIGURES", few)
     done = command("papers", "-o", tmp_path / "papers", "--json", folder=tmp_path)
     assert done.exit_code == 0, done.stderr
     files = [Path(file) for file in json.loads(done.stdout)["files"]]
@@ -113,7 +112,7 @@ def worked(*_, **__):
 @pytest.mark.parametrize(
     "name, work, stand_in",
     [
-        ("papers", "papers.figures.all_figures", lambda: {"a figure": worked}),
+        ("papers", "papers.figures.FIGURES", {"a figure": worked}),
         ("stability", "stability.map.run_study", worked),
         ("coupling", "__main__.current_fmu", worked),
     ],

@@ -1,4 +1,7 @@
-"""Verdicts on the equations and claims of the papers, the page that tells them, and the figures."""
+"""Verdicts on the equations and claims of the papers, how the page tells them, and the figures.
+
+What the verdicts are stands in docs/papers.md, which tests/system/test_pages.py compares.
+"""
 
 import io
 import re
@@ -6,90 +9,57 @@ import re
 import numpy as np
 import pytest
 
-from studies.papers import karetin, lysenko, stelmashchuk
-from studies.papers.engine import FAILS, HOLDS, PARTLY, ROUNDING, Claim, Found, rounds_to, worst
-from studies.papers.figures import all_figures
-from studies.papers.page import equations, papers_page, words
-from studies.papers.sketches import pitch_cones
+from studies.papers import karetin, page, stelmashchuk
+from studies.papers.engine import FAILS, HOLDS, PARTLY, ROUNDING, Found, claims_of, rounds_to, verdict, worst
+from studies.papers.figures import FIGURES, numbers, pitch_cones
+from studies.papers.page import PAPERS, equations, papers_page, words
 
-PAPERS = {"karetin": karetin, "lysenko": lysenko, "stelmashchuk": stelmashchuk}
-# wrong even if fed with exact values of all they take
-WRONG = {
-    "karetin": {"(2)", "(5)", "(9)", "(11)", "(14)", "(15)", "(19)", "(21)", "(22)", "(24)", "(31)"},
-    "lysenko": {
-        *("(2), note", "(5)", "(8)", "(10)", "(13)", "(14)", "(15)", "(16)", "(21)", "(22)", "(23)", "(24)")
-    },
-    "stelmashchuk": {"(2)", "R″", "C III"},
-}
-HOLDING = {
-    "karetin": {"superposition", "central_velocity_in_plane", "height_of_A", "abscissa"},
-    "lysenko": {"cusp", "modulus", "cycles", "zones", "limits", "places", "weight", "circulation"},
-    "stelmashchuk": {
-        *("stiff_difference", "stiff_oscillation", "less_friction", "no_friction", "low_friction")
-    },
-}
-FAILING = {
-    "karetin": {"stop_condition", "arms_of_acceleration", "axes_of_the_angles", "only_modulus"},
-    "lysenko": {
-        *("note", "moments", "vibration", "equations_of_motion", "angular_momentum", "ratio", "energy"),
-        *("impulsive_drive", "no_gain", "optimisation", "drive"),
-    },
-    "stelmashchuk": set(),
-}
+NUMBERED = {"karetin": 33, "lysenko": 24, "stelmashchuk": 5}
 papers = pytest.mark.parametrize("name", PAPERS)
 
 
 @pytest.fixture(scope="module")
 def claims():
-    return {name: dict(paper.claims()) for name, paper in PAPERS.items()}
+    return {name: claims_of(name, paper) for name, paper in PAPERS.items()}
 
 
 @pytest.fixture(scope="module")
 def drawn():
     """Figures and their columns by name, each drawn once."""
-    return {name: draw() for name, draw in all_figures().items()}
+    figures = {name: draw() for name, draw in FIGURES.items()}
+    return {name: (figure, numbers(figure)) for name, figure in figures.items()}
 
 
 @papers
-def test_every_numbered_equation_is_judged_and_fed_with_exact_values_right_or_clearly_wrong(name):
-    judged, last = PAPERS[name].EQUATIONS, {"karetin": 33, "lysenko": 24, "stelmashchuk": 5}[name]
-    assert [n for n in judged if re.fullmatch(r"\(\d+\)", n)] == [f"({n})" for n in range(1, last + 1)]
-    for number, equation in judged.items():
-        if not equation.verdict:
-            off = equation.difference
-            assert off > 0.01 if number in WRONG[name] else off < ROUNDING, number
-
-
-@papers
-def test_claims_have_the_verdicts_that_their_figures_give_them_and_a_row_each(name, claims):
-    for verdict, expected in ((HOLDS, HOLDING[name]), (FAILS, FAILING[name])):
-        assert {claim for claim, found in claims[name].items() if str(found) == verdict} == expected
-    told = re.findall(r"\*\*\{(\w+)\}\*\*", words(f"{name}.md"))
+def test_every_equation_is_right_or_clearly_wrong_and_every_claim_has_a_row(name, claims):
+    for number, equation in PAPERS[name].EQUATIONS.items():
+        assert equation.difference < ROUNDING or equation.difference > 0.01, number
+    told = re.findall(r"\*\*\{(\w+)\[verdict\]\}\*\*", words(f"{name}.md"))
     assert sorted(told) == sorted(claims[name])
 
 
 @papers
 def test_each_equation_is_shown_as_printed_and_exact_and_a_wrong_curve_is_drawn(name):
-    _, *sections = re.split(r"^#### ", equations(PAPERS[name]), flags=re.M)
-    shown = {section.partition(": ")[0]: section for section in sections}
-    assert set(shown) == set(PAPERS[name].EQUATIONS)
+    _, *sections = re.split(r"^#### ", equations(name), flags=re.M)
+    shown, last = {section.partition(": ")[0]: section for section in sections}, NUMBERED[name]
+    assert [n for n in shown if re.fullmatch(r"\(\d+\)", n)] == [f"({n})" for n in range(1, last + 1)]
+    assert set(shown) - set(PAPERS[name].EQUATIONS) == ({"(1)", "(2)"} if name == "stelmashchuk" else set())
     drawn = set(re.findall(r"\(papers/(\w+)\.svg\)", "".join(sections)))
-    curves = {figure for figure in all_figures() if figure.startswith(f"{name}_equation")}
-    assert curves <= drawn <= set(all_figures())
-    for number, equation in PAPERS[name].EQUATIONS.items():
-        if equation.verdict != "not known":
-            _, judged, told, formula, *rest = shown[number].split("\n\n")
-            assert judged == str(equation)
+    curves = {figure for figure in FIGURES if figure.startswith(f"{name}_equation")}
+    assert curves <= drawn <= set(FIGURES)
+    for section in shown.values():
+        _, judged, told, formula, *rest = section.split("\n\n")
+        if judged != "**not known**":
+            assert re.match(r"\*\*(right|wrong)\*\*", judged)
             assert told.startswith("As printed")
             assert formula.startswith("$$")
-            two = number in WRONG[name] or "as scanned" in told
+            two = judged.startswith("**wrong") or "as scanned" in told
             assert ("and exact" not in told) == two
             assert any(part.startswith("Exact") for part in rest) == two
 
 
 def test_the_page_has_no_figure_that_is_none_and_whole_tables(claims, monkeypatch):
-    for name, paper in PAPERS.items():
-        monkeypatch.setattr(paper, "claims", lambda name=name: claims[name].items())
+    monkeypatch.setattr(page, "claims_of", lambda name, _: claims[name])
     whole = papers_page()
     assert not re.search(r"\bnan\b|\binf\b", whole)
     for table in whole.split("| in the paper | in the FMU |")[1:]:
@@ -98,13 +68,18 @@ def test_the_page_has_no_figure_that_is_none_and_whole_tables(claims, monkeypatc
 
 
 def test_a_claim_holds_as_far_as_what_it_says_is_so_and_tells_its_figures():
-    for says, verdict in (((True, True), HOLDS), ((True, False), PARTLY), ((False, False), FAILS)):
-        assert str(Claim(*says)) == verdict
-    claim = Claim(True, off=0.1234, each=[0.5, 0.25], count=3, kept={"a": 2.5}, same=1e-15)
-    told = (
-        "{0.off:.1%} of {0.count}, {0.each:.2f}; {0.each:.0%}; {0.each[1]:g}; {0.kept[a]:g}; {0.same} {0.off}"
-    )
-    assert told.format(claim) == "12.3 % of 3, 0.50, 0.25; 50, 25 %; 0.25; 2.5; rounding 0.12"
+    for says, judged in (
+        ((True, True), HOLDS),
+        ((True, False), PARTLY),
+        ((False, False), FAILS),
+        (np.array([[True, False]]), PARTLY),
+        (True, HOLDS),
+    ):
+        assert verdict(says) == judged
+    figures = {"off": 0.1234, "each": [0.5, 0.25], "count": 3, "kept": {"a": 2.5}, "same": 1e-15}
+    claim = {name: Found(value) for name, value in figures.items()}
+    told = "{off:.1%} of {count}, {each:.2f}; {each:.0%}; {each[1]:g}; {kept[a]:g}; {same} {off}"
+    assert told.format_map(claim) == "12.3 % of 3, 0.50, 0.25; 50, 25 %; 0.25; 2.5; rounding 0.12"
     assert f"{Found(['a', 'b'])}" == "a, b"
 
 

@@ -154,9 +154,9 @@ def test_search_finds_guides_before_tables(visit):
 @pytest.mark.parametrize("figure", ["karetin_1", "lysenko_forces", "stelmashchuk_equation_R"])
 def test_the_same_figure_has_the_same_bytes_in_another_process(figure, tmp_path):
     program = (
-        "import sys; from pathlib import Path; from studies.papers.figures import all_figures;"
+        "import sys; from pathlib import Path; from studies.papers.figures import FIGURES;"
         "from inertia_module.harness.results import write_figure;"
-        "[write_figure(Path(path), all_figures()[sys.argv[1]]()[0]) for path in sys.argv[2:]]"
+        "[write_figure(Path(path), FIGURES[sys.argv[1]]()) for path in sys.argv[2:]]"
     )
     for run, seed in (("one", "1"), ("two", "2")):
         files = [tmp_path / f"{run}.{ending}" for ending in ("svg", "png")]
