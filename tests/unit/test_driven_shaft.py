@@ -1,6 +1,5 @@
 """DrivenShaft against many digits, at ordinary and extreme parameters; jumps, limits, steps, energies."""
 
-import itertools
 import math
 
 import mpmath
@@ -28,7 +27,8 @@ SHAFTS = {
     "light and dragged": (1e-12, 1e15, 1e12, 1e12),
 }
 TORQUES = ("shaft_torque", "shaft_torque_mean")
-STEPS = [1e-9, 1e-3, 0.1, 1000.0]
+# lengths of 2.8 and 3.1 of the natural frequency: where a series ends
+STEPS = [1e-9, 1e-3, 0.1, 0.11, 1000.0]
 
 
 def ramped(kernel, shaft, h, beta=0.4, hub=30.0, slope=7.0, load=12.0):
@@ -102,7 +102,7 @@ def test_twist_and_torque_keep_their_digits_after_the_hub_ran_to_a_huge_speed_an
             shaft.set(hub_speed=hub, load_torque=5.0)
             shaft.advance(h)
             omega4 += hub - end
-            right = exact(0.5, 400.0, damping, 0.0, 1.0, hub, slope, 5.0, twist, omega4, h, energies=False)
+            right = exact(0.5, 400.0, damping, 0.0, 1.0, hub, slope, 5.0, twist, omega4, h)
             twist, omega4, end = right["twist"], right["omega_out"], hub + mpmath.mpf(slope) * h
     for name in ("twist", "shaft_torque", "driven_acceleration"):
         assert shaft[name] == pytest.approx(float(right[name]), rel=1e-13), name
@@ -125,16 +125,6 @@ def test_rates_of_the_outputs(compiled, shaft):
     assert_rates(list(rates.values()), lambda t: [after(t)[name] for name in rates])
 
 
-def test_plain_and_compiled_kernel_agree(compiled):
-    models = [DrivenShaft(kernel).start(balancer=0.7, input_hold=1) for kernel in ("plain", compiled)]
-    for n, model in itertools.product(range(40), models):
-        model.set(hub_speed=20.0 * math.sin(0.4 * n), load_torque=n - 20.0)
-        model.advance((1e-4, 0.01, 0.3, 20.0)[n % 4])
-    plain, fast = (model.snapshot() for model in models)
-    for name, value in plain.items():
-        assert fast[name] == pytest.approx(value, rel=1e-12, abs=1e-12 * abs(plain["energy_in"])), name
-
-
 @pytest.mark.parametrize("beta", [0.0, 1.0, -0.5])
 def test_jump_of_the_hub_pushes_the_mass_by_beta_and_leaves_the_twist(compiled, beta):
     shaft = DrivenShaft(compiled).start(balancer=beta, hub_speed=10.0, omega_out_start=10.0, twist_start=0.02)
@@ -154,20 +144,6 @@ def test_without_a_balancer_nothing_moves_while_the_hub_rests(compiled):
     shaft = DrivenShaft(compiled).start()
     shaft.advance(1000.0)
     assert shaft["omega_out"] == shaft["twist"] == shaft["energy_in"] == shaft["energy_residual"] == 0.0
-
-
-@pytest.mark.parametrize(
-    "values, words",
-    [
-        ({"shaft_stiffness": 0.0}, "^shaft_stiffness must be .*, is 0$"),
-        ({"driven_inertia": 0.0}, "^driven_inertia must be .*, is 0$"),
-        ({"hub_speed": math.nan}, "^hub_speed must be .*, is nan$"),
-        ({"omega1": 3.0}, "^omega1 must be a parameter or an input .there are hub_speed"),
-    ],
-)
-def test_bad_values_are_refused_by_name(values, words):
-    with pytest.raises(Refused, match=words):
-        DrivenShaft("plain").start(**values)
 
 
 def test_bad_step_leaves_the_state_as_it_was(compiled):
@@ -227,39 +203,31 @@ SIGNED = st.one_of(
 
 
 @given(
-    inertia=powers(-12, 12),
-    stiffness=powers(-6, 15),
-    damping=st.one_of(st.just(0.0), powers(-12, 12)),
-    friction=st.one_of(st.just(0.0), powers(-12, 12)),
-    balancer=st.sampled_from((0.0, 1.0, -2.5)),
-    hold=st.sampled_from((0, 1)),
+    values=st.fixed_dictionaries(
+        {
+            "driven_inertia": powers(-12, 12),
+            "shaft_stiffness": powers(-6, 15),
+            "shaft_damping": st.one_of(st.just(0.0), powers(-12, 12)),
+            "driven_friction": st.one_of(st.just(0.0), powers(-12, 12)),
+            "balancer": st.sampled_from((0.0, 1.0, -2.5)),
+            "input_hold": st.sampled_from((0, 1)),
+        }
+    ),
     steps=st.lists(st.tuples(powers(-9, 3), SIGNED, SIGNED), min_size=1, max_size=5),
 )
-def test_energy_audit_closes_to_rounding_at_every_extreme(
-    compiled, inertia, stiffness, damping, friction, balancer, hold, steps
-):
-    shaft = DrivenShaft(compiled).start(
-        driven_inertia=inertia,
-        shaft_stiffness=stiffness,
-        shaft_damping=damping,
-        driven_friction=friction,
-        balancer=balancer,
-        input_hold=hold,
-    )
-    largest = 0.0
-    slope, last, before = 0.0, 0.0, (0.0, 0.0)
-    speed = 0.0
+def test_energy_audit_closes_to_rounding_at_every_extreme(compiled, values, steps):
+    shaft = DrivenShaft(compiled).start(**values)
+    largest, end, last, length = 0.0, 0.0, 0.0, math.inf
     for h, hub, load in steps:
-        shaft.set(hub_speed=hub, load_torque=load)
         old = shaft["omega_out"]
+        shaft.set(hub_speed=hub, load_torque=load)
         shaft.advance(h)
-        if hold and before[1] > 0.0:
-            slope = (hub - before[0]) / before[1]
+        slope = (hub - last) / length if values["input_hold"] else 0.0
         # the balancer's work and what damping makes of it may cancel: both count
-        push = abs(balancer) * (abs(hub - last) + abs(slope) * h)
+        push = abs(values["balancer"]) * (abs(hub - end) + abs(slope) * h)
         speed = max(abs(old), abs(shaft["omega_out"])) + push
-        names = ("energy_in", "energy_out", "energy_lost", "energy_stored")
-        largest = max(largest, inertia * push * speed, *(abs(shaft[name]) for name in names))
-        last, before = hub + slope * h, (hub, h)
+        energies = (shaft[f"energy_{name}"] for name in ("in", "out", "lost", "stored"))
+        largest = max(largest, values["driven_inertia"] * push * speed, *map(abs, energies))
+        end, last, length = hub + slope * h, hub, h
     assert all(math.isfinite(value) for value in shaft.snapshot().values())
     assert abs(shaft["energy_residual"]) <= 1e-11 * largest
