@@ -62,7 +62,7 @@ SELECTION = {
         test_averaged.py::test_locked_shaft_slips_under_a_load_beyond_the_lock_up_torque
         test_averaged.py::test_shaft_is_braked_to_rest_and_stays_there[planar]
         test_averaged.py::test_energy_taken_in_while_the_input_changes_is_the_mean_of_the_rigid_module[planar]
-        test_averaged_map.py::test_ripple_and_mean_speed_and_energy_are_those_of_the_rigid_motion[0.3-planar]
+        test_averaged_map.py::test_ripple_and_peak_are_those_of_the_rigid_motion[0.3-planar]
         test_averaged_map.py::test_mean_torques_are_those_of_the_rigid_module_at_held_output_speed[0.31-100.0-planar]
         test_averaged.py::test_behind_an_engine_of_great_inertia_the_motion_is_that_at_its_speed[planar-10.0]
         test_averaged.py::test_torque_that_alternates_about_ratio_1_is_followed[0.2-planar]

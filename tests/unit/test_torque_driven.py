@@ -102,27 +102,23 @@ def test_shaft_comes_to_rest_and_the_engine_turns_on(compiled, scene):
 
 def test_drive_torque_or_rate_past_the_checks_is_refused_and_the_next_good_step_works(compiled, scene):
     module = advanced(started(compiled, scene), 0.01)
-    saved, good = module.save(), module["drive_torque"]
-    undisturbed, allowed = advanced(module, 0.01).save(), BY_NAME["drive_torque"].allowed
-
-    def assert_refused(sentence):
-        state = bytes(module.state), bytes(module.outputs)
-        with pytest.raises(Refused, match=f"^{re.escape(sentence)}$"):
-            module.advance(0.01)
-        assert (bytes(module.state), bytes(module.outputs)) == state, sentence
-
-    for torque in (math.nan, math.inf, -math.inf, 1e13, -1e300):
+    saved, good, allowed = module.save(), module["drive_torque"], BY_NAME["drive_torque"].allowed
+    undisturbed = advanced(module, 0.01).save()
+    torques = [(value, 0.0) for value in (math.nan, math.inf, -math.inf, 1e13, -1e300)]
+    for torque, rate in (*torques, (good, math.nan), (good, math.inf), (good, 1e16)):
         module.restore(saved)
         module.inputs.drive_torque = torque
-        assert_refused(f"drive_torque must be {allowed}, is {torque:.16g}")
-        assert advanced(module, 0.01, drive_torque=good).save() == undisturbed, torque
+        sentence = f"drive_torque must be {allowed}, is {torque:.16g}"
+        if torque == good:
+            module.set_rates(drive_torque=rate)
+            kept = f"the rate of drive_torque must keep it {allowed} over 0.01 s"
+            sentence = f"{kept}, is {rate:.16g} N.m/s from drive_torque = {good:g}"
+        before = module.save()
+        with pytest.raises(Refused, match=f"^{re.escape(sentence)}$"):
+            module.advance(0.01)
+        assert module.save() == before, sentence
     module.restore(saved)
-    kept = f"the rate of drive_torque must keep it {allowed} over 0.01 s, is"
-    for rate in (math.nan, math.inf, 1e16):
-        module.set_rates(drive_torque=rate)
-        assert_refused(f"{kept} {rate:.16g} N.m/s from drive_torque = {good:g}")
-    module.set_rates(drive_torque=1.0)
-    assert advanced(module, 0.01)["energy_in"] != 0.0
+    assert advanced(module, 0.01).save() == undisturbed
 
 
 @pytest.mark.parametrize(
