@@ -222,11 +222,8 @@ def drawn(draw, number):
     """A random mechanism with losses, input speed and ratio."""
     planar = number % 4 == 3
     if planar:
-        shape = {
-            "layout": 1,
-            "sun_radius": draw.uniform(0.03, 0.2),
-            "satellite_radius": draw.uniform(0.02, 0.1),
-        }
+        radii = {"sun_radius": draw.uniform(0.03, 0.2), "satellite_radius": draw.uniform(0.02, 0.1)}
+        shape = {"layout": 1, **radii}
         shape["eccentricity"] = size = draw.uniform(0.3, 0.95) * shape["satellite_radius"]
         reach = shape["sun_radius"] + shape["satellite_radius"]
     else:
@@ -243,19 +240,12 @@ def drawn(draw, number):
     shape["drive_inertia"] = inertia * draw.choice((0.0, math.exp(draw.uniform(-5.0, -1.0))))
     omega1 = math.exp(draw.uniform(math.log(5.0), math.log(300.0))) * draw.choice((1, 1, 1, 1, -1))
     torque = 0.1 * inertia * omega1 * omega1
+    viscous = ("drive_friction", "link2_friction", "housing_drag_viscous", "output_drag_viscous")
     losses = [
         {"mesh_efficiency": draw.uniform(0.92, 0.995)},
         {"journal_friction": 0.03 * size * math.exp(draw.uniform(-3.0, 0.0))},
         {name: torque * math.exp(draw.uniform(-5.0, -1.0)) for name in ("housing_drag", "output_drag")},
-        {
-            name: torque / abs(omega1) * math.exp(draw.uniform(-5.0, -1.5))
-            for name in (
-                "drive_friction",
-                "link2_friction",
-                "housing_drag_viscous",
-                "output_drag_viscous",
-            )
-        },
+        {name: torque / abs(omega1) * math.exp(draw.uniform(-5.0, -1.5)) for name in viscous},
         {} if planar else {"satellite_mesh_efficiency": draw.uniform(0.93, 0.995)},
     ]
     kind = number // 4 % 6
