@@ -120,6 +120,7 @@ SELECTION = {
         test_rates.py::test_rates_of_the_outputs test_freewheels.py test_jumps.py
         test_torque_driven.py::test_torque_with_a_rate_counts_by_its_mean_over_the_step
         test_motions.py::test_means_are_the_momentum_they_give
+        test_motions.py::test_energies_balance_and_freewheels_only_push[bevel-speed-kinematic-ideal]
         test_motions.py::test_many_steps_are_one[bevel-speed-timestepping-ideal]
         test_angles.py::test_link_2_held_by_its_freewheel_keeps_the_same_angles
     """,

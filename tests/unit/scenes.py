@@ -98,7 +98,10 @@ WIND_UP = {
 ACCOUNTS = [f"energy_lost_{cause}" for cause in ("viscous", "shaft", "mesh", "journal", "freewheel")]
 # the account of a loss that is not its own
 CAUSE = {"satellite_mesh": "mesh", "housing_drag": "freewheel", "output_drag": "freewheel"}
-MOTION = ("omega2", "omega_out", "input_speed", "drive_angle", "energy_in", "energy_out", "energy_stored")
+MOTION = (
+    *("omega2", "omega_out", "input_speed", "drive_angle", "input_angle"),
+    *("energy_in", "energy_out", "energy_stored"),
+)
 MEANS = (
     *("input_torque_mean", "output_torque_mean", "mesh_torque_mean", "housing_torque_mean"),
     "torque_ripple",
