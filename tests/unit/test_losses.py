@@ -6,18 +6,7 @@ Their motion is held to the reference in test_reference.py, their invariants in 
 from itertools import product
 
 import pytest
-from scenes import (
-    ACCOUNTS,
-    ALL_LOSSES,
-    CAUSE,
-    ELASTIC,
-    LOSSES,
-    SCENES,
-    advanced,
-    motions,
-    passed,
-    started,
-)
+from scenes import ACCOUNTS, ALL_LOSSES, CAUSE, ELASTIC, LOSSES, SCENES, advanced, motions, passed, started
 
 from inertia_module.contract.variables import BY_NAME
 from inertia_module.kernel import codes

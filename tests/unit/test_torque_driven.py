@@ -8,16 +8,7 @@ import re
 
 import numpy as np
 import pytest
-from scenes import (
-    DRIVEN,
-    ENGINE,
-    LEVELS,
-    SCENES,
-    advanced,
-    input_angle,
-    motions,
-    started,
-)
+from scenes import DRIVEN, ENGINE, LEVELS, SCENES, advanced, input_angle, motions, started
 
 from inertia_module.contract.variables import BY_NAME
 from inertia_module.memory import Module, Refused
