@@ -100,6 +100,7 @@ def test_prescribed_motion_pays_for_each_loss_and_nothing_else(compiled, layout,
         module.advance(0.03)
         # the ratio jumps with omega1 at the beginning: part of the means
         gained = 0.0 if rate else module.derived.J2 * (module["omega2"] - link2) / 0.03
+        assert abs(module["energy_residual"]) < 1e-11 * passed(module)
         balance = module["mesh_torque_mean"] + module["housing_torque_mean"] - module["output_torque_mean"]
         if losses not in {"all", "viscous"} and rate == 0.0:
             assert balance == pytest.approx(gained, abs=1e-9 * abs(module["mesh_torque_mean"]) + 1e-12)
