@@ -12,6 +12,7 @@ from differences import assert_rates
 from hypothesis import given
 from hypothesis import strategies as st
 
+from inertia_module.kernel.driven_shaft.propagator import characteristic, responses
 from inertia_module.memory import DrivenShaft, Refused
 
 # J4, c, d, f: the corners of what is allowed, and ordinary shafts in each damping regime
@@ -31,8 +32,11 @@ SHAFTS = {
     "light and dragged": (1e-12, 1e15, 1e12, 1e12),
 }
 TORQUES = ("shaft_torque", "shaft_torque_mean")
-# lengths of 2.8 and 3.1 of the natural frequency: where a series ends
-STEPS = [1e-9, 1e-3, 0.1, 0.11, 1000.0]
+STEPS = [1e-9, 1e-3, 0.1, 1000.0]
+# the propagator's responses, dampings over the critical one and lengths in radians of the natural frequency
+RESPONSES = ("step", "slope", "impulse", "one", "two", "three", "four")
+DAMPING = [0.0, 1e-9, 0.3, 0.99, 1.0 - 1e-12, 1.0, 1.0 + 1e-12, 1.01, 5.0, 1e4, 1e12]
+LENGTHS = [1e-12, 1e-3, 0.7, 0.75, 2.9, 3.1, 11.0, 40.0, 300.0]
 
 
 def exact(J, c, d, f, beta, hub, slope, load, twist, omega4, h):
@@ -258,3 +262,45 @@ def test_energy_audit_closes_to_rounding_at_every_extreme(compiled, values, step
         end, last, length = hub + slope * h, hub, h
     assert all(math.isfinite(value) for value in shaft.snapshot().values())
     assert abs(shaft["energy_residual"]) <= 1e-11 * largest
+
+
+def exact_responses(rate, square, t):
+    """All responses from the characteristic numbers, at many digits."""
+    with mpmath.workdps(400):
+        rate, square, t = (mpmath.mpf(value) for value in (rate, square, t))
+        root = mpmath.sqrt(mpmath.mpc(rate * rate / 4 - square))
+        if root == 0:
+            root = mpmath.mpf(10) ** -60
+        numbers = (-rate / 2 + root, -rate / 2 - root)
+
+        def integral(n):
+            parts = [
+                (mpmath.exp(z * t) - sum((z * t) ** j / mpmath.factorial(j) for j in range(n))) / z**n
+                for z in numbers
+            ]
+            return ((parts[0] - parts[1]) / (numbers[0] - numbers[1])).real
+
+        ends = [z * mpmath.exp(z * t) for z in numbers]
+        slope = ((ends[0] - ends[1]) / (numbers[0] - numbers[1])).real
+        return [slope + rate * integral(0), slope, *(integral(n) for n in range(5))]
+
+
+@pytest.mark.parametrize("natural", [1e-9, 1.0, 8.0, 1e13])
+@pytest.mark.parametrize("damping", DAMPING)
+@pytest.mark.parametrize("length", LENGTHS)
+def test_every_response_is_exact_to_rounding(natural, damping, length):
+    rate, square = 2.0 * damping * natural, natural * natural
+    swing, slow, fast = characteristic(rate, square)
+    for t in (length / natural, length / fast):
+        found = responses(rate, square, swing, slow, fast, t)
+        expected = exact_responses(rate, square, t)
+        # a swing is known to rounding of its phase and of what it started from
+        phase = 1.0 + (fast * t if swing > 0.0 else slow * t)
+        faded = math.exp(-slow * t) if swing > 0.0 else 0.0
+        reach = min(t, 1.0 / swing if swing > 0.0 else t)
+        amplitudes = (faded * (1 + slow * reach), faded * (1 + slow * reach), faded * reach, 0, 0, 0, 0)
+        for name, value, right, amplitude in zip(RESPONSES, found, expected, amplitudes, strict=True):
+            size = abs(right)
+            if name == "slope":
+                size += mpmath.exp(-fast * t) + slow * abs(expected[2])
+            assert abs(value - right) <= 4e-15 * phase * (size + amplitude) + 1e-290, (name, t)
