@@ -53,6 +53,8 @@ def largest_gain(kernel, motion, step):
             last = residual
             assert module["omega2"] >= 0.0 or not module["housing_freewheel"]
             assert module["omega_hub"] >= module["omega2"]
+            dragged = module["output_drag"] + module["output_drag_viscous"] > 0.0
+            assert module["output_torque_mean"] >= 0.0 or not module["output_freewheel"] or dragged
     assert all(math.isfinite(value) for value in module.snapshot().values())
     return gain / energy if energy else gain
 
