@@ -28,7 +28,6 @@ LONG = frozenset(
         "test_web_kernel_is_the_same_wherever_it_is_linked_and_tells_no_path",
         "test_what_the_data_tell_together_alone_is_warned_of",
         "test_work_without_end_is_an_error_and_no_hang",
-        "test_wound_up_freewheel_swings_at_its_own_frequency",
     }
 )
 # whole files: other hosts, valgrind, sanitizers, Wine and QEMU, every page of the site, looks of the page

@@ -3,7 +3,7 @@
 Run: python tests/unit/averaged_errors.py, for the table in docs/mechanics.md.
 """
 
-from scenes import PLANAR
+from scenes import MECHANISMS
 
 from inertia_module.harness.steady import SteadyMachine
 from inertia_module.memory import Module
@@ -18,10 +18,6 @@ REALISTIC = {
     "output_friction": 0.01,
     "housing_drag": 0.3,
     "output_drag": 0.3,
-}
-MECHANISMS = {
-    "bevel": {},
-    "planar": {name: value for name, value in PLANAR.items() if name not in ("omega1", "load_torque")},
 }
 
 

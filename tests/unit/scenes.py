@@ -24,6 +24,11 @@ PLANAR = {
     "load_torque": 8.0,
 }
 SCENES = {"bevel": REFERENCE, "planar": PLANAR}
+# what is built, without what is given to it
+MECHANISMS = {
+    layout: {name: value for name, value in scene.items() if name not in ("omega1", "load_torque")}
+    for layout, scene in SCENES.items()
+}
 # an elastic output of the bevel one, as in the design
 ELASTIC = {
     "fidelity": 3,
@@ -93,7 +98,10 @@ WIND_UP = {
 ACCOUNTS = [f"energy_lost_{cause}" for cause in ("viscous", "shaft", "mesh", "journal", "freewheel")]
 # the account of a loss that is not its own
 CAUSE = {"satellite_mesh": "mesh", "housing_drag": "freewheel", "output_drag": "freewheel"}
-MOTION = ("omega2", "omega_out", "input_speed", "drive_angle", "energy_in", "energy_out", "energy_stored")
+MOTION = (
+    *("omega2", "omega_out", "input_speed", "drive_angle", "input_angle"),
+    *("energy_in", "energy_out", "energy_stored"),
+)
 MEANS = (
     *("input_torque_mean", "output_torque_mean", "mesh_torque_mean", "housing_torque_mean"),
     "torque_ripple",
@@ -173,13 +181,6 @@ def passed(module):
     """Energies that went through a module, J."""
     names = ("energy_in", "energy_out", "energy_stored", "energy_lost")
     return sum(abs(module[name]) for name in names)
-
-
-def momentum(module):
-    """Angular momentum of imbalance and link 2 about the central axis: one module of one satellite."""
-    _, y, z = vector(module, "imbalance")
-    _, vy, vz = vector(module, "imbalance_velocity")
-    return module["imbalance_mass"] * (y * vz - z * vy) + module["link2_inertia"] * module["omega2"]
 
 
 def vector(module, name):

@@ -1,24 +1,30 @@
-"""The map of fidelity averaged against the rigid module with its output speed held."""
+"""The map of fidelity averaged against the rigid module with its output speed held; rates of its flow."""
 
 import math
+import random
+from itertools import product
 
-import numpy as np
 import pytest
+from averaged_errors import of_pulses
 from differences import assert_rates
-from scenes import DRIVEN, ENGINE, PLANAR, started
+from scenes import DRIVEN, ENGINE, MECHANISMS, PLANAR, advanced, started
+from scipy.interpolate import PchipInterpolator
 
 from inertia_module import memory
+from inertia_module.kernel.averaged.balance import mean_input_torque
 from inertia_module.kernel.averaged.instants import speeds_at
+from inertia_module.kernel.averaged.jump import input_inertia
 from inertia_module.kernel.averaged.largest import MOMENTUM, value_at
+from inertia_module.kernel.averaged.rates import energy_at, flow, look_up, look_up_input
+from inertia_module.kernel.averaged.table import finish_table, inner_slope
 from inertia_module.kernel.averaged.torque_map import settle
 from inertia_module.kernel.links import inertia_at_input, motion
 from inertia_module.memory import Module
 
-MECHANISMS = {
-    "bevel": {},
+SHAPES = {
+    **MECHANISMS,
     "bevel, offset imbalance": {"a": 0.7, "b": 1.3, "epsilon": 0.4, "gamma": -0.9, "drive_inertia": 1e-3},
     "bevel, three satellites": {"satellites": 3},
-    "planar": {name: value for name, value in PLANAR.items() if name not in ("omega1", "load_torque")},
 }
 HELD = {"output_inertia": 1e12, "load_torque": 0.0, "tolerance": 1e-9}
 
@@ -29,25 +35,22 @@ def at_ratio(kernel, mechanism, omega1, sigma, **values):
     return started(kernel, mechanism, fidelity=1, omega1=omega1, omega_out_start=speed, **values)
 
 
-def rigid_means(kernel, mechanism, omega1, sigma, time=40.0, parts=200):
-    """Mean output and input torque of the rigid module, output held at this ratio, by a Hann window."""
+def rigid_after(kernel, mechanism, omega1, sigma, time):
+    """Rigid module with its output held at this ratio, after a step of this length in its steady motion."""
     module = started(kernel, mechanism, HELD, omega1=omega1, omega_out_start=abs(omega1) * sigma)
-    module.advance(2.0)
-    means = []
-    for _ in range(parts):
-        module.advance(time / parts)
-        means.append((module["output_torque_mean"], module["input_torque_mean"]))
-    return np.average(means, axis=0, weights=np.hanning(parts + 2)[1:-1])
+    return advanced(module, 2.0, time)
 
 
-@pytest.mark.parametrize("mechanism", MECHANISMS)
+@pytest.mark.parametrize("mechanism", SHAPES)
 @pytest.mark.parametrize("omega1", [100.0, -100.0])
 @pytest.mark.parametrize("sigma", [0.0, 0.07, 0.31, 0.6, 0.93])
 def test_mean_torques_are_those_of_the_rigid_module_at_held_output_speed(compiled, mechanism, omega1, sigma):
-    settings = MECHANISMS[mechanism]
+    settings = SHAPES[mechanism]
     stall = at_ratio(compiled, settings, omega1, 0.0)["output_torque"]
     module = at_ratio(compiled, settings, omega1, sigma, output_inertia=1e12)
-    output, measured = rigid_means(compiled, settings, omega1, sigma)
+    output, measured, _, omega2 = of_pulses(compiled, settings, omega1, sigma)
+    assert module["omega2"] == pytest.approx(100.0 * omega2, abs=0.05)
+    measured *= math.copysign(1.0, omega1)
     assert module["output_torque"] == pytest.approx(output, abs=3e-4 * stall)
     # the mean input torque is what the mesh takes: M1 = M2 where no energy is stored
     assert module["mesh_torque"] == pytest.approx(measured, abs=1e-3 * stall)
@@ -56,9 +59,9 @@ def test_mean_torques_are_those_of_the_rigid_module_at_held_output_speed(compile
     assert shared == pytest.approx(module["output_torque"], rel=1e-12)
 
 
-@pytest.mark.parametrize("mechanism", MECHANISMS)
+@pytest.mark.parametrize("mechanism", SHAPES)
 def test_torque_goes_with_the_square_of_the_speed_and_stalls_alike_both_ways(compiled, mechanism):
-    settings = MECHANISMS[mechanism]
+    settings = SHAPES[mechanism]
     for sigma in (0.0, 0.2, 0.9):
         one = at_ratio(compiled, settings, 1.0, sigma)["output_torque"]
         for omega1 in (1e-9, 1e5):
@@ -70,31 +73,25 @@ def test_torque_goes_with_the_square_of_the_speed_and_stalls_alike_both_ways(com
     # and none is passed to a shaft that link 2 never reaches
     for omega1, end in ((100.0, 1.5), (-100.0, 10.0)):
         assert at_ratio(compiled, settings, omega1, end)["output_torque"] == 0.0
-        assert rigid_means(compiled, settings, omega1, end, time=5.0)[0] == pytest.approx(0.0, abs=1e-3)
+        assert rigid_after(compiled, settings, omega1, end, 5.0)["output_torque_mean"] == 0.0
 
 
-@pytest.mark.parametrize("mechanism", MECHANISMS)
+@pytest.mark.parametrize("mechanism", SHAPES)
 @pytest.mark.parametrize("sigma", [0.0, 0.3, 0.7])
-def test_ripple_and_mean_speed_and_energy_are_those_of_the_rigid_motion(compiled, mechanism, sigma):
-    settings = MECHANISMS[mechanism]
+def test_ripple_and_peak_are_those_of_the_rigid_motion(compiled, mechanism, sigma):
+    settings = SHAPES[mechanism]
     module = at_ratio(compiled, settings, 100.0, sigma, output_inertia=1e12)
-    rigid = started(compiled, settings, HELD, omega1=100.0, omega_out_start=100.0 * sigma)
-    rigid.advance(2.0)
-    angle = rigid["drive_angle"] + 2.0 * math.pi * rigid["drive_turns"]
-    rigid.advance(50.0)
-    turned = rigid["drive_angle"] + 2.0 * math.pi * rigid["drive_turns"] - angle
-    k = 1.0 if mechanism.startswith("bevel") else 5.0 / 3.0
-    assert module["omega2"] == pytest.approx(100.0 - turned / k / 50.0, abs=0.05)
+    rigid = rigid_after(compiled, settings, 100.0, sigma, 50.0)
     ripple = rigid["torque_ripple"]
     assert module["torque_ripple"] == pytest.approx(ripple, rel=0.02, abs=0.01 * module["torque_peak"])
     assert module["torque_peak"] == pytest.approx(rigid["torque_peak"], rel=0.06, abs=0.05)
 
 
-@pytest.mark.parametrize("mechanism", MECHANISMS)
+@pytest.mark.parametrize("mechanism", SHAPES)
 @pytest.mark.parametrize("drive", [{}, ENGINE], ids=["by speed", "by torque"])
 @pytest.mark.parametrize("direction", [1.0, -1.0])
 def test_momentum_while_link_2_is_held_changes_by_what_holds_it(mechanism, drive, direction):
-    d = started("plain", MECHANISMS[mechanism], drive).derived
+    d = started("plain", SHAPES[mechanism], drive).derived
     d.travel.direction, q = direction, 0.3
     # by its torque link 1 has the energy 1/2; by its speed, the drive takes as much again as the housing
     omega1 = direction / inertia_at_input(d, q) ** 0.5 if drive else direction
@@ -116,8 +113,8 @@ def test_steady_motion_under_a_torque_ends_a_period_as_it_began(direction, inert
 
 def test_long_periods_of_coprime_teeth_are_averaged_too(compiled):
     long = at_ratio(compiled, {"z17": 199, "z6": 200}, 100.0, 0.3, output_inertia=1e12)
-    output, _ = rigid_means(compiled, {"z17": 199, "z6": 200}, 100.0, 0.3, time=100.0)
-    assert long["output_torque"] == pytest.approx(output, rel=5e-3)
+    rigid = rigid_after(compiled, {"z17": 199, "z6": 200}, 100.0, 0.3, 200.0)
+    assert long["output_torque"] == pytest.approx(rigid["output_torque_mean"], rel=5e-3)
     longer = at_ratio(compiled, {"z17": 1999, "z6": 2003}, 100.0, 0.3)["output_torque"]
     assert longer == pytest.approx(long["output_torque"], rel=0.05)
 
@@ -148,10 +145,83 @@ def test_map_is_kept_between_instances_that_are_alike(compiled, monkeypatch):
     assert second.derived.map_evaluations == -1.0
     for side in ("forward", "backward"):
         assert bytes(getattr(second.derived, side)) == bytes(getattr(first.derived, side))
-    other = Module(compiled).start(fidelity=1, omega1=50.0, imbalance_mass=2.0)
-    assert other.derived.map_evaluations > 0.0
-    assert len(kept) == 2
+    for number, mechanism in enumerate(({"imbalance_mass": 2.0}, {"satellite_inertia": 0.02}), 2):
+        other = Module(compiled).start(fidelity=1, omega1=50.0, **mechanism)
+        assert other.derived.map_evaluations > 0.0
+        assert len(kept) == number
     monkeypatch.setattr(memory, "MOST_MAPS", 3)
     for mass in (1.0, 2.0, 3.0, 4.0, 5.0):
         started(compiled, PLANAR, fidelity=1, imbalance_mass=mass)
     assert len(kept) == 3
+
+
+@pytest.fixture(params=product([0, 1], [1.0, -1.0], range(4)), ids=str)
+def averaged(request):
+    """(d, a side of a map of random cubics, x, |v|, omega3): its speed or its torque given."""
+    drive, direction, seed = request.param
+    chance = random.Random(seed)
+    module = started("plain", ENGINE, drive=drive)
+    d, x, side = module.derived, module.state, module.derived.forward
+    side.direction, side.count, side.end = direction, 2.0, 0.9
+    side.knots[0].ratio, side.knots[1].ratio = 0.1, 0.9
+    for cubic in (side.knots[0].torque, side.knots[0].input, side.knots[0].omega2):
+        cubic[:] = [chance.uniform(0.1, 1.0) for _ in range(4)]
+    d.map_inertia = chance.uniform(0.1, 1.0)
+    x.drive_torque, x.load_torque = chance.uniform(-1.0, 1.0), chance.uniform(-1.0, 1.0)
+    speed = chance.uniform(0.5, 2.0)
+    x.omega3 = chance.uniform(0.3, 0.7) * speed
+    return d, side, x, speed, x.omega3
+
+
+def test_mean_flow(averaged):
+    d, side, x, speed, omega3 = averaged
+
+    def after(change, change3):
+        found = flow(d, side, x, speed + change, 0.7, omega3 + change3)
+        return [pair[0] for pair in (*found[:2], *found[3:])]
+
+    found = flow(d, side, x, speed, 0.7, omega3)
+    rate, rate3, torque, _, omega1 = after(0.0, 0.0)
+    if d.by_torque:
+        power = side.direction * x.drive_torque * omega1 - torque * omega3
+        assert d.map_inertia * speed * rate == pytest.approx(power)
+    assert_rates([pair[1] for pair in (*found[:2], *found[3:])], lambda t: after(rate * t, rate3 * t))
+    assert_rates(found[2][::2], lambda t: after(t, 0.0)[:2])
+    assert_rates(found[2][1::2], lambda t: after(0.0, t)[:2])
+
+
+def test_mean_energy_and_input_torque(averaged):
+    d, side, x, speed, omega3 = averaged
+    v, alpha1, alpha3 = side.direction * speed, 0.7, -0.4
+
+    def energy(change, change3):
+        x.omega3 = omega3 + change3
+        found = energy_at(d, side, x, v + change)
+        x.omega3 = omega3
+        return found
+
+    assert_rates(energy(0.0, 0.0)[2] / speed, lambda t: energy(0.0, t)[1])
+    assert_rates(v * input_inertia(d, side, x, v), lambda t: energy(t, 0.0)[0])
+    if not d.by_torque:
+        torque = flow(d, side, x, speed, 0.0, omega3)[3][0]
+        given = mean_input_torque(d, side, x, v, alpha1, alpha3, torque) * v
+        assert_rates(given - torque * omega3, lambda t: energy(alpha1 * t, alpha3 * t)[0])
+
+
+def test_slopes_of_the_table_are_those_of_scipy():
+    x, y = [0.0, 0.3, 1.0], [2.0, 1.5, 0.1]
+    found = inner_slope(x[1] - x[0], x[2] - x[1], *y)
+    assert found == pytest.approx(PchipInterpolator(x, y).derivative()(x[1]), rel=1e-13)
+
+
+def test_table_of_two_knots_is_a_straight_line():
+    module = started("plain", ENGINE, drive=1)
+    side = module.derived.forward
+    side.count, side.end = 2.0, 0.9
+    for knot, values in zip(side.knots, [(0.1, 3.0, 1.0, 0.0), (0.9, 1.0, 2.0, 0.4)], strict=False):
+        knot.ratio, knot.torque[0], knot.input[0], knot.omega2[0] = values
+    finish_table(side)
+    torque, torque_slope, omega2, omega2_slope = look_up(side, module.state, 1.0, 0.3)[:4]
+    assert (torque, torque_slope) == pytest.approx((2.5, -2.5))
+    assert (omega2, omega2_slope) == pytest.approx((0.1, 0.5))
+    assert look_up_input(side, module.state, 1.0, 0.3) == pytest.approx((1.25, 1.25))

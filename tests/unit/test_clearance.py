@@ -11,6 +11,7 @@ from inertia_module.memory import DrivenShaft, Module
 from studies.papers.karetin import Geometry
 
 PLANAR = {"layout": 1, "sun_radius": 0.05, "satellite_radius": 0.03, "eccentricity": 0.02}
+INTERNAL = {"z17": 20, "z6": 60, "shaft_angle": 2.5, "a": 1.2}
 OVERLAP, OUTSIDE = "satellites of a module overlap", "the imbalance is outside"
 
 
@@ -62,14 +63,11 @@ def test_bevel_satellite_is_too_flat_where_no_masses_have_its_inertias(own, acro
     assert warned("no body has such inertias", layout=layout, **values) == (layout == 0 and along < 0.0)
 
 
-@pytest.mark.parametrize("values", [{}, PLANAR, {**PLANAR, "satellites": 3}, {"satellites": 5}, {"b": 1.2}])
-def test_what_can_be_built_is_not_warned_of(values):
-    assert Module("plain").start(**values).warnings() == []
-
-
 @pytest.mark.parametrize(
     "values",
     [
+        *({}, PLANAR, {**PLANAR, "satellites": 3}, {"satellites": 5}, {"b": 1.2}),
+        # parts that touch
         {**PLANAR, "eccentricity": 0.03},
         # neighbours of six touch where the sun is as large as they are
         {**PLANAR, "satellites": 6, "sun_radius": 0.03},
@@ -78,10 +76,16 @@ def test_what_can_be_built_is_not_warned_of(values):
         {"a": 0.7, "b": 0.7},
         # a thin disc
         {"satellite_inertia": 3e-3, "satellite_transverse_inertia": 1.5e-3},
+        # an internal satellite, its imbalance outside its pitch cone
+        INTERNAL,
     ],
 )
-def test_parts_that_touch_are_not_warned_of(values):
+def test_what_can_be_built_is_not_warned_of(values):
     assert Module("plain").start(**values).warnings() == []
+
+
+def test_an_internal_satellite_has_no_neighbour():
+    assert warned(OVERLAP, **INTERNAL, satellites=2)
 
 
 @pytest.mark.parametrize(
@@ -119,12 +123,6 @@ def test_warning_names_the_values_and_what_they_must_be(compiled, values, senten
 
 def test_all_that_is_wrong_is_told():
     assert len(Module("plain").start(**PLANAR | {"satellites": 12, "eccentricity": 0.04}).warnings()) == 2
-
-
-def test_an_internal_satellite_has_its_imbalance_outside_its_pitch_cone_and_no_neighbour():
-    internal = {"z17": 20, "z6": 60, "shaft_angle": 2.5, "a": 1.2}
-    assert Module("plain").start(**internal).warnings() == []
-    assert warned(OVERLAP, **internal, satellites=2)
 
 
 def test_a_shaft_has_nothing_to_warn_of():

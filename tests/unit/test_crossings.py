@@ -6,38 +6,16 @@ import math
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scenes import PLANAR, REFERENCE, SCENES, advanced, started
+from scenes import SCENES, advanced, started
 
 from inertia_module.contract.records import record_type
 from inertia_module.kernel import fields
 from inertia_module.kernel.solvers.interpolant import error_norm
 
-PULSES = {
-    "reference": REFERENCE,
-    "planar": PLANAR,
-    "heavy shaft": {"output_inertia": 500.0, "load_torque": 1.0},
-    "light shaft": {"output_inertia": 0.003, "load_torque": 2.0},
-    "light link 2": {"link2_inertia": 1e-4},
-    "two satellites": {"satellites": 2, "epsilon": 0.3, "imbalance_mass": 0.5},
-    "fast satellite": {"z17": 120, "z6": 20, "load_torque": 5.0},
-    "offset imbalance": {"a": 0.6, "b": 1.3, "gamma": 0.7, "load_torque": 3.0},
-    "unloaded": {"load_torque": 0.0},
-}
-
 
 @pytest.fixture(scope="module", params=SCENES)
 def scene(request):
     return SCENES[request.param]
-
-
-@pytest.mark.parametrize("pulses", PULSES)
-def test_long_steps_find_the_crossings_that_short_ones_find(compiled, pulses):
-    values = {"omega1": 100.0, "load_torque": 10.0, **PULSES[pulses]}
-    expected = advanced(started(compiled, values, tolerance=1e-12, max_step=2e-5), 0.3)
-    for tolerance in (1e-4, 1e-6, 1e-8):
-        found = advanced(started(compiled, values, tolerance=tolerance), 0.3)
-        assert found["contact_switches"] == expected["contact_switches"]
-        assert found["omega_out"] == pytest.approx(expected["omega_out"], abs=tolerance * 100.0)
 
 
 def first_pulse(compiled, scene, speed, tolerance=1e-10):
@@ -46,9 +24,8 @@ def first_pulse(compiled, scene, speed, tolerance=1e-10):
     return advanced(started(compiled, scene, quiet, tolerance=tolerance), 0.045)
 
 
-@pytest.fixture(scope="module")
-def grazing(compiled, scene):
-    """Speed of the shaft that the first pulse of link 2 just reaches, to the last bit: (touched, missed)."""
+def test_pulse_that_just_touches_the_shaft_is_no_trouble(compiled, scene):
+    # the speed of the shaft that it just reaches, to the last bit
     touched, missed = 0.0, 1e3
     while touched < 0.5 * (touched + missed) < missed:
         speed = 0.5 * (touched + missed)
@@ -56,11 +33,6 @@ def grazing(compiled, scene):
             touched = speed
         else:
             missed = speed
-    return touched, missed
-
-
-def test_pulse_that_just_touches_the_shaft_is_no_trouble(compiled, scene, grazing):
-    touched, missed = grazing
     assert 1.0 < missed < 900.0
     unhurt = first_pulse(compiled, scene, 2.0 * missed)
     for parts in (0.0, 1e-15, 1e-13, 1e-10, 1e-7, 1e-4):
@@ -70,14 +42,9 @@ def test_pulse_that_just_touches_the_shaft_is_no_trouble(compiled, scene, grazin
             assert module["contact_switches"] <= 10
             assert module["omega2"] == pytest.approx(unhurt["omega2"], abs=1e-6 + 1e3 * parts)
             assert abs(module["energy_residual"]) < 1e-8 * module["energy_stored"]
-
-
-@pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-9, 1e-12])
-@given(parts=st.floats(-1e-12, 1e-12))
-def test_grazing_is_no_trouble_at_any_tolerance(compiled, scene, grazing, tolerance, parts):
-    speed = grazing[0] * (1.0 + parts)
-    module = first_pulse(compiled, scene, speed, tolerance)
-    assert module["omega_out"] == pytest.approx(speed, rel=10.0 * tolerance + 1e-9)
+            for tolerance in (1e-3, 1e-6, 1e-9, 1e-12) if parts < 1e-12 else ():
+                end = first_pulse(compiled, scene, speed, tolerance)["omega_out"]
+                assert end == pytest.approx(speed, rel=10.0 * tolerance + 1e-9)
 
 
 def test_thousands_of_pulses_pass_in_one_communication_step(compiled, scene):
@@ -96,15 +63,6 @@ def test_speed_creeping_up_from_rest_under_load_moves_the_shaft(compiled, scene,
         advanced(module, 1e-3, omega1=0.3 * n)
         assert module["omega_out"] >= module["omega2"] >= 0.0
     assert module["energy_out"] > 0.0
-
-
-@pytest.mark.parametrize("omega1", [1e-3, 1e-6, 1e-9, 1e-20, 1e-100, 1e-300, 5e-324])
-def test_shaft_coasts_while_the_input_hardly_turns(compiled, scene, omega1):
-    for sign, angle, load in itertools.product((1.0, -1.0), (1.0, 4.0), (0.0, 8.0, 1e4)):
-        start = {"omega1": 0.0, "load_torque": load, "omega_out_start": 1.0, "drive_angle_start": angle}
-        module = advanced(started(compiled, scene, start), 1e-5, omega1=sign * omega1)
-        assert module["omega_out"] == pytest.approx(1.0 - 1e-5 * load / module["output_inertia"], rel=1e-9)
-        assert module["rhs_evaluations"] < 1000
 
 
 @pytest.mark.parametrize("tolerance", [1e-11, 1e-12, 1e-13])

@@ -33,19 +33,10 @@ def test_residual_of_long_runs_grows_with_the_turns_and_no_faster(compiled, kind
     assert turns > 300.0
 
 
-@pytest.mark.parametrize(
-    "scene, freewheels, before",
-    [
-        ("bevel", "both freewheels", 0.012),
-        ("bevel", "no freewheel", 0.02),
-        ("planar", "both freewheels", 0.0035),
-    ],
-)
-def test_hundred_thousand_tiny_steps_are_one_step(compiled, scene, freewheels, before):
-    one, many = (
-        advanced(started(compiled, SCENES[scene], FREEWHEELS[freewheels], tolerance=1e-13), before)
-        for _ in range(2)
-    )
+@pytest.mark.parametrize("freewheels, before", [("both freewheels", 0.012), ("no freewheel", 0.02)])
+def test_hundred_thousand_tiny_steps_are_one_step(compiled, freewheels, before):
+    scene = SCENES["bevel"] | FREEWHEELS[freewheels]
+    one, many = (advanced(started(compiled, scene, tolerance=1e-13), before) for _ in range(2))
     one.advance(1e-4)
     for _ in range(100_000):
         many.advance(1e-9)

@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 import pytest
+from scenes import ALL_LOSSES, GEARS, WIND_UP
 
 from inertia_module.common.errors import Refused
 from inertia_module.kernel.codes import DRIVE_TORQUE, KINEMATIC, TIMESTEPPING
@@ -12,14 +13,9 @@ from studies.stability.motion import LEVELS
 
 PAGE = Path(__file__).parents[2] / "docs" / "mechanics.md"
 MACHINE = {"input_inertia": 1.0, "output_inertia": 0.05, "driven_inertia": 0.4, "kinematic_ratio": 0.5}
-SIZES = {
-    **dict.fromkeys(("mesh_efficiency", "satellite_mesh_efficiency"), 0.97),
-    **dict.fromkeys(("input_friction", "drive_friction", "link2_friction", "output_friction"), 0.01),
-    **dict.fromkeys(("housing_drag", "output_drag", "housing_drag_viscous", "output_drag_viscous"), 0.1),
-    **dict.fromkeys(("housing_stiffness", "freewheel_stiffness"), 1e4),
-    **dict.fromkeys(("satellite_inertia", "satellite_transverse_inertia"), 1e-4),
-    **{"journal_friction": 1e-3, "gravity": 9.81, "shaft_damping": 1.0, "driven_friction": 0.1},
-}
+DAMPINGS = ("housing_damping", "freewheel_damping")
+SIZES = {name: size for name, size in (ALL_LOSSES | WIND_UP | GEARS).items() if name not in DAMPINGS}
+SIZES |= {"shaft_damping": 1.0, "driven_friction": 0.1}
 
 
 def told():

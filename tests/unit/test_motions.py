@@ -3,10 +3,10 @@
 import math
 
 import pytest
-from scenes import ACCOUNTS, MEANS, MOTION, advanced, motions, passed, started
+from scenes import ACCOUNTS, MEANS, MOTION, SCENES, advanced, motions, passed, started
 
 from inertia_module.kernel import codes
-from inertia_module.memory import Module
+from inertia_module.memory import Module, Refused
 
 EVENTS = ("rigid", "elastic")
 STEPS = [0.01] * 5 + [1e-3] * 20 + [0.05] * 5
@@ -109,6 +109,36 @@ def test_a_saved_state_runs_on_to_the_same_bits(compiled, scene):
         for _ in led(each, [0.02, 0.013]):
             pass
     assert other.save() == module.save()
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_state_before_the_start_can_be_restored_too(compiled, scene):
+    module = Module(compiled)
+    module.set(**SCENES[scene])
+    saved = module.save()
+    module.start()
+    advanced(module, 0.01)
+    module.restore(saved)
+    assert not module.started
+    module.start()
+    assert module.save() == started(compiled, SCENES[scene]).save()
+
+
+def test_what_is_no_state_is_refused_and_changes_nothing(compiled):
+    module = advanced(started(compiled), 0.01)
+    saved = module.save()
+    damaged = {
+        "empty": b"",
+        "short": saved[:-1],
+        "long": saved + b"\0",
+        "another kind": b"X" + saved[1:],
+        "another build": saved[:16] + bytes([saved[16] ^ 1]) + saved[17:],
+        "zeros": bytes(len(saved)),
+    }
+    for name, state in damaged.items():
+        with pytest.raises(Refused, match="the state must be one saved by this build, "):
+            module.restore(state)
+        assert module.save() == saved, name
 
 
 @motions(added=("ideal", "losses"))

@@ -1,8 +1,6 @@
-import math
-
 import numpy as np
 import pytest
-from geometry import derivatives, direct_sums, position, satellite_ratio, taylor, turn
+from geometry import derivatives, direct_sums, position, taylor, turn
 from hypothesis import given
 from hypothesis import strategies as st
 from scenes import parameters, started
@@ -100,17 +98,6 @@ def test_velocity_and_acceleration_are_rates_of_the_position_along_the_path(layo
     assert found == pytest.approx(expected, rel=1e-11, abs=1e-11 * np.abs(expected).max())
 
 
-@pytest.mark.parametrize("turn", range(5))
-@given(epsilon=PHASES, a=st.floats(0.1, 3.0))
-def test_bevel_imbalance_with_equal_a_and_b_is_at_rest_in_link_1_at_the_rolling_point(turn, epsilon, a):
-    p = parameters(epsilon=epsilon, a=a, b=a, drive_inertia=0.02)
-    q = (2.0 * math.pi * turn - epsilon) / satellite_ratio(p)
-    d = derived(p)
-    assert imbalance(d, q, 0.0)[3:6] == pytest.approx([0.0] * 3, abs=1e-14)
-    inertia, *_ = reduced_inertia(d, q)
-    assert reduced_inertia(d, q)[5] - 0.02 == pytest.approx(0.0, abs=1e-14 * inertia)
-
-
 @given(distance=st.floats(1e-12, 1e-4))
 def test_inertia_near_the_rolling_point_keeps_its_digits(distance):
     p = parameters()
@@ -118,11 +105,3 @@ def test_inertia_near_the_rolling_point_keeps_its_digits(distance):
     curvature = reduced_inertia(d, 0.0)[7]
     g = reduced_inertia(d, distance)[5]
     assert g == pytest.approx(0.5 * curvature * distance**2, rel=1e-13 + 10.0 * distance**2)
-
-
-@given(theta1=PHASES, omega1=st.floats(-300.0, 300.0), sun=LENGTHS, satellite=LENGTHS)
-def test_planar_imbalance_touching_the_held_sun_wheel_is_at_rest(theta1, omega1, sun, satellite):
-    p = parameters(layout=1, sun_radius=sun, satellite_radius=satellite, eccentricity=satellite)
-    found = imbalance_in_fixed_frame(derived(p), 0.0, theta1, omega1, 0.0, omega1 * sun / satellite, 0.0, 0.0)
-    assert found[:3] == pytest.approx(turn(0, theta1) @ [0.0, 0.0, sun])
-    assert found[3:6] == pytest.approx([0.0] * 3, abs=1e-14 * abs(omega1) * (sun + satellite))

@@ -1,17 +1,20 @@
 """The kernel's machine does what the independent reference says, case by case of one table.
 
 Nothing of the kernel takes part in the reference (studies.reference: virtual work on its own geometry); it is
-itself held to closed forms in test_lossy.py.
+itself held to closed forms in test_lossy.py. Angles, speeds, energies, torques and their means are compared.
 """
 
 from itertools import product
 
 import pytest
 from scenes import (
+    ALL_LOSSES,
     DRIVEN,
     DRIVES,
     ELASTIC,
     FREEWHEELS,
+    GEARS,
+    LOSSES,
     SCENES,
     advanced,
     drive_angle,
@@ -23,41 +26,33 @@ from scenes import (
 from inertia_module.kernel.links import angular_momentum
 from studies.reference.cases import CAUSES, OMEGA1, OMEGA2, OMEGA4, SLIP, THETA1, TWIST, Q
 
-GEAR = {"satellite_inertia": 0.004, "satellite_transverse_inertia": 0.003}
-GEARS = {
-    "1-gear": {"satellites": 1, **GEAR},
-    "2-gears": {"satellites": 2, **GEAR},
-    "3-gears": {"satellites": 3, **GEAR},
+SATELLITES = {
+    "1-gear": {"satellites": 1, **GEARS},
+    "2-gears": {"satellites": 2, **GEARS},
+    "3-gears": {"satellites": 3, **GEARS},
     "tiny-gear": {"satellites": 1, "satellite_inertia": 1e-9, "satellite_transverse_inertia": 1e-9},
     "dominant-gear": {"satellites": 1, "satellite_inertia": 0.3, "satellite_transverse_inertia": 0.2},
     "gears-alone": {"satellites": 2, "satellite_inertia": 0.02, "imbalance_mass": 0.0},
     "long-gear": {"satellites": 1, "satellite_transverse_inertia": 0.02},
 }
-VISCOUS = {"input_friction": 0.02, "drive_friction": 0.01, "link2_friction": 0.05, "output_friction": 0.2}
-LOSSES = {
-    "mesh": {"mesh_efficiency": 0.97},
-    "satellite-mesh": {"satellite_mesh_efficiency": 0.95},
-    "journal": {"journal_friction": 1e-3},
-    "housing-drag": {"housing_drag": 0.5, "housing_drag_viscous": 0.004},
-    "output-drag": {"output_drag": 0.3, "output_drag_viscous": 0.003},
-    "gravity": {"gravity": 9.81},
-    "bodies": {"satellite_inertia": 4e-4, "satellite_transverse_inertia": 3e-4},
-}
-WITHOUT_BODIES = VISCOUS | {
-    name: value for key, one in LOSSES.items() if key != "bodies" for name, value in one.items()
-}
-ALL = {**WITHOUT_BODIES, **LOSSES["bodies"]}
 SHAFT = {**ELASTIC, "driven_friction": 0.03, "balancer": 0.2}
 OUTPUTS = {"rigid": {}, "elastic": SHAFT}
 # much friction: links 1 and 2 stick together and part again
 STICKING = {
-    **WITHOUT_BODIES,
+    **ALL_LOSSES,
     "mesh_efficiency": 0.7,
     "journal_friction": 0.02,
     "omega2_start": 90.0,
     "omega_out_start": 90.0,
 }
 TIMES = (0.01, 0.05)
+# impulses of the reference, and what has them as its mean over a step
+IMPULSES = {
+    "M1": "input_torque_mean",
+    "M2": "mesh_torque_mean",
+    "Tc": "output_torque_mean",
+    "Th": "housing_torque_mean",
+}
 
 
 def expected(exact):
@@ -94,36 +89,45 @@ def cases():
     for layout, (drive, given), (output, shaft) in product(SCENES, DRIVES.items(), OUTPUTS.items()):
         name, values = f"{layout}-{drive}-{output}", given[layout] | shaft
         yield name, values
-        yield f"{name}-friction", values | VISCOUS | {"driven_friction": 0.0, "balancer": 0.0}
+        yield f"{name}-friction", values | LOSSES["viscous"] | {"driven_friction": 0.0, "balancer": 0.0}
         for freewheels in ("no housing freewheel", "no output freewheel", "no freewheel"):
             yield f"{name}-{freewheels.replace(' ', '-')}", values | FREEWHEELS[freewheels]
         if output == "rigid":
-            yield f"{name}-all", values | ALL
+            yield f"{name}-stalled", values | {"load_torque": 1e4}
+            yield f"{name}-overhauled", values | {"load_torque": -5.0}
+            yield f"{name}-all", values | ALL_LOSSES | GEARS
             yield f"{name}-sticking", values | STICKING
     for layout, freewheels in product(SCENES, FREEWHEELS):
         values = DRIVEN[layout] | FREEWHEELS[freewheels]
         back = {"omega1": -100.0, "drive_torque": -values["drive_torque"]}
         yield f"{layout}-backwards-{freewheels.replace(' ', '-')}", values | back
     combinations = list(product(SCENES, DRIVES.values(), OUTPUTS.values()))
-    for n, (gears, own) in enumerate(GEARS.items()):
+    for n, (gears, own) in enumerate(SATELLITES.items()):
         for layout, drive, shaft in (combinations[n], combinations[-1 - n]):
             yield f"{layout}-{gears}-{n}", drive[layout] | shaft | own | {"drive_angle_start": 0.7}
     for losses, loss in LOSSES.items():
         yield losses, SCENES["bevel"] | loss
     for layout in SCENES:
-        yield f"{layout}-elastic-losses", DRIVEN[layout] | SHAFT | WITHOUT_BODIES
-        yield f"{layout}-4-satellites", DRIVEN[layout] | WITHOUT_BODIES | {"satellites": 2, "modules": 2}
-        yield f"{layout}-9-satellites", DRIVEN[layout] | WITHOUT_BODIES | {"satellites": 3, "modules": 3}
-    springs = ELASTIC | WITHOUT_BODIES | {"housing_damping": 0.05, "freewheel_damping": 0.05}
+        yield f"{layout}-elastic-losses", DRIVEN[layout] | SHAFT | ALL_LOSSES
+        yield f"{layout}-4-satellites", DRIVEN[layout] | ALL_LOSSES | {"satellites": 2, "modules": 2}
+        yield f"{layout}-9-satellites", DRIVEN[layout] | ALL_LOSSES | {"satellites": 3, "modules": 3}
+    # (with a viscous drag of 0.01 N.m.s/rad the reference overlooks that the housing's spring engages again)
+    springs = ELASTIC | ALL_LOSSES | {"housing_damping": 0.05, "housing_drag_viscous": 0.004}
     yield "wound-up-housing", SCENES["bevel"] | springs | {"housing_stiffness": 3000.0}
-    yield "wound-up-output", SCENES["bevel"] | springs | {"freewheel_stiffness": 2000.0}
+    yield (
+        "wound-up-output",
+        SCENES["bevel"] | springs | {"freewheel_stiffness": 2000.0, "freewheel_damping": 0.05},
+    )
+    spins = {"omega1": 0.0, "omega_out_start": 50.0, "output_friction": 0.3}
+    yield "spins-down", SCENES["bevel"] | spins
+    yield "is-pulled", SCENES["bevel"] | spins | {"load_torque": -4.0, "housing_freewheel": False}
     stiff = {"shaft_stiffness": 3000.0, "shaft_damping": 0.5, "driven_friction": 0.3}
     yield "stiff-shaft", SCENES["bevel"] | ELASTIC | stiff
     yield "balancer", SCENES["bevel"] | ELASTIC | {"shaft_stiffness": 800.0, "balancer": 0.6}
 
 
 # the ideal engines have friction and gears as well, the general one all the rest
-GENERAL = {name for one in LOSSES.values() for name in one} - LOSSES["bodies"].keys()
+GENERAL = ALL_LOSSES.keys() - LOSSES["viscous"].keys()
 IDEAL_CASES, GENERAL_CASES = (
     [pytest.param(values, id=name) for name, values in cases() if bool(GENERAL & values.keys()) == general]
     for general in (False, True)
@@ -133,13 +137,20 @@ IDEAL_CASES, GENERAL_CASES = (
 def assert_same_motion(kernel, values):
     found, exact = started(kernel, values, tolerance=1e-12), reference(values)
     accuracy = 1e-8 if "housing_damping" in values else 1e-9
+    before = exact.integrals()
     for time in TIMES:
-        found.advance(time - exact.time)
+        step = time - exact.time
+        found.advance(step)
         exact.advance(time)
         assert held_to(found, exact, accuracy) == {}, time
         torques = [found[f"{name}_torque"] for name in ("input", "mesh", "output", "housing")]
         largest = max(map(abs, exact.torques()))
         assert torques == pytest.approx(list(exact.torques()), rel=1e-6, abs=1e-6 * largest)
+        after = exact.integrals()
+        for impulse, mean in IMPULSES.items():
+            gained = (after[impulse] - before[impulse]) / step
+            assert found[mean] == pytest.approx(gained, abs=1e-7 * largest), mean
+        before = after
     lost = sum(found[f"energy_lost_{cause}"] for cause in CAUSES)
     assert lost == pytest.approx(found["energy_lost"], rel=1e-12)
     assert abs(found["energy_residual"]) < 1e-9 * max(found["energy_stored"], found["energy_in"])
@@ -155,15 +166,9 @@ def test_motion_and_losses_are_those_of_the_reference(compiled, values):
     assert_same_motion(compiled, values)
 
 
-def test_longer_motions_are_those_of_the_reference(compiled):
-    for values in (SCENES["bevel"], SCENES["bevel"] | ELASTIC):
-        found = advanced(started(compiled, values, tolerance=1e-12), 0.3)
-        assert held_to(found, reference(values, 0.3), 2e-9) == {}
-
-
 @pytest.mark.parametrize("scene", SCENES)
 def test_loads_that_change(compiled, scene):
-    values = {**SCENES[scene], **WITHOUT_BODIES}
+    values = {**SCENES[scene], **ALL_LOSSES}
     found, exact = started(compiled, values, tolerance=1e-12), reference(values)
     for n in range(1, 7):
         load = values["load_torque"] * (1.0 if n % 4 < 2 else -0.5)

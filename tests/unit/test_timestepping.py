@@ -1,20 +1,15 @@
 """Method `timestepping`: fixed steps, complementarity of impulses, no search for events."""
 
-import itertools
 import math
-import random
+from contextlib import suppress
 
-import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from scenes import (
     ACCOUNTS,
     ALL_LOSSES,
     DRIVEN,
     DRIVES,
     ELASTIC,
-    FREEWHEELS,
     LOSSES,
     MEANS,
     SCENES,
@@ -25,7 +20,9 @@ from scenes import (
     started,
 )
 
-from inertia_module.memory import Refused
+from inertia_module.kernel.codes import TIMESTEPPING
+from inertia_module.memory import Module, Refused
+from studies.stability.random_motions import draw_motion
 
 OUTPUTS = {"rigid": {}, "elastic": ELASTIC}
 SPEEDS = ("input_speed", "omega2", "omega_hub", "omega_out")
@@ -37,94 +34,29 @@ FIXED_STEPS = ("timestepping", "elastic-timestepping")
 # what rounding may make in a run, of the largest energy there was
 ROUNDING = 1e-11
 ENERGIES = ("energy_stored", "energy_in", "energy_out", "energy_lost")
-COMBINATIONS = list(itertools.product(FREEWHEELS, DRIVES, OUTPUTS))
 
 
-def exponential(dice, low, high):
-    """A number between 10**low and 10**high."""
-    return 10.0 ** dice.uniform(low, high)
-
-
-def mechanism(dice):
-    """Parameters of either layout, of any proportions that can be stepped."""
-    return {
-        "layout": dice.choice([0, 0, 1]),
-        "satellites": dice.randint(1, 4),
-        "modules": dice.randint(1, 3),
-        "z17": dice.randint(15, 60),
-        "shaft_angle": dice.uniform(0.5, 2.5),
-        **{name: dice.choice([1.0, dice.uniform(0.2, 2.0)]) for name in "abc"},
-        "epsilon": dice.uniform(-7.0, 7.0),
-        "gamma": dice.uniform(-7.0, 7.0),
-        "eccentricity": dice.uniform(0.001, 0.05),
-        "imbalance_mass": exponential(dice, -1.0, 1.0),
-        "drive_inertia": dice.choice([0.0, exponential(dice, -5.0, -2.0)]),
-        "input_inertia": exponential(dice, -3.0, 1.0),
-        "link2_inertia": exponential(dice, -3.0, -1.0),
-        "output_inertia": exponential(dice, -3.0, 1.0),
-        "driven_inertia": exponential(dice, -2.0, 1.0),
-        "shaft_stiffness": exponential(dice, 1.0, 6.0),
-        "shaft_damping": dice.choice([0.0, exponential(dice, -3.0, 1.0)]),
-        "driven_friction": dice.choice([0.0, exponential(dice, -3.0, 0.0)]),
-        "balancer": dice.choice([0.0, 0.0, dice.uniform(-0.5, 0.5)]),
-        "drive_angle_start": dice.uniform(-7.0, 7.0),
-    }
-
-
-def losses(dice):
-    """Losses by load and drag of any size, some of them absent, and gravity."""
-    drawn = {
-        "mesh_efficiency": dice.uniform(0.5, 1.0),
-        "satellite_mesh_efficiency": dice.uniform(0.9, 1.0),
-        "journal_friction": exponential(dice, -4.0, -1.0),
-        "housing_drag": exponential(dice, -3.0, 1.0),
-        "housing_drag_viscous": exponential(dice, -4.0, 0.0),
-        "output_drag": exponential(dice, -3.0, 1.0),
-        "output_drag_viscous": exponential(dice, -4.0, 0.0),
-        "drive_friction": exponential(dice, -3.0, 0.0),
-        "link2_friction": exponential(dice, -3.0, 0.0),
-        "gravity": dice.choice([9.81, 1000.0]),
-    }
-    return {name: value for name, value in drawn.items() if dice.random() < 0.6}
-
-
-def largest_gain(kernel, seed, combination, lossy):
+def largest_gain(kernel, motion, step):
     """Largest energy that a step, or all of the run, made out of nothing, of the largest energy there was.
 
-    Each step lets the drive turn by 0.03 to 30 rad at the first speed of link 1; speed, torque, load change.
+    In each of its segments it takes 20 steps of this size.
     """
-    freewheels, drive, output = combination
-    dice = random.Random(seed)
-    speed = exponential(dice, 0.0, 3.0)
-    values = mechanism(dice) | {
-        "method": 1,
-        "fidelity": 3 if output == "elastic" else 2,
-        "drive": float(drive == "torque"),
-    }
-    values |= {"input_hold": dice.choice([0, 1]), "omega1": dice.choice([-speed, speed])}
-    if lossy:
-        values |= losses(dice)
-    module = started(kernel, values, FREEWHEELS[freewheels])
-    step = exponential(dice, -1.5, 1.5) / (float(module.derived.k) * speed)
-    # what changes the speed of link 1, or of the output shaft, by up to three times that in a step
-    torque = exponential(dice, -3.0, 0.5) * values["input_inertia"] * speed / step
-    load = exponential(dice, -3.0, 0.5) * values["output_inertia"] * speed / step
-    energy = module["energy_stored"]
-    last = gain = 0.0
-    for _ in range(20):
-        module.set(
-            omega1=dice.choice([module["omega1"], dice.uniform(-speed, speed)]),
-            drive_torque=dice.uniform(-torque, torque),
-            load_torque=dice.choice([0.0, dice.uniform(-load, load)]),
-        )
+    module = motion.started(Module(kernel))
+    energy, last, gain = module["energy_stored"], 0.0, 0.0
+    for part in motion.segments:
+        module.set(omega1=part.omega1, load_torque=part.load, drive_torque=part.drive)
         for _ in range(20):
             module.advance(step)
             energy = max(energy, *(abs(module[name]) for name in ENERGIES))
             residual = module["energy_residual"]
             gain = max(gain, last - residual, -residual)
             last = residual
+            assert module["omega2"] >= 0.0 or not module["housing_freewheel"]
+            assert module["omega_hub"] >= module["omega2"]
+            dragged = module["output_drag"] + module["output_drag_viscous"] > 0.0
+            assert module["output_torque_mean"] >= 0.0 or not module["output_freewheel"] or dragged
     assert all(math.isfinite(value) for value in module.snapshot().values())
-    return gain / energy
+    return gain / energy if energy else gain
 
 
 @pytest.fixture(params=SCENES)
@@ -168,23 +100,15 @@ def test_many_pulses_in_a_step_make_no_energy(compiled, scene):
             least = max(least, module["energy_residual"])
 
 
-@pytest.mark.parametrize("combination", COMBINATIONS, ids=lambda names: "-".join(names).replace(" ", "-"))
-def test_no_random_run_makes_energy(compiled, combination):
-    for seed in range(12):
-        assert largest_gain(compiled, seed, combination, lossy=False) < ROUNDING, seed
-        assert seed % 2 or largest_gain(compiled, seed, combination, lossy=True) < ROUNDING, seed
-
-
-@pytest.mark.parametrize("step", [1e-4, 1e-2, 1.0])
-@pytest.mark.parametrize("size", [1e-12, 1.0, 1e3])
-@pytest.mark.parametrize("drive", DRIVES)
-def test_no_friction_makes_energy_in_steps_of_any_length(compiled, drive, output, size, step):
-    for name in LOSSES["viscous"]:
-        one = started(compiled, DRIVES[drive]["bevel"], output, {name: size}, method=1)
-        for load in (10.0, -10.0, 3.0):
-            advanced(one, step, load_torque=load)
-            assert one["energy_residual"] > -2.5e-11 * passed(one)
-            assert one["energy_lost_viscous"] >= 0.0
+@pytest.mark.parametrize("losses", [False, True], ids=["ideal", "losses"])
+def test_no_random_run_makes_energy(compiled, losses):
+    for number in range(600):
+        motion = draw_motion(5, number, losses)
+        with suppress(Refused):  # the meshes jam
+            if motion.level.method == TIMESTEPPING:
+                # 0.03 to 30 rad of the highest harmonic
+                step, motion = 10.0 * motion["max_step"], motion.changed(max_step=0.0, input_hold=number % 2)
+                assert largest_gain(compiled, motion, step) < ROUNDING, number
 
 
 def test_mean_output_torque_is_within_two_percent_at_steps_of_a_millisecond(compiled, scene, output):
@@ -195,17 +119,6 @@ def test_mean_output_torque_is_within_two_percent_at_steps_of_a_millisecond(comp
         advanced(module, 1e-3)
         mean += 1e-3 * module["output_torque_mean"]
     assert mean == pytest.approx(exact, rel=0.02)
-
-
-def test_error_falls_at_first_order_or_better(compiled, scene, output):
-    exact = advanced(started(compiled, scene, output, tolerance=1e-10), 0.5)["omega_out"]
-    steps = [1e-3, 2.5e-4, 6.25e-5, 1.5625e-5]
-    errors = []
-    for step in steps:
-        module = started(compiled, scene, output, method=1, max_step=step)
-        errors.append(abs(advanced(module, 0.5)["omega_out"] - exact))
-    slope, _ = np.polyfit(np.log(steps), np.log(errors), 1)
-    assert slope > 0.85
 
 
 @pytest.mark.parametrize("drive", DRIVES)
@@ -233,24 +146,6 @@ def test_a_step_takes_at_most_two_evaluations(compiled, scene, output):
             assert count <= module["rhs_evaluations"] <= 2 * count
 
 
-@given(
-    step=st.floats(-6.0, 3.0).map(lambda exponent: 10.0**exponent),
-    speeds=st.lists(st.floats(-1e5, 1e5), min_size=3, max_size=12),
-    load=st.floats(-1e3, 1e3),
-    input_hold=st.sampled_from([0, 1]),
-    layout=st.sampled_from(sorted(SCENES)),
-    fidelity=st.sampled_from(sorted(OUTPUTS)),
-)
-def test_coarse_steps_never_break(compiled, step, speeds, load, input_hold, layout, fidelity):
-    module = started(compiled, SCENES[layout], OUTPUTS[fidelity], method=1, input_hold=input_hold)
-    for speed in speeds:
-        advanced(module, step, omega1=speed, load_torque=load)
-        values = module.snapshot()
-        assert all(math.isfinite(value) for value in values.values())
-        assert values["omega_hub"] >= values["omega2"] >= 0.0
-        assert values["output_torque_mean"] >= 0.0
-
-
 def test_a_coarse_step_gives_no_more_speed_than_the_input_has(compiled, scene):
     module = started(compiled, scene, method=1, load_torque=0.0)
     for step in (0.1, 1.0, 10.0, 1000.0):
@@ -267,12 +162,6 @@ def test_contact_switches_are_those_of_the_event_method_at_any_communication_ste
         fixed = started(compiled, values, method=1, max_step=1e-4)
         advanced(fixed, *[0.3 / steps] * steps)
         assert fixed["contact_switches"] == events["contact_switches"] > 20
-
-
-@motions(levels=FIXED_STEPS, added=("ideal",))
-def test_communication_steps_make_no_contact_switches(compiled, scene):
-    modules = [advanced(started(compiled, scene, max_step=2**-9), *[0.5 / n] * n) for n in (1, 16, 256)]
-    assert len({module["contact_switches"] for module in modules}) == 1
 
 
 def test_energy_audit_shows_the_error_and_closes_with_the_step(compiled, scene):
@@ -292,17 +181,6 @@ def test_a_linear_input_is_followed(compiled, scene):
             advanced(module, 5e-3, omega1=scene["omega1"] * (1.0 + 0.3 * math.sin(0.2 * n)))
         results.append([module[name] for name in ("omega_out", "energy_in", "input_torque_mean")])
     assert results[1] == pytest.approx(results[0], rel=2e-3)
-
-
-def test_drag_of_the_housing_freewheel_stops_link_2_and_holds_it(compiled):
-    """Without imbalance link 2 coasts down under constant drag; a push below the drag does not start it."""
-    values = {"imbalance_mass": 0.0, "omega_out_start": 10.0, "link2_inertia": 0.5, "omega2_start": 1.0}
-    values |= {"housing_drag": 2.0, "output_drag": 1.0}
-    module = advanced(started(compiled, values, method=1, max_step=1e-3), 0.2)
-    assert module["omega2"] == pytest.approx(1.0 - 0.2 * (2.0 - 1.0) / 0.5, rel=1e-9)
-    advanced(module, 0.5)
-    assert module["omega2"] == 0.0
-    assert module["housing_torque_mean"] < 0.0
 
 
 def test_pendulum_falls_from_rest_as_by_events(compiled):

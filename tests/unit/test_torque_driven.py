@@ -8,31 +8,12 @@ import re
 
 import numpy as np
 import pytest
-from geometry import direct_derivatives, ratio
-from hypothesis import given
-from hypothesis import strategies as st
-from scenes import (
-    DRIVEN,
-    ENGINE,
-    FREEWHEELS,
-    SCENES,
-    advanced,
-    drive_angle,
-    input_angle,
-    motions,
-    parameters,
-    started,
-)
+from scenes import DRIVEN, ENGINE, LEVELS, SCENES, advanced, input_angle, motions, started
 
 from inertia_module.contract.variables import BY_NAME
 from inertia_module.memory import Module, Refused
 
-FREE = FREEWHEELS["no freewheel"]
-STALL = {"load_torque": 1e6}
-TORQUES = st.one_of(st.sampled_from([0.0, 15.0, -15.0]), st.floats(-60.0, 60.0))
-every_motion = motions(
-    levels=("averaged", "rigid", "elastic", "timestepping", "elastic-timestepping"), added=("ideal",)
-)
+FOLLOWED = [level for level in LEVELS if level != "kinematic"]
 
 
 @pytest.fixture(params=SCENES)
@@ -40,28 +21,7 @@ def scene(request):
     return DRIVEN[request.param]
 
 
-def inertias(module):
-    """(I, B, G) at the present angle, from positions."""
-    p = {name: int(module[name]) if name == "satellites" else module[name] for name in parameters()}
-    return direct_derivatives(p, drive_angle(module))[:, 0]
-
-
-def held_inertia(module):
-    """J1 + I + 2 k B + k^2 G, what the input turns while link 2 is held."""
-    i, b, g = inertias(module)
-    k = ratio(module)
-    return module["input_inertia"] + i + 2.0 * k * b + k * k * g
-
-
-def angular_momentum(module):
-    """That of all links about the central axis, the output shaft included."""
-    i, b, _ = inertias(module)
-    slip = ratio(module) * (module["input_speed"] - module["omega2"])
-    links = (module["input_inertia"] + i) * module["input_speed"] + b * slip
-    return links + module["link2_inertia"] * module["omega2"] + module["output_inertia"] * module["omega_out"]
-
-
-@every_motion
+@motions(levels=FOLLOWED, added=("ideal",))
 def test_one_input_alone_counts_and_its_work_is_torque_times_angle(compiled, scene):
     """The torque given to link 1, where the drive is by torque, not its speed; else the other way round."""
     one, other = (advanced(started(compiled, scene), 0.01) for _ in range(2))
@@ -84,22 +44,13 @@ def test_one_input_alone_counts_and_its_work_is_torque_times_angle(compiled, sce
         assert one["input_speed"] == one["omega1"]
 
 
-@every_motion
+@motions(levels=FOLLOWED, added=("ideal",))
 def test_torque_starts_and_turns_round_the_engine(compiled, scene):
-    if scene.get("drive"):
-        module = advanced(started(compiled, scene, omega1=0.0, drive_torque=5.0), *[0.02] * 10)
-        assert module["input_speed"] > 1.0
-        advanced(module, *[0.02] * 25, drive_torque=-7.0)
-        assert module["input_speed"] < -1.0
-
-
-@given(torque=TORQUES, step=st.floats(1e-9, 0.05))
-def test_input_torque_is_the_drive_torque_in_every_mode(compiled, torque, step):
-    for freewheels in FREEWHEELS.values():
-        module = advanced(started(compiled, DRIVEN["bevel"], freewheels), 0.02, step, drive_torque=torque)
-        turning = module["energy_stored"] + abs(module["mesh_torque"]) + abs(torque)
-        assert module["input_torque"] == pytest.approx(torque, abs=1e-12 * turning)
-        assert module["input_torque_mean"] == pytest.approx(torque, rel=1e-14)
+    scene = scene | ENGINE
+    module = advanced(started(compiled, scene, omega1=0.0, drive_torque=5.0), *[0.02] * 10)
+    assert module["input_speed"] > 1.0
+    advanced(module, *[0.02] * 25, drive_torque=-7.0)
+    assert module["input_speed"] < -1.0
 
 
 def test_torque_with_a_rate_counts_by_its_mean_over_the_step(compiled, scene):
@@ -118,73 +69,6 @@ def test_speed_at_the_start_is_that_given(compiled, scene):
     assert started(compiled, scene, ENGINE, omega1=0.0)["input_speed"] == 0.0
 
 
-def test_speed_made_by_the_torque_asks_for_that_torque_when_given(compiled, scene):
-    # the course of input_speed, in ramps of a step: the mean torque of a step is then that of the drive
-    errors = []
-    for step in (1e-3, 2.5e-4):
-        driven = started(compiled, scene, tolerance=1e-10)
-        follower = started(compiled, scene, drive=0, tolerance=1e-10)
-        largest = 0.0
-        for _ in range(round(0.05 / step)):
-            before = driven["input_speed"]
-            driven.advance(step)
-            follower.set(omega1=before)
-            follower.set_rates(omega1=(driven["input_speed"] - before) / step)
-            follower.advance(step)
-            for name in ("input_speed", "omega2", "omega_out"):
-                largest = max(largest, abs(follower[name] - driven[name]))
-        errors.append(largest)
-        assert follower["energy_in"] == pytest.approx(driven["energy_in"], rel=2.0 * step / 1e-3)
-    assert errors[1] < 0.1 * errors[0] < 0.1
-
-
-@pytest.mark.parametrize("omega1", [100.0, -100.0])
-def test_nothing_drives_and_nothing_holds_conserves_energy_and_angular_momentum(compiled, scene, omega1):
-    alone = {"omega1": omega1, "drive_torque": 0.0, "load_torque": 0.0}
-    module = started(compiled, scene, FREE, alone, tolerance=1e-12)
-    energy, momentum = module["energy_stored"], angular_momentum(module)
-    speeds = [module["input_speed"]]
-    for _ in range(20):
-        module.advance(0.013)
-        assert module["energy_stored"] == pytest.approx(energy, rel=1e-11)
-        assert angular_momentum(module) == pytest.approx(momentum, rel=1e-11)
-        speeds.append(module["input_speed"])
-    assert max(speeds) - min(speeds) > 1.0
-    assert module["energy_in"] == module["energy_out"] == 0.0
-
-
-@pytest.mark.parametrize(
-    ("omega1", "torque"), [(100.0, 0.0), (100.0, 3.0), (100.0, -3.0), (0.0, 12.0), (0.0, -12.0)]
-)
-def test_stalled_module_is_a_flywheel_of_changing_inertia(compiled, scene, omega1, torque):
-    # 1/2 Phi omega1^2 gains what the torque does, whatever way link 1 turns
-    module = started(compiled, scene, STALL, omega1=omega1, drive_torque=torque, tolerance=1e-11)
-    energy = 0.5 * held_inertia(module) * omega1**2
-    for step in (1e-9, 1e-4, *[0.0171] * 25):
-        module.advance(step)
-        angle = input_angle(module)
-        kinetic = 0.5 * held_inertia(module) * module["input_speed"] ** 2
-        assert kinetic == pytest.approx(energy + torque * angle, rel=1e-9)
-        assert module["omega2"] == module["omega_out"] == 0.0
-        assert drive_angle(module) == pytest.approx(ratio(module) * angle, rel=1e-12)
-    assert abs(angle) > 1.0
-    assert module["contact_mode"] == 3
-    assert module["contact_switches"] == 0
-    assert module["output_torque_mean"] == pytest.approx(1e6, rel=1e-14)
-
-
-@pytest.mark.parametrize("omega2", [0.0, 5.0])
-def test_motion_without_freewheels_runs_backwards_in_time(compiled, scene, omega2):
-    first = {"omega1": 80.0, "omega2_start": omega2, "omega_out_start": omega2, "drive_angle_start": 0.3}
-    there = advanced(started(compiled, scene, FREE, first, tolerance=1e-12), 0.2)
-    turned = {"omega1": -there["input_speed"], "drive_angle_start": drive_angle(there)}
-    turned |= {"omega2_start": -there["omega2"], "omega_out_start": -there["omega2"]}
-    back = advanced(started(compiled, scene, FREE, turned, tolerance=1e-12), 0.2)
-    found = [-back["input_speed"], -back["omega2"], -back["omega_out"], drive_angle(back)]
-    assert found == pytest.approx(list(first.values()), abs=1e-8)
-    assert back["energy_in"] == pytest.approx(-there["energy_in"], rel=1e-9)
-
-
 def test_shaft_comes_to_rest_and_the_engine_turns_on(compiled, scene):
     module = advanced(started(compiled, scene), 0.3)
     assert module["omega_out"] > 0.0
@@ -196,27 +80,23 @@ def test_shaft_comes_to_rest_and_the_engine_turns_on(compiled, scene):
 
 def test_drive_torque_or_rate_past_the_checks_is_refused_and_the_next_good_step_works(compiled, scene):
     module = advanced(started(compiled, scene), 0.01)
-    saved, good = module.save(), module["drive_torque"]
-    undisturbed, allowed = advanced(module, 0.01).save(), BY_NAME["drive_torque"].allowed
-
-    def assert_refused(sentence):
-        state = bytes(module.state), bytes(module.outputs)
-        with pytest.raises(Refused, match=f"^{re.escape(sentence)}$"):
-            module.advance(0.01)
-        assert (bytes(module.state), bytes(module.outputs)) == state, sentence
-
-    for torque in (math.nan, math.inf, -math.inf, 1e13, -1e300):
+    saved, good, allowed = module.save(), module["drive_torque"], BY_NAME["drive_torque"].allowed
+    undisturbed = advanced(module, 0.01).save()
+    torques = [(value, 0.0) for value in (math.nan, math.inf, -math.inf, 1e13, -1e300)]
+    for torque, rate in (*torques, (good, math.nan), (good, math.inf), (good, 1e16)):
         module.restore(saved)
         module.inputs.drive_torque = torque
-        assert_refused(f"drive_torque must be {allowed}, is {torque:.16g}")
-        assert advanced(module, 0.01, drive_torque=good).save() == undisturbed, torque
+        sentence = f"drive_torque must be {allowed}, is {torque:.16g}"
+        if torque == good:
+            module.set_rates(drive_torque=rate)
+            kept = f"the rate of drive_torque must keep it {allowed} over 0.01 s"
+            sentence = f"{kept}, is {rate:.16g} N.m/s from drive_torque = {good:g}"
+        before = module.save()
+        with pytest.raises(Refused, match=f"^{re.escape(sentence)}$"):
+            module.advance(0.01)
+        assert module.save() == before, sentence
     module.restore(saved)
-    kept = f"the rate of drive_torque must keep it {allowed} over 0.01 s, is"
-    for rate in (math.nan, math.inf, 1e16):
-        module.set_rates(drive_torque=rate)
-        assert_refused(f"{kept} {rate:.16g} N.m/s from drive_torque = {good:g}")
-    module.set_rates(drive_torque=1.0)
-    assert advanced(module, 0.01)["energy_in"] != 0.0
+    assert advanced(module, 0.01).save() == undisturbed
 
 
 @pytest.mark.parametrize(
