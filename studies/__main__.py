@@ -66,25 +66,25 @@ def stability(
     from inertia_module.harness.results import write_figure
     from inertia_module.harness.simulate import progress_bar
 
-    from .stability import map as extremes_map
+    from .stability import verdicts as extremes
 
     with one_line_errors():
         folder = folder_for(output, "stability")
-        chosen = extremes_map.chosen_cases(only, quick)
+        chosen = extremes.chosen_cases(only, quick)
         with progress_bar("trying the extremes") as progress:
-            verdicts = extremes_map.run_study(chosen, progress)
-        rows = extremes_map.rows_of(verdicts)
+            verdicts = extremes.run_study(chosen, progress)
+        rows = extremes.rows_of(verdicts)
         files = {
-            "verdicts": extremes_map.write_rows(folder / "stability.csv", rows),
-            "cases": extremes_map.write_cases(folder / "cases.csv", verdicts),
-            "map": write_figure(folder / "stability.png", extremes_map.verdict_map(rows)),
-            "summary": write_figure(folder / "stability_summary.png", extremes_map.summary(rows)),
+            "verdicts": extremes.write_rows(folder / "stability.csv", rows),
+            "cases": extremes.write_cases(folder / "cases.csv", verdicts),
+            "map": write_figure(folder / "stability.png", extremes.verdict_map(rows)),
+            "summary": write_figure(folder / "stability_summary.png", extremes.summary(rows)),
         }
     if as_json:
         listed = {name: str(file) for name, file in files.items()}
-        typer.echo(json.dumps({"verdicts": extremes_map.as_records(verdicts), "files": listed}))
+        typer.echo(json.dumps({"verdicts": [verdict.as_record() for verdict in verdicts], "files": listed}))
     else:
-        extremes_map.print_rows(rows)
+        extremes.print_rows(rows)
         for name, file in files.items():
             typer.echo(f"{name}: {file}")
     if any(verdict.outcome == "broken" for verdict in verdicts):
@@ -93,15 +93,17 @@ def stability(
 
 def _random_motions(number: int, seed: int, losses: bool, output: Path | None, as_json: bool) -> None:
     """Run random motions, print what does not hold with what reproduces it, write the counts."""
+    from inertia_module.harness.results import write_rows
     from inertia_module.harness.simulate import progress_bar
 
-    from .stability.random_motions import findings, print_outcomes, run_random, write_rows
+    from .stability.random_motions import HEADINGS, findings, print_outcomes, rows_of, run_random
 
     with one_line_errors():
         folder = folder_for(output, "stability")
         with progress_bar("trying random motions") as progress:
             outcomes = run_random(number, seed, folder, progress, losses)
-        file = write_rows(folder / ("random_losses.csv" if losses else "random.csv"), outcomes)
+        path = folder / ("random_losses.csv" if losses else "random.csv")
+        file = write_rows(path, HEADINGS, rows_of(outcomes))
     if as_json:
         typer.echo(json.dumps({"findings": findings(outcomes), "files": {"invariants": str(file)}}))
     else:

@@ -12,9 +12,21 @@ from scenes import REFERENCE
 from inertia_module.kernel import engine, run
 from inertia_module.memory import Module, Refused
 from studies.stability.extremes import Case
-from studies.stability.map import chosen_cases, read_rows, rows_of, run_study, write_cases, write_rows
 from studies.stability.motion import LEVELS, Motion, Segment
-from studies.stability.trial import cause, energy_bound, judge, result_bound, try_case, work_bound
+from studies.stability.verdicts import (
+    cause,
+    chosen_cases,
+    energy_bound,
+    judge,
+    read_rows,
+    result_bound,
+    rows_of,
+    run_study,
+    try_case,
+    work_bound,
+    write_cases,
+    write_rows,
+)
 
 TABLE = Path(__file__).parents[2] / "docs" / "stability.csv"
 LEVEL = next(level for level in LEVELS if level.name == "rigid, event")

@@ -12,13 +12,17 @@ from random_found import FOUND
 from inertia_module.common.errors import Refused
 from inertia_module.kernel.codes import ELASTIC, EVENT, KINEMATIC, RIGID
 from inertia_module.memory import Module
-from studies.stability import random_checks, random_motions
-from studies.stability.motion import LEVELS, Motion, Segment
-from studies.stability.random_checks import AS_TORQUE, FRICTIONS, REFERENCE, VIRTUAL_WORK, Finding, examine
+from studies.stability import random_motions
+from studies.stability.motion import LEVELS, Figure, Motion, Segment
 from studies.stability.random_motions import (
+    AS_TORQUE,
+    FRICTIONS,
+    REFERENCE,
+    VIRTUAL_WORK,
+    Finding,
     Outcome,
-    cause,
     draw_motion,
+    examine,
     findings,
     read_outcomes,
     rows_of,
@@ -26,7 +30,6 @@ from studies.stability.random_motions import (
     shrunk,
     try_number,
 )
-from studies.stability.trial import Figure
 
 SEED = 1
 EACH, WITH_REFERENCE = 12, 3
@@ -52,7 +55,7 @@ def test_what_was_found_stays_mended(compiled, found):
 @pytest.mark.parametrize("level", LEVELS, ids=lambda level: level.name)
 def test_random_motions_hold_all_invariants(compiled, level, losses, monkeypatch):
     for most in ("MOST_EVALUATIONS", "MOST_WITH_LOSSES"):
-        monkeypatch.setattr(random_checks, most, 3000)
+        monkeypatch.setattr(random_motions, most, 3000)
     compared = 0
     for n, motion in enumerate(motions(level, EACH, losses)):
         finding = examine(motion, lambda: Module(compiled), without_reference=n >= WITH_REFERENCE)
@@ -133,7 +136,9 @@ def test_planted_failure_is_found(planted, asked, invariant):
 
 
 def test_failure_is_shrunk_to_what_it_needs():
-    motion = next(m for m in motions(RIGID_EVENT, 60) if cause(examine(m, PULLING, True)) == "Th, Tc >= 0")
+    motion = next(
+        m for m in motions(RIGID_EVENT, 60) if examine(m, PULLING, True).causes[:1] == ["Th, Tc >= 0"]
+    )
     small = shrunk(motion, "Th, Tc >= 0", PULLING)
     assert "Th, Tc >= 0" in examine(small, PULLING, True).failed
     assert not examine(small, without_reference=True).failed
@@ -185,7 +190,7 @@ def test_motion_that_takes_long_is_run_once_and_counted(monkeypatch):
     motion = motions(RIGID_EVENT, 1)[0]
     often = set(examine(motion).figures)
     assert {"restored state", "long and short steps", REFERENCE} < often
-    monkeypatch.setattr(random_checks, "LONGEST", 1.0)
+    monkeypatch.setattr(random_motions, "LONGEST", 1.0)
     finding = examine(motion)
     assert finding.long
     assert {"finite", "energy residual"} <= set(finding.figures) < often - {"restored state", REFERENCE}
