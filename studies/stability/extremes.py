@@ -143,7 +143,6 @@ ELASTIC_OUTPUT = {"output_inertia": 0.02, "driven_inertia": 0.5}
 # each size with both signs, and shares off a critical value on both sides
 SIGNED_SPEEDS = tuple(value for size in SPEED_SIZES for value in (size, -size))
 SHARES = (0.0, *(value for size in (1e-15, 1e-12, 1e-9, 1e-6, 1e-3) for value in (size, -size)))
-FRICTIONS = ("input", "drive", "link2", "output")
 
 
 def each(axis: str, called: str, names: str, values: Iterable[Any] | dict[Any, Any], **more: Any) -> Extremes:
@@ -282,8 +281,8 @@ def parts(m: Mechanism) -> Extremes:
 def losses(m: Mechanism) -> Extremes:
     """Friction, losses by load, drag, weights, wind-up, bodies: tiny, usual and dominant; all at once."""
     bevel = m.layout == "bevel"
-    for part in FRICTIONS:
-        yield from each("viscous friction", part + " {:g} N.m.s/rad", f"{part}_friction", VISCOUS)
+    for link in ("input", "drive", "link2", "output"):
+        yield from each("viscous friction", link + " {:g} N.m.s/rad", f"{link}_friction", VISCOUS)
     efficiencies = {"1 - 1e-12": 1.0 - 1e-12, "0.97": 0.97, "0.5": 0.5, "0.1": 0.1}
     meshes = {"link 2": "mesh_efficiency", "satellites": "satellite_mesh_efficiency"}
     for mesh, names in (
@@ -315,8 +314,8 @@ def losses(m: Mechanism) -> Extremes:
                 springs = {f"{wheel}_stiffness": stiffness for wheel in wheels}
                 springs |= {f"{wheel}_damping": damping for wheel in wheels}
                 value = f"{' and '.join(wheels)} {stiffness:g} N.m/rad, {damped}"
-                run = {"duration": 0.1, "levels": ELASTIC_LEVELS}
-                yield "wind up", value, {**ELASTIC_OUTPUT, **springs, **run}
+                more = {"duration": 0.1, "levels": ELASTIC_LEVELS}
+                yield "wind up", value, {**ELASTIC_OUTPUT, **springs, **more}
     ratios = {ratio: ratio * m.imbalance for ratio in (1e-9, 1e-3, 1.0, 1e3, 1e6)}
     yield from each("satellite bodies", "Ja {:g}", "satellite_inertia", ratios)
     if bevel:

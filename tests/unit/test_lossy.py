@@ -14,11 +14,8 @@ from studies.reference import cases
 from studies.reference.geometry import Unavailable, positions, ratio, satellite_ratio, turn
 
 MESHES = {"mesh_efficiency": 0.9, "satellite_mesh_efficiency": 0.92, "journal_friction": 2e-3}
-DRAGS = {"housing_drag": 0.5, "housing_drag_viscous": 0.004, "output_drag": 0.3, "output_drag_viscous": 0.003}
 VISCOUS = {"input_friction": 0.02, "drive_friction": 0.01, "link2_friction": 0.05, "output_friction": 0.2}
 BODIES = {"satellite_inertia": 4e-4, "satellite_transverse_inertia": 3e-4, "drive_inertia": 1e-3}
-ALL = {**MESHES, **DRAGS, **VISCOUS, **BODIES, "gravity": 9.81}
-SPRINGS = {"housing_stiffness": 3000.0, "freewheel_stiffness": 2000.0, "freewheel_damping": 0.05}
 NO_FREEWHEELS = {"housing_freewheel": 0, "output_freewheel": 0}
 # a link 2 that nothing slows down
 STEADY = {**NO_FREEWHEELS, "link2_inertia": 1e9}
@@ -144,16 +141,11 @@ def test_losses_of_a_steady_slip_are_those_of_quadrature(scene, omega2, satellit
         assert found[name] == pytest.approx(np.trapezoid(power, times), rel=1e-6), name
 
 
-def constant_friction(**more):
-    """Imbalances on the axes of their satellites: the journals rub evenly, whatever link 2 does."""
-    values = {**PLANAR, **NO_FREEWHEELS, "eccentricity": 0.0, "journal_friction": 0.05, "load_torque": 0.0}
-    force = 3 * 0.8 * 120.0**2 * 0.08
-    return {**values, **more}, 0.05 * force
-
-
 def test_even_friction_takes_link_2_along_at_a_constant_rate_and_then_it_sticks():
-    eta = 0.8
-    values, friction = constant_friction(mesh_efficiency=eta)
+    # imbalances on the axes of their satellites: the journals rub evenly, whatever link 2 does
+    eta, friction = 0.8, 0.05 * 3 * 0.8 * 120.0**2 * 0.08
+    values = {**PLANAR, **NO_FREEWHEELS, "eccentricity": 0.0, "journal_friction": 0.05, "load_torque": 0.0}
+    values["mesh_efficiency"] = eta
     k, inertia = 0.05 / 0.03, 0.003 + 0.4
     torque = k * friction / eta
     stuck = inertia * 120.0 / torque

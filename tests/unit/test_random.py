@@ -7,16 +7,13 @@ import math
 
 import pytest
 from faulty import faulty, raising, showing
-from random_found import FOUND
 
 from inertia_module.common.errors import Refused
-from inertia_module.kernel.codes import ELASTIC, EVENT, KINEMATIC, RIGID
+from inertia_module.kernel.codes import ELASTIC, EVENT, RIGID
 from inertia_module.memory import Module
 from studies.stability import random_motions
 from studies.stability.motion import LEVELS, Figure, Motion, Segment
 from studies.stability.random_motions import (
-    AS_TORQUE,
-    FRICTIONS,
     REFERENCE,
     VIRTUAL_WORK,
     Finding,
@@ -36,6 +33,55 @@ EACH, WITH_REFERENCE = 12, 3
 RIGID_EVENT = next(level for level in LEVELS if (level.fidelity, level.method) == (RIGID, EVENT))
 
 
+# what campaigns have found: parameters | of each segment: duration, omega1, load, slope, drive
+FOUND = {
+    "shaft swung by a load": "fidelity=3 output_inertia=60 driven_inertia=0.001 tolerance=5e-05 | 2 0 1",
+    "shaft swung by a load taken off": (
+        "fidelity=3 output_inertia=0.0008 shaft_stiffness=6000 | 2 0 0.2; 2 0 0"
+    ),
+    "undamped shaft swung by a load": (
+        "fidelity=3 output_inertia=0.0004 shaft_damping=0 tolerance=4e-09 | 0.012 0 -1"
+    ),
+    "shaft without pulses": "fidelity=3 imbalance_mass=0 shaft_stiffness=800000 | 0.02 -0.2 0.05",
+    "jump of a swinging shaft": (
+        "fidelity=3 satellites=4 z6=80 b=0.8 wheel_radius=0.3 shaft_angle=1 housing_freewheel=0 "
+        "output_freewheel=0 shaft_stiffness=14695000.0 tolerance=2e-09 | 0.0069986 0 0 -4; 0.011583 0.10526 "
+        "0.00010081 7.7782"
+    ),
+    "prescribed ramp from rest": (
+        "fidelity=0 kinematic_ratio=-1 tolerance=3e-10 layout=1 sun_radius=0.09 satellite_radius=0.14 "
+        "eccentricity=0.1 | 0.3 0 0 -7"
+    ),
+    "prescribed motion with losses in both meshes": (
+        "fidelity=0 mesh_efficiency=0.5 satellite_mesh_efficiency=0.5 | 0.06 50 0; 0.1 50 0 -1000"
+    ),
+    "averaged at a small tolerance": (
+        "fidelity=1 drive=1 input_inertia=0.0006 tolerance=1e-10 output_inertia=20 z17=20 b=0.01 "
+        "wheel_radius=0.05 | 0.6 0 -0.02 0 0.02"
+    ),
+    "averaged light shaft behind a speed that falls": (
+        "fidelity=1 imbalance_mass=74.145 output_inertia=0.00019208 z2=52 z6=76 a=0 tolerance=2.2619e-10 "
+        "omega_out_start=0.56126 omega2_start=0.56126 | 2.3563 1.1293 0.0010515 -0.21168"
+    ),
+    "shaft that lets go for a short while": (
+        "fidelity=3 satellites=5 imbalance_mass=60 z2=55 z16=50 z6=24 b=0 wheel_radius=0.3 "
+        "shaft_angle=0.49922 tolerance=2.9007e-05 output_inertia=0.008 driven_inertia=0.15285 "
+        "driven_friction=0.043433 | 0.27721 -8.4662 0; 0.28511 -8.4662 0; 0.38831 -8.4662 52.954 9.3276"
+    ),
+    "heavy driven mass": (
+        "fidelity=3 imbalance_mass=0.02 output_inertia=0.001 shaft_angle=2 driven_inertia=40 "
+        "shaft_stiffness=800 | 0.2 16 0"
+    ),
+    "freewheel that lets go between two looks of the reference": (
+        "layout=1 satellites=4 imbalance_mass=0.038069 drive_inertia=3.3967e-05 link2_inertia=0.001287 "
+        "output_inertia=71.056 sun_radius=0.011307 drive=1 satellite_radius=0.062511 eccentricity=0.027151 "
+        "input_inertia=0.00086077 tolerance=2.2333e-10 housing_freewheel=0 | 0.87259 24.382 0.0032364 0 "
+        "-0.34774; 0.045 12.763 0 0 0.14585; 0.82627 12.763 -0.092459; 0.77985 12.763 0.069973"
+    ),
+    "rounding alone, in fixed steps": "imbalance_mass=0 method=1 | 8e-05 0 0 -300000",
+}
+
+
 def motions(level, count, losses=False):
     """The first motions of a seed at this level."""
     drawn = (draw_motion(SEED, number, losses) for number in itertools.count())
@@ -44,8 +90,9 @@ def motions(level, count, losses=False):
 
 @pytest.mark.parametrize("found", FOUND)
 def test_what_was_found_stays_mended(compiled, found):
-    parameters, segments = FOUND[found]
-    motion = Motion(parameters, tuple(Segment(*segment) for segment in segments))
+    parameters, _, segments = FOUND[found].partition(" | ")
+    values = {name: float(value) for name, value in (part.split("=") for part in parameters.split())}
+    motion = Motion(values, tuple(Segment(*map(float, one.split())) for one in segments.split(";")))
     finding = examine(motion, lambda: Module(compiled))
     assert not finding.failed, finding.figures
     assert not finding.refused
@@ -74,21 +121,6 @@ def test_number_of_a_seed_is_the_motion_that_the_documentation_counts(losses, di
     assert [Motion.of(motion.as_dict()) for motion in drawn] == drawn
 
 
-def test_share_of_the_motions_has_friction_or_losses_which_change_nothing_else():
-    pairs = [[draw_motion(SEED, number, losses) for losses in (False, True)] for number in range(400)]
-    assert all(ideal.segments == lossy.segments for ideal, lossy in pairs)
-    assert all(ideal.parameters.items() <= lossy.parameters.items() for ideal, lossy in pairs)
-    rough = [ideal for ideal, _ in pairs if any(ideal[name] for name in FRICTIONS)]
-    assert 0.15 < len(rough) / len(pairs) < 0.35
-    assert {motion.level.fidelity for motion in rough} == {KINEMATIC, RIGID, ELASTIC}
-    drawn = [name for _, lossy in pairs for name, value in lossy.parameters.items() if value]
-    bodies = ("housing_stiffness", "freewheel_stiffness", "satellite_inertia")
-    lost = ("mesh_efficiency", "satellite_mesh_efficiency", "journal_friction")
-    assert {*drawn} >= {*FRICTIONS, *AS_TORQUE, *lost, *bodies}
-    for name in ("mesh_efficiency", "housing_drag", "gravity"):
-        assert 0.2 < sum(name in lossy.parameters for _, lossy in pairs) / len(pairs) < 0.7
-
-
 def add_to_the_shaft(module, _):
     module.state.omega3 += 1e-3
     module.outputs.omega_out = module.state.omega3
@@ -115,6 +147,7 @@ SLOWER_ABOVE_50 = showing(omega_out=lambda m, _: m["omega_out"] * (0.999 if abs(
         ("long and short steps", "", faulty(add_to_the_shaft)),
         ("scaling by the speed", "", SLOWER_ABOVE_50),
         ("finite", "", showing(input_torque_mean=math.nan)),
+        ("OverflowError: too large", "", raising(OverflowError("too large"))),
         (VIRTUAL_WORK, "mesh_efficiency", faulty(told=less_lost)),
         (
             "lost energy regained",
@@ -213,8 +246,3 @@ def test_refusals_are_counted_by_their_sentence_and_are_no_failures(monkeypatch)
     refused = [row for row in rows_of(outcomes) if row[1] == "not refused"]
     assert sum(row[5] for row in refused) == 2
     assert not any(outcome.finding.failed for outcome in outcomes)
-
-
-def test_exception_is_a_failure():
-    broken = raising(ZeroDivisionError("float division by zero"))
-    assert examine(draw_motion(SEED, 1), broken).failed == ["ZeroDivisionError: float division by zero"]
