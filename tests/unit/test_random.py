@@ -11,22 +11,9 @@ from faulty import faulty, raising, showing
 from inertia_module.common.errors import Refused
 from inertia_module.kernel.codes import ELASTIC, EVENT, RIGID
 from inertia_module.memory import Module
-from studies.stability import random_motions
+from studies.stability import random_motions as campaign
 from studies.stability.motion import LEVELS, Figure, Motion, Segment
-from studies.stability.random_motions import (
-    REFERENCE,
-    VIRTUAL_WORK,
-    Finding,
-    Outcome,
-    draw_motion,
-    examine,
-    findings,
-    read_outcomes,
-    rows_of,
-    run_random,
-    shrunk,
-    try_number,
-)
+from studies.stability.random_motions import REFERENCE, VIRTUAL_WORK, Finding, Outcome, draw_motion, examine
 
 SEED = 1
 EACH, WITH_REFERENCE = 12, 3
@@ -102,7 +89,7 @@ def test_what_was_found_stays_mended(compiled, found):
 @pytest.mark.parametrize("level", LEVELS, ids=lambda level: level.name)
 def test_random_motions_hold_all_invariants(compiled, level, losses, monkeypatch):
     for most in ("MOST_EVALUATIONS", "MOST_WITH_LOSSES"):
-        monkeypatch.setattr(random_motions, most, 3000)
+        monkeypatch.setattr(campaign, most, 3000)
     compared = 0
     for n, motion in enumerate(motions(level, EACH, losses)):
         finding = examine(motion, lambda: Module(compiled), without_reference=n >= WITH_REFERENCE)
@@ -172,7 +159,7 @@ def test_failure_is_shrunk_to_what_it_needs():
     motion = next(
         m for m in motions(RIGID_EVENT, 60) if examine(m, PULLING, True).causes[:1] == ["Th, Tc >= 0"]
     )
-    small = shrunk(motion, "Th, Tc >= 0", PULLING)
+    small = campaign.shrunk(motion, "Th, Tc >= 0", PULLING)
     assert "Th, Tc >= 0" in examine(small, PULLING, True).failed
     assert not examine(small, without_reference=True).failed
     (segment,) = small.segments
@@ -182,18 +169,18 @@ def test_failure_is_shrunk_to_what_it_needs():
 
 
 def test_stopped_campaign_goes_on_behind_what_it_has_kept(tmp_path):
-    whole = run_random(10, SEED, tmp_path)
+    whole = campaign.run_random(10, SEED, tmp_path)
     (kept,) = tmp_path.iterdir()
     lines = kept.read_text().splitlines(keepends=True)
     assert [json.loads(line)["number"] for line in lines] == list(range(10))
     # stopped while it wrote the fourth; the third is marked, to tell it from one that is made again
     lines[2] = lines[2].replace(f'"level": "{whole[2].level}"', '"level": "kept"')
     kept.write_text("".join(lines[:3]) + lines[3][:20])
-    again = run_random(9, SEED, tmp_path)
+    again = campaign.run_random(9, SEED, tmp_path)
     assert again[2].level == "kept"
     assert [*again[:2], *again[3:]] == [*whole[:2], *whole[3:9]]
     assert len(kept.read_text().splitlines()) == 9
-    assert run_random(4, SEED, tmp_path) == again[:4]
+    assert campaign.run_random(4, SEED, tmp_path) == again[:4]
 
 
 def test_kept_outcome_is_the_same_outcome(tmp_path):
@@ -203,7 +190,7 @@ def test_kept_outcome_is_the_same_outcome(tmp_path):
         Outcome(1, "kinematic", Finding(refused="it takes too long"), draw_motion(SEED, 3).as_dict()),
     ]
     (tmp_path / "kept").write_text("".join(outcome.as_line() for outcome in outcomes))
-    assert read_outcomes(tmp_path / "kept") == outcomes
+    assert campaign.read_outcomes(tmp_path / "kept") == outcomes
 
 
 def test_rows_tell_the_figure_next_to_its_bound_or_furthest_over_it():
@@ -214,7 +201,7 @@ def test_rows_tell_the_figure_next_to_its_bound_or_furthest_over_it():
         Figure(1.0, math.inf),
     ]
     outcomes = [Outcome(number, "averaged", Finding({"error": one})) for number, one in enumerate(figures)]
-    row, long, refused = rows_of(outcomes)
+    row, long, refused = campaign.rows_of(outcomes)
     assert row == ("averaged", "error", 4, 1, 1, 1, "1e-06", "1e-07", 1)
     assert (long[1:6], refused[1:6]) == (("not long", 4, 0, 0, 0), ("not refused", 4, 0, 0, 0))
 
@@ -223,11 +210,13 @@ def test_motion_that_takes_long_is_run_once_and_counted(monkeypatch):
     motion = motions(RIGID_EVENT, 1)[0]
     often = set(examine(motion).figures)
     assert {"restored state", "long and short steps", REFERENCE} < often
-    monkeypatch.setattr(random_motions, "LONGEST", 1.0)
+    monkeypatch.setattr(campaign, "LONGEST", 1.0)
     finding = examine(motion)
     assert finding.long
     assert {"finite", "energy residual"} <= set(finding.figures) < often - {"restored state", REFERENCE}
-    (row,) = (row for row in rows_of([Outcome(7, motion.level.name, finding)]) if row[1] == "not long")
+    (row,) = (
+        row for row in campaign.rows_of([Outcome(7, motion.level.name, finding)]) if row[1] == "not long"
+    )
     assert row[2:] == (1, 0, 0, 1, "", "", 7)
 
 
@@ -238,11 +227,11 @@ def test_refusals_are_counted_by_their_sentence_and_are_no_failures(monkeypatch)
                 raise Refused(f"communication step = {step_size} s is abandoned: too long")
             super().advance(step_size)
 
-    monkeypatch.setattr(random_motions, "TRIES", 20)
-    outcomes = [try_number(SEED, number, Refusing) for number in (1, 3)]
-    kinds = findings(outcomes)
+    monkeypatch.setattr(campaign, "TRIES", 20)
+    outcomes = [campaign.try_number(SEED, number, Refusing) for number in (1, 3)]
+    kinds = campaign.findings(outcomes)
     assert sum(kind["count"] for kind in kinds) == 2
     assert {kind["what"] for kind in kinds} == {"communication step = # s is abandoned: too long"}
-    refused = [row for row in rows_of(outcomes) if row[1] == "not refused"]
+    refused = [row for row in campaign.rows_of(outcomes) if row[1] == "not refused"]
     assert sum(row[5] for row in refused) == 2
     assert not any(outcome.finding.failed for outcome in outcomes)
