@@ -5,7 +5,7 @@ from itertools import groupby
 from operator import itemgetter
 from pathlib import Path
 
-from studies.stability import random_checks, random_motions, trial
+from studies.stability import random_motions, verdicts
 
 HERE = Path(__file__).parent
 # columns of the table of random motions: all runs, and of them those beyond the bound asked for
@@ -59,20 +59,20 @@ def of_campaign(file, reference):
 
 def values():
     """What the template has places for."""
-    lossy = of_campaign("random_losses.csv", random_checks.VIRTUAL_WORK)
+    lossy = of_campaign("random_losses.csv", random_motions.VIRTUAL_WORK)
     return {
-        **of_campaign("random.csv", random_checks.REFERENCE),
+        **of_campaign("random.csv", random_motions.REFERENCE),
         **{f"losses_{name}": value for name, value in lossy.items()},
-        "losses_work": random_checks.MOST_WITH_LOSSES,
-        "reference_tolerance": random_checks.REFERENCE_TOLERANCE,
-        "reference_error": random_checks.REFERENCE_ERROR,
-        "reference_work": random_checks.MOST_EVALUATIONS,
-        "long": random_checks.LONGEST,
+        "losses_work": random_motions.MOST_WITH_LOSSES,
+        "reference_tolerance": random_motions.REFERENCE_TOLERANCE,
+        "reference_error": random_motions.REFERENCE_ERROR,
+        "reference_work": random_motions.MOST_EVALUATIONS,
+        "long": random_motions.LONGEST,
         "friction": random_motions.FRICTION_SHARE,
         "losses_share": random_motions.LOSS_SHARE,
-        "explained": random_checks.EXPLAINED,
-        "swinging": random_checks.SWINGING,
-        "split": random_checks.SPLIT,
-        "rounding": trial.ROUNDING,
-        "largest": trial.LARGEST_ERROR,
+        "explained": random_motions.EXPLAINED,
+        "swinging": random_motions.SWINGING,
+        "split": random_motions.SPLIT,
+        "rounding": verdicts.ROUNDING,
+        "largest": verdicts.LARGEST_ERROR,
     }

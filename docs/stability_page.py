@@ -4,10 +4,9 @@ from collections import Counter
 from pathlib import Path
 
 from inertia_module.kernel import limits
-from studies.stability import extremes, trial
-from studies.stability.map import counts, read_rows
+from studies.stability import extremes, verdicts
 from studies.stability.motion import LEVELS
-from studies.stability.trial import BROKEN, OUTCOMES, REFUSED
+from studies.stability.verdicts import BROKEN, OUTCOMES, REFUSED, counts, read_rows
 
 TABLE = Path(__file__).parent / "stability.csv"
 
@@ -53,19 +52,19 @@ def values():
         "levels": " | ".join(level.name for level in LEVELS),
         "by_axis": "\n".join(by_axis(rows)),
         "refusals": "\n".join(refusals(rows)),
-        "tighter": trial.TIGHTER,
-        "tightest": trial.TIGHTEST,
-        "fixed_phase": trial.FIXED_PHASE,
+        "tighter": verdicts.TIGHTER,
+        "tightest": verdicts.TIGHTEST,
+        "fixed_phase": verdicts.FIXED_PHASE,
         "timestepping": extremes.TIMESTEPPING_ACCURACY,
         "averaged": extremes.AVERAGED_ACCURACY,
-        "energy": trial.ENERGY_TOLERANCES,
-        "rounding": trial.ROUNDING,
-        "result": trial.RESULT_ACCURACIES,
-        "largest": trial.LARGEST_ERROR,
-        "breach": trial.BREACH,
-        "step_work": trial.STEP_WORK,
-        "phase_work": trial.PHASE_WORK,
-        "order": trial.WORK_ORDER,
-        "fixed_work": trial.FIXED_STEP_WORK,
+        "energy": verdicts.ENERGY_TOLERANCES,
+        "rounding": verdicts.ROUNDING,
+        "result": verdicts.RESULT_ACCURACIES,
+        "largest": verdicts.LARGEST_ERROR,
+        "breach": verdicts.BREACH,
+        "step_work": verdicts.STEP_WORK,
+        "phase_work": verdicts.PHASE_WORK,
+        "order": verdicts.WORK_ORDER,
+        "fixed_work": verdicts.FIXED_STEP_WORK,
         "most": limits.MAX_EVALUATIONS,
     }

@@ -8,7 +8,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -182,23 +182,32 @@ def one_piece(case: CoupledCase) -> Course:
     return Course(np.array(omega1), np.array(omega_out), work, Ledger())
 
 
-def couple(fmu: Fmu, engine: Engine, scheme: Scheme | None, inertia: float, substeps: int = 1) -> EnginePlant:
-    """Engine and module by a scheme, its interface inertia in kg.m2, or, without one, driven by torque."""
-    if scheme is None:
-        return TorqueDrivenEngine(fmu, engine, substeps)
-    return CoupledEngine(fmu, engine, scheme, inertia, substeps)
-
-
 @contextmanager
+def coupled(
+    fmu_path: Path,
+    engine: Engine,
+    parameters: Mapping[str, float],
+    scheme: Scheme | None,
+    start: Mapping[str, float],
+    inertia: float,
+    tolerance: float | None,
+    substeps: int = 1,
+) -> Iterator[EnginePlant]:
+    """Engine and module at their start by a scheme, its interface inertia in kg.m2; without one by torque."""
+    given = parameters if scheme is not None else torque_driven(parameters, engine.inertia)
+    with Fmu(fmu_path, given, start, tolerance) as fmu:
+        if scheme is None:
+            yield TorqueDrivenEngine(fmu, engine, substeps)
+        else:
+            yield CoupledEngine(fmu, engine, scheme, inertia, substeps)
+
+
 def coupled_engine(
     case: CoupledCase, scheme: Scheme | None, fmu_path: Path, tolerance: float = TOLERANCE
-) -> Iterator[EnginePlant]:
-    """Engine and module at the start of a case; without a scheme the module is driven by torque."""
-    engine = case.engine()
+) -> AbstractContextManager[EnginePlant]:
+    """Engine and module at the start of a case."""
     start = {"omega1": case.speed, "load_torque": case.load_torque}
-    parameters = case.parameters if scheme is not None else torque_driven(case.parameters, engine.inertia)
-    with Fmu(fmu_path, parameters, start, tolerance) as fmu:
-        yield couple(fmu, engine, scheme, case.interface.middle)
+    return coupled(fmu_path, case.engine(), case.parameters, scheme, start, case.interface.middle, tolerance)
 
 
 def course(
@@ -207,20 +216,20 @@ def course(
     """Run a case in equal steps, s, a whole number of them in a window (arguments of coupled_engine)."""
     omega1, omega_out = np.full(WINDOWS, math.nan), np.full(WINDOWS, math.nan)
     count = max(1, round(WINDOW / step))
-    with coupled_engine(case, scheme, fmu_path, tolerance) as coupled:
-        engine = coupled.engine
+    with coupled_engine(case, scheme, fmu_path, tolerance) as plant:
+        engine = plant.engine
         for n in range(WINDOWS):
             angle = engine.state.angle
             try:
                 for _ in range(count):
-                    coupled.advance(WINDOW / count)
+                    plant.advance(WINDOW / count)
             except (FmuError, OverflowError):
                 break
             omega1[n] = (engine.state.angle - angle) / WINDOW
             if not abs(engine.speed - case.speed) < _OFF * case.speed:
                 break
-            (omega_out[n],) = coupled.read(("omega_out",))
-        return Course(omega1, omega_out, engine.state.work_in, coupled.ledger)
+            (omega_out[n],) = plant.read(("omega_out",))
+        return Course(omega1, omega_out, engine.state.work_in, plant.ledger)
 
 
 @dataclass(frozen=True)
@@ -342,18 +351,15 @@ def urban_run(
     surroundings = connect(list(scene.systems()))
     parameters = {**scene.parameters(), "input_hold": 0.0}
     start = initial_inputs(surroundings)
-    interface = interface_inertia(parameters)
-    speed, scheme = start["omega1"], COUPLINGS[name]
+    interface, speed = interface_inertia(parameters), start["omega1"]
     engine = Engine(ENGINE_INERTIA, ENGINE_MAP, governor(ENGINE_INERTIA + interface.mean), speed, speed)
-    if scheme is None:
-        parameters = torque_driven(parameters, engine.inertia)
-    with Fmu(fmu_path, parameters, start, scene.accuracy.tolerance) as fmu:
-        coupled = couple(fmu, engine, scheme, interface.middle, substeps)
-        before = coupled.energy_stored
-        loop = ClosedLoop(coupled, surroundings, ("omega_out",), scene.signal_units)
+    given = COUPLINGS[name], start, interface.middle, scene.accuracy.tolerance
+    with coupled(fmu_path, engine, parameters, *given, substeps) as plant:
+        before = plant.energy_stored
+        loop = ClosedLoop(plant, surroundings, ("omega_out",), scene.signal_units)
         table = loop.run(stop_time or scene.run.stop_time, progress)
-        output, lost = fmu.read(("energy_out", "energy_lost"))
-        worked, stored = engine.state.work_in, coupled.energy_stored - before
+        output, lost = plant.read(("energy_out", "energy_lost"))
+        worked, stored = engine.state.work_in, plant.energy_stored - before
     driven, outside = table["vehicle_speed"], 0.0
     if scene.cycle is not None:
         lower, upper = scene.cycle.tolerance_band(table.time)
@@ -366,22 +372,22 @@ def urban_run(
         stored=stored,
         lost=lost,
         residual=(worked - output - stored - lost) / worked,
-        gross=coupled.ledger.defect_magnitude / worked,
+        gross=plant.ledger.defect_magnitude / worked,
         outside=outside,
         speed_error=float(np.sqrt(np.mean((driven - table["reference"]) ** 2))),
-        cost=coupled.ledger.cost / coupled.ledger.time,
+        cost=plant.ledger.cost / plant.ledger.time,
     )
 
 
 def urban_runs(fmu_path: Path, scene_path: Path = SCENE, progress: Progress | None = None) -> list[UrbanRun]:
     """Drive all of RUNS (arguments of urban_run)."""
     scene, found = urban_scene(scene_path), list[UrbanRun]()
+
+    def report(done: float) -> None:
+        if progress is not None:
+            progress((len(found) + done) / len(RUNS))
+
     for name, substeps in RUNS:
-
-        def report(done: float) -> None:
-            if progress is not None:
-                progress((len(found) + done) / len(RUNS))
-
         found.append(urban_run(scene, fmu_path, name, substeps, progress=report))
     return found
 
@@ -428,20 +434,7 @@ def map_figure(rows: Sequence[Trial]) -> Figure:
     return figure
 
 
-def chosen_parts(only: str | None, quick: bool) -> tuple[str, ...]:
-    """Names of the parts to run; quick: not the long one.
-
-    Raises:
-        ValueError: an unknown part.
-    """
-    if only is None:
-        return (MAP,) if quick else PARTS
-    if only not in PARTS:
-        raise ValueError(f"--only must be one of {', '.join(PARTS)}, is {only}")
-    return (only,)
-
-
-def write_part(folder: Path, name: str, rows: Sequence[Any]) -> dict[str, str]:
+def write_part(folder: Path, name: str, rows: Sequence[Any]) -> dict[str, Path]:
     """Write the rows of a part as CSV, whole or not at all, and the picture of the map.
 
     Returns:
@@ -450,9 +443,9 @@ def write_part(folder: Path, name: str, rows: Sequence[Any]) -> dict[str, str]:
     names = [heading(one.name, rows[0].UNITS.get(one.name, "")) for one in dataclasses.fields(rows[0])]
     # six digits: further ones depend on the machine
     cells = ([f"{v:.6g}" if isinstance(v, float) else v for v in dataclasses.astuple(row)] for row in rows)
-    written = {name: str(write_rows(folder / f"coupling_{name}.csv", names, cells))}
+    written = {name: write_rows(folder / f"coupling_{name}.csv", names, cells)}
     if name == MAP:
-        written["picture of the map"] = str(write_figure(folder / "coupling.png", map_figure(rows)))
+        written["picture of the map"] = write_figure(folder / "coupling.png", map_figure(rows))
     return written
 
 

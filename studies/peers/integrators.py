@@ -110,6 +110,7 @@ class Problem:
 
     Attributes:
         data: numbers and series. start: state at time 0. machine: the reference's equations.
+        events: whether it goes from event to event.
 
     Raises:
         Unavailable: the module refuses the parameters, or the case is not of the rigid module without losses;
@@ -125,9 +126,9 @@ class Problem:
         except Refused as error:
             raise Unavailable(str(error)) from None
         there = [bool(p["housing_freewheel"]), bool(p["output_freewheel"])]
-        if stiffness is not None and not all(there):
+        if not (stiffness is None or all(there)):
             raise Unavailable("viscous clutches stand for both freewheels: the case leaves one out")
-        self.machine, self.case = Machine(p), case
+        self.machine, self.case, self.events = Machine(p), case, stiffness is None
         if self.machine.rubs or any(p[name] for name in LOSSES):
             raise Unavailable(f"the peers know no losses: {', '.join(LOSSES)} and friction must be 0")
         inertias = p["link2_inertia"], p["output_inertia"]
@@ -139,15 +140,15 @@ class Problem:
         self.start = np.array([p[f"{name}_start"] for name in ("drive_angle", "omega2", "omega_out")])
 
     def largest_step(self, phase: float) -> float:
-        """Time in which the fastest harmonic of the mechanism turns by a phase (rad), s."""
+        """Time in which the fastest harmonic turns by a phase (rad), s; infinite without events."""
         rate = self.machine.work.highest * self.machine.k * abs(self.case.omega1)
-        return float(phase / rate) if rate > 0.0 else np.inf
+        return float(phase / rate) if self.events and rate > 0.0 else math.inf
 
     def choose(self, y: Array) -> None:
         """Close the freewheels that neither pull nor turn; an open one that does not turn begins to."""
-        numbers, (rates, guard) = self.data[0], equations()
-        if numbers[STIFFNESS]:
+        if not self.events:
             return
+        numbers, (rates, guard) = self.data[0], equations()
         there, turning = numbers[list(THERE)] != 0.0, np.array([y[1] != 0.0, y[2] != y[1]])
         for closed in itertools.product((1.0, 0.0), repeat=2):
             # what is left out: open to the housing, closed to the output
@@ -228,7 +229,7 @@ class Segment(NamedTuple):
 Integrator = Callable[[float, Array, Array], Segment]
 
 
-def _by_solve_ivp(problem: Problem, method: str, tolerance: float, events: bool) -> Integrator:
+def _by_solve_ivp(problem: Problem, method: str, tolerance: float) -> Integrator:
     rates, guard = equations()
 
     def falling(which: int) -> Any:
@@ -238,13 +239,14 @@ def _by_solve_ivp(problem: Problem, method: str, tolerance: float, events: bool)
         event.terminal, event.direction = True, -1.0  # type: ignore[attr-defined]
         return event
 
-    guards = [falling(HOUSING), falling(OUTPUT)] if events else None
-    step = problem.largest_step(SCIPY_PHASE) if events else np.inf
-    options = {"rtol": tolerance, "atol": tolerance, "events": guards, "max_step": step}
+    options: dict[str, Any] = {"rtol": tolerance, "atol": tolerance, "args": problem.data}
+    options["max_step"] = problem.largest_step(SCIPY_PHASE)
+    if problem.events:
+        options["events"] = [falling(HOUSING), falling(OUTPUT)]
 
     def integrate(time: float, state: Array, times: Array) -> Segment:
         sampled = times if len(times) > 1 else None
-        found = solve_ivp(rates, (time, times[-1]), state, method, sampled, args=problem.data, **options)
+        found = solve_ivp(rates, (time, times[-1]), state, method, sampled, **options)
         if found.status < 0:
             raise RuntimeError(f"{method} gave up: {found.message}")
         states = np.transpose(found.y).reshape(-1, 3)  # an empty list where no sampling time was reached
@@ -274,10 +276,10 @@ def _by_odeint(problem: Problem, tolerance: float) -> Integrator:
     return integrate
 
 
-def _by_cvode(problem: Problem, method: str, tolerance: float, events: bool) -> Integrator:
+def _by_cvode(problem: Problem, method: str, tolerance: float) -> Integrator:
     """CVODE with its own root finding, started anew where a root function falls through zero."""
     (rates, guard), data = equations(), problem.data
-    step = problem.largest_step(CVODE_PHASE) if events else np.inf
+    step = problem.largest_step(CVODE_PHASE)
 
     def write_rates(t: float, y: Array, values: Array) -> None:
         values[:] = rates(t, y, *data)
@@ -294,7 +296,7 @@ def _by_cvode(problem: Problem, method: str, tolerance: float, events: bool) -> 
         num_events=2,
         rtol=tolerance,
         atol=tolerance,
-        max_step=step if np.isfinite(step) else 0.0,
+        max_step=step if math.isfinite(step) else 0.0,
         max_num_steps=STEPS_ALLOWED,
     )
 
@@ -351,13 +353,13 @@ def simulate(case: Case, tolerance: float, method: str, stiffness: float | None 
         Unavailable: the case is not for it. NotInstalled: a library is not.
         RuntimeError: the integrator gives up.
     """
-    problem, events = Problem(case, stiffness), stiffness is None
+    problem = Problem(case, stiffness)
     if method in ("Adams", "BDF"):
-        integrate = _by_cvode(problem, method, tolerance, events)
+        integrate = _by_cvode(problem, method, tolerance)
     elif method == "odeint":
         integrate = _by_odeint(problem, tolerance)
     else:
-        integrate = _by_solve_ivp(problem, method, tolerance, events)
+        integrate = _by_solve_ivp(problem, method, tolerance)
     segments = _run(problem, case.times, integrate)
     samples = [problem.start[None, :], *(segment.samples for segment in segments)]
     q, omega2, omega3 = np.concatenate(samples).T
@@ -366,9 +368,9 @@ def simulate(case: Case, tolerance: float, method: str, stiffness: float | None 
         drive_angle=q,
         omega2=omega2,
         omega_out=omega3,
-        switches=np.array([segment.time for segment in segments[:-1]]) if events else None,
+        switches=np.array([segment.time for segment in segments[:-1]]) if problem.events else None,
         evaluations=sum(segment.evaluations for segment in segments),
-        energy_residual=sum(map(problem.residual, segments)) if events else None,
+        energy_residual=sum(map(problem.residual, segments)) if problem.events else None,
         wall_time=median_time(lambda: _run(problem, case.times[[0, -1]], integrate)),
-        number_of_switches=len(segments) - 1 if events else math.nan,
+        number_of_switches=len(segments) - 1 if problem.events else math.nan,
     )

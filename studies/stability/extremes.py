@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import functools
+import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -131,6 +132,7 @@ MECHANISMS = (BEVEL, PLANAR)
 # Motion; levels that the extreme says something about; split and slow of Case
 Extremes = Iterator[tuple[str, str, dict[str, Any]]]
 USUAL = {"segments": (), "turns": 0.0, "levels": LEVELS, "split": 50, "slow": False}
+FIXED_STEPS = tuple(level for level in LEVELS if level.method == TIMESTEPPING)
 SPEED_SIZES = (1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e4, 1e5)
 RATIOS = (1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e9)
 # of friction and drag, N.m.s/rad
@@ -138,22 +140,27 @@ VISCOUS = (1e-12, 1e-2, 1.0, 1e3)
 # kg.m2
 LOCKED = {"output_inertia": 1e9, "driven_inertia": 1e9}
 ELASTIC_OUTPUT = {"output_inertia": 0.02, "driven_inertia": 0.5}
+# each size with both signs, and shares off a critical value on both sides
+SIGNED_SPEEDS = tuple(value for size in SPEED_SIZES for value in (size, -size))
+SHARES = (0.0, *(value for size in (1e-15, 1e-12, 1e-9, 1e-6, 1e-3) for value in (size, -size)))
 
 
-def signed(*sizes: float) -> tuple[float, ...]:
-    """Each size with both signs."""
-    return tuple(value for size in sizes for value in (size, -size))
+def each(axis: str, called: str, names: str, values: Iterable[Any] | dict[Any, Any], **more: Any) -> Extremes:
+    """An extreme for each value of some names (parted by spaces); a dictionary says how it is called."""
+    by_name = values if isinstance(values, dict) else {value: value for value in values}
+    for told, value in by_name.items():
+        yield axis, called.format(told), dict.fromkeys(names.split(), value) | more
 
 
 def inputs(m: Mechanism) -> Extremes:
     """Speeds and loads, from nothing to far more than the mechanism can move."""
     # the same motion, faster and slower: the load goes with the square of the speed
-    for omega1 in signed(*SPEED_SIZES):
+    for omega1 in SIGNED_SPEEDS:
         same = {"load": m.load * (omega1 / m.omega1) ** 2, "split": 1 if abs(omega1) < 1e-3 else 50}
         time = min(TRAVEL / abs(omega1), 1e8)
         yield "input speed", f"{omega1:g} rad/s", {**same, "omega1": omega1, "duration": time}
     # too slow to move the load, too fast to feel it
-    for omega1 in signed(*SPEED_SIZES, 2e-150, 1e-200, 1e-313):
+    for omega1 in (*SIGNED_SPEEDS, 2e-150, -2e-150, 1e-200, -1e-200, 1e-313, -1e-313):
         time = min(TRAVEL / abs(omega1), 1e3)
         yield "input speed under load", f"{omega1:g} rad/s", {"omega1": omega1, "duration": time}
     for low in (0.0, -m.omega1, -1e-9, -1e5):
@@ -170,17 +177,15 @@ def inputs(m: Mechanism) -> Extremes:
         )
         ramp = {"input_hold": 1, "segments": segments, "slow": time > 10.0}
         yield "reversal", f"ramp through zero in {time:g} s", ramp
-    for torque in (0.0, *signed(1e-9, 1e-3, 1.0, 100.0, 1e3, 1e6, 1e9)):
-        yield "load", f"{torque:g} N.m", {"load": torque}
-    # at a critical value and next to it on both sides
-    around_peak = {
-        f"peak x (1 {'-' if part < 0.0 else '+'} {abs(part):g})": 1.0 + part
-        for part in (0.0, *signed(1e-15, 1e-12, 1e-9, 1e-6, 1e-3))
-    }
-    for value, factor in around_peak.items():
-        yield "stall torque", value, {"load": factor * m.largest_held_torque}
-    for value, factor in around_peak.items():
-        yield "grazing", value, {"omega_out_start": factor * m.grazing_speed, "load": 0.0}
+    loads = (value for size in (1e-9, 1e-3, 1.0, 100.0, 1e3, 1e6, 1e9) for value in (size, -size))
+    yield from each("load", "{:g} N.m", "load", (0.0, *loads))
+    for axis, name, peak in (
+        ("stall torque", "load", m.largest_held_torque),
+        ("grazing", "omega_out_start", m.grazing_speed),
+    ):
+        for share in SHARES:
+            value = f"peak x (1 {'-' if share < 0.0 else '+'} {abs(share):g})"
+            yield axis, value, {"load": 0.0, name: (1.0 + share) * peak}
     yield "output locked", "inertia 1e9 kg.m2", LOCKED
     yield "output locked", "load 1e9 N.m", {"load": 1e9}
     yield "output locked", "both", {**LOCKED, "load": 1e9}
@@ -197,12 +202,10 @@ def settings(m: Mechanism) -> Extremes:
         run = {"segments": (warm, whole), "split": split, "slow": step > 10.0}
         yield "communication step", f"{step:g} s", run
     # internal steps of method timestepping, from fine to many pulses in one
-    fixed = {"levels": tuple(level for level in LEVELS if level.method == TIMESTEPPING)}
-    for phase in (0.01, 0.03, 0.1, 0.3, 1.0, 10.0, 100.0):
-        step = phase / (float(m.derived.harmonic * m.derived.k) * m.omega1)
-        yield "fixed step", f"{phase:g} rad", {**fixed, "max_step": step}
-    for count in (1e6, 1e9, 1e15):
-        yield "turns", f"{count:g} turns before", {"turns": count}
+    rate = float(m.derived.harmonic * m.derived.k) * m.omega1
+    steps = {phase: phase / rate for phase in (0.01, 0.03, 0.1, 0.3, 1.0, 10.0, 100.0)}
+    yield from each("fixed step", "{:g} rad", "max_step", steps, levels=FIXED_STEPS)
+    yield from each("turns", "{:g} turns before", "turns", (1e6, 1e9, 1e15))
     # link 1 past a drive that hardly turns
     bevel = m.layout == "bevel"
     slow = {"z2": 1, "z16": 1000000} if bevel else {"sun_radius": 1e-6, "satellite_radius": 1.0}
@@ -210,20 +213,16 @@ def settings(m: Mechanism) -> Extremes:
     moved, held = Segment(duration, 1e5, m.load), Segment(duration, 1e5, 1e12, steps=63)
     yield "turns", "1e+09 turns of link 1", {**slow, "segments": (moved,), "slow": True}
     yield "turns", "1e+09 turns of the drive", {"segments": (held,), "slow": True}
-    for digits in range(1, 14):
-        value = float(f"1e-{digits}")
-        yield "tolerance", f"{value:g}", {"tolerance": value}
+    yield from each("tolerance", "{:g}", "tolerance", (float(f"1e-{digits}") for digits in range(1, 14)))
 
 
 def inertias(m: Mechanism) -> Extremes:
     """Inertias against that of the imbalances behind link 2; masses; the cusp of J2 = 0."""
+    ratios = {ratio: ratio * m.imbalance for ratio in RATIOS}
     links = {"J1": "input_inertia", "J2": "link2_inertia", "J3": "output_inertia", "J16": "drive_inertia"}
     for symbol, name in links.items():
-        for ratio in RATIOS:
-            yield "inertia ratio", f"{symbol} {ratio:g}", {name: ratio * m.imbalance}
-    for ratio in RATIOS:
-        driven = {"driven_inertia": ratio * m.imbalance, "levels": ELASTIC_LEVELS}
-        yield "inertia ratio", f"J4 {ratio:g}", driven
+        yield from each("inertia ratio", symbol + " {:g}", name, ratios)
+    yield from each("inertia ratio", "J4 {:g}", "driven_inertia", ratios, levels=ELASTIC_LEVELS)
     for mass in (1e-12, 1e-9, 1e-6, 1e-3, 1e3, 1e6, 1e9):
         yield "mass", f"{mass:g} kg", {"imbalance_mass": mass}
         yield "mass", f"{mass:g} kg, load in proportion", {"imbalance_mass": mass, "load": m.load * mass}
@@ -231,17 +230,14 @@ def inertias(m: Mechanism) -> Extremes:
     # towards the cusp: where the imbalance rests in link 1 nothing is left behind link 2
     axis, bare = "no inertia of link 2", {"link2_inertia": 0.0}
     if m.layout == "bevel":
-        for part in (0.0, 1e-9, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1):
-            yield axis, f"a = 1, b = 1 + {part:g}", {**bare, "b": 1.0 + part}
+        longer = {part: 1.0 + part for part in (0.0, 1e-9, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1)}
+        yield from each(axis, "a = 1, b = 1 + {:g}", "b", longer, **bare)
         yield axis, "a = b = 0.7", {**bare, "a": 0.7, "b": 0.7}
     else:
         yield axis, "J2 = 0", bare
-        for arm in (0.0, 1e-9, 1e-6, 1e-3, 0.03):
-            yield axis, f"l = {arm:g} m", {**bare, "eccentricity": arm}
-    for inertia in (1e-12, 1e-9, 1e-6, 1e-3):
-        yield axis, f"J16 = {inertia:g} kg.m2", {**bare, "drive_inertia": inertia}
-    for inertia in (1e-12, 1e-9, 1e-6):
-        yield axis, f"J2 = {inertia:g} kg.m2", {"link2_inertia": inertia}
+        yield from each(axis, "l = {:g} m", "eccentricity", (0.0, 1e-9, 1e-6, 1e-3, 0.03), **bare)
+    yield from each(axis, "J16 = {:g} kg.m2", "drive_inertia", (1e-12, 1e-9, 1e-6, 1e-3), **bare)
+    yield from each(axis, "J2 = {:g} kg.m2", "link2_inertia", (1e-12, 1e-9, 1e-6))
     yield axis, "no output freewheel", {**bare, "output_freewheel": False}
 
 
@@ -249,19 +245,18 @@ def parts(m: Mechanism) -> Extremes:
     """Teeth, satellites, freewheels left out, the elastic shaft."""
     # ratios 1/200 to 200, of few teeth and of many coprime ones
     run = {"duration": TRAVEL / m.omega1 / 4}
+    few = ((1, 200), (200, 1))
     many = ((4999, 999983), (999983, 4999), (999983, 1000000), (1000000, 999983))
     if m.layout == "bevel":
-        for z17, z6 in ((1, 200), (200, 1), *many):
-            yield "teeth", f"z17/z6 {z17}/{z6}", {**run, "z17": z17, "z6": z6}
-        for z2, z16 in ((1, 200), (200, 1)):
-            yield "teeth", f"z2/z16 {z2}/{z16}", {**run, "z2": z2, "z16": z16}
+        for one, other, pairs in (("z17", "z6", (*few, *many)), ("z2", "z16", few)):
+            for teeth in pairs:
+                value = f"{one}/{other} {teeth[0]}/{teeth[1]}"
+                yield "teeth", value, {**run, one: teeth[0], other: teeth[1]}
     else:
-        for ratio in (1 / 200, 1 / 20, 20.0, 200.0):
-            yield "teeth", f"R0/r {ratio:g}", {**run, "sun_radius": 0.03 * ratio, "satellite_radius": 0.03}
-    for count in (1, 2, 3, 4, 8, 16, 32, 64):
-        yield "satellites", f"{count}", {"satellites": count}
-    for modules in (2, 10, 1000):
-        yield "satellites", f"64 in {modules} modules", {"satellites": 64, "modules": modules}
+        radii = {ratio: 0.03 * ratio for ratio in (1 / 200, 1 / 20, 20.0, 200.0)}
+        yield from each("teeth", "R0/r {:g}", "sun_radius", radii, **run, satellite_radius=0.03)
+    yield from each("satellites", "{}", "satellites", (1, 2, 3, 4, 8, 16, 32, 64))
+    yield from each("satellites", "64 in {} modules", "modules", (2, 10, 1000), satellites=64)
     for left_out in (("housing",), ("output",), ("housing", "output")):
         without = {f"{name}_freewheel": False for name in left_out}
         for torque in (m.load, 0.0, 1e3, -1e3):
@@ -280,22 +275,21 @@ def parts(m: Mechanism) -> Extremes:
     yield "shaft", "hub 1e-9 kg.m2", elastic | {"output_inertia": 1e-9}
     yield "shaft", "driven mass 1e-9 kg.m2", elastic | {"driven_inertia": 1e-9}
     yield "shaft", "friction 1e9", elastic | {"driven_friction": 1e9}
-    for balancer in signed(10.0):
-        yield "shaft", f"balancer {balancer:g}", elastic | {"balancer": balancer}
+    yield from each("shaft", "balancer {:g}", "balancer", (10.0, -10.0), **elastic)
 
 
 def losses(m: Mechanism) -> Extremes:
-    """Friction, losses by load, drag: tiny, usual and dominant."""
-    for part in ("input", "drive", "link2", "output"):
-        for viscous in VISCOUS:
-            yield "viscous friction", f"{part} {viscous:g} N.m.s/rad", {f"{part}_friction": viscous}
-    bevel, both = m.layout == "bevel", ("mesh_efficiency", "satellite_mesh_efficiency")
-    for mesh, names in {"link 2": both[:1], "satellites": both[1:], "both": both}.items():
-        for efficiency in (1.0 - 1e-12, 0.97, 0.5, 0.1) if bevel or mesh == "link 2" else ():
-            called = "1 - 1e-12" if efficiency > 0.99 else f"{efficiency:g}"
-            yield "efficiency", f"{mesh} {called}", dict.fromkeys(names, efficiency)
-    for lever in (1e-12, 1e-3, 0.1, 1.0, 1e3):
-        yield "journal friction", f"{lever:g} m", {"journal_friction": lever}
+    """Friction, losses by load, drag, weights, wind-up, bodies: tiny, usual and dominant; all at once."""
+    bevel = m.layout == "bevel"
+    for link in ("input", "drive", "link2", "output"):
+        yield from each("viscous friction", link + " {:g} N.m.s/rad", f"{link}_friction", VISCOUS)
+    efficiencies = {"1 - 1e-12": 1.0 - 1e-12, "0.97": 0.97, "0.5": 0.5, "0.1": 0.1}
+    meshes = {"link 2": "mesh_efficiency", "satellites": "satellite_mesh_efficiency"}
+    for mesh, names in (
+        {**meshes, "both": " ".join(meshes.values())}.items() if bevel else [*meshes.items()][:1]
+    ):
+        yield from each("efficiency", mesh + " {}", names, efficiencies)
+    yield from each("journal friction", "{:g} m", "journal_friction", (1e-12, 1e-3, 0.1, 1.0, 1e3))
     # links 1 and 2 locked together at the same speed by friction
     together = dict.fromkeys(("omega2_start", "omega_out_start"), m.omega1)
     for lever in (1.0, 1e3):
@@ -304,21 +298,15 @@ def losses(m: Mechanism) -> Extremes:
             run = {"duration": turned / m.omega1, "slow": turned >= 1e6}
             yield "stick", f"journals {lever:g} m, {turned:g} rad", stuck | run
     for wheel in ("housing", "output"):
-        for torque in (1e-12, 1.0, 1e3, 1e9):
-            yield "drag", f"{wheel} {torque:g} N.m", {f"{wheel}_drag": torque}
-        for viscous in VISCOUS:
-            yield "drag", f"{wheel} {viscous:g} N.m.s/rad", {f"{wheel}_drag_viscous": viscous}
-
-
-def weights_springs_and_bodies(m: Mechanism) -> Extremes:
-    """Gravity, wind-up, bodies of the satellites, and everything at once: tiny, usual and dominant."""
+        yield from each("drag", wheel + " {:g} N.m", f"{wheel}_drag", (1e-12, 1.0, 1e3, 1e9))
+        yield from each("drag", wheel + " {:g} N.m.s/rad", f"{wheel}_drag_viscous", VISCOUS)
     # next to the acceleration of the imbalances, from nothing to a thousand times as much
-    for g in (1e-12, 9.81, 1e3):
-        yield "gravity", f"{g:g} m/s2", {"gravity": g}
+    yield from each("gravity", "{:g} m/s2", "gravity", (1e-12, 9.81, 1e3))
     for omega1 in (10.0, 1.0, 1e-3):
         slow = {"gravity": 1e3, "omega1": omega1, "duration": TRAVEL / max(omega1, 1.0)}
-        for load in (0.1, 0.0):
-            yield "gravity", f"1000 m/s2 at {omega1:g} rad/s, load {load:g} N.m", slow | {"load": load}
+        yield from each(
+            "gravity", f"1000 m/s2 at {omega1:g} rad/s, load {{:g}} N.m", "load", (0.1, 0.0), **slow
+        )
     for wheels in (("housing",), ("freewheel",), ("housing", "freewheel")):
         for stiffness in (10.0**exponent for exponent in range(2, 10)):
             for damped, part in (("no damping", 0.0), ("damped", 0.1)):
@@ -326,12 +314,12 @@ def weights_springs_and_bodies(m: Mechanism) -> Extremes:
                 springs = {f"{wheel}_stiffness": stiffness for wheel in wheels}
                 springs |= {f"{wheel}_damping": damping for wheel in wheels}
                 value = f"{' and '.join(wheels)} {stiffness:g} N.m/rad, {damped}"
-                run = {"duration": 0.1, "levels": ELASTIC_LEVELS}
-                yield "wind up", value, {**ELASTIC_OUTPUT, **springs, **run}
-    bodies = {"Ja": "satellite_inertia", "Jt": "satellite_transverse_inertia"}
-    for symbol, name in bodies.items():
-        for ratio in (1e-9, 1e-3, 1.0, 1e3, 1e6) if m.layout == "bevel" or symbol == "Ja" else ():
-            yield "satellite bodies", f"{symbol} {ratio:g}", {name: ratio * m.imbalance}
+                more = {"duration": 0.1, "levels": ELASTIC_LEVELS}
+                yield "wind up", value, {**ELASTIC_OUTPUT, **springs, **more}
+    ratios = {ratio: ratio * m.imbalance for ratio in (1e-9, 1e-3, 1.0, 1e3, 1e6)}
+    yield from each("satellite bodies", "Ja {:g}", "satellite_inertia", ratios)
+    if bevel:
+        yield from each("satellite bodies", "Jt {:g}", "satellite_transverse_inertia", ratios)
     usual = {"journal_friction": 1e-3, "gravity": 9.81, "housing_drag": 0.5, "output_drag": 0.5}
     usual |= {"input_friction": 0.01, "link2_friction": 0.01}
     for called, part in (("1e-12 of the usual", 1e-12), ("usual", 1.0), ("10 times the usual", 10.0)):
@@ -343,16 +331,15 @@ def weights_springs_and_bodies(m: Mechanism) -> Extremes:
 def axes() -> dict[str, list[Case]]:
     """Cases by name of the axis: layout by layout, value by value, level by level."""
     found: dict[str, list[Case]] = {}
-    for m in MECHANISMS:
-        for group in (inputs, settings, inertias, parts, losses, weights_springs_and_bodies):
-            for axis, value, changes in group(m):
-                usual = {**USUAL, "omega1": m.omega1, "load": m.load, "duration": TRAVEL / m.omega1}
-                run = {name: changes.get(name, ordinary) for name, ordinary in usual.items()}
-                changed = {name: number for name, number in changes.items() if name not in usual}
-                whole = Segment(run["duration"], run["omega1"], run["load"])
-                for level in run["levels"]:
-                    values = {**m.parameters, **changed, **level.values}
-                    motion = Motion(values, run["segments"] or (whole,), run["turns"])
-                    case = Case(axis, value, m.layout, motion, run["split"], run["slow"])
-                    found.setdefault(axis, []).append(case)
+    for m, group in itertools.product(MECHANISMS, (inputs, settings, inertias, parts, losses)):
+        for axis, value, changes in group(m):
+            usual = {**USUAL, "omega1": m.omega1, "load": m.load, "duration": TRAVEL / m.omega1}
+            run = {name: changes.get(name, ordinary) for name, ordinary in usual.items()}
+            changed = {name: number for name, number in changes.items() if name not in usual}
+            whole = Segment(run["duration"], run["omega1"], run["load"])
+            for level in run["levels"]:
+                values = {**m.parameters, **changed, **level.values}
+                motion = Motion(values, run["segments"] or (whole,), run["turns"])
+                case = Case(axis, value, m.layout, motion, run["split"], run["slow"])
+                found.setdefault(axis, []).append(case)
     return found

@@ -37,6 +37,23 @@ Make = Callable[[], Module]
 
 
 @dataclass(frozen=True)
+class Figure:
+    """One measured figure and the bound it is held to; explained: the motion's own sensitivity widened it."""
+
+    value: float
+    bound: float
+    explained: bool = False
+
+    @property
+    def holds(self) -> bool:
+        """True within the bound (not for NaN)."""
+        return self.value <= self.bound
+
+
+Figures = dict[str, Figure]
+
+
+@dataclass(frozen=True)
 class Segment:
     """A stretch of time with given inputs.
 
@@ -139,11 +156,6 @@ def imbalance_inertia(derived: Any) -> float:
     return float(derived.mass * derived.k**2 * (far * far + derived.spin))
 
 
-def _input_speed(module: Module) -> float:
-    """Speed of link 1, rad/s: at the beginning of the step where it is given."""
-    return module["input_speed" if module["drive"] else "omega1"]
-
-
 @dataclass
 class Run:
     """Record of a run: the largest at its communication points of all that is held to a bound.
@@ -191,7 +203,8 @@ class Run:
         self.finite = self.finite and all(map(math.isfinite, module.outputs.numbers))
         self.residual = max(self.residual, abs(module["energy_residual"]))
         self.gained = max(self.gained, -module["energy_residual"])
-        link1 = _input_speed(module)
+        # at the beginning of the step where it is given
+        link1 = module["input_speed" if module["drive"] else "omega1"]
         fastest = max(abs(link1), abs(module["omega2"]))
         possible = 0.5 * imbalance_inertia(module.derived) * fastest * fastest
         energies = (abs(module[name]) for name in (*ENERGIES, "energy_stored"))
@@ -204,15 +217,14 @@ class Run:
         elastic = module["fidelity"] == ELASTIC
         if not elastic and module["fidelity"] != RIGID:
             return
-        slips = {"housing": module["omega2"], "output": module["omega_hub"] - module["omega2"]}
-        springs = {"housing": "housing_stiffness", "output": "freewheel_stiffness"}
-        for wheel, slip in slips.items():
+        slips = module["omega2"], module["omega_hub"] - module["omega2"]
+        for wheel, spring, slip in zip(("housing", "output"), ("housing", "freewheel"), slips, strict=True):
             if not module[f"{wheel}_freewheel"]:
                 continue
             drag = module[f"{wheel}_drag"] + module[f"{wheel}_drag_viscous"] * max(slip, 0.0)
             held = module[f"{wheel}_torque"] + drag
             self.pull = max(self.pull, -held)
-            if not elastic or module[springs[wheel]] == 0.0:  # while it winds up it may turn backwards
+            if not elastic or module[f"{spring}_stiffness"] == 0.0:  # while it winds up it may turn backwards
                 self.reversal = max(self.reversal, -slip)
                 self.slipping = max(self.slipping, slip * held)
 
@@ -294,7 +306,7 @@ def _followed_rate(module: Module) -> float:
 
     A shaft that oscillates faster than the pulses by more than 1 / sqrt(tolerance) is not followed.
     """
-    omega1 = _input_speed(module)
+    omega1 = module["input_speed" if module["drive"] else "omega1"]
     harmonic = float(module.derived.harmonic * module.derived.k)
     pulses = harmonic * max(abs(omega1 - module["omega2"]), abs(omega1))
     if module["fidelity"] != ELASTIC or module["method"] != EVENT:

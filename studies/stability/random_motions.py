@@ -1,4 +1,4 @@
-"""Random mechanisms under random inputs: drawn by number, run, kept as they come, made small where they fail.
+"""Random mechanisms under random inputs: drawn by number, run, held to what holds of any motion, made small.
 
 A number of a seed is always the same motion.
 """
@@ -9,7 +9,8 @@ import json
 import math
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass, replace
+from contextlib import suppress
+from dataclasses import asdict, dataclass, field, replace
 from functools import partial
 from itertools import groupby
 from operator import itemgetter
@@ -17,18 +18,24 @@ from pathlib import Path
 from random import Random
 from typing import Any
 
+import numpy as np
+from pydantic import TypeAdapter
+
 from inertia_module.common.files import content_hash, sources
 from inertia_module.common.terminal import terminal
 from inertia_module.contract.variables import default_parameters
 from inertia_module.fidelity.levels import Level
-from inertia_module.harness import results
-from inertia_module.kernel.codes import AVERAGED, DRIVE_TORQUE, ELASTIC, EVENT, KINEMATIC, TIMESTEPPING
+from inertia_module.harness.results import write_text
+from inertia_module.kernel.codes import AVERAGED, DRIVE_TORQUE, ELASTIC, EVENT, KINEMATIC, RIGID, TIMESTEPPING
 from inertia_module.memory import Module
 
-from ..reference.geometry import ratio, satellite_ratio
-from .motion import LEVELS, Make, Motion, Parameters, Segment
-from .random_checks import FRICTIONS, REFERENCE, SENSITIVE, VIRTUAL_WORK, Finding, examine
-from .trial import Figure
+from ..reference.cases import OMEGA1, OMEGA4
+from ..reference.geometry import Array, Unavailable, ratio, satellite_ratio
+from ..reference.motion import Reference
+from ..reference.virtual_work import VirtualWork
+from .extremes import TIMESTEPPING_ACCURACY
+from .motion import LEVELS, Figure, Figures, Make, Motion, Parameters, Run, Segment, distance, relative, run
+from .verdicts import BREACH, LARGEST_ERROR, ROUNDING, energy_bound
 
 # digits of every number
 DIGITS = 5
@@ -44,7 +51,228 @@ HEADINGS = ("level", "invariant", "runs", "explained", "sensitive", "failed", "w
 SHORT, TAKEN = "not long", "not refused"
 # motions tried to make one that fails smaller; one that is given up, takes long or is compared counts more
 TRIES, SLOW = 300, 15
-_NUMBER = re.compile(r"(?<![\w.])-?\d+(\.\d+)?(e[-+]?\d+)?")
+NUMBER = re.compile(r"(?<![\w.])-?\d+(\.\d+)?(e[-+]?\d+)?")
+
+
+# --- checks ---
+
+# viscous friction of the links, the drives and the output shaft
+FRICTIONS = ("input_friction", "drive_friction", "link2_friction", "output_friction")
+# of the module held to the reference, and the error from which on the motion has to explain it
+REFERENCE_TOLERANCE, REFERENCE_ERROR = 1e-9, 1e-7
+# evaluations that the reference may take, and from which on a motion is not run again in other ways
+MOST_EVALUATIONS, LONGEST = 4e3, 1e7
+# with losses they take longer
+MOST_WITH_LOSSES = 500
+SPLIT = 7
+SHAFTS = ("input", "output")
+INERTIAS = ("input_inertia", "link2_inertia", "output_inertia", "driven_inertia")
+COMPARED = ("input_speed", "omega2", "omega_hub", "omega_out", "energy_stored")
+FACTOR = 4.0  # whose powers are exact
+AS_SPEED = ("omega2_start", "omega_out_start", *FRICTIONS, "housing_drag_viscous", "output_drag_viscous")
+AS_TORQUE = ("housing_drag", "output_drag", "gravity")
+# without losses virtual work is Lagrange's equations: so kept outcomes call it
+REFERENCE, VIRTUAL_WORK, STEPS = "Lagrange's equations", "virtual work", "long and short steps"
+# parameters that make the difference
+LOSSES = (
+    *AS_TORQUE,
+    *("mesh_efficiency", "satellite_mesh_efficiency", "journal_friction"),
+    *("housing_drag_viscous", "output_drag_viscous", "housing_stiffness", "freewheel_stiffness"),
+)
+# distances that a change of the problem by the tolerance makes, that two runs may be apart
+EXPLAINED = 10.0
+# tolerances that they may be apart where a shaft swings, as in the bound of the energy residual
+SWINGING = 100.0
+SENSITIVE = math.inf  # bound where the motion multiplies errors so much that no method can tell
+
+
+def held(
+    apart: float, bound: float, beside: Iterable[Motion], distance_of: Callable[[Motion], float]
+) -> Figure:
+    """A distance held to a bound; beyond it also to the distances that changes of the problem make.
+
+    Args:
+        beside: the motion, changed by the tolerance. distance_of: one of them from the motion.
+    """
+    if apart <= bound:
+        return Figure(apart, bound)
+    spread = max(map(distance_of, beside), default=0.0)
+    wider = SENSITIVE if spread > LARGEST_ERROR else min(bound + EXPLAINED * spread, LARGEST_ERROR)
+    return Figure(apart, wider, explained=apart <= wider)
+
+
+def of_one_run(motion: Motion, found: Run, make: Make) -> Figures:
+    """All outputs are finite, energy does not come from nowhere, freewheels neither pull nor slip back."""
+    figures = {"finite": Figure(float(not found.finite), 0.0)}
+    # a velocity within rounding of the fastest is zero: so much energy comes and goes
+    fastest = max(found.speed, *(part.fastest for part in motion.segments))
+    rounding = ROUNDING * sum(motion[name] for name in INERTIAS) * fastest**2
+    name, energy, accuracy = "energy residual", found.residual, motion["tolerance"]
+    if motion.level.method == TIMESTEPPING:
+        name, energy, accuracy = "energy from nowhere", found.gained, TIMESTEPPING_ACCURACY
+    beyond = relative(max(energy - rounding, 0.0), found.energy)
+    figures[name] = Figure(beyond, energy_bound(accuracy))
+    if motion.level.fidelity in (RIGID, ELASTIC):
+        figures["0 <= omega2 <= omega3"] = Figure(relative(found.reversal, found.speed), BREACH)
+        figures["Th, Tc >= 0"] = Figure(relative(found.pull, found.torque), BREACH)
+        power = relative(found.slipping, found.speed * found.torque)
+        figures["torque or slip is 0"] = Figure(power, BREACH)
+    figures["lost energy regained"] = Figure(relative(found.regained, found.energy), BREACH)
+    return figures
+
+
+def of_steps(motion: Motion, found: Run, make: Make) -> Figures:
+    """One long communication step as many short ones, to the tolerance and what the motion makes of it."""
+    if motion.level.method == TIMESTEPPING or motion.level.fidelity == AVERAGED:
+        return {}
+    tolerance, short = motion["tolerance"], run(motion, make, SPLIT)
+    if short.refused or short.broken:
+        return {STEPS: Figure(math.inf, 0.0)}
+    # what swings far slower than the fastest speed is followed to the tolerance of that alone
+    elastic = motion.level.fidelity == ELASTIC
+    swinging = motion["driven_inertia"] if elastic else 0.0, tolerance
+    bound = (SWINGING if elastic else EXPLAINED) * tolerance + ROUNDING
+
+    def spread(beside: Motion) -> float:
+        other = run(beside, make)
+        return 0.0 if other.refused else distance(found, other, *swinging)
+
+    apart = distance(found, short, *swinging)
+    return {STEPS: held(apart, bound, motion.nudged(tolerance), spread)}
+
+
+def of_restore(motion: Motion, found: Run, make: Make) -> Figures:
+    """A saved state runs on to the same bits in another instance."""
+    restored = run(motion, make, saved_at=len(motion.segments) // 2)
+    return {"restored state": Figure(float(restored.state != found.state), 0.0)}
+
+
+def of_scaling(motion: Motion, found: Run, make: Make) -> Figures:
+    """Speeds by a power of two and torques by its square: the same motion in less time, to the bit."""
+    if (motion.level.fidelity, motion.level.method) != (RIGID, EVENT):
+        return {}
+    square = FACTOR**2
+    faster = motion.changed(
+        **{name: motion[name] * FACTOR for name in AS_SPEED},
+        **{name: motion[name] * square for name in AS_TORQUE},
+    )
+    segments = tuple(part.scaled(FACTOR, square, 1.0 / FACTOR) for part in motion.segments)
+    end = run(replace(faster, segments=segments), make).end
+    powers = {"angle": 0, "omega2": 1, "omega_out": 1, "energy_in": 2, "energy_out": 2}
+    unlike = [name for name, power in powers.items() if end.get(name) != found.end[name] * FACTOR**power]
+    return {"scaling by the speed": Figure(float(len(unlike)), 0.0)}
+
+
+def of_momentum(motion: Motion, found: Run, make: Make) -> Figures:
+    """Without a housing freewheel and weights momentum changes by what drive, load and friction give."""
+    if motion.level.fidelity != RIGID or motion["housing_freewheel"] or motion["gravity"]:
+        return {}
+    if motion.level.method == TIMESTEPPING and any(motion[name] for name in FRICTIONS):
+        return {}  # its friction is of first order in its steps
+    p = {**default_parameters(), **motion.parameters}
+    work, momenta = VirtualWork(p), []
+    for point in found.points:
+        torques, _, _ = work(point["drive_angle"])
+        omega1, omega2 = point["input_speed"], point["omega2"]
+        link1 = motion["input_inertia"] * omega1 + float(torques[0, :2] @ [omega1, omega2])
+        rest = motion["link2_inertia"] * omega2 + motion["output_inertia"] * point["omega_hub"]
+        momenta.append(link1 + rest)
+    turned1, turned3 = (point[f"{name}_angle"] + 2.0 * math.pi * point[f"{name}_turns"] for name in SHAFTS)
+    turned2 = turned1 - found.end["angle"] / ratio(p)
+    impulses = (
+        found.end["input_torque_mean"],
+        -sum(part.load * part.duration for part in motion.segments),
+        -motion["input_friction"] * turned1,
+        -motion["link2_friction"] * turned2,
+        -motion["output_friction"] * turned3,
+    )
+    missing = momenta[-1] - momenta[0] - sum(impulses)
+    bound = BREACH if motion.level.method == TIMESTEPPING else energy_bound(motion["tolerance"])
+    return {"momentum": Figure(relative(missing, max(map(abs, (*momenta, *impulses)))), bound)}
+
+
+def _by_reference(motion: Motion, most: float) -> Array:
+    """Values of COMPARED after each segment by the reference, as far as it gets with so many evaluations."""
+    first, rows = motion.segments[0], []
+    with np.errstate(all="ignore"), suppress(ArithmeticError, Unavailable, np.linalg.LinAlgError):
+        reference = Reference(motion.parameters, first.omega1, first.load, first.drive, most)
+        for part in motion.segments:
+            reference.give(part.drive, part.load)
+            if motion["drive"] != DRIVE_TORQUE:
+                reference.turn(part.omega1, part.slope)
+            reference.advance(reference.time + part.duration)
+            rows.append([*reference.state[OMEGA1 : OMEGA4 + 1], reference.energy()])
+    return np.array(rows)
+
+
+def of_reference(motion: Motion, found: Run, make: Make) -> Figures:
+    """Agreement of speeds and energies with the independent reference, with losses or without."""
+    if motion.level.method != EVENT or motion.level.fidelity not in (RIGID, ELASTIC):
+        return {}
+    scales = np.array([*[found.speed] * (len(COMPARED) - 1), found.energy])
+
+    def error(one: Array) -> float:
+        both = min(len(one), len(expected))
+        differences = np.abs(one[:both] - expected[:both]) / np.where(scales > 0.0, scales, 1.0)
+        return float(np.max(differences, initial=0.0))
+
+    lossy = any(motion[name] != default_parameters()[name] for name in LOSSES)
+    name, most = (VIRTUAL_WORK, MOST_WITH_LOSSES) if lossy else (REFERENCE, MOST_EVALUATIONS)
+    expected = _by_reference(motion, most)
+    if not len(expected):
+        return {}
+    precise = run(motion.changed(tolerance=REFERENCE_TOLERANCE), make)
+    if precise.refused:
+        return {name: Figure(math.inf, 0.0)}
+    ours = np.array([[point[name] for name in COMPARED] for point in precise.points[1:]])
+    beside = motion.nudged(REFERENCE_TOLERANCE)
+    return {
+        name: held(
+            error(ours), REFERENCE_ERROR, beside, lambda other: error(_by_reference(other, 2.0 * most))
+        )
+    }
+
+
+CHECKS = (of_one_run, of_steps, of_restore, of_scaling, of_momentum, of_reference)
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Result of the checks: figures by name, or the message of a refusal; long: it was run only once."""
+
+    figures: Figures = field(default_factory=dict)
+    refused: str = ""
+    long: bool = False
+
+    @property
+    def failed(self) -> list[str]:
+        """Names of the figures that do not hold."""
+        return [name for name, figure in self.figures.items() if not figure.holds]
+
+    @property
+    def causes(self) -> list[str]:
+        """Names of the figures that do not hold, or the refusal without its numbers."""
+        return self.failed or [NUMBER.sub("#", self.refused)] * bool(self.refused)
+
+
+def examine(motion: Motion, make: Make = Module, without_reference: bool = False) -> Finding:
+    """Run a motion and hold it to all that has to be. Never raises."""
+    figures: Figures = {}
+    try:
+        found = run(motion, make)
+        if found.broken:
+            return Finding({found.broken: Figure(1.0, 0.0)})
+        if found.refused:
+            return Finding(refused=found.refused)
+        long = found.evaluations > LONGEST
+        for check in CHECKS[: 1 if long else -1 if without_reference else None]:
+            figures |= check(motion, found, make)
+        return Finding(figures, long=long)
+    except Exception as error:  # whatever it is, it is a finding
+        return Finding(figures | {f"{type(error).__name__}: {error}": Figure(1.0, 0.0)})
+
+
+# --- drawn ---
 
 
 def rounded(value: float, digits: int = DIGITS) -> float:
@@ -189,14 +417,6 @@ class Outcome:
     finding: Finding
     reproducer: dict[str, Any] | None = None
 
-    @classmethod
-    def of_line(cls, line: str) -> Outcome:
-        """The outcome that as_line has written."""
-        values = json.loads(line)
-        finding = values.pop("finding")
-        figures = {name: Figure(**figure) for name, figure in finding.pop("figures").items()}
-        return cls(**values, finding=Finding(figures, **finding))
-
     def as_line(self) -> str:
         """The outcome as a line of its file."""
         return json.dumps(asdict(self)) + "\n"
@@ -217,17 +437,8 @@ def outcomes_file(folder: Path, seed: int, losses: bool = False) -> Path:
 def read_outcomes(path: Path) -> list[Outcome]:
     """The outcomes of a file, if there is one; its last line may be cut off."""
     lines = path.read_text().splitlines(keepends=True) if path.exists() else []
-    return [Outcome.of_line(line) for line in lines if line.endswith("\n")]
-
-
-def without_numbers(message: str) -> str:
-    """A refusal without its numbers."""
-    return _NUMBER.sub("#", message)
-
-
-def cause(finding: Finding) -> str:
-    """The first thing that fails, or the refusal without its numbers; "" of what is sound."""
-    return finding.failed[0] if finding.failed else without_numbers(finding.refused)
+    read = TypeAdapter(Outcome).validate_python
+    return [read(json.loads(line)) for line in lines if line.endswith("\n")]
 
 
 def smaller(motion: Motion) -> Iterator[Motion]:
@@ -260,7 +471,7 @@ def shrunk(motion: Motion, wanted: str, make: Make = Module) -> Motion:
             finding = examine(tried, make, not compared)
             slow = compared or finding.long or "abandoned" in finding.refused
             left -= SLOW if slow else 1
-            if wanted in (*finding.failed, without_numbers(finding.refused)):
+            if wanted in finding.causes:
                 motion, found = tried, True
                 break
     return motion
@@ -270,8 +481,7 @@ def try_number(seed: int, number: int, make: Make = Module, losses: bool = False
     """Draw a motion, examine it and, where it fails or is refused, make it smaller."""
     motion = draw_motion(seed, number, losses)
     finding = examine(motion, make)
-    wanted = cause(finding)
-    reproducer = shrunk(motion, wanted, make).as_dict() if wanted else None
+    reproducer = shrunk(motion, finding.causes[0], make).as_dict() if finding.causes else None
     return Outcome(number, motion.level.name, finding, reproducer)
 
 
@@ -295,7 +505,7 @@ def run_random(
     Module().load_kernel()  # compiled once, before there are many who would
     path = outcomes_file(folder, seed, losses)
     outcomes = read_outcomes(path)
-    results.write_text(path, "".join(outcome.as_line() for outcome in outcomes))
+    write_text(path, "".join(outcome.as_line() for outcome in outcomes))
     report(len(outcomes) / number)
     with ProcessPoolExecutor() as pool, path.open("a") as file:
         left = range(len(outcomes), number)
@@ -308,13 +518,24 @@ def run_random(
 
 
 def rows_of(outcomes: Sequence[Outcome]) -> list[tuple[Any, ...]]:
-    """A row of HEADINGS for each level and invariant; the last of a level count what was long, or refused."""
+    """A row of HEADINGS for each level and invariant; the last of a level count what was long, or refused.
+
+    Runs, those explained, sensitive, failed; the value next to its bound, or furthest over, and where.
+    """
     rows: list[tuple[Any, ...]] = []
     for level in sorted({outcome.level for outcome in outcomes}):
         here = [outcome for outcome in outcomes if outcome.level == level]
         for name in dict.fromkeys(name for one in here for name in one.finding.figures):
             figures = [(one.finding.figures[name], one.number) for one in here if name in one.finding.figures]
-            rows.append((level, name, *_counted(figures)))
+            told = [(figure, number) for figure, number in figures if figure.bound < SENSITIVE]
+            explained = sum(figure.explained for figure, _ in told)
+            failed = sum(not figure.holds for figure, _ in told)
+            where: tuple[Any, ...] = "", "", ""
+            if told:
+                worst, number = max(told, key=lambda one: one[0].value / max(one[0].bound, 1e-300))
+                where = f"{worst.value:.0e}", f"{worst.bound:.0e}", number
+            counts = len(figures), explained, len(figures) - len(told), failed
+            rows.append((level, name, *counts, *where))
         long = [one.number for one in here if one.finding.long]
         refused = [one.number for one in here if one.finding.refused]
         for name, numbers in ((SHORT, long), (TAKEN, refused)):
@@ -322,23 +543,12 @@ def rows_of(outcomes: Sequence[Outcome]) -> list[tuple[Any, ...]]:
     return rows
 
 
-def _counted(figures: Sequence[tuple[Figure, int]]) -> tuple[Any, ...]:
-    """Runs, those explained, sensitive, failed; the value next to its bound, or furthest over, where."""
-    told = [(figure, number) for figure, number in figures if figure.bound < SENSITIVE]
-    explained = sum(figure.explained for figure, _ in told)
-    counts = len(figures), explained, len(figures) - len(told), sum(not figure.holds for figure, _ in told)
-    if not told:
-        return (*counts, "", "", "")
-    worst, number = max(told, key=lambda one: one[0].value / max(one[0].bound, 1e-300))
-    return (*counts, f"{worst.value:.0e}", f"{worst.bound:.0e}", number)
-
-
 def findings(outcomes: Iterable[Outcome]) -> list[dict[str, Any]]:
     """Each way to fail or to be refused: how often, the first motion and what reproduces it."""
     kinds: dict[tuple[str, str], list[Outcome]] = {}
     for one in outcomes:
         if one.reproducer:
-            kinds.setdefault((one.level, cause(one.finding)), []).append(one)
+            kinds.setdefault((one.level, one.finding.causes[0]), []).append(one)
     told = []
     for (level, what), (first, *others) in kinds.items():
         failed = [(name, first.finding.figures[name]) for name in first.finding.failed]
@@ -347,11 +557,6 @@ def findings(outcomes: Iterable[Outcome]) -> list[dict[str, Any]]:
         where = {"number": first.number, "sentence": sentence, "reproducer": first.reproducer}
         told.append({"level": level, "what": what, "count": 1 + len(others), **where})
     return told
-
-
-def write_rows(path: Path, outcomes: Sequence[Outcome]) -> Path:
-    """Write the rows as CSV, whole or not at all."""
-    return results.write_rows(path, HEADINGS, rows_of(outcomes))
 
 
 def print_outcomes(outcomes: Sequence[Outcome]) -> None:

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 from studies import coupling
 from studies.__main__ import app
 from studies.papers.figures import FIGURES
-from studies.stability.trial import Verdict
+from studies.stability.verdicts import Verdict
 
 
 def command(*arguments, folder):
@@ -54,7 +54,7 @@ def test_stability_prints_the_map_and_fails_if_one_case_is_broken(tmp_path, monk
     def judged(chosen, report):
         return [Verdict(case, "exact" if number else "broken") for number, case in enumerate(chosen)]
 
-    monkeypatch.setattr("studies.stability.map.run_study", judged)
+    monkeypatch.setattr("studies.stability.verdicts.run_study", judged)
     done = command("stability", "--only", "output locked", "-o", tmp_path / "map", folder=tmp_path)
     assert done.exit_code == 1
     assert "output locked" in done.stdout
@@ -113,7 +113,7 @@ def worked(*_, **__):
     "name, work, stand_in",
     [
         ("papers", "papers.figures.FIGURES", {"a figure": worked}),
-        ("stability", "stability.map.run_study", worked),
+        ("stability", "stability.verdicts.run_study", worked),
         ("coupling", "__main__.current_fmu", worked),
     ],
 )

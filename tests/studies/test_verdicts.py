@@ -11,10 +11,9 @@ from scenes import REFERENCE
 
 from inertia_module.kernel import engine, run
 from inertia_module.memory import Module, Refused
+from studies.stability import verdicts
 from studies.stability.extremes import Case
-from studies.stability.map import chosen_cases, read_rows, rows_of, run_study, write_cases, write_rows
 from studies.stability.motion import LEVELS, Motion, Segment
-from studies.stability.trial import cause, energy_bound, judge, result_bound, try_case, work_bound
 
 TABLE = Path(__file__).parents[2] / "docs" / "stability.csv"
 LEVEL = next(level for level in LEVELS if level.name == "rigid, event")
@@ -30,11 +29,11 @@ def refuse_short_steps(module, step_size):
 @pytest.fixture(scope="module")
 def sound():
     """The trial of a sound module."""
-    return try_case(CASE)
+    return verdicts.try_case(CASE)
 
 
 def test_sound_module_at_ordinary_values_is_exact(sound):
-    found = judge(sound)
+    found = verdicts.judge(sound)
     assert (found.outcome, found.reason) == ("exact", "")
     assert 0.0 < found.error < 1e-4
 
@@ -65,33 +64,37 @@ def test_sound_module_at_ordinary_values_is_exact(sound):
     ],
 )
 def test_fault_of_a_module_gets_a_bad_verdict_that_names_it(planted, outcome, reason):
-    found = judge(try_case(CASE, planted))
+    found = verdicts.judge(verdicts.try_case(CASE, planted))
     assert found.outcome == outcome
     assert reason in found.reason
 
 
 def test_refusals_are_verdicts_with_their_reason(monkeypatch):
-    at_the_start = judge(try_case(replace(CASE, motion=CASE.motion.changed(link2_inertia=0.0))))
+    at_the_start = verdicts.judge(
+        verdicts.try_case(replace(CASE, motion=CASE.motion.changed(link2_inertia=0.0)))
+    )
     assert at_the_start.outcome == "refused"
     assert "link2_inertia must be above 0 by more than rounding, is 0" in at_the_start.reason
-    assert cause(at_the_start.reason).startswith("the inertia behind link 2 vanishes")
+    assert verdicts.cause(at_the_start.reason).startswith("the inertia behind link 2 vanishes")
     # a step that is given up leaves a module that goes on: in plain Python with a limit that is soon met
     for part in (engine, run):
         monkeypatch.setattr(part, "MAX_EVALUATIONS", 1e4)
     too_long = Motion(LEVEL.values, (Segment(1e4, 1e6, 1e12),))
-    given_up = judge(try_case(replace(CASE, motion=too_long), lambda: Module("plain")))
+    given_up = verdicts.judge(verdicts.try_case(replace(CASE, motion=too_long), lambda: Module("plain")))
     assert given_up.outcome == "refused"
     assert "abandoned" in given_up.reason
 
 
 def test_bounds_follow_the_tolerance_and_none_is_so_wide_that_a_run_cannot_miss_it():
-    assert energy_bound(1e-8) < 1e-4 * energy_bound(1e-3)
-    assert result_bound(1e-9, 0.0) < 1e-4 * result_bound(1e-3, 0.0)
-    assert result_bound(1e-6, 1e-3) > 100.0 * result_bound(1e-6, 0.0)
-    assert work_bound(CASE, 200.0, 1, 0) < 2.1 * work_bound(CASE, 100.0, 1, 0)
+    assert verdicts.energy_bound(1e-8) < 1e-4 * verdicts.energy_bound(1e-3)
+    assert verdicts.result_bound(1e-9, 0.0) < 1e-4 * verdicts.result_bound(1e-3, 0.0)
+    assert verdicts.result_bound(1e-6, 1e-3) > 100.0 * verdicts.result_bound(1e-6, 0.0)
+    assert verdicts.work_bound(CASE, 200.0, 1, 0) < 2.1 * verdicts.work_bound(CASE, 100.0, 1, 0)
     for accuracy in (1e-13, 1e-6, 0.005, 0.02, 0.1):
-        assert energy_bound(accuracy) <= 0.1
-        assert all(result_bound(accuracy, sensitivity) <= 0.1 for sensitivity in (0.0, 1e-6, 1.0, 10.0))
+        assert verdicts.energy_bound(accuracy) <= 0.1
+        assert all(
+            verdicts.result_bound(accuracy, sensitivity) <= 0.1 for sensitivity in (0.0, 1e-6, 1.0, 10.0)
+        )
 
 
 def changed_end(trial, **changes):
@@ -102,37 +105,32 @@ def changed_end(trial, **changes):
 
 @pytest.mark.parametrize("sensitivity, outcome", [(0.0, "degraded"), (0.05, "degraded"), (1.3, "sensitive")])
 def test_runs_that_differ_are_sensitive_only_where_no_method_can_tell(sound, sensitivity, outcome):
-    found = judge(changed_end(sound, sensitivity=sensitivity))
+    found = verdicts.judge(changed_end(sound, sensitivity=sensitivity))
     assert found.outcome == outcome
     assert found.error > 0.1
     assert "error" in found.reason
 
 
 def test_sensitive_motion_is_exact_where_all_runs_agree_and_excuses_no_open_energy_balance(sound):
-    assert judge(replace(sound, sensitivity=1.3)).outcome == "exact"
+    assert verdicts.judge(replace(sound, sensitivity=1.3)).outcome == "exact"
     leaking = replace(sound.long, residual=0.5 * sound.long.energy)
-    assert judge(changed_end(sound, sensitivity=1.3, long=leaking)).outcome == "degraded"
+    assert verdicts.judge(changed_end(sound, sensitivity=1.3, long=leaking)).outcome == "degraded"
 
 
 def test_no_cell_of_the_map_is_called_exact_with_an_error_above_a_tenth():
-    exact = [cell for row in read_rows(TABLE) for cell in row.cells.values() if cell.outcome == "exact"]
+    exact = [
+        cell for row in verdicts.read_rows(TABLE) for cell in row.cells.values() if cell.outcome == "exact"
+    ]
     assert len(exact) > 2000
     assert max(cell.power for cell in exact) <= -1
 
 
 def test_tables_read_back_with_every_cell_figure_and_bound(tmp_path, sound):
-    rows = rows_of(run_study(chosen_cases("output locked")[:6]))
-    assert read_rows(write_rows(tmp_path / "table.csv", rows)) == rows
-    found = judge(sound)
-    with write_cases(tmp_path / "cases.csv", [found]).open() as stream:
+    rows = verdicts.rows_of(verdicts.run_study(verdicts.chosen_cases("output locked")[:6]))
+    assert verdicts.read_rows(verdicts.write_rows(tmp_path / "table.csv", rows)) == rows
+    found = verdicts.judge(sound)
+    with verdicts.write_cases(tmp_path / "cases.csv", [found]).open() as stream:
         (line,) = csv.DictReader(stream)
     for name, figure in found.figures.items():
         assert float(line[name]) == figure.value
         assert float(line[f"{name}, bound"]) == figure.bound
-
-
-def test_unknown_axis_is_refused_with_those_there_are():
-    with pytest.raises(
-        ValueError, match=r"axis must be one of the map, is weather \(there are input speed, .*\)"
-    ):
-        chosen_cases("weather")

@@ -17,9 +17,8 @@ from inertia_module.fidelity.choice import at_levels, print_levels, recommend
 from inertia_module.fidelity.rows import Row as Measured
 from studies.coupling import Trial
 from studies.coupling import print_rows as print_coupling
-from studies.stability.map import Cell, Row, read_rows
-from studies.stability.map import print_rows as print_stability
-from studies.stability.trial import OUTCOMES
+from studies.stability.verdicts import OUTCOMES, Cell, Row, read_rows
+from studies.stability.verdicts import print_rows as print_stability
 
 # a style, a picture and a closing tag to rich; to a user the name of an extra, of a key and of a folder
 AWKWARD = "[fast] :key: [/tmp]"

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import pytest
 
-from studies.stability.map import Cell, chosen_cases, read_rows, rows_of, run_study
+from studies.stability.verdicts import Cell, chosen_cases, read_rows, rows_of, run_study
 
 TABLE = Path(__file__).parents[2] / "docs" / "stability.csv"
 

@@ -41,22 +41,6 @@ def brute_force(p, q, jump, omega2, omega3):
     raise AssertionError("a P-matrix always has a solution")
 
 
-def before_jump(compiled, scene, housing, output, omega1, omega2, slip, q, inertia):
-    """A module about to jump, with its parameters."""
-    omega2 = abs(omega2) if housing else omega2
-    p = parameters(
-        **{name: value for name, value in scene.items() if name not in ("omega1", "load_torque")},
-        housing_freewheel=housing,
-        output_freewheel=output,
-        drive_inertia=inertia,
-        input_inertia=0.01,
-        omega2_start=omega2,
-        omega_out_start=omega2 + (slip if output else 0.0),
-        drive_angle_start=q,
-    )
-    return p, started(compiled, p, omega1=omega1, load_torque=scene["load_torque"])
-
-
 @pytest.mark.parametrize("output", [True, False], ids=["output freewheel", "rigid with the shaft"])
 @pytest.mark.parametrize("housing", [True, False], ids=["housing freewheel", "no housing freewheel"])
 @given(
@@ -70,7 +54,18 @@ def before_jump(compiled, scene, housing, output, omega1, omega2, slip, q, inert
 def test_speeds_and_impulses_after_a_jump_solve_the_complementarity_problem(
     compiled, scene, housing, output, omega1, target, omega2, slip, q, inertia
 ):
-    p, module = before_jump(compiled, scene, housing, output, omega1, omega2, slip, q, inertia)
+    omega2 = abs(omega2) if housing else omega2
+    p = parameters(
+        **{name: value for name, value in scene.items() if name not in ("omega1", "load_torque")},
+        housing_freewheel=housing,
+        output_freewheel=output,
+        drive_inertia=inertia,
+        input_inertia=0.01,
+        omega2_start=omega2,
+        omega_out_start=omega2 + (slip if output else 0.0),
+        drive_angle_start=q,
+    )
+    module = started(compiled, p, omega1=omega1, load_torque=scene["load_torque"])
     omega2, omega3, stored = module["omega2"], module["omega_out"], module["energy_stored"]
     end2, end3, clutch = brute_force(p, q, target - omega1, omega2, omega3)
     advanced(module, MOMENT, omega1=target)

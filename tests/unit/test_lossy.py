@@ -1,98 +1,24 @@
-"""The independent reference, held to Lagrange's equations, to quadrature, to closed forms.
+"""The independent reference, held to quadrature, to closed forms, to Lagrange's equations where it jumps.
 
-Closed forms of drag, wind-up and sticking are held by the kernel (test_losses.py), and it by the reference.
+Its equations are held by MuJoCo (test_multibody.py) and by the kernel (test_reference.py), which has closed
+forms of its own for drag, wind-up and sticking (test_losses.py).
 """
-
-import itertools
 
 import numpy as np
 import pytest
 from geometry import direct_sums
-from scenes import ELASTIC, LAYOUTS, PLANAR, SCENES, parameters, reference
+from scenes import ELASTIC, PLANAR, SCENES, parameters, reference
 
 from studies.reference import cases
 from studies.reference.geometry import Unavailable, positions, ratio, satellite_ratio, turn
 
 MESHES = {"mesh_efficiency": 0.9, "satellite_mesh_efficiency": 0.92, "journal_friction": 2e-3}
-DRAGS = {"housing_drag": 0.5, "housing_drag_viscous": 0.004, "output_drag": 0.3, "output_drag_viscous": 0.003}
-VISCOUS = {"input_friction": 0.02, "drive_friction": 0.01, "link2_friction": 0.05, "output_friction": 0.2}
-BODIES = {"satellite_inertia": 4e-4, "satellite_transverse_inertia": 3e-4, "drive_inertia": 1e-3}
-ALL = {**MESHES, **DRAGS, **VISCOUS, **BODIES, "gravity": 9.81}
-SPRINGS = {"housing_stiffness": 3000.0, "freewheel_stiffness": 2000.0, "freewheel_damping": 0.05}
 NO_FREEWHEELS = {"housing_freewheel": 0, "output_freewheel": 0}
 # a link 2 that nothing slows down
 STEADY = {**NO_FREEWHEELS, "link2_inertia": 1e9}
 # central differences of sixth order: of what is a radian wide, to about 1e-11
 STEP, FIRST = 1e-2, np.array([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0]) / 60.0
 SECOND = np.array([2.0, -27.0, 270.0, -490.0, 270.0, -27.0, 2.0]) / 180.0
-
-
-def lagranges_matrices(p, q):
-    """M of links 1 and 2 without their own inertia, and dM/dq, from the reduced inertia."""
-    k = ratio(p)
-    i, i1, _, b, b1, g, g1, _ = direct_sums(p, q)
-    return [
-        np.array([[i + 2.0 * k * b + k * k * g, -k * (b + k * g)], [-k * (b + k * g), k * k * g]])
-        for i, b, g in ((i, b, g), (i1, b1, g1))
-    ]
-
-
-@pytest.mark.parametrize("layout", LAYOUTS)
-@pytest.mark.parametrize("satellites, modules", [(1, 1), (1, 2), (2, 1), (3, 2)])
-def test_without_losses_by_load_it_is_lagranges_equations(layout, satellites, modules):
-    states = np.random.default_rng(3).uniform(-50.0, 50.0, (16, 6))
-    contacts = itertools.product((cases.OPEN, cases.CLOSED), repeat=2)
-    kinds = itertools.product(({}, {"drive": 1}), ({}, ELASTIC), contacts)
-    for state, (drive, output, closed) in zip(states, kinds, strict=True):
-        values = {**LAYOUTS[layout], **drive, **output, **VISCOUS, **BODIES, "input_inertia": 0.2}
-        p = parameters(**values, satellites=satellites, modules=modules)
-        machine, k = cases.Machine(p), ratio(p)
-        machine.torque, machine.slope, machine.load = 20.0, 300.0, 7.0
-        own, y = np.diag([p["input_inertia"], p["link2_inertia"]]), np.zeros(cases.SUMS)
-        y[[cases.Q, cases.TWIST]], y[cases.OMEGA1 : cases.OMEGA4 + 1] = state[:2] * [1.0, 1e-3], state[2:]
-        w1, w2, w3, w4 = y[cases.OMEGA1 : cases.OMEGA4 + 1]
-        x = machine.forces(y, (*closed, 1, 1, *[1] * satellites)).x
-        alpha, (m1, _, tc, th, ts) = x[cases.A1 : cases.A4 + 1], x[cases.M1 : cases.TS + 1]
-        assert (m1 == pytest.approx(20.0)) if p["drive"] else (alpha[0] == pytest.approx(300.0))
-        assert alpha[1] == pytest.approx(0.0, abs=1e-9) if closed[cases.HOUSING] else th == 0.0
-        assert alpha[2] == pytest.approx(alpha[1], abs=1e-9) if closed[cases.OUTPUT] else tc == 0.0
-        mass, slope = lagranges_matrices(p, y[cases.Q])
-        w, rate, along = y[cases.OMEGA1 : cases.OMEGA1 + 2], k * (w1 - w2), np.array([k, -k])
-        left = (mass + own) @ alpha[:2] + slope @ w * rate - 0.5 * (w @ slope @ w) * along
-        outer = [m1 - p["input_friction"] * w1, th - tc - p["link2_friction"] * w2]
-        right = outer - p["drive_friction"] * rate * along
-        assert left == pytest.approx(right, abs=1e-10 * np.abs(x).max())
-        assert p["output_inertia"] * alpha[2] == pytest.approx(tc - ts - p["output_friction"] * w3, abs=1e-9)
-        twice = w @ (mass + own) @ w + p["output_inertia"] * w3**2
-        if output:
-            twice += p["driven_inertia"] * w4**2 + p["shaft_stiffness"] * y[cases.TWIST] ** 2
-            shaft = p["shaft_stiffness"] * y[cases.TWIST] + p["shaft_damping"] * (w3 - w4)
-            assert [ts, p["driven_inertia"] * alpha[3]] == pytest.approx([shaft, ts - 7.0], abs=1e-9)
-        else:
-            assert (ts, alpha[3]) == pytest.approx((7.0, alpha[2]))
-        assert machine.energy(y) == pytest.approx(0.5 * twice, rel=1e-11)
-
-
-@pytest.mark.parametrize("scene", SCENES)
-@pytest.mark.parametrize("satellites", [1, 2])
-def test_weight_is_the_slope_of_the_height(scene, satellites):
-    values = {**SCENES[scene], "satellites": satellites, "modules": 1, "gravity": 9.81}
-    machine, k = cases.Machine(values), ratio(parameters(**values))
-
-    def at_rest(theta1, q):
-        y = np.zeros(cases.SUMS)
-        y[[cases.THETA1, cases.Q]] = theta1, q
-        return y
-
-    for theta1, q in np.random.default_rng(1).uniform(-5.0, 5.0, (10, 2)):
-        steps = STEP * np.arange(-3.0, 4.0)
-        by_theta1 = FIRST @ [machine.energy(at_rest(theta1 + step, q)) for step in steps] / STEP
-        by_q = FIRST @ [machine.energy(at_rest(theta1, q + step)) for step in steps] / STEP
-        # what holds links 1 and 2: dq = k (dtheta1 - dtheta2)
-        found = machine.forces(at_rest(theta1, q), (cases.CLOSED, cases.OPEN, 1, 1, *[1] * satellites)).x
-        assert found[[cases.M1, cases.M2]] == pytest.approx([by_theta1 + k * by_q, k * by_q], abs=1e-9)
-    several = cases.Machine({**values, "modules": 2})
-    assert several.energy(at_rest(0.2, 0.3)) == 0.0
 
 
 def powers_of_a_steady_motion(p, omega1, omega2, times):
@@ -144,16 +70,11 @@ def test_losses_of_a_steady_slip_are_those_of_quadrature(scene, omega2, satellit
         assert found[name] == pytest.approx(np.trapezoid(power, times), rel=1e-6), name
 
 
-def constant_friction(**more):
-    """Imbalances on the axes of their satellites: the journals rub evenly, whatever link 2 does."""
-    values = {**PLANAR, **NO_FREEWHEELS, "eccentricity": 0.0, "journal_friction": 0.05, "load_torque": 0.0}
-    force = 3 * 0.8 * 120.0**2 * 0.08
-    return {**values, **more}, 0.05 * force
-
-
 def test_even_friction_takes_link_2_along_at_a_constant_rate_and_then_it_sticks():
-    eta = 0.8
-    values, friction = constant_friction(mesh_efficiency=eta)
+    # imbalances on the axes of their satellites: the journals rub evenly, whatever link 2 does
+    eta, friction = 0.8, 0.05 * 3 * 0.8 * 120.0**2 * 0.08
+    values = {**PLANAR, **NO_FREEWHEELS, "eccentricity": 0.0, "journal_friction": 0.05, "load_torque": 0.0}
+    values["mesh_efficiency"] = eta
     k, inertia = 0.05 / 0.03, 0.003 + 0.4
     torque = k * friction / eta
     stuck = inertia * 120.0 / torque
@@ -190,8 +111,9 @@ def test_a_jump_gives_impulses_by_lagranges_equations_and_knows_no_friction(scen
     # M (w+ - w-) is the impulse: 0 <= omega2 _|_ Th >= 0 and 0 <= omega3 - omega2 _|_ Tc >= 0 after it
     _, w2, w3, _ = ideal.state[cases.OMEGA1 : cases.OMEGA4 + 1]
     gained = ideal.state[cases.OMEGA1 : cases.OMEGA4 + 1] - before
-    mass, _ = lagranges_matrices(p, ideal.state[cases.Q])
-    impulse2 = (mass @ gained[:2])[1] + p["link2_inertia"] * gained[1]
+    k = ratio(p)
+    _, _, _, b, _, g, _, _ = direct_sums(p, ideal.state[cases.Q])
+    impulse2 = k * k * g * gained[1] - k * (b + k * g) * gained[0] + p["link2_inertia"] * gained[1]
     output = p["output_inertia"] * gained[2]
     least = -1e-12 * abs(gained[0])
     assert min(w2, w3 - w2, output, impulse2 + output) >= least

@@ -1,10 +1,11 @@
-"""What is measured of a run: its errors, its cost, or why it failed."""
+"""The converged kernel agrees with the independent reference; a run has errors, a cost, or why it failed."""
 
 import dataclasses
 import math
 
 import numpy as np
 import pytest
+from scenes import PLANAR
 
 from inertia_module.fidelity.levels import Level, all_levels, event, timestepping
 from inertia_module.fidelity.rows import Row, read_rows, write_rows
@@ -15,6 +16,21 @@ from studies.reference.geometry import Unavailable
 
 CASE = trade.Case(stop_time=0.1, points=100)
 STEPS = [0.1, 0.01]
+
+
+FLAT = {name: value for name, value in PLANAR.items() if name not in ("omega1", "load_torque")}
+LOSSES = {"mesh_efficiency": 0.97, "journal_friction": 1e-3, "housing_drag": 0.1, "gravity": 9.81}
+# the case, and how many switches of the freewheels it has at least
+CASES = {
+    "bevel": (trade.Case(stop_time=0.2), 20),
+    "planar": (trade.Case(FLAT, PLANAR["omega1"], PLANAR["load_torque"], stop_time=0.2), 20),
+    "braking": (trade.Case(load_torque=-1.0, stop_time=0.2), 20),
+    "no load": (trade.Case(load_torque=0.0, stop_time=0.2), 20),
+    "backwards": (trade.Case(omega1=-100.0, stop_time=0.2), 20),
+    "elastic": (trade.Case(trade.R1_ELASTIC.parameters, stop_time=0.2), 10),
+    "losses": (trade.Case(LOSSES, stop_time=0.1), 10),
+    "too slow to move": (trade.Case(omega1=-1.0), 0),
+}
 
 
 @pytest.fixture(scope="module")
@@ -49,9 +65,8 @@ def test_the_reference_has_no_error_against_itself(reference):
 
 
 def test_impulse_follows_from_the_speeds_as_well_as_from_the_module(reference):
-    own = reference
-    from_speeds = trade.impulse(CASE, dataclasses.replace(own, impulse=None))
-    assert from_speeds == pytest.approx(own.impulse, abs=1e-11)
+    from_speeds = trade.impulse(CASE, dataclasses.replace(reference, impulse=None))
+    assert from_speeds == pytest.approx(reference.impulse, abs=1e-11)
 
 
 def test_acceleration_of_the_state_is_that_of_the_module(reference):
@@ -104,9 +119,8 @@ def peer(integrate):
 
 def test_peers_are_measured_by_the_same_errors(reference):
     def integrate(case, setting):
-        exact = reference
-        wrong = exact.omega_out * (1.0 + setting)
-        return dataclasses.replace(exact, omega_out=wrong, impulse=None, switches=None, wall_time=0.2)
+        wrong = reference.omega_out * (1.0 + setting)
+        return dataclasses.replace(reference, omega_out=wrong, impulse=None, switches=None, wall_time=0.2)
 
     loose, tight = trade.measure(CASE, reference, [], [peer(integrate)])
     assert (loose.fidelity, loose.method, loose.setting) == ("peer", "somebody", "loose")
@@ -151,16 +165,8 @@ def test_rows_are_read_back_as_they_were_written(rows, failed, tmp_path):
 
 
 def test_plots_show_the_front_and_its_slope_even_where_some_runs_failed(failed, tmp_path):
-    costs_and_errors = (
-        (3.0, 1e-3),
-        (1.0, 1e-1),
-        (2.0, 1e-1),
-        (4.0, 1e-3),
-        (10.0, 1e-3),
-        (0.5, 0.0),
-        (9.0, 1e-5),
-    )
-    measured = [Row("rigid", "event", "", 1.0, {"e": e}, wall_time=cost) for cost, e in costs_and_errors]
+    errors = {3.0: 1e-3, 1.0: 1e-1, 2.0: 1e-1, 4.0: 1e-3, 10.0: 1e-3, 0.5: 0.0, 9.0: 1e-5}
+    measured = [Row("rigid", "event", "", 1.0, {"e": e}, wall_time=cost) for cost, e in errors.items()]
     refused = Row("rigid", "event", "", 1.0, {"e": 1e-9}, wall_time=0.1, failure="refused")
     assert [row.wall_time for row in front([*measured, refused], "e", "wall_time")] == [1.0, 3.0, 9.0]
     costs = np.array([1.0, 3.0, 10.0])
@@ -171,3 +177,12 @@ def test_plots_show_the_front_and_its_slope_even_where_some_runs_failed(failed, 
     assert drawn.lines[0].get_xdata() == pytest.approx([1e3, 3e3, 9e3])
     assert [text.get_text() for text in drawn.texts] == ["rigid, event (slope -4.2)"]
     assert write_figure(tmp_path / "plot.png", figure).stat().st_size > 10_000
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_two_independent_methods_agree(name):
+    case, least = CASES[name]
+    found = trade.agreement(case)
+    assert found.omega_out < 1e-10
+    assert found.events < 1e-10
+    assert found.switches[0] == found.switches[1] >= least
