@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from inertia_module.common.errors import Refused
-from inertia_module.jobs.axes import axes_of, grid, sampled
+from inertia_module.jobs.axes import axes_of, grid, of_shares, shares_sampled
 from inertia_module.scene import read_scene
 
 SCENE = """
@@ -45,8 +45,8 @@ def test_points_even_in_the_logarithm_names_and_whole_numbers(scene):
 @pytest.mark.parametrize("kind", ["latin", "sobol"])
 def test_samples_fill_the_ranges_and_are_the_same_for_the_same_seed(kind, scene):
     axes = axes_of(["imbalance_mass=0.5:2", "satellites=1:4", "layout=bevel,planar"], scene)
-    points = sampled(axes, f"{kind}:64", 3)
-    assert points == sampled(axes, f"{kind}:64", 3) != sampled(axes, f"{kind}:64", 4)
+    points, same, other = (of_shares(axes, shares_sampled(3, f"{kind}:64", seed)) for seed in (3, 3, 4))
+    assert points == same != other
     masses = np.array([point["mechanism.imbalance_mass"] for point in points])
     counts = np.histogram(masses, bins=8, range=(0.5, 2.0))[0]
     assert counts.min() >= 7
@@ -86,6 +86,6 @@ def test_a_grid_needs_numbers_of_points_and_a_sample_a_kind(scene):
     with pytest.raises(Refused, match="number of points for a grid"):
         grid(axes)
     with pytest.raises(Refused, match="must be latin:COUNT or sobol:COUNT"):
-        sampled(axes, "random:10", 0)
+        shares_sampled(1, "random:10", 0)
     with pytest.raises(Refused, match="at most 10000000 points"):
         grid(axes_of(["imbalance_mass=1:2:9999", "drive.omega1=1:2:9999"], scene))

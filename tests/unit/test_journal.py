@@ -18,14 +18,15 @@ POINTS = [row.point for row in ROWS]
 
 def test_what_was_kept_is_there_bit_for_bit_and_what_a_kill_cut_off_is_missing(tmp_path):
     journal = Journal(tmp_path, "task")
-    list(journal.keep([Batch(ROWS[:1], {"energy_in": "J"}), Batch(ROWS[1:2])]))
+    journal.keep(Batch(ROWS[:1], {"energy_in": "J"}))
+    journal.keep(Batch(ROWS[1:2], {}))
     assert Journal(tmp_path, "task").of(POINTS[:2]) == ROWS[:2]
     whole = journal.path.read_bytes()
     journal.path.write_bytes(whole[:-5])
     again = Journal(tmp_path, "task")
     assert again.units == {"energy_in": "J"}
     assert again.missing([*POINTS, *POINTS]) == POINTS[1:]
-    list(again.keep([Batch(ROWS[1:])]))
+    again.keep(Batch(ROWS[1:], {}))
     assert Journal(tmp_path, "task").of(POINTS) == ROWS
 
 

@@ -18,7 +18,6 @@ from ..jobs.design import DesignResult
 from ..jobs.evaluation import Row
 from ..jobs.fit import FitResult
 from ..jobs.orders import BASES, Orders
-from ..jobs.spec import unit_of
 from ..jobs.sweep import SweepResult
 from .panels import Array, dress, sheet, titled
 
@@ -211,7 +210,7 @@ def _stretch(panel: Axes, side: str, values: Array) -> None:
 
 
 def _goal(found: DesignResult, name: str) -> str:
-    return titled(name, unit_of(name, found.judge.units))
+    return titled(name, found.judge.unit(name))
 
 
 # --- fits ---

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -22,48 +21,36 @@ from ..scene.keys import validated
 from ..scene.reading import scene_text
 from ..scene.run import SceneRunner
 from ..scene.schema import Scene
-from .axes import Point, of_shares, shares_sampled, units_of
-from .evaluation import Evaluator, Figures, Row, Task, summary_of, write_tables
-from .named import NAMED, Mechanism, Wanted
-from .spec import OPTIONAL, Judge, Spec, absent, read_spec, unit_of
+from ..scene.summary import Quantity
+from .axes import Point, of_shares, shares_sampled, unit_of_key
+from .evaluation import Evaluator, Figures, FiguresOf, Row, Task, summary_of, write_tables
+from .named import NAMED, Mechanism
+from .spec import LEVELS, OPTIONAL, Judge, Spec, absent, read_spec
 
 # key of a point that is none of the scene: the fidelity it is run at
 LEVEL = "fidelity"
 
 
-@dataclass(frozen=True)
-class DesignTask(Task):
-    """The figures of a specification at points.
+def figures_wanted(settings: dict[str, Any], runner: SceneRunner) -> FiguresOf:
+    """Prepare for the figures of a specification at points with a LEVEL; see Task.
 
-    Attributes:
-        fmu: content of the FMU's file. tables: of the scene, by fidelity.
-        named: figures that need no run. runs: whether the scene is run.
+    Args:
+        settings: tables of the scene by fidelity; "named": as of Spec; "runs": whether the scene is run.
     """
+    scenes = {level: validated(Scene, settings[level]) for level in settings if level in LEVELS}
 
-    named: Wanted
-    runs: bool
+    def figures(point: Point) -> Figures:
+        keys = {name: value for name, value in point.items() if name != LEVEL}
+        scene = scenes[str(point[LEVEL])].with_keys(keys)
+        mechanism = Mechanism(scene.parameters())
+        mechanism.check_room()
+        found = {
+            name: Quantity(NAMED[name].value(mechanism, *at), NAMED[name].unit)
+            for name, at in settings["named"].items()
+        }
+        return found | summary_of(runner, scene) if settings["runs"] else found
 
-    @property
-    def settings(self) -> dict[str, Any]:
-        """See Task."""
-        return {**self.tables, "named": self.named, "runs": self.runs}
-
-    def make_evaluator(self, fmu: Path, closing: ExitStack) -> Callable[[Point], Figures]:
-        """See Task."""
-        runner = closing.enter_context(SceneRunner(fmu))
-        scenes = {level: validated(Scene, tables) for level, tables in self.tables.items()}
-
-        def figures(point: Point) -> Figures:
-            keys = {name: value for name, value in point.items() if name != LEVEL}
-            scene = scenes[str(point[LEVEL])].with_keys(keys)
-            mechanism = Mechanism(scene.parameters())
-            mechanism.check_room()
-            found = mechanism.figures(self.named)
-            if self.runs:
-                found |= summary_of(runner, scene)
-            return found
-
-        return figures
+    return figures
 
 
 @dataclass(frozen=True)
@@ -116,14 +103,13 @@ class DesignResult:
         def text(value: float | str, unit: str = "") -> str:
             return value if isinstance(value, str) else f"{value:.4g} {unit}".removesuffix(" 1").rstrip()
 
-        units = self.judge.units
-        keys = {name: text(value, units.get(name, "")) for name, value in one.searched.point.items()}
+        keys = {name: text(value, self.judge.unit(name)) for name, value in one.searched.point.items()}
         figures = {}
         for name in self.spec.demands:
             searched, checked = (
                 row.figures.get(name, absent(name, row)) for row in (one.searched, one.checked)
             )
-            figures[name] = f"{text(searched)} → {text(checked, unit_of(name, units))}"
+            figures[name] = f"{text(searched)} → {text(checked, self.judge.unit(name))}"
         missed = [limit.figure for limit in self.judge.limits if limit.violation(one.checked) > 0.0]
         return {**keys, **figures, "limits": f"missed by {', '.join(missed)}" if missed else "met"}
 
@@ -132,7 +118,7 @@ class DesignResult:
         chosen = [one.checked for one in self.chosen]
         row = chosen[0] if chosen else self.nearest
         limit = self.judge.tightest(row)
-        where = "" if limit is None else limit.text(row, unit_of(limit.figure, self.judge.units))
+        where = "" if limit is None else limit.text(row, self.judge.unit(limit.figure))
         if chosen:
             binds = f"; nearest to its limit in the first: {where}" if where else ""
             return f"{len(chosen)} of {len(self.finalists)} checked designs meet all limits{binds}"
@@ -171,8 +157,9 @@ def design(
     read, name = (spec, "spec") if isinstance(spec, Spec) else (read_spec(spec), Path(spec).stem)
     levels = (read.search.fidelity, read.search.check)
     scenes = {level: read.scene.with_fidelity(level) for level in levels}
-    tables = {level: scene.tables for level, scene in scenes.items()}
-    task = DesignTask(fmu_file(fmu).read_bytes(), tables, read.named, read.runs_scene)
+    settings: dict[str, Any] = {level: scene.tables for level, scene in scenes.items()}
+    settings |= {"named": read.named, "runs": read.runs_scene}
+    task = Task(fmu_file(fmu).read_bytes(), settings, figures_wanted)
     folder = OUTPUT_FOLDER / f"{name}_design" if output is None else Path(output)
     with Evaluator(task, folder, scheduler, workers) as evaluator:
 
@@ -182,8 +169,8 @@ def design(
 
         start = shares_sampled(len(read.axes), f"latin:{read.search.population}", read.search.seed)
         rows = evaluate(of_shares(read.axes, start))
-        keys = units_of((axis.name for axis in read.axes), read.scene)
-        units = {**keys, **evaluator.journal.units}
+        keys = {axis.name: unit_of_key(axis.name, read.scene) for axis in read.axes}
+        units = keys | evaluator.journal.units
         _check_figures(read, rows)
         judge = Judge(read, units)
         rows = _search(read, judge, start, evaluate, progress)

@@ -405,7 +405,7 @@ class _Search:
         """Both ends of the interval of a variable; an end of its range, or infinite, where there is none."""
         from scipy.stats import f
 
-        allowed = best.chisqr * (1.0 + float(f.ppf(CONFIDENCE, 1, best.nfree)) / best.nfree)
+        allowed = float(best.chisqr * (1.0 + float(f.ppf(CONFIDENCE, 1, best.nfree)) / best.nfree))
         start, steps = _variables(best), dict(zip(best.var_names, _steps(best), strict=True))
         step = steps.pop(name)
         held = [one for one in self.keys if one not in steps]

@@ -17,8 +17,8 @@ from ..harness.results import write_rows
 from ..harness.simulate import Progress
 from ..scene import Scene
 from ..scene.summary import time_to
-from .axes import Axis, Point, axes_of, grid, of_shares, sampled, units_of
-from .evaluation import Evaluator, Row, Task, read, write_tables
+from .axes import Axis, Point, axes_of, grid, of_shares, shares_sampled, unit_of_key
+from .evaluation import Evaluator, Row, Task, read, summaries, write_tables
 
 # a figure that varies less than this, relative to its magnitude, does not vary
 CONSTANT = 1e-9
@@ -127,17 +127,18 @@ def sweep(
     base, name = read(scene)
     axes = axes_of(vary, base)
     if sensitivity is None:
-        points = grid(axes) if sample is None else sampled(axes, sample, seed)
+        points = grid(axes) if sample is None else of_shares(axes, shares_sampled(len(axes), sample, seed))
     elif sample is not None:
         raise Refused("sample and sensitivity must not both be given")
-    task = Task(fmu_file(fmu).read_bytes(), base.tables)
+    tables = {key: table for key, table in base.tables.items() if key not in ("title", "description")}
+    task = Task(fmu_file(fmu).read_bytes(), tables, summaries)
     folder = OUTPUT_FOLDER / f"{name}_sweep" if output is None else Path(output)
     found = None
     with Evaluator(task, folder, scheduler, workers, progress) as evaluator:
         if sensitivity is not None:
             found, points = indices(axes, sensitivity, seed, evaluator)
         rows = evaluator(points)
-    units = {**units_of((axis.name for axis in axes), base), **evaluator.journal.units}
+    units = {axis.name: unit_of_key(axis.name, base) for axis in axes} | evaluator.journal.units
     files = write_tables(folder, "sweep", rows, units)
     if found is not None:
         files["sensitivity"] = found.save(folder / "sensitivity.csv")
