@@ -219,9 +219,14 @@ def test_what_does_not_swing_is_left_out_but_where_it_is_asked_for(fmu, tmp_path
 @pytest.mark.parametrize(
     "drive, options, words",
     [
-        ({}, {"highest": 100.0}, "highest order must be .* at most 49.09, is 100"),
+        ({}, {"highest": 100.0}, "highest order must be .* at most 49.09, is 100: .*communication_step"),
         ({}, {"highest": 100.0, "of": "pulses"}, "highest order must be .*, is 100"),
         ({}, {"turns": 100.0}, "turns of a window must be of 4 to the 15.92 .*, is 100"),
+        ({}, {"turns": 2.0}, "turns of a window must be of 4 to the 15.92 .*, is 2"),
+        ({}, {"end": 0.1}, "turns of a window must be of 4 to the 1.592 .*, is 4"),
+        ({}, {"begin": 0.9, "end": 0.5}, "times must be in order and within 0 to 1 s, is 0.9 to 0.5 s"),
+        ({}, {"of": "wheel"}, "orders must be link1 or pulses, is 'wheel'"),
+        ({}, {"signals": ["torque"]}, "run.outputs .*, has 'torque' .did you mean"),
         ({"kind": "ramp", "omega1": None, "initial": 0.0, "final": 50.0, "duration": 1.0}, {}, "not at 0 s"),
         ({"kind": "torque", "drive_torque": 20.0}, {"highest": 1e4}, "highest order must be .*, is 10000"),
     ],
@@ -240,24 +245,9 @@ def test_what_is_sure_to_be_refused_is_refused_before_the_run(fmu, monkeypatch, 
     assert sum(steps) <= order_run.TRIED
 
 
-@pytest.mark.parametrize(
-    "options, words",
-    [
-        ({"of": "wheel"}, "orders must be link1 or pulses, is 'wheel'"),
-        ({"signals": ["torque"]}, "run.outputs .*, has 'torque' .did you mean"),
-        ({"signals": ["omega2", "input_speed"]}, "signals must swing, of omega2, input_speed none does"),
-        ({"highest": 100.0}, "highest order must be above 0 and at most 49.09, is 100: .*communication_step"),
-        ({"turns": 2.0}, "turns of a window must be of 4 to the 15.92 .*, is 2"),
-        ({"end": 0.1}, "turns of a window must be of 4 to the 1.592 .*, is 4"),
-        ({"begin": 0.9, "end": 0.5}, "times must be in order and within 0 to 1 s, is 0.9 to 0.5 s"),
-    ],
-)
-def test_what_cannot_be_is_one_line(fmu, options, words):
-    with pytest.raises(Refused, match=words):
-        jobs.orders(held(stop=1.0), fmu, **options)
-
-
-def test_a_run_without_pulses_is_refused(fmu):
+def test_a_run_in_which_nothing_swings_or_without_pulses_is_refused(fmu):
+    with pytest.raises(Refused, match="signals must swing, of omega2, input_speed none does"):
+        jobs.orders(held(stop=1.0), fmu, signals=["omega2", "input_speed"])
     with pytest.raises(Refused, match="fidelity must be kinematic, rigid or elastic for orders, is averaged"):
         jobs.orders(held('fidelity = "averaged"'), fmu)
     locked = load_scene(EXAMPLES / "planar.toml").replaced(run={"stop_time": 3.0})
@@ -283,14 +273,8 @@ def test_command_leaves_spectrum_waterfall_summary_and_picture(fmu, tmp_path):
     rows, _ = read_columns(tmp_path / "waterfall.csv")
     assert sorted(set(rows["time"])) == found.time.tolist()
     assert (tmp_path / "orders.png").read_bytes().startswith(b"\x89PNG")
-
-
-def test_command_for_machines_and_its_refusal(fmu, tmp_path):
-    scene = str(EXAMPLES / "planar.toml")
-    arguments = ["orders", scene, "--fmu", str(fmu), "-o", str(tmp_path), "--json"]
-    done = CliRunner().invoke(app, [*arguments, "--signal", "input_torque"])
-    assert done.exit_code == 0, done.output
-    assert json.loads(done.output)["signals"]["input_torque"]["unit"] == "N.m"
-    refused = CliRunner().invoke(app, [*arguments, "--to", "2 m"])
+    done = CliRunner().invoke(app, ["orders", str(scene), *options, "--json"])
+    assert json.loads(done.output)["signals"] == told["signals"]
+    refused = CliRunner().invoke(app, ["orders", str(scene), *options[:-4], "--to", "2 m"])
     assert refused.exit_code == 1
     assert "error: --to must be a number in s" in refused.output
