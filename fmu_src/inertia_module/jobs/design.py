@@ -91,12 +91,6 @@ class DesignResult:
         """Finalists that meet all limits at the fidelity of the check."""
         return [one for one in self.finalists if self.judge.meets(one.checked)]
 
-    @property
-    def nearest(self) -> Row:
-        """The design that is the least beyond the limits: of those checked or, if none was, of all."""
-        checked = [one.checked for one in self.finalists]
-        return min(checked or self.rows, key=self.judge.beyond)
-
     def lines(self, one: Finalist) -> dict[str, str]:
         """The values of a finalist and its figures, searched and checked, as text by name."""
 
@@ -115,8 +109,9 @@ class DesignResult:
 
     def verdict(self) -> str:
         """Say in a sentence how many meet the limits and which limit binds, or what stops them all."""
-        chosen = [one.checked for one in self.chosen]
-        row = chosen[0] if chosen else self.nearest
+        checked, chosen = ([one.checked for one in some] for some in (self.finalists, self.chosen))
+        # where none meets them the one that is the least beyond the limits: of those checked, if any was
+        row = chosen[0] if chosen else min(checked or self.rows, key=self.judge.beyond)
         limit = self.judge.tightest(row)
         where = "" if limit is None else limit.text(row, self.judge.unit(limit.figure))
         if chosen:
@@ -170,8 +165,13 @@ def design(
         start = shares_sampled(len(read.axes), f"latin:{read.search.population}", read.search.seed)
         rows = evaluate(of_shares(read.axes, start))
         keys = {axis.name: unit_of_key(axis.name, read.scene) for axis in read.axes}
-        units = keys | evaluator.journal.units
-        _check_figures(read, rows)
+        units = keys | evaluator.units
+        known = list(dict.fromkeys([*(name for row in rows for name in row.figures), *NAMED]))
+        if all(row.refused for row in rows):
+            raise SceneError(f"none of the first {len(rows)} designs can be computed: {rows[0].refused}")
+        for figure in read.demands:
+            if figure not in known and not figure.startswith(OPTIONAL):
+                raise SceneError(f"figures.{figure} must be one that there is {did_you_mean(figure, known)}")
         judge = Judge(read, units)
         rows = _search(read, judge, start, evaluate, progress)
         fronts = judge.fronts([row for row in rows if judge.meets(row, read.search.margin)])
@@ -188,20 +188,6 @@ def design(
     files = {f"pareto {k}": v for k, v in write_tables(folder, "pareto", front, units).items()}
     files |= {f"checked {k}": v for k, v in write_tables(folder, "checked", checked, units).items()}
     return DesignResult(read, judge, rows, front, finalists, evaluator.new, files)
-
-
-def _check_figures(spec: Spec, rows: Sequence[Row]) -> None:
-    """Refuse figures that no row has.
-
-    Raises:
-        SceneError: which, or why no row has any.
-    """
-    known = list(dict.fromkeys([*(name for row in rows for name in row.figures), *NAMED]))
-    if all(row.refused for row in rows):
-        raise SceneError(f"none of the first {len(rows)} designs can be computed: {rows[0].refused}")
-    for name in spec.demands:
-        if name not in known and not name.startswith(OPTIONAL):
-            raise SceneError(f"figures.{name} must be one that there is {did_you_mean(name, known)}")
 
 
 def _finalists(fronts: Sequence[Sequence[Row]], number: int) -> list[Row]:

@@ -113,25 +113,38 @@ def evaluate(figures_of: FiguresOf, points: list[Point]) -> Batch:
     return batch
 
 
-class Journal:
-    """The results of a task in a folder: a line for each batch, written as soon as it is there.
+class Evaluator(Closing):
+    """Evaluator of points, as often as it is called; a context manager that ends its workers.
+
+    Its results are kept in a journal: a line for each batch, written as soon as it is there.
 
     Args:
-        folder: where; made if it is not there. identity: of the task (Task.identity).
+        task: what is evaluated. folder: of the journal; made if it is not there. scheduler, workers: as in
+            workers.pool; they start when the first point is to be evaluated. progress: told the share done
+            of the points of a call.
 
     Attributes:
-        rows: by key. units: of the figures by name.
+        rows: all results, by key. units: of their figures by name. new: how many were not there before.
 
     Raises:
-        Refused: the folder holds results of another task.
-        OSError: it cannot be written to.
+        Refused: the folder holds results of another task. NotInstalled: the extra jobs is not.
+        OSError: the folder cannot be written to.
     """
 
-    def __init__(self, folder: Path, identity: str) -> None:
+    def __init__(
+        self,
+        task: Task,
+        folder: Path,
+        scheduler: str | None = None,
+        workers: int | None = None,
+        progress: Progress | None = None,
+    ) -> None:
+        for name in ("distributed", "pyarrow"):
+            library(name, "jobs")
         self.path = writable_folder(folder) / JOURNAL
         self.rows: dict[str, Row] = {}
         self.units: dict[str, str] = {}
-        head = json.dumps({"task": identity})
+        head = json.dumps({"task": task.identity})
         if self.path.is_file():
             found, *lines = self.path.read_text(encoding="utf-8").split("\n")
             if found != head:
@@ -146,6 +159,15 @@ class Journal:
                 write_atomically(self.path, "\n".join([head, *whole, ""]).encode())
         else:
             write_atomically(self.path, f"{head}\n".encode())
+        self.task, self.new = task, 0
+        self.progress = progress or (lambda share: None)
+        self._pool = (scheduler, workers)
+        self._stack = ExitStack()
+        self._client: Any = None
+
+    def close(self) -> None:
+        """End the workers."""
+        self._stack.close()
 
     def _take(self, batch: Batch) -> None:
         self.rows.update({_key(row.point): row for row in batch.rows})
@@ -161,52 +183,9 @@ class Journal:
             stream.write(batch.text() + "\n")
         self._take(batch)
 
-    def of(self, points: Iterable[Point]) -> list[Row]:
-        """Rows of points, all of which have been done."""
-        return [self.rows[_key(point)] for point in points]
-
-
-def _key(point: Point) -> str:
-    return json.dumps(point, sort_keys=True)
-
-
-class Evaluator(Closing):
-    """Evaluator of points, as often as it is called; a context manager that ends its workers.
-
-    Args:
-        task: what is evaluated. folder: of its journal. scheduler, workers: as in workers.pool; they start
-            when the first point is to be evaluated. progress: told the share done of the points of a call.
-
-    Attributes:
-        journal: of all results. new: how many of them were not there before.
-
-    Raises:
-        Refused: the folder holds results of another task. NotInstalled: the extra jobs is not.
-    """
-
-    def __init__(
-        self,
-        task: Task,
-        folder: Path,
-        scheduler: str | None = None,
-        workers: int | None = None,
-        progress: Progress | None = None,
-    ) -> None:
-        for name in ("distributed", "pyarrow"):
-            library(name, "jobs")
-        self.task, self.journal, self.new = task, Journal(folder, task.identity), 0
-        self.progress = progress or (lambda share: None)
-        self._pool = (scheduler, workers)
-        self._stack = ExitStack()
-        self._client: Any = None
-
-    def close(self) -> None:
-        """End the workers."""
-        self._stack.close()
-
     def __call__(self, points: Sequence[Point]) -> list[Row]:
         """Rows of points, in their order; what is in the journal is not done again."""
-        missing = self.journal.missing(points)
+        missing = self.missing(points)
         if missing:
             from .workers import evaluations, pool
 
@@ -214,11 +193,15 @@ class Evaluator(Closing):
                 self._client = self._stack.enter_context(pool(self.task, *self._pool))
             done = 0
             for batch in evaluations(self._client, self.task.identity, missing):
-                self.journal.keep(batch)
+                self.keep(batch)
                 done += len(batch.rows)
                 self.progress(done / len(missing))
             self.new += done
-        return self.journal.of(points)
+        return [self.rows[_key(point)] for point in points]
+
+
+def _key(point: Point) -> str:
+    return json.dumps(point, sort_keys=True)
 
 
 def read(scene: Scene | Path | str) -> tuple[Scene, str]:

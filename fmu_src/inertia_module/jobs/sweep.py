@@ -138,7 +138,7 @@ def sweep(
         if sensitivity is not None:
             found, points = indices(axes, sensitivity, seed, evaluator)
         rows = evaluator(points)
-    units = {axis.name: unit_of_key(axis.name, base) for axis in axes} | evaluator.journal.units
+    units = {axis.name: unit_of_key(axis.name, base) for axis in axes} | evaluator.units
     files = write_tables(folder, "sweep", rows, units)
     if found is not None:
         files["sensitivity"] = found.save(folder / "sensitivity.csv")
@@ -170,6 +170,7 @@ def indices(
         raise Refused(f"sensitivity must be a power of 2, such as 256, is {number}")
     points: list[Point] = []
     names: list[str] = []
+    tables: list[NDArray[np.float64]] = []
 
     def figures_at(shares: NDArray[np.float64]) -> NDArray[np.float64]:
         """Figures, shape (m, points), at shares of the ranges, shape (axes, points)."""
@@ -182,13 +183,13 @@ def indices(
                 f"Sobol indices must have runs at all points, at {refused.point}: {refused.refused}"
             )
         names[:] = names or sorted(set.intersection(*(set(row.figures) for row in rows)))
-        return np.array([[row.figures[name] for row in rows] for name in names])
+        tables.append(np.array([[row.figures[name] for row in rows] for name in names]))
+        return tables[-1]
 
     with np.errstate(divide="ignore", invalid="ignore"):
         found = sobol_indices(func=figures_at, n=number, dists=[uniform()] * len(axes), rng=seed)
-    values = evaluate(points)
-    table = np.array([[row.figures[name] for name in names] for row in values])
-    varies = np.ptp(table, axis=0) > CONSTANT * np.abs(table).max(axis=0)
-    kept = [name for name, one in zip(names, varies, strict=True) if one]
+    table = np.hstack(tables)
+    varies = np.ptp(table, axis=1) > CONSTANT * np.abs(table).max(axis=1)
+    kept = np.array(names)[varies].tolist()
     first, total = found.first_order[varies], found.total_order[varies]
     return Sensitivity([one.name for one in axes], kept, first, total), points
