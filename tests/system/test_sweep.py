@@ -61,13 +61,6 @@ def evaluated(read, fmu, points):
 
 
 @pytest.fixture(scope="module")
-def expected(scene, fmu):
-    """The rows of the sweep, computed in this process."""
-    read = load_scene(scene)
-    return evaluated(read, fmu, grid(axes_of(VARY, read)))
-
-
-@pytest.fixture(scope="module")
 def found(scene, fmu, cluster, tmp_path_factory):
     """The sweep on the cluster."""
     folder = tmp_path_factory.mktemp("sweep")
@@ -93,12 +86,10 @@ def test_one_instance_after_the_other_gives_what_run_scene_gives(scene, fmu):
     assert rows[1].figures == rows[-1].figures
 
 
-def test_a_cluster_started_by_hand_gives_the_same_table(found, expected):
+def test_a_cluster_started_by_hand_gives_the_same_table_a_refusal_its_row_and_sentence(scene, found, fmu):
+    read = load_scene(scene)
     assert len(found.rows) == 32 == found.new
-    assert told(found.rows) == told(expected)
-
-
-def test_a_refusal_is_a_row_with_its_sentence(found):
+    assert told(found.rows) == told(evaluated(read, fmu, grid(axes_of(VARY, read))))
     assert len(found.refused) == 8
     for row in found.refused:
         assert "housing_freewheel" in row.refused
