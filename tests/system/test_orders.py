@@ -14,7 +14,6 @@ from inertia_module.cli import app
 from inertia_module.common.errors import Refused
 from inertia_module.figures.jobs import order_figure
 from inertia_module.harness.results import Result, read_columns
-from inertia_module.harness.simulate import Fmu
 from inertia_module.jobs.orders import pulses_a_turn, spectra
 from inertia_module.kernel.inertia import reduced_inertia
 from inertia_module.memory import Module
@@ -130,17 +129,6 @@ def test_a_line_that_bends_is_one_line_with_its_whole_amplitude(turning):
     assert second.amplitude == pytest.approx(0.5, rel=0.02)
     # which its order alone does not tell
     assert spectra(table, turned, ["x"]).largest()["x"][0].amplitude < 2.0
-
-
-def test_parseval_holds_for_the_torque_of_a_run(fmu):
-    scene = held()
-    found = jobs.orders(scene, fmu, signals=["mesh_torque"])
-    with Fmu(fmu, scene.parameters(), {"omega1": OMEGA1, "load_torque": 0.0}, tolerance=1e-8) as started:
-        torque = []
-        for _ in range(8000):
-            started.advance(5e-4)
-            torque.append(started["mesh_torque"])
-    assert found.rms("mesh_torque") == pytest.approx(float(np.std(torque)), rel=0.01)
 
 
 # --- modules whose lines are known ---

@@ -153,7 +153,7 @@ def design(
     levels = (read.search.fidelity, read.search.check)
     scenes = {level: read.scene.with_fidelity(level) for level in levels}
     settings: dict[str, Any] = {level: scene.tables for level, scene in scenes.items()}
-    settings |= {"named": read.named, "runs": read.runs_scene}
+    settings |= {"named": read.named, "runs": len(read.named) < len(read.demands)}
     task = Task(fmu_file(fmu).read_bytes(), settings, figures_wanted)
     folder = OUTPUT_FOLDER / f"{name}_design" if output is None else Path(output)
     with Evaluator(task, folder, scheduler, workers) as evaluator:

@@ -58,7 +58,6 @@ AT_END = 1e-4
 AUTOCORRELATED = 0.2
 # standard deviations of chance that a warning keeps from
 CHANCE = 4.0
-NO_INFLUENCE = "has no influence on what was measured, stays where it was"
 NOT_IDENTIFIABLE = "not identifiable from the data: the interval is {}"
 
 # values of variables by identifier
@@ -146,7 +145,10 @@ class FitResult:
             )
         table = self.table()
         for name in self.measurement.columns:
-            lag_one = _lag_one(table[f"{name}_residual"])
+            residual = table[f"{name}_residual"]
+            centred = residual - residual.mean()
+            following = float(np.sum(centred[1:] * centred[:-1]))
+            lag_one = following / float(np.sum(centred**2)) if np.ptp(residual) else 0.0
             if lag_one > max(AUTOCORRELATED, CHANCE / math.sqrt(len(table))):
                 found.append(
                     f"residuals of {name} are autocorrelated (lag-1 {lag_one:.2f}): the model has a"
@@ -460,7 +462,8 @@ def _fitted(key: Free, one: Any, interval: tuple[float, float] | None) -> Fitted
     """A free key as it was found; one: its Parameter of lmfit; interval: None without influence."""
     value, error = key.value(one.value), math.inf
     if interval is None:
-        return Fitted(key.name, value, error, (-math.inf, math.inf), key.unit, NO_INFLUENCE)
+        doubt = "has no influence on what was measured, stays where it was"
+        return Fitted(key.name, value, error, (-math.inf, math.inf), key.unit, doubt)
     if one.stderr is not None:
         error = abs(key.span) * float(one.stderr)
     low, high = sorted(map(key.value, interval))
@@ -485,11 +488,3 @@ def _correlations(keys: Sequence[Free], best: Any) -> dict[tuple[str, str], floa
             sign = math.copysign(1.0, first.span * second.span)
             found[first.name, second.name] = sign * float(known[second.identifier])
     return found
-
-
-def _lag_one(residual: Any) -> float:
-    """Correlation of each residual with the next; 0 where there is nothing to tell."""
-    if residual.size < 3 or not np.ptp(residual):
-        return 0.0
-    centred = residual - residual.mean()
-    return float(np.sum(centred[1:] * centred[:-1]) / np.sum(centred**2))

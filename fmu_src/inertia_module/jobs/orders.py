@@ -85,11 +85,6 @@ class Line(NamedTuple):
     low: float
     high: float
 
-    @property
-    def bends(self) -> bool:
-        """Tell whether it bends."""
-        return self.low < self.high
-
 
 @dataclass(frozen=True)
 class Orders:
@@ -127,7 +122,7 @@ class Orders:
     @property
     def bends(self) -> bool:
         """Tell whether lines bend that are straight over pulses."""
-        return any(line.bends for lines in self.largest().values() for line in lines)
+        return any(line.low < line.high for lines in self.largest().values() for line in lines)
 
     def _lines(self, name: str, number: int) -> list[Line]:
         """The largest lines of a signal; all places that a bending one passes are one line."""
@@ -136,10 +131,10 @@ class Orders:
             order = float(self.order[place])
             straight = self._along(name, np.full(self.ratio.size, order), 0.5 / self.turns)[0]
             window = int(np.argmax(straight))
-            if any(one.bends and self._meets(along, order, window) for one, along, _ in found):
+            if any(one.low < one.high and self._meets(along, order, window) for one, along, _ in found):
                 continue  # a line that bends passes here
             line, track, at = self._line(name, place)
-            if line.bends:
+            if line.low < line.high:
                 near = [one for one, along, _ in found if self._meets(along, track[at], at)]
                 if any(one.amplitude >= line.amplitude for one in near):
                     continue

@@ -102,13 +102,8 @@ class Spec:
 
     @property
     def named(self) -> dict[str, tuple[float, float]]:
-        """The figures that need no run of the scene, with speed and ratio."""
+        """The figures that need no run of the scene, with speed and ratio; others are of its summary."""
         return {name: (d.speed, d.ratio) for name, d in self.demands.items() if name in NAMED}
-
-    @property
-    def runs_scene(self) -> bool:
-        """Tell whether a figure is of the summary of the scene."""
-        return any(name not in NAMED for name in self.demands)
 
 
 def read_spec(path: Path | str, keys: Mapping[str, Any] | None = None) -> Spec:
