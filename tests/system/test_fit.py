@@ -49,6 +49,7 @@ def test_example_finds_the_truth_and_the_noise(found, rig):
     for name in FREE:
         low, high = found[name].interval
         assert low <= rig.TRUE[name] <= high
+        assert 1.9 < 0.5 * (high - low) / found[name].error < 2.4  # 1.96 were the residuals linear
         assert not found[name].doubt
     assert found["imbalance_mass"].error < 0.002
     assert found.estimated == list(rig.NOISE)

@@ -85,6 +85,8 @@ def test_lines_of_a_known_run_up_have_their_orders_and_amplitudes(turns):
     first, second = found.largest(2)["x"]
     assert (first.order, second.order) == pytest.approx((2.5, 7.0), rel=1e-12)
     assert (first.amplitude, second.amplitude) == pytest.approx((3.0, 0.5), rel=2e-3)
+    # what the window makes of a large line beside it is none
+    assert all(abs(line.order - 2.5) > 4.0 / found.turns for line in found.largest()["x"][1:])
     edges = 0.5 * found.turns * np.arange(found.time.size + 2)
     speed = np.sqrt(20.0**2 + 36.0 * math.tau * edges)
     assert found.speed == pytest.approx(0.5 * (speed[:-2] + speed[2:]), rel=1e-3)
