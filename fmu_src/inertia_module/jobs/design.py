@@ -211,11 +211,8 @@ def _search(
     """Search by NSGA-II; all designs, each once, in the order in which they were first asked for.
 
     The search is over shares (0 to 1) of the ranges, so that whole numbers, lists and logarithmic ranges are
-    searched alike. A design that is refused is beyond its limits.
-
-    Args:
-        judge: of the limits. start: shares of the first generation, shape (population, axes).
-        evaluate: gives rows of points. progress: told the share of the generations done.
+    searched alike. A design that is refused is beyond its limits. It begins at shares of shape (population,
+    axes).
     """
     from pymoo.algorithms.moo.nsga2 import NSGA2
     from pymoo.core.problem import Problem
