@@ -187,18 +187,14 @@ class FitResult:
 
     def lines(self) -> dict[str, str]:
         """Give the lines of the printed table, by heading."""
-        correlated = {
-            f"correlation of {a} and {b}": f"{number:.3f}" for (a, b), number in self.correlations.items()
-        }
-        units = self.measurement.table.units
-        source = {name: ", from the residuals" if name in self.estimated else "" for name in units}
-        noise = {
-            f"noise of {name}": f"{value:.4g} {units[name]}{source[name]}"
-            for name, value in self.noise.items()
-        }
-        values = {one.name: one.text for one in self.parameters}
+        found = {one.name: one.text for one in self.parameters}
+        for (first, second), number in self.correlations.items():
+            found[f"correlation of {first} and {second}"] = f"{number:.3f}"
+        for name, value in self.noise.items():
+            source = ", from the residuals" if name in self.estimated else ""
+            found[f"noise of {name}"] = f"{value:.4g} {self.measurement.table.units[name]}{source}"
         agree = "{} of {}".format(*self.same_end)
-        return {**values, **correlated, **noise, "searches that end there": agree, "runs": str(self.runs)}
+        return {**found, "searches that end there": agree, "runs": str(self.runs)}
 
     def table(self) -> Result:
         """Measured, computed and residual (computed less measured) of each column over time."""

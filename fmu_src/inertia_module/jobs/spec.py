@@ -15,7 +15,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from ..common.errors import must_be
-from ..common.units import factor_between, split_quantity
+from ..common.units import to_si
 from ..contract.variable import ENUMERATIONS, LARGEST_SPEED
 from ..scene import Scene, SceneError
 from ..scene.fields import Strict, quantity
@@ -189,8 +189,7 @@ def limits_of(name: str, demand: Demand, unit: str) -> list[Limit]:
         given = getattr(demand, which)
         try:
             if isinstance(given, str):
-                number, own = split_quantity(given)
-                given = number * factor_between(own or unit or "1", unit or "1")
+                given = to_si(given, unit or "1")
         except ValueError as error:
             raise SceneError(
                 f"figures.{name}.{which} must be a number in {unit or '1'}, is {given!r}: {error}"

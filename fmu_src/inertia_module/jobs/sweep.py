@@ -43,10 +43,10 @@ class Sensitivity:
 
     def save(self, path: Path) -> Path:
         """Write as CSV, a row for each figure and key."""
-        pairs = [(m, n) for m in range(len(self.figures)) for n in range(len(self.keys))]
         rows = [
-            (self.figures[m], self.keys[n], repr(float(self.first[m, n])), repr(float(self.total[m, n])))
-            for m, n in pairs
+            (figure, key, repr(float(self.first[m, n])), repr(float(self.total[m, n])))
+            for m, figure in enumerate(self.figures)
+            for n, key in enumerate(self.keys)
         ]
         return write_rows(path, ("figure", "key", "first_order", "total"), rows)
 
