@@ -274,8 +274,8 @@ def order_figure(found: Orders, title: str) -> Figure:
         right.set_ylabel(label)
     # a little above the order up to which SHOWN of all that swings is found, of every signal
     shares = (np.cumsum(found.amplitude[name] ** 2) / np.sum(found.amplitude[name] ** 2) for name in names)
-    place = max(int(np.searchsorted(share, SHOWN)) for share in shares)
-    panels[0, 0].set_xlim(0.0, min(1.1 * float(found.order[place]), float(found.order[-1])))
+    last = max(int(np.searchsorted(share, SHOWN)) for share in shares)
+    panels[0, 0].set_xlim(0.0, min(1.1 * float(found.order[last]), float(found.order[-1])))
     for axes in panels[-1]:
         axes.set_xlabel(f"order, cycles a {BASES[found.of]}")
     return figure
