@@ -9,14 +9,14 @@ Run: python -m studies.benchmarks.sweep [RUNS]
 import os
 import sys
 import time
-from contextlib import ExitStack
 from pathlib import Path
 
 from inertia_module import current_fmu, example, load_scene
 from inertia_module.jobs.axes import axes_of, grid
-from inertia_module.jobs.evaluation import Task, evaluate
+from inertia_module.jobs.evaluation import Task, evaluate, summaries
 from inertia_module.jobs.workers import evaluations, pool
 from inertia_module.scene import read_scene
+from inertia_module.scene.run import SceneRunner
 
 SCENE = """
 [drive]
@@ -36,7 +36,7 @@ LAUNCHES, ALONE = 40, 5
 def task_and_points(scene, runs):
     """The task of a scene and its points: imbalances of 0.5 to 2 kg."""
     points = grid(axes_of([f"imbalance_mass=0.5:2:{runs}"], scene))
-    return Task(current_fmu().read_bytes(), scene.tables), points
+    return Task(current_fmu().read_bytes(), scene.tables, summaries), points
 
 
 def measure(task, points, workers):
@@ -59,8 +59,8 @@ def times(client):
 
 def own_time(task, points):
     """Time of a run in this process, s: the mean of some."""
-    with ExitStack() as closing:
-        figures_of = task.make_evaluator(current_fmu(), closing)
+    with SceneRunner(current_fmu()) as runner:
+        figures_of = task.prepare(task.settings, runner)
         evaluate(figures_of, points[:1])
         began = time.perf_counter()
         evaluate(figures_of, points)

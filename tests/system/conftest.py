@@ -1,7 +1,11 @@
 """Chromium, in which pages are opened as people open them; a cluster as people start it."""
 
 import contextlib
+import json
 import shutil
+import subprocess
+import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -10,7 +14,6 @@ from typer.testing import CliRunner
 from inertia_module.cli import app
 from inertia_module.page.html import TEMPLATE
 from tests.system.chromium import DESK, FLAGS, REFERENCE, Opened
-from tests.system.cluster import Cluster
 
 
 @pytest.fixture(scope="session")
@@ -73,6 +76,35 @@ def page(still):
 def fmu(built):
     """The FMU of the module."""
     return built / "InertiaModule.fmu"
+
+
+class Cluster:
+    """A scheduler and workers as processes of their own, started as docs/sweep.md says."""
+
+    def __init__(self, folder):
+        self.file = folder / "scheduler.json"
+        self.folder = folder
+        self.processes = []
+        self.start("scheduler", "--scheduler-file", str(self.file), "--port", "0", "--no-dashboard")
+        deadline = time.monotonic() + 60.0
+        while not self.file.exists() and time.monotonic() < deadline:
+            time.sleep(0.05)
+        self.address = json.loads(self.file.read_text())["address"]
+
+    def start(self, *arguments):
+        process = subprocess.Popen([sys.executable, "-m", "dask", *arguments], stderr=subprocess.DEVNULL)
+        self.processes.append(process)
+        return process
+
+    def worker(self):
+        """Start a worker."""
+        where = ("--local-directory", str(self.folder))
+        return self.start("worker", self.address, "--no-nanny", "--nthreads", "1", *where)
+
+    def end(self):
+        for process in reversed(self.processes):
+            process.kill()
+            process.wait()
 
 
 @pytest.fixture(scope="session")

@@ -49,6 +49,7 @@ def test_example_finds_the_truth_and_the_noise(found, rig):
     for name in FREE:
         low, high = found[name].interval
         assert low <= rig.TRUE[name] <= high
+        assert 1.9 < 0.5 * (high - low) / found[name].error < 2.4  # 1.96 were the residuals linear
         assert not found[name].doubt
     assert found["imbalance_mass"].error < 0.002
     assert found.estimated == list(rig.NOISE)
@@ -148,10 +149,8 @@ def test_several_starts_find_what_a_search_from_a_wrong_place_misses(fmu, known,
 
 
 def test_same_seed_same_result(fmu, known, tmp_path):
-    free = {"imbalance_mass": (0.5, 2.0)}
-    fit, again = (
-        jobs.fit(MEASURED, known, free, starts=2, seed=5, output=tmp_path / name, fmu=fmu) for name in "ab"
-    )
+    settings = {"free": {"imbalance_mass": (0.5, 2.0)}, "starts": 2, "seed": 5, "fmu": fmu}
+    fit, again = (jobs.fit(MEASURED, known, **settings, output=tmp_path / name) for name in "ab")
     assert fit.as_dict() == again.as_dict()
 
 

@@ -78,12 +78,6 @@ def site(tmp_path_factory):
     server.shutdown()
 
 
-def pages(folder):
-    return sorted(
-        path.name for path in folder.glob("*.html") if path.name not in ("404.html", "machine.html")
-    )
-
-
 @pytest.fixture
 def visit(site, browser):
     """A function that opens a page of the site at a width, in pixels."""

@@ -6,17 +6,16 @@ import signal
 import subprocess
 import sys
 import time
-from contextlib import ExitStack
-from dataclasses import dataclass
 
 import pytest
 
 from inertia_module import jobs
 from inertia_module.common.errors import Refused
 from inertia_module.jobs.axes import axes_of, grid
-from inertia_module.jobs.evaluation import Task, evaluate
+from inertia_module.jobs.evaluation import Task, evaluate, summaries
 from inertia_module.jobs.workers import evaluations, pool
 from inertia_module.scene import load_scene, run_scene
+from inertia_module.scene.run import SceneRunner
 from inertia_module.scene.summary import Quantity
 
 dask, cloudpickle = pytest.importorskip("dask"), pytest.importorskip("cloudpickle")
@@ -57,16 +56,8 @@ def told(rows):
 
 def evaluated(read, fmu, points):
     """Rows of points, computed in this process."""
-    with ExitStack() as closing:
-        figures_of = Task(fmu.read_bytes(), read.tables).make_evaluator(fmu, closing)
-        return evaluate(figures_of, points).rows
-
-
-@pytest.fixture(scope="module")
-def expected(scene, fmu):
-    """The rows of the sweep, computed in this process."""
-    read = load_scene(scene)
-    return evaluated(read, fmu, grid(axes_of(VARY, read)))
+    with SceneRunner(fmu) as runner:
+        return evaluate(summaries(read.tables, runner), points).rows
 
 
 @pytest.fixture(scope="module")
@@ -95,12 +86,10 @@ def test_one_instance_after_the_other_gives_what_run_scene_gives(scene, fmu):
     assert rows[1].figures == rows[-1].figures
 
 
-def test_a_cluster_started_by_hand_gives_the_same_table(found, expected):
+def test_a_cluster_started_by_hand_gives_the_same_table_a_refusal_its_row_and_sentence(scene, found, fmu):
+    read = load_scene(scene)
     assert len(found.rows) == 32 == found.new
-    assert told(found.rows) == told(expected)
-
-
-def test_a_refusal_is_a_row_with_its_sentence(found):
+    assert told(found.rows) == told(evaluated(read, fmu, grid(axes_of(VARY, read))))
     assert len(found.refused) == 8
     for row in found.refused:
         assert "housing_freewheel" in row.refused
@@ -121,20 +110,15 @@ def test_what_is_done_is_not_done_again(scene, fmu, found):
         jobs.sweep(other, VARY, output=folder, fmu=fmu)
 
 
-@dataclass(frozen=True)
-class DeadlyTask:
-    """A task with a point that ends its worker."""
+def deadly(settings, runner):
+    """Prepare for a point that ends its worker."""
 
-    fmu: bytes = b""
-    identity: str = "deadly"
+    def figures(point):
+        if point["number"] == 200.0:
+            os._exit(1)
+        return {"double": Quantity(2.0 * point["number"], "")}
 
-    def make_evaluator(self, fmu, closing):
-        def figures(point):
-            if point["number"] == 200.0:
-                os._exit(1)
-            return {"double": Quantity(2.0 * point["number"], "")}
-
-        return figures
+    return figures
 
 
 def listening(processes):
@@ -143,16 +127,17 @@ def listening(processes):
     return {socket.laddr for socket in sockets if socket.status == psutil.CONN_LISTEN}
 
 
-def test_a_point_that_ends_its_workers_is_refused_alone_and_nobody_elsewhere_can_reach_them():
+def test_a_point_that_ends_its_workers_is_refused_alone_and_nobody_elsewhere_can_reach_them(fmu):
     own = psutil.Process()
     before = listening([own, *own.children(recursive=True)])  # other tests of this process may listen too
     # the workers cannot import this file
     cloudpickle.register_pickle_by_value(sys.modules[__name__])
     points = [{"number": float(n)} for n in range(400)]
+    task = Task(fmu.read_bytes(), {}, deadly)
     few = dask.config.set({"distributed.scheduler.allowed-failures": 1})
-    with few, pool(DeadlyTask(), workers=1) as client:
+    with few, pool(task, workers=1) as client:
         addresses = listening([own, *own.children(recursive=True)]) - before
-        rows = [row for batch in evaluations(client, "deadly", points) for row in batch.rows]
+        rows = [row for batch in evaluations(client, task.identity, points) for row in batch.rows]
     cloudpickle.unregister_pickle_by_value(sys.modules[__name__])
     assert sorted(row.point["number"] for row in rows) == [point["number"] for point in points]
     refused = [row for row in rows if row.refused]

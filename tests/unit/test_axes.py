@@ -1,28 +1,43 @@
-"""What is varied: ranges and lists of keys of a scene, and the points of them."""
+"""What jobs are given: ranges and lists of keys, free keys, measured columns; what is refused."""
+
+from collections import Counter
 
 import numpy as np
 import pytest
 
 from inertia_module.common.errors import Refused
-from inertia_module.jobs.axes import axes_of, grid, sampled
+from inertia_module.harness.results import Result
+from inertia_module.jobs.axes import axes_of, free_keys, grid, of_shares, shares_sampled
+from inertia_module.jobs.measurement import measurement
 from inertia_module.scene import read_scene
 
 SCENE = """
+[mechanism]
+output_friction = 0
 [drive]
 kind = "constant"
 omega1 = "100 rad/s"
 [load]
-kind = "shaft"
-inertia = "0.5 kg.m2"
+kind = "vehicle"
+mass = 900
+wheel_radius = 0.3
+final_drive = 3
 [run]
-stop_time = "0.1 s"
-communication_step = "1 ms"
+stop_time = "1 s"
+communication_step = "10 ms"
 """
 
 
 @pytest.fixture(scope="module")
 def scene(tmp_path_factory):
     return read_scene(SCENE, tmp_path_factory.mktemp("scene"))
+
+
+def table(**columns):
+    return Result.from_columns({"time": [0.1, 0.2, 0.3], **columns})
+
+
+# --- points of ranges and lists ---
 
 
 def test_a_grid_has_all_combinations_in_si_units_the_last_key_fastest(scene):
@@ -34,8 +49,8 @@ def test_a_grid_has_all_combinations_in_si_units_the_last_key_fastest(scene):
 
 
 def test_points_even_in_the_logarithm_names_and_whole_numbers(scene):
-    (log,) = axes_of({"load.inertia": "log:0.1:10:3"}, scene)
-    assert grid([log]) == [{"load.inertia": pytest.approx(value)} for value in (0.1, 1.0, 10.0)]
+    (log,) = axes_of({"load.mass": "log:0.1:10:3"}, scene)
+    assert grid([log]) == [{"load.mass": pytest.approx(value)} for value in (0.1, 1.0, 10.0)]
     (layout,) = axes_of({"layout": ["bevel", "planar"]}, scene)
     assert [point["mechanism.layout"] for point in grid([layout])] == ["bevel", "planar"]
     (teeth,) = axes_of(["z17=30:34:9"], scene)
@@ -45,40 +60,15 @@ def test_points_even_in_the_logarithm_names_and_whole_numbers(scene):
 @pytest.mark.parametrize("kind", ["latin", "sobol"])
 def test_samples_fill_the_ranges_and_are_the_same_for_the_same_seed(kind, scene):
     axes = axes_of(["imbalance_mass=0.5:2", "satellites=1:4", "layout=bevel,planar"], scene)
-    points = sampled(axes, f"{kind}:64", 3)
-    assert points == sampled(axes, f"{kind}:64", 3) != sampled(axes, f"{kind}:64", 4)
+    points, same, other = (of_shares(axes, shares_sampled(3, f"{kind}:64", seed)) for seed in (3, 3, 4))
+    assert points == same != other
     masses = np.array([point["mechanism.imbalance_mass"] for point in points])
     counts = np.histogram(masses, bins=8, range=(0.5, 2.0))[0]
     assert counts.min() >= 7
     assert counts.max() <= 9
-    satellites = [point["mechanism.satellites"] for point in points]
-    assert {number: satellites.count(number) for number in set(satellites)} == dict.fromkeys(
-        (1.0, 2.0, 3.0, 4.0), 16
-    )
+    satellites = Counter(point["mechanism.satellites"] for point in points)
+    assert satellites == dict.fromkeys((1.0, 2.0, 3.0, 4.0), 16)
     assert sum(point["mechanism.layout"] == "planar" for point in points) == 32
-
-
-@pytest.mark.parametrize(
-    "vary, sentence",
-    [
-        ([], "at least one key must be varied, such as imbalance_mass=0.5:2:7, none is"),
-        (["imbalance_mass"], "NAME=FROM:TO:COUNT"),
-        (["imbalance_mass=1:2:x"], "imbalance_mass must be given as FROM:TO:COUNT"),
-        (["imbalance_mas=1:2:3"], r"did you mean imbalance_mass\?"),
-        (["drive.omega=1:2:3"], r"drive.omega = '1': there is no such key \(did you mean omega1\?\)"),
-        (["imbalance_mass=2:1:3"], "from a lower to a higher value, goes from 2 to 1"),
-        (["imbalance_mass=-1:1:3"], "imbalance_mass must be between 0 and .* kg, is '-1'"),
-        (["imbalance_mass=1 s:2:3"], "s is not a unit for kg"),
-        (["imbalance_mass=log:0:2:3"], "above 0"),
-        (["imbalance_mass=1:2:1"], "at least 2 points"),
-        (["imbalance_mass=1:2:3", "mechanism.imbalance_mass=1,2"], "varied once, is given 2 times"),
-        (["layout=bevel,conical"], "layout must be 0 .bevel. or 1 .planar., is 'conical'"),
-        (["z17=30.5,31"], "z17 must be a whole number"),
-    ],
-)
-def test_what_cannot_be_varied_is_refused_in_a_sentence(vary, sentence, scene):
-    with pytest.raises(Refused, match=sentence):
-        axes_of(vary, scene)
 
 
 def test_a_grid_needs_numbers_of_points_and_a_sample_a_kind(scene):
@@ -86,6 +76,137 @@ def test_a_grid_needs_numbers_of_points_and_a_sample_a_kind(scene):
     with pytest.raises(Refused, match="number of points for a grid"):
         grid(axes)
     with pytest.raises(Refused, match="must be latin:COUNT or sobol:COUNT"):
-        sampled(axes, "random:10", 0)
+        shares_sampled(1, "random:10", 0)
     with pytest.raises(Refused, match="at most 10000000 points"):
         grid(axes_of(["imbalance_mass=1:2:9999", "drive.omega1=1:2:9999"], scene))
+
+
+# --- free keys ---
+
+
+def test_variables_are_near_one_whatever_the_values(scene):
+    mass, load, start = free_keys(["imbalance_mass=500 g:2", "load.mass", "omega_out_start=-1:3"], scene)
+    assert [one.name for one in (mass, load)] == ["mechanism.imbalance_mass", "load.mass"]
+    # the default of 1 kg, a third up the range
+    assert mass.start == pytest.approx(1.0 + 1.0 / 3.0)
+    assert [mass.value(u) for u in (1.0, mass.start, 2.0)] == pytest.approx([0.5, 1.0, 2.0])
+    assert mass.spread(0.5) == 1.5
+    assert (load.value(1.0), load.value(1.1), load.range) == (900.0, pytest.approx(990.0), None)
+    assert load.spread(0.2) == load.start == 1.0
+    assert start.value(start.start) == pytest.approx(0.0)
+    (back,) = free_keys(["drive.omega1"], scene.with_keys({"drive.omega1": -100.0}))
+    assert back.low < back.start < back.high
+
+
+def test_limits_of_the_table_hold_without_a_range_and_a_value_outside_begins_in_the_middle(scene):
+    (mass,) = free_keys(["imbalance_mass"], scene)
+    assert mass.value(mass.low) == 0.0
+    (outside,) = free_keys({"imbalance_mass": (2.0, 4.0)}, scene)
+    assert outside.value(outside.start) == 3.0
+    (even,) = free_keys(["imbalance_mass=log:0.01:100"], scene)
+    assert even.value(even.spread(0.5)) == pytest.approx(1.0)
+
+
+# keys given, parted by commas and blanks
+VARIED = [
+    ("", r"at least one key must be varied, such as imbalance_mass=0.5:2:7, none is"),
+    ("imbalance_mass", r"NAME=FROM:TO:COUNT"),
+    ("imbalance_mass=1:2:x", r"imbalance_mass must be given as FROM:TO:COUNT"),
+    ("imbalance_mas=1:2:3", r"did you mean imbalance_mass\?"),
+    ("drive.omega=1:2:3", r"drive.omega = '1': there is no such key \(did you mean omega1\?\)"),
+    ("imbalance_mass=2:1:3", r"from a lower to a higher value, goes from 2 to 1"),
+    ("imbalance_mass=-1:1:3", r"imbalance_mass must be between 0 and .* kg, is '-1'"),
+    ("imbalance_mass=1 s:2:3", r"s is not a unit for kg"),
+    ("imbalance_mass=log:0:2:3", r"above 0"),
+    ("imbalance_mass=1:2:1", r"at least 2 points"),
+    ("imbalance_mass=1:2:3, mechanism.imbalance_mass=1,2", r"varied once, is given 2 times"),
+    ("layout=bevel,conical", r"layout must be 0 .bevel. or 1 .planar., is 'conical'"),
+    ("z17=30.5,31", r"z17 must be a whole number"),
+]
+# what a range is refused for is refused of a free key as well: both are read as axes
+FREE = [
+    ("", r"at least one key must be free, such as imbalance_mass=0.5:2, none is"),
+    ("imbalance_mass=1,2", r"imbalance_mass must be free within LOW:HIGH, is given '1,2'"),
+    ("imbalance_mass=1:2:3", r"within LOW:HIGH, without a number of points, is given '1:2:3'"),
+    ("imbalance_mas", r"imbalance_mas = 1.0: there is no such key .did you mean imbalance_mass"),
+    ("load.mas", r"load.mas = 1.0: there is no such key .did you mean mass"),
+    ("satellites", r"satellites must be a number that changes by small steps to be free"),
+    ("load.kind", r"load.kind must be a number that changes by small steps to be free"),
+    ("output_friction", r"output_friction must have a range, .*: the scene has no value to begin at"),
+    ("imbalance_mass, mechanism.imbalance_mass", r"imbalance_mass must be free once, is given 2 times"),
+]
+
+
+@pytest.mark.parametrize(
+    "read, keys, words", [(axes_of, *one) for one in VARIED] + [(free_keys, *one) for one in FREE]
+)
+def test_keys_that_cannot_be_varied_or_free_are_one_sentence(scene, read, keys, words):
+    with pytest.raises(Refused, match=words):
+        read(keys.split(", ") if keys else [], scene)
+
+
+# --- columns ---
+
+
+def test_columns_come_in_si_units_inputs_and_noise_apart(scene, tmp_path):
+    file = tmp_path / "measured.csv"
+    file.write_text(
+        "time [ms];omega_out [rpm];vehicle_speed [km/h];omega1 [rpm];omega_out_noise [rpm]\n"
+        "100;300;36;955;3\n200;600;72;955;6\n"
+    )
+    data = measurement(file, scene)
+    assert data.columns == ["omega_out", "vehicle_speed"]
+    assert data.table.time.tolist() == [0.1, 0.2]
+    assert data.values == pytest.approx(np.array([[10 * np.pi, 10.0], [20 * np.pi, 20.0]]))
+    assert data.noise["omega_out"] == pytest.approx([0.1 * np.pi, 0.2 * np.pi])
+    assert list(data.noise) == ["omega_out"]
+    assert data.table.units == {"time": "s", "omega_out": "rad/s", "vehicle_speed": "m/s"}
+
+
+def test_a_mean_counts_from_the_second_row_and_columns_are_chosen(scene):
+    given = table(output_torque_mean=[1, 2, 3], omega2=[1, 2, 3], other=[0, 0, 0])
+    data = measurement(given, scene, ["output_torque_mean"])
+    assert data.columns == ["output_torque_mean"]
+    assert data.counted.tolist() == [[False], [True], [True]]
+
+
+@pytest.mark.parametrize(
+    "columns, words",
+    [
+        ({"speed": [1, 2, 3]}, "column speed must be computed by the scene .did you mean .*vehicle_speed"),
+        ({"torque_ripple": [1, 2, 3]}, "column torque_ripple must be computed by the scene"),
+        ({"omega1": [1, 2, 3]}, "columns must include one that the scene computes, are time, omega1"),
+        (
+            {"omega2": [1, 2, 3], "omega_noise": [1, 1, 1]},
+            "column omega_noise must belong to a column omega,",
+        ),
+        ({"omega2": [1, 2, 3], "omega2_noise": [1, 0, 1]}, "omega2_noise must be above 0, is 0"),
+        ({"omega2": [1, 2, 3], "time": [0.1, 0.2, 0.2]}, "time must grow from row to row, is 0.2 s in row 2"),
+        (
+            {"omega2": [1, 2, 3], "time": [0.1, 0.2, 1.2]},
+            "within the run of the scene, 0 to 1 s, is 0.1 to 1.2 s",
+        ),
+        (
+            {"omega2": [1, 2, 3], "time": [-0.1, 0.2, 0.3]},
+            "within the run of the scene, 0 to 1 s, is -0.1 to 0.3",
+        ),
+    ],
+)
+def test_columns_that_cannot_be_are_one_sentence(scene, columns, words):
+    with pytest.raises(Refused, match=words):
+        measurement(table(**columns), scene)
+
+
+@pytest.mark.parametrize(
+    "text, words",
+    [
+        ("t,omega2\n0,1\n1,2\n", "columns must include time .there are t, omega2"),
+        ("time,omega2 [N.m]\n0,1\n1,2\n", r"omega2 \[N.m\] must be in rad/s or in a unit of the same kind"),
+        ("time,omega2\n0,fast\n", "line 2: omega2 must be a finite number, is 'fast'"),
+    ],
+)
+def test_files_that_cannot_be_are_one_sentence(scene, tmp_path, text, words):
+    file = tmp_path / "measured.csv"
+    file.write_text(text)
+    with pytest.raises(Refused, match=words):
+        measurement(file, scene)

@@ -6,8 +6,9 @@ import math
 import pytest
 
 from inertia_module.common.errors import Refused
-from inertia_module.jobs.evaluation import Batch, Journal, Row, write_tables
+from inertia_module.jobs.evaluation import Batch, Evaluator, Row, Task, write_tables
 
+pytest.importorskip("distributed")
 ROWS = [
     Row({"drive.omega1": 10.0}, {"energy_in": 0.1 + 0.2, "efficiency": 1.0}, 1e-3),
     Row({"drive.omega1": 20.0}, {}, 2e-3, "the module says no"),
@@ -16,23 +17,27 @@ ROWS = [
 POINTS = [row.point for row in ROWS]
 
 
+def evaluator(folder, name="one"):
+    return Evaluator(Task(b"", {"name": name}, None), folder)
+
+
 def test_what_was_kept_is_there_bit_for_bit_and_what_a_kill_cut_off_is_missing(tmp_path):
-    journal = Journal(tmp_path, "task")
-    list(journal.keep([Batch(ROWS[:1], {"energy_in": "J"}), Batch(ROWS[1:2])]))
-    assert Journal(tmp_path, "task").of(POINTS[:2]) == ROWS[:2]
-    whole = journal.path.read_bytes()
-    journal.path.write_bytes(whole[:-5])
-    again = Journal(tmp_path, "task")
+    first = evaluator(tmp_path)
+    first.keep(Batch(ROWS[:1], {"energy_in": "J"}))
+    first.keep(Batch(ROWS[1:2], {}))
+    assert evaluator(tmp_path)(POINTS[:2]) == ROWS[:2]
+    first.path.write_bytes(first.path.read_bytes()[:-5])
+    again = evaluator(tmp_path)
     assert again.units == {"energy_in": "J"}
     assert again.missing([*POINTS, *POINTS]) == POINTS[1:]
-    list(again.keep([Batch(ROWS[1:])]))
-    assert Journal(tmp_path, "task").of(POINTS) == ROWS
+    again.keep(Batch(ROWS[1:], {}))
+    assert evaluator(tmp_path)(POINTS) == ROWS
 
 
 def test_results_of_another_task_are_not_mixed_in(tmp_path):
-    Journal(tmp_path, "one")
+    evaluator(tmp_path)
     with pytest.raises(Refused, match="another scene"):
-        Journal(tmp_path, "other")
+        evaluator(tmp_path, "other")
 
 
 def test_tables_have_units_and_leave_out_what_there_is_not(tmp_path):

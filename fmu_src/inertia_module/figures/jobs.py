@@ -18,7 +18,6 @@ from ..jobs.design import DesignResult
 from ..jobs.evaluation import Row
 from ..jobs.fit import FitResult
 from ..jobs.orders import BASES, Orders
-from ..jobs.spec import unit_of
 from ..jobs.sweep import SweepResult
 from .panels import Array, dress, sheet, titled
 
@@ -43,11 +42,6 @@ def shown_figures(sweep: SweepResult, figures: Sequence[str] = ()) -> list[str]:
         if known.size > 1 and float(np.ptp(known)) > 1e-9 * float(np.abs(known).max()):
             varying.append(name)
     return varying[:MOST]
-
-
-def _label_in(sweep: SweepResult, name: str) -> str:
-    """Name of a key or figure with its unit."""
-    return titled(name, sweep.units.get(name, ""))
 
 
 def sweep_figure(sweep: SweepResult, figures: Sequence[str] = ()) -> Figure:
@@ -84,7 +78,7 @@ def _values(sweep: SweepResult, axis: Axis) -> tuple[Array, list[str]]:
 
 def _scale(panel: Axes, sweep: SweepResult, axis: Axis, names: list[str], side: str) -> None:
     """Label one side, x or y, of a panel by an axis."""
-    getattr(panel, f"set_{side}label")(_label_in(sweep, axis.name))
+    getattr(panel, f"set_{side}label")(titled(axis.name, sweep.units.get(axis.name, "")))
     if names:
         getattr(panel, f"set_{side}ticks")(range(len(names)), names)
     elif axis.logarithmic:
@@ -96,7 +90,7 @@ def _curve(panel: Axes, sweep: SweepResult, name: str) -> None:
     places, names = _values(sweep, axis)
     order = np.argsort(places, kind="stable")
     panel.plot(places[order], sweep.figure(name)[order], marker="o", markersize=3.5, linewidth=1.2)
-    dress(panel, _label_in(sweep, name))
+    dress(panel, titled(name, sweep.units.get(name, "")))
     _scale(panel, sweep, axis, names, "x")
 
 
@@ -111,16 +105,17 @@ def _map(picture: Figure, panel: Axes, sweep: SweepResult, name: str) -> None:
         drawn: Any = panel.pcolormesh(across, up, table, shading="nearest")
     else:
         drawn = panel.scatter(x, y, c=values, s=14)
-    picture.colorbar(drawn, ax=panel, label=_label_in(sweep, name))
+    picture.colorbar(drawn, ax=panel, label=titled(name, sweep.units.get(name, "")))
     for axis, names, side in zip(sweep.axes, (x_names, y_names), "xy", strict=True):
         _scale(panel, sweep, axis, names, side)
 
 
 def _parallel(sweep: SweepResult, names: Sequence[str]) -> Figure:
     """Parallel coordinates: a line for each row, coloured by the first figure."""
-    places = [_values(sweep, axis) for axis in sweep.axes]
-    table = [values for values, _ in places] + [sweep.figure(name) for name in names]
-    titles = [_label_in(sweep, axis.name) for axis in sweep.axes] + [_label_in(sweep, name) for name in names]
+    columns = [(axis.name, *_values(sweep, axis)) for axis in sweep.axes]
+    columns += [(name, sweep.figure(name), []) for name in names]
+    table = [values for _, values, _ in columns]
+    titles = [titled(name, sweep.units.get(name, "")) for name, _, _ in columns]
     ends = [(float(np.nanmin(column)), float(np.nanmax(column))) for column in table]
     shares = np.array([_share(column, *end) for column, end in zip(table, ends, strict=True)]).T
     picture = sheet(height=5.5, width=2.2 + 1.8 * len(table))
@@ -132,12 +127,10 @@ def _parallel(sweep: SweepResult, names: Sequence[str]) -> Figure:
             panel.plot(line, color=colours(share), alpha=0.5, linewidth=0.9)
     panel.set_xticks(range(len(table)), [title.replace(" [", "\n[") for title in titles])
     panel.set_yticks([])
-    for place, ((low, high), column_names) in enumerate(
-        zip(ends, [*(known for _, known in places), *[[]] * len(names)], strict=True)
-    ):
+    for place, ((low, high), (_, _, known)) in enumerate(zip(ends, columns, strict=True)):
         panel.axvline(place, color="0.3", linewidth=0.8)
         for value, height in ((low, -0.03), (high, 1.03)):
-            text = column_names[int(value)] if column_names else f"{value:.4g}"
+            text = known[int(value)] if known else f"{value:.4g}"
             panel.annotate(text, (place, height), ha="center", va="center", fontsize=8)
     for side in panel.spines.values():
         side.set_visible(False)
@@ -189,13 +182,14 @@ def _goals(panel: Axes, found: DesignResult, across: str | None, up: str) -> Non
         shift = (-14, -14) if side % 2 else (6, 6)
         panel.annotate(one.file.stem.rpartition("_")[2], (x, y), xytext=shift, textcoords="offset points")
     panel.plot([], [], "o", color="tab:green", label=f"checked {found.spec.search.check}")
-    dress(panel, _goal(found, up))
+    dress(panel, titled(up, found.judge.unit(up)))
     x, y = points(found.rows)
     _stretch(panel, "y", y)
+    panel.set_xlabel("design, in the order of the search")
     if across is not None:
         _stretch(panel, "x", x)
+        panel.set_xlabel(titled(across, found.judge.unit(across)))
     panel.margins(0.03)
-    panel.set_xlabel("design, in the order of the search" if across is None else _goal(found, across))
 
 
 def _stretch(panel: Axes, side: str, values: Array) -> None:
@@ -208,10 +202,6 @@ def _stretch(panel: Axes, side: str, values: Array) -> None:
     axis.set_major_formatter("{x:g}")
     axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0, 7.0)))
     axis.set_minor_formatter(NullFormatter())
-
-
-def _goal(found: DesignResult, name: str) -> str:
-    return titled(name, unit_of(name, found.judge.units))
 
 
 # --- fits ---
@@ -269,7 +259,9 @@ def order_figure(found: Orders, title: str) -> Figure:
     figure = sheet(title, 1.2 + SIGNAL_HEIGHT * len(names))
     panels = figure.subplots(len(names), 2, sharex=True, squeeze=False)
     lines = found.largest(NAMED)
-    over, label = _over(found)
+    over, label = found.time, "time [s]"
+    if found.time.size > 1 and (np.diff(found.speed) > 1e-3 * found.speed[0]).all():
+        over, label = found.speed, "speed of link 1 [rad/s]"
     for (left, right), name in zip(panels, names, strict=True):
         amplitude, unit = found.amplitude[name], found.units[name]
         left.plot(found.order, amplitude, color=VERMILION, linewidth=1.2)
@@ -280,24 +272,13 @@ def order_figure(found: Orders, title: str) -> Figure:
         dress(left, titled(name, unit))
         _waterfall(right, found.order, over, found.waterfall[name], unit)
         right.set_ylabel(label)
-    panels[0, 0].set_xlim(0.0, _last_order(found))
+    # a little above the order up to which SHOWN of all that swings is found, of every signal
+    shares = (np.cumsum(found.amplitude[name] ** 2) / np.sum(found.amplitude[name] ** 2) for name in names)
+    last = max(int(np.searchsorted(share, SHOWN)) for share in shares)
+    panels[0, 0].set_xlim(0.0, min(1.1 * float(found.order[last]), float(found.order[-1])))
     for axes in panels[-1]:
         axes.set_xlabel(f"order, cycles a {BASES[found.of]}")
     return figure
-
-
-def _over(found: Orders) -> tuple[Array, str]:
-    """Axis that the windows of a waterfall stand over."""
-    if found.time.size > 1 and (np.diff(found.speed) > 1e-3 * found.speed[0]).all():
-        return found.speed, "speed of link 1 [rad/s]"
-    return found.time, "time [s]"
-
-
-def _last_order(found: Orders) -> float:
-    """Find a little above the order up to which SHOWN of all that swings is found, of every signal."""
-    shares = (np.cumsum(values**2) / np.sum(values**2) for values in found.amplitude.values() if values.any())
-    place = max(int(np.searchsorted(share, SHOWN)) for share in shares)
-    return min(1.1 * float(found.order[place]), float(found.order[-1]))
 
 
 def _waterfall(axes: Axes, order: Array, over: Array, amplitude: Array, unit: str) -> None:

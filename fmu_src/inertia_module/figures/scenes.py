@@ -130,14 +130,6 @@ def _speeds(axes: Axes, table: Result, rows: slice, zoomed: bool) -> None:
     dress(axes, "speed [rad/s]")
 
 
-def _mean_over_pulses(table: Result) -> tuple[Array, Array]:
-    """Mean output torque from the beginning of each pulse to that of the next: (edges, means)."""
-    starts = pulse_starts(table)
-    impulse = np.concatenate([[0.0], np.cumsum(table["output_torque_mean"][1:] * np.diff(table.time))])
-    edges = table.time[starts]
-    return edges, np.diff(impulse[starts]) / np.diff(edges)
-
-
 def _torques(axes: Axes, table: Result, rows: slice, zoomed: bool) -> None:
     """Torques: means over the whole run, close up what happens at each instant (if recorded often enough)."""
     time = table.time[rows]
@@ -155,8 +147,10 @@ def _torques(axes: Axes, table: Result, rows: slice, zoomed: bool) -> None:
     axes.fill_between(
         time, torque, step="pre", color=VERMILION, alpha=0.4, linewidth=0, label="output, step mean"
     )
-    edges, means = _mean_over_pulses(table)
-    if means.size and not zoomed:
+    starts = pulse_starts(table)
+    if starts.size > 1 and not zoomed:
+        impulse = np.concatenate([[0.0], np.cumsum(table["output_torque_mean"][1:] * np.diff(table.time))])
+        means, edges = np.diff(impulse[starts]) / np.diff(table.time[starts]), table.time[starts]
         axes.stairs(means, edges, baseline=None, color=BLACK, linewidth=1.8, label="mean from pulse to pulse")
     axes.plot(time, table["load_torque"][rows], "--", color=GREEN, linewidth=1.5, label="load")
     if "drive_torque" in table:
@@ -191,15 +185,22 @@ def plot_all(
     return shown
 
 
-def _energy_panel(axes: Axes, table: Result, rows: slice, zoomed: bool, lost: str = "lost") -> None:
-    """Energies since the start: in, out, gain of what is stored and, if there is any, what is lost."""
-    energies = {
+def _flows(table: Result) -> dict[str, tuple[Array, str]]:
+    """Energies since the start, J, that go in, out and are lost, each with its colour."""
+    return {
         "in": (table["energy_in"], BLACK),
         "out to the load": (table["energy_out"], GREEN),
-        "gain of stored": (table["energy_stored"] - table["energy_stored"][0], BLUE),
+        "lost": (table["energy_lost"], VERMILION),
     }
-    if table["energy_lost"].any():
-        energies[lost] = table["energy_lost"], VERMILION
+
+
+def _energy_panel(axes: Axes, table: Result, rows: slice, zoomed: bool, lost: str = "lost") -> None:
+    """Energies since the start: in, out, gain of what is stored and, if there is any, what is lost."""
+    energies = _flows(table)
+    gone = energies.pop("lost")
+    energies["gain of stored"] = table["energy_stored"] - table["energy_stored"][0], BLUE
+    if gone[0].any():
+        energies[lost] = gone
     dress(axes, f"energy [{plot_all(axes, table.time, energies, 'J', rows)}]")
 
 
@@ -212,11 +213,16 @@ def losses(table: Result) -> dict[str, tuple[Array, str]]:
     }
 
 
-def _powers(
-    axes: Axes, table: Result, rows: slice, zoomed: bool, energies: Mapping[str, tuple[Array, str]]
-) -> str:
-    """Plot rates of energies, in the whole run without its pulses; the unit shown."""
-    time = table.time[1:]
+def _power_panel(
+    axes: Axes,
+    table: Result,
+    rows: slice,
+    zoomed: bool,
+    energies: Mapping[str, tuple[Array, str]] | None = None,
+    label: str = "power",
+) -> None:
+    """Rates of energies (in, out to the load and lost), in the whole run without its pulses."""
+    energies, time = energies or _flows(table), table.time[1:]
     powers = {name: np.diff(energy) / np.diff(table.time) for name, (energy, _) in energies.items()}
     shown = slice(rows.start, None)
     if not zoomed:
@@ -226,22 +232,12 @@ def _powers(
         cut = round(0.5 * window / float(time[1] - time[0]))
         shown = slice(cut, len(time) - cut)
     curves = {name: (power[shown], energies[name][1]) for name, power in powers.items()}
-    return plot_all(axes, time[shown], curves, "W")
-
-
-def _power_panel(axes: Axes, table: Result, rows: slice, zoomed: bool) -> None:
-    """Power in, out to the load and lost."""
-    energies = {
-        "in": (table["energy_in"], BLACK),
-        "out to the load": (table["energy_out"], GREEN),
-        "lost": (table["energy_lost"], VERMILION),
-    }
-    dress(axes, f"power [{_powers(axes, table, rows, zoomed, energies)}]")
+    dress(axes, f"{label} [{plot_all(axes, time[shown], curves, 'W')}]")
 
 
 def _loss_panel(axes: Axes, table: Result, rows: slice, zoomed: bool) -> None:
     """Power lost by cause."""
-    dress(axes, f"lost [{_powers(axes, table, rows, zoomed, losses(table))}]")
+    _power_panel(axes, table, rows, zoomed, losses(table), "lost")
     axes.set_ylim(bottom=min(axes.get_ylim()[0], 0.0))
 
 

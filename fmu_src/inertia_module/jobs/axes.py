@@ -24,7 +24,6 @@ Point = dict[str, float | str]
 # of a free key
 Range = str | tuple[float, float] | None
 LARGEST_GRID = 10_000_000
-SAMPLES = ("latin", "sobol")
 
 
 @dataclass(frozen=True)
@@ -73,32 +72,26 @@ class Axis:
         found = [float(value) for value in spaced(self.low, self.high, self.number)]
         return list(dict.fromkeys(round(value) * 1.0 for value in found)) if self.whole else list(found)
 
-    def check(self, scene: Scene) -> None:
-        """Look at both ends, or all values of the list, in the scene.
 
-        Raises:
-            SceneError: the key is not one of the scene, or a value cannot be, whatever the other keys are.
-        """
-        for value in self.values or (self.low, self.high):
-            try:
-                scene.with_keys({self.name: value})
-            except SceneError as error:
-                # what begins otherwise may be right with other values of other keys
-                if str(error).startswith(self.name):
-                    raise
+def unit_of_key(name: str, scene: Scene) -> str:
+    """Unit of a key of a scene, "" for none."""
+    *tables, key = name.split(".")
+    table: Any = scene
+    for part in tables:
+        table = getattr(table, part, None)
+    fields = getattr(type(table), "model_fields", {})
+    return unit_of(fields[key]) if key in fields else ""
 
 
-def units_of(names: Iterable[str], scene: Scene) -> dict[str, str]:
-    """Units of keys of a scene by name, "" for none."""
-    units = {}
-    for name in names:
-        *tables, key = name.split(".")
-        table: Any = scene
-        for part in tables:
-            table = getattr(table, part, None)
-        fields = getattr(type(table), "model_fields", {})
-        units[name] = unit_of(fields[key]) if key in fields else ""
-    return units
+def _check(name: str, values: Iterable[float | str], scene: Scene) -> None:
+    """Refuse values that a key of the scene cannot have, whatever the other keys are."""
+    for value in values:
+        try:
+            scene.with_keys({name: value})
+        except SceneError as error:
+            # what begins otherwise may be right with other values of other keys
+            if str(error).startswith(name):
+                raise
 
 
 def axis(name: str, given: str | Sequence[Any], scene: Scene) -> Axis:
@@ -117,19 +110,15 @@ def axis(name: str, given: str | Sequence[Any], scene: Scene) -> Axis:
     else:
         texts = given.split(",") if isinstance(given, str) else given
         found = Axis(name, values=tuple(dict.fromkeys(_value(name, text, scene) for text in texts)))
-    found.check(scene)
+    _check(name, found.values or (found.low, found.high), scene)
     return found
 
 
 def _value(name: str, text: Any, scene: Scene) -> float | str:
-    """Value of a key: a quantity as a number in SI units; a name as it is.
-
-    Raises:
-        Refused: its unit is not known, or not of this key.
-    """
+    """Value of a key: a quantity as a number in SI units; a name as it is."""
     if not isinstance(text, str):
         return float(text)
-    Axis(name, values=(text.strip(),)).check(scene)
+    _check(name, [text.strip()], scene)
     try:
         number, unit = split_quantity(text)
     except ValueError:
@@ -216,11 +205,6 @@ def of_shares(axes: Sequence[Axis], shares: NDArray[np.float64]) -> list[Point]:
     return [{one.name: one.at(u) for one, u in zip(axes, row, strict=True)} for row in shares.tolist()]
 
 
-def sampled(axes: Sequence[Axis], sample: str, seed: int) -> list[Point]:
-    """Points spread over the ranges, not in a grid; see shares_sampled."""
-    return of_shares(axes, shares_sampled(len(axes), sample, seed))
-
-
 def shares_sampled(number: int, sample: str, seed: int) -> NDArray[np.float64]:
     """Shares (0 to 1) of ranges, shape (points, number).
 
@@ -233,11 +217,12 @@ def shares_sampled(number: int, sample: str, seed: int) -> NDArray[np.float64]:
     """
     from scipy.stats import qmc
 
+    samplers = {"latin": qmc.LatinHypercube, "sobol": qmc.Sobol}
     kind, _, count = sample.partition(":")
-    if kind not in SAMPLES or not count.isdigit() or int(count) < 1:
+    if kind not in samplers or not count.isdigit() or int(count) < 1:
         raise Refused(f"sample must be latin:COUNT or sobol:COUNT, such as latin:200, is {sample!r}")
-    sampler = (qmc.LatinHypercube if kind == "latin" else qmc.Sobol)(number, rng=seed)
-    return np.atleast_2d(sampler.random(int(count)))
+    shares: NDArray[np.float64] = samplers[kind](number, rng=seed).random(int(count))
+    return shares
 
 
 @dataclass(frozen=True)
@@ -290,6 +275,7 @@ def free_keys(free: Sequence[str] | Mapping[str, Range], scene: Scene) -> list[F
 
 def _free(name: str, given: Range, scene: Scene) -> Free:
     variable = BY_NAME.get(name.removeprefix(MECHANISM))
+    unit = unit_of_key(name, scene)
     value: Any = scene.tables
     for part in name.split("."):
         value = value.get(part) if isinstance(value, dict) else None
@@ -299,7 +285,6 @@ def _free(name: str, given: Range, scene: Scene) -> Free:
         raise Refused(
             f"{name} must be a number that changes by small steps to be free: sweep takes the others"
         )
-    unit = units_of([name], scene)[name]
     if given is not None:
         text = given if isinstance(given, str) else ":".join(map(repr, given))
         if ":" not in text:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -22,48 +21,36 @@ from ..scene.keys import validated
 from ..scene.reading import scene_text
 from ..scene.run import SceneRunner
 from ..scene.schema import Scene
-from .axes import Point, of_shares, shares_sampled, units_of
-from .evaluation import Evaluator, Figures, Row, Task, summary_of, write_tables
-from .named import NAMED, Mechanism, Wanted
-from .spec import OPTIONAL, Judge, Spec, absent, read_spec, unit_of
+from ..scene.summary import Quantity
+from .axes import Point, of_shares, shares_sampled, unit_of_key
+from .evaluation import Evaluator, Figures, FiguresOf, Row, Task, summary_of, write_tables
+from .named import NAMED, Mechanism
+from .spec import LEVELS, OPTIONAL, Judge, Spec, absent, read_spec
 
 # key of a point that is none of the scene: the fidelity it is run at
 LEVEL = "fidelity"
 
 
-@dataclass(frozen=True)
-class DesignTask(Task):
-    """The figures of a specification at points.
+def figures_wanted(settings: dict[str, Any], runner: SceneRunner) -> FiguresOf:
+    """Prepare for the figures of a specification at points with a LEVEL; see Task.
 
-    Attributes:
-        fmu: content of the FMU's file. tables: of the scene, by fidelity.
-        named: figures that need no run. runs: whether the scene is run.
+    Args:
+        settings: tables of the scene by fidelity; "named": as of Spec; "runs": whether the scene is run.
     """
+    scenes = {level: validated(Scene, settings[level]) for level in settings if level in LEVELS}
 
-    named: Wanted
-    runs: bool
+    def figures(point: Point) -> Figures:
+        keys = {name: value for name, value in point.items() if name != LEVEL}
+        scene = scenes[str(point[LEVEL])].with_keys(keys)
+        mechanism = Mechanism(scene.parameters())
+        mechanism.check_room()
+        found = {
+            name: Quantity(NAMED[name].value(mechanism, *at), NAMED[name].unit)
+            for name, at in settings["named"].items()
+        }
+        return found | summary_of(runner, scene) if settings["runs"] else found
 
-    @property
-    def settings(self) -> dict[str, Any]:
-        """See Task."""
-        return {**self.tables, "named": self.named, "runs": self.runs}
-
-    def make_evaluator(self, fmu: Path, closing: ExitStack) -> Callable[[Point], Figures]:
-        """See Task."""
-        runner = closing.enter_context(SceneRunner(fmu))
-        scenes = {level: validated(Scene, tables) for level, tables in self.tables.items()}
-
-        def figures(point: Point) -> Figures:
-            keys = {name: value for name, value in point.items() if name != LEVEL}
-            scene = scenes[str(point[LEVEL])].with_keys(keys)
-            mechanism = Mechanism(scene.parameters())
-            mechanism.check_room()
-            found = mechanism.figures(self.named)
-            if self.runs:
-                found |= summary_of(runner, scene)
-            return found
-
-        return figures
+    return figures
 
 
 @dataclass(frozen=True)
@@ -104,35 +91,29 @@ class DesignResult:
         """Finalists that meet all limits at the fidelity of the check."""
         return [one for one in self.finalists if self.judge.meets(one.checked)]
 
-    @property
-    def nearest(self) -> Row:
-        """The design that is the least beyond the limits: of those checked or, if none was, of all."""
-        checked = [one.checked for one in self.finalists]
-        return min(checked or self.rows, key=self.judge.beyond)
-
     def lines(self, one: Finalist) -> dict[str, str]:
         """The values of a finalist and its figures, searched and checked, as text by name."""
 
         def text(value: float | str, unit: str = "") -> str:
             return value if isinstance(value, str) else f"{value:.4g} {unit}".removesuffix(" 1").rstrip()
 
-        units = self.judge.units
-        keys = {name: text(value, units.get(name, "")) for name, value in one.searched.point.items()}
+        keys = {name: text(value, self.judge.unit(name)) for name, value in one.searched.point.items()}
         figures = {}
         for name in self.spec.demands:
             searched, checked = (
                 row.figures.get(name, absent(name, row)) for row in (one.searched, one.checked)
             )
-            figures[name] = f"{text(searched)} → {text(checked, unit_of(name, units))}"
+            figures[name] = f"{text(searched)} → {text(checked, self.judge.unit(name))}"
         missed = [limit.figure for limit in self.judge.limits if limit.violation(one.checked) > 0.0]
         return {**keys, **figures, "limits": f"missed by {', '.join(missed)}" if missed else "met"}
 
     def verdict(self) -> str:
         """Say in a sentence how many meet the limits and which limit binds, or what stops them all."""
-        chosen = [one.checked for one in self.chosen]
-        row = chosen[0] if chosen else self.nearest
+        checked, chosen = ([one.checked for one in some] for some in (self.finalists, self.chosen))
+        # where none meets them the one that is the least beyond the limits: of those checked, if any was
+        row = chosen[0] if chosen else min(checked or self.rows, key=self.judge.beyond)
         limit = self.judge.tightest(row)
-        where = "" if limit is None else limit.text(row, unit_of(limit.figure, self.judge.units))
+        where = "" if limit is None else limit.text(row, self.judge.unit(limit.figure))
         if chosen:
             binds = f"; nearest to its limit in the first: {where}" if where else ""
             return f"{len(chosen)} of {len(self.finalists)} checked designs meet all limits{binds}"
@@ -171,8 +152,9 @@ def design(
     read, name = (spec, "spec") if isinstance(spec, Spec) else (read_spec(spec), Path(spec).stem)
     levels = (read.search.fidelity, read.search.check)
     scenes = {level: read.scene.with_fidelity(level) for level in levels}
-    tables = {level: scene.tables for level, scene in scenes.items()}
-    task = DesignTask(fmu_file(fmu).read_bytes(), tables, read.named, read.runs_scene)
+    settings: dict[str, Any] = {level: scene.tables for level, scene in scenes.items()}
+    settings |= {"named": read.named, "runs": len(read.named) < len(read.demands)}
+    task = Task(fmu_file(fmu).read_bytes(), settings, figures_wanted)
     folder = OUTPUT_FOLDER / f"{name}_design" if output is None else Path(output)
     with Evaluator(task, folder, scheduler, workers) as evaluator:
 
@@ -182,9 +164,14 @@ def design(
 
         start = shares_sampled(len(read.axes), f"latin:{read.search.population}", read.search.seed)
         rows = evaluate(of_shares(read.axes, start))
-        keys = units_of((axis.name for axis in read.axes), read.scene)
-        units = {**keys, **evaluator.journal.units}
-        _check_figures(read, rows)
+        keys = {axis.name: unit_of_key(axis.name, read.scene) for axis in read.axes}
+        units = keys | evaluator.units
+        known = list(dict.fromkeys([*(name for row in rows for name in row.figures), *NAMED]))
+        if all(row.refused for row in rows):
+            raise SceneError(f"none of the first {len(rows)} designs can be computed: {rows[0].refused}")
+        for figure in read.demands:
+            if figure not in known and not figure.startswith(OPTIONAL):
+                raise SceneError(f"figures.{figure} must be one that there is {did_you_mean(figure, known)}")
         judge = Judge(read, units)
         rows = _search(read, judge, start, evaluate, progress)
         fronts = judge.fronts([row for row in rows if judge.meets(row, read.search.margin)])
@@ -201,20 +188,6 @@ def design(
     files = {f"pareto {k}": v for k, v in write_tables(folder, "pareto", front, units).items()}
     files |= {f"checked {k}": v for k, v in write_tables(folder, "checked", checked, units).items()}
     return DesignResult(read, judge, rows, front, finalists, evaluator.new, files)
-
-
-def _check_figures(spec: Spec, rows: Sequence[Row]) -> None:
-    """Refuse figures that no row has.
-
-    Raises:
-        SceneError: which, or why no row has any.
-    """
-    known = list(dict.fromkeys([*(name for row in rows for name in row.figures), *NAMED]))
-    if all(row.refused for row in rows):
-        raise SceneError(f"none of the first {len(rows)} designs can be computed: {rows[0].refused}")
-    for name in spec.demands:
-        if name not in known and not name.startswith(OPTIONAL):
-            raise SceneError(f"figures.{name} must be one that there is {did_you_mean(name, known)}")
 
 
 def _finalists(fronts: Sequence[Sequence[Row]], number: int) -> list[Row]:
@@ -238,11 +211,8 @@ def _search(
     """Search by NSGA-II; all designs, each once, in the order in which they were first asked for.
 
     The search is over shares (0 to 1) of the ranges, so that whole numbers, lists and logarithmic ranges are
-    searched alike. A design that is refused is beyond its limits.
-
-    Args:
-        judge: of the limits. start: shares of the first generation, shape (population, axes).
-        evaluate: gives rows of points. progress: told the share of the generations done.
+    searched alike. A design that is refused is beyond its limits. It begins at shares of shape (population,
+    axes).
     """
     from pymoo.algorithms.moo.nsga2 import NSGA2
     from pymoo.core.problem import Problem

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -27,6 +27,7 @@ from ..scene.summary import Quantity
 from .axes import Point
 
 Figures = dict[str, Quantity]
+FiguresOf = Callable[[Point], Figures]
 # figures of a summary that tell of the computer
 TIMES = ("wall_time", "real_time_factor")
 JOURNAL = "journal.jsonl"
@@ -46,39 +47,36 @@ class Row(NamedTuple):
     refused: str = ""
 
 
-@dataclass
-class Batch:
+class Batch(NamedTuple):
     """Rows, and the units of their figures by name."""
 
-    rows: list[Row] = field(default_factory=list)
-    units: dict[str, str] = field(default_factory=dict)
+    rows: list[Row]
+    units: dict[str, str]
 
     def text(self) -> str:
         """Write as a line of JSON."""
-        return json.dumps({"rows": self.rows, "units": self.units})
+        return json.dumps(self._asdict())
 
     @classmethod
     def of(cls, text: str) -> Batch:
-        """Read the outcome that text has written."""
+        """Read what text has written."""
         data = json.loads(text)
         return cls([Row(*row) for row in data["rows"]], data["units"])
 
 
 @dataclass(frozen=True)
 class Task:
-    """The summary of a scene at points; it is pickled.
+    """Figures of a scene at points; it is pickled.
 
     Attributes:
-        fmu: content of the FMU's file. tables: of the scene (Scene.tables).
+        fmu: content of the FMU's file. settings: all that results depend on other than point and FMU.
+        prepare: makes a function that gives the figures of a point, or refuses it, of the settings and of
+            what runs scenes; such as summaries.
     """
 
     fmu: bytes
-    tables: dict[str, Any]
-
-    @property
-    def settings(self) -> dict[str, Any]:
-        """All that results depend on other than point and FMU, not what the scene is called."""
-        return {name: table for name, table in self.tables.items() if name not in ("title", "description")}
+    settings: dict[str, Any]
+    prepare: Callable[[dict[str, Any], SceneRunner], FiguresOf]
 
     @property
     def identity(self) -> str:
@@ -86,14 +84,11 @@ class Task:
         settings = json.dumps(self.settings, sort_keys=True)
         return content_hash({"scene": settings.encode(), "fmu": self.fmu})
 
-    def make_evaluator(self, fmu: Path, closing: ExitStack) -> Callable[[Point], Figures]:
-        """Make a function that gives the figures of a point, of one thread alone; it may raise Refused.
 
-        Args:
-            fmu: the FMU as a file. closing: what is to be closed in the end.
-        """
-        scene, runner = validated(Scene, self.tables), closing.enter_context(SceneRunner(fmu))
-        return lambda point: summary_of(runner, scene.with_keys(point))
+def summaries(tables: dict[str, Any], runner: SceneRunner) -> FiguresOf:
+    """Prepare for the summary of a scene at points; see Task."""
+    scene = validated(Scene, tables)
+    return lambda point: summary_of(runner, scene.with_keys(point))
 
 
 def summary_of(runner: SceneRunner, scene: Scene) -> Figures:
@@ -102,13 +97,11 @@ def summary_of(runner: SceneRunner, scene: Scene) -> Figures:
     return {name: quantity for name, quantity in found.items() if name not in TIMES}
 
 
-def evaluate(figures_of: Callable[[Point], Figures], points: list[Point]) -> Batch:
+def evaluate(figures_of: FiguresOf, points: list[Point]) -> Batch:
     """Evaluate points one after the other; a refusal is a result."""
-    batch = Batch()
+    batch = Batch([], {})
     for point in points:
-        began = time.perf_counter()
-        figures: Figures = {}
-        refused = ""
+        began, figures, refused = time.perf_counter(), Figures(), ""
         try:
             figures = figures_of(point)
         except Refused as error:
@@ -120,25 +113,38 @@ def evaluate(figures_of: Callable[[Point], Figures], points: list[Point]) -> Bat
     return batch
 
 
-class Journal:
-    """The results of a task in a folder: a line for each batch, written as soon as it is there.
+class Evaluator(Closing):
+    """Evaluator of points, as often as it is called; a context manager that ends its workers.
+
+    Its results are kept in a journal: a line for each batch, written as soon as it is there.
 
     Args:
-        folder: where; made if it is not there. identity: of the task (Task.identity).
+        task: what is evaluated. folder: of the journal; made if it is not there. scheduler, workers: as in
+            workers.pool; they start when the first point is to be evaluated. progress: told the share done
+            of the points of a call.
 
     Attributes:
-        rows: by key. units: of the figures by name.
+        rows: all results, by key. units: of their figures by name. new: how many were not there before.
 
     Raises:
-        Refused: the folder holds results of another task.
-        OSError: it cannot be written to.
+        Refused: the folder holds results of another task. NotInstalled: the extra jobs is not.
+        OSError: the folder cannot be written to.
     """
 
-    def __init__(self, folder: Path, identity: str) -> None:
+    def __init__(
+        self,
+        task: Task,
+        folder: Path,
+        scheduler: str | None = None,
+        workers: int | None = None,
+        progress: Progress | None = None,
+    ) -> None:
+        for name in ("distributed", "pyarrow"):
+            library(name, "jobs")
         self.path = writable_folder(folder) / JOURNAL
         self.rows: dict[str, Row] = {}
         self.units: dict[str, str] = {}
-        head = json.dumps({"task": identity})
+        head = json.dumps({"task": task.identity})
         if self.path.is_file():
             found, *lines = self.path.read_text(encoding="utf-8").split("\n")
             if found != head:
@@ -153,58 +159,7 @@ class Journal:
                 write_atomically(self.path, "\n".join([head, *whole, ""]).encode())
         else:
             write_atomically(self.path, f"{head}\n".encode())
-
-    def _take(self, batch: Batch) -> None:
-        self.rows.update({_key(row.point): row for row in batch.rows})
-        self.units.update(batch.units)
-
-    def missing(self, points: Iterable[Point]) -> list[Point]:
-        """Points without a result, each once."""
-        return list({_key(point): point for point in points if _key(point) not in self.rows}.values())
-
-    def keep(self, batches: Iterable[Batch]) -> Iterator[Batch]:
-        """Keep batches as they come, and pass them on."""
-        with self.path.open("a", encoding="utf-8") as stream:
-            for batch in batches:
-                stream.write(batch.text() + "\n")
-                stream.flush()
-                self._take(batch)
-                yield batch
-
-    def of(self, points: Iterable[Point]) -> list[Row]:
-        """Rows of points, all of which have been done."""
-        return [self.rows[_key(point)] for point in points]
-
-
-def _key(point: Point) -> str:
-    return json.dumps(point, sort_keys=True)
-
-
-class Evaluator(Closing):
-    """Evaluator of points, as often as it is called; a context manager that ends its workers.
-
-    Args:
-        task: what is evaluated. folder: of its journal. scheduler, workers: as in workers.pool; they start
-            when the first point is to be evaluated. progress: told the share done of the points of a call.
-
-    Attributes:
-        journal: of all results. new: how many of them were not there before.
-
-    Raises:
-        Refused: the folder holds results of another task. NotInstalled: the extra jobs is not.
-    """
-
-    def __init__(
-        self,
-        task: Task,
-        folder: Path,
-        scheduler: str | None = None,
-        workers: int | None = None,
-        progress: Progress | None = None,
-    ) -> None:
-        for name in ("distributed", "pyarrow"):
-            library(name, "jobs")
-        self.task, self.journal, self.new = task, Journal(folder, task.identity), 0
+        self.task, self.new = task, 0
         self.progress = progress or (lambda share: None)
         self._pool = (scheduler, workers)
         self._stack = ExitStack()
@@ -214,20 +169,39 @@ class Evaluator(Closing):
         """End the workers."""
         self._stack.close()
 
+    def _take(self, batch: Batch) -> None:
+        self.rows.update({_key(row.point): row for row in batch.rows})
+        self.units.update(batch.units)
+
+    def missing(self, points: Iterable[Point]) -> list[Point]:
+        """Points without a result, each once."""
+        return list({_key(point): point for point in points if _key(point) not in self.rows}.values())
+
+    def keep(self, batch: Batch) -> None:
+        """Keep a batch, from now on through kills."""
+        with self.path.open("a", encoding="utf-8") as stream:
+            stream.write(batch.text() + "\n")
+        self._take(batch)
+
     def __call__(self, points: Sequence[Point]) -> list[Row]:
         """Rows of points, in their order; what is in the journal is not done again."""
-        missing = self.journal.missing(points)
+        missing = self.missing(points)
         if missing:
             from .workers import evaluations, pool
 
             if self._client is None:
                 self._client = self._stack.enter_context(pool(self.task, *self._pool))
             done = 0
-            for batch in self.journal.keep(evaluations(self._client, self.task.identity, missing)):
+            for batch in evaluations(self._client, self.task.identity, missing):
+                self.keep(batch)
                 done += len(batch.rows)
                 self.progress(done / len(missing))
             self.new += done
-        return self.journal.of(points)
+        return [self.rows[_key(point)] for point in points]
+
+
+def _key(point: Point) -> str:
+    return json.dumps(point, sort_keys=True)
 
 
 def read(scene: Scene | Path | str) -> tuple[Scene, str]:
@@ -249,18 +223,16 @@ def write_tables(folder: Path, name: str, rows: Sequence[Row], units: dict[str, 
     """
     arrow = library("pyarrow", "jobs")
     parquet = library("pyarrow.parquet", "jobs")
-    keys = dict.fromkeys(name for row in rows for name in row.point)
-    figures = dict.fromkeys(name for row in rows for name in row.figures)
-    columns: dict[str, list[Any]] = {
-        **{name: [row.point.get(name) for row in rows] for name in keys},
-        **{name: [row.figures.get(name) for row in rows] for name in figures},
-        "cost": [row.cost for row in rows],
-        "refused": [row.refused for row in rows],
-    }
-    units = {**units, "cost": "s"}
+    columns: dict[str, list[Any]] = {}
+    for part in ("point", "figures"):
+        values = [getattr(row, part) for row in rows]
+        names = dict.fromkeys(key for one in values for key in one)
+        columns |= {key: [one.get(key) for one in values] for key in names}
+    columns |= {"cost": [row.cost for row in rows], "refused": [row.refused for row in rows]}
+    units = {**dict.fromkeys(columns, ""), **units, "cost": "s"}
     arrays = {title: arrow.array(values) for title, values in columns.items()}
     schema = arrow.schema(
-        [arrow.field(t, array.type, metadata={"unit": units.get(t, "")}) for t, array in arrays.items()]
+        [arrow.field(t, array.type, metadata={"unit": units[t]}) for t, array in arrays.items()]
     )
     buffer = arrow.BufferOutputStream()
     parquet.write_table(arrow.table(arrays, schema=schema), buffer)
@@ -273,7 +245,6 @@ def write_tables(folder: Path, name: str, rows: Sequence[Row], units: dict[str, 
             return int(value)
         return "" if value is None else value
 
-    headings = [heading(title, units.get(title, "")) for title in columns]
-    cells = ([cell(value, units.get(title, "")) for value in values] for title, values in columns.items())
-    write_rows(tables["csv"], headings, zip(*cells, strict=True))
+    cells = ([cell(value, units[title]) for value in values] for title, values in columns.items())
+    write_rows(tables["csv"], [heading(title, units[title]) for title in columns], zip(*cells, strict=True))
     return tables

@@ -7,6 +7,7 @@ noise of each column.
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import json
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -57,8 +58,10 @@ AT_END = 1e-4
 AUTOCORRELATED = 0.2
 # standard deviations of chance that a warning keeps from
 CHANCE = 4.0
-NO_INFLUENCE = "has no influence on what was measured, stays where it was"
 NOT_IDENTIFIABLE = "not identifiable from the data: the interval is {}"
+
+# values of variables by identifier
+Variables = dict[str, float]
 
 
 @dataclass(frozen=True)
@@ -96,7 +99,8 @@ class FitResult:
         measurement: what was fitted. computed: by the fitted scene, at the same times.
         noise: standard deviation by column, RMS. estimated: columns whose noise was found from the residuals.
         chi_squared: of the residuals over noise, over degrees of freedom. same_end: how many searches ended
-            at the best, of how many. runs: of the scene. warnings: sentences. files: written, by kind.
+            at the best, of how many. runs: of the scene. ended: whether the last search came to an end.
+            files: written, by kind.
     """
 
     scene: Scene
@@ -109,12 +113,48 @@ class FitResult:
     chi_squared: float
     same_end: tuple[int, int]
     runs: int
-    warnings: list[str] = field(default_factory=list)
+    ended: bool
     files: dict[str, Path] = field(default_factory=dict)
 
     def __getitem__(self, name: str) -> Fitted:
         """A free key, by dots or, of the mechanism, by its bare name."""
         return next(one for one in self.parameters if name in (one.name, one.name.rpartition(".")[2]))
+
+    @property
+    def warnings(self) -> list[str]:
+        """Warnings of what the user has to know, in sentences."""
+        found = [f"{one.name}: {one.doubt}" for one in self.parameters if one.doubt]
+        for (first, second), number in self.correlations.items():
+            if abs(number) > CORRELATED:
+                found.append(
+                    f"{first} and {second} are correlated by {number:.3f}: the data tell both together, not"
+                    " each"
+                )
+        if not self.ended:
+            found.append("the search was broken off: too many runs")
+        same, all_searches = self.same_end
+        if all_searches > 1 and same == 1:
+            found.append(
+                f"only 1 of {all_searches} searches ended at the best: more starts may find a better one"
+            )
+        chance = CHANCE * math.sqrt(2.0 / self.measurement.counted.sum())
+        if not self.estimated and self.chi_squared > 1.0 + chance:
+            found.append(
+                f"chi-squared is {self.chi_squared:.3g}: the residuals are larger than the noise,"
+                " the scene lacks something"
+            )
+        table = self.table()
+        for name in self.measurement.columns:
+            residual = table[f"{name}_residual"]
+            centred = residual - residual.mean()
+            following = float(np.sum(centred[1:] * centred[:-1]))
+            lag_one = following / float(np.sum(centred**2)) if np.ptp(residual) else 0.0
+            if lag_one > max(AUTOCORRELATED, CHANCE / math.sqrt(len(table))):
+                found.append(
+                    f"residuals of {name} are autocorrelated (lag-1 {lag_one:.2f}): the model has a"
+                    " systematic error, and the intervals are too narrow"
+                )
+        return found
 
     def as_dict(self) -> dict[str, Any]:
         """For machines; what is not known is null."""
@@ -147,18 +187,14 @@ class FitResult:
 
     def lines(self) -> dict[str, str]:
         """Give the lines of the printed table, by heading."""
-        correlated = {
-            f"correlation of {a} and {b}": f"{number:.3f}" for (a, b), number in self.correlations.items()
-        }
-        units = self.measurement.table.units
-        source = {name: ", from the residuals" if name in self.estimated else "" for name in units}
-        noise = {
-            f"noise of {name}": f"{value:.4g} {units[name]}{source[name]}"
-            for name, value in self.noise.items()
-        }
-        values = {one.name: one.text for one in self.parameters}
+        found = {one.name: one.text for one in self.parameters}
+        for (first, second), number in self.correlations.items():
+            found[f"correlation of {first} and {second}"] = f"{number:.3f}"
+        for name, value in self.noise.items():
+            source = ", from the residuals" if name in self.estimated else ""
+            found[f"noise of {name}"] = f"{value:.4g} {self.measurement.table.units[name]}{source}"
         agree = "{} of {}".format(*self.same_end)
-        return {**values, **correlated, **noise, "searches that end there": agree, "runs": str(self.runs)}
+        return {**found, "searches that end there": agree, "runs": str(self.runs)}
 
     def table(self) -> Result:
         """Measured, computed and residual (computed less measured) of each column over time."""
@@ -228,12 +264,13 @@ def fit(
 
 
 class _Search:
-    """The search of one fit, over the variables of what is free."""
+    """The search of one fit, over the variables of what is free, by their identifiers."""
 
     def __init__(
         self, scene: Scene, keys: list[Free], data: Measurement, fmu: Path, progress: Progress
     ) -> None:
-        self.scene, self.keys, self.data, self.progress = scene, keys, data, progress
+        self.scene, self.data, self.progress = scene, data, progress
+        self.keys = {key.identifier: key for key in keys}
         self.observer = Observer(fmu, data.columns, data.table.time)
         self.runs, self.refused, self.done, self.stages = 0, "", 0, 1
         values = data.values
@@ -243,17 +280,17 @@ class _Search:
             if name in data.noise:
                 self.sigma[:, place] = data.noise[name]
 
-    def computed(self, variables: Sequence[float]) -> Array:
+    def computed(self, variables: Variables) -> Array:
         """Columns that the scene computes, shape (rows, columns); NaN where it refuses the values."""
         self.runs += 1
-        point = {key.name: key.value(u) for key, u in zip(self.keys, variables, strict=True)}
+        point = {key.name: key.value(variables[name]) for name, key in self.keys.items()}
         try:
             return self.observer(self.scene.with_keys(point))
         except Refused as error:
             self.refused = str(error)
             return np.full(self.data.values.shape, np.nan)
 
-    def residuals(self, variables: Sequence[float]) -> Array:
+    def residuals(self, variables: Variables) -> Array:
         """Differences over noise, those that count, flat."""
         differences = (self.computed(variables) - self.data.values) / self.sigma
         return differences[self.data.counted]
@@ -262,13 +299,14 @@ class _Search:
         """Look at points, search from the best of them, then find the noise."""
         begun = map(self._count_stage, self._starts(starts, seed))
         ends = sorted(map(self._minimise, begun), key=lambda end: float(end.chisqr))
-        best, held = self._weighted(ends[0])
-        computed = self.computed(self._variables(best))
-        parameters, names = _parameters(self.keys, best, self._intervals(best, held)), self.data.columns
-        result = FitResult(
+        best = self._weighted(ends[0])
+        computed, names = self.computed(_variables(best)), self.data.columns
+        intervals = {name: self._interval(best, name) for name in best.var_names}
+        parameters = [_fitted(key, best.params[name], intervals.get(name)) for name, key in self.keys.items()]
+        return FitResult(
             scene=self.scene.with_keys({one.name: one.value for one in parameters}),
             parameters=parameters,
-            correlations=_correlations(self.keys, best),
+            correlations=_correlations(list(self.keys.values()), best),
             measurement=self.data,
             computed=Result({"time": self.data.table.time, **dict(zip(names, computed.T, strict=True))}),
             noise=dict(zip(names, np.sqrt(np.mean(self.sigma**2, axis=0)).tolist(), strict=True)),
@@ -276,32 +314,30 @@ class _Search:
             chi_squared=float(best.redchi),
             same_end=(sum(bool(end.chisqr <= (1.0 + SAME) * ends[0].chisqr) for end in ends), len(ends)),
             runs=self.runs,
+            ended=bool(best.success),
         )
-        return dataclasses.replace(result, warnings=_warnings(result, bool(best.success)))
 
-    def _variables(self, end: Any) -> list[float]:
-        return [float(end.params[key.identifier].value) for key in self.keys]
-
-    def _starts(self, starts: int, seed: int) -> list[list[float]]:
+    def _starts(self, starts: int, seed: int) -> list[Variables]:
         """Points at which searches begin: of those looked at the best."""
-        points = [[key.start for key in self.keys]]
-        if starts and any(key.range for key in self.keys):
+        points = [{name: key.start for name, key in self.keys.items()}]
+        if starts and any(key.range for key in self.keys.values()):
             for shares in shares_sampled(len(self.keys), f"latin:{starts}", seed).tolist():
-                points.append([key.spread(share) for key, share in zip(self.keys, shares, strict=True)])
+                spread = zip(self.keys.items(), shares, strict=True)
+                points.append({name: key.spread(share) for (name, key), share in spread})
         self.stages = len(points) + min(SEARCHED, len(points)) + PASSES + len(self.keys)
         costs = np.array([np.sum(self.residuals(point) ** 2) for point in map(self._count_stage, points)])
         if not np.isfinite(costs).any():
             raise Refused(f"the scene must take values of what is free, refuses all tried: {self.refused}")
         return [points[n] for n in np.argsort(costs)[:SEARCHED] if np.isfinite(costs[n])]
 
-    def _count_stage(self, point: list[float]) -> list[float]:
+    def _count_stage(self, point: Variables) -> Variables:
         """Pass a point on, its stage counted as done."""
         self.done += 1
         self.progress(self.done / self.stages)
         return point
 
     def _minimise(
-        self, start: list[float], held: Sequence[str] = (), steps: Any = STEP, slopes: str = "2-point"
+        self, start: Variables, held: Sequence[str] = (), steps: Any = STEP, slopes: str = "2-point"
     ) -> Any:
         """Search from a start; the MinimizerResult of lmfit.
 
@@ -312,11 +348,11 @@ class _Search:
         import lmfit
 
         variables = lmfit.Parameters()
-        for key, u in zip(self.keys, start, strict=True):
-            variables.add(key.identifier, u, vary=key.identifier not in held, min=key.low, max=key.high)
+        for name, key in self.keys.items():
+            variables.add(name, start[name], vary=name not in held, min=key.low, max=key.high)
 
         def residuals(given: Any) -> Array:
-            return self.residuals([given[key.identifier].value for key in self.keys])
+            return self.residuals(given.valuesdict())
 
         # lsmr soon ends where something has no influence, but takes no single variable
         solver = "lsmr" if len(self.keys) - len(held) > 1 else "exact"
@@ -333,11 +369,11 @@ class _Search:
                 f"ranges must be such that the scene takes them: {self.refused or error}"
             ) from error
 
-    def _weighted(self, best: Any) -> tuple[Any, list[str]]:
-        """The end with weights by the noise, and what has no influence, which is put back to its start."""
+    def _weighted(self, best: Any) -> Any:
+        """The end with weights by the noise; what has no influence is put back to its start and held."""
         held: list[str] = []
         for n in range(PASSES):
-            start = self._variables(best)
+            start = _variables(best)
             self._estimate_noise(start, len(best.var_names))
             if n:
                 # the search before had these weights, nearly
@@ -346,16 +382,14 @@ class _Search:
             if len(held) == len(self.keys):
                 raise Refused(
                     f"something free must have an influence on {', '.join(self.data.columns)}, none has of"
-                    f" {', '.join(key.name for key in self.keys)}"
+                    f" {', '.join(key.name for key in self.keys.values())}"
                 )
-            start = [
-                key.start if key.identifier in held else u for key, u in zip(self.keys, start, strict=True)
-            ]
+            start |= {name: self.keys[name].start for name in held}
             steps = _steps(best)[[name not in held for name in best.var_names]]
             best = self._minimise(self._count_stage(start), held, steps, "3-point")
-        return best, held
+        return best
 
-    def _estimate_noise(self, variables: list[float], free: int) -> None:
+    def _estimate_noise(self, variables: Variables, free: int) -> None:
         """Take the noise of each column where it is not known from its residuals."""
         differences = np.where(self.data.counted, self.computed(variables) - self.data.values, 0.0)
         number = self.data.counted.sum(axis=0)
@@ -365,26 +399,30 @@ class _Search:
             if name not in self.data.noise and found[place] > 0.0:
                 self.sigma[:, place] = found[place]
 
-    def _intervals(self, best: Any, held: Sequence[str]) -> dict[str, tuple[float, float]]:
-        """Interval of each variable that is not held."""
-        start, found = self._variables(best), {}
-        steps = dict(zip(best.var_names, _steps(best), strict=True))
-        for place, key in enumerate(self.keys):
-            if key.identifier in held:
-                continue
-            others = [step for name, step in steps.items() if name != key.identifier]
+    def _interval(self, best: Any, name: str) -> tuple[float, float]:
+        """Both ends of the interval of a variable; an end of its range, or infinite, where there is none."""
+        from scipy.stats import f
 
-            def least(u: float, place: int = place, others: Sequence[float] = others) -> float:
-                point = [*start[:place], u, *start[place + 1 :]]
-                if not others:
-                    return float(np.sum(self.residuals(point) ** 2))
-                end = self._minimise(point, [*held, self.keys[place].identifier], others, "3-point")
-                return float(end.chisqr)
+        allowed = float(best.chisqr * (1.0 + float(f.ppf(CONFIDENCE, 1, best.nfree)) / best.nfree))
+        start, steps = _variables(best), dict(zip(best.var_names, _steps(best), strict=True))
+        step = steps.pop(name)
+        held = [one for one in self.keys if one not in steps]
 
-            step, within = steps[key.identifier], (key.low, key.high)
-            found[key.identifier] = _interval(least, best.chisqr, start[place], step, best.nfree, within)
-            self._count_stage(start)
+        def excess(u: float) -> float:
+            """Least chi-squared for a value of the variable, over what is allowed."""
+            point = {**start, name: u}
+            if not steps:
+                return float(np.sum(self.residuals(point) ** 2)) - allowed
+            return float(self._minimise(point, held, list(steps.values()), "3-point").chisqr) - allowed
+
+        key = self.keys[name]
+        found = _end(excess, start[name], -step, key.low), _end(excess, start[name], step, key.high)
+        self._count_stage(start)
         return found
+
+
+def _variables(end: Any) -> Variables:
+    return {name: float(one.value) for name, one in end.params.items()}
 
 
 def _squares(end: Any) -> Array:
@@ -398,31 +436,6 @@ def _steps(end: Any) -> Array:
     changes = np.sqrt(_squares(end) / (end.redchi or 1.0))
     steps: Array = np.clip(1.0 / np.maximum(changes, 1.0 / LARGEST_STEP), SMALLEST_STEP, None)
     return steps
-
-
-def _interval(
-    chi_squared: Callable[[float], float],
-    best: float,
-    variable: float,
-    step: float,
-    degrees: int,
-    within: tuple[float, float],
-) -> tuple[float, float]:
-    """Both ends of the interval; an end of the range, or infinite, where chi-squared stays below.
-
-    Args:
-        chi_squared: the least for a value of the variable. best: that of the fit, at this variable.
-        step: the first one out, about a standard error. degrees: of freedom of the fit.
-        within: range of the variable.
-    """
-    from scipy.stats import f
-
-    allowed = best * (1.0 + float(f.ppf(CONFIDENCE, 1, degrees)) / degrees)
-    low, high = (
-        _end(lambda u: chi_squared(u) - allowed, variable, side * step, end)
-        for side, end in zip((-1.0, 1.0), within, strict=True)
-    )
-    return low, high
 
 
 def _end(excess: Callable[[float], float], inside: float, step: float, limit: float) -> float:
@@ -441,90 +454,33 @@ def _end(excess: Callable[[float], float], inside: float, step: float, limit: fl
     return math.copysign(math.inf, step)
 
 
-def _parameters(
-    keys: Sequence[Free], best: Any, intervals: Mapping[str, tuple[float, float]]
-) -> list[Fitted]:
-    """Free keys as they were found.
-
-    Args:
-        best: MinimizerResult of lmfit. intervals: of each variable that has an influence, by identifier.
-    """
-    found = []
-    for key in keys:
-        one = best.params[key.identifier]
-        value, error, interval = key.value(one.value), math.inf, (-math.inf, math.inf)
-        doubt = NO_INFLUENCE
-        if key.identifier in intervals:
-            low, high = sorted(map(key.value, intervals[key.identifier]))
-            interval = low, high
-            error = math.inf if one.stderr is None else abs(key.span) * float(one.stderr)
-            doubt = _doubt(key, one.value, high - low)
-        found.append(Fitted(key.name, value, error, interval, key.unit, doubt))
-    return found
-
-
-def _doubt(key: Free, variable: float, width: float) -> str:
-    """Say what is wrong with a value; width: of its interval, SI."""
+def _fitted(key: Free, one: Any, interval: tuple[float, float] | None) -> Fitted:
+    """A free key as it was found; one: its Parameter of lmfit; interval: None without influence."""
+    value, error = key.value(one.value), math.inf
+    if interval is None:
+        doubt = "has no influence on what was measured, stays where it was"
+        return Fitted(key.name, value, error, (-math.inf, math.inf), key.unit, doubt)
+    if one.stderr is not None:
+        error = abs(key.span) * float(one.stderr)
+    low, high = sorted(map(key.value, interval))
+    doubt = ""
     if key.range is None:
-        wide = width > 2.0 * abs(key.value(variable))
-        return NOT_IDENTIFIABLE.format("wider than twice the value") if wide else ""
-    if width >= (1.0 - AT_END) * abs(key.span):
-        return NOT_IDENTIFIABLE.format("as wide as its range")
-    return "is at the end of its range" if min(variable - 1.0, 2.0 - variable) < AT_END else ""
+        if high - low > 2.0 * abs(value):
+            doubt = NOT_IDENTIFIABLE.format("wider than twice the value")
+    elif high - low >= (1.0 - AT_END) * abs(key.span):
+        doubt = NOT_IDENTIFIABLE.format("as wide as its range")
+    elif min(one.value - 1.0, 2.0 - one.value) < AT_END:
+        doubt = "is at the end of its range"
+    return Fitted(key.name, value, error, (low, high), key.unit, doubt)
 
 
 def _correlations(keys: Sequence[Free], best: Any) -> dict[tuple[str, str], float]:
     """Correlation of each pair of free keys whose errors are known."""
     found = {}
-    for n, first in enumerate(keys):
+    for first, second in itertools.combinations(keys, 2):
         known = best.params[first.identifier].correl or {}
-        for second in keys[n + 1 :]:
-            if second.identifier in known:
-                # a key that falls as its variable rises
-                sign = math.copysign(1.0, first.span * second.span)
-                found[first.name, second.name] = sign * float(known[second.identifier])
+        if second.identifier in known:
+            # a key that falls as its variable rises
+            sign = math.copysign(1.0, first.span * second.span)
+            found[first.name, second.name] = sign * float(known[second.identifier])
     return found
-
-
-def _warnings(result: FitResult, ended: bool) -> list[str]:
-    """Warn of what the user has to know, in sentences.
-
-    Args:
-        ended: whether the last search came to an end.
-    """
-    found = [f"{one.name}: {one.doubt}" for one in result.parameters if one.doubt]
-    for (first, second), number in result.correlations.items():
-        if abs(number) > CORRELATED:
-            found.append(
-                f"{first} and {second} are correlated by {number:.3f}: the data tell both together, not each"
-            )
-    if not ended:
-        found.append("the search was broken off: too many runs")
-    same, all_searches = result.same_end
-    if all_searches > 1 and same == 1:
-        found.append(
-            f"only 1 of {all_searches} searches ended at the best: more starts may find a better one"
-        )
-    number = result.measurement.counted.sum()
-    if not result.estimated and result.chi_squared > 1.0 + CHANCE * math.sqrt(2.0 / number):
-        found.append(
-            f"chi-squared is {result.chi_squared:.3g}: the residuals are larger than the noise,"
-            " the scene lacks something"
-        )
-    table = result.table()
-    for name in result.measurement.columns:
-        lag_one = _lag_one(table[f"{name}_residual"])
-        if lag_one > max(AUTOCORRELATED, CHANCE / math.sqrt(len(table))):
-            found.append(
-                f"residuals of {name} are autocorrelated (lag-1 {lag_one:.2f}): the model has a systematic"
-                " error, and the intervals are too narrow"
-            )
-    return found
-
-
-def _lag_one(residual: Any) -> float:
-    """Correlation of each residual with the next; 0 where there is nothing to tell."""
-    if residual.size < 3 or not np.ptp(residual):
-        return 0.0
-    centred = residual - residual.mean()
-    return float(np.sum(centred[1:] * centred[:-1]) / np.sum(centred**2))

@@ -86,7 +86,17 @@ def measurement(measured: Result | Path | str, scene: Scene, columns: Sequence[s
     for name in noises:
         if name.removesuffix(NOISE) not in table:
             raise Refused(f"column {name} must belong to a column {name.removesuffix(NOISE)}, there is none")
-    _check_times(table.time, scene.run.stop_time)
+    times, stop_time = table.time, scene.run.stop_time
+    if (np.diff(times) <= 0.0).any():
+        row = int(np.argmax(np.diff(times) <= 0.0)) + 1
+        raise Refused(
+            f"time must grow from row to row, is {times[row]:g} s in row {row} as in the one before"
+        )
+    if times[0] < 0.0 or times[-1] > stop_time * (1.0 + 1e-9):
+        raise Refused(
+            f"time must be within the run of the scene, 0 to {stop_time:g} s,"
+            f" is {times[0]:g} to {times[-1]:g} s"
+        )
     units = SIGNAL_UNITS | scene.signal_units | {name: one.unit for name, one in BY_NAME.items()}
     noisy = [name for name in given if f"{name}{NOISE}" in noises]
     kept = {name: units.get(name, "") or "1" for name in given}
@@ -99,19 +109,6 @@ def measurement(measured: Result | Path | str, scene: Scene, columns: Sequence[s
     counted = np.ones((len(table), len(given)), dtype=bool)
     counted[0, [name.endswith(MEAN) for name in given]] = False
     return Measurement(si.without({f"{name}{NOISE}" for name in noisy}), noise, counted)
-
-
-def _check_times(times: Array, stop_time: float) -> None:
-    if (np.diff(times) <= 0.0).any():
-        row = int(np.argmax(np.diff(times) <= 0.0)) + 1
-        raise Refused(
-            f"time must grow from row to row, is {times[row]:g} s in row {row} as in the one before"
-        )
-    if times[0] < 0.0 or times[-1] > stop_time * (1.0 + 1e-9):
-        raise Refused(
-            f"time must be within the run of the scene, 0 to {stop_time:g} s,"
-            f" is {times[0]:g} to {times[-1]:g} s"
-        )
 
 
 class Stopped:
@@ -209,10 +206,9 @@ class Observer(Closing):
         loop = ClosedLoop(plant, scene.surroundings, (), scene.signal_units)
         record = loop.run(step * max(math.ceil(self._times[-1] / step - NEAR), 1))
         values = dict(zip(read, np.array(plant.rows).T, strict=True))
-        of_loop = {
-            name: np.interp(self._times, record.time, record[name]) for name in signals if name in self._names
-        }
-        return np.column_stack([{**values, **of_loop}[name] for name in self._names])
+        for name in set(self._names).intersection(signals):
+            values[name] = np.interp(self._times, record.time, record[name])
+        return np.column_stack([values[name] for name in self._names])
 
     def close(self) -> None:
         """Free the instance."""

@@ -8,14 +8,9 @@ from functools import cache, cached_property
 from typing import Any, NamedTuple
 
 from ..common.errors import Refused
-from ..contract.variable import LARGEST_SPEED
 from ..harness.chart import torque_converter_chart
 from ..harness.steady import SteadyMachine, SteadyPulses
 from ..memory import Module
-from ..scene.summary import Quantity
-
-# speed and ratio of each figure
-Wanted = Mapping[str, tuple[float, float]]
 
 
 class Mechanism:
@@ -39,8 +34,7 @@ class Mechanism:
         Raises:
             Refused: the module warns that there is no room for its parts, or that they are no bodies.
         """
-        found = self.module.warnings()
-        if found:
+        if found := self.module.warnings():
             raise Refused("; ".join(found))
 
     @property
@@ -63,24 +57,13 @@ class Mechanism:
 
     @cached_property
     def pulses(self) -> Callable[[float, float], SteadyPulses]:
-        """Function from a speed, rad/s, and a ratio to the steady pulses there."""
+        """Function from a speed, rad/s, and a ratio to steady pulses; refuses a missing freewheel."""
         return cache(self.machine.at)
 
     def greatest_input_torque(self, speed: float) -> float:
         """Largest mean input torque over the speed ratios, N.m."""
         chart = torque_converter_chart(self.parameters, omega1=speed)
         return float(chart.input_torque.max()) * speed**2
-
-    def figures(self, wanted: Wanted) -> dict[str, Quantity]:
-        """Compute figures by name.
-
-        Args:
-            wanted: names of NAMED, each with speed (rad/s) and ratio.
-
-        Raises:
-            Refused: a freewheel is missing.
-        """
-        return {name: Quantity(NAMED[name].value(self, *at), NAMED[name].unit) for name, at in wanted.items()}
 
 
 def _farthest(d: Any) -> float:
@@ -126,5 +109,3 @@ NAMED = {
     "envelope_diameter": Named("m", (), lambda m, w, i: m.envelope_diameter),
     "total_imbalance_mass": Named("kg", (), lambda m, w, i: m.total_imbalance_mass),
 }
-# of what a figure may be given: unit and range
-CONDITIONS = {"speed": ("rad/s", LARGEST_SPEED), "ratio": ("1", 0.99)}

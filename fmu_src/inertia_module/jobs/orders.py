@@ -37,10 +37,9 @@ Array = NDArray[np.float64]
 # what an order is counted over
 LINK1, PULSES = "link1", "pulses"
 BASES = {LINK1: "turn of link 1", PULSES: "pulse"}
-# of which this is the angle, without whole turns, and these
+# what pulses follow from; an angle comes without whole turns, and these
 DRIVE = "drive"
-_ANGLES = {LINK1: ("input_angle", "input_turns"), DRIVE: ("drive_angle", "drive_turns")}
-_ANGLES[PULSES] = _ANGLES[DRIVE]
+ANGLES = ("input_angle", "input_turns", "drive_angle", "drive_turns")
 # steps that are tried before the run
 TRIED = 20
 # what is looked at where nothing is asked for
@@ -246,7 +245,7 @@ def spectra(
     Raises:
         Refused: turned does not rise, is too little for a window, or rows are too far apart.
     """
-    highest, per_window = resolution(table.time, turned, of, highest, turns)
+    highest, per_window = highest_order(table.time, turned, highest), turns_of_window(turned, of, turns)
     steps = np.diff(turned)
     samples = math.ceil(1.0 / max(float(steps.min()), float(steps.max()) / FINEST))
     size = round(per_window * samples)
@@ -278,17 +277,14 @@ def spectra(
     )
 
 
-def resolution(
-    time: Array, turned: Array, of: str, highest: float | None, turns: float | None
-) -> tuple[float, float]:
-    """Highest order and turns in a window, as asked for or as the rows allow; see spectra."""
-    shown = highest_order(time, turned, highest)
+def turns_of_window(turned: Array, of: str, turns: float | None) -> float:
+    """Turns in a window, as asked for or as there are; see spectra."""
     all_turns = float(turned[-1] - turned[0])
     per_window = min(TURNS, max(LEAST_TURNS, all_turns / 4.0)) if turns is None else turns
     if not LEAST_TURNS <= per_window <= all_turns:
         counted = f"of {LEAST_TURNS:g} to the {all_turns:.4g} (each a {BASES[of]}) that there are"
         raise Refused(must_be("turns of a window", counted, f"{per_window:.4g}"))
-    return shown, per_window
+    return per_window
 
 
 def highest_order(time: Array, turned: Array, highest: float | None) -> float:
@@ -371,11 +367,28 @@ def orders(
         limits = f"in order and within 0 to {scene.run.stop_time:g} s"
         raise Refused(must_be("times", limits, f"{begin:g} to {last:g} s"))
     looked = SIGNALS if signals is None else tuple(dict.fromkeys(signals))
-    wanted = list(dict.fromkeys([*looked, "input_speed", *_ANGLES[LINK1], *_ANGLES[PULSES]]))
+    wanted = list(dict.fromkeys([*looked, "input_speed", *ANGLES]))
     scene = scene.replaced(run={"outputs": wanted})
-    _check_before(scene, fmu_path, of, highest, turns, begin, last)
+
+    def within(time: Array) -> NDArray[np.bool_]:
+        return (time >= begin - 1e-9) & (time <= last + 1e-9)
+
+    # what is sure to be refused after the run is refused now: by the speed that is given, by the first steps
+    step, given = scene.run.communication_step, scene.drive.prescribed().get("omega1")
+    if given is not None and not scene.parameters().get("input_hold"):
+        times = communication_points(scene.run.stop_time, step)
+        times = times[within(times)]
+        turned = np.cumsum([evaluate(given, at) for at in times]) * step / math.tau
+        turned = np.append(0.0, turned[:-1])  # the speed is held over a step
+        turned *= math.copysign(1.0, turned[-1])
+        highest_order(times, turned, highest if of == LINK1 else None)
+        if of == LINK1:
+            turns_of_window(turned, of, turns)
+    if begin == 0.0 and TRIED * step < last:
+        table = run_scene(scene.replaced(run={"stop_time": TRIED * step}), fmu_path).record
+        highest_order(table.time, _turned(table, of, scene), highest)
     record = run_scene(scene, fmu_path, progress).record
-    part = _part(record.time, begin, last)
+    part = within(record.time)
     table = Result({name: values[part] for name, values in record.columns.items()}, record.units)
     turned = _turned(table, of, scene)
     swinging = [name for name in looked if np.ptp(table[name]) > rounding(table, name)]
@@ -386,45 +399,9 @@ def orders(
     return spectra(table, turned, names, of, highest, turns, drive)
 
 
-def _part(time: Array, begin: float, last: float) -> NDArray[np.bool_]:
-    return (time >= begin - 1e-9) & (time <= last + 1e-9)
-
-
 def _turned(table: Result, of: str, scene: Scene) -> Array:
     """Turns of link 1, of the drive, or pulses, up to each row, counted the way it turns."""
-    angle, whole = _ANGLES[of]
+    angle, whole = ANGLES[:2] if of == LINK1 else ANGLES[2:]
     turned = table[angle] / math.tau + table[whole]
     each = pulses_a_turn(scene.parameters()) if of == PULSES else 1.0
     return each * math.copysign(1.0, turned[-1] - turned[0]) * turned
-
-
-def _check_before(
-    scene: Scene,
-    fmu_path: Path | str | None,
-    of: str,
-    highest: float | None,
-    turns: float | None,
-    begin: float,
-    last: float,
-) -> None:
-    """Refuse what is sure to be refused after the run: by the speed that is given, by the first steps.
-
-    Raises:
-        Refused: as spectra.
-    """
-    run = scene.run
-    times = communication_points(run.stop_time, run.communication_step)
-    times = times[_part(times, begin, last)]
-    signal = scene.drive.prescribed().get("omega1")
-    if signal is not None and not scene.parameters().get("input_hold"):
-        turned = np.cumsum([evaluate(signal, at) for at in times]) * run.communication_step / math.tau
-        turned = np.append(0.0, turned[:-1])  # the speed is held over a step
-        turned *= math.copysign(1.0, turned[-1])
-        if of == LINK1:
-            resolution(times, turned, of, highest, turns)
-        else:
-            highest_order(times, turned, None)
-    tried = TRIED * run.communication_step
-    if begin == 0.0 and tried < last:
-        table = run_scene(scene.replaced(run={"stop_time": tried}), fmu_path).record
-        highest_order(table.time, _turned(table, of, scene), highest)

@@ -15,15 +15,15 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from ..common.errors import must_be
-from ..common.units import factor_between, split_quantity
-from ..contract.variable import ENUMERATIONS
+from ..common.units import to_si
+from ..contract.variable import ENUMERATIONS, LARGEST_SPEED
 from ..scene import Scene, SceneError
 from ..scene.fields import Strict, quantity
 from ..scene.keys import validated
 from ..scene.reading import load_tables
 from .axes import Axis, axes_of
 from .evaluation import Row
-from .named import CONDITIONS, NAMED, Wanted
+from .named import NAMED
 
 LEVELS = tuple(name for name, _, _ in ENUMERATIONS["Fidelity"])
 # of a summary that has it only where the speed is reached
@@ -42,8 +42,8 @@ class Demand(Strict):
         goal: whether it is to be the least or the greatest.
     """
 
-    speed: Annotated[float, quantity(CONDITIONS["speed"][0], maximum=CONDITIONS["speed"][1], above=0.0)] = 0.0
-    ratio: Annotated[float, quantity(CONDITIONS["ratio"][0], 0.0, CONDITIONS["ratio"][1])] | None = None
+    speed: Annotated[float, quantity("rad/s", maximum=LARGEST_SPEED, above=0.0)] = 0.0
+    ratio: Annotated[float, quantity("1", 0.0, 0.99)] = 0.0
     minimum: float | str | None = None
     maximum: float | str | None = None
     goal: Literal["least", "greatest"] | None = None
@@ -101,14 +101,9 @@ class Spec:
         return {name: demand.goal for name, demand in self.demands.items() if demand.goal is not None}
 
     @property
-    def named(self) -> Wanted:
-        """The figures that need no run of the scene, with speed and ratio."""
-        return {name: (d.speed, d.ratio or 0.0) for name, d in self.demands.items() if name in NAMED}
-
-    @property
-    def runs_scene(self) -> bool:
-        """Tell whether a figure is of the summary of the scene."""
-        return any(name not in NAMED for name in self.demands)
+    def named(self) -> dict[str, tuple[float, float]]:
+        """The figures that need no run of the scene, with speed and ratio; others are of its summary."""
+        return {name: (d.speed, d.ratio) for name, d in self.demands.items() if name in NAMED}
 
 
 def read_spec(path: Path | str, keys: Mapping[str, Any] | None = None) -> Spec:
@@ -130,7 +125,15 @@ def _spec(data: dict[str, Any], folder: Path) -> Spec:
     tables = validated(Tables, own)
     scene = validated(Scene, data, folder)
     for name, demand in tables.figures.items():
-        _check_conditions(name, demand)
+        asked = NAMED[name].asks if name in NAMED else ()
+        given = tuple(one for one in ("speed", "ratio") if one in demand.model_fields_set)
+        if given != asked:
+            at_speed = ", ".join(one for one, named in NAMED.items() if named.asks)
+            known = "" if name in NAMED else f"; figures at a speed are {at_speed}"
+            raise SceneError(
+                f"figures.{name} must be given {' and '.join(asked) or 'no speed and no ratio'}, is given"
+                f" {' and '.join(given) or 'none of it'}{known}"
+            )
         if name in NAMED:
             limits_of(name, demand, NAMED[name].unit)
     spec = Spec(scene, axes_of(tables.free, scene), tables.figures, tables.search)
@@ -139,27 +142,9 @@ def _spec(data: dict[str, Any], folder: Path) -> Spec:
     return spec
 
 
-def _check_conditions(name: str, demand: Demand) -> None:
-    """Refuse a demand that lacks the speed or ratio of its figure, or has one too many."""
-    asked = NAMED[name].asks if name in NAMED else ()
-    given = [condition for condition in CONDITIONS if condition in demand.model_fields_set]
-    if sorted(given) != sorted(asked):
-        at_speed = ", ".join(one for one, named in NAMED.items() if named.asks)
-        known = "" if name in NAMED else f"; figures at a speed are {at_speed}"
-        raise SceneError(
-            f"figures.{name} must be given {' and '.join(asked) or 'no speed and no ratio'}, is given"
-            f" {' and '.join(given) or 'none of it'}{known}"
-        )
-
-
 def absent(name: str, row: Row) -> str:
     """Say of a figure that a row has not why."""
     return "not reached" if name.startswith(OPTIONAL) and not row.refused else "missing"
-
-
-def unit_of(name: str, units: dict[str, str]) -> str:
-    """Unit of a figure, by those that are known; of a time that no design has reached, s."""
-    return units.get(name, "s" if name.startswith(OPTIONAL) else "")
 
 
 class Limit(NamedTuple):
@@ -204,8 +189,7 @@ def limits_of(name: str, demand: Demand, unit: str) -> list[Limit]:
         given = getattr(demand, which)
         try:
             if isinstance(given, str):
-                number, own = split_quantity(given)
-                given = number * factor_between(own or unit or "1", unit or "1")
+                given = to_si(given, unit or "1")
         except ValueError as error:
             raise SceneError(
                 f"figures.{name}.{which} must be a number in {unit or '1'}, is {given!r}: {error}"
@@ -232,12 +216,13 @@ class Judge:
     """
 
     def __init__(self, spec: Spec, units: dict[str, str]) -> None:
-        self.spec, self.units = spec, units
-        self.limits = [
-            limit
-            for name, demand in spec.demands.items()
-            for limit in limits_of(name, demand, unit_of(name, units))
-        ]
+        self.spec, self.units, self.limits = spec, units, list[Limit]()
+        for name, demand in spec.demands.items():
+            self.limits += limits_of(name, demand, self.unit(name))
+
+    def unit(self, name: str) -> str:
+        """Unit of a figure; of a time that no design has reached, s."""
+        return self.units.get(name, "s" if name.startswith(OPTIONAL) else "")
 
     def violations(self, row: Row, margin: float = 0.0) -> list[float]:
         """Violation of each limit, and at last whether a goal has no figure."""

@@ -17,8 +17,8 @@ from ..harness.results import write_rows
 from ..harness.simulate import Progress
 from ..scene import Scene
 from ..scene.summary import time_to
-from .axes import Axis, Point, axes_of, grid, of_shares, sampled, units_of
-from .evaluation import Evaluator, Row, Task, read, write_tables
+from .axes import Axis, Point, axes_of, grid, of_shares, shares_sampled, unit_of_key
+from .evaluation import Evaluator, Row, Task, read, summaries, write_tables
 
 # a figure that varies less than this, relative to its magnitude, does not vary
 CONSTANT = 1e-9
@@ -43,10 +43,10 @@ class Sensitivity:
 
     def save(self, path: Path) -> Path:
         """Write as CSV, a row for each figure and key."""
-        pairs = [(m, n) for m in range(len(self.figures)) for n in range(len(self.keys))]
         rows = [
-            (self.figures[m], self.keys[n], repr(float(self.first[m, n])), repr(float(self.total[m, n])))
-            for m, n in pairs
+            (figure, key, repr(float(self.first[m, n])), repr(float(self.total[m, n])))
+            for m, figure in enumerate(self.figures)
+            for n, key in enumerate(self.keys)
         ]
         return write_rows(path, ("figure", "key", "first_order", "total"), rows)
 
@@ -127,17 +127,18 @@ def sweep(
     base, name = read(scene)
     axes = axes_of(vary, base)
     if sensitivity is None:
-        points = grid(axes) if sample is None else sampled(axes, sample, seed)
+        points = grid(axes) if sample is None else of_shares(axes, shares_sampled(len(axes), sample, seed))
     elif sample is not None:
         raise Refused("sample and sensitivity must not both be given")
-    task = Task(fmu_file(fmu).read_bytes(), base.tables)
+    tables = {key: table for key, table in base.tables.items() if key not in ("title", "description")}
+    task = Task(fmu_file(fmu).read_bytes(), tables, summaries)
     folder = OUTPUT_FOLDER / f"{name}_sweep" if output is None else Path(output)
     found = None
     with Evaluator(task, folder, scheduler, workers, progress) as evaluator:
         if sensitivity is not None:
             found, points = indices(axes, sensitivity, seed, evaluator)
         rows = evaluator(points)
-    units = {**units_of((axis.name for axis in axes), base), **evaluator.journal.units}
+    units = {axis.name: unit_of_key(axis.name, base) for axis in axes} | evaluator.units
     files = write_tables(folder, "sweep", rows, units)
     if found is not None:
         files["sensitivity"] = found.save(folder / "sensitivity.csv")
@@ -169,6 +170,7 @@ def indices(
         raise Refused(f"sensitivity must be a power of 2, such as 256, is {number}")
     points: list[Point] = []
     names: list[str] = []
+    tables: list[NDArray[np.float64]] = []
 
     def figures_at(shares: NDArray[np.float64]) -> NDArray[np.float64]:
         """Figures, shape (m, points), at shares of the ranges, shape (axes, points)."""
@@ -181,13 +183,13 @@ def indices(
                 f"Sobol indices must have runs at all points, at {refused.point}: {refused.refused}"
             )
         names[:] = names or sorted(set.intersection(*(set(row.figures) for row in rows)))
-        return np.array([[row.figures[name] for row in rows] for name in names])
+        tables.append(np.array([[row.figures[name] for row in rows] for name in names]))
+        return tables[-1]
 
     with np.errstate(divide="ignore", invalid="ignore"):
         found = sobol_indices(func=figures_at, n=number, dists=[uniform()] * len(axes), rng=seed)
-    values = evaluate(points)
-    table = np.array([[row.figures[name] for name in names] for row in values])
-    varies = np.ptp(table, axis=0) > CONSTANT * np.abs(table).max(axis=0)
-    kept = [name for name, one in zip(names, varies, strict=True) if one]
+    table = np.hstack(tables)
+    varies = np.ptp(table, axis=1) > CONSTANT * np.abs(table).max(axis=1)
+    kept = np.array(names)[varies].tolist()
     first, total = found.first_order[varies], found.total_order[varies]
     return Sensitivity([one.name for one in axes], kept, first, total), points

@@ -12,7 +12,7 @@ import logging
 import math
 import threading
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -21,8 +21,9 @@ import dask
 from distributed import Client, LocalCluster, Worker, WorkerPlugin, get_worker, wait
 from distributed.scheduler import KilledWorker
 
+from ..scene.run import SceneRunner
 from .axes import Point
-from .evaluation import Batch, Figures, Row, Task, evaluate
+from .evaluation import Batch, Row, Task, evaluate
 
 # a batch takes about so long, s, and has at most so many points
 BATCH_TIME = 0.25
@@ -64,9 +65,9 @@ class TaskPlugin(WorkerPlugin):  # type: ignore[misc]
             self.running += 1
         try:
             if not hasattr(self.local, "figures_of"):
-                self.local.figures_of = self.task.make_evaluator(self.path, self.closing)
-            figures_of: Callable[[Point], Figures] = self.local.figures_of
-            return evaluate(figures_of, points)
+                runner = self.closing.enter_context(SceneRunner(self.path))
+                self.local.figures_of = self.task.prepare(self.task.settings, runner)
+            return evaluate(self.local.figures_of, points)
         finally:
             with self.lock:
                 self.running -= 1
@@ -145,9 +146,8 @@ def evaluations(client: Client, name: str, points: Sequence[Point]) -> Iterator[
             if len(batch) > 1:
                 alone.extend([point] for point in batch)
                 continue
-            found = Batch(
-                [Row(batch[0], {}, math.nan, f"its worker ended {error.allowed_failures + 1} times")]
-            )
+            ended = f"its worker ended {error.allowed_failures + 1} times"
+            found = Batch([Row(batch[0], {}, math.nan, ended)], {})
         mean = sum(row.cost for row in found.rows) / len(found.rows)
         if mean > 0.0:
             size = int(min(max(BATCH_TIME / mean, 1.0), LARGEST_BATCH))
