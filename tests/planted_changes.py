@@ -82,6 +82,7 @@ SELECTION = {
         test_reference.py::test_loads_that_change
         test_reference.py::test_motion_and_losses_are_those_of_the_reference
         test_reference.py::test_links_part_at_the_same_instant_at_any_tolerance
+        test_reference.py::test_accounts_are_held_to_the_tolerance_whatever_the_steps
     """,
     "timestepping|link_step|hub_step": """
         test_timestepping.py::test_fixed_steps_come_to_what_events_say
