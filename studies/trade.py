@@ -22,7 +22,7 @@ from inertia_module.kernel.codes import AVERAGED, DRIVING, ELASTIC, EVENT, FREE,
 from inertia_module.kernel.layout import imbalance_in_fixed_frame
 from inertia_module.kernel.links import accelerations
 from inertia_module.memory import Module
-from inertia_module.scene.mechanism import at_fidelity, is_elastic
+from inertia_module.scene.schema import at_fidelity, is_elastic
 
 from .reference.geometry import Array
 from .reference.motion import Reference

@@ -11,9 +11,9 @@ from inertia_module.common.units import parse_unit, to_si
 from inertia_module.contract.variable import PARAMETER
 from inertia_module.contract.variables import with_causality
 from inertia_module.scene import SceneError, load_scene, read_scene
-from inertia_module.scene.mechanism import Mechanism
 from inertia_module.scene.reading import scene_text
 from inertia_module.scene.run import scene_plan, start_of
+from inertia_module.scene.schema import Mechanism
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 DRIVE = 'kind = "constant"\nomega1 = 100'

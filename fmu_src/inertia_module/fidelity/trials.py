@@ -26,8 +26,8 @@ from ..kernel.codes import AVERAGED, ELASTIC, RIGID, STEP
 from ..loops import ClosedLoop
 from ..memory import Module
 from ..scene import Scene
-from ..scene.mechanism import at_fidelity, is_elastic, parameters
 from ..scene.run import start_of
+from ..scene.schema import at_fidelity, is_elastic
 from .choice import Choice, recommend
 from .levels import NOT_MODELLED, Level, all_levels, event
 from .rows import Attempt, Row, attempt_all, head_of, read_rows, write_rows
@@ -206,7 +206,7 @@ def at_level(scene: Scene, level: Level, communication_step: float | None = None
     Raises:
         SceneError: the scene is refused there.
     """
-    rigid = at_fidelity(parameters(scene.mechanism), level.fidelity)
+    rigid = at_fidelity(scene.given, level.fidelity)
     inertia = {name: rigid[name] for name in ("output_inertia",) if name in rigid}
     values: dict[str, float | None] = {"max_step": None, **inertia, **level.values}
     tolerance = values.pop("tolerance", None)
@@ -218,7 +218,7 @@ def at_level(scene: Scene, level: Level, communication_step: float | None = None
 
 def has_elastic_output(scene: Scene) -> bool:
     """Tell whether a scene gives parameters of an elastic output."""
-    return is_elastic(parameters(scene.mechanism))
+    return is_elastic(scene.given)
 
 
 def reference_level(scene: Scene) -> Level:

@@ -129,7 +129,13 @@ class SceneResult(Outcome):
 
 
 def start_of(scene: Scene) -> tuple[Any, dict[str, float], dict[str, float]]:
-    """Start of a scene: its surroundings, connected; parameters and inputs of the FMU by name."""
+    """Start of a scene: its surroundings, connected; parameters and inputs of the FMU by name.
+
+    Raises:
+        SceneError: its fidelity is still to be chosen.
+    """
+    if scene.chooses_fidelity:
+        raise SceneError("mechanism.fidelity must be chosen first (fidelity.trials.choose), is 'auto'")
     values = scene.parameters()
     surroundings = scene.surroundings
     speeds = {"omega_out": values.get("omega_out_start", 0.0)}
@@ -180,7 +186,6 @@ def run_scene(
         FmuError: the FMU cannot be loaded, or refuses a value or a step.
         SceneError: its fidelity is still to be chosen.
     """
-    _check_fidelity(scene)
     surroundings, values, inputs = start_of(scene)
     tolerance, stop_time = scene.accuracy.tolerance, scene.run.stop_time
     with Fmu(fmu_path, values, inputs, tolerance, stop_time=stop_time) as fmu:
@@ -228,7 +233,6 @@ class SceneRunner(Closing):
 
     def started(self, scene: Scene) -> Fmu:
         """The instance at the start of a scene; raises as run_scene."""
-        _check_fidelity(scene)
         _, values, inputs = start_of(scene)
         tolerance = scene.accuracy.tolerance
         given = {} if tolerance is None else {"tolerance": tolerance}
@@ -238,11 +242,6 @@ class SceneRunner(Closing):
     def close(self) -> None:
         """Free the instance."""
         self._fmu.close()
-
-
-def _check_fidelity(scene: Scene) -> None:
-    if scene.chooses_fidelity:
-        raise SceneError("mechanism.fidelity must be chosen first (fidelity.trials.choose), is 'auto'")
 
 
 def _run_on(

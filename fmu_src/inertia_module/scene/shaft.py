@@ -19,10 +19,9 @@ from ..harness.simulate import Progress, Result, communication_points, drive
 from ..loops.sources import evaluate
 from ..loops.stepping import law_of_motion
 from ..memory import DrivenShaft
-from .fields import Duration, Strict, Tabulated, Times, quantities, quantity
+from .fields import Duration, Strict, Tabulated, Times, fields_of, quantities, quantity
 from .keys import SceneError
 from .loads import TorqueLoad
-from .mechanism import keys_of
 from .run import Outcome
 from .schema import Run
 from .summary import Quantity, energy
@@ -49,7 +48,7 @@ Shaft: type[BaseModel] = create_model(
     "Shaft",
     __base__=Similar,
     __doc__="Parameters of the driven shaft that differ from the defaults.",
-    **keys_of(with_causality(PARAMETER, table=VARIABLES)),
+    **fields_of(list(with_causality(PARAMETER, table=VARIABLES))),
 )
 
 
@@ -180,7 +179,7 @@ def run_shaft_scene(scene: ShaftScene, fmu_path: Path | str, progress: Progress 
         FmuError: the FMU cannot be loaded, or refuses a value or a step.
     """
     times = communication_points(scene.run.stop_time, scene.run.communication_step)
-    torque = scene.load.signal()
+    torque = scene.load.one_signal()
     inputs: dict[str, ArrayLike] = {
         "time": times,
         "hub_speed": scene.drive.speeds(times),
