@@ -26,7 +26,7 @@ COMMANDS = {
         "fidelity.trials.choose",
         worked,
     ),
-    "tradeoff": (["tradeoff", SCENE], "fidelity.tradeoff.scene_study", worked),
+    "tradeoff": (["tradeoff", SCENE], "fidelity.tradeoff.measured_rows", worked),
     "chart": (["chart", SCENE], "harness.chart.torque_converter_chart", worked),
     "export": (["export", SCENE], "export.writing.export", worked),
 }

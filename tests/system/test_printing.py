@@ -14,7 +14,7 @@ from inertia_module.cli.shared import show_table
 from inertia_module.common.terminal import progress, terminal
 from inertia_module.compiling import CompilationUnavailable
 from inertia_module.fidelity.choice import at_levels, print_levels, recommend
-from inertia_module.fidelity.rows import Row as Measured
+from inertia_module.fidelity.levels import Row as Measured
 from studies.coupling import Trial
 from studies.coupling import print_rows as print_coupling
 from studies.stability.map import Cell, Row, read_rows

@@ -11,7 +11,7 @@ from inertia_module.contract.variables import BY_NAME, COMPUTED
 from inertia_module.fidelity import trials
 from inertia_module.fidelity.choice import NoneMeets
 from inertia_module.fidelity.levels import NOT_MODELLED, event
-from inertia_module.fidelity.tradeoff import scene_study
+from inertia_module.fidelity.tradeoff import measured_rows, with_worst
 from inertia_module.fidelity.trials import run_in_process, window_errors, window_means
 from inertia_module.harness.simulate import Result
 from inertia_module.scene import SceneError, read_scene
@@ -230,9 +230,9 @@ def test_an_error_that_no_level_meets_is_refused():
 
 def test_a_scene_is_measured_in_longer_steps_too():
     short = scene().replaced(run={"stop_time": 0.05})
-    study = scene_study(short)
-    assert {row.communication_step for row in study.rows} == {0.005, 0.05}
-    done = [row for row in study.rows if not row.failure]
+    rows = with_worst(measured_rows(short), short.run.outputs)
+    assert {row.communication_step for row in rows} == {0.005, 0.05}
+    done = [row for row in rows if not row.failure]
     assert all(row.errors["worst"] == row.worst(short.run.outputs) for row in done)
     assert dataclasses.replace(done[0], failure="no").worst(["omega_out"]) == float("inf")
 

@@ -6,7 +6,7 @@ import math
 import pytest
 
 from inertia_module.fidelity.choice import NoneMeets, recommend
-from inertia_module.fidelity.rows import Row
+from inertia_module.fidelity.levels import Row
 
 
 def row(fidelity, method, setting, wall_time, evaluations=1.0, failure="", **errors):

@@ -307,7 +307,7 @@ def test_run_by_torque_tells_the_speed_and_the_torque_and_draws_both(fmu):
 
 
 def test_levels_that_no_torque_can_drive_say_so():
-    (kinematic,) = (level for level in all_levels(False) if level.fidelity_name == "kinematic")
+    (kinematic,) = (level for level in all_levels(False) if level.name == "kinematic")
     (row,) = measure_scene(scene(**RISING), [kinematic])
     assert "fidelity must be 1 (averaged), 2 (rigid) or 3 (elastic), is 0" in row.failure
     assert "drive = 1" in row.failure

@@ -7,7 +7,7 @@ import re
 import tomllib
 import webbrowser
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -231,27 +231,28 @@ def tradeoff(
     """
     from ..fidelity.choice import print_levels
     from ..fidelity.choice import recommend as choose_cheapest
-    from ..fidelity.tradeoff import scene_study, scene_trials
+    from ..fidelity.levels import failure_lines
+    from ..fidelity.tradeoff import leave_rows, measured_rows, with_worst
+    from ..fidelity.trials import trial_rows
 
     with progress_bar("measuring the trade") as progress:
         folder = folder_for(output, "tradeoff")
         allowed = share("--recommend", recommend)
         read = load_scene(scene, keys)
         read = read.replaced(run={"outputs": wanted}) if wanted else read
-        names = tuple(read.run.outputs)
-        found = (scene_trials if allowed else scene_study)(read, progress)
-        choice = choose_cheapest(found.rows, allowed, names) if allowed else None
-        files = found.write(folder)
+        title, names = read.title, read.run.outputs
+        rows = with_worst((trial_rows if allowed else measured_rows)(read, progress), names)
+        choice = choose_cheapest(rows, allowed, names) if allowed else None
+        files = leave_rows(folder, title, rows, names)
 
     def show() -> None:
-        step = (found.rows[0] if choice is None else choice.row).communication_step
-        shown = [row for row in found.rows if row.communication_step == step]
-        print_levels(found.title, shown, names, allowed)
-        for line in found.closing_lines(choice):
+        step = (rows[0] if choice is None else choice.row).communication_step
+        print_levels(title, [row for row in rows if row.communication_step == step], names, allowed)
+        for line in failure_lines(rows) + (choice.lines() if choice is not None else []):
             typer.echo(line)
 
-    recommended = {} if choice is None else {"recommendation": choice.as_dict()}
-    return Answer({**found.as_dict(), **recommended}, show, files)
+    told: dict[str, Any] = {"title": title, "rows": [row.as_dict() for row in rows]}
+    return Answer(told | ({} if choice is None else {"recommendation": choice.as_dict()}), show, files)
 
 
 @command

@@ -5,10 +5,8 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -19,10 +17,9 @@ from ..common.colours import BLUE, VERMILION
 from ..harness.results import write_figure
 from ..harness.simulate import Progress, whole_steps
 from ..scene import Scene
-from .choice import Choice
-from .levels import all_levels
-from .rows import PEER, Row, as_dict, failure_lines, write_rows
-from .trials import has_elastic_output, measure_scene, trial_rows
+from ..scene.schema import is_elastic
+from .levels import PEER, Row, all_levels, write_rows
+from .trials import measure_scene
 
 Array = NDArray[np.float64]
 
@@ -127,52 +124,10 @@ def all_errors(rows: Sequence[Row], names: Sequence[str], title: str) -> Figure:
     return _figure(rows, [(name, "wall_time") for name in names], title, size)
 
 
-# --- a study ---
+# --- a scene ---
 
 
-@dataclass(frozen=True)
-class Study:
-    """Measured rows of a scene, and how they are shown.
-
-    Attributes:
-        title: of table and plots. rows: all of them. names: errors to show; the last one is plotted alone.
-    """
-
-    title: str
-    rows: list[Row]
-    names: tuple[str, ...]
-
-    def as_dict(self) -> dict[str, Any]:
-        """Give the study for machines."""
-        return {"title": self.title, "rows": [as_dict(row) for row in self.rows]}
-
-    def write(self, folder: Path, stem: str = "tradeoff") -> dict[str, Path]:
-        """Leave all rows as CSV and plots as PNG and SVG in a folder. Returns the files by name."""
-        files = {"rows": write_rows(folder / f"{stem}.csv", self.rows)}
-        figures = {
-            stem: work_precision(self.rows, self.names[-1], self.title),
-            f"{stem}_errors": all_errors(self.rows, self.names, self.title),
-        }
-        for name, figure in figures.items():
-            for kind in ("png", "svg"):
-                files[f"{name}_{kind}"] = write_figure(folder / f"{name}.{kind}", figure)
-        return files
-
-    def closing_lines(self, choice: Choice | None) -> list[str]:
-        """Say what failed and what is recommended."""
-        return failure_lines(self.rows) + ([] if choice is None else choice.lines())
-
-
-def _of_scene(scene: Scene, rows: Sequence[Row]) -> Study:
-    """Make a study of the errors of the wanted outputs alone, and the worst of them."""
-    wanted, kept = scene.run.outputs, []
-    for row in rows:
-        errors = {name: row.errors[name] for name in wanted if name in row.errors}
-        kept.append(dataclasses.replace(row, errors={**errors, WORST: row.worst(wanted)} if errors else {}))
-    return Study(scene.title, kept, (*wanted, WORST))
-
-
-def scene_study(scene: Scene, progress: Progress | None = None) -> Study:
+def measured_rows(scene: Scene, progress: Progress | None = None) -> list[Row]:
     """Measure a scene at all levels, in its own communication step and in longer ones.
 
     Raises:
@@ -180,10 +135,27 @@ def scene_study(scene: Scene, progress: Progress | None = None) -> Study:
     """
     longer = (factor * scene.run.communication_step for factor in _LONGER)
     steps = [step for step in longer if whole_steps(scene.run.stop_time, step)]
-    levels = list(all_levels(has_elastic_output(scene), kinematic=False))
-    return _of_scene(scene, measure_scene(scene, levels, steps, progress))
+    levels = list(all_levels(is_elastic(scene.given), kinematic=False))
+    return measure_scene(scene, levels, steps, progress)
 
 
-def scene_trials(scene: Scene, progress: Progress | None = None) -> Study:
-    """Give the trials that `fidelity = "auto"` chooses from, measured or from the last time."""
-    return _of_scene(scene, trial_rows(scene, progress))
+def with_worst(rows: Sequence[Row], wanted: Sequence[str]) -> list[Row]:
+    """Rows with the errors of the wanted outputs alone, and WORST, the largest of them."""
+    kept = []
+    for row in rows:
+        errors = {name: row.errors[name] for name in wanted if name in row.errors}
+        kept.append(dataclasses.replace(row, errors={**errors, WORST: row.worst(wanted)} if errors else {}))
+    return kept
+
+
+def leave_rows(folder: Path, title: str, rows: Sequence[Row], wanted: Sequence[str]) -> dict[str, Path]:
+    """Leave rows of with_worst in a folder, as CSV, and plots as PNG and SVG. Returns the files by name."""
+    files = {"rows": write_rows(folder / "tradeoff.csv", rows)}
+    figures = {
+        "tradeoff": work_precision(rows, WORST, title),
+        "tradeoff_errors": all_errors(rows, [*wanted, WORST], title),
+    }
+    for name, figure in figures.items():
+        for kind in ("png", "svg"):
+            files[f"{name}_{kind}"] = write_figure(folder / f"{name}.{kind}", figure)
+    return files

@@ -29,8 +29,17 @@ from ..scene import Scene
 from ..scene.run import start_of
 from ..scene.schema import at_fidelity, is_elastic
 from .choice import Choice, recommend
-from .levels import NOT_MODELLED, Level, all_levels, event
-from .rows import Attempt, Row, attempt_all, head_of, read_rows, write_rows
+from .levels import (
+    NOT_MODELLED,
+    Attempt,
+    Level,
+    Row,
+    all_levels,
+    attempt_all,
+    event,
+    read_rows,
+    write_rows,
+)
 
 Array = NDArray[np.float64]
 
@@ -216,14 +225,9 @@ def at_level(scene: Scene, level: Level, communication_step: float | None = None
     )
 
 
-def has_elastic_output(scene: Scene) -> bool:
-    """Tell whether a scene gives parameters of an elastic output."""
-    return is_elastic(scene.given)
-
-
 def reference_level(scene: Scene) -> Level:
     """Pick the finest level of a scene: elastic where it has parameters of an elastic output."""
-    return event(ELASTIC if has_elastic_output(scene) else RIGID, REFERENCE_TOLERANCE)
+    return event(ELASTIC if is_elastic(scene.given) else RIGID, REFERENCE_TOLERANCE)
 
 
 def measure_scene(
@@ -262,7 +266,7 @@ def measure_scene(
         return run
 
     attempts: list[Attempt] = [
-        (head_of(level, step), of_level(level, step)) for step in lengths for level in levels
+        (level.row(step), of_level(level, step)) for step in lengths for level in levels
     ]
     return attempt_all(attempts, progress, share)
 
@@ -287,7 +291,7 @@ def measurement_file(scene: Scene) -> Path:
 
 def candidates(scene: Scene) -> list[Level]:
     """List the levels that are tried for a scene."""
-    return list(all_levels(has_elastic_output(scene), kinematic=False, few=True))
+    return list(all_levels(is_elastic(scene.given), kinematic=False, few=True))
 
 
 def trial_rows(scene: Scene, progress: Progress | None = None) -> list[Row]:
@@ -317,5 +321,5 @@ def choose(scene: Scene, progress: Progress | None = None) -> tuple[Scene, Choic
     assert scene.accuracy.error is not None
     choice = recommend(trial_rows(scene, progress), scene.accuracy.error, scene.run.outputs)
     step = choice.row.communication_step
-    (chosen,) = (one for one in candidates(scene) if head_of(one, step).label == choice.row.label)
+    (chosen,) = (one for one in candidates(scene) if one.row(step).label == choice.row.label)
     return at_level(scene, chosen), choice
