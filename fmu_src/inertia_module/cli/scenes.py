@@ -243,7 +243,7 @@ def tradeoff(
         title, names = read.title, read.run.outputs
         rows = with_worst((trial_rows if allowed else measured_rows)(read, progress), names)
         choice = choose_cheapest(rows, allowed, names) if allowed else None
-        files = leave_rows(folder, title, rows, names)
+        files = leave_rows(folder, title, rows)
 
     def show() -> None:
         step = (rows[0] if choice is None else choice.row).communication_step

@@ -1,4 +1,4 @@
-"""Trade of speed for accuracy of a scene: measured rows, their files, and plots of error against cost."""
+"""Trade of speed for accuracy of a scene: measured rows, their files, and a plot of error against cost."""
 
 from __future__ import annotations
 
@@ -27,7 +27,6 @@ Array = NDArray[np.float64]
 _LONGER = (1, 10, 100)
 WORST = "worst"
 _DPI = 110
-_COLUMNS = 4
 # a slope is fitted to at least so many points
 _FITTED = 3
 _COSTS = {"wall_time": "ms per simulated second", "evaluations": "right-hand sides"}
@@ -90,38 +89,17 @@ def _panel(axes: Axes, rows: Sequence[Row], error: str, cost: str) -> None:
     axes.grid(alpha=0.3, linewidth=0.4)
 
 
-def _figure(
-    rows: Sequence[Row],
-    panels: Sequence[tuple[str, str]],
-    title: str,
-    size: tuple[float, float],
-    sharey: bool = False,
-) -> Figure:
-    """Draw panels of (error, cost)."""
-    figure = Figure(figsize=size, dpi=_DPI, layout="constrained")
-    figure.suptitle(f"{title}: least relative error for the cost", fontsize=11)
-    columns = min(_COLUMNS, len(panels))
-    grid = figure.subplots(math.ceil(len(panels) / columns), columns, sharey=sharey, squeeze=False).ravel()
-    for axes, (error, cost) in zip(grid, panels, strict=False):
-        _panel(axes, rows, error, cost)
-    for axes in grid[len(panels) :]:
-        axes.set_axis_off()
-    return figure
-
-
 def work_precision(rows: Sequence[Row], error: str, title: str) -> Figure:
     """Draw one error against wall time and against right-hand sides.
 
     Args:
         rows: measured. error: name in Row.errors. title: of the figure.
     """
-    return _figure(rows, [(error, cost) for cost in _COSTS], title, (11.0, 5.0), sharey=True)
-
-
-def all_errors(rows: Sequence[Row], names: Sequence[str], title: str) -> Figure:
-    """Draw each error against wall time, a panel each."""
-    size = 4.0 * min(_COLUMNS, len(names)), 3.4 * math.ceil(len(names) / _COLUMNS) + 0.6
-    return _figure(rows, [(name, "wall_time") for name in names], title, size)
+    figure = Figure(figsize=(11.0, 5.0), dpi=_DPI, layout="constrained")
+    figure.suptitle(f"{title}: least relative error for the cost", fontsize=11)
+    for axes, cost in zip(figure.subplots(1, 2, sharey=True), _COSTS, strict=True):
+        _panel(axes, rows, error, cost)
+    return figure
 
 
 # --- a scene ---
@@ -148,14 +126,10 @@ def with_worst(rows: Sequence[Row], wanted: Sequence[str]) -> list[Row]:
     return kept
 
 
-def leave_rows(folder: Path, title: str, rows: Sequence[Row], wanted: Sequence[str]) -> dict[str, Path]:
-    """Leave rows of with_worst in a folder, as CSV, and plots as PNG and SVG. Returns the files by name."""
+def leave_rows(folder: Path, title: str, rows: Sequence[Row]) -> dict[str, Path]:
+    """Leave rows of with_worst in a folder, as CSV, and a plot as PNG and SVG. Returns the files by name."""
     files = {"rows": write_rows(folder / "tradeoff.csv", rows)}
-    figures = {
-        "tradeoff": work_precision(rows, WORST, title),
-        "tradeoff_errors": all_errors(rows, [*wanted, WORST], title),
-    }
-    for name, figure in figures.items():
-        for kind in ("png", "svg"):
-            files[f"{name}_{kind}"] = write_figure(folder / f"{name}.{kind}", figure)
+    figure = work_precision(rows, WORST, title)
+    for kind in ("png", "svg"):
+        files[f"tradeoff_{kind}"] = write_figure(folder / f"tradeoff.{kind}", figure)
     return files
