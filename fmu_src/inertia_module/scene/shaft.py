@@ -33,21 +33,14 @@ _PEAKS = ("omega_out", "driven_acceleration", "shaft_torque", "twist")
 Array = NDArray[np.float64]
 
 
-class Similar(Strict):
-    """Criteria of similarity of Stelmashchuk, in place of stiffness and friction: they take T of the drive.
-
-    Attributes:
-        nu: nu^2 = c T^2 / J4. Pi: 2 Pi = f T / J4.
-    """
-
-    nu: Annotated[float, quantity("1", above=0.0)] | None = None
-    Pi: Annotated[float, quantity("1", 0.0)] | None = None
-
-
+# with criteria of similarity of Stelmashchuk in place of stiffness and friction, which take T of the drive:
+# nu^2 = c T^2 / J4, 2 Pi = f T / J4
 Shaft: type[BaseModel] = create_model(
     "Shaft",
-    __base__=Similar,
+    __base__=Strict,
     __doc__="Parameters of the driven shaft that differ from the defaults.",
+    nu=(Annotated[float, quantity("1", above=0.0)] | None, None),
+    Pi=(Annotated[float, quantity("1", 0.0)] | None, None),
     **fields_of(list(with_causality(PARAMETER, table=VARIABLES))),
 )
 
@@ -115,10 +108,9 @@ class ShaftScene(Strict):
     @model_validator(mode="after")
     def _shaft_possible(self) -> ShaftScene:
         """Let the shaft itself look at all parameters together."""
+        parameters = self.parameters()
         try:
-            DrivenShaft("plain").start(**self.parameters())
-        except SceneError:
-            raise
+            DrivenShaft("plain").start(**parameters)
         except Refused as error:
             raise SceneError(f"shaft: {error}") from None
         return self
@@ -129,8 +121,7 @@ class ShaftScene(Strict):
         Raises:
             SceneError: a criterion without its T, or besides what it stands for.
         """
-        given: BaseModel = self.shaft
-        values: dict[str, float] = given.model_dump(exclude_none=True)
+        values: dict[str, float] = self.shaft.model_dump(exclude_none=True)
         inertia = values.get("driven_inertia", BY_NAME["driven_inertia"].start or 0.0)
         for name, stands_for in (("nu", "shaft_stiffness"), ("Pi", "driven_friction")):
             criterion = values.pop(name, None)
