@@ -47,6 +47,7 @@ COMMANDED = CLOSED.replace('"controlled"', '"controlled_torque"\nomega1 = 80').r
     '"pi"', '"pi_torque"\nminimum = "-10 N.m"\nmaximum = "20 N.m"'
 )
 ENGINE = (EXAMPLES / "engine_launch.toml").read_text()
+AUTO = OPEN + '[accuracy]\nerror = "2 %"\nwindow = "0.1 s"\n[mechanism]\nfidelity = "auto"'
 
 
 def read(text, folder=Path()):
@@ -249,6 +250,7 @@ BASES = {
     "torque": TORQUE,
     "commanded": COMMANDED,
     "engine": ENGINE,
+    "auto": AUTO,
     "still": changed(changed(CLOSED, VEHICLE, 'kind = "torque"\ntorque = 1'), '"36 km/h"', "3"),
 }
 # a scene of these with something changed or, before its end, added; how the line about it begins and goes on
@@ -383,6 +385,22 @@ open: "torque"\ntorque = 10 => "shaft"\ninertia = 0.5\ncoupling = { stiffness = 
     run.communication_step: ... the step must be shorter, is 0.01 s
 engine: gain = "3 N.m.s/rad" => gain = "30 N.m.s/rad"
     run.communication_step: ... at most inertia over gain, 0.005 s, is 0.01 s
+auto: error = "2 %" =>
+    with mechanism.fidelity = 'auto' accuracy.error must be given, such as '1 %', is missing
+auto: error = => tolerance = 1e-7\nerror =
+    with mechanism.fidelity = 'auto' accuracy.tolerance must not be given, is 1e-07:
+auto: fidelity = => method = "event"\nfidelity =
+    with mechanism.fidelity = 'auto' mechanism.method must not be given, is 0:
+auto: fidelity = => max_step = 1e-3\nfidelity =
+    with mechanism.fidelity = 'auto' mechanism.max_step must not be given, is 0.001:
+auto: "2 %" => "0 %"
+    accuracy.error must be a number above 0 and of at most 1, is '0 %'
+auto: "2 %" => "2 m"
+    accuracy.error must be a number ..., is '2 m'
+auto: "0.1 s" => "0 s"
+    accuracy.window must be a number above 0 in s, ..., is '0 s'
+auto: "auto" => "automatic"
+    mechanism.fidelity must be ..., or auto, is 'automatic'
 """
 
 
