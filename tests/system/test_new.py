@@ -36,11 +36,6 @@ def test_version_is_that_of_the_package_the_changelog_and_the_citation():
     assert f"\nversion: {__version__}\n" in (ROOT / "CITATION.cff").read_text()
 
 
-def test_help_is_short_too():
-    assert command("-h").stdout == command("--help").stdout
-    assert command("run", "-h").exit_code == 0
-
-
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
