@@ -38,8 +38,7 @@ class Host:
     @property
     def missing(self):
         """Packages that it needs and that are not installed."""
-        installed = {distribution.name for distribution in importlib.metadata.distributions()}
-        return [name for name in self.packages if name not in installed]
+        return [name for name in self.packages if not [*importlib.metadata.distributions(name=name)]]
 
 
 HOSTS = {
