@@ -34,14 +34,9 @@ class Part(NamedTuple):
     fmu: NativeFmu
     values: dict[str, float]
 
-    @property
-    def model(self) -> Model:
-        """Model that the FMU computes."""
-        return self.fmu.model
-
     def variable(self, name: str) -> Variable:
         """One of its variables."""
-        return self.model.by_name[name]
+        return self.fmu.model.by_name[name]
 
 
 class Plan(NamedTuple):
