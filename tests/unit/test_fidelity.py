@@ -272,6 +272,9 @@ ROWS = [AVERAGED, COARSE, FINE, LOOSE, TIGHT, ELASTIC, BROKEN, PEER]
     [
         (1e-2, ["omega_out"], AVERAGED),
         (1e-2, ["omega_out", "omega2"], FINE),
+        # met to the digit
+        (4e-3, ["omega_out"], AVERAGED),
+        (2e-3, ["omega_out"], FINE),
         (1e-3, ["omega_out"], LOOSE),
         (1e-6, ["omega_out"], TIGHT),
         (0.5, ["omega2"], COARSE),
