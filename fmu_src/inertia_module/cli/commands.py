@@ -6,6 +6,7 @@ import json
 import re
 import tomllib
 import webbrowser
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -16,10 +17,12 @@ import inertia_module
 from ..common.files import BUILD_FOLDER, OUTPUT_FOLDER, write_atomically
 from .shared import (
     Answer,
+    Aside,
     FmuToRun,
     Keys,
     OutputFolder,
     SceneFile,
+    Shown,
     command,
     current_fmu,
     folder_for,
@@ -27,7 +30,6 @@ from .shared import (
     progress_bar,
     quantity_of,
     share,
-    show_table,
     speed_text,
     turning,
     write_figure,
@@ -74,14 +76,10 @@ def build(context: typer.Context, output: OutputFolder = None) -> Answer:
     fmus = [str(path) for path in built.paths if path.suffix == ".fmu"]
     kernels = [str(path) for path in built.paths if path.suffix != ".fmu"]
 
-    def show() -> None:
-        for path in built.paths:
-            typer.echo(f"built {path} ({path.stat().st_size / 1024:.0f} kB)")
-        for what, reason in built.skipped.items():
-            typer.echo(f"skipped {what}: {reason}", err=True)
-
+    shown = [f"built {path} ({path.stat().st_size / 1024:.0f} kB)" for path in built.paths]
+    shown += [Aside(f"skipped {what}: {reason}") for what, reason in built.skipped.items()]
     told = {"fmus": fmus, "kernels": kernels, "skipped": built.skipped}
-    return Answer(told, show, failed=bool(built.skipped))
+    return Answer(told, shown, failed=bool(built.skipped))
 
 
 @command
@@ -95,17 +93,13 @@ def check(fmu: Annotated[Path, typer.Argument(metavar="FILE.fmu", help="Any FMU 
 
     report = check_fmu(fmu)
 
-    def show() -> None:
-        show_table(str(fmu), report.facts)
-        for warning in report.warnings:
-            typer.echo(f"warning: {warning}", err=True)
-        for problem in report.problems:
-            typer.echo(f"problem: {problem}")
-        typer.echo("no problems found" if not report.problems else f"{len(report.problems)} problems found")
-
+    shown: list[Shown] = [(str(fmu), report.facts)]
+    shown += [Aside(f"warning: {warning}") for warning in report.warnings]
+    shown += [f"problem: {problem}" for problem in report.problems]
+    shown.append(f"{len(report.problems) or 'no'} problems found")
     found = {"facts": report.facts, "problems": report.problems, "warnings": report.warnings}
     told = {"fmu": str(fmu), **found, "outputs": report.outputs}
-    return Answer(told, show, failed=bool(report.problems))
+    return Answer(told, shown, failed=bool(report.problems))
 
 
 @command
@@ -122,11 +116,8 @@ def export(scene: SceneFile, output: OutputFolder = None, keys: Keys = None) -> 
     folder = folder_for(output, "export", scene.stem)
     paths = write(scene_plan(load_scene(scene, keys)), folder, lambda stage: typer.echo(stage, err=True))
 
-    def show() -> None:
-        for path in paths:
-            typer.echo(f"wrote {path} ({path.stat().st_size / 1024:.0f} kB)")
-
-    return Answer({"files": [str(path) for path in paths]}, show)
+    shown = [f"wrote {path} ({path.stat().st_size / 1024:.0f} kB)" for path in paths]
+    return Answer({"files": [str(path) for path in paths]}, shown)
 
 
 # --- scenes ---
@@ -157,13 +148,8 @@ def new(
     for copy, original in copies.items():
         write_atomically(copy, original.read_bytes())
 
-    def show() -> None:
-        for copy in copies:
-            typer.echo(f"new: {copy}")
-        for line in _commands(source, path):
-            typer.echo(f"next: {line}")
-
-    return Answer({"files": [str(copy) for copy in copies]}, show)
+    shown = [f"new: {copy}" for copy in copies] + [f"next: {line}" for line in _commands(source, path)]
+    return Answer({"files": [str(copy) for copy in copies]}, shown)
 
 
 def _commands(source: Path, path: Path) -> list[str]:
@@ -237,14 +223,9 @@ def run(
         files["page"] = folder / PAGE
         write_atomically(files["page"], page)
 
-    def show() -> None:
-        for warning in result.warnings:
-            typer.echo(f"warning: {warning}", err=True)
-        show_table(read.title, result.lines())
-        for line in choice.lines() if choice is not None else ():
-            typer.echo(line)
-
-    return Answer({**told, "warnings": list(result.warnings)}, show, files)
+    shown: list[Shown] = [Aside(f"warning: {warning}") for warning in result.warnings]
+    shown += [(read.title, result.lines()), *([] if choice is None else choice.lines())]
+    return Answer({**told, "warnings": list(result.warnings)}, shown, files)
 
 
 def _at_fidelity(read: Scene, fidelity: str | None, error: str | None) -> tuple[Scene, Choice | None]:
@@ -299,7 +280,7 @@ def view(
         webbrowser.open(path.absolute().as_uri())
     warnings = [] if outcome is None else list(outcome.warnings)
     told = {"scene": str(scene), "page": str(path), "bytes": len(content), "warnings": warnings}
-    return Answer(told, lambda: typer.echo(f"page: {path} ({len(content) / 1e6:.1f} MB)"))
+    return Answer(told, [f"page: {path} ({len(content) / 1e6:.1f} MB)"])
 
 
 @command
@@ -336,14 +317,12 @@ def tradeoff(
         choice = choose_cheapest(rows, allowed, names) if allowed else None
         files = leave_rows(folder, title, rows)
 
-    def show() -> None:
-        step = (rows[0] if choice is None else choice.row).communication_step
-        print_levels(title, [row for row in rows if row.communication_step == step], names, allowed)
-        for line in failure_lines(rows) + (choice.lines() if choice is not None else []):
-            typer.echo(line)
-
+    step = (rows[0] if choice is None else choice.row).communication_step
+    printed = [row for row in rows if row.communication_step == step]
+    shown: list[Shown] = [partial(print_levels, title, printed, names, allowed), *failure_lines(rows)]
+    shown += [] if choice is None else choice.lines()
     told: dict[str, Any] = {"title": title, "rows": [row.as_dict() for row in rows]}
-    return Answer(told | ({} if choice is None else {"recommendation": choice.as_dict()}), show, files)
+    return Answer(told | ({} if choice is None else {"recommendation": choice.as_dict()}), shown, files)
 
 
 @command
@@ -393,15 +372,14 @@ def chart(
     units = {name: found.units(omega1) for name, found in charts.items()}
     listed = [str(file) for file in files]
 
-    def show() -> None:
-        for name, numbers in summaries.items():
-            rows = {key: f"{value:.6g} {units[name][key]}".rstrip() for key, value in numbers.items()}
-            title = f"{name}, losses at {speed_text(at)}" if name in maps else name
-            title = f"{name} at {speed_text(omega1)}" if omega1 is not None else title
-            show_table(title, {key.replace("_", " "): text for key, text in rows.items()})
-        typer.echo("\n".join(listed))
-
-    return Answer({"omega1": omega1, "charts": summaries, "units": units, "files": listed}, show)
+    shown: list[Shown] = []
+    for name, numbers in summaries.items():
+        rows = {key: f"{value:.6g} {units[name][key]}".rstrip() for key, value in numbers.items()}
+        title = f"{name}, losses at {speed_text(at)}" if name in maps else name
+        title = f"{name} at {speed_text(omega1)}" if omega1 is not None else title
+        shown.append((title, {key.replace("_", " "): text for key, text in rows.items()}))
+    told = {"omega1": omega1, "charts": summaries, "units": units, "files": listed}
+    return Answer(told, [*shown, *listed])
 
 
 # --- the engineer's jobs ---
@@ -456,22 +434,18 @@ def orders(
     files = found.write(folder)
     files["picture"] = write_figure(folder / "orders.png", order_figure(found, read.title))
 
-    def show() -> None:
-        typer.echo(f"{read.title}: largest orders, cycles a {BASES[of]}")
-        for name, lines in found.largest().items():
-            unit = found.units[name]
-            rows = {
-                f"order {line.order:.4g}"
-                if line.low == line.high
-                else f"order {line.low:.4g} to {line.high:.4g}": f"{line.amplitude:.4g} {unit}, most at"
-                f" {line.speed:.4g} rad/s: {line.greatest:.4g} {unit}"
-                for line in lines
-            }
-            show_table(name.replace("_", " "), rows or {"no order": "it does not swing"})
-        if found.bends:
-            typer.echo("lines bend with the speed ratio: those of the pulses are straight with --of pulses")
-
-    return Answer({"scene": str(scene), **found.as_dict()}, show, files)
+    shown: list[Shown] = [f"{read.title}: largest orders, cycles a {BASES[of]}"]
+    for name, lines in found.largest().items():
+        unit, rows = found.units[name], {}
+        for line in lines:
+            several = f"{line.low:.4g} to {line.high:.4g}"
+            order = f"{line.order:.4g}" if line.low == line.high else several
+            most = f"most at {line.speed:.4g} rad/s: {line.greatest:.4g} {unit}"
+            rows[f"order {order}"] = f"{line.amplitude:.4g} {unit}, {most}"
+        shown.append((name.replace("_", " "), rows or {"no order": "it does not swing"}))
+    if found.bends:
+        shown.append("lines bend with the speed ratio: those of the pulses are straight with --of pulses")
+    return Answer({"scene": str(scene), **found.as_dict()}, shown, files)
 
 
 @command
@@ -516,12 +490,9 @@ def fit(
         )
     files = {**found.files, "picture": write_figure(folder / "fit.png", inertia_module.fit_figure(found))}
 
-    def show() -> None:
-        show_table(f"{found.scene.title}: fitted, 95 % intervals", found.lines())
-        for warning in found.warnings:
-            typer.echo(f"warning: {warning}")
-
-    return Answer({"measured": str(measured), "scene": str(scene), **found.as_dict()}, show, files)
+    shown: list[Shown] = [(f"{found.scene.title}: fitted, 95 % intervals", found.lines())]
+    shown += [f"warning: {warning}" for warning in found.warnings]
+    return Answer({"measured": str(measured), "scene": str(scene), **found.as_dict()}, shown, files)
 
 
 @command
@@ -575,14 +546,11 @@ def sweep(
     files = {**found.files, "plot": write_figure(folder / "plot.png", sweep_figure(found, figure or ()))}
     numbers = {"rows": len(found.rows), "new": found.new, "refused": len(found.refused)}
 
-    def show() -> None:
-        show_table(f"sweep of {scene.name}", {name: str(number) for name, number in numbers.items()})
-        if found.refused:
-            typer.echo(f"refused first: {found.refused[0].point}: {found.refused[0].refused}")
-        for name, number in found.unreached.items():
-            typer.echo(f"{name}: not reached in {number} of {len(found.rows)} runs")
-
-    return Answer({"scene": str(scene), **numbers, "unreached": found.unreached}, show, files)
+    shown: list[Shown] = [(f"sweep of {scene.name}", {name: str(count) for name, count in numbers.items()})]
+    shown += [f"refused first: {one.point}: {one.refused}" for one in found.refused[:1]]
+    runs = len(found.rows)
+    shown += [f"{name}: not reached in {count} of {runs} runs" for name, count in found.unreached.items()]
+    return Answer({"scene": str(scene), **numbers, "unreached": found.unreached}, shown, files)
 
 
 @command
@@ -616,10 +584,7 @@ def design(
     files = {**found.files, "plot": write_figure(folder / "plot.png", inertia_module.design_figure(found))}
     files |= {one.file.stem.replace("_", " "): one.file for one in found.finalists}
 
-    def show() -> None:
-        for one in found.finalists:
-            show_table(one.file.stem.replace("_", " "), found.lines(one))
-        typer.echo(found.verdict())
-
+    shown: list[Shown] = [(one.file.stem.replace("_", " "), found.lines(one)) for one in found.finalists]
+    shown.append(found.verdict())
     numbers = {"designs": len(found.rows), "new": found.new, "chosen": len(found.chosen)}
-    return Answer({"spec": str(spec), **numbers, "verdict": found.verdict()}, show, files)
+    return Answer({"spec": str(spec), **numbers, "verdict": found.verdict()}, shown, files)
