@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 
 from inertia_module import __version__, jobs
 from inertia_module.cli import app
-from inertia_module.cli.shared import show_table
+from inertia_module.cli.shared import show
 from inertia_module.common.terminal import progress, terminal
 from inertia_module.compiling import CompilationUnavailable, linking
 from inertia_module.fidelity.choice import print_levels
@@ -343,8 +343,8 @@ def extremes():
 
 
 PRINTERS = {
-    "summary": lambda: show_table(AWKWARD, {AWKWARD: "1"}),
-    "value of a summary": lambda: show_table("title", {"heading": AWKWARD}),
+    "summary": lambda: show((AWKWARD, {AWKWARD: "1"})),
+    "value of a summary": lambda: show(("title", {"heading": AWKWARD})),
     "levels": lambda: levels(AWKWARD, "rigid", "x"),
     "setting": lambda: levels("R1", "peer", AWKWARD),
     "stability": extremes,

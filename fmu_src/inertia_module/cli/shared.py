@@ -136,18 +136,15 @@ def show(one: Shown) -> None:
     """Print one of what an answer shows."""
     if isinstance(one, str):
         typer.echo(one, err=isinstance(one, Aside))
-    elif isinstance(one, tuple):
-        show_table(*one)
-    else:
+        return
+    if not isinstance(one, tuple):
         one()
-
-
-def show_table(title: str, rows: dict[str, str]) -> None:
-    """Print headings and values as a table."""
+        return
     from rich.table import Table
 
     from ..common.terminal import terminal
 
+    title, rows = one
     table = Table(title=title, title_justify="left", show_header=False)
     for heading, value in rows.items():
         table.add_row(heading, value)
