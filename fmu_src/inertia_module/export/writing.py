@@ -32,8 +32,7 @@ from ..fmu.archive import DESCRIPTION, archive, generation_date, guid_of
 from ..fmu.builder import content_of
 from ..fmu.linking import Progress, join_for_mac
 from ..harness.wires import check_wiring
-from .plan import Plan, typed
-from .systems import OSP_STRUCTURE, osp_structure, ssp_file
+from .systems import OSP_STRUCTURE, Plan, osp_structure, ssp_file, typed
 
 LIBRARY = "container_fmu"
 

@@ -26,7 +26,7 @@ from .schema import Scene
 from .summary import SUMMARISED, Quantity, input_speed, summarise, unreached
 
 if TYPE_CHECKING:
-    from ..export.plan import Plan
+    from ..export.systems import Plan
 
 # of the speed of link 1: below it the output shaft rests
 RESTING = 1e-6
@@ -152,7 +152,7 @@ def scene_plan(scene: Scene) -> Plan:
     Raises:
         SceneError: its fidelity is still to be chosen, or its freewheels wind up.
     """
-    from ..export.plan import make_plan  # brings the builder of FMUs along
+    from ..export.systems import make_plan  # brings the builder of FMUs along
 
     if scene.chooses_fidelity:
         raise SceneError("mechanism.fidelity must be a fidelity by name for an export, is 'auto'")
