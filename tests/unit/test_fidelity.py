@@ -194,11 +194,6 @@ def test_another_mechanism_and_broken_measurements_are_measured_anew():
     assert trials.trial_rows(short)
 
 
-def test_an_error_that_no_level_meets_is_refused():
-    with pytest.raises(NoneMeets, match="is met by no level of fidelity"):
-        trials.choose(scene(changed('"2 %"', "1e-15")))
-
-
 def test_a_scene_is_measured_in_longer_steps_too():
     short = scene().replaced(run={"stop_time": 0.05})
     rows = with_worst(measured_rows(short), short.run.outputs)
