@@ -436,7 +436,7 @@ def orders(
 
     shown: list[Shown] = [f"{read.title}: largest orders, cycles a {BASES[of]}"]
     for name, lines in found.largest().items():
-        unit, rows = found.units[name], {}
+        unit, rows = found.units[name], dict[str, str]()
         for line in lines:
             several = f"{line.low:.4g} to {line.high:.4g}"
             order = f"{line.order:.4g}" if line.low == line.high else several

@@ -75,8 +75,10 @@ def command(work: Callable[..., Answer]) -> Callable[..., None]:
         if as_json:
             typer.echo(json.dumps(answer.told | ({"files": listed} if listed else {})))
         else:
-            for one in (*answer.shown, *(f"{name}: {file}" for name, file in listed.items())):
+            for one in answer.shown:
                 show(one)
+            for name, file in listed.items():
+                typer.echo(f"{name}: {file}")
         if answer.failed:
             raise typer.Exit(1)
 

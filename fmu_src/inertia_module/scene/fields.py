@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Self, get_args
@@ -115,7 +115,7 @@ def _in_range(variable: Variable) -> InUnit:
     return InUnit(check, unit=variable.unit)
 
 
-def fields_of(variables: Iterable[Variable]) -> Any:
+def fields_of(variables: Sequence[Variable]) -> Any:
     """Fields of a table for variables, as of pydantic.create_model: each may be given."""
     number: Any = float | None
     types = {variable.name: number for variable in variables}

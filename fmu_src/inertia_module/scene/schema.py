@@ -114,7 +114,7 @@ class Scene(Strict):
     @property
     def chooses_fidelity(self) -> bool:
         """Tell whether the fidelity is still to be chosen from measurements."""
-        return getattr(self.mechanism, FIDELITY) == AUTO  # type: ignore[no-any-return]
+        return bool(getattr(self.mechanism, FIDELITY) == AUTO)
 
     @property
     def cycle(self) -> Cycle | None:

@@ -33,14 +33,16 @@ _PEAKS = ("omega_out", "driven_acceleration", "shaft_torque", "twist")
 Array = NDArray[np.float64]
 
 
+_Positive = Annotated[float, quantity("1", above=0.0)] | None
+_NotNegative = Annotated[float, quantity("1", 0.0)] | None
 # with criteria of similarity of Stelmashchuk in place of stiffness and friction, which take T of the drive:
 # nu^2 = c T^2 / J4, 2 Pi = f T / J4
 Shaft: type[BaseModel] = create_model(
     "Shaft",
     __base__=Strict,
     __doc__="Parameters of the driven shaft that differ from the defaults.",
-    nu=(Annotated[float, quantity("1", above=0.0)] | None, None),
-    Pi=(Annotated[float, quantity("1", 0.0)] | None, None),
+    nu=(_Positive, None),
+    Pi=(_NotNegative, None),
     **fields_of(list(with_causality(PARAMETER, table=VARIABLES))),
 )
 
