@@ -193,7 +193,8 @@ class Scene(Strict):
     @cached_property
     def given(self) -> dict[str, float]:
         """Parameters of the mechanism that the scene gives, without a fidelity still to be chosen."""
-        values = self.mechanism.model_dump(exclude_none=True)
+        table: BaseModel = self.mechanism
+        values = table.model_dump(exclude_none=True)
         return {name: value for name, value in values.items() if value != AUTO}
 
     @property

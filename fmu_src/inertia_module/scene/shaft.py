@@ -123,7 +123,8 @@ class ShaftScene(Strict):
         Raises:
             SceneError: a criterion without its T, or besides what it stands for.
         """
-        values: dict[str, float] = self.shaft.model_dump(exclude_none=True)
+        given: BaseModel = self.shaft
+        values: dict[str, float] = given.model_dump(exclude_none=True)
         inertia = values.get("driven_inertia", BY_NAME["driven_inertia"].start or 0.0)
         for name, stands_for in (("nu", "shaft_stiffness"), ("Pi", "driven_friction")):
             criterion = values.pop(name, None)
