@@ -14,15 +14,14 @@ from typing import Any
 import numpy as np
 
 from inertia_module.contract.variables import default_parameters
-from inertia_module.fidelity.levels import Level, all_levels
-from inertia_module.fidelity.rows import PEER, Attempt, Row, attempt_all, head_of
+from inertia_module.fidelity.levels import PEER, Attempt, Level, Row, all_levels, attempt_all
 from inertia_module.fidelity.trials import kernel_time
 from inertia_module.harness.simulate import Progress, whole_steps
 from inertia_module.kernel.codes import AVERAGED, DRIVING, ELASTIC, EVENT, FREE, RIGID
 from inertia_module.kernel.layout import imbalance_in_fixed_frame
 from inertia_module.kernel.links import accelerations
 from inertia_module.memory import Module
-from inertia_module.scene.mechanism import at_fidelity, is_elastic
+from inertia_module.scene.schema import at_fidelity, is_elastic
 
 from .reference.geometry import Array
 from .reference.motion import Reference
@@ -381,7 +380,7 @@ def measure(
     chosen = list(all_levels(is_elastic(case.parameters))) if levels is None else levels
     lengths = [case.stop_time / number for number in (1, 100, 1000)] if steps is None else steps
     attempts: list[Attempt] = [
-        (head_of(level, step), compared(run_level, level, step)) for step in lengths for level in chosen
+        (level.row(step), compared(run_level, level, step)) for step in lengths for level in chosen
     ]
     attempts += [
         (Row(PEER, peer.name, label, case.stop_time), compared(peer.integrate, case, setting))

@@ -5,7 +5,7 @@
 
 from pathlib import Path
 
-from inertia_module.fidelity.rows import failure_lines, write_rows
+from inertia_module.fidelity.levels import failure_lines, write_rows
 from inertia_module.fidelity.tradeoff import work_precision
 from inertia_module.fidelity.trials import trial_rows
 from inertia_module.harness.results import write_figure

@@ -7,8 +7,15 @@ import numpy as np
 import pytest
 from scenes import PLANAR
 
-from inertia_module.fidelity.levels import Level, all_levels, event, timestepping
-from inertia_module.fidelity.rows import Row, read_rows, write_rows
+from inertia_module.fidelity.levels import (
+    Level,
+    Row,
+    all_levels,
+    event,
+    read_rows,
+    timestepping,
+    write_rows,
+)
 from inertia_module.fidelity.tradeoff import front, slope, work_precision
 from inertia_module.harness.results import write_figure
 from studies import trade

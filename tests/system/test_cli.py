@@ -1,19 +1,35 @@
-"""The command as a user types it."""
+"""The command as a user types it: what it leaves, what it refuses before the work, what it prints."""
 
 import contextlib
 import json
+import os
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 
 import pytest
+from rich.text import Text
+from typer.main import get_command
 from typer.testing import CliRunner
 
 from inertia_module import __version__, jobs
 from inertia_module.cli import app
+from inertia_module.cli.shared import show
+from inertia_module.common.terminal import progress, terminal
+from inertia_module.compiling import CompilationUnavailable, linking
+from inertia_module.fidelity.choice import print_levels
+from inertia_module.fidelity.levels import Row as Measured
+from inertia_module.fmu import native_fmu
 from inertia_module.fmu.builder import FMUS
+from inertia_module.harness.results import Result
+from studies.coupling import Trial
+from studies.coupling import print_rows as print_coupling
+from studies.stability.verdicts import OUTCOMES, Cell, Row, read_rows
+from studies.stability.verdicts import print_rows as print_stability
 
 ROOT = Path(__file__).parents[2]
+REFERENCE = str(ROOT / "examples" / "reference.toml")
 
 
 def process(*arguments, folder):
@@ -24,9 +40,9 @@ def process(*arguments, folder):
     return done
 
 
-def command(*arguments, folder):
+def command(*arguments, folder=None):
     """The same in this process."""
-    with contextlib.chdir(folder):
+    with contextlib.chdir(folder or Path.cwd()):
         return CliRunner().invoke(app, [*map(str, arguments)])
 
 
@@ -57,12 +73,33 @@ def scene(tmp_path):
     return path
 
 
+# --- what commands leave ---
+
+
 def test_build_leaves_the_fmus_in_build_and_tells_machines(tmp_path):
     done = command("build", "--json", folder=tmp_path)
     assert done.exit_code == 0, done.stderr
     assert [Path(path).name for path in json.loads(done.stdout)["fmus"]] == [fmu.file_name for fmu in FMUS]
     for fmu in FMUS:
         assert (tmp_path / "build" / fmu.file_name).is_file()
+
+
+def test_build_without_a_compiler_fails_and_names_the_extra(monkeypatch, tmp_path):
+    missing = "ziglang is not installed; it comes with the extra inertia-module[fast]"
+
+    def compiler():
+        raise CompilationUnavailable(missing)
+
+    for module in (linking, native_fmu):
+        monkeypatch.setattr(module, "compiler", compiler)
+    done = command("build", "-o", tmp_path)
+    assert done.exit_code == 1
+    assert f"InertiaModule.fmu: {missing}" in done.stderr
+    assert (tmp_path / "InertiaModulePy.fmu").is_file()
+    assert not (tmp_path / "InertiaModule.fmu").exists()
+    done = command("build", "-o", tmp_path, "--json")
+    assert done.exit_code == 1
+    assert {"InertiaModule.fmu", "DrivenShaft.fmu"} <= set(json.loads(done.stdout)["skipped"])
 
 
 def test_run_leaves_table_summary_and_plot(workshop, scene, tmp_path):
@@ -72,12 +109,10 @@ def test_run_leaves_table_summary_and_plot(workshop, scene, tmp_path):
     assert table[0].startswith("time [s]")
     assert len(table) == 102
     told = json.loads((tmp_path / "out" / "summary.json").read_text())
-    summary = told["summary"]
-    assert told["inertia_module"] == __version__
-    assert told["parameters"] == {}
+    assert (told["inertia_module"], told["parameters"]) == (__version__, {})
     assert told["units"]["omega_out_final"] == "rad/s"
-    assert summary["omega_out_final"] == pytest.approx(3.447176379, rel=1e-5)
-    assert summary["rhs_evaluations"] > 0
+    assert told["summary"]["omega_out_final"] == pytest.approx(3.447176379, rel=1e-5)
+    assert told["summary"]["rhs_evaluations"] > 0
     assert (tmp_path / "out" / "plot.png").read_bytes().startswith(b"\x89PNG")
     assert "omega out final" in done.stdout
 
@@ -86,39 +121,6 @@ def test_run_builds_the_fmu_it_needs(scene, tmp_path):
     done = command("run", scene, "-o", tmp_path / "out", folder=tmp_path)
     assert done.exit_code == 0, done.stderr
     assert (tmp_path / "build" / "InertiaModule.fmu").is_file()
-
-
-AUTO = ("run", "--fidelity", "auto")
-REFUSED = [
-    (("run",), ('kind = "constant"', 'kind = "konstant"'), ("drive.kind must be one of", "is 'konstant'")),
-    (("run",), ('"100 rad/s"', '"100 m"'), ("drive.omega1 must be a number", "is '100 m'")),
-    (
-        ("run",),
-        ("[run]", "[run]\nspeed = 3"),
-        ("run.speed = 3: there is no such key", "(there are stop_time"),
-    ),
-    (("run",), ("stop_time", "stoptime"), ("stoptime", "did you mean stop_time?")),
-    (("run",), ('"10 N.m"', '"10 N.m'), ("scene.toml",)),
-    (AUTO, None, ("accuracy.error must be given",)),
-    (("run", "--error", "1 %"), None, ("--error = 1 % must come with fidelity auto",)),
-    ((*AUTO, "--error", "much"), None, ("--error must be a number above 0", "is 'much'")),
-    (("run", "--fidelity", "exact"), None, ("mechanism.fidelity must be 0 (kin", "or auto, is 'exact'")),
-    ((*AUTO, "--error", "1e-15"), None, ("error = 1e-15", "met by no level of fidelity")),
-    (("tradeoff", "--recommend", "0"), None, ("--recommend must be a number above 0", "is '0'")),
-    (("tradeoff", "--wanted", "speed"), None, ("run.outputs", "'speed'")),
-]
-
-
-@pytest.mark.parametrize("arguments, change, words", REFUSED)
-def test_what_cannot_be_is_one_line_and_leaves_nothing(workshop, scene, tmp_path, arguments, change, words):
-    scene.write_text(SCENE.replace(*change) if change else SCENE)
-    name, *options = arguments
-    done = command(name, scene, *options, "-o", tmp_path / "out", folder=workshop)
-    assert done.exit_code == 1
-    assert done.stderr.startswith("error: ")
-    assert done.stderr.count("\n") == 1
-    assert all(word in done.stderr for word in words)
-    assert not (tmp_path / "out").exists()
 
 
 def test_run_chooses_the_fidelity_and_says_why(workshop, scene, tmp_path):
@@ -131,6 +133,19 @@ def test_run_chooses_the_fidelity_and_says_why(workshop, scene, tmp_path):
     assert choice["chosen"]["error"] <= 0.05
     # every output of the module is wanted: only a level with pulses has them
     assert choice["chosen"]["fidelity"] == "rigid"
+
+
+def test_run_warns_of_a_mechanism_that_cannot_be_built_and_runs_it(workshop, scene, tmp_path):
+    scene.write_text(SCENE + "[mechanism]\nsatellites = 6\na = 1.5\n")
+    done = command("run", scene, "-o", tmp_path / "out", folder=workshop)
+    assert done.exit_code == 0, done.stderr
+    assert [line[:9] for line in done.stderr.splitlines()] == ["warning: "] * 2
+    assert "the 6 satellites of a module overlap" in done.stderr
+    assert "a must be at most 1 and at most b = 1, is 1.5" in done.stderr
+    printed = json.loads(command("run", scene, "-o", tmp_path / "out", "--json", folder=workshop).stdout)
+    assert printed["summary"]["simulated_time"] == 0.1
+    assert Path(printed["files"]["table"]).is_file()
+    assert [f"warning: {warning}" for warning in printed["warnings"]] == done.stderr.splitlines()
 
 
 def test_tradeoff_of_a_scene_for_machines(scene, tmp_path):
@@ -163,47 +178,17 @@ def test_check_finds_no_problem_in_ours(workshop, name, run):
     assert ("with event mode" in done.stdout) == (name == "InertiaModule3")
 
 
-def test_check_tells_what_is_wrong_with_another(workshop, tmp_path):
-    import zipfile
-
+def test_check_tells_what_is_wrong_with_another(built, tmp_path):
     broken = tmp_path / "broken.fmu"
-    with (
-        zipfile.ZipFile(workshop / "build" / "InertiaModule.fmu") as old,
-        zipfile.ZipFile(broken, "w") as new,
-    ):
+    with zipfile.ZipFile(built / "InertiaModule.fmu") as old, zipfile.ZipFile(broken, "w") as new:
         for name in old.namelist():
             content = old.read(name)
             if name == "modelDescription.xml":
                 content = content.replace(b'unit="rad/s"', b'unit="furlong"', 1)
             new.writestr(name, content)
-    done = command("check", broken, "--json", folder=tmp_path)
+    done = command("check", broken, "--json")
     assert done.exit_code == 1
     assert any("furlong" in problem for problem in json.loads(done.stdout)["problems"])
-
-
-@pytest.mark.parametrize(
-    "run, arguments", [(process, ("check", "nothing.fmu")), (command, ("run", "nothing.toml"))]
-)
-def test_missing_files_are_named(tmp_path, run, arguments):
-    done = run(*arguments, folder=tmp_path)
-    assert done.exit_code == 1
-    assert done.stderr.startswith("error: ")
-    assert done.stderr.count("\n") == 1
-    assert arguments[1] in done.stderr
-
-
-def test_run_warns_of_a_mechanism_that_cannot_be_built_and_runs_it(workshop, tmp_path):
-    path = tmp_path / "scene.toml"
-    path.write_text(SCENE + "[mechanism]\nsatellites = 6\na = 1.5\n")
-    done = command("run", path, "-o", tmp_path / "out", folder=workshop)
-    assert done.exit_code == 0, done.stderr
-    assert [line[:9] for line in done.stderr.splitlines()] == ["warning: "] * 2
-    assert "the 6 satellites of a module overlap" in done.stderr
-    assert "a must be at most 1 and at most b = 1, is 1.5" in done.stderr
-    printed = json.loads(command("run", path, "-o", tmp_path / "out", "--json", folder=workshop).stdout)
-    assert printed["summary"]["simulated_time"] == 0.1
-    assert Path(printed["files"]["table"]).is_file()
-    assert [f"warning: {warning}" for warning in printed["warnings"]] == done.stderr.splitlines()
 
 
 OPTIONS = {
@@ -240,6 +225,170 @@ def test_options_of_a_job_reach_it_and_what_it_refuses_is_one_line(name, scene, 
     if name == "design":
         scene.write_text(SCENE + '[free]\na = "0.5:0.9"\n[figures]\nenergy_in = { goal = "least" }\n')
     first = [scene.with_suffix(".csv"), scene] if name == "fit" else [scene]
-    done = command(name, *first, *options, "--fmu", "x.fmu", "-o", tmp_path / "out", folder=tmp_path)
+    done = command(name, *first, *options, "--fmu", "x.fmu", "-o", tmp_path / "out")
     assert (done.exit_code, done.stderr) == (1, "error: the work is not done\n")
     assert {key: told[key] for key in expected} == expected
+
+
+# --- what is refused; sentences about scenes are those of test_scene ---
+
+CHOOSING = ("run", "--fidelity", "auto")
+REFUSED = [
+    (("run",), ('kind = "constant"', 'kind = "konstant"'), ("drive.kind must be one of", "is 'konstant'")),
+    (CHOOSING, None, ("accuracy.error must be given",)),
+    (("run", "--error", "1 %"), None, ("--error = 1 % must come with fidelity auto",)),
+    ((*CHOOSING, "--error", "much"), None, ("--error must be a number above 0", "is 'much'")),
+    (("run", "--fidelity", "exact"), None, ("mechanism.fidelity must be 0 (kin", "or auto, is 'exact'")),
+    ((*CHOOSING, "--error", "1e-15"), None, ("error = 1e-15", "met by no level of fidelity")),
+    (("tradeoff", "--recommend", "0"), None, ("--recommend must be a number above 0", "is '0'")),
+    (("tradeoff", "--wanted", "speed"), None, ("run.outputs", "'speed'")),
+]
+
+
+def is_one_line(done, *words):
+    assert (done.exit_code, done.stderr.count("\n")) == (1, 1), done.stderr
+    assert done.stderr.startswith("error: ")
+    assert all(word in done.stderr for word in words), done.stderr
+
+
+@pytest.mark.parametrize("arguments, change, words", REFUSED)
+def test_what_cannot_be_is_one_line_and_leaves_nothing(workshop, scene, tmp_path, arguments, change, words):
+    scene.write_text(SCENE.replace(*change) if change else SCENE)
+    name, *options = arguments
+    is_one_line(command(name, scene, *options, "-o", tmp_path / "out", folder=workshop), *words)
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    "run, arguments", [(process, ("check", "nothing.fmu")), (command, ("run", "nothing.toml", "-o", "a/b"))]
+)
+def test_missing_files_are_named_and_no_folder_is_made_for_nothing(tmp_path, run, arguments):
+    is_one_line(run(*arguments, folder=tmp_path), arguments[1])
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("arguments", [["check", "."], ["run", REFERENCE, "--fmu", ".", "-o", "out"]])
+def test_a_folder_in_the_place_of_an_fmu_is_called_one(arguments, tmp_path):
+    assert command(*arguments, folder=tmp_path).stderr == "error: . must be an FMU file, is a folder\n"
+
+
+# --- a place that cannot be written to is found out before the work, not after it ---
+
+# arguments, and what does the work of each command
+COMMANDS = {
+    "build": (["build"], "fmu.builder.content_of"),
+    "run": (["run", REFERENCE], "scene.run_scene"),
+    "run, choosing": (["run", REFERENCE, "--fidelity", "auto", "--error", "1 %"], "fidelity.trials.choose"),
+    "tradeoff": (["tradeoff", REFERENCE], "fidelity.tradeoff.measured_rows"),
+    "chart": (["chart", REFERENCE], "harness.chart.torque_converter_chart"),
+    "export": (["export", REFERENCE], "export.writing.export"),
+}
+
+
+def places(folder):
+    """Places that cannot be written to, and words on why."""
+    (folder / "table.csv").write_text("a file")
+    (folder / "nowhere").symlink_to(folder / "gone")
+    found = {
+        folder / "table.csv": "table.csv is not a folder",
+        folder / "table.csv" / "below": "table.csv is not a folder",
+        folder / "nowhere": "nowhere is not a folder",
+        folder / ("long" * 100): "name too long",
+    }
+    if sys.platform == "linux":
+        found[Path("/proc/results")] = ""
+    if os.name == "posix" and os.geteuid() != 0:
+        (folder / "locked").mkdir(mode=0o500)
+        found[folder / "locked"] = "Permission denied"
+    return found
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_a_place_that_cannot_be_written_is_refused_before_the_work(name, tmp_path, monkeypatch):
+    def worked(*_, **__):
+        raise AssertionError("the work was begun, and what it gives would be lost")
+
+    arguments, work = COMMANDS[name]
+    monkeypatch.setattr(f"inertia_module.{work}", worked)
+    for place, words in places(tmp_path).items():
+        demand = f"error: {place} must be a folder that can be written to: "
+        is_one_line(command(*arguments, "-o", place), demand, words)
+    assert {path.name for path in tmp_path.iterdir()} <= {"table.csv", "nowhere", "locked"}
+    if name != "build":  # so is the folder that is written to without being named
+        (tmp_path / "out").write_text("a file")
+        is_one_line(command(*arguments, folder=tmp_path), "must be a folder that can be written to")
+
+
+def test_a_table_that_cannot_be_written_says_so_in_a_sentence(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(OSError, match="file must be a folder that can be written to"):
+        Result.from_columns({"time": [0.0]}).to_csv(tmp_path / "file" / "table.csv")
+
+
+# --- what is printed reaches the terminal: every letter of a message, within its width ---
+
+# a style, a picture and a closing tag to rich; to a user the name of an extra, of a key and of a folder
+AWKWARD = "[fast] :key: [/tmp]"
+
+
+def levels(title, fidelity, setting):
+    row = Measured(fidelity, "event", setting, 1e-3, {"omega2": 0.1}, 1.0, 1.0, 3.0)
+    print_levels(title, [row], ["omega2"])
+
+
+def extremes():
+    cells = {name: Cell("degraded", -4, AWKWARD) for name in ("kinematic", "elastic, timestepping")}
+    print_stability([Row(AWKWARD, "1e-313 rad/s", "bevel", cells)])
+
+
+PRINTERS = {
+    "summary": lambda: show((AWKWARD, {AWKWARD: "1"})),
+    "value of a summary": lambda: show(("title", {"heading": AWKWARD})),
+    "levels": lambda: levels(AWKWARD, "rigid", "x"),
+    "setting": lambda: levels("R1", "peer", AWKWARD),
+    "stability": extremes,
+    "coupling": lambda: print_coupling("map", [Trial(AWKWARD, *[1.0] * 9)]),
+    "message": lambda: terminal().print(AWKWARD),
+}
+
+
+@pytest.mark.parametrize("name", PRINTERS)
+def test_brackets_and_colons_are_printed_as_they_are(name, capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    PRINTERS[name]()
+    assert AWKWARD in capsys.readouterr().out
+
+
+def test_progress_bar_shows_a_title_as_it_is():
+    bar = progress()
+    task = bar.add_task(AWKWARD)
+    title = bar.columns[0].render(bar.tasks[task])
+    assert isinstance(title, Text)
+    assert title.plain == AWKWARD
+
+
+@pytest.mark.parametrize("name", get_command(app).commands)
+def test_help_of_a_command_has_every_letter(name):
+    command = get_command(app).commands[name]
+    shown = " ".join(CliRunner().invoke(app, [name, "-h"], terminal_width=1000).stdout.split())
+    for text in (command.help, *(parameter.help for parameter in command.params if parameter.help)):
+        assert " ".join(text.split()) in shown
+
+
+def test_help_is_short_too_and_says_in_whole_sentences_what_the_commands_do():
+    assert command("-h").stdout == command("--help").stdout
+    assert "..." not in command("-h").stdout.partition("Commands:")[2]
+
+
+def test_map_of_extremes_has_a_line_for_each_level_and_fits_the_terminal(capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    rows = read_rows(ROOT / "docs" / "stability.csv")
+    cells = {name: Cell(outcome, 1) for name, outcome in zip(rows[0].cells, OUTCOMES, strict=False)}
+    print_stability([*rows, Row("all verdicts", "x", "bevel", cells)])
+    lines = capsys.readouterr().out.splitlines()
+    assert max(map(len, lines)) <= 80
+    assert not any("…" in line for line in lines)
+    axes = {row.axis for row in rows if "kinematic" in row.cells}
+    assert sum(line.startswith("kinematic ") for line in lines) == len(axes) + 1
+    exact = sum(cell.outcome == "exact" for row in rows for cell in row.cells.values())
+    assert lines[-1].startswith(f"{exact + 1} exact, ")

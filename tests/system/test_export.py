@@ -14,9 +14,8 @@ from fmpy import read_model_description, simulate_fmu
 from fmpy.ssp.ssd import read_ssd
 from fmpy.validation import validate_fmu
 
-from inertia_module.export.container import container
-from inertia_module.export.plan import Plan, make_plan
-from inertia_module.export.writing import export
+from inertia_module.export.systems import Plan, make_plan
+from inertia_module.export.writing import container, export
 from inertia_module.harness.fmu import Fmu
 from inertia_module.scene import load_scene
 from inertia_module.scene.keys import SceneError

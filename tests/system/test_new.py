@@ -5,7 +5,6 @@ import json
 import shutil
 import subprocess
 import sys
-import tomllib
 from pathlib import Path
 
 import pytest
@@ -34,11 +33,6 @@ def test_version_is_that_of_the_package_the_changelog_and_the_citation():
     assert command("--version").stdout == f"inertia-module {__version__}\n"
     assert f"\n## [{__version__}] - " in (ROOT / "CHANGELOG.md").read_text()
     assert f"\nversion: {__version__}\n" in (ROOT / "CITATION.cff").read_text()
-
-
-def test_help_is_short_too():
-    assert command("-h").stdout == command("--help").stdout
-    assert command("run", "-h").exit_code == 0
 
 
 @pytest.fixture
@@ -110,14 +104,8 @@ def test_keys_are_set_as_in_a_scene_file():
     assert scene.parameters()["satellites"] == 2
     assert scene.drive.omega1 == 50.0
     assert scene.run.outputs == ["omega2"]
-    text = (
-        example("planar").read_text().replace("0.8 kg", "1.5 kg").replace("satellites = 3", "satellites = 2")
-    )
-    assert tomllib.loads(text)["mechanism"]["satellites"] == 2
-    assert (
-        scene.mechanism
-        == load_scene(example("planar"), {"mechanism": tomllib.loads(text)["mechanism"]}).mechanism
-    )
+    whole_table = load_scene(example("planar"), {"mechanism": scene.tables["mechanism"]})
+    assert whole_table.mechanism == scene.mechanism
 
 
 @pytest.mark.parametrize(
@@ -128,7 +116,6 @@ def test_keys_are_set_as_in_a_scene_file():
             "imbalance_mas=1",
             r"planar.toml: mechanism.imbalance_mas = 1: .* \(did you mean imbalance_mass\?\)",
         ),
-        ("imbalance_mass=1 m", r"planar.toml: mechanism.imbalance_mass"),
     ],
 )
 def test_what_cannot_be_set_is_refused_in_a_sentence(given, sentence):
@@ -157,16 +144,9 @@ def test_scene_without_a_loop_runs_without_python_control(built):
     assert subprocess.run(command, capture_output=True, text=True, check=True).stdout == "[]\n"
 
 
-@pytest.mark.parametrize("name", MODELS)
-def test_kernel_of_a_wheel_is_that_of_its_native_fmu(name, built, tmp_path, monkeypatch):
-    monkeypatch.setenv("INERTIA_MODULE_CACHE", str(tmp_path))
-    monkeypatch.setattr(load, "ready_made", lambda file: built / file)
-    monkeypatch.setattr(load, "_loaded", {})
-    load.load(MODELS[name])
-    assert [path.stem.partition("-")[0] for path in tmp_path.iterdir()] == [name]
-
-
-def test_module_on_the_kernel_of_a_wheel_gives_the_same_bits(built, tmp_path, monkeypatch, compiled):
+def test_kernel_of_a_wheel_is_that_of_its_native_fmu_and_gives_the_same_bits(
+    built, tmp_path, monkeypatch, compiled
+):
     def run():
         module = Module(compiled).start(omega1=100.0, load_torque=5.0)
         module.advance(0.05)
@@ -177,7 +157,8 @@ def test_module_on_the_kernel_of_a_wheel_gives_the_same_bits(built, tmp_path, mo
     monkeypatch.setattr(load, "ready_made", lambda file: built / file)
     monkeypatch.setattr(load, "_loaded", {})
     assert run() == here
-    assert list(tmp_path.glob("InertiaModule-*"))
+    load.load(MODELS["DrivenShaft"])
+    assert {path.stem.partition("-")[0] for path in tmp_path.iterdir()} == set(MODELS)
 
 
 # memory that is asked for and never used; then the kernel is loaded and runs

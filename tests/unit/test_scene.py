@@ -11,9 +11,9 @@ from inertia_module.common.units import parse_unit, to_si
 from inertia_module.contract.variable import PARAMETER
 from inertia_module.contract.variables import with_causality
 from inertia_module.scene import SceneError, load_scene, read_scene
-from inertia_module.scene.mechanism import Mechanism
 from inertia_module.scene.reading import scene_text
 from inertia_module.scene.run import scene_plan, start_of
+from inertia_module.scene.schema import Mechanism
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 DRIVE = 'kind = "constant"\nomega1 = 100'
@@ -47,6 +47,7 @@ COMMANDED = CLOSED.replace('"controlled"', '"controlled_torque"\nomega1 = 80').r
     '"pi"', '"pi_torque"\nminimum = "-10 N.m"\nmaximum = "20 N.m"'
 )
 ENGINE = (EXAMPLES / "engine_launch.toml").read_text()
+AUTO = OPEN + '[accuracy]\nerror = "2 %"\nwindow = "0.1 s"\n[mechanism]\nfidelity = "auto"'
 
 
 def read(text, folder=Path()):
@@ -249,6 +250,7 @@ BASES = {
     "torque": TORQUE,
     "commanded": COMMANDED,
     "engine": ENGINE,
+    "auto": AUTO,
     "still": changed(changed(CLOSED, VEHICLE, 'kind = "torque"\ntorque = 1'), '"36 km/h"', "3"),
 }
 # a scene of these with something changed or, before its end, added; how the line about it begins and goes on
@@ -259,14 +261,10 @@ open + [mechanism]\nsatelites = 3
     mechanism.satelites = 3 ... did you mean satellites?
 open: omega1 => omega_1
     drive.omega_1 = 100 ... mean omega1?) (and 1 more)
-torque: drive_torque = => torque =
-    drive.torque = '12 Nm' ... did you mean drive_torque?
 open: "constant" => "ramp"
     drive.omega1 = 100 must not be given with drive.kind = 'ramp', it belongs to kind 'constant' or 'table'
 open: omega1 = 100 =>
     drive.omega1 must be given, is missing
-torque: drive_torque = "12 Nm" =>
-    drive.drive_torque must be given, is missing
 open: kind = "constant"\nomega1 = 100 =>
     drive.kind must be one of 'constant', 'ramp' ... is missing
 open: constant => steady
@@ -343,14 +341,10 @@ closed: "controlled" => "constant"\nomega1 = 1
     with controller.kind = 'pi' drive.kind ... is 'constant'
 commanded: "controlled_torque"\nomega1 = 80 => "controlled"
     with controller.kind = 'pi_torque' drive.kind must be 'controlled_torque', is 'controlled'
-commanded: "pi_torque" => "pid"
-    controller.kind must be one of 'pi', 'pi_torque', is 'pid'
 commanded: minimum = "-10 N.m" =>
     controller.minimum must be given, is missing
 commanded: "20 N.m" => "-30 N.m"
     controller: minimum must be below maximum = -30, is -10
-closed + minimum = 5\nmaximum = 2
-    controller: minimum must be below maximum = 2, is 5
 open: torque = 10 =>
     load: one of torque and torque_over_time must be given, neither is
 engine: inertia = "0.15 kg.m2"\n =>
@@ -383,6 +377,22 @@ open: "torque"\ntorque = 10 => "shaft"\ninertia = 0.5\ncoupling = { stiffness = 
     run.communication_step: ... the step must be shorter, is 0.01 s
 engine: gain = "3 N.m.s/rad" => gain = "30 N.m.s/rad"
     run.communication_step: ... at most inertia over gain, 0.005 s, is 0.01 s
+auto: error = "2 %" =>
+    with mechanism.fidelity = 'auto' accuracy.error must be given, such as '1 %', is missing
+auto: error = => tolerance = 1e-7\nerror =
+    with mechanism.fidelity = 'auto' accuracy.tolerance must not be given, is 1e-07:
+auto: fidelity = => method = "event"\nfidelity =
+    with mechanism.fidelity = 'auto' mechanism.method must not be given, is 0:
+auto: fidelity = => max_step = 1e-3\nfidelity =
+    with mechanism.fidelity = 'auto' mechanism.max_step must not be given, is 0.001:
+auto: "2 %" => "0 %"
+    accuracy.error must be a number above 0 and of at most 1, is '0 %'
+auto: "2 %" => "2 m"
+    accuracy.error must be a number ..., is '2 m'
+auto: "0.1 s" => "0 s"
+    accuracy.window must be a number above 0 in s, ..., is '0 s'
+auto: "auto" => "automatic"
+    mechanism.fidelity must be ..., or auto, is 'automatic'
 """
 
 

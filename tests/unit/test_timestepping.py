@@ -31,8 +31,13 @@ HEAVY = {"modules": 1, "satellites": 1, "imbalance_mass": 3.0}
 FIXED_STEPS = ("timestepping", "elastic-timestepping")
 
 
-# what rounding may make in a run, of the largest energy there was
+# what rounding may make in a run, of the largest energy there was: at the least of this share of what the
+# inertias would have at the speed of link 1, for speeds are differences of it, and of next to nothing at rest;
+# and of the impulses, of the momentum
 ROUNDING = 1e-11
+OF_INPUT = 1e-3
+AT_REST = 1e-20  # J
+OF_MOMENTUM = 1e-13
 ENERGIES = ("energy_stored", "energy_in", "energy_out", "energy_lost")
 
 
@@ -42,8 +47,10 @@ def largest_gain(kernel, motion, step):
     In each of its segments it takes 20 steps of this size.
     """
     module = motion.started(Module(kernel))
-    energy, last, gain = module["energy_stored"], 0.0, 0.0
+    inertia = sum(module[name] for name in ("link2_inertia", "output_inertia", "driven_inertia"))
+    energy, last, gain = max(module["energy_stored"], AT_REST), 0.0, 0.0
     for part in motion.segments:
+        energy = max(energy, OF_INPUT * inertia * part.omega1**2)
         module.set(omega1=part.omega1, load_torque=part.load, drive_torque=part.drive)
         for _ in range(20):
             module.advance(step)
@@ -54,9 +61,10 @@ def largest_gain(kernel, motion, step):
             assert module["omega2"] >= 0.0 or not module["housing_freewheel"]
             assert module["omega_hub"] >= module["omega2"]
             dragged = module["output_drag"] + module["output_drag_viscous"] > 0.0
-            assert module["output_torque_mean"] >= 0.0 or not module["output_freewheel"] or dragged
+            impulse, momentum = step * module["output_torque_mean"], inertia * abs(module["omega2"])
+            assert impulse >= -OF_MOMENTUM * momentum or not module["output_freewheel"] or dragged
     assert all(math.isfinite(value) for value in module.snapshot().values())
-    return gain / energy if energy else gain
+    return gain / energy
 
 
 @pytest.fixture(params=SCENES)
@@ -103,7 +111,7 @@ def test_many_pulses_in_a_step_make_no_energy(compiled, scene):
 @pytest.mark.parametrize("losses", [False, True], ids=["ideal", "losses"])
 def test_no_random_run_makes_energy(compiled, losses):
     for number in range(600):
-        motion = draw_motion(5, number, losses)
+        motion = draw_motion(1, number, losses)
         with suppress(Refused):  # the meshes jam
             if motion.level.method == TIMESTEPPING:
                 # 0.03 to 30 rad of the highest harmonic

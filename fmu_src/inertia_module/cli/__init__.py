@@ -11,9 +11,7 @@ from typing import Annotated
 import typer
 
 from .. import __version__
-from .fmus import build, check, export
-from .jobs import design, fit, orders, sweep
-from .scenes import chart, new, run, tradeoff, view
+from .commands import build, chart, check, design, export, fit, new, orders, run, sweep, tradeoff, view
 
 app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},

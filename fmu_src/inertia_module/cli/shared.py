@@ -8,7 +8,7 @@ from __future__ import annotations
 import functools
 import inspect
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -41,17 +41,25 @@ Keys = Annotated[
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object for machines.")]
 
 
+class Aside(str):
+    """Line for the error output."""
+
+
+# a line; headings and values under a title; what prints more than that
+Shown = str | tuple[str, dict[str, str]] | Callable[[], None]
+
+
 @dataclass
 class Answer:
     """Outcome of a command.
 
     Attributes:
-        told: for machines. show: prints it for people. failed: whether the exit code is 1.
+        told: for machines. shown: to people, in this order. failed: whether the exit code is 1.
         files: that were left, by name; a machine is told them as well, for people they are listed at the end.
     """
 
     told: dict[str, Any]
-    show: Callable[[], None] = lambda: None
+    shown: Sequence[Shown] = ()
     files: Mapping[str, Path] = field(default_factory=dict)
     failed: bool = False
 
@@ -67,7 +75,8 @@ def command(work: Callable[..., Answer]) -> Callable[..., None]:
         if as_json:
             typer.echo(json.dumps(answer.told | ({"files": listed} if listed else {})))
         else:
-            answer.show()
+            for one in answer.shown:
+                show(one)
             for name, file in listed.items():
                 typer.echo(f"{name}: {file}")
         if answer.failed:
@@ -125,12 +134,19 @@ def write_figure(path: Path, figure: Any) -> Path:
     return write(path, figure)
 
 
-def show_table(title: str, rows: dict[str, str]) -> None:
-    """Print headings and values as a table."""
+def show(one: Shown) -> None:
+    """Print one of what an answer shows."""
+    if isinstance(one, str):
+        typer.echo(one, err=isinstance(one, Aside))
+        return
+    if not isinstance(one, tuple):
+        one()
+        return
     from rich.table import Table
 
     from ..common.terminal import terminal
 
+    title, rows = one
     table = Table(title=title, title_justify="left", show_header=False)
     for heading, value in rows.items():
         table.add_row(heading, value)

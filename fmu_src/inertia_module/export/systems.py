@@ -1,18 +1,133 @@
-"""A system in the files of other tools: SSP (System Structure and Parameterization 1.0), and OSP's structure.
+"""Systems of FMUs: planned for a mechanism, and written in the files of SSP 1.0 and of OSP.
 
-Of SSP it uses what OMSimulator, libcosim, Ecos and FMPy all read: each component has its own values, nothing
-is connected to the boundary of the system, and only wired inputs have connectors.
+A plan is the module or, if its shaft is elastic, the rigid module and its shaft as two FMUs, wired, with the
+values of a scene. Of SSP (System Structure and Parameterization) it uses what OMSimulator, libcosim, Ecos and
+FMPy all read: each component has its own values, nothing is connected to the boundary of the system, and
+only wired inputs have connectors.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from typing import NamedTuple
 from xml.etree.ElementTree import Element, SubElement, register_namespace
 
 from .. import __version__
-from ..contract.variable import UNITS, Variable
+from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE, Model
+from ..contract.variable import PARAMETER, UNITS, Variable
 from ..fmu.archive import archive, generation_date, xml_text
-from .plan import Part, Plan, typed
+from ..fmu.builder import MODULE_FMU, SHAFT_FMU
+from ..fmu.native_fmu import NativeFmu
+from ..harness.wires import Wire
+from ..kernel.codes import DRIVE_TORQUE, ELASTIC, RIGID
+
+MODULE, SHAFT = "module", "shaft"
+# outputs worth a connector
+SHOWN = {
+    MODULE: (
+        "input_speed",
+        "omega2",
+        "omega_out",
+        "input_torque_mean",
+        "output_torque_mean",
+        "imbalance_acceleration",
+    ),
+    SHAFT: ("omega_out", "shaft_torque_mean", "twist", "driven_acceleration"),
+}
+
+
+class Part(NamedTuple):
+    """One FMU of a system: its values by name, those that differ from the start values."""
+
+    name: str
+    fmu: NativeFmu
+    values: dict[str, float]
+
+    def variable(self, name: str) -> Variable:
+        """One of its variables."""
+        return self.fmu.model.by_name[name]
+
+
+class Plan(NamedTuple):
+    """A system of FMUs to export.
+
+    Attributes:
+        title: of the system. parts: its FMUs. wires: between them.
+        inputs: inputs that no wire drives (part, variable). outputs: those that are shown, likewise.
+        step: communication step, s. stop_time: s.
+    """
+
+    title: str
+    parts: tuple[Part, ...]
+    wires: tuple[Wire, ...]
+    inputs: tuple[tuple[str, str], ...]
+    outputs: tuple[tuple[str, str], ...]
+    step: float
+    stop_time: float
+
+    def part(self, name: str) -> Part:
+        """A part by its name."""
+        return next(part for part in self.parts if part.name == name)
+
+
+def _parameters(model: Model, values: Mapping[str, float]) -> dict[str, float]:
+    names = {variable.name for variable in model.with_causality(PARAMETER)}
+    return {name: float(value) for name, value in values.items() if name in names}
+
+
+def make_plan(
+    title: str,
+    values: Mapping[str, float],
+    inputs: Mapping[str, float],
+    step: float,
+    stop_time: float,
+    tolerance: float = 1e-6,
+) -> Plan:
+    """Plan the system for a mechanism: the module alone or, if it is elastic, the rigid module and its shaft.
+
+    Args:
+        title: of the system.
+        values: parameters of the module that differ from their start values.
+        inputs: omega1, load_torque and, of a module driven by torque, drive_torque at the start.
+        step: communication step, s. stop_time: s. tolerance: of the module.
+    """
+    own, of_shaft = _parameters(INERTIA_MODULE, values), _parameters(DRIVEN_SHAFT, values)
+    own["tolerance"] = tolerance
+    wires: tuple[Wire, ...] = ()
+    if values.get("fidelity") == ELASTIC:
+        rigid = {name: value for name, value in own.items() if name not in DRIVEN_SHAFT.by_name}
+        rigid |= {name: own[name] for name in ("omega_out_start", "input_hold") if name in own}
+        rigid |= {**inputs, "fidelity": float(RIGID), "load_torque": 0.0}
+        start = {"hub_speed": own.get("omega_out_start", 0.0), "load_torque": inputs["load_torque"]}
+        parts: tuple[Part, ...] = (
+            Part(MODULE, MODULE_FMU, rigid),
+            Part(SHAFT, SHAFT_FMU, of_shaft | start),
+        )
+        wires = (
+            Wire(MODULE, "omega_out", SHAFT, "hub_speed"),
+            Wire(SHAFT, "shaft_torque_mean", MODULE, "load_torque"),
+        )
+    else:
+        parts = (Part(MODULE, MODULE_FMU, {**own, **inputs}),)
+    drive = "drive_torque" if values.get("drive") == DRIVE_TORQUE else "omega1"
+    ends = ((MODULE, drive), (parts[-1].name, "load_torque"))
+    shown = tuple((part.name, output) for part in parts for output in SHOWN[part.name])
+    return Plan(title, parts, wires, ends, shown, step, stop_time)
+
+
+def typed(variable: Variable, value: float) -> tuple[str, str]:
+    """(kind, value as text) of a variable in files of other tools; an enumeration as an Integer.
+
+    libcosim and Ecos know no enumerations, FMPy knows none by the names of their items.
+    """
+    if variable.kind == "Boolean":
+        return "Boolean", "true" if value else "false"
+    if variable.kind == "Real":
+        return "Real", repr(float(value))
+    return "Integer", str(int(value))
+
+
+# --- SSP and OSP ---
 
 _BASE = "http://ssp-standard.org/SSP1/SystemStructure"
 SSD, SSV, SSC = f"{_BASE}Description", f"{_BASE}ParameterValues", f"{_BASE}Common"

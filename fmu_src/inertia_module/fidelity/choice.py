@@ -7,8 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from .levels import FIDELITIES, NOT_MODELLED
-from .rows import PEER, Row
+from .levels import FIDELITIES, NOT_MODELLED, PEER, Row
 
 _NUMBER = {name: number for number, name in FIDELITIES.items()}
 # where there is no higher fidelity, the next level is one that is so much more accurate

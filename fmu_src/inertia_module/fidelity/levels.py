@@ -1,12 +1,19 @@
-"""Levels of fidelity: what each models, and the settings at which it is measured."""
+"""Levels of fidelity: what each models, the settings at which it is measured, the rows of measurements."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import csv
+import dataclasses
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
 
 from ..contract.variable import ENUMERATIONS
 from ..contract.variables import VARIABLES
+from ..harness import results
+from ..harness.simulate import Progress
 from ..kernel.codes import AVERAGED, ELASTIC, EVENT, KINEMATIC, RIGID, TIMESTEPPING
 
 FIDELITIES = {number: name for name, number, _ in ENUMERATIONS["Fidelity"]}
@@ -39,24 +46,19 @@ class Level:
     parameters: Mapping[str, float] = field(default_factory=dict)
 
     @property
-    def fidelity_name(self) -> str:
-        """Such as rigid."""
-        return FIDELITIES[self.fidelity]
-
-    @property
-    def method_name(self) -> str:
-        """Such as event; "" where there is no choice of one."""
-        return METHODS[self.method] if self.fidelity in (RIGID, ELASTIC) else ""
-
-    @property
     def name(self) -> str:
-        """Fidelity and method, such as "rigid, event"."""
-        return ", ".join(filter(None, (self.fidelity_name, self.method_name)))
+        """Fidelity and, where there is a choice of one, method, such as "rigid, event"."""
+        return self.row(0.0).level
 
     @property
     def values(self) -> dict[str, float]:
         """Parameters of the module for this level."""
         return {"fidelity": float(self.fidelity), "method": float(self.method), **self.parameters}
+
+    def row(self, step: float) -> Row:
+        """Make the row of the level in communication steps, s, before anything is measured."""
+        method = METHODS[self.method] if self.fidelity in (RIGID, ELASTIC) else ""
+        return Row(FIDELITIES[self.fidelity], method, self.setting, step)
 
 
 def event(fidelity: int, tolerance: float) -> Level:
@@ -90,3 +92,138 @@ def all_levels(elastic: bool, kinematic: bool = True, few: bool = False) -> Iter
             yield timestepping(fidelity, step)
         for tolerance in _FEW_TOLERANCES if few else TOLERANCES:
             yield event(fidelity, tolerance)
+
+
+# --- measurements ---
+
+_HEADS = ("fidelity", "method", "setting", "communication_step [s]")
+_COSTS = {
+    "wall_time_per_second [s]": "wall_time",
+    "loop_time_per_second [s]": "loop_time",
+    "rhs_evaluations": "evaluations",
+    "contact_switches": "switches",
+}
+# fidelity of a row of another integrator
+PEER = "peer"
+# what a run may end with: refusals, missing libraries, integrators that give up
+FAILURES = (ValueError, RuntimeError, ArithmeticError, MemoryError)
+
+
+@dataclass(frozen=True)
+class Row:
+    """Measurements of one run.
+
+    Attributes:
+        fidelity: its name, or "peer". method: of integration. setting: such as "tolerance 1e-06".
+        communication_step: s. errors: by name, NaN where nothing is known.
+        wall_time: s per simulated second, of the integration alone. evaluations: of the right-hand side.
+        switches: counted, NaN where they are not. failure: why there is nothing measured, else "".
+        loop_time: s per simulated second of the module with what is around it, NaN where there is nothing.
+    """
+
+    fidelity: str
+    method: str
+    setting: str
+    communication_step: float
+    errors: Mapping[str, float] = field(default_factory=dict)
+    wall_time: float = math.nan
+    evaluations: float = math.nan
+    switches: float = math.nan
+    failure: str = ""
+    loop_time: float = math.nan
+
+    @property
+    def level(self) -> str:
+        """Fidelity and method, such as "rigid, event"."""
+        return f"{self.fidelity}, {self.method}" if self.method else self.fidelity
+
+    @property
+    def label(self) -> str:
+        """Fidelity, method and setting."""
+        return f"{self.level}, {self.setting}" if self.setting else self.level
+
+    def worst(self, wanted: Sequence[str]) -> float:
+        """Largest error of the wanted ones; infinite where one is not known."""
+        errors = [self.errors.get(name, math.nan) for name in wanted]
+        unknown = self.failure or any(map(math.isnan, errors))
+        return math.inf if unknown else max(errors, default=math.inf)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Give the row for machines: what is not known is None."""
+
+        def known(value: float) -> float | None:
+            return value if math.isfinite(value) else None
+
+        heads = ("fidelity", "method", "setting", "communication_step")
+        head = {name: getattr(self, name) for name in heads}
+        costs = {name.partition(" ")[0]: known(getattr(self, cost)) for name, cost in _COSTS.items()}
+        errors = {name: known(value) for name, value in self.errors.items()}
+        return {**head, "errors": errors, **costs, "failure": self.failure}
+
+
+# what is to be run, nothing of it measured, and what measures it: gives fields of Row by name
+Attempt = tuple[Row, Callable[[Progress], dict[str, Any]]]
+
+
+def attempt_all(
+    attempts: Sequence[Attempt], progress: Progress | None = None, begin: float = 0.0
+) -> list[Row]:
+    """Make all runs; what fails is a row with the reason.
+
+    Args:
+        attempts: the runs; each is given a function to tell how much of it is done (0 to 1).
+        progress: told how much is done. begin: share that was done before.
+    """
+    tell = progress or (lambda done: None)
+    share = (1.0 - begin) / max(len(attempts), 1)
+    rows = []
+    for number, (head, run) in enumerate(attempts):
+        start = begin + number * share
+        try:
+            found = run(lambda done, start=start: tell(start + done * share))  # type: ignore[misc]
+        except FAILURES as error:
+            found = {"failure": " ".join(str(error).split()) or type(error).__name__}
+        rows.append(dataclasses.replace(head, **found))
+        tell(start + share)
+    return rows
+
+
+def write_rows(path: Path, rows: Sequence[Row]) -> Path:
+    """Write all rows as CSV, failures too; whole or not at all."""
+    names = list(dict.fromkeys(name for row in rows for name in row.errors))
+    lines = []
+    for row in rows:
+        numbers = [row.errors.get(name, math.nan) for name in names]
+        numbers += [getattr(row, name) for name in _COSTS.values()]
+        cells = ["" if math.isnan(value) else float(value) for value in numbers]
+        lines.append([row.fidelity, row.method, row.setting, row.communication_step, *cells, row.failure])
+    headings = [*_HEADS, *(f"error {name}" for name in names), *_COSTS, "failure"]
+    return results.write_rows(path, headings, lines)
+
+
+def read_rows(path: Path) -> list[Row]:
+    """Read rows that write_rows has written.
+
+    Raises:
+        OSError: there is no such file. ValueError: it is another table.
+    """
+    table = csv.DictReader(path.read_text().splitlines())
+    if tuple(table.fieldnames or ())[: len(_HEADS)] != _HEADS:
+        raise ValueError(f"{path} must begin with the headings {', '.join(_HEADS)}")
+    rows = []
+    for line in table:
+        fidelity, method, setting, step, failure = (line.pop(name) for name in (*_HEADS, "failure"))
+        numbers = {name: float(text) if text else math.nan for name, text in line.items()}
+        costs = {cost: numbers.pop(name) for name, cost in _COSTS.items()}
+        errors = {name.removeprefix("error "): value for name, value in numbers.items()}
+        rows.append(Row(fidelity, method, setting, float(step), errors, failure=failure, **costs))
+    return rows
+
+
+def failure_lines(rows: Sequence[Row]) -> list[str]:
+    """Say in a line for each kind of run that failed why it did."""
+    labels: dict[str, dict[str, None]] = {}
+    for row in rows:
+        if row.failure:
+            labels.setdefault(row.failure, {})[row.label] = None
+    return [f"failed: {'; '.join(found)}: {reason}" for reason, found in labels.items()]

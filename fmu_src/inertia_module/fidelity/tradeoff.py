@@ -1,14 +1,12 @@
-"""Trade of speed for accuracy of a scene: measured rows, their files, and plots of error against cost."""
+"""Trade of speed for accuracy of a scene: measured rows, their files, and a plot of error against cost."""
 
 from __future__ import annotations
 
 import dataclasses
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -19,10 +17,9 @@ from ..common.colours import BLUE, VERMILION
 from ..harness.results import write_figure
 from ..harness.simulate import Progress, whole_steps
 from ..scene import Scene
-from .choice import Choice
-from .levels import all_levels
-from .rows import PEER, Row, as_dict, failure_lines, write_rows
-from .trials import has_elastic_output, measure_scene, trial_rows
+from ..scene.schema import is_elastic
+from .levels import PEER, Row, all_levels, write_rows
+from .trials import measure_scene
 
 Array = NDArray[np.float64]
 
@@ -30,7 +27,6 @@ Array = NDArray[np.float64]
 _LONGER = (1, 10, 100)
 WORST = "worst"
 _DPI = 110
-_COLUMNS = 4
 # a slope is fitted to at least so many points
 _FITTED = 3
 _COSTS = {"wall_time": "ms per simulated second", "evaluations": "right-hand sides"}
@@ -93,86 +89,23 @@ def _panel(axes: Axes, rows: Sequence[Row], error: str, cost: str) -> None:
     axes.grid(alpha=0.3, linewidth=0.4)
 
 
-def _figure(
-    rows: Sequence[Row],
-    panels: Sequence[tuple[str, str]],
-    title: str,
-    size: tuple[float, float],
-    sharey: bool = False,
-) -> Figure:
-    """Draw panels of (error, cost)."""
-    figure = Figure(figsize=size, dpi=_DPI, layout="constrained")
-    figure.suptitle(f"{title}: least relative error for the cost", fontsize=11)
-    columns = min(_COLUMNS, len(panels))
-    grid = figure.subplots(math.ceil(len(panels) / columns), columns, sharey=sharey, squeeze=False).ravel()
-    for axes, (error, cost) in zip(grid, panels, strict=False):
-        _panel(axes, rows, error, cost)
-    for axes in grid[len(panels) :]:
-        axes.set_axis_off()
-    return figure
-
-
 def work_precision(rows: Sequence[Row], error: str, title: str) -> Figure:
     """Draw one error against wall time and against right-hand sides.
 
     Args:
         rows: measured. error: name in Row.errors. title: of the figure.
     """
-    return _figure(rows, [(error, cost) for cost in _COSTS], title, (11.0, 5.0), sharey=True)
+    figure = Figure(figsize=(11.0, 5.0), dpi=_DPI, layout="constrained")
+    figure.suptitle(f"{title}: least relative error for the cost", fontsize=11)
+    for axes, cost in zip(figure.subplots(1, 2, sharey=True), _COSTS, strict=True):
+        _panel(axes, rows, error, cost)
+    return figure
 
 
-def all_errors(rows: Sequence[Row], names: Sequence[str], title: str) -> Figure:
-    """Draw each error against wall time, a panel each."""
-    size = 4.0 * min(_COLUMNS, len(names)), 3.4 * math.ceil(len(names) / _COLUMNS) + 0.6
-    return _figure(rows, [(name, "wall_time") for name in names], title, size)
+# --- a scene ---
 
 
-# --- a study ---
-
-
-@dataclass(frozen=True)
-class Study:
-    """Measured rows of a scene, and how they are shown.
-
-    Attributes:
-        title: of table and plots. rows: all of them. names: errors to show; the last one is plotted alone.
-    """
-
-    title: str
-    rows: list[Row]
-    names: tuple[str, ...]
-
-    def as_dict(self) -> dict[str, Any]:
-        """Give the study for machines."""
-        return {"title": self.title, "rows": [as_dict(row) for row in self.rows]}
-
-    def write(self, folder: Path, stem: str = "tradeoff") -> dict[str, Path]:
-        """Leave all rows as CSV and plots as PNG and SVG in a folder. Returns the files by name."""
-        files = {"rows": write_rows(folder / f"{stem}.csv", self.rows)}
-        figures = {
-            stem: work_precision(self.rows, self.names[-1], self.title),
-            f"{stem}_errors": all_errors(self.rows, self.names, self.title),
-        }
-        for name, figure in figures.items():
-            for kind in ("png", "svg"):
-                files[f"{name}_{kind}"] = write_figure(folder / f"{name}.{kind}", figure)
-        return files
-
-    def closing_lines(self, choice: Choice | None) -> list[str]:
-        """Say what failed and what is recommended."""
-        return failure_lines(self.rows) + ([] if choice is None else choice.lines())
-
-
-def _of_scene(scene: Scene, rows: Sequence[Row]) -> Study:
-    """Make a study of the errors of the wanted outputs alone, and the worst of them."""
-    wanted, kept = scene.run.outputs, []
-    for row in rows:
-        errors = {name: row.errors[name] for name in wanted if name in row.errors}
-        kept.append(dataclasses.replace(row, errors={**errors, WORST: row.worst(wanted)} if errors else {}))
-    return Study(scene.title, kept, (*wanted, WORST))
-
-
-def scene_study(scene: Scene, progress: Progress | None = None) -> Study:
+def measured_rows(scene: Scene, progress: Progress | None = None) -> list[Row]:
     """Measure a scene at all levels, in its own communication step and in longer ones.
 
     Raises:
@@ -180,10 +113,23 @@ def scene_study(scene: Scene, progress: Progress | None = None) -> Study:
     """
     longer = (factor * scene.run.communication_step for factor in _LONGER)
     steps = [step for step in longer if whole_steps(scene.run.stop_time, step)]
-    levels = list(all_levels(has_elastic_output(scene), kinematic=False))
-    return _of_scene(scene, measure_scene(scene, levels, steps, progress))
+    levels = list(all_levels(is_elastic(scene.given), kinematic=False))
+    return measure_scene(scene, levels, steps, progress)
 
 
-def scene_trials(scene: Scene, progress: Progress | None = None) -> Study:
-    """Give the trials that `fidelity = "auto"` chooses from, measured or from the last time."""
-    return _of_scene(scene, trial_rows(scene, progress))
+def with_worst(rows: Sequence[Row], wanted: Sequence[str]) -> list[Row]:
+    """Rows with the errors of the wanted outputs alone, and WORST, the largest of them."""
+    kept = []
+    for row in rows:
+        errors = {name: row.errors[name] for name in wanted if name in row.errors}
+        kept.append(dataclasses.replace(row, errors={**errors, WORST: row.worst(wanted)} if errors else {}))
+    return kept
+
+
+def leave_rows(folder: Path, title: str, rows: Sequence[Row]) -> dict[str, Path]:
+    """Leave rows of with_worst in a folder, as CSV, and a plot as PNG and SVG. Returns the files by name."""
+    files = {"rows": write_rows(folder / "tradeoff.csv", rows)}
+    figure = work_precision(rows, WORST, title)
+    for kind in ("png", "svg"):
+        files[f"tradeoff_{kind}"] = write_figure(folder / f"tradeoff.{kind}", figure)
+    return files

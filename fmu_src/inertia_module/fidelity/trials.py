@@ -11,9 +11,8 @@ import math
 import statistics
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,13 +23,23 @@ from ..harness.results import TIME
 from ..harness.simulate import Progress, Result
 from ..kernel.codes import AVERAGED, ELASTIC, RIGID, STEP
 from ..loops import ClosedLoop
+from ..loops.closed_loop import PLANT_INPUTS
 from ..memory import Module
 from ..scene import Scene
-from ..scene.mechanism import at_fidelity, is_elastic, parameters
 from ..scene.run import start_of
+from ..scene.schema import at_fidelity, is_elastic
 from .choice import Choice, recommend
-from .levels import NOT_MODELLED, Level, all_levels, event
-from .rows import Attempt, Row, attempt_all, head_of, read_rows, write_rows
+from .levels import (
+    NOT_MODELLED,
+    Attempt,
+    Level,
+    Row,
+    all_levels,
+    attempt_all,
+    event,
+    read_rows,
+    write_rows,
+)
 
 Array = NDArray[np.float64]
 
@@ -69,7 +78,7 @@ def median_time(run: Callable[[], Any], repeats: int = 11) -> float:
 def kernel_time(
     module: Module,
     begin: bytes,
-    inputs: Sequence[tuple[float, float, float]],
+    inputs: Sequence[Sequence[float]],
     communication_step: float,
     repeats: int = 31,
 ) -> float:
@@ -94,25 +103,7 @@ def kernel_time(
 # --- a run ---
 
 
-class RecordedModule(Module):
-    """Module as a plant of loops.ClosedLoop, which keeps the inputs of each step.
-
-    Attributes:
-        held: (omega1, load_torque, drive_torque) of each step.
-    """
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.held: list[tuple[float, float, float]] = []
-
-    def advance(self, step_size: float) -> None:
-        """Advance by a communication step, s."""
-        self.held.append((self.inputs.omega1, self.inputs.load_torque, self.inputs.drive_torque))
-        super().advance(step_size)
-
-
-@dataclass(frozen=True)
-class SceneRun:
+class SceneRun(NamedTuple):
     """Result of a run of a scene.
 
     Attributes:
@@ -137,13 +128,16 @@ def run_in_process(scene: Scene, progress: Progress | None = None) -> SceneRun:
     surroundings, values, inputs = start_of(scene)
     if scene.accuracy.tolerance is not None:
         values["tolerance"] = scene.accuracy.tolerance
-    plant = RecordedModule().start(**values, **inputs)
+    plant = Module().start(**values, **inputs)
     begin = plant.save()
     loop = ClosedLoop(plant, surroundings, COMPUTED, scene.signal_units)
     began = time.perf_counter()
     record = loop.run(scene.run.stop_time, progress)
     loop_time, duration = time.perf_counter() - began, scene.run.stop_time
-    spent = kernel_time(plant, begin, plant.held, scene.run.communication_step)
+    # the signals of a row are held over the step it begins, the other inputs over the run
+    held = [record[name] if name in record else np.full(len(record), plant[name]) for name in PLANT_INPUTS]
+    steps = np.transpose(held)[:-1].tolist()
+    spent = kernel_time(plant, begin, steps, scene.run.communication_step)
     return SceneRun(record, spent / duration, loop_time / duration)
 
 
@@ -178,23 +172,15 @@ def window_errors(record: Result, exact: Result, window: float, fidelity: int) -
         fidelity: of the run.
     """
     largest_energy = float(np.abs(exact["energy_in"]).max())
-    errors: dict[str, float] = {}
+    errors = dict.fromkeys(NOT_COMPARED, 0.0) | dict.fromkeys(NOT_MODELLED[fidelity], math.nan)
     for name in exact.names:
-        if name == TIME:
+        if name == TIME or name in errors:
             continue
-        if name in NOT_COMPARED:
-            errors[name] = 0.0
-            continue
-        if name in NOT_MODELLED[fidelity]:
-            errors[name] = math.nan
-            continue
-        pairs = list(zip(_features(record, name, window), _features(exact, name, window), strict=True))
+        pairs = zip(_features(record, name, window), _features(exact, name, window), strict=True)
         difference = max(float(np.abs(ours - theirs).max()) for ours, theirs in pairs)
-        scale = float(np.abs(exact[name]).max())
-        if name in _ENERGIES:
-            scale = largest_energy
+        scale = largest_energy if name in _ENERGIES else float(np.abs(exact[name]).max())
         errors[name] = 0.0 if difference == 0.0 else difference / scale if scale > 0.0 else math.inf
-    return errors
+    return {name: errors[name] for name in exact.names if name != TIME}
 
 
 # --- levels, measured ---
@@ -206,7 +192,7 @@ def at_level(scene: Scene, level: Level, communication_step: float | None = None
     Raises:
         SceneError: the scene is refused there.
     """
-    rigid = at_fidelity(parameters(scene.mechanism), level.fidelity)
+    rigid = at_fidelity(scene.given, level.fidelity)
     inertia = {name: rigid[name] for name in ("output_inertia",) if name in rigid}
     values: dict[str, float | None] = {"max_step": None, **inertia, **level.values}
     tolerance = values.pop("tolerance", None)
@@ -216,14 +202,9 @@ def at_level(scene: Scene, level: Level, communication_step: float | None = None
     )
 
 
-def has_elastic_output(scene: Scene) -> bool:
-    """Tell whether a scene gives parameters of an elastic output."""
-    return is_elastic(parameters(scene.mechanism))
-
-
 def reference_level(scene: Scene) -> Level:
     """Pick the finest level of a scene: elastic where it has parameters of an elastic output."""
-    return event(ELASTIC if has_elastic_output(scene) else RIGID, REFERENCE_TOLERANCE)
+    return event(ELASTIC if is_elastic(scene.given) else RIGID, REFERENCE_TOLERANCE)
 
 
 def measure_scene(
@@ -262,7 +243,7 @@ def measure_scene(
         return run
 
     attempts: list[Attempt] = [
-        (head_of(level, step), of_level(level, step)) for step in lengths for level in levels
+        (level.row(step), of_level(level, step)) for step in lengths for level in levels
     ]
     return attempt_all(attempts, progress, share)
 
@@ -287,7 +268,7 @@ def measurement_file(scene: Scene) -> Path:
 
 def candidates(scene: Scene) -> list[Level]:
     """List the levels that are tried for a scene."""
-    return list(all_levels(has_elastic_output(scene), kinematic=False, few=True))
+    return list(all_levels(is_elastic(scene.given), kinematic=False, few=True))
 
 
 def trial_rows(scene: Scene, progress: Progress | None = None) -> list[Row]:
@@ -317,5 +298,5 @@ def choose(scene: Scene, progress: Progress | None = None) -> tuple[Scene, Choic
     assert scene.accuracy.error is not None
     choice = recommend(trial_rows(scene, progress), scene.accuracy.error, scene.run.outputs)
     step = choice.row.communication_step
-    (chosen,) = (one for one in candidates(scene) if head_of(one, step).label == choice.row.label)
+    (chosen,) = (one for one in candidates(scene) if one.row(step).label == choice.row.label)
     return at_level(scene, chosen), choice

@@ -7,7 +7,7 @@ bare numbers are in that unit.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BeforeValidator, Field, ValidationInfo, model_validator
 
@@ -102,27 +102,27 @@ class Brake(Strict):
     margin: Annotated[float, quantity("m/s", 0.0)] = 0.0
 
 
-class Pi(Strict):
-    """PI controller of the speed, with limits and anti-windup.
+class PiController(Strict):
+    """PI controller of the speed that commands omega1, with limits and anti-windup.
 
     Attributes:
         COMMAND: the input of the module that it commands. DRIVE: kind of [drive] that leaves it to it.
     """
 
-    COMMAND: ClassVar[str]
-    DRIVE: ClassVar[str]
+    COMMAND: ClassVar[str] = "omega1"
+    DRIVE: ClassVar[str] = "controlled"
 
-    kind: str
-    proportional_gain: float
-    integral_gain: float
-    feedforward: float
-    minimum: float
-    maximum: float
+    kind: Literal["pi"]
+    proportional_gain: Annotated[float, _by_measured("rad/m", "1", 0.0)]
+    integral_gain: Annotated[float, _by_measured("rad/m/s", "1/s", 0.0)] = 0.0
+    feedforward: Annotated[float, _by_measured("rad/m", "1")] = 0.0
+    minimum: AngularSpeed = 0.0
+    maximum: AngularSpeed = LARGEST_SPEED
     reference: Annotated[ConstantReference | TableReference | CycleReference, Field(discriminator="kind")]
     brake: Brake | None = None
 
     @model_validator(mode="after")
-    def _limits_in_order(self) -> Pi:
+    def _limits_in_order(self) -> Self:
         if not self.minimum < self.maximum:
             raise ValueError(must_be("minimum", f"below maximum = {self.maximum:g}", self.minimum))
         return self
@@ -146,27 +146,13 @@ class Pi(Strict):
         return systems
 
 
-class PiController(Pi):
-    """PI controller of the speed that commands omega1."""
-
-    COMMAND: ClassVar[str] = "omega1"
-    DRIVE: ClassVar[str] = "controlled"
-
-    kind: Literal["pi"]
-    proportional_gain: Annotated[float, _by_measured("rad/m", "1", 0.0)]
-    integral_gain: Annotated[float, _by_measured("rad/m/s", "1/s", 0.0)] = 0.0
-    feedforward: Annotated[float, _by_measured("rad/m", "1")] = 0.0
-    minimum: AngularSpeed = 0.0
-    maximum: AngularSpeed = LARGEST_SPEED
-
-
-class PiTorqueController(Pi):
+class PiTorqueController(PiController):
     """PI controller of the speed that commands drive_torque, within the limits of an engine or motor."""
 
     COMMAND: ClassVar[str] = "drive_torque"
     DRIVE: ClassVar[str] = "controlled_torque"
 
-    kind: Literal["pi_torque"]
+    kind: Literal["pi_torque"]  # type: ignore[assignment]
     proportional_gain: Annotated[float, _by_measured("N.s", "N.m.s/rad", 0.0)]
     integral_gain: Annotated[float, _by_measured("N", "N.m/rad", 0.0)] = 0.0
     feedforward: Annotated[float, _by_measured("N.s", "N.m.s/rad")] = 0.0

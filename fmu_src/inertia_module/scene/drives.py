@@ -15,13 +15,13 @@ from ..kernel.codes import DRIVE_SPEED, DRIVE_TORQUE
 from ..loops.sources import Signal, Table
 from .fields import (
     AngularSpeed,
+    ConstantOrTable,
     Duration,
     Strict,
     Tabulated,
     Time,
     Times,
     Torque,
-    one_signal,
     quantities,
     quantity,
 )
@@ -191,7 +191,7 @@ class EngineGovernor(Strict):
         return self
 
 
-class EngineDrive(AnyDrive):
+class EngineDrive(ConstantOrTable, AnyDrive):
     """An engine on link 1, whose speed follows from its torque.
 
     The throttle shares out the torque between closed, -drag, and full load. Below the idle speed a governor
@@ -205,6 +205,7 @@ class EngineDrive(AnyDrive):
     """
 
     INPUT: ClassVar[str] = "drive_torque"
+    SIGNAL: ClassVar[str] = "throttle"
 
     kind: Literal["engine"]
     inertia: Annotated[float, quantity("kg.m2", above=0.0)]
@@ -214,15 +215,6 @@ class EngineDrive(AnyDrive):
     throttle_over_time: ThrottleOverTime | None = None
     governor: EngineGovernor
     omega1: Turning | None = None
-
-    @model_validator(mode="after")
-    def _one_throttle(self) -> EngineDrive:
-        self.throttle_signal()
-        return self
-
-    def throttle_signal(self) -> Signal:
-        """The throttle, constant or over time, 0 to 1."""
-        return one_signal("throttle", self.throttle, self.throttle_over_time)
 
     @property
     def start_speed(self) -> float | None:
@@ -277,7 +269,7 @@ class EngineDrive(AnyDrive):
             dt=step,
             name="engine",
         )
-        return [loops.source("throttle", self.throttle_signal(), step), engine]
+        return [loops.source("throttle", self.one_signal(), step), engine]
 
 
 Drive = Annotated[

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, get_args
+from typing import Annotated, Any, ClassVar, Literal, Self, get_args
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationInfo, model_validator
 from pydantic.fields import FieldInfo
 
 from ..common.errors import did_you_mean
-from ..common.units import allowed_number, to_si
-from ..contract.variable import LARGEST_SPEED, LARGEST_TORQUE
+from ..common.units import allowed_number, number_of, to_si
+from ..contract.variable import LARGEST_SPEED, LARGEST_TORQUE, Variable
 from ..harness.results import TableError, read_columns
-from ..loops import Table
+from ..loops.sources import Signal, Table
+
+FIDELITY = "fidelity"
+# the fidelity is to be chosen from measurements
+AUTO = "auto"
 
 
 def checked(
@@ -91,6 +96,34 @@ AngularSpeed = Annotated[float, quantity("rad/s", -LARGEST_SPEED, LARGEST_SPEED)
 Torque = Annotated[float, quantity("N.m", -LARGEST_TORQUE, LARGEST_TORQUE)]
 
 
+def _in_range(variable: Variable) -> InUnit:
+    """Pydantic validator of a value of a variable: a number in SI, one with a unit, the name of an item."""
+
+    def check(value: Any) -> float | str:
+        if variable.name == FIDELITY and value == AUTO:
+            return AUTO
+        also = f", or {AUTO}" if variable.name == FIDELITY else ""
+        sentence = f"must be {variable.allowed}{also}, is {value!r}"
+        try:
+            number = number_of(value, variable.unit or "1", variable.items)
+        except ValueError as error:
+            raise ValueError(f"{sentence}: {error}") from None
+        if not variable.accepts(number):
+            raise ValueError(sentence)
+        return number
+
+    return InUnit(check, unit=variable.unit)
+
+
+def fields_of(variables: Sequence[Variable]) -> Any:
+    """Fields of a table for variables, as of pydantic.create_model: each may be given."""
+    number: Any = float | None
+    types = {variable.name: number for variable in variables}
+    if FIDELITY in types:
+        types[FIDELITY] = number | Literal["auto"]
+    return {one.name: (Annotated[types[one.name], _in_range(one)], None) for one in variables}
+
+
 class Strict(BaseModel):
     """Base of all tables of a scene: unknown keys are refused."""
 
@@ -156,15 +189,25 @@ class Tabulated(Strict):
         return Table(*(getattr(self, name) for name in self.columns()))
 
 
-def one_signal(name: str, constant: float | None, over_time: Tabulated | None) -> float | Table:
-    """Choose what is given of a constant and a table over time, two keys of which one must be there.
+class ConstantOrTable(Strict):
+    """A quantity that is constant or over time: two keys of which one must be there.
 
-    Raises:
-        ValueError: both are given, or neither.
+    Attributes:
+        SIGNAL: its name; that of the table ends with _over_time.
     """
-    if constant is not None and over_time is None:
-        return constant
-    if over_time is not None and constant is None:
-        return over_time.signal()
-    given = "neither is" if constant is None else "both are"
-    raise ValueError(f"one of {name} and {name}_over_time must be given, {given}")
+
+    SIGNAL: ClassVar[str]
+
+    @model_validator(mode="after")
+    def _one_of_both(self) -> Self:
+        self.one_signal()
+        return self
+
+    def one_signal(self) -> Signal:
+        """The quantity, constant or over time, in SI."""
+        constant, over_time = getattr(self, self.SIGNAL), getattr(self, f"{self.SIGNAL}_over_time")
+        if (constant is None) == (over_time is None):
+            given = "neither is" if constant is None else "both are"
+            raise ValueError(f"one of {self.SIGNAL} and {self.SIGNAL}_over_time must be given, {given}")
+        signal: Signal = constant if over_time is None else over_time.signal()
+        return signal

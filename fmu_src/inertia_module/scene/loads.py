@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from .. import loops
 from ..loops.cycles import KILOMETRE_PER_HOUR
 from ..loops.sources import Signal
-from .fields import Strict, Tabulated, Times, Torque, one_signal, quantities, quantity
+from .fields import ConstantOrTable, Strict, Tabulated, Times, Torque, quantities, quantity
 
 VEHICLE_SPEED = "vehicle_speed"
 SHAFT_SPEED = "omega_out"
@@ -59,29 +59,22 @@ class AnyLoad(Strict, ABC):
         """Make the load as a system of this step, s; one_way: the shaft cannot turn backwards."""
 
 
-class TorqueLoad(AnyLoad):
+class TorqueLoad(ConstantOrTable, AnyLoad):
     """A torque on the output shaft that does not depend on the motion."""
+
+    SIGNAL: ClassVar[str] = "torque"
 
     kind: Literal["torque"]
     torque: Torque | None = None
     torque_over_time: TorqueOverTime | None = None
 
-    @model_validator(mode="after")
-    def _one_of_both(self) -> TorqueLoad:
-        self.signal()
-        return self
-
-    def signal(self) -> Signal:
-        """The torque, constant or over time, N.m."""
-        return one_signal("torque", self.torque, self.torque_over_time)
-
     def prescribed(self) -> dict[str, Signal]:
         """Inputs of the module that follow from nothing the module does, by name."""
-        return {"load_torque": self.signal()}
+        return {"load_torque": self.one_signal()}
 
     def build(self, step: float, one_way: bool) -> loops.Load:
         """Make the torque as a system."""
-        return loops.Load(loops.source("load_torque", self.signal(), step))
+        return loops.Load(loops.source("load_torque", self.one_signal(), step))
 
 
 class ShaftLoad(AnyLoad):

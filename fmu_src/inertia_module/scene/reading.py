@@ -16,8 +16,7 @@ from ..contract.variable import INTEGER
 from ..contract.variables import BY_NAME
 from .fields import unit_of
 from .keys import SceneError, changed, validated
-from .mechanism import Mechanism
-from .schema import Scene
+from .schema import Mechanism, Scene
 from .shaft import ShaftScene
 
 Read = TypeVar("Read")

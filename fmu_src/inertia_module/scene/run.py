@@ -26,7 +26,7 @@ from .schema import Scene
 from .summary import SUMMARISED, Quantity, input_speed, summarise, unreached
 
 if TYPE_CHECKING:
-    from ..export.plan import Plan
+    from ..export.systems import Plan
 
 # of the speed of link 1: below it the output shaft rests
 RESTING = 1e-6
@@ -129,7 +129,13 @@ class SceneResult(Outcome):
 
 
 def start_of(scene: Scene) -> tuple[Any, dict[str, float], dict[str, float]]:
-    """Start of a scene: its surroundings, connected; parameters and inputs of the FMU by name."""
+    """Start of a scene: its surroundings, connected; parameters and inputs of the FMU by name.
+
+    Raises:
+        SceneError: its fidelity is still to be chosen.
+    """
+    if scene.chooses_fidelity:
+        raise SceneError("mechanism.fidelity must be chosen first (fidelity.trials.choose), is 'auto'")
     values = scene.parameters()
     surroundings = scene.surroundings
     speeds = {"omega_out": values.get("omega_out_start", 0.0)}
@@ -146,7 +152,7 @@ def scene_plan(scene: Scene) -> Plan:
     Raises:
         SceneError: its fidelity is still to be chosen, or its freewheels wind up.
     """
-    from ..export.plan import make_plan  # brings the builder of FMUs along
+    from ..export.systems import make_plan  # brings the builder of FMUs along
 
     if scene.chooses_fidelity:
         raise SceneError("mechanism.fidelity must be a fidelity by name for an export, is 'auto'")
@@ -180,7 +186,6 @@ def run_scene(
         FmuError: the FMU cannot be loaded, or refuses a value or a step.
         SceneError: its fidelity is still to be chosen.
     """
-    _check_fidelity(scene)
     surroundings, values, inputs = start_of(scene)
     tolerance, stop_time = scene.accuracy.tolerance, scene.run.stop_time
     with Fmu(fmu_path, values, inputs, tolerance, stop_time=stop_time) as fmu:
@@ -228,7 +233,6 @@ class SceneRunner(Closing):
 
     def started(self, scene: Scene) -> Fmu:
         """The instance at the start of a scene; raises as run_scene."""
-        _check_fidelity(scene)
         _, values, inputs = start_of(scene)
         tolerance = scene.accuracy.tolerance
         given = {} if tolerance is None else {"tolerance": tolerance}
@@ -238,11 +242,6 @@ class SceneRunner(Closing):
     def close(self) -> None:
         """Free the instance."""
         self._fmu.close()
-
-
-def _check_fidelity(scene: Scene) -> None:
-    if scene.chooses_fidelity:
-        raise SceneError("mechanism.fidelity must be chosen first (fidelity.trials.choose), is 'auto'")
 
 
 def _run_on(

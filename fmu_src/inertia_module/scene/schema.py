@@ -6,25 +6,54 @@ from collections.abc import Iterator, Mapping
 from functools import cached_property
 from typing import Annotated, Any, ClassVar
 
-from pydantic import Field, ValidationInfo, model_validator
+from pydantic import BaseModel, Field, ValidationInfo, create_model, model_validator
 
 from .. import loops
 from ..common.errors import Refused, did_you_mean
-from ..contract.variable import ENUMERATIONS, LARGEST_STEP, OUTPUT
-from ..contract.variables import BY_NAME, COMPUTED, with_causality
+from ..contract.variable import ENUMERATIONS, LARGEST_STEP, OUTPUT, PARAMETER, Group
+from ..contract.variables import BY_NAME, COMPUTED, VARIABLES, with_causality
 from ..harness.simulate import whole_steps
 from ..kernel.codes import DRIVE_TORQUE, ELASTIC
 from ..loops.cycles import Cycle
 from ..memory import Module
 from .controllers import Controller
 from .drives import Drive
-from .fields import Duration, Strict, quantity
+from .fields import AUTO, FIDELITY, Duration, Strict, fields_of, quantity
 from .keys import SceneError, changed, validated, without_files
 from .loads import SPEED_UNITS, VEHICLE_SPEED, Load, measured_speed
-from .mechanism import AUTO, DRIVE, FIDELITY, Mechanism, at_fidelity, is_auto, parameters
 
 _TOLERANCE = BY_NAME["tolerance"]
 _OUTPUTS = tuple(variable.name for variable in with_causality(OUTPUT))
+# the parameters that say there is an elastic output
+_ELASTIC = frozenset(variable.name for variable in VARIABLES if variable.group == Group.ELASTIC)
+
+# tolerance has a table of its own: [accuracy]
+Mechanism: type[BaseModel] = create_model(
+    "Mechanism",
+    __base__=Strict,
+    __doc__="Parameters of the module that differ from the defaults (scene R1).",
+    **fields_of([variable for variable in with_causality(PARAMETER) if variable.name != "tolerance"]),
+)
+
+
+def is_elastic(values: Mapping[str, float]) -> bool:
+    """Tell whether parameters describe an elastic output."""
+    return not _ELASTIC.isdisjoint(values)
+
+
+def at_fidelity(values: Mapping[str, float], fidelity: float) -> dict[str, float]:
+    """Parameters for another fidelity: without an elastic output the driven mass is rigid with the hub.
+
+    Args:
+        values: parameters by name, those that differ from the defaults. fidelity: its number.
+    """
+    changed = {**values, FIDELITY: float(fidelity)}
+    if fidelity != ELASTIC and is_elastic(values):
+        inertia = (
+            values.get(name, BY_NAME[name].start or 0.0) for name in ("output_inertia", "driven_inertia")
+        )
+        changed["output_inertia"] = sum(inertia)
+    return changed
 
 
 class Accuracy(Strict):
@@ -85,7 +114,7 @@ class Scene(Strict):
     @property
     def chooses_fidelity(self) -> bool:
         """Tell whether the fidelity is still to be chosen from measurements."""
-        return is_auto(self.mechanism)
+        return bool(getattr(self.mechanism, FIDELITY) == AUTO)
 
     @property
     def cycle(self) -> Cycle | None:
@@ -162,14 +191,16 @@ class Scene(Strict):
         return self.drive, self.load, self.controller, self.run.communication_step, self._one_way
 
     @cached_property
-    def _given(self) -> dict[str, float]:
-        """Parameters of the mechanism that differ from the defaults."""
-        return parameters(self.mechanism)
+    def given(self) -> dict[str, float]:
+        """Parameters of the mechanism that the scene gives, without a fidelity still to be chosen."""
+        table: BaseModel = self.mechanism
+        values = table.model_dump(exclude_none=True)
+        return {name: value for name, value in values.items() if value != AUTO}
 
     @property
     def _one_way(self) -> bool:
         """Tell whether the freewheels keep the output shaft from turning backwards."""
-        return all(self._given.get(name, 1.0) for name in ("housing_freewheel", "output_freewheel"))
+        return all(self.given.get(name, 1.0) for name in ("housing_freewheel", "output_freewheel"))
 
     def with_fidelity(self, fidelity: str, error: float | None = None) -> Scene:
         """The scene at a named fidelity, or at one to be chosen for this error.
@@ -186,22 +217,22 @@ class Scene(Strict):
                 mechanism={FIDELITY: AUTO, **chosen_too}, accuracy={**asked, "tolerance": None}
             )
         scene = self.replaced(mechanism={FIDELITY: fidelity}, accuracy=asked)
-        return scene.replaced(mechanism=at_fidelity(scene._given, scene._given[FIDELITY]))
+        return scene.replaced(mechanism=at_fidelity(scene.given, scene.given[FIDELITY]))
 
     def _shaft_inertia(self) -> float:
         """Inertia of what the load hangs on without the load, kg.m2."""
         name = self._carrying
-        return self._given.get(name, BY_NAME[name].start or 0.0)
+        return self.given.get(name, BY_NAME[name].start or 0.0)
 
     @property
     def _carrying(self) -> str:
         """Parameter of the inertia that a load hangs on: the driven mass where the shaft is elastic."""
-        elastic = self._given.get("fidelity") == ELASTIC
+        elastic = self.given.get("fidelity") == ELASTIC
         return "driven_inertia" if elastic else "output_inertia"
 
     def parameters(self) -> dict[str, float]:
         """Parameters for the FMU, that of the drive too; a load coupled rigidly is in what it hangs on."""
-        values = self.drive.driven(self._given)
+        values = self.drive.driven(self.given)
         rigid = self.built_load.rigid_inertia
         return {**values, self._carrying: self._shaft_inertia() + rigid} if rigid else values
 
@@ -233,7 +264,7 @@ class Scene(Strict):
 
     def _check_drive(self) -> None:
         """Refuse a drive that contradicts [controller] or mechanism.drive."""
-        kind, needed, given = self.drive.kind, self.drive.mode, self._given.get(DRIVE)
+        kind, needed, given = self.drive.kind, self.drive.mode, self.given.get("drive")
         if self.controller is None and self.drive.COMMANDED:
             raise SceneError(f"drive.kind = {kind!r} must come with a [controller], there is none")
         if self.controller is not None and kind != self.controller.DRIVE:

@@ -18,10 +18,9 @@ from ..contract.variables import with_causality
 from ..harness.simulate import Progress, Result, communication_points, drive
 from ..loops.sources import evaluate
 from ..memory import DrivenShaft
-from .fields import Duration, Strict, Tabulated, Times, quantities, quantity
+from .fields import Duration, Strict, Tabulated, Times, fields_of, quantities, quantity
 from .keys import SceneError
 from .loads import TorqueLoad
-from .mechanism import keys_of
 from .run import Outcome
 from .schema import Run
 from .summary import Quantity, energy
@@ -33,22 +32,17 @@ _PEAKS = ("omega_out", "driven_acceleration", "shaft_torque", "twist")
 Array = NDArray[np.float64]
 
 
-class Similar(Strict):
-    """Criteria of similarity of Stelmashchuk, in place of stiffness and friction: they take T of the drive.
-
-    Attributes:
-        nu: nu^2 = c T^2 / J4. Pi: 2 Pi = f T / J4.
-    """
-
-    nu: Annotated[float, quantity("1", above=0.0)] | None = None
-    Pi: Annotated[float, quantity("1", 0.0)] | None = None
-
-
+_Positive = Annotated[float, quantity("1", above=0.0)] | None
+_NotNegative = Annotated[float, quantity("1", 0.0)] | None
+# with criteria of similarity of Stelmashchuk in place of stiffness and friction, which take T of the drive:
+# nu^2 = c T^2 / J4, 2 Pi = f T / J4
 Shaft: type[BaseModel] = create_model(
     "Shaft",
-    __base__=Similar,
+    __base__=Strict,
     __doc__="Parameters of the driven shaft that differ from the defaults.",
-    **keys_of(with_causality(PARAMETER, table=VARIABLES)),
+    nu=(_Positive, None),
+    Pi=(_NotNegative, None),
+    **fields_of(list(with_causality(PARAMETER, table=VARIABLES))),
 )
 
 
@@ -126,10 +120,9 @@ class ShaftScene(Strict):
     @model_validator(mode="after")
     def _shaft_possible(self) -> ShaftScene:
         """Let the shaft itself look at all parameters together."""
+        parameters = self.parameters()
         try:
-            DrivenShaft("plain").start(**self.parameters())
-        except SceneError:
-            raise
+            DrivenShaft("plain").start(**parameters)
         except Refused as error:
             raise SceneError(f"shaft: {error}") from None
         return self
@@ -190,7 +183,7 @@ def run_shaft_scene(scene: ShaftScene, fmu_path: Path | str, progress: Progress 
         FmuError: the FMU cannot be loaded, or refuses a value or a step.
     """
     times = communication_points(scene.run.stop_time, scene.run.communication_step)
-    torque = scene.load.signal()
+    torque = scene.load.one_signal()
     inputs: dict[str, ArrayLike] = {
         "time": times,
         "hub_speed": scene.drive.speeds(times),

@@ -1,6 +1,7 @@
-"""Fidelity "auto": chosen for a scene from trial runs of that scene."""
+"""Levels of fidelity: measured for a scene, recommended, chosen where it says "auto", and printed."""
 
 import dataclasses
+import json
 import math
 from pathlib import Path
 
@@ -9,12 +10,12 @@ import pytest
 
 from inertia_module.contract.variables import BY_NAME, COMPUTED
 from inertia_module.fidelity import trials
-from inertia_module.fidelity.choice import NoneMeets
-from inertia_module.fidelity.levels import NOT_MODELLED, event
-from inertia_module.fidelity.tradeoff import scene_study
+from inertia_module.fidelity.choice import NoneMeets, at_levels, print_levels, recommend
+from inertia_module.fidelity.levels import NOT_MODELLED, Row, event
+from inertia_module.fidelity.tradeoff import measured_rows, with_worst
 from inertia_module.fidelity.trials import run_in_process, window_errors, window_means
 from inertia_module.harness.simulate import Result
-from inertia_module.scene import SceneError, read_scene
+from inertia_module.scene import SceneError, read_scene, run_scene
 
 SCENE = """
 [mechanism]
@@ -60,32 +61,6 @@ def kept(folder, monkeypatch):
 # --- the scene ---
 
 
-AUTO = "^with mechanism.fidelity = 'auto' mechanism"
-
-
-@pytest.mark.parametrize(
-    "old, new, words",
-    [
-        ('error = "2 %"', "", "accuracy.error must be given, such as '1 %', is missing"),
-        (
-            "[accuracy]",
-            "[accuracy]\ntolerance = 1e-7",
-            "auto' accuracy.tolerance must not be given, is 1e-07: ",
-        ),
-        ("[mechanism]", '[mechanism]\nmethod = "event"', AUTO + ".method must not be given, is 0: "),
-        ("[mechanism]", "[mechanism]\nmax_step = 1e-3", AUTO + ".max_step must not be given, is 0.001: "),
-        ('"2 %"', '"0 %"', "accuracy.error must be a number above 0 and of at most 1, is '0 %'"),
-        ('"2 %"', '"2 m"', "accuracy.error must be a number .*, is '2 m'"),
-        ('"0.1 s"', '"0 s"', "accuracy.window must be a number above 0 in s, .*, is '0 s'"),
-        ('"auto"', '"automatic"', r"mechanism.fidelity must be .*, or auto, is 'automatic'"),
-        ('"omega_out",', '"omega_oat",', "run.outputs .*, has 'omega_oat' .did you mean omega_out"),
-    ],
-)
-def test_scene_that_cannot_be_chosen_for_is_refused(old, new, words):
-    with pytest.raises(SceneError, match=words):
-        scene(changed(old, new))
-
-
 def test_another_fidelity_can_be_asked_for():
     rigid = scene(changed('fidelity = "auto"', 'fidelity = "kinematic"')).with_fidelity("rigid")
     assert rigid.parameters()["fidelity"] == 2.0
@@ -97,8 +72,6 @@ def test_another_fidelity_can_be_asked_for():
 
 
 def test_a_scene_is_not_run_before_its_fidelity_is_chosen(tmp_path):
-    from inertia_module.scene import run_scene
-
     with pytest.raises(SceneError, match="must be chosen first"):
         run_scene(scene(), tmp_path / "none.fmu")
 
@@ -180,8 +153,6 @@ def test_errors_are_largest_differences_over_windows(name, ours, exact, window, 
 
 
 def test_the_module_in_process_is_the_plant_of_the_same_loop(built):
-    from inertia_module.scene import run_scene
-
     rigid = trials.at_level(scene(), event(2, 1e-8))
     ours = run_in_process(rigid).record
     fmu = run_scene(rigid, built / "InertiaModule.fmu").record
@@ -223,16 +194,11 @@ def test_another_mechanism_and_broken_measurements_are_measured_anew():
     assert trials.trial_rows(short)
 
 
-def test_an_error_that_no_level_meets_is_refused():
-    with pytest.raises(NoneMeets, match="is met by no level of fidelity"):
-        trials.choose(scene(changed('"2 %"', "1e-15")))
-
-
 def test_a_scene_is_measured_in_longer_steps_too():
     short = scene().replaced(run={"stop_time": 0.05})
-    study = scene_study(short)
-    assert {row.communication_step for row in study.rows} == {0.005, 0.05}
-    done = [row for row in study.rows if not row.failure]
+    rows = with_worst(measured_rows(short), short.run.outputs)
+    assert {row.communication_step for row in rows} == {0.005, 0.05}
+    done = [row for row in rows if not row.failure]
     assert all(row.errors["worst"] == row.worst(short.run.outputs) for row in done)
     assert dataclasses.replace(done[0], failure="no").worst(["omega_out"]) == float("inf")
 
@@ -276,3 +242,138 @@ def test_measurements_are_made_anew_where_the_equations_of_losses_change(monkeyp
     monkeypatch.setattr(trials, "sources", lambda *patterns: named.extend(patterns) or {})
     trials.measurement_file(scene())
     assert any(Path("kernel/general/motion.py").match(pattern) for pattern in named)
+
+
+# --- the recommendation: the cheapest measured level that meets the error, and why ---
+
+
+def row(fidelity, method, setting, wall_time, evaluations=1.0, failure="", **errors):
+    return Row(fidelity, method, setting, 1e-3, errors, wall_time, evaluations, 3.0, failure)
+
+
+AVERAGED = row("averaged", "", "map", 1.0, omega_out=4e-3, omega2=math.nan)
+COARSE = row("rigid", "timestepping", "step 10 ms", 2.0, 10.0, omega_out=0.2, omega2=0.3)
+FINE = row("rigid", "timestepping", "step 1 ms", 5.0, 100.0, omega_out=2e-3, omega2=8e-3)
+LOOSE = row("rigid", "event", "tolerance 1e-03", 8.0, 50.0, omega_out=1e-4, omega2=5e-4)
+TIGHT = row("rigid", "event", "tolerance 1e-09", 7.9, 90.0, omega_out=1e-9, omega2=2e-9)
+ELASTIC = row("elastic", "event", "tolerance 1e-03", 30.0, 50.0, omega_out=1e-5, omega2=1e-5)
+BROKEN = row("rigid", "event", "tolerance 1", math.nan, math.nan, "tolerance = 1 is refused")
+PEER = row("peer", "LSODA", "rtol 1e-9", 0.01, omega_out=0.0, omega2=0.0)
+ROWS = [AVERAGED, COARSE, FINE, LOOSE, TIGHT, ELASTIC, BROKEN, PEER]
+
+
+@pytest.mark.parametrize(
+    "error, wanted, expected",
+    [
+        (1e-2, ["omega_out"], AVERAGED),
+        (1e-2, ["omega_out", "omega2"], FINE),
+        # met to the digit
+        (4e-3, ["omega_out"], AVERAGED),
+        (2e-3, ["omega_out"], FINE),
+        (1e-3, ["omega_out"], LOOSE),
+        (1e-6, ["omega_out"], TIGHT),
+        (0.5, ["omega2"], COARSE),
+        # never a peer
+        (1.0, ["omega_out"], AVERAGED),
+    ],
+)
+def test_the_cheapest_that_meets_the_error_is_recommended(error, wanted, expected):
+    choice = recommend(ROWS, error, wanted)
+    assert choice.row is expected
+    assert choice.row.worst(wanted) <= error
+
+
+def test_next_level_is_the_cheapest_of_a_higher_fidelity_that_meets_the_error_or_much_finer():
+    choice = recommend(ROWS, 1e-2, ["omega_out"])
+    assert (choice.following, choice.ratio) == (FINE, 5.0)
+    assert recommend(ROWS, 1e-3, ["omega_out"]).following is ELASTIC
+    rigid = [FINE, LOOSE]
+    assert recommend(rigid, 1e-2, ["omega_out"]).following is LOOSE
+    assert recommend(rigid, 1e-3, ["omega_out"]).following is None
+
+
+def test_it_says_what_why_and_what_the_next_would_cost():
+    text = "\n".join(recommend(ROWS, 1e-2, ["omega_out", "omega2"]).lines())
+    assert "chosen: rigid, timestepping, step 1 ms: error 0.008 (omega2) where 0.01 was asked for" in text
+    assert "not enough: averaged, map: it has no pulses, only their mean (omega2)" in text
+    assert "not enough: rigid, timestepping, step 10 ms: error 0.3 (omega2)" in text
+    assert "not enough: rigid, event, tolerance 1: tolerance = 1 is refused" in text
+    assert "next level: elastic, event, tolerance 1e-03: error 1e-05" in text
+    assert "6 times as long" in text
+
+
+def test_it_can_be_written_for_machines():
+    found = json.loads(json.dumps(recommend(ROWS, 1e-2, ["omega_out"]).as_dict(), allow_nan=False))
+    assert found["chosen"]["fidelity"] == "averaged"
+    assert found["next"]["cost"] == 5.0
+    assert found["asked"] == {"error": 1e-2, "wanted": ["omega_out"]}
+
+
+@pytest.mark.parametrize(
+    "rows, error, wanted, words",
+    [
+        (
+            ROWS,
+            1e-12,
+            "omega_out",
+            r"1e-12 in omega_out is met by no level of .*tolerance 1e-09: error 1e-09",
+        ),
+        ([TIGHT], 1.0, "energy_in", "nothing is known of energy_in"),
+        # what a level does not model comes before what is unknown
+        ([TIGHT], 1.0, "energy_in shaft_twist", "it has no elastic shaft"),
+        ([PEER], 1.0, "omega_out", "none was measured"),
+    ],
+)
+def test_an_error_that_none_meets_is_refused_with_the_best(rows, error, wanted, words):
+    with pytest.raises(NoneMeets, match=words):
+        recommend(rows, error, wanted.split())
+
+
+# --- on a terminal ---
+
+OUTPUTS = (
+    *("omega2", "omega_out", "input_torque", "mesh_torque", "output_torque", "housing_torque"),
+    *("input_torque_mean", "output_torque_mean", "imbalance_acceleration_x", "contact_mode"),
+)
+LEVELS = [
+    row("averaged", "", "map", 0.1e-3, **dict.fromkeys(OUTPUTS, math.nan)),
+    *(row("rigid", "timestepping", f"step {n} ms", 1e-3, **dict.fromkeys(OUTPUTS, 0.1)) for n in (1, 2)),
+    row("rigid", "event", "tolerance 1e-03", 1.60e-3, 50.0, **dict.fromkeys(OUTPUTS, 2.4e-5)),
+    row("rigid", "event", "tolerance 1e-07", 1.58e-3, 90.0, **dict.fromkeys(OUTPUTS, 2.4e-9)),
+    row("elastic", "timestepping", "step 0.1 ms", 1e-2, **dict.fromkeys(OUTPUTS, 2.4e-3)),
+    row("elastic", "event", "tolerance 1e-03", 1.42e-1, 50.0, **dict.fromkeys(OUTPUTS, 2.4e-5)),
+]
+
+
+@pytest.mark.parametrize("wanted", [OUTPUTS[:1], OUTPUTS[:2], OUTPUTS[7:9], OUTPUTS])
+def test_trade_has_a_line_for_each_level_and_fits_the_terminal(wanted, capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    print_levels("A scene", LEVELS, wanted)
+    lines = capsys.readouterr().out.splitlines()
+    assert max(map(len, lines)) <= 80
+    assert not any("…" in line for line in lines)
+    stepped = [f"{level}, {method}" for level in ("rigid", "elastic") for method in ("timestepping", "event")]
+    for level in ("averaged", *stepped):
+        assert sum(line.startswith(level) for line in lines) == 1
+    assert any("2.4e-05" in line and "1.6" in line for line in lines)
+    assert not any("tolerance 1e-07" in line for line in lines)
+
+
+def test_wanted_outputs_that_fit_have_a_column_each(capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    print_levels("A scene", LEVELS, ["omega2", "omega_out"])
+    heading = next(line for line in capsys.readouterr().out.splitlines() if line.startswith("level"))
+    assert " ".join(heading.split()) == "level of fidelity setting omega2 omega out ms per s"
+
+
+def test_recommended_level_is_the_fastest_of_those_printed_that_meet_the_error():
+    for error in (1e-2, 1e-4, 1e-8):
+        printed = at_levels(LEVELS, error, OUTPUTS)
+        choice = recommend(LEVELS, error, OUTPUTS)
+        meeting = [row for row in printed if row.worst(OUTPUTS) <= error]
+        assert choice.row is min(meeting, key=lambda row: row.wall_time)
+
+
+def test_level_that_does_not_meet_the_error_shows_its_most_accurate_setting():
+    printed = at_levels(LEVELS, 1e-12, OUTPUTS)
+    assert [row.setting for row in printed if row.fidelity == "rigid"] == ["step 1 ms", "tolerance 1e-07"]

@@ -1,0 +1,590 @@
+"""Commands: FMUs are built, checked and exported; scenes run, shown and measured; the engineer's jobs."""
+
+from __future__ import annotations
+
+import json
+import re
+import tomllib
+import webbrowser
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+import inertia_module
+
+from ..common.files import BUILD_FOLDER, OUTPUT_FOLDER, write_atomically
+from .shared import (
+    Answer,
+    Aside,
+    FmuToRun,
+    Keys,
+    OutputFolder,
+    SceneFile,
+    Shown,
+    command,
+    current_fmu,
+    folder_for,
+    load_scene,
+    progress_bar,
+    quantity_of,
+    share,
+    speed_text,
+    turning,
+    write_figure,
+)
+
+if TYPE_CHECKING:
+    from ..fidelity.choice import Choice
+    from ..scene import Scene
+    from ..scene.run import Outcome
+
+# name of the page of a scene
+PAGE = "page.html"
+Scheduler = Annotated[
+    str | None,
+    typer.Option(metavar="ADDRESS", help="Dask scheduler to use: tcp://host:8786."),
+]
+Workers = Annotated[
+    int | None, typer.Option(min=1, metavar="N", help="Processes on this machine (one for each core).")
+]
+
+
+# --- FMU files ---
+
+
+@command
+def build(context: typer.Context, output: OutputFolder = None) -> Answer:
+    """Build the FMUs and the kernel for pages.
+
+    Each is whole or not there (in build/ without -o). Exit code 1 if one is skipped.
+    """
+    from rich.text import Text
+
+    from ..common.terminal import terminal
+    from ..fmu.builder import build as build_fmus
+
+    with terminal().status("building") as status:
+
+        def stage(text: str) -> None:
+            status.update(Text(text))
+            if not context.params["as_json"]:
+                typer.echo(text)
+
+        built = build_fmus(output or BUILD_FOLDER, stage)
+    fmus = [str(path) for path in built.paths if path.suffix == ".fmu"]
+    kernels = [str(path) for path in built.paths if path.suffix != ".fmu"]
+
+    shown = [f"built {path} ({path.stat().st_size / 1024:.0f} kB)" for path in built.paths]
+    shown += [Aside(f"skipped {what}: {reason}") for what, reason in built.skipped.items()]
+    told = {"fmus": fmus, "kernels": kernels, "skipped": built.skipped}
+    return Answer(told, shown, failed=bool(built.skipped))
+
+
+@command
+def check(fmu: Annotated[Path, typer.Argument(metavar="FILE.fmu", help="Any FMU file.")]) -> Answer:
+    """Validate an FMU file with fmpy, then step it.
+
+    That is over its default experiment. FMI 2.0 or 3.0; an FMU with event mode is stepped once without
+    and once with it.
+    """
+    from ..harness.check import check_fmu
+
+    report = check_fmu(fmu)
+
+    shown: list[Shown] = [(str(fmu), report.facts)]
+    shown += [Aside(f"warning: {warning}") for warning in report.warnings]
+    shown += [f"problem: {problem}" for problem in report.problems]
+    shown.append(f"{len(report.problems) or 'no'} problems found")
+    found = {"facts": report.facts, "problems": report.problems, "warnings": report.warnings}
+    told = {"fmu": str(fmu), **found, "outputs": report.outputs}
+    return Answer(told, shown, failed=bool(report.problems))
+
+
+@command
+def export(scene: SceneFile, output: OutputFolder = None, keys: Keys = None) -> Answer:
+    """Export the mechanism of a scene: SSP, OSP, container FMU.
+
+    They are in out/export/SCENE without -o. An elastic mechanism becomes two FMUs, the rigid module and
+    its shaft. Drive, load and controller stay here: their values at the start go along, as inputs of the
+    module and its shaft.
+    """
+    from ..export.writing import export as write
+    from ..scene.run import scene_plan
+
+    folder = folder_for(output, "export", scene.stem)
+    paths = write(scene_plan(load_scene(scene, keys)), folder, lambda stage: typer.echo(stage, err=True))
+
+    shown = [f"wrote {path} ({path.stat().st_size / 1024:.0f} kB)" for path in paths]
+    return Answer({"files": [str(path) for path in paths]}, shown)
+
+
+# --- scenes ---
+
+
+@command
+def new(
+    name: Annotated[str, typer.Argument(help="Example to copy: planar, planar.py, urban, tutorial, ...")],
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", metavar="FILE", help="Its file (NAME.toml).")
+    ] = None,
+) -> Answer:
+    """Copy an example to a new file.
+
+    What belongs to it goes along: a measurement, programs that it imports.
+    """
+    from ..common.examples import belonging
+
+    source = inertia_module.example(name)
+    path = output or Path(source.name)
+    copies = {path: source}
+    for part in belonging(source):
+        same = part.stem == source.stem
+        copies[path.with_suffix(part.suffix) if same else path.with_name(part.name)] = part
+    for copy in copies:
+        if copy.exists():
+            raise ValueError(f"{copy} must be a new file, is there already: -o FILE writes another")
+    for copy, original in copies.items():
+        write_atomically(copy, original.read_bytes())
+
+    shown = [f"new: {copy}" for copy in copies] + [f"next: {line}" for line in _commands(source, path)]
+    return Answer({"files": [str(copy) for copy in copies]}, shown)
+
+
+def _commands(source: Path, path: Path) -> list[str]:
+    """Commands that an example is for, one after the other, with the path of its copy."""
+    text = source.read_text(encoding="utf-8")
+    if source.suffix == ".ipynb":
+        return ["pip install 'inertia-module[jobs,notebook]' jupyterlab", f"jupyter lab {path}"]
+    if source.suffix == ".py":
+        return [*re.findall(r"Run `(.+?)` first", text), f"python {path}"]
+    if told := re.match("# (inertia-module .*)", text):
+        return [told[1].replace(f"{source.stem}.", f"{path.with_suffix('')}.")]
+    return [f"inertia-module {'design' if 'free' in tomllib.loads(text) else 'run'} {path}"]
+
+
+@command
+def run(
+    scene: SceneFile,
+    output: OutputFolder = None,
+    fidelity: Annotated[
+        str | None,
+        typer.Option(help="Instead of the scene's: kinematic, averaged, rigid, elastic, or auto to choose."),
+    ] = None,
+    error: Annotated[
+        str | None,
+        typer.Option(help='Error allowed in the outputs, such as 0.01 or "1 %", for fidelity auto.'),
+    ] = None,
+    fmu: FmuToRun = None,
+    view: Annotated[bool, typer.Option("--view", help="Leave page.html too: see view.")] = False,
+    keys: Keys = None,
+) -> Answer:
+    """Run a scene: table, summary and plot.
+
+    Leaves table.csv, summary.json and plot.png in a folder (out/SCENE without -o).
+    """
+    from ..contract.variables import COMPUTED
+    from ..figures.scenes import shaft_figure
+    from ..fmu.builder import SHAFT_FMU
+    from ..harness.results import write_text
+    from ..page.html import html_file, template
+    from ..scene import ShaftScene, load_any_scene, run_shaft_scene
+    from ..scene.keys import keys_of
+
+    choice, page = None, None
+    result: Outcome
+    folder = folder_for(output, scene.stem)
+    read = load_any_scene(scene, keys_of(keys))
+    if isinstance(read, ShaftScene):
+        if fidelity is not None or error is not None or view:
+            raise ValueError("--fidelity, --error and --view must come with a scene of the module")
+        path = fmu or current_fmu(SHAFT_FMU)
+        with progress_bar(read.title) as progress:
+            of_shaft = run_shaft_scene(read, path, progress)
+        result, figure = of_shaft, shaft_figure(of_shaft)
+    else:
+        if view:
+            template()
+        read, choice = _at_fidelity(read, fidelity, error)
+        path = fmu or current_fmu()
+        with progress_bar(read.title) as progress:
+            of_module = inertia_module.run_scene(read, path, progress, COMPUTED if view else ())
+        result, figure = of_module, inertia_module.scene_figure(of_module)
+        page = html_file(read, of_module) if view else None
+    chosen = {} if choice is None else {"fidelity_choice": choice.as_dict()}
+    told = {"scene": str(scene), **result.as_dict(), **chosen}
+    files = {
+        "table": result.table.to_csv(folder / "table.csv"),
+        "summary": write_text(folder / "summary.json", json.dumps(told, indent=2) + "\n"),
+        "plot": write_figure(folder / "plot.png", figure),
+    }
+    if page is not None:
+        files["page"] = folder / PAGE
+        write_atomically(files["page"], page)
+
+    shown: list[Shown] = [Aside(f"warning: {warning}") for warning in result.warnings]
+    shown += [(read.title, result.lines()), *([] if choice is None else choice.lines())]
+    return Answer({**told, "warnings": list(result.warnings)}, shown, files)
+
+
+def _at_fidelity(read: Scene, fidelity: str | None, error: str | None) -> tuple[Scene, Choice | None]:
+    """A scene at the fidelity asked for, or at one chosen by measuring, and then why."""
+    from ..fidelity.trials import choose
+
+    allowed = share("--error", error)
+    if fidelity is not None or (allowed is not None and read.chooses_fidelity):
+        read = read.with_fidelity(fidelity or "auto", allowed)
+    if not read.chooses_fidelity:
+        if allowed is not None:
+            raise ValueError(f"--error = {error} must come with fidelity auto")
+        return read, None
+    with progress_bar("measuring the levels of fidelity") as progress:
+        return choose(read, progress)
+
+
+@command
+def view(
+    scene: SceneFile,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", metavar="FILE.html", help="The page (out/SCENE/page.html)."),
+    ] = None,
+    show: Annotated[bool, typer.Option("--open", help="Open it in the browser.")] = False,
+    fmu: FmuToRun = None,
+    keys: Keys = None,
+) -> Answer:
+    """Leave a scene as a page that shows the machine moving.
+
+    It is one HTML file, with the kernel in it. What the page cannot integrate itself, a load that follows
+    the motion or a controller, is run here first and played in it.
+    """
+    from ..contract.variables import COMPUTED
+    from ..page.html import checked_path, html_file, is_exact, template
+    from ..scene import Scene, load_any_scene
+    from ..scene.keys import keys_of
+
+    path = checked_path(output or OUTPUT_FOLDER / scene.stem / PAGE)
+    template()
+    found = load_any_scene(scene, keys_of(keys))
+    if not isinstance(found, Scene):
+        raise ValueError(f"{scene.name} must be a scene of the module, is one of a driven shaft")
+    read, _ = _at_fidelity(found, None, None)
+    outcome = None
+    if not is_exact(read):
+        with progress_bar(read.title) as progress:
+            outcome = inertia_module.run_scene(read, fmu or current_fmu(), progress, COMPUTED)
+    content = html_file(read, outcome)
+    write_atomically(path, content)
+    if show:
+        webbrowser.open(path.absolute().as_uri())
+    warnings = [] if outcome is None else list(outcome.warnings)
+    told = {"scene": str(scene), "page": str(path), "bytes": len(content), "warnings": warnings}
+    return Answer(told, [f"page: {path} ({len(content) / 1e6:.1f} MB)"])
+
+
+@command
+def tradeoff(
+    scene: SceneFile,
+    output: OutputFolder = None,
+    recommend: Annotated[
+        str | None,
+        typer.Option(metavar="ERROR", help='Recommend the cheapest level for an error: 1e-3, "1 %".'),
+    ] = None,
+    wanted: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME", help="Output that counts, instead of the scene's; may be repeated."),
+    ] = None,
+    keys: Keys = None,
+) -> Answer:
+    """Measure error against cost of a scene.
+
+    Of each fidelity, method, tolerance or step, and communication step (out/tradeoff without -o).
+    """
+    from ..fidelity.choice import print_levels
+    from ..fidelity.choice import recommend as choose_cheapest
+    from ..fidelity.levels import failure_lines
+    from ..fidelity.tradeoff import leave_rows, measured_rows, with_worst
+    from ..fidelity.trials import trial_rows
+
+    with progress_bar("measuring the trade") as progress:
+        folder = folder_for(output, "tradeoff")
+        allowed = share("--recommend", recommend)
+        read = load_scene(scene, keys)
+        read = read.replaced(run={"outputs": wanted}) if wanted else read
+        title, names = read.title, read.run.outputs
+        rows = with_worst((trial_rows if allowed else measured_rows)(read, progress), names)
+        choice = choose_cheapest(rows, allowed, names) if allowed else None
+        files = leave_rows(folder, title, rows)
+
+    step = (rows[0] if choice is None else choice.row).communication_step
+    printed = [row for row in rows if row.communication_step == step]
+    shown: list[Shown] = [partial(print_levels, title, printed, names, allowed), *failure_lines(rows)]
+    shown += [] if choice is None else choice.lines()
+    told: dict[str, Any] = {"title": title, "rows": [row.as_dict() for row in rows]}
+    return Answer(told | ({} if choice is None else {"recommendation": choice.as_dict()}), shown, files)
+
+
+@command
+def chart(
+    scenes: Annotated[list[Path], typer.Argument(metavar="SCENE.toml...", help="Scenes to compare.")],
+    output: OutputFolder = None,
+    speed: Annotated[
+        str | None,
+        typer.Option(
+            metavar="SPEED",
+            help="Torques at this speed, and converter tables for lookup blocks, CSV and MAT: 3000 rpm.",
+        ),
+    ] = None,
+    keys: Keys = None,
+) -> Answer:
+    """Draw torque converter charts of mechanisms.
+
+    A CSV each and one figure (out/chart without -o). Of mechanisms with losses the charts are those of
+    one input speed, and there is a map of the efficiency over speed ratio and input speed.
+    """
+    from ..harness.chart import NOMINAL_SPEED, converter_table, efficiency_map
+
+    folder = folder_for(output, "chart")
+    names = [scene.stem for scene in scenes]
+    if len(set(names)) < len(names):
+        raise ValueError(f"scenes must be files of different names, are {', '.join(names)}")
+    omega1 = None if speed is None else turning(speed)
+    at = omega1 or NOMINAL_SPEED
+    mechanisms = {scene.stem: load_scene(scene, keys).parameters() for scene in scenes}
+    charts = {
+        name: inertia_module.torque_converter_chart(values, at < 0.0, omega1=abs(at))
+        for name, values in mechanisms.items()
+    }
+    maps = {}
+    for name in (name for name, found in charts.items() if not found.lossless):
+        with progress_bar(f"efficiency of {name}") as progress:
+            maps[name] = efficiency_map(mechanisms[name], at, progress=progress)
+    files = [found.save(folder / f"{name}.csv") for name, found in charts.items()]
+    files += [found.save(folder / f"{name}_efficiency.csv") for name, found in maps.items()]
+    if omega1 is not None:
+        for name, found in charts.items():
+            table = converter_table(mechanisms[name], found, omega1)
+            files.append(table.save(folder / f"{name}_converter.csv"))
+            files.append(table.save_mat(folder / f"{name}_converter.mat"))
+    files.append(write_figure(folder / "chart.png", inertia_module.chart_figure(charts, maps)))
+    summaries = {name: found.summary(omega1) for name, found in charts.items()}
+    units = {name: found.units(omega1) for name, found in charts.items()}
+    listed = [str(file) for file in files]
+
+    shown: list[Shown] = []
+    for name, numbers in summaries.items():
+        rows = {key: f"{value:.6g} {units[name][key]}".rstrip() for key, value in numbers.items()}
+        title = f"{name}, losses at {speed_text(at)}" if name in maps else name
+        title = f"{name} at {speed_text(omega1)}" if omega1 is not None else title
+        shown.append((title, {key.replace("_", " "): text for key, text in rows.items()}))
+    told = {"omega1": omega1, "charts": summaries, "units": units, "files": listed}
+    return Answer(told, [*shown, *listed])
+
+
+# --- the engineer's jobs ---
+
+
+@command
+def orders(
+    scene: SceneFile,
+    output: OutputFolder = None,
+    of: Annotated[str, typer.Option(help="Orders of link1, cycles a turn of it, or of pulses.")] = "link1",
+    signals: Annotated[
+        list[str] | None,
+        typer.Option("--signal", metavar="NAME", help="Output to look at; may be repeated."),
+    ] = None,
+    highest: Annotated[float | None, typer.Option(metavar="ORDER", help="Highest order.")] = None,
+    turns: Annotated[
+        float | None, typer.Option(help="Turns of link 1 (or pulses) in a window: 1 / resolution.")
+    ] = None,
+    begin: Annotated[
+        str, typer.Option("--from", metavar="TIME", help="Begin of what is looked at: '2 s'.")
+    ] = "0",
+    end: Annotated[str | None, typer.Option("--to", metavar="TIME", help="Its end.")] = None,
+    fmu: FmuToRun = None,
+    keys: Keys = None,
+) -> Answer:
+    """Find the orders of torques, speeds and forces of a scene.
+
+    Runs it and leaves orders.csv, waterfall.csv (over the run), summary.json and orders.png in a folder
+    (out/orders/SCENE without -o).
+    """
+    from .. import jobs
+    from ..figures.jobs import order_figure
+    from ..jobs.orders import BASES
+
+    folder = folder_for(output, "orders", scene.stem)
+    read = load_scene(scene, keys)
+    first = quantity_of("--from", begin, "s")
+    last = None if end is None else quantity_of("--to", end, "s")
+    path = fmu or current_fmu()
+    with progress_bar(read.title) as progress:
+        found = jobs.orders(
+            read,
+            path,
+            of=of,
+            signals=signals,
+            highest=highest,
+            turns=turns,
+            begin=first,
+            end=last,
+            progress=progress,
+        )
+    files = found.write(folder)
+    files["picture"] = write_figure(folder / "orders.png", order_figure(found, read.title))
+
+    shown: list[Shown] = [f"{read.title}: largest orders, cycles a {BASES[of]}"]
+    for name, lines in found.largest().items():
+        unit, rows = found.units[name], dict[str, str]()
+        for line in lines:
+            several = f"{line.low:.4g} to {line.high:.4g}"
+            order = f"{line.order:.4g}" if line.low == line.high else several
+            most = f"most at {line.speed:.4g} rad/s: {line.greatest:.4g} {unit}"
+            rows[f"order {order}"] = f"{line.amplitude:.4g} {unit}, {most}"
+        shown.append((name.replace("_", " "), rows or {"no order": "it does not swing"}))
+    if found.bends:
+        shown.append("lines bend with the speed ratio: those of the pulses are straight with --of pulses")
+    return Answer({"scene": str(scene), **found.as_dict()}, shown, files)
+
+
+@command
+def fit(
+    measured: Annotated[
+        Path, typer.Argument(metavar="MEASURED.csv", help="Table over time, units in its headings.")
+    ],
+    scene: SceneFile,
+    free: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME[=LOW:HIGH]", help="Key of the scene that is to be found; repeat."),
+    ] = None,
+    columns: Annotated[
+        list[str] | None,
+        typer.Option("--column", metavar="NAME", help="Column to compare (all that are outputs); repeat."),
+    ] = None,
+    starts: Annotated[int, typer.Option(help="Points of the ranges to begin at.")] = 16,
+    seed: Annotated[int, typer.Option(help="Of these points: same seed, same result.")] = 0,
+    output: OutputFolder = None,
+    fmu: FmuToRun = None,
+    keys: Keys = None,
+) -> Answer:
+    """Find the values of a scene's keys that fit a measurement.
+
+    Tells how sure they are. Leaves fitted.toml (a scene), residuals.csv, fit.json and fit.png in a folder
+    (out/SCENE_fit without -o).
+    """
+    from .. import jobs
+
+    folder = folder_for(output, f"{scene.stem}_fit")
+    with progress_bar(f"fit to {measured.name}") as progress:
+        found = jobs.fit(
+            measured,
+            load_scene(scene, keys),
+            free or [],
+            columns=columns or [],
+            starts=starts,
+            seed=seed,
+            output=folder,
+            fmu=fmu or current_fmu(),
+            progress=progress,
+        )
+    files = {**found.files, "picture": write_figure(folder / "fit.png", inertia_module.fit_figure(found))}
+
+    shown: list[Shown] = [(f"{found.scene.title}: fitted, 95 % intervals", found.lines())]
+    shown += [f"warning: {warning}" for warning in found.warnings]
+    return Answer({"measured": str(measured), "scene": str(scene), **found.as_dict()}, shown, files)
+
+
+@command
+def sweep(
+    scene: SceneFile,
+    vary: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=RANGE",
+            help="FROM:TO:COUNT, log:FROM:TO:COUNT or A,B,C; repeat.",
+        ),
+    ] = None,
+    sample: Annotated[
+        str | None, typer.Option(metavar="KIND:COUNT", help="Not a grid: latin:200 or sobol:256 points.")
+    ] = None,
+    sensitivity: Annotated[
+        int | None, typer.Option(metavar="N", help="Sobol indices from N (keys + 2) runs, N a power of 2.")
+    ] = None,
+    figure: Annotated[
+        list[str] | None, typer.Option(metavar="NAME", help="Figure of the summary to plot; repeat.")
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Of the samples: same seed, same points.")] = 0,
+    output: OutputFolder = None,
+    keys: Keys = None,
+    fmu: FmuToRun = None,
+    scheduler: Scheduler = None,
+    workers: Workers = None,
+) -> Answer:
+    """Run a scene over values of its keys.
+
+    Leaves sweep.parquet, sweep.csv and plot.png in a folder (out/SCENE_sweep without -o). What is done is
+    in journal.jsonl of the folder and is not done again.
+    """
+    from .. import jobs
+    from ..figures.jobs import sweep_figure
+
+    folder = folder_for(output, f"{scene.stem}_sweep")
+    with progress_bar(f"sweep of {scene.name}") as progress:
+        found = jobs.sweep(
+            load_scene(scene, keys),
+            vary or [],
+            sample=sample,
+            sensitivity=sensitivity,
+            seed=seed,
+            output=folder,
+            fmu=fmu or current_fmu(),
+            scheduler=scheduler,
+            workers=workers,
+            progress=progress,
+        )
+    files = {**found.files, "plot": write_figure(folder / "plot.png", sweep_figure(found, figure or ()))}
+    numbers = {"rows": len(found.rows), "new": found.new, "refused": len(found.refused)}
+
+    shown: list[Shown] = [(f"sweep of {scene.name}", {name: str(count) for name, count in numbers.items()})]
+    shown += [f"refused first: {one.point}: {one.refused}" for one in found.refused[:1]]
+    runs = len(found.rows)
+    shown += [f"{name}: not reached in {count} of {runs} runs" for name, count in found.unreached.items()]
+    return Answer({"scene": str(scene), **numbers, "unreached": found.unreached}, shown, files)
+
+
+@command
+def design(
+    spec: Annotated[Path, typer.Argument(metavar="SPEC.toml", help="Scene with [free] and [figures].")],
+    output: OutputFolder = None,
+    keys: Keys = None,
+    fmu: FmuToRun = None,
+    scheduler: Scheduler = None,
+    workers: Workers = None,
+) -> Answer:
+    """Search the best designs within the limits of a specification.
+
+    Leaves pareto.csv, checked.csv (and .parquet), plot.png and each checked design as a scene, design_1.toml
+    and so on, in a folder (out/SPEC_design without -o).
+    """
+    from .. import jobs
+    from ..jobs.spec import read_spec
+    from ..scene.keys import keys_of
+
+    folder = folder_for(output, f"{spec.stem}_design")
+    with progress_bar(f"design of {spec.name}") as progress:
+        found = jobs.design(
+            read_spec(spec, keys_of(keys)),
+            output=folder,
+            fmu=fmu or current_fmu(),
+            scheduler=scheduler,
+            workers=workers,
+            progress=progress,
+        )
+    files = {**found.files, "plot": write_figure(folder / "plot.png", inertia_module.design_figure(found))}
+    files |= {one.file.stem.replace("_", " "): one.file for one in found.finalists}
+
+    shown: list[Shown] = [(one.file.stem.replace("_", " "), found.lines(one)) for one in found.finalists]
+    shown.append(found.verdict())
+    numbers = {"designs": len(found.rows), "new": found.new, "chosen": len(found.chosen)}
+    return Answer({"spec": str(spec), **numbers, "verdict": found.verdict()}, shown, files)
