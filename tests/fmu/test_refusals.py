@@ -353,10 +353,7 @@ def test_log_categories_choose_what_is_said(built):
 
 
 def test_unknown_log_category_is_refused_and_changes_nothing(instance):
-    categories = (ctypes.c_char_p * 2)(b"logAll", b"logGossip")
-    said = instance.refusal(
-        lambda: instance.fmu.fmi2SetDebugLogging(instance.fmu.component, 0, 2, categories)
-    )
+    said = instance.refusal(lambda: instance.fmu.setDebugLogging(False, ["logAll", "logGossip"]))
     assert said.startswith("a log category must be logStatusWarning, ")
     assert said.endswith("logAll, is logGossip")
 

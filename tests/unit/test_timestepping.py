@@ -32,7 +32,7 @@ FIXED_STEPS = ("timestepping", "elastic-timestepping")
 
 
 # what rounding may make in a run, of the largest energy there was: at the least of this share of what the
-# inertias would have at the speed of link 1, for speeds are differences of it, and of next to nothing at rest;
+# inertias would have at the speed of link 1 (speeds are differences of it), and of next to nothing at rest;
 # and of the impulses, of the momentum
 ROUNDING = 1e-11
 OF_INPUT = 1e-3
