@@ -242,6 +242,7 @@ class Reference:
                 self.mode = (*was[:place], OPEN, *was[place + 1 :])
             else:
                 y[OMEGA2 + place] = 0.0 if place == HOUSING else y[OMEGA2]
+                self._settle(was)
         elif place <= SLIP:
             changed = 1 - was[place] if place < SLIP else 0
             self._settle((*was[:place], changed, *was[place + 1 :]))
