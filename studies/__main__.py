@@ -44,7 +44,7 @@ def papers(output: OutputFolder = None) -> Answer:
             files += [str(write_figure(folder / f"{name}.{kind}", figure)) for kind in ("png", "svg")]
             files.append(str(write_columns(folder / f"{name}.csv", numbers(figure))))
             progress(number / len(FIGURES))
-    return Answer({"files": files}, lambda: typer.echo("\n".join(files)))
+    return Answer({"files": files}, files)
 
 
 @app.command()
@@ -83,7 +83,7 @@ def stability(
     }
     told = {"verdicts": [verdict.as_record() for verdict in found]}
     broken = any(verdict.outcome == "broken" for verdict in found)
-    return Answer(told, lambda: verdicts.print_rows(rows), files, broken)
+    return Answer(told, [lambda: verdicts.print_rows(rows)], files, broken)
 
 
 def _random_motions(number: int, seed: int, losses: bool, folder: Path) -> Answer:
@@ -97,7 +97,7 @@ def _random_motions(number: int, seed: int, losses: bool, folder: Path) -> Answe
     path = folder / ("random_losses.csv" if losses else "random.csv")
     files = {"invariants": write_rows(path, HEADINGS, rows_of(outcomes))}
     failed = any(outcome.finding.failed for outcome in outcomes)
-    return Answer({"findings": findings(outcomes)}, lambda: print_outcomes(outcomes), files, failed)
+    return Answer({"findings": findings(outcomes)}, [lambda: print_outcomes(outcomes)], files, failed)
 
 
 @app.command()
@@ -141,7 +141,7 @@ def coupling(
             print_rows(name, rows)
 
     told = {"rows": {name: [asdict(row) for row in rows] for name, rows in found.items()}}
-    return Answer(told, show, written)
+    return Answer(told, [show], written)
 
 
 if __name__ == "__main__":
