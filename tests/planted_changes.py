@@ -46,6 +46,7 @@ LOADS = """
     test_loads.py::test_means_with_a_jump_are_those_with_a_steep_ramp
     test_loads.py::test_without_a_housing_freewheel_the_housing_takes_nothing
     test_loads.py::test_peak_on_the_bearing_is_that_of_all_instants
+    test_loads.py::test_peak_of_a_pulse_is_not_that_of_the_step_beyond_its_end
 """
 SELECTION = {
     "averaged/": """

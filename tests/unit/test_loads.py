@@ -146,6 +146,18 @@ def test_means_and_peak_are_those_of_the_torques_at_each_instant(compiled, scene
         assert 0.95 * peak <= one["torque_peak"] <= 1.001 * peak
 
 
+def test_peak_of_a_pulse_is_not_that_of_the_step_beyond_its_end(compiled):
+    for angle in (1.0, 1.8, 2.3):
+        scene = SCENES["bevel"] | {"drive_angle_start": angle, "load_torque": 0.0, "tolerance": 1e-3}
+        one, many = (started(compiled, scene) for _ in range(2))
+        one.advance(0.01)
+        peak = 0.0
+        for _ in range(200):
+            many.advance(5e-5)
+            peak = max(peak, abs(many["output_torque"]))
+        assert 0.95 * peak <= one["torque_peak"] <= 1.05 * peak
+
+
 @pytest.mark.parametrize("layout", SCENES)
 def test_input_goes_on_as_over_the_last_step_where_it_is_held_so(compiled, layout):
     module = advanced(started(compiled, SCENES[layout], input_hold=1, omega1=90.0), 0.02)
