@@ -50,9 +50,9 @@ OVER: Mapping[str, int] = {
     "jobs": 2633,
     "figures": 820,
     "export, page, cli, common": 1971,
-    "package": 26415,
-    "studies": 7154,
-    "tests": 19790,
+    "package": 26418,
+    "studies": 7155,
+    "tests": 19804,
 }
 
 

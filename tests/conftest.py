@@ -14,6 +14,7 @@ LONG = frozenset(
     {
         "test_96_random_machines_with_losses_have_the_torque_and_efficiency_of_their_pulses",
         "test_a_thousand_lives_leak_nothing",
+        "test_a_point_that_ends_its_workers_is_refused_alone_and_nobody_elsewhere_can_reach_them",
         "test_arm_computes_the_same",
         "test_fmu_is_the_same_file_wherever_it_is_built",
         "test_forged_states_reach_no_memory_beyond_their_own",
@@ -23,6 +24,7 @@ LONG = frozenset(
         "test_level_has_the_losses_that_the_page_tells[averaged]",
         "test_library_is_the_same_wherever_it_is_linked_and_tells_no_path_and_no_user",
         "test_no_thread_touches_what_another_uses",
+        "test_run_is_played_as_it_was_recorded",
         "test_the_kernel_keeps_within_its_arrays",
         "test_tutorial_shows_pictures_and_tables",
         "test_web_kernel_is_the_same_wherever_it_is_linked_and_tells_no_path",

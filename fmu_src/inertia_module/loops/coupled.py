@@ -217,8 +217,9 @@ class CoupledEngine(EnginePlant):
     the beginning of the module's next step, whose impulse is in the next step mean.
 
     Args:
-        fmu, engine, substeps: as of EnginePlant; drive of the module is speed and its input_hold constant; a
-            native FMU for INERTIA and IMPLICIT.
+        fmu: at its start; drive is speed and input_hold constant; a native one for INERTIA and IMPLICIT.
+        engine: at its start.
+        substeps: as of EnginePlant.
         scheme: of coupling.
         inertia: interface inertia the engine takes into account (INERTIA), kg.m2; see interface_inertia.
 
@@ -321,9 +322,11 @@ class TorqueDrivenEngine(EnginePlant):
     the speed at its beginning, and the module gets the mean of the torques: no energy is lost by that.
 
     Args:
-        fmu, engine, substeps: as of EnginePlant; the inertia of the engine is in input_inertia of the FMU
-            (see torque_driven). Of the readings, engine_work_out is all that the torque has done (the rotor
-            takes none of it), and engine_energy, the rotor's, is a part of energy_stored of the FMU.
+        fmu: at its start; the inertia of the engine is in its input_inertia (see torque_driven). Of the
+            readings, engine_work_out is all that the torque has done (the rotor takes none of it), and
+            engine_energy, the rotor's, is a part of energy_stored of the FMU.
+        engine: at its start.
+        substeps: as of EnginePlant.
 
     Raises:
         ValueError: as EnginePlant, or a module that cannot carry the rotor.
