@@ -16,7 +16,7 @@ $(VENV)/.made:
 # the kernel is translated (half a minute) while pip goes on with what that does not need; what is never
 # imported is not compiled
 $(VENV)/.run: $(VENV)/.made pyproject.toml
-	PIP_NO_COMPILE=1 $(BIN)/python -m pip install $(QUIET) numba ziglang
+	PIP_NO_COMPILE=1 $(BIN)/python -m pip install $(QUIET) numba
 	PYTHONPATH=fmu_src $(BIN)/python -m inertia_module.compiling.linking InertiaModule & \
 	PIP_NO_COMPILE=1 $(BIN)/python -m pip install $(QUIET) -e '.[fast]'; installed=$$?; wait; exit $$installed
 	@touch $@
