@@ -33,7 +33,7 @@ NEEDED = ("numba", "llvmlite")
 
 
 @functools.cache
-def jitted_kernel(entry: str = "entry", **options: bool) -> dict[str, types.ModuleType]:
+def jitted_kernel(entry: str = "entry", **options: Any) -> dict[str, types.ModuleType]:
     """A second copy of a kernel module and all it imports, by name, every function wrapped by numba.
 
     Args:

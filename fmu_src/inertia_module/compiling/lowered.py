@@ -13,12 +13,15 @@ from unittest.mock import patch
 
 import llvmlite.binding as llvm
 from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.registry import cpu_target
 from numba.core.types import Record, Type
 
-# of numba.njit, for functions that only others of them call; references of arrays are not counted (_nrt), for
-# all arrays belong to the caller
-OPTIONS = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "_nrt": False}
+# passes of numba for what the kernel has not: closures, functions to be inlined, whole arrays, literals
+NEEDLESS = (
+    *("WithLifting", "InlineClosureLikes", "InlineInlinables", "InlineOverloads", "NopythonRewrites"),
+    *("FindLiterallyCalls", "LiteralUnroll", "LiteralPropagationSubPipelinePass", "DumpParforDiagnostics"),
+)
 # what every evaluation of the equations of motion calls: made part of its callers, which then leave out
 # the derivatives they do not want. The compiler by itself finds them too long.
 INLINED = ("inertia.reduced_inertia", "sine.sine_cosine", "sine.sines_cosines")
@@ -31,6 +34,25 @@ def share(module: Any) -> None:
     for function in module.functions:
         if function.linkage == llvm.Linkage.external and not function.is_declaration:
             function.linkage = "linkonce_odr"
+
+
+class Passes(CompilerBase):  # type: ignore[misc]
+    """Numba's passes over a function but the needless ones."""
+
+    def define_pipelines(self) -> list[Any]:
+        """The passes, in one row."""
+        manager = DefaultPassBuilder.define_nopython_pipeline(self.state)  # type: ignore[no-untyped-call]
+        manager.passes = [entry for entry in manager.passes if entry[0].__name__ not in NEEDLESS]
+        manager.finalize()
+        return [manager]
+
+
+# of numba.njit, for functions that only others of them call; references of arrays are not counted (_nrt), for
+# all arrays belong to the caller
+OPTIONS: dict[str, Any] = {
+    **{"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "_nrt": False},
+    "pipeline_class": Passes,
+}
 
 
 class Lowered(JITCodeLibrary):  # type: ignore[misc]
