@@ -120,6 +120,8 @@ def derive_general(p, d):
     by_load = d.mesh_loss + d.satellite_loss + d.journal + d.weight
     drag = d.housing_drag + d.housing_drag_viscous + d.output_drag + d.output_drag_viscous
     d.general = 1.0 if by_load + drag + d.housing_stiffness + d.freewheel_stiffness > 0.0 else 0.0
+    d.losses = d.general
+    d.general = 1.0 if p.fidelity >= 2.0 and p.method == 0.0 else d.general  # force
     d.lossy = 0.0
     if p.fidelity == AVERAGED:
         # its own equations; the weights' mean over turns of link 1 is nothing

@@ -110,7 +110,7 @@ CONSTANTS = (
     # whether fidelity averaged has losses
     "lossy",
     # what only the general equations of motion know, and whether any of it is there (kernel.general)
-    *("general", "mesh_loss", "satellite_loss", "journal", "weight", "number"),
+    *("general", "losses", "mesh_loss", "satellite_loss", "journal", "weight", "number"),
     *("housing_drag", "housing_drag_viscous", "output_drag", "output_drag_viscous"),
     *("housing_stiffness", "housing_damping", "freewheel_stiffness", "freewheel_damping"),
     ("machine", MACHINE),

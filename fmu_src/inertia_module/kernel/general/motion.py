@@ -31,21 +31,23 @@ def take_state(d, x):
     m.wound_output = x.wound_output
 
 
-def freewheel_torques(d, x, m):
+def freewheel_torques(d, x, m, lossy):
     """Th and Tc that follow from speeds and wind-up, into m: of freewheels that overrun or are wound up."""
     m.housing = 0.0
+    m.output = 0.0
+    if not lossy:
+        return
     if x.housing_state == WOUND:
         m.housing = d.housing_stiffness * m.wound_housing - d.housing_damping * m.omega2
     elif x.housing_state == OPEN and d.housing != 0.0:
         m.housing = -d.housing_drag - d.housing_drag_viscous * m.omega2
-    m.output = 0.0
     if x.output_state == WOUND:
         m.output = d.freewheel_stiffness * m.wound_output + d.freewheel_damping * (m.omega2 - m.omega3)
     elif x.output_state == OPEN:
         m.output = -d.output_drag - d.output_drag_viscous * (m.omega3 - m.omega2)
 
 
-def accelerate_links(d, x, m, prescribed, inertia, place, carried, resisting, fixed):
+def accelerate_links(d, x, m, prescribed, inertia, place, carried, resisting, fixed, lossy):
     """Accelerations of links that slip and the torques between them, into m.
 
     The sign of tau gives f, that of tau6 the way its loss acts; both are followed as what the freewheels do,
@@ -54,33 +56,40 @@ def accelerate_links(d, x, m, prescribed, inertia, place, carried, resisting, fi
     Args:
         prescribed: acceleration or torque of link 1. inertia, place: of reduced_inertia and imbalance.
         carried, resisting: inertia that link 2 carries, kg m^2, and torque against it, N m.
-        fixed: whether the signs in x hold.
+        fixed: whether the signs in x hold. lossy: whether there are losses by load, a constant.
     """
     i, i1, b, b1, g, g1 = inertia
     k = d.k
-    sign = x.slip_sign
+    sign = x.slip_sign if lossy else 1.0
     rate_q = k * (m.omega1 - m.omega2)
     own1 = d.J1 + i
     own2 = d.J2 + carried
-    rest1 = d.b1 * m.omega1 + (i1 * m.omega1 + b1 * rate_q) * rate_q + m.weight1
-    rest = 0.5 * (g1 * rate_q * rate_q - i1 * m.omega1 * m.omega1) + d.bq * rate_q + m.weight_q
+    rest1 = d.b1 * m.omega1 + (i1 * m.omega1 + b1 * rate_q) * rate_q
+    rest = 0.5 * (g1 * rate_q * rate_q - i1 * m.omega1 * m.omega1) + d.bq * rate_q
+    if lossy:
+        rest1 += m.weight1
+        rest += m.weight_q
     alpha1 = prescribed if d.by_torque == 0.0 else 0.0
     alpha2 = 0.0
-    loaded = d.journal + d.satellite_loss > 0.0
     flow = x.flow_sign if fixed else 1.0
     signs = x.spin_signs if fixed and d.number <= MANY else AS_THEY_ARE
     # of one satellite the sum says all
-    apart = d.satellite_loss != 0.0 and (signs == AS_THEY_ARE or d.number > 1.0)
+    apart = lossy and d.satellite_loss != 0.0 and (signs == AS_THEY_ARE or d.number > 1.0)
     journals = mesh = by_alpha1 = by_rate2 = 0.0
-    if loaded:
+    if lossy and d.journal + d.satellite_loss > 0.0:
         journals, mesh, by_alpha1, by_rate2 = spin_torques(
             d, m.q, place, m.omega1, rate_q, alpha1, k * alpha1, signs
         )
-    for _ in range(PATTERNS):
-        passed = k / (1.0 - flow * d.mesh_loss)
-        by_q = g + sign * by_rate2
-        coupling = b + sign * by_alpha1 + k * by_q
-        demand = rest + sign * journals + sign * mesh
+    for _ in range(PATTERNS if lossy else 1):
+        passed = k / (1.0 - flow * d.mesh_loss) if lossy else k
+        by_q = g
+        coupling = b
+        demand = rest
+        if lossy:
+            by_q += sign * by_rate2
+            coupling += sign * by_alpha1
+            demand += sign * (journals + mesh)
+        coupling += k * by_q
         push = passed * demand - resisting
         if d.by_torque == 0.0:
             if x.housing_state != LOCKED:
@@ -94,11 +103,15 @@ def accelerate_links(d, x, m, prescribed, inertia, place, carried, resisting, fi
                 back = k * (b + passed * by_q)
                 link2 = own2 + passed * k * by_q
                 # phi link2 - passed coupling back, without its cancellation
-                determinant = own2 * phi + passed * k * (own1 * by_q - b * (b + sign * by_alpha1))
+                slipping = b + sign * by_alpha1 if lossy else b
+                determinant = own2 * phi + passed * k * (own1 * by_q - b * slipping)
                 alpha1 = (link2 * drive + back * push) / determinant
                 alpha2 = (phi * push + passed * coupling * drive) / determinant
-        m.torque = sign * (demand + coupling * alpha1 - k * by_q * alpha2)
-        m.mesh = passed * sign * m.torque
+        m.torque = demand + coupling * alpha1 - k * by_q * alpha2
+        m.mesh = passed * m.torque
+        if not lossy:
+            break
+        m.torque *= sign
         rate2_q = k * (alpha1 - alpha2)
         m.spun = mesh + by_alpha1 * alpha1 + by_rate2 * rate2_q
         m.spun_by[0] = m.spun
@@ -113,12 +126,13 @@ def accelerate_links(d, x, m, prescribed, inertia, place, carried, resisting, fi
             agree = agree and before == (mesh, by_alpha1, by_rate2)
         if agree:
             break
-    m.flow_sign = flow
     m.alpha1 = alpha1
     m.alpha2 = alpha2
-    m.journals = journals
     m.drive = own1 * alpha1 + k * b * (alpha1 - alpha2) + rest1 + m.mesh
-    m.margin = sign * (m.omega1 - m.omega2)
+    if lossy:
+        m.flow_sign = flow
+        m.journals = journals
+        m.margin = sign * (m.omega1 - m.omega2)
 
 
 def stick_links(d, x, m, prescribed, inertia, place, carried, resisting):
@@ -161,9 +175,18 @@ def evaluate(d, x, prescribed, load, fixed):
         load: N m.
         fixed: whether the signs of the loads in x hold (see accelerate_links).
     """
+    # one source, compiled twice: what lossy rules out is not there
+    if d.losses != 0.0:
+        equations(d, x, prescribed, load, fixed, True)
+    else:
+        equations(d, x, prescribed, load, fixed, False)
+
+
+def equations(d, x, prescribed, load, fixed, lossy):
+    """Solve the equations of motion for evaluate, with or without losses by load, drag, weights, wind-up."""
     m = d.machine
     place = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    satellites_loaded = d.journal + d.satellite_loss + d.weight > 0.0
+    satellites_loaded = lossy and d.journal + d.satellite_loss + d.weight > 0.0
     if satellites_loaded:
         place = imbalance(d, m.q, 0.0)
     if satellites_loaded and d.single != 0.0 and d.planar + d.bodies == 0.0:
@@ -171,10 +194,11 @@ def evaluate(d, x, prescribed, load, fixed):
     else:
         i, i1, _, b, b1, g, g1, _ = reduced_inertia(d, m.q)
         inertia = i, i1, b, b1, g, g1
-    m.weight1 = m.weight_q = 0.0
-    if d.weight != 0.0:
-        _, m.weight1, m.weight_q = weight_torques(d, place, m.theta1)
-    freewheel_torques(d, x, m)
+    if lossy:
+        m.weight1 = m.weight_q = 0.0
+        if d.weight != 0.0:
+            _, m.weight1, m.weight_q = weight_torques(d, place, m.theta1)
+    freewheel_torques(d, x, m, lossy)
     shaft = load
     if d.elastic != 0.0:
         shaft = d.stiffness * m.twist + d.damping * m.relative
@@ -182,10 +206,10 @@ def evaluate(d, x, prescribed, load, fixed):
     locked = x.output_state == LOCKED
     carried = d.J3 if locked else 0.0
     resisting = d.b2 * m.omega2 - m.housing + (against3 if locked else m.output)
-    if x.slip_sign == 0.0:
+    if lossy and x.slip_sign == 0.0:
         stick_links(d, x, m, prescribed, inertia, place, carried, resisting)
     else:
-        accelerate_links(d, x, m, prescribed, inertia, place, carried, resisting, fixed)
+        accelerate_links(d, x, m, prescribed, inertia, place, carried, resisting, fixed, lossy)
     if locked:
         m.output = against3 + d.J3 * m.alpha2
         m.alpha3 = m.alpha2
@@ -193,7 +217,6 @@ def evaluate(d, x, prescribed, load, fixed):
         m.alpha3 = (m.output - against3) / d.J3
     if x.housing_state == LOCKED:
         m.housing = m.output - m.mesh
-    m.rate_relative = 0.0
     if d.elastic != 0.0:
         driven = shaft - d.friction * (m.omega3 - m.relative) - load
         m.rate_relative = (1.0 - d.balancer) * m.alpha3 - driven / d.J4
