@@ -231,7 +231,7 @@ def advance_general(d, x, w, remaining):
     take_state(d, x)
     evaluate(d, x, w.prescribed, w.load, True)
     x.step_evaluations += 1.0
-    keep_rates(d, x, w, 0)
+    keep_rates(d, x, w, 0, d.losses != 0.0)
     sample_load(d, x, x.q, x.omega1, x.omega2, m.alpha1, m.alpha2)
     fastest = try_steps(d, x, w, longest_step(d, x, w, remaining))
     if fastest < 0.0:
@@ -245,7 +245,7 @@ def advance_general(d, x, w, remaining):
     elif wound:
         make_step(d, x, w, sigma * w.step)
     else:
-        cut_step(d, w, sigma)
+        cut_step(d, x, w, sigma)
     commit(d, x, w)
     meet_limits(d, x)
     if wound and which != NONE and not has_fallen(d, x, w, which):

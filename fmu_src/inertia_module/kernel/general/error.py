@@ -20,6 +20,7 @@ from .stages import (
     WOUND_HOUSING,
     Q,
     how_many_move,
+    is_followed,
 )
 from .states import LOCKED, WOUND
 
@@ -87,7 +88,7 @@ def step_error(d, x, w, fastest):
     energy = max(energy, FROM_REST * momentum * fastest)
     for number in range(moving + len(HELD_SUMS)):
         n = number if number < moving else HELD_SUMS[number - moving]
-        if n == THETA or (n == OMEGA1 and d.by_torque == 0.0):
+        if n == THETA or not is_followed(d, n, moving):
             continue
         rates = w.followed[n].rate
         if n < MOVING:

@@ -29,6 +29,8 @@ CLEAR = 0.25
 
 def how_many_guards(d):
     """How many guards there are: the torques of the meshes 17-6 are the last ones."""
+    if d.losses == 0.0:
+        return SLIP
     if d.satellite_loss == 0.0 or d.number > MANY:
         return SPIN
     return SPIN + int(d.number)
@@ -74,9 +76,9 @@ def value_and_rate(d, x, m, which):
     return m.output + d.output_drag, m.output + d.output_drag
 
 
-def watch(d, x, w, n):
+def watch(d, x, w, n, lossy):
     """Keep the guards at stage n."""
-    for which in range(how_many_guards(d)):
+    for which in range(how_many_guards(d) if lossy else SLIP):
         w.watched[which].value[n], w.watched[which].rate[n] = value_and_rate(d, x, d.machine, which)
 
 

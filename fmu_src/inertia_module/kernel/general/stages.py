@@ -58,7 +58,13 @@ def how_many_move(d):
 
 def is_followed(d, n, moving):
     """Tell whether this quantity is one of the motion or of the sums that there are."""
-    return n < moving or (n >= MOVING and (n != LOST + SHAFT or d.elastic != 0.0))
+    if n < MOVING:
+        return n < moving and (n not in (OMEGA1, THETA) or d.by_torque != 0.0)
+    if n == LOST + SHAFT:
+        return d.elastic != 0.0
+    if n == LOST + VISCOUS:
+        return d.viscous != 0.0
+    return d.losses != 0.0 or n < LOST or n > OF_MESH
 
 
 def weighed(n, rates):
@@ -107,44 +113,49 @@ def power_of_freewheels(d, x, m):
     return lost
 
 
-def keep_rates(d, x, w, n):
+def keep_rates(d, x, w, n, lossy):
     """Rates of all that is followed at stage n, from d.machine after motion.evaluate."""
     m = d.machine
     f = w.followed
-    slip = 0.0 if x.slip_sign == 0.0 else m.omega1 - m.omega2
+    slip = m.omega1 - m.omega2
+    if lossy and x.slip_sign == 0.0:
+        slip = 0.0
     rate_q = d.k * slip
-    # of one sign up to the event, and smooth beyond it
-    turned = x.slip_sign * rate_q
-    turning = m.omega3 - m.relative
+    turning = m.omega3
     f[Q].rate[n] = rate_q
     f[THETA].rate[n] = m.omega1
     f[OMEGA1].rate[n] = m.alpha1
     f[OMEGA2].rate[n] = m.alpha2
     f[OMEGA3].rate[n] = m.alpha3
-    f[TWIST].rate[n] = m.relative
-    f[RELATIVE].rate[n] = m.rate_relative
-    f[WOUND_HOUSING].rate[n] = -m.omega2 if x.housing_state == WOUND else 0.0
-    f[WOUND_OUTPUT].rate[n] = m.omega2 - m.omega3 if x.output_state == WOUND else 0.0
-    f[WORK_IN].rate[n] = m.drive * m.omega1
-    f[WORK_OUT].rate[n] = w.load * turning
-    viscous = friction_power(d, m.omega1, m.omega2, d.b2)
-    f[LOST + VISCOUS].rate[n] = viscous + d.b3 * m.omega3 * m.omega3
     if d.elastic != 0.0:
+        turning -= m.relative
+        f[TWIST].rate[n] = m.relative
+        f[RELATIVE].rate[n] = m.rate_relative
         shaft = d.damping * m.relative * m.relative + d.friction * turning * turning
         f[LOST + SHAFT].rate[n] = shaft - d.balancer * d.J4 * m.alpha3 * turning
-    f[LOST + MESH].rate[n] = d.mesh_loss * x.flow_sign * m.mesh * slip + m.spun * turned
-    f[LOST + JOURNAL].rate[n] = m.journals * turned
-    f[LOST + FREEWHEEL].rate[n] = power_of_freewheels(d, x, m)
+    f[WORK_IN].rate[n] = m.drive * m.omega1
+    f[WORK_OUT].rate[n] = w.load * turning
+    if d.viscous != 0.0:
+        viscous = friction_power(d, m.omega1, m.omega2, d.b2)
+        f[LOST + VISCOUS].rate[n] = viscous + d.b3 * m.omega3 * m.omega3
     f[OF_DRIVE].rate[n] = m.drive
-    f[OF_MESH].rate[n] = m.mesh
     f[OF_HOUSING].rate[n] = m.housing
     f[OF_OUTPUT].rate[n] = m.output
     f[SQUARE].rate[n] = m.output * m.output
     f[TURNED].rate[n] = turning
-    watch(d, x, w, n)
+    if lossy:
+        # of one sign up to the event, and smooth beyond it
+        turned = x.slip_sign * rate_q
+        f[WOUND_HOUSING].rate[n] = -m.omega2 if x.housing_state == WOUND else 0.0
+        f[WOUND_OUTPUT].rate[n] = m.omega2 - m.omega3 if x.output_state == WOUND else 0.0
+        f[LOST + MESH].rate[n] = d.mesh_loss * x.flow_sign * m.mesh * slip + m.spun * turned
+        f[LOST + JOURNAL].rate[n] = m.journals * turned
+        f[LOST + FREEWHEEL].rate[n] = power_of_freewheels(d, x, m)
+        f[OF_MESH].rate[n] = m.mesh
+    watch(d, x, w, n, lossy)
 
 
-def evaluate_stage(d, x, w, n, rate_q, mean1, mean2, mean3):
+def evaluate_stage(d, x, w, n, rate_q, mean1, mean2, mean3, lossy):
     """Rates at stage n, from weighed rates of q and of the speeds at the stages before."""
     h = w.step
     f = w.followed
@@ -153,44 +164,54 @@ def evaluate_stage(d, x, w, n, rate_q, mean1, mean2, mean3):
     m.omega2 = x.omega2 + h * mean2
     m.omega3 = m.omega2 if x.output_state == LOCKED else x.omega3 + h * mean3
     m.omega1 = x.omega1 + h * (mean1 if d.by_torque != 0.0 else NODES[n] * w.prescribed)
-    if d.weight != 0.0:
+    if lossy and d.weight != 0.0:
         m.theta1 = x.theta1 + h * weighed(n, f[THETA].rate)
     if d.elastic != 0.0:
         m.twist = x.twist + h * weighed(n, f[TWIST].rate)
         m.relative = x.relative + h * weighed(n, f[RELATIVE].rate)
-        m.wound_housing = x.wound_housing + h * weighed(n, f[WOUND_HOUSING].rate)
-        m.wound_output = x.wound_output + h * weighed(n, f[WOUND_OUTPUT].rate)
+        if lossy:
+            m.wound_housing = x.wound_housing + h * weighed(n, f[WOUND_HOUSING].rate)
+            m.wound_output = x.wound_output + h * weighed(n, f[WOUND_OUTPUT].rate)
     evaluate(d, x, w.prescribed, w.load, True)
-    keep_rates(d, x, w, n)
+    keep_rates(d, x, w, n, lossy)
     x.step_evaluations += 1.0
 
 
 def make_step(d, x, w, h):
     """All stages of the step h, and the changes of all that is followed."""
     w.step = h
-    f = w.followed
-    q, o1, o2, o3 = f[Q].rate, f[OMEGA1].rate, f[OMEGA2].rate, f[OMEGA3].rate
-    evaluate_stage(d, x, w, 1, sum_1(q), sum_1(o1), sum_1(o2), sum_1(o3))
-    evaluate_stage(d, x, w, 2, sum_2(q), sum_2(o1), sum_2(o2), sum_2(o3))
-    evaluate_stage(d, x, w, 3, sum_3(q), sum_3(o1), sum_3(o2), sum_3(o3))
-    evaluate_stage(d, x, w, 4, sum_4(q), sum_4(o1), sum_4(o2), sum_4(o3))
-    evaluate_stage(d, x, w, 5, sum_5(q), sum_5(o1), sum_5(o2), sum_5(o3))
-    evaluate_stage(d, x, w, 6, sum_6(q), sum_6(o1), sum_6(o2), sum_6(o3))
-    evaluate_stage(d, x, w, 7, sum_7(q), sum_7(o1), sum_7(o2), sum_7(o3))
-    evaluate_stage(d, x, w, 8, sum_8(q), sum_8(o1), sum_8(o2), sum_8(o3))
-    evaluate_stage(d, x, w, 9, sum_9(q), sum_9(o1), sum_9(o2), sum_9(o3))
-    evaluate_stage(d, x, w, 10, sum_10(q), sum_10(o1), sum_10(o2), sum_10(o3))
-    evaluate_stage(d, x, w, 11, sum_11(q), sum_11(o1), sum_11(o2), sum_11(o3))
-    evaluate_stage(d, x, w, 12, sum_12(q), sum_12(o1), sum_12(o2), sum_12(o3))
+    if d.losses != 0.0:
+        make_stages(d, x, w, True)
+    else:
+        make_stages(d, x, w, False)
     moving = how_many_move(d)
     for n in range(FOLLOWED):
         if is_followed(d, n, moving):
             w.followed[n].change = h * sum_12(w.followed[n].rate)
     if d.by_torque == 0.0:
         w.followed[OMEGA1].change = h * w.prescribed
+        w.followed[THETA].change = h * (x.omega1 + 0.5 * h * w.prescribed)
 
 
-def change_inside(d, w, sigma, count):
+def make_stages(d, x, w, lossy):
+    """Evaluate all stages of the step in hand after the first."""
+    f = w.followed
+    q, o1, o2, o3 = f[Q].rate, f[OMEGA1].rate, f[OMEGA2].rate, f[OMEGA3].rate
+    evaluate_stage(d, x, w, 1, sum_1(q), sum_1(o1), sum_1(o2), sum_1(o3), lossy)
+    evaluate_stage(d, x, w, 2, sum_2(q), sum_2(o1), sum_2(o2), sum_2(o3), lossy)
+    evaluate_stage(d, x, w, 3, sum_3(q), sum_3(o1), sum_3(o2), sum_3(o3), lossy)
+    evaluate_stage(d, x, w, 4, sum_4(q), sum_4(o1), sum_4(o2), sum_4(o3), lossy)
+    evaluate_stage(d, x, w, 5, sum_5(q), sum_5(o1), sum_5(o2), sum_5(o3), lossy)
+    evaluate_stage(d, x, w, 6, sum_6(q), sum_6(o1), sum_6(o2), sum_6(o3), lossy)
+    evaluate_stage(d, x, w, 7, sum_7(q), sum_7(o1), sum_7(o2), sum_7(o3), lossy)
+    evaluate_stage(d, x, w, 8, sum_8(q), sum_8(o1), sum_8(o2), sum_8(o3), lossy)
+    evaluate_stage(d, x, w, 9, sum_9(q), sum_9(o1), sum_9(o2), sum_9(o3), lossy)
+    evaluate_stage(d, x, w, 10, sum_10(q), sum_10(o1), sum_10(o2), sum_10(o3), lossy)
+    evaluate_stage(d, x, w, 11, sum_11(q), sum_11(o1), sum_11(o2), sum_11(o3), lossy)
+    evaluate_stage(d, x, w, 12, sum_12(q), sum_12(o1), sum_12(o2), sum_12(o3), lossy)
+
+
+def change_inside(d, x, w, sigma, count):
     """Changes of the first of the followed quantities up to the part sigma of the step in hand."""
     moving = how_many_move(d)
     inside_weights(sigma, w.weights)
@@ -201,18 +222,20 @@ def change_inside(d, w, sigma, count):
                 change += w.weights[stage] * w.followed[n].rate[stage]
             w.followed[n].change = w.step * change
     if d.by_torque == 0.0:
-        w.followed[OMEGA1].change = sigma * w.step * w.prescribed
+        h = sigma * w.step
+        w.followed[OMEGA1].change = h * w.prescribed
+        w.followed[THETA].change = h * (x.omega1 + 0.5 * h * w.prescribed)
 
 
-def cut_step(d, w, sigma):
+def cut_step(d, x, w, sigma):
     """Make the step in hand, its inside known, one of its part sigma."""
-    change_inside(d, w, sigma, FOLLOWED)
+    change_inside(d, x, w, sigma, FOLLOWED)
     w.step *= sigma
 
 
 def evaluate_inside(d, x, w, sigma):
     """The general equations at the part sigma of the step in hand, its inside known, into d.machine."""
-    change_inside(d, w, sigma, MOVING)
+    change_inside(d, x, w, sigma, MOVING)
     f = w.followed
     m = d.machine
     m.q = x.q + f[Q].change
@@ -233,6 +256,7 @@ def make_inside(d, x, w):
     """The stages for the inside of the step in hand."""
     f = w.followed
     q, o1, o2, o3 = f[Q].rate, f[OMEGA1].rate, f[OMEGA2].rate, f[OMEGA3].rate
-    evaluate_stage(d, x, w, 13, sum_13(q), sum_13(o1), sum_13(o2), sum_13(o3))
-    evaluate_stage(d, x, w, 14, sum_14(q), sum_14(o1), sum_14(o2), sum_14(o3))
-    evaluate_stage(d, x, w, 15, sum_15(q), sum_15(o1), sum_15(o2), sum_15(o3))
+    lossy = d.losses != 0.0
+    evaluate_stage(d, x, w, 13, sum_13(q), sum_13(o1), sum_13(o2), sum_13(o3), lossy)
+    evaluate_stage(d, x, w, 14, sum_14(q), sum_14(o1), sum_14(o2), sum_14(o3), lossy)
+    evaluate_stage(d, x, w, 15, sum_15(q), sum_15(o1), sum_15(o2), sum_15(o3), lossy)
