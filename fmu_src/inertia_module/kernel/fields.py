@@ -68,6 +68,8 @@ STATE = (
     # the rates of links.motion now are kept
     *("torques_continue", "prescribed", "load_prescribed", "rates_cached", "rate1"),
     *("rate2", "jerk2", "free", "free_rate"),
+    # general without losses: accelerations and torques of this instant
+    ("now", ("alpha1", "alpha2", "alpha3", "rate_relative", "drive", "mesh", "output", "housing")),
     *("momentum", "motion_energy"),
 )
 

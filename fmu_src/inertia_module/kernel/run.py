@@ -6,6 +6,7 @@ from .averaged.run import run_averaged
 from .codes import AVERAGED, DRIVE_TORQUE, DRIVING, ELASTIC, KINEMATIC, OK, TIMESTEPPING, TOO_MUCH_WORK
 from .contact import TORQUE_ROUNDING, is_held, present_mode
 from .engine import run_events, switch
+from .general.advance import recall
 from .general.choice import choose_states
 from .general.jump import jump_general
 from .general.motion import evaluate, take_state
@@ -23,7 +24,10 @@ def accelerations_now(d, x):
     """Accelerations of links 1 and 2 in the present mode, rad/s^2."""
     if d.general != 0.0:
         take_state(d, x)
-        evaluate(d, x, prescribed_at_input(d, x), x.load_torque, False)
+        if x.rates_cached != 0.0:
+            recall(d.machine, x.now)
+        else:
+            evaluate(d, x, prescribed_at_input(d, x), x.load_torque, False)
         return d.machine.alpha1, d.machine.alpha2
     if x.rates_cached != 0.0:
         return x.rate1, x.rate2

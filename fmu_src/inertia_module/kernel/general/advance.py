@@ -8,6 +8,7 @@ from ..links import response
 from ..loads import INSIDE_PHASE, sample_load
 from ..search import first_crossing
 from ..solvers.dormand_prince import END, sum_9
+from ..solvers.dormand_prince_5 import END as SHORT_END
 from ..solvers.step_size import REJECTIONS, carry_size, first_size, next_factor
 from .choice import take_speeds
 from .error import fastest_speed, step_error
@@ -64,9 +65,25 @@ LOOK_PHASE = 1.0
 SAFETY = 0.8
 # share of its size that a step keeps where a freewheel has switched
 AFRESH = 0.5
+# share of the allowed error that a step of the pair of order 5 may have: there are many of them
+SHORT_SHARE = 0.1
+# how fast the longest step of the pair of order 5 is thought to grow while the other one is used
+SHORT_GROWTH = 1.05
 # a guard below this share of the speeds, or of the torques, is zero
 VELOCITY_ROUNDING = 1e-13
 TORQUE_ROUNDING = 1e-11
+
+
+def recall(target, source):
+    """Copy accelerations and torques of an instant."""
+    target.alpha1 = source.alpha1
+    target.alpha2 = source.alpha2
+    target.alpha3 = source.alpha3
+    target.rate_relative = source.rate_relative
+    target.drive = source.drive
+    target.mesh = source.mesh
+    target.output = source.output
+    target.housing = source.housing
 
 
 def longest_step(d, x, w, remaining):
@@ -83,8 +100,28 @@ def longest_step(d, x, w, remaining):
     return step
 
 
+def try_short_step(d, x, w, remaining):
+    """Make the step to the end of the time remaining by the pair of order 5, where that will do.
+
+    It will where the error is allowed and no guard comes near zero. Returns as try_steps.
+    """
+    w.short = 1.0
+    make_step(d, x, w, remaining)
+    fastest = fastest_speed(d, x, w)
+    error = step_error(d, x, w, fastest) / SHORT_SHARE
+    x.short_size = next_factor(error, 5.0, SAFETY) * remaining
+    if not error <= 1.0:
+        return -1.0
+    rough = is_rough(d)
+    for guard in range(how_many_guards(d)):
+        if is_watched(d, x, guard, rough) and not is_clear(w, guard):
+            return -1.0
+    return fastest
+
+
 def try_steps(d, x, w, limit):
     """Make the longest step of allowed error. Returns the largest speed in it, or -1 where none will do."""
+    w.short = 0.0
     h = first_size(x, limit)
     for attempt in range(REJECTIONS):
         make_step(d, x, w, h)
@@ -157,12 +194,13 @@ def commit(d, x, w):
     x.output_impulse += f[OF_OUTPUT].change
     x.output_square += f[SQUARE].change
     x.turned3 += f[TURNED].change
-    for n in range(END + 1):
+    for n in range(SHORT_END + 1 if w.short != 0.0 else END + 1):
         x.torque_peak = max(x.torque_peak, abs(f[OF_OUTPUT].rate[n]))
 
 
 def meet(d, x, which):
     """Set a speed that has met its limit there exactly."""
+    x.rates_cached = 0.0
     if which == HOUSING:
         x.omega2 = 0.0
         x.omega2_low = 0.0
@@ -211,6 +249,8 @@ def unwind(d, x, which):
 def see_inside(d, x, w):
     """See the bearing's force at a stage inside the step, where the drive turns far."""
     f = w.followed
+    if w.short != 0.0:
+        return
     if d.harmonic * abs(f[Q].change) < INSIDE_PHASE:
         return
     omega1 = f[THETA].rate[SEEN]
@@ -229,14 +269,28 @@ def advance_general(d, x, w, remaining):
     m = d.machine
     take_speeds(x)
     take_state(d, x)
-    evaluate(d, x, w.prescribed, w.load, True)
-    x.step_evaluations += 1.0
+    if x.rates_cached != 0.0:
+        recall(m, x.now)
+    else:
+        evaluate(d, x, w.prescribed, w.load, True)
+        x.step_evaluations += 1.0
+    x.rates_cached = 0.0
     keep_rates(d, x, w, 0, d.losses != 0.0)
     sample_load(d, x, x.q, x.omega1, x.omega2, m.alpha1, m.alpha2)
-    fastest = try_steps(d, x, w, longest_step(d, x, w, remaining))
+    limit = longest_step(d, x, w, remaining)
+    fastest = -1.0
+    if limit >= remaining and (remaining <= x.short_size or x.short_size == 0.0):
+        fastest = try_short_step(d, x, w, remaining)
+    sigma, which = -1.0, NONE
     if fastest < 0.0:
-        return -1.0, False
-    sigma, which = first_event(d, x, w, fastest)
+        x.short_size *= SHORT_GROWTH  # so that it is tried again
+        fastest = try_steps(d, x, w, limit)
+        if fastest < 0.0:
+            return -1.0, False
+        recall(x.now, m)
+        sigma, which = first_event(d, x, w, fastest)
+    else:
+        recall(x.now, m)
     if sigma >= 0.0 and which == SLIP and x.slip_sign == 0.0:
         sigma = part_at(d, x, w, guard_tolerance(d, x, w, SLIP, fastest), sigma)
     wound = is_wound(x)
@@ -247,6 +301,8 @@ def advance_general(d, x, w, remaining):
     else:
         cut_step(d, x, w, sigma)
     commit(d, x, w)
+    if d.losses == 0.0 and which == NONE:
+        x.rates_cached = 1.0
     meet_limits(d, x)
     if wound and which != NONE and not has_fallen(d, x, w, which):
         # stiff springs make the inside of a step coarse: where an event seems to be a step has to end with it

@@ -5,6 +5,7 @@ import math
 from ..codes import JOURNAL, MESH
 from ..links import kinetic_energy, response
 from ..solvers.dormand_prince import fifth, third
+from ..solvers.dormand_prince_5 import fourth
 from .stages import (
     LOST,
     MOVING,
@@ -99,11 +100,17 @@ def step_error(d, x, w, fastest):
                 scale *= OF_LOSSES
             scale = d.tolerance * max(scale, abs(w.followed[n].change))
         if scale > 0.0:
+            if w.short != 0.0:
+                sum3 += (fourth(rates) / scale) ** 2
+                count += 1
+                continue
             error5 = fifth(rates) / scale
             error3 = third(rates) / scale
             sum5 += error5 * error5
             sum3 += error3 * error3
             count += 1
+    if w.short != 0.0:
+        return w.step * math.sqrt(sum3 / max(count, 1)) if sum3 < 1e300 else 1e300
     mix = sum5 + 0.01 * sum3
     if mix == 0.0:
         return 0.0

@@ -6,6 +6,8 @@ their torques, by the signs that the losses go by.
 """
 
 from ..solvers.dormand_prince import END, NODES
+from ..solvers.dormand_prince_5 import END as SHORT_END
+from ..solvers.dormand_prince_5 import NODES as SHORT_NODES
 from ..solvers.interpolant import (
     dense_change,
     dense_fourth_bound,
@@ -86,16 +88,15 @@ def is_clear(w, which):
     """Tell whether a guard is far above zero, or grows away from its beginning, at all stages of the step."""
     values = w.watched[which].value
     start = values[0]
+    last = SHORT_END if w.short != 0.0 else END
     low = high = start
-    least = most = (values[END] - start) / NODES[END]
-    for n in range(1, END):
+    least = most = values[last] - start
+    for n in range(1, last + 1):
         low = min(low, values[n])
         high = max(high, values[n])
-        growth = (values[n] - start) / NODES[n]
+        growth = (values[n] - start) / (SHORT_NODES[n] if w.short != 0.0 else NODES[n])
         least = min(least, growth)
         most = max(most, growth)
-    low = min(low, values[END])
-    high = max(high, values[END])
     return low > CLEAR * (high - low) or (start >= 0.0 and least > CLEAR * (most - least))
 
 

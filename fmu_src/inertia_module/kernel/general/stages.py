@@ -24,6 +24,13 @@ from ..solvers.dormand_prince import (
     sum_14,
     sum_15,
 )
+from ..solvers.dormand_prince_5 import NODES as SHORT_NODES
+from ..solvers.dormand_prince_5 import sum_1 as short_sum_1
+from ..solvers.dormand_prince_5 import sum_2 as short_sum_2
+from ..solvers.dormand_prince_5 import sum_3 as short_sum_3
+from ..solvers.dormand_prince_5 import sum_4 as short_sum_4
+from ..solvers.dormand_prince_5 import sum_5 as short_sum_5
+from ..solvers.dormand_prince_5 import sum_6 as short_sum_6
 from ..solvers.interpolant import inside_weights
 from .guards import watch
 from .motion import evaluate
@@ -67,8 +74,23 @@ def is_followed(d, n, moving):
     return d.losses != 0.0 or n < LOST or n > OF_MESH
 
 
-def weighed(n, rates):
+def weighed_shortly(n, rates):
+    """Sum of the rates at the stages before stage n of the pair of order 5, weighed for it."""
+    if n == 1:
+        return short_sum_1(rates)
+    if n == 2:
+        return short_sum_2(rates)
+    if n == 3:
+        return short_sum_3(rates)
+    if n == 4:
+        return short_sum_4(rates)
+    return short_sum_5(rates) if n == 5 else short_sum_6(rates)
+
+
+def weighed(w, n, rates):
     """Sum of the rates at the stages before stage n, weighed for it."""
+    if w.short != 0.0:
+        return weighed_shortly(n, rates)
     if n == 1:
         return sum_1(rates)
     if n == 2:
@@ -155,7 +177,7 @@ def keep_rates(d, x, w, n, lossy):
     watch(d, x, w, n, lossy)
 
 
-def evaluate_stage(d, x, w, n, rate_q, mean1, mean2, mean3, lossy):
+def evaluate_stage(d, x, w, n, node, rate_q, mean1, mean2, mean3, lossy):
     """Rates at stage n, from weighed rates of q and of the speeds at the stages before."""
     h = w.step
     f = w.followed
@@ -163,15 +185,15 @@ def evaluate_stage(d, x, w, n, rate_q, mean1, mean2, mean3, lossy):
     m.q = x.q + h * rate_q
     m.omega2 = x.omega2 + h * mean2
     m.omega3 = m.omega2 if x.output_state == LOCKED else x.omega3 + h * mean3
-    m.omega1 = x.omega1 + h * (mean1 if d.by_torque != 0.0 else NODES[n] * w.prescribed)
+    m.omega1 = x.omega1 + h * (mean1 if d.by_torque != 0.0 else node * w.prescribed)
     if lossy and d.weight != 0.0:
-        m.theta1 = x.theta1 + h * weighed(n, f[THETA].rate)
+        m.theta1 = x.theta1 + h * weighed(w, n, f[THETA].rate)
     if d.elastic != 0.0:
-        m.twist = x.twist + h * weighed(n, f[TWIST].rate)
-        m.relative = x.relative + h * weighed(n, f[RELATIVE].rate)
+        m.twist = x.twist + h * weighed(w, n, f[TWIST].rate)
+        m.relative = x.relative + h * weighed(w, n, f[RELATIVE].rate)
         if lossy:
-            m.wound_housing = x.wound_housing + h * weighed(n, f[WOUND_HOUSING].rate)
-            m.wound_output = x.wound_output + h * weighed(n, f[WOUND_OUTPUT].rate)
+            m.wound_housing = x.wound_housing + h * weighed(w, n, f[WOUND_HOUSING].rate)
+            m.wound_output = x.wound_output + h * weighed(w, n, f[WOUND_OUTPUT].rate)
     evaluate(d, x, w.prescribed, w.load, True)
     keep_rates(d, x, w, n, lossy)
     x.step_evaluations += 1.0
@@ -180,35 +202,50 @@ def evaluate_stage(d, x, w, n, rate_q, mean1, mean2, mean3, lossy):
 def make_step(d, x, w, h):
     """All stages of the step h, and the changes of all that is followed."""
     w.step = h
-    if d.losses != 0.0:
+    if w.short != 0.0:
+        make_short_stages(d, x, w, d.losses != 0.0)
+    elif d.losses != 0.0:
         make_stages(d, x, w, True)
     else:
         make_stages(d, x, w, False)
     moving = how_many_move(d)
     for n in range(FOLLOWED):
         if is_followed(d, n, moving):
-            w.followed[n].change = h * sum_12(w.followed[n].rate)
+            rates = w.followed[n].rate
+            w.followed[n].change = h * (short_sum_6(rates) if w.short != 0.0 else sum_12(rates))
     if d.by_torque == 0.0:
         w.followed[OMEGA1].change = h * w.prescribed
         w.followed[THETA].change = h * (x.omega1 + 0.5 * h * w.prescribed)
+
+
+def make_short_stages(d, x, w, lossy):
+    """Evaluate all stages of the step in hand by the pair of order 5."""
+    f = w.followed
+    q, o1, o2, o3 = f[Q].rate, f[OMEGA1].rate, f[OMEGA2].rate, f[OMEGA3].rate
+    evaluate_stage(d, x, w, 1, SHORT_NODES[1], short_sum_1(q), short_sum_1(o1), short_sum_1(o2), short_sum_1(o3), lossy)
+    evaluate_stage(d, x, w, 2, SHORT_NODES[2], short_sum_2(q), short_sum_2(o1), short_sum_2(o2), short_sum_2(o3), lossy)
+    evaluate_stage(d, x, w, 3, SHORT_NODES[3], short_sum_3(q), short_sum_3(o1), short_sum_3(o2), short_sum_3(o3), lossy)
+    evaluate_stage(d, x, w, 4, SHORT_NODES[4], short_sum_4(q), short_sum_4(o1), short_sum_4(o2), short_sum_4(o3), lossy)
+    evaluate_stage(d, x, w, 5, SHORT_NODES[5], short_sum_5(q), short_sum_5(o1), short_sum_5(o2), short_sum_5(o3), lossy)
+    evaluate_stage(d, x, w, 6, SHORT_NODES[6], short_sum_6(q), short_sum_6(o1), short_sum_6(o2), short_sum_6(o3), lossy)
 
 
 def make_stages(d, x, w, lossy):
     """Evaluate all stages of the step in hand after the first."""
     f = w.followed
     q, o1, o2, o3 = f[Q].rate, f[OMEGA1].rate, f[OMEGA2].rate, f[OMEGA3].rate
-    evaluate_stage(d, x, w, 1, sum_1(q), sum_1(o1), sum_1(o2), sum_1(o3), lossy)
-    evaluate_stage(d, x, w, 2, sum_2(q), sum_2(o1), sum_2(o2), sum_2(o3), lossy)
-    evaluate_stage(d, x, w, 3, sum_3(q), sum_3(o1), sum_3(o2), sum_3(o3), lossy)
-    evaluate_stage(d, x, w, 4, sum_4(q), sum_4(o1), sum_4(o2), sum_4(o3), lossy)
-    evaluate_stage(d, x, w, 5, sum_5(q), sum_5(o1), sum_5(o2), sum_5(o3), lossy)
-    evaluate_stage(d, x, w, 6, sum_6(q), sum_6(o1), sum_6(o2), sum_6(o3), lossy)
-    evaluate_stage(d, x, w, 7, sum_7(q), sum_7(o1), sum_7(o2), sum_7(o3), lossy)
-    evaluate_stage(d, x, w, 8, sum_8(q), sum_8(o1), sum_8(o2), sum_8(o3), lossy)
-    evaluate_stage(d, x, w, 9, sum_9(q), sum_9(o1), sum_9(o2), sum_9(o3), lossy)
-    evaluate_stage(d, x, w, 10, sum_10(q), sum_10(o1), sum_10(o2), sum_10(o3), lossy)
-    evaluate_stage(d, x, w, 11, sum_11(q), sum_11(o1), sum_11(o2), sum_11(o3), lossy)
-    evaluate_stage(d, x, w, 12, sum_12(q), sum_12(o1), sum_12(o2), sum_12(o3), lossy)
+    evaluate_stage(d, x, w, 1, NODES[1], sum_1(q), sum_1(o1), sum_1(o2), sum_1(o3), lossy)
+    evaluate_stage(d, x, w, 2, NODES[2], sum_2(q), sum_2(o1), sum_2(o2), sum_2(o3), lossy)
+    evaluate_stage(d, x, w, 3, NODES[3], sum_3(q), sum_3(o1), sum_3(o2), sum_3(o3), lossy)
+    evaluate_stage(d, x, w, 4, NODES[4], sum_4(q), sum_4(o1), sum_4(o2), sum_4(o3), lossy)
+    evaluate_stage(d, x, w, 5, NODES[5], sum_5(q), sum_5(o1), sum_5(o2), sum_5(o3), lossy)
+    evaluate_stage(d, x, w, 6, NODES[6], sum_6(q), sum_6(o1), sum_6(o2), sum_6(o3), lossy)
+    evaluate_stage(d, x, w, 7, NODES[7], sum_7(q), sum_7(o1), sum_7(o2), sum_7(o3), lossy)
+    evaluate_stage(d, x, w, 8, NODES[8], sum_8(q), sum_8(o1), sum_8(o2), sum_8(o3), lossy)
+    evaluate_stage(d, x, w, 9, NODES[9], sum_9(q), sum_9(o1), sum_9(o2), sum_9(o3), lossy)
+    evaluate_stage(d, x, w, 10, NODES[10], sum_10(q), sum_10(o1), sum_10(o2), sum_10(o3), lossy)
+    evaluate_stage(d, x, w, 11, NODES[11], sum_11(q), sum_11(o1), sum_11(o2), sum_11(o3), lossy)
+    evaluate_stage(d, x, w, 12, NODES[12], sum_12(q), sum_12(o1), sum_12(o2), sum_12(o3), lossy)
 
 
 def change_inside(d, x, w, sigma, count):
@@ -257,6 +294,6 @@ def make_inside(d, x, w):
     f = w.followed
     q, o1, o2, o3 = f[Q].rate, f[OMEGA1].rate, f[OMEGA2].rate, f[OMEGA3].rate
     lossy = d.losses != 0.0
-    evaluate_stage(d, x, w, 13, sum_13(q), sum_13(o1), sum_13(o2), sum_13(o3), lossy)
-    evaluate_stage(d, x, w, 14, sum_14(q), sum_14(o1), sum_14(o2), sum_14(o3), lossy)
-    evaluate_stage(d, x, w, 15, sum_15(q), sum_15(o1), sum_15(o2), sum_15(o3), lossy)
+    evaluate_stage(d, x, w, 13, NODES[13], sum_13(q), sum_13(o1), sum_13(o2), sum_13(o3), lossy)
+    evaluate_stage(d, x, w, 14, NODES[14], sum_14(q), sum_14(o1), sum_14(o2), sum_14(o3), lossy)
+    evaluate_stage(d, x, w, 15, NODES[15], sum_15(q), sum_15(o1), sum_15(o2), sum_15(o3), lossy)
