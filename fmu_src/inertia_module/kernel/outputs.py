@@ -109,6 +109,8 @@ def write_means(p, d, x, y):
     housing = x.output_torque_mean + friction_impulse - mesh
     if d.general != 0.0:
         housing = per_step * x.housing_impulse
+        if d.losses == 0.0:
+            mesh = per_step * d.J2 * (x.omega2 - x.begin_omega2) + friction_impulse + x.output_torque_mean - housing
     elif p.fidelity != AVERAGED:
         gained = angular_momentum(d, x.q, x.omega1, x.omega2)
         gained -= angular_momentum(d, x.begin_q, x.begin_omega1, x.begin_omega2)

@@ -3,7 +3,7 @@
 import math
 
 from ..accumulate import add, add_loss, wrap_drive_angle, wrap_input_angle
-from ..codes import FREEWHEEL, GENERAL, NONE, SHAFT
+from ..codes import FREEWHEEL, GENERAL, NONE
 from ..links import response
 from ..loads import INSIDE_PHASE, sample_load
 from ..search import first_crossing
@@ -32,6 +32,7 @@ from .motion import evaluate, take_state
 from .satellites import with_sign_changed
 from .stages import (
     LOST,
+    MOVING,
     OF_DRIVE,
     OF_HOUSING,
     OF_MESH,
@@ -45,11 +46,11 @@ from .stages import (
     TURNED,
     TWIST,
     WORK_IN,
-    WORK_OUT,
     WOUND_HOUSING,
     WOUND_OUTPUT,
     Q,
     cut_step,
+    is_followed,
     keep_rates,
     make_inside,
     make_step,
@@ -183,13 +184,16 @@ def commit(d, x, w):
         x.relative, x.relative_low = add(x.relative, x.relative_low, f[RELATIVE].change)
         x.wound_housing += f[WOUND_HOUSING].change
         x.wound_output += f[WOUND_OUTPUT].change
-    x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, f[WORK_IN].change)
-    x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, f[WORK_OUT].change)
+    work = f[WORK_IN].change if d.by_torque == 0.0 else w.prescribed * f[THETA].change
+    x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, work)
+    x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, w.load * f[TURNED].change)
     for cause in range(len(x.lost)):
-        if cause != SHAFT or d.elastic != 0.0:
+        if is_followed(d, LOST + cause, MOVING):
             add_loss(x, cause, f[LOST + cause].change)
-    x.input_impulse += f[OF_DRIVE].change
-    x.mesh_impulse += f[OF_MESH].change
+    if d.by_torque == 0.0:
+        x.input_impulse += f[OF_DRIVE].change
+    if d.losses != 0.0:
+        x.mesh_impulse += f[OF_MESH].change
     x.housing_impulse += f[OF_HOUSING].change
     x.output_impulse += f[OF_OUTPUT].change
     x.output_square += f[SQUARE].change

@@ -69,7 +69,7 @@ def choose_states(d, x, before_misses):
     best = before
     least = 1e300
     flow, spin = 1.0, 0.0
-    for number in range(27):
+    for number in range(0 if is_rough(d) else 18, 27):
         housing = float(number % 3)
         output = float(number // 3 % 3)
         sign = float(number // 9 - 1)

@@ -85,11 +85,16 @@ def step_error(d, x, w, fastest):
     count = 0
     moving = how_many_move(d)
     momentum = ((d.F_by_alpha1 + 0.5 * d.F_by_speed) / d.k + d.J1 + d.J2) * fastest
-    energy = OF_ENERGY * kinetic_energy(d, x.q, x.omega1, x.omega2, x.omega3)
-    energy = max(energy, FROM_REST * momentum * fastest)
+    works = d.losses != 0.0 or w.prescribed != 0.0
+    energy = 0.0
+    if works:
+        energy = OF_ENERGY * kinetic_energy(d, x.q, x.omega1, x.omega2, x.omega3)
+        energy = max(energy, FROM_REST * momentum * fastest)
     for number in range(moving + len(HELD_SUMS)):
         n = number if number < moving else HELD_SUMS[number - moving]
-        if n == THETA or not is_followed(d, n, moving):
+        if n == THETA or not is_followed(d, n, moving) or (n == WORK_IN and not works):
+            continue
+        if n == OMEGA3 and x.output_state == LOCKED:
             continue
         rates = w.followed[n].rate
         if n < MOVING:

@@ -42,18 +42,8 @@ MOVING = 9
 RIGID_OUTPUT = 5
 WITHOUT_WIND_UP = 7
 # ... sums: works, losses by cause, impulses of M1, M2, Th and Tc, square of Tc, angle of the output
-WORK_IN, WORK_OUT, LOST, OF_DRIVE, OF_MESH, OF_HOUSING, OF_OUTPUT, SQUARE, TURNED = (
-    9,
-    10,
-    11,
-    16,
-    17,
-    18,
-    19,
-    20,
-    21,
-)
-FOLLOWED = 22
+WORK_IN, LOST, OF_DRIVE, OF_MESH, OF_HOUSING, OF_OUTPUT, SQUARE, TURNED = 9, 10, 15, 16, 17, 18, 19, 20
+FOLLOWED = 21
 
 
 def how_many_move(d):
@@ -67,6 +57,8 @@ def is_followed(d, n, moving):
     """Tell whether this quantity is one of the motion or of the sums that there are."""
     if n < MOVING:
         return n < moving and (n not in (OMEGA1, THETA) or d.by_torque != 0.0)
+    if n in (WORK_IN, OF_DRIVE):
+        return d.by_torque == 0.0
     if n == LOST + SHAFT:
         return d.elastic != 0.0
     if n == LOST + VISCOUS:
@@ -155,12 +147,12 @@ def keep_rates(d, x, w, n, lossy):
         f[RELATIVE].rate[n] = m.rate_relative
         shaft = d.damping * m.relative * m.relative + d.friction * turning * turning
         f[LOST + SHAFT].rate[n] = shaft - d.balancer * d.J4 * m.alpha3 * turning
-    f[WORK_IN].rate[n] = m.drive * m.omega1
-    f[WORK_OUT].rate[n] = w.load * turning
+    if d.by_torque == 0.0:
+        f[WORK_IN].rate[n] = m.drive * m.omega1
+        f[OF_DRIVE].rate[n] = m.drive
     if d.viscous != 0.0:
         viscous = friction_power(d, m.omega1, m.omega2, d.b2)
         f[LOST + VISCOUS].rate[n] = viscous + d.b3 * m.omega3 * m.omega3
-    f[OF_DRIVE].rate[n] = m.drive
     f[OF_HOUSING].rate[n] = m.housing
     f[OF_OUTPUT].rate[n] = m.output
     f[SQUARE].rate[n] = m.output * m.output
