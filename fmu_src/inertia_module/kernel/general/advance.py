@@ -27,7 +27,7 @@ from .guards import (
     is_watched,
     value_and_rate,
 )
-from .instant import part_at
+from .instant import part_at, pass_at
 from .motion import evaluate, take_state
 from .satellites import with_sign_changed
 from .stages import (
@@ -297,6 +297,8 @@ def advance_general(d, x, w, remaining):
         recall(x.now, m)
     if sigma >= 0.0 and which == SLIP and x.slip_sign == 0.0:
         sigma = part_at(d, x, w, guard_tolerance(d, x, w, SLIP, fastest), sigma)
+    elif sigma >= 0.0 and which < SLIP and not is_speed(x, which) and not is_spring(x, which):
+        sigma = pass_at(d, x, w, which, guard_tolerance(d, x, w, which, fastest), sigma)
     wound = is_wound(x)
     if sigma < 0.0:
         see_inside(d, x, w)

@@ -4,10 +4,11 @@ What is left of friction has kinks, where a torque changes its sign, that a fit 
 """
 
 from ..solvers.dormand_prince import END
-from .guards import SLIP, value_and_rate
+from .guards import SLIP, general_guard, value_and_rate
 from .stages import evaluate_inside
 
 LOOKS = 50
+SECANTS = 8
 
 
 def part_at(d, x, w, zero, sigma):
@@ -33,4 +34,27 @@ def part_at(d, x, w, zero, sigma):
         if not value_low > 0.0 > value_high:
             break
         sigma = high - value_high * (high - low) / (value_high - value_low)
+    return sigma
+
+
+def pass_at(d, x, w, which, zero, sigma):
+    """The part of the step in hand, its inside known, at which a torque passes zero, by the equations.
+
+    Args:
+        which: guard. zero: torque below which it counts as zero, N m. sigma: the part by the fit.
+    """
+    before = value_before = 0.0
+    _, slope = general_guard(x, w, which, sigma)
+    for look in range(SECANTS):
+        evaluate_inside(d, x, w, sigma)
+        value, _ = value_and_rate(d, x, d.machine, which)
+        if -4.0 * zero <= value < -zero:
+            break
+        if look > 0 and value != value_before:
+            slope = (value - value_before) / (sigma - before)
+        before, value_before = sigma, value
+        there = sigma - (value + 2.0 * zero) / slope if slope < 0.0 else sigma
+        if not 0.0 < there <= 1.0 or there == sigma:
+            break
+        sigma = there
     return sigma
