@@ -119,15 +119,15 @@ def derive_general(p, d):
     d.freewheel_damping = p.freewheel_damping if d.freewheel_stiffness > 0.0 else 0.0
     by_load = d.mesh_loss + d.satellite_loss + d.journal + d.weight
     drag = d.housing_drag + d.housing_drag_viscous + d.output_drag + d.output_drag_viscous
-    d.general = 1.0 if by_load + drag + d.housing_stiffness + d.freewheel_stiffness > 0.0 else 0.0
-    d.losses = d.general
-    d.general = 1.0 if p.fidelity >= 2.0 and p.method == 0.0 else d.general  # force
+    d.losses = 1.0 if by_load + drag + d.housing_stiffness + d.freewheel_stiffness > 0.0 else 0.0
+    # an ideal elastic module alone has a solver of its own
+    elastic = p.fidelity == ELASTIC and p.method != TIMESTEPPING and d.losses == 0.0
+    d.general = 0.0 if elastic else 1.0
     d.lossy = 0.0
     if p.fidelity == AVERAGED:
         # its own equations; the weights' mean over turns of link 1 is nothing
         d.lossy = 1.0 if d.viscous + by_load - d.weight + drag > 0.0 else 0.0
         d.weight = 0.0
-        d.general = 0.0
 
 
 def derive_harmonic(p, d):

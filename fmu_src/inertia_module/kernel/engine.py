@@ -5,15 +5,13 @@ The contact mode is chosen, a solver follows it to the next event or to the end 
 
 from .accumulate import copy, time_later
 from .codes import OK, STEP_TOO_SMALL, TOO_MANY_SWITCHES, TOO_MUCH_WORK
-from .contact import TORQUE_ROUNDING, choose_mode, is_held
+from .contact import TORQUE_ROUNDING, choose_mode
 from .general.advance import advance_general
 from .general.choice import GOES_ON, choose_next_states, choose_states
 from .limits import MAX_EVALUATIONS, STALLS_ALLOWED, SWITCHES_ALLOWED, SWITCHES_PER_PULSE
 from .links import prescribed_at_input
 from .solvers.elastic import advance_elastic
-from .solvers.explicit import advance_explicit
 from .solvers.followed import shaft_frequency
-from .solvers.held import advance_held
 
 # share of a communication step that it has at least, where it ends at a switch
 SHORTEST = 1e-9
@@ -27,11 +25,7 @@ def advance_mode(d, x, w, remaining):
     """
     if d.general != 0.0:
         return advance_general(d, x, w, remaining)
-    if d.elastic != 0.0:
-        return advance_elastic(d, x, w, remaining)
-    if d.by_torque == 0.0 and is_held(x):
-        return advance_held(d, x, w, remaining)
-    return advance_explicit(d, x, w, remaining)
+    return advance_elastic(d, x, w, remaining)
 
 
 def choose_next_mode(d, x):

@@ -14,7 +14,7 @@ STAGES = 16
 DENSE = 7
 MATRIX = COLLOCATED * COLLOCATED
 # quantities followed by the general equations of motion
-FOLLOWED = 21
+FOLLOWED = 20
 # their guards, and the satellites that may have one each (general.satellites.MANY)
 GUARDS, SATELLITES = 4, 50
 # causes of losses (codes.VISCOUS ...)

@@ -97,5 +97,4 @@ def jump_kinematic(d, x, jump, ratio):
     mean2 = x.omega2 + 0.5 * change2
     impulse = apply_part(d, x, i, b, g, jump, change2)
     x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, output_impulse * mean2)
-    x.mesh_impulse += d.J2 * change2 + output_impulse
     return impulse, output_impulse

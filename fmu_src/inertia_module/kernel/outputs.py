@@ -76,7 +76,7 @@ def write_torques(p, d, x, y):
         relative = relative_rate(d, x, x.load_torque, load, alpha3) if elastic else 0.0
         y.output_acceleration = alpha3 - relative
     drive, mesh = torques(d, x.q, x.omega1, x.alpha1, x.omega2, alpha2)
-    if d.general != 0.0:
+    if d.losses != 0.0:
         prescribed_torques(d, x.q, x.theta1, x.omega1, x.alpha1, x.omega2, alpha2)
         drive, mesh, housing = d.machine.drive, d.machine.mesh, d.machine.housing
     if p.fidelity == KINEMATIC:
@@ -100,28 +100,25 @@ def write_means(p, d, x, y):
     - Tc + Th.
     """
     per_step = 1.0 / x.length if x.length > 0.0 else 0.0
-    mesh = per_step * x.mesh_impulse
     turned1 = friction_impulse = 0.0
     if d.viscous != 0.0:
         turned1 = x.theta1 - x.begin_theta1 + TWO_PI * (x.input_turns - x.begin_input_turns)
         turned = x.q - x.begin_q + TWO_PI * (x.drive_turns - x.begin_drive_turns)
         friction_impulse = per_step * d.b2 * (turned1 - turned / d.k)
-    housing = x.output_torque_mean + friction_impulse - mesh
-    if d.general != 0.0:
+    if p.fidelity == AVERAGED:
+        mesh = per_step * x.mesh_impulse
+        housing = x.output_torque_mean + friction_impulse - mesh
+    else:
         housing = per_step * x.housing_impulse
+        if d.general == 0.0:
+            gained = angular_momentum(d, x.q, x.omega1, x.omega2)
+            gained -= angular_momentum(d, x.begin_q, x.begin_omega1, x.begin_omega2)
+            housing = per_step * gained + x.output_torque_mean - x.input_torque_mean
+            housing += per_step * d.b1 * turned1 + friction_impulse
         if d.losses == 0.0:
-            mesh = per_step * d.J2 * (x.omega2 - x.begin_omega2) + friction_impulse + x.output_torque_mean - housing
-    elif p.fidelity != AVERAGED:
-        gained = angular_momentum(d, x.q, x.omega1, x.omega2)
-        gained -= angular_momentum(d, x.begin_q, x.begin_omega1, x.begin_omega2)
-        housing = per_step * gained + x.output_torque_mean - x.input_torque_mean
-        housing += per_step * d.b1 * turned1 + friction_impulse
-        if p.fidelity == KINEMATIC or d.housing == 0.0:
-            housing = 0.0
-        housing = max(housing, 0.0)  # it only pushes: below zero is rounding
-        mesh = (
-            per_step * d.J2 * (x.omega2 - x.begin_omega2) + friction_impulse + x.output_torque_mean - housing
-        )
+            housing = d.housing * max(housing, 0.0)  # it only pushes: below zero is rounding
+        gained2 = per_step * d.J2 * (x.omega2 - x.begin_omega2)
+        mesh = gained2 + friction_impulse + x.output_torque_mean - housing
     y.mesh_torque_mean = mesh
     y.housing_torque_mean = housing
     y.loss_power_mean = per_step * x.step_lost

@@ -120,9 +120,9 @@ def run_pulses(p, d, x, w, h):
     return run_events(d, x, w, h)
 
 
-def turn_input(d, x, start1, h):
+def turn_input(p, d, x, start1, h):
     """Angle and speed of link 1 at the end of the step, its speed given from start1 on."""
-    if d.general == 0.0:  # else it has turned with all the rest
+    if p.fidelity == AVERAGED or d.general == 0.0:  # else it has turned with all the rest
         x.theta1, x.theta1_low = add(x.theta1, x.theta1_low, h * (start1 + 0.5 * x.alpha1 * h))
         wrap_input_angle(x)
     x.omega1 = start1 + x.alpha1 * h
@@ -160,7 +160,7 @@ def run_at_speed(p, d, u, x, w, h, jump):
     else:
         status = run_pulses(p, d, x, w, h)
     if status == OK:
-        turn_input(d, x, start1, x.length)
+        turn_input(p, d, x, start1, x.length)
     return status, input_jump, output_jump
 
 

@@ -34,7 +34,7 @@ MORE_CARE = 1e-3
 def check_parameters(p, d):
     """Derive the constants and check the parameters together. Returns a status."""
     status = derive(p, d)
-    return JAMMED if status == OK and d.general + d.lossy != 0.0 and jams(d) else status
+    return JAMMED if status == OK and d.losses + d.lossy != 0.0 and jams(d) else status
 
 
 def check(p, d, u):

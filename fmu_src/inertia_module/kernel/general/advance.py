@@ -35,7 +35,6 @@ from .stages import (
     MOVING,
     OF_DRIVE,
     OF_HOUSING,
-    OF_MESH,
     OF_OUTPUT,
     OMEGA1,
     OMEGA2,
@@ -192,8 +191,6 @@ def commit(d, x, w):
             add_loss(x, cause, f[LOST + cause].change)
     if d.by_torque == 0.0:
         x.input_impulse += f[OF_DRIVE].change
-    if d.losses != 0.0:
-        x.mesh_impulse += f[OF_MESH].change
     x.housing_impulse += f[OF_HOUSING].change
     x.output_impulse += f[OF_OUTPUT].change
     x.output_square += f[SQUARE].change

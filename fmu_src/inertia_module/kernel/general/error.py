@@ -10,7 +10,7 @@ from .stages import (
     LOST,
     MOVING,
     OF_DRIVE,
-    OF_MESH,
+    OF_HOUSING,
     OMEGA1,
     OMEGA2,
     OMEGA3,
@@ -27,7 +27,7 @@ from .states import LOCKED, WOUND
 
 # sums that are held to the tolerance, for the motion tells nothing of their errors: the losses have kinks
 # that are no events, and where link 1 stands still no energy shows what torque holds it
-HELD_SUMS = (WORK_IN, LOST + MESH, LOST + JOURNAL, OF_DRIVE, OF_MESH)
+HELD_SUMS = (WORK_IN, LOST + MESH, LOST + JOURNAL, OF_DRIVE, OF_HOUSING)
 # the error of a work is measured by so many present kinetic energies, from rest by this share of the largest
 OF_ENERGY = 10.0
 FROM_REST = 0.01

@@ -5,11 +5,8 @@ from ..links import angular_momentum
 
 
 def jump_general(p, d, x, jump, stiff):
-    """Apply a jump of omega1. Returns as impulse.jump_input; housing and mesh impulses are added to x."""
+    """Apply a jump of omega1. Returns as impulse.jump_input; that of the housing is added to x."""
     momentum = angular_momentum(d, x.q, x.omega1, x.omega2)
-    omega2 = x.omega2
     drive, output = jump_input(p, d, x, jump, stiff)
-    housing = angular_momentum(d, x.q, x.omega1, x.omega2) - momentum - drive + output
-    x.housing_impulse += housing
-    x.mesh_impulse += d.J2 * (x.omega2 - omega2) + output - housing
+    x.housing_impulse += angular_momentum(d, x.q, x.omega1, x.omega2) - momentum - drive + output
     return drive, output

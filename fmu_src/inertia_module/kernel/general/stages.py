@@ -41,9 +41,9 @@ Q, THETA, OMEGA1, OMEGA2, OMEGA3, TWIST, RELATIVE, WOUND_HOUSING, WOUND_OUTPUT =
 MOVING = 9
 RIGID_OUTPUT = 5
 WITHOUT_WIND_UP = 7
-# ... sums: works, losses by cause, impulses of M1, M2, Th and Tc, square of Tc, angle of the output
-WORK_IN, LOST, OF_DRIVE, OF_MESH, OF_HOUSING, OF_OUTPUT, SQUARE, TURNED = 9, 10, 15, 16, 17, 18, 19, 20
-FOLLOWED = 21
+# ... sums: works, losses by cause, impulses of M1, Th and Tc, square of Tc, angle of the output
+WORK_IN, LOST, OF_DRIVE, OF_HOUSING, OF_OUTPUT, SQUARE, TURNED = 9, 10, 15, 16, 17, 18, 19
+FOLLOWED = 20
 
 
 def how_many_move(d):
@@ -63,7 +63,7 @@ def is_followed(d, n, moving):
         return d.elastic != 0.0
     if n == LOST + VISCOUS:
         return d.viscous != 0.0
-    return d.losses != 0.0 or n < LOST or n > OF_MESH
+    return d.losses != 0.0 or n < LOST or n >= OF_DRIVE
 
 
 def weighed_shortly(n, rates):
@@ -165,7 +165,6 @@ def keep_rates(d, x, w, n, lossy):
         f[LOST + MESH].rate[n] = d.mesh_loss * x.flow_sign * m.mesh * slip + m.spun * turned
         f[LOST + JOURNAL].rate[n] = m.journals * turned
         f[LOST + FREEWHEEL].rate[n] = power_of_freewheels(d, x, m)
-        f[OF_MESH].rate[n] = m.mesh
     watch(d, x, w, n, lossy)
 
 

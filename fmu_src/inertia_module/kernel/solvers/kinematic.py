@@ -35,7 +35,6 @@ def prescribed_at(d, x, ratio, omega1, alpha1, t):
 def add_general(d, x, omega2, rate_q, weight):
     """Add what prescribed_torques has found at a node to the sums; rate_q: |q'|, rad/s."""
     m = d.machine
-    x.mesh_impulse += weight * m.mesh
     x.housing_impulse += weight * m.housing
     add_loss(x, MESH, weight * rate_q * (d.mesh_loss * abs(m.mesh) / d.k + m.spun))
     add_loss(x, JOURNAL, weight * rate_q * m.journals)
@@ -44,7 +43,7 @@ def add_general(d, x, omega2, rate_q, weight):
 
 def add_node(d, x, ratio, omega1, alpha1, t, weight):
     """Add one Gauss node, the time t into the interval, to the sums over the communication step."""
-    if d.general != 0.0:
+    if d.losses != 0.0:
         speed = prescribed_at(d, x, ratio, omega1, alpha1, t)
         drive, mesh = d.machine.drive, d.machine.mesh
         add_general(d, x, ratio * speed, abs(d.k * (1.0 - ratio) * speed), weight)
@@ -54,7 +53,7 @@ def add_node(d, x, ratio, omega1, alpha1, t, weight):
         drive, mesh = torques(d, angle, speed, alpha1, ratio * speed, ratio * alpha1)
         x.step_evaluations += 1.0
     output = mesh - ratio * (d.J2 * alpha1 + d.b2 * speed)
-    if d.general != 0.0:
+    if d.losses != 0.0:
         output += d.machine.housing
     x.input_impulse += weight * drive
     x.output_impulse += weight * output
@@ -105,7 +104,7 @@ def advance_kinematic(d, x, ratio, omega1, alpha1, remaining):
     fastest += RAMP * math.sqrt(scale * abs(alpha1))
     if fastest * h > GAUSS_PHASE:
         h = GAUSS_PHASE / fastest
-    if d.general != 0.0:
+    if d.losses != 0.0:
         h = smooth_part(d, x, ratio, omega1, alpha1, h)
     add_node(d, x, ratio, omega1, alpha1, GAUSS_NODE_1 * h, GAUSS_WEIGHT_1 * h)
     add_node(d, x, ratio, omega1, alpha1, GAUSS_NODE_2 * h, GAUSS_WEIGHT_2 * h)
@@ -114,9 +113,8 @@ def advance_kinematic(d, x, ratio, omega1, alpha1, remaining):
     add_node(d, x, ratio, omega1, alpha1, h - GAUSS_NODE_1 * h, GAUSS_WEIGHT_1 * h)
     sample_load(d, x, x.q, omega1, ratio * omega1, alpha1, ratio * alpha1)
     turned1 = h * (omega1 + 0.5 * alpha1 * h)
-    if d.general != 0.0:
-        x.theta1, x.theta1_low = add(x.theta1, x.theta1_low, turned1)
-        wrap_input_angle(x)
+    x.theta1, x.theta1_low = add(x.theta1, x.theta1_low, turned1)
+    wrap_input_angle(x)
     x.turned3 += ratio * turned1
     x.q, x.q_low = add(x.q, x.q_low, rate * turned1)
     return h

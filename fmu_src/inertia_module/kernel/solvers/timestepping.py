@@ -63,7 +63,7 @@ def follow(d, x, w, held, joined, prescribed, h):
         As settle, impacts at the end of the step included.
     """
     load_hub(d, x, w, held, joined, h)
-    if d.general != 0.0:
+    if d.losses != 0.0:
         find_drags(d, x, w, held, joined, h)
     carried = 0.0
     load = w.drag_load - w.over_load
@@ -72,13 +72,13 @@ def follow(d, x, w, held, joined, prescribed, h):
         carried = d.J3
         load += w.hub_load
         gain += w.hub_gain
-    if d.general != 0.0 and is_rough(d):
+    if d.losses != 0.0 and is_rough(d):
         move_with_friction(d, x, w, held, carried, load, gain, prescribed, h)
     elif held:
         turn_link1(d, x, w, prescribed, h)
     else:
         move_links(d, x, w, carried, load, gain, prescribed, h)
-    if d.general != 0.0:
+    if d.losses != 0.0:
         take_drags(w, held, h)
     if joined:
         w.end3 = w.end2
@@ -89,7 +89,7 @@ def follow(d, x, w, held, joined, prescribed, h):
         braking = w.hub_load + w.hub_gain * x.omega3 + w.overrun
         w.end3 = x.omega3 - braking / (d.J3 + w.theta * w.hub_gain)
         w.mean3 = x.omega3 + w.theta * (w.end3 - x.omega3)
-    if d.general != 0.0:
+    if d.losses != 0.0:
         lose_by_drag(w, held, h)
     inertia3 = d.J3
     if d.elastic != 0.0:
@@ -116,7 +116,7 @@ def follow_contacts(d, x, w, prescribed, h):
     if w.reversed != 0.0:
         w.dragging = 0.0
         end2, end3, output, mode = follow_closed(d, x, w, prescribed, h)
-        w.dragging = d.general
+        w.dragging = d.losses
     return end2, end3, output, mode
 
 
@@ -182,19 +182,12 @@ def close_within(d, x, w, prescribed, h, share, held):
     return True
 
 
-def add_general(d, x, w, end2, output, h):
-    """Add losses by load and drag, the impulses at mesh and housing, and with the speed given theta1."""
-    w.end2 = end2
-    mesh = mesh_impulse(d, x, w, h)
-    x.mesh_impulse += mesh
-    x.housing_impulse += d.J2 * (end2 - x.omega2) + d.b2 * (w.angle1 - w.new_slip_angle) + output - mesh
+def add_losses(x, w):
+    """Add losses by load and drag."""
     w.weighed += w.weighing
     add_loss(x, MESH, w.lost_mesh)
     add_loss(x, JOURNAL, w.lost_journal)
     add_loss(x, FREEWHEEL, w.lost_freewheel)
-    if d.by_torque == 0.0:
-        x.theta1, x.theta1_low = add(x.theta1, x.theta1_low, w.angle1)
-        wrap_input_angle(x)
 
 
 def finish(d, x, w, end2, end3, output, mode, h):
@@ -207,14 +200,17 @@ def finish(d, x, w, end2, end3, output, mode, h):
     reaction = d.k * (w.end_b + d.k * w.end_g) * (end2 - w.end2)
     if d.by_torque != 0.0:
         w.end1 += reaction / inertia_of_link1(d, w.end_i, w.end_b, w.end_g)
-        x.theta1, x.theta1_low = add(x.theta1, x.theta1_low, w.angle1)
-        wrap_input_angle(x)
     else:
         w.impulse1 -= reaction
         x.input_impulse += w.impulse1
         w.work1 -= w.end1 * reaction
-    if d.general != 0.0:
-        add_general(d, x, w, end2, output, h)
+    x.theta1, x.theta1_low = add(x.theta1, x.theta1_low, w.angle1)
+    wrap_input_angle(x)
+    w.end2 = end2
+    mesh = mesh_impulse(d, x, w, h)
+    x.housing_impulse += d.J2 * (end2 - x.omega2) + d.b2 * (w.angle1 - w.new_slip_angle) + output - mesh
+    if d.losses != 0.0:
+        add_losses(x, w)
     turn_shaft(d, x, w, end3, h)
     # on to just where the inertia at the end is that of: with another the energy would not be the same
     x.q, x.q_low = add(x.q, x.q_low, d.k * w.slip_angle)
@@ -251,18 +247,18 @@ def clear_losses(d, w):
     w.journals = w.spin = w.spin_by_alpha1 = w.spin_by_rate2 = w.weight1 = w.weight_slip = 0.0
     w.rub = w.straight = w.slip_stopped = w.reversed = w.lost_mesh = w.lost_journal = 0.0
     w.drag_load = w.drag_gain = w.over_load = w.over_gain = w.holding = w.drag = w.overrun = 0.0
-    w.dragging = d.general
+    w.dragging = d.losses
 
 
 def move_all(d, x, w, prescribed, h):
     """Follow the step to its end, in parts where a freewheel closes within it."""
-    if d.general != 0.0:
+    if d.losses != 0.0:
         clear_losses(d, w)
     w.far_angle1 = h * (x.omega1 if d.by_torque != 0.0 else x.omega1 + 0.5 * prescribed)
     slip = x.omega1 - x.omega2
     look_ahead(d, x, w, h * (slip if d.by_torque != 0.0 else slip + 0.5 * prescribed))
     end2, end3, output, mode = follow_contacts(d, x, w, prescribed, h)
-    if d.general != 0.0 and d.journal + d.satellite_loss + d.weight > 0.0:
+    if d.losses != 0.0 and d.journal + d.satellite_loss + d.weight > 0.0:
         for _ in range(LOADED):
             w.far_angle1 = w.angle1
             load_satellites(d, x, w, h)
