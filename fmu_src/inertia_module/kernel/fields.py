@@ -13,8 +13,6 @@ COLLOCATED = 5
 STAGES = 16
 DENSE = 7
 MATRIX = COLLOCATED * COLLOCATED
-# quantities followed by the general equations of motion
-FOLLOWED = 20
 # their guards, and the satellites that may have one each (general.satellites.MANY)
 GUARDS, SATELLITES = 4, 50
 # causes of losses (codes.VISCOUS ...)
@@ -130,6 +128,14 @@ def constants(map_key):
     return *CONSTANTS, ("map_key", map_key)
 
 
+# what the equations of motion follow by events: speeds and angles; impulses of M1, Th and Tc, integral of
+# Tc^2; angle of the output, work of M1 and losses by cause. An ideal module of rigid output has the first 12
+FOLLOWED = (
+    *("q", "omega1", "omega2", "omega3", "drive", "housing", "output", "square"),
+    *("theta1", "turned3", "work_in", ("lost", CAUSES)),
+    *("twist", "relative", "wound_housing", "wound_output"),
+)
+
 # nothing in it outlives the call
 WORKSPACE = (
     # whether a step ends at a switch; what the solvers share: torque or acceleration given at link 1, load,
@@ -142,7 +148,7 @@ WORKSPACE = (
     *(("rate_q", STAGES), ("rate_omega1", STAGES), ("rate_omega2", STAGES), ("integrand", STAGES)),
     *(("dense_q", DENSE), ("dense_omega1", DENSE), ("dense_omega2", DENSE), ("dense_other", DENSE)),
     # general: all that is followed, and the guards
-    ("followed", (("rate", STAGES), "change"), FOLLOWED),
+    *(("rates", FOLLOWED, STAGES), ("change", FOLLOWED)),
     ("watched", (("value", STAGES), ("rate", STAGES), ("dense", DENSE)), GUARDS + SATELLITES),
     ("weights", STAGES),
     # collocation: matrices of the shaft, and numbers at the stages

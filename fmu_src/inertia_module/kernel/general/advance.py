@@ -3,13 +3,12 @@
 import math
 
 from ..accumulate import add, add_loss, wrap_drive_angle, wrap_input_angle
-from ..codes import FREEWHEEL, GENERAL, NONE
+from ..codes import FREEWHEEL, GENERAL, JOURNAL, MESH, NONE, SHAFT, VISCOUS
 from ..links import response
 from ..loads import INSIDE_PHASE, sample_load
 from ..search import first_crossing
-from ..solvers.dormand_prince import END, sum_9
-from ..solvers.dormand_prince_5 import END as SHORT_END
 from ..solvers.step_size import REJECTIONS, carry_size, first_size, next_factor
+from ..tableau import END, SHORT_END
 from .choice import take_speeds
 from .error import fastest_speed, step_error
 from .guards import (
@@ -30,31 +29,8 @@ from .guards import (
 from .instant import part_at, pass_at
 from .motion import evaluate, take_state
 from .satellites import with_sign_changed
-from .stages import (
-    LOST,
-    MOVING,
-    OF_DRIVE,
-    OF_HOUSING,
-    OF_OUTPUT,
-    OMEGA1,
-    OMEGA2,
-    OMEGA3,
-    RELATIVE,
-    SQUARE,
-    THETA,
-    TURNED,
-    TWIST,
-    WORK_IN,
-    WOUND_HOUSING,
-    WOUND_OUTPUT,
-    Q,
-    cut_step,
-    is_followed,
-    keep_rates,
-    make_inside,
-    make_step,
-)
-from .states import LOCKED, OPEN, WOUND, is_rough, is_wound
+from .stages import cut_step, keep_rates, make_inside, make_step, weighed_rate
+from .states import IDEAL, LOCKED, LOSSY, OPEN, WOUND, is_rough, is_wound
 
 # stage inside the step at which the force on the bearing is seen
 SEEN = 9
@@ -138,7 +114,7 @@ def try_steps(d, x, w, limit):
 def guard_tolerance(d, x, w, which, fastest):
     """Threshold below which a guard counts as crossed."""
     if is_speed(x, which):
-        fastest_output = max(abs(x.omega2), max(abs(x.omega2 + w.followed[OMEGA2].change), abs(x.omega3)))
+        fastest_output = max(abs(x.omega2), max(abs(x.omega2 + w.change.omega2), abs(x.omega3)))
         return VELOCITY_ROUNDING * max(response(d, d.J2) * fastest, fastest_output)
     m = d.machine
     share = max(TORQUE_ROUNDING, d.tolerance) if is_spring(x, which) else TORQUE_ROUNDING
@@ -170,33 +146,35 @@ def first_event(d, x, w, fastest):
 
 def commit(d, x, w):
     """Take the step in hand over, with its sums."""
-    f = w.followed
-    x.q, x.q_low = add(x.q, x.q_low, f[Q].change)
+    change = w.change
+    x.q, x.q_low = add(x.q, x.q_low, change.q)
     wrap_drive_angle(d, x)
-    x.theta1, x.theta1_low = add(x.theta1, x.theta1_low, f[THETA].change)
+    x.theta1, x.theta1_low = add(x.theta1, x.theta1_low, change.theta1)
     wrap_input_angle(x)
-    x.omega1, x.omega1_low = add(x.omega1, x.omega1_low, f[OMEGA1].change)
-    x.omega2, x.omega2_low = add(x.omega2, x.omega2_low, f[OMEGA2].change)
-    x.omega3, x.omega3_low = add(x.omega3, x.omega3_low, f[OMEGA3].change)
+    x.omega1, x.omega1_low = add(x.omega1, x.omega1_low, change.omega1)
+    x.omega2, x.omega2_low = add(x.omega2, x.omega2_low, change.omega2)
+    x.omega3, x.omega3_low = add(x.omega3, x.omega3_low, change.omega3)
     if d.elastic != 0.0:
-        x.twist, x.twist_low = add(x.twist, x.twist_low, f[TWIST].change)
-        x.relative, x.relative_low = add(x.relative, x.relative_low, f[RELATIVE].change)
-        x.wound_housing += f[WOUND_HOUSING].change
-        x.wound_output += f[WOUND_OUTPUT].change
-    work = f[WORK_IN].change if d.by_torque == 0.0 else w.prescribed * f[THETA].change
+        x.twist, x.twist_low = add(x.twist, x.twist_low, change.twist)
+        x.relative, x.relative_low = add(x.relative, x.relative_low, change.relative)
+        add_loss(x, SHAFT, change.lost[SHAFT])
+    work = change.work_in if d.by_torque == 0.0 else w.prescribed * change.theta1
     x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, work)
-    x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, w.load * f[TURNED].change)
-    for cause in range(len(x.lost)):
-        if is_followed(d, LOST + cause, MOVING):
-            add_loss(x, cause, f[LOST + cause].change)
-    if d.by_torque == 0.0:
-        x.input_impulse += f[OF_DRIVE].change
-    x.housing_impulse += f[OF_HOUSING].change
-    x.output_impulse += f[OF_OUTPUT].change
-    x.output_square += f[SQUARE].change
-    x.turned3 += f[TURNED].change
+    x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, w.load * change.turned3)
+    if d.viscous != 0.0:
+        add_loss(x, VISCOUS, change.lost[VISCOUS])
+    if d.losses != 0.0:
+        x.wound_housing += change.wound_housing
+        x.wound_output += change.wound_output
+        for cause in (MESH, JOURNAL, FREEWHEEL):
+            add_loss(x, cause, change.lost[cause])
+    x.input_impulse += change.drive
+    x.housing_impulse += change.housing
+    x.output_impulse += change.output
+    x.output_square += change.square
+    x.turned3 += change.turned3
     for n in range(SHORT_END + 1 if w.short != 0.0 else END + 1):
-        x.torque_peak = max(x.torque_peak, abs(f[OF_OUTPUT].rate[n]))
+        x.torque_peak = max(x.torque_peak, abs(w.rates[n].output))
 
 
 def meet(d, x, which):
@@ -249,15 +227,11 @@ def unwind(d, x, which):
 
 def see_inside(d, x, w):
     """See the bearing's force at a stage inside the step, where the drive turns far."""
-    f = w.followed
-    if w.short != 0.0:
+    if w.short != 0.0 or d.harmonic * abs(w.change.q) < INSIDE_PHASE:
         return
-    if d.harmonic * abs(f[Q].change) < INSIDE_PHASE:
-        return
-    omega1 = f[THETA].rate[SEEN]
-    omega2 = omega1 - f[Q].rate[SEEN] / d.k
-    q = x.q + w.step * sum_9(f[Q].rate)
-    sample_load(d, x, q, omega1, omega2, f[OMEGA1].rate[SEEN], f[OMEGA2].rate[SEEN])
+    rates = w.rates[SEEN]
+    q = x.q + w.step * weighed_rate(w, SEEN, SEEN, 0)
+    sample_load(d, x, q, rates.theta1, rates.theta1 - rates.q / d.k, rates.omega1, rates.omega2)
 
 
 def advance_general(d, x, w, remaining):
@@ -276,7 +250,7 @@ def advance_general(d, x, w, remaining):
         evaluate(d, x, w.prescribed, w.load, True)
         x.step_evaluations += 1.0
     x.rates_cached = 0.0
-    keep_rates(d, x, w, 0, d.losses != 0.0)
+    keep_rates(d, x, w, 0, LOSSY if d.losses != 0.0 else IDEAL)
     sample_load(d, x, x.q, x.omega1, x.omega2, m.alpha1, m.alpha2)
     limit = longest_step(d, x, w, remaining)
     fastest = -1.0

@@ -1,33 +1,33 @@
-"""Estimated error of a step of the general equations over the allowed one."""
+"""Estimated error of a step of the equations of motion over the allowed one."""
 
 import math
 
 from ..codes import JOURNAL, MESH
 from ..links import kinetic_energy, response
-from ..solvers.dormand_prince import fifth, third
-from ..solvers.dormand_prince_5 import fourth
+from ..tableau import END, FIFTH, FOURTH, SHORT_END, THIRD
 from .stages import (
     LOST,
-    MOVING,
     OF_DRIVE,
     OF_HOUSING,
     OMEGA1,
     OMEGA2,
     OMEGA3,
     RELATIVE,
-    THETA,
     TWIST,
     WORK_IN,
     WOUND_HOUSING,
+    WOUND_OUTPUT,
     Q,
-    how_many_move,
-    is_followed,
+    weighed_rate,
 )
 from .states import LOCKED, WOUND
 
+# what counts of the motion with a rigid output, with a shaft besides, and with wind-up
+MOTION = (Q, OMEGA1, OMEGA2, OMEGA3, TWIST, RELATIVE, WOUND_HOUSING, WOUND_OUTPUT)
+RIGID_OUTPUT, WITH_SHAFT = 4, 6
 # sums that are held to the tolerance, for the motion tells nothing of their errors: the losses have kinks
 # that are no events, and where link 1 stands still no energy shows what torque holds it
-HELD_SUMS = (WORK_IN, LOST + MESH, LOST + JOURNAL, OF_DRIVE, OF_HOUSING)
+HELD_SUMS = (OF_DRIVE, OF_HOUSING, WORK_IN, LOST + MESH, LOST + JOURNAL)
 # the error of a work is measured by so many present kinetic energies, from rest by this share of the largest
 OF_ENERGY = 10.0
 FROM_REST = 0.01
@@ -35,13 +35,19 @@ FROM_REST = 0.01
 OF_LOSSES = 0.1
 
 
+def how_many_move(d):
+    """How many of MOTION there are."""
+    if d.elastic == 0.0:
+        return RIGID_OUTPUT
+    return len(MOTION) if d.housing_stiffness + d.freewheel_stiffness > 0.0 else WITH_SHAFT
+
+
 def fastest_speed(d, x, w):
     """Largest speed at the ends of the step in hand, rad/s."""
-    f = w.followed
-    links = max(abs(x.omega1), abs(x.omega1 + f[OMEGA1].change))
-    output = max(abs(x.omega3), abs(x.omega3 + f[OMEGA3].change))
+    links = max(abs(x.omega1), abs(x.omega1 + w.change.omega1))
+    output = max(abs(x.omega3), abs(x.omega3 + w.change.omega3))
     behind = abs(x.omega3 - x.relative) if d.elastic != 0.0 else 0.0
-    return max(links, output, behind, abs(x.omega2), abs(x.omega2 + f[OMEGA2].change))
+    return max(links, output, behind, abs(x.omega2), abs(x.omega2 + w.change.omega2))
 
 
 def speed_of_torque(d, x, w, fastest):
@@ -56,7 +62,7 @@ def speed_of_torque(d, x, w, fastest):
 
 def scale_of(d, x, w, n, fastest):
     """Scale of the error of a followed quantity."""
-    change = abs(w.followed[n].change)
+    change = abs(w.change.numbers[n])
     if n == Q:
         return 1.0
     if n == OMEGA1:
@@ -76,8 +82,24 @@ def scale_of(d, x, w, n, fastest):
     return max(fastest * math.sqrt(d.J2 / max(d.freewheel_stiffness, 1e-300)), change)
 
 
+def counts(d, x, w, n):
+    """Tell whether the error of a followed quantity counts: whether it is one, and not that of another."""
+    if n == OMEGA1:
+        return d.by_torque != 0.0
+    if n == OMEGA3:
+        return x.output_state != LOCKED
+    if n == OF_DRIVE:
+        return d.by_torque == 0.0
+    if n == WORK_IN:
+        return d.losses != 0.0 or (d.by_torque == 0.0 and w.prescribed != 0.0)
+    return d.losses != 0.0 or n == Q or n == OMEGA2 or n == TWIST or n == RELATIVE
+
+
 def step_error(d, x, w, fastest):
-    """Estimated error of the step in hand over the allowed one (Hairer's mix of orders 5 and 3)."""
+    """Estimated error of the step in hand over the allowed one.
+
+    Hairer's mix of orders 5 and 3, or the root of the mean square of the errors of order 4.
+    """
     if not fastest < 1e300:
         return 1e300
     sum5 = 0.0
@@ -85,35 +107,28 @@ def step_error(d, x, w, fastest):
     count = 0
     moving = how_many_move(d)
     momentum = ((d.F_by_alpha1 + 0.5 * d.F_by_speed) / d.k + d.J1 + d.J2) * fastest
-    works = d.losses != 0.0 or w.prescribed != 0.0
     energy = 0.0
-    if works:
+    if counts(d, x, w, WORK_IN):
         energy = OF_ENERGY * kinetic_energy(d, x.q, x.omega1, x.omega2, x.omega3)
         energy = max(energy, FROM_REST * momentum * fastest)
     for number in range(moving + len(HELD_SUMS)):
-        n = number if number < moving else HELD_SUMS[number - moving]
-        if n == THETA or not is_followed(d, n, moving) or (n == WORK_IN and not works):
+        n = MOTION[number] if number < moving else HELD_SUMS[number - moving]
+        if not counts(d, x, w, n):
             continue
-        if n == OMEGA3 and x.output_state == LOCKED:
-            continue
-        rates = w.followed[n].rate
-        if n < MOVING:
+        if number < moving:
             scale = d.tolerance * scale_of(d, x, w, n, fastest)
         else:
-            scale = momentum if n >= OF_DRIVE else energy
-            if LOST <= n < OF_DRIVE:
+            scale = energy if n >= WORK_IN else momentum
+            if n >= LOST:
                 scale *= OF_LOSSES
-            scale = d.tolerance * max(scale, abs(w.followed[n].change))
+            scale = d.tolerance * max(scale, abs(w.change.numbers[n]))
         if scale > 0.0:
-            if w.short != 0.0:
-                sum3 += (fourth(rates) / scale) ** 2
-                count += 1
-                continue
-            error5 = fifth(rates) / scale
-            error3 = third(rates) / scale
-            sum5 += error5 * error5
-            sum3 += error3 * error3
             count += 1
+            if w.short != 0.0:
+                sum3 += (weighed_rate(w, FOURTH, SHORT_END + 1, n) / scale) ** 2
+            else:
+                sum5 += (weighed_rate(w, FIFTH, END, n) / scale) ** 2
+                sum3 += (weighed_rate(w, THIRD, END, n) / scale) ** 2
     if w.short != 0.0:
         return w.step * math.sqrt(sum3 / max(count, 1)) if sum3 < 1e300 else 1e300
     mix = sum5 + 0.01 * sum3

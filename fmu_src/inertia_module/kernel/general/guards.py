@@ -5,15 +5,17 @@ the slip by its sign, of links that stick together what is left of the friction 
 their torques, by the signs that the losses go by.
 """
 
-from ..solvers.dormand_prince import END, NODES
-from ..solvers.dormand_prince_5 import END as SHORT_END
-from ..solvers.dormand_prince_5 import NODES as SHORT_NODES
-from ..solvers.interpolant import (
+from ..tableau import (
+    END,
+    LONG,
+    NODES,
+    SHORT,
+    SHORT_END,
     dense_change,
     dense_fourth_bound,
     dense_rate,
     dense_rate_fourth_bound,
-    fit_dense,
+    fit,
 )
 from .satellites import MANY
 from .states import OPEN, WOUND
@@ -88,13 +90,13 @@ def is_clear(w, which):
     """Tell whether a guard is far above zero, or grows away from its beginning, at all stages of the step."""
     values = w.watched[which].value
     start = values[0]
-    last = SHORT_END if w.short != 0.0 else END
+    pair, last = (SHORT, SHORT_END) if w.short != 0.0 else (LONG, END)
     low = high = start
     least = most = values[last] - start
     for n in range(1, last + 1):
         low = min(low, values[n])
         high = max(high, values[n])
-        growth = (values[n] - start) / (SHORT_NODES[n] if w.short != 0.0 else NODES[n])
+        growth = (values[n] - start) / NODES[pair + n]
         least = min(least, growth)
         most = max(most, growth)
     return low > CLEAR * (high - low) or (start >= 0.0 and least > CLEAR * (most - least))
@@ -102,7 +104,7 @@ def is_clear(w, which):
 
 def fit_guard(w, which):
     """Fit the inside of the step in hand."""
-    fit_dense(w.step, w.watched[which].rate, w.watched[which].dense)
+    fit(w.step, w.watched[which].rate, w.watched[which].dense)
 
 
 def general_guard(x, w, which, sigma):

@@ -3,7 +3,7 @@
 What is left of friction has kinks, where a torque changes its sign, that a fit over the step rounds off.
 """
 
-from ..solvers.dormand_prince import END
+from ..tableau import END
 from .guards import SLIP, general_guard, value_and_rate
 from .stages import evaluate_inside
 

@@ -11,7 +11,7 @@ sigma is the sign of the slip, C and S what journals and the mesh 17-6 resist it
 from ..inertia import reduced_inertia
 from ..layout import imbalance
 from .satellites import AS_THEY_ARE, MANY, inertia_at, spin_torques, weight_torques
-from .states import LOCKED, OPEN, WOUND
+from .states import IDEAL, LOCKED, LOSSY, OPEN, WOUND
 
 # patterns of signs tried: each step of this Newton's method leaves it only for one closer to the solution
 PATTERNS = 50
@@ -177,9 +177,9 @@ def evaluate(d, x, prescribed, load, fixed):
     """
     # one source, compiled twice: what lossy rules out is not there
     if d.losses != 0.0:
-        equations(d, x, prescribed, load, fixed, True)
+        equations(d, x, prescribed, load, fixed, LOSSY)
     else:
-        equations(d, x, prescribed, load, fixed, False)
+        equations(d, x, prescribed, load, fixed, IDEAL)
 
 
 def equations(d, x, prescribed, load, fixed, lossy):

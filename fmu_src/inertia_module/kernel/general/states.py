@@ -2,6 +2,10 @@
 
 from ..codes import DRIVING, FREE, HELD, HELD_DRIVING
 
+# whether there are losses by load, drag, weights or wind-up: a constant where functions are compiled with
+# it, so that the ideal machine has no trace of them
+IDEAL, LOSSY = 0, 1
+
 # of a freewheel: overrunning; locked, rigid; locked, winding up
 OPEN = 0.0
 LOCKED = 1.0
