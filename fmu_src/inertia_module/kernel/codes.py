@@ -7,8 +7,6 @@ DRIVING = 2
 HELD_DRIVING = 3
 
 # values of w.solver: of which solver a step is in hand
-EXPLICIT = 0.0
-CLOSED_FORM = 1.0
 COLLOCATED = 2.0
 GENERAL = 3.0
 

@@ -63,12 +63,9 @@ STATE = (
     # averaged: the knot of the map last used; the speed that its torques go with, if that is not omega1
     *("map_knot", "map_speed"),
     # by events: whether the contact mode continues under the same torques, with what is prescribed; whether
-    # the rates of links.motion now are kept
-    *("torques_continue", "prescribed", "load_prescribed", "rates_cached", "rate1"),
-    *("rate2", "jerk2", "free", "free_rate"),
-    # general without losses: accelerations and torques of this instant
+    # the accelerations and torques of this instant are kept (without losses)
+    *("torques_continue", "prescribed", "load_prescribed", "rates_cached"),
     ("now", ("alpha1", "alpha2", "alpha3", "rate_relative", "drive", "mesh", "output", "housing")),
-    *("momentum", "motion_energy"),
 )
 
 # averaged: over the speed ratio mean torque, mean speed of link 2 and the mean energy or, under its torque,
@@ -138,16 +135,10 @@ FOLLOWED = (
 
 # nothing in it outlives the call
 WORKSPACE = (
-    # whether a step ends at a switch; what the solvers share: torque or acceleration given at link 1, load,
-    # step in hand, inertia and friction and torque that link 2 carries, mean alpha1, P at the end of the step
-    *("stops", "solver", "short", "prescribed", "load"),
-    *("step", "carried", "carried_friction", "carried_torque"),
-    *("alpha1", "momentum_end", "braking"),
-    *("change_q", "change1", "change2"),
-    # rates at the stages of the explicit pair, what is integrated besides, and the inside of the step
-    *(("rate_q", STAGES), ("rate_omega1", STAGES), ("rate_omega2", STAGES), ("integrand", STAGES)),
-    *(("dense_q", DENSE), ("dense_omega1", DENSE), ("dense_omega2", DENSE), ("dense_other", DENSE)),
-    # general: all that is followed, and the guards
+    # whether a step ends at a switch; what the solvers share: whether the step is by the short pair, torque or
+    # acceleration given at link 1, load, step in hand, mean alpha1
+    *("stops", "solver", "short", "prescribed", "load", "step", "alpha1"),
+    # rates at the stages and changes over the step of all that is followed, and the guards
     *(("rates", FOLLOWED, STAGES), ("change", FOLLOWED)),
     ("watched", (("value", STAGES), ("rate", STAGES), ("dense", DENSE)), GUARDS + SATELLITES),
     ("weights", STAGES),

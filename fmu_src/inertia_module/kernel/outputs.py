@@ -38,8 +38,6 @@ def stored_energy(p, d, x):
     """Kinetic energy of the mechanism and the energy of an elastic output, J."""
     if p.fidelity == AVERAGED:
         return averaged_energy(d, x)
-    if x.rates_cached != 0.0 and d.general == 0.0:
-        return x.motion_energy + 0.5 * d.J3 * x.omega3 * x.omega3
     besides = stored_besides(d, x) if d.losses != 0.0 else 0.0
     stored = besides + kinetic_energy(d, x.q, x.omega1, x.omega2, shaft_in_energy(p, x))
     return stored + stored_in_shaft(d, x) if p.fidelity == ELASTIC else stored

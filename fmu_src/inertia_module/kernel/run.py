@@ -29,8 +29,6 @@ def accelerations_now(d, x):
         else:
             evaluate(d, x, prescribed_at_input(d, x), x.load_torque, False)
         return d.machine.alpha1, d.machine.alpha2
-    if x.rates_cached != 0.0:
-        return x.rate1, x.rate2
     load, _ = load_behind_freewheel(d, x)
     carried, friction, torque = carried_by_link2(d, x, load)
     alpha1, alpha2, _ = accelerations(

@@ -7,13 +7,9 @@ the work takes the integral of P as well: that of omega1 dP is omega1 P less alp
 """
 
 from .accumulate import add, add_loss
-from .codes import DRIVING, SHAFT, VISCOUS
+from .codes import SHAFT, VISCOUS
 from .links import angular_momentum, friction_power, inertia_at_input
 from .output_shaft import turn
-from .solvers.dormand_prince import END, NODES, STAGES
-from .solvers.dormand_prince_5 import END as SHORT_END
-from .solvers.dormand_prince_5 import NODES as SHORT_NODES
-from .solvers.interpolant import integral
 from .solvers.radau import MATRIX
 from .solvers.radau import NODES as RADAU_NODES
 from .solvers.radau import STAGES as RADAU_STAGES
@@ -29,88 +25,6 @@ GAUSS_WEIGHT_3 = 0.28444444444444444
 def add_work_in(x, work):
     """Add work of the input torque, J."""
     x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, work)
-
-
-def stage_speeds(d, x, w, n):
-    """Speeds of links 1 and 2 at a stage of the explicit step in hand, rad/s."""
-    if d.by_torque != 0.0:
-        omega1 = w.integrand[n]
-    else:
-        omega1 = x.omega1 + w.prescribed * w.step * (SHORT_NODES[n] if w.short != 0.0 else NODES[n])
-    return omega1, omega1 - w.rate_q[n] / d.k
-
-
-def stages_up_to(w, sigma):
-    """How many stages the integral over the explicit step or its part sigma takes."""
-    if sigma >= 0.0:
-        return STAGES
-    return SHORT_END if w.short != 0.0 else END
-
-
-def add_viscous_losses(d, x, w, sigma):
-    """Work of viscous friction in the explicit step or its part sigma. Overwrites the rates of omega2.
-
-    Leaves in w.braking, where the speed of link 1 is given and changes, the work, J, that the friction of
-    links 1, 2 and the output they drive does at that speed.
-    """
-    friction = d.b2 + w.carried_friction
-    count = stages_up_to(w, sigma)
-    for n in range(count):
-        omega1, omega2 = stage_speeds(d, x, w, n)
-        w.rate_omega2[n] = friction_power(d, omega1, omega2, friction)
-    add_loss(x, VISCOUS, integral(w, w.rate_omega2, sigma))
-    if d.by_torque != 0.0 or w.prescribed == 0.0:
-        return
-    for n in range(count):
-        omega1, omega2 = stage_speeds(d, x, w, n)
-        w.rate_omega2[n] = omega1 * (d.b1 * omega1 + friction * omega2)
-    w.braking = integral(w, w.rate_omega2, sigma)
-
-
-def add_output_square(d, x, w, sigma):
-    """Integral of Tc^2 over the explicit step or its part sigma, and its peak. Overwrites rates of omega2."""
-    end = sigma if sigma >= 0.0 else 1.0
-    for n in range(stages_up_to(w, sigma)):
-        torque = w.load + d.J3 * w.rate_omega2[n]
-        if d.b3 != 0.0:
-            _, omega2 = stage_speeds(d, x, w, n)
-            torque += d.b3 * omega2
-        if sigma < 0.0 or NODES[n] <= end:
-            x.torque_peak = max(x.torque_peak, abs(torque))
-        w.rate_omega2[n] = torque * torque
-    x.output_square += integral(w, w.rate_omega2, sigma)
-
-
-def add_explicit_works(d, x, w, start1, start2, passed, turned1, turned2, integrated):
-    """Impulses and works of the explicit step over the time passed since links 1 and 2 had start1 and start2.
-
-    Args:
-        turned1, turned2: angles of the links, rad. integrated: P over the time, with the speed given.
-        x.momentum: P at the beginning; w.momentum_end: at the end.
-    """
-    load = w.load
-    end1 = x.omega1
-    output_impulse = 0.0
-    if x.mode == DRIVING:
-        output_impulse = d.J3 * (x.omega2 - start2) + d.b3 * turned2 + load * passed
-        x.output_impulse += output_impulse
-        turn(x, load, turned2)
-    if d.by_torque != 0.0:
-        add_work_in(x, w.prescribed * turned1)
-        return
-    alpha1 = w.prescribed
-    impulse = w.momentum_end - x.momentum + output_impulse + d.b1 * turned1 + d.b2 * turned2
-    x.input_impulse += impulse
-    if alpha1 == 0.0:
-        add_work_in(x, start1 * impulse)
-        return
-    work = end1 * w.momentum_end - start1 * x.momentum - alpha1 * integrated
-    if x.mode == DRIVING:
-        work += d.J3 * (end1 * x.omega2 - start1 * start2 - alpha1 * turned2)
-        work += load * passed * (start1 + 0.5 * alpha1 * passed)
-    if d.viscous != 0.0:
-        work += w.braking
-    add_work_in(x, work)
 
 
 def held_angle(d, q, omega1, alpha1, t):

@@ -151,7 +151,7 @@ def first_event(d, x, w, rate, followed, fastest, cleared):
         if guard == cleared or (d.housing if guard == LINK2 else d.output) == 0.0:
             continue
         zero = guard_tolerance(d, x, w, guard, fastest)
-        fourth_bound = fourth_bound_inside(d, x, w, guard, zero / CROSSING, rate * w.step)
+        fourth_bound = fourth_bound_inside(d, x, w, guard, zero / CROSSING)
         if looks == 1 and is_clear(d, x, w, guard, followed, fourth_bound):
             continue
         # the inside of a step is less accurate than its end: a dip that is shallower than its error is none
