@@ -152,7 +152,7 @@ class Orders:
         return abs(order - float(track[window])) <= 2 * HALF_LOBE / self.turns
 
     def _places(self, amplitude: Array) -> list[int]:
-        """Where the lines of a spectrum are, the largest first; without side lobes and trend."""
+        """Find the lines of a spectrum, the largest first; without side lobes and trend."""
         found: list[int] = []
         places, _ = signal.find_peaks(amplitude, distance=HALF_LOBE * PADDING)
         for place in places[np.argsort(amplitude[places])[::-1]].tolist():

@@ -108,7 +108,7 @@ class Outcome:
         return self.table._repr_png_()
 
     def _repr_html_(self) -> str:
-        """For a notebook: the plot, and the summary."""
+        """Show the plot and the summary in a notebook."""
         picture = base64.b64encode(self._repr_png_()).decode()
         return f'<img src="data:image/png;base64,{picture}">' + html_table(
             (self.scene.title, ""), self.lines().items()
