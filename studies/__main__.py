@@ -6,6 +6,7 @@ Run: python -m studies papers, stability or coupling, at the root of the project
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -83,7 +84,7 @@ def stability(
     }
     told = {"verdicts": [verdict.as_record() for verdict in found]}
     broken = any(verdict.outcome == "broken" for verdict in found)
-    return Answer(told, [lambda: verdicts.print_rows(rows)], files, broken)
+    return Answer(told, [partial(verdicts.print_rows, rows)], files, broken)
 
 
 def _random_motions(number: int, seed: int, losses: bool, folder: Path) -> Answer:
@@ -97,7 +98,7 @@ def _random_motions(number: int, seed: int, losses: bool, folder: Path) -> Answe
     path = folder / ("random_losses.csv" if losses else "random.csv")
     files = {"invariants": write_rows(path, HEADINGS, rows_of(outcomes))}
     failed = any(outcome.finding.failed for outcome in outcomes)
-    return Answer({"findings": findings(outcomes)}, [lambda: print_outcomes(outcomes)], files, failed)
+    return Answer({"findings": findings(outcomes)}, [partial(print_outcomes, outcomes)], files, failed)
 
 
 @app.command()
@@ -136,12 +137,8 @@ def coupling(
         found[name] = list(rows)
         written |= write_part(folder, name, rows)
 
-    def show() -> None:
-        for name, rows in found.items():
-            print_rows(name, rows)
-
     told = {"rows": {name: [asdict(row) for row in rows] for name, rows in found.items()}}
-    return Answer(told, [show], written)
+    return Answer(told, [partial(print_rows, name, rows) for name, rows in found.items()], written)
 
 
 if __name__ == "__main__":

@@ -9,10 +9,10 @@ from .harness.chart import torque_converter_chart as torque_converter_chart
 from .harness.fmu import Fmu as Fmu
 from .harness.results import Result as Result
 from .harness.simulate import drive as drive
-from .jobs import design as design
-from .jobs import fit as fit
-from .jobs import orders as orders
-from .jobs import sweep as sweep
+from .jobs.design import design as design
+from .jobs.fit import fit as fit
+from .jobs.orders import orders as orders
+from .jobs.sweep import sweep as sweep
 from .memory import DrivenShaft as DrivenShaft
 from .memory import Module as Module
 from .scene import Scene as Scene

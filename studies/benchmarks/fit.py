@@ -22,7 +22,7 @@ FREE = ("imbalance_mass", "link2_inertia")
 
 
 def held(sets, folder):
-    """Of each set whether the interval of each free key holds the truth."""
+    """Tell of each set whether the interval of each free key holds the truth."""
     true, scene, fmu = data.true_speeds(), load_scene(EXAMPLES / "fit_rig.toml"), current_fmu(folder=folder)
     rows = []
     for seed in track(range(sets), "fitting"):

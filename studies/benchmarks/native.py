@@ -105,7 +105,7 @@ CASES = {
 
 
 def c_loop(loop, module, shaft, empty):
-    """Of each case the time of a step, ns, and the worst step, us."""
+    """Measure the time of a step, ns, and the worst step, us, of each case."""
     costs = {name: [] for name in ("empty native FMU", *CASES, "DrivenShaft")}
     for _ in range(ROUNDS):
         costs["empty native FMU"].append(timed(loop, empty, {"u": 1.0, "v": 2.0}, ("y", "z"), repeats=3))

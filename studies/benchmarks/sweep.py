@@ -1,4 +1,4 @@
-"""How fast are sweeps, and where does the time go?
+"""Speed of sweeps, and where their time goes.
 
 Of scene R1 (one second, constant inputs, tolerance 1e-6) runs a second with one worker and with two; of a launch with
 engine, vehicle and closed loop the time of a run with two workers against that alone in this process.

@@ -161,7 +161,7 @@ class Equation(NamedTuple):
 
     @property
     def difference(self) -> float:
-        """Of the two forms: see worst."""
+        """Difference of the two forms: see worst."""
         return worst(*self.forms())
 
     def __str__(self) -> str:

@@ -71,7 +71,7 @@ def mechanism(g: Geometry, offsets: bool = True) -> str:
 
 
 class Panel(NamedTuple):
-    """One of the panels of a figure.
+    """Panel of a figure.
 
     Attributes:
         ordinate: its label with the unit. curves: values over the abscissa by label, each of shape (n,).

@@ -9,6 +9,7 @@ from functools import partial
 
 import pytest
 from fmpy import simulate_fmu
+from scenes import MECHANISMS
 
 from inertia_module.memory import DrivenShaft, Module
 
@@ -23,13 +24,9 @@ CHECK_VALUES = {
     0.1: (0, 0, 3.447176379, -169.30697594, -95.49415258, 0, 95.49415258, 9.887230876, 27.2358819, 5285.153822),
     1.0: (2, 17.968063040, 17.968063040, 15.48585376, 50.41231783, 50.01219587, 0, 93.434013810, 18.98403152, 1063.437762),
 }  # fmt: skip
-PLANAR = {
-    "layout": 1, "sun_radius": 0.05, "satellite_radius": 0.03, "eccentricity": 0.02, "imbalance_mass": 0.8,
-    "satellites": 3, "link2_inertia": 0.003, "output_inertia": 0.4,
-}  # fmt: skip
 SCENES = {
     "bevel": {},
-    "planar": PLANAR,
+    "planar": MECHANISMS["planar"],
     "two modules": {"modules": 2, "satellites": 2, "epsilon": 0.3, "gamma": 0.4},
     "no housing freewheel": {"housing_freewheel": False},
     "no freewheels": {"housing_freewheel": False, "output_freewheel": False},
@@ -59,7 +56,7 @@ def test_scene_r1_gives_the_check_values(instance, time):
 
 
 def test_planar_and_elastic_scenes_give_the_check_values(instances):
-    planar = instances().start(tolerance=1e-9, omega1=120.0, load_torque=8.0, **PLANAR)
+    planar = instances().start(tolerance=1e-9, omega1=120.0, load_torque=8.0, **MECHANISMS["planar"])
     planar.step(1.0)
     assert planar.get("omega2") == pytest.approx(51.243199463, rel=1e-6)
     assert planar.get("omega_out") == pytest.approx(51.243199463, rel=1e-6)

@@ -5,17 +5,16 @@ import sys
 
 import numpy as np
 import pytest
-from scenes import SCENES
+from scenes import MECHANISMS
 
 from inertia_module.common.extras import NotInstalled
 from studies.peers import PEERS, integrators, mujoco_model
 from studies.reference.geometry import Unavailable
 from studies.trade import Case, converged
 
-PLANAR = {name: value for name, value in SCENES["planar"].items() if name not in ("omega1", "load_torque")}
 CASES = {
     "R1": Case(stop_time=0.1, points=20),
-    "planar": Case(PLANAR, omega1=120.0, load_torque=8.0, stop_time=0.1, points=20),
+    "planar": Case(MECHANISMS["planar"], omega1=120.0, load_torque=8.0, stop_time=0.1, points=20),
     "no output freewheel": Case({"output_freewheel": 0}, stop_time=0.1, points=20),
     "turning back": Case({"housing_freewheel": 0, "omega_out_start": 5.0}, stop_time=0.1, points=20),
 }

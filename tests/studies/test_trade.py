@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from scenes import PLANAR
+from scenes import MECHANISMS
 
 from inertia_module.fidelity.levels import (
     Level,
@@ -23,14 +23,11 @@ from studies.reference.geometry import Unavailable
 
 CASE = trade.Case(stop_time=0.1, points=100)
 STEPS = [0.1, 0.01]
-
-
-FLAT = {name: value for name, value in PLANAR.items() if name not in ("omega1", "load_torque")}
 LOSSES = {"mesh_efficiency": 0.97, "journal_friction": 1e-3, "housing_drag": 0.1, "gravity": 9.81}
 # the case, and how many switches of the freewheels it has at least
 CASES = {
     "bevel": (trade.Case(stop_time=0.2), 20),
-    "planar": (trade.Case(FLAT, PLANAR["omega1"], PLANAR["load_torque"], stop_time=0.2), 20),
+    "planar": (trade.Case(MECHANISMS["planar"], 120.0, 8.0, stop_time=0.2), 20),
     "braking": (trade.Case(load_torque=-1.0, stop_time=0.2), 20),
     "no load": (trade.Case(load_torque=0.0, stop_time=0.2), 20),
     "backwards": (trade.Case(omega1=-100.0, stop_time=0.2), 20),

@@ -1,6 +1,7 @@
 """The command as a user types it: what it leaves, what it refuses before the work, what it prints."""
 
 import contextlib
+import importlib
 import json
 import os
 import subprocess
@@ -13,7 +14,7 @@ from rich.text import Text
 from typer.main import get_command
 from typer.testing import CliRunner
 
-from inertia_module import __version__, jobs
+from inertia_module import __version__
 from inertia_module.cli import app
 from inertia_module.cli.shared import show
 from inertia_module.common.terminal import progress, terminal
@@ -217,7 +218,7 @@ def test_options_of_a_job_reach_it_and_what_it_refuses_is_one_line(name, scene, 
         told.update(options)
         raise RuntimeError("the work\nis not done")
 
-    monkeypatch.setattr(jobs, name, stand_in)
+    monkeypatch.setattr(importlib.import_module(f"inertia_module.jobs.{name}"), name, stand_in)
     options, expected = OPTIONS[name]
     if name in ("sweep", "design"):
         options = [*options, *CLUSTER]

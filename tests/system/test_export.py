@@ -13,6 +13,7 @@ import pytest
 from fmpy import read_model_description, simulate_fmu
 from fmpy.ssp.ssd import read_ssd
 from fmpy.validation import validate_fmu
+from scenes import ELASTIC
 
 from inertia_module.export.systems import Plan, make_plan
 from inertia_module.export.writing import container, export
@@ -23,13 +24,6 @@ from inertia_module.scene.run import scene_plan
 from tests.system.programs import needs, printed, programs
 
 ROOT = Path(__file__).parents[2]
-ELASTIC = {
-    "fidelity": 3.0,
-    "output_inertia": 0.02,
-    "driven_inertia": 0.5,
-    "shaft_stiffness": 400.0,
-    "shaft_damping": 0.05,
-}
 BY_TORQUE = {"drive": 1.0, "input_inertia": 0.3}
 PLANAR = {
     "layout": 1.0,

@@ -7,6 +7,7 @@ copy of the FMU in which it is described as an Integer.
 import numpy as np
 import pytest
 from hosts import ACCUMULATED, FMPY, HOSTS, NANOSECONDS, HostFailed, Scene, run
+from scenes import PLANAR
 
 from inertia_module.contract.models import INERTIA_MODULE
 from inertia_module.contract.variable import ENUMERATION
@@ -15,18 +16,6 @@ from inertia_module.fmu.builder import MODULE_FMU, SHAFT_FMU
 
 MODULE, SHAFT = MODULE_FMU.identifier, SHAFT_FMU.identifier
 R1 = {"omega1": 100.0, "load_torque": 10.0}
-PLANAR = {
-    "layout": 1,
-    "sun_radius": 0.05,
-    "satellite_radius": 0.03,
-    "eccentricity": 0.02,
-    "imbalance_mass": 0.8,
-    "satellites": 3,
-    "link2_inertia": 0.003,
-    "output_inertia": 0.4,
-    "omega1": 120.0,
-    "load_torque": 8.0,
-}
 HUB = {"output_inertia": 0.02}
 DRIVEN = {"driven_inertia": 0.5, "shaft_stiffness": 400.0, "shaft_damping": 0.05}
 SEAM = (

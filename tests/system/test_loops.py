@@ -260,8 +260,8 @@ def run_to(stop_time):
 @pytest.mark.parametrize(
     ("make", "sentence"),
     [
-        (lambda: pi(proportional_gain=-1.0), "proportional_gain must be finite and at least 0, is -1"),
-        (lambda: pi(integral_gain=math.nan), "integral_gain must be finite and at least 0, is nan"),
+        (lambda: pi(proportional_gain=-1.0), "proportional_gain must be a finite number from 0, is -1"),
+        (lambda: pi(integral_gain=math.nan), "integral_gain must be a finite number from 0, is nan"),
         (lambda: pi(limits=(5.0, 5.0)), "limits must be a lower and a higher one, are 5 and 5"),
         (
             lambda: loops.shaft_load(0.1, 0.5, viscous_friction=12.0).check_step(0.1),

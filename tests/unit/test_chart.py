@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scenes import PLANAR, started
+from scenes import MECHANISMS, started
 from scipy.io import loadmat
 from typer.testing import CliRunner
 
@@ -25,10 +25,9 @@ from inertia_module.harness.results import read_columns
 from inertia_module.harness.steady import SteadyMachine
 from inertia_module.memory import Refused
 
-PLANAR_MECHANISM = {name: value for name, value in PLANAR.items() if name not in ("omega1", "load_torque")}
+PLANAR = MECHANISMS["planar"]
 LOSSES = {"input_friction": 0.002, "output_friction": 0.001, "output_drag": 0.2, "output_drag_viscous": 1e-3}
-MECHANISMS = {"bevel": {}, "planar": PLANAR_MECHANISM}
-LOSSY = {**PLANAR_MECHANISM, **LOSSES}
+LOSSY = {**PLANAR, **LOSSES}
 
 
 def invoke(*arguments):
@@ -103,7 +102,7 @@ def block(table, speed_ratio):
 
 @pytest.mark.parametrize(
     "parameters, omega1",
-    [({}, 30.0), ({}, -50.0), (PLANAR_MECHANISM, 314.0), (LOSSY, 314.0), (LOSSY, -50.0)],
+    [({}, 30.0), ({}, -50.0), (PLANAR, 314.0), (LOSSY, 314.0), (LOSSY, -50.0)],
     ids=["bevel", "bevel, backward", "planar", "losses", "losses, backward"],
 )
 def test_table_is_finite_and_gives_the_torques_of_the_chart(compiled, parameters, omega1):
@@ -134,13 +133,13 @@ def test_between_its_rows_a_block_has_the_torque_of_the_module(compiled, mechani
 
 
 def test_on_the_coast_side_an_ideal_freewheel_passes_nothing_and_losses_brake(compiled):
-    ideal, lossy = (table_of(parameters, 100.0, compiled) for parameters in (PLANAR_MECHANISM, LOSSY))
+    ideal, lossy = (table_of(parameters, 100.0, compiled) for parameters in (PLANAR, LOSSY))
     coast = ideal.speed_ratio > 1.0
     assert coast.sum() == 5
     assert not ideal.output_torque[coast].any()
     assert not ideal.input_torque[coast].any()
     # as the rigid module, whose shaft is driven from outside
-    braked, taken = SteadyMachine(PLANAR_MECHANISM, compiled).coasting(100.0, 1.5)
+    braked, taken = SteadyMachine(PLANAR, compiled).coasting(100.0, 1.5)
     assert abs(braked) + abs(taken) < 1e-2 * ideal.output_torque.max()
     coast = lossy.speed_ratio > 1.0
     ahead = 100.0 * (lossy.speed_ratio[coast] - 1.0)
@@ -188,8 +187,8 @@ def test_without_losses_they_are_those_of_the_map_and_lock_up_too(compiled, mech
 def test_friction_of_input_and_output_take_what_they_must(compiled, omega1, ratio):
     """Neither touches the pulses: b1 omega1^2 and b3 omega3^2 come on top of the ideal machine's powers."""
     b1, b3 = 0.01, 0.02
-    ideal = SteadyMachine(PLANAR_MECHANISM, compiled).at(omega1, ratio)
-    rubbed = {**PLANAR_MECHANISM, "input_friction": b1, "output_friction": b3}
+    ideal = SteadyMachine(PLANAR, compiled).at(omega1, ratio)
+    rubbed = {**PLANAR, "input_friction": b1, "output_friction": b3}
     found = SteadyMachine(rubbed, compiled).at(omega1, ratio)
     shaft = ratio * abs(omega1)
     assert found.output_torque == pytest.approx(ideal.output_torque - b3 * shaft, rel=1e-5)
@@ -201,7 +200,7 @@ def test_friction_of_input_and_output_take_what_they_must(compiled, omega1, rati
 
 def test_friction_of_the_drives_takes_the_mean_square_of_their_speed(compiled):
     """At stall link 2 pulses against the housing; what goes in is lost, and it is b_q q'^2 at least."""
-    found = SteadyMachine({**PLANAR_MECHANISM, "drive_friction": 0.003}, compiled).at(100.0, 0.0)
+    found = SteadyMachine({**PLANAR, "drive_friction": 0.003}, compiled).at(100.0, 0.0)
     k = PLANAR["sun_radius"] / PLANAR["satellite_radius"]
     mean = (k * 100.0 * (1.0 - found.link2_ratio)) ** 2
     assert found.efficiency == pytest.approx(0.0, abs=1e-5)
@@ -222,7 +221,7 @@ def test_where_nothing_comes_out_the_efficiency_is_zero_and_the_chart_ends(compi
 
 def test_map_has_more_efficiency_at_speed_where_friction_is_viscous_and_agrees_with_the_chart(compiled):
     told = []
-    parameters = {**PLANAR_MECHANISM, "input_friction": 0.01}
+    parameters = {**PLANAR, "input_friction": 0.01}
     found = efficiency_map(parameters, 200.0, compiled, told.append)
     assert found.efficiency.shape == (found.omega1.size, RATIOS.size)
     assert found.omega1[[0, -1]] == pytest.approx([20.0, 200.0])
@@ -250,7 +249,7 @@ def test_a_long_period_is_cut_off(compiled):
 
 def test_losses_by_load_take_the_same_share_at_every_speed(compiled):
     """Forces go with the square of the speed, and so do the torques that mesh and journals take."""
-    parameters = {**PLANAR_MECHANISM, "mesh_efficiency": 0.98, "journal_friction": 3e-5}
+    parameters = {**PLANAR, "mesh_efficiency": 0.98, "journal_friction": 3e-5}
     machine = SteadyMachine(parameters, compiled)
     slow, fast = (machine.at(omega1, 0.4) for omega1 in (20.0, 200.0))
     assert 0.5 < fast.efficiency < 0.99
@@ -259,7 +258,7 @@ def test_losses_by_load_take_the_same_share_at_every_speed(compiled):
 
 
 def test_drag_of_the_freewheels_takes_less_of_more_power(compiled):
-    machine = SteadyMachine({**PLANAR_MECHANISM, "housing_drag": 0.5, "output_drag": 0.5}, compiled)
+    machine = SteadyMachine({**PLANAR, "housing_drag": 0.5, "output_drag": 0.5}, compiled)
     slow, fast = (machine.at(omega1, 0.4).efficiency for omega1 in (30.0, 120.0))
     # both losses are torques times speeds that go with omega1, the power goes with its cube
     assert 1.0 - fast == pytest.approx((1.0 - slow) / 16.0, rel=0.2)

@@ -34,6 +34,12 @@ def test_stub_for_type_checkers_names_the_same():
     assert found == PUBLIC
 
 
+@pytest.mark.parametrize("name", NAMES)
+def test_no_module_stands_beside_a_public_name_which_type_checkers_would_take_in_its_place(name):
+    folder = Path(inertia_module.__file__).parent.joinpath(*PUBLIC[name].split("."))
+    assert not (folder / f"{name}.py").exists()
+
+
 def test_import_of_the_package_loads_nothing_else():
     code = "import sys, inertia_module; print([name for name in sys.modules if 'inertia' in name])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -410,7 +410,6 @@ def orders(
     Runs it and leaves orders.csv, waterfall.csv (over the run), summary.json and orders.png in a folder
     (out/orders/SCENE without -o).
     """
-    from .. import jobs
     from ..figures.jobs import order_figure
     from ..jobs.orders import BASES
 
@@ -420,7 +419,7 @@ def orders(
     last = None if end is None else quantity_of("--to", end, "s")
     path = fmu or current_fmu()
     with progress_bar(read.title) as progress:
-        found = jobs.orders(
+        found = inertia_module.orders(
             read,
             path,
             of=of,
@@ -473,11 +472,9 @@ def fit(
     Tells how sure they are. Leaves fitted.toml (a scene), residuals.csv, fit.json and fit.png in a folder
     (out/SCENE_fit without -o).
     """
-    from .. import jobs
-
     folder = folder_for(output, f"{scene.stem}_fit")
     with progress_bar(f"fit to {measured.name}") as progress:
-        found = jobs.fit(
+        found = inertia_module.fit(
             measured,
             load_scene(scene, keys),
             free or [],
@@ -526,12 +523,11 @@ def sweep(
     Leaves sweep.parquet, sweep.csv and plot.png in a folder (out/SCENE_sweep without -o). What is done is
     in journal.jsonl of the folder and is not done again.
     """
-    from .. import jobs
     from ..figures.jobs import sweep_figure
 
     folder = folder_for(output, f"{scene.stem}_sweep")
     with progress_bar(f"sweep of {scene.name}") as progress:
-        found = jobs.sweep(
+        found = inertia_module.sweep(
             load_scene(scene, keys),
             vary or [],
             sample=sample,
@@ -567,13 +563,12 @@ def design(
     Leaves pareto.csv, checked.csv (and .parquet), plot.png and each checked design as a scene, design_1.toml
     and so on, in a folder (out/SPEC_design without -o).
     """
-    from .. import jobs
     from ..jobs.spec import read_spec
     from ..scene.keys import keys_of
 
     folder = folder_for(output, f"{spec.stem}_design")
     with progress_bar(f"design of {spec.name}") as progress:
-        found = jobs.design(
+        found = inertia_module.design(
             read_spec(spec, keys_of(keys)),
             output=folder,
             fmu=fmu or current_fmu(),

@@ -81,7 +81,6 @@ def make_plan(
     inputs: Mapping[str, float],
     step: float,
     stop_time: float,
-    tolerance: float = 1e-6,
 ) -> Plan:
     """Plan the system for a mechanism: the module alone or, if it is elastic, the rigid module and its shaft.
 
@@ -89,10 +88,10 @@ def make_plan(
         title: of the system.
         values: parameters of the module that differ from their start values.
         inputs: omega1, load_torque and, of a module driven by torque, drive_torque at the start.
-        step: communication step, s. stop_time: s. tolerance: of the module.
+        step: communication step, s. stop_time: s.
     """
     own, of_shaft = _parameters(INERTIA_MODULE, values), _parameters(DRIVEN_SHAFT, values)
-    own["tolerance"] = tolerance
+    own.setdefault("tolerance", 1e-6)
     wires: tuple[Wire, ...] = ()
     if values.get("fidelity") == ELASTIC:
         rigid = {name: value for name, value in own.items() if name not in DRIVEN_SHAFT.by_name}

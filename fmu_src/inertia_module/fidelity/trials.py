@@ -126,8 +126,6 @@ def run_in_process(scene: Scene, progress: Progress | None = None) -> SceneRun:
         Refused: the module refuses its parameters, an input or a step.
     """
     surroundings, values, inputs = start_of(scene)
-    if scene.accuracy.tolerance is not None:
-        values["tolerance"] = scene.accuracy.tolerance
     plant = Module().start(**values, **inputs)
     begin = plant.save()
     loop = ClosedLoop(plant, surroundings, COMPUTED, scene.signal_units)

@@ -16,7 +16,7 @@ from ..harness.simulate import Result
 from ..loops.cycles import KILOMETRE_PER_HOUR, Cycle
 from ..scene import SceneResult
 from ..scene.shaft import ShaftResult
-from ..scene.summary import forces, input_speed, work
+from ..scene.summary import TIME_TO, forces, input_speed, work
 from .panels import SIZE, SMOOTHING, Array, dress, headline, sheet, smooth
 
 PULSES_SHOWN = 4
@@ -105,9 +105,9 @@ def _pulse_panels(figure: Figure, result: SceneResult) -> None:
         axes.axvspan(table.time[first], table.time[-1], color=ORANGE, alpha=0.12, linewidth=0)
     # the first speed of a vehicle that was asked for and reached, and when
     reached = [
-        f"{name.split('_')[2]} km/h in {numbers[name]:.3g} s, "
+        f"{name.removeprefix(TIME_TO).partition('_')[0]} km/h in {numbers[name]:.3g} s, "
         for name in numbers
-        if name.startswith("time_to_")
+        if name.startswith(TIME_TO)
     ]
     headline(
         grid[0, 0],

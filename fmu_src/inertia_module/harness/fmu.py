@@ -443,7 +443,7 @@ class Fmu(Closing):
 
 
 class RestartedFmu(Fmu):
-    """As Fmu; restart takes it back to initialisation with other start values, as often as wanted.
+    """Instance that restart takes back to initialisation with other start values, as often as wanted.
 
     It goes back to a state kept in initialisation mode, after everything that follows from the parameters
     (the map of fidelity averaged) has been found: without the cost of a new instance.

@@ -173,7 +173,7 @@ class Result:
         return self.plot()._repr_png_()
 
     def _repr_html_(self) -> str:
-        """For a notebook: the first and the last rows."""
+        """Show the first and the last rows in a notebook."""
         shown = range(len(self)) if len(self) <= 2 * ENDS else [*range(ENDS), *range(-ENDS, 0)]
         rows = [[f"{self[name][n]:.6g}" for name in self.names] for n in shown]
         if len(self) > 2 * ENDS:

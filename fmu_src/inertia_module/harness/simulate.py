@@ -27,17 +27,17 @@ REPORT_STEPS = 50
 
 
 @contextlib.contextmanager
-def progress_bar(title: str, total: float = 1.0) -> Iterator[Progress]:
+def progress_bar(title: str) -> Iterator[Progress]:
     """A progress bar that appears once a run has taken more than PATIENCE seconds.
 
     Yields:
-        A function to call with how much of total is done.
+        A function to call with the share done (0 to 1).
     """
     from ..common.terminal import progress
 
     started = clock.monotonic()
     bar = progress()
-    task = bar.add_task(title, total=total)
+    task = bar.add_task(title, total=1.0)
     shown = False
 
     def report(done: float) -> None:

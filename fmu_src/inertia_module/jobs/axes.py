@@ -187,7 +187,7 @@ def axes_of(vary: Sequence[str] | Mapping[str, Any], scene: Scene) -> list[Axis]
 
 
 def grid(axes: Sequence[Axis]) -> list[Point]:
-    """All combinations, the last axis fastest.
+    """Combine all values, the last axis fastest.
 
     Raises:
         Refused: an axis has no number of points, or there are more than LARGEST_GRID.

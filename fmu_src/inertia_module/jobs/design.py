@@ -21,11 +21,11 @@ from ..scene.keys import validated
 from ..scene.reading import scene_text
 from ..scene.run import SceneRunner
 from ..scene.schema import Scene
-from ..scene.summary import Quantity
+from ..scene.summary import TIME_TO, Quantity
 from .axes import Point, of_shares, shares_sampled, unit_of_key
 from .evaluation import Evaluator, Figures, FiguresOf, Row, Task, summary_of, write_tables
 from .named import NAMED, Mechanism
-from .spec import LEVELS, OPTIONAL, Judge, Spec, absent, read_spec
+from .spec import LEVELS, Judge, Spec, absent, read_spec
 
 # key of a point that is none of the scene: the fidelity it is run at
 LEVEL = "fidelity"
@@ -170,7 +170,7 @@ def design(
         if all(row.refused for row in rows):
             raise SceneError(f"none of the first {len(rows)} designs can be computed: {rows[0].refused}")
         for figure in read.demands:
-            if figure not in known and not figure.startswith(OPTIONAL):
+            if figure not in known and not figure.startswith(TIME_TO):
                 raise SceneError(f"figures.{figure} must be one that there is {did_you_mean(figure, known)}")
         judge = Judge(read, units)
         rows = _search(read, judge, start, evaluate, progress)

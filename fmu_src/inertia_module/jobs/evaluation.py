@@ -240,7 +240,7 @@ def write_tables(folder: Path, name: str, rows: Sequence[Row], units: dict[str, 
     write_atomically(tables["parquet"], buffer.getvalue().to_pybytes())
 
     def cell(value: Any, unit: str) -> Any:
-        """Nothing for none, counts as whole numbers."""
+        """Leave a cell empty for None; write counts as whole numbers."""
         if isinstance(value, float) and value.is_integer() and not unit:
             return int(value)
         return "" if value is None else value

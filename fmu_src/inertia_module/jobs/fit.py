@@ -157,7 +157,7 @@ class FitResult:
         return found
 
     def as_dict(self) -> dict[str, Any]:
-        """For machines; what is not known is null."""
+        """Give the result for machines: what is not known is None."""
         return {
             "parameters": {
                 one.name: {
@@ -439,7 +439,7 @@ def _steps(end: Any) -> Array:
 
 
 def _end(excess: Callable[[float], float], inside: float, step: float, limit: float) -> float:
-    """Where the excess changes its sign, on the side of the step."""
+    """Find where the excess changes its sign, on the side of the step."""
     from scipy.optimize import root_scalar
 
     start = inside

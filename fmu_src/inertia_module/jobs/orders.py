@@ -11,7 +11,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -108,6 +108,8 @@ class Orders:
     ratio: Array
     waterfall: dict[str, Array]
     units: dict[str, str]
+    # lines that were looked for, by how many of each signal: picture, table and files ask for the same
+    _known: dict[int, dict[str, list[Line]]] = field(default_factory=dict, init=False, repr=False)
 
     def rms(self, name: str) -> float:
         """RMS of all that swings up to the highest order, in the unit of the signal (Parseval's theorem)."""
@@ -117,7 +119,9 @@ class Orders:
 
     def largest(self, number: int = 5) -> dict[str, list[Line]]:
         """The largest lines of each signal, the largest first."""
-        return {name: self._lines(name, number) for name in self.amplitude}
+        if number not in self._known:
+            self._known[number] = {name: self._lines(name, number) for name in self.amplitude}
+        return self._known[number]
 
     @property
     def bends(self) -> bool:
@@ -148,7 +152,7 @@ class Orders:
         return abs(order - float(track[window])) <= 2 * HALF_LOBE / self.turns
 
     def _places(self, amplitude: Array) -> list[int]:
-        """Where the lines of a spectrum are, the largest first; without side lobes and trend."""
+        """Find the lines of a spectrum, the largest first; without side lobes and trend."""
         found: list[int] = []
         places, _ = signal.find_peaks(amplitude, distance=HALF_LOBE * PADDING)
         for place in places[np.argsort(amplitude[places])[::-1]].tolist():

@@ -21,13 +21,12 @@ from ..scene import Scene, SceneError
 from ..scene.fields import Strict, quantity
 from ..scene.keys import validated
 from ..scene.reading import load_tables
+from ..scene.summary import TIME_TO
 from .axes import Axis, axes_of
 from .evaluation import Row
 from .named import NAMED
 
 LEVELS = tuple(name for name, _, _ in ENUMERATIONS["Fidelity"])
-# of a summary that has it only where the speed is reached
-OPTIONAL = "time_to_"
 MOST_GOALS = 3
 # violation of a limit whose figure there is not: the run was refused, or a speed is not reached
 MISSING = 1.0
@@ -144,7 +143,7 @@ def _spec(data: dict[str, Any], folder: Path) -> Spec:
 
 def absent(name: str, row: Row) -> str:
     """Say of a figure that a row has not why."""
-    return "not reached" if name.startswith(OPTIONAL) and not row.refused else "missing"
+    return "not reached" if name.startswith(TIME_TO) and not row.refused else "missing"
 
 
 class Limit(NamedTuple):
@@ -222,7 +221,7 @@ class Judge:
 
     def unit(self, name: str) -> str:
         """Unit of a figure; of a time that no design has reached, s."""
-        return self.units.get(name, "s" if name.startswith(OPTIONAL) else "")
+        return self.units.get(name, "s" if name.startswith(TIME_TO) else "")
 
     def violations(self, row: Row, margin: float = 0.0) -> list[float]:
         """Violation of each limit, and at last whether a goal has no figure."""

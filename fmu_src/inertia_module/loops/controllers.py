@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
-from ..common.errors import must_be
 from .engine import Governor
 
 
@@ -40,13 +38,10 @@ def pi_speed_controller(
     """
     import control as ct
 
-    for name, gain in (("proportional_gain", proportional_gain), ("integral_gain", integral_gain)):
-        if not (math.isfinite(gain) and gain >= 0.0):
-            raise ValueError(must_be(name, "finite and at least 0", gain))
+    governor = Governor(proportional_gain, integral_gain, step)
     low, high = limits
     if not low < high:
         raise ValueError(f"limits must be a lower and a higher one, are {low:g} and {high:g}")
-    governor = Governor(proportional_gain, integral_gain, step)
 
     def sample(x: Any, u: Any) -> tuple[float, float]:
         return governor.sample(x[0], u[0], u[1], limits, feedforward * u[0])

@@ -52,7 +52,7 @@ class Ledger:
 
     @property
     def cost(self) -> int:
-        """In steps of the FMU; a directional derivative takes two, those of outputs are not counted."""
+        """Cost in steps of the FMU; a directional derivative takes two, those of outputs are not counted."""
         return self.fmu_steps + 2 * self.derivatives
 
 
@@ -71,7 +71,7 @@ class EnginePlant(ABC):
         ValueError: no substeps, another drive, or speeds that differ.
     """
 
-    def __init__(self, fmu: Fmu, engine: Engine, drive: int, substeps: int = 1) -> None:
+    def __init__(self, fmu: Fmu, engine: Engine, drive: int, substeps: int) -> None:
         if substeps < 1:
             raise ValueError(f"substeps must be a whole number from 1, is {substeps}")
         given, speed = fmu.read(("drive", "input_speed"))

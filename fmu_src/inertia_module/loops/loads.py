@@ -79,7 +79,7 @@ class Load(NamedTuple):
 
     @property
     def rigid_inertia(self) -> float:
-        """To be added to output_inertia of the FMU, kg.m2 (0 where coupled elastically)."""
+        """Inertia to add to output_inertia of the FMU, kg.m2 (0 where coupled elastically)."""
         return self.inertia if self.coupling is None else 0.0
 
     def check_step(self, shaft_inertia: float) -> None:

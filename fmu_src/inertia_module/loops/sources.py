@@ -74,7 +74,7 @@ class Sources:
         return np.array([evaluate(signal, time) for signal in self.signals.values()])
 
     def dynamics(self, *_: Any) -> NDArray[np.float64]:
-        """No states."""
+        """Give the next states: there are none."""
         return np.zeros(0)
 
     def to_control(self) -> Any:

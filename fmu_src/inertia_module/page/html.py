@@ -154,8 +154,6 @@ def page_scene(scene: Scene, record: Result | None = None) -> dict[str, Any]:
     if record is not None:
         inputs |= {name: float(f"{record[name].mean():.4g}") for name in PLANT_INPUTS if name in record}
     signals = inputs | scene.drive.prescribed() | scene.load.prescribed()
-    if scene.accuracy.tolerance is not None:
-        parameters = {**parameters, "tolerance": scene.accuracy.tolerance}
     return {
         "name": "scene",
         "title": scene.title,

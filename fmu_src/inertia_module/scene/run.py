@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from .. import __version__
 from ..common.errors import Named, Refused
-from ..contract.variables import BY_NAME, COMPUTED
+from ..contract.variables import COMPUTED
 from ..harness.fmu import Closing, RestartedFmu
 from ..harness.results import html_table
 from ..harness.simulate import Fmu, Progress, Result
@@ -108,7 +108,7 @@ class Outcome:
         return self.table._repr_png_()
 
     def _repr_html_(self) -> str:
-        """For a notebook: the plot, and the summary."""
+        """Show the plot and the summary in a notebook."""
         picture = base64.b64encode(self._repr_png_()).decode()
         return f'<img src="data:image/png;base64,{picture}">' + html_table(
             (self.scene.title, ""), self.lines().items()
@@ -129,15 +129,16 @@ class SceneResult(Outcome):
 
 
 def start_of(scene: Scene) -> tuple[Any, dict[str, float], dict[str, float]]:
-    """Start of a scene: its surroundings, connected; parameters and inputs of the FMU by name.
+    """Start of a scene: its surroundings, connected; parameters, with the tolerance, and inputs of the FMU.
 
     Raises:
         SceneError: its fidelity is still to be chosen.
     """
     if scene.chooses_fidelity:
         raise SceneError("mechanism.fidelity must be chosen first (fidelity.trials.choose), is 'auto'")
-    values = scene.parameters()
-    surroundings = scene.surroundings
+    values, surroundings = scene.parameters(), scene.surroundings
+    if scene.accuracy.tolerance is not None:
+        values["tolerance"] = scene.accuracy.tolerance
     speeds = {"omega_out": values.get("omega_out_start", 0.0)}
     omega1 = scene.drive.start_speed
     if omega1 is None:
@@ -164,8 +165,7 @@ def scene_plan(scene: Scene) -> Plan:
                 " a rigid module and a shaft, and neither has freewheels that wind up"
             )
     step = float(surroundings.dt)
-    tolerance = scene.accuracy.tolerance or BY_NAME["tolerance"].start or 1e-6
-    return make_plan(scene.title, values, inputs, step, scene.run.stop_time, tolerance)
+    return make_plan(scene.title, values, inputs, step, scene.run.stop_time)
 
 
 def run_scene(
@@ -187,10 +187,9 @@ def run_scene(
         SceneError: its fidelity is still to be chosen.
     """
     surroundings, values, inputs = start_of(scene)
-    tolerance, stop_time = scene.accuracy.tolerance, scene.run.stop_time
-    with Fmu(fmu_path, values, inputs, tolerance, stop_time=stop_time) as fmu:
+    with Fmu(fmu_path, values, inputs, stop_time=scene.run.stop_time) as fmu:
         found = _run_on(fmu, scene, surroundings, progress, also)
-    return replace(found, remarks={**found.remarks, **above_stall(found.record, values)})
+    return replace(found, remarks={**found.remarks, **above_stall(found.record, scene.parameters())})
 
 
 def above_stall(record: Result, parameters: dict[str, float]) -> dict[str, str]:
@@ -234,9 +233,7 @@ class SceneRunner(Closing):
     def started(self, scene: Scene) -> Fmu:
         """The instance at the start of a scene; raises as run_scene."""
         _, values, inputs = start_of(scene)
-        tolerance = scene.accuracy.tolerance
-        given = {} if tolerance is None else {"tolerance": tolerance}
-        self._fmu.restart({**values, **inputs, **given})
+        self._fmu.restart({**values, **inputs})
         return self._fmu
 
     def close(self) -> None:

@@ -30,6 +30,10 @@ SUMMARISED = (
 )
 
 
+# a time to a speed is called so and the speed; there is one only where the speed is reached
+TIME_TO = "time_to_"
+
+
 class Quantity(NamedTuple):
     """One number of a summary.
 
@@ -127,7 +131,7 @@ def work(table: Result, torque: str) -> NDArray[np.float64]:
 
 def time_to(speed: float) -> str:
     """Name of the time to a speed, m/s."""
-    return f"time_to_{speed / KILOMETRE_PER_HOUR:.6g}_kmh"
+    return f"{TIME_TO}{speed / KILOMETRE_PER_HOUR:.6g}_kmh"
 
 
 def _times_to(table: Result, speeds: Sequence[float]) -> dict[str, Quantity]:
