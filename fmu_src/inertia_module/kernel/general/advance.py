@@ -8,7 +8,7 @@ from ..links import response
 from ..loads import INSIDE_PHASE, sample_load
 from ..search import first_crossing
 from ..solvers.step_size import REJECTIONS, carry_size, first_size, next_factor
-from ..tableau import END, SHORT_END
+from ..tableau import END, LONG, NODES, SHORT, SHORT_END
 from .choice import take_speeds
 from .error import fastest_speed, step_error
 from .guards import (
@@ -37,6 +37,10 @@ SEEN = 9
 # phase of the highest harmonic within one step, and between two looks at a guard, rad
 STEP_PHASE = 4.0
 LOOK_PHASE = 1.0
+# the same where the inertia behind link 2 all but vanishes at an angle, or that of link 1 is light: the
+# speeds have spikes there, which are not to be stepped over
+CUSP_PHASE = 1.0
+CUSP_RATIO = 1e-2
 # steps are often as long as is stable, and a little longer are tried in vain
 SAFETY = 0.8
 # share of its size that a step keeps where a freewheel has switched
@@ -62,17 +66,32 @@ def recall(target, source):
     target.housing = source.housing
 
 
+def has_cusp(d, x):
+    """Tell whether the inertia behind link 2, or that of link 1 under its torque, is at some angle far below
+    its largest.
+    """
+    if d.by_torque != 0.0 and d.J1 < CUSP_RATIO * d.F_by_alpha1:
+        return True
+    moving = d.k * d.k * d.mass
+    offset = d.pole_offset
+    far = offset + 2.0 * d.pole_arm
+    least = d.J2 + (d.J3 if x.output_state == LOCKED else 0.0)
+    least += d.k * d.k * d.J16 + moving * offset * offset
+    return least < CUSP_RATIO * moving * (far * far + d.spin)
+
+
 def longest_step(d, x, w, remaining):
     """Longest step that is searched for events: a bounded phase of the highest harmonic."""
     m = d.machine
     step = min(remaining, d.max_step)
+    phase = CUSP_PHASE if has_cusp(d, x) else STEP_PHASE
     scale = d.harmonic * d.k
     slip = abs(x.omega1 - x.omega2)
-    if scale * slip * step > STEP_PHASE:
-        step = STEP_PHASE / (scale * slip)
+    if scale * slip * step > phase:
+        step = phase / (scale * slip)
     growth = scale * abs(m.alpha1 - m.alpha2)
-    if 0.5 * growth * step * step > STEP_PHASE:
-        step = math.sqrt(2.0 * STEP_PHASE / growth)
+    if 0.5 * growth * step * step > phase:
+        step = math.sqrt(2.0 * phase / growth)
     return step
 
 
@@ -144,8 +163,12 @@ def first_event(d, x, w, fastest):
     return earliest, which
 
 
-def commit(d, x, w):
-    """Take the step in hand over, with its sums."""
+def commit(d, x, w, sigma):
+    """Take the step in hand over, with its sums.
+
+    Args:
+        sigma: the part of it that it was cut to, 1 if it was not: stages beyond have no torques.
+    """
     change = w.change
     x.q, x.q_low = add(x.q, x.q_low, change.q)
     wrap_drive_angle(d, x)
@@ -173,8 +196,10 @@ def commit(d, x, w):
     x.output_impulse += change.output
     x.output_square += change.square
     x.turned3 += change.turned3
-    for n in range(SHORT_END + 1 if w.short != 0.0 else END + 1):
-        x.torque_peak = max(x.torque_peak, abs(w.rates[n].output))
+    pair, last = (SHORT, SHORT_END) if w.short != 0.0 else (LONG, END)
+    for n in range(last + 1):
+        if NODES[pair + n] <= sigma:
+            x.torque_peak = max(x.torque_peak, abs(w.rates[n].output))
 
 
 def meet(d, x, which):
@@ -271,13 +296,15 @@ def advance_general(d, x, w, remaining):
     elif sigma >= 0.0 and which < SLIP and not is_speed(x, which) and not is_spring(x, which):
         sigma = pass_at(d, x, w, which, guard_tolerance(d, x, w, which, fastest), sigma)
     wound = is_wound(x)
+    kept = 1.0
     if sigma < 0.0:
         see_inside(d, x, w)
     elif wound:
         make_step(d, x, w, sigma * w.step)
     else:
         cut_step(d, x, w, sigma)
-    commit(d, x, w)
+        kept = sigma
+    commit(d, x, w, kept)
     if d.losses == 0.0 and which == NONE:
         x.rates_cached = 1.0
     meet_limits(d, x)
