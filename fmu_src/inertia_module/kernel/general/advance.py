@@ -9,8 +9,8 @@ from ..loads import INSIDE_PHASE, sample_load
 from ..search import first_crossing
 from ..solvers.step_size import REJECTIONS, carry_size, first_size, next_factor
 from ..tableau import END, LONG, NODES, SHORT, SHORT_END
-from .choice import take_speeds
-from .error import fastest_speed, step_error
+from .choice import take_speeds, torques_at
+from .error import CUSP, fastest_speed, step_error
 from .guards import (
     FLOW,
     HOUSING,
@@ -27,7 +27,7 @@ from .guards import (
     value_and_rate,
 )
 from .instant import part_at, pass_at
-from .motion import evaluate, take_state
+from .motion import evaluate, recall, take_state
 from .satellites import with_sign_changed
 from .stages import cut_step, keep_rates, make_inside, make_step, weighed_rate
 from .states import IDEAL, LOCKED, LOSSY, OPEN, WOUND, is_rough, is_wound
@@ -37,10 +37,8 @@ SEEN = 9
 # phase of the highest harmonic within one step, and between two looks at a guard, rad
 STEP_PHASE = 4.0
 LOOK_PHASE = 1.0
-# the same where the inertia behind link 2 all but vanishes at an angle, or that of link 1 is light: the
-# speeds have spikes there, which are not to be stepped over
+# ... where link 1 or 2 is far lighter at an angle than at others: its speed has a spike there
 CUSP_PHASE = 1.0
-CUSP_RATIO = 1e-2
 # steps are often as long as is stable, and a little longer are tried in vain
 SAFETY = 0.8
 # share of its size that a step keeps where a freewheel has switched
@@ -51,40 +49,14 @@ SHORT_SHARE = 0.1
 SHORT_GROWTH = 1.05
 # a guard below this share of the speeds, or of the torques, is zero
 VELOCITY_ROUNDING = 1e-13
-TORQUE_ROUNDING = 1e-11
-
-
-def recall(target, source):
-    """Copy accelerations and torques of an instant."""
-    target.alpha1 = source.alpha1
-    target.alpha2 = source.alpha2
-    target.alpha3 = source.alpha3
-    target.rate_relative = source.rate_relative
-    target.drive = source.drive
-    target.mesh = source.mesh
-    target.output = source.output
-    target.housing = source.housing
-
-
-def has_cusp(d, x):
-    """Tell whether the inertia behind link 2, or that of link 1 under its torque, is at some angle far below
-    its largest.
-    """
-    if d.by_torque != 0.0 and d.J1 < CUSP_RATIO * d.F_by_alpha1:
-        return True
-    moving = d.k * d.k * d.mass
-    offset = d.pole_offset
-    far = offset + 2.0 * d.pole_arm
-    least = d.J2 + (d.J3 if x.output_state == LOCKED else 0.0)
-    least += d.k * d.k * d.J16 + moving * offset * offset
-    return least < CUSP_RATIO * moving * (far * far + d.spin)
+TORQUE_ROUNDING = 1e-13
 
 
 def longest_step(d, x, w, remaining):
     """Longest step that is searched for events: a bounded phase of the highest harmonic."""
     m = d.machine
     step = min(remaining, d.max_step)
-    phase = CUSP_PHASE if has_cusp(d, x) else STEP_PHASE
+    phase = CUSP_PHASE if d.lightest < CUSP else STEP_PHASE
     scale = d.harmonic * d.k
     slip = abs(x.omega1 - x.omega2)
     if scale * slip * step > phase:
@@ -137,7 +109,7 @@ def guard_tolerance(d, x, w, which, fastest):
         return VELOCITY_ROUNDING * max(response(d, d.J2) * fastest, fastest_output)
     m = d.machine
     share = max(TORQUE_ROUNDING, d.tolerance) if is_spring(x, which) else TORQUE_ROUNDING
-    return share * (abs(m.mesh) + abs(m.housing) + abs(m.output) + abs(w.load))
+    return share * torques_at(d, m, w.prescribed, w.load)
 
 
 def first_event(d, x, w, fastest):

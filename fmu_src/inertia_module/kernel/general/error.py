@@ -33,6 +33,10 @@ OF_ENERGY = 10.0
 FROM_REST = 0.01
 # ... of a loss by this share of it: friction that hardly loads the links for an instant is a kink of its own
 OF_LOSSES = 0.1
+# share of its largest inertia below which a link has a cusp: errors grow there as its speed does
+CUSP = 1e-2
+# share of a scale that is rounding
+ROUNDING = 1e-13
 
 
 def how_many_move(d):
@@ -110,6 +114,7 @@ def step_error(d, x, w, fastest):
     """
     if not fastest < 1e300:
         return 1e300
+    tolerance = max(d.tolerance * math.sqrt(min(d.lightest / CUSP, 1.0)), min(d.tolerance, ROUNDING))
     sum5 = 0.0
     sum3 = 0.0
     count = 0
@@ -124,7 +129,7 @@ def step_error(d, x, w, fastest):
         if not counts(d, x, w, n):
             continue
         if number < moving:
-            scale = d.tolerance * scale_of(d, x, w, n, fastest)
+            scale = tolerance * scale_of(d, x, w, n, fastest)
         else:
             scale = energy if n >= WORK_IN else momentum
             if n >= LOST:
