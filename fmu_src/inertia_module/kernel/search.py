@@ -6,6 +6,9 @@ by at most bound t^2 (h - t)^2 / 24 inside, so the ends and the bound tell what 
 The beginning of a step never counts: what holds there was settled when the mode was chosen.
 """
 
+from .codes import COLLOCATED
+from .general.guards import is_exact
+from .general.stages import exact_guard
 from .guards import guard_inside
 
 CROSSING_LOOKS = 100
@@ -66,6 +69,35 @@ def find_crossing(d, x, w, which, zero, low, high, value, rate):
     return high
 
 
+def find_exactly(d, x, w, which, zero, low, high, sigma):
+    """Fraction where a guard falls by the equations, or -1 if it does not between low and high.
+
+    Args:
+        sigma: where it does by its fit, which falls where a torque may not.
+    """
+    fallen = False
+    for _ in range(CROSSING_LOOKS):
+        value = exact_guard(d, x, w, which, sigma)
+        _, rate = guard_inside(d, x, w, which, sigma)
+        if -4.0 * zero <= value < -zero:
+            return sigma
+        if value < -zero:
+            fallen = True
+            high = sigma
+        elif sigma == high:
+            return -1.0
+        else:
+            low = sigma
+        move = sigma - (value + 2.0 * zero) / rate if rate < 0.0 else low
+        if low < move < high:
+            sigma = move
+        else:
+            sigma = 0.5 * (low + high) if fallen else high
+        if fallen and not low < sigma < high:
+            return high
+    return high
+
+
 def first_crossing(d, x, w, which, zero, fourth_bound, looks):
     """First fall of one guard below -zero in the step in hand, looked for in about so many parts, or -1.
 
@@ -89,7 +121,11 @@ def first_crossing(d, x, w, which, zero, fourth_bound, looks):
                 high = next_look(low, rate_low, high, rate)
                 continue
             if value < -zero:
-                return find_crossing(d, x, w, which, zero, low, high, value, rate)
+                sigma = find_crossing(d, x, w, which, zero, low, high, value, rate)
+                if w.solver != COLLOCATED and is_exact(x, which):
+                    sigma = find_exactly(d, x, w, which, zero, low, high, sigma)
+                if sigma >= 0.0:
+                    return sigma
         low = high
         value_low = value
         rate_low = rate

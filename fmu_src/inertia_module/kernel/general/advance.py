@@ -42,6 +42,7 @@ QUIET_PHASE = 2.0
 CUSP_PHASE = 1.0
 # steps are often as long as is stable, and a little longer are tried in vain
 SAFETY = 0.8
+SHORT_SAFETY = 0.9
 # share of its size that a step keeps where a freewheel has switched, and phase that is tried first then: an
 # error of a longer step may be estimated far too low
 AFRESH = 0.5
@@ -86,7 +87,7 @@ def try_short_step(d, x, w, remaining):
     make_step(d, x, w, remaining)
     fastest = fastest_speed(d, x, w)
     error = step_error(d, x, w, fastest) / SHORT_SHARE
-    x.short_size = next_factor(error, 5.0, SAFETY) * remaining
+    x.short_size = next_factor(error, 5.0, SHORT_SAFETY) * remaining
     if not error <= 1.0 or advance_of_phase(d, x, w) > QUIET_PHASE:
         return -1.0
     rough = is_rough(d)
