@@ -92,7 +92,7 @@ def try_short_step(d, x, w, remaining):
         return -1.0
     rough = is_rough(d)
     for guard in range(how_many_guards(d)):
-        if is_watched(d, x, guard, rough) and not is_clear(w, guard):
+        if is_watched(d, x, guard, rough) and not is_clear(x, w, guard):
             return -1.0
     return fastest
 
@@ -131,7 +131,7 @@ def first_event(d, x, w, fastest):
     rough = is_rough(d)
     looks = 1 + int(math.floor(min(advance_of_phase(d, x, w), STEP_PHASE) / LOOK_PHASE))
     for guard in range(how_many_guards(d)):
-        if not is_watched(d, x, guard, rough) or is_clear(w, guard):
+        if not is_watched(d, x, guard, rough) or is_clear(x, w, guard):
             continue
         if not inside:
             make_inside(d, x, w)
