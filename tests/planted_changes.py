@@ -200,10 +200,10 @@ solvers/hub_step.py: damping -= {0.5|0.75} * d.stiffness
 solvers/timestepping.py: reaction = d.k * (w.end_b {+|-} d.k * w.end_g)
 solvers/timestepping.py: w.end3 {+|-}= d.J4 * (mass3 - w.end3)
 solvers/hub_step.py: lost {-|+}= d.balancer * d.J4 * (w.seen3
-impulse.py: impulse * (x.omega1 {+|-} 0.5 * jump)
-impulse.py: fraction = {|0.5 * }omega2 / -change
+impulse.py: drive * (x.omega1 {+|-} 0.5 * jump)
+impulse.py: else 0.0) - {|0.5 * }omega2) / change
 impulse.py: (omega4 {+|-} 0.5 * change4)
-impulse.py: (jump - change2)) {-|+} d.J2
+impulse.py: output = mesh {-|+} d.J2
 outputs.py: housing = output {-|+} mesh
 outputs.py: housing {+|-}= per_step * d.b1
 loads.py: mx {-|+}= mass * (py * az
@@ -226,7 +226,7 @@ solvers/interpolant.py: sum5 = q5 * q5 {+|-} v5 * v5
 solvers/dormand_prince.py: 0.20136540080403034, 0.0447{1|2}
 solvers/dormand_prince_5.py: 71 / 1920, {-|}17253 / 339200
 solvers/held.py: looks = max(1, int(math.ceil(sigma {*|/} looks)))
-solvers/kinematic.py: weight * output * {ratio * |}speed
+solvers/kinematic.py: * d.machine.output * d.machine.omega{2|1}
 solvers/elastic.py: d.k * (turned1 {-|+} change
 solvers/elastic.py: (mode == HELD or x.omega3 {<|>} 0.0)
 solvers/elastic_stages.py: (g1 * k * k {-|+} i1) * omega1

@@ -104,6 +104,8 @@ CONSTANTS = (
     *("bodies", "body_i", "body_b"),
     *("J1", "J2", "J3", "J4", "J16", "housing", "output", "by_torque", "elastic", "tolerance", "max_step"),
     *("stiffness", "damping", "friction", "balancer", "b1", "bq", "b2", "b3", "viscous"),
+    # what fidelity kinematic prescribes
+    "ratio",
     # whether fidelity averaged has losses
     "lossy",
     # what only the general equations of motion know, and whether any of it is there (kernel.general)

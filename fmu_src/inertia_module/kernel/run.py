@@ -1,6 +1,6 @@
 """A communication step by fidelity and method, with the speed or the torque of link 1 given."""
 
-from .accumulate import add, time_later, wrap_drive_angle, wrap_input_angle
+from .accumulate import add, wrap_input_angle
 from .averaged.jump import jump_averaged, takes_up_jump
 from .averaged.run import run_averaged
 from .codes import AVERAGED, DRIVE_TORQUE, DRIVING, ELASTIC, KINEMATIC, OK, TIMESTEPPING, TOO_MUCH_WORK
@@ -8,20 +8,23 @@ from .contact import TORQUE_ROUNDING, is_held, present_mode
 from .engine import run_events, switch
 from .general.advance import recall
 from .general.choice import choose_states
-from .general.jump import jump_general
 from .general.motion import evaluate, take_state
+from .general.states import GEARED
 from .impulse import jump_input, jump_kinematic
-from .limits import MAX_EVALUATIONS, MAX_STEPS
+from .limits import MAX_STEPS
 from .links import accelerations, prescribed_at_input
 from .loads import sample_load
 from .shaft import carried_by_link2, load_behind_freewheel
 from .solvers.followed import is_stiff
-from .solvers.kinematic import advance_kinematic
+from .solvers.kinematic import follow_ratio, prescribe
 from .solvers.timestepping import clear_losses, one_step, steps_in
 
 
 def accelerations_now(d, x):
     """Accelerations of links 1 and 2 in the present mode, rad/s^2."""
+    if x.output_state == GEARED:
+        prescribe(d, x, 0.0)
+        return d.machine.alpha1, d.machine.alpha2
     if d.general != 0.0:
         take_state(d, x)
         if x.rates_cached != 0.0:
@@ -37,11 +40,17 @@ def accelerations_now(d, x):
     return alpha1, alpha2
 
 
+def keep_ratio(d, x):
+    """Give link 2 and the output the speed that is prescribed."""
+    x.omega2 = x.omega3 = d.ratio * x.omega1
+    x.omega2_low = x.omega3_low = 0.0
+    follow_ratio(x, x.omega1, x.omega2)
+
+
 def follow_parameters(p, d, x):
     """Write what parameters prescribe at once: the prescribed speed of link 2, or contact mode and alpha1."""
     if p.fidelity == KINEMATIC:
-        x.omega2 = p.kinematic_ratio * x.omega1
-        x.omega3 = x.omega2
+        keep_ratio(d, x)
         x.mode = DRIVING
     elif p.fidelity != AVERAGED:
         if d.general != 0.0:
@@ -88,32 +97,9 @@ def run_timestepping(d, x, w, h):
     return OK
 
 
-def run_kinematic(p, d, x, h):
-    """Advance the prescribed motion by h. Returns a status."""
-    time = 0.0
-    low = 0.0
-    while time < h:
-        remaining = (h - time) - low
-        speed = x.omega1 + x.alpha1 * time
-        passed = advance_kinematic(d, x, p.kinematic_ratio, speed, x.alpha1, remaining)
-        wrap_drive_angle(d, x)
-        if passed >= remaining:
-            time = h
-        else:
-            time, low = time_later(time, low, passed)
-        if x.step_evaluations > MAX_EVALUATIONS:
-            return TOO_MUCH_WORK
-    speed = p.kinematic_ratio * (x.omega1 + x.alpha1 * h)
-    x.omega2 = speed
-    x.omega2_low = 0.0
-    x.omega3 = speed
-    x.omega3_low = 0.0
-    return OK
-
-
 def run_pulses(p, d, x, w, h):
-    """Advance the rigid or elastic module by h. Returns a status."""
-    if p.method == TIMESTEPPING:
+    """Advance the rigid, elastic or kinematic module by h. Returns a status."""
+    if p.method == TIMESTEPPING and p.fidelity != KINEMATIC:
         return run_timestepping(d, x, w, h)
     return run_events(d, x, w, h)
 
@@ -125,6 +111,8 @@ def turn_input(p, d, x, start1, h):
         wrap_input_angle(x)
     x.omega1 = start1 + x.alpha1 * h
     x.omega1_low = 0.0
+    if p.fidelity == KINEMATIC:
+        keep_ratio(d, x)
 
 
 def run_at_speed(p, d, u, x, w, h, jump):
@@ -136,7 +124,8 @@ def run_at_speed(p, d, u, x, w, h, jump):
     input_jump = 0.0
     output_jump = 0.0
     if p.fidelity == KINEMATIC:
-        input_jump, output_jump = jump_kinematic(d, x, jump, p.kinematic_ratio)
+        input_jump, output_jump = jump_kinematic(d, x, jump)
+        keep_ratio(d, x)
     elif jump != 0.0:
         if p.fidelity == AVERAGED:
             if takes_up_jump(d, x, jump, h):
@@ -146,14 +135,9 @@ def run_at_speed(p, d, u, x, w, h, jump):
         else:
             x.torques_continue = 0.0
             stiff = p.fidelity == ELASTIC and is_stiff(d, x, u.omega1)
-            if d.general != 0.0:
-                input_jump, output_jump = jump_general(p, d, x, jump, stiff)
-            else:
-                input_jump, output_jump = jump_input(p, d, x, jump, stiff)
+            input_jump, output_jump = jump_input(d, x, jump, stiff)
     start1 = x.omega1
-    if p.fidelity == KINEMATIC:
-        status = run_kinematic(p, d, x, h)
-    elif p.fidelity == AVERAGED:
+    if p.fidelity == AVERAGED:
         status = run_averaged(d, x, w, h)
     else:
         status = run_pulses(p, d, x, w, h)

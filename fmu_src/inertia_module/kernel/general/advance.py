@@ -144,8 +144,8 @@ def first_event(d, x, w, fastest):
     return earliest, which
 
 
-def commit(d, x, w):
-    """Take the step in hand over, with its sums."""
+def commit(d, x, w, stages):
+    """Take the step in hand over, with its sums and the peak of so many stages."""
     change = w.change
     x.q, x.q_low = add(x.q, x.q_low, change.q)
     wrap_drive_angle(d, x)
@@ -173,7 +173,7 @@ def commit(d, x, w):
     x.output_impulse += change.output
     x.output_square += change.square
     x.turned3 += change.turned3
-    for n in range(SHORT_END + 1 if w.short != 0.0 else END + 1):
+    for n in range(stages):
         x.torque_peak = max(x.torque_peak, abs(w.rates[n].output))
 
 
@@ -277,7 +277,7 @@ def advance_general(d, x, w, remaining):
         make_step(d, x, w, sigma * w.step)
     else:
         cut_step(d, x, w, sigma)
-    commit(d, x, w)
+    commit(d, x, w, SHORT_END + 1 if w.short != 0.0 else END + 1)
     if d.losses == 0.0 and which == NONE:
         x.rates_cached = 1.0
     meet_limits(d, x)

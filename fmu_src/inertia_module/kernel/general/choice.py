@@ -5,7 +5,7 @@
 
 from ..links import prescribed_at_input
 from .motion import evaluate, take_state
-from .states import LOCKED, OPEN, contact_mode, is_rough, may_be_housing, may_be_output, may_slip
+from .states import GEARED, LOCKED, OPEN, contact_mode, is_rough, may_be_housing, may_be_output, may_slip
 
 # share of the torques by which what has just ended seems to go on, and still has ended
 ENDED = 1e-3
@@ -63,6 +63,8 @@ def choose_states(d, x, before_misses):
     Args:
         before_misses: what is added to the violation of what they did before, as a share of the torques.
     """
+    if x.output_state == GEARED:
+        return
     take_state(d, x)
     prescribed = prescribed_at_input(d, x)
     before = (x.housing_state, x.output_state, x.slip_sign)

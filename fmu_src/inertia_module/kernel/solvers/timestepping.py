@@ -9,8 +9,8 @@ import math
 
 from ..accumulate import add, add_loss, copy, wrap_drive_angle, wrap_input_angle
 from ..codes import DRIVING, FREEWHEEL, HELD, HELD_DRIVING, JOURNAL, MESH
-from ..contact import settle
 from ..general.states import is_rough
+from ..impulse import settle
 from ..inertia import reduced_inertia
 from ..links import inertia_of_link1, inertia_of_link2
 from .freewheel_drag import find_drags, lose_by_drag, take_drags
