@@ -137,8 +137,8 @@ FOLLOWED = (
 
 # nothing in it outlives the call
 WORKSPACE = (
-    # whether a step ends at a switch; what the solvers share: whether the step is by the short pair, torque or
-    # acceleration given at link 1, load, step in hand, mean alpha1
+    # whether a step ends at a switch; what the solvers share: whether the step is by the short pair, torque
+    # or acceleration given at link 1, load, step in hand, mean alpha1
     *("stops", "solver", "short", "prescribed", "load", "step", "alpha1"),
     # rates at the stages and changes over the step of all that is followed, and the guards
     *(("rates", FOLLOWED, STAGES), ("change", FOLLOWED)),
@@ -170,17 +170,16 @@ WORKSPACE = (
     *("hub_load", "hub_gain", "relative_load", "relative_gain", "stiff"),
     *("theta", "mean3", "end3", "contact_impulse"),
     *("mean_relative", "seen3", "omega4"),
-    # ... losses by load: what the satellites resist q with, the impulse against the slip, what it takes,
-    # whether it has stopped the slip, whether the step is linear in it
-    *("journals", "spin", "spin_by_alpha1", "spin_by_rate2"),
-    *("rub", "lost_mesh", "lost_journal", "slip_stopped"),
+    # ... losses by load: torque against the slip, that of the step before and the torques it then was of,
+    # share of the journals in it, what it takes, whether it has stopped the slip; whether the way is all that
+    # is asked for
+    *("friction", "friction_before", "spun", "mesh", "journal_share", "lost_by_load", "slip_stopped"),
     "straight",
     # ... weights by the angles of the slip and of link 1, this angle, works of the weights; state before
     *("weight_slip", "weight1", "far_angle1", "weighing", "weighed", ("fallen", STATE)),
-    # ... drag of the freewheels: whether it acts, its impulses by the mean speed of link 2 and at it, what
-    # it takes, whether a mean slip went against it
-    *("dragging", "drag_load", "drag_gain", "over_load", "over_gain", "holding", "drag", "overrun"),
-    *("lost_freewheel", "reversed"),
+    # ... drag of the freewheels: whether it acts, its impulses by the mean speed of link 2, what it takes,
+    # whether a mean slip went against it
+    *("dragging", "drag_load", "drag_gain", "over_load", "over_gain", "holding", "lost_by_drag", "reversed"),
     # internal step of the averaged motion: both speeds at its end, its error, integrals of omega3, T omega3,
     # omega2 and, under its torque, omega1
     *("next", "next_speed", "error", "turned3", "work", "turned2", "turned1", "lost3", "dragged"),

@@ -13,18 +13,18 @@ from ..general.states import is_rough
 from ..impulse import settle
 from ..inertia import reduced_inertia
 from ..links import inertia_of_link1, inertia_of_link2
-from .freewheel_drag import find_drags, lose_by_drag, take_drags
 from .hub_step import drive_mass, load_hub, turn_shaft
-from .link_step import move_links, turn_link1
-from .slip_friction import STOPPED, load_satellites, mesh_impulse, move_with_friction
-from .weights import begin_fall, end_fall, weigh
+from .link_step import move_links
+from .satellite_step import begin_fall, end_fall, find_friction, mesh_impulse, weigh
 
 # parts of a step that are too short to be told from none
 SHORTEST = 1e-6
 # how much later than foreseen a step is parted: what has not met there meets at its end
 LATER = 1.001
 # how often the loads of the satellites are taken from the step found with those before
-LOADED = 2
+LOADED = 3
+# share of the speeds by which a slip misses zero that friction has stopped
+STOPPED = 1e-14
 
 
 def steps_in(d, h):
@@ -63,8 +63,6 @@ def follow(d, x, w, held, joined, prescribed, h):
         As settle, impacts at the end of the step included.
     """
     load_hub(d, x, w, held, joined, h)
-    if d.losses != 0.0:
-        find_drags(d, x, w, held, joined, h)
     carried = 0.0
     load = w.drag_load - w.over_load
     gain = w.drag_gain + w.over_gain
@@ -72,25 +70,23 @@ def follow(d, x, w, held, joined, prescribed, h):
         carried = d.J3
         load += w.hub_load
         gain += w.hub_gain
-    if d.losses != 0.0 and is_rough(d):
-        move_with_friction(d, x, w, held, carried, load, gain, prescribed, h)
-    elif held:
-        turn_link1(d, x, w, prescribed, h)
-    else:
-        move_links(d, x, w, carried, load, gain, prescribed, h)
-    if d.losses != 0.0:
-        take_drags(w, held, h)
+    move_links(d, x, w, held, carried, load, gain, prescribed, h)
+    mean2 = 0.0 if held else (w.angle1 - w.new_slip_angle) / h
+    drag = w.drag_load + w.drag_gain * mean2
+    overrun = w.over_load - w.over_gain * mean2
     if joined:
         w.end3 = w.end2
-        w.mean3 = 0.0 if held else (w.angle1 - w.new_slip_angle) / h
-        w.contact_impulse = w.hub_load if held else d.J3 * (w.end3 - x.omega3) + (w.load_impulse - w.drag)
+        w.mean3 = mean2
+        w.contact_impulse = w.hub_load if held else d.J3 * (w.end3 - x.omega3) + (w.load_impulse - drag)
     else:
-        w.contact_impulse = -w.overrun
-        braking = w.hub_load + w.hub_gain * x.omega3 + w.overrun
+        w.contact_impulse = -overrun
+        braking = w.hub_load + w.hub_gain * x.omega3 + overrun
         w.end3 = x.omega3 - braking / (d.J3 + w.theta * w.hub_gain)
         w.mean3 = x.omega3 + w.theta * (w.end3 - x.omega3)
-    if d.losses != 0.0:
-        lose_by_drag(w, held, h)
+    drag *= mean2
+    overrun *= w.mean3 - mean2
+    w.lost_by_drag = drag + overrun
+    w.reversed = 1.0 if drag < 0.0 or overrun < 0.0 else 0.0
     inertia3 = d.J3
     if d.elastic != 0.0:
         drive_mass(d, x, w, h)
@@ -108,6 +104,24 @@ def follow(d, x, w, held, joined, prescribed, h):
             return end2, end3, output - w.holding, mode
     end2, end3, output, mode = settle(d, inertia2, w.end2, inertia3, w.end3)
     return end2, end3, output + w.contact_impulse, mode
+
+
+def follow_loaded(d, x, w, prescribed, h, foresee):
+    """A step with contacts as below, its friction and its weights those of the step found before.
+
+    Args:
+        foresee: whether it ends where that one came to.
+    """
+    w.straight = 1.0
+    w.friction_before = w.friction
+    for _ in range(LOADED if is_rough(d) or d.weight != 0.0 else 0):
+        follow_contacts(d, x, w, prescribed, h)
+        find_friction(d, x, w, h)
+        if foresee:
+            w.far_angle1 = w.angle1
+            look_ahead(d, x, w, w.foreseen)
+    w.straight = 0.0
+    return follow_contacts(d, x, w, prescribed, h)
 
 
 def follow_contacts(d, x, w, prescribed, h):
@@ -173,7 +187,7 @@ def close_within(d, x, w, prescribed, h, share, held):
     end_at(x, w, 1.0)
     w.slip_angle = (1.0 - part) * angle
     rest = 1.0 - share
-    end2, end3, output, mode = follow_contacts(d, x, w, rest * prescribed, rest * h)
+    end2, end3, output, mode = follow_loaded(d, x, w, rest * prescribed, rest * h, False)
     if w.reached == 0.0:
         copy(x.numbers, w.part.numbers)
         w.weighed = 0.0
@@ -185,9 +199,9 @@ def close_within(d, x, w, prescribed, h, share, held):
 def add_losses(x, w):
     """Add losses by load and drag."""
     w.weighed += w.weighing
-    add_loss(x, MESH, w.lost_mesh)
-    add_loss(x, JOURNAL, w.lost_journal)
-    add_loss(x, FREEWHEEL, w.lost_freewheel)
+    add_loss(x, MESH, (1.0 - w.journal_share) * w.lost_by_load)
+    add_loss(x, JOURNAL, w.journal_share * w.lost_by_load)
+    add_loss(x, FREEWHEEL, w.lost_by_drag)
 
 
 def finish(d, x, w, end2, end3, output, mode, h):
@@ -244,9 +258,7 @@ def one_step(d, x, w, prescribed, load, h):
 
 def clear_losses(d, w):
     """Nothing is known yet of losses and weights; ideal steps leave all of it so."""
-    w.journals = w.spin = w.spin_by_alpha1 = w.spin_by_rate2 = w.weight1 = w.weight_slip = 0.0
-    w.rub = w.straight = w.slip_stopped = w.reversed = w.lost_mesh = w.lost_journal = 0.0
-    w.drag_load = w.drag_gain = w.over_load = w.over_gain = w.holding = w.drag = w.overrun = 0.0
+    w.friction = w.friction_before = w.journal_share = w.weight1 = w.weight_slip = 0.0
     w.dragging = d.losses
 
 
@@ -257,17 +269,13 @@ def move_all(d, x, w, prescribed, h):
     w.far_angle1 = h * (x.omega1 if d.by_torque != 0.0 else x.omega1 + 0.5 * prescribed)
     slip = x.omega1 - x.omega2
     look_ahead(d, x, w, h * (slip if d.by_torque != 0.0 else slip + 0.5 * prescribed))
-    end2, end3, output, mode = follow_contacts(d, x, w, prescribed, h)
-    if d.losses != 0.0 and d.journal + d.satellite_loss + d.weight > 0.0:
-        for _ in range(LOADED):
-            w.far_angle1 = w.angle1
-            load_satellites(d, x, w, h)
-            look_ahead(d, x, w, w.foreseen)
-            end2, end3, output, mode = follow_contacts(d, x, w, prescribed, h)
+    end2, end3, output, mode = follow_loaded(d, x, w, prescribed, h, True)
     share = share_until_closed(d, x, w, mode)
+    friction = w.friction
     if share < 1.0:
         if close_within(d, x, w, prescribed, h, share, mode == HELD):
             return
+        w.friction = friction
         end_at(x, w, 1.0)
         end2, end3, output, mode = follow_contacts(d, x, w, prescribed, h)
     elif w.foreseen != w.far_angle:
