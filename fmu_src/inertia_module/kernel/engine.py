@@ -74,11 +74,11 @@ def run_events(d, x, w, h):
     travel = 0.0
     stalls = 0
     if x.torques_continue == 0.0 or x.prescribed != w.prescribed or x.load_prescribed != w.load:
+        x.rates_cached = 0.0
         if d.general != 0.0:
             choose_states(d, x, GOES_ON)
         else:
             choose_mode(d, x, TORQUE_ROUNDING)
-        x.rates_cached = 0.0
     x.torques_continue = 0.0
     x.prescribed = w.prescribed
     x.load_prescribed = w.load

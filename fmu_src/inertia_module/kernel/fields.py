@@ -99,7 +99,9 @@ CONSTANTS = (
     *("k", "s", "mass", "planar", "single", "paired", "phase_a", "phase_b"),
     *("radial", "radial_cos", "arm", "axial", "axial_cos", "pole_offset", "pole_arm", "spin"),
     *("period", "period_low", "period_turns", "harmonic", "F_by_slip", "F_by_speed", "F_by_alpha1"),
-    # (F_by_...: bounds of |F|, the mesh torque, by the squares of slip and speed and by alpha1)
+    # (F_by_...: bounds of |F|, the mesh torque, by the squares of slip and speed and by alpha1; then the
+    # least inertia of a link over its largest)
+    "lightest",
     # (J1 and J16 with what the turning satellite gears add at every angle, body_...: what varies, see bodies)
     *("bodies", "body_i", "body_b"),
     *("J1", "J2", "J3", "J4", "J16", "housing", "output", "by_torque", "elastic", "tolerance", "max_step"),

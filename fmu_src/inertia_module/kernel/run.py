@@ -6,9 +6,8 @@ from .averaged.run import run_averaged
 from .codes import AVERAGED, DRIVE_TORQUE, DRIVING, ELASTIC, KINEMATIC, OK, TIMESTEPPING, TOO_MUCH_WORK
 from .contact import TORQUE_ROUNDING, is_held, present_mode
 from .engine import run_events, switch
-from .general.advance import recall
 from .general.choice import choose_states
-from .general.motion import evaluate, take_state
+from .general.motion import evaluate, recall, take_state
 from .general.states import GEARED
 from .impulse import jump_input, jump_kinematic
 from .limits import MAX_STEPS
@@ -89,9 +88,9 @@ def run_timestepping(d, x, w, h):
         sample_load(d, x, x.q, x.omega1, x.omega2, (x.omega1 - omega1) / part, (x.omega2 - omega2) / part)
     # what the torques now follow from
     if d.general != 0.0:
-        switches = x.step_switches
+        switches, evaluations = x.step_switches, x.step_evaluations
         choose_states(d, x, 0.0)
-        x.step_switches = switches
+        x.step_switches, x.step_evaluations = switches, evaluations
     else:
         x.mode = present_mode(d, x, TORQUE_ROUNDING)
     return OK

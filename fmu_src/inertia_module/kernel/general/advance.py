@@ -8,9 +8,9 @@ from ..links import response
 from ..loads import INSIDE_PHASE, sample_load
 from ..search import first_crossing
 from ..solvers.step_size import REJECTIONS, carry_size, first_size, next_factor
-from ..tableau import END, SHORT_END
-from .choice import take_speeds
-from .error import fastest_speed, step_error
+from ..tableau import END, LONG, NODES, SHORT, SHORT_END
+from .choice import take_speeds, torques_at
+from .error import CUSP, fastest_speed, step_error
 from .guards import (
     FLOW,
     HOUSING,
@@ -27,7 +27,7 @@ from .guards import (
     value_and_rate,
 )
 from .instant import part_at, pass_at
-from .motion import evaluate, take_state
+from .motion import evaluate, recall, take_state
 from .satellites import with_sign_changed
 from .stages import cut_step, keep_rates, make_inside, make_step, weighed_rate
 from .states import IDEAL, LOCKED, LOSSY, OPEN, WOUND, is_rough, is_wound
@@ -37,6 +37,8 @@ SEEN = 9
 # phase of the highest harmonic within one step, and between two looks at a guard, rad
 STEP_PHASE = 4.0
 LOOK_PHASE = 1.0
+# ... where link 1 or 2 is far lighter at an angle than at others: its speed has a spike there
+CUSP_PHASE = 1.0
 # steps are often as long as is stable, and a little longer are tried in vain
 SAFETY = 0.8
 # share of its size that a step keeps where a freewheel has switched
@@ -47,32 +49,21 @@ SHORT_SHARE = 0.1
 SHORT_GROWTH = 1.05
 # a guard below this share of the speeds, or of the torques, is zero
 VELOCITY_ROUNDING = 1e-13
-TORQUE_ROUNDING = 1e-11
-
-
-def recall(target, source):
-    """Copy accelerations and torques of an instant."""
-    target.alpha1 = source.alpha1
-    target.alpha2 = source.alpha2
-    target.alpha3 = source.alpha3
-    target.rate_relative = source.rate_relative
-    target.drive = source.drive
-    target.mesh = source.mesh
-    target.output = source.output
-    target.housing = source.housing
+TORQUE_ROUNDING = 1e-13
 
 
 def longest_step(d, x, w, remaining):
     """Longest step that is searched for events: a bounded phase of the highest harmonic."""
     m = d.machine
     step = min(remaining, d.max_step)
+    phase = CUSP_PHASE if d.lightest < CUSP else STEP_PHASE
     scale = d.harmonic * d.k
     slip = abs(x.omega1 - x.omega2)
-    if scale * slip * step > STEP_PHASE:
-        step = STEP_PHASE / (scale * slip)
+    if scale * slip * step > phase:
+        step = phase / (scale * slip)
     growth = scale * abs(m.alpha1 - m.alpha2)
-    if 0.5 * growth * step * step > STEP_PHASE:
-        step = math.sqrt(2.0 * STEP_PHASE / growth)
+    if 0.5 * growth * step * step > phase:
+        step = math.sqrt(2.0 * phase / growth)
     return step
 
 
@@ -118,7 +109,7 @@ def guard_tolerance(d, x, w, which, fastest):
         return VELOCITY_ROUNDING * max(response(d, d.J2) * fastest, fastest_output)
     m = d.machine
     share = max(TORQUE_ROUNDING, d.tolerance) if is_spring(x, which) else TORQUE_ROUNDING
-    return share * (abs(m.mesh) + abs(m.housing) + abs(m.output) + abs(w.load))
+    return share * torques_at(d, m, w.prescribed, w.load)
 
 
 def first_event(d, x, w, fastest):
@@ -144,8 +135,8 @@ def first_event(d, x, w, fastest):
     return earliest, which
 
 
-def commit(d, x, w, stages):
-    """Take the step in hand over, with its sums and the peak of so many stages."""
+def commit(d, x, w):
+    """Take the step in hand over, with its sums."""
     change = w.change
     x.q, x.q_low = add(x.q, x.q_low, change.q)
     wrap_drive_angle(d, x)
@@ -173,8 +164,14 @@ def commit(d, x, w, stages):
     x.output_impulse += change.output
     x.output_square += change.square
     x.turned3 += change.turned3
-    for n in range(stages):
-        x.torque_peak = max(x.torque_peak, abs(w.rates[n].output))
+
+
+def see_peak(x, w, sigma):
+    """See the output torque at the stages up to this part of the step in hand; those beyond have none."""
+    pair, last = (SHORT, SHORT_END) if w.short != 0.0 else (LONG, END)
+    for n in range(last + 1):
+        if NODES[pair + n] <= sigma:
+            x.torque_peak = max(x.torque_peak, abs(w.rates[n].output))
 
 
 def meet(d, x, which):
@@ -271,13 +268,16 @@ def advance_general(d, x, w, remaining):
     elif sigma >= 0.0 and which < SLIP and not is_speed(x, which) and not is_spring(x, which):
         sigma = pass_at(d, x, w, which, guard_tolerance(d, x, w, which, fastest), sigma)
     wound = is_wound(x)
+    kept = 1.0
     if sigma < 0.0:
         see_inside(d, x, w)
     elif wound:
         make_step(d, x, w, sigma * w.step)
     else:
         cut_step(d, x, w, sigma)
-    commit(d, x, w, SHORT_END + 1 if w.short != 0.0 else END + 1)
+        kept = sigma
+    commit(d, x, w)
+    see_peak(x, w, kept)
     if d.losses == 0.0 and which == NONE:
         x.rates_cached = 1.0
     meet_limits(d, x)

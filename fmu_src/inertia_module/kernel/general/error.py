@@ -33,6 +33,10 @@ OF_ENERGY = 10.0
 FROM_REST = 0.01
 # ... of a loss by this share of it: friction that hardly loads the links for an instant is a kink of its own
 OF_LOSSES = 0.1
+# share of its largest inertia below which a link has a cusp: errors grow there as its speed does
+CUSP = 1e-2
+# share of a scale that is rounding
+ROUNDING = 1e-13
 
 
 def how_many_move(d):
@@ -95,6 +99,14 @@ def counts(d, x, w, n):
     return d.losses != 0.0 or n == Q or n == OMEGA2 or n == TWIST or n == RELATIVE
 
 
+def momentum_passed(d):
+    """Momentum that the imbalances pass to links 1 and 2 at most at the speed 1, kg m^2."""
+    links = d.J2 * response(d, d.J2)
+    if d.by_torque != 0.0:
+        links += d.J1 * response(d, d.J1)
+    return (d.F_by_alpha1 + 0.5 * d.F_by_speed) / d.k + links
+
+
 def step_error(d, x, w, fastest):
     """Estimated error of the step in hand over the allowed one.
 
@@ -102,11 +114,12 @@ def step_error(d, x, w, fastest):
     """
     if not fastest < 1e300:
         return 1e300
+    tolerance = max(d.tolerance * math.sqrt(min(d.lightest / CUSP, 1.0)), min(d.tolerance, ROUNDING))
     sum5 = 0.0
     sum3 = 0.0
     count = 0
     moving = how_many_move(d)
-    momentum = ((d.F_by_alpha1 + 0.5 * d.F_by_speed) / d.k + d.J1 + d.J2) * fastest
+    momentum = momentum_passed(d) * fastest
     energy = 0.0
     if counts(d, x, w, WORK_IN):
         energy = OF_ENERGY * kinetic_energy(d, x.q, x.omega1, x.omega2, x.omega3)
@@ -116,7 +129,7 @@ def step_error(d, x, w, fastest):
         if not counts(d, x, w, n):
             continue
         if number < moving:
-            scale = d.tolerance * scale_of(d, x, w, n, fastest)
+            scale = tolerance * scale_of(d, x, w, n, fastest)
         else:
             scale = energy if n >= WORK_IN else momentum
             if n >= LOST:

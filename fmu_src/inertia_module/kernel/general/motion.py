@@ -31,6 +31,18 @@ def take_state(d, x):
     m.wound_output = x.wound_output
 
 
+def recall(target, source):
+    """Copy accelerations and torques of an instant."""
+    target.alpha1 = source.alpha1
+    target.alpha2 = source.alpha2
+    target.alpha3 = source.alpha3
+    target.rate_relative = source.rate_relative
+    target.drive = source.drive
+    target.mesh = source.mesh
+    target.output = source.output
+    target.housing = source.housing
+
+
 def freewheel_torques(d, x, m, lossy):
     """Th and Tc that follow from speeds and wind-up, into m: of freewheels that overrun or are wound up."""
     m.housing = 0.0

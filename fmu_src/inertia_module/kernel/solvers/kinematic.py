@@ -94,6 +94,7 @@ def advance_kinematic(d, x, w, remaining):
         x.flow_sign = d.machine.flow_sign
         keep_rates(d, x, w, n, LOSSY if d.losses != 0.0 else IDEAL)
         w.weights[n] = GAUSS_WEIGHTS[n]
+        x.torque_peak = max(x.torque_peak, abs(d.machine.output))
         out += GAUSS_WEIGHTS[n] * h * d.machine.output * d.machine.omega2
     x.step_evaluations += GAUSS
     set_changes(d, x, w, h, GAUSS)
@@ -103,5 +104,5 @@ def advance_kinematic(d, x, w, remaining):
     w.load = 0.0  # the energy ends at the output
     x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, out)
     sample_load(d, x, x.q, x.omega1, d.ratio * x.omega1, x.alpha1, d.ratio * x.alpha1)
-    commit(d, x, w, GAUSS)
+    commit(d, x, w)
     return h
