@@ -168,6 +168,8 @@ WORKSPACE = (
     *("far_i", "far_i1", "far_b", "far_g", "far_angle"),
     *("end1", "end2", "new_slip_angle", "foreseen", "angle1", "impulse1"),
     *("work1", "load_impulse", "friction_work", "reached"),
+    # ... and what the freewheels leave of it: speeds of link 2 and the hub, impulse of Tc, contact mode
+    *("settled2", "settled3", "output", "mode"),
     # ... load of the hub and what follows from it, mean and end speed of the hub, its push; the driven mass
     *("hub_load", "hub_gain", "relative_load", "relative_gain", "stiff"),
     *("theta", "mean3", "end3", "contact_impulse"),

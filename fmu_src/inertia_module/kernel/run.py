@@ -3,20 +3,18 @@
 from .accumulate import add, wrap_input_angle
 from .averaged.jump import jump_averaged, takes_up_jump
 from .averaged.run import run_averaged
-from .codes import AVERAGED, DRIVE_TORQUE, DRIVING, ELASTIC, KINEMATIC, OK, TIMESTEPPING, TOO_MUCH_WORK
+from .codes import AVERAGED, DRIVE_TORQUE, DRIVING, ELASTIC, KINEMATIC, OK, TIMESTEPPING
 from .contact import TORQUE_ROUNDING, is_held, present_mode
 from .engine import run_events, switch
 from .general.choice import choose_states
 from .general.motion import evaluate, recall, take_state
 from .general.states import GEARED
 from .impulse import jump_input, jump_kinematic
-from .limits import MAX_STEPS
 from .links import accelerations, prescribed_at_input
-from .loads import sample_load
 from .shaft import carried_by_link2, load_behind_freewheel
 from .solvers.followed import is_stiff
 from .solvers.kinematic import follow_ratio, prescribe
-from .solvers.timestepping import clear_losses, one_step, steps_in
+from .solvers.timestepping import run_timestepping
 
 
 def accelerations_now(d, x):
@@ -66,34 +64,6 @@ def switch_now(p, d, x):
         switch(d, x)
         if p.drive == DRIVE_TORQUE:
             x.alpha1, _ = accelerations_now(d, x)
-
-
-def run_timestepping(d, x, w, h):
-    """Advance by h in equal steps. Returns a status."""
-    count = steps_in(d, h)
-    if count > MAX_STEPS:
-        return TOO_MUCH_WORK
-    part = h / count
-    clear_losses(d, w)
-    number = 0.0
-    start1 = x.omega1
-    while number < count:
-        number += 1.0
-        if d.by_torque != 0.0:
-            prescribed = x.drive_torque * part
-        else:
-            prescribed = start1 + x.alpha1 * part * number - x.omega1
-        omega1, omega2 = x.omega1, x.omega2
-        one_step(d, x, w, prescribed, x.load_torque, part)
-        sample_load(d, x, x.q, x.omega1, x.omega2, (x.omega1 - omega1) / part, (x.omega2 - omega2) / part)
-    # what the torques now follow from
-    if d.general != 0.0:
-        switches, evaluations = x.step_switches, x.step_evaluations
-        choose_states(d, x, 0.0)
-        x.step_switches, x.step_evaluations = switches, evaluations
-    else:
-        x.mode = present_mode(d, x, TORQUE_ROUNDING)
-    return OK
 
 
 def run_pulses(p, d, x, w, h):

@@ -7,8 +7,6 @@ import math
 
 from ..links import friction_power, inertia_of_link1, slip_inertia
 
-# total inertia of links of which one is held: the housing is part of them
-HEAVY = 1e300
 # below this change of q, rad, the difference of I is rounding, and its derivative gives it as exactly
 SMALLEST_DIFFERENCE = 1e-8
 
@@ -34,7 +32,7 @@ def move_links(d, x, w, held, carried, load, gain, prescribed, h):
     total, coupling, inertia = slip_inertia(d, x.i, x.b, x.g, carried)
     end_total, end_coupling, end_inertia = slip_inertia(d, w.end_i, w.end_b, w.end_g, carried)
     if held:
-        total = end_total = HEAVY
+        # the slip is all the motion there is
         coupling = end_coupling = 1.0
         inertia = inertia_of_link1(d, x.i, x.b, x.g)
         end_inertia = inertia_of_link1(d, w.end_i, w.end_b, w.end_g)
@@ -55,7 +53,7 @@ def move_links(d, x, w, held, carried, load, gain, prescribed, h):
     if by_torque != 0.0:
         y = total * (x.omega1 - coupling * slip)
         share -= mean_coupling
-        end_rate = 0.5 / end_total
+        end_rate = 0.0 if held else 0.5 / end_total
         speed = 0.5 * (x.omega1 - coupling * slip) + (y + driven) * end_rate
         force = (x.omega1 - coupling * slip) * end_rate
         change = end_inertia - inertia

@@ -84,12 +84,6 @@ def potential(d, x):
     return value
 
 
-def begin_fall(d, x, w):
-    """Keep what end_fall needs of the beginning of a step."""
-    copy(w.fallen.numbers, x.numbers)
-    w.weighed = 0.0
-
-
 def end_fall(d, x, w):
     """Take from the speeds what the weights have worked more than they have fallen.
 
