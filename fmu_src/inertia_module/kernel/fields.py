@@ -24,6 +24,12 @@ KNOTS = 64
 MOMENT = ("q", "omega1", "omega2", "alpha1", "alpha2")
 MOMENTS = 8
 
+# what is kept of an instant from one step to the next (see MACHINE)
+NOW = (
+    *("alpha1", "alpha2", "alpha3", "rate_relative", "drive", "mesh", "output", "housing"),
+    *("momentum", "energy"),
+)
+
 # a ..._low is what the field before it lost to rounding (compensated sums), so that a billion tiny
 # communication steps add up to the same motion as one long step
 STATE = (
@@ -65,7 +71,7 @@ STATE = (
     # by events: whether the contact mode continues under the same torques, with what is prescribed; whether
     # the accelerations and torques of this instant are kept (without losses)
     *("torques_continue", "prescribed", "load_prescribed", "rates_cached"),
-    ("now", ("alpha1", "alpha2", "alpha3", "rate_relative", "drive", "mesh", "output", "housing")),
+    ("now", NOW),
 )
 
 # averaged: over the speed ratio mean torque, mean speed of link 2 and the mean energy or, under its torque,
@@ -91,6 +97,8 @@ MACHINE = (
     *("q", "theta1", "omega1", "omega2", "omega3", "twist", "relative", "wound_housing", "wound_output"),
     *("weight1", "weight_q", "alpha1", "alpha2", "alpha3", "rate_relative"),
     *("drive", "mesh", "output", "housing", "journals", "spun", "torque", "flow_sign", "margin"),
+    # without losses: angular momentum and kinetic energy of links 1 and 2 and the imbalances
+    *("momentum", "energy"),
     # signs of the loads of all satellites, as one number, and by these what each adds to spun
     *("spin_signs", ("spun_by", SATELLITES)),
 )
@@ -141,7 +149,8 @@ FOLLOWED = (
 WORKSPACE = (
     # whether a step ends at a switch; what the solvers share: whether the step is by the short pair, torque
     # or acceleration given at link 1, load, step in hand, mean alpha1
-    *("stops", "solver", "short", "prescribed", "load", "step", "alpha1"),
+    # ... angular momentum and kinetic energy at its beginning
+    *("stops", "solver", "short", "prescribed", "load", "step", "alpha1", "momentum", "energy"),
     # rates at the stages and changes over the step of all that is followed, and the guards
     *(("rates", FOLLOWED, STAGES), ("change", FOLLOWED)),
     ("watched", (("value", STAGES), ("rate", STAGES), ("dense", DENSE)), GUARDS + SATELLITES),

@@ -135,6 +135,28 @@ def first_event(d, x, w, fastest):
     return earliest, which
 
 
+def balance(d, x, w):
+    """Impulses and work of the step in hand by the balances, exact in its ends, without losses by load.
+
+    M1 - Tc + Th is the rate of the angular momentum; what M1 does while link 2 is held is kinetic energy. A
+    ramp of the input speed has its integrals.
+    """
+    change = w.change
+    if d.elastic == 0.0 and x.output_state == LOCKED:
+        change.output = d.J3 * change.omega3 + w.load * w.step + d.b3 * change.turned3
+    passed = d.machine.momentum - w.momentum + change.output
+    passed += d.b1 * change.theta1 + d.b2 * (change.theta1 - change.q / d.k)
+    if d.by_torque != 0.0:
+        change.housing = passed - w.prescribed * w.step
+    elif w.prescribed == 0.0:
+        change.drive = passed
+        if x.housing_state == LOCKED:
+            lost = (d.b1 + d.k * d.k * d.bq) * change.theta1
+            change.drive = (d.machine.energy - w.energy) / x.omega1 + lost if x.omega1 != 0.0 else 0.0
+        change.housing = passed - change.drive
+        change.work_in = x.omega1 * change.drive
+
+
 def commit(d, x, w):
     """Take the step in hand over, with its sums."""
     change = w.change
@@ -231,13 +253,8 @@ def see_inside(d, x, w):
     sample_load(d, x, q, rates.theta1, rates.theta1 - rates.q / d.k, rates.omega1, rates.omega2)
 
 
-def advance_general(d, x, w, remaining):
-    """Advance by one step, or to the first event in it.
-
-    Returns:
-        (time passed or -1 if no step is small enough, whether what freewheels and slip do may change then).
-    """
-    w.solver = GENERAL
+def begin_step(d, x, w):
+    """Accelerations, torques and rates at the beginning of a step, or those kept from the one before."""
     m = d.machine
     take_speeds(x)
     take_state(d, x)
@@ -247,44 +264,56 @@ def advance_general(d, x, w, remaining):
         evaluate(d, x, w.prescribed, w.load, True)
         x.step_evaluations += 1.0
     x.rates_cached = 0.0
+    w.momentum, w.energy = m.momentum, m.energy
     keep_rates(d, x, w, 0, LOSSY if d.losses != 0.0 else IDEAL)
     sample_load(d, x, x.q, x.omega1, x.omega2, m.alpha1, m.alpha2)
+
+
+def make_steps(d, x, w, remaining):
+    """Make a step of allowed error, to the end of the time remaining or short of it.
+
+    Returns:
+        (largest speed in it or -1 where none will do, fraction of the earliest event in it or -1, its guard).
+    """
     limit = longest_step(d, x, w, remaining)
-    fastest = -1.0
     if limit >= remaining and (remaining <= x.short_size or x.short_size == 0.0):
         fastest = try_short_step(d, x, w, remaining)
-    sigma, which = -1.0, NONE
+        if fastest >= 0.0:
+            recall(x.now, d.machine)
+            return fastest, -1.0, NONE
+    x.short_size *= SHORT_GROWTH  # so that it is tried again
+    fastest = try_steps(d, x, w, limit)
     if fastest < 0.0:
-        x.short_size *= SHORT_GROWTH  # so that it is tried again
-        fastest = try_steps(d, x, w, limit)
-        if fastest < 0.0:
-            return -1.0, False
-        recall(x.now, m)
-        sigma, which = first_event(d, x, w, fastest)
-    else:
-        recall(x.now, m)
+        return fastest, -1.0, NONE
+    recall(x.now, d.machine)
+    sigma, which = first_event(d, x, w, fastest)
     if sigma >= 0.0 and which == SLIP and x.slip_sign == 0.0:
         sigma = part_at(d, x, w, guard_tolerance(d, x, w, SLIP, fastest), sigma)
     elif sigma >= 0.0 and which < SLIP and not is_speed(x, which) and not is_spring(x, which):
         sigma = pass_at(d, x, w, which, guard_tolerance(d, x, w, which, fastest), sigma)
-    wound = is_wound(x)
+    return fastest, sigma, which
+
+
+def take_over(d, x, w, sigma):
+    """Take the step in hand over, or its part up to an event."""
     kept = 1.0
     if sigma < 0.0:
         see_inside(d, x, w)
-    elif wound:
+        recall(d.machine, x.now)
+    elif is_wound(x):
         make_step(d, x, w, sigma * w.step)
     else:
         cut_step(d, x, w, sigma)
         kept = sigma
+    if d.losses == 0.0:
+        balance(d, x, w)
+        x.rates_cached = 1.0 if sigma < 0.0 else 0.0
     commit(d, x, w)
     see_peak(x, w, kept)
-    if d.losses == 0.0 and which == NONE:
-        x.rates_cached = 1.0
-    meet_limits(d, x)
-    if wound and which != NONE and not has_fallen(d, x, w, which):
-        # stiff springs make the inside of a step coarse: where an event seems to be a step has to end with it
-        x.step_size *= AFRESH
-        which = NONE
+
+
+def pass_event(d, x, which):
+    """Change what an event changes at once, and tell of what kind it was."""
     x.ended = 0.0
     x.slip_reached_zero = 0.0
     if which == FLOW:
@@ -299,4 +328,25 @@ def advance_general(d, x, w, remaining):
         else:
             x.ended = 1.0
             unwind(d, x, which)
+
+
+def advance_general(d, x, w, remaining):
+    """Advance by one step, or to the first event in it.
+
+    Returns:
+        (time passed or -1 if no step is small enough, whether what freewheels and slip do may change then).
+    """
+    w.solver = GENERAL
+    begin_step(d, x, w)
+    fastest, sigma, which = make_steps(d, x, w, remaining)
+    if fastest < 0.0:
+        return -1.0, False
+    wound = is_wound(x)
+    take_over(d, x, w, sigma)
+    meet_limits(d, x)
+    if wound and which != NONE and not has_fallen(d, x, w, which):
+        # stiff springs make the inside of a step coarse: where an event seems to be a step has to end with it
+        x.step_size *= AFRESH
+        which = NONE
+    pass_event(d, x, which)
     return w.step, NONE != which < FLOW

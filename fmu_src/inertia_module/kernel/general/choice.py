@@ -20,14 +20,19 @@ AHEAD = 1e-4
 ROUNDING = 1e-14
 
 
-def worst_of_freewheel(state, drag, torque, speed, push):
-    """By how much a freewheel misses its condition, N m; push: torque that its slip accelerates with.
+def worst_of_freewheel(state, drag, torque, speed, push, wound):
+    """By how much a freewheel misses its condition, N m.
 
-    A spring may always be there that does not overrun: it settles on less than the drag, or lets go.
+    A spring that is wound up is there: it settles on less than the drag, or lets go.
+
+    Args:
+        push: torque that its slip accelerates with. wound: of its spring, rad.
     """
     if state == OPEN:
         return -push if speed <= 0.0 else 0.0
-    return -torque - drag if state == LOCKED else 0.0
+    if state == LOCKED:
+        return -torque - drag
+    return push - drag if wound == 0.0 and speed == 0.0 else 0.0
 
 
 def torques_at(d, m, prescribed, load):
@@ -44,11 +49,12 @@ def violation(d, x, prescribed, load):
     worst = 0.0
     if d.housing != 0.0:
         push = inertia * m.alpha2
-        worst = worst_of_freewheel(x.housing_state, d.housing_drag, m.housing, m.omega2, push)
+        wound = m.wound_housing
+        worst = worst_of_freewheel(x.housing_state, d.housing_drag, m.housing, m.omega2, push, wound)
     if d.output != 0.0:
         slip = m.omega3 - m.omega2
         push = inertia * (m.alpha3 - m.alpha2)
-        output = worst_of_freewheel(x.output_state, d.output_drag, m.output, slip, push)
+        output = worst_of_freewheel(x.output_state, d.output_drag, m.output, slip, push, m.wound_output)
         worst = max(worst, output)
     if x.slip_sign == 0.0:
         worst = max(worst, -d.k * m.margin)

@@ -93,7 +93,7 @@ def counts(d, x, w, n):
     if n == OMEGA3:
         return x.output_state != LOCKED
     if n == OF_DRIVE:
-        return d.by_torque == 0.0
+        return d.by_torque == 0.0 and (d.losses != 0.0 or w.prescribed != 0.0)
     if n == WORK_IN:
         return d.losses != 0.0 or (d.by_torque == 0.0 and w.prescribed != 0.0)
     return d.losses != 0.0 or n == Q or n == OMEGA2 or n == TWIST or n == RELATIVE

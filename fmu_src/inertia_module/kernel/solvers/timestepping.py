@@ -1,8 +1,8 @@
 """Method `timestepping`: fixed steps, complementarity of impulses and end velocities in each (Moreau).
 
-No event is searched for, so no step takes more than two evaluations (with losses five). No step makes energy,
-however coarse: links 1 and 2 move by a discrete gradient, freewheels close by inelastic impacts, an elastic shaft
-moves by the midpoint rule (docs/mechanics.md).
+No event is searched for, so no step takes more than two evaluations (with losses five). No step makes
+energy, however coarse: links 1 and 2 move by a discrete gradient, freewheels close by inelastic impacts, an
+elastic shaft moves by the midpoint rule (docs/mechanics.md).
 """
 
 import math
