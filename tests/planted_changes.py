@@ -203,7 +203,7 @@ solvers/hub_step.py: lost {-|+}= d.balancer * d.J4 * (w.seen3
 impulse.py: drive * (x.omega1 {+|-} 0.5 * jump)
 impulse.py: else 0.0) - {|0.5 * }omega2) / change
 impulse.py: (omega4 {+|-} 0.5 * change4)
-impulse.py: output = mesh {-|+} d.J2
+impulse.py: output = mesh {-|+} d.J2 * change
 outputs.py: housing = output {-|+} mesh
 outputs.py: housing {+|-}= per_step * d.b1
 loads.py: mx {-|+}= mass * (py * az

@@ -7,6 +7,7 @@ ideal contacts close at zero relative speed no energy is lost.
 
 from .accumulate import add, add_loss
 from .codes import DRIVING, FREE, HELD, HELD_DRIVING, SHAFT
+from .general.states import GEARED
 from .inertia import reduced_inertia
 
 
@@ -65,26 +66,31 @@ def jump_links(d, x, inertia, jump, change2):
 
 
 def jump_input(d, x, jump, stiff):
-    """Apply a jump of omega1, rad/s.
+    """Apply a jump of omega1, rad/s; where link 2 is geared its ratio may have changed, too.
 
     Args:
         stiff: whether an elastic output takes the jump with the driven mass.
 
     Returns:
-        (P1, Pc): impulse of the input torque and of the output freewheel, N m s.
+        (P1, Pc): impulse of the input torque and on the output, N m s.
     """
     i, _, _, b, _, g, _, _ = reduced_inertia(d, x.q)
-    shaft = d.J3 + (1.0 - d.balancer) * d.J4 if stiff else d.J3
-    carried = shaft if d.output == 0.0 else 0.0
-    own = d.J2 + d.k * d.k * g + carried
     omega2 = x.omega2
     target = x.omega1 + jump
-    change = d.k * (b + d.k * g) * jump / own
-    end2, end3, _, mode = settle(d, own, omega2 + change, shaft - carried, x.omega3)
+    geared = x.output_state == GEARED
+    shaft = d.J3 + (1.0 - d.balancer) * d.J4 if stiff else d.J3
     fraction = 1.0
-    if end2 != omega2 + change and change != 0.0:
-        # the rest of the way link 2 goes with what it has met
-        fraction = ((x.omega3 if mode == DRIVING else 0.0) - omega2) / change
+    if geared:
+        end2 = end3 = d.ratio * target
+        change = end2 - omega2
+    else:
+        carried = shaft if d.output == 0.0 else 0.0
+        own = d.J2 + d.k * d.k * g + carried
+        change = d.k * (b + d.k * g) * jump / own
+        end2, end3, _, mode = settle(d, own, omega2 + change, shaft - carried, x.omega3)
+        if end2 != omega2 + change and change != 0.0:
+            # the rest of the way link 2 goes with what it has met
+            fraction = ((x.omega3 if mode == DRIVING else 0.0) - omega2) / change
     part = fraction * jump
     drive, mesh = jump_links(d, x, (i, b, g), part, fraction * change)
     if fraction < 1.0:
@@ -92,7 +98,11 @@ def jump_input(d, x, jump, stiff):
         drive += more
         mesh += more_mesh
     output = shaft * (end3 - x.omega3)
-    x.housing_impulse += d.J2 * (end2 - omega2) + output - mesh
+    if geared:
+        output = mesh - d.J2 * change
+        x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, output * (omega2 + 0.5 * change))
+    else:
+        x.housing_impulse += d.J2 * (end2 - omega2) + output - mesh
     x.omega1 = target
     x.omega2 = end2
     x.omega2_low = 0.0
@@ -101,21 +111,4 @@ def jump_input(d, x, jump, stiff):
             push_driven_mass(d, x, end3 - x.omega3, stiff)
         x.omega3 = end3
         x.omega3_low = 0.0
-    return drive, output
-
-
-def jump_kinematic(d, x, jump):
-    """Impulse where omega2 = ratio omega1 is prescribed; the ratio may have changed too.
-
-    Returns:
-        (P1, Pc): impulses at the input and at the output that keeps the ratio, N m s.
-    """
-    change2 = d.ratio * (x.omega1 + jump) - x.omega2
-    if jump == 0.0 and change2 == 0.0:
-        return 0.0, 0.0
-    i, _, _, b, _, g, _, _ = reduced_inertia(d, x.q)
-    mean2 = x.omega2 + 0.5 * change2
-    drive, mesh = jump_links(d, x, (i, b, g), jump, change2)
-    output = mesh - d.J2 * change2
-    x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, output * mean2)
     return drive, output

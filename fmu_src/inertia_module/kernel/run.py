@@ -9,7 +9,7 @@ from .engine import run_events, switch
 from .general.choice import choose_states
 from .general.motion import evaluate, recall, take_state
 from .general.states import GEARED
-from .impulse import jump_input, jump_kinematic
+from .impulse import jump_input
 from .links import accelerations, prescribed_at_input
 from .shaft import carried_by_link2, load_behind_freewheel
 from .solvers.followed import is_stiff
@@ -92,10 +92,7 @@ def run_at_speed(p, d, u, x, w, h, jump):
     """
     input_jump = 0.0
     output_jump = 0.0
-    if p.fidelity == KINEMATIC:
-        input_jump, output_jump = jump_kinematic(d, x, jump)
-        keep_ratio(d, x)
-    elif jump != 0.0:
+    if jump != 0.0 or (p.fidelity == KINEMATIC and x.omega2 != d.ratio * x.omega1):
         if p.fidelity == AVERAGED:
             if takes_up_jump(d, x, jump, h):
                 x.alpha1 += jump / h

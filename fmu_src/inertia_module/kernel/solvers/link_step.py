@@ -95,14 +95,15 @@ def move_links(d, x, w, held, carried, load, gain, prescribed, h):
         rise = at_stop if resisted == stop else free - by_friction * resisted
         w.foreseen = h * (twice + rise) * per_root
         # the energy at the end allows weight sigma no more than reach to either side of the centre
-        centre = 0.5 * twice + pull - resisted * per_root
+        pulled = pull - resisted * per_root
+        centre = 0.5 * twice + pulled
         square = centre * centre + weight * push * way
         w.reached = 1.0 if square >= 0.0 else 0.0
         if square >= 0.0 and push * (twice + rise - way) > 0.0 and w.straight == 0.0:
             reach = math.copysign(math.sqrt(square), weight * (twice + rise) - centre)
             # reach - centre, without its cancellation
             more = weight * push * way / (reach + centre) if reach * centre > 0.0 else reach - centre
-            rise += (more - push) * per_weight
+            rise = (2.0 * pulled - surplus * twice + more) * per_weight
         friction = resisted
         if resisted * (twice + rise) >= 0.0:
             break
