@@ -151,8 +151,8 @@ WORKSPACE = (
     # or acceleration given at link 1, load, step in hand, mean alpha1
     # ... angular momentum and kinetic energy at its beginning
     *("stops", "solver", "short", "prescribed", "load", "step", "alpha1", "momentum", "energy"),
-    # rates at the stages and changes over the step of all that is followed, and the guards
-    *(("rates", FOLLOWED, STAGES), ("change", FOLLOWED)),
+    # rates at the stages, changes over the step and over a part of it of all that is followed, and the guards
+    *(("rates", FOLLOWED, STAGES), ("change", FOLLOWED), ("inside", FOLLOWED)),
     ("watched", (("value", STAGES), ("rate", STAGES), ("dense", DENSE)), GUARDS + SATELLITES),
     ("weights", STAGES),
     # collocation: matrices of the shaft, and numbers at the stages

@@ -2,7 +2,8 @@
 
 from .codes import COLLOCATED, LINK2
 from .contact import is_held
-from .general.guards import general_guard
+from .general.guards import general_guard, is_exact
+from .general.stages import exact_guard
 from .solvers.collocated_guards import collocated_fourth_bound, collocated_guard
 
 
@@ -10,7 +11,10 @@ def guard_inside(d, x, w, which, sigma):
     """A guard at the fraction sigma of the step and its rate per unit of sigma."""
     if w.solver == COLLOCATED:
         return collocated_guard(d, x, w, which, sigma)
-    return general_guard(x, w, which, sigma)
+    value, rate = general_guard(x, w, which, sigma)
+    if is_exact(x, which):
+        value = exact_guard(d, x, w, which, sigma)
+    return value, rate
 
 
 def held_fourth_bound(d, x, w, scale):

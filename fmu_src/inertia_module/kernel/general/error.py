@@ -47,11 +47,15 @@ def how_many_move(d):
 
 
 def fastest_speed(d, x, w):
-    """Largest speed at the ends of the step in hand, rad/s."""
+    """Largest speed of links 1 and 2 at the ends of the step in hand, rad/s."""
     links = max(abs(x.omega1), abs(x.omega1 + w.change.omega1))
+    return max(links, abs(x.omega2), abs(x.omega2 + w.change.omega2))
+
+
+def fastest_behind(d, x, w):
+    """Largest speed of the output at the ends of the step in hand, rad/s."""
     output = max(abs(x.omega3), abs(x.omega3 + w.change.omega3))
-    behind = abs(x.omega3 - x.relative) if d.elastic != 0.0 else 0.0
-    return max(links, output, behind, abs(x.omega2), abs(x.omega2 + w.change.omega2))
+    return max(output, abs(x.omega3 - x.relative)) if d.elastic != 0.0 else output
 
 
 def speed_of_torque(d, x, w, fastest):
@@ -74,7 +78,7 @@ def scale_of(d, x, w, n, fastest):
     if n == OMEGA2:
         speed = response(d, d.J2 + (d.J3 if x.output_state == LOCKED else 0.0)) * fastest
         return min(max(speed, change), speed_of_torque(d, x, w, fastest))
-    speed = response(d, d.J2 + d.J3) * fastest
+    speed = response(d, d.J2 + d.J3) * max(fastest, fastest_behind(d, x, w))
     if n == OMEGA3:
         return min(max(speed, change), speed_of_torque(d, x, w, fastest))
     if n == RELATIVE:
@@ -112,7 +116,7 @@ def step_error(d, x, w, fastest):
 
     Hairer's mix of orders 5 and 3, or the root of the mean square of the errors of order 4.
     """
-    if not fastest < 1e300:
+    if not max(fastest, fastest_behind(d, x, w)) < 1e300:
         return 1e300
     tolerance = max(d.tolerance * math.sqrt(min(d.lightest / CUSP, 1.0)), min(d.tolerance, ROUNDING))
     sum5 = 0.0
