@@ -83,12 +83,14 @@ def move_links(d, x, w, held, carried, load, gain, prescribed, h):
     free = (2.0 * pull - surplus * twice + push) * per_weight
     # friction takes no more than what stops the slip, at the end or in the mean, and never turns it back
     by_friction = 2.0 * per_root * per_weight
-    at_stop = slip * (change * per_root - end_root)
-    stop = (free - at_stop) / by_friction
-    turn = (twice + free) / by_friction
-    friction = 0.0
-    if (stop > 0.0) == (turn > 0.0):
-        friction = math.copysign(min(h * w.friction, abs(stop), abs(turn)), stop)
+    at_stop = friction = 0.0
+    stop = 1e300
+    if w.friction > 0.0:
+        at_stop = slip * (change * per_root - end_root)
+        stop = (free - at_stop) / by_friction
+        turn = (twice + free) / by_friction
+        if (stop > 0.0) == (turn > 0.0):
+            friction = math.copysign(min(h * w.friction, abs(stop), abs(turn)), stop)
     way = w.slip_angle / (h * per_root)
     rise = free
     for resisted in (friction, 0.0):

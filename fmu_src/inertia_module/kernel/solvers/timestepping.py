@@ -129,6 +129,11 @@ def follow_contacts(d, x, w, prescribed, h):
         w.dragging = d.losses
 
 
+def passes(d):
+    """How often a step is followed to know its loads."""
+    return LOADED if is_rough(d) or d.weight != 0.0 else 0
+
+
 def follow_loaded(d, x, w, prescribed, h, foresee):
     """A step with contacts as above, its friction and its weights those of the step found before.
 
@@ -137,7 +142,7 @@ def follow_loaded(d, x, w, prescribed, h, foresee):
     """
     w.straight = 1.0
     w.friction_before = w.friction
-    for _ in range(LOADED if is_rough(d) or d.weight != 0.0 else 0):
+    for _ in range(passes(d)):
         follow_contacts(d, x, w, prescribed, h)
         find_friction(d, x, w, h)
         if foresee:
@@ -258,7 +263,7 @@ def one_step(d, x, w, prescribed, h):
             w.friction = friction
             end_at(x, w, 1.0)
             follow_contacts(d, x, w, prescribed, h)
-        elif w.foreseen != w.far_angle:
+        elif passes(d) == 0 and w.foreseen != w.far_angle:
             look_ahead(d, x, w, w.foreseen)
             follow_contacts(d, x, w, prescribed, h)
         if w.reached == 0.0:
