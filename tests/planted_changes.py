@@ -85,7 +85,8 @@ SELECTION = {
         test_reference.py::test_links_part_at_the_same_instant_at_any_tolerance
         test_reference.py::test_accounts_are_held_to_the_tolerance_whatever_the_steps
     """,
-    "timestepping|link_step|hub_step": """
+    "timestepping|link_step|hub_step|satellite_step": """
+        test_timestepping.py::test_error_of_fixed_steps_falls_with_the_square_where_nothing_switches
         test_timestepping.py::test_fixed_steps_come_to_what_events_say
         test_timestepping.py::test_many_pulses_in_a_step_make_no_energy
         test_timestepping.py::test_no_random_run_makes_energy
@@ -195,6 +196,10 @@ solvers/link_step.py: centre * centre {+|-} weight * push
 solvers/link_step.py: (rise {-|+} change * per_root * slip)
 solvers/link_step.py: mean1 {+|-}= answer1 * turned
 solvers/link_step.py: (less2 {-|+} more1)
+solvers/link_step.py: slip * (change * per_root {-|+} end_root)
+solvers/link_step.py: w.lost_by_load = {|0.5 * }friction * turned
+solvers/satellite_step.py: {k * |}(journals + spun +
+solvers/satellite_step.py: max(1.0 - by_spun {-|+} sign * d.mesh_loss
 solvers/link_step.py: missing = mean_coupling * turned {-|+} 0.5
 solvers/hub_step.py: damping -= {0.5|0.75} * d.stiffness
 solvers/timestepping.py: reaction = d.k * (w.end_b {+|-} d.k * w.end_g)
