@@ -51,8 +51,8 @@ STATE = (
     *("seen", ("moments", MOMENT, MOMENTS), "largest_square"),
     # elastic output: twist, and omega3 - omega4, which would cancel if omega4 were kept instead
     *("twist", "twist_low", "relative", "relative_low"),
-    # fixed steps: I, I', B, G at q
-    *("i", "i1", "b", "g"),
+    # fixed steps: I, I', B, G at q, and the friction by load in the last one, N m
+    *("i", "i1", "b", "g", "friction"),
     # general: what freewheels and slip do, wind-up; impulse of Th in the step
     *(
         "housing_state",

@@ -233,6 +233,7 @@ def finish(d, x, w, h):
     x.output_square += w.output * w.output / h
     x.torque_peak = max(x.torque_peak, abs(w.output) / h)
     x.i, x.i1, x.b, x.g = w.end_i, w.end_i1, w.end_b, w.end_g
+    x.friction = w.friction
     x.omega1 = w.end1
     x.omega2 = end2
     if w.mode != x.step_mode:
@@ -247,7 +248,8 @@ def one_step(d, x, w, prescribed, h):
         prescribed: change of omega1, rad/s, or impulse of the input torque, N m s.
     """
     w.load = x.load_torque
-    w.friction = w.journal_share = w.weight1 = w.weight_slip = w.weighed = 0.0
+    w.friction = x.friction
+    w.journal_share = w.weight1 = w.weight_slip = w.weighed = 0.0
     w.dragging = d.losses
     falls = d.weight * d.by_torque != 0.0
     if falls:
