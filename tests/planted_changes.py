@@ -85,7 +85,8 @@ SELECTION = {
         test_reference.py::test_links_part_at_the_same_instant_at_any_tolerance
         test_reference.py::test_accounts_are_held_to_the_tolerance_whatever_the_steps
     """,
-    "timestepping|link_step|hub_step": """
+    "timestepping|link_step|hub_step|satellite_step": """
+        test_timestepping.py::test_error_of_fixed_steps_falls_with_the_square_where_nothing_switches
         test_timestepping.py::test_fixed_steps_come_to_what_events_say
         test_timestepping.py::test_many_pulses_in_a_step_make_no_energy
         test_timestepping.py::test_no_random_run_makes_energy
@@ -195,15 +196,19 @@ solvers/link_step.py: centre * centre {+|-} weight * push
 solvers/link_step.py: (rise {-|+} change * per_root * slip)
 solvers/link_step.py: mean1 {+|-}= answer1 * turned
 solvers/link_step.py: (less2 {-|+} more1)
+solvers/link_step.py: slip * (change * per_root {-|+} end_root)
+solvers/link_step.py: w.lost_by_load = {|0.5 * }friction * turned
+solvers/satellite_step.py: {k * |}(journals + spun +
+solvers/satellite_step.py: max(1.0 - by_spun {-|+} sign * d.mesh_loss
 solvers/link_step.py: missing = mean_coupling * turned {-|+} 0.5
 solvers/hub_step.py: damping -= {0.5|0.75} * d.stiffness
 solvers/timestepping.py: reaction = d.k * (w.end_b {+|-} d.k * w.end_g)
 solvers/timestepping.py: w.end3 {+|-}= d.J4 * (mass3 - w.end3)
 solvers/hub_step.py: lost {-|+}= d.balancer * d.J4 * (w.seen3
-impulse.py: impulse * (x.omega1 {+|-} 0.5 * jump)
-impulse.py: fraction = {|0.5 * }omega2 / -change
+impulse.py: drive * (x.omega1 {+|-} 0.5 * jump)
+impulse.py: else 0.0) - {|0.5 * }omega2) / change
 impulse.py: (omega4 {+|-} 0.5 * change4)
-impulse.py: (jump - change2)) {-|+} d.J2
+impulse.py: output = mesh {-|+} d.J2 * change
 outputs.py: housing = output {-|+} mesh
 outputs.py: housing {+|-}= per_step * d.b1
 loads.py: mx {-|+}= mass * (py * az
@@ -226,7 +231,7 @@ solvers/interpolant.py: sum5 = q5 * q5 {+|-} v5 * v5
 solvers/dormand_prince.py: 0.20136540080403034, 0.0447{1|2}
 solvers/dormand_prince_5.py: 71 / 1920, {-|}17253 / 339200
 solvers/held.py: looks = max(1, int(math.ceil(sigma {*|/} looks)))
-solvers/kinematic.py: weight * output * {ratio * |}speed
+solvers/kinematic.py: * d.machine.output * d.machine.omega{2|1}
 solvers/elastic.py: d.k * (turned1 {-|+} change
 solvers/elastic.py: (mode == HELD or x.omega3 {<|>} 0.0)
 solvers/elastic_stages.py: (g1 * k * k {-|+} i1) * omega1

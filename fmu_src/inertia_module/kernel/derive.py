@@ -204,7 +204,8 @@ def derive(p, d):
     d.b1 = p.input_friction
     d.bq = p.drive_friction
     d.b2 = p.link2_friction
-    d.b3 = p.output_friction
+    d.b3 = p.output_friction if p.fidelity != KINEMATIC else 0.0
+    d.ratio = p.kinematic_ratio
     d.viscous = 1.0 if d.b1 + d.bq + d.b2 + d.b3 > 0.0 else 0.0
     derive_general(p, d)
     d.housing = p.housing_freewheel

@@ -8,10 +8,12 @@ from .codes import OK, STEP_TOO_SMALL, TOO_MANY_SWITCHES, TOO_MUCH_WORK
 from .contact import TORQUE_ROUNDING, choose_mode
 from .general.advance import advance_general
 from .general.choice import GOES_ON, choose_next_states, choose_states
+from .general.states import GEARED
 from .limits import MAX_EVALUATIONS, STALLS_ALLOWED, SWITCHES_ALLOWED, SWITCHES_PER_PULSE
 from .links import prescribed_at_input
 from .solvers.elastic import advance_elastic
 from .solvers.followed import shaft_frequency
+from .solvers.kinematic import advance_kinematic
 
 # share of a communication step that it has at least, where it ends at a switch
 SHORTEST = 1e-9
@@ -23,6 +25,8 @@ def advance_mode(d, x, w, remaining):
     """Advance in the present contact mode, at most to its end: (time passed or -1, whether it may change
     then).
     """
+    if x.output_state == GEARED:
+        return advance_kinematic(d, x, w, remaining), False
     if d.general != 0.0:
         return advance_general(d, x, w, remaining)
     return advance_elastic(d, x, w, remaining)

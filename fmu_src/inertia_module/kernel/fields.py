@@ -51,8 +51,8 @@ STATE = (
     *("seen", ("moments", MOMENT, MOMENTS), "largest_square"),
     # elastic output: twist, and omega3 - omega4, which would cancel if omega4 were kept instead
     *("twist", "twist_low", "relative", "relative_low"),
-    # fixed steps: I, I', B, G at q
-    *("i", "i1", "b", "g"),
+    # fixed steps: I, I', B, G at q, and the friction by load in the last one, N m
+    *("i", "i1", "b", "g", "friction"),
     # general: what freewheels and slip do, wind-up; impulse of Th in the step
     *(
         "housing_state",
@@ -114,6 +114,8 @@ CONSTANTS = (
     *("bodies", "body_i", "body_b"),
     *("J1", "J2", "J3", "J4", "J16", "housing", "output", "by_torque", "elastic", "tolerance", "max_step"),
     *("stiffness", "damping", "friction", "balancer", "b1", "bq", "b2", "b3", "viscous"),
+    # what fidelity kinematic prescribes
+    "ratio",
     # whether fidelity averaged has losses
     "lossy",
     # what only the general equations of motion know, and whether any of it is there (kernel.general)
@@ -175,21 +177,22 @@ WORKSPACE = (
     *("far_i", "far_i1", "far_b", "far_g", "far_angle"),
     *("end1", "end2", "new_slip_angle", "foreseen", "angle1", "impulse1"),
     *("work1", "load_impulse", "friction_work", "reached"),
+    # ... and what the freewheels leave of it: speeds of link 2 and the hub, impulse of Tc, contact mode
+    *("settled2", "settled3", "output", "mode"),
     # ... load of the hub and what follows from it, mean and end speed of the hub, its push; the driven mass
     *("hub_load", "hub_gain", "relative_load", "relative_gain", "stiff"),
     *("theta", "mean3", "end3", "contact_impulse"),
     *("mean_relative", "seen3", "omega4"),
-    # ... losses by load: what the satellites resist q with, the impulse against the slip, what it takes,
-    # whether it has stopped the slip, whether the step is linear in it
-    *("journals", "spin", "spin_by_alpha1", "spin_by_rate2"),
-    *("rub", "lost_mesh", "lost_journal", "slip_stopped"),
+    # ... losses by load: torque against the slip, that of the step before and the torques it then was of,
+    # share of the journals in it, what it takes, whether it has stopped the slip; whether the way is all that
+    # is asked for
+    *("friction", "friction_before", "spun", "mesh", "journal_share", "lost_by_load", "slip_stopped"),
     "straight",
     # ... weights by the angles of the slip and of link 1, this angle, works of the weights; state before
     *("weight_slip", "weight1", "far_angle1", "weighing", "weighed", ("fallen", STATE)),
-    # ... drag of the freewheels: whether it acts, its impulses by the mean speed of link 2 and at it, what
-    # it takes, whether a mean slip went against it
-    *("dragging", "drag_load", "drag_gain", "over_load", "over_gain", "holding", "drag", "overrun"),
-    *("lost_freewheel", "reversed"),
+    # ... drag of the freewheels: whether it acts, its impulses by the mean speed of link 2, what it takes,
+    # whether a mean slip went against it
+    *("dragging", "drag_load", "drag_gain", "over_load", "over_gain", "holding", "lost_by_drag", "reversed"),
     # internal step of the averaged motion: both speeds at its end, its error, integrals of omega3, T omega3,
     # omega2 and, under its torque, omega1
     *("next", "next_speed", "error", "turned3", "work", "turned2", "turned1", "lost3", "dragged"),

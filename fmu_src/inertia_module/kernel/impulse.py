@@ -1,22 +1,37 @@
-"""A jump of the input speed acts impulsively: complementarity on impulses and end velocities.
+"""Impulses on link 2 and the output shaft: complementarity with the end velocities.
 
-The jump is the limit of a steep ramp, so a freewheel that closes does so part of the way: before,
-link 2 moves freely; after, with what it has met. The end velocities are those of the 2 x 2 problem
-of docs/mechanics.md, and as ideal contacts close at zero relative speed no energy is lost.
+In a fixed step they are those of the whole step. A jump of the input speed is the limit of a steep ramp, so
+a freewheel that closes does so part of the way: before, link 2 moves freely; after, with what it has met. As
+ideal contacts close at zero relative speed no energy is lost.
 """
 
 from .accumulate import add, add_loss
-from .codes import ELASTIC, SHAFT
+from .codes import DRIVING, FREE, HELD, HELD_DRIVING, SHAFT
+from .general.states import GEARED
 from .inertia import reduced_inertia
 
 
-def apply_part(d, x, i, b, g, jump, change2):
-    """One linear part of the jump: omega1 by jump, link 2 by change2. Returns the input impulse."""
-    rate_change = d.k * (jump - change2)
-    impulse = (d.J1 + i) * jump + b * rate_change + d.k * (b * jump + g * rate_change)
-    x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, impulse * (x.omega1 + 0.5 * jump))
-    x.omega1 += jump
-    return impulse
+def settle(d, inertia2, free2, inertia3, free3):
+    """Solve the complementarity problem on impulses, from the velocities without them.
+
+    Freewheels that wind up take none.
+
+    Returns:
+        (omega2, omega3, Pc, contact mode) at the end of the step.
+    """
+    # ties as in select_mode: link 2 stays held, and a shaft that nothing pulls away touches it
+    stops = d.housing != 0.0 and d.housing_stiffness == 0.0
+    held = stops and free2 <= 0.0
+    if d.output != 0.0:
+        winds_up = d.freewheel_stiffness != 0.0
+        if held and (free3 > 0.0 or winds_up):
+            return 0.0, free3, 0.0, HELD
+        if not held and (free2 <= free3 or winds_up):
+            return free2, free3, 0.0, FREE
+    together = (inertia2 * free2 + inertia3 * free3) / (inertia2 + inertia3)
+    if not stops or together > 0.0:
+        return together, together, inertia3 * (together - free3), DRIVING
+    return 0.0, 0.0, -inertia3 * free3, HELD_DRIVING
 
 
 def push_driven_mass(d, x, change3, stiff):
@@ -34,67 +49,66 @@ def push_driven_mass(d, x, change3, stiff):
     add_loss(x, SHAFT, lost)
 
 
-def jump_input(p, d, x, jump, stiff):
-    """Apply a jump of omega1, N m s.
+def jump_links(d, x, inertia, jump, change2):
+    """One linear part of a jump: omega1 by jump, link 2 by change2. Returns the impulses of M1 and M2, N m s.
+
+    Args:
+        inertia: I, B and G.
+    """
+    i, b, g = inertia
+    rate_change = d.k * (jump - change2)
+    mesh = d.k * (b * jump + g * rate_change)
+    drive = (d.J1 + i) * jump + b * rate_change + mesh
+    x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, drive * (x.omega1 + 0.5 * jump))
+    x.omega1 += jump
+    x.omega2 += change2
+    return drive, mesh
+
+
+def jump_input(d, x, jump, stiff):
+    """Apply a jump of omega1, rad/s; where link 2 is geared its ratio may have changed, too.
 
     Args:
         stiff: whether an elastic output takes the jump with the driven mass.
 
     Returns:
-        (P1, Pc): impulse of the input torque and of the output freewheel, N m s.
+        (P1, Pc): impulse of the input torque and on the output, N m s.
     """
     i, _, _, b, _, g, _, _ = reduced_inertia(d, x.q)
-    k = d.k
-    shaft = d.J3 + (1.0 - d.balancer) * d.J4 if stiff else d.J3
-    push = k * (b + k * g) * jump
-    inertia = d.J2 + k * k * g
     omega2 = x.omega2
-    omega3 = x.omega3
     target = x.omega1 + jump
-    # freewheels that wind up take no impulse
-    stops = d.housing != 0.0 and d.housing_stiffness == 0.0
-    meets = d.freewheel_stiffness == 0.0
-    joined = d.output == 0.0 or (meets and omega3 == omega2 and push > 0.0)
-    if joined:
-        inertia += shaft
-    change = push / inertia if push != 0.0 else 0.0
+    geared = x.output_state == GEARED
+    shaft = d.J3 + (1.0 - d.balancer) * d.J4 if stiff else d.J3
     fraction = 1.0
-    output_impulse = 0.0
-    end2 = omega2 + change
-    if stops and end2 < 0.0:
-        fraction = omega2 / -change  # the rest of the way link 2 is held
-        end2 = 0.0
-    elif meets and not joined and end2 > omega3:
-        fraction = (omega3 - omega2) / change  # the rest of the way it drives the shaft
-        end2 = omega3 + (1.0 - fraction) * push / (inertia + shaft)
+    if geared:
+        end2 = end3 = d.ratio * target
+        change = end2 - omega2
+    else:
+        carried = shaft if d.output == 0.0 else 0.0
+        own = d.J2 + d.k * d.k * g + carried
+        change = d.k * (b + d.k * g) * jump / own
+        end2, end3, _, mode = settle(d, own, omega2 + change, shaft - carried, x.omega3)
+        if end2 != omega2 + change and change != 0.0:
+            # the rest of the way link 2 goes with what it has met
+            fraction = ((x.omega3 if mode == DRIVING else 0.0) - omega2) / change
     part = fraction * jump
-    impulse = apply_part(d, x, i, b, g, part, fraction * change)
+    drive, mesh = jump_links(d, x, (i, b, g), part, fraction * change)
     if fraction < 1.0:
-        impulse += apply_part(d, x, i, b, g, jump - part, end2 - (omega2 + fraction * change))
+        more, more_mesh = jump_links(d, x, (i, b, g), jump - part, end2 - x.omega2)
+        drive += more
+        mesh += more_mesh
+    output = shaft * (end3 - x.omega3)
+    if geared:
+        output = mesh - d.J2 * change
+        x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, output * (omega2 + 0.5 * change))
+    else:
+        x.housing_impulse += d.J2 * (end2 - omega2) + output - mesh
     x.omega1 = target
     x.omega2 = end2
     x.omega2_low = 0.0
-    if (meets and end2 > omega3) or d.output == 0.0:
-        output_impulse = shaft * (end2 - omega3)
-        if p.fidelity == ELASTIC:
-            push_driven_mass(d, x, end2 - omega3, stiff)
-        x.omega3 = end2
+    if end3 != x.omega3:
+        if d.elastic != 0.0:
+            push_driven_mass(d, x, end3 - x.omega3, stiff)
+        x.omega3 = end3
         x.omega3_low = 0.0
-    return impulse, output_impulse
-
-
-def jump_kinematic(d, x, jump, ratio):
-    """Impulse where omega2 = ratio omega1 is prescribed; the ratio may have changed too.
-
-    Returns:
-        (P1, Pc): impulses at the input and at the output that keeps the ratio, N m s.
-    """
-    change2 = ratio * (x.omega1 + jump) - x.omega2
-    if jump == 0.0 and change2 == 0.0:
-        return 0.0, 0.0
-    i, _, _, b, _, g, _, _ = reduced_inertia(d, x.q)
-    output_impulse = d.k * (b * jump + g * d.k * (jump - change2)) - d.J2 * change2
-    mean2 = x.omega2 + 0.5 * change2
-    impulse = apply_part(d, x, i, b, g, jump, change2)
-    x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, output_impulse * mean2)
-    return impulse, output_impulse
+    return drive, output

@@ -22,7 +22,6 @@ from .codes import (
 from .contact import torque_carried
 from .derive import TWO_PI
 from .general.motion import stored_besides
-from .general.prescribed import prescribed_torques
 from .links import angular_momentum, kinetic_energy, torques
 from .loads import write_loads
 from .run import accelerations_now
@@ -59,27 +58,16 @@ def write_torques(p, d, x, y):
     """Instantaneous torques in the present mode. Returns the acceleration of link 2."""
     if p.fidelity == AVERAGED:
         return write_averaged(d, x, y)
-    if d.general != 0.0 and p.fidelity != KINEMATIC:
+    if d.general != 0.0:
         return write_general(d, x, y)
     output = 0.0
     housing = 0.0
     load, _ = load_behind_freewheel(d, x)
-    if p.fidelity == KINEMATIC:
-        alpha2 = p.kinematic_ratio * x.alpha1
-        y.output_acceleration = alpha2
-    else:
-        _, alpha2 = accelerations_now(d, x)
-        alpha3 = hub_rate(d, x, load, alpha2)
-        elastic = p.fidelity == ELASTIC
-        relative = relative_rate(d, x, x.load_torque, load, alpha3) if elastic else 0.0
-        y.output_acceleration = alpha3 - relative
+    _, alpha2 = accelerations_now(d, x)
+    alpha3 = hub_rate(d, x, load, alpha2)
+    y.output_acceleration = alpha3 - relative_rate(d, x, x.load_torque, load, alpha3)
     drive, mesh = torques(d, x.q, x.omega1, x.alpha1, x.omega2, alpha2)
-    if d.losses != 0.0:
-        prescribed_torques(d, x.q, x.theta1, x.omega1, x.alpha1, x.omega2, alpha2)
-        drive, mesh, housing = d.machine.drive, d.machine.mesh, d.machine.housing
-    if p.fidelity == KINEMATIC:
-        output = mesh - d.J2 * alpha2 - d.b2 * x.omega2 + housing
-    elif x.mode == DRIVING:
+    if x.mode == DRIVING:
         output, _ = torque_carried(d, load, 0.0, x.omega2, alpha2, 0.0)
     elif x.mode != FREE:
         output = load if x.mode == HELD_DRIVING else 0.0

@@ -1,26 +1,27 @@
 """A communication step by fidelity and method, with the speed or the torque of link 1 given."""
 
-from .accumulate import add, time_later, wrap_drive_angle, wrap_input_angle
+from .accumulate import add, wrap_input_angle
 from .averaged.jump import jump_averaged, takes_up_jump
 from .averaged.run import run_averaged
-from .codes import AVERAGED, DRIVE_TORQUE, DRIVING, ELASTIC, KINEMATIC, OK, TIMESTEPPING, TOO_MUCH_WORK
+from .codes import AVERAGED, DRIVE_TORQUE, DRIVING, ELASTIC, KINEMATIC, OK, TIMESTEPPING
 from .contact import TORQUE_ROUNDING, is_held, present_mode
 from .engine import run_events, switch
 from .general.choice import choose_states
-from .general.jump import jump_general
 from .general.motion import evaluate, recall, take_state
-from .impulse import jump_input, jump_kinematic
-from .limits import MAX_EVALUATIONS, MAX_STEPS
+from .general.states import GEARED
+from .impulse import jump_input
 from .links import accelerations, prescribed_at_input
-from .loads import sample_load
 from .shaft import carried_by_link2, load_behind_freewheel
 from .solvers.followed import is_stiff
-from .solvers.kinematic import advance_kinematic
-from .solvers.timestepping import clear_losses, one_step, steps_in
+from .solvers.kinematic import follow_ratio, prescribe
+from .solvers.timestepping import run_timestepping
 
 
 def accelerations_now(d, x):
     """Accelerations of links 1 and 2 in the present mode, rad/s^2."""
+    if x.output_state == GEARED:
+        prescribe(d, x, 0.0)
+        return d.machine.alpha1, d.machine.alpha2
     if d.general != 0.0:
         take_state(d, x)
         if x.rates_cached != 0.0:
@@ -36,11 +37,17 @@ def accelerations_now(d, x):
     return alpha1, alpha2
 
 
+def keep_ratio(d, x):
+    """Give link 2 and the output the speed that is prescribed."""
+    x.omega2 = x.omega3 = d.ratio * x.omega1
+    x.omega2_low = x.omega3_low = 0.0
+    follow_ratio(x, x.omega1, x.omega2)
+
+
 def follow_parameters(p, d, x):
     """Write what parameters prescribe at once: the prescribed speed of link 2, or contact mode and alpha1."""
     if p.fidelity == KINEMATIC:
-        x.omega2 = p.kinematic_ratio * x.omega1
-        x.omega3 = x.omega2
+        keep_ratio(d, x)
         x.mode = DRIVING
     elif p.fidelity != AVERAGED:
         if d.general != 0.0:
@@ -59,60 +66,9 @@ def switch_now(p, d, x):
             x.alpha1, _ = accelerations_now(d, x)
 
 
-def run_timestepping(d, x, w, h):
-    """Advance by h in equal steps. Returns a status."""
-    count = steps_in(d, h)
-    if count > MAX_STEPS:
-        return TOO_MUCH_WORK
-    part = h / count
-    clear_losses(d, w)
-    number = 0.0
-    start1 = x.omega1
-    while number < count:
-        number += 1.0
-        if d.by_torque != 0.0:
-            prescribed = x.drive_torque * part
-        else:
-            prescribed = start1 + x.alpha1 * part * number - x.omega1
-        omega1, omega2 = x.omega1, x.omega2
-        one_step(d, x, w, prescribed, x.load_torque, part)
-        sample_load(d, x, x.q, x.omega1, x.omega2, (x.omega1 - omega1) / part, (x.omega2 - omega2) / part)
-    # what the torques now follow from
-    if d.general != 0.0:
-        switches, evaluations = x.step_switches, x.step_evaluations
-        choose_states(d, x, 0.0)
-        x.step_switches, x.step_evaluations = switches, evaluations
-    else:
-        x.mode = present_mode(d, x, TORQUE_ROUNDING)
-    return OK
-
-
-def run_kinematic(p, d, x, h):
-    """Advance the prescribed motion by h. Returns a status."""
-    time = 0.0
-    low = 0.0
-    while time < h:
-        remaining = (h - time) - low
-        speed = x.omega1 + x.alpha1 * time
-        passed = advance_kinematic(d, x, p.kinematic_ratio, speed, x.alpha1, remaining)
-        wrap_drive_angle(d, x)
-        if passed >= remaining:
-            time = h
-        else:
-            time, low = time_later(time, low, passed)
-        if x.step_evaluations > MAX_EVALUATIONS:
-            return TOO_MUCH_WORK
-    speed = p.kinematic_ratio * (x.omega1 + x.alpha1 * h)
-    x.omega2 = speed
-    x.omega2_low = 0.0
-    x.omega3 = speed
-    x.omega3_low = 0.0
-    return OK
-
-
 def run_pulses(p, d, x, w, h):
-    """Advance the rigid or elastic module by h. Returns a status."""
-    if p.method == TIMESTEPPING:
+    """Advance the rigid, elastic or kinematic module by h. Returns a status."""
+    if p.method == TIMESTEPPING and p.fidelity != KINEMATIC:
         return run_timestepping(d, x, w, h)
     return run_events(d, x, w, h)
 
@@ -124,6 +80,8 @@ def turn_input(p, d, x, start1, h):
         wrap_input_angle(x)
     x.omega1 = start1 + x.alpha1 * h
     x.omega1_low = 0.0
+    if p.fidelity == KINEMATIC:
+        keep_ratio(d, x)
 
 
 def run_at_speed(p, d, u, x, w, h, jump):
@@ -134,9 +92,7 @@ def run_at_speed(p, d, u, x, w, h, jump):
     """
     input_jump = 0.0
     output_jump = 0.0
-    if p.fidelity == KINEMATIC:
-        input_jump, output_jump = jump_kinematic(d, x, jump, p.kinematic_ratio)
-    elif jump != 0.0:
+    if jump != 0.0 or (p.fidelity == KINEMATIC and x.omega2 != d.ratio * x.omega1):
         if p.fidelity == AVERAGED:
             if takes_up_jump(d, x, jump, h):
                 x.alpha1 += jump / h
@@ -145,14 +101,9 @@ def run_at_speed(p, d, u, x, w, h, jump):
         else:
             x.torques_continue = 0.0
             stiff = p.fidelity == ELASTIC and is_stiff(d, x, u.omega1)
-            if d.general != 0.0:
-                input_jump, output_jump = jump_general(p, d, x, jump, stiff)
-            else:
-                input_jump, output_jump = jump_input(p, d, x, jump, stiff)
+            input_jump, output_jump = jump_input(d, x, jump, stiff)
     start1 = x.omega1
-    if p.fidelity == KINEMATIC:
-        status = run_kinematic(p, d, x, h)
-    elif p.fidelity == AVERAGED:
+    if p.fidelity == AVERAGED:
         status = run_averaged(d, x, w, h)
     else:
         status = run_pulses(p, d, x, w, h)

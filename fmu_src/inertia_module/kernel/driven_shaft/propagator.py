@@ -10,12 +10,11 @@ matrix, SIAM Review 45 (2003), methods 3 and 14.
 
 import math
 
-from ..works import GAUSS_NODE_1, GAUSS_NODE_2, GAUSS_WEIGHT_1, GAUSS_WEIGHT_2, GAUSS_WEIGHT_3
+from ..tableau import GAUSS_NODES as NODES
+from ..tableau import GAUSS_WEIGHTS as WEIGHTS
 
 # up to this fast * t a sum over the nodes within [0, 1] is exact to rounding
 SHORT = 1.0 / 64.0
-NODES = (GAUSS_NODE_1, GAUSS_NODE_2, 0.5, 1.0 - GAUSS_NODE_2, 1.0 - GAUSS_NODE_1)
-WEIGHTS = (GAUSS_WEIGHT_1, GAUSS_WEIGHT_2, GAUSS_WEIGHT_3, GAUSS_WEIGHT_2, GAUSS_WEIGHT_1)
 
 
 def characteristic(rate, square):

@@ -167,12 +167,8 @@ def balance(d, x, w):
         change.work_in = x.omega1 * change.drive
 
 
-def commit(d, x, w, sigma):
-    """Take the step in hand over, with its sums.
-
-    Args:
-        sigma: the part of it that it was cut to, 1 if it was not: stages beyond have no torques.
-    """
+def commit(d, x, w):
+    """Take the step in hand over, with its sums."""
     change = w.change
     x.q, x.q_low = add(x.q, x.q_low, change.q)
     wrap_drive_angle(d, x)
@@ -200,6 +196,10 @@ def commit(d, x, w, sigma):
     x.output_impulse += change.output
     x.output_square += change.square
     x.turned3 += change.turned3
+
+
+def see_peak(x, w, sigma):
+    """See the output torque at the stages up to this part of the step in hand; those beyond have none."""
     pair, last = (SHORT, SHORT_END) if w.short != 0.0 else (LONG, END)
     for n in range(last + 1):
         if NODES[pair + n] <= sigma:
@@ -314,7 +314,8 @@ def take_over(d, x, w, sigma):
     if d.losses == 0.0:
         balance(d, x, w)
         x.rates_cached = 1.0 if sigma < 0.0 else 0.0
-    commit(d, x, w, kept)
+    commit(d, x, w)
+    see_peak(x, w, kept)
 
 
 def pass_event(d, x, which):

@@ -7,7 +7,7 @@ import math
 
 from ..links import prescribed_at_input, torque_scale
 from .motion import evaluate, recall, take_state
-from .states import LOCKED, OPEN, contact_mode, is_rough, may_be_housing, may_be_output, may_slip
+from .states import GEARED, LOCKED, OPEN, contact_mode, is_rough, may_be_housing, may_be_output, may_slip
 
 # share of the torques by which what has just ended seems to go on, and still has ended
 ENDED = 1e-3
@@ -143,6 +143,8 @@ def choose_states(d, x, before_misses):
     Args:
         before_misses: what is added to the violation of what they did before, as a share of the torques.
     """
+    if x.output_state == GEARED:
+        return
     before = (x.housing_state, x.output_state, x.slip_sign)
     best, equal = least_violation(d, x, before, before_misses, False)
     if equal > 1:

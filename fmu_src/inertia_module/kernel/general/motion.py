@@ -11,7 +11,7 @@ sigma is the sign of the slip, C and S what journals and the mesh 17-6 resist it
 from ..inertia import reduced_inertia
 from ..layout import imbalance
 from .satellites import AS_THEY_ARE, MANY, inertia_at, spin_torques, weight_torques
-from .states import IDEAL, LOCKED, LOSSY, OPEN, WOUND
+from .states import GEARED, IDEAL, LOCKED, LOSSY, OPEN, WOUND
 
 # patterns of signs tried: each step of this Newton's method leaves it only for one closer to the solution
 PATTERNS = 50
@@ -70,6 +70,7 @@ def accelerate_links(d, x, m, prescribed, inertia, place, carried, resisting, fi
     Args:
         prescribed: acceleration or torque of link 1. inertia, place: of reduced_inertia and imbalance.
         carried, resisting: inertia that link 2 carries, kg m^2, and torque against it, N m.
+            (Where link 2 is geared m.alpha2 is given.)
         fixed: whether the signs in x hold. lossy: whether there are losses by load, a constant.
     """
     i, i1, b, b1, g, g1 = inertia
@@ -84,15 +85,16 @@ def accelerate_links(d, x, m, prescribed, inertia, place, carried, resisting, fi
         rest1 += m.weight1
         rest += m.weight_q
     alpha1 = prescribed if d.by_torque == 0.0 else 0.0
-    alpha2 = 0.0
-    flow = x.flow_sign if fixed else 1.0
+    geared = x.output_state == GEARED
+    alpha2 = m.alpha2 if geared else 0.0
+    flow = x.flow_sign if fixed else abs(sign)
     signs = x.spin_signs if fixed and d.number <= MANY else AS_THEY_ARE
     # of one satellite the sum says all
     apart = lossy and d.satellite_loss != 0.0 and (signs == AS_THEY_ARE or d.number > 1.0)
     journals = mesh = by_alpha1 = by_rate2 = 0.0
     if lossy and d.journal + d.satellite_loss > 0.0:
         journals, mesh, by_alpha1, by_rate2 = spin_torques(
-            d, m.q, place, m.omega1, rate_q, alpha1, k * alpha1, signs
+            d, m.q, place, m.omega1, rate_q, alpha1, k * (alpha1 - alpha2), signs
         )
     for _ in range(PATTERNS if lossy else 1):
         passed = k / (1.0 - flow * d.mesh_loss) if lossy else k
@@ -106,7 +108,7 @@ def accelerate_links(d, x, m, prescribed, inertia, place, carried, resisting, fi
         coupling += k * by_q
         push = passed * demand - resisting
         if d.by_torque == 0.0:
-            if x.housing_state != LOCKED:
+            if x.housing_state != LOCKED and not geared:
                 alpha2 = (push + passed * coupling * alpha1) / (own2 + passed * k * by_q)
         else:
             drive = prescribed - rest1 - passed * demand
@@ -224,12 +226,15 @@ def equations(d, x, prescribed, load, fixed, lossy):
     locked = x.output_state == LOCKED
     carried = d.J3 if locked else 0.0
     resisting = d.b2 * m.omega2 - m.housing + (against3 if locked else m.output)
-    if lossy and x.slip_sign == 0.0:
+    if lossy and x.slip_sign == 0.0 and x.output_state != GEARED:
         stick_links(d, x, m, prescribed, inertia, place, carried, resisting)
     else:
         accelerate_links(d, x, m, prescribed, inertia, place, carried, resisting, fixed, lossy)
     if locked:
         m.output = against3 + d.J3 * m.alpha2
+        m.alpha3 = m.alpha2
+    elif x.output_state == GEARED:
+        m.output = m.mesh - resisting - d.J2 * m.alpha2
         m.alpha3 = m.alpha2
     else:
         m.alpha3 = (m.output - against3) / d.J3

@@ -10,6 +10,8 @@ IDEAL, LOSSY = 0, 1
 OPEN = 0.0
 LOCKED = 1.0
 WOUND = 2.0
+# fidelity kinematic: the output keeps link 2 at its prescribed ratio to link 1, and no freewheel takes part
+GEARED = 3.0
 
 
 def contact_mode(x):

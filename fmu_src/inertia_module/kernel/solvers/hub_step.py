@@ -1,4 +1,4 @@
-"""The hub and the elastic shaft behind it over a fixed step: the midpoint rule (docs/mechanics.md)."""
+"""The hub over a fixed step, with drag and the elastic shaft: the midpoint rule (docs/mechanics.md)."""
 
 from ..accumulate import add, add_loss
 from ..codes import SHAFT, VISCOUS
@@ -11,20 +11,43 @@ RESOLVED = 4.0
 
 
 def load_hub(d, x, w, held, joined, h):
-    """Find the impulse on the hub, of the load or the shaft: hub_load + hub_gain u at its mean speed u.
+    """Find the impulses on hub and link 2 by mean speeds, N m s.
 
-    The mean relative speed behind it is relative_load + relative_gain u. Where the step does not resolve the
-    shaft its torque is that of the twist at the end. A light hub that turns freely then ends at its mean
-    speed (w.theta), but where not even link 2 with the hub is heavy enough it meets the driven mass
-    (w.stiff).
+    Load, friction or shaft on the hub: hub_load + hub_gain u, u its mean speed. Drag of the housing freewheel
+    on link 2: drag_load + drag_gain u, of the output freewheel on the hub: over_load - over_gain u, u that of
+    link 2. Where both stay together drag holds them with up to w.holding.
     """
     w.hub_load = w.load * h
     w.hub_gain = d.b3 * h
     w.stiff = 0.0
     # one that friction stops within the step does not turn back
     w.theta = 0.5 if w.hub_gain < 2.0 * d.J3 else 1.0
-    if d.elastic == 0.0:
+    if d.elastic != 0.0:
+        load_shaft(d, x, w, joined, h)
+    w.drag_load = w.drag_gain = w.over_load = w.over_gain = w.holding = 0.0
+    acting = h * w.dragging
+    if acting == 0.0:
         return
+    if not held:
+        w.drag_load = acting * d.housing_drag
+        w.drag_gain = acting * d.housing_drag_viscous
+    if joined:
+        w.holding = acting * d.output_drag
+        return
+    w.over_gain = acting * d.output_drag_viscous
+    drag = acting * d.output_drag
+    braking = w.hub_load + w.hub_gain * x.omega3 + drag + w.over_gain * (x.omega3 - x.omega2)
+    mean3 = x.omega3 - w.theta * braking / (d.J3 + w.theta * w.hub_gain)
+    w.over_load = drag + w.over_gain * mean3
+
+
+def load_shaft(d, x, w, joined, h):
+    """Find the impulse of an elastic shaft on the hub; behind it is relative_load + relative_gain u, rad/s.
+
+    Where the step does not resolve the shaft its torque is that of the twist at the end. A light hub that
+    turns freely then ends at its mean speed (w.theta), but where not even link 2 with the hub is heavy enough
+    it meets the driven mass (w.stiff).
+    """
     damping = d.damping + d.stiffness * h
     pull = damping * h
     together = d.J3 + inertia_of_link2(d, x.i, x.b, x.g)

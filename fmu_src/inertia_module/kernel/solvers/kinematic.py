@@ -1,13 +1,17 @@
-"""Fidelity `kinematic`: omega2 = ratio omega1 is prescribed, torques follow by inverse dynamics."""
+"""Fidelity `kinematic`: omega2 = ratio omega1 is prescribed, torques follow by the equations of motion.
+
+Their sums are those of a step whose stages are the nodes of a Gauss rule, as the motion at each is known.
+"""
 
 import math
 
-from ..accumulate import add, add_loss, wrap_input_angle
-from ..codes import FREEWHEEL, JOURNAL, MESH, VISCOUS
-from ..general.prescribed import prescribed_torques
-from ..links import friction_power, torques
+from ..accumulate import add
+from ..general.advance import commit
+from ..general.motion import evaluate
+from ..general.stages import keep_rates, set_changes
+from ..general.states import GEARED, IDEAL, LOSSY, OPEN
 from ..loads import sample_load
-from ..works import GAUSS_NODE_1, GAUSS_NODE_2, GAUSS_WEIGHT_1, GAUSS_WEIGHT_2, GAUSS_WEIGHT_3
+from ..tableau import GAUSS, GAUSS_NODES, GAUSS_WEIGHTS
 
 # phase of the highest harmonic within one Gauss interval, rad
 GAUSS_PHASE = 1.0
@@ -22,71 +26,48 @@ NEAR = 1e-9
 ROUNDING = 1e-12
 
 
-def prescribed_at(d, x, ratio, omega1, alpha1, t):
-    """Motion and torques (in d.machine) the time t into the interval. Returns omega1."""
-    x.step_evaluations += 1.0
-    speed = omega1 + alpha1 * t
-    turned1 = t * (omega1 + 0.5 * alpha1 * t)
-    q = x.q + d.k * (1.0 - ratio) * turned1
-    prescribed_torques(d, q, x.theta1 + turned1, speed, alpha1, ratio * speed, ratio * alpha1)
-    return speed
+def follow_ratio(x, omega1, omega2):
+    """Let freewheels and friction do what they do at these prescribed speeds."""
+    x.housing_state = OPEN if omega2 > 0.0 else GEARED
+    x.output_state = GEARED
+    x.slip_sign = math.copysign(1.0, omega1 - omega2) if omega1 != omega2 else 0.0
 
 
-def add_general(d, x, omega2, rate_q, weight):
-    """Add what prescribed_torques has found at a node to the sums; rate_q: |q'|, rad/s."""
+def prescribe(d, x, t):
+    """Motion the time t from now on and its torques, into d.machine."""
     m = d.machine
-    x.housing_impulse += weight * m.housing
-    add_loss(x, MESH, weight * rate_q * (d.mesh_loss * abs(m.mesh) / d.k + m.spun))
-    add_loss(x, JOURNAL, weight * rate_q * m.journals)
-    add_loss(x, FREEWHEEL, -weight * m.housing * omega2)
+    turned1 = t * (x.omega1 + 0.5 * x.alpha1 * t)
+    m.q = x.q + d.k * (1.0 - d.ratio) * turned1
+    m.theta1 = x.theta1 + turned1
+    m.omega1 = x.omega1 + x.alpha1 * t
+    m.omega2 = m.omega3 = d.ratio * m.omega1
+    m.alpha2 = d.ratio * x.alpha1
+    follow_ratio(x, m.omega1, m.omega2)
+    evaluate(d, x, x.alpha1, 0.0, False)
 
 
-def add_node(d, x, ratio, omega1, alpha1, t, weight):
-    """Add one Gauss node, the time t into the interval, to the sums over the communication step."""
-    if d.losses != 0.0:
-        speed = prescribed_at(d, x, ratio, omega1, alpha1, t)
-        drive, mesh = d.machine.drive, d.machine.mesh
-        add_general(d, x, ratio * speed, abs(d.k * (1.0 - ratio) * speed), weight)
-    else:
-        speed = omega1 + alpha1 * t
-        angle = x.q + d.k * (1.0 - ratio) * t * (omega1 + 0.5 * alpha1 * t)
-        drive, mesh = torques(d, angle, speed, alpha1, ratio * speed, ratio * alpha1)
-        x.step_evaluations += 1.0
-    output = mesh - ratio * (d.J2 * alpha1 + d.b2 * speed)
-    if d.losses != 0.0:
-        output += d.machine.housing
-    x.input_impulse += weight * drive
-    x.output_impulse += weight * output
-    x.output_square += weight * output * output
-    x.torque_peak = max(x.torque_peak, abs(output))
-    x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, weight * drive * speed)
-    x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, weight * output * ratio * speed)
-    add_loss(x, VISCOUS, weight * friction_power(d, speed, ratio * speed, d.b2))
+def signs_at(d, x, t):
+    """Signs of the torques that the meshes lose by, the time t from now on."""
+    prescribe(d, x, t)
+    x.step_evaluations += 1.0
+    return d.machine.flow_sign, d.machine.spin_signs if d.satellite_loss != 0.0 else 0.0
 
 
-def same_signs(d, flow, spin):
-    """Tell whether the torques in d.machine, by whose signs the meshes lose, are of these signs."""
-    return (d.machine.torque < 0.0) == flow and (d.satellite_loss == 0.0 or d.machine.spin_signs == spin)
-
-
-def smooth_part(d, x, ratio, omega1, alpha1, h):
+def smooth_part(d, x, h):
     """The part of an interval h until link 1 turns back, or just past a sign change of a torque in a mesh."""
-    turns_back = -omega1 / alpha1 if omega1 * alpha1 < 0.0 else h
+    turns_back = -x.omega1 / x.alpha1 if x.omega1 * x.alpha1 < 0.0 else h
     if ROUNDING * h < turns_back < h:
         h = turns_back
     if d.mesh_loss == 0.0 and d.satellite_loss == 0.0:
         return h
     low = NEAR * h
-    prescribed_at(d, x, ratio, omega1, alpha1, low)
-    flow, spin = d.machine.torque < 0.0, d.machine.spin_signs
+    signs = signs_at(d, x, low)
     for n in range(LOOKS):
         high = h * (n + 1.0 - NEAR) / LOOKS
-        prescribed_at(d, x, ratio, omega1, alpha1, high)
-        if not same_signs(d, flow, spin):
+        if signs_at(d, x, high) != signs:
             for _ in range(HALVINGS):
                 middle = 0.5 * (low + high)
-                prescribed_at(d, x, ratio, omega1, alpha1, middle)
-                if same_signs(d, flow, spin):
+                if signs_at(d, x, middle) == signs:
                     low = middle
                 else:
                     high = middle
@@ -95,26 +76,33 @@ def smooth_part(d, x, ratio, omega1, alpha1, h):
     return h
 
 
-def advance_kinematic(d, x, ratio, omega1, alpha1, remaining):
+def advance_kinematic(d, x, w, remaining):
     """Advance by one interval. Returns the time passed."""
-    rate = d.k * (1.0 - ratio)
+    rate = d.k * (1.0 - d.ratio)
     h = min(remaining, d.max_step)
     scale = d.harmonic * abs(rate) + (1.0 if d.weight != 0.0 else 0.0)
-    fastest = scale * max(abs(omega1), abs(omega1 + alpha1 * remaining))
-    fastest += RAMP * math.sqrt(scale * abs(alpha1))
+    fastest = scale * max(abs(x.omega1), abs(x.omega1 + x.alpha1 * remaining))
+    fastest += RAMP * math.sqrt(scale * abs(x.alpha1))
     if fastest * h > GAUSS_PHASE:
         h = GAUSS_PHASE / fastest
     if d.losses != 0.0:
-        h = smooth_part(d, x, ratio, omega1, alpha1, h)
-    add_node(d, x, ratio, omega1, alpha1, GAUSS_NODE_1 * h, GAUSS_WEIGHT_1 * h)
-    add_node(d, x, ratio, omega1, alpha1, GAUSS_NODE_2 * h, GAUSS_WEIGHT_2 * h)
-    add_node(d, x, ratio, omega1, alpha1, 0.5 * h, GAUSS_WEIGHT_3 * h)
-    add_node(d, x, ratio, omega1, alpha1, h - GAUSS_NODE_2 * h, GAUSS_WEIGHT_2 * h)
-    add_node(d, x, ratio, omega1, alpha1, h - GAUSS_NODE_1 * h, GAUSS_WEIGHT_1 * h)
-    sample_load(d, x, x.q, omega1, ratio * omega1, alpha1, ratio * alpha1)
-    turned1 = h * (omega1 + 0.5 * alpha1 * h)
-    x.theta1, x.theta1_low = add(x.theta1, x.theta1_low, turned1)
-    wrap_input_angle(x)
-    x.turned3 += ratio * turned1
-    x.q, x.q_low = add(x.q, x.q_low, rate * turned1)
+        h = smooth_part(d, x, h)
+    w.step = h
+    out = 0.0
+    for n in range(GAUSS):
+        prescribe(d, x, GAUSS_NODES[n] * h)
+        x.flow_sign = d.machine.flow_sign
+        keep_rates(d, x, w, n, LOSSY if d.losses != 0.0 else IDEAL)
+        w.weights[n] = GAUSS_WEIGHTS[n]
+        x.torque_peak = max(x.torque_peak, abs(d.machine.output))
+        out += GAUSS_WEIGHTS[n] * h * d.machine.output * d.machine.omega2
+    x.step_evaluations += GAUSS
+    set_changes(d, x, w, w.change, h, GAUSS)
+    # the motion, without the rounding of a sum
+    w.change.q = rate * w.change.theta1
+    w.change.turned3 = d.ratio * w.change.theta1
+    w.load = 0.0  # the energy ends at the output
+    x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, out)
+    sample_load(d, x, x.q, x.omega1, d.ratio * x.omega1, x.alpha1, d.ratio * x.alpha1)
+    commit(d, x, w)
     return h

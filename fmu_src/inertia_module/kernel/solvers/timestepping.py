@@ -1,35 +1,33 @@
 """Method `timestepping`: fixed steps, complementarity of impulses and end velocities in each (Moreau).
 
-No event is searched for, so no step takes more than two evaluations. No step makes energy, however
-coarse: links 1 and 2 move by a discrete gradient, freewheels close by inelastic impacts, an elastic shaft
-moves by the midpoint rule (docs/mechanics.md).
+No event is searched for, so no step takes more than two evaluations (with losses five). No step makes
+energy, however coarse: links 1 and 2 move by a discrete gradient, freewheels close by inelastic impacts, an
+elastic shaft moves by the midpoint rule (docs/mechanics.md).
 """
 
 import math
 
 from ..accumulate import add, add_loss, copy, wrap_drive_angle, wrap_input_angle
-from ..codes import DRIVING, FREEWHEEL, HELD, HELD_DRIVING, JOURNAL, MESH
-from ..contact import settle
+from ..codes import DRIVING, FREEWHEEL, HELD, HELD_DRIVING, JOURNAL, MESH, OK, TOO_MUCH_WORK
+from ..general.choice import choose_states
 from ..general.states import is_rough
+from ..impulse import settle
 from ..inertia import reduced_inertia
+from ..limits import MAX_STEPS
 from ..links import inertia_of_link1, inertia_of_link2
-from .freewheel_drag import find_drags, lose_by_drag, take_drags
+from ..loads import sample_load
 from .hub_step import drive_mass, load_hub, turn_shaft
-from .link_step import move_links, turn_link1
-from .slip_friction import STOPPED, load_satellites, mesh_impulse, move_with_friction
-from .weights import begin_fall, end_fall, weigh
+from .link_step import move_links
+from .satellite_step import end_fall, find_friction, mesh_impulse, weigh
 
 # parts of a step that are too short to be told from none
 SHORTEST = 1e-6
 # how much later than foreseen a step is parted: what has not met there meets at its end
 LATER = 1.001
 # how often the loads of the satellites are taken from the step found with those before
-LOADED = 2
-
-
-def steps_in(d, h):
-    """Number of equal steps no longer than max_step in a communication step h."""
-    return max(1.0, math.ceil(h / d.max_step - 1e-9))
+LOADED = 3
+# share of the speeds by which a slip misses zero that friction has stopped
+STOPPED = 1e-14
 
 
 def look_ahead(d, x, w, slip_angle):
@@ -59,12 +57,9 @@ def end_at(x, w, part):
 def follow(d, x, w, held, joined, prescribed, h):
     """Follow all over the step with link 2 held or not, joined with the hub or not.
 
-    Returns:
-        As settle, impacts at the end of the step included.
+    Writes what it comes to with the impacts at its end: w.settled2, settled3, output, mode, as settle.
     """
     load_hub(d, x, w, held, joined, h)
-    if d.losses != 0.0:
-        find_drags(d, x, w, held, joined, h)
     carried = 0.0
     load = w.drag_load - w.over_load
     gain = w.drag_gain + w.over_gain
@@ -72,25 +67,23 @@ def follow(d, x, w, held, joined, prescribed, h):
         carried = d.J3
         load += w.hub_load
         gain += w.hub_gain
-    if d.losses != 0.0 and is_rough(d):
-        move_with_friction(d, x, w, held, carried, load, gain, prescribed, h)
-    elif held:
-        turn_link1(d, x, w, prescribed, h)
-    else:
-        move_links(d, x, w, carried, load, gain, prescribed, h)
-    if d.losses != 0.0:
-        take_drags(w, held, h)
+    move_links(d, x, w, held, carried, load, gain, prescribed, h)
+    mean2 = 0.0 if held else (w.angle1 - w.new_slip_angle) / h
+    drag = w.drag_load + w.drag_gain * mean2
+    overrun = w.over_load - w.over_gain * mean2
     if joined:
         w.end3 = w.end2
-        w.mean3 = 0.0 if held else (w.angle1 - w.new_slip_angle) / h
-        w.contact_impulse = w.hub_load if held else d.J3 * (w.end3 - x.omega3) + (w.load_impulse - w.drag)
+        w.mean3 = mean2
+        w.contact_impulse = w.hub_load if held else d.J3 * (w.end3 - x.omega3) + (w.load_impulse - drag)
     else:
-        w.contact_impulse = -w.overrun
-        braking = w.hub_load + w.hub_gain * x.omega3 + w.overrun
+        w.contact_impulse = -overrun
+        braking = w.hub_load + w.hub_gain * x.omega3 + overrun
         w.end3 = x.omega3 - braking / (d.J3 + w.theta * w.hub_gain)
         w.mean3 = x.omega3 + w.theta * (w.end3 - x.omega3)
-    if d.losses != 0.0:
-        lose_by_drag(w, held, h)
+    drag *= mean2
+    overrun *= w.mean3 - mean2
+    w.lost_by_drag = drag + overrun
+    w.reversed = 1.0 if drag < 0.0 or overrun < 0.0 else 0.0
     inertia3 = d.J3
     if d.elastic != 0.0:
         drive_mass(d, x, w, h)
@@ -102,65 +95,89 @@ def follow(d, x, w, held, joined, prescribed, h):
     push = w.contact_impulse + w.holding
     if push > 0.0 and d.output != 0.0:
         # it is the impulse over the whole step that must not pull, but for the drag
-        back = 0.0 if held else push / inertia2
-        end2, end3, output, mode = settle(d, inertia2, w.end2 + back, inertia3, w.end3 - push / inertia3)
+        end2 = w.end2 if held else w.end2 + push / inertia2
+        w.settled2, w.settled3, output, mode = settle(d, inertia2, end2, inertia3, w.end3 - push / inertia3)
+        w.output = output - w.holding
+        w.mode = mode
         if mode == DRIVING or mode == HELD_DRIVING:
-            return end2, end3, output - w.holding, mode
-    end2, end3, output, mode = settle(d, inertia2, w.end2, inertia3, w.end3)
-    return end2, end3, output + w.contact_impulse, mode
-
-
-def follow_contacts(d, x, w, prescribed, h):
-    """A step with contacts as below; without drag in a step that would turn back against it."""
-    end2, end3, output, mode = follow_closed(d, x, w, prescribed, h)
-    if w.reversed != 0.0:
-        w.dragging = 0.0
-        end2, end3, output, mode = follow_closed(d, x, w, prescribed, h)
-        w.dragging = d.losses
-    return end2, end3, output, mode
+            return
+    w.settled2, w.settled3, output, mode = settle(d, inertia2, w.end2, inertia3, w.end3)
+    w.output = output + w.contact_impulse
+    w.mode = mode
 
 
 def follow_closed(d, x, w, prescribed, h):
     """A step in which a closed freewheel stays closed unless the contact force is negative."""
     always = d.output == 0.0
     joined = always or x.omega3 == x.omega2
-    end2, end3, output, mode = follow(d, x, w, False, joined, prescribed, h)
+    follow(d, x, w, False, joined, prescribed, h)
     if joined and not always and w.contact_impulse + w.holding <= 0.0:
-        end2, end3, output, mode = follow(d, x, w, False, False, prescribed, h)
-    if d.housing != 0.0 and x.omega2 == 0.0 and (mode == HELD or mode == HELD_DRIVING):
-        joined = always or (x.omega3 == 0.0 and mode == HELD_DRIVING)
-        end2, end3, output, mode = follow(d, x, w, True, joined, prescribed, h)
+        follow(d, x, w, False, False, prescribed, h)
+    if d.housing != 0.0 and x.omega2 == 0.0 and (w.mode == HELD or w.mode == HELD_DRIVING):
+        joined = always or (x.omega3 == 0.0 and w.mode == HELD_DRIVING)
+        follow(d, x, w, True, joined, prescribed, h)
         if joined and not always and w.contact_impulse + w.holding < 0.0:
-            end2, end3, output, mode = follow(d, x, w, True, False, prescribed, h)
-    return end2, end3, output, mode
+            follow(d, x, w, True, False, prescribed, h)
 
 
-def share_until_closed(d, x, w, mode):
+def follow_contacts(d, x, w, prescribed, h):
+    """A step with contacts as above; without drag in a step that would turn back against it."""
+    follow_closed(d, x, w, prescribed, h)
+    if w.reversed != 0.0:
+        w.dragging = 0.0
+        follow_closed(d, x, w, prescribed, h)
+        w.dragging = d.losses
+
+
+def passes(d):
+    """How often a step is followed to know its loads."""
+    return LOADED if is_rough(d) or d.weight != 0.0 else 0
+
+
+def follow_loaded(d, x, w, prescribed, h, foresee):
+    """A step with contacts as above, its friction and its weights those of the step found before.
+
+    Args:
+        foresee: whether it ends where that one came to.
+    """
+    w.straight = 1.0
+    w.friction_before = w.friction
+    for _ in range(passes(d)):
+        follow_contacts(d, x, w, prescribed, h)
+        find_friction(d, x, w, h)
+        if foresee:
+            w.far_angle1 = w.angle1
+            look_ahead(d, x, w, w.foreseen)
+    w.straight = 0.0
+    follow_contacts(d, x, w, prescribed, h)
+
+
+def share_until_closed(x, w):
     """Share of the step after which a freewheel closes in it, 1 where none does (what follow has found)."""
-    if (mode == DRIVING or mode == HELD_DRIVING) and x.omega3 > x.omega2 and w.end2 > w.end3:
+    if (w.mode == DRIVING or w.mode == HELD_DRIVING) and x.omega3 > x.omega2 and w.end2 > w.end3:
         return (x.omega3 - x.omega2) / (x.omega3 - x.omega2 + w.end2 - w.end3)
-    if (mode == HELD or mode == HELD_DRIVING) and x.omega2 > 0.0 and w.end2 < 0.0:
+    if (w.mode == HELD or w.mode == HELD_DRIVING) and x.omega2 > 0.0 and w.end2 < 0.0:
         return x.omega2 / (x.omega2 - w.end2)
     return 1.0
 
 
-def close_within(d, x, w, prescribed, h, share, held):
+def close_within(d, x, w, prescribed, h, share):
     """Go the step in two, parted where a freewheel closes and holds link 2 or joins it with the hub.
 
     No part makes energy with any inertia between, so nothing is evaluated there. Returns whether it went.
     """
+    held = w.mode == HELD
     target = 0.0 if held else x.omega3 + share * (w.end3 - x.omega3)
     slip = x.omega1 + share * (w.end1 - x.omega1) - target
     before = 0.5 * share * h * (x.omega1 - x.omega2 + slip)
     angle = before + (1.0 - share) * h * slip
     look_ahead(d, x, w, angle)
     part = before / angle if angle != 0.0 else 0.0
-    end2, end3, output, mode = x.omega2, x.omega3, 0.0, x.step_mode
     for n in range(3):
         if not (0.0 < part < 1.0 and SHORTEST < share < 1.0):
             return False
         end_at(x, w, part)
-        end2, end3, output, mode = follow(d, x, w, False, False, share * prescribed, share * h)
+        follow(d, x, w, False, False, share * prescribed, share * h)
         gap = x.omega2 if held else x.omega3 - x.omega2
         left = w.end2 if held else w.end3 - w.end2
         if n < 2 and gap > left:
@@ -169,29 +186,22 @@ def close_within(d, x, w, prescribed, h, share, held):
     if w.reached == 0.0 or w.reversed != 0.0:
         return False
     copy(w.part.numbers, x.numbers)
-    finish(d, x, w, end2, end3, output, mode, share * h)
+    finish(d, x, w, share * h)
     end_at(x, w, 1.0)
     w.slip_angle = (1.0 - part) * angle
     rest = 1.0 - share
-    end2, end3, output, mode = follow_contacts(d, x, w, rest * prescribed, rest * h)
+    follow_loaded(d, x, w, rest * prescribed, rest * h, False)
     if w.reached == 0.0:
         copy(x.numbers, w.part.numbers)
         w.weighed = 0.0
         return False
-    finish(d, x, w, end2, end3, output, mode, rest * h)
+    finish(d, x, w, rest * h)
     return True
 
 
-def add_losses(x, w):
-    """Add losses by load and drag."""
-    w.weighed += w.weighing
-    add_loss(x, MESH, w.lost_mesh)
-    add_loss(x, JOURNAL, w.lost_journal)
-    add_loss(x, FREEWHEEL, w.lost_freewheel)
-
-
-def finish(d, x, w, end2, end3, output, mode, h):
+def finish(d, x, w, h):
     """Take over what the step, or a part of it, ends with."""
+    end2, end3 = w.settled2, w.settled3
     if w.slip_stopped != 0.0 and abs(end2 - w.end1) <= STOPPED * abs(w.end1):
         if end3 == end2:
             end3 = w.end1
@@ -208,76 +218,86 @@ def finish(d, x, w, end2, end3, output, mode, h):
     wrap_input_angle(x)
     w.end2 = end2
     mesh = mesh_impulse(d, x, w, h)
-    x.housing_impulse += d.J2 * (end2 - x.omega2) + d.b2 * (w.angle1 - w.new_slip_angle) + output - mesh
+    x.housing_impulse += d.J2 * (end2 - x.omega2) + d.b2 * (w.angle1 - w.new_slip_angle) + w.output - mesh
     if d.losses != 0.0:
-        add_losses(x, w)
+        w.weighed += w.weighing
+        add_loss(x, MESH, (1.0 - w.journal_share) * w.lost_by_load)
+        add_loss(x, JOURNAL, w.journal_share * w.lost_by_load)
+        add_loss(x, FREEWHEEL, w.lost_by_drag)
     turn_shaft(d, x, w, end3, h)
     # on to just where the inertia at the end is that of: with another the energy would not be the same
     x.q, x.q_low = add(x.q, x.q_low, d.k * w.slip_angle)
     wrap_drive_angle(d, x)
     x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, w.work1)
-    x.output_impulse += output
-    x.output_square += output * output / h
-    x.torque_peak = max(x.torque_peak, abs(output) / h)
+    x.output_impulse += w.output
+    x.output_square += w.output * w.output / h
+    x.torque_peak = max(x.torque_peak, abs(w.output) / h)
     x.i, x.i1, x.b, x.g = w.end_i, w.end_i1, w.end_b, w.end_g
+    x.friction = w.friction
     x.omega1 = w.end1
     x.omega2 = end2
-    if mode != x.step_mode:
-        x.step_mode = mode
+    if w.mode != x.step_mode:
+        x.step_mode = w.mode
         x.step_switches += 1.0
 
 
-def one_step(d, x, w, prescribed, load, h):
-    """One fixed step.
+def one_step(d, x, w, prescribed, h):
+    """One fixed step, in two parts where a freewheel closes within it.
 
     Args:
-        prescribed: change of omega1, rad/s, or impulse of the input torque, N m s. load: N m.
+        prescribed: change of omega1, rad/s, or impulse of the input torque, N m s.
     """
-    w.load = load
+    w.load = x.load_torque
+    w.friction = x.friction
+    w.journal_share = w.weight1 = w.weight_slip = w.weighed = 0.0
+    w.dragging = d.losses
     falls = d.weight * d.by_torque != 0.0
     if falls:
-        begin_fall(d, x, w)
-    move_all(d, x, w, prescribed, h)
+        copy(w.fallen.numbers, x.numbers)
+    given = 0.0 if d.by_torque != 0.0 else 0.5 * prescribed
+    w.far_angle1 = h * (x.omega1 + given)
+    look_ahead(d, x, w, h * (x.omega1 - x.omega2 + given))
+    follow_loaded(d, x, w, prescribed, h, True)
+    share = share_until_closed(x, w)
+    friction = w.friction
+    if not (share < 1.0 and close_within(d, x, w, prescribed, h, share)):
+        if share < 1.0:
+            w.friction = friction
+            end_at(x, w, 1.0)
+            follow_contacts(d, x, w, prescribed, h)
+        elif passes(d) == 0 and w.foreseen != w.far_angle:
+            look_ahead(d, x, w, w.foreseen)
+            follow_contacts(d, x, w, prescribed, h)
+        if w.reached == 0.0:
+            # the drive stays where it is: there the energy always suffices
+            end_at(x, w, 0.0)
+            if d.weight != 0.0:
+                w.far_angle = 0.0
+                weigh(d, x, w)
+            follow_contacts(d, x, w, prescribed, h)
+        finish(d, x, w, h)
     if falls:
         end_fall(d, x, w)
 
 
-def clear_losses(d, w):
-    """Nothing is known yet of losses and weights; ideal steps leave all of it so."""
-    w.journals = w.spin = w.spin_by_alpha1 = w.spin_by_rate2 = w.weight1 = w.weight_slip = 0.0
-    w.rub = w.straight = w.slip_stopped = w.reversed = w.lost_mesh = w.lost_journal = 0.0
-    w.drag_load = w.drag_gain = w.over_load = w.over_gain = w.holding = w.drag = w.overrun = 0.0
-    w.dragging = d.losses
-
-
-def move_all(d, x, w, prescribed, h):
-    """Follow the step to its end, in parts where a freewheel closes within it."""
-    if d.losses != 0.0:
-        clear_losses(d, w)
-    w.far_angle1 = h * (x.omega1 if d.by_torque != 0.0 else x.omega1 + 0.5 * prescribed)
-    slip = x.omega1 - x.omega2
-    look_ahead(d, x, w, h * (slip if d.by_torque != 0.0 else slip + 0.5 * prescribed))
-    end2, end3, output, mode = follow_contacts(d, x, w, prescribed, h)
-    if d.losses != 0.0 and d.journal + d.satellite_loss + d.weight > 0.0:
-        for _ in range(LOADED):
-            w.far_angle1 = w.angle1
-            load_satellites(d, x, w, h)
-            look_ahead(d, x, w, w.foreseen)
-            end2, end3, output, mode = follow_contacts(d, x, w, prescribed, h)
-    share = share_until_closed(d, x, w, mode)
-    if share < 1.0:
-        if close_within(d, x, w, prescribed, h, share, mode == HELD):
-            return
-        end_at(x, w, 1.0)
-        end2, end3, output, mode = follow_contacts(d, x, w, prescribed, h)
-    elif w.foreseen != w.far_angle:
-        look_ahead(d, x, w, w.foreseen)
-        end2, end3, output, mode = follow_contacts(d, x, w, prescribed, h)
-    if w.reached == 0.0:
-        # the drive stays where it is: there the energy always suffices
-        end_at(x, w, 0.0)
-        if d.weight != 0.0:
-            w.far_angle = 0.0
-            weigh(d, x, w)
-        end2, end3, output, mode = follow_contacts(d, x, w, prescribed, h)
-    finish(d, x, w, end2, end3, output, mode, h)
+def run_timestepping(d, x, w, h):
+    """Advance by h in equal steps no longer than max_step. Returns a status."""
+    count = max(1.0, math.ceil(h / d.max_step - 1e-9))
+    if count > MAX_STEPS:
+        return TOO_MUCH_WORK
+    part = h / count
+    start1 = x.omega1
+    number = 0.0
+    while number < count:
+        number += 1.0
+        prescribed = x.drive_torque * part
+        if d.by_torque == 0.0:
+            prescribed = start1 + x.alpha1 * part * number - x.omega1
+        omega1, omega2 = x.omega1, x.omega2
+        one_step(d, x, w, prescribed, part)
+        sample_load(d, x, x.q, x.omega1, x.omega2, (x.omega1 - omega1) / part, (x.omega2 - omega2) / part)
+    # what the torques now follow from
+    switches, evaluations = x.step_switches, x.step_evaluations
+    choose_states(d, x, 0.0)
+    x.step_switches, x.step_evaluations = switches, evaluations
+    return OK
