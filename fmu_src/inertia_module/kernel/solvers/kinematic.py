@@ -8,7 +8,7 @@ import math
 from ..accumulate import add
 from ..general.advance import commit
 from ..general.motion import evaluate
-from ..general.stages import keep_rates, set_changes
+from ..general.stages import FEWEST, keep_rates, set_changes
 from ..general.states import GEARED, IDEAL, LOSSY, OPEN
 from ..loads import sample_load
 from ..tableau import GAUSS, GAUSS_NODES, GAUSS_WEIGHTS
@@ -97,7 +97,7 @@ def advance_kinematic(d, x, w, remaining):
         x.torque_peak = max(x.torque_peak, abs(d.machine.output))
         out += GAUSS_WEIGHTS[n] * h * d.machine.output * d.machine.omega2
     x.step_evaluations += GAUSS
-    set_changes(d, x, w, w.change, h, GAUSS)
+    set_changes(d, x, w, w.change, h, GAUSS, FEWEST)
     # the motion, without the rounding of a sum
     w.change.q = rate * w.change.theta1
     w.change.turned3 = d.ratio * w.change.theta1
