@@ -13,6 +13,8 @@ COLLOCATED = 5
 STAGES = 16
 DENSE = 7
 MATRIX = COLLOCATED * COLLOCATED
+# ... of the stiff step, and how many quantities it solves for
+SOLVED, MOVING = 8, 9
 # their guards, and the satellites that may have one each (general.satellites.MANY)
 GUARDS, SATELLITES = 4, 50
 # causes of losses (codes.VISCOUS ...)
@@ -142,13 +144,16 @@ WORKSPACE = (
     *(("rates", FOLLOWED, STAGES), ("change", FOLLOWED)),
     ("watched", (("value", STAGES), ("rate", STAGES), ("dense", DENSE)), GUARDS + SATELLITES),
     ("weights", STAGES),
+    # the stiff step: whether it is in hand, changes at its stages, derivatives of all rates, linear equations
+    *("stiff", ("stages", FOLLOWED, SOLVED), ("slopes", FOLLOWED, MOVING)),
+    *(("matrix", MOVING * MOVING), ("pivots", MOVING)),
     # collocation: matrices of the shaft, and numbers at the stages
     *(("inverse", MATRIX), ("gain", MATRIX), ("shaft", MATRIX), ("jacobian", MATRIX)),
     *(("rate1", COLLOCATED), ("rate2", COLLOCATED), ("rate3", COLLOCATED), ("rate_relative", COLLOCATED)),
     *(("stage_q", COLLOCATED), ("stage_omega1", COLLOCATED), ("stage_omega2", COLLOCATED)),
     *(("stage_omega3", COLLOCATED), ("stage_relative", COLLOCATED), ("stage_shaft_torque", COLLOCATED)),
     *(("stage_output_torque", COLLOCATED), ("stage_release", COLLOCATED)),
-    *(("right_side", COLLOCATED), ("shaft_right_side", COLLOCATED), ("update1", COLLOCATED)),
+    *(("right_side", MOVING), ("shaft_right_side", COLLOCATED), ("update1", COLLOCATED)),
     # ... equations of both links: of the first by the rates of omega2 with its right side, of the second by
     # those of omega1 and of omega2
     *(("columns", MATRIX + COLLOCATED), ("lower", MATRIX), ("corner", MATRIX)),

@@ -18,18 +18,28 @@ from .guards import (
     SLIP,
     SPIN,
     fit_guard,
+    fit_through,
     general_fourth_bound,
     how_many_guards,
     is_clear,
+    is_clear_by_ends,
     is_speed,
     is_spring,
     is_watched,
     value_and_rate,
 )
+from .rosenbrock import (
+    PARTS,
+    differentiate,
+    fastest_own_rate,
+    look_inside,
+    make_stiff_step,
+    set_part,
+)
 from .instant import part_at, pass_at
 from .motion import evaluate, take_state
 from .satellites import with_sign_changed
-from .stages import cut_step, keep_rates, make_inside, make_step, weighed_rate
+from .stages import take_changed, cut_step, keep_rates, make_inside, make_step, weighed_rate
 from .states import IDEAL, LOCKED, LOSSY, OPEN, WOUND, is_rough, is_wound
 
 # stage inside the step at which the force on the bearing is seen
@@ -37,6 +47,11 @@ SEEN = 9
 # phase of the highest harmonic within one step, and between two looks at a guard, rad
 STEP_PHASE = 4.0
 LOOK_PHASE = 1.0
+# phase of shaft and springs within a step from which on it is a stiff one; steps tried to end at an event, and
+# how near to it, in tolerances
+STIFF = 4.0
+LANDINGS = 10
+NEAR = 1e-3
 # steps are often as long as is stable, and a little longer are tried in vain
 SAFETY = 0.8
 # share of its size that a step keeps where a freewheel has switched
@@ -82,6 +97,7 @@ def try_short_step(d, x, w, remaining):
     It will where the error is allowed and no guard comes near zero. Returns as try_steps.
     """
     w.short = 1.0
+    w.stiff = 0.0
     make_step(d, x, w, remaining)
     fastest = fastest_speed(d, x, w)
     error = step_error(d, x, w, fastest) / SHORT_SHARE
@@ -99,16 +115,55 @@ def try_steps(d, x, w, limit):
     """Make the longest step of allowed error. Returns the largest speed in it, or -1 where none will do."""
     w.short = 0.0
     h = first_size(x, limit)
+    own = fastest_own_rate(d, x) if d.elastic != 0.0 else 0.0
+    differentiated = False
     for attempt in range(REJECTIONS):
-        make_step(d, x, w, h)
+        w.stiff = 1.0 if h * own > STIFF else 0.0
+        if w.stiff != 0.0:
+            if not differentiated:
+                differentiate(d, x, w)
+                differentiated = True
+            make_stiff_step(d, x, w, h)
+        else:
+            make_step(d, x, w, h)
         fastest = fastest_speed(d, x, w)
         error = step_error(d, x, w, fastest)
-        factor = next_factor(error, 8.0, SAFETY)
+        factor = next_factor(error, 8.0 if w.stiff == 0.0 else 5.0, SAFETY)
         if error <= 1.0:
             carry_size(x, h, factor, attempt)
             return fastest
         h *= factor
     return -1.0
+
+
+def land(d, x, w, which, zero, sigma):
+    """Make the stiff step end where the guard falls. Returns the guard, or NONE where it does not."""
+    one = w.watched[which]
+    low, high = 0.0, w.step
+    start = value_low = one.value[0]
+    value_high = one.value[PARTS]
+    scale = max(abs(start), abs(value_high))
+    t = sigma * high
+    value = rate = 0.0
+    for _ in range(LANDINGS):
+        make_stiff_step(d, x, w, t)
+        take_changed(d, x, w)
+        evaluate(d, x, w.prescribed, w.load, True)
+        x.step_evaluations += 1.0
+        value, rate = value_and_rate(d, x, d.machine, which)
+        if value <= 0.0:
+            if value >= -max(4.0 * zero, NEAR * d.tolerance * scale):
+                break
+            high, value_high = t, value
+        else:
+            low, value_low = t, value
+        move = low
+        if is_speed(x, which) and rate < 0.0:
+            move = t - value / rate
+        elif value_high < 0.0 < value_low:
+            move = low + (high - low) * value_low / (value_low - value_high)
+        t = move if low < move < high else 0.5 * (low + high)
+    return which if value <= 0.0 else NONE
 
 
 def guard_tolerance(d, x, w, which, fastest):
@@ -130,12 +185,20 @@ def first_event(d, x, w, fastest):
     phase = w.step * d.harmonic * d.k * max(abs(x.omega1 - x.omega2), fastest if d.by_torque != 0.0 else 0.0)
     looks = 1 + int(math.floor(min(phase, STEP_PHASE) / LOOK_PHASE))
     for guard in range(how_many_guards(d)):
-        if not is_watched(d, x, guard, rough) or is_clear(w, guard):
+        if not is_watched(d, x, guard, rough):
             continue
-        if not inside:
-            make_inside(d, x, w)
-            inside = True
-        fit_guard(w, guard)
+        if is_clear_by_ends(x, w, guard) if w.stiff != 0.0 else is_clear(w, guard):
+            continue
+        if w.stiff != 0.0:
+            if not inside:
+                look_inside(d, x, w, 1)
+                look_inside(d, x, w, 3)
+            fit_through(w, guard)
+        else:
+            if not inside:
+                make_inside(d, x, w)
+            fit_guard(w, guard)
+        inside = True
         zero = guard_tolerance(d, x, w, guard, fastest)
         sigma = first_crossing(d, x, w, guard, zero, general_fourth_bound(x, w, guard), looks)
         if sigma > 0.0 and (earliest < 0.0 or sigma < earliest):
@@ -173,7 +236,7 @@ def commit(d, x, w):
     x.output_impulse += change.output
     x.output_square += change.square
     x.turned3 += change.turned3
-    for n in range(SHORT_END + 1 if w.short != 0.0 else END + 1):
+    for n in range(SHORT_END + 1 if w.short != 0.0 else (3 if w.stiff != 0.0 else END + 1)):
         x.torque_peak = max(x.torque_peak, abs(w.rates[n].output))
 
 
@@ -262,16 +325,26 @@ def advance_general(d, x, w, remaining):
         fastest = try_steps(d, x, w, limit)
         if fastest < 0.0:
             return -1.0, False
+        if w.stiff != 0.0:
+            look_inside(d, x, w, 2)
+            look_inside(d, x, w, PARTS)
         recall(x.now, m)
         sigma, which = first_event(d, x, w, fastest)
     else:
         recall(x.now, m)
-    if sigma >= 0.0 and which == SLIP and x.slip_sign == 0.0:
+    if w.stiff != 0.0:
+        pass
+    elif sigma >= 0.0 and which == SLIP and x.slip_sign == 0.0:
         sigma = part_at(d, x, w, guard_tolerance(d, x, w, SLIP, fastest), sigma)
     elif sigma >= 0.0 and which < SLIP and not is_speed(x, which) and not is_spring(x, which):
         sigma = pass_at(d, x, w, which, guard_tolerance(d, x, w, which, fastest), sigma)
-    wound = is_wound(x)
-    if sigma < 0.0:
+    wound = is_wound(x) and w.stiff == 0.0
+    if w.stiff != 0.0:
+        if sigma >= 0.0:
+            which = land(d, x, w, which, guard_tolerance(d, x, w, which, fastest), sigma)
+        else:
+            set_part(d, x, w, 1.0)
+    elif sigma < 0.0:
         see_inside(d, x, w)
     elif wound:
         make_step(d, x, w, sigma * w.step)

@@ -7,6 +7,7 @@ from ..links import kinetic_energy, response
 from ..tableau import END, FIFTH, FOURTH, SHORT_END, THIRD
 from .stages import (
     LOST,
+    MOTION,
     OF_DRIVE,
     OF_HOUSING,
     OMEGA1,
@@ -16,30 +17,22 @@ from .stages import (
     TWIST,
     WORK_IN,
     WOUND_HOUSING,
-    WOUND_OUTPUT,
     Q,
+    how_many_move,
     weighed_rate,
 )
 from .states import LOCKED, WOUND
 
-# what counts of the motion with a rigid output, with a shaft besides, and with wind-up
-MOTION = (Q, OMEGA1, OMEGA2, OMEGA3, TWIST, RELATIVE, WOUND_HOUSING, WOUND_OUTPUT)
-RIGID_OUTPUT, WITH_SHAFT = 4, 6
 # sums that are held to the tolerance, for the motion tells nothing of their errors: the losses have kinks
 # that are no events, and where link 1 stands still no energy shows what torque holds it
 HELD_SUMS = (OF_DRIVE, OF_HOUSING, WORK_IN, LOST + MESH, LOST + JOURNAL)
+# stage of Rosenbrock's method that is its error
+STIFF_ERROR = 7
 # the error of a work is measured by so many present kinetic energies, from rest by this share of the largest
 OF_ENERGY = 10.0
 FROM_REST = 0.01
 # ... of a loss by this share of it: friction that hardly loads the links for an instant is a kink of its own
 OF_LOSSES = 0.1
-
-
-def how_many_move(d):
-    """How many of MOTION there are."""
-    if d.elastic == 0.0:
-        return RIGID_OUTPUT
-    return len(MOTION) if d.housing_stiffness + d.freewheel_stiffness > 0.0 else WITH_SHAFT
 
 
 def fastest_speed(d, x, w):
@@ -124,12 +117,14 @@ def step_error(d, x, w, fastest):
             scale = d.tolerance * max(scale, abs(w.change.numbers[n]))
         if scale > 0.0:
             count += 1
-            if w.short != 0.0:
+            if w.stiff != 0.0:
+                sum3 += (w.stages[STIFF_ERROR].numbers[n] / (w.step * scale)) ** 2
+            elif w.short != 0.0:
                 sum3 += (weighed_rate(w, FOURTH, SHORT_END + 1, n) / scale) ** 2
             else:
                 sum5 += (weighed_rate(w, FIFTH, END, n) / scale) ** 2
                 sum3 += (weighed_rate(w, THIRD, END, n) / scale) ** 2
-    if w.short != 0.0:
+    if w.short + w.stiff != 0.0:
         return w.step * math.sqrt(sum3 / max(count, 1)) if sum3 < 1e300 else 1e300
     mix = sum5 + 0.01 * sum3
     if mix == 0.0:

@@ -29,6 +29,7 @@ SPIN = 4
 APART = 1e-4
 # share of its range in the step that a guard stays above at all stages if it does between them
 CLEAR = 0.25
+CLEAR_TORQUE = 0.5
 
 
 def how_many_guards(d):
@@ -102,6 +103,40 @@ def is_clear(w, which):
     return low > CLEAR * (high - low) or (start >= 0.0 and least > CLEAR * (most - least))
 
 
+def is_clear_by_ends(x, w, which):
+    """Tell whether a guard is above zero in the stiff step in hand, by its ends and its middle."""
+    one = w.watched[which]
+    start, middle, end = one.value[0], one.value[2], one.value[4]
+    if is_speed(x, which):
+        start_rate, end_rate = w.step * one.rate[0], w.step * one.rate[4]
+        return (
+            start + 0.25 * start_rate > 0.0
+            and end > 0.0
+            and end - 0.25 * end_rate > 0.0
+            and middle > CLEAR * abs(start_rate - end_rate)
+        )
+    low = min(start, middle, end)
+    return low > CLEAR_TORQUE * (max(start, middle, end) - low)
+
+
+def fit_through(w, which):
+    """Fit the inside of the stiff step in hand through its values at the four quarters."""
+    one = w.watched[which]
+    start = one.value[0]
+    change = one.value[4] - start
+    first = (one.value[1] - start - 0.25 * change) * (16.0 / 3.0)
+    second = (one.value[2] - start - 0.5 * change) * 4.0
+    third = (one.value[3] - start - 0.75 * change) * (16.0 / 3.0)
+    # quadratic through these at 1/4, 1/2, 3/4
+    curve = 8.0 * (first - 2.0 * second + third)
+    slope = 4.0 * (second - first) - 0.75 * curve
+    one.dense[0] = change
+    one.dense[1] = first - 0.25 * slope - 0.0625 * curve
+    one.dense[2] = slope + curve
+    one.dense[3] = -curve
+    one.dense[4] = one.dense[5] = one.dense[6] = 0.0
+
+
 def fit_guard(w, which):
     """Fit the inside of the step in hand."""
     fit(w.step, w.watched[which].rate, w.watched[which].dense)
@@ -114,6 +149,9 @@ def general_guard(x, w, which, sigma):
     """
     one = w.watched[which]
     start = one.value[0]
+    if w.stiff != 0.0:
+        shift = 0.0 if is_spring(x, which) else min(start, 0.0)
+        return start - shift + dense_change(one.dense, sigma), dense_rate(one.dense, sigma)
     if is_speed(x, which):
         return max(start, 0.0) + dense_change(one.dense, sigma), dense_rate(one.dense, sigma)
     per_step = 1.0 / w.step
@@ -125,4 +163,4 @@ def general_guard(x, w, which, sigma):
 def general_fourth_bound(x, w, which):
     """Bound of the fourth derivative of the fit."""
     dense = w.watched[which].dense
-    return dense_fourth_bound(dense) if is_speed(x, which) else dense_rate_fourth_bound(dense) / w.step
+    return dense_fourth_bound(dense) if is_speed(x, which) or w.stiff != 0.0 else dense_rate_fourth_bound(dense) / w.step

@@ -14,8 +14,18 @@ from .states import IDEAL, LOCKED, LOSSY, OPEN, WOUND
 Q, OMEGA1, OMEGA2, OMEGA3, OF_DRIVE, OF_HOUSING = 0, 1, 2, 3, 4, 5
 THETA1, WORK_IN, LOST = 8, 10, 11
 TWIST, RELATIVE, WOUND_HOUSING, WOUND_OUTPUT = 16, 17, 18, 19
+# what counts of the motion with a rigid output, with a shaft besides, and with wind-up; then the angle of link 1
+MOTION = (Q, OMEGA1, OMEGA2, OMEGA3, TWIST, RELATIVE, WOUND_HOUSING, WOUND_OUTPUT, THETA1)
+RIGID_OUTPUT, WITH_SHAFT, WITH_WINDUP = 4, 6, 8
 # how many of them an ideal module of rigid output has
 FEWEST = 12
+
+
+def how_many_move(d):
+    """How many of MOTION there are."""
+    if d.elastic == 0.0:
+        return RIGID_OUTPUT
+    return WITH_WINDUP if d.housing_stiffness + d.freewheel_stiffness > 0.0 else WITH_SHAFT
 
 
 def power_of_freewheels(d, x, m):
@@ -170,6 +180,13 @@ def evaluate_inside(d, x, w, sigma):
     """Evaluate the equations at the part sigma of the step in hand, its inside known, into d.machine."""
     write_inside_weights(sigma, w.weights)
     set_changes(d, x, w, sigma * w.step, STAGES)
+    take_changed(d, x, w)
+    evaluate(d, x, w.prescribed, w.load, True)
+    x.step_evaluations += 1.0
+
+
+def take_changed(d, x, w):
+    """The motion with the changes in w.change into d.machine."""
     m = d.machine
     m.q = x.q + w.change.q
     m.theta1 = x.theta1 + w.change.theta1
@@ -181,5 +198,3 @@ def evaluate_inside(d, x, w, sigma):
         m.relative = x.relative + w.change.relative
         m.wound_housing = x.wound_housing + w.change.wound_housing
         m.wound_output = x.wound_output + w.change.wound_output
-    evaluate(d, x, w.prescribed, w.load, True)
-    x.step_evaluations += 1.0
