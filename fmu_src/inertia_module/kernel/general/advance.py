@@ -50,8 +50,9 @@ LOOK_PHASE = 1.0
 # phase of shaft and springs within a step from which on it is a stiff one; steps tried to end at an event, and
 # how near to it, in tolerances
 STIFF = 4.0
+STIFF_SHARE = 0.5
 LANDINGS = 10
-NEAR = 1e-3
+NEAR_SPEED, NEAR_TORQUE = 1e-2, 0.1
 # steps are often as long as is stable, and a little longer are tried in vain
 SAFETY = 0.8
 # share of its size that a step keeps where a freewheel has switched
@@ -115,6 +116,7 @@ def try_steps(d, x, w, limit):
     """Make the longest step of allowed error. Returns the largest speed in it, or -1 where none will do."""
     w.short = 0.0
     h = first_size(x, limit)
+    longest = longest_step(d, x, w, 1e300)
     own = fastest_own_rate(d, x) if d.elastic != 0.0 else 0.0
     differentiated = False
     for attempt in range(REJECTIONS):
@@ -123,6 +125,7 @@ def try_steps(d, x, w, limit):
             if not differentiated:
                 differentiate(d, x, w)
                 differentiated = True
+            h = min(h, max(STIFF_SHARE * longest, STIFF / own))
             make_stiff_step(d, x, w, h)
         else:
             make_step(d, x, w, h)
@@ -137,12 +140,12 @@ def try_steps(d, x, w, limit):
 
 
 def land(d, x, w, which, zero, sigma):
-    """Make the stiff step end where the guard falls. Returns the guard, or NONE where it does not."""
+    """Make the stiff step end where the guard falls. Returns whether it does."""
     one = w.watched[which]
     low, high = 0.0, w.step
     start = value_low = one.value[0]
     value_high = one.value[PARTS]
-    scale = max(abs(start), abs(value_high))
+    near = max(4.0 * zero, (NEAR_SPEED if is_speed(x, which) else NEAR_TORQUE) * d.tolerance * max(abs(start), abs(value_high)))
     t = sigma * high
     value = rate = 0.0
     for _ in range(LANDINGS):
@@ -151,19 +154,19 @@ def land(d, x, w, which, zero, sigma):
         evaluate(d, x, w.prescribed, w.load, True)
         x.step_evaluations += 1.0
         value, rate = value_and_rate(d, x, d.machine, which)
+        if -near <= value <= 0.0:
+            break
         if value <= 0.0:
-            if value >= -max(4.0 * zero, NEAR * d.tolerance * scale):
-                break
             high, value_high = t, value
         else:
             low, value_low = t, value
         move = low
         if is_speed(x, which) and rate < 0.0:
-            move = t - value / rate
+            move = t - (value + 0.5 * near) / rate
         elif value_high < 0.0 < value_low:
-            move = low + (high - low) * value_low / (value_low - value_high)
+            move = low + (high - low) * (value_low + 0.5 * near) / (value_low - value_high)
         t = move if low < move < high else 0.5 * (low + high)
-    return which if value <= 0.0 else NONE
+    return value <= 0.0
 
 
 def guard_tolerance(d, x, w, which, fastest):
@@ -176,8 +179,8 @@ def guard_tolerance(d, x, w, which, fastest):
     return share * (abs(m.mesh) + abs(m.housing) + abs(m.output) + abs(w.load))
 
 
-def first_event(d, x, w, fastest):
-    """Earliest fall of a guard in the step just made: (fraction of the step or -1, which guard)."""
+def first_event(d, x, w, fastest, cleared):
+    """Earliest fall of a guard, but of the one cleared, in the step just made: (fraction of the step or -1, which guard)."""
     earliest = -1.0
     which = NONE
     inside = False
@@ -185,7 +188,7 @@ def first_event(d, x, w, fastest):
     phase = w.step * d.harmonic * d.k * max(abs(x.omega1 - x.omega2), fastest if d.by_torque != 0.0 else 0.0)
     looks = 1 + int(math.floor(min(phase, STEP_PHASE) / LOOK_PHASE))
     for guard in range(how_many_guards(d)):
-        if not is_watched(d, x, guard, rough):
+        if guard == cleared or not is_watched(d, x, guard, rough):
             continue
         if is_clear_by_ends(x, w, guard) if w.stiff != 0.0 else is_clear(w, guard):
             continue
@@ -193,7 +196,7 @@ def first_event(d, x, w, fastest):
             if not inside:
                 look_inside(d, x, w, 1)
                 look_inside(d, x, w, 3)
-            fit_through(w, guard)
+            fit_through(x, w, guard)
         else:
             if not inside:
                 make_inside(d, x, w)
@@ -205,6 +208,25 @@ def first_event(d, x, w, fastest):
             earliest = sigma
             which = guard
     return earliest, which
+
+
+def end_at_event(d, x, w, fastest):
+    """Let the stiff step end at the first event in it, if any. Returns the guard that falls there, or NONE."""
+    h = w.step
+    cleared = NONE
+    look_inside(d, x, w, 2)
+    look_inside(d, x, w, PARTS)
+    recall(x.now, d.machine)
+    for _ in range(2):
+        sigma, which = first_event(d, x, w, fastest, cleared)
+        if sigma < 0.0:
+            break
+        if land(d, x, w, which, guard_tolerance(d, x, w, which, fastest), sigma):
+            return which
+        cleared = which  # a crossing of the fit alone: what of the other guards?
+        make_stiff_step(d, x, w, h)
+    set_part(d, x, w, 1.0)
+    return NONE
 
 
 def commit(d, x, w):
@@ -325,31 +347,25 @@ def advance_general(d, x, w, remaining):
         fastest = try_steps(d, x, w, limit)
         if fastest < 0.0:
             return -1.0, False
-        if w.stiff != 0.0:
-            look_inside(d, x, w, 2)
-            look_inside(d, x, w, PARTS)
-        recall(x.now, m)
-        sigma, which = first_event(d, x, w, fastest)
-    else:
-        recall(x.now, m)
-    if w.stiff != 0.0:
-        pass
-    elif sigma >= 0.0 and which == SLIP and x.slip_sign == 0.0:
-        sigma = part_at(d, x, w, guard_tolerance(d, x, w, SLIP, fastest), sigma)
-    elif sigma >= 0.0 and which < SLIP and not is_speed(x, which) and not is_spring(x, which):
-        sigma = pass_at(d, x, w, which, guard_tolerance(d, x, w, which, fastest), sigma)
-    wound = is_wound(x) and w.stiff == 0.0
-    if w.stiff != 0.0:
-        if sigma >= 0.0:
-            which = land(d, x, w, which, guard_tolerance(d, x, w, which, fastest), sigma)
+        if w.stiff == 0.0:
+            recall(x.now, m)
+            sigma, which = first_event(d, x, w, fastest, NONE)
         else:
-            set_part(d, x, w, 1.0)
-    elif sigma < 0.0:
-        see_inside(d, x, w)
-    elif wound:
-        make_step(d, x, w, sigma * w.step)
+            which = end_at_event(d, x, w, fastest)
     else:
-        cut_step(d, x, w, sigma)
+        recall(x.now, m)
+    wound = is_wound(x) and w.stiff == 0.0
+    if w.stiff == 0.0:
+        if sigma >= 0.0 and which == SLIP and x.slip_sign == 0.0:
+            sigma = part_at(d, x, w, guard_tolerance(d, x, w, SLIP, fastest), sigma)
+        elif sigma >= 0.0 and which < SLIP and not is_speed(x, which) and not is_spring(x, which):
+            sigma = pass_at(d, x, w, which, guard_tolerance(d, x, w, which, fastest), sigma)
+        if sigma < 0.0:
+            see_inside(d, x, w)
+        elif wound:
+            make_step(d, x, w, sigma * w.step)
+        else:
+            cut_step(d, x, w, sigma)
     commit(d, x, w)
     if d.losses == 0.0 and which == NONE:
         x.rates_cached = 1.0

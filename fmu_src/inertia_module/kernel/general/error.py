@@ -66,10 +66,13 @@ def scale_of(d, x, w, n, fastest):
     speed = response(d, d.J2 + d.J3) * fastest
     if n == OMEGA3:
         return min(max(speed, change), speed_of_torque(d, x, w, fastest))
-    if n == RELATIVE:
-        return max(speed, change)
-    if n == TWIST:
-        return max(speed * math.sqrt(d.J3 / d.stiffness), max(abs(x.twist), change))
+    if n == RELATIVE or n == TWIST:
+        rate = math.sqrt(d.stiffness * (1.0 / d.J3 + 1.0 / d.J4))
+        swing = max(abs(x.relative), abs(x.relative + w.change.relative))
+        swing = max(swing, rate * abs(x.twist), rate * abs(x.twist + w.change.twist))
+        if w.stiff != 0.0:
+            speed = max(speed, swing) if speed <= swing else speed * speed / swing if swing > 0 else 1e300
+        return max(speed, abs(w.change.relative)) if n == RELATIVE else max(speed / rate, abs(x.twist), change)
     if n == WOUND_HOUSING:
         return max(fastest * math.sqrt(d.J2 / max(d.housing_stiffness, 1e-300)), change)
     return max(fastest * math.sqrt(d.J2 / max(d.freewheel_stiffness, 1e-300)), change)
@@ -118,7 +121,8 @@ def step_error(d, x, w, fastest):
         if scale > 0.0:
             count += 1
             if w.stiff != 0.0:
-                sum3 += (w.stages[STIFF_ERROR].numbers[n] / (w.step * scale)) ** 2
+                missing = w.stages[STIFF_ERROR].numbers[n] / (w.step * scale)
+                sum3 += missing * missing
             elif w.short != 0.0:
                 sum3 += (weighed_rate(w, FOURTH, SHORT_END + 1, n) / scale) ** 2
             else:

@@ -119,21 +119,28 @@ def is_clear_by_ends(x, w, which):
     return low > CLEAR_TORQUE * (max(start, middle, end) - low)
 
 
-def fit_through(w, which):
-    """Fit the inside of the stiff step in hand through its values at the four quarters."""
+def fit_through(x, w, which):
+    """Fit the inside of the stiff step in hand: by ends with rates and middle, a torque by the four quarters."""
     one = w.watched[which]
     start = one.value[0]
     change = one.value[4] - start
-    first = (one.value[1] - start - 0.25 * change) * (16.0 / 3.0)
     second = (one.value[2] - start - 0.5 * change) * 4.0
-    third = (one.value[3] - start - 0.75 * change) * (16.0 / 3.0)
-    # quadratic through these at 1/4, 1/2, 3/4
-    curve = 8.0 * (first - 2.0 * second + third)
-    slope = 4.0 * (second - first) - 0.75 * curve
+    if is_speed(x, which):
+        slope = change - w.step * one.rate[4]
+        first = w.step * one.rate[0] - change
+        one.dense[1] = first
+        one.dense[2] = slope - first
+        one.dense[3] = 4.0 * (second - 0.5 * (first + slope))
+    else:
+        first = (one.value[1] - start - 0.25 * change) * (16.0 / 3.0)
+        third = (one.value[3] - start - 0.75 * change) * (16.0 / 3.0)
+        # quadratic through these at 1/4, 1/2, 3/4
+        curve = 8.0 * (first - 2.0 * second + third)
+        slope = 4.0 * (second - first) - 0.75 * curve
+        one.dense[1] = first - 0.25 * slope - 0.0625 * curve
+        one.dense[2] = slope + curve
+        one.dense[3] = -curve
     one.dense[0] = change
-    one.dense[1] = first - 0.25 * slope - 0.0625 * curve
-    one.dense[2] = slope + curve
-    one.dense[3] = -curve
     one.dense[4] = one.dense[5] = one.dense[6] = 0.0
 
 
