@@ -28,6 +28,7 @@ from .states import LOCKED, WOUND
 HELD_SUMS = (OF_DRIVE, OF_HOUSING, WORK_IN, LOST + MESH, LOST + JOURNAL)
 # stage of Rosenbrock's method that is its error
 STIFF_ERROR = 7
+STIFF_TOL = 0.3
 # the error of a work is measured by so many present kinetic energies, from rest by this share of the largest
 OF_ENERGY = 10.0
 FROM_REST = 0.01
@@ -128,6 +129,8 @@ def step_error(d, x, w, fastest):
             else:
                 sum5 += (weighed_rate(w, FIFTH, END, n) / scale) ** 2
                 sum3 += (weighed_rate(w, THIRD, END, n) / scale) ** 2
+    if w.stiff != 0.0:
+        sum3 /= STIFF_TOL * STIFF_TOL
     if w.short + w.stiff != 0.0:
         return w.step * math.sqrt(sum3 / max(count, 1)) if sum3 < 1e300 else 1e300
     mix = sum5 + 0.01 * sum3
