@@ -28,6 +28,8 @@ from .states import LOCKED, WOUND
 HELD_SUMS = (OF_DRIVE, OF_HOUSING, WORK_IN, LOST + MESH, LOST + JOURNAL)
 # stage of Rosenbrock's method that is its error
 STIFF_ERROR = 7
+MOVE_TWIST = 4
+K = 1.0
 STIFF_TOL = 0.3
 # the error of a work is measured by so many present kinetic energies, from rest by this share of the largest
 OF_ENERGY = 10.0
@@ -72,7 +74,7 @@ def scale_of(d, x, w, n, fastest):
         swing = max(abs(x.relative), abs(x.relative + w.change.relative))
         swing = max(swing, rate * abs(x.twist), rate * abs(x.twist + w.change.twist))
         if w.stiff != 0.0:
-            speed = max(speed, swing) if speed <= swing else speed * speed / swing if swing > 0 else 1e300
+            speed = max(speed, swing) if speed <= swing else K * speed * speed / swing if swing > 0 else 1e300
         return max(speed, abs(w.change.relative)) if n == RELATIVE else max(speed / rate, abs(x.twist), change)
     if n == WOUND_HOUSING:
         return max(fastest * math.sqrt(d.J2 / max(d.housing_stiffness, 1e-300)), change)
@@ -90,6 +92,14 @@ def counts(d, x, w, n):
     if n == WORK_IN:
         return d.losses != 0.0 or (d.by_torque == 0.0 and w.prescribed != 0.0)
     return d.losses != 0.0 or n == Q or n == OMEGA2 or n == TWIST or n == RELATIVE
+
+
+def stiff_error(w, n):
+    """Error of a quantity in the stiff step in hand, but what goes with that of the shaft's swing."""
+    errors, by_twist = w.stages[STIFF_ERROR].numbers, w.slopes[MOVE_TWIST].numbers
+    if n == RELATIVE or n == TWIST or by_twist[RELATIVE] == 0.0:
+        return errors[n]
+    return errors[n] - by_twist[n] / by_twist[RELATIVE] * errors[RELATIVE]
 
 
 def step_error(d, x, w, fastest):
@@ -122,7 +132,7 @@ def step_error(d, x, w, fastest):
         if scale > 0.0:
             count += 1
             if w.stiff != 0.0:
-                missing = w.stages[STIFF_ERROR].numbers[n] / (w.step * scale)
+                missing = stiff_error(w, n) / (w.step * scale)
                 sum3 += missing * missing
             elif w.short != 0.0:
                 sum3 += (weighed_rate(w, FOURTH, SHORT_END + 1, n) / scale) ** 2
