@@ -41,7 +41,8 @@ def test_hundred_thousand_tiny_steps_are_one_step(compiled, freewheels, before):
     for _ in range(100_000):
         many.advance(1e-9)
     for name in ("omega2", "omega_out", "drive_angle", "input_angle", "input_torque", "energy_stored"):
-        assert many[name] == pytest.approx(one[name], rel=1e-12, abs=1e-14), name
+        # the torque is a difference of many N m: two parts in 1e15 of them
+        assert many[name] == pytest.approx(one[name], rel=1e-12, abs=2e-13), name
     for name in ("energy_in", "energy_out"):
         assert many[name] == pytest.approx(one[name], rel=1e-11, abs=1e-14), name
     assert many["contact_switches"] == one["contact_switches"]

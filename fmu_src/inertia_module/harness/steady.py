@@ -93,7 +93,7 @@ class SteadyMachine:
                 " without both there is no mean torque"
             )
         d = module.derived
-        self.ideal = d.viscous == 0.0 and d.general == 0.0
+        self.ideal = d.viscous == 0.0 and d.losses == 0.0
         self._derived = d
         period = int(d.period_turns)
         self._turns = min(period * math.ceil(FEWEST_TURNS / period), MOST_TURNS)

@@ -8,7 +8,7 @@ from ..links import response
 from ..loads import INSIDE_PHASE, sample_load
 from ..search import first_crossing
 from ..solvers.step_size import REJECTIONS, carry_size, first_size, next_factor
-from ..tableau import END, SHORT_END
+from ..tableau import END, LONG, NODES, PARTS, QUARTERS, SHORT, SHORT_END
 from .choice import take_speeds
 from .error import fastest_speed, step_error
 from .guards import (
@@ -22,14 +22,12 @@ from .guards import (
     general_fourth_bound,
     how_many_guards,
     is_clear,
-    is_clear_by_ends,
     is_speed,
     is_spring,
     is_watched,
     value_and_rate,
 )
 from .rosenbrock import (
-    PARTS,
     differentiate,
     fastest_own_rate,
     look_inside,
@@ -53,6 +51,10 @@ STIFF = 4.0
 STIFF_SHARE = 0.5
 LANDINGS = 10
 NEAR_SPEED, NEAR_TORQUE = 1e-2, 0.1
+# the same where the inertia behind link 2 all but vanishes at an angle, or that of link 1 is light: the
+# speeds have spikes there, which are not to be stepped over
+CUSP_PHASE = 1.0
+CUSP_RATIO = 1e-2
 # steps are often as long as is stable, and a little longer are tried in vain
 SAFETY = 0.8
 # share of its size that a step keeps where a freewheel has switched
@@ -78,17 +80,32 @@ def recall(target, source):
     target.housing = source.housing
 
 
+def has_cusp(d, x):
+    """Tell whether the inertia behind link 2, or that of link 1 under its torque, is at some angle far below
+    its largest.
+    """
+    if d.by_torque != 0.0 and d.J1 < CUSP_RATIO * d.F_by_alpha1:
+        return True
+    moving = d.k * d.k * d.mass
+    offset = d.pole_offset
+    far = offset + 2.0 * d.pole_arm
+    least = d.J2 + (d.J3 if x.output_state == LOCKED else 0.0)
+    least += d.k * d.k * d.J16 + moving * offset * offset
+    return least < CUSP_RATIO * moving * (far * far + d.spin)
+
+
 def longest_step(d, x, w, remaining):
     """Longest step that is searched for events: a bounded phase of the highest harmonic."""
     m = d.machine
     step = min(remaining, d.max_step)
+    phase = CUSP_PHASE if has_cusp(d, x) else STEP_PHASE
     scale = d.harmonic * d.k
     slip = abs(x.omega1 - x.omega2)
-    if scale * slip * step > STEP_PHASE:
-        step = STEP_PHASE / (scale * slip)
+    if scale * slip * step > phase:
+        step = phase / (scale * slip)
     growth = scale * abs(m.alpha1 - m.alpha2)
-    if 0.5 * growth * step * step > STEP_PHASE:
-        step = math.sqrt(2.0 * STEP_PHASE / growth)
+    if 0.5 * growth * step * step > phase:
+        step = math.sqrt(2.0 * phase / growth)
     return step
 
 
@@ -190,18 +207,15 @@ def first_event(d, x, w, fastest, cleared):
     for guard in range(how_many_guards(d)):
         if guard == cleared or not is_watched(d, x, guard, rough):
             continue
-        if is_clear_by_ends(x, w, guard) if w.stiff != 0.0 else is_clear(w, guard):
+        if is_clear(w, guard):
             continue
         if w.stiff != 0.0:
-            if not inside:
-                look_inside(d, x, w, 1)
-                look_inside(d, x, w, 3)
             fit_through(x, w, guard)
         else:
             if not inside:
                 make_inside(d, x, w)
+                inside = True
             fit_guard(w, guard)
-        inside = True
         zero = guard_tolerance(d, x, w, guard, fastest)
         sigma = first_crossing(d, x, w, guard, zero, general_fourth_bound(x, w, guard), looks)
         if sigma > 0.0 and (earliest < 0.0 or sigma < earliest):
@@ -211,26 +225,34 @@ def first_event(d, x, w, fastest, cleared):
 
 
 def end_at_event(d, x, w, fastest):
-    """Let the stiff step end at the first event in it, if any. Returns the guard that falls there, or NONE."""
+    """Let the stiff step end at the first event in it, if any.
+
+    Returns:
+        (the guard that falls there or NONE, the part of the step that is left).
+    """
     h = w.step
     cleared = NONE
-    look_inside(d, x, w, 2)
-    look_inside(d, x, w, PARTS)
+    for part in range(1, PARTS + 1):
+        look_inside(d, x, w, part)
     recall(x.now, d.machine)
     for _ in range(2):
         sigma, which = first_event(d, x, w, fastest, cleared)
         if sigma < 0.0:
             break
         if land(d, x, w, which, guard_tolerance(d, x, w, which, fastest), sigma):
-            return which
+            return which, w.step / h
         cleared = which  # a crossing of the fit alone: what of the other guards?
         make_stiff_step(d, x, w, h)
     set_part(d, x, w, 1.0)
-    return NONE
+    return NONE, 1.0
 
 
-def commit(d, x, w):
-    """Take the step in hand over, with its sums."""
+def commit(d, x, w, sigma):
+    """Take the step in hand over, with its sums.
+
+    Args:
+        sigma: the part of it that it was cut to, 1 if it was not: stages beyond have no torques.
+    """
     change = w.change
     x.q, x.q_low = add(x.q, x.q_low, change.q)
     wrap_drive_angle(d, x)
@@ -258,8 +280,12 @@ def commit(d, x, w):
     x.output_impulse += change.output
     x.output_square += change.square
     x.turned3 += change.turned3
-    for n in range(SHORT_END + 1 if w.short != 0.0 else (3 if w.stiff != 0.0 else END + 1)):
-        x.torque_peak = max(x.torque_peak, abs(w.rates[n].output))
+    pair, last = (SHORT, SHORT_END) if w.short != 0.0 else (LONG, END)
+    if w.stiff != 0.0:
+        pair, last = QUARTERS, PARTS
+    for n in range(last + 1):
+        if NODES[pair + n] <= sigma:
+            x.torque_peak = max(x.torque_peak, abs(w.rates[n].output))
 
 
 def meet(d, x, which):
@@ -341,7 +367,7 @@ def advance_general(d, x, w, remaining):
     fastest = -1.0
     if limit >= remaining and (remaining <= x.short_size or x.short_size == 0.0):
         fastest = try_short_step(d, x, w, remaining)
-    sigma, which = -1.0, NONE
+    sigma, which, kept = -1.0, NONE, 1.0
     if fastest < 0.0:
         x.short_size *= SHORT_GROWTH  # so that it is tried again
         fastest = try_steps(d, x, w, limit)
@@ -351,7 +377,7 @@ def advance_general(d, x, w, remaining):
             recall(x.now, m)
             sigma, which = first_event(d, x, w, fastest, NONE)
         else:
-            which = end_at_event(d, x, w, fastest)
+            which, kept = end_at_event(d, x, w, fastest)
     else:
         recall(x.now, m)
     wound = is_wound(x) and w.stiff == 0.0
@@ -366,7 +392,8 @@ def advance_general(d, x, w, remaining):
             make_step(d, x, w, sigma * w.step)
         else:
             cut_step(d, x, w, sigma)
-    commit(d, x, w)
+            kept = sigma
+    commit(d, x, w, kept)
     if d.losses == 0.0 and which == NONE:
         x.rates_cached = 1.0
     meet_limits(d, x)

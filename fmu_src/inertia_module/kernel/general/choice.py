@@ -12,6 +12,8 @@ ENDED = 1e-3
 # share of the torques that is rounding, so that at the beginning of a step the one before goes on
 GOES_ON = -1e-12
 NO_TORQUE = 1e-300
+# share of the torques below which a violation is none
+ROUNDING = 1e-13
 
 
 def worst_of_freewheel(state, drag, torque, speed, push):
@@ -70,14 +72,15 @@ def choose_states(d, x, before_misses):
     least = 1e300
     flow, spin = 1.0, 0.0
     for number in range(0 if is_rough(d) else 18, 27):
-        housing = float(number % 3)
-        output = float(number // 3 % 3)
+        # of equals the first: link 2 stays held, a shaft that nothing pulls away touches it, and only then
+        housing = float((number // 3 + 1) % 3)
+        output = float(number % 3 if housing == OPEN else (number + 1) % 3)
         sign = float(number // 9 - 1)
         possible = may_be_housing(d, x, housing) and may_be_output(d, x, output) and may_slip(d, x, sign)
         if not possible:
             continue
         x.housing_state, x.output_state, x.slip_sign = housing, output, sign
-        missing = violation(d, x, prescribed, x.load_torque)
+        missing = max(violation(d, x, prescribed, x.load_torque) - ROUNDING, 0.0)
         if (housing, output, sign) == before:
             missing += before_misses
         if missing < least:

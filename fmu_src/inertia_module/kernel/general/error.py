@@ -102,6 +102,14 @@ def stiff_error(w, n):
     return errors[n] - by_twist[n] / by_twist[RELATIVE] * errors[RELATIVE]
 
 
+def momentum_passed(d):
+    """Momentum that the imbalances pass to links 1 and 2 at most at the speed 1, kg m^2."""
+    links = d.J2 * response(d, d.J2)
+    if d.by_torque != 0.0:
+        links += d.J1 * response(d, d.J1)
+    return (d.F_by_alpha1 + 0.5 * d.F_by_speed) / d.k + links
+
+
 def step_error(d, x, w, fastest):
     """Estimated error of the step in hand over the allowed one.
 
@@ -113,7 +121,7 @@ def step_error(d, x, w, fastest):
     sum3 = 0.0
     count = 0
     moving = how_many_move(d)
-    momentum = ((d.F_by_alpha1 + 0.5 * d.F_by_speed) / d.k + d.J1 + d.J2) * fastest
+    momentum = momentum_passed(d) * fastest
     energy = 0.0
     if counts(d, x, w, WORK_IN):
         energy = OF_ENERGY * kinetic_energy(d, x.q, x.omega1, x.omega2, x.omega3)

@@ -9,6 +9,8 @@ from ..tableau import (
     END,
     LONG,
     NODES,
+    PARTS,
+    QUARTERS,
     SHORT,
     SHORT_END,
     dense_change,
@@ -29,7 +31,6 @@ SPIN = 4
 APART = 1e-4
 # share of its range in the step that a guard stays above at all stages if it does between them
 CLEAR = 0.25
-CLEAR_TORQUE = 0.5
 
 
 def how_many_guards(d):
@@ -92,6 +93,8 @@ def is_clear(w, which):
     values = w.watched[which].value
     start = values[0]
     pair, last = (SHORT, SHORT_END) if w.short != 0.0 else (LONG, END)
+    if w.stiff != 0.0:
+        pair, last = QUARTERS, PARTS
     low = high = start
     least = most = values[last] - start
     for n in range(1, last + 1):
@@ -101,22 +104,6 @@ def is_clear(w, which):
         least = min(least, growth)
         most = max(most, growth)
     return low > CLEAR * (high - low) or (start >= 0.0 and least > CLEAR * (most - least))
-
-
-def is_clear_by_ends(x, w, which):
-    """Tell whether a guard is above zero in the stiff step in hand, by its ends and its middle."""
-    one = w.watched[which]
-    start, middle, end = one.value[0], one.value[2], one.value[4]
-    if is_speed(x, which):
-        start_rate, end_rate = w.step * one.rate[0], w.step * one.rate[4]
-        return (
-            start + 0.25 * start_rate > 0.0
-            and end > 0.0
-            and end - 0.25 * end_rate > 0.0
-            and middle > CLEAR * abs(start_rate - end_rate)
-        )
-    low = min(start, middle, end)
-    return low > CLEAR_TORQUE * (max(start, middle, end) - low)
 
 
 def fit_through(x, w, which):

@@ -11,6 +11,7 @@ argument and U_8, which is the error as well.
 
 import math
 
+from ..tableau import PARTS
 from .motion import evaluate, take_state
 from .stages import MOTION, OMEGA1, how_many_move, keep_rates, take_changed
 from .states import IDEAL, LOCKED, LOSSY, WOUND
@@ -23,7 +24,6 @@ MOVING = 9
 MOVE_Q, MOVE_1, MOVE_2, MOVE_3, MOVE_TWIST, MOVE_RELATIVE, MOVE_HOUSING, MOVE_OUTPUT, MOVE_THETA = range(9)
 # place of the rates that no one needs any more; of those at the even parts of the step that are looked at
 SCRATCH = 15
-PARTS = 4
 # share of its scale by which a speed, an angle or a torque is changed for a difference
 APART = 1e-7
 # fmt: off
