@@ -30,6 +30,7 @@ HELD_SUMS = (OF_DRIVE, OF_HOUSING, WORK_IN, LOST + MESH, LOST + JOURNAL)
 STIFF_ERROR = 7
 MOVE_TWIST = 4
 K = 1.0
+POW = 0.5
 STIFF_TOL = 0.3
 # the error of a work is measured by so many present kinetic energies, from rest by this share of the largest
 OF_ENERGY = 10.0
@@ -74,7 +75,8 @@ def scale_of(d, x, w, n, fastest):
         swing = max(abs(x.relative), abs(x.relative + w.change.relative))
         swing = max(swing, rate * abs(x.twist), rate * abs(x.twist + w.change.twist))
         if w.stiff != 0.0:
-            speed = max(speed, swing) if speed <= swing else K * speed * speed / swing if swing > 0 else 1e300
+            moved = max(abs(x.omega2), abs(x.omega3), abs(w.change.omega2), abs(w.change.omega3)) * K
+            speed *= max(1.0, (moved / swing)**POW if swing > 0 else 1e300)
         return max(speed, abs(w.change.relative)) if n == RELATIVE else max(speed / rate, abs(x.twist), change)
     if n == WOUND_HOUSING:
         return max(fastest * math.sqrt(d.J2 / max(d.housing_stiffness, 1e-300)), change)
