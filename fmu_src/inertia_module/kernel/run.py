@@ -4,37 +4,28 @@ from .accumulate import add, time_later, wrap_drive_angle, wrap_input_angle
 from .averaged.jump import jump_averaged, takes_up_jump
 from .averaged.run import run_averaged
 from .codes import AVERAGED, DRIVE_TORQUE, DRIVING, ELASTIC, KINEMATIC, OK, TIMESTEPPING, TOO_MUCH_WORK
-from .contact import TORQUE_ROUNDING, is_held, present_mode
 from .engine import run_events, switch
 from .general.advance import recall
 from .general.choice import choose_states
 from .general.jump import jump_general
 from .general.motion import evaluate, take_state
-from .impulse import jump_input, jump_kinematic
+from .impulse import jump_kinematic
 from .limits import MAX_EVALUATIONS, MAX_STEPS
-from .links import accelerations, prescribed_at_input
+from .links import prescribed_at_input
 from .loads import sample_load
-from .shaft import carried_by_link2, load_behind_freewheel
-from .solvers.followed import is_stiff
+from .shaft import is_stiff
 from .solvers.kinematic import advance_kinematic
 from .solvers.timestepping import clear_losses, one_step, steps_in
 
 
 def accelerations_now(d, x):
     """Accelerations of links 1 and 2 in the present mode, rad/s^2."""
-    if d.general != 0.0:
-        take_state(d, x)
-        if x.rates_cached != 0.0:
-            recall(d.machine, x.now)
-        else:
-            evaluate(d, x, prescribed_at_input(d, x), x.load_torque, False)
-        return d.machine.alpha1, d.machine.alpha2
-    load, _ = load_behind_freewheel(d, x)
-    carried, friction, torque = carried_by_link2(d, x, load)
-    alpha1, alpha2, _ = accelerations(
-        d, x.q, x.omega1, x.omega2, prescribed_at_input(d, x), is_held(x), carried, friction, torque
-    )
-    return alpha1, alpha2
+    take_state(d, x)
+    if x.rates_cached != 0.0:
+        recall(d.machine, x.now)
+    else:
+        evaluate(d, x, prescribed_at_input(d, x), x.load_torque, False)
+    return d.machine.alpha1, d.machine.alpha2
 
 
 def follow_parameters(p, d, x):
@@ -44,10 +35,7 @@ def follow_parameters(p, d, x):
         x.omega3 = x.omega2
         x.mode = DRIVING
     elif p.fidelity != AVERAGED:
-        if d.general != 0.0:
-            choose_states(d, x, 0.0)
-        else:
-            x.mode = present_mode(d, x, TORQUE_ROUNDING)
+        choose_states(d, x, 0.0)
         if p.drive == DRIVE_TORQUE:
             x.alpha1, _ = accelerations_now(d, x)
 
@@ -79,12 +67,9 @@ def run_timestepping(d, x, w, h):
         one_step(d, x, w, prescribed, x.load_torque, part)
         sample_load(d, x, x.q, x.omega1, x.omega2, (x.omega1 - omega1) / part, (x.omega2 - omega2) / part)
     # what the torques now follow from
-    if d.general != 0.0:
-        switches = x.step_switches
-        choose_states(d, x, 0.0)
-        x.step_switches = switches
-    else:
-        x.mode = present_mode(d, x, TORQUE_ROUNDING)
+    switches = x.step_switches
+    choose_states(d, x, 0.0)
+    x.step_switches = switches
     return OK
 
 
@@ -120,7 +105,7 @@ def run_pulses(p, d, x, w, h):
 
 def turn_input(p, d, x, start1, h):
     """Angle and speed of link 1 at the end of the step, its speed given from start1 on."""
-    if p.fidelity == AVERAGED or d.general == 0.0:  # else it has turned with all the rest
+    if p.fidelity == AVERAGED:  # else it has turned with all the rest
         x.theta1, x.theta1_low = add(x.theta1, x.theta1_low, h * (start1 + 0.5 * x.alpha1 * h))
         wrap_input_angle(x)
     x.omega1 = start1 + x.alpha1 * h
@@ -146,10 +131,7 @@ def run_at_speed(p, d, u, x, w, h, jump):
         else:
             x.torques_continue = 0.0
             stiff = p.fidelity == ELASTIC and is_stiff(d, x, u.omega1)
-            if d.general != 0.0:
-                input_jump, output_jump = jump_general(p, d, x, jump, stiff)
-            else:
-                input_jump, output_jump = jump_input(p, d, x, jump, stiff)
+            input_jump, output_jump = jump_general(p, d, x, jump, stiff)
     start1 = x.omega1
     if p.fidelity == KINEMATIC:
         status = run_kinematic(p, d, x, h)

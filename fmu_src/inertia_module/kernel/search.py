@@ -1,12 +1,12 @@
 """Where in the step in hand a guard first falls through zero: one search for every solver.
 
-A guard is positive while the contact mode goes on; its values and rates come from :mod:`.guards`, and so
-does a bound of its fourth derivative. The cubic with the values and rates at the ends of an interval is off
+A guard is positive while the contact mode goes on; its values and rates come from
+:mod:`.general.guards`, and so does a bound of its fourth derivative. The cubic with the values and rates at the ends of an interval is off
 by at most bound t^2 (h - t)^2 / 24 inside, so the ends and the bound tell what the guard cannot do there.
 The beginning of a step never counts: what holds there was settled when the mode was chosen.
 """
 
-from .guards import guard_inside
+from .general.guards import general_guard
 
 CROSSING_LOOKS = 100
 # A cubic with these values and rates is positive if its Bernstein coefficients are: value + h rate / 3 from
@@ -58,7 +58,7 @@ def find_crossing(d, x, w, which, zero, low, high, value, rate):
         sigma = move if low < move < high else 0.5 * (low + high)
         if not low < sigma < high:
             return high
-        value, rate = guard_inside(d, x, w, which, sigma)
+        value, rate = general_guard(x, w, which, sigma)
         if value < -zero:
             high = sigma
         else:
@@ -74,10 +74,10 @@ def first_crossing(d, x, w, which, zero, fourth_bound, looks):
     """
     part = 1.0 / looks
     low = 0.0
-    value_low, rate_low = guard_inside(d, x, w, which, low)
+    value_low, rate_low = general_guard(x, w, which, low)
     high = part
     while low < 1.0:
-        value, rate = guard_inside(d, x, w, which, high)
+        value, rate = general_guard(x, w, which, high)
         if not abs(value) < 1e300:
             return -1.0  # a motion that overflows is refused at the end of the step
         h = high - low

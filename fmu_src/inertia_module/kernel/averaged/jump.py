@@ -1,7 +1,7 @@
 """A jump of the input speed in fidelity averaged: the shaft keeps its speed, or follows if locked."""
 
 from ..accumulate import add
-from ..works import GAUSS_NODE_1, GAUSS_NODE_2, GAUSS_WEIGHT_1, GAUSS_WEIGHT_2, GAUSS_WEIGHT_3
+from ..gauss import GAUSS_NODE_1, GAUSS_NODE_2, GAUSS_WEIGHT_1, GAUSS_WEIGHT_2, GAUSS_WEIGHT_3
 from .legs import can_lock, locked_torque, most_locked_torque
 from .rates import energy_at, ratio, side_at
 

@@ -10,7 +10,7 @@ matrix, SIAM Review 45 (2003), methods 3 and 14.
 
 import math
 
-from ..works import GAUSS_NODE_1, GAUSS_NODE_2, GAUSS_WEIGHT_1, GAUSS_WEIGHT_2, GAUSS_WEIGHT_3
+from ..gauss import GAUSS_NODE_1, GAUSS_NODE_2, GAUSS_WEIGHT_1, GAUSS_WEIGHT_2, GAUSS_WEIGHT_3
 
 # up to this fast * t a sum over the nodes within [0, 1] is exact to rounding
 SHORT = 1.0 / 64.0

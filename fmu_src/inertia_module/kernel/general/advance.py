@@ -3,10 +3,11 @@
 import math
 
 from ..accumulate import add, add_loss, wrap_drive_angle, wrap_input_angle
-from ..codes import FREEWHEEL, GENERAL, JOURNAL, MESH, NONE, SHAFT, VISCOUS
+from ..codes import FREEWHEEL, JOURNAL, MESH, NONE, SHAFT, VISCOUS
 from ..links import response
 from ..loads import INSIDE_PHASE, sample_load
 from ..search import first_crossing
+from ..shaft import fastest_own_rate
 from ..solvers.step_size import REJECTIONS, carry_size, first_size, next_factor
 from ..tableau import END, LONG, NODES, PARTS, QUARTERS, SHORT, SHORT_END
 from .choice import take_speeds
@@ -27,17 +28,16 @@ from .guards import (
     is_watched,
     value_and_rate,
 )
+from .instant import part_at, pass_at
+from .motion import evaluate, take_state
 from .rosenbrock import (
     differentiate,
-    fastest_own_rate,
     look_inside,
     make_stiff_step,
     set_part,
 )
-from .instant import part_at, pass_at
-from .motion import evaluate, take_state
 from .satellites import with_sign_changed
-from .stages import take_changed, cut_step, keep_rates, make_inside, make_step, weighed_rate
+from .stages import cut_step, keep_rates, make_inside, make_step, take_changed, weighed_rate
 from .states import IDEAL, LOCKED, LOSSY, OPEN, WOUND, is_rough, is_wound
 
 # stage inside the step at which the force on the bearing is seen
@@ -162,7 +162,10 @@ def land(d, x, w, which, zero, sigma):
     low, high = 0.0, w.step
     start = value_low = one.value[0]
     value_high = one.value[PARTS]
-    near = max(4.0 * zero, (NEAR_SPEED if is_speed(x, which) else NEAR_TORQUE) * d.tolerance * max(abs(start), abs(value_high)))
+    near = max(
+        4.0 * zero,
+        (NEAR_SPEED if is_speed(x, which) else NEAR_TORQUE) * d.tolerance * max(abs(start), abs(value_high)),
+    )
     t = sigma * high
     value = rate = 0.0
     for _ in range(LANDINGS):
@@ -197,7 +200,7 @@ def guard_tolerance(d, x, w, which, fastest):
 
 
 def first_event(d, x, w, fastest, cleared):
-    """Earliest fall of a guard, but of the one cleared, in the step just made: (fraction of the step or -1, which guard)."""
+    """Earliest fall of a guard, but of the one cleared, in the step just made: (part of it or -1, which)."""
     earliest = -1.0
     which = NONE
     inside = False
@@ -351,7 +354,6 @@ def advance_general(d, x, w, remaining):
     Returns:
         (time passed or -1 if no step is small enough, whether what freewheels and slip do may change then).
     """
-    w.solver = GENERAL
     m = d.machine
     take_speeds(x)
     take_state(d, x)

@@ -76,8 +76,10 @@ def scale_of(d, x, w, n, fastest):
         swing = max(swing, rate * abs(x.twist), rate * abs(x.twist + w.change.twist))
         if w.stiff != 0.0:
             moved = max(abs(x.omega2), abs(x.omega3), abs(w.change.omega2), abs(w.change.omega3)) * K
-            speed *= max(1.0, (moved / swing)**POW if swing > 0 else 1e300)
-        return max(speed, abs(w.change.relative)) if n == RELATIVE else max(speed / rate, abs(x.twist), change)
+            speed *= max(1.0, (moved / swing) ** POW if swing > 0 else 1e300)
+        return (
+            max(speed, abs(w.change.relative)) if n == RELATIVE else max(speed / rate, abs(x.twist), change)
+        )
     if n == WOUND_HOUSING:
         return max(fastest * math.sqrt(d.J2 / max(d.housing_stiffness, 1e-300)), change)
     return max(fastest * math.sqrt(d.J2 / max(d.freewheel_stiffness, 1e-300)), change)

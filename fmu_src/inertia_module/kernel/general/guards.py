@@ -107,7 +107,7 @@ def is_clear(w, which):
 
 
 def fit_through(x, w, which):
-    """Fit the inside of the stiff step in hand: by ends with rates and middle, a torque by the four quarters."""
+    """Fit the inside of the stiff step: a speed by ends, rates and middle, a torque by the four quarters."""
     one = w.watched[which]
     start = one.value[0]
     change = one.value[4] - start
@@ -157,4 +157,8 @@ def general_guard(x, w, which, sigma):
 def general_fourth_bound(x, w, which):
     """Bound of the fourth derivative of the fit."""
     dense = w.watched[which].dense
-    return dense_fourth_bound(dense) if is_speed(x, which) or w.stiff != 0.0 else dense_rate_fourth_bound(dense) / w.step
+    return (
+        dense_fourth_bound(dense)
+        if is_speed(x, which) or w.stiff != 0.0
+        else dense_rate_fourth_bound(dense) / w.step
+    )

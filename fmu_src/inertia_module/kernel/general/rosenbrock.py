@@ -9,11 +9,9 @@ with J the derivatives of all rates by the motion at the beginning. The step cha
 argument and U_8, which is the error as well.
 """
 
-import math
-
 from ..tableau import PARTS
 from .motion import evaluate, take_state
-from .stages import MOTION, OMEGA1, how_many_move, keep_rates, take_changed
+from .stages import MOTION, how_many_move, keep_rates, take_changed
 from .states import IDEAL, LOCKED, LOSSY, WOUND
 
 STAGES = 8
@@ -62,21 +60,6 @@ DENSE = (
       -52.072871366152654, -59.78993625266729, -0.15582684282751913, 4.883087185713722),
 )
 # fmt: on
-
-
-def fastest_own_rate(d, x):
-    """Bound of the rate at which shaft and springs move by themselves, rad/s."""
-    hub = 1.0 / (d.J3 + d.J2 if x.output_state == LOCKED else d.J3)
-    if x.housing_state == LOCKED and x.output_state == LOCKED:
-        hub = 0.0
-    mobility = hub + 1.0 / d.J4
-    rate = max(math.sqrt(d.stiffness * mobility), d.damping * mobility)
-    if x.housing_state == WOUND:
-        rate = max(rate, math.sqrt(d.housing_stiffness / d.J2), d.housing_damping / d.J2)
-    if x.output_state == WOUND:
-        mobility = 1.0 / d.J2 + 1.0 / d.J3
-        rate = max(rate, math.sqrt(d.freewheel_stiffness * mobility), d.freewheel_damping * mobility)
-    return rate
 
 
 def see(d, x, w, n):

@@ -4,10 +4,10 @@ import math
 
 from ..accumulate import add, add_loss, wrap_input_angle
 from ..codes import FREEWHEEL, JOURNAL, MESH, VISCOUS
+from ..gauss import GAUSS_NODE_1, GAUSS_NODE_2, GAUSS_WEIGHT_1, GAUSS_WEIGHT_2, GAUSS_WEIGHT_3
 from ..general.prescribed import prescribed_torques
 from ..links import friction_power, torques
 from ..loads import sample_load
-from ..works import GAUSS_NODE_1, GAUSS_NODE_2, GAUSS_WEIGHT_1, GAUSS_WEIGHT_2, GAUSS_WEIGHT_3
 
 # phase of the highest harmonic within one Gauss interval, rad
 GAUSS_PHASE = 1.0
