@@ -133,8 +133,8 @@ FOLLOWED = (
 
 # nothing in it outlives the call
 WORKSPACE = (
-    # whether a step ends at a switch; what the solvers share: whether the step is by the short pair, torque or
-    # acceleration given at link 1, load, step in hand
+    # whether a step ends at a switch; whether the step in hand is by the short pair; torque or acceleration
+    # given at link 1, load, length of the step
     *("stops", "short", "prescribed", "load", "step"),
     # rates at the stages and changes over the step of all that is followed, and the guards
     *(("rates", FOLLOWED, STAGES), ("change", FOLLOWED)),

@@ -1,8 +1,9 @@
 """Where in the step in hand a guard first falls through zero: one search for every solver.
 
-A guard is positive while the contact mode goes on; its values and rates come from
-:mod:`.general.guards`, and so does a bound of its fourth derivative. The cubic with the values and rates at the ends of an interval is off
-by at most bound t^2 (h - t)^2 / 24 inside, so the ends and the bound tell what the guard cannot do there.
+A guard is positive while the contact mode goes on; its values and rates come from :mod:`.general.guards`,
+and so does a bound of its fourth derivative. The cubic with the values and rates at the ends of an interval
+is off by at most bound t^2 (h - t)^2 / 24 inside, so the ends and the bound tell what the guard cannot do
+there.
 The beginning of a step never counts: what holds there was settled when the mode was chosen.
 """
 

@@ -9,11 +9,6 @@ from .general.states import LOCKED, WOUND
 from .links import inertia_at_output
 
 
-def shaft_torque(d, x):
-    """Ts now, N m."""
-    return d.stiffness * x.twist + d.damping * x.relative
-
-
 def stored_in_shaft(d, x):
     """Energy of the driven mass and the twist, J."""
     omega4 = x.omega3 - x.relative

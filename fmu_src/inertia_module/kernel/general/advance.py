@@ -45,8 +45,8 @@ SEEN = 9
 # phase of the highest harmonic within one step, and between two looks at a guard, rad
 STEP_PHASE = 4.0
 LOOK_PHASE = 1.0
-# phase of shaft and springs within a step from which on it is a stiff one; steps tried to end at an event, and
-# how near to it, in tolerances
+# phase of shaft and springs within a step from which on it is a stiff one, and its share of STEP_PHASE; steps
+# tried to end at an event, and how near to it, in tolerances of its range
 STIFF = 4.0
 STIFF_SHARE = 0.5
 LANDINGS = 10

@@ -4,6 +4,7 @@ import math
 
 from ..codes import JOURNAL, MESH
 from ..links import kinetic_energy, response
+from ..shaft import shaft_frequency
 from ..tableau import END, FIFTH, FOURTH, SHORT_END, THIRD
 from .stages import (
     LOST,
@@ -15,6 +16,7 @@ from .stages import (
     OMEGA3,
     RELATIVE,
     TWIST,
+    TWIST_MOVES,
     WORK_IN,
     WOUND_HOUSING,
     Q,
@@ -26,12 +28,8 @@ from .states import LOCKED, WOUND
 # sums that are held to the tolerance, for the motion tells nothing of their errors: the losses have kinks
 # that are no events, and where link 1 stands still no energy shows what torque holds it
 HELD_SUMS = (OF_DRIVE, OF_HOUSING, WORK_IN, LOST + MESH, LOST + JOURNAL)
-# stage of Rosenbrock's method that is its error
-STIFF_ERROR = 7
-MOVE_TWIST = 4
-K = 1.0
-POW = 0.5
-STIFF_TOL = 0.3
+# stage of Rosenbrock's method that is its error, and the share of the allowed one that it may have
+STIFF_ERROR, STIFF_SHARE = 7, 0.3
 # the error of a work is measured by so many present kinetic energies, from rest by this share of the largest
 OF_ENERGY = 10.0
 FROM_REST = 0.01
@@ -57,6 +55,19 @@ def speed_of_torque(d, x, w, fastest):
     return (pulses + abs(w.load)) / damping
 
 
+def leniency(x, w, rate):
+    """How much larger errors of the shaft's swing may be: it holds little where the output moves faster.
+
+    Args:
+        rate: of the shaft between hub and driven mass, rad/s.
+    """
+    change = w.change
+    swing = max(abs(x.relative), abs(x.relative + change.relative))
+    swing = max(swing, rate * max(abs(x.twist), abs(x.twist + change.twist)))
+    moved = max(abs(x.omega2), abs(x.omega3), abs(change.omega2), abs(change.omega3))
+    return moved / max(swing, 1e-300) if moved > swing else 1.0
+
+
 def scale_of(d, x, w, n, fastest):
     """Scale of the error of a followed quantity."""
     change = abs(w.change.numbers[n])
@@ -71,15 +82,10 @@ def scale_of(d, x, w, n, fastest):
     if n == OMEGA3:
         return min(max(speed, change), speed_of_torque(d, x, w, fastest))
     if n == RELATIVE or n == TWIST:
-        rate = math.sqrt(d.stiffness * (1.0 / d.J3 + 1.0 / d.J4))
-        swing = max(abs(x.relative), abs(x.relative + w.change.relative))
-        swing = max(swing, rate * abs(x.twist), rate * abs(x.twist + w.change.twist))
+        rate = shaft_frequency(d, 1.0 / d.J3)
         if w.stiff != 0.0:
-            moved = max(abs(x.omega2), abs(x.omega3), abs(w.change.omega2), abs(w.change.omega3)) * K
-            speed *= max(1.0, (moved / swing) ** POW if swing > 0 else 1e300)
-        return (
-            max(speed, abs(w.change.relative)) if n == RELATIVE else max(speed / rate, abs(x.twist), change)
-        )
+            speed *= leniency(x, w, rate)
+        return max(speed if n == RELATIVE else max(speed / rate, abs(x.twist)), change)
     if n == WOUND_HOUSING:
         return max(fastest * math.sqrt(d.J2 / max(d.housing_stiffness, 1e-300)), change)
     return max(fastest * math.sqrt(d.J2 / max(d.freewheel_stiffness, 1e-300)), change)
@@ -100,7 +106,7 @@ def counts(d, x, w, n):
 
 def stiff_error(w, n):
     """Error of a quantity in the stiff step in hand, but what goes with that of the shaft's swing."""
-    errors, by_twist = w.stages[STIFF_ERROR].numbers, w.slopes[MOVE_TWIST].numbers
+    errors, by_twist = w.stages[STIFF_ERROR].numbers, w.slopes[TWIST_MOVES].numbers
     if n == RELATIVE or n == TWIST or by_twist[RELATIVE] == 0.0:
         return errors[n]
     return errors[n] - by_twist[n] / by_twist[RELATIVE] * errors[RELATIVE]
@@ -144,15 +150,13 @@ def step_error(d, x, w, fastest):
         if scale > 0.0:
             count += 1
             if w.stiff != 0.0:
-                missing = stiff_error(w, n) / (w.step * scale)
+                missing = stiff_error(w, n) / (STIFF_SHARE * w.step * scale)
                 sum3 += missing * missing
             elif w.short != 0.0:
                 sum3 += (weighed_rate(w, FOURTH, SHORT_END + 1, n) / scale) ** 2
             else:
                 sum5 += (weighed_rate(w, FIFTH, END, n) / scale) ** 2
                 sum3 += (weighed_rate(w, THIRD, END, n) / scale) ** 2
-    if w.stiff != 0.0:
-        sum3 /= STIFF_TOL * STIFF_TOL
     if w.short + w.stiff != 0.0:
         return w.step * math.sqrt(sum3 / max(count, 1)) if sum3 < 1e300 else 1e300
     mix = sum5 + 0.01 * sum3

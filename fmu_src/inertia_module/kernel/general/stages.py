@@ -14,9 +14,10 @@ from .states import IDEAL, LOCKED, LOSSY, OPEN, WOUND
 Q, OMEGA1, OMEGA2, OMEGA3, OF_DRIVE, OF_HOUSING = 0, 1, 2, 3, 4, 5
 THETA1, WORK_IN, LOST = 8, 10, 11
 TWIST, RELATIVE, WOUND_HOUSING, WOUND_OUTPUT = 16, 17, 18, 19
-# what moves: with a rigid output, with a shaft besides, with wind-up; at last, for weights, the angle of link 1
+# what moves: with a rigid output, with a shaft, with wind-up; for weights the angle of link 1. Place of twist
 MOTION = (Q, OMEGA1, OMEGA2, OMEGA3, TWIST, RELATIVE, WOUND_HOUSING, WOUND_OUTPUT, THETA1)
 RIGID_OUTPUT, WITH_SHAFT, WITH_WINDUP = 4, 6, 8
+TWIST_MOVES = 4
 # how many of them an ideal module of rigid output has
 FEWEST = 12
 
