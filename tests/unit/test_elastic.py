@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scenes import ELASTIC, REFERENCE, SCENES, advanced, started
 
-from inertia_module.kernel.solvers.followed import slowest_rate
+from inertia_module.kernel.shaft import slowest_rate
 
 # damping over the critical one
 DAMPINGS = {"undamped": 0.0, "underdamped": 0.1, "critical": 1.0, "overdamped": 10.0}

@@ -141,7 +141,7 @@ WORKSPACE = (
     ("watched", (("value", STAGES), ("rate", STAGES), ("dense", DENSE)), GUARDS + SATELLITES),
     ("weights", STAGES),
     # the stiff step: whether it is in hand, changes at its stages, derivatives of all rates, linear equations
-    *("stiff", ("stages", FOLLOWED, SOLVED), ("slopes", FOLLOWED, MOVING)),
+    *("stiffly", ("stages", FOLLOWED, SOLVED), ("slopes", FOLLOWED, MOVING)),
     *(("matrix", MOVING * MOVING), ("pivots", MOVING), ("right_side", MOVING)),
     # fixed steps: I, I', B, G at the end and the slip angle to there; what links 1 and 2 come to
     *("end_i", "end_i1", "end_b", "end_g", "slip_angle"),

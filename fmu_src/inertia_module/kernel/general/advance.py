@@ -115,7 +115,7 @@ def try_short_step(d, x, w, remaining):
     It will where the error is allowed and no guard comes near zero. Returns as try_steps.
     """
     w.short = 1.0
-    w.stiff = 0.0
+    w.stiffly = 0.0
     make_step(d, x, w, remaining)
     fastest = fastest_speed(d, x, w)
     error = step_error(d, x, w, fastest) / SHORT_SHARE
@@ -137,8 +137,8 @@ def try_steps(d, x, w, limit):
     own = fastest_own_rate(d, x) if d.elastic != 0.0 else 0.0
     differentiated = False
     for attempt in range(REJECTIONS):
-        w.stiff = 1.0 if h * own > STIFF else 0.0
-        if w.stiff != 0.0:
+        w.stiffly = 1.0 if h * own > STIFF else 0.0
+        if w.stiffly != 0.0:
             if not differentiated:
                 differentiate(d, x, w)
                 differentiated = True
@@ -148,7 +148,7 @@ def try_steps(d, x, w, limit):
             make_step(d, x, w, h)
         fastest = fastest_speed(d, x, w)
         error = step_error(d, x, w, fastest)
-        factor = next_factor(error, 8.0 if w.stiff == 0.0 else 5.0, SAFETY)
+        factor = next_factor(error, 8.0 if w.stiffly == 0.0 else 5.0, SAFETY)
         if error <= 1.0:
             carry_size(x, h, factor, attempt)
             return fastest
@@ -212,7 +212,7 @@ def first_event(d, x, w, fastest, cleared):
             continue
         if is_clear(w, guard):
             continue
-        if w.stiff != 0.0:
+        if w.stiffly != 0.0:
             fit_through(x, w, guard)
         else:
             if not inside:
@@ -284,7 +284,7 @@ def commit(d, x, w, sigma):
     x.output_square += change.square
     x.turned3 += change.turned3
     pair, last = (SHORT, SHORT_END) if w.short != 0.0 else (LONG, END)
-    if w.stiff != 0.0:
+    if w.stiffly != 0.0:
         pair, last = QUARTERS, PARTS
     for n in range(last + 1):
         if NODES[pair + n] <= sigma:
@@ -375,15 +375,15 @@ def advance_general(d, x, w, remaining):
         fastest = try_steps(d, x, w, limit)
         if fastest < 0.0:
             return -1.0, False
-        if w.stiff == 0.0:
+        if w.stiffly == 0.0:
             recall(x.now, m)
             sigma, which = first_event(d, x, w, fastest, NONE)
         else:
             which, kept = end_at_event(d, x, w, fastest)
     else:
         recall(x.now, m)
-    wound = is_wound(x) and w.stiff == 0.0
-    if w.stiff == 0.0:
+    wound = is_wound(x) and w.stiffly == 0.0
+    if w.stiffly == 0.0:
         if sigma >= 0.0 and which == SLIP and x.slip_sign == 0.0:
             sigma = part_at(d, x, w, guard_tolerance(d, x, w, SLIP, fastest), sigma)
         elif sigma >= 0.0 and which < SLIP and not is_speed(x, which) and not is_spring(x, which):

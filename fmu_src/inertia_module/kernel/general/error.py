@@ -83,7 +83,7 @@ def scale_of(d, x, w, n, fastest):
         return min(max(speed, change), speed_of_torque(d, x, w, fastest))
     if n == RELATIVE or n == TWIST:
         rate = shaft_frequency(d, 1.0 / d.J3)
-        if w.stiff != 0.0:
+        if w.stiffly != 0.0:
             speed *= leniency(x, w, rate)
         return max(speed if n == RELATIVE else max(speed / rate, abs(x.twist)), change)
     if n == WOUND_HOUSING:
@@ -149,7 +149,7 @@ def step_error(d, x, w, fastest):
             scale = d.tolerance * max(scale, abs(w.change.numbers[n]))
         if scale > 0.0:
             count += 1
-            if w.stiff != 0.0:
+            if w.stiffly != 0.0:
                 missing = stiff_error(w, n) / (STIFF_SHARE * w.step * scale)
                 sum3 += missing * missing
             elif w.short != 0.0:
@@ -157,7 +157,7 @@ def step_error(d, x, w, fastest):
             else:
                 sum5 += (weighed_rate(w, FIFTH, END, n) / scale) ** 2
                 sum3 += (weighed_rate(w, THIRD, END, n) / scale) ** 2
-    if w.short + w.stiff != 0.0:
+    if w.short + w.stiffly != 0.0:
         return w.step * math.sqrt(sum3 / max(count, 1)) if sum3 < 1e300 else 1e300
     mix = sum5 + 0.01 * sum3
     if mix == 0.0:

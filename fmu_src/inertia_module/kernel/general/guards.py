@@ -93,7 +93,7 @@ def is_clear(w, which):
     values = w.watched[which].value
     start = values[0]
     pair, last = (SHORT, SHORT_END) if w.short != 0.0 else (LONG, END)
-    if w.stiff != 0.0:
+    if w.stiffly != 0.0:
         pair, last = QUARTERS, PARTS
     low = high = start
     least = most = values[last] - start
@@ -143,7 +143,7 @@ def general_guard(x, w, which, sigma):
     """
     one = w.watched[which]
     start = one.value[0]
-    if w.stiff != 0.0:
+    if w.stiffly != 0.0:
         shift = 0.0 if is_spring(x, which) else min(start, 0.0)
         return start - shift + dense_change(one.dense, sigma), dense_rate(one.dense, sigma)
     if is_speed(x, which):
@@ -159,6 +159,6 @@ def general_fourth_bound(x, w, which):
     dense = w.watched[which].dense
     return (
         dense_fourth_bound(dense)
-        if is_speed(x, which) or w.stiff != 0.0
+        if is_speed(x, which) or w.stiffly != 0.0
         else dense_rate_fourth_bound(dense) / w.step
     )
