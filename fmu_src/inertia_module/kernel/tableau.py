@@ -11,7 +11,7 @@ STAGES = 16
 END, SHORT_END = 12, 6
 LONG, SHORT = 0, 16
 # nodes of the parts at which the inside of a stiff step is looked at (general.rosenbrock), and how many
-QUARTERS, PARTS = 23, 4
+THIRDS, PARTS = 23, 3
 FIFTH, THIRD, FOURTH, DENSE = 23, 24, 25, 26
 
 # fmt: off
@@ -20,7 +20,7 @@ NODES = (
     0.3333333333333333, 0.25, 0.3076923076923077, 0.6512820512820513, 0.6, 0.8571428571428571, 1.0, 1.0,
     0.1, 0.2, 0.7777777777777778,
     0.0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0,
-    0.0, 0.25, 0.5, 0.75, 1.0,
+    0.0, 1 / 3, 2 / 3, 1.0,
 )
 ROWS = (
     (),

@@ -9,7 +9,7 @@ from ..loads import INSIDE_PHASE, sample_load
 from ..search import first_crossing
 from ..shaft import fastest_own_rate
 from ..solvers.step_size import REJECTIONS, carry_size, first_size, next_factor
-from ..tableau import END, LONG, NODES, PARTS, QUARTERS, SHORT, SHORT_END
+from ..tableau import END, LONG, NODES, PARTS, THIRDS, SHORT, SHORT_END
 from .choice import take_speeds
 from .error import fastest_speed, step_error
 from .guards import (
@@ -56,7 +56,7 @@ NEAR_SPEED, NEAR_TORQUE = 1e-2, 0.1
 CUSP_PHASE = 1.0
 CUSP_RATIO = 1e-2
 # steps are often as long as is stable, and a little longer are tried in vain
-SAFETY = 0.8
+SAFETY, STIFF_SAFETY = 0.8, 0.9
 # share of its size that a step keeps where a freewheel has switched
 AFRESH = 0.5
 # share of the allowed error that a step of the pair of order 5 may have: there are many of them
@@ -148,7 +148,10 @@ def try_steps(d, x, w, limit):
             make_step(d, x, w, h)
         fastest = fastest_speed(d, x, w)
         error = step_error(d, x, w, fastest)
-        factor = next_factor(error, 8.0 if w.stiffly == 0.0 else 5.0, SAFETY)
+        if w.stiffly != 0.0:
+            factor = next_factor(error, 5.0, STIFF_SAFETY)
+        else:
+            factor = next_factor(error, 8.0, SAFETY)
         if error <= 1.0:
             carry_size(x, h, factor, attempt)
             return fastest
@@ -285,7 +288,7 @@ def commit(d, x, w, sigma):
     x.turned3 += change.turned3
     pair, last = (SHORT, SHORT_END) if w.short != 0.0 else (LONG, END)
     if w.stiffly != 0.0:
-        pair, last = QUARTERS, PARTS
+        pair, last = THIRDS, PARTS
     for n in range(last + 1):
         if NODES[pair + n] <= sigma:
             x.torque_peak = max(x.torque_peak, abs(w.rates[n].output))

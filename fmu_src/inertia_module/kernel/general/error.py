@@ -28,6 +28,8 @@ from .states import LOCKED, WOUND
 # sums that are held to the tolerance, for the motion tells nothing of their errors: the losses have kinks
 # that are no events, and where link 1 stands still no energy shows what torque holds it
 HELD_SUMS = (OF_DRIVE, OF_HOUSING, WORK_IN, LOST + MESH, LOST + JOURNAL)
+# a twisted shaft at rest: speeds are measured by this share of what its energy could drive
+TWIST_SHARE = 1e-3
 # stage of Rosenbrock's method that is its error, and the share of the allowed one that it may have
 STIFF_ERROR, STIFF_SHARE = 7, 0.3
 # the error of a work is measured by so many present kinetic energies, from rest by this share of the largest
@@ -38,11 +40,15 @@ OF_LOSSES = 0.1
 
 
 def fastest_speed(d, x, w):
-    """Largest speed at the ends of the step in hand, rad/s."""
-    links = max(abs(x.omega1), abs(x.omega1 + w.change.omega1))
-    output = max(abs(x.omega3), abs(x.omega3 + w.change.omega3))
-    behind = abs(x.omega3 - x.relative) if d.elastic != 0.0 else 0.0
-    return max(links, output, behind, abs(x.omega2), abs(x.omega2 + w.change.omega2))
+    """Largest speed at the ends of the step in hand, rad/s, or a share of what the twisted shaft could drive."""
+    links = max(
+        abs(x.omega1), abs(x.omega1 + w.change.omega1), abs(x.omega2), abs(x.omega2 + w.change.omega2)
+    )
+    fastest = max(links, abs(x.omega3), abs(x.omega3 + w.change.omega3))
+    if d.elastic != 0.0:
+        twisted = TWIST_SHARE * shaft_frequency(d, 1.0 / d.J3) * abs(x.twist)
+        fastest = max(fastest, abs(x.omega3 - x.relative), twisted)
+    return fastest
 
 
 def speed_of_torque(d, x, w, fastest):

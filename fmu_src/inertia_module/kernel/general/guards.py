@@ -10,7 +10,7 @@ from ..tableau import (
     LONG,
     NODES,
     PARTS,
-    QUARTERS,
+    THIRDS,
     SHORT,
     SHORT_END,
     dense_change,
@@ -94,7 +94,7 @@ def is_clear(w, which):
     start = values[0]
     pair, last = (SHORT, SHORT_END) if w.short != 0.0 else (LONG, END)
     if w.stiffly != 0.0:
-        pair, last = QUARTERS, PARTS
+        pair, last = THIRDS, PARTS
     low = high = start
     least = most = values[last] - start
     for n in range(1, last + 1):
@@ -107,28 +107,20 @@ def is_clear(w, which):
 
 
 def fit_through(x, w, which):
-    """Fit the inside of the stiff step: a speed by ends, rates and middle, a torque by the four quarters."""
+    """Fit the inside of the stiff step in hand through its ends and thirds, a speed by the rates there too."""
     one = w.watched[which]
-    start = one.value[0]
-    change = one.value[4] - start
-    second = (one.value[2] - start - 0.5 * change) * 4.0
-    if is_speed(x, which):
-        slope = change - w.step * one.rate[4]
-        first = w.step * one.rate[0] - change
-        one.dense[1] = first
-        one.dense[2] = slope - first
-        one.dense[3] = 4.0 * (second - 0.5 * (first + slope))
-    else:
-        first = (one.value[1] - start - 0.25 * change) * (16.0 / 3.0)
-        third = (one.value[3] - start - 0.75 * change) * (16.0 / 3.0)
-        # quadratic through these at 1/4, 1/2, 3/4
-        curve = 8.0 * (first - 2.0 * second + third)
-        slope = 4.0 * (second - first) - 0.75 * curve
-        one.dense[1] = first - 0.25 * slope - 0.0625 * curve
-        one.dense[2] = slope + curve
-        one.dense[3] = -curve
+    change = one.value[PARTS] - one.value[0]
+    first = 4.5 * (one.value[1] - one.value[0] - change / 3.0)
+    second = 4.5 * (one.value[2] - one.value[0] - change / 1.5)
     one.dense[0] = change
-    one.dense[4] = one.dense[5] = one.dense[6] = 0.0
+    one.dense[1] = 2.0 * first - second
+    one.dense[2] = 3.0 * (second - first)
+    one.dense[3] = one.dense[4] = one.dense[5] = one.dense[6] = 0.0
+    if is_speed(x, which):
+        begin, end = w.step * one.rate[0] - change, change - w.step * one.rate[PARTS]
+        one.dense[1] = begin
+        one.dense[2] = end - begin
+        one.dense[3] = 2.25 * (first + second - begin - end)
 
 
 def fit_guard(w, which):

@@ -224,7 +224,7 @@ def set_part(d, x, w, sigma):
 
 
 def look_inside(d, x, w, part):
-    """Keep the rates at a quarter of the step in hand."""
+    """Keep the rates at one of the thirds of the step in hand."""
     set_part(d, x, w, part / PARTS)
     take_changed(d, x, w)
     see(d, x, w, part)
