@@ -9,7 +9,7 @@ from ..loads import INSIDE_PHASE, sample_load
 from ..search import first_crossing
 from ..shaft import fastest_own_rate
 from ..solvers.step_size import REJECTIONS, carry_size, first_size, next_factor
-from ..tableau import END, LONG, NODES, PARTS, THIRDS, SHORT, SHORT_END
+from ..tableau import END, LONG, NODES, PARTS, SHORT, SHORT_END, THIRDS
 from .choice import take_speeds
 from .error import fastest_speed, step_error
 from .guards import (

@@ -29,7 +29,7 @@ from .states import LOCKED, WOUND
 # that are no events, and where link 1 stands still no energy shows what torque holds it
 HELD_SUMS = (OF_DRIVE, OF_HOUSING, WORK_IN, LOST + MESH, LOST + JOURNAL)
 # a twisted shaft at rest: speeds are measured by this share of what its energy could drive
-TWIST_SHARE = 1e-3
+TWIST_SHARE = 1e-1
 # stage of Rosenbrock's method that is its error, and the share of the allowed one that it may have
 STIFF_ERROR, STIFF_SHARE = 7, 0.3
 # the error of a work is measured by so many present kinetic energies, from rest by this share of the largest
@@ -91,7 +91,8 @@ def scale_of(d, x, w, n, fastest):
         rate = shaft_frequency(d, 1.0 / d.J3)
         if w.stiffly != 0.0:
             speed *= leniency(x, w, rate)
-        return max(speed if n == RELATIVE else max(speed / rate, abs(x.twist)), change)
+        now = abs(x.relative if n == RELATIVE else x.twist)
+        return max(speed if n == RELATIVE else speed / rate, now, change)
     if n == WOUND_HOUSING:
         return max(fastest * math.sqrt(d.J2 / max(d.housing_stiffness, 1e-300)), change)
     return max(fastest * math.sqrt(d.J2 / max(d.freewheel_stiffness, 1e-300)), change)

@@ -10,9 +10,9 @@ from ..tableau import (
     LONG,
     NODES,
     PARTS,
-    THIRDS,
     SHORT,
     SHORT_END,
+    THIRDS,
     dense_change,
     dense_fourth_bound,
     dense_rate,
@@ -107,7 +107,7 @@ def is_clear(w, which):
 
 
 def fit_through(x, w, which):
-    """Fit the inside of the stiff step in hand through its ends and thirds, a speed by the rates there too."""
+    """Fit the inside of the stiff step through its ends and thirds, a speed by the rates at the ends too."""
     one = w.watched[which]
     change = one.value[PARTS] - one.value[0]
     first = 4.5 * (one.value[1] - one.value[0] - change / 3.0)
