@@ -137,8 +137,8 @@ def derive_harmonic(p, d):
         d.harmonic = 2.0 * d.s
 
 
-def is_singular(d):
-    """Tell whether the inertia behind link 2, J2 + k^2 G, vanishes (next to its largest) at some angle.
+def lightest_link2(d):
+    """Least inertia behind link 2, J2 + k^2 G, over its largest, in a turn.
 
     G is least where B = 0: there |r'| is pole_offset, zero where a = b (docs/mechanics.md). Without
     the output freewheel link 2 always carries the output shaft.
@@ -149,8 +149,8 @@ def is_singular(d):
     if d.output == 0.0:
         fixed += d.J3
     moving = d.k * d.k * d.mass
-    least = fixed + moving * offset * offset
-    return not least > SINGULAR_RATIO * (fixed + moving * (far * far + d.spin))
+    largest = fixed + moving * (far * far + d.spin)
+    return (fixed + moving * offset * offset) / largest if largest > 0.0 else 0.0
 
 
 def check_start(p):
@@ -214,6 +214,10 @@ def derive(p, d):
     d.F_by_speed *= scale
     d.F_by_alpha1 = scale * d.F_by_alpha1 + d.k * (1.0 + d.k) * d.J16
     add_bodies(p, d)
+    d.lightest = lightest_link2(d)
+    singular = not d.lightest > SINGULAR_RATIO
+    if d.by_torque != 0.0:
+        d.lightest = min(d.lightest, d.J1 / (d.J1 + d.F_by_alpha1)) if d.J1 > 0.0 else 0.0
     if p.drive == DRIVE_TORQUE:
         if p.fidelity == KINEMATIC:
             return PRESCRIBED
@@ -227,6 +231,6 @@ def derive(p, d):
         return FRICTION_AVERAGED
     if p.fidelity == AVERAGED and (d.housing == 0.0 or d.output == 0.0):
         return NO_RECTIFIER
-    if is_singular(d):
+    if singular:
         return SINGULAR
     return check_start(p)

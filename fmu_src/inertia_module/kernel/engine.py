@@ -44,8 +44,8 @@ def run_events(d, x, w, h):
     travel = 0.0
     stalls = 0
     if x.torques_continue == 0.0 or x.prescribed != w.prescribed or x.load_prescribed != w.load:
-        choose_states(d, x, GOES_ON)
         x.rates_cached = 0.0
+        choose_states(d, x, GOES_ON)
     x.torques_continue = 0.0
     x.prescribed = w.prescribed
     x.load_prescribed = w.load

@@ -24,6 +24,12 @@ KNOTS = 64
 MOMENT = ("q", "omega1", "omega2", "alpha1", "alpha2")
 MOMENTS = 8
 
+# what is kept of an instant from one step to the next (see MACHINE)
+NOW = (
+    *("alpha1", "alpha2", "alpha3", "rate_relative", "drive", "mesh", "output", "housing"),
+    *("momentum", "energy"),
+)
+
 # a ..._low is what the field before it lost to rounding (compensated sums), so that a billion tiny
 # communication steps add up to the same motion as one long step
 STATE = (
@@ -65,7 +71,7 @@ STATE = (
     # by events: whether the contact mode continues under the same torques, with what is prescribed; whether
     # the accelerations and torques of this instant are kept (without losses)
     *("torques_continue", "prescribed", "load_prescribed", "rates_cached"),
-    ("now", ("alpha1", "alpha2", "alpha3", "rate_relative", "drive", "mesh", "output", "housing")),
+    ("now", NOW),
 )
 
 # averaged: over the speed ratio mean torque, mean speed of link 2 and the mean energy or, under its torque,
@@ -91,6 +97,8 @@ MACHINE = (
     *("q", "theta1", "omega1", "omega2", "omega3", "twist", "relative", "wound_housing", "wound_output"),
     *("weight1", "weight_q", "alpha1", "alpha2", "alpha3", "rate_relative"),
     *("drive", "mesh", "output", "housing", "journals", "spun", "torque", "flow_sign", "margin"),
+    # without losses: angular momentum and kinetic energy of links 1 and 2 and the imbalances
+    *("momentum", "energy"),
     # signs of the loads of all satellites, as one number, and by these what each adds to spun
     *("spin_signs", ("spun_by", SATELLITES)),
 )
@@ -99,7 +107,9 @@ CONSTANTS = (
     *("k", "s", "mass", "planar", "single", "paired", "phase_a", "phase_b"),
     *("radial", "radial_cos", "arm", "axial", "axial_cos", "pole_offset", "pole_arm", "spin"),
     *("period", "period_low", "period_turns", "harmonic", "F_by_slip", "F_by_speed", "F_by_alpha1"),
-    # (F_by_...: bounds of |F|, the mesh torque, by the squares of slip and speed and by alpha1)
+    # (F_by_...: bounds of |F|, the mesh torque, by the squares of slip and speed and by alpha1; then the
+    # least inertia of a link over its largest)
+    "lightest",
     # (J1 and J16 with what the turning satellite gears add at every angle, body_...: what varies, see bodies)
     *("bodies", "body_i", "body_b"),
     *("J1", "J2", "J3", "J4", "J16", "housing", "output", "by_torque", "elastic", "tolerance", "max_step"),
@@ -134,8 +144,8 @@ FOLLOWED = (
 # nothing in it outlives the call
 WORKSPACE = (
     # whether a step ends at a switch; whether the step in hand is by the short pair; torque or acceleration
-    # given at link 1, load, length of the step
-    *("stops", "short", "prescribed", "load", "step"),
+    # given at link 1, load, length of the step, angular momentum and kinetic energy at its beginning
+    *("stops", "short", "prescribed", "load", "step", "momentum", "energy"),
     # rates at the stages and changes over the step of all that is followed, and the guards
     *(("rates", FOLLOWED, STAGES), ("change", FOLLOWED)),
     ("watched", (("value", STAGES), ("rate", STAGES), ("dense", DENSE)), GUARDS + SATELLITES),

@@ -95,6 +95,16 @@ def torques(d, q, omega1, alpha1, omega2, alpha2):
     return drive, mesh
 
 
+def torque_scale(d, omega1, alpha1, rate_q, prescribed):
+    """Upper bound of |F| at these speeds, N m: what a torque is to be called zero against."""
+    reach = d.F_by_alpha1
+    scale = 0.5 * (d.F_by_slip * rate_q * rate_q + d.F_by_speed * omega1 * omega1) + reach * abs(alpha1)
+    scale += d.k * d.bq * abs(rate_q)
+    if d.by_torque != 0.0 and reach > 0.0:
+        scale += abs(prescribed) * reach / (reach + d.J1)
+    return scale
+
+
 def friction_power(d, omega1, omega2, friction):
     """Power of viscous friction at links 1, 2 and drives, W; friction: of link 2 and what it carries."""
     rate_q = d.k * (omega1 - omega2)

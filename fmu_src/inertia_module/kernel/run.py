@@ -5,10 +5,9 @@ from .averaged.jump import jump_averaged, takes_up_jump
 from .averaged.run import run_averaged
 from .codes import AVERAGED, DRIVE_TORQUE, DRIVING, ELASTIC, KINEMATIC, OK, TIMESTEPPING, TOO_MUCH_WORK
 from .engine import run_events, switch
-from .general.advance import recall
 from .general.choice import choose_states
 from .general.jump import jump_general
-from .general.motion import evaluate, take_state
+from .general.motion import evaluate, recall, take_state
 from .impulse import jump_kinematic
 from .limits import MAX_EVALUATIONS, MAX_STEPS
 from .links import prescribed_at_input
@@ -67,9 +66,9 @@ def run_timestepping(d, x, w, h):
         one_step(d, x, w, prescribed, x.load_torque, part)
         sample_load(d, x, x.q, x.omega1, x.omega2, (x.omega1 - omega1) / part, (x.omega2 - omega2) / part)
     # what the torques now follow from
-    switches = x.step_switches
+    switches, evaluations = x.step_switches, x.step_evaluations
     choose_states(d, x, 0.0)
-    x.step_switches = switches
+    x.step_switches, x.step_evaluations = switches, evaluations
     return OK
 
 

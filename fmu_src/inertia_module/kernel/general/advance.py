@@ -10,8 +10,8 @@ from ..search import first_crossing
 from ..shaft import fastest_own_rate
 from ..solvers.step_size import REJECTIONS, carry_size, first_size, next_factor
 from ..tableau import END, LONG, NODES, PARTS, SHORT, SHORT_END, THIRDS
-from .choice import take_speeds
-from .error import fastest_speed, step_error
+from .choice import take_speeds, torques_at
+from .error import CUSP, fastest_speed, step_error
 from .guards import (
     FLOW,
     HOUSING,
@@ -29,13 +29,8 @@ from .guards import (
     value_and_rate,
 )
 from .instant import part_at, pass_at
-from .motion import evaluate, take_state
-from .rosenbrock import (
-    differentiate,
-    look_inside,
-    make_stiff_step,
-    set_part,
-)
+from .motion import evaluate, recall, take_state
+from .rosenbrock import differentiate, look_inside, make_stiff_step, set_part
 from .satellites import with_sign_changed
 from .stages import cut_step, keep_rates, make_inside, make_step, take_changed, weighed_rate
 from .states import IDEAL, LOCKED, LOSSY, OPEN, WOUND, is_rough, is_wound
@@ -51,10 +46,8 @@ STIFF = 4.0
 STIFF_SHARE = 0.5
 LANDINGS = 10
 NEAR_SPEED, NEAR_TORQUE = 1e-2, 0.1
-# the same where the inertia behind link 2 all but vanishes at an angle, or that of link 1 is light: the
-# speeds have spikes there, which are not to be stepped over
+# ... where link 1 or 2 is far lighter at an angle than at others: its speed has a spike there
 CUSP_PHASE = 1.0
-CUSP_RATIO = 1e-2
 # steps are often as long as is stable, and a little longer are tried in vain
 SAFETY, STIFF_SAFETY = 0.8, 0.9
 # share of its size that a step keeps where a freewheel has switched
@@ -65,40 +58,14 @@ SHORT_SHARE = 0.1
 SHORT_GROWTH = 1.05
 # a guard below this share of the speeds, or of the torques, is zero
 VELOCITY_ROUNDING = 1e-13
-TORQUE_ROUNDING = 1e-11
-
-
-def recall(target, source):
-    """Copy accelerations and torques of an instant."""
-    target.alpha1 = source.alpha1
-    target.alpha2 = source.alpha2
-    target.alpha3 = source.alpha3
-    target.rate_relative = source.rate_relative
-    target.drive = source.drive
-    target.mesh = source.mesh
-    target.output = source.output
-    target.housing = source.housing
-
-
-def has_cusp(d, x):
-    """Tell whether the inertia behind link 2, or that of link 1 under its torque, is at some angle far below
-    its largest.
-    """
-    if d.by_torque != 0.0 and d.J1 < CUSP_RATIO * d.F_by_alpha1:
-        return True
-    moving = d.k * d.k * d.mass
-    offset = d.pole_offset
-    far = offset + 2.0 * d.pole_arm
-    least = d.J2 + (d.J3 if x.output_state == LOCKED else 0.0)
-    least += d.k * d.k * d.J16 + moving * offset * offset
-    return least < CUSP_RATIO * moving * (far * far + d.spin)
+TORQUE_ROUNDING = 1e-13
 
 
 def longest_step(d, x, w, remaining):
     """Longest step that is searched for events: a bounded phase of the highest harmonic."""
     m = d.machine
     step = min(remaining, d.max_step)
-    phase = CUSP_PHASE if has_cusp(d, x) else STEP_PHASE
+    phase = CUSP_PHASE if d.lightest < CUSP else STEP_PHASE
     scale = d.harmonic * d.k
     slip = abs(x.omega1 - x.omega2)
     if scale * slip * step > phase:
@@ -199,7 +166,7 @@ def guard_tolerance(d, x, w, which, fastest):
         return VELOCITY_ROUNDING * max(response(d, d.J2) * fastest, fastest_output)
     m = d.machine
     share = max(TORQUE_ROUNDING, d.tolerance) if is_spring(x, which) else TORQUE_ROUNDING
-    return share * (abs(m.mesh) + abs(m.housing) + abs(m.output) + abs(w.load))
+    return share * torques_at(d, m, w.prescribed, w.load)
 
 
 def first_event(d, x, w, fastest, cleared):
@@ -234,7 +201,7 @@ def end_at_event(d, x, w, fastest):
     """Let the stiff step end at the first event in it, if any.
 
     Returns:
-        (the guard that falls there or NONE, the part of the step that is left).
+        (part of the step that is left or -1, the guard that falls there or NONE).
     """
     h = w.step
     cleared = NONE
@@ -246,11 +213,33 @@ def end_at_event(d, x, w, fastest):
         if sigma < 0.0:
             break
         if land(d, x, w, which, guard_tolerance(d, x, w, which, fastest), sigma):
-            return which, w.step / h
+            return w.step / h, which
         cleared = which  # a crossing of the fit alone: what of the other guards?
         make_stiff_step(d, x, w, h)
     set_part(d, x, w, 1.0)
-    return NONE, 1.0
+    return -1.0, NONE
+
+
+def balance(d, x, w):
+    """Impulses and work of the step in hand by the balances, exact in its ends, without losses by load.
+
+    M1 - Tc + Th is the rate of the angular momentum; what M1 does while link 2 is held is kinetic energy. A
+    ramp of the input speed has its integrals.
+    """
+    change = w.change
+    if d.elastic == 0.0 and x.output_state == LOCKED:
+        change.output = d.J3 * change.omega3 + w.load * w.step + d.b3 * change.turned3
+    passed = d.machine.momentum - w.momentum + change.output
+    passed += d.b1 * change.theta1 + d.b2 * (change.theta1 - change.q / d.k)
+    if d.by_torque != 0.0:
+        change.housing = passed - w.prescribed * w.step
+    elif w.prescribed == 0.0:
+        change.drive = passed
+        if x.housing_state == LOCKED:
+            lost = (d.b1 + d.k * d.k * d.bq) * change.theta1
+            change.drive = (d.machine.energy - w.energy) / x.omega1 + lost if x.omega1 != 0.0 else 0.0
+        change.housing = passed - change.drive
+        change.work_in = x.omega1 * change.drive
 
 
 def commit(d, x, w, sigma):
@@ -346,17 +335,19 @@ def see_inside(d, x, w):
     """See the bearing's force at a stage inside the step, where the drive turns far."""
     if w.short != 0.0 or d.harmonic * abs(w.change.q) < INSIDE_PHASE:
         return
-    rates = w.rates[SEEN]
-    q = x.q + w.step * weighed_rate(w, SEEN, SEEN, 0)
+    if w.stiffly != 0.0:
+        rates = w.rates[1]
+        set_part(d, x, w, 1.0 / PARTS)
+        q = x.q + w.change.q
+        set_part(d, x, w, 1.0)
+    else:
+        rates = w.rates[SEEN]
+        q = x.q + w.step * weighed_rate(w, SEEN, SEEN, 0)
     sample_load(d, x, q, rates.theta1, rates.theta1 - rates.q / d.k, rates.omega1, rates.omega2)
 
 
-def advance_general(d, x, w, remaining):
-    """Advance by one step, or to the first event in it.
-
-    Returns:
-        (time passed or -1 if no step is small enough, whether what freewheels and slip do may change then).
-    """
+def begin_step(d, x, w):
+    """Accelerations, torques and rates at the beginning of a step, or those kept from the one before."""
     m = d.machine
     take_speeds(x)
     take_state(d, x)
@@ -366,46 +357,60 @@ def advance_general(d, x, w, remaining):
         evaluate(d, x, w.prescribed, w.load, True)
         x.step_evaluations += 1.0
     x.rates_cached = 0.0
+    w.momentum, w.energy = m.momentum, m.energy
     keep_rates(d, x, w, 0, LOSSY if d.losses != 0.0 else IDEAL)
     sample_load(d, x, x.q, x.omega1, x.omega2, m.alpha1, m.alpha2)
+
+
+def make_steps(d, x, w, remaining):
+    """Make a step of allowed error, to the end of the time remaining or short of it.
+
+    Returns:
+        (largest speed in it or -1 where none will do, fraction of the earliest event in it or -1, its guard).
+    """
     limit = longest_step(d, x, w, remaining)
-    fastest = -1.0
     if limit >= remaining and (remaining <= x.short_size or x.short_size == 0.0):
         fastest = try_short_step(d, x, w, remaining)
-    sigma, which, kept = -1.0, NONE, 1.0
+        if fastest >= 0.0:
+            recall(x.now, d.machine)
+            return fastest, -1.0, NONE
+    x.short_size *= SHORT_GROWTH  # so that it is tried again
+    fastest = try_steps(d, x, w, limit)
     if fastest < 0.0:
-        x.short_size *= SHORT_GROWTH  # so that it is tried again
-        fastest = try_steps(d, x, w, limit)
-        if fastest < 0.0:
-            return -1.0, False
-        if w.stiffly == 0.0:
-            recall(x.now, m)
-            sigma, which = first_event(d, x, w, fastest, NONE)
-        else:
-            which, kept = end_at_event(d, x, w, fastest)
+        return fastest, -1.0, NONE
+    if w.stiffly != 0.0:
+        sigma, which = end_at_event(d, x, w, fastest)
+        return fastest, sigma, which
+    recall(x.now, d.machine)
+    sigma, which = first_event(d, x, w, fastest, NONE)
+    if sigma >= 0.0 and which == SLIP and x.slip_sign == 0.0:
+        sigma = part_at(d, x, w, guard_tolerance(d, x, w, SLIP, fastest), sigma)
+    elif sigma >= 0.0 and which < SLIP and not is_speed(x, which) and not is_spring(x, which):
+        sigma = pass_at(d, x, w, which, guard_tolerance(d, x, w, which, fastest), sigma)
+    return fastest, sigma, which
+
+
+def take_over(d, x, w, sigma):
+    """Take the step in hand over, or its part up to an event."""
+    kept = 1.0
+    if sigma < 0.0:
+        see_inside(d, x, w)
+        recall(d.machine, x.now)
+    elif w.stiffly != 0.0:
+        kept = sigma  # it ends there
+    elif is_wound(x):
+        make_step(d, x, w, sigma * w.step)
     else:
-        recall(x.now, m)
-    wound = is_wound(x) and w.stiffly == 0.0
-    if w.stiffly == 0.0:
-        if sigma >= 0.0 and which == SLIP and x.slip_sign == 0.0:
-            sigma = part_at(d, x, w, guard_tolerance(d, x, w, SLIP, fastest), sigma)
-        elif sigma >= 0.0 and which < SLIP and not is_speed(x, which) and not is_spring(x, which):
-            sigma = pass_at(d, x, w, which, guard_tolerance(d, x, w, which, fastest), sigma)
-        if sigma < 0.0:
-            see_inside(d, x, w)
-        elif wound:
-            make_step(d, x, w, sigma * w.step)
-        else:
-            cut_step(d, x, w, sigma)
-            kept = sigma
+        cut_step(d, x, w, sigma)
+        kept = sigma
+    if d.losses == 0.0:
+        balance(d, x, w)
+        x.rates_cached = 1.0 if sigma < 0.0 else 0.0
     commit(d, x, w, kept)
-    if d.losses == 0.0 and which == NONE:
-        x.rates_cached = 1.0
-    meet_limits(d, x)
-    if wound and which != NONE and not has_fallen(d, x, w, which):
-        # stiff springs make the inside of a step coarse: where an event seems to be a step has to end with it
-        x.step_size *= AFRESH
-        which = NONE
+
+
+def pass_event(d, x, which):
+    """Change what an event changes at once, and tell of what kind it was."""
     x.ended = 0.0
     x.slip_reached_zero = 0.0
     if which == FLOW:
@@ -420,4 +425,24 @@ def advance_general(d, x, w, remaining):
         else:
             x.ended = 1.0
             unwind(d, x, which)
+
+
+def advance_general(d, x, w, remaining):
+    """Advance by one step, or to the first event in it.
+
+    Returns:
+        (time passed or -1 if no step is small enough, whether what freewheels and slip do may change then).
+    """
+    begin_step(d, x, w)
+    fastest, sigma, which = make_steps(d, x, w, remaining)
+    if fastest < 0.0:
+        return -1.0, False
+    wound = is_wound(x) and w.stiffly == 0.0
+    take_over(d, x, w, sigma)
+    meet_limits(d, x)
+    if wound and which != NONE and not has_fallen(d, x, w, which):
+        # stiff springs make the inside of a step coarse: where an event seems to be a step has to end with it
+        x.step_size *= AFRESH
+        which = NONE
+    pass_event(d, x, which)
     return w.step, NONE != which < FLOW

@@ -3,27 +3,42 @@
 0 <= omega2 _|_ Th + drag >= 0      0 <= omega3 - omega2 _|_ Tc + drag >= 0      slip _|_ what friction leaves
 """
 
-from ..links import prescribed_at_input
-from .motion import evaluate, take_state
+import math
+
+from ..links import prescribed_at_input, torque_scale
+from .motion import evaluate, recall, take_state
 from .states import LOCKED, OPEN, contact_mode, is_rough, may_be_housing, may_be_output, may_slip
 
 # share of the torques by which what has just ended seems to go on, and still has ended
 ENDED = 1e-3
 # share of the torques that is rounding, so that at the beginning of a step the one before goes on
-GOES_ON = -1e-12
+GOES_ON = -1e-13
 NO_TORQUE = 1e-300
+# phase by which is looked ahead, rad
+AHEAD = 1e-4
 # share of the torques below which a violation is none
-ROUNDING = 1e-13
+ROUNDING = 1e-14
 
 
-def worst_of_freewheel(state, drag, torque, speed, push):
-    """By how much a freewheel misses its condition, N m; push: torque that its slip accelerates with.
+def worst_of_freewheel(state, drag, torque, speed, push, wound):
+    """By how much a freewheel misses its condition, N m.
 
-    A spring may always be there that does not overrun: it settles on less than the drag, or lets go.
+    A spring that is wound up is there: it settles on less than the drag, or lets go.
+
+    Args:
+        push: torque that its slip accelerates with. wound: of its spring, rad.
     """
     if state == OPEN:
         return -push if speed <= 0.0 else 0.0
-    return -torque - drag if state == LOCKED else 0.0
+    if state == LOCKED:
+        return -torque - drag
+    return push - drag if wound == 0.0 and speed == 0.0 else 0.0
+
+
+def torques_at(d, m, prescribed, load):
+    """Scale of the torques of an instant, N m: what one of them is to be called zero against."""
+    bound = torque_scale(d, m.omega1, m.alpha1, d.k * (m.omega1 - m.omega2), prescribed)
+    return abs(m.mesh) + abs(m.housing) + abs(m.output) + abs(load) + bound
 
 
 def violation(d, x, prescribed, load):
@@ -34,19 +49,20 @@ def violation(d, x, prescribed, load):
     worst = 0.0
     if d.housing != 0.0:
         push = inertia * m.alpha2
-        worst = worst_of_freewheel(x.housing_state, d.housing_drag, m.housing, m.omega2, push)
+        wound = m.wound_housing
+        worst = worst_of_freewheel(x.housing_state, d.housing_drag, m.housing, m.omega2, push, wound)
     if d.output != 0.0:
         slip = m.omega3 - m.omega2
         push = inertia * (m.alpha3 - m.alpha2)
-        output = worst_of_freewheel(x.output_state, d.output_drag, m.output, slip, push)
+        output = worst_of_freewheel(x.output_state, d.output_drag, m.output, slip, push, m.wound_output)
         worst = max(worst, output)
     if x.slip_sign == 0.0:
         worst = max(worst, -d.k * m.margin)
     elif m.omega1 == m.omega2 and is_rough(d):
         worst = max(worst, -x.slip_sign * inertia * (m.alpha1 - m.alpha2))
-    torques = abs(m.mesh) + abs(m.housing) + abs(m.output) + abs(load) + d.housing_drag + d.output_drag
-    accelerated = abs(m.alpha1) + abs(m.alpha2) + abs(m.alpha3)
-    return max(worst, 0.0) / (torques + inertia * accelerated + NO_TORQUE)
+    torques = torques_at(d, m, prescribed, load) + d.housing_drag + d.output_drag
+    torques += inertia * (abs(m.alpha2) + abs(m.alpha3))
+    return max(worst, 0.0) / (torques + NO_TORQUE)
 
 
 def take_speeds(x):
@@ -59,38 +75,86 @@ def take_speeds(x):
         x.omega3_low = x.omega2_low
 
 
+def try_combination(d, x, number):
+    """Set the states of this number, 0 to 26, in x. Returns whether speeds and wind-up allow them.
+
+    Of equals the first is taken: link 2 stays held, a shaft that nothing pulls away touches it then, and only
+    then.
+    """
+    x.housing_state = float((number // 3 + 1) % 3)
+    x.output_state = float(number % 3 if x.housing_state == OPEN else (number + 1) % 3)
+    x.slip_sign = float(number // 9 - 1)
+    return (
+        may_be_housing(d, x, x.housing_state)
+        and may_be_output(d, x, x.output_state)
+        and may_slip(d, x, x.slip_sign)
+    )
+
+
+def step_ahead(d, x):
+    """Take d.machine ahead by so little that signs tell what grows: the accelerations are in it."""
+    m = d.machine
+    accelerated = abs(m.alpha1) + abs(m.alpha2) + abs(m.alpha3) + abs(m.rate_relative)
+    fastest = d.harmonic * d.k * (abs(m.omega1) + abs(m.omega2) + abs(m.omega3) + math.sqrt(accelerated))
+    if d.elastic != 0.0:
+        fastest += math.sqrt(d.stiffness / d.J3)
+    if not 0.0 < fastest < 1e300:
+        return
+    time = AHEAD / fastest
+    m.q += time * d.k * (m.omega1 - m.omega2)
+    m.twist += time * (m.relative + 0.5 * time * m.rate_relative)
+    m.relative += time * m.rate_relative
+    m.omega1 += time * m.alpha1
+    m.omega2 += time * m.alpha2
+    m.omega3 += time * m.alpha3
+
+
+def least_violation(d, x, before, before_misses, ahead):
+    """Find the combination of states that misses its conditions least, now or a moment ahead.
+
+    Returns:
+        (its number, how many miss none).
+    """
+    prescribed = prescribed_at_input(d, x)
+    best = 0
+    least = 1e300
+    equal = 0
+    for number in range(0 if is_rough(d) else 18, 27):
+        if not try_combination(d, x, number):
+            continue
+        take_state(d, x)
+        missing = violation(d, x, prescribed, x.load_torque)
+        if ahead and missing <= ROUNDING:
+            step_ahead(d, x)
+            missing = violation(d, x, prescribed, x.load_torque)
+        missing = max(missing - ROUNDING, 0.0)
+        equal += missing == 0.0
+        if (x.housing_state, x.output_state, x.slip_sign) == before:
+            missing += before_misses
+        if missing < least:
+            least = missing
+            best = number
+    return best, equal
+
+
 def choose_states(d, x, before_misses):
     """Choose what freewheels and slip do from now on, into x.
 
     Args:
         before_misses: what is added to the violation of what they did before, as a share of the torques.
     """
-    take_state(d, x)
-    prescribed = prescribed_at_input(d, x)
     before = (x.housing_state, x.output_state, x.slip_sign)
-    best = before
-    least = 1e300
-    flow, spin = 1.0, 0.0
-    for number in range(0 if is_rough(d) else 18, 27):
-        # of equals the first: link 2 stays held, a shaft that nothing pulls away touches it, and only then
-        housing = float((number // 3 + 1) % 3)
-        output = float(number % 3 if housing == OPEN else (number + 1) % 3)
-        sign = float(number // 9 - 1)
-        possible = may_be_housing(d, x, housing) and may_be_output(d, x, output) and may_slip(d, x, sign)
-        if not possible:
-            continue
-        x.housing_state, x.output_state, x.slip_sign = housing, output, sign
-        missing = max(violation(d, x, prescribed, x.load_torque) - ROUNDING, 0.0)
-        if (housing, output, sign) == before:
-            missing += before_misses
-        if missing < least:
-            least = missing
-            best = (housing, output, sign)
-            flow, spin = d.machine.flow_sign, d.machine.spin_signs
-    x.housing_state, x.output_state, x.slip_sign = best
-    x.flow_sign, x.spin_signs = flow, spin
-    x.step_evaluations += 1.0
+    best, equal = least_violation(d, x, before, before_misses, False)
+    if equal > 1:
+        best, _ = least_violation(d, x, before, before_misses, True)
+    try_combination(d, x, best)
     take_speeds(x)
+    take_state(d, x)
+    evaluate(d, x, prescribed_at_input(d, x), x.load_torque, False)
+    x.step_evaluations += 1.0
+    x.flow_sign, x.spin_signs = d.machine.flow_sign, d.machine.spin_signs
+    recall(x.now, d.machine)
+    x.rates_cached = 0.0 if d.losses != 0.0 else 1.0
     mode = contact_mode(x)
     if mode != x.mode:
         x.mode = mode

@@ -37,10 +37,14 @@ OF_ENERGY = 10.0
 FROM_REST = 0.01
 # ... of a loss by this share of it: friction that hardly loads the links for an instant is a kink of its own
 OF_LOSSES = 0.1
+# share of its largest inertia below which a link has a cusp: errors grow there as its speed does
+CUSP = 1e-2
+# share of a scale that is rounding
+ROUNDING = 1e-13
 
 
 def fastest_speed(d, x, w):
-    """Largest speed at the ends of the step in hand, rad/s, or a share of what the twisted shaft could drive."""
+    """Largest speed at the ends of the step in hand, or a share of what the twisted shaft could drive."""
     links = max(
         abs(x.omega1), abs(x.omega1 + w.change.omega1), abs(x.omega2), abs(x.omega2 + w.change.omega2)
     )
@@ -105,7 +109,7 @@ def counts(d, x, w, n):
     if n == OMEGA3:
         return x.output_state != LOCKED
     if n == OF_DRIVE:
-        return d.by_torque == 0.0
+        return d.by_torque == 0.0 and (d.losses != 0.0 or w.prescribed != 0.0)
     if n == WORK_IN:
         return d.losses != 0.0 or (d.by_torque == 0.0 and w.prescribed != 0.0)
     return d.losses != 0.0 or n == Q or n == OMEGA2 or n == TWIST or n == RELATIVE
@@ -134,6 +138,7 @@ def step_error(d, x, w, fastest):
     """
     if not fastest < 1e300:
         return 1e300
+    tolerance = max(d.tolerance * math.sqrt(min(d.lightest / CUSP, 1.0)), min(d.tolerance, ROUNDING))
     sum5 = 0.0
     sum3 = 0.0
     count = 0
@@ -148,7 +153,7 @@ def step_error(d, x, w, fastest):
         if not counts(d, x, w, n):
             continue
         if number < moving:
-            scale = d.tolerance * scale_of(d, x, w, n, fastest)
+            scale = tolerance * scale_of(d, x, w, n, fastest)
         else:
             scale = energy if n >= WORK_IN else momentum
             if n >= LOST:

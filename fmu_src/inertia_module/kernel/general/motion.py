@@ -31,6 +31,20 @@ def take_state(d, x):
     m.wound_output = x.wound_output
 
 
+def recall(target, source):
+    """Copy accelerations and torques of an instant."""
+    target.alpha1 = source.alpha1
+    target.alpha2 = source.alpha2
+    target.alpha3 = source.alpha3
+    target.rate_relative = source.rate_relative
+    target.drive = source.drive
+    target.mesh = source.mesh
+    target.output = source.output
+    target.housing = source.housing
+    target.momentum = source.momentum
+    target.energy = source.energy
+
+
 def freewheel_torques(d, x, m, lossy):
     """Th and Tc that follow from speeds and wind-up, into m: of freewheels that overrun or are wound up."""
     m.housing = 0.0
@@ -129,7 +143,11 @@ def accelerate_links(d, x, m, prescribed, inertia, place, carried, resisting, fi
     m.alpha1 = alpha1
     m.alpha2 = alpha2
     m.drive = own1 * alpha1 + k * b * (alpha1 - alpha2) + rest1 + m.mesh
-    if lossy:
+    if not lossy:
+        m.momentum = own1 * m.omega1 + b * rate_q + d.J2 * m.omega2
+        m.energy = 0.5 * (own1 * m.omega1 * m.omega1 + d.J2 * m.omega2 * m.omega2)
+        m.energy += (b * m.omega1 + 0.5 * g * rate_q) * rate_q
+    else:
         m.flow_sign = flow
         m.journals = journals
         m.margin = sign * (m.omega1 - m.omega2)

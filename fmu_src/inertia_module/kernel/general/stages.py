@@ -170,13 +170,6 @@ def make_inside(d, x, w):
     evaluate_stages(d, x, w, LONG, END + 1, STAGES - 1)
 
 
-def cut_step(d, x, w, sigma):
-    """Make the step in hand, its inside known, one of its part sigma."""
-    write_inside_weights(sigma, w.weights)
-    set_changes(d, x, w, sigma * w.step, STAGES)
-    w.step *= sigma
-
-
 def evaluate_inside(d, x, w, sigma):
     """Evaluate the equations at the part sigma of the step in hand, its inside known, into d.machine."""
     write_inside_weights(sigma, w.weights)
@@ -184,6 +177,12 @@ def evaluate_inside(d, x, w, sigma):
     take_changed(d, x, w)
     evaluate(d, x, w.prescribed, w.load, True)
     x.step_evaluations += 1.0
+
+
+def cut_step(d, x, w, sigma):
+    """Make the step in hand, its inside known, one of its part sigma."""
+    evaluate_inside(d, x, w, sigma)
+    w.step *= sigma
 
 
 def take_changed(d, x, w):
