@@ -65,8 +65,10 @@ def speed_of_torque(d, x, w, fastest):
     return (pulses + abs(w.load)) / damping
 
 
-def leniency(x, w, rate):
+def leniency(d, x, w, rate, fastest):
     """How much larger errors of the shaft's swing may be: it holds little where the output moves faster.
+
+    A swing wider than pulses make it has been excited by a load, and is followed.
 
     Args:
         rate: of the shaft between hub and driven mass, rad/s.
@@ -75,7 +77,8 @@ def leniency(x, w, rate):
     swing = max(abs(x.relative), abs(x.relative + change.relative))
     swing = max(swing, rate * max(abs(x.twist), abs(x.twist + change.twist)))
     moved = max(abs(x.omega2), abs(x.omega3), abs(change.omega2), abs(change.omega3))
-    return moved / max(swing, 1e-300) if moved > swing else 1.0
+    pulses = response(d, d.J2 + d.J3) * fastest * d.harmonic * d.k * fastest / rate
+    return moved / max(swing, 1e-300) if swing < min(moved, pulses) else 1.0
 
 
 def scale_of(d, x, w, n, fastest):
@@ -94,7 +97,7 @@ def scale_of(d, x, w, n, fastest):
     if n == RELATIVE or n == TWIST:
         rate = shaft_frequency(d, 1.0 / d.J3)
         if w.stiffly != 0.0:
-            speed *= leniency(x, w, rate)
+            speed *= leniency(d, x, w, rate, fastest)
         now = abs(x.relative if n == RELATIVE else x.twist)
         return max(speed if n == RELATIVE else speed / rate, now, change)
     if n == WOUND_HOUSING:
