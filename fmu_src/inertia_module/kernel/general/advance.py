@@ -44,7 +44,7 @@ LOOK_PHASE = 1.0
 # tried to end at an event, and how near to it, in tolerances of its range
 STIFF = 4.0
 STIFF_SHARE = 0.5
-LANDINGS = 10
+LANDINGS, SEARCHES = 60, 4
 NEAR_SPEED, NEAR_TORQUE = 1e-2, 0.1
 # ... where link 1 or 2 is far lighter at an angle than at others: its speed has a spike there
 CUSP_PHASE = 1.0
@@ -130,26 +130,30 @@ def land(d, x, w, which, zero, sigma):
     """Make the stiff step end where the guard falls. Returns whether it does."""
     one = w.watched[which]
     low, high = 0.0, w.step
-    start = value_low = one.value[0]
-    value_high = one.value[PARTS]
-    near = max(
-        4.0 * zero,
-        (NEAR_SPEED if is_speed(x, which) else NEAR_TORQUE) * d.tolerance * max(abs(start), abs(value_high)),
-    )
+    value_low, value_high = one.value[0], one.value[PARTS]
+    share = NEAR_SPEED if is_speed(x, which) else NEAR_TORQUE
+    near = max(4.0 * zero, share * d.tolerance * max(abs(value_low), abs(value_high)))
     t = sigma * high
-    value = rate = 0.0
-    for _ in range(LANDINGS):
+    was_above = False
+    for landing in range(LANDINGS):
         make_stiff_step(d, x, w, t)
         take_changed(d, x, w)
         evaluate(d, x, w.prescribed, w.load, True)
         x.step_evaluations += 1.0
         value, rate = value_and_rate(d, x, d.machine, which)
         if -near <= value <= 0.0:
-            break
-        if value <= 0.0:
-            high, value_high = t, value
-        else:
+            return True
+        # a secant that never stays at one end (Illinois)
+        above = value > 0.0
+        if above:
             low, value_low = t, value
+            value_high *= 0.5 if landing > 0 and was_above else 1.0
+            if value_high >= 0.0 and landing > SEARCHES:
+                return False  # a crossing of the fit alone
+        else:
+            high, value_high = t, value
+            value_low *= 0.5 if landing > 0 and not was_above else 1.0
+        was_above = above
         move = low
         if is_speed(x, which) and rate < 0.0:
             move = t - (value + 0.5 * near) / rate
