@@ -48,7 +48,7 @@ def test_a_stiff_shaft_tends_to_the_rigid_one_at_first_order_in_compliance(compi
 def test_a_stiff_shaft_costs_no_small_steps(compiled, scene, share, stiffness):
     shaft = {"shaft_stiffness": stiffness, "shaft_damping": damping(stiffness, share)}
     stiff = advanced(started(compiled, SCENES[scene], ELASTIC, shaft), 0.5)
-    # with neither damping nor speed a swing that the load makes in the beginning is followed until the hub moves
+    # without damping the swing that the load makes in the beginning is followed until the hub moves
     swings = stiffness == 1e10 and share == 0.0
     assert stiff["rhs_evaluations"] < (2.4e4 if swings else 1.48e4)
     whole = started(compiled, SCENES[scene], output_inertia=0.52)
