@@ -6,11 +6,11 @@ import math
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from inertia_module.kernel.solvers.interpolant import error_norm
 from scenes import SCENES, advanced, started
 
 from inertia_module.contract.records import record_type
 from inertia_module.kernel import fields
+from inertia_module.kernel.solvers.interpolant import error_norm
 
 
 @pytest.fixture(scope="module", params=SCENES)
