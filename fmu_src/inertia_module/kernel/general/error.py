@@ -77,7 +77,7 @@ def leniency(d, x, w, rate, fastest):
     swing = max(abs(x.relative), abs(x.relative + change.relative))
     swing = max(swing, rate * max(abs(x.twist), abs(x.twist + change.twist)))
     moved = max(abs(x.omega2), abs(x.omega3), abs(change.omega2), abs(change.omega3))
-    pulses = response(d, d.J2 + d.J3) * fastest * d.harmonic * d.k * fastest / rate
+    pulses = d.harmonic * d.k * fastest * response(d, d.J2 + d.J3) * fastest / rate
     return moved / max(swing, 1e-300) if swing < min(moved, pulses) else 1.0
 
 
@@ -96,6 +96,8 @@ def scale_of(d, x, w, n, fastest):
         return min(max(speed, change), speed_of_torque(d, x, w, fastest))
     if n == RELATIVE or n == TWIST:
         rate = shaft_frequency(d, 1.0 / d.J3)
+        if d.F_by_alpha1 == 0.0:
+            speed = 0.0  # nothing but loads moves the shaft
         if w.stiffly != 0.0:
             speed *= leniency(d, x, w, rate, fastest)
         now = abs(x.relative if n == RELATIVE else x.twist)
