@@ -146,8 +146,8 @@ WORKSPACE = (
     # whether a step ends at a switch; whether the step in hand is by the short pair; torque or acceleration
     # given at link 1, load, length of the step, angular momentum and kinetic energy at its beginning
     *("stops", "short", "prescribed", "load", "step", "momentum", "energy"),
-    # rates at the stages and changes over the step of all that is followed, and the guards
-    *(("rates", FOLLOWED, STAGES), ("change", FOLLOWED)),
+    # rates at the stages, changes over the step and over a part of it of all that is followed, and the guards
+    *(("rates", FOLLOWED, STAGES), ("change", FOLLOWED), ("inside", FOLLOWED)),
     ("watched", (("value", STAGES), ("rate", STAGES), ("dense", DENSE)), GUARDS + SATELLITES),
     ("weights", STAGES),
     # the stiff step: whether it is in hand, changes at its stages, derivatives of all rates, linear equations

@@ -7,7 +7,8 @@ there.
 The beginning of a step never counts: what holds there was settled when the mode was chosen.
 """
 
-from .general.guards import general_guard
+from .general.guards import general_guard, is_exact
+from .general.stages import exact_guard
 
 CROSSING_LOOKS = 100
 # A cubic with these values and rates is positive if its Bernstein coefficients are: value + h rate / 3 from
@@ -15,6 +16,14 @@ CROSSING_LOOKS = 100
 SHARE = 0.4
 # share of an interval between two looks below which its cubic is the guard: a dip so short moves nothing
 SHORTEST = 0.01
+
+
+def guard_inside(d, x, w, which, sigma):
+    """A guard at the fraction sigma of the step and its rate per unit of sigma."""
+    value, rate = general_guard(x, w, which, sigma)
+    if w.stiffly == 0.0 and is_exact(x, which):
+        value = exact_guard(d, x, w, which, sigma)
+    return value, rate
 
 
 def stays_positive(value0, rate0, value1, rate1, h):
@@ -59,7 +68,7 @@ def find_crossing(d, x, w, which, zero, low, high, value, rate):
         sigma = move if low < move < high else 0.5 * (low + high)
         if not low < sigma < high:
             return high
-        value, rate = general_guard(x, w, which, sigma)
+        value, rate = guard_inside(d, x, w, which, sigma)
         if value < -zero:
             high = sigma
         else:
@@ -75,10 +84,10 @@ def first_crossing(d, x, w, which, zero, fourth_bound, looks):
     """
     part = 1.0 / looks
     low = 0.0
-    value_low, rate_low = general_guard(x, w, which, low)
+    value_low, rate_low = guard_inside(d, x, w, which, low)
     high = part
     while low < 1.0:
-        value, rate = general_guard(x, w, which, high)
+        value, rate = guard_inside(d, x, w, which, high)
         if not abs(value) < 1e300:
             return -1.0  # a motion that overflows is refused at the end of the step
         h = high - low

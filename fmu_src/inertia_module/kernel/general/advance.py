@@ -28,7 +28,6 @@ from .guards import (
     is_watched,
     value_and_rate,
 )
-from .instant import part_at, pass_at
 from .motion import evaluate, recall, take_state
 from .rosenbrock import differentiate, look_inside, make_stiff_step, set_part
 from .satellites import with_sign_changed
@@ -46,12 +45,16 @@ STIFF = 4.0
 STIFF_SHARE = 0.5
 LANDINGS, SEARCHES = 60, 4
 NEAR_SPEED, NEAR_TORQUE = 1e-2, 0.1
+# ... and up to which the few stages of a short step tell what a guard does
+QUIET_PHASE = 2.0
 # ... where link 1 or 2 is far lighter at an angle than at others: its speed has a spike there
 CUSP_PHASE = 1.0
 # steps are often as long as is stable, and a little longer are tried in vain
 SAFETY, STIFF_SAFETY = 0.8, 0.9
-# share of its size that a step keeps where a freewheel has switched
+# share of its size that a step keeps where a freewheel has switched, and phase that is tried first then: an
+# error of a longer step may be estimated far too low
 AFRESH = 0.5
+AFRESH_PHASE = 1.0
 # share of the allowed error that a step of the pair of order 5 may have: there are many of them
 SHORT_SHARE = 0.1
 # how fast the longest step of the pair of order 5 is thought to grow while the other one is used
@@ -59,6 +62,13 @@ SHORT_GROWTH = 1.05
 # a guard below this share of the speeds, or of the torques, is zero
 VELOCITY_ROUNDING = 1e-13
 TORQUE_ROUNDING = 1e-13
+
+
+def advance_of_phase(d, x, w):
+    """Advance of the highest harmonic in the step in hand, rad."""
+    slip = abs(x.omega1 - x.omega2)
+    end = abs(x.omega1 + w.change.omega1 - x.omega2 - w.change.omega2)
+    return w.step * d.harmonic * d.k * max(slip, end)
 
 
 def longest_step(d, x, w, remaining):
@@ -87,7 +97,7 @@ def try_short_step(d, x, w, remaining):
     fastest = fastest_speed(d, x, w)
     error = step_error(d, x, w, fastest) / SHORT_SHARE
     x.short_size = next_factor(error, 5.0, SAFETY) * remaining
-    if not error <= 1.0:
+    if not error <= 1.0 or advance_of_phase(d, x, w) > QUIET_PHASE:
         return -1.0
     rough = is_rough(d)
     for guard in range(how_many_guards(d)):
@@ -137,7 +147,7 @@ def land(d, x, w, which, zero, sigma):
     was_above = False
     for landing in range(LANDINGS):
         make_stiff_step(d, x, w, t)
-        take_changed(d, x, w)
+        take_changed(d, x, w.change)
         evaluate(d, x, w.prescribed, w.load, True)
         x.step_evaluations += 1.0
         value, rate = value_and_rate(d, x, d.machine, which)
@@ -179,8 +189,7 @@ def first_event(d, x, w, fastest, cleared):
     which = NONE
     inside = False
     rough = is_rough(d)
-    phase = w.step * d.harmonic * d.k * max(abs(x.omega1 - x.omega2), fastest if d.by_torque != 0.0 else 0.0)
-    looks = 1 + int(math.floor(min(phase, STEP_PHASE) / LOOK_PHASE))
+    looks = 1 + int(math.floor(min(advance_of_phase(d, x, w), STEP_PHASE) / LOOK_PHASE))
     for guard in range(how_many_guards(d)):
         if guard == cleared or not is_watched(d, x, guard, rough):
             continue
@@ -387,10 +396,6 @@ def make_steps(d, x, w, remaining):
         return fastest, sigma, which
     recall(x.now, d.machine)
     sigma, which = first_event(d, x, w, fastest, NONE)
-    if sigma >= 0.0 and which == SLIP and x.slip_sign == 0.0:
-        sigma = part_at(d, x, w, guard_tolerance(d, x, w, SLIP, fastest), sigma)
-    elif sigma >= 0.0 and which < SLIP and not is_speed(x, which) and not is_spring(x, which):
-        sigma = pass_at(d, x, w, which, guard_tolerance(d, x, w, which, fastest), sigma)
     return fastest, sigma, which
 
 
@@ -422,7 +427,8 @@ def pass_event(d, x, which):
     elif which > FLOW:
         x.spin_signs = with_sign_changed(x.spin_signs, which - SPIN)
     elif which != NONE:
-        x.step_size *= AFRESH
+        rate = d.harmonic * d.k * abs(x.omega1 - x.omega2)
+        x.step_size = min(AFRESH * x.step_size, AFRESH_PHASE / max(rate, 1e-300))
         if is_speed(x, which):
             x.slip_reached_zero = 1.0 if which == SLIP and x.housing_state != LOCKED else 0.0
             meet(d, x, which)

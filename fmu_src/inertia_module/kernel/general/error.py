@@ -44,15 +44,18 @@ ROUNDING = 1e-13
 
 
 def fastest_speed(d, x, w):
-    """Largest speed at the ends of the step in hand, or a share of what the twisted shaft could drive."""
-    links = max(
-        abs(x.omega1), abs(x.omega1 + w.change.omega1), abs(x.omega2), abs(x.omega2 + w.change.omega2)
-    )
-    fastest = max(links, abs(x.omega3), abs(x.omega3 + w.change.omega3))
-    if d.elastic != 0.0:
-        twisted = TWIST_SHARE * shaft_frequency(d, 1.0 / d.J3) * abs(x.twist)
-        fastest = max(fastest, abs(x.omega3 - x.relative), twisted)
-    return fastest
+    """Largest speed of links 1 and 2 at the ends of the step in hand, rad/s."""
+    links = max(abs(x.omega1), abs(x.omega1 + w.change.omega1))
+    return max(links, abs(x.omega2), abs(x.omega2 + w.change.omega2))
+
+
+def fastest_behind(d, x, w):
+    """Largest speed of the output at the ends of the step, or a share of what its twist could drive, rad/s."""
+    output = max(abs(x.omega3), abs(x.omega3 + w.change.omega3))
+    if d.elastic == 0.0:
+        return output
+    twisted = TWIST_SHARE * shaft_frequency(d, 1.0 / d.J3) * abs(x.twist)
+    return max(output, abs(x.omega3 - x.relative), twisted)
 
 
 def speed_of_torque(d, x, w, fastest):
@@ -91,7 +94,7 @@ def scale_of(d, x, w, n, fastest):
     if n == OMEGA2:
         speed = response(d, d.J2 + (d.J3 if x.output_state == LOCKED else 0.0)) * fastest
         return min(max(speed, change), speed_of_torque(d, x, w, fastest))
-    speed = response(d, d.J2 + d.J3) * fastest
+    speed = response(d, d.J2 + d.J3) * max(fastest, fastest_behind(d, x, w))
     if n == OMEGA3:
         return min(max(speed, change), speed_of_torque(d, x, w, fastest))
     if n == RELATIVE or n == TWIST:
@@ -141,7 +144,7 @@ def step_error(d, x, w, fastest):
 
     Hairer's mix of orders 5 and 3, or the root of the mean square of the errors of order 4.
     """
-    if not fastest < 1e300:
+    if not max(fastest, fastest_behind(d, x, w)) < 1e300:
         return 1e300
     tolerance = max(d.tolerance * math.sqrt(min(d.lightest / CUSP, 1.0)), min(d.tolerance, ROUNDING))
     sum5 = 0.0

@@ -65,6 +65,14 @@ def is_spring(x, which):
     return which < SLIP and (x.housing_state if which == HOUSING else x.output_state) == WOUND
 
 
+def is_exact(x, which):
+    """Tell whether the guard is looked at by the equations inside a step, not by its fit.
+
+    The freewheel's torque and what is left of friction end a mode: the fit is off by what the step is.
+    """
+    return which < FLOW and not is_speed(x, which) and not is_spring(x, which)
+
+
 def value_and_rate(d, x, m, which):
     """A guard, and its rate if it is a speed, else itself once more; m: d.machine after motion.evaluate."""
     if which == FLOW:

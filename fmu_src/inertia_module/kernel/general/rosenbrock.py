@@ -202,7 +202,7 @@ def make_stiff_step(d, x, w, h):
     for stage in range(1, STAGES):
         for i in range(count):
             w.change.numbers[MOTION[i]] = weighed_stage(w, A, (STAGES - 1) * stage, stage, MOTION[i])
-        take_changed(d, x, w)
+        take_changed(d, x, w.change)
         see(d, x, w, SCRATCH)
         solve_stage(d, w, stage, SCRATCH, count)
     set_part(d, x, w, 1.0)
@@ -226,5 +226,5 @@ def set_part(d, x, w, sigma):
 def look_inside(d, x, w, part):
     """Keep the rates at one of the thirds of the step in hand."""
     set_part(d, x, w, part / PARTS)
-    take_changed(d, x, w)
+    take_changed(d, x, w.change)
     see(d, x, w, part)

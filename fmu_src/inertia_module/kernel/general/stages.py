@@ -6,7 +6,7 @@ w.rates[n] holds the rates at stage n (fields.FOLLOWED), w.change their integral
 from ..codes import FREEWHEEL, JOURNAL, MESH, SHAFT, VISCOUS
 from ..links import friction_power
 from ..tableau import END, LONG, NODES, SHORT, SHORT_END, STAGES, WEIGHTS, write_inside_weights
-from .guards import watch
+from .guards import value_and_rate, watch
 from .motion import evaluate
 from .states import IDEAL, LOCKED, LOSSY, OPEN, WOUND
 
@@ -140,9 +140,9 @@ def evaluate_stages(d, x, w, pair, first, last):
             evaluate_stage(d, x, w, pair, n, IDEAL)
 
 
-def set_changes(d, x, w, h, count):
+def set_changes(d, x, w, changes, h, count):
     """Changes of all that is followed over the time h, by the weights of so many stages in w.weights."""
-    change = w.change.numbers
+    change = changes.numbers
     followed = FEWEST if d.elastic + d.losses == 0.0 else len(change)
     for first in range(0, followed, 4):
         one, two, three, four = weighed_four(w, w.weights, 0, count, first)
@@ -151,8 +151,8 @@ def set_changes(d, x, w, h, count):
         change[first + 2] = w.step * three
         change[first + 3] = w.step * four
     if d.by_torque == 0.0:
-        w.change.omega1 = h * w.prescribed
-        w.change.theta1 = h * (x.omega1 + 0.5 * h * w.prescribed)
+        changes.omega1 = h * w.prescribed
+        changes.theta1 = h * (x.omega1 + 0.5 * h * w.prescribed)
 
 
 def make_step(d, x, w, h):
@@ -162,7 +162,7 @@ def make_step(d, x, w, h):
     evaluate_stages(d, x, w, pair, 1, last)
     for n in range(last):
         w.weights[n] = WEIGHTS[STAGES * (pair + last) + n]
-    set_changes(d, x, w, h, last)
+    set_changes(d, x, w, w.change, h, last)
 
 
 def make_inside(d, x, w):
@@ -170,31 +170,47 @@ def make_inside(d, x, w):
     evaluate_stages(d, x, w, LONG, END + 1, STAGES - 1)
 
 
-def evaluate_inside(d, x, w, sigma):
-    """Evaluate the equations at the part sigma of the step in hand, its inside known, into d.machine."""
+def take_changed(d, x, changes):
+    """The motion with these changes into d.machine."""
+    m = d.machine
+    m.q = x.q + changes.q
+    m.theta1 = x.theta1 + changes.theta1
+    m.omega1 = x.omega1 + changes.omega1
+    m.omega2 = x.omega2 + changes.omega2
+    m.omega3 = m.omega2 if x.output_state == LOCKED else x.omega3 + changes.omega3
+    if d.elastic != 0.0:
+        m.twist = x.twist + changes.twist
+        m.relative = x.relative + changes.relative
+        m.wound_housing = x.wound_housing + changes.wound_housing
+        m.wound_output = x.wound_output + changes.wound_output
+
+
+def evaluate_inside(d, x, w, changes, sigma):
+    """Evaluate the equations at the part sigma of the step in hand, its inside known, into d.machine.
+
+    Args:
+        changes: of all that is followed up to there, written.
+    """
     write_inside_weights(sigma, w.weights)
-    set_changes(d, x, w, sigma * w.step, STAGES)
-    take_changed(d, x, w)
+    set_changes(d, x, w, changes, sigma * w.step, STAGES)
+    take_changed(d, x, changes)
     evaluate(d, x, w.prescribed, w.load, True)
     x.step_evaluations += 1.0
 
 
+def exact_guard(d, x, w, which, sigma):
+    """A guard at the part sigma of the step in hand by the equations, less what it lacks of zero at first."""
+    values = w.watched[which].value
+    value = values[0]
+    if sigma == 1.0:
+        value = values[END]
+    elif sigma > 0.0:
+        evaluate_inside(d, x, w, w.inside, sigma)
+        value, _ = value_and_rate(d, x, d.machine, which)
+    return value - min(values[0], 0.0)
+
+
 def cut_step(d, x, w, sigma):
     """Make the step in hand, its inside known, one of its part sigma."""
-    evaluate_inside(d, x, w, sigma)
+    evaluate_inside(d, x, w, w.change, sigma)
     w.step *= sigma
-
-
-def take_changed(d, x, w):
-    """The motion with the changes in w.change into d.machine."""
-    m = d.machine
-    m.q = x.q + w.change.q
-    m.theta1 = x.theta1 + w.change.theta1
-    m.omega1 = x.omega1 + w.change.omega1
-    m.omega2 = x.omega2 + w.change.omega2
-    m.omega3 = m.omega2 if x.output_state == LOCKED else x.omega3 + w.change.omega3
-    if d.elastic != 0.0:
-        m.twist = x.twist + w.change.twist
-        m.relative = x.relative + w.change.relative
-        m.wound_housing = x.wound_housing + w.change.wound_housing
-        m.wound_output = x.wound_output + w.change.wound_output
