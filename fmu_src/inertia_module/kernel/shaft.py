@@ -25,15 +25,17 @@ def shaft_frequency(d, compliance):
 
 
 def fastest_own_rate(d, x):
-    """Bound of the rate at which shaft and springs move by themselves, rad/s."""
+    """Bound of the rate at which shaft, springs and what friction brakes move by themselves, rad/s."""
+    link2 = max(d.J2, 1e-300)
     hub = 1.0 / (d.J3 + d.J2 if x.output_state == LOCKED else d.J3)
     if x.housing_state == LOCKED and x.output_state == LOCKED:
         hub = 0.0
     rate = max(shaft_frequency(d, hub), d.damping * (hub + 1.0 / d.J4))
+    rate = max(rate, d.friction / d.J4, d.b3 / d.J3, (d.b2 + d.k * d.k * d.bq) / link2)
     if x.housing_state == WOUND:
-        rate = max(rate, math.sqrt(d.housing_stiffness / d.J2), d.housing_damping / d.J2)
+        rate = max(rate, math.sqrt(d.housing_stiffness / link2), d.housing_damping / link2)
     if x.output_state == WOUND:
-        mobility = 1.0 / d.J2 + 1.0 / d.J3
+        mobility = 1.0 / link2 + 1.0 / d.J3
         rate = max(rate, math.sqrt(d.freewheel_stiffness * mobility), d.freewheel_damping * mobility)
     return rate
 

@@ -31,7 +31,7 @@ HELD_SUMS = (OF_DRIVE, OF_HOUSING, WORK_IN, LOST + MESH, LOST + JOURNAL)
 # a twisted shaft at rest: speeds are measured by this share of what its energy could drive
 TWIST_SHARE = 1e-1
 # stage of Rosenbrock's method that is its error, and the share of the allowed one that it may have
-STIFF_ERROR, STIFF_SHARE = 7, 0.3
+STIFF_ERROR, STIFF_SHARE = 7, 0.1
 # the error of a work is measured by so many present kinetic energies, from rest by this share of the largest
 OF_ENERGY = 10.0
 FROM_REST = 0.01

@@ -9,6 +9,7 @@ with J the derivatives of all rates by the motion at the beginning. The step cha
 argument and U_8, which is the error as well.
 """
 
+from ..codes import SHAFT
 from ..tableau import PARTS
 from .motion import evaluate, take_state
 from .stages import MOTION, how_many_move, keep_rates, take_changed
@@ -90,6 +91,12 @@ def differentiate_by(d, x, w, n, apart):
     slopes, rates, start = w.slopes[n].numbers, w.rates[SCRATCH].numbers, w.rates[0].numbers
     for which in range(len(start)):
         slopes[which] = (rates[which] - start[which]) / apart
+    # where friction pins the driven mass a difference of squares is far too coarse
+    shaft, rates = w.slopes[n], w.rates[0]
+    by_driven = shaft.turned3
+    lost = 2.0 * (d.damping * rates.twist * shaft.twist + d.friction * rates.turned3 * by_driven)
+    lost -= d.balancer * d.J4 * (rates.omega3 * by_driven + shaft.omega3 * rates.turned3)
+    shaft.lost[SHAFT] = lost
 
 
 def differentiate(d, x, w):
