@@ -50,7 +50,7 @@ def fastest_speed(d, x, w):
 
 
 def fastest_behind(d, x, w):
-    """Largest speed of the output at the ends of the step, or a share of what its twist could drive, rad/s."""
+    """Largest speed of the output at the ends of the step, or a share of what its twist could drive."""
     output = max(abs(x.omega3), abs(x.omega3 + w.change.omega3))
     if d.elastic == 0.0:
         return output
