@@ -110,7 +110,6 @@ def try_steps(d, x, w, limit):
     """Make the longest step of allowed error. Returns the largest speed in it, or -1 where none will do."""
     w.short = 0.0
     h = first_size(x, limit)
-    longest = longest_step(d, x, w, 1e300)
     own = fastest_own_rate(d, x) if d.elastic != 0.0 else 0.0
     differentiated = False
     for attempt in range(REJECTIONS):
@@ -119,7 +118,7 @@ def try_steps(d, x, w, limit):
             if not differentiated:
                 differentiate(d, x, w)
                 differentiated = True
-            h = min(h, max(STIFF_SHARE * longest, STIFF / own))
+            h = min(h, max(STIFF_SHARE * longest_step(d, x, w, 1e300), STIFF / own))
             make_stiff_step(d, x, w, h)
         else:
             make_step(d, x, w, h)
