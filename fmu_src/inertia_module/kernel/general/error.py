@@ -32,6 +32,8 @@ HELD_SUMS = (OF_DRIVE, OF_HOUSING, WORK_IN, LOST + MESH, LOST + JOURNAL)
 TWIST_SHARE = 1e-1
 # stage of Rosenbrock's method that is its error, and the share of the allowed one that it may have
 STIFF_ERROR, STIFF_SHARE = 7, 0.1
+# ... and how much more of it a swing of the shaft that is as wide as the output is fast
+SWING = 10.0
 # the error of a work is measured by so many present kinetic energies, from rest by this share of the largest
 OF_ENERGY = 10.0
 FROM_REST = 0.01
@@ -81,7 +83,7 @@ def leniency(d, x, w, rate, fastest):
     swing = max(swing, rate * max(abs(x.twist), abs(x.twist + change.twist)))
     moved = max(abs(x.omega2), abs(x.omega3), abs(change.omega2), abs(change.omega3))
     pulses = d.harmonic * d.k * fastest * response(d, d.J2 + d.J3) * fastest / rate
-    return moved / max(swing, 1e-300) if swing < min(moved, pulses) else 1.0
+    return SWING * moved / max(swing, 1e-300) if swing < min(moved, pulses) else 1.0
 
 
 def scale_of(d, x, w, n, fastest):
