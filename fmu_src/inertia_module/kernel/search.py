@@ -18,14 +18,6 @@ SHARE = 0.4
 SHORTEST = 0.01
 
 
-def guard_inside(d, x, w, which, sigma):
-    """A guard at the fraction sigma of the step and its rate per unit of sigma."""
-    value, rate = general_guard(x, w, which, sigma)
-    if w.stiffly == 0.0 and is_exact(x, which):
-        value = exact_guard(d, x, w, which, sigma)
-    return value, rate
-
-
 def stays_positive(value0, rate0, value1, rate1, h):
     """Tell whether a guard that is not negative at both ends of a short interval h stays so inside."""
     return value0 + SHARE * h * rate0 >= 0.0 and value1 - SHARE * h * rate1 >= 0.0
@@ -68,11 +60,40 @@ def find_crossing(d, x, w, which, zero, low, high, value, rate):
         sigma = move if low < move < high else 0.5 * (low + high)
         if not low < sigma < high:
             return high
-        value, rate = guard_inside(d, x, w, which, sigma)
+        value, rate = general_guard(x, w, which, sigma)
         if value < -zero:
             high = sigma
         else:
             low = sigma
+    return high
+
+
+def find_exactly(d, x, w, which, zero, low, high, sigma):
+    """Fraction where a guard falls by the equations, or -1 if it does not between low and high.
+
+    Args:
+        sigma: where it does by its fit, which falls where a torque may not.
+    """
+    fallen = False
+    for _ in range(CROSSING_LOOKS):
+        value = exact_guard(d, x, w, which, sigma)
+        _, rate = general_guard(x, w, which, sigma)
+        if -4.0 * zero <= value < -zero:
+            return sigma
+        if value < -zero:
+            fallen = True
+            high = sigma
+        elif sigma == high:
+            return -1.0
+        else:
+            low = sigma
+        move = sigma - (value + 2.0 * zero) / rate if rate < 0.0 else low
+        if low < move < high:
+            sigma = move
+        else:
+            sigma = 0.5 * (low + high) if fallen else high
+        if fallen and not low < sigma < high:
+            return high
     return high
 
 
@@ -84,10 +105,10 @@ def first_crossing(d, x, w, which, zero, fourth_bound, looks):
     """
     part = 1.0 / looks
     low = 0.0
-    value_low, rate_low = guard_inside(d, x, w, which, low)
+    value_low, rate_low = general_guard(x, w, which, low)
     high = part
     while low < 1.0:
-        value, rate = guard_inside(d, x, w, which, high)
+        value, rate = general_guard(x, w, which, high)
         if not abs(value) < 1e300:
             return -1.0  # a motion that overflows is refused at the end of the step
         h = high - low
@@ -99,7 +120,11 @@ def first_crossing(d, x, w, which, zero, fourth_bound, looks):
                 high = next_look(low, rate_low, high, rate)
                 continue
             if value < -zero:
-                return find_crossing(d, x, w, which, zero, low, high, value, rate)
+                sigma = find_crossing(d, x, w, which, zero, low, high, value, rate)
+                if w.stiffly == 0.0 and is_exact(x, which):
+                    sigma = find_exactly(d, x, w, which, zero, low, high, sigma)
+                if sigma >= 0.0:
+                    return sigma
         low = high
         value_low = value
         rate_low = rate

@@ -137,12 +137,14 @@ def dense_rate_fourth_bound(dense):
 def write_inside_weights(sigma, weights):
     """Write the weights of the rates at the stages in dense_change at the fraction sigma into weights."""
     rest = 1.0 - sigma
+    whole = sigma * (1.0 - rest + 2.0 * sigma * rest)
+    third = sigma * rest * sigma * rest
+    fourth = sigma * third
+    fifth = fourth * rest
+    sixth = fifth * sigma
     for n in range(STAGES):
-        whole = WEIGHTS[STAGES * END + n]
-        begin = 1.0 if n == 0 else 0.0
-        end = 1.0 if n == END else 0.0
-        third, fourth = WEIGHTS[STAGES * DENSE + n], WEIGHTS[STAGES * (DENSE + 1) + n]
-        fifth, sixth = WEIGHTS[STAGES * (DENSE + 2) + n], WEIGHTS[STAGES * (DENSE + 3) + n]
-        y = fourth + rest * (fifth + sigma * sixth)
-        y = 2.0 * whole - begin - end + rest * (third + sigma * y)
-        weights[n] = sigma * (whole + rest * (begin - whole + sigma * y))
+        weight = whole * WEIGHTS[STAGES * END + n] + third * WEIGHTS[STAGES * DENSE + n]
+        weight += fourth * WEIGHTS[STAGES * (DENSE + 1) + n] + fifth * WEIGHTS[STAGES * (DENSE + 2) + n]
+        weights[n] = weight + sixth * WEIGHTS[STAGES * (DENSE + 3) + n]
+    weights[0] += sigma * rest * rest
+    weights[END] -= sigma * sigma * rest

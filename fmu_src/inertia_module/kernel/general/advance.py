@@ -50,7 +50,8 @@ QUIET_PHASE = 2.0
 # ... where link 1 or 2 is far lighter at an angle than at others: its speed has a spike there
 CUSP_PHASE = 1.0
 # steps are often as long as is stable, and a little longer are tried in vain
-SAFETY, STIFF_SAFETY = 0.8, 0.9
+SAFETY = 0.8
+SHORT_SAFETY = 0.9
 # share of its size that a step keeps where a freewheel has switched, and phase that is tried first then: an
 # error of a longer step may be estimated far too low
 AFRESH = 0.5
@@ -96,12 +97,12 @@ def try_short_step(d, x, w, remaining):
     make_step(d, x, w, remaining)
     fastest = fastest_speed(d, x, w)
     error = step_error(d, x, w, fastest) / SHORT_SHARE
-    x.short_size = next_factor(error, 5.0, SAFETY) * remaining
+    x.short_size = next_factor(error, 5.0, SHORT_SAFETY) * remaining
     if not error <= 1.0 or advance_of_phase(d, x, w) > QUIET_PHASE:
         return -1.0
     rough = is_rough(d)
     for guard in range(how_many_guards(d)):
-        if is_watched(d, x, guard, rough) and not is_clear(w, guard):
+        if is_watched(d, x, guard, rough) and not is_clear(x, w, guard):
             return -1.0
     return fastest
 
@@ -125,7 +126,7 @@ def try_steps(d, x, w, limit):
         fastest = fastest_speed(d, x, w)
         error = step_error(d, x, w, fastest)
         if w.stiffly != 0.0:
-            factor = next_factor(error, 5.0, STIFF_SAFETY)
+            factor = next_factor(error, 5.0, SHORT_SAFETY)
         else:
             factor = next_factor(error, 8.0, SAFETY)
         if error <= 1.0:
@@ -192,7 +193,7 @@ def first_event(d, x, w, fastest, cleared):
     for guard in range(how_many_guards(d)):
         if guard == cleared or not is_watched(d, x, guard, rough):
             continue
-        if is_clear(w, guard):
+        if is_clear(x, w, guard):
             continue
         if w.stiffly != 0.0:
             fit_through(x, w, guard)

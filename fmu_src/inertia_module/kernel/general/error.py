@@ -144,7 +144,7 @@ def momentum_passed(d):
 def step_error(d, x, w, fastest):
     """Estimated error of the step in hand over the allowed one.
 
-    Hairer's mix of orders 5 and 3, or the root of the mean square of the errors of order 4.
+    Hairer's mix of orders 5 and 3, or the errors of order 4, of the sum of the squares.
     """
     if not max(fastest, fastest_behind(d, x, w)) < 1e300:
         return 1e300
@@ -184,4 +184,4 @@ def step_error(d, x, w, fastest):
     mix = sum5 + 0.01 * sum3
     if mix == 0.0:
         return 0.0
-    return w.step * sum5 / math.sqrt(count * mix) if mix < 1e300 else 1e300
+    return w.step * sum5 / math.sqrt(mix) if mix < 1e300 else 1e300

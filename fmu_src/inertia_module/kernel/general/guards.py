@@ -96,13 +96,25 @@ def watch(d, x, w, n, lossy):
         w.watched[which].value[n], w.watched[which].rate[n] = value_and_rate(d, x, d.machine, which)
 
 
-def is_clear(w, which):
-    """Tell whether a guard is far above zero, or grows away from its beginning, at all stages of the step."""
+def is_clear(x, w, which):
+    """Tell whether a guard does not fall in the step, by its stages.
+
+    It is far above zero at all of them, or grows away from its beginning, or it is a speed that only grows or
+    only falls, not to zero.
+    """
     values = w.watched[which].value
     start = values[0]
     pair, last = (SHORT, SHORT_END) if w.short != 0.0 else (LONG, END)
     if w.stiffly != 0.0:
         pair, last = THIRDS, PARTS
+    if is_speed(x, which):
+        rates = w.watched[which].rate
+        lowest = highest = rates[0]
+        for n in range(1, last + 1):
+            lowest = min(lowest, rates[n])
+            highest = max(highest, rates[n])
+        if lowest >= 0.0 or (highest <= 0.0 and values[last] > 0.0):
+            return True
     low = high = start
     least = most = values[last] - start
     for n in range(1, last + 1):

@@ -18,8 +18,8 @@ TWIST, RELATIVE, WOUND_HOUSING, WOUND_OUTPUT = 16, 17, 18, 19
 MOTION = (Q, OMEGA1, OMEGA2, OMEGA3, TWIST, RELATIVE, WOUND_HOUSING, WOUND_OUTPUT, THETA1)
 RIGID_OUTPUT, WITH_SHAFT, WITH_WINDUP = 4, 6, 8
 TWIST_MOVES = 4
-# how many of them an ideal module of rigid output has
-FEWEST = 12
+# how many of them an ideal module of rigid output has, and how many of these tell its motion
+FEWEST, MOVING = 12, 4
 
 
 def how_many_move(d):
@@ -140,10 +140,14 @@ def evaluate_stages(d, x, w, pair, first, last):
             evaluate_stage(d, x, w, pair, n, IDEAL)
 
 
-def set_changes(d, x, w, changes, h, count):
-    """Changes of all that is followed over the time h, by the weights of so many stages in w.weights."""
+def set_changes(d, x, w, changes, h, count, fewest):
+    """Changes of what is followed over the time h, by the weights of so many stages in w.weights.
+
+    Args:
+        fewest: how many of them a rigid module without losses wants.
+    """
     change = changes.numbers
-    followed = FEWEST if d.elastic + d.losses == 0.0 else len(change)
+    followed = fewest if d.elastic + d.losses == 0.0 else len(change)
     for first in range(0, followed, 4):
         one, two, three, four = weighed_four(w, w.weights, 0, count, first)
         change[first] = w.step * one
@@ -162,7 +166,7 @@ def make_step(d, x, w, h):
     evaluate_stages(d, x, w, pair, 1, last)
     for n in range(last):
         w.weights[n] = WEIGHTS[STAGES * (pair + last) + n]
-    set_changes(d, x, w, w.change, h, last)
+    set_changes(d, x, w, w.change, h, last, FEWEST)
 
 
 def make_inside(d, x, w):
@@ -185,14 +189,14 @@ def take_changed(d, x, changes):
         m.wound_output = x.wound_output + changes.wound_output
 
 
-def evaluate_inside(d, x, w, changes, sigma):
+def evaluate_inside(d, x, w, changes, sigma, fewest):
     """Evaluate the equations at the part sigma of the step in hand, its inside known, into d.machine.
 
     Args:
-        changes: of all that is followed up to there, written.
+        changes: of what is followed up to there, written. fewest: see set_changes.
     """
     write_inside_weights(sigma, w.weights)
-    set_changes(d, x, w, changes, sigma * w.step, STAGES)
+    set_changes(d, x, w, changes, sigma * w.step, STAGES, fewest)
     take_changed(d, x, changes)
     evaluate(d, x, w.prescribed, w.load, True)
     x.step_evaluations += 1.0
@@ -205,12 +209,12 @@ def exact_guard(d, x, w, which, sigma):
     if sigma == 1.0:
         value = values[END]
     elif sigma > 0.0:
-        evaluate_inside(d, x, w, w.inside, sigma)
+        evaluate_inside(d, x, w, w.inside, sigma, MOVING)
         value, _ = value_and_rate(d, x, d.machine, which)
     return value - min(values[0], 0.0)
 
 
 def cut_step(d, x, w, sigma):
     """Make the step in hand, its inside known, one of its part sigma."""
-    evaluate_inside(d, x, w, w.change, sigma)
+    evaluate_inside(d, x, w, w.change, sigma, FEWEST)
     w.step *= sigma
