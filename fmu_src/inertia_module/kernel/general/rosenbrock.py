@@ -215,13 +215,18 @@ def make_stiff_step(d, x, w, h):
     set_part(d, x, w, 1.0)
 
 
-def set_part(d, x, w, sigma):
-    """Changes of all that is followed over the part sigma of the step in hand (order 4 within it)."""
+def write_part_weights(w, sigma):
+    """Write the weights of the stages in the changes up to the part sigma of the step into w.weights."""
     rest = 1.0 - sigma
     for n in range(STAGES):
         whole = A[(STAGES - 1) * (STAGES - 1) + n] if n < STAGES - 1 else 1.0
         inside = DENSE[n] + sigma * (DENSE[STAGES + n] + sigma * DENSE[2 * STAGES + n])
         w.weights[n] = sigma * (whole + rest * inside)
+
+
+def set_part(d, x, w, sigma):
+    """Changes of all that is followed over the part sigma of the step in hand (order 4 within it)."""
+    write_part_weights(w, sigma)
     for which in range(len(w.change.numbers)):
         w.change.numbers[which] = weighed_stage(w, w.weights, 0, STAGES, which)
     if d.by_torque == 0.0:
@@ -232,6 +237,8 @@ def set_part(d, x, w, sigma):
 
 def look_inside(d, x, w, part):
     """Keep the rates at one of the thirds of the step in hand."""
-    set_part(d, x, w, part / PARTS)
+    write_part_weights(w, part / PARTS)
+    for i in range(how_many_solved(d)):
+        w.change.numbers[MOTION[i]] = weighed_stage(w, w.weights, 0, STAGES, MOTION[i])
     take_changed(d, x, w.change)
     see(d, x, w, part)
