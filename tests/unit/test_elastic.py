@@ -48,9 +48,10 @@ def test_a_stiff_shaft_tends_to_the_rigid_one_at_first_order_in_compliance(compi
 def test_a_stiff_shaft_costs_no_small_steps(compiled, scene, share, stiffness):
     shaft = {"shaft_stiffness": stiffness, "shaft_damping": damping(stiffness, share)}
     stiff = advanced(started(compiled, SCENES[scene], ELASTIC, shaft), 0.5)
-    # without damping the swing that the load makes in the beginning is followed until the hub moves
+    # without damping the swing that the load makes in the beginning is followed until the hub moves, with all
+    # the times that the freewheel lets it go
     swings = stiffness == 1e10 and share == 0.0
-    assert stiff["rhs_evaluations"] < (2.4e4 if swings else 1.48e4)
+    assert stiff["rhs_evaluations"] < (6e4 if swings else 1.48e4)
     whole = started(compiled, SCENES[scene], output_inertia=0.52)
     assert stiff["omega_out"] == pytest.approx(advanced(whole, 0.5)["omega_out"], rel=2e-5)
 
