@@ -144,7 +144,8 @@ def momentum_passed(d):
 def step_error(d, x, w, fastest):
     """Estimated error of the step in hand over the allowed one.
 
-    Hairer's mix of orders 5 and 3, or the errors of order 4, of the sum of the squares.
+    Hairer's mix of orders 5 and 3, or the errors of order 4. Errors of the motion count in full, those of
+    losses and of stiff steps with all others by their mean: there are many.
     """
     if not max(fastest, fastest_behind(d, x, w)) < 1e300:
         return 1e300
@@ -179,9 +180,11 @@ def step_error(d, x, w, fastest):
             else:
                 sum5 += (weighed_rate(w, FIFTH, END, n) / scale) ** 2
                 sum3 += (weighed_rate(w, THIRD, END, n) / scale) ** 2
+    if d.losses + w.stiffly == 0.0:
+        count = 1
     if w.short + w.stiffly != 0.0:
         return w.step * math.sqrt(sum3 / max(count, 1)) if sum3 < 1e300 else 1e300
     mix = sum5 + 0.01 * sum3
     if mix == 0.0:
         return 0.0
-    return w.step * sum5 / math.sqrt(mix) if mix < 1e300 else 1e300
+    return w.step * sum5 / math.sqrt(count * mix) if mix < 1e300 else 1e300
