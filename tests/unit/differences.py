@@ -14,8 +14,8 @@ def difference(function, step=1e-3):
     return total / (60.0 * step)
 
 
-def assert_rates(found, function, step=1e-3):
+def assert_rates(found, function, step=1e-3, rel=1e-7, share=1e-8):
     """That these are the rates at 0 of what a function returns."""
     expected = difference(function, step)
     scale = np.abs(expected).max() + np.abs(function(0.0)).max()
-    assert found == pytest.approx(expected, rel=1e-7, abs=1e-8 * scale)
+    assert found == pytest.approx(expected, rel=rel, abs=share * scale)

@@ -173,13 +173,14 @@ def step_error(d, x, w, fastest):
         if scale > 0.0:
             count += 1
             if w.stiffly != 0.0:
-                missing = stiff_error(w, n) / (STIFF_SHARE * w.step * scale)
-                sum3 += missing * missing
-            elif w.short != 0.0:
-                sum3 += (weighed_rate(w, FOURTH, SHORT_END + 1, n) / scale) ** 2
+                found3 = stiff_error(w, n) / (STIFF_SHARE * w.step * scale)
+                found5 = 0.0
             else:
-                sum5 += (weighed_rate(w, FIFTH, END, n) / scale) ** 2
-                sum3 += (weighed_rate(w, THIRD, END, n) / scale) ** 2
+                low = w.short != 0.0
+                found3 = weighed_rate(w, FOURTH if low else THIRD, SHORT_END + 1 if low else END, n) / scale
+                found5 = 0.0 if low else weighed_rate(w, FIFTH, END, n) / scale
+            sum3 += found3 * found3
+            sum5 += found5 * found5
     if d.losses + w.stiffly == 0.0:
         count = 1
     if w.short + w.stiffly != 0.0:
