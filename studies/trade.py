@@ -19,7 +19,7 @@ from inertia_module.fidelity.trials import kernel_time
 from inertia_module.harness.simulate import Progress, whole_steps
 from inertia_module.kernel.codes import AVERAGED, DRIVING, ELASTIC, EVENT, FREE, RIGID
 from inertia_module.kernel.layout import imbalance_in_fixed_frame
-from inertia_module.kernel.links import accelerations
+from inertia_module.kernel.links import motion
 from inertia_module.memory import Module
 from inertia_module.scene.schema import at_fidelity, is_elastic
 
@@ -237,9 +237,9 @@ def acceleration(case: Case, trajectory: Trajectory, modes: Array) -> Array:
     d = Module("plain").start(**at_fidelity(case.parameters, RIGID)).derived
     k, omega1, found = d.k, case.omega1, []
     for q, omega2, mode in zip(trajectory.drive_angle, trajectory.omega2, modes, strict=True):
-        carried = (d.J3, d.b3, case.load_torque) if mode == DRIVING else (0.0, 0.0, 0.0)
+        carried = (d.J3, d.b3, case.load_torque, 0.0) if mode == DRIVING else (0.0, 0.0, 0.0, 0.0)
         held = mode not in (DRIVING, FREE)
-        _, alpha2, _ = accelerations(d, q, omega1, omega2, 0.0, held, *carried)  # type: ignore[no-untyped-call]
+        _, alpha2, *_ = motion(d, q, omega1, omega2, 0.0, held, *carried)  # type: ignore[no-untyped-call]
         place = (d, q, 0.0, omega1, 0.0, k * (omega1 - omega2), -k * alpha2, 0.0)
         found.append(np.linalg.norm(imbalance_in_fixed_frame(*place)[6:]))  # type: ignore[no-untyped-call]
     return np.array(found)

@@ -11,7 +11,7 @@ from typing import Any
 
 from inertia_module.fidelity.levels import Level
 from inertia_module.kernel.codes import AVERAGED, TIMESTEPPING
-from inertia_module.kernel.links import held_torque
+from inertia_module.kernel.links import torques
 from inertia_module.memory import Module
 
 from .motion import ELASTIC_LEVELS, LEVELS, Motion, Segment, imbalance_inertia
@@ -86,7 +86,7 @@ class Mechanism:
         d = self.derived
 
         def torque(q: float) -> float:
-            return float(held_torque(d, q, self.omega1, 0.0)[0])  # type: ignore[no-untyped-call]
+            return float(torques(d, q, self.omega1, 0.0, 0.0, 0.0)[1])  # type: ignore[no-untyped-call]
 
         count = 200 * int(d.period_turns)
         best, half = 0.5 * d.period, 0.5 * d.period

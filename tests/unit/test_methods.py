@@ -9,7 +9,6 @@ from inertia_module.kernel import tableau
 from inertia_module.kernel.driven_shaft import propagator
 from inertia_module.kernel.fields import WORKSPACE
 from inertia_module.kernel.general import advance, error
-from inertia_module.kernel.solvers import collocation, radau
 
 # row of the first stage, last stage and order of each pair
 PAIRS = {"8(5,3)": (tableau.LONG, tableau.END, 8), "5(4)": (tableau.SHORT, tableau.SHORT_END, 5)}
@@ -23,7 +22,11 @@ def powers(nodes, power):
 
 def nodes_of(pair):
     """Nodes of a pair, and those for the inside of the longer one."""
-    return tableau.NODES[: tableau.STAGES] if pair == tableau.LONG else tableau.NODES[tableau.SHORT :]
+    return (
+        tableau.NODES[: tableau.STAGES]
+        if pair == tableau.LONG
+        else tableau.NODES[tableau.SHORT : tableau.THIRDS]
+    )
 
 
 @pytest.mark.parametrize(("pair", "end", "order"), PAIRS.values(), ids=PAIRS)
@@ -83,44 +86,7 @@ def test_error_grows_with_each_error_and_shrinks_with_what_is_allowed(short):
         setattr(w.rates[5], name, kept)
 
 
-@pytest.mark.parametrize("power", range(9))
-def test_collocation_integrates_powers_up_to_its_order(power):
-    rates = powers(radau.NODES, power)
-    assert collocation.mean(rates) == pytest.approx(1.0, abs=1e-14)
-    if power < radau.STAGES:
-        for i, node in enumerate(radau.NODES):
-            assert collocation.row(radau.MATRIX, i, rates) == pytest.approx(node ** (power + 1), abs=1e-14)
-            if power == radau.STAGES - 1:
-                continue
-            twice = node ** (power + 2) / (power + 2)
-            assert collocation.row(radau.SQUARE, i, rates) == pytest.approx(twice, abs=1e-14)
-        assert collocation.embedded_error(float(power == 0), rates) == pytest.approx(0.0, abs=1e-13)
-
-
 @pytest.mark.parametrize("power", range(10))
 def test_gauss_rule_integrates_powers_up_to_its_order(power):
     rates = np.array(powers(propagator.NODES, power))
     assert rates @ np.array(propagator.WEIGHTS) == pytest.approx(1.0, abs=1e-14)
-
-
-@pytest.mark.parametrize("sigma", SIGMAS)
-def test_inside_of_a_collocation_step(sigma):
-    true = np.polynomial.Polynomial([0.3, -1.0, 0.7, 0.4, -0.9])
-    rates = true(np.array(radau.NODES))
-    target = [0.0] * (radau.STAGES + 1)
-    collocation.fit(rates, target)
-    found = collocation.polynomial(target, radau.STAGES, sigma)
-    assert found == pytest.approx((true(sigma), true.deriv()(sigma)), abs=1e-12)
-    collocation.fit_integral(rates, 2.0, 0.3, target)
-    found = collocation.polynomial(target, radau.STAGES + 1, sigma)
-    assert found == pytest.approx((2.0 + 0.3 * true.integ()(sigma), 0.3 * true(sigma)), abs=1e-12)
-
-
-@pytest.mark.parametrize("seed", range(20))
-def test_elimination_solves_with_several_right_sides(seed):
-    chance = np.random.default_rng(seed)
-    matrix, right = chance.normal(size=(5, 5)), chance.normal(size=(5, 3))
-    matrix[0, 0] = 0.0  # a pivot is needed
-    target = list(right.flat)
-    collocation.eliminate(list(matrix.flat), 3, target)
-    assert np.reshape(target, (5, 3)) == pytest.approx(np.linalg.solve(matrix, right), rel=1e-9)

@@ -6,10 +6,6 @@ FREE = 1
 DRIVING = 2
 HELD_DRIVING = 3
 
-# values of w.solver: of which solver a step is in hand
-COLLOCATED = 2.0
-GENERAL = 3.0
-
 # guards of a contact mode: of the speed of link 2 or its release, and of the output freewheel
 NONE = -1
 LINK2 = 0

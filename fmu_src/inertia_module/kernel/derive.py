@@ -120,9 +120,6 @@ def derive_general(p, d):
     by_load = d.mesh_loss + d.satellite_loss + d.journal + d.weight
     drag = d.housing_drag + d.housing_drag_viscous + d.output_drag + d.output_drag_viscous
     d.losses = 1.0 if by_load + drag + d.housing_stiffness + d.freewheel_stiffness > 0.0 else 0.0
-    # an ideal elastic module alone has a solver of its own
-    elastic = p.fidelity == ELASTIC and p.method != TIMESTEPPING and d.losses == 0.0
-    d.general = 0.0 if elastic else 1.0
     d.lossy = 0.0
     if p.fidelity == AVERAGED:
         # its own equations; the weights' mean over turns of link 1 is nothing
@@ -212,7 +209,6 @@ def derive(p, d):
     d.output = p.output_freewheel
     # a tenth for each step, so that the error of the whole run is about the tolerance asked for
     d.tolerance = max(0.1 * p.tolerance, 1e-14)
-    d.followed = 1.0 / d.tolerance
     d.max_step = p.max_step if p.max_step > 0.0 else 1e300
     scale = d.mass * d.k
     d.F_by_slip *= scale

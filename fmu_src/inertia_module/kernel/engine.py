@@ -5,20 +5,16 @@ The contact mode is chosen, a solver follows it to the next event or to the end 
 
 from .accumulate import copy, time_later
 from .codes import OK, STEP_TOO_SMALL, TOO_MANY_SWITCHES, TOO_MUCH_WORK
-from .contact import TORQUE_ROUNDING, choose_mode
 from .general.advance import advance_general
 from .general.choice import GOES_ON, choose_next_states, choose_states
 from .general.states import GEARED
 from .limits import MAX_EVALUATIONS, STALLS_ALLOWED, SWITCHES_ALLOWED, SWITCHES_PER_PULSE
 from .links import prescribed_at_input
-from .solvers.elastic import advance_elastic
-from .solvers.followed import shaft_frequency
+from .shaft import fastest_own_rate
 from .solvers.kinematic import advance_kinematic
 
 # share of a communication step that it has at least, where it ends at a switch
 SHORTEST = 1e-9
-# share of its size that a step keeps after an event that was none
-STALLED = 0.25
 
 
 def advance_mode(d, x, w, remaining):
@@ -27,22 +23,7 @@ def advance_mode(d, x, w, remaining):
     """
     if x.output_state == GEARED:
         return advance_kinematic(d, x, w, remaining), False
-    if d.general != 0.0:
-        return advance_general(d, x, w, remaining)
-    return advance_elastic(d, x, w, remaining)
-
-
-def choose_next_mode(d, x):
-    """Choose the contact mode after an event. Returns whether it has changed."""
-    if d.general != 0.0:
-        return choose_next_states(d, x)
-    before = x.mode
-    choose_mode(d, x, TORQUE_ROUNDING)
-    if x.mode == before:
-        # a rate too slow to be waited for: the sign alone decides; or a coarse step: a shorter one
-        choose_mode(d, x, 0.0)
-        x.step_size *= STALLED
-    return x.mode != before
+    return advance_general(d, x, w, remaining)
 
 
 def stop_here(x, time):
@@ -57,7 +38,7 @@ def switch(d, x):
     if x.switching == 0.0:
         return
     switches, evaluations = x.step_switches, x.step_evaluations
-    choose_next_mode(d, x)
+    choose_next_states(d, x)
     x.switches += x.step_switches - switches
     x.evaluations += x.step_evaluations - evaluations
     x.switching = 0.0
@@ -75,10 +56,7 @@ def run_events(d, x, w, h):
     stalls = 0
     if x.torques_continue == 0.0 or x.prescribed != w.prescribed or x.load_prescribed != w.load:
         x.rates_cached = 0.0
-        if d.general != 0.0:
-            choose_states(d, x, GOES_ON)
-        else:
-            choose_mode(d, x, TORQUE_ROUNDING)
+        choose_states(d, x, GOES_ON)
     x.torques_continue = 0.0
     x.prescribed = w.prescribed
     x.load_prescribed = w.load
@@ -98,12 +76,12 @@ def run_events(d, x, w, h):
             x.omega1_low = 0.0
         travel += passed * d.k * (speeds + abs(x.omega1) + abs(x.omega2))
         if d.elastic != 0.0:
-            travel += passed * shaft_frequency(d, 1.0 / d.J3)
+            travel += passed * fastest_own_rate(d, x)
         if event:
             x.rates_cached = 0.0
             if w.stops != 0.0:
                 copy(w.kept.numbers, x.numbers)
-            changed = choose_next_mode(d, x)
+            changed = choose_next_states(d, x)
             if changed and w.stops != 0.0 and time > SHORTEST * h:
                 copy(x.numbers, w.kept.numbers)
                 stop_here(x, time)

@@ -8,11 +8,11 @@ name with a list of fields (a record within) and maybe a number (so many).
 Every record has its doubles in one row besides, as `numbers`: so a state is copied whole.
 """
 
-# stages of the collocation and of the explicit pair, with those for the inside of a step; its interpolants
-COLLOCATED = 5
+# stages of the explicit pair, with those for the inside of a step; its interpolants
 STAGES = 16
 DENSE = 7
-MATRIX = COLLOCATED * COLLOCATED
+# ... of the stiff step, and how many quantities it solves for
+SOLVED, MOVING = 8, 9
 # their guards, and the satellites that may have one each (general.satellites.MANY)
 GUARDS, SATELLITES = 4, 50
 # causes of losses (codes.VISCOUS ...)
@@ -119,12 +119,10 @@ CONSTANTS = (
     # whether fidelity averaged has losses
     "lossy",
     # what only the general equations of motion know, and whether any of it is there (kernel.general)
-    *("general", "losses", "mesh_loss", "satellite_loss", "journal", "weight", "number"),
+    *("losses", "mesh_loss", "satellite_loss", "journal", "weight", "number"),
     *("housing_drag", "housing_drag_viscous", "output_drag", "output_drag_viscous"),
     *("housing_stiffness", "housing_damping", "freewheel_stiffness", "freewheel_damping"),
     ("machine", MACHINE),
-    # square of the slowest shaft whose own motion is followed, over that of the pulses
-    "followed",
     # averaged: the map, and sums while it is built
     *("map_ready", "map_failed", "map_lock", "map_inertia", "map_evaluations"),
     *("sum_time", "sum_torque", "sum_square", "sum_energy", "sum_omega1", "sum_omega2", "sum_peak"),
@@ -147,30 +145,16 @@ FOLLOWED = (
 
 # nothing in it outlives the call
 WORKSPACE = (
-    # whether a step ends at a switch; what the solvers share: whether the step is by the short pair, torque
-    # or acceleration given at link 1, load, step in hand, mean alpha1
-    # ... angular momentum and kinetic energy at its beginning
-    *("stops", "solver", "short", "prescribed", "load", "step", "alpha1", "momentum", "energy"),
+    # whether a step ends at a switch; whether the step in hand is by the short pair; torque or acceleration
+    # given at link 1, load, length of the step, angular momentum and kinetic energy at its beginning
+    *("stops", "short", "prescribed", "load", "step", "momentum", "energy"),
     # rates at the stages, changes over the step and over a part of it of all that is followed, and the guards
     *(("rates", FOLLOWED, STAGES), ("change", FOLLOWED), ("inside", FOLLOWED)),
     ("watched", (("value", STAGES), ("rate", STAGES), ("dense", DENSE)), GUARDS + SATELLITES),
     ("weights", STAGES),
-    # collocation: matrices of the shaft, and numbers at the stages
-    *(("inverse", MATRIX), ("gain", MATRIX), ("shaft", MATRIX), ("jacobian", MATRIX)),
-    *(("rate1", COLLOCATED), ("rate2", COLLOCATED), ("rate3", COLLOCATED), ("rate_relative", COLLOCATED)),
-    *(("stage_q", COLLOCATED), ("stage_omega1", COLLOCATED), ("stage_omega2", COLLOCATED)),
-    *(("stage_omega3", COLLOCATED), ("stage_relative", COLLOCATED), ("stage_shaft_torque", COLLOCATED)),
-    *(("stage_output_torque", COLLOCATED), ("stage_release", COLLOCATED)),
-    *(("right_side", COLLOCATED), ("shaft_right_side", COLLOCATED), ("update1", COLLOCATED)),
-    # ... equations of both links: of the first by the rates of omega2 with its right side, of the second by
-    # those of omega1 and of omega2
-    *(("columns", MATRIX + COLLOCATED), ("lower", MATRIX), ("corner", MATRIX)),
-    # ... polynomials of omega2, omega3 and the torque that a guard looks at
-    *(
-        ("polynomial_2", COLLOCATED + 1),
-        ("polynomial_3", COLLOCATED + 1),
-        ("polynomial_torque", COLLOCATED + 1),
-    ),
+    # the stiff step: whether it is in hand, changes at its stages, derivatives of all rates, linear equations
+    *("stiffly", ("stages", FOLLOWED, SOLVED), ("slopes", FOLLOWED, MOVING)),
+    *(("matrix", MOVING * MOVING), ("pivots", MOVING), ("right_side", MOVING)),
     # fixed steps: I, I', B, G at the end and the slip angle to there; what links 1 and 2 come to
     *("end_i", "end_i1", "end_b", "end_g", "slip_angle"),
     # ... and where look_ahead looked, which a part of the step does not come to

@@ -19,7 +19,7 @@ def settle(d, inertia2, free2, inertia3, free3):
     Returns:
         (omega2, omega3, Pc, contact mode) at the end of the step.
     """
-    # ties as in select_mode: link 2 stays held, and a shaft that nothing pulls away touches it
+    # of equals as in general.choice: link 2 stays held, and a shaft that nothing pulls away touches it
     stops = d.housing != 0.0 and d.housing_stiffness == 0.0
     held = stops and free2 <= 0.0
     if d.output != 0.0:

@@ -16,58 +16,6 @@ def prescribed_at_input(d, x):
     return x.drive_torque if d.by_torque != 0.0 else x.alpha1
 
 
-def accelerations(d, q, omega1, omega2, prescribed, held, carried, friction, torque):
-    """Accelerations of both links, and their angular momentum.
-
-    Args:
-        prescribed: see prescribed_at_input. held: whether link 2 is held.
-        carried, friction, torque: what link 2 carries while it moves: inertia, kg m^2, viscous friction,
-            N m s/rad, and torque against it, N m.
-
-    Returns:
-        (alpha1, omega2', P): rad/s^2 and N m s, P = (J1 + I) omega1 + B q' + J2 omega2.
-    """
-    if d.by_torque != 0.0:
-        return accelerations_by_torque(d, q, omega1, omega2, prescribed, held, carried, friction, torque)
-    i, i1, _, b, _, g, g1, _ = reduced_inertia(d, q)
-    k = d.k
-    rate_q = k * (omega1 - omega2)
-    momentum = (d.J1 + i) * omega1 + b * rate_q + d.J2 * omega2
-    if held:
-        return prescribed, 0.0, momentum
-    r2 = 0.5 * k * (g1 * rate_q * rate_q - i1 * omega1 * omega1)
-    if d.viscous != 0.0:
-        r2 += k * d.bq * rate_q
-        torque += (d.b2 + friction) * omega2
-    push = r2 - torque + k * (b + k * g) * prescribed
-    return prescribed, push / (d.J2 + carried + k * k * g), momentum
-
-
-def accelerations_by_torque(d, q, omega1, omega2, prescribed, held, carried, friction, torque):
-    """Accelerations where the torque of link 1 is prescribed: both equations."""
-    i, i1, _, b, b1, g, g1, _ = reduced_inertia(d, q)
-    k = d.k
-    rate_q = k * (omega1 - omega2)
-    link1 = d.J1 + i
-    momentum = link1 * omega1 + b * rate_q + d.J2 * omega2
-    coupling = k * (b + k * g)
-    r2 = 0.5 * k * (g1 * rate_q * rate_q - i1 * omega1 * omega1)
-    if d.viscous != 0.0:
-        r2 += k * d.bq * rate_q
-        prescribed -= d.b1 * omega1
-        torque += (d.b2 + friction) * omega2
-    own = d.J2 + carried
-    drive = prescribed - (i1 * omega1 + b1 * rate_q) * rate_q - r2
-    phi = link1 + k * (2.0 * b + k * g)
-    if held:
-        return drive / phi, 0.0, momentum
-    push = r2 - torque
-    # Phi (own + k^2 G) - N^2 without its cancellation: I G >= B^2
-    determinant = own * phi + k * k * (link1 * g - b * b)
-    alpha1 = ((own + k * k * g) * drive + coupling * push) / determinant
-    return alpha1, (phi * push + coupling * drive) / determinant, momentum
-
-
 def motion(d, q, omega1, omega2, prescribed, held, carried, friction, torque, torque_rate):
     """Accelerations of both links and their rates, what is given being constant.
 
@@ -130,17 +78,6 @@ def motion(d, q, omega1, omega2, prescribed, held, carried, friction, torque, to
         jerk2 = (phi * push_rate + coupling * drive_rate) / determinant
         return alpha1, alpha2, jerk2, 0.0, 0.0, momentum, energy
     return alpha1, alpha2, push_rate / inertia, 0.0, 0.0, momentum, energy
-
-
-def held_torque(d, q, omega1, alpha1):
-    """F, the mesh torque while link 2 is held and the speed of link 1 given, and its rate, N m and N m/s."""
-    _, i1, i2, b, b1, g, g1, g2 = reduced_inertia(d, q)
-    k = d.k
-    rate_q = k * omega1
-    square = omega1 * omega1
-    torque = k * (b + k * g) * alpha1 + 0.5 * k * (k * k * g1 - i1) * square + k * d.bq * rate_q
-    rate = k * (b1 + 2.0 * k * g1) * rate_q * alpha1 - k * i1 * omega1 * alpha1
-    return torque, rate + 0.5 * k * (k * k * g2 - i2) * square * rate_q + k * k * d.bq * alpha1
 
 
 def torques(d, q, omega1, alpha1, omega2, alpha2):

@@ -8,24 +8,20 @@ from .audit import is_audited
 from .averaged.outputs import averaged_energy, write_averaged
 from .codes import (
     AVERAGED,
-    DRIVING,
     ELASTIC,
-    FREE,
     FREEWHEEL,
-    HELD_DRIVING,
     JOURNAL,
     KINEMATIC,
     MESH,
     SHAFT,
     VISCOUS,
 )
-from .contact import torque_carried
 from .derive import TWO_PI
 from .general.motion import stored_besides
-from .links import angular_momentum, kinetic_energy, torques
+from .links import kinetic_energy
 from .loads import write_loads
 from .run import accelerations_now
-from .shaft import hub_rate, load_behind_freewheel, relative_rate, stored_in_shaft
+from .shaft import stored_in_shaft
 
 
 def shaft_in_energy(p, x):
@@ -58,25 +54,7 @@ def write_torques(p, d, x, y):
     """Instantaneous torques in the present mode. Returns the acceleration of link 2."""
     if p.fidelity == AVERAGED:
         return write_averaged(d, x, y)
-    if d.general != 0.0:
-        return write_general(d, x, y)
-    output = 0.0
-    housing = 0.0
-    load, _ = load_behind_freewheel(d, x)
-    _, alpha2 = accelerations_now(d, x)
-    alpha3 = hub_rate(d, x, load, alpha2)
-    y.output_acceleration = alpha3 - relative_rate(d, x, x.load_torque, load, alpha3)
-    drive, mesh = torques(d, x.q, x.omega1, x.alpha1, x.omega2, alpha2)
-    if x.mode == DRIVING:
-        output, _ = torque_carried(d, load, 0.0, x.omega2, alpha2, 0.0)
-    elif x.mode != FREE:
-        output = load if x.mode == HELD_DRIVING else 0.0
-        housing = output - mesh
-    y.input_torque = drive
-    y.mesh_torque = mesh
-    y.output_torque = output
-    y.housing_torque = housing
-    return alpha2
+    return write_general(d, x, y)
 
 
 def write_means(p, d, x, y):
@@ -96,11 +74,6 @@ def write_means(p, d, x, y):
         housing = x.output_torque_mean + friction_impulse - mesh
     else:
         housing = per_step * x.housing_impulse
-        if d.general == 0.0:
-            gained = angular_momentum(d, x.q, x.omega1, x.omega2)
-            gained -= angular_momentum(d, x.begin_q, x.begin_omega1, x.begin_omega2)
-            housing = per_step * gained + x.output_torque_mean - x.input_torque_mean
-            housing += per_step * d.b1 * turned1 + friction_impulse
         if d.losses == 0.0:
             housing = d.housing * max(housing, 0.0)  # it only pushes: below zero is rounding
         gained2 = per_step * d.J2 * (x.omega2 - x.begin_omega2)

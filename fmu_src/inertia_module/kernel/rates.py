@@ -4,7 +4,7 @@ from .accumulate import copy
 from .codes import ELASTIC, OK, RATES
 from .outputs import write_late_outputs, write_outputs
 from .run import follow_parameters, switch_now
-from .solvers.followed import hub_compliance, shaft_frequency
+from .shaft import fastest_own_rate
 from .step import advance
 
 # a short step over the time in which the fastest of the motion turns by a radian
@@ -18,7 +18,7 @@ def fastest_rate(p, d, x):
     """Angular frequency of the fastest motion there is, rad/s; 1 where nothing moves."""
     rate = d.harmonic * d.k * (abs(x.omega1) + abs(x.omega2))
     if p.fidelity == ELASTIC:
-        rate += shaft_frequency(d, hub_compliance(d, x, d.J2))
+        rate += fastest_own_rate(d, x)
     return rate if rate > 1.0 else 1.0
 
 

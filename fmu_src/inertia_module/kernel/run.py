@@ -4,15 +4,13 @@ from .accumulate import add, wrap_input_angle
 from .averaged.jump import jump_averaged, takes_up_jump
 from .averaged.run import run_averaged
 from .codes import AVERAGED, DRIVE_TORQUE, DRIVING, ELASTIC, KINEMATIC, OK, TIMESTEPPING
-from .contact import TORQUE_ROUNDING, is_held, present_mode
 from .engine import run_events, switch
 from .general.choice import choose_states
 from .general.motion import evaluate, recall, take_state
 from .general.states import GEARED
 from .impulse import jump_input
-from .links import accelerations, prescribed_at_input
-from .shaft import carried_by_link2, load_behind_freewheel
-from .solvers.followed import is_stiff
+from .links import prescribed_at_input
+from .shaft import is_stiff
 from .solvers.kinematic import follow_ratio, prescribe
 from .solvers.timestepping import run_timestepping
 
@@ -22,19 +20,12 @@ def accelerations_now(d, x):
     if x.output_state == GEARED:
         prescribe(d, x, 0.0)
         return d.machine.alpha1, d.machine.alpha2
-    if d.general != 0.0:
-        take_state(d, x)
-        if x.rates_cached != 0.0:
-            recall(d.machine, x.now)
-        else:
-            evaluate(d, x, prescribed_at_input(d, x), x.load_torque, False)
-        return d.machine.alpha1, d.machine.alpha2
-    load, _ = load_behind_freewheel(d, x)
-    carried, friction, torque = carried_by_link2(d, x, load)
-    alpha1, alpha2, _ = accelerations(
-        d, x.q, x.omega1, x.omega2, prescribed_at_input(d, x), is_held(x), carried, friction, torque
-    )
-    return alpha1, alpha2
+    take_state(d, x)
+    if x.rates_cached != 0.0:
+        recall(d.machine, x.now)
+    else:
+        evaluate(d, x, prescribed_at_input(d, x), x.load_torque, False)
+    return d.machine.alpha1, d.machine.alpha2
 
 
 def keep_ratio(d, x):
@@ -50,10 +41,7 @@ def follow_parameters(p, d, x):
         keep_ratio(d, x)
         x.mode = DRIVING
     elif p.fidelity != AVERAGED:
-        if d.general != 0.0:
-            choose_states(d, x, 0.0)
-        else:
-            x.mode = present_mode(d, x, TORQUE_ROUNDING)
+        choose_states(d, x, 0.0)
         if p.drive == DRIVE_TORQUE:
             x.alpha1, _ = accelerations_now(d, x)
 
@@ -75,7 +63,7 @@ def run_pulses(p, d, x, w, h):
 
 def turn_input(p, d, x, start1, h):
     """Angle and speed of link 1 at the end of the step, its speed given from start1 on."""
-    if p.fidelity == AVERAGED or d.general == 0.0:  # else it has turned with all the rest
+    if p.fidelity == AVERAGED:  # else it has turned with all the rest
         x.theta1, x.theta1_low = add(x.theta1, x.theta1_low, h * (start1 + 0.5 * x.alpha1 * h))
         wrap_input_angle(x)
     x.omega1 = start1 + x.alpha1 * h

@@ -1,15 +1,14 @@
 """Where in the step in hand a guard first falls through zero: one search for every solver.
 
-A guard is positive while the contact mode goes on; its values and rates come from :mod:`.guards`, and so
-does a bound of its fourth derivative. The cubic with the values and rates at the ends of an interval is off
-by at most bound t^2 (h - t)^2 / 24 inside, so the ends and the bound tell what the guard cannot do there.
+A guard is positive while the contact mode goes on; its values and rates come from :mod:`.general.guards`,
+and so does a bound of its fourth derivative. The cubic with the values and rates at the ends of an interval
+is off by at most bound t^2 (h - t)^2 / 24 inside, so the ends and the bound tell what the guard cannot do
+there.
 The beginning of a step never counts: what holds there was settled when the mode was chosen.
 """
 
-from .codes import COLLOCATED
-from .general.guards import is_exact
+from .general.guards import general_guard, is_exact
 from .general.stages import exact_guard
-from .guards import guard_inside
 
 CROSSING_LOOKS = 100
 # A cubic with these values and rates is positive if its Bernstein coefficients are: value + h rate / 3 from
@@ -61,7 +60,7 @@ def find_crossing(d, x, w, which, zero, low, high, value, rate):
         sigma = move if low < move < high else 0.5 * (low + high)
         if not low < sigma < high:
             return high
-        value, rate = guard_inside(d, x, w, which, sigma)
+        value, rate = general_guard(x, w, which, sigma)
         if value < -zero:
             high = sigma
         else:
@@ -78,7 +77,7 @@ def find_exactly(d, x, w, which, zero, low, high, sigma):
     fallen = False
     for _ in range(CROSSING_LOOKS):
         value = exact_guard(d, x, w, which, sigma)
-        _, rate = guard_inside(d, x, w, which, sigma)
+        _, rate = general_guard(x, w, which, sigma)
         if -4.0 * zero <= value < -zero:
             return sigma
         if value < -zero:
@@ -106,10 +105,10 @@ def first_crossing(d, x, w, which, zero, fourth_bound, looks):
     """
     part = 1.0 / looks
     low = 0.0
-    value_low, rate_low = guard_inside(d, x, w, which, low)
+    value_low, rate_low = general_guard(x, w, which, low)
     high = part
     while low < 1.0:
-        value, rate = guard_inside(d, x, w, which, high)
+        value, rate = general_guard(x, w, which, high)
         if not abs(value) < 1e300:
             return -1.0  # a motion that overflows is refused at the end of the step
         h = high - low
@@ -122,7 +121,7 @@ def first_crossing(d, x, w, which, zero, fourth_bound, looks):
                 continue
             if value < -zero:
                 sigma = find_crossing(d, x, w, which, zero, low, high, value, rate)
-                if w.solver != COLLOCATED and is_exact(x, which):
+                if w.stiffly == 0.0 and is_exact(x, which):
                     sigma = find_exactly(d, x, w, which, zero, low, high, sigma)
                 if sigma >= 0.0:
                     return sigma

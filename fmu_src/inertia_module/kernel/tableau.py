@@ -10,6 +10,8 @@ STAGES = 16
 # last stages of both pairs; row of stage 0 of each, rows of their errors and of the interpolant
 END, SHORT_END = 12, 6
 LONG, SHORT = 0, 16
+# nodes of the parts at which the inside of a stiff step is looked at (general.rosenbrock), and how many
+THIRDS, PARTS = 23, 3
 FIFTH, THIRD, FOURTH, DENSE = 23, 24, 25, 26
 # the five-point Gauss rule on [0, 1], for what is known at any instant
 GAUSS = 5
@@ -27,6 +29,7 @@ NODES = (
     0.3333333333333333, 0.25, 0.3076923076923077, 0.6512820512820513, 0.6, 0.8571428571428571, 1.0, 1.0,
     0.1, 0.2, 0.7777777777777778,
     0.0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0,
+    0.0, 1 / 3, 2 / 3, 1.0,
 )
 ROWS = (
     (),

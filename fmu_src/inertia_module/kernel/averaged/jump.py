@@ -1,7 +1,7 @@
 """A jump of the input speed in fidelity averaged: the shaft keeps its speed, or follows if locked."""
 
 from ..accumulate import add
-from ..works import GAUSS_NODE_1, GAUSS_NODE_2, GAUSS_WEIGHT_1, GAUSS_WEIGHT_2, GAUSS_WEIGHT_3
+from ..tableau import GAUSS, GAUSS_NODES, GAUSS_WEIGHTS
 from .legs import can_lock, locked_torque, most_locked_torque
 from .rates import energy_at, ratio, side_at
 
@@ -34,12 +34,10 @@ def part_of_jump(d, side, x, start, jump):
     """Impulse of the input torque through a jump that keeps the sign of omega1, omega3 as it is."""
     if abs(jump) <= SMALL_JUMP * abs(start):
         return jump * input_inertia(d, side, x, start + 0.5 * jump)
-    near = input_inertia(d, side, x, start + GAUSS_NODE_1 * jump)
-    near += input_inertia(d, side, x, start + (1.0 - GAUSS_NODE_1) * jump)
-    middle = input_inertia(d, side, x, start + GAUSS_NODE_2 * jump)
-    middle += input_inertia(d, side, x, start + (1.0 - GAUSS_NODE_2) * jump)
-    centre = input_inertia(d, side, x, start + 0.5 * jump)
-    return jump * (GAUSS_WEIGHT_1 * near + GAUSS_WEIGHT_2 * middle + GAUSS_WEIGHT_3 * centre)
+    impulse = 0.0
+    for n in range(GAUSS):
+        impulse += GAUSS_WEIGHTS[n] * jump * input_inertia(d, side, x, start + GAUSS_NODES[n] * jump)
+    return impulse
 
 
 def jump_averaged(d, x, jump):

@@ -3,12 +3,13 @@
 import math
 
 from ..accumulate import add, add_loss, wrap_drive_angle, wrap_input_angle
-from ..codes import FREEWHEEL, GENERAL, JOURNAL, MESH, NONE, SHAFT, VISCOUS
+from ..codes import FREEWHEEL, JOURNAL, MESH, NONE, SHAFT, VISCOUS
 from ..links import response
 from ..loads import INSIDE_PHASE, sample_load
 from ..search import first_crossing
+from ..shaft import fastest_own_rate
 from ..solvers.step_size import REJECTIONS, carry_size, first_size, next_factor
-from ..tableau import END, LONG, NODES, SHORT, SHORT_END
+from ..tableau import END, LONG, NODES, PARTS, SHORT, SHORT_END, THIRDS
 from .choice import take_speeds, torques_at
 from .error import CUSP, fastest_speed, step_error
 from .guards import (
@@ -18,6 +19,7 @@ from .guards import (
     SLIP,
     SPIN,
     fit_guard,
+    fit_through,
     general_fourth_bound,
     how_many_guards,
     is_clear,
@@ -27,8 +29,9 @@ from .guards import (
     value_and_rate,
 )
 from .motion import evaluate, recall, take_state
+from .rosenbrock import differentiate, look_inside, make_stiff_step, set_part
 from .satellites import with_sign_changed
-from .stages import cut_step, keep_rates, make_inside, make_step, weighed_rate
+from .stages import cut_step, keep_rates, make_inside, make_step, take_changed, weighed_rate
 from .states import IDEAL, LOCKED, LOSSY, OPEN, WOUND, is_rough, is_wound
 
 # stage inside the step at which the force on the bearing is seen
@@ -36,6 +39,12 @@ SEEN = 9
 # phase of the highest harmonic within one step, and between two looks at a guard, rad
 STEP_PHASE = 4.0
 LOOK_PHASE = 1.0
+# phase of shaft and springs within a step from which on it is a stiff one, and its share of STEP_PHASE; steps
+# tried to end at an event, and how near to it, in tolerances of its range
+STIFF = 4.0
+STIFF_SHARE = 0.5
+LANDINGS, SEARCHES = 60, 4
+NEAR_SPEED, NEAR_TORQUE = 1e-2, 0.1
 # ... and up to which the few stages of a short step tell what a guard does
 QUIET_PHASE = 2.0
 # ... where link 1 or 2 is far lighter at an angle than at others: its speed has a spike there
@@ -84,6 +93,7 @@ def try_short_step(d, x, w, remaining):
     It will where the error is allowed and no guard comes near zero. Returns as try_steps.
     """
     w.short = 1.0
+    w.stiffly = 0.0
     make_step(d, x, w, remaining)
     fastest = fastest_speed(d, x, w)
     error = step_error(d, x, w, fastest) / SHORT_SHARE
@@ -101,16 +111,66 @@ def try_steps(d, x, w, limit):
     """Make the longest step of allowed error. Returns the largest speed in it, or -1 where none will do."""
     w.short = 0.0
     h = first_size(x, limit)
+    own = fastest_own_rate(d, x) if d.elastic != 0.0 else 0.0
+    differentiated = False
     for attempt in range(REJECTIONS):
-        make_step(d, x, w, h)
+        w.stiffly = 1.0 if h * own > STIFF else 0.0
+        if w.stiffly != 0.0:
+            if not differentiated:
+                differentiate(d, x, w)
+                differentiated = True
+            h = min(h, max(STIFF_SHARE * longest_step(d, x, w, 1e300), STIFF / own))
+            make_stiff_step(d, x, w, h)
+        else:
+            make_step(d, x, w, h)
         fastest = fastest_speed(d, x, w)
         error = step_error(d, x, w, fastest)
-        factor = next_factor(error, 8.0, SAFETY)
+        if w.stiffly != 0.0:
+            factor = next_factor(error, 5.0, SHORT_SAFETY)
+        else:
+            factor = next_factor(error, 8.0, SAFETY)
         if error <= 1.0:
             carry_size(x, h, factor, attempt)
             return fastest
         h *= factor
     return -1.0
+
+
+def land(d, x, w, which, zero, sigma):
+    """Make the stiff step end where the guard falls. Returns whether it does."""
+    one = w.watched[which]
+    low, high = 0.0, w.step
+    value_low, value_high = one.value[0], one.value[PARTS]
+    share = NEAR_SPEED if is_speed(x, which) else NEAR_TORQUE
+    near = max(4.0 * zero, share * d.tolerance * max(abs(value_low), abs(value_high)))
+    t = sigma * high
+    was_above = False
+    for landing in range(LANDINGS):
+        make_stiff_step(d, x, w, t)
+        take_changed(d, x, w.change)
+        evaluate(d, x, w.prescribed, w.load, True)
+        x.step_evaluations += 1.0
+        value, rate = value_and_rate(d, x, d.machine, which)
+        if -near <= value <= 0.0:
+            return True
+        # a secant that never stays at one end (Illinois)
+        above = value > 0.0
+        if above:
+            low, value_low = t, value
+            value_high *= 0.5 if landing > 0 and was_above else 1.0
+            if value_high >= 0.0 and landing > SEARCHES:
+                return False  # a crossing of the fit alone
+        else:
+            high, value_high = t, value
+            value_low *= 0.5 if landing > 0 and not was_above else 1.0
+        was_above = above
+        move = low
+        if is_speed(x, which) and rate < 0.0:
+            move = t - (value + 0.5 * near) / rate
+        elif value_high < 0.0 < value_low:
+            move = low + (high - low) * (value_low + 0.5 * near) / (value_low - value_high)
+        t = move if low < move < high else 0.5 * (low + high)
+    return value <= 0.0
 
 
 def guard_tolerance(d, x, w, which, fastest):
@@ -123,26 +183,54 @@ def guard_tolerance(d, x, w, which, fastest):
     return share * torques_at(d, m, w.prescribed, w.load)
 
 
-def first_event(d, x, w, fastest):
-    """Earliest fall of a guard in the step just made: (fraction of the step or -1, which guard)."""
+def first_event(d, x, w, fastest, cleared):
+    """Earliest fall of a guard, but of the one cleared, in the step just made: (part of it or -1, which)."""
     earliest = -1.0
     which = NONE
     inside = False
     rough = is_rough(d)
     looks = 1 + int(math.floor(min(advance_of_phase(d, x, w), STEP_PHASE) / LOOK_PHASE))
     for guard in range(how_many_guards(d)):
-        if not is_watched(d, x, guard, rough) or is_clear(x, w, guard):
+        if guard == cleared or not is_watched(d, x, guard, rough):
             continue
-        if not inside:
-            make_inside(d, x, w)
-            inside = True
-        fit_guard(w, guard)
+        if is_clear(x, w, guard):
+            continue
+        if w.stiffly != 0.0:
+            fit_through(x, w, guard)
+        else:
+            if not inside:
+                make_inside(d, x, w)
+                inside = True
+            fit_guard(w, guard)
         zero = guard_tolerance(d, x, w, guard, fastest)
         sigma = first_crossing(d, x, w, guard, zero, general_fourth_bound(x, w, guard), looks)
         if sigma > 0.0 and (earliest < 0.0 or sigma < earliest):
             earliest = sigma
             which = guard
     return earliest, which
+
+
+def end_at_event(d, x, w, fastest):
+    """Let the stiff step end at the first event in it, if any.
+
+    Returns:
+        (part of the step that is left or -1, the guard that falls there or NONE).
+    """
+    h = w.step
+    cleared = NONE
+    for part in range(1, PARTS + 1):
+        look_inside(d, x, w, part)
+    recall(x.now, d.machine)
+    for _ in range(2):
+        sigma, which = first_event(d, x, w, fastest, cleared)
+        if sigma < 0.0:
+            break
+        if land(d, x, w, which, guard_tolerance(d, x, w, which, fastest), sigma):
+            return w.step / h, which
+        cleared = which  # a crossing of the fit alone: what of the other guards?
+        make_stiff_step(d, x, w, h)
+    set_part(d, x, w, 1.0)
+    return -1.0, NONE
 
 
 def balance(d, x, w):
@@ -201,6 +289,8 @@ def commit(d, x, w):
 def see_peak(x, w, sigma):
     """See the output torque at the stages up to this part of the step in hand; those beyond have none."""
     pair, last = (SHORT, SHORT_END) if w.short != 0.0 else (LONG, END)
+    if w.stiffly != 0.0:
+        pair, last = THIRDS, PARTS
     for n in range(last + 1):
         if NODES[pair + n] <= sigma:
             x.torque_peak = max(x.torque_peak, abs(w.rates[n].output))
@@ -258,8 +348,14 @@ def see_inside(d, x, w):
     """See the bearing's force at a stage inside the step, where the drive turns far."""
     if w.short != 0.0 or d.harmonic * abs(w.change.q) < INSIDE_PHASE:
         return
-    rates = w.rates[SEEN]
-    q = x.q + w.step * weighed_rate(w, SEEN, SEEN, 0)
+    if w.stiffly != 0.0:
+        rates = w.rates[1]
+        set_part(d, x, w, 1.0 / PARTS)
+        q = x.q + w.change.q
+        set_part(d, x, w, 1.0)
+    else:
+        rates = w.rates[SEEN]
+        q = x.q + w.step * weighed_rate(w, SEEN, SEEN, 0)
     sample_load(d, x, q, rates.theta1, rates.theta1 - rates.q / d.k, rates.omega1, rates.omega2)
 
 
@@ -295,8 +391,11 @@ def make_steps(d, x, w, remaining):
     fastest = try_steps(d, x, w, limit)
     if fastest < 0.0:
         return fastest, -1.0, NONE
+    if w.stiffly != 0.0:
+        sigma, which = end_at_event(d, x, w, fastest)
+        return fastest, sigma, which
     recall(x.now, d.machine)
-    sigma, which = first_event(d, x, w, fastest)
+    sigma, which = first_event(d, x, w, fastest, NONE)
     return fastest, sigma, which
 
 
@@ -306,6 +405,8 @@ def take_over(d, x, w, sigma):
     if sigma < 0.0:
         see_inside(d, x, w)
         recall(d.machine, x.now)
+    elif w.stiffly != 0.0:
+        kept = sigma  # it ends there
     elif is_wound(x):
         make_step(d, x, w, sigma * w.step)
     else:
@@ -343,12 +444,11 @@ def advance_general(d, x, w, remaining):
     Returns:
         (time passed or -1 if no step is small enough, whether what freewheels and slip do may change then).
     """
-    w.solver = GENERAL
     begin_step(d, x, w)
     fastest, sigma, which = make_steps(d, x, w, remaining)
     if fastest < 0.0:
         return -1.0, False
-    wound = is_wound(x)
+    wound = is_wound(x) and w.stiffly == 0.0
     take_over(d, x, w, sigma)
     meet_limits(d, x)
     if wound and which != NONE and not has_fallen(d, x, w, which):

@@ -4,9 +4,11 @@ import math
 
 from ..codes import JOURNAL, MESH
 from ..links import kinetic_energy, response
+from ..shaft import shaft_frequency
 from ..tableau import END, FIFTH, FOURTH, SHORT_END, THIRD
 from .stages import (
     LOST,
+    MOTION,
     OF_DRIVE,
     OF_HOUSING,
     OMEGA1,
@@ -14,20 +16,24 @@ from .stages import (
     OMEGA3,
     RELATIVE,
     TWIST,
+    TWIST_MOVES,
     WORK_IN,
     WOUND_HOUSING,
-    WOUND_OUTPUT,
     Q,
+    how_many_move,
     weighed_rate,
 )
 from .states import LOCKED, WOUND
 
-# what counts of the motion with a rigid output, with a shaft besides, and with wind-up
-MOTION = (Q, OMEGA1, OMEGA2, OMEGA3, TWIST, RELATIVE, WOUND_HOUSING, WOUND_OUTPUT)
-RIGID_OUTPUT, WITH_SHAFT = 4, 6
 # sums that are held to the tolerance, for the motion tells nothing of their errors: the losses have kinks
 # that are no events, and where link 1 stands still no energy shows what torque holds it
 HELD_SUMS = (OF_DRIVE, OF_HOUSING, WORK_IN, LOST + MESH, LOST + JOURNAL)
+# a twisted shaft at rest: speeds are measured by this share of what its energy could drive
+TWIST_SHARE = 1e-1
+# stage of Rosenbrock's method that is its error, and the share of the allowed one that it may have
+STIFF_ERROR, STIFF_SHARE = 7, 0.1
+# ... and how much more of it a swing of the shaft that is as wide as the output is fast
+SWING = 10.0
 # the error of a work is measured by so many present kinetic energies, from rest by this share of the largest
 OF_ENERGY = 10.0
 FROM_REST = 0.01
@@ -39,13 +45,6 @@ CUSP = 1e-2
 ROUNDING = 1e-13
 
 
-def how_many_move(d):
-    """How many of MOTION there are."""
-    if d.elastic == 0.0:
-        return RIGID_OUTPUT
-    return len(MOTION) if d.housing_stiffness + d.freewheel_stiffness > 0.0 else WITH_SHAFT
-
-
 def fastest_speed(d, x, w):
     """Largest speed of links 1 and 2 at the ends of the step in hand, rad/s."""
     links = max(abs(x.omega1), abs(x.omega1 + w.change.omega1))
@@ -53,9 +52,12 @@ def fastest_speed(d, x, w):
 
 
 def fastest_behind(d, x, w):
-    """Largest speed of the output at the ends of the step in hand, rad/s."""
+    """Largest speed of the output at the ends of the step, or a share of what its twist could drive."""
     output = max(abs(x.omega3), abs(x.omega3 + w.change.omega3))
-    return max(output, abs(x.omega3 - x.relative)) if d.elastic != 0.0 else output
+    if d.elastic == 0.0:
+        return output
+    twisted = TWIST_SHARE * shaft_frequency(d, 1.0 / d.J3) * abs(x.twist)
+    return max(output, abs(x.omega3 - x.relative), twisted)
 
 
 def speed_of_torque(d, x, w, fastest):
@@ -66,6 +68,22 @@ def speed_of_torque(d, x, w, fastest):
         return 1e300
     pulses = 0.5 * (d.k * d.k * d.F_by_slip + d.F_by_speed) * fastest * fastest
     return (pulses + abs(w.load)) / damping
+
+
+def leniency(d, x, w, rate, fastest):
+    """How much larger errors of the shaft's swing may be: it holds little where the output moves faster.
+
+    A swing wider than pulses make it has been excited by a load, and is followed.
+
+    Args:
+        rate: of the shaft between hub and driven mass, rad/s.
+    """
+    change = w.change
+    swing = max(abs(x.relative), abs(x.relative + change.relative))
+    swing = max(swing, rate * max(abs(x.twist), abs(x.twist + change.twist)))
+    moved = max(abs(x.omega2), abs(x.omega3), abs(change.omega2), abs(change.omega3))
+    pulses = d.harmonic * d.k * fastest * response(d, d.J2 + d.J3) * fastest / rate
+    return SWING * moved / max(swing, 1e-300) if swing < min(moved, pulses) else 1.0
 
 
 def scale_of(d, x, w, n, fastest):
@@ -81,10 +99,14 @@ def scale_of(d, x, w, n, fastest):
     speed = response(d, d.J2 + d.J3) * max(fastest, fastest_behind(d, x, w))
     if n == OMEGA3:
         return min(max(speed, change), speed_of_torque(d, x, w, fastest))
-    if n == RELATIVE:
-        return max(speed, change)
-    if n == TWIST:
-        return max(speed * math.sqrt(d.J3 / d.stiffness), max(abs(x.twist), change))
+    if n == RELATIVE or n == TWIST:
+        rate = shaft_frequency(d, 1.0 / d.J3)
+        if d.F_by_alpha1 == 0.0:
+            speed = 0.0  # nothing but loads moves the shaft
+        if w.stiffly != 0.0:
+            speed *= leniency(d, x, w, rate, fastest)
+        now = abs(x.relative if n == RELATIVE else x.twist)
+        return max(speed if n == RELATIVE else speed / rate, now, change)
     if n == WOUND_HOUSING:
         return max(fastest * math.sqrt(d.J2 / max(d.housing_stiffness, 1e-300)), change)
     return max(fastest * math.sqrt(d.J2 / max(d.freewheel_stiffness, 1e-300)), change)
@@ -103,6 +125,14 @@ def counts(d, x, w, n):
     return d.losses != 0.0 or n == Q or n == OMEGA2 or n == TWIST or n == RELATIVE
 
 
+def stiff_error(w, n):
+    """Error of a quantity in the stiff step in hand, but what goes with that of the shaft's swing."""
+    errors, by_twist = w.stages[STIFF_ERROR].numbers, w.slopes[TWIST_MOVES].numbers
+    if n == RELATIVE or n == TWIST or by_twist[RELATIVE] == 0.0:
+        return errors[n]
+    return errors[n] - by_twist[n] / by_twist[RELATIVE] * errors[RELATIVE]
+
+
 def momentum_passed(d):
     """Momentum that the imbalances pass to links 1 and 2 at most at the speed 1, kg m^2."""
     links = d.J2 * response(d, d.J2)
@@ -115,7 +145,7 @@ def step_error(d, x, w, fastest):
     """Estimated error of the step in hand over the allowed one.
 
     Hairer's mix of orders 5 and 3, or the errors of order 4. Errors of the motion count in full, those of
-    losses with all others by their mean: there are many.
+    losses and of stiff steps with all others by their mean: there are many.
     """
     if not max(fastest, fastest_behind(d, x, w)) < 1e300:
         return 1e300
@@ -142,14 +172,18 @@ def step_error(d, x, w, fastest):
             scale = d.tolerance * max(scale, abs(w.change.numbers[n]))
         if scale > 0.0:
             count += 1
-            low = w.short != 0.0
-            found3 = weighed_rate(w, FOURTH if low else THIRD, SHORT_END + 1 if low else END, n) / scale
-            found5 = 0.0 if low else weighed_rate(w, FIFTH, END, n) / scale
+            if w.stiffly != 0.0:
+                found3 = stiff_error(w, n) / (STIFF_SHARE * w.step * scale)
+                found5 = 0.0
+            else:
+                low = w.short != 0.0
+                found3 = weighed_rate(w, FOURTH if low else THIRD, SHORT_END + 1 if low else END, n) / scale
+                found5 = 0.0 if low else weighed_rate(w, FIFTH, END, n) / scale
             sum3 += found3 * found3
             sum5 += found5 * found5
-    if d.losses == 0.0:
+    if d.losses + w.stiffly == 0.0:
         count = 1
-    if w.short != 0.0:
+    if w.short + w.stiffly != 0.0:
         return w.step * math.sqrt(sum3 / max(count, 1)) if sum3 < 1e300 else 1e300
     mix = sum5 + 0.01 * sum3
     if mix == 0.0:

@@ -9,8 +9,10 @@ from ..tableau import (
     END,
     LONG,
     NODES,
+    PARTS,
     SHORT,
     SHORT_END,
+    THIRDS,
     dense_change,
     dense_fourth_bound,
     dense_rate,
@@ -103,6 +105,8 @@ def is_clear(x, w, which):
     values = w.watched[which].value
     start = values[0]
     pair, last = (SHORT, SHORT_END) if w.short != 0.0 else (LONG, END)
+    if w.stiffly != 0.0:
+        pair, last = THIRDS, PARTS
     if is_speed(x, which):
         rates = w.watched[which].rate
         lowest = highest = rates[0]
@@ -122,6 +126,23 @@ def is_clear(x, w, which):
     return low > CLEAR * (high - low) or (start >= 0.0 and least > CLEAR * (most - least))
 
 
+def fit_through(x, w, which):
+    """Fit the inside of the stiff step through its ends and thirds, a speed by the rates at the ends too."""
+    one = w.watched[which]
+    change = one.value[PARTS] - one.value[0]
+    first = 4.5 * (one.value[1] - one.value[0] - change / 3.0)
+    second = 4.5 * (one.value[2] - one.value[0] - change / 1.5)
+    one.dense[0] = change
+    one.dense[1] = 2.0 * first - second
+    one.dense[2] = 3.0 * (second - first)
+    one.dense[3] = one.dense[4] = one.dense[5] = one.dense[6] = 0.0
+    if is_speed(x, which):
+        begin, end = w.step * one.rate[0] - change, change - w.step * one.rate[PARTS]
+        one.dense[1] = begin
+        one.dense[2] = end - begin
+        one.dense[3] = 2.25 * (first + second - begin - end)
+
+
 def fit_guard(w, which):
     """Fit the inside of the step in hand."""
     fit(w.step, w.watched[which].rate, w.watched[which].dense)
@@ -134,6 +155,9 @@ def general_guard(x, w, which, sigma):
     """
     one = w.watched[which]
     start = one.value[0]
+    if w.stiffly != 0.0:
+        shift = 0.0 if is_spring(x, which) else min(start, 0.0)
+        return start - shift + dense_change(one.dense, sigma), dense_rate(one.dense, sigma)
     if is_speed(x, which):
         return max(start, 0.0) + dense_change(one.dense, sigma), dense_rate(one.dense, sigma)
     per_step = 1.0 / w.step
@@ -145,4 +169,8 @@ def general_guard(x, w, which, sigma):
 def general_fourth_bound(x, w, which):
     """Bound of the fourth derivative of the fit."""
     dense = w.watched[which].dense
-    return dense_fourth_bound(dense) if is_speed(x, which) else dense_rate_fourth_bound(dense) / w.step
+    return (
+        dense_fourth_bound(dense)
+        if is_speed(x, which) or w.stiffly != 0.0
+        else dense_rate_fourth_bound(dense) / w.step
+    )

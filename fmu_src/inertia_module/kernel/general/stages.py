@@ -14,8 +14,19 @@ from .states import IDEAL, LOCKED, LOSSY, OPEN, WOUND
 Q, OMEGA1, OMEGA2, OMEGA3, OF_DRIVE, OF_HOUSING = 0, 1, 2, 3, 4, 5
 THETA1, WORK_IN, LOST = 8, 10, 11
 TWIST, RELATIVE, WOUND_HOUSING, WOUND_OUTPUT = 16, 17, 18, 19
+# what moves: with a rigid output, with a shaft, with wind-up; for weights the angle of link 1. Place of twist
+MOTION = (Q, OMEGA1, OMEGA2, OMEGA3, TWIST, RELATIVE, WOUND_HOUSING, WOUND_OUTPUT, THETA1)
+RIGID_OUTPUT, WITH_SHAFT, WITH_WINDUP = 4, 6, 8
+TWIST_MOVES = 4
 # how many of them an ideal module of rigid output has, and how many of these tell its motion
 FEWEST, MOVING = 12, 4
+
+
+def how_many_move(d):
+    """How many of MOTION there are."""
+    if d.elastic == 0.0:
+        return RIGID_OUTPUT
+    return WITH_WINDUP if d.housing_stiffness + d.freewheel_stiffness > 0.0 else WITH_SHAFT
 
 
 def power_of_freewheels(d, x, m):
@@ -163,14 +174,8 @@ def make_inside(d, x, w):
     evaluate_stages(d, x, w, LONG, END + 1, STAGES - 1)
 
 
-def evaluate_inside(d, x, w, changes, sigma, fewest):
-    """Evaluate the equations at the part sigma of the step in hand, its inside known, into d.machine.
-
-    Args:
-        changes: of what is followed up to there, written. fewest: see set_changes.
-    """
-    write_inside_weights(sigma, w.weights)
-    set_changes(d, x, w, changes, sigma * w.step, STAGES, fewest)
+def take_changed(d, x, changes):
+    """The motion with these changes into d.machine."""
     m = d.machine
     m.q = x.q + changes.q
     m.theta1 = x.theta1 + changes.theta1
@@ -182,6 +187,17 @@ def evaluate_inside(d, x, w, changes, sigma, fewest):
         m.relative = x.relative + changes.relative
         m.wound_housing = x.wound_housing + changes.wound_housing
         m.wound_output = x.wound_output + changes.wound_output
+
+
+def evaluate_inside(d, x, w, changes, sigma, fewest):
+    """Evaluate the equations at the part sigma of the step in hand, its inside known, into d.machine.
+
+    Args:
+        changes: of what is followed up to there, written. fewest: see set_changes.
+    """
+    write_inside_weights(sigma, w.weights)
+    set_changes(d, x, w, changes, sigma * w.step, STAGES, fewest)
+    take_changed(d, x, changes)
     evaluate(d, x, w.prescribed, w.load, True)
     x.step_evaluations += 1.0
 

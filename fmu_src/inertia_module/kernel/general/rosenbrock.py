@@ -1,0 +1,244 @@
+"""A step of Rosenbrock's method where shaft or springs are stiff: L-stable, no iteration (docs/mechanics.md).
+
+Rodas5P, eight stages, orders 5(4): G. Steinebach, Construction of Rosenbrock-Wanner method Rodas5P, BIT
+Numerical Mathematics 63 (2023) 27. Each stage U_i of the change over the step h solves
+
+    (1 / (GAMMA h) - J) U_i = f(y + sum_j A_ij U_j) + sum_j C_ij U_j / h
+
+with J the derivatives of all rates by the motion at the beginning. The step changes y by the last stage's
+argument and U_8, which is the error as well.
+"""
+
+from ..codes import SHAFT
+from ..tableau import PARTS
+from .motion import evaluate, take_state
+from .stages import MOTION, how_many_move, keep_rates, take_changed
+from .states import IDEAL, LOCKED, LOSSY, WOUND
+
+STAGES = 8
+GAMMA = 0.21193756319429014
+# what moves: places in MACHINE of MOTION and of theta1, which counts where there are weights
+PLACES = (0, 2, 3, 4, 5, 6, 7, 8, 1)
+MOVING = 9
+MOVE_Q, MOVE_1, MOVE_2, MOVE_3, MOVE_TWIST, MOVE_RELATIVE, MOVE_HOUSING, MOVE_OUTPUT, MOVE_THETA = range(9)
+# place of the rates that no one needs any more; of those at the even parts of the step that are looked at
+SCRATCH = 15
+# share of its scale by which a speed, an angle or a torque is changed for a difference
+APART = 1e-7
+# fmt: off
+A = (
+    *(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+    *(3.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+    *(2.849394379747939, 0.45842242204463923, 0.0, 0.0, 0.0, 0.0, 0.0),
+    *(-6.954028509809101, 2.489845061869568, -10.358996098473584, 0.0, 0.0, 0.0, 0.0),
+    *(2.8029986275628964, 0.5072464736228206, -0.3988312541770524, -0.04721187230404641, 0.0, 0.0, 0.0),
+    *(-7.502846399306121, 2.561846144803919, -11.627539656261098, -0.18268767659942256,
+      0.030198172008377946, 0.0, 0.0),
+    *(-7.502846399306121, 2.561846144803919, -11.627539656261098, -0.18268767659942256,
+      0.030198172008377946, 1.0, 0.0),
+    *(-7.502846399306121, 2.561846144803919, -11.627539656261098, -0.18268767659942256,
+      0.030198172008377946, 1.0, 1.0),
+)
+C = (
+    *(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+    *(-14.155112264123755, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+    *(-17.97296035885952, -2.859693295451294, 0.0, 0.0, 0.0, 0.0, 0.0),
+    *(147.12150275711716, -1.41221402718213, 71.68940251302358, 0.0, 0.0, 0.0, 0.0),
+    *(165.43517024871676, -0.4592823456491126, 42.90938336958603, -5.961986721573306, 0.0, 0.0, 0.0),
+    *(24.854864614690072, -3.0009227002832186, 47.4931110020768, 5.5814197821558125,
+      -0.6610691825249471, 0.0, 0.0),
+    *(30.91273214028599, -3.1208243349937974, 77.79954646070892, 34.28646028294783,
+      -19.097331116725623, -28.087943162872662, 0.0),
+    *(37.80277123390563, -3.2571969029072276, 112.26918849496327, 66.9347231244047,
+      -40.06618937091002, -54.66780262877968, -9.48861652309627),
+)
+DENSE = (
+    *(25.948786856663858, -2.5579724845846235, 10.433815404888879, -2.3679251022685204,
+      0.524948541321073, 1.1241088310450404, 0.4272876194431874, -0.17202221070155493),
+    *(-9.91568850695171, -0.9689944594115154, 3.0438037242978453, -24.495224566215796,
+      20.176138334709044, 15.98066361424651, -6.789040303419874, -6.710236069923372),
+    *(11.419903575922262, 2.8879645146136994, 72.92137995996029, 80.12511834622643,
+      -52.072871366152654, -59.78993625266729, -0.15582684282751913, 4.883087185713722),
+)
+# fmt: on
+
+
+def see(d, x, w, n):
+    """Evaluate the equations at the motion in d.machine, and keep its rates as those of stage n."""
+    evaluate(d, x, w.prescribed, w.load, True)
+    if d.losses != 0.0:
+        keep_rates(d, x, w, n, LOSSY)
+    else:
+        keep_rates(d, x, w, n, IDEAL)
+    x.step_evaluations += 1.0
+
+
+def how_many_solved(d):
+    """How many of PLACES a step solves for."""
+    return MOVING if d.weight != 0.0 else how_many_move(d)
+
+
+def differentiate_by(d, x, w, n, apart):
+    """Derivatives of all rates by one of what moves, by a difference."""
+    m = d.machine
+    take_state(d, x)
+    before = m.numbers[PLACES[n]]
+    m.numbers[PLACES[n]] = before + apart
+    apart = m.numbers[PLACES[n]] - before
+    if x.output_state == LOCKED:
+        m.omega3 = m.omega2
+    see(d, x, w, SCRATCH)
+    slopes, rates, start = w.slopes[n].numbers, w.rates[SCRATCH].numbers, w.rates[0].numbers
+    for which in range(len(start)):
+        slopes[which] = (rates[which] - start[which]) / apart
+    # where friction pins the driven mass a difference of squares is far too coarse
+    shaft, rates = w.slopes[n], w.rates[0]
+    by_driven = shaft.turned3
+    lost = 2.0 * (d.damping * rates.twist * shaft.twist + d.friction * rates.turned3 * by_driven)
+    lost -= d.balancer * d.J4 * (rates.omega3 * by_driven + shaft.omega3 * rates.turned3)
+    shaft.lost[SHAFT] = lost
+
+
+def differentiate(d, x, w):
+    """Derivatives of all rates by what moves at the beginning of the step."""
+    start = w.rates[0]
+    speed = APART * max(abs(x.omega1), abs(x.omega2), abs(x.omega3))
+    torque = abs(start.drive) + abs(start.output) + abs(start.housing) + abs(w.load)
+    torque = APART * (torque + abs(d.stiffness * x.twist) + abs(d.damping * x.relative))
+    if speed == 0.0:
+        speed = APART
+    if torque == 0.0:
+        torque = APART
+    for n in range(MOVING):
+        for which in range(len(start.numbers)):
+            w.slopes[n].numbers[which] = 0.0
+    differentiate_by(d, x, w, MOVE_Q, APART)
+    if d.by_torque != 0.0 or w.prescribed != 0.0:
+        differentiate_by(d, x, w, MOVE_1, speed)
+    differentiate_by(d, x, w, MOVE_2, speed)
+    if x.output_state != LOCKED:
+        differentiate_by(d, x, w, MOVE_3, speed)
+    differentiate_by(d, x, w, MOVE_TWIST, torque / d.stiffness)
+    slow = min(speed, torque / d.damping) if d.damping > 0.0 else speed
+    differentiate_by(d, x, w, MOVE_RELATIVE, slow)
+    if x.housing_state == WOUND:
+        differentiate_by(d, x, w, MOVE_HOUSING, torque / d.housing_stiffness)
+    if x.output_state == WOUND:
+        differentiate_by(d, x, w, MOVE_OUTPUT, torque / d.freewheel_stiffness)
+    if d.weight != 0.0:
+        differentiate_by(d, x, w, MOVE_THETA, APART)
+
+
+def factorise(d, w, count):
+    """Factors of 1 / (GAMMA h) - J of what moves, with row pivots, into w.matrix and w.pivots."""
+    own = 1.0 / (GAMMA * w.step)
+    a = w.matrix
+    for i in range(count):
+        for j in range(count):
+            a[MOVING * i + j] = -w.slopes[j].numbers[MOTION[i]]
+        a[MOVING * i + i] += own
+    for i in range(count):
+        pivot = i
+        for n in range(i + 1, count):
+            if abs(a[MOVING * n + i]) > abs(a[MOVING * pivot + i]):
+                pivot = n
+        w.pivots[i] = pivot
+        if pivot != i:
+            for j in range(count):
+                a[MOVING * i + j], a[MOVING * pivot + j] = a[MOVING * pivot + j], a[MOVING * i + j]
+        scale = 1.0 / a[MOVING * i + i]
+        for n in range(i + 1, count):
+            factor = scale * a[MOVING * n + i]
+            a[MOVING * n + i] = factor
+            if factor != 0.0:
+                for j in range(i + 1, count):
+                    a[MOVING * n + j] -= factor * a[MOVING * i + j]
+
+
+def solve(w, count):
+    """Solve for the stage of what moves whose right side is in w.right_side, there."""
+    a, b = w.matrix, w.right_side
+    for i in range(count):
+        pivot = int(w.pivots[i])
+        if pivot != i:
+            b[i], b[pivot] = b[pivot], b[i]
+    for i in range(count):
+        for n in range(i):
+            b[i] -= a[MOVING * i + n] * b[n]
+    for back in range(count):
+        i = count - 1 - back
+        for n in range(i + 1, count):
+            b[i] -= a[MOVING * i + n] * b[n]
+        b[i] /= a[MOVING * i + i]
+
+
+def weighed_stage(w, table, row, count, which):
+    """Sum of the first stages of a quantity with the weights of a row of a table."""
+    total = 0.0
+    for n in range(count):
+        total += table[row + n] * w.stages[n].numbers[which]
+    return total
+
+
+def solve_stage(d, w, stage, rates_at, count):
+    """The changes of all that is followed at a stage, from the rates kept."""
+    per_step = 1.0 / w.step
+    row = (STAGES - 1) * stage
+    rates, changes = w.rates[rates_at].numbers, w.stages[stage].numbers
+    b = w.right_side
+    for which in range(len(rates)):
+        changes[which] = rates[which] + per_step * weighed_stage(w, C, row, stage, which)
+    for i in range(count):
+        b[i] = changes[MOTION[i]]
+    solve(w, count)
+    own = GAMMA * w.step
+    for which in range(len(rates)):
+        for i in range(count):
+            changes[which] += w.slopes[i].numbers[which] * b[i]
+        changes[which] *= own
+    for i in range(count):
+        changes[MOTION[i]] = b[i]
+
+
+def make_stiff_step(d, x, w, h):
+    """All stages of the step h, and the changes of all that is followed."""
+    w.step = h
+    count = how_many_solved(d)
+    factorise(d, w, count)
+    solve_stage(d, w, 0, 0, count)
+    for stage in range(1, STAGES):
+        for i in range(count):
+            w.change.numbers[MOTION[i]] = weighed_stage(w, A, (STAGES - 1) * stage, stage, MOTION[i])
+        take_changed(d, x, w.change)
+        see(d, x, w, SCRATCH)
+        solve_stage(d, w, stage, SCRATCH, count)
+    set_part(d, x, w, 1.0)
+
+
+def write_part_weights(w, sigma):
+    """Write the weights of the stages in the changes up to the part sigma of the step into w.weights."""
+    rest = 1.0 - sigma
+    for n in range(STAGES):
+        whole = A[(STAGES - 1) * (STAGES - 1) + n] if n < STAGES - 1 else 1.0
+        inside = DENSE[n] + sigma * (DENSE[STAGES + n] + sigma * DENSE[2 * STAGES + n])
+        w.weights[n] = sigma * (whole + rest * inside)
+
+
+def set_part(d, x, w, sigma):
+    """Changes of all that is followed over the part sigma of the step in hand (order 4 within it)."""
+    write_part_weights(w, sigma)
+    for which in range(len(w.change.numbers)):
+        w.change.numbers[which] = weighed_stage(w, w.weights, 0, STAGES, which)
+    if d.by_torque == 0.0:
+        h = sigma * w.step
+        w.change.omega1 = h * w.prescribed
+        w.change.theta1 = h * (x.omega1 + 0.5 * h * w.prescribed)
+
+
+def look_inside(d, x, w, part):
+    """Keep the rates at one of the thirds of the step in hand."""
+    write_part_weights(w, part / PARTS)
+    for i in range(how_many_solved(d)):
+        w.change.numbers[MOTION[i]] = weighed_stage(w, w.weights, 0, STAGES, MOTION[i])
+    take_changed(d, x, w.change)
+    see(d, x, w, part)
