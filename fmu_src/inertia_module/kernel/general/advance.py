@@ -47,8 +47,9 @@ LANDINGS, SEARCHES = 60, 4
 NEAR_SPEED, NEAR_TORQUE = 1e-2, 0.1
 # ... and up to which the few stages of a short step tell what a guard does
 QUIET_PHASE = 2.0
-# ... where link 1 or 2 is far lighter at an angle than at others: its speed has a spike there
-CUSP_PHASE = 1.0
+# ... where a link is far lighter at an angle than at others, so that its speed has a spike there, and where
+# the output can swing, which errors of long steps are estimated too low for
+SHORT_PHASE = 1.0
 # steps are often as long as is stable, and a little longer are tried in vain
 SAFETY = 0.8
 SHORT_SAFETY = 0.9
@@ -76,7 +77,7 @@ def longest_step(d, x, w, remaining):
     """Longest step that is searched for events: a bounded phase of the highest harmonic."""
     m = d.machine
     step = min(remaining, d.max_step)
-    phase = CUSP_PHASE if d.lightest < CUSP else STEP_PHASE
+    phase = SHORT_PHASE if d.lightest < CUSP or d.elastic != 0.0 else STEP_PHASE
     scale = d.harmonic * d.k
     slip = abs(x.omega1 - x.omega2)
     if scale * slip * step > phase:
