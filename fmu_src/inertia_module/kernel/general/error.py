@@ -41,6 +41,8 @@ FROM_REST = 0.01
 OF_LOSSES = 0.1
 # share of its largest inertia below which a link has a cusp: errors grow there as its speed does
 CUSP = 1e-2
+# share of the tolerance where an output swings without losses: nothing damps an error of its phase
+SWINGING = 0.15
 # share of a scale that is rounding
 ROUNDING = 1e-13
 
@@ -150,6 +152,8 @@ def step_error(d, x, w, fastest):
     if not max(fastest, fastest_behind(d, x, w)) < 1e300:
         return 1e300
     tolerance = max(d.tolerance * math.sqrt(min(d.lightest / CUSP, 1.0)), min(d.tolerance, ROUNDING))
+    if d.elastic != 0.0 and d.losses + w.stiffly == 0.0:
+        tolerance *= SWINGING
     sum5 = 0.0
     sum3 = 0.0
     count = 0
