@@ -9,7 +9,7 @@ import pytest
 from faulty import faulty, raising, showing
 from scenes import REFERENCE
 
-from inertia_module.kernel import engine, run
+from inertia_module.kernel import engine
 from inertia_module.memory import Module, Refused
 from studies.stability import verdicts
 from studies.stability.extremes import Case
@@ -77,8 +77,7 @@ def test_refusals_are_verdicts_with_their_reason(monkeypatch):
     assert "link2_inertia must be above 0 by more than rounding, is 0" in at_the_start.reason
     assert verdicts.cause(at_the_start.reason).startswith("the inertia behind link 2 vanishes")
     # a step that is given up leaves a module that goes on: in plain Python with a limit that is soon met
-    for part in (engine, run):
-        monkeypatch.setattr(part, "MAX_EVALUATIONS", 1e4)
+    monkeypatch.setattr(engine, "MAX_EVALUATIONS", 1e4)
     too_long = Motion(LEVEL.values, (Segment(1e4, 1e6, 1e12),))
     given_up = verdicts.judge(verdicts.try_case(replace(CASE, motion=too_long), lambda: Module("plain")))
     assert given_up.outcome == "refused"

@@ -6,10 +6,8 @@ FREE = 1
 DRIVING = 2
 HELD_DRIVING = 3
 
-# guards of a contact mode: of the speed of link 2 or its release, and of the output freewheel
+# none of the guards (general.guards)
 NONE = -1
-LINK2 = 0
-OUTPUT = 1
 
 # causes of losses: viscous friction of links, drives and output; the elastic shaft; meshes; journals of the
 # satellites; freewheels

@@ -1,4 +1,4 @@
-"""The general equations of motion: losses by load, drag and wind-up of the freewheels, gravity.
+"""The general equations of motion, with losses by load, drag and wind-up of the freewheels, gravity.
 
-Used only where one of these is asked for; the other solvers do not know them (docs/mechanics.md, "Losses").
+What is not asked for costs nothing: they are compiled without it, too (docs/mechanics.md, "Losses").
 """

@@ -1,4 +1,4 @@
-"""The module with losses by load, drag, wind-up or gravity: step by step up to the next event."""
+"""The module with its pulses, step by step of an embedded pair or a stiff method up to the next event."""
 
 import math
 

@@ -240,6 +240,7 @@ def equations(d, x, prescribed, load, fixed, lossy):
         m.alpha3 = (m.output - against3) / d.J3
     if x.housing_state == LOCKED:
         m.housing = m.output - m.mesh
+    m.rate_relative = 0.0
     if d.elastic != 0.0:
         driven = shaft - d.friction * (m.omega3 - m.relative) - load
         m.rate_relative = (1.0 - d.balancer) * m.alpha3 - driven / d.J4

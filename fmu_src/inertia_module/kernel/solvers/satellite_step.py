@@ -1,4 +1,4 @@
-"""What loads the satellites in a fixed step: gravity, and the friction of meshes and journals.
+"""Loads of the satellites in a fixed step: gravity, and the friction of meshes and journals.
 
 The works of the weights are the change of their potential. Friction is one torque against the slip of links 1
 and 2, by the loads of the step itself (docs/mechanics.md).
