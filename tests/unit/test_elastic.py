@@ -51,7 +51,7 @@ def test_a_stiff_shaft_costs_no_small_steps(compiled, scene, share, stiffness):
     # without damping the swing that the load makes in the beginning is followed until the hub moves, with all
     # the times that the freewheel lets it go
     swings = stiffness == 1e10 and share == 0.0
-    assert stiff["rhs_evaluations"] < (6e4 if swings else 1.48e4)
+    assert stiff["rhs_evaluations"] < (6e4 if swings else 1.5e4)
     whole = started(compiled, SCENES[scene], output_inertia=0.52)
     assert stiff["omega_out"] == pytest.approx(advanced(whole, 0.5)["omega_out"], rel=2e-5)
 
