@@ -25,11 +25,12 @@ def change(after, after_low, before, before_low):
     return (after - before) + (after_low - before_low)
 
 
-def audit(d, x, before, stored):
+def audit(d, x, before, stored, tolerance):
     """Tell whether the energies of the step balance: OK or NOT_BALANCED.
 
     Args:
         x, before: state after and before the step; x.energy_stored is set. stored: energy stored after it, J.
+        tolerance: that the step was made with.
     """
     put_in = change(x.energy_in, x.energy_in_low, before.energy_in, before.energy_in_low)
     put_out = change(x.energy_out, x.energy_out_low, before.energy_out, before.energy_out_low)
@@ -38,7 +39,7 @@ def audit(d, x, before, stored):
     energies = abs(put_in) + abs(put_out) + abs(lost) + abs(stored) + abs(before.energy_stored)
     x.energy_stored = stored
     fastest = max(abs(x.omega1), abs(before.omega1))
-    share = max(LEAST, min(TOLERANCES * d.tolerance, MOST))
+    share = max(LEAST, min(TOLERANCES * tolerance, MOST))
     slow = share * fastest  # speeds that may be missing: of a slow swing all that there is
     allowed = share * energies + (d.J1 + d.J2 + d.J3 + d.J4) * slow * slow
     return OK if abs(missing) <= allowed + NOTHING else NOT_BALANCED

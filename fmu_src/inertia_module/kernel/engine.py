@@ -4,26 +4,42 @@ The contact mode is chosen, a solver follows it to the next event or to the end 
 """
 
 from .accumulate import copy, time_later
-from .codes import OK, STEP_TOO_SMALL, TOO_MANY_SWITCHES, TOO_MUCH_WORK
+from .codes import AVERAGED, DRIVING, KINEMATIC, OK, STEP_TOO_SMALL, TOO_MANY_SWITCHES, TOO_MUCH_WORK
 from .general.advance import advance_general
 from .general.choice import GOES_ON, choose_next_states, choose_states
+from .general.motion import evaluate, recall, take_state
 from .general.states import GEARED
 from .limits import MAX_EVALUATIONS, STALLS_ALLOWED, SWITCHES_ALLOWED, SWITCHES_PER_PULSE
 from .links import prescribed_at_input
 from .shaft import fastest_own_rate
-from .solvers.kinematic import advance_kinematic
+from .solvers.kinematic import advance_kinematic, keep_ratio, prescribe
 
 # share of a communication step that it has at least, where it ends at a switch
 SHORTEST = 1e-9
 
 
-def advance_mode(d, x, w, remaining):
-    """Advance in the present contact mode, at most to its end: (time passed or -1, whether it may change
-    then).
-    """
+def accelerations_now(d, x):
+    """Accelerations of links 1 and 2 in the present mode, rad/s^2."""
     if x.output_state == GEARED:
-        return advance_kinematic(d, x, w, remaining), False
-    return advance_general(d, x, w, remaining)
+        prescribe(d, x, 0.0)
+        return d.machine.alpha1, d.machine.alpha2
+    take_state(d, x)
+    if x.rates_cached != 0.0:
+        recall(d.machine, x.now)
+    else:
+        evaluate(d, x, prescribed_at_input(d, x), x.load_torque, False)
+    return d.machine.alpha1, d.machine.alpha2
+
+
+def follow_parameters(p, d, x):
+    """Write what parameters prescribe at once: the prescribed speed of link 2, or contact mode and alpha1."""
+    if p.fidelity == KINEMATIC:
+        keep_ratio(d, x)
+        x.mode = DRIVING
+    elif p.fidelity != AVERAGED:
+        choose_states(d, x, 0.0)
+        if d.by_torque != 0.0:
+            x.alpha1, _ = accelerations_now(d, x)
 
 
 def stop_here(x, time):
@@ -33,7 +49,7 @@ def stop_here(x, time):
     x.held_step = time
 
 
-def switch(d, x):
+def switch_now(d, x):
     """Carry out the switch that the last step has stopped at, if it has."""
     if x.switching == 0.0:
         return
@@ -43,6 +59,8 @@ def switch(d, x):
     x.evaluations += x.step_evaluations - evaluations
     x.switching = 0.0
     x.torques_continue = 1.0
+    if d.by_torque != 0.0:
+        x.alpha1, _ = accelerations_now(d, x)
 
 
 def run_events(d, x, w, h):
@@ -64,7 +82,10 @@ def run_events(d, x, w, h):
     while time < h:
         remaining = (h - time) - low
         speeds = abs(x.omega1) + abs(x.omega2)
-        passed, event = advance_mode(d, x, w, remaining)
+        if x.output_state == GEARED:
+            passed = advance_kinematic(d, x, w, remaining)
+        else:
+            passed, event = advance_general(d, x, w, remaining)
         if passed < 0.0:
             return STEP_TOO_SMALL
         if passed >= remaining:

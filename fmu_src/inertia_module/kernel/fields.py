@@ -145,15 +145,17 @@ FOLLOWED = (
 
 # nothing in it outlives the call
 WORKSPACE = (
-    # whether a step ends at a switch; whether the step in hand is by the short pair; torque or acceleration
-    # given at link 1, load, length of the step, angular momentum and kinetic energy at its beginning
-    *("stops", "short", "prescribed", "load", "step", "momentum", "energy"),
+    # whether a step ends at a switch; the tolerance that holds
+    *("stops", "tolerance"),
+    # the step in hand: row of its pair in the table of weights and its last stage; torque or acceleration
+    # given at link 1, load, length, angular momentum and kinetic energy at its beginning
+    *("pair", "last", "prescribed", "load", "step", "momentum", "energy"),
     # rates at the stages, changes over the step and over a part of it of all that is followed, and the guards
     *(("rates", FOLLOWED, STAGES), ("change", FOLLOWED), ("inside", FOLLOWED)),
     ("watched", (("value", STAGES), ("rate", STAGES), ("dense", DENSE)), GUARDS + SATELLITES),
     ("weights", STAGES),
-    # the stiff step: whether it is in hand, changes at its stages, derivatives of all rates, linear equations
-    *("stiffly", ("stages", FOLLOWED, SOLVED), ("slopes", FOLLOWED, MOVING)),
+    # the stiff step: changes at its stages, derivatives of all rates, linear equations
+    *(("stages", FOLLOWED, SOLVED), ("slopes", FOLLOWED, MOVING)),
     *(("matrix", MOVING * MOVING), ("pivots", MOVING), ("right_side", MOVING)),
     # fixed steps: I, I', B, G at the end and the slip angle to there; what links 1 and 2 come to
     *("end_i", "end_i1", "end_b", "end_g", "slip_angle"),

@@ -17,10 +17,10 @@ from .codes import (
     VISCOUS,
 )
 from .derive import TWO_PI
+from .engine import accelerations_now
 from .general.motion import stored_besides
 from .links import kinetic_energy
 from .loads import write_loads
-from .run import accelerations_now
 from .shaft import stored_in_shaft
 
 

@@ -2,8 +2,8 @@
 
 from .accumulate import copy
 from .codes import ELASTIC, OK, RATES
+from .engine import follow_parameters, switch_now
 from .outputs import write_late_outputs, write_outputs
-from .run import follow_parameters, switch_now
 from .shaft import fastest_own_rate
 from .step import advance
 
@@ -39,7 +39,7 @@ def write_rates(p, d, u, x, y, w):
     A mean or peak holds for its step: its rate is 0. u and x are left as they become in between.
     Returns a status.
     """
-    switch_now(p, d, x)
+    switch_now(d, x)
     if x.torques_continue == 0.0:
         follow_parameters(p, d, x)  # which may have changed since the last step
     write_outputs(x, y)

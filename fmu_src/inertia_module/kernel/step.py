@@ -2,33 +2,41 @@
 
 import math
 
-from .accumulate import copy, lost_in_all, turn_output, wrap_drive_angle
+from .accumulate import add, copy, lost_in_all, turn_output, wrap_drive_angle, wrap_input_angle
 from .audit import audit, is_audited
+from .averaged.jump import jump_averaged, takes_up_jump
 from .averaged.legs import RESTING
-from .averaged.run import end_step, speed_at_start
+from .averaged.run import end_step, run_averaged, speed_at_start
 from .averaged.torque_map import build_map
 from .codes import (
     AVERAGED,
     BAD_STEP,
-    DRIVE_SPEED,
+    ELASTIC,
     JAMMED,
+    KINEMATIC,
     NOT_BALANCED,
     NOT_FINITE,
     OK,
     STEP_ONLY,
+    STEP_PRECISELY,
     STEP_TO_SWITCH,
     TIMESTEPPING,
 )
 from .derive import derive
+from .engine import accelerations_now, follow_parameters, run_events, switch_now
 from .general.jam import jams
+from .impulse import jump_input
 from .inputs import begin, check_inputs, check_rates, input_speed
 from .limits import LARGEST_STEP
 from .outputs import stored_energy, write_late_outputs, write_outputs
-from .run import follow_parameters, run_at_speed, run_by_torque, switch_now
-from .solvers.timestepping import begin_here
+from .shaft import is_stiff
+from .solvers.kinematic import keep_ratio
+from .solvers.timestepping import begin_here, run_timestepping
 
 # share of the tolerance that a step is tried again with whose energies do not balance
 MORE_CARE = 1e-3
+# tolerance of a step whose results are to be differenced
+PRECISE = 1e-11
 
 
 def check_parameters(p, d):
@@ -97,7 +105,7 @@ def tune(p, d, x, w):
     if status == OK and p.fidelity == AVERAGED:
         status = build_map(p, d, w)
     if status == OK:
-        switch_now(p, d, x)
+        switch_now(d, x)
         x.torques_continue = 0.0
         x.rates_cached = 0.0
     return status
@@ -132,7 +140,8 @@ def advance(p, d, u, x, y, w, h, operation):
     Args:
         p, d, u: parameters, derived constants, inputs (held or extrapolated over the step).
         x, y: state and outputs, written. w: workspace.
-        operation: that asks for it; with STEP_ONLY and STEP_TO_SWITCH the late outputs stay as they were.
+        operation: that asks for it; with STEP_ONLY and STEP_TO_SWITCH the late outputs stay as they were,
+            with STEP_PRECISELY differences of results are free of the noise of the tolerance.
     """
     if not 0.0 < h <= LARGEST_STEP:
         return BAD_STEP
@@ -142,10 +151,12 @@ def advance(p, d, u, x, y, w, h, operation):
     if status != OK:
         return status
     copy(w.before.numbers, x.numbers)
-    switch_now(p, d, x)
-    status = run_audited(p, d, u, x, w, h)
+    w.tolerance = min(d.tolerance, PRECISE) if operation == STEP_PRECISELY else d.tolerance
+    status = run(p, d, u, x, w, h)
     if status == NOT_BALANCED:
-        status = run_again(p, d, u, x, w, h)
+        copy(x.numbers, w.before.numbers)
+        w.tolerance = max(MORE_CARE * w.tolerance, 1e-14)
+        status = run(p, d, u, x, w, h)
     if status != OK:
         copy(x.numbers, w.before.numbers)
         return status
@@ -155,36 +166,55 @@ def advance(p, d, u, x, y, w, h, operation):
     return OK
 
 
-def run_audited(p, d, u, x, w, h):
-    """Advance the state by h and look at the balance of its energies. Returns a status."""
-    status = run(p, d, u, x, w, h)
-    if status != OK or not is_audited(p):
-        return status
-    return audit(d, x, w.before, stored_energy(p, d, x))
+def apply_jump(p, d, u, x, h, jump):
+    """Apply a jump of the speed of link 1, or of a prescribed ratio.
+
+    Returns:
+        Impulses of the input torque and of the output freewheel, N m s.
+    """
+    if p.fidelity != AVERAGED:
+        x.torques_continue = 0.0
+        return jump_input(d, x, jump, p.fidelity == ELASTIC and is_stiff(d, x, u.omega1))
+    if takes_up_jump(d, x, jump, h):
+        x.alpha1 += jump / h
+        return 0.0, 0.0
+    return jump_averaged(d, x, jump), 0.0
 
 
-def run_again(p, d, u, x, w, h):
-    """Advance from the state before the step once more, with more care. Returns a status."""
-    tolerance = d.tolerance
-    copy(x.numbers, w.before.numbers)
-    switch_now(p, d, x)
-    d.tolerance = max(MORE_CARE * tolerance, 1e-14)
-    status = run_audited(p, d, u, x, w, h)
-    d.tolerance = tolerance
-    return status
+def turn_input(p, d, x, start1, h):
+    """Angle and speed of link 1 at the end of the step, its speed given from start1 on."""
+    if p.fidelity == AVERAGED:  # else it has turned with all the rest
+        x.theta1, x.theta1_low = add(x.theta1, x.theta1_low, h * (start1 + 0.5 * x.alpha1 * h))
+        wrap_input_angle(x)
+    x.omega1 = start1 + x.alpha1 * h
+    x.omega1_low = 0.0
+    if p.fidelity == KINEMATIC:
+        keep_ratio(d, x)
 
 
 def run(p, d, u, x, w, h):
-    """Advance the state by h under the inputs. Returns a status."""
+    """Advance the state by h under the inputs, and look at its energies. Returns a status."""
+    switch_now(d, x)
     jump = begin(p, u, x, h)
-    input_jump = 0.0
-    output_jump = 0.0
-    if p.drive == DRIVE_SPEED:
-        status, input_jump, output_jump = run_at_speed(p, d, u, x, w, h, jump)
+    input_jump = output_jump = 0.0
+    if jump != 0.0 or (p.fidelity == KINEMATIC and x.omega2 != d.ratio * x.omega1):
+        input_jump, output_jump = apply_jump(p, d, u, x, h, jump)
+    start1 = x.omega1
+    if p.fidelity == AVERAGED:
+        status = run_averaged(d, x, w, h)
+    elif p.method == TIMESTEPPING and p.fidelity != KINEMATIC:
+        status = run_timestepping(d, x, w, h)
     else:
-        status = run_by_torque(p, d, x, w, h)
-    if status == OK:
-        end(x, x.length, input_jump, output_jump)
-        if not is_finite(x):
-            status = NOT_FINITE
-    return status
+        status = run_events(d, x, w, h)
+    if status != OK:
+        return status
+    if d.by_torque == 0.0:
+        turn_input(p, d, x, start1, x.length)
+    else:
+        if p.fidelity != AVERAGED:
+            x.alpha1, _ = accelerations_now(d, x)
+        x.input_impulse = x.drive_torque * x.length
+    end(x, x.length, input_jump, output_jump)
+    if not is_finite(x):
+        return NOT_FINITE
+    return audit(d, x, w.before, stored_energy(p, d, x), w.tolerance) if is_audited(p) else OK

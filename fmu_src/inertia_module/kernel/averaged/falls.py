@@ -1,10 +1,11 @@
 """The first fall of a guard in the steady motion, between two instants of it."""
 
 from ..codes import FREE, HELD
-from ..search import next_look, stays_positive
+from ..general.search import next_look
 from .instants import instant_after
 
 DIP_LOOKS = 8
+SHARE = 0.4  # of a third: the margin for a guard that is no cubic and has no bound
 # share of an interval within which a fall is found; it is taken just past, so that the next mode holds
 NEAR = 1e-9
 ROOT_LOOKS = 60
@@ -13,6 +14,11 @@ ROOT_LOOKS = 60
 TORQUE_GUARD = 0  # held: F < 0; driving: F > 0
 LINK2_GUARD = 1  # free: omega2 > 0
 OUTPUT_GUARD = 2  # free: omega2 < omega3
+
+
+def stays_positive(value0, rate0, value1, rate1, h):
+    """Tell whether a guard that is not negative at both ends of a short interval h stays so inside."""
+    return value0 + SHARE * h * rate0 >= 0.0 and value1 - SHARE * h * rate1 >= 0.0
 
 
 def guard(d, t, which, at):

@@ -247,16 +247,16 @@ def settle_losses(p, d, w, side, ratio, slowness):
     Args:
         w: workspace; w.part is the state that is followed.
     """
-    inertia, tolerance, longest, b1, b3 = d.J3, d.tolerance, d.max_step, d.b1, d.b3
+    inertia, longest, b1, b3 = d.J3, d.max_step, d.b1, d.b3
     d.J3 = HEAVY * (d.J2 + d.F_by_alpha1)
-    d.tolerance = TOLERANCE
+    w.tolerance = TOLERANCE
     d.max_step = NO_LIMIT
     d.b1 = d.b3 = 0.0
     set_losses(p, d, slowness)
     w.prescribed = 0.0
     w.load = 0.0
     through = add_steady(d, w.part, w, side, ratio, slowness)
-    d.J3, d.tolerance, d.max_step, d.b1, d.b3 = inertia, tolerance, longest, b1, b3
+    d.J3, d.max_step, d.b1, d.b3 = inertia, longest, b1, b3
     set_losses(p, d, 0.0)
     if not through:
         d.map_failed = 1.0

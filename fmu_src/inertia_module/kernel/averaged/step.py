@@ -243,7 +243,7 @@ def slip(d, side, x, w, v, rate, remaining):
     if x.step_size > 0.0:
         h = min(h, x.step_size)
     fastest = max(omega3, max(speed, speed + first[0][0] * h))
-    allowed = d.tolerance * fastest + 1e-300
+    allowed = w.tolerance * fastest + 1e-300
     h = take_accurate_step(d, side, x, w, speed, speed_rate, h, first, allowed, fastest)
     if h < 0.0:
         return -1.0, 0.0

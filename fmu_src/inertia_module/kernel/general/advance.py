@@ -1,237 +1,27 @@
 """The module with its pulses, step by step of an embedded pair or a stiff method up to the next event."""
 
-import math
-
 from ..accumulate import add, add_loss, wrap_drive_angle, wrap_input_angle
 from ..codes import FREEWHEEL, JOURNAL, MESH, NONE, SHAFT, VISCOUS
-from ..links import response
 from ..loads import INSIDE_PHASE, sample_load
-from ..search import first_crossing
-from ..shaft import fastest_own_rate
-from ..solvers.step_size import REJECTIONS, carry_size, first_size, next_factor
-from ..tableau import END, LONG, NODES, PARTS, SHORT, SHORT_END, THIRDS
-from .choice import take_speeds, torques_at
-from .error import CUSP, fastest_speed, step_error
-from .guards import (
-    FLOW,
-    HOUSING,
-    OUTPUT,
-    SLIP,
-    SPIN,
-    fit_guard,
-    fit_through,
-    general_fourth_bound,
-    how_many_guards,
-    is_clear,
-    is_speed,
-    is_spring,
-    is_watched,
-    value_and_rate,
-)
-from .motion import evaluate, recall, take_state
-from .rosenbrock import differentiate, look_inside, make_stiff_step, set_part
+from ..tableau import LONG, NODES, PARTS, SHORT, THIRDS
+from .choice import take_speeds
+from .guards import FLOW, HOUSING, OUTPUT, SLIP, SPIN, is_speed, value_and_rate
+from .motion import recall, take_state
+from .rosenbrock import set_part
 from .satellites import with_sign_changed
-from .stages import cut_step, keep_rates, make_inside, make_step, take_changed, weighed_rate
-from .states import IDEAL, LOCKED, LOSSY, OPEN, WOUND, is_rough, is_wound
+from .search import end_at_event, first_event
+from .stages import cut_step, keep_rates, make_step, solve_motion, weighed_rate
+from .states import LOCKED, OPEN, WOUND, is_wound
+from .step_size import longest_step, try_short_step, try_steps
 
 # stage inside the step at which the force on the bearing is seen
 SEEN = 9
-# phase of the highest harmonic within one step, and between two looks at a guard, rad
-STEP_PHASE = 4.0
-LOOK_PHASE = 1.0
-# phase of shaft and springs within a step from which on it is a stiff one, and its share of STEP_PHASE; steps
-# tried to end at an event, and how near to it, in tolerances of its range
-STIFF = 4.0
-STIFF_SHARE = 0.5
-LANDINGS, SEARCHES = 60, 4
-NEAR_SPEED, NEAR_TORQUE = 1e-2, 0.1
-# ... and up to which the few stages of a short step tell what a guard does
-QUIET_PHASE = 2.0
-# ... where a link is far lighter at an angle than at others, so that its speed has a spike there, and where
-# the output can swing, which errors of long steps are estimated too low for
-SHORT_PHASE = 1.0
-# steps are often as long as is stable, and a little longer are tried in vain
-SAFETY = 0.8
-SHORT_SAFETY = 0.9
 # share of its size that a step keeps where a freewheel has switched, and phase that is tried first then: an
 # error of a longer step may be estimated far too low
 AFRESH = 0.5
 AFRESH_PHASE = 1.0
-# share of the allowed error that a step of the pair of order 5 may have: there are many of them
-SHORT_SHARE = 0.1
 # how fast the longest step of the pair of order 5 is thought to grow while the other one is used
 SHORT_GROWTH = 1.05
-# a guard below this share of the speeds, or of the torques, is zero
-VELOCITY_ROUNDING = 1e-13
-TORQUE_ROUNDING = 1e-13
-
-
-def advance_of_phase(d, x, w):
-    """Advance of the highest harmonic in the step in hand, rad."""
-    slip = abs(x.omega1 - x.omega2)
-    end = abs(x.omega1 + w.change.omega1 - x.omega2 - w.change.omega2)
-    return w.step * d.harmonic * d.k * max(slip, end)
-
-
-def longest_step(d, x, w, remaining):
-    """Longest step that is searched for events: a bounded phase of the highest harmonic."""
-    m = d.machine
-    step = min(remaining, d.max_step)
-    phase = SHORT_PHASE if d.lightest < CUSP or d.elastic != 0.0 else STEP_PHASE
-    scale = d.harmonic * d.k
-    slip = abs(x.omega1 - x.omega2)
-    if scale * slip * step > phase:
-        step = phase / (scale * slip)
-    growth = scale * abs(m.alpha1 - m.alpha2)
-    if 0.5 * growth * step * step > phase:
-        step = math.sqrt(2.0 * phase / growth)
-    return step
-
-
-def try_short_step(d, x, w, remaining):
-    """Make the step to the end of the time remaining by the pair of order 5, where that will do.
-
-    It will where the error is allowed and no guard comes near zero. Returns as try_steps.
-    """
-    w.short = 1.0
-    w.stiffly = 0.0
-    make_step(d, x, w, remaining)
-    fastest = fastest_speed(d, x, w)
-    error = step_error(d, x, w, fastest) / SHORT_SHARE
-    x.short_size = next_factor(error, 5.0, SHORT_SAFETY) * remaining
-    if not error <= 1.0 or advance_of_phase(d, x, w) > QUIET_PHASE:
-        return -1.0
-    rough = is_rough(d)
-    for guard in range(how_many_guards(d)):
-        if is_watched(d, x, guard, rough) and not is_clear(x, w, guard):
-            return -1.0
-    return fastest
-
-
-def try_steps(d, x, w, limit):
-    """Make the longest step of allowed error. Returns the largest speed in it, or -1 where none will do."""
-    w.short = 0.0
-    h = first_size(x, limit)
-    own = fastest_own_rate(d, x) if d.elastic != 0.0 else 0.0
-    differentiated = False
-    for attempt in range(REJECTIONS):
-        w.stiffly = 1.0 if h * own > STIFF else 0.0
-        if w.stiffly != 0.0:
-            if not differentiated:
-                differentiate(d, x, w)
-                differentiated = True
-            h = min(h, max(STIFF_SHARE * longest_step(d, x, w, 1e300), STIFF / own))
-            make_stiff_step(d, x, w, h)
-        else:
-            make_step(d, x, w, h)
-        fastest = fastest_speed(d, x, w)
-        error = step_error(d, x, w, fastest)
-        if w.stiffly != 0.0:
-            factor = next_factor(error, 5.0, SHORT_SAFETY)
-        else:
-            factor = next_factor(error, 8.0, SAFETY)
-        if error <= 1.0:
-            carry_size(x, h, factor, attempt)
-            return fastest
-        h *= factor
-    return -1.0
-
-
-def land(d, x, w, which, zero, sigma):
-    """Make the stiff step end where the guard falls. Returns whether it does."""
-    one = w.watched[which]
-    low, high = 0.0, w.step
-    value_low, value_high = one.value[0], one.value[PARTS]
-    share = NEAR_SPEED if is_speed(x, which) else NEAR_TORQUE
-    near = max(4.0 * zero, share * d.tolerance * max(abs(value_low), abs(value_high)))
-    t = sigma * high
-    was_above = False
-    for landing in range(LANDINGS):
-        make_stiff_step(d, x, w, t)
-        take_changed(d, x, w.change)
-        evaluate(d, x, w.prescribed, w.load, True)
-        x.step_evaluations += 1.0
-        value, rate = value_and_rate(d, x, d.machine, which)
-        if -near <= value <= 0.0:
-            return True
-        # a secant that never stays at one end (Illinois)
-        above = value > 0.0
-        if above:
-            low, value_low = t, value
-            value_high *= 0.5 if landing > 0 and was_above else 1.0
-            if value_high >= 0.0 and landing > SEARCHES:
-                return False  # a crossing of the fit alone
-        else:
-            high, value_high = t, value
-            value_low *= 0.5 if landing > 0 and not was_above else 1.0
-        was_above = above
-        move = low
-        if is_speed(x, which) and rate < 0.0:
-            move = t - (value + 0.5 * near) / rate
-        elif value_high < 0.0 < value_low:
-            move = low + (high - low) * (value_low + 0.5 * near) / (value_low - value_high)
-        t = move if low < move < high else 0.5 * (low + high)
-    return value <= 0.0
-
-
-def guard_tolerance(d, x, w, which, fastest):
-    """Threshold below which a guard counts as crossed."""
-    if is_speed(x, which):
-        fastest_output = max(abs(x.omega2), max(abs(x.omega2 + w.change.omega2), abs(x.omega3)))
-        return VELOCITY_ROUNDING * max(response(d, d.J2) * fastest, fastest_output)
-    m = d.machine
-    share = max(TORQUE_ROUNDING, d.tolerance) if is_spring(x, which) else TORQUE_ROUNDING
-    return share * torques_at(d, m, w.prescribed, w.load)
-
-
-def first_event(d, x, w, fastest, cleared):
-    """Earliest fall of a guard, but of the one cleared, in the step just made: (part of it or -1, which)."""
-    earliest = -1.0
-    which = NONE
-    inside = False
-    rough = is_rough(d)
-    looks = 1 + int(math.floor(min(advance_of_phase(d, x, w), STEP_PHASE) / LOOK_PHASE))
-    for guard in range(how_many_guards(d)):
-        if guard == cleared or not is_watched(d, x, guard, rough):
-            continue
-        if is_clear(x, w, guard):
-            continue
-        if w.stiffly != 0.0:
-            fit_through(x, w, guard)
-        else:
-            if not inside:
-                make_inside(d, x, w)
-                inside = True
-            fit_guard(w, guard)
-        zero = guard_tolerance(d, x, w, guard, fastest)
-        sigma = first_crossing(d, x, w, guard, zero, general_fourth_bound(x, w, guard), looks)
-        if sigma > 0.0 and (earliest < 0.0 or sigma < earliest):
-            earliest = sigma
-            which = guard
-    return earliest, which
-
-
-def end_at_event(d, x, w, fastest):
-    """Let the stiff step end at the first event in it, if any.
-
-    Returns:
-        (part of the step that is left or -1, the guard that falls there or NONE).
-    """
-    h = w.step
-    cleared = NONE
-    for part in range(1, PARTS + 1):
-        look_inside(d, x, w, part)
-    recall(x.now, d.machine)
-    for _ in range(2):
-        sigma, which = first_event(d, x, w, fastest, cleared)
-        if sigma < 0.0:
-            break
-        if land(d, x, w, which, guard_tolerance(d, x, w, which, fastest), sigma):
-            return w.step / h, which
-        cleared = which  # a crossing of the fit alone: what of the other guards?
-        make_stiff_step(d, x, w, h)
-    set_part(d, x, w, 1.0)
-    return -1.0, NONE
 
 
 def balance(d, x, w):
@@ -289,10 +79,8 @@ def commit(d, x, w):
 
 def see_peak(x, w, sigma):
     """See the output torque at the stages up to this part of the step in hand; those beyond have none."""
-    pair, last = (SHORT, SHORT_END) if w.short != 0.0 else (LONG, END)
-    if w.stiffly != 0.0:
-        pair, last = THIRDS, PARTS
-    for n in range(last + 1):
+    pair = int(w.pair)
+    for n in range(int(w.last) + 1):
         if NODES[pair + n] <= sigma:
             x.torque_peak = max(x.torque_peak, abs(w.rates[n].output))
 
@@ -329,8 +117,7 @@ def meet_limits(d, x):
 def has_fallen(d, x, w, which):
     """Tell whether a guard has, by the state at the end of the step in hand."""
     take_state(d, x)
-    evaluate(d, x, w.prescribed, w.load, True)
-    x.step_evaluations += 1.0
+    solve_motion(d, x, w)
     value, _ = value_and_rate(d, x, d.machine, which)
     return value <= 0.0
 
@@ -347,9 +134,9 @@ def unwind(d, x, which):
 
 def see_inside(d, x, w):
     """See the bearing's force at a stage inside the step, where the drive turns far."""
-    if w.short != 0.0 or d.harmonic * abs(w.change.q) < INSIDE_PHASE:
+    if w.pair == SHORT or d.harmonic * abs(w.change.q) < INSIDE_PHASE:
         return
-    if w.stiffly != 0.0:
+    if w.pair == THIRDS:
         rates = w.rates[1]
         set_part(d, x, w, 1.0 / PARTS)
         q = x.q + w.change.q
@@ -368,36 +155,11 @@ def begin_step(d, x, w):
     if x.rates_cached != 0.0:
         recall(m, x.now)
     else:
-        evaluate(d, x, w.prescribed, w.load, True)
-        x.step_evaluations += 1.0
+        solve_motion(d, x, w)
     x.rates_cached = 0.0
     w.momentum, w.energy = m.momentum, m.energy
-    keep_rates(d, x, w, 0, LOSSY if d.losses != 0.0 else IDEAL)
+    keep_rates(d, x, w, 0)
     sample_load(d, x, x.q, x.omega1, x.omega2, m.alpha1, m.alpha2)
-
-
-def make_steps(d, x, w, remaining):
-    """Make a step of allowed error, to the end of the time remaining or short of it.
-
-    Returns:
-        (largest speed in it or -1 where none will do, fraction of the earliest event in it or -1, its guard).
-    """
-    limit = longest_step(d, x, w, remaining)
-    if limit >= remaining and (remaining <= x.short_size or x.short_size == 0.0):
-        fastest = try_short_step(d, x, w, remaining)
-        if fastest >= 0.0:
-            recall(x.now, d.machine)
-            return fastest, -1.0, NONE
-    x.short_size *= SHORT_GROWTH  # so that it is tried again
-    fastest = try_steps(d, x, w, limit)
-    if fastest < 0.0:
-        return fastest, -1.0, NONE
-    if w.stiffly != 0.0:
-        sigma, which = end_at_event(d, x, w, fastest)
-        return fastest, sigma, which
-    recall(x.now, d.machine)
-    sigma, which = first_event(d, x, w, fastest, NONE)
-    return fastest, sigma, which
 
 
 def take_over(d, x, w, sigma):
@@ -406,7 +168,7 @@ def take_over(d, x, w, sigma):
     if sigma < 0.0:
         see_inside(d, x, w)
         recall(d.machine, x.now)
-    elif w.stiffly != 0.0:
+    elif w.pair == THIRDS:
         kept = sigma  # it ends there
     elif is_wound(x):
         make_step(d, x, w, sigma * w.step)
@@ -446,10 +208,23 @@ def advance_general(d, x, w, remaining):
         (time passed or -1 if no step is small enough, whether what freewheels and slip do may change then).
     """
     begin_step(d, x, w)
-    fastest, sigma, which = make_steps(d, x, w, remaining)
+    fastest = -1.0
+    limit = longest_step(d, x, w, remaining)
+    if limit >= remaining and (remaining <= x.short_size or x.short_size == 0.0):
+        fastest = try_short_step(d, x, w, remaining)
+    sigma, which = -1.0, NONE
     if fastest < 0.0:
-        return -1.0, False
-    wound = is_wound(x) and w.stiffly == 0.0
+        x.short_size *= SHORT_GROWTH  # so that it is tried again
+        fastest = try_steps(d, x, w, limit)
+        if fastest < 0.0:
+            return -1.0, False
+    if w.pair == THIRDS:
+        sigma, which = end_at_event(d, x, w, fastest)
+    else:
+        recall(x.now, d.machine)
+        if w.pair == LONG:
+            sigma, which = first_event(d, x, w, fastest, NONE)
+    wound = is_wound(x) and w.pair != THIRDS
     take_over(d, x, w, sigma)
     meet_limits(d, x)
     if wound and which != NONE and not has_fallen(d, x, w, which):

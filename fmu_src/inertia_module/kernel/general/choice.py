@@ -167,10 +167,7 @@ def choose_next_states(d, x):
     """Choose them after an event. Returns whether they have changed."""
     before = (x.housing_state, x.output_state, x.slip_sign)
     if x.slip_reached_zero != 0.0:
-        x.omega2 = x.omega1
-        x.omega2_low = x.omega1_low
-        if x.output_state == LOCKED:
-            x.omega3 = x.omega2
-            x.omega3_low = x.omega2_low
+        x.slip_sign = 0.0
+        take_speeds(x)
     choose_states(d, x, ENDED if x.ended != 0.0 else 0.0)
     return before != (x.housing_state, x.output_state, x.slip_sign)

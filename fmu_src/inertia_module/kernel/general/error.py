@@ -5,7 +5,7 @@ import math
 from ..codes import JOURNAL, MESH
 from ..links import kinetic_energy, response
 from ..shaft import shaft_frequency
-from ..tableau import END, FIFTH, FOURTH, SHORT_END, THIRD
+from ..tableau import END, FIFTH, FOURTH, LONG, SHORT, SHORT_END, THIRD, THIRDS
 from .stages import (
     LOST,
     MOTION,
@@ -105,7 +105,7 @@ def scale_of(d, x, w, n, fastest):
         rate = shaft_frequency(d, 1.0 / d.J3)
         if d.F_by_alpha1 == 0.0:
             speed = 0.0  # nothing but loads moves the shaft
-        if w.stiffly != 0.0:
+        if w.pair == THIRDS:
             speed *= leniency(d, x, w, rate, fastest)
         now = abs(x.relative if n == RELATIVE else x.twist)
         return max(speed if n == RELATIVE else speed / rate, now, change)
@@ -151,8 +151,8 @@ def step_error(d, x, w, fastest):
     """
     if not max(fastest, fastest_behind(d, x, w)) < 1e300:
         return 1e300
-    tolerance = max(d.tolerance * math.sqrt(min(d.lightest / CUSP, 1.0)), min(d.tolerance, ROUNDING))
-    if d.elastic != 0.0 and d.losses + w.stiffly == 0.0:
+    tolerance = max(w.tolerance * math.sqrt(min(d.lightest / CUSP, 1.0)), min(w.tolerance, ROUNDING))
+    if d.elastic != 0.0 and d.losses == 0.0 and w.pair != THIRDS:
         tolerance *= SWINGING
     sum5 = 0.0
     sum3 = 0.0
@@ -173,21 +173,21 @@ def step_error(d, x, w, fastest):
             scale = energy if n >= WORK_IN else momentum
             if n >= LOST:
                 scale *= OF_LOSSES
-            scale = d.tolerance * max(scale, abs(w.change.numbers[n]))
+            scale = w.tolerance * max(scale, abs(w.change.numbers[n]))
         if scale > 0.0:
             count += 1
-            if w.stiffly != 0.0:
+            if w.pair == THIRDS:
                 found3 = stiff_error(w, n) / (STIFF_SHARE * w.step * scale)
                 found5 = 0.0
             else:
-                low = w.short != 0.0
+                low = w.pair == SHORT
                 found3 = weighed_rate(w, FOURTH if low else THIRD, SHORT_END + 1 if low else END, n) / scale
                 found5 = 0.0 if low else weighed_rate(w, FIFTH, END, n) / scale
             sum3 += found3 * found3
             sum5 += found5 * found5
-    if d.losses + w.stiffly == 0.0:
+    if d.losses == 0.0 and w.pair != THIRDS:
         count = 1
-    if w.short + w.stiffly != 0.0:
+    if w.pair != LONG:
         return w.step * math.sqrt(sum3 / max(count, 1)) if sum3 < 1e300 else 1e300
     mix = sum5 + 0.01 * sum3
     if mix == 0.0:

@@ -6,12 +6,8 @@ their torques, by the signs that the losses go by.
 """
 
 from ..tableau import (
-    END,
-    LONG,
     NODES,
     PARTS,
-    SHORT,
-    SHORT_END,
     THIRDS,
     dense_change,
     dense_fourth_bound,
@@ -104,9 +100,7 @@ def is_clear(x, w, which):
     """
     values = w.watched[which].value
     start = values[0]
-    pair, last = (SHORT, SHORT_END) if w.short != 0.0 else (LONG, END)
-    if w.stiffly != 0.0:
-        pair, last = THIRDS, PARTS
+    pair, last = int(w.pair), int(w.last)
     if is_speed(x, which):
         rates = w.watched[which].rate
         lowest = highest = rates[0]
@@ -155,7 +149,7 @@ def general_guard(x, w, which, sigma):
     """
     one = w.watched[which]
     start = one.value[0]
-    if w.stiffly != 0.0:
+    if w.pair == THIRDS:
         shift = 0.0 if is_spring(x, which) else min(start, 0.0)
         return start - shift + dense_change(one.dense, sigma), dense_rate(one.dense, sigma)
     if is_speed(x, which):
@@ -171,6 +165,6 @@ def general_fourth_bound(x, w, which):
     dense = w.watched[which].dense
     return (
         dense_fourth_bound(dense)
-        if is_speed(x, which) or w.stiffly != 0.0
+        if is_speed(x, which) or w.pair == THIRDS
         else dense_rate_fourth_bound(dense) / w.step
     )

@@ -10,10 +10,10 @@ argument and U_8, which is the error as well.
 """
 
 from ..codes import SHAFT
-from ..tableau import PARTS
-from .motion import evaluate, take_state
-from .stages import MOTION, how_many_move, keep_rates, take_changed
-from .states import IDEAL, LOCKED, LOSSY, WOUND
+from ..tableau import PARTS, THIRDS
+from .motion import take_state
+from .stages import MOTION, how_many_move, keep_rates, prescribe_link1, solve_changed, solve_motion
+from .states import LOCKED, WOUND
 
 STAGES = 8
 GAMMA = 0.21193756319429014
@@ -63,16 +63,6 @@ DENSE = (
 # fmt: on
 
 
-def see(d, x, w, n):
-    """Evaluate the equations at the motion in d.machine, and keep its rates as those of stage n."""
-    evaluate(d, x, w.prescribed, w.load, True)
-    if d.losses != 0.0:
-        keep_rates(d, x, w, n, LOSSY)
-    else:
-        keep_rates(d, x, w, n, IDEAL)
-    x.step_evaluations += 1.0
-
-
 def how_many_solved(d):
     """How many of PLACES a step solves for."""
     return MOVING if d.weight != 0.0 else how_many_move(d)
@@ -87,7 +77,8 @@ def differentiate_by(d, x, w, n, apart):
     apart = m.numbers[PLACES[n]] - before
     if x.output_state == LOCKED:
         m.omega3 = m.omega2
-    see(d, x, w, SCRATCH)
+    solve_motion(d, x, w)
+    keep_rates(d, x, w, SCRATCH)
     slopes, rates, start = w.slopes[n].numbers, w.rates[SCRATCH].numbers, w.rates[0].numbers
     for which in range(len(start)):
         slopes[which] = (rates[which] - start[which]) / apart
@@ -203,14 +194,15 @@ def solve_stage(d, w, stage, rates_at, count):
 def make_stiff_step(d, x, w, h):
     """All stages of the step h, and the changes of all that is followed."""
     w.step = h
+    w.pair, w.last = THIRDS, PARTS
     count = how_many_solved(d)
     factorise(d, w, count)
     solve_stage(d, w, 0, 0, count)
     for stage in range(1, STAGES):
         for i in range(count):
             w.change.numbers[MOTION[i]] = weighed_stage(w, A, (STAGES - 1) * stage, stage, MOTION[i])
-        take_changed(d, x, w.change)
-        see(d, x, w, SCRATCH)
+        solve_changed(d, x, w, w.change)
+        keep_rates(d, x, w, SCRATCH)
         solve_stage(d, w, stage, SCRATCH, count)
     set_part(d, x, w, 1.0)
 
@@ -229,10 +221,7 @@ def set_part(d, x, w, sigma):
     write_part_weights(w, sigma)
     for which in range(len(w.change.numbers)):
         w.change.numbers[which] = weighed_stage(w, w.weights, 0, STAGES, which)
-    if d.by_torque == 0.0:
-        h = sigma * w.step
-        w.change.omega1 = h * w.prescribed
-        w.change.theta1 = h * (x.omega1 + 0.5 * h * w.prescribed)
+    prescribe_link1(d, x, w, w.change, sigma * w.step)
 
 
 def look_inside(d, x, w, part):
@@ -240,5 +229,5 @@ def look_inside(d, x, w, part):
     write_part_weights(w, part / PARTS)
     for i in range(how_many_solved(d)):
         w.change.numbers[MOTION[i]] = weighed_stage(w, w.weights, 0, STAGES, MOTION[i])
-    take_changed(d, x, w.change)
-    see(d, x, w, part)
+    solve_changed(d, x, w, w.change)
+    keep_rates(d, x, w, part)

@@ -5,9 +5,9 @@ w.rates[n] holds the rates at stage n (fields.FOLLOWED), w.change their integral
 
 from ..codes import FREEWHEEL, JOURNAL, MESH, SHAFT, VISCOUS
 from ..links import friction_power
-from ..tableau import END, LONG, NODES, SHORT, SHORT_END, STAGES, WEIGHTS, write_inside_weights
+from ..tableau import END, NODES, STAGES, WEIGHTS, write_inside_weights
 from .guards import value_and_rate, watch
-from .motion import evaluate
+from .motion import equations, evaluate
 from .states import IDEAL, LOCKED, LOSSY, OPEN, WOUND
 
 # places in fields.FOLLOWED
@@ -44,12 +44,22 @@ def power_of_freewheels(d, x, m):
     return lost
 
 
-def keep_rates(d, x, w, n, lossy):
-    """Rates of all that is followed at stage n, from d.machine after motion.evaluate.
+def solve_motion(d, x, w):
+    """Solve the equations for the motion in d.machine, signs of the loads as in the step in hand; counted."""
+    evaluate(d, x, w.prescribed, w.load, True)
+    x.step_evaluations += 1.0
 
-    Args:
-        lossy: whether there are losses by load, drag, weights or wind-up, a constant.
-    """
+
+def keep_rates(d, x, w, n):
+    """Keep the rates of all that is followed as those of stage n, from d.machine after motion.evaluate."""
+    if d.losses != 0.0:
+        rates_of(d, x, w, n, LOSSY)
+    else:
+        rates_of(d, x, w, n, IDEAL)
+
+
+def rates_of(d, x, w, n, lossy):
+    """Rates at stage n for keep_rates, with or without losses by load, drag, weights or wind-up."""
     m = d.machine
     rates = w.rates[n]
     slip = m.omega1 - m.omega2
@@ -107,37 +117,37 @@ def weighed_four(w, weights, begin, count, first):
     return a, b, c, d
 
 
-def evaluate_stage(d, x, w, pair, n, lossy):
-    """Rates at stage n of a pair (tableau.LONG or SHORT), from those at the stages before."""
-    h = w.step
-    m = d.machine
-    row = pair + n
-    q, omega1, omega2, omega3 = weighed_four(w, WEIGHTS, STAGES * row, n, Q)
-    m.q = x.q + h * q
-    m.omega1 = x.omega1 + h * (omega1 if d.by_torque != 0.0 else NODES[row] * w.prescribed)
-    m.omega2 = x.omega2 + h * omega2
-    m.omega3 = m.omega2 if x.output_state == LOCKED else x.omega3 + h * omega3
-    if lossy and d.weight != 0.0:
-        m.theta1 = x.theta1 + h * weighed_rate(w, row, n, THETA1)
-    if d.elastic != 0.0:
-        m.twist = x.twist + h * weighed_rate(w, row, n, TWIST)
-        m.relative = x.relative + h * weighed_rate(w, row, n, RELATIVE)
-        if lossy:
-            m.wound_housing = x.wound_housing + h * weighed_rate(w, row, n, WOUND_HOUSING)
-            m.wound_output = x.wound_output + h * weighed_rate(w, row, n, WOUND_OUTPUT)
-    evaluate(d, x, w.prescribed, w.load, True)
-    keep_rates(d, x, w, n, lossy)
-    x.step_evaluations += 1.0
-
-
-def evaluate_stages(d, x, w, pair, first, last):
+def evaluate_stages(d, x, w, first, last):
     """Evaluate stages of the step in hand, from the first to the last."""
     if d.losses != 0.0:
-        for n in range(first, last + 1):
-            evaluate_stage(d, x, w, pair, n, LOSSY)
+        stages_of(d, x, w, first, last, LOSSY)
     else:
-        for n in range(first, last + 1):
-            evaluate_stage(d, x, w, pair, n, IDEAL)
+        stages_of(d, x, w, first, last, IDEAL)
+
+
+def stages_of(d, x, w, first, last, lossy):
+    """Rates at the stages, each from those at the stages before, for evaluate_stages."""
+    h = w.step
+    m = d.machine
+    pair = int(w.pair)
+    for n in range(first, last + 1):
+        row = pair + n
+        q, omega1, omega2, omega3 = weighed_four(w, WEIGHTS, STAGES * row, n, Q)
+        m.q = x.q + h * q
+        m.omega1 = x.omega1 + h * (omega1 if d.by_torque != 0.0 else NODES[row] * w.prescribed)
+        m.omega2 = x.omega2 + h * omega2
+        m.omega3 = m.omega2 if x.output_state == LOCKED else x.omega3 + h * omega3
+        if lossy and d.weight != 0.0:
+            m.theta1 = x.theta1 + h * weighed_rate(w, row, n, THETA1)
+        if d.elastic != 0.0:
+            m.twist = x.twist + h * weighed_rate(w, row, n, TWIST)
+            m.relative = x.relative + h * weighed_rate(w, row, n, RELATIVE)
+            if lossy:
+                m.wound_housing = x.wound_housing + h * weighed_rate(w, row, n, WOUND_HOUSING)
+                m.wound_output = x.wound_output + h * weighed_rate(w, row, n, WOUND_OUTPUT)
+        equations(d, x, w.prescribed, w.load, True, lossy)
+        rates_of(d, x, w, n, lossy)
+        x.step_evaluations += 1.0
 
 
 def set_changes(d, x, w, changes, h, count, fewest):
@@ -154,24 +164,30 @@ def set_changes(d, x, w, changes, h, count, fewest):
         change[first + 1] = w.step * two
         change[first + 2] = w.step * three
         change[first + 3] = w.step * four
+    prescribe_link1(d, x, w, changes, h)
+
+
+def prescribe_link1(d, x, w, changes, h):
+    """Change of link 1 over the time h, where its speed is given."""
     if d.by_torque == 0.0:
         changes.omega1 = h * w.prescribed
         changes.theta1 = h * (x.omega1 + 0.5 * h * w.prescribed)
 
 
 def make_step(d, x, w, h):
-    """All stages of the step h, and the changes of all that is followed."""
+    """All stages of the step h by the pair in hand, and the changes of all that is followed."""
     w.step = h
-    pair, last = (SHORT, SHORT_END) if w.short != 0.0 else (LONG, END)
-    evaluate_stages(d, x, w, pair, 1, last)
+    last = int(w.last)
+    evaluate_stages(d, x, w, 1, last)
+    row = int(w.pair) + last
     for n in range(last):
-        w.weights[n] = WEIGHTS[STAGES * (pair + last) + n]
+        w.weights[n] = WEIGHTS[STAGES * row + n]
     set_changes(d, x, w, w.change, h, last, FEWEST)
 
 
 def make_inside(d, x, w):
     """Evaluate the stages for the inside of the step in hand."""
-    evaluate_stages(d, x, w, LONG, END + 1, STAGES - 1)
+    evaluate_stages(d, x, w, END + 1, STAGES - 1)
 
 
 def take_changed(d, x, changes):
@@ -189,6 +205,12 @@ def take_changed(d, x, changes):
         m.wound_output = x.wound_output + changes.wound_output
 
 
+def solve_changed(d, x, w, changes):
+    """Solve the equations for the motion with these changes, into d.machine."""
+    take_changed(d, x, changes)
+    solve_motion(d, x, w)
+
+
 def evaluate_inside(d, x, w, changes, sigma, fewest):
     """Evaluate the equations at the part sigma of the step in hand, its inside known, into d.machine.
 
@@ -197,9 +219,7 @@ def evaluate_inside(d, x, w, changes, sigma, fewest):
     """
     write_inside_weights(sigma, w.weights)
     set_changes(d, x, w, changes, sigma * w.step, STAGES, fewest)
-    take_changed(d, x, changes)
-    evaluate(d, x, w.prescribed, w.load, True)
-    x.step_evaluations += 1.0
+    solve_changed(d, x, w, changes)
 
 
 def exact_guard(d, x, w, which, sigma):

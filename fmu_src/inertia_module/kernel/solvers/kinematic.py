@@ -9,7 +9,7 @@ from ..accumulate import add
 from ..general.advance import commit
 from ..general.motion import evaluate
 from ..general.stages import FEWEST, keep_rates, set_changes
-from ..general.states import GEARED, IDEAL, LOSSY, OPEN
+from ..general.states import GEARED, OPEN
 from ..loads import sample_load
 from ..tableau import GAUSS, GAUSS_NODES, GAUSS_WEIGHTS
 
@@ -31,6 +31,13 @@ def follow_ratio(x, omega1, omega2):
     x.housing_state = OPEN if omega2 > 0.0 else GEARED
     x.output_state = GEARED
     x.slip_sign = math.copysign(1.0, omega1 - omega2) if omega1 != omega2 else 0.0
+
+
+def keep_ratio(d, x):
+    """Give link 2 and the output the speed that is prescribed."""
+    x.omega2 = x.omega3 = d.ratio * x.omega1
+    x.omega2_low = x.omega3_low = 0.0
+    follow_ratio(x, x.omega1, x.omega2)
 
 
 def prescribe(d, x, t):
@@ -92,7 +99,7 @@ def advance_kinematic(d, x, w, remaining):
     for n in range(GAUSS):
         prescribe(d, x, GAUSS_NODES[n] * h)
         x.flow_sign = d.machine.flow_sign
-        keep_rates(d, x, w, n, LOSSY if d.losses != 0.0 else IDEAL)
+        keep_rates(d, x, w, n)
         w.weights[n] = GAUSS_WEIGHTS[n]
         x.torque_peak = max(x.torque_peak, abs(d.machine.output))
         out += GAUSS_WEIGHTS[n] * h * d.machine.output * d.machine.omega2

@@ -1,0 +1,120 @@
+"""How long a step is, and by which method it is made: the longest one of allowed error."""
+
+import math
+
+from ..shaft import fastest_own_rate
+from ..tableau import END, LONG, SHORT, SHORT_END
+from .error import CUSP, fastest_speed, step_error
+from .guards import how_many_guards, is_clear, is_watched
+from .rosenbrock import differentiate, make_stiff_step
+from .stages import make_step
+from .states import is_rough
+
+# phase of the highest harmonic within one step, rad
+STEP_PHASE = 4.0
+# ... where a link is far lighter at an angle than at others, so that its speed has a spike there, and where
+# the output can swing, which errors of long steps are estimated too low for
+SHORT_PHASE = 1.0
+# ... up to which the few stages of a short step tell what a guard does
+QUIET_PHASE = 2.0
+# phase of shaft and springs within a step from which on it is a stiff one, and its share of STEP_PHASE
+STIFF = 4.0
+STIFF_SHARE = 0.5
+# steps are often as long as is stable, and a little longer are tried in vain
+SAFETY = 0.8
+SHORT_SAFETY = 0.9
+SMALLEST_FACTOR = 0.2
+LARGEST_FACTOR = 5.0
+# tries of a step before it is given up
+REJECTIONS = 100
+# share of the allowed error that a step of the pair of order 5 may have: there are many of them
+SHORT_SHARE = 0.1
+
+
+def advance_of_phase(d, x, w):
+    """Advance of the highest harmonic in the step in hand, rad."""
+    slip = abs(x.omega1 - x.omega2)
+    end = abs(x.omega1 + w.change.omega1 - x.omega2 - w.change.omega2)
+    return w.step * d.harmonic * d.k * max(slip, end)
+
+
+def longest_step(d, x, w, remaining):
+    """Longest step that is searched for events: a bounded phase of the highest harmonic."""
+    m = d.machine
+    step = min(remaining, d.max_step)
+    phase = SHORT_PHASE if d.lightest < CUSP or d.elastic != 0.0 else STEP_PHASE
+    scale = d.harmonic * d.k
+    slip = abs(x.omega1 - x.omega2)
+    if scale * slip * step > phase:
+        step = phase / (scale * slip)
+    growth = scale * abs(m.alpha1 - m.alpha2)
+    if 0.5 * growth * step * step > phase:
+        step = math.sqrt(2.0 * phase / growth)
+    return step
+
+
+def first_size(x, limit):
+    """Size a step is tried with first: that carried in the state, if there is one, at most limit."""
+    return min(limit, x.step_size) if x.step_size > 0.0 else 0.1 * limit
+
+
+def next_factor(error, order, safety):
+    """By how much the next step may be longer, with this error over the allowed one."""
+    if not error < 1e300:
+        return SMALLEST_FACTOR
+    if error == 0.0:
+        return LARGEST_FACTOR
+    return min(LARGEST_FACTOR, max(SMALLEST_FACTOR, safety * error ** (-1.0 / order)))
+
+
+def carry_size(x, h, factor, attempt):
+    """Carry the size for the next step in the state, after a step h allowed at this attempt (from 0)."""
+    # a step cut short by the end of the communication step says little about longer ones
+    short = attempt == 0 and h < x.step_size
+    x.step_size = max(factor * h, x.step_size) if short else factor * h
+
+
+def try_short_step(d, x, w, remaining):
+    """Make the step to the end of the time remaining by the pair of order 5, where that will do.
+
+    It will where the error is allowed and no guard comes near zero. Returns as try_steps.
+    """
+    w.pair, w.last = SHORT, SHORT_END
+    make_step(d, x, w, remaining)
+    fastest = fastest_speed(d, x, w)
+    error = step_error(d, x, w, fastest) / SHORT_SHARE
+    x.short_size = next_factor(error, 5.0, SHORT_SAFETY) * remaining
+    if not error <= 1.0 or advance_of_phase(d, x, w) > QUIET_PHASE:
+        return -1.0
+    rough = is_rough(d)
+    for guard in range(how_many_guards(d)):
+        if is_watched(d, x, guard, rough) and not is_clear(x, w, guard):
+            return -1.0
+    return fastest
+
+
+def try_steps(d, x, w, limit):
+    """Make the longest step of allowed error. Returns the largest speed in it, or -1 where none will do."""
+    h = first_size(x, limit)
+    own = fastest_own_rate(d, x) if d.elastic != 0.0 else 0.0
+    differentiated = False
+    for attempt in range(REJECTIONS):
+        order, safety = 8.0, SAFETY
+        if h * own > STIFF:
+            order, safety = 5.0, SHORT_SAFETY
+            if not differentiated:
+                differentiate(d, x, w)
+                differentiated = True
+            h = min(h, max(STIFF_SHARE * longest_step(d, x, w, 1e300), STIFF / own))
+            make_stiff_step(d, x, w, h)
+        else:
+            w.pair, w.last = LONG, END
+            make_step(d, x, w, h)
+        fastest = fastest_speed(d, x, w)
+        error = step_error(d, x, w, fastest)
+        factor = next_factor(error, order, safety)
+        if error <= 1.0:
+            carry_size(x, h, factor, attempt)
+            return fastest
+        h *= factor
+    return -1.0
