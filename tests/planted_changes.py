@@ -76,7 +76,7 @@ SELECTION = {
         test_elastic.py::test_slowest_rate_is_that_of_the_slowest_eigenvalue
         test_elastic.py::test_the_twist_of_an_overdamped_shaft_follows_tolerance test_stiff.py
     """,
-    "general/|tableau|search|^links": f"""
+    "equations/|events/|tableau|^links": f"""
         {CHECK_VALUES} test_methods.py test_rates.py
         test_reference.py::test_losses_of_several_satellites_follow_the_tolerance
         test_reference.py::test_impulse_of_the_input_is_that_of_the_momentum_though_it_does_no_work
@@ -102,7 +102,7 @@ SELECTION = {
     "^(audit|step)": f"""
         test_audit.py {MEANS}
     """,
-    "solvers/": f"""
+    "kinematic": f"""
         {CHECK_VALUES} test_methods.py
         test_losses.py::test_prescribed_motion_has_the_efficiency_of_planetary_gears
         test_motions.py::test_means_are_the_momentum_they_give {MEANS}
@@ -159,8 +159,7 @@ sine.py: HALF_PI_2 = {6|7}.077
 sine.py: z * -1.1470745597729725e-1{1|2}
 accumulate.py: shift)) {+|-} (change - shift)
 accumulate.py: angle_low {-|+} periods * period_low
-general/stages.py: rates.square = m.output {*|+} m.output
-search.py: SHARE = {0.4|0.0}
+events/stages.py: rates.square = m.output {*|+} m.output
 tableau.py: *(0.11846{3|4}
 links.py: d.b1 * omega1 * omega1 {+|-} d.bq * rate_q * rate_q + friction
 engine.py: w.load = {x.load_torque|abs(x.load_torque)}
@@ -169,52 +168,52 @@ audit.py: LEAST = 1e-{6|5}
 audit.py: max(LEAST, {min|max}(TOLERANCES
 audit.py: p.fidelity {>=|>} RIGID and
 step.py: MORE_CARE = 1e-{3|0}
-step.py: d.tolerance = {tolerance|d.tolerance}\n    return status
-solvers/link_step.py: centre * centre {+|-} weight * push
-solvers/link_step.py: (rise {-|+} change * per_root * slip)
-solvers/link_step.py: mean1 {+|-}= answer1 * turned
-solvers/link_step.py: (less2 {-|+} more1)
-solvers/link_step.py: slip * (change * per_root {-|+} end_root)
-solvers/link_step.py: w.lost_by_load = {|0.5 * }friction * turned
-solvers/satellite_step.py: {k * |}(journals + spun +
-solvers/satellite_step.py: max(1.0 - by_spun {-|+} sign * d.mesh_loss
-solvers/link_step.py: missing = mean_coupling * turned {-|+} 0.5
-solvers/hub_step.py: damping -= {0.5|0.75} * d.stiffness
-solvers/timestepping.py: reaction = d.k * (w.end_b {+|-} d.k * w.end_g)
-solvers/timestepping.py: w.end3 {+|-}= d.J4 * (mass3 - w.end3)
-solvers/hub_step.py: lost {-|+}= d.balancer * d.J4 * (w.seen3
+step.py: PRECISE) if operation == STEP_PRECISELY else {d|w}.tolerance
+fixed_steps/link_step.py: centre * centre {+|-} weight * push
+fixed_steps/link_step.py: (rise {-|+} change * per_root * slip)
+fixed_steps/link_step.py: mean1 {+|-}= answer1 * turned
+fixed_steps/link_step.py: (less2 {-|+} more1)
+fixed_steps/link_step.py: slip * (change * per_root {-|+} end_root)
+fixed_steps/link_step.py: w.lost_by_load = {|0.5 * }friction * turned
+fixed_steps/satellite_step.py: {k * |}(journals + spun +
+fixed_steps/satellite_step.py: max(1.0 - by_spun {-|+} sign * d.mesh_loss
+fixed_steps/link_step.py: missing = mean_coupling * turned {-|+} 0.5
+fixed_steps/hub_step.py: damping -= {0.5|0.75} * d.stiffness
+fixed_steps/timestepping.py: reaction = d.k * (w.end_b {+|-} d.k * w.end_g)
+fixed_steps/timestepping.py: w.end3 {+|-}= d.J4 * (mass3 - w.end3)
+fixed_steps/hub_step.py: lost {-|+}= d.balancer * d.J4 * (w.seen3
 impulse.py: drive * (x.omega1 {+|-} 0.5 * jump)
 impulse.py: else 0.0) - {|0.5 * }omega2) / change
 impulse.py: (omega4 {+|-} 0.5 * change4)
 impulse.py: output = mesh {-|+} d.J2 * change
-general/motion.py: m.housing = m.output {-|+} m.mesh
-general/advance.py: passed {+|-}= d.b1 * change.theta1
+equations/motion.py: m.housing = m.output {-|+} m.mesh
+events/advance.py: passed {+|-}= d.b1 * change.theta1
 loads.py: mx {-|+}= mass * (py * az
-general/motion.py: m.output = m.mesh - resisting {-|+} d.J2
+equations/motion.py: m.output = m.mesh - resisting {-|+} d.J2
 step.py: x.output_square / h {-|+} mean * mean
-run.py: h * (start1 + {0.5|1.0} * x.alpha1
+step.py: h * (start1 + {0.5|1.0} * x.alpha1
 inputs.py: torque + {0.5|1.0} * h * rate
 inputs.py: slope = (speed {-|+} x.held_input)
 rates.py: begin) * {4.0|2.0} - (y
 clearance.py: 2.0 * s * cosine {+|-} s * s
-general/advance.py: change.theta1 {-|+} change.q / d.k
-solvers/step_size.py: safety * error ** ({-|}1.0 / order)
-general/advance.py: if which == {HOUSING|OUTPUT}:\n        x.omega2 = 0.0
-general/advance.py: sigma > 0.0 and (earliest < 0.0 or sigma {<|>} earliest)
-general/advance.py: QUIET_PHASE = {2.0|20.0}
-general/stages.py: m.omega2 = x.omega2 + h * omega{2|3}
-general/stages.py: m.q = x.q + h {*|/} q
+events/advance.py: change.theta1 {-|+} change.q / d.k
+events/step_size.py: safety * error ** ({-|}1.0 / order)
+events/advance.py: if which == {HOUSING|OUTPUT}:\n        x.omega2 = 0.0
+events/search.py: sigma > 0.0 and (earliest < 0.0 or sigma {<|>} earliest)
+events/step_size.py: QUIET_PHASE = {2.0|20.0}
+events/stages.py: m.omega2 = x.omega2 + h * omega{2|3}
+events/stages.py: m.q = x.q + h {*|/} q
 tableau.py: slope = dense[6] * rest {-|+} y
-general/error.py: sum5 {+|-}= found5 * found5
+events/error.py: sum5 {+|-}= found5 * found5
 tableau.py: 0.20136540080403034, 0.0447{1|2}
 tableau.py: 71 / 1920, {-|}17253 / 339200
-solvers/kinematic.py: * d.machine.output * d.machine.omega{2|1}
+events/kinematic.py: * d.machine.output * d.machine.omega{2|1}
 shaft.py: square / (half {+|-} math.sqrt
-general/rosenbrock.py: GAMMA = 0.2119375{6|7}319429014
-general/rosenbrock.py: -0.6610691{8|9}25249471
-general/rosenbrock.py: (rates[which] {-|+} start[which]) / apart
-general/rosenbrock.py: -2.36792510226{8|9}5204
-general/advance.py: value_low *= {0.5|1.0} if
+events/rosenbrock.py: GAMMA = 0.2119375{6|7}319429014
+events/rosenbrock.py: -0.6610691{8|9}25249471
+events/rosenbrock.py: (rates[which] {-|+} start[which]) / apart
+events/rosenbrock.py: -2.36792510226{8|9}5204
+events/search.py: value_low *= {0.5|1.0} if
 averaged/rates.py: - speed * torque {-|+} omega3 * torque1
 averaged/rates.py: share_rate = rate * (share {-|+} s * share1)
 averaged/rates.py: (2.0 * c2 + {3.0|2.0} * t * c3)
@@ -235,33 +234,33 @@ averaged/jump.py: x.energy_in_low, after {-|+} before
 averaged/outputs.py: y.housing_torque = torque + d.b2 * x.omega2 {-|+} mesh
 averaged/run.py: 1.0 {+|-} share * share / 12.0
 averaged/run.py: {4.0|2.0} * centre
-general/motion.py: passed = k / (1.0 {-|+} flow * d.mesh_loss)
-general/motion.py: passed * k * (own1 * by_q {-|+} b * slipping
-general/motion.py: mesh + by_alpha1 * alpha1 {+|-} by_rate2
-general/motion.py: m.margin = journals + m.spun {+|-} d.mesh_loss
-general/motion.py: -d.housing_drag {-|+} d.housing_drag_viscous
-general/motion.py: d.freewheel_damping * (m.omega2 {-|+} m.omega3)
-general/motion.py: (1.0 {-|+} d.balancer) * m.alpha3
-general/motion.py: d.friction * (m.omega3 {-|+} m.relative)
-general/motion.py: return potential + housing {+|-} 0.5
-general/satellites.py: spin_x = x1 {+|-} y
-general/satellites.py: d.weight * (y1 * sine {+|-} z1 * cosine)
-general/satellites.py: negative = torque {<|>} 0.0
-general/satellites.py: mass * (y * z1 {-|+} z * y1)
-general/stages.py: lost {-|+}= m.output * slip
-general/stages.py: m.mesh * slip {+|-} m.spun
-general/stages.py: rates.twist = {|-}m.relative
-general/stages.py: m.theta1 = x.theta1 {+|-} h * weighed
-general/error.py: scale = energy if n {>=|<} WORK_IN
-general/error.py: OF_ENERGY = {10|1000}.0
-general/error.py: FROM_REST = 0.0{1|}
-general/error.py: HELD_SUMS = ({OF_DRIVE, |}OF_HOUSING
-search.py: elif sigma {==|!=} high:\n            return -1.0
-search.py: if value {<|>} -zero:\n            fallen
-general/choice.py: return -push if speed {<=|<} 0.0
-general/choice.py: -x.slip_sign * inertia * (m.alpha1 {-|+} m.alpha2)
-general/states.py: return slip == 0.0 or sign * slip {>|<} 0.0
-general/motion.py: rest {+|-}= m.weight_q
+equations/motion.py: passed = k / (1.0 {-|+} flow * d.mesh_loss)
+equations/motion.py: passed * k * (own1 * by_q {-|+} b * slipping
+equations/motion.py: mesh + by_alpha1 * alpha1 {+|-} by_rate2
+equations/motion.py: m.margin = journals + m.spun {+|-} d.mesh_loss
+equations/motion.py: -d.housing_drag {-|+} d.housing_drag_viscous
+equations/motion.py: d.freewheel_damping * (m.omega2 {-|+} m.omega3)
+equations/motion.py: (1.0 {-|+} d.balancer) * m.alpha3
+equations/motion.py: d.friction * (m.omega3 {-|+} m.relative)
+equations/motion.py: return potential + housing {+|-} 0.5
+equations/satellites.py: spin_x = x1 {+|-} y
+equations/satellites.py: d.weight * (y1 * sine {+|-} z1 * cosine)
+equations/satellites.py: negative = torque {<|>} 0.0
+equations/satellites.py: mass * (y * z1 {-|+} z * y1)
+events/stages.py: lost {-|+}= m.output * slip
+events/stages.py: m.mesh * slip {+|-} m.spun
+events/stages.py: rates.twist = {|-}m.relative
+events/stages.py: m.theta1 = x.theta1 {+|-} h * weighed
+events/error.py: scale = energy if n {>=|<} WORK_IN
+events/error.py: OF_ENERGY = {10|1000}.0
+events/error.py: FROM_REST = 0.0{1|}
+events/error.py: HELD_SUMS = ({OF_DRIVE, |}OF_HOUSING
+events/search.py: elif sigma {==|!=} high:\n            return -1.0
+events/search.py: if value {<|>} -zero:\n            fallen
+equations/choice.py: return -push if speed {<=|<} 0.0
+equations/choice.py: -x.slip_sign * inertia * (m.alpha1 {-|+} m.alpha2)
+equations/states.py: return slip == 0.0 or sign * slip {>|<} 0.0
+equations/motion.py: rest {+|-}= m.weight_q
 driven_shaft/propagator.py: three += share * left * left / {2.0|3.0}
 driven_shaft/motion.py: one + d.rate * {two|one}
 driven_shaft/entry.py: * momentum {-|+} x.hub_slope * moment

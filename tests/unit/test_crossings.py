@@ -10,7 +10,7 @@ from scenes import SCENES, advanced, started
 
 from inertia_module.contract.records import record_type
 from inertia_module.kernel import fields
-from inertia_module.kernel.general.error import step_error
+from inertia_module.kernel.events.error import step_error
 
 
 @pytest.fixture(scope="module", params=SCENES)
@@ -85,7 +85,7 @@ def test_smallest_tolerances_are_met_when_the_input_stops(
 def test_step_that_leaves_the_range_of_doubles_has_no_small_error(size):
     module = started("plain", SCENES["bevel"])
     w = record_type(fields.WORKSPACE)()
-    w.step = 0.1
+    w.step, w.tolerance = 0.1, module.derived.tolerance
     for n in range(8):
         w.rates[n].omega2 = size * (1.0 + 0.1 * n)
     assert not step_error(module.derived, module.state, w, 1.0) <= 1.0

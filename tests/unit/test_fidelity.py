@@ -241,7 +241,7 @@ def test_measurements_are_made_anew_where_the_equations_of_losses_change(monkeyp
     named = []
     monkeypatch.setattr(trials, "sources", lambda *patterns: named.extend(patterns) or {})
     trials.measurement_file(scene())
-    assert any(Path("kernel/general/motion.py").match(pattern) for pattern in named)
+    assert any(Path("kernel/equations/motion.py").match(pattern) for pattern in named)
 
 
 # --- the recommendation: the cheapest measured level that meets the error, and why ---

@@ -10,7 +10,7 @@ from scenes import ACCOUNTS, ALL_LOSSES, CAUSE, ELASTIC, LOSSES, SCENES, advance
 
 from inertia_module.contract.variables import BY_NAME
 from inertia_module.kernel import codes
-from inertia_module.kernel.general import jam
+from inertia_module.kernel.equations import jam
 from inertia_module.kernel.inertia import reduced_inertia
 from inertia_module.memory import Module, Refused
 

@@ -7,8 +7,8 @@ from scenes import SCENES, started
 from inertia_module.contract.records import record_type
 from inertia_module.kernel import tableau
 from inertia_module.kernel.driven_shaft import propagator
+from inertia_module.kernel.events import advance, error, stages
 from inertia_module.kernel.fields import WORKSPACE
-from inertia_module.kernel.general import advance, error
 
 # row of the first stage, last stage and order of each pair
 PAIRS = {"8(5,3)": (tableau.LONG, tableau.END, 8), "5(4)": (tableau.SHORT, tableau.SHORT_END, 5)}
@@ -68,16 +68,16 @@ def test_inside_of_an_explicit_step(power, sigma):
     assert tableau.dense_rate(dense, sigma) == pytest.approx(h * (power + 1) * sigma**power, abs=1e-11)
 
 
-@pytest.mark.parametrize("short", [0.0, 1.0])
-def test_error_grows_with_each_error_and_shrinks_with_what_is_allowed(short):
+@pytest.mark.parametrize("pair", [tableau.LONG, tableau.SHORT])
+def test_error_grows_with_each_error_and_shrinks_with_what_is_allowed(pair):
     module = started("plain", SCENES["bevel"], omega_out_start=30.0, omega2_start=20.0)
     d, x, w = module.derived, module.state, record_type(WORKSPACE)()
     advance.begin_step(d, x, w)
-    w.short, h = short, 1e-3
-    advance.make_step(d, x, w, h)
+    w.tolerance, h = d.tolerance, 1e-3
+    stages.make_step(d, x, w, pair, h)
     whole = error.step_error(d, x, w, 100.0)
     assert 0.0 < whole < 1e300
-    d.tolerance *= 10.0
+    w.tolerance *= 10.0
     assert error.step_error(d, x, w, 100.0) == pytest.approx(0.1 * whole)
     for name in ("q", "omega2"):
         kept = getattr(w.rates[5], name)

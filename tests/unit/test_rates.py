@@ -15,12 +15,12 @@ from scenes import DRIVEN, ENGINE, LAYOUTS, SCENES, advanced, started
 from inertia_module.contract.records import record_type
 from inertia_module.kernel.averaged import falls, instants
 from inertia_module.kernel.codes import DRIVING, FREE, HELD, HELD_DRIVING
+from inertia_module.kernel.equations.choice import choose_states
+from inertia_module.kernel.equations.states import LOCKED, OPEN
+from inertia_module.kernel.events.advance import begin_step
+from inertia_module.kernel.events.guards import fit_guard, general_guard, is_exact
+from inertia_module.kernel.events.stages import exact_guard, make_inside, make_step
 from inertia_module.kernel.fields import WORKSPACE
-from inertia_module.kernel.general.advance import begin_step
-from inertia_module.kernel.general.choice import choose_states
-from inertia_module.kernel.general.guards import fit_guard, general_guard, is_exact
-from inertia_module.kernel.general.stages import exact_guard, make_inside, make_step
-from inertia_module.kernel.general.states import LOCKED, OPEN
 from inertia_module.kernel.inertia import reduced_inertia, second_derivative_of_b
 from inertia_module.kernel.links import (
     inertia_at_output,
@@ -29,6 +29,7 @@ from inertia_module.kernel.links import (
     prescribed_at_input,
     torques,
 )
+from inertia_module.kernel.tableau import LONG
 
 MODES = [HELD, FREE, DRIVING, HELD_DRIVING]
 ELASTIC_OUTPUT = {"fidelity": 3, "shaft_damping": 0.3, "driven_friction": 0.2, "balancer": 0.4}
@@ -154,7 +155,7 @@ def test_guards_in_an_explicit_step(values, chance, mode):
     x.output_state = LOCKED if mode in (DRIVING, HELD_DRIVING) else OPEN
     x.slip_sign, x.rates_cached = 1.0, 0.0
     begin_step(d, x, w)
-    make_step(d, x, w, step)
+    make_step(d, x, w, LONG, step)
     make_inside(d, x, w)
     for which in range(2):
         fit_guard(w, which)

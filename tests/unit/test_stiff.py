@@ -6,7 +6,8 @@ from scenes import ELASTIC, SCENES, advanced, started
 
 from inertia_module.contract.records import record_type
 from inertia_module.kernel import fields
-from inertia_module.kernel.general import advance, rosenbrock, stages
+from inertia_module.kernel.events import advance, rosenbrock, stages
+from inertia_module.kernel.tableau import LONG
 
 MOTION = ("q", "omega2", "omega3", "twist", "relative", "drive", "work_in", "square")
 
@@ -37,7 +38,7 @@ def exact_step(scene, h):
     for _ in range(16):
         x.rates_cached = 0.0
         advance.begin_step(d, x, w)
-        stages.make_step(d, x, w, h / 16)
+        stages.make_step(d, x, w, LONG, h / 16)
         total += [getattr(w.change, name) for name in MOTION]
         for name in ("q", "theta1", "omega1", "omega2", "omega3", "twist", "relative"):
             setattr(x, name, getattr(x, name) + getattr(w.change, name))

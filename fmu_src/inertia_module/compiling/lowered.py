@@ -25,8 +25,8 @@ NEEDLESS = (
 # what every evaluation of the equations of motion calls: made part of its callers, which then leave out
 # the derivatives they do not want. The compiler by itself finds them too long.
 INLINED = (
-    *("general.motion.equations", "general.motion.accelerate_links", "general.stages.stages_of"),
-    *("general.stages.rates_of", "general.stages.weighed_four", "general.guards.watch"),
+    *("equations.motion.equations", "equations.motion.accelerate_links", "events.stages.stages_of"),
+    *("events.stages.rates_of", "events.stages.weighed_four", "events.guards.watch"),
     *("inertia.reduced_inertia", "sine.sine_cosine", "sine.sines_cosines"),
 )
 # of all passes: what the first makes simple is short enough to become part of its callers in the second

@@ -6,7 +6,7 @@ FREE = 1
 DRIVING = 2
 HELD_DRIVING = 3
 
-# none of the guards (general.guards)
+# none of the guards (events.guards)
 NONE = -1
 
 # causes of losses: viscous friction of links, drives and output; the elastic shaft; meshes; journals of the

@@ -101,7 +101,7 @@ def derive_planar(p, d):
 
 
 def derive_general(p, d):
-    """Derive the constants of the general equations of motion (kernel.general)."""
+    """Derive the constants of the general equations of motion (kernel.equations)."""
     d.mesh_loss = 1.0 - p.mesh_efficiency
     d.satellite_loss = 0.0 if d.planar != 0.0 else 1.0 - p.satellite_mesh_efficiency
     d.journal = p.journal_friction

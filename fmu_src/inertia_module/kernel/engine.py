@@ -5,14 +5,14 @@ The contact mode is chosen, a solver follows it to the next event or to the end 
 
 from .accumulate import copy, time_later
 from .codes import AVERAGED, DRIVING, KINEMATIC, OK, STEP_TOO_SMALL, TOO_MANY_SWITCHES, TOO_MUCH_WORK
-from .general.advance import advance_general
-from .general.choice import GOES_ON, choose_next_states, choose_states
-from .general.motion import evaluate, recall, take_state
-from .general.states import GEARED
+from .equations.choice import GOES_ON, choose_next_states, choose_states
+from .equations.motion import evaluate, recall, take_state
+from .equations.states import GEARED
+from .events.advance import advance_general
+from .events.kinematic import advance_kinematic, keep_ratio, prescribe
 from .limits import MAX_EVALUATIONS, STALLS_ALLOWED, SWITCHES_ALLOWED, SWITCHES_PER_PULSE
 from .links import prescribed_at_input
 from .shaft import fastest_own_rate
-from .solvers.kinematic import advance_kinematic, keep_ratio, prescribe
 
 # share of a communication step that it has at least, where it ends at a switch
 SHORTEST = 1e-9

@@ -13,7 +13,7 @@ STAGES = 16
 DENSE = 7
 # ... of the stiff step, and how many quantities it solves for
 SOLVED, MOVING = 8, 9
-# their guards, and the satellites that may have one each (general.satellites.MANY)
+# their guards, and the satellites that may have one each (equations.satellites.MANY)
 GUARDS, SATELLITES = 4, 50
 # causes of losses (codes.VISCOUS ...)
 CAUSES = 5
@@ -118,7 +118,7 @@ CONSTANTS = (
     "ratio",
     # whether fidelity averaged has losses
     "lossy",
-    # what only the general equations of motion know, and whether any of it is there (kernel.general)
+    # what only the general equations of motion know, and whether any of it is there (kernel.equations)
     *("losses", "mesh_loss", "satellite_loss", "journal", "weight", "number"),
     *("housing_drag", "housing_drag_viscous", "output_drag", "output_drag_viscous"),
     *("housing_stiffness", "housing_damping", "freewheel_stiffness", "freewheel_damping"),

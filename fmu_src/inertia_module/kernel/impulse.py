@@ -7,7 +7,7 @@ ideal contacts close at zero relative speed no energy is lost.
 
 from .accumulate import add, add_loss
 from .codes import DRIVING, FREE, HELD, HELD_DRIVING, SHAFT
-from .general.states import GEARED
+from .equations.states import GEARED
 from .inertia import reduced_inertia
 
 
@@ -19,7 +19,7 @@ def settle(d, inertia2, free2, inertia3, free3):
     Returns:
         (omega2, omega3, Pc, contact mode) at the end of the step.
     """
-    # of equals as in general.choice: link 2 stays held, and a shaft that nothing pulls away touches it
+    # of equals as in equations.choice: link 2 stays held, and a shaft that nothing pulls away touches it
     stops = d.housing != 0.0 and d.housing_stiffness == 0.0
     held = stops and free2 <= 0.0
     if d.output != 0.0:

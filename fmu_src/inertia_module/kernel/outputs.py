@@ -18,7 +18,7 @@ from .codes import (
 )
 from .derive import TWO_PI
 from .engine import accelerations_now
-from .general.motion import stored_besides
+from .equations.motion import stored_besides
 from .links import kinetic_energy
 from .loads import write_loads
 from .shaft import stored_in_shaft

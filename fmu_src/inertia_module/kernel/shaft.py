@@ -5,7 +5,7 @@ Ts = c delta + d (omega3 - omega4)        J4 omega4' = Ts - f omega4 - T_load + 
 
 import math
 
-from .general.states import LOCKED, WOUND
+from .equations.states import LOCKED, WOUND
 from .links import inertia_at_output
 
 

@@ -24,14 +24,14 @@ from .codes import (
 )
 from .derive import derive
 from .engine import accelerations_now, follow_parameters, run_events, switch_now
-from .general.jam import jams
+from .equations.jam import jams
+from .events.kinematic import keep_ratio
+from .fixed_steps.timestepping import begin_here, run_timestepping
 from .impulse import jump_input
 from .inputs import begin, check_inputs, check_rates, input_speed
 from .limits import LARGEST_STEP
 from .outputs import stored_energy, write_late_outputs, write_outputs
 from .shaft import is_stiff
-from .solvers.kinematic import keep_ratio
-from .solvers.timestepping import begin_here, run_timestepping
 
 # share of the tolerance that a step is tried again with whose energies do not balance
 MORE_CARE = 1e-3

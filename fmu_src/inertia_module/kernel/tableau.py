@@ -10,7 +10,7 @@ STAGES = 16
 # last stages of both pairs; row of stage 0 of each, rows of their errors and of the interpolant
 END, SHORT_END = 12, 6
 LONG, SHORT = 0, 16
-# nodes of the parts at which the inside of a stiff step is looked at (general.rosenbrock), and how many
+# nodes of the parts at which the inside of a stiff step is looked at (events.rosenbrock), and how many
 THIRDS, PARTS = 23, 3
 FIFTH, THIRD, FOURTH, DENSE = 23, 24, 25, 26
 # the five-point Gauss rule on [0, 1], for what is known at any instant

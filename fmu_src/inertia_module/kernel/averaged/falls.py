@@ -1,7 +1,7 @@
 """The first fall of a guard in the steady motion, between two instants of it."""
 
 from ..codes import FREE, HELD
-from ..general.search import next_look
+from ..events.search import next_look
 from .instants import instant_after
 
 DIP_LOOKS = 8

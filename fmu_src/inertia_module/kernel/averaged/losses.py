@@ -14,8 +14,8 @@ import math
 from ..accumulate import copy
 from ..codes import FREEWHEEL, MESH, VISCOUS
 from ..derive import TWO_PI
-from ..general.advance import advance_general
-from ..general.choice import choose_next_states, choose_states
+from ..equations.choice import choose_next_states, choose_states
+from ..events.advance import advance_general
 from .largest import LARGEST_CYCLES, go_to_part, is_long, parts_of_period, period_of_map
 
 # slownesses (see rates) with motions of their own

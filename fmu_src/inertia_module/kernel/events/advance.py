@@ -2,16 +2,16 @@
 
 from ..accumulate import add, add_loss, wrap_drive_angle, wrap_input_angle
 from ..codes import FREEWHEEL, JOURNAL, MESH, NONE, SHAFT, VISCOUS
+from ..equations.choice import take_speeds
+from ..equations.motion import recall, take_state
+from ..equations.satellites import with_sign_changed
+from ..equations.states import LOCKED, OPEN, WOUND, is_wound
 from ..loads import INSIDE_PHASE, sample_load
 from ..tableau import LONG, NODES, PARTS, SHORT, THIRDS
-from .choice import take_speeds
 from .guards import FLOW, HOUSING, OUTPUT, SLIP, SPIN, is_speed, value_and_rate
-from .motion import recall, take_state
 from .rosenbrock import set_part
-from .satellites import with_sign_changed
 from .search import end_at_event, first_event
 from .stages import cut_step, keep_rates, make_step, solve_motion, weighed_rate
-from .states import LOCKED, OPEN, WOUND, is_wound
 from .step_size import longest_step, try_short_step, try_steps
 
 # stage inside the step at which the force on the bearing is seen
@@ -171,7 +171,7 @@ def take_over(d, x, w, sigma):
     elif w.pair == THIRDS:
         kept = sigma  # it ends there
     elif is_wound(x):
-        make_step(d, x, w, sigma * w.step)
+        make_step(d, x, w, LONG, sigma * w.step)
     else:
         cut_step(d, x, w, sigma)
         kept = sigma

@@ -2,13 +2,13 @@
 
 import math
 
+from ..equations.states import is_rough
 from ..shaft import fastest_own_rate
-from ..tableau import END, LONG, SHORT, SHORT_END
+from ..tableau import LONG, SHORT
 from .error import CUSP, fastest_speed, step_error
 from .guards import how_many_guards, is_clear, is_watched
 from .rosenbrock import differentiate, make_stiff_step
 from .stages import make_step
-from .states import is_rough
 
 # phase of the highest harmonic within one step, rad
 STEP_PHASE = 4.0
@@ -79,8 +79,7 @@ def try_short_step(d, x, w, remaining):
 
     It will where the error is allowed and no guard comes near zero. Returns as try_steps.
     """
-    w.pair, w.last = SHORT, SHORT_END
-    make_step(d, x, w, remaining)
+    make_step(d, x, w, SHORT, remaining)
     fastest = fastest_speed(d, x, w)
     error = step_error(d, x, w, fastest) / SHORT_SHARE
     x.short_size = next_factor(error, 5.0, SHORT_SAFETY) * remaining
@@ -108,8 +107,7 @@ def try_steps(d, x, w, limit):
             h = min(h, max(STIFF_SHARE * longest_step(d, x, w, 1e300), STIFF / own))
             make_stiff_step(d, x, w, h)
         else:
-            w.pair, w.last = LONG, END
-            make_step(d, x, w, h)
+            make_step(d, x, w, LONG, h)
         fastest = fastest_speed(d, x, w)
         error = step_error(d, x, w, fastest)
         factor = next_factor(error, order, safety)

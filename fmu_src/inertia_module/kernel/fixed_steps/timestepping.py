@@ -9,8 +9,8 @@ import math
 
 from ..accumulate import add, add_loss, copy, wrap_drive_angle, wrap_input_angle
 from ..codes import DRIVING, FREEWHEEL, HELD, HELD_DRIVING, JOURNAL, MESH, OK, TOO_MUCH_WORK
-from ..general.choice import choose_states
-from ..general.states import is_rough
+from ..equations.choice import choose_states
+from ..equations.states import is_rough
 from ..impulse import settle
 from ..inertia import reduced_inertia
 from ..limits import MAX_STEPS

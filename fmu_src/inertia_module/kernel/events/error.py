@@ -3,6 +3,7 @@
 import math
 
 from ..codes import JOURNAL, MESH
+from ..equations.states import LOCKED, WOUND
 from ..links import kinetic_energy, response
 from ..shaft import shaft_frequency
 from ..tableau import END, FIFTH, FOURTH, LONG, SHORT, SHORT_END, THIRD, THIRDS
@@ -23,7 +24,6 @@ from .stages import (
     how_many_move,
     weighed_rate,
 )
-from .states import LOCKED, WOUND
 
 # sums that are held to the tolerance, for the motion tells nothing of their errors: the losses have kinks
 # that are no events, and where link 1 stands still no energy shows what torque holds it

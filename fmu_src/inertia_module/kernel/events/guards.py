@@ -5,6 +5,8 @@ the slip by its sign, of links that stick together what is left of the friction 
 their torques, by the signs that the losses go by.
 """
 
+from ..equations.satellites import MANY
+from ..equations.states import OPEN, WOUND
 from ..tableau import (
     NODES,
     PARTS,
@@ -15,8 +17,6 @@ from ..tableau import (
     dense_rate_fourth_bound,
     fit,
 )
-from .satellites import MANY
-from .states import OPEN, WOUND
 
 HOUSING = 0
 OUTPUT = 1

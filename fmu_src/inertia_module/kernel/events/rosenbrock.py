@@ -10,10 +10,10 @@ argument and U_8, which is the error as well.
 """
 
 from ..codes import SHAFT
+from ..equations.motion import take_state
+from ..equations.states import LOCKED, WOUND
 from ..tableau import PARTS, THIRDS
-from .motion import take_state
 from .stages import MOTION, how_many_move, keep_rates, prescribe_link1, solve_changed, solve_motion
-from .states import LOCKED, WOUND
 
 STAGES = 8
 GAMMA = 0.21193756319429014

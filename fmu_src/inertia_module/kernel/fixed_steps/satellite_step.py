@@ -7,7 +7,7 @@ and 2, by the loads of the step itself (docs/mechanics.md).
 import math
 
 from ..accumulate import copy
-from ..general.satellites import AS_THEY_ARE, spin_torques, weight_torques
+from ..equations.satellites import AS_THEY_ARE, spin_torques, weight_torques
 from ..layout import imbalance
 from ..links import kinetic_energy
 from .link_step import SMALLEST_DIFFERENCE

@@ -6,12 +6,12 @@ Their sums are those of a step whose stages are the nodes of a Gauss rule, as th
 import math
 
 from ..accumulate import add
-from ..general.advance import commit
-from ..general.motion import evaluate
-from ..general.stages import FEWEST, keep_rates, set_changes
-from ..general.states import GEARED, OPEN
+from ..equations.motion import evaluate
+from ..equations.states import GEARED, OPEN
 from ..loads import sample_load
 from ..tableau import GAUSS, GAUSS_NODES, GAUSS_WEIGHTS
+from .advance import commit
+from .stages import FEWEST, keep_rates, set_changes
 
 # phase of the highest harmonic within one Gauss interval, rad
 GAUSS_PHASE = 1.0

@@ -4,11 +4,11 @@ w.rates[n] holds the rates at stage n (fields.FOLLOWED), w.change their integral
 """
 
 from ..codes import FREEWHEEL, JOURNAL, MESH, SHAFT, VISCOUS
+from ..equations.motion import equations, evaluate
+from ..equations.states import IDEAL, LOCKED, LOSSY, OPEN, WOUND
 from ..links import friction_power
-from ..tableau import END, NODES, STAGES, WEIGHTS, write_inside_weights
+from ..tableau import END, NODES, SHORT, SHORT_END, STAGES, WEIGHTS, write_inside_weights
 from .guards import value_and_rate, watch
-from .motion import equations, evaluate
-from .states import IDEAL, LOCKED, LOSSY, OPEN, WOUND
 
 # places in fields.FOLLOWED
 Q, OMEGA1, OMEGA2, OMEGA3, OF_DRIVE, OF_HOUSING = 0, 1, 2, 3, 4, 5
@@ -174,12 +174,13 @@ def prescribe_link1(d, x, w, changes, h):
         changes.theta1 = h * (x.omega1 + 0.5 * h * w.prescribed)
 
 
-def make_step(d, x, w, h):
-    """All stages of the step h by the pair in hand, and the changes of all that is followed."""
+def make_step(d, x, w, pair, h):
+    """All stages of the step h by a pair (tableau.LONG or SHORT), and the changes of all that is followed."""
     w.step = h
-    last = int(w.last)
+    last = SHORT_END if pair == SHORT else END
+    w.pair, w.last = pair, last
     evaluate_stages(d, x, w, 1, last)
-    row = int(w.pair) + last
+    row = pair + last
     for n in range(last):
         w.weights[n] = WEIGHTS[STAGES * row + n]
     set_changes(d, x, w, w.change, h, last, FEWEST)

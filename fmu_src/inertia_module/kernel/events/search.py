@@ -9,9 +9,11 @@ beginning of a step never counts: what holds there was settled when the mode was
 import math
 
 from ..codes import NONE
+from ..equations.choice import torques_at
+from ..equations.motion import recall
+from ..equations.states import is_rough
 from ..links import response
 from ..tableau import PARTS, THIRDS
-from .choice import torques_at
 from .guards import (
     fit_guard,
     fit_through,
@@ -25,10 +27,8 @@ from .guards import (
     is_watched,
     value_and_rate,
 )
-from .motion import recall
 from .rosenbrock import look_inside, make_stiff_step, set_part
 from .stages import exact_guard, make_inside, solve_changed
-from .states import is_rough
 from .step_size import STEP_PHASE, advance_of_phase
 
 CROSSING_LOOKS = 100
