@@ -3,7 +3,7 @@
 With A, R of virtual_work.py on (theta1, q), slip = omega1 - omega2, q' = k slip, q'' = k (alpha1 - alpha2)
 and sigma = sign(q'):
 
-    tau_q = A_q (alpha1, q'') + R_q + V_q + bq q' + sigma (C + S)    M2 = f k tau_q
+    tau_q = A_q (alpha1, q'') + R_q + V_q + bq q' + sigma (C + S)    M2 = f k tau_q    (air in V_q and V_1)
     M1 = J1 alpha1 + A_1 (alpha1, q'') + R_1 + V_1 + b1 omega1 + M2
     J2 alpha2 = M2 - b2 omega2 - Tc + Th
     J3 alpha3 = Tc - b3 omega3 - Ts    J4 (alpha4 - beta alpha3) = Ts - f4 omega4 - load
@@ -27,7 +27,7 @@ import numpy as np
 from inertia_module.contract.variables import default_parameters
 from inertia_module.kernel.codes import DRIVE_TORQUE, ELASTIC
 
-from .geometry import Array, Unavailable, ratio, shaft_frequency
+from .geometry import EX, EZ, Array, Unavailable, attitudes, ratio, satellite_ratio, shaft_frequency
 from .virtual_work import VirtualWork
 
 # places of a case: freewheels, signs of the slip (0: none) and of sigma M2; then those of the satellites
@@ -35,7 +35,7 @@ HOUSING, OUTPUT, SLIP, MESH, TEETH = range(5)
 OPEN, CLOSED = 0, 1
 # places of the state: angles and twist, speeds, wind-up of both freewheels, integrals
 Q, THETA1, TWIST, OMEGA1, OMEGA2, OMEGA3, OMEGA4, WOUND = range(8)
-CAUSES = ("viscous", "mesh", "journal", "freewheel", "shaft")
+CAUSES = ("viscous", "mesh", "journal", "freewheel", "shaft", "windage")
 INTEGRALS = ("energy_in", "energy_out", *CAUSES, "M1", "M2", "Tc", "Th")
 SUMS = WOUND + 2
 # the unknowns of a case
@@ -173,6 +173,8 @@ class Machine:
         torques = work[:, :3].copy()
         torques[:, 2] = (work[:, 2:] * squares).sum(axis=1)
         torques[1, 2] += p["drive_friction"] * rate
+        if p["windage"]:
+            torques[:2, 2] += self.air(y)[:2]
         if p["gravity"]:
             weight, sine, cosine = weights.sum(axis=0), np.sin(y[THETA1]), np.cos(y[THETA1])
             torques[0, 2] += weight[0, 0] * cosine - weight[0, 1] * sine
@@ -210,6 +212,21 @@ class Machine:
         moved = (torques * unknowns).sum(axis=1)
         return Forces(x, moved[2:], journal, np.abs(moved[2:]).sum(axis=0), moved[1])
 
+    def air(self, y: Array) -> Array:
+        """Torques by which the air resists theta1 and q, N.m, and their power, W: c |t| t on each satellite.
+
+        t = omega1 x + q' w is how it turns, by the matrices of its attitude.
+        """
+        p, rate = self.p, self.k * (y[OMEGA1] - y[OMEGA2])
+        found = np.zeros((3, *np.shape(rate)))
+        for n in range(int(p["satellites"])):
+            e = attitudes(p, np.asarray(y[Q]), n)[..., 0 if p["layout"] else 2]
+            w = e if p["layout"] else EZ + satellite_ratio(p) * e
+            t = np.multiply.outer(y[OMEGA1], EX) + np.asarray(rate)[..., None] * w
+            torque = p["windage"] * p["modules"] * np.linalg.norm(t, axis=-1)[..., None] * t
+            found += [(torque * one).sum(axis=-1) for one in (EX, w, t)]
+        return found
+
     def rates(self, y: Array, mode: Mode) -> Array:
         """Rates of the state: those of the integrals are powers, W, and torques, N.m."""
         p, found = self.p, self.forces(y, mode)
@@ -226,7 +243,8 @@ class Machine:
         wound = [-speed_of(y, n) * (mode[n] == CLOSED) for n in (HOUSING, OUTPUT)]
         mesh = self.mesh * abs(x[M2] * slip) + found.satellites * abs(rate)
         powers = x[M1] * omega1, self.load * omega4, viscous, mesh, found.journal * abs(rate), wheels, shaft
-        return np.array([rate, omega1, omega3 - omega4, *x[: A4 + 1], *wound, *powers, *x[M1 : TH + 1]])
+        air = float(self.air(y)[2]) if p["windage"] else 0.0
+        return np.array([rate, omega1, omega3 - omega4, *x[: A4 + 1], *wound, *powers, air, *x[M1 : TH + 1]])
 
     def impact(self, y: Array, mode: Mode, change: float) -> Array:
         """Changes of speed, rad/s, and impulses, N.m.s, of a jump of omega1, rad/s: the unknowns, (9,).

@@ -95,7 +95,9 @@ WIND_UP = {
     "freewheel_stiffness": 1e4,
     "freewheel_damping": 1.0,
 }
-ACCOUNTS = [f"energy_lost_{cause}" for cause in ("viscous", "shaft", "mesh", "journal", "freewheel")]
+ACCOUNTS = [
+    f"energy_lost_{cause}" for cause in ("viscous", "shaft", "mesh", "journal", "freewheel", "windage")
+]
 # the account of a loss that is not its own
 CAUSE = {"satellite_mesh": "mesh", "housing_drag": "freewheel", "output_drag": "freewheel"}
 MOTION = (

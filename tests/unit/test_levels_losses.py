@@ -15,7 +15,7 @@ PAGE = Path(__file__).parents[2] / "docs" / "mechanics.md"
 MACHINE = {"input_inertia": 1.0, "output_inertia": 0.05, "driven_inertia": 0.4, "kinematic_ratio": 0.5}
 DAMPINGS = ("housing_damping", "freewheel_damping")
 SIZES = {name: size for name, size in (ALL_LOSSES | WIND_UP | GEARS).items() if name not in DAMPINGS}
-SIZES |= {"shaft_damping": 1.0, "driven_friction": 0.1}
+SIZES |= {"shaft_damping": 1.0, "driven_friction": 0.1, "windage": 1e-4}
 
 
 def told():

@@ -82,9 +82,9 @@ def test_prescribed_motion_pays_for_friction(compiled):
 
 @pytest.mark.parametrize("layout", SCENES)
 @pytest.mark.parametrize("ratio", [0.5, 1.0, -0.3, 1.4])
-@pytest.mark.parametrize("losses", [*LOSSES, "all"])
+@pytest.mark.parametrize("losses", [*LOSSES, "windage", "all"])
 def test_prescribed_motion_pays_for_each_loss_and_nothing_else(compiled, layout, ratio, losses):
-    values = ALL_LOSSES if losses == "all" else LOSSES[losses]
+    values = {"all": ALL_LOSSES, "windage": {"windage": 1e-3}, **LOSSES}[losses]
     module = started(
         compiled,
         SCENES[layout],
@@ -108,6 +108,18 @@ def test_prescribed_motion_pays_for_each_loss_and_nothing_else(compiled, layout,
     assert losses == "all" or {name for name in ACCOUNTS if module[name] != 0.0} <= {cause}
     if losses in ("mesh", "journal", "viscous") and ratio != 1.0:
         assert module[cause] > 0.0
+
+
+@pytest.mark.parametrize(
+    "layout, ratio, turn", [("bevel", 1.0, 1.0), ("planar", 1.0, 1.0), ("planar", 0.4, 2.0)]
+)
+def test_air_takes_the_cube_of_the_absolute_speed_of_each_satellite(compiled, layout, ratio, turn):
+    """Planar, k = 5/3: they turn at omega1 + k (omega1 - omega2); locked up at omega1."""
+    scene = SCENES[layout] | {"satellites": 3, "modules": 2, "windage": 1e-5, "fidelity": 0}
+    module = advanced(started(compiled, scene, omega1=100.0, kinematic_ratio=ratio), 0.1)
+    expected = 6 * 1e-5 * (turn * 100.0) ** 3 * 0.1
+    assert module["energy_lost_windage"] == module["energy_lost"] == pytest.approx(expected, rel=1e-12)
+    assert abs(module["energy_residual"]) < 1e-11 * passed(module)
 
 
 @pytest.mark.parametrize("ratio", [0.5, 1.4])

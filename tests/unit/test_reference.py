@@ -105,6 +105,10 @@ def cases():
     for n, (gears, own) in enumerate(SATELLITES.items()):
         for layout, drive, shaft in (combinations[n], combinations[-1 - n]):
             yield f"{layout}-{gears}-{n}", drive[layout] | shaft | own | {"drive_angle_start": 0.7}
+    for layout, (drive, given) in product(SCENES, DRIVES.items()):
+        values = given[layout] | {"windage": 1e-3, "satellites": 2 if drive == "torque" else 1}
+        yield f"{layout}-{drive}-windage", values
+        yield f"{layout}-{drive}-windage-and-all", values | SHAFT | ALL_LOSSES
     for losses, loss in LOSSES.items():
         yield losses, SCENES["bevel"] | loss
     for layout in SCENES:
@@ -126,7 +130,7 @@ def cases():
 
 
 # the ideal engines have friction and gears as well, the general one all the rest
-GENERAL = ALL_LOSSES.keys() - LOSSES["viscous"].keys()
+GENERAL = (ALL_LOSSES.keys() | {"windage"}) - LOSSES["viscous"].keys()
 IDEAL_CASES, GENERAL_CASES = (
     [pytest.param(values, id=name) for name, values in cases() if bool(GENERAL & values.keys()) == general]
     for general in (False, True)

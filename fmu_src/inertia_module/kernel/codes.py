@@ -10,12 +10,13 @@ HELD_DRIVING = 3
 NONE = -1
 
 # causes of losses: viscous friction of links, drives and output; the elastic shaft; meshes; journals of the
-# satellites; freewheels
+# satellites; freewheels; the air about the satellites
 VISCOUS = 0
 SHAFT = 1
 MESH = 2
 JOURNAL = 3
 FREEWHEEL = 4
+WINDAGE = 5
 
 # fidelities and methods
 KINEMATIC = 0
@@ -69,6 +70,7 @@ NO_INPUT_INERTIA = 8
 PRESCRIBED = 9
 FRICTION_AVERAGED = 17
 WIND_UP_STEPPED = 18
+WINDAGE_STEPPED = 26
 JAMMED = 19
 BAD_OMEGA1 = 10
 BAD_LOAD_TORQUE = 11

@@ -19,6 +19,7 @@ from .codes import (
     SINGULAR,
     TIMESTEPPING,
     WIND_UP_STEPPED,
+    WINDAGE_STEPPED,
 )
 
 TWO_PI = 6.283185307179586
@@ -108,6 +109,9 @@ def derive_general(p, d):
     d.number = p.satellites
     # of modules that stand evenly about the axis the weights balance
     d.weight = d.mass * p.gravity if p.modules == 1.0 else 0.0
+    d.windage = p.windage * p.modules * p.satellites
+    d.turn_across = -d.s * math.sin(p.shaft_angle)
+    d.turn_along = 1.0 + 2.0 * d.s * math.cos(p.shaft_angle) + d.s * d.s
     # what is not there, a freewheel or the spring in it, takes nothing
     d.housing_drag = p.housing_freewheel * p.housing_drag
     d.housing_drag_viscous = p.housing_freewheel * p.housing_drag_viscous
@@ -117,7 +121,7 @@ def derive_general(p, d):
     d.freewheel_stiffness = d.elastic * p.output_freewheel * p.freewheel_stiffness
     d.housing_damping = p.housing_damping if d.housing_stiffness > 0.0 else 0.0
     d.freewheel_damping = p.freewheel_damping if d.freewheel_stiffness > 0.0 else 0.0
-    by_load = d.mesh_loss + d.satellite_loss + d.journal + d.weight
+    by_load = d.mesh_loss + d.satellite_loss + d.journal + d.weight + d.windage
     drag = d.housing_drag + d.housing_drag_viscous + d.output_drag + d.output_drag_viscous
     d.losses = 1.0 if by_load + drag + d.housing_stiffness + d.freewheel_stiffness > 0.0 else 0.0
     d.lossy = 0.0
@@ -175,8 +179,8 @@ def derive(p, d):
         d: derived constants, written.
 
     Returns:
-        Status: OK, FRICTION_AVERAGED, WIND_UP_STEPPED, PRESCRIBED, NO_INPUT_INERTIA, NO_RECTIFIER, SINGULAR
-        or a BAD_START code.
+        Status: OK, FRICTION_AVERAGED, WIND_UP_STEPPED, WINDAGE_STEPPED, PRESCRIBED, NO_INPUT_INERTIA,
+        NO_RECTIFIER, SINGULAR or a BAD_START code.
     """
     d.planar = p.layout
     if p.layout != 0.0:
@@ -214,6 +218,9 @@ def derive(p, d):
     d.F_by_slip *= scale
     d.F_by_speed *= scale
     d.F_by_alpha1 = scale * d.F_by_alpha1 + d.k * (1.0 + d.k) * d.J16
+    reach = 1.0 + d.s
+    d.F_by_slip += 4.0 * d.k * d.windage * reach * reach * reach
+    d.F_by_speed += 4.0 * d.k * d.windage * reach
     add_bodies(p, d)
     d.lightest = lightest_link2(d)
     singular = not d.lightest > SINGULAR_RATIO
@@ -228,6 +235,8 @@ def derive(p, d):
         return OK
     if p.method == TIMESTEPPING and d.housing_stiffness + d.freewheel_stiffness > 0.0:
         return WIND_UP_STEPPED
+    if p.method == TIMESTEPPING and d.windage > 0.0:
+        return WINDAGE_STEPPED
     if d.lossy != 0.0 and d.by_torque != 0.0:
         return FRICTION_AVERAGED
     if p.fidelity == AVERAGED and (d.housing == 0.0 or d.output == 0.0):

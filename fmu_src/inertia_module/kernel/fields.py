@@ -16,7 +16,7 @@ SOLVED, MOVING = 8, 9
 # their guards, and the satellites that may have one each (equations.satellites.MANY)
 GUARDS, SATELLITES = 4, 50
 # causes of losses (codes.VISCOUS ...)
-CAUSES = 5
+CAUSES = 6
 # knots of the averaged map at most, for one sign of omega1
 KNOTS = 64
 
@@ -91,11 +91,12 @@ SIDE = ("direction", "count", "end", "locks", "start", "slow", ("knots", KNOT, K
 # the steady motion that a knot is of: torque of link 1, contact mode, drive angle; integrals while free
 TRAVEL = ("direction", "prescribed", "omega3", "mode", "q", "energy", "momentum")
 
-# general equations of motion: motion of an instant, its weights, accelerations, torques; of the satellites
-# journals and mesh, of links that stick together the torque at the drives that is needed and the rest
+# equations of motion: motion of an instant, torques of weights and air, what the air takes, accelerations,
+# torques; of the satellites journals and mesh, of links that stick together the torque at the drives that is
+# needed and the rest
 MACHINE = (
     *("q", "theta1", "omega1", "omega2", "omega3", "twist", "relative", "wound_housing", "wound_output"),
-    *("weight1", "weight_q", "alpha1", "alpha2", "alpha3", "rate_relative"),
+    *("weight1", "weight_q", "windage", "alpha1", "alpha2", "alpha3", "rate_relative"),
     *("drive", "mesh", "output", "housing", "journals", "spun", "torque", "flow_sign", "margin"),
     # without losses: angular momentum and kinetic energy of links 1 and 2 and the imbalances
     *("momentum", "energy"),
@@ -120,6 +121,7 @@ CONSTANTS = (
     "lossy",
     # what only the general equations of motion know, and whether any of it is there (kernel.equations)
     *("losses", "mesh_loss", "satellite_loss", "journal", "weight", "number"),
+    *("windage", "turn_across", "turn_along"),
     *("housing_drag", "housing_drag_viscous", "output_drag", "output_drag_viscous"),
     *("housing_stiffness", "housing_damping", "freewheel_stiffness", "freewheel_damping"),
     ("machine", MACHINE),

@@ -15,6 +15,7 @@ from .codes import (
     MESH,
     SHAFT,
     VISCOUS,
+    WINDAGE,
 )
 from .derive import TWO_PI
 from .engine import accelerations_now
@@ -111,6 +112,7 @@ def write_outputs(x, y):
     y.energy_lost_mesh = x.lost[MESH]
     y.energy_lost_journal = x.lost[JOURNAL]
     y.energy_lost_freewheel = x.lost[FREEWHEEL]
+    y.energy_lost_windage = x.lost[WINDAGE]
 
 
 def write_late_outputs(p, d, x, y):

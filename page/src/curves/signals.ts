@@ -119,6 +119,7 @@ export const PANELS: readonly Panel[] = [
       power("freewheels", "energy_lost_freewheel", CURVES.purple),
       power("viscous friction", "energy_lost_viscous", CURVES.green),
       power("elastic shaft", "energy_lost_shaft", CURVES.grey),
+      power("air", "energy_lost_windage", CURVES.red),
     ],
   },
   {

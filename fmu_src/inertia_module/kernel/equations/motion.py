@@ -4,13 +4,14 @@
     M1 = (J1 + I) alpha1 + B q'' + I' q' omega1 + B' q'^2 + b1 omega1 + V_theta + M2
     J2 omega2' = M2 - b2 omega2 - Tc + Th
 
-sigma is the sign of the slip, C and S what journals and the mesh 17-6 resist it with; f = 1/eta or
+sigma is the sign of the slip, C and S what journals and the mesh 17-6 resist it with, V_q
+and V_theta the torques of weights and air; f = 1/eta or
 1/(2 - eta) makes the loss of the mesh 2-16 (1 - eta) |M2| |omega1 - omega2| whichever way the power flows.
 """
 
 from ..inertia import reduced_inertia
 from ..layout import imbalance
-from .satellites import AS_THEY_ARE, MANY, inertia_at, spin_torques, weight_torques
+from .satellites import AS_THEY_ARE, MANY, inertia_at, spin_torques, weight_torques, windage_torques
 from .states import GEARED, IDEAL, LOCKED, LOSSY, OPEN, WOUND
 
 # patterns of signs tried: each step of this Newton's method leaves it only for one closer to the solution
@@ -218,6 +219,12 @@ def equations(d, x, prescribed, load, fixed, lossy):
         m.weight1 = m.weight_q = 0.0
         if d.weight != 0.0:
             _, m.weight1, m.weight_q = weight_torques(d, place, m.theta1)
+        m.windage = 0.0
+        if d.windage != 0.0:
+            slip = m.omega1 - m.omega2 if x.slip_sign != 0.0 else 0.0
+            by_theta1, by_q, m.windage = windage_torques(d, m.q, m.omega1, d.k * slip)
+            m.weight1 += by_theta1
+            m.weight_q += by_q
     freewheel_torques(d, x, m, lossy)
     shaft = load
     if d.elastic != 0.0:

@@ -1,7 +1,7 @@
 """The module with its pulses, step by step of an embedded pair or a stiff method up to the next event."""
 
 from ..accumulate import add, add_loss, wrap_drive_angle, wrap_input_angle
-from ..codes import FREEWHEEL, JOURNAL, MESH, NONE, SHAFT, VISCOUS
+from ..codes import FREEWHEEL, JOURNAL, MESH, NONE, SHAFT, VISCOUS, WINDAGE
 from ..equations.choice import take_speeds
 from ..equations.motion import recall, take_state
 from ..equations.satellites import with_sign_changed
@@ -68,7 +68,7 @@ def commit(d, x, w):
     if d.losses != 0.0:
         x.wound_housing += change.wound_housing
         x.wound_output += change.wound_output
-        for cause in (MESH, JOURNAL, FREEWHEEL):
+        for cause in (MESH, JOURNAL, FREEWHEEL, WINDAGE):
             add_loss(x, cause, change.lost[cause])
     x.input_impulse += change.drive
     x.housing_impulse += change.housing

@@ -3,7 +3,7 @@
 w.rates[n] holds the rates at stage n (fields.FOLLOWED), w.change their integrals over the step.
 """
 
-from ..codes import FREEWHEEL, JOURNAL, MESH, SHAFT, VISCOUS
+from ..codes import FREEWHEEL, JOURNAL, MESH, SHAFT, VISCOUS, WINDAGE
 from ..equations.motion import equations, evaluate
 from ..equations.states import IDEAL, LOCKED, LOSSY, OPEN, WOUND
 from ..links import friction_power
@@ -13,7 +13,7 @@ from .guards import value_and_rate, watch
 # places in fields.FOLLOWED
 Q, OMEGA1, OMEGA2, OMEGA3, OF_DRIVE, OF_HOUSING = 0, 1, 2, 3, 4, 5
 THETA1, WORK_IN, LOST = 8, 10, 11
-TWIST, RELATIVE, WOUND_HOUSING, WOUND_OUTPUT = 16, 17, 18, 19
+TWIST, RELATIVE, WOUND_HOUSING, WOUND_OUTPUT = 17, 18, 19, 20
 # what moves: with a rigid output, with a shaft, with wind-up; for weights the angle of link 1. Place of twist
 MOTION = (Q, OMEGA1, OMEGA2, OMEGA3, TWIST, RELATIVE, WOUND_HOUSING, WOUND_OUTPUT, THETA1)
 RIGID_OUTPUT, WITH_SHAFT, WITH_WINDUP = 4, 6, 8
@@ -92,6 +92,7 @@ def rates_of(d, x, w, n, lossy):
         rates.wound_output = m.omega2 - m.omega3 if x.output_state == WOUND else 0.0
         rates.lost[MESH] = d.mesh_loss * x.flow_sign * m.mesh * slip + m.spun * turned
         rates.lost[JOURNAL] = m.journals * turned
+        rates.lost[WINDAGE] = m.windage
         rates.lost[FREEWHEEL] = power_of_freewheels(d, x, m)
     watch(d, x, w, n, lossy)
 
@@ -158,12 +159,17 @@ def set_changes(d, x, w, changes, h, count, fewest):
     """
     change = changes.numbers
     followed = fewest if d.elastic + d.losses == 0.0 else len(change)
-    for first in range(0, followed, 4):
+    for first in range(0, followed - 3, 4):
         one, two, three, four = weighed_four(w, w.weights, 0, count, first)
         change[first] = w.step * one
         change[first + 1] = w.step * two
         change[first + 2] = w.step * three
         change[first + 3] = w.step * four
+    for which in range(followed - followed % 4, followed):
+        total = 0.0
+        for n in range(count):
+            total += w.weights[n] * w.rates[n].numbers[which]
+        change[which] = w.step * total
     prescribe_link1(d, x, w, changes, h)
 
 
