@@ -151,7 +151,9 @@ class Reference:
         """All cases that the speeds allow."""
         y, places = self.state, list[tuple[int, ...]]()
         for n, wheel in enumerate(self._wheels):
-            if not wheel.there or (wheel.stiffness > 0.0 and self.mode[n] == CLOSED):
+            # a relaxed spring that does not turn yet is bound to nothing
+            bound = wheel.stiffness > 0.0 and (y[WOUND + n] != 0.0 or speed_of(y, n) != 0.0)
+            if not wheel.there or (bound and self.mode[n] == CLOSED):
                 places.append((self.mode[n],))
             elif speed_of(y, n) != 0.0:
                 places.append((OPEN,))

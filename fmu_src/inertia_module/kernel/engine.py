@@ -108,9 +108,8 @@ def run_events(d, x, w, h):
                 stop_here(x, time)
                 return OK
             stalls = 0 if changed else stalls + 1
-            if stalls > STALLS_ALLOWED:
-                return TOO_MANY_SWITCHES
-            if x.step_switches > SWITCHES_ALLOWED + SWITCHES_PER_PULSE * d.harmonic * travel:
+            allowed = SWITCHES_PER_PULSE * d.harmonic * travel
+            if stalls > STALLS_ALLOWED + allowed or x.step_switches > SWITCHES_ALLOWED + allowed:
                 return TOO_MANY_SWITCHES
         if x.step_evaluations > MAX_EVALUATIONS:
             return TOO_MUCH_WORK

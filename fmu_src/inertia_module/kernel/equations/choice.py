@@ -7,7 +7,17 @@ import math
 
 from ..links import prescribed_at_input, torque_scale
 from .motion import evaluate, recall, take_state
-from .states import GEARED, LOCKED, OPEN, contact_mode, is_rough, may_be_housing, may_be_output, may_slip
+from .states import (
+    GEARED,
+    LOCKED,
+    OPEN,
+    WOUND,
+    contact_mode,
+    is_rough,
+    may_be_housing,
+    may_be_output,
+    may_slip,
+)
 
 # share of the torques by which what has just ended seems to go on, and still has ended
 ENDED = 1e-3
@@ -20,19 +30,43 @@ AHEAD = 1e-4
 ROUNDING = 1e-14
 
 
-def worst_of_freewheel(state, drag, torque, speed, push, wound):
+def worst_of_freewheel(state, drag, torque, speed, push, beyond):
     """By how much a freewheel misses its condition, N m.
 
     A spring that is wound up is there: it settles on less than the drag, or lets go.
 
     Args:
-        push: torque that its slip accelerates with. wound: of its spring, rad.
+        push: torque that its slip accelerates with. beyond: the same where a relaxed spring holds the drag.
     """
     if state == OPEN:
         return -push if speed <= 0.0 else 0.0
     if state == LOCKED:
         return -torque - drag
-    return push - drag if wound == 0.0 and speed == 0.0 else 0.0
+    return beyond
+
+
+def is_relaxed(state, wound, speed):
+    """Tell whether a spring has carried nothing yet."""
+    return state == WOUND and wound == 0.0 and speed == 0.0
+
+
+def push_beyond_drag(d, x, prescribed, load):
+    """Torques that freewheels would slip with if relaxed springs held their drag, else 0 (see violation)."""
+    m = d.machine
+    housing = is_relaxed(x.housing_state, m.wound_housing, m.omega2)
+    output = is_relaxed(x.output_state, m.wound_output, m.omega3 - m.omega2)
+    if not housing and not output:
+        return 0.0, 0.0
+    before = m.wound_housing, m.wound_output
+    if housing:
+        m.wound_housing = -d.housing_drag / d.housing_stiffness
+    if output:
+        m.wound_output = -d.output_drag / d.freewheel_stiffness
+    evaluate(d, x, prescribed, load, False)
+    m.wound_housing, m.wound_output = before
+    inertia = d.J2 + d.J3 + d.F_by_alpha1
+    slip = inertia * (m.alpha3 - m.alpha2)
+    return inertia * m.alpha2 if housing else 0.0, slip if output else 0.0
 
 
 def torques_at(d, m, prescribed, load):
@@ -44,25 +78,30 @@ def torques_at(d, m, prescribed, load):
 def violation(d, x, prescribed, load):
     """By how much the states in x miss their conditions, as a share of the torques."""
     m = d.machine
+    beyond_housing, beyond_output = push_beyond_drag(d, x, prescribed, load)
     evaluate(d, x, prescribed, load, False)
     inertia = d.J2 + d.J3 + d.F_by_alpha1
+    # behind a freewheel that overruns, or a shaft not twisted yet, links 1 and 2 feel no load
+    torques = torques_at(d, m, prescribed, 0.0) + d.housing_drag + d.output_drag + inertia * abs(m.alpha2)
+    behind = torques + (abs(load) if d.elastic == 0.0 else 0.0) + inertia * abs(m.alpha3)
     worst = 0.0
+    if x.slip_sign == 0.0:
+        worst = -d.k * m.margin
+    elif x.slip_sign * (m.omega1 - m.omega2) <= 0.0 and is_rough(d):
+        worst = -x.slip_sign * inertia * (m.alpha1 - m.alpha2)
     if d.housing != 0.0:
         push = inertia * m.alpha2
-        wound = m.wound_housing
-        worst = worst_of_freewheel(x.housing_state, d.housing_drag, m.housing, m.omega2, push, wound)
+        missing = worst_of_freewheel(
+            x.housing_state, d.housing_drag, m.housing, m.omega2, push, beyond_housing
+        )
+        worst = max(worst, missing)
+    worst = max(worst, 0.0) / (torques + NO_TORQUE)
     if d.output != 0.0:
         slip = m.omega3 - m.omega2
         push = inertia * (m.alpha3 - m.alpha2)
-        output = worst_of_freewheel(x.output_state, d.output_drag, m.output, slip, push, m.wound_output)
-        worst = max(worst, output)
-    if x.slip_sign == 0.0:
-        worst = max(worst, -d.k * m.margin)
-    elif m.omega1 == m.omega2 and is_rough(d):
-        worst = max(worst, -x.slip_sign * inertia * (m.alpha1 - m.alpha2))
-    torques = torques_at(d, m, prescribed, load) + d.housing_drag + d.output_drag
-    torques += inertia * (abs(m.alpha2) + abs(m.alpha3))
-    return max(worst, 0.0) / (torques + NO_TORQUE)
+        missing = worst_of_freewheel(x.output_state, d.output_drag, m.output, slip, push, beyond_output)
+        worst = max(worst, missing / (behind + NO_TORQUE))
+    return worst
 
 
 def take_speeds(x):
@@ -124,6 +163,8 @@ def least_violation(d, x, before, before_misses, ahead):
             continue
         take_state(d, x)
         missing = violation(d, x, prescribed, x.load_torque)
+        if ahead and missing > -GOES_ON:
+            continue  # others do not miss theirs now, and are there for a moment at least
         if ahead and missing <= ROUNDING:
             step_ahead(d, x)
             missing = violation(d, x, prescribed, x.load_torque)

@@ -69,7 +69,9 @@ def speed_of_torque(d, x, w, fastest):
     if damping == 0.0:
         return 1e300
     pulses = 0.5 * (d.k * d.k * d.F_by_slip + d.F_by_speed) * fastest * fastest
-    return (pulses + abs(w.load)) / damping
+    # at rest, too, the springs hold something
+    held = abs(w.rates[0].housing) + abs(w.rates[0].output)
+    return (pulses + abs(w.load) + held) / damping
 
 
 def leniency(d, x, w, rate, fastest):
@@ -104,7 +106,7 @@ def scale_of(d, x, w, n, fastest):
     if n == RELATIVE or n == TWIST:
         rate = shaft_frequency(d, 1.0 / d.J3)
         if d.F_by_alpha1 == 0.0:
-            speed = 0.0  # nothing but loads moves the shaft
+            speed = TWIST_SHARE * rate * abs(x.twist)  # nothing but loads moves the shaft
         if w.pair == THIRDS:
             speed *= leniency(d, x, w, rate, fastest)
         now = abs(x.relative if n == RELATIVE else x.twist)

@@ -157,7 +157,8 @@ def guard_tolerance(d, x, w, which, fastest):
     """Threshold below which a guard counts as crossed."""
     if is_speed(x, which):
         fastest_output = max(abs(x.omega2), max(abs(x.omega2 + w.change.omega2), abs(x.omega3)))
-        return VELOCITY_ROUNDING * max(response(d, d.J2) * fastest, fastest_output)
+        imparted = response(d, d.J2) * fastest if d.F_by_alpha1 > 0.0 else 0.0
+        return VELOCITY_ROUNDING * max(imparted, fastest_output)
     m = d.machine
     share = max(TORQUE_ROUNDING, w.tolerance) if is_spring(x, which) else TORQUE_ROUNDING
     return share * torques_at(d, m, w.prescribed, w.load)
