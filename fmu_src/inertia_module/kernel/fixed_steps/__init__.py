@@ -1,1 +1,1 @@
-"""The solvers: each follows one contact mode to its end or to that of a step."""
+"""The motion in fixed steps, complementarity of impulses and end velocities in each."""
