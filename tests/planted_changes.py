@@ -129,6 +129,10 @@ SELECTION = {
 }
 # file of the kernel, and a place in it that is there once: {what stands there|what is planted}
 CHANGES = r"""
+equations/satellites.py: turn1 = omega1 {+|-} across * rate_q
+equations/satellites.py: turn_q = across * omega1 {+|-} along * rate_q
+equations/satellites.py: power += speed * {square|speed}
+events/stages.py: rates.lost[WINDAGE] = {|0.5 * }m.windage
 links.py: {-|+} 0.5 * i2 * rate_q * omega1 * omega1\n
 links.py: (i1 + k * ({2.0|1.0} * b1 + k * g1)) * rate_q * alpha1
 links.py: push_rate -= k * k * g1 * rate_q * {|-}alpha2
