@@ -65,6 +65,60 @@ FOUND = {
         "input_inertia=0.00086077 tolerance=2.2333e-10 housing_freewheel=0 | 0.87259 24.382 0.0032364 0 "
         "-0.34774; 0.045 12.763 0 0 0.14585; 0.82627 12.763 -0.092459; 0.77985 12.763 0.069973"
     ),
+    "pulse that begins backwards for an instant": (
+        "layout=1 input_inertia=4 drive=1 input_friction=5e-05 | 0.003 -30 0"
+    ),
+    "load far above what links 1 and 2 feel": (
+        "satellites=2 imbalance_mass=80 output_inertia=0.001 z16=80 z17=8 z6=70 a=1.171 b=1.1408 c=0 "
+        "wheel_radius=0.1 input_inertia=0.02 drive=1 | 0.00045457 0 -200000 0 900"
+    ),
+    "shaft far slower than the input": (
+        "imbalance_mass=0 link2_inertia=0.0011807 output_inertia=0.16848 drive_angle_start=3.3129 "
+        "layout=1 sun_radius=0.13828 satellite_radius=0.18128 eccentricity=0.014479 fidelity=3 "
+        "tolerance=2.6827e-08 driven_inertia=32.557 shaft_stiffness=10791 shaft_damping=0 | 0.040749 "
+        "15.16 0.025032; 0.018607 15.16 -0.17389; 0.11579 15.16 0.0019586"
+    ),
+    "swing that comes back to the speed it left": (
+        "imbalance_mass=0 drive_inertia=0.001646 output_inertia=0.0085001 layout=1 "
+        "satellite_radius=0.22527 fidelity=3 tolerance=1.8698e-10 housing_freewheel=0 "
+        "driven_inertia=0.35077 shaft_stiffness=15854 shaft_damping=0 balancer=-0.11779 | 0.031263 "
+        "-0.2703 0; 1.238 0.21866 0"
+    ),
+    "shaft that a load has twisted comes to rest": (
+        "imbalance_mass=0 fidelity=3 driven_inertia=0.0098213 shaft_stiffness=12.638 "
+        "shaft_damping=0.14907 input_friction=1.6531e-10 link2_friction=1.225e-09 | 17.408 1.1392 "
+        "-2.3932e-06 0 1.1714e-07"
+    ),
+    "load that has not twisted the shaft yet": (
+        "fidelity=3 input_inertia=2.8326 tolerance=3.3568e-07 housing_freewheel=0 driven_inertia=0.058186 "
+        "shaft_stiffness=92.242 shaft_damping=0.0020946 drive_friction=0.47944 link2_friction=4.336 "
+        "output_friction=1.769 mesh_efficiency=0.5 satellite_mesh_efficiency=0.9 "
+        "satellite_transverse_inertia=0.010448 housing_drag=0.032691 output_drag_viscous=0.00067871 "
+        "freewheel_stiffness=363530 | 0.0012977 0 3841.7"
+    ),
+    "spring that the drag holds": (
+        "imbalance_mass=3.0259 z2=125 epsilon=3.4651 wheel_radius=0.023079 fidelity=3 "
+        "input_inertia=0.00011903 drive=1 tolerance=2.6732e-09 driven_inertia=11.972 "
+        "shaft_stiffness=542330 shaft_damping=0 satellite_mesh_efficiency=0.5 "
+        "satellite_inertia=5.2463e-07 satellite_transverse_inertia=2.6246e-07 housing_drag=0.095276 "
+        "housing_drag_viscous=0.0030773 housing_stiffness=14812 housing_damping=14.812 "
+        "output_drag=3.5054e-05 | 0.085619 5.2342 -0.0026315"
+    ),
+    "spring that a ramp leaves at once": (
+        "fidelity=3 tolerance=5.57e-05 omega_out_start=158.21 driven_inertia=0.0011078 "
+        "shaft_stiffness=67872 shaft_damping=0.045502 balancer=0.5789 input_friction=66.825 "
+        "link2_friction=0.0053557 mesh_efficiency=0.5 journal_friction=1.6577e-06 "
+        "satellite_inertia=0.013103 satellite_transverse_inertia=0.020347 housing_drag=38.7 "
+        "housing_stiffness=418.12 housing_damping=0.041812 freewheel_stiffness=1571 "
+        "freewheel_damping=1.571 | 9.4857e-05 166.95 -43.799 942650"
+    ),
+    "spring that weights wind up at rest": (
+        "drive_angle_start=9.4307 z17=11 wheel_radius=0.091132 shaft_angle=0.2382 fidelity=3 "
+        "input_inertia=0.31087 tolerance=1.5898e-10 driven_inertia=32.907 shaft_stiffness=1706.6 "
+        "shaft_damping=0.0012098 output_friction=7.5738e-05 journal_friction=0.03468 gravity=9.81 "
+        "housing_stiffness=588860 housing_damping=58.886 output_drag=0.0025923 freewheel_stiffness=125.52 "
+        "freewheel_damping=0.12552 | 0.0069 0 0"
+    ),
     "rounding alone, in fixed steps": "imbalance_mass=0 method=1 | 8e-05 0 0 -300000",
 }
 
