@@ -28,7 +28,10 @@ from ..contract.records import Field, place, size
 from . import CompilationUnavailable
 
 # order of numba's sets, and the processor it takes for the host: what the text would depend on
-ENVIRONMENT = {"PYTHONHASHSEED": "0", "NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
+ENVIRONMENT = {
+    **{"PYTHONHASHSEED": "0", "NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""},
+    "NUMBA_DISABLE_ERROR_MESSAGE_HIGHLIGHTING": "1",  # it colours what it then does not say
+}
 NEEDED = ("numba", "llvmlite")
 
 

@@ -6,16 +6,20 @@ Python: two thirds of the time, for a text that is optimised as a whole in the e
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 from unittest.mock import patch
 
 import llvmlite.binding as llvm
+from numba.core import event
+from numba.core.base import BaseContext
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.registry import cpu_target
 from numba.core.types import Record, Type
+from numba.core.types.functions import BaseFunction
 
 # passes of numba for what the kernel has not: closures, functions to be inlined, whole arrays, literals
 NEEDLESS = (
@@ -107,9 +111,27 @@ def _stand_in(library: Any, description: Any, environment: Any) -> Callable[...,
     return [].append
 
 
+def operation_type(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Type of an operation of numba's, found once for arguments of the same types."""
+    answers: dict[tuple[Any, ...], Any] = {}
+
+    def answer(operation: Any, context: Any, arguments: Any, keywords: Any) -> Any:
+        if keywords:
+            return function(operation, context, arguments, keywords)
+        asked = operation, arguments
+        if asked not in answers:
+            answers[asked] = function(operation, context, arguments, keywords)
+        return answers[asked]
+
+    return answer
+
+
 @contextmanager
 def only_lowered() -> Iterator[None]:
-    """Within it numba's functions are lowered and kept, not compiled."""
+    """Within it numba's functions are lowered and kept, not compiled.
+
+    What numba finds out anew for every function and operation is found out once: half of the time.
+    """
     context = cpu_target.target_context
     codegen = context.codegen()
     with (
@@ -117,6 +139,10 @@ def only_lowered() -> Iterator[None]:
         patch.object(context, "get_executable", _stand_in),
         # numba writes down all types of arguments for each pass: field by field a tenth of the time
         patch.object(Record, "__repr__", Type.__repr__),
+        patch.object(BaseFunction, "get_call_type", operation_type(BaseFunction.get_call_type)),
+        patch.object(BaseContext, "get_abi_sizeof", functools.cache(BaseContext.get_abi_sizeof)),
+        # timers that nobody reads
+        patch.object(event, "broadcast", lambda happened: None),
     ):
         yield
 
