@@ -119,6 +119,10 @@ FOUND = {
         "housing_stiffness=588860 housing_damping=58.886 output_drag=0.0025923 freewheel_stiffness=125.52 "
         "freewheel_damping=0.12552 | 0.0069 0 0"
     ),
+    "springs and drags at a standstill": (
+        "fidelity=3 housing_drag=3e-05 housing_stiffness=80000 output_drag=0.005 freewheel_stiffness=2000 | "
+        "0.9 0 0"
+    ),
     "rounding alone, in fixed steps": "imbalance_mass=0 method=1 | 8e-05 0 0 -300000",
 }
 

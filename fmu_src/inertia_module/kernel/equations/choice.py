@@ -51,22 +51,21 @@ def is_relaxed(state, wound, speed):
 
 
 def push_beyond_drag(d, x, prescribed, load):
-    """Torques that freewheels would slip with if relaxed springs held their drag, else 0 (see violation)."""
+    """Torque that each freewheel would slip with if its relaxed spring held the drag, N m, else 0."""
     m = d.machine
-    housing = is_relaxed(x.housing_state, m.wound_housing, m.omega2)
-    output = is_relaxed(x.output_state, m.wound_output, m.omega3 - m.omega2)
-    if not housing and not output:
-        return 0.0, 0.0
-    before = m.wound_housing, m.wound_output
-    if housing:
-        m.wound_housing = -d.housing_drag / d.housing_stiffness
-    if output:
-        m.wound_output = -d.output_drag / d.freewheel_stiffness
-    evaluate(d, x, prescribed, load, False)
-    m.wound_housing, m.wound_output = before
     inertia = d.J2 + d.J3 + d.F_by_alpha1
-    slip = inertia * (m.alpha3 - m.alpha2)
-    return inertia * m.alpha2 if housing else 0.0, slip if output else 0.0
+    housing = output = 0.0
+    if is_relaxed(x.housing_state, m.wound_housing, m.omega2):
+        m.wound_housing = -d.housing_drag / d.housing_stiffness
+        evaluate(d, x, prescribed, load, False)
+        m.wound_housing = 0.0
+        housing = inertia * m.alpha2
+    if is_relaxed(x.output_state, m.wound_output, m.omega3 - m.omega2):
+        m.wound_output = -d.output_drag / d.freewheel_stiffness
+        evaluate(d, x, prescribed, load, False)
+        m.wound_output = 0.0
+        output = inertia * (m.alpha3 - m.alpha2)
+    return housing, output
 
 
 def torques_at(d, m, prescribed, load):
