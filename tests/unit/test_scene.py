@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from inertia_module.common.units import parse_unit, to_si
-from inertia_module.contract.variable import PARAMETER
-from inertia_module.contract.variables import with_causality
+from inertia_module.contract.variables import PARAMETER, with_causality
 from inertia_module.scene import SceneError, load_scene, read_scene
 from inertia_module.scene.reading import scene_text
 from inertia_module.scene.run import scene_plan, start_of

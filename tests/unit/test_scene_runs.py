@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from inertia_module import loops
-from inertia_module.contract.variable import PARAMETER
-from inertia_module.contract.variables import BY_NAME, LOSSES, with_causality
+from inertia_module.contract.variables import BY_NAME, LOSSES, PARAMETER, with_causality
 from inertia_module.fidelity.levels import all_levels
 from inertia_module.fidelity.trials import measure_scene, run_in_process
 from inertia_module.figures.scenes import losses, scene_figure

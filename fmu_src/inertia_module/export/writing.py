@@ -27,7 +27,7 @@ from fmpy.model_description import (
 
 from .. import __version__
 from ..common.files import write_atomically
-from ..contract.variable import UNITS
+from ..contract.variables import UNITS
 from ..fmu.archive import DESCRIPTION, archive, generation_date, guid_of
 from ..fmu.builder import content_of
 from ..fmu.linking import Progress, join_for_mac

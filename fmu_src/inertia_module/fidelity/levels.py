@@ -10,10 +10,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ..contract.variable import ENUMERATIONS
-from ..contract.variables import VARIABLES
+from ..common.terminal import Progress
+from ..contract.variables import ENUMERATIONS, VARIABLES
 from ..harness import results
-from ..harness.simulate import Progress
 from ..kernel.codes import AVERAGED, ELASTIC, EVENT, KINEMATIC, RIGID, TIMESTEPPING
 
 FIDELITIES = {number: name for name, number, _ in ENUMERATIONS["Fidelity"]}

@@ -14,8 +14,9 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from ..common.colours import BLUE, VERMILION
-from ..harness.results import write_figure
-from ..harness.simulate import Progress, whole_steps
+from ..common.files import write_figure
+from ..common.terminal import Progress
+from ..harness.simulate import whole_steps
 from ..scene import Scene
 from ..scene.schema import is_elastic
 from .levels import PEER, Row, all_levels, write_rows

@@ -18,9 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.files import cache_folder, content_hash, sources
+from ..common.terminal import Progress
 from ..contract.variables import COMPUTED
 from ..harness.results import TIME
-from ..harness.simulate import Progress, Result
+from ..harness.simulate import Result
 from ..kernel.codes import AVERAGED, ELASTIC, RIGID, STEP
 from ..loops import ClosedLoop
 from ..loops.closed_loop import PLANT_INPUTS

@@ -15,7 +15,6 @@ from ..contract.variables import LOSSES, LOST_TO
 from ..harness.simulate import Result
 from ..loops.cycles import KILOMETRE_PER_HOUR, Cycle
 from ..scene import SceneResult
-from ..scene.shaft import ShaftResult
 from ..scene.summary import TIME_TO, forces, input_speed, work
 from .panels import SIZE, SMOOTHING, Array, dress, headline, sheet, smooth
 
@@ -338,7 +337,7 @@ def _energy_shares(axes: Axes, table: Result) -> None:
 # --- a shaft alone ---
 
 
-def shaft_figure(result: ShaftResult) -> Figure:
+def shaft_figure(result: SceneResult) -> Figure:
     """Draw speeds and accelerations of hub and driven mass, twist and energy, one below the other.
 
     Args:

@@ -7,7 +7,12 @@ import os
 import zipfile
 from collections.abc import Mapping
 from datetime import UTC, datetime
-from xml.etree.ElementTree import Element, indent, tostring
+from pathlib import Path
+from typing import Any
+from xml.sax.saxutils import escape
+
+from jinja2 import Environment, StrictUndefined
+from markupsafe import Markup
 
 from .. import __date__
 from ..common.files import content_hash
@@ -30,11 +35,29 @@ def generation_date() -> str:
     return moment.strftime("%Y-%m-%dT%H:%M:%SZ")
 
 
-def xml_text(root: Element) -> bytes:
-    """An XML file, an element a line."""
-    indent(root)
-    text: bytes = tostring(root, encoding="UTF-8", xml_declaration=True)
-    return text + b"\n"
+def filled_xml(template: Path, **values: Any) -> bytes:
+    """An XML file: a template of Jinja with values, of which what has a meaning in XML is escaped.
+
+    Args:
+        template: its file; the filter attributes writes those of a mapping that are not None.
+    """
+    special = {'"': "&quot;", "\n": "&#10;", "\r": "&#13;", "\t": "&#09;"}
+
+    def attributes(items: Mapping[str, Any]) -> Markup:
+        found = (
+            f' {name}="{escape(str(value), special)}"' for name, value in items.items() if value is not None
+        )
+        return Markup("".join(found))
+
+    environment = Environment(
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        undefined=StrictUndefined,
+        finalize=lambda value: value if isinstance(value, Markup) else escape(str(value), special),
+    )
+    environment.filters["attributes"] = attributes
+    return environment.from_string(template.read_text(encoding="utf-8")).render(values).encode()
 
 
 def archive(content: Mapping[str, bytes]) -> bytes:

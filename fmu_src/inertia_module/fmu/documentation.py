@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from .. import __version__
 from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE, Model
-from ..contract.variable import (
+from ..contract.variables import (
     ENUMERATION,
     ENUMERATIONS,
     FIXED,

@@ -8,7 +8,7 @@ from string import Formatter
 
 from ..contract.models import Bound, Model
 from ..contract.records import place
-from ..contract.variable import INPUT, OUTPUT, PARAMETER, Variable
+from ..contract.variables import INPUT, OUTPUT, PARAMETER, Variable
 from ..kernel import codes
 
 # the row of the time: no place in a record of the kernel, no rate

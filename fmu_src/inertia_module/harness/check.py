@@ -8,11 +8,10 @@ from typing import Any
 
 import numpy as np
 from fmpy import platform as host
-from fmpy import platform_tuple, read_model_description, simulate_fmu, supported_platforms
+from fmpy import platform_tuple, simulate_fmu, supported_platforms
 from fmpy.validation import validate_fmu
 
-from ..common.errors import FmuError
-from .fmu import existing_fmu
+from .fmu import read_description
 from .loading import messages_of_others, pass_on
 
 STEPS = 100
@@ -63,13 +62,8 @@ def check_fmu(path: Path) -> Report:
     Raises:
         FmuError: the file is no FMU that could be read at all.
     """
-    existing_fmu(path)
-    report = Report()
-    try:
-        description = read_model_description(str(path), validate=False)
-        platforms = list(supported_platforms(str(path)))
-    except Exception as error:
-        raise FmuError(f"{path} must be an FMU: {error}") from error
+    report, description = Report(), read_description(path, validate=False)
+    platforms = supported_platforms(str(path))
     kinds = {"co-simulation": description.coSimulation, "model exchange": description.modelExchange}
     report.facts = {
         "model": description.modelName,

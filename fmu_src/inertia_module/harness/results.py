@@ -17,11 +17,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..common.errors import Refused, did_you_mean
 from ..common.extras import library
-from ..common.files import write_atomically
+from ..common.files import write_figure, write_text
 from ..common.units import factor_between
 
 if TYPE_CHECKING:
     from .picture import Picture
+
+__all__ = ["Result", "TableError", "write_figure", "write_text"]
 
 TIME = "time"
 # rows at either end of a table that a notebook shows
@@ -281,23 +283,3 @@ def write_rows(path: Path, headings: Iterable[str], rows: Iterable[Iterable[Any]
     writer.writerow(headings)
     writer.writerows(rows)
     return write_text(path, stream.getvalue())
-
-
-def write_text(path: Path, text: str) -> Path:
-    """Write a text file, whole or not at all."""
-    write_atomically(path, text.encode())
-    return path
-
-
-def write_figure(path: Path, figure: Any) -> Path:
-    """Write a matplotlib Figure in the format of the file's ending, whole or not at all.
-
-    The same figure gives the same bytes: no date, and names within an SVG that follow from what they name.
-    """
-    from matplotlib import rc_context
-
-    stream = io.BytesIO()
-    with rc_context({"svg.hashsalt": "inertia-module"}):
-        figure.savefig(stream, format=path.suffix.lstrip("."), metadata={"Date": None})
-    write_atomically(path, stream.getvalue())
-    return path

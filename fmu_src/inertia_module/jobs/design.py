@@ -12,10 +12,9 @@ from numpy.typing import NDArray
 
 from ..common.errors import did_you_mean
 from ..common.extras import library
-from ..common.files import OUTPUT_FOLDER
+from ..common.files import OUTPUT_FOLDER, write_text
+from ..common.terminal import Progress
 from ..harness.fmu import fmu_file
-from ..harness.results import write_text
-from ..harness.simulate import Progress
 from ..scene import SceneError
 from ..scene.keys import validated
 from ..scene.reading import scene_text

@@ -19,10 +19,10 @@ import numpy as np
 
 from ..common.errors import Refused
 from ..common.extras import library
-from ..common.files import OUTPUT_FOLDER
+from ..common.files import OUTPUT_FOLDER, write_text
+from ..common.terminal import Progress
 from ..harness.fmu import fmu_file
-from ..harness.results import write_text
-from ..harness.simulate import Progress, Result
+from ..harness.simulate import Result
 from ..scene import Scene
 from ..scene.reading import scene_text
 from .axes import Free, Range, free_keys, shares_sampled

@@ -16,7 +16,7 @@ from pydantic import Field, model_validator
 
 from ..common.errors import must_be
 from ..common.units import to_si
-from ..contract.variable import ENUMERATIONS, LARGEST_SPEED
+from ..contract.variables import ENUMERATIONS, LARGEST_SPEED
 from ..scene import Scene, SceneError
 from ..scene.fields import Strict, quantity
 from ..scene.keys import validated

@@ -17,7 +17,7 @@ from ..common.errors import Refused, must_be
 from ..common.files import writable_folder
 from ..common.units import BOOLEANS
 from ..contract.models import INERTIA_MODULE, Model
-from ..contract.variable import BOOLEAN, ENUMERATIONS, INPUT, Variable
+from ..contract.variables import BOOLEAN, ENUMERATIONS, INPUT, Variable
 from ..fmu.builder import WEB_KERNEL, content_of
 from ..harness.results import Result
 from ..kernel import codes

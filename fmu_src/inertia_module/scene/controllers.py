@@ -13,7 +13,7 @@ from pydantic import BeforeValidator, Field, ValidationInfo, model_validator
 
 from .. import loops
 from ..common.errors import did_you_mean, must_be
-from ..contract.variable import LARGEST_SPEED
+from ..contract.variables import LARGEST_SPEED
 from ..loops.cycles import CYCLES, Cycle
 from ..loops.sources import Signal
 from .fields import AngularSpeed, Strict, Tabulated, Times, Torque, checked, quantity

@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 
 from .. import loops
 from ..common.errors import must_be
-from ..contract.variable import LARGEST_SPEED
+from ..contract.variables import LARGEST_SPEED
 from ..kernel.codes import DRIVE_SPEED, DRIVE_TORQUE
 from ..loops.sources import Signal, Table
 from .fields import (
@@ -51,7 +51,8 @@ class AnyDrive(Strict):
 
     def signal(self) -> Signal | None:
         """The input, rad/s or N.m, constant or over time, if it follows from nothing the module does."""
-        return None
+        given: Signal | None = getattr(self, self.INPUT, None)
+        return given
 
     def prescribed(self) -> dict[str, Signal]:
         """Inputs of the module that follow from nothing the module does, by name."""
@@ -82,10 +83,6 @@ class ConstantDrive(AnyDrive):
 
     kind: Literal["constant"]
     omega1: AngularSpeed
-
-    def signal(self) -> Signal:
-        """Speed of link 1, rad/s."""
-        return self.omega1
 
 
 class RampDrive(AnyDrive):
@@ -148,10 +145,6 @@ class ConstantTorque(TorqueDrive):
 
     kind: Literal["torque"]
     drive_torque: Torque
-
-    def signal(self) -> Signal:
-        """Torque on link 1, N.m."""
-        return self.drive_torque
 
 
 class TorqueTable(Tabulated, TorqueDrive):

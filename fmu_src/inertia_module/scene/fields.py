@@ -12,7 +12,7 @@ from pydantic.fields import FieldInfo
 
 from ..common.errors import did_you_mean
 from ..common.units import allowed_number, number_of, to_si
-from ..contract.variable import LARGEST_SPEED, LARGEST_TORQUE, Variable
+from ..contract.variables import LARGEST_SPEED, LARGEST_TORQUE, Variable
 from ..harness.results import TableError, read_columns
 from ..loops.sources import Signal, Table
 

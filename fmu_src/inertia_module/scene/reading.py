@@ -12,8 +12,7 @@ from pydantic import BaseModel
 
 from ..common.errors import Refused
 from ..common.extras import library
-from ..contract.variable import INTEGER
-from ..contract.variables import BY_NAME
+from ..contract.variables import BY_NAME, INTEGER
 from .fields import unit_of
 from .keys import SceneError, changed, validated
 from .schema import Mechanism, Scene

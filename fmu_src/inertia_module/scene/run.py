@@ -8,17 +8,18 @@ import time
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import __version__
 from ..common.errors import Named, Refused
-from ..contract.variables import COMPUTED
+from ..common.terminal import Progress
+from ..contract.variables import LOCAL, OUTPUT
 from ..harness.fmu import Closing, RestartedFmu
 from ..harness.results import html_table
-from ..harness.simulate import Fmu, Progress, Result
+from ..harness.simulate import Fmu, Result
 from ..kernel.codes import ELASTIC
 from ..loops import ClosedLoop, initial_inputs
 from .keys import SceneError
@@ -33,8 +34,8 @@ RESTING = 1e-6
 
 
 @dataclass(frozen=True, kw_only=True)
-class Outcome:
-    """Result of a scene.
+class SceneResult:
+    """Result of a scene, of a module or of a driven shaft alone.
 
     Attributes:
         scene: as it was run. record: everything recorded: outputs wanted, outputs summarised, signals of the
@@ -42,9 +43,6 @@ class Outcome:
         remarks: what the numbers leave out, by name: a speed not reached, a load above stall.
         warnings: that the FMU logged.
     """
-
-    # what may be recorded without being wanted
-    RECORDED: ClassVar[frozenset[str]]
 
     scene: Any
     record: Result
@@ -55,7 +53,8 @@ class Outcome:
     @property
     def table(self) -> Result:
         """Wanted outputs and the signals of the loop, at each communication point."""
-        return self.record.without(self.RECORDED - set(self.scene.run.outputs))
+        computed = {one.name for one in self.scene.VARIABLES.values() if one.causality in (OUTPUT, LOCAL)}
+        return self.record.without(computed - set(self.scene.run.outputs))
 
     @property
     def summary(self) -> dict[str, float]:
@@ -113,19 +112,6 @@ class Outcome:
         return f'<img src="data:image/png;base64,{picture}">' + html_table(
             (self.scene.title, ""), self.lines().items()
         )
-
-
-@dataclass(frozen=True, kw_only=True)
-class SceneResult(Outcome):
-    """Result of a scene of the module.
-
-    Attributes:
-        scene, record, quantities, remarks, warnings: see Outcome.
-    """
-
-    RECORDED: ClassVar = frozenset(COMPUTED)
-
-    scene: Scene
 
 
 def start_of(scene: Scene) -> tuple[Any, dict[str, float], dict[str, float]]:

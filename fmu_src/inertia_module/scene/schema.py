@@ -10,8 +10,17 @@ from pydantic import BaseModel, Field, ValidationInfo, create_model, model_valid
 
 from .. import loops
 from ..common.errors import Refused, did_you_mean
-from ..contract.variable import ENUMERATIONS, LARGEST_STEP, OUTPUT, PARAMETER, Group
-from ..contract.variables import BY_NAME, COMPUTED, VARIABLES, with_causality
+from ..contract.variables import (
+    BY_NAME,
+    COMPUTED,
+    ENUMERATIONS,
+    LARGEST_STEP,
+    OUTPUT,
+    PARAMETER,
+    VARIABLES,
+    Group,
+    with_causality,
+)
 from ..harness.simulate import whole_steps
 from ..kernel.codes import DRIVE_TORQUE, ELASTIC
 from ..loops.cycles import Cycle

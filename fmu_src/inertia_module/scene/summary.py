@@ -56,44 +56,26 @@ def input_speed(table: Result) -> NDArray[np.float64]:
     return table["omega1"] if "omega1" in table else table["input_speed"]
 
 
-def _speeds_and_torques(table: Result) -> dict[str, Quantity]:
-    return {
-        "omega1_maximum": Quantity(float(input_speed(table).max()), "rad/s"),
-        "omega_out_maximum": Quantity(float(table["omega_out"].max()), "rad/s"),
-        "omega_out_final": Quantity(float(table["omega_out"][-1]), "rad/s"),
-        "input_torque_mean": Quantity(_time_mean(table, "input_torque_mean"), "N.m"),
-        "output_torque_mean": Quantity(_time_mean(table, "output_torque_mean"), "N.m"),
-        "output_torque_mean_maximum": Quantity(float(table["output_torque_mean"].max()), "N.m"),
-        # a pulse of the freewheels is some of these
-        "contact_switches": Quantity(float(table["contact_switches"][-1]), ""),
-    }
-
-
 def energy(table: Result) -> dict[str, Quantity]:
     """Energies since the start, losses by cause where there are any, efficiency, and how well they add up."""
     last = table.last()
     stored = last["energy_stored"] - float(table["energy_stored"][0])
     scale = max(abs(last["energy_in"]), abs(last["energy_out"]), abs(stored))
+    # the share of all energy put in, by the drive, by a load that drives, by motion used up, that is not
+    # lost: what is still stored counts as kept; with a balancer that gives more than is lost there is none
+    put_in = max(last["energy_in"], 0.0) + max(-last["energy_out"], 0.0) + max(-stored, 0.0)
+    known = last["energy_lost"] >= 0.0 and put_in > 0.0
+    efficiency = {"efficiency": Quantity(1.0 - last["energy_lost"] / put_in, "")} if known else {}
     return {
         "energy_in": Quantity(last["energy_in"], "J"),
         "energy_out": Quantity(last["energy_out"], "J"),
         "energy_stored_gain": Quantity(stored, "J"),
         "energy_lost": Quantity(last["energy_lost"], "J"),
         **{name: Quantity(last[name], "J") for name in LOSSES if last.get(name)},
-        **_efficiency(last["energy_in"], last["energy_out"], stored, last["energy_lost"]),
+        **efficiency,
         "energy_residual": Quantity(last["energy_residual"], "J"),
         "energy_residual_relative": Quantity(abs(last["energy_residual"]) / scale if scale else 0.0, ""),
     }
-
-
-def _efficiency(given: float, taken: float, stored: float, lost: float) -> dict[str, Quantity]:
-    """Share that is not lost of all energy put in: by the drive, by a load that drives, by motion used up.
-
-    So energy still stored at the end counts as kept. A balancer that gives more than is lost (lost < 0) is
-    a source of its own, and there is no efficiency.
-    """
-    put_in = max(given, 0.0) + max(-taken, 0.0) + max(-stored, 0.0)
-    return {"efficiency": Quantity(1.0 - lost / put_in, "")} if lost >= 0.0 and put_in > 0.0 else {}
 
 
 def forces(table: Result) -> dict[str, NDArray[np.float64]]:
@@ -176,28 +158,6 @@ def _vehicle(table: Result, times_to: Sequence[float]) -> dict[str, Quantity]:
     }
 
 
-def _tracking(table: Result, speed: str, unit: str) -> dict[str, Quantity]:
-    factor, shown = (KILOMETRE_PER_HOUR, "km/h") if unit == "m/s" else (1.0, unit)
-    error = (table[speed] - table["reference"]) / factor
-    return {
-        "tracking_error_rms": Quantity(float(np.sqrt(np.mean(error**2))), shown),
-        "tracking_error_maximum": Quantity(float(np.abs(error).max()), shown),
-    }
-
-
-def _out_of_tolerance(table: Result, cycle: Cycle) -> dict[str, Quantity]:
-    """Time outside the band of the regulation; each row counts for the step it begins."""
-    lower, upper = cycle.tolerance_band(table.time)
-    speed = table["vehicle_speed"]
-    outside = ((speed < lower) | (speed > upper))[:-1]
-    seconds = float(np.sum(np.diff(table.time)[outside]))
-    total = float(table.time[-1] - table.time[0])
-    return {
-        "time_out_of_tolerance": Quantity(seconds, "s"),
-        "share_out_of_tolerance": Quantity(100.0 * seconds / total, "%"),
-    }
-
-
 def summarise(
     table: Result,
     measured: str | None,
@@ -215,16 +175,33 @@ def summarise(
     simulated = float(table.time[-1] - table.time[0])
     summary = {
         "simulated_time": Quantity(simulated, "s"),
-        **_speeds_and_torques(table),
+        "omega1_maximum": Quantity(float(input_speed(table).max()), "rad/s"),
+        "omega_out_maximum": Quantity(float(table["omega_out"].max()), "rad/s"),
+        "omega_out_final": Quantity(float(table["omega_out"][-1]), "rad/s"),
+        "input_torque_mean": Quantity(_time_mean(table, "input_torque_mean"), "N.m"),
+        "output_torque_mean": Quantity(_time_mean(table, "output_torque_mean"), "N.m"),
+        "output_torque_mean_maximum": Quantity(float(table["output_torque_mean"].max()), "N.m"),
+        # a pulse of the freewheels is some of these
+        "contact_switches": Quantity(float(table["contact_switches"][-1]), ""),
         **energy(table),
         **_forces(table),
     }
     if "vehicle_speed" in table:
         summary |= _vehicle(table, times_to)
     if measured is not None:
-        summary |= _tracking(table, measured, table.units["reference"])
+        unit = table.units["reference"]
+        factor, shown = (KILOMETRE_PER_HOUR, "km/h") if unit == "m/s" else (1.0, unit)
+        error = (table[measured] - table["reference"]) / factor
+        summary["tracking_error_rms"] = Quantity(float(np.sqrt(np.mean(error**2))), shown)
+        summary["tracking_error_maximum"] = Quantity(float(np.abs(error).max()), shown)
     if cycle is not None:
-        summary |= _out_of_tolerance(table, cycle)
+        # each row counts for the step that it begins
+        lower, upper = cycle.tolerance_band(table.time)
+        speed = table["vehicle_speed"]
+        outside = ((speed < lower) | (speed > upper))[:-1]
+        seconds = float(np.sum(np.diff(table.time)[outside]))
+        summary["time_out_of_tolerance"] = Quantity(seconds, "s")
+        summary["share_out_of_tolerance"] = Quantity(100.0 * seconds / simulated, "%")
     return {
         **summary,
         "rhs_evaluations": Quantity(float(table["rhs_evaluations"][-1]), ""),
