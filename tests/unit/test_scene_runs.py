@@ -11,9 +11,9 @@ from inertia_module.contract.variables import BY_NAME, LOSSES, PARAMETER, with_c
 from inertia_module.fidelity.levels import all_levels
 from inertia_module.fidelity.trials import measure_scene, run_in_process
 from inertia_module.figures.scenes import losses, scene_figure
+from inertia_module.harness.chart import SteadyMachine
 from inertia_module.harness.fmu import Fmu
 from inertia_module.harness.results import Result
-from inertia_module.harness.steady import SteadyMachine
 from inertia_module.loops import Engine, EngineMap, Governor, TorqueDrivenEngine, torque_driven
 from inertia_module.loops.cycles import ELEMENTARY_URBAN_CYCLE as CYCLE
 from inertia_module.scene import load_scene, read_scene, run_scene

@@ -2,12 +2,14 @@
 
 from .averaged_system import TransientInertia, averaged_system
 from .fmu_system import FmuSystem, fmu_system
-from .margins import Margins, measured_margins, predicted_margins
 from .small_signal import (
+    Margins,
     SmallSignal,
     averaged_response,
+    measured_margins,
     measured_response,
     operating_point,
+    predicted_margins,
     transient_inertia,
 )
 

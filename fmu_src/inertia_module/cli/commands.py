@@ -35,7 +35,7 @@ from .shared import (
 )
 
 if TYPE_CHECKING:
-    from ..fidelity.choice import Choice
+    from ..fidelity.levels import Choice
     from ..scene import Scene
 
 # name of the page of a scene
@@ -86,7 +86,7 @@ def check(fmu: Annotated[Path, typer.Argument(metavar="FILE.fmu", help="Any FMU 
     That is over its default experiment. FMI 2.0 or 3.0; an FMU with event mode is stepped once without
     and once with it.
     """
-    from ..harness.check import check_fmu
+    from ..harness.loading import check_fmu
 
     report = check_fmu(fmu)
 
@@ -107,7 +107,7 @@ def export(scene: SceneFile, output: OutputFolder = None, keys: Keys = None) -> 
     its shaft. Drive, load and controller stay here: their values at the start go along, as inputs of the
     module and its shaft.
     """
-    from ..export.writing import export as write
+    from ..export.systems import export as write
     from ..scene.run import scene_plan
 
     folder = folder_for(output, "export", scene.stem)
@@ -296,9 +296,8 @@ def tradeoff(
 
     Of each fidelity, method, tolerance or step, and communication step (out/tradeoff without -o).
     """
-    from ..fidelity.choice import print_levels
-    from ..fidelity.choice import recommend as choose_cheapest
-    from ..fidelity.levels import failure_lines
+    from ..fidelity.levels import failure_lines, print_levels
+    from ..fidelity.levels import recommend as choose_cheapest
     from ..fidelity.tradeoff import leave_rows, measured_rows, with_worst
     from ..fidelity.trials import trial_rows
 

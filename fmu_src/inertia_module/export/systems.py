@@ -1,24 +1,45 @@
-"""Systems of FMUs: planned for a mechanism, and written in the files of SSP 1.0 and of OSP.
+"""Systems of FMUs: planned for a mechanism, and written in the files of SSP 1.0, of OSP and as one FMU.
 
 A plan is the module or, if its shaft is elastic, the rigid module and its shaft as two FMUs, wired, with the
 values of a scene. Of SSP (System Structure and Parameterization) it uses what OMSimulator, libcosim, Ecos and
 FMPy all read: each component has its own values, nothing is connected to the boundary of the system, and
-only wired inputs have connectors.
+only wired inputs have connectors. The one FMU is FMPy's container, a co-simulation host of its own.
 """
 
 from __future__ import annotations
 
+import io
+import tempfile
+import zipfile
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
+from xml.etree import ElementTree
+
+import fmpy.container_fmu
+from fmpy import read_model_description
+from fmpy.container_fmu import write_configuration
+from fmpy.container_fmu.config import Component, Configuration, Connection
+from fmpy.model_description import (
+    BaseUnit,
+    CoSimulation,
+    DefaultExperiment,
+    ModelDescription,
+    ModelVariable,
+    Unit,
+    Unknown,
+    write_model_description,
+)
 
 from .. import __version__
+from ..common.files import write_atomically
 from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE, Model
 from ..contract.variables import PARAMETER, UNITS, Variable
-from ..fmu.archive import archive, filled_xml, generation_date
-from ..fmu.builder import MODULE_FMU, SHAFT_FMU
+from ..fmu.archive import DESCRIPTION, archive, filled_xml, generation_date, guid_of
+from ..fmu.builder import MODULE_FMU, SHAFT_FMU, content_of
+from ..fmu.linking import Progress, join_for_mac
 from ..fmu.native_fmu import NativeFmu
-from ..harness.wires import Wire
+from ..harness.wires import Wire, check_wiring
 from ..kernel.codes import DRIVE_TORQUE, ELASTIC, RIGID
 
 MODULE, SHAFT = "module", "shaft"
@@ -159,3 +180,173 @@ def ssp_file(plan: Plan, fmus: Mapping[str, bytes]) -> bytes:
 def _units(variables: Iterable[Variable]) -> dict[str, dict[str, int]]:
     """Units of variables, by their exponents of base units."""
     return {name: UNITS[name] for name in sorted({variable.unit for variable in variables} - {""})}
+
+
+# --- container ---
+
+LIBRARY = "container_fmu"
+
+
+def _shown(plan: Plan) -> dict[tuple[str, str], Any]:
+    """The container's variables by part and name: values that no wire drives, then outputs."""
+    wired = {(wire.sink, wire.input) for wire in plan.wires}
+    values = {(part.name, name): value for part in plan.parts for name, value in part.values.items()}
+    ends = [end for end in values if end not in wired] + list(plan.outputs)
+    shown = {}
+    # its library counts from 1: its 0 is the time, which a description need not name
+    for number, (part, name) in enumerate(ends, 1):
+        variable, value = plan.part(part).variable(name), values.get((part, name))
+        kind, start = typed(variable, value or 0.0)
+        shown[part, name] = ModelVariable(
+            name=f"{part}.{name}",
+            valueReference=number,
+            type=kind,
+            causality=variable.causality,
+            variability=variable.variability,
+            description=variable.description,
+            unit=variable.unit or None,
+            start=None if value is None else start,
+            # unless told, FMPy writes true for every variable; FMI 2.0 allows it for inputs only
+            canHandleMultipleSetPerTimeInstant=False,
+        )
+    return shown
+
+
+def _description(plan: Plan, shown: Mapping[tuple[str, str], Any], guid: str) -> Any:
+    unknowns = [Unknown(variable=shown[end]) for end in plan.outputs]
+    units = sorted({variable.unit for variable in shown.values()} - {None})
+    return ModelDescription(
+        fmiVersion="2.0",
+        modelName="container",
+        instantiationToken=guid,
+        description=plan.title,
+        generationTool=f"inertia-module {__version__}",
+        generationDateAndTime=generation_date(),
+        coSimulation=CoSimulation(modelIdentifier=LIBRARY, fixedInternalStepSize=plan.step),
+        defaultExperiment=DefaultExperiment(stopTime=str(plan.stop_time), stepSize=str(plan.step)),
+        unitDefinitions=[Unit(name=name, baseUnit=BaseUnit(**UNITS[name])) for name in units],
+        modelVariables=list(shown.values()),
+        outputs=unknowns,
+        initialUnknowns=unknowns,
+    )
+
+
+def _texts(plan: Plan, fmus: Mapping[str, bytes]) -> dict[str, bytes]:
+    """Files that FMPy writes: the description, and the configuration for the container's library."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        components: dict[str, Any] = {}
+        inner: dict[tuple[str, ...], Any] = {}
+        for part in plan.parts:
+            path = folder / part.fmu.file_name
+            path.write_bytes(fmus[path.name])
+            found = read_model_description(str(path))
+            components[part.name] = Component(part.name, path, found)
+            inner |= {(part.name, variable.name): variable for variable in found.modelVariables}
+
+        def connector(*end: str) -> Any:
+            return ModelVariable(name=end[1], valueReference=inner[end].valueReference, type="Float64")
+
+        connections = [
+            Connection(
+                components[wire.source],
+                [connector(wire.source, wire.output)],
+                components[wire.sink],
+                [connector(wire.sink, wire.input)],
+            )
+            for wire in plan.wires
+        ]
+        shown = _shown(plan)
+        mappings = {variable: [(components[end[0]], inner[end])] for end, variable in shown.items()}
+        guid = guid_of({**fmus, "structure": osp_structure(plan)})
+        description = _description(plan, shown, guid)
+        told, configuration = folder / DESCRIPTION, folder / "container.json"
+        write_model_description(description, told)
+        parts = list(components.values())
+        write_configuration(Configuration(False, description, parts, connections, mappings), configuration)
+        return {
+            DESCRIPTION: told.read_bytes(),
+            f"resources/{configuration.name}": configuration.read_bytes(),
+        }
+
+
+def _libraries() -> dict[str, bytes]:
+    """FMPy's libraries of the container, by their path in an FMU; for macOS one for both processors."""
+    folder = Path(fmpy.container_fmu.__file__).parent / "binaries"
+    mac = [
+        (triple, (folder / name / f"{LIBRARY}.dylib").read_bytes())
+        for triple, name in (("x86_64", "x86_64-darwin"), ("arm64", "aarch64-darwin"))
+    ]
+    return {
+        f"binaries/linux64/{LIBRARY}.so": (folder / "x86_64-linux" / f"{LIBRARY}.so").read_bytes(),
+        f"binaries/win64/{LIBRARY}.dll": (folder / "x86_64-windows" / f"{LIBRARY}.dll").read_bytes(),
+        f"binaries/darwin64/{LIBRARY}.dylib": join_for_mac(mac),
+    }
+
+
+def container(plan: Plan, fmus: Mapping[str, bytes]) -> bytes:
+    """The content of an FMU around the FMUs of a plan; fmus: contents by file name.
+
+    Values of the parts are its start values, named part.variable; it steps its parts side by side (Jacobi)
+    at the step of the plan.
+    """
+    files = _texts(plan, fmus) | _libraries()
+    for file_name, content in fmus.items():
+        with zipfile.ZipFile(io.BytesIO(content)) as packed:
+            folder = f"resources/{Path(file_name).stem}"
+            files |= {f"{folder}/{name}": packed.read(name) for name in packed.namelist()}
+    return archive(files)
+
+
+def with_integers(fmu: bytes) -> bytes:
+    """Copy an FMU so that its enumerations are described as Integers: to the library inside that is the same.
+
+    libcosim and Ecos leave variables out that are enumerations, so there no fidelity could be set.
+
+    Args:
+        fmu: content of the file.
+    """
+    with zipfile.ZipFile(io.BytesIO(fmu)) as packed:
+        content = {name: packed.read(name) for name in packed.namelist()}
+    root = ElementTree.fromstring(content[DESCRIPTION])
+    for element in root.iterfind("ModelVariables/ScalarVariable/Enumeration"):
+        element.tag = "Integer"
+        del element.attrib["declaredType"]
+    content[DESCRIPTION] = ElementTree.tostring(root, xml_declaration=True, encoding="UTF-8")
+    return archive(content)
+
+
+def export(plan: Plan, folder: Path, progress: Progress = lambda stage: None) -> list[Path]:
+    """Write system.ssp, osp/ (structure and FMUs) and container.fmu into a folder.
+
+    Args:
+        plan: the system. folder: made if it is not there. progress: told each stage as it begins.
+
+    Returns:
+        Paths of the files.
+
+    Raises:
+        CompilationUnavailable: the native FMUs cannot be built here.
+        WiringError: the wires of the plan cannot work.
+    """
+    fmus = {}
+    for part in plan.parts:
+        progress(f"building {part.fmu.file_name}")
+        fmus[part.fmu.file_name] = with_integers(content_of(part.fmu, progress)[0])
+    given: dict[str, list[str]] = {}
+    for owner, name in plan.inputs:
+        given.setdefault(owner, []).append(name)
+    check_wiring(
+        {part.name: read_model_description(io.BytesIO(fmus[part.fmu.file_name])) for part in plan.parts},
+        plan.wires,
+        given,
+        plan.step,
+        parameters={part.name: part.values for part in plan.parts},
+    )
+    progress("packing the system")
+    files = {"system.ssp": ssp_file(plan, fmus), f"osp/{OSP_STRUCTURE}": osp_structure(plan)}
+    files |= {f"osp/{name}": content for name, content in fmus.items()}
+    files["container.fmu"] = container(plan, fmus)
+    for name, content in files.items():
+        write_atomically(folder / name, content)
+    return [folder / name for name in files]

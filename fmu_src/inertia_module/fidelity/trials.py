@@ -29,16 +29,17 @@ from ..memory import Module
 from ..scene import Scene
 from ..scene.run import start_of
 from ..scene.schema import at_fidelity, is_elastic
-from .choice import Choice, recommend
 from .levels import (
     NOT_MODELLED,
     Attempt,
+    Choice,
     Level,
     Row,
     all_levels,
     attempt_all,
     event,
     read_rows,
+    recommend,
     write_rows,
 )
 

@@ -23,8 +23,7 @@ from ..scene.schema import Scene
 from ..scene.summary import TIME_TO, Quantity
 from .axes import Point, of_shares, shares_sampled, unit_of_key
 from .evaluation import Evaluator, Figures, FiguresOf, Row, Task, summary_of, write_tables
-from .named import NAMED, Mechanism
-from .spec import LEVELS, Judge, Spec, absent, read_spec
+from .spec import LEVELS, NAMED, Judge, Mechanism, Spec, absent, read_spec
 
 # key of a point that is none of the scene: the fidelity it is run at
 LEVEL = "fidelity"

@@ -10,7 +10,7 @@ from typing import Any, TypeVar, get_args
 from pydantic import BaseModel, ValidationError
 
 from ..common.errors import Refused, did_you_mean, must_be
-from .loads import measured_speed
+from .parts import measured_speed
 
 Model = TypeVar("Model", bound=BaseModel)
 MECHANISM = "mechanism."

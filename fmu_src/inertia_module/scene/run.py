@@ -186,7 +186,7 @@ def above_stall(record: Result, parameters: dict[str, float]) -> dict[str, str]:
     turns = abs(speed) * float(np.ptp(record.time)) / math.tau
     if braked or turns < 1.0 or record["omega_out"][end].min() > RESTING * abs(speed):
         return {}
-    from ..harness.steady import SteadyMachine  # brings scipy along
+    from ..harness.chart import SteadyMachine  # brings scipy along
 
     try:
         stall = SteadyMachine(parameters).at(speed, 0.0).output_torque

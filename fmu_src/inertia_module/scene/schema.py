@@ -25,11 +25,9 @@ from ..harness.simulate import whole_steps
 from ..kernel.codes import DRIVE_TORQUE, ELASTIC
 from ..loops.cycles import Cycle
 from ..memory import Module
-from .controllers import Controller
-from .drives import Drive
 from .fields import AUTO, FIDELITY, Duration, Strict, fields_of, quantity
 from .keys import SceneError, changed, validated, without_files
-from .loads import SPEED_UNITS, VEHICLE_SPEED, Load, measured_speed
+from .parts import SPEED_UNITS, VEHICLE_SPEED, Controller, Drive, Load, measured_speed
 
 _TOLERANCE = BY_NAME["tolerance"]
 _OUTPUTS = tuple(variable.name for variable in with_causality(OUTPUT))

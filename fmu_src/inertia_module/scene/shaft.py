@@ -19,7 +19,7 @@ from ..loops.sources import evaluate
 from ..memory import DrivenShaft
 from .fields import Duration, Strict, Tabulated, Times, fields_of, quantities, quantity
 from .keys import SceneError
-from .loads import TorqueLoad
+from .parts import TorqueLoad
 from .run import SceneResult
 from .schema import Run
 from .summary import Quantity, energy
