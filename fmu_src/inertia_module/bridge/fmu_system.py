@@ -199,14 +199,14 @@ class FmuSystem(Closing):
 
     def __init__(self, stepper: _Motion | _Whole, **names: Any) -> None:
         self._fmu, self.start = stepper.fmu, stepper.start
-
-        def update(_: float, x: Any, u: Any, __: Any) -> Any:
-            return stepper.update(np.asarray(x, dtype=np.float64), np.asarray(u, dtype=np.float64))
-
-        def output(_: float, x: Any, __: Any, ___: Any) -> Any:
-            return stepper.output(np.asarray(x, dtype=np.float64))
-
-        self.system = ct.nlsys(update, output, states=stepper.names, **names)
+        self.system = ct.nlsys(
+            lambda _, x, u, __: stepper.update(
+                np.asarray(x, dtype=np.float64), np.asarray(u, dtype=np.float64)
+            ),
+            lambda _, x, __, ___: stepper.output(np.asarray(x, dtype=np.float64)),
+            states=stepper.names,
+            **names,
+        )
 
     def close(self) -> None:
         """Free the FMU; the system cannot be stepped after that."""

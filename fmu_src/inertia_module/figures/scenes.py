@@ -271,7 +271,11 @@ def _driving_panels(figure: Figure, result: SceneResult) -> None:
         f"{outside}error {numbers['tracking_error_rms']:.2f} km/h rms and"
         f" {numbers['tracking_error_maximum']:.2f} km/h at most",
     )
-    _module_speeds(panels[1], table)
+    label = "input ω1 (commanded)" if "omega1" in table else "input ω1"
+    panels[1].plot(table.time, input_speed(table), color=BLACK, linewidth=1.2, label=label)
+    panels[1].plot(table.time, table["omega_out"], color=VERMILION, linewidth=1.6, label="output shaft")
+    panels[1].set_ylim(bottom=0.0)
+    dress(panels[1], "speed [rad/s]")
     _mean_torques(panels[2], table)
     _energy_shares(panels[3], table)
     if lossy:
@@ -292,14 +296,6 @@ def _followed_speed(axes: Axes, table: Result, cycle: Cycle | None) -> None:
     axes.plot(table.time, table["vehicle_speed"] * scale, color=VERMILION, linewidth=1.6, label="vehicle")
     axes.set_ylim(bottom=0.0)
     dress(axes, "speed [km/h]")
-
-
-def _module_speeds(axes: Axes, table: Result) -> None:
-    label = "input ω1 (commanded)" if "omega1" in table else "input ω1"
-    axes.plot(table.time, input_speed(table), color=BLACK, linewidth=1.2, label=label)
-    axes.plot(table.time, table["omega_out"], color=VERMILION, linewidth=1.6, label="output shaft")
-    axes.set_ylim(bottom=0.0)
-    dress(axes, "speed [rad/s]")
 
 
 def _mean_torques(axes: Axes, table: Result) -> None:

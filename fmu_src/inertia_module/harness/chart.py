@@ -21,7 +21,7 @@ from __future__ import annotations
 import io
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
@@ -325,8 +325,7 @@ class TorqueConverterChart:
 
     def save(self, path: Path) -> Path:
         """Write as CSV, whole or not at all; the numbers read back are the same doubles."""
-        columns = {field.name: getattr(self, field.name) for field in fields(self)}
-        return write_columns(path, columns, dict.fromkeys(_TORQUES, "N.m.s2"))
+        return write_columns(path, vars(self), dict.fromkeys(_TORQUES, "N.m.s2"))
 
 
 @dataclass(frozen=True)
@@ -392,27 +391,16 @@ def torque_converter_chart(
     machine = SteadyMachine(parameters, kernel)
     if machine.ideal:
         return _chart_of_map(parameters, backward, kernel)
-    return _measured_chart(machine, -omega1 if backward else omega1)
-
-
-def _measured_chart(machine: SteadyMachine, omega1: float) -> TorqueConverterChart:
-    """The chart of a mechanism with losses, up to the last ratio at which the load gets a torque."""
+    # with losses, up to the last ratio at which the load gets a torque
+    omega1 = -omega1 if backward else omega1
     found = np.array([machine.at(omega1, ratio) for ratio in RATIOS])
     number = max(np.flatnonzero(found[:, 0] > 0.0), default=0) + 1
     torque, taken, efficiency, link2, ripple, peak, _ = found[:number].T
     square, one = omega1 * omega1, np.ones(number)
     locks = omega1 > 0.0 and number == RATIOS.size
     lock = machine.lock_up_torque(omega1) / square if locks else 0.0
-    return TorqueConverterChart(
-        RATIOS[:number],
-        torque / square,
-        taken / square,
-        efficiency,
-        link2,
-        ripple / square,
-        peak / square,
-        lock * one,
-    )
+    torques = (torque / square, taken / square), (ripple / square, peak / square, lock * one)
+    return TorqueConverterChart(RATIOS[:number], *torques[0], efficiency, link2, *torques[1])
 
 
 def _chart_of_map(parameters: Mapping[str, float | str], backward: bool, kernel: str) -> TorqueConverterChart:

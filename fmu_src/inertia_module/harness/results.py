@@ -21,7 +21,7 @@ from ..common.files import write_figure, write_text
 from ..common.units import factor_between
 
 if TYPE_CHECKING:
-    from .picture import Picture
+    from ..common.colours import Picture
 
 __all__ = ["Result", "TableError", "write_figure", "write_text"]
 
@@ -155,7 +155,7 @@ class Result:
         Raises:
             TableError: there is no such column.
         """
-        from .picture import Picture
+        from ..common.colours import Picture
 
         panels: dict[str, list[str]] = {}
         for name in names or self.names[1:]:
