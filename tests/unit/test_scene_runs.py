@@ -17,8 +17,7 @@ from inertia_module.harness.results import Result
 from inertia_module.loops import Engine, EngineMap, Governor, TorqueDrivenEngine, torque_driven
 from inertia_module.loops.cycles import ELEMENTARY_URBAN_CYCLE as CYCLE
 from inertia_module.scene import load_scene, read_scene, run_scene
-from inertia_module.scene.run import above_stall, start_of
-from inertia_module.scene.summary import SUMMARISED, forces, summarise
+from inertia_module.scene.run import SUMMARISED, above_stall, forces, start_of, summarise
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 SCENE = """

@@ -138,8 +138,8 @@ def current_fmu(fmu: NativeFmu | None = None) -> Path:
 
 
 def quantity_of(option: str, text: str, unit: str, **limits: float) -> float:
-    """A quantity given on the command line, such as "2 s", in SI; limits: as of scene.fields.checked."""
-    from ..scene.fields import checked
+    """A quantity given on the command line, such as "2 s", in SI; limits: as of scene.keys.checked."""
+    from ..scene.keys import checked
 
     try:
         return checked(text, unit, **limits)

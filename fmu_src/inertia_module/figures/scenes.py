@@ -15,7 +15,7 @@ from ..contract.variables import LOSSES, LOST_TO
 from ..harness.simulate import Result
 from ..loops.cycles import KILOMETRE_PER_HOUR, Cycle
 from ..scene import SceneResult
-from ..scene.summary import TIME_TO, forces, input_speed, work
+from ..scene.run import TIME_TO, forces, input_speed, work
 from .panels import SIZE, SMOOTHING, Array, dress, headline, sheet, smooth
 
 PULSES_SHOWN = 4

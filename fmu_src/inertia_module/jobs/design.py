@@ -18,9 +18,8 @@ from ..harness.fmu import fmu_file
 from ..scene import SceneError
 from ..scene.keys import validated
 from ..scene.reading import scene_text
-from ..scene.run import SceneRunner
+from ..scene.run import TIME_TO, Quantity, SceneRunner
 from ..scene.schema import Scene
-from ..scene.summary import TIME_TO, Quantity
 from .axes import Point, of_shares, shares_sampled, unit_of_key
 from .evaluation import Evaluator, Figures, FiguresOf, Row, Task, summary_of, write_tables
 from .spec import LEVELS, NAMED, Judge, Mechanism, Spec, absent, read_spec

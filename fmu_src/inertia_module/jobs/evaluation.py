@@ -22,8 +22,7 @@ from ..harness.fmu import Closing
 from ..harness.results import heading, write_rows
 from ..scene import Scene, load_scene
 from ..scene.keys import validated
-from ..scene.run import SceneRunner
-from ..scene.summary import Quantity
+from ..scene.run import Quantity, SceneRunner
 from .axes import Point
 
 Figures = dict[str, Quantity]

@@ -22,10 +22,9 @@ from ..contract.variables import ENUMERATIONS, LARGEST_SPEED
 from ..harness.chart import SteadyMachine, SteadyPulses, torque_converter_chart
 from ..memory import Module
 from ..scene import Scene, SceneError
-from ..scene.fields import Strict, quantity
-from ..scene.keys import validated
+from ..scene.keys import Strict, quantity, validated
 from ..scene.reading import load_tables
-from ..scene.summary import TIME_TO
+from ..scene.run import TIME_TO
 from .axes import Axis, axes_of
 from .evaluation import Row
 

@@ -16,7 +16,7 @@ from ..common.terminal import Progress
 from ..harness.fmu import fmu_file
 from ..harness.results import write_rows
 from ..scene import Scene
-from ..scene.summary import time_to
+from ..scene.run import time_to
 from .axes import Axis, Point, axes_of, grid, of_shares, shares_sampled, unit_of_key
 from .evaluation import Evaluator, Row, Task, read, summaries, write_tables
 

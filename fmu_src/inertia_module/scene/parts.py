@@ -19,7 +19,9 @@ from ..contract.variables import LARGEST_SPEED
 from ..kernel.codes import DRIVE_SPEED, DRIVE_TORQUE
 from ..loops.cycles import CYCLES, KILOMETRE_PER_HOUR, Cycle
 from ..loops.sources import Signal, Table
-from .fields import (
+from .keys import (
+    SHAFT_SPEED,
+    SPEED_UNITS,
     AngularSpeed,
     ConstantOrTable,
     Duration,
@@ -288,15 +290,6 @@ Drive = Annotated[
 
 
 # --- loads ---
-
-VEHICLE_SPEED = "vehicle_speed"
-SHAFT_SPEED = "omega_out"
-SPEED_UNITS = {VEHICLE_SPEED: "m/s", SHAFT_SPEED: "rad/s"}
-
-
-def measured_speed(load_kind: Any) -> str:
-    """Name of the speed that a controller controls with a kind of load."""
-    return VEHICLE_SPEED if load_kind == "vehicle" else SHAFT_SPEED
 
 
 class Coupling(Strict):

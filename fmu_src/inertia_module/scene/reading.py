@@ -13,8 +13,7 @@ from pydantic import BaseModel
 from ..common.errors import Refused
 from ..common.extras import library
 from ..contract.variables import BY_NAME, INTEGER
-from .fields import unit_of
-from .keys import SceneError, changed, validated
+from .keys import SceneError, changed, unit_of, validated
 from .schema import Mechanism, Scene
 from .shaft import ShaftScene
 

@@ -25,9 +25,22 @@ from ..harness.simulate import whole_steps
 from ..kernel.codes import DRIVE_TORQUE, ELASTIC
 from ..loops.cycles import Cycle
 from ..memory import Module
-from .fields import AUTO, FIDELITY, Duration, Strict, fields_of, quantity
-from .keys import SceneError, changed, validated, without_files
-from .parts import SPEED_UNITS, VEHICLE_SPEED, Controller, Drive, Load, measured_speed
+from .keys import (
+    AUTO,
+    FIDELITY,
+    SPEED_UNITS,
+    VEHICLE_SPEED,
+    Duration,
+    SceneError,
+    Strict,
+    changed,
+    fields_of,
+    measured_speed,
+    quantity,
+    validated,
+    without_files,
+)
+from .parts import Controller, Drive, Load
 
 _TOLERANCE = BY_NAME["tolerance"]
 _OUTPUTS = tuple(variable.name for variable in with_causality(OUTPUT))

@@ -17,12 +17,10 @@ from ..contract.variables import LOCAL, OUTPUT, PARAMETER
 from ..harness.simulate import Result, communication_points, drive
 from ..loops.sources import evaluate
 from ..memory import DrivenShaft
-from .fields import Duration, Strict, Tabulated, Times, fields_of, quantities, quantity
-from .keys import SceneError
+from .keys import Duration, SceneError, Strict, Tabulated, Times, fields_of, quantities, quantity
 from .parts import TorqueLoad
-from .run import SceneResult
+from .run import Quantity, SceneResult, energy
 from .schema import Run
-from .summary import Quantity, energy
 
 _OUTPUTS = tuple(variable.name for variable in DRIVEN_SHAFT.with_causality(OUTPUT))
 _READABLE = tuple(variable.name for variable in DRIVEN_SHAFT.with_causality(OUTPUT, LOCAL))
