@@ -154,7 +154,7 @@ def typed(variable: Variable, value: float) -> tuple[str, str]:
 
 def osp_structure(plan: Plan) -> bytes:
     """OspSystemStructure.xml of a plan, for libcosim; its FMUs describe enumerations as Integers."""
-    return filled_xml(TEMPLATES / OSP_STRUCTURE, plan=plan, typed=typed)
+    return filled_xml(TEMPLATES / OSP_STRUCTURE, {"plan": plan, "typed": typed})
 
 
 def ssp_file(plan: Plan, fmus: Mapping[str, bytes]) -> bytes:
@@ -171,9 +171,9 @@ def ssp_file(plan: Plan, fmus: Mapping[str, bytes]) -> bytes:
     for part in plan.parts:
         units = _units(map(part.variable, part.values))
         values = {"part": part, "typed": typed, "units": units, "origin": origin}
-        files[f"resources/{part.name}.ssv"] = filled_xml(TEMPLATES / "ParameterSet.ssv", **values)
+        files[f"resources/{part.name}.ssv"] = filled_xml(TEMPLATES / "ParameterSet.ssv", values)
     structure = {"plan": plan, "ends": ends, "units": shown, "origin": origin}
-    files["SystemStructure.ssd"] = filled_xml(TEMPLATES / "SystemStructure.ssd", **structure)
+    files["SystemStructure.ssd"] = filled_xml(TEMPLATES / "SystemStructure.ssd", structure)
     return archive(files)
 
 

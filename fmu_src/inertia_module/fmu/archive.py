@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import os
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,7 @@ from .. import __date__
 from ..common.files import content_hash
 
 DESCRIPTION = "modelDescription.xml"
+TEMPLATES = Path(__file__).parent / "templates"
 # the earliest time a zip archive can hold
 _ZIP_TIME = (1980, 1, 1, 0, 0, 0)
 
@@ -35,29 +36,38 @@ def generation_date() -> str:
     return moment.strftime("%Y-%m-%dT%H:%M:%SZ")
 
 
-def filled_xml(template: Path, **values: Any) -> bytes:
-    """An XML file: a template of Jinja with values, of which what has a meaning in XML is escaped.
+def filled(template: Path, values: Mapping[str, Any], write: Callable[[Any], str] = str) -> str:
+    """Text of a template of Jinja.
 
     Args:
-        template: its file; the filter attributes writes those of a mapping that are not None.
+        template: its file. values: by name. write: makes text of a value.
     """
-    special = {'"': "&quot;", "\n": "&#10;", "\r": "&#13;", "\t": "&#09;"}
-
-    def attributes(items: Mapping[str, Any]) -> Markup:
-        found = (
-            f' {name}="{escape(str(value), special)}"' for name, value in items.items() if value is not None
-        )
-        return Markup("".join(found))
-
     environment = Environment(
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
         undefined=StrictUndefined,
-        finalize=lambda value: value if isinstance(value, Markup) else escape(str(value), special),
+        finalize=write,
     )
-    environment.filters["attributes"] = attributes
-    return environment.from_string(template.read_text(encoding="utf-8")).render(values).encode()
+    return environment.from_string(template.read_text(encoding="utf-8")).render(values)
+
+
+def filled_xml(template: Path, values: Mapping[str, Any]) -> bytes:
+    """An XML file of a template, what has a meaning in XML escaped.
+
+    It may call attributes, which writes those of a mapping that are not None.
+    """
+
+    def write(value: Any) -> str:
+        if isinstance(value, Markup):
+            return value
+        return escape(str(value), {'"': "&quot;", "\n": "&#10;", "\r": "&#13;", "\t": "&#09;"})
+
+    def attributes(items: Mapping[str, Any]) -> Markup:
+        known = {name: write(value) for name, value in items.items() if value is not None}
+        return Markup("".join(f' {name}="{text}"' for name, text in known.items()))
+
+    return filled(template, {"attributes": attributes, **values}, write).encode()
 
 
 def archive(content: Mapping[str, bytes]) -> bytes:

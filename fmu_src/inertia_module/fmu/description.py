@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from .. import __version__
 from ..contract.models import Model
 from ..contract.variables import (
@@ -18,9 +16,8 @@ from ..contract.variables import (
     UNITS,
     Variable,
 )
-from .archive import filled_xml
+from .archive import TEMPLATES, filled_xml
 
-TEMPLATES = Path(__file__).parent / "templates"
 # names of types in FMI 3.0, where they are others
 TYPES_3 = {REAL: "Float64", INTEGER: "Int32"}
 TIME = Variable(
@@ -74,16 +71,16 @@ def model_description(
     }
     units, types = ({getattr(v, name) for v in variables} for name in ("unit", "enumeration"))
     tolerance = model.by_name["tolerance"].start if "tolerance" in model.by_name else None
-    return filled_xml(
-        TEMPLATES / "modelDescription.xml",
+    values = {
         **{"model": model, "identifier": identifier, "guid": guid, "date": date, "version": __version__},
         **{"fmi": fmi, "python": str(python).lower(), "native": str(not python).lower()},
         **{"variables": variables, "values": _values, "initial": INITIAL, "tolerance": tolerance},
         **{"numbers": numbers, "at_start": at_start, "number": _number, "types_3": TYPES_3},
-        units={name: exponents for name, exponents in UNITS.items() if name in units},
-        types={name: items for name, items in ENUMERATIONS.items() if name in types},
-        display_units=DISPLAY_UNITS,
-    )
+        "units": {name: exponents for name, exponents in UNITS.items() if name in units},
+        "types": {name: items for name, items in ENUMERATIONS.items() if name in types},
+        "display_units": DISPLAY_UNITS,
+    }
+    return filled_xml(TEMPLATES / "modelDescription.xml", values)
 
 
 def terminals(model: Model) -> bytes:
@@ -91,5 +88,5 @@ def terminals(model: Model) -> bytes:
 
     An angle goes where there is one (matching rule bus). The kind of a torque says which way it is positive.
     """
-    places = {"axis": AXIS, "half": HALF, "apart": APART, "icon": FLANGE}
-    return filled_xml(TEMPLATES / "terminalsAndIcons.xml", terminals=model.terminals, **places)
+    values = {"axis": AXIS, "half": HALF, "apart": APART, "icon": FLANGE, "terminals": model.terminals}
+    return filled_xml(TEMPLATES / "terminalsAndIcons.xml", values)
