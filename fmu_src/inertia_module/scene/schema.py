@@ -239,22 +239,18 @@ class Scene(Strict):
         scene = self.replaced(mechanism={FIDELITY: fidelity}, accuracy=asked)
         return scene.replaced(mechanism=at_fidelity(scene.given, scene.given[FIDELITY]))
 
-    def _shaft_inertia(self) -> float:
-        """Inertia of what the load hangs on without the load, kg.m2."""
-        name = self._carrying
-        return self.given.get(name, BY_NAME[name].start or 0.0)
-
     @property
-    def _carrying(self) -> str:
-        """Parameter of the inertia that a load hangs on: the driven mass where the shaft is elastic."""
-        elastic = self.given.get("fidelity") == ELASTIC
-        return "driven_inertia" if elastic else "output_inertia"
+    def _carrying(self) -> tuple[str, float]:
+        """Parameter of the inertia, kg.m2, that a load hangs on: the driven mass where that is elastic."""
+        name = "driven_inertia" if self.given.get("fidelity") == ELASTIC else "output_inertia"
+        return name, self.given.get(name, BY_NAME[name].start or 0.0)
 
     def parameters(self) -> dict[str, float]:
         """Parameters for the FMU, that of the drive too; a load coupled rigidly is in what it hangs on."""
         values = self.drive.driven(self.given)
         rigid = self.built_load.rigid_inertia
-        return {**values, self._carrying: self._shaft_inertia() + rigid} if rigid else values
+        name, own = self._carrying
+        return {**values, name: own + rigid} if rigid else values
 
     @model_validator(mode="after")
     def _check(self, info: ValidationInfo) -> Scene:
@@ -271,7 +267,7 @@ class Scene(Strict):
                 hint = did_you_mean(name, [*COMPUTED, *self.surroundings.output_labels])
                 raise SceneError(f"run.outputs must be computed by the scene, has {name!r} {hint}")
         try:
-            self.built_load.check_step(self._shaft_inertia())
+            self.built_load.check_step(self._carrying[1])
             turning = self.parameters().get("input_inertia", 0.0)
             self.drive.check_step(self.run.communication_step, turning)
         except ValueError as error:
