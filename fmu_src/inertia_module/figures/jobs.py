@@ -49,10 +49,14 @@ def sweep_figure(sweep: SweepResult, figures: Sequence[str] = ()) -> Figure:
     picture = sheet(height=1.0 + 2.8 * rows, width=9.0)
     panels = picture.subplots(rows, 1, squeeze=False)[:, 0]
     for panel, name in zip(panels, names, strict=False):
-        if len(sweep.axes) == 1:
-            _curve(panel, sweep, name)
-        else:
+        if len(sweep.axes) > 1:
             _map(picture, panel, sweep, name)
+            continue
+        places, known = _values(sweep, sweep.axes[0])
+        order = np.argsort(places, kind="stable")
+        panel.plot(places[order], sweep.figure(name)[order], marker="o", markersize=3.5, linewidth=1.2)
+        dress(panel, titled(name, sweep.units.get(name, "")))
+        _scale(panel, sweep, sweep.axes[0], known, "x")
     return picture
 
 
@@ -72,15 +76,6 @@ def _scale(panel: Axes, sweep: SweepResult, axis: Axis, names: list[str], side: 
         getattr(panel, f"set_{side}ticks")(range(len(names)), names)
     elif axis.logarithmic:
         getattr(panel, f"set_{side}scale")("log")
-
-
-def _curve(panel: Axes, sweep: SweepResult, name: str) -> None:
-    (axis,) = sweep.axes
-    places, names = _values(sweep, axis)
-    order = np.argsort(places, kind="stable")
-    panel.plot(places[order], sweep.figure(name)[order], marker="o", markersize=3.5, linewidth=1.2)
-    dress(panel, titled(name, sweep.units.get(name, "")))
-    _scale(panel, sweep, axis, names, "x")
 
 
 def _map(picture: Figure, panel: Axes, sweep: SweepResult, name: str) -> None:
