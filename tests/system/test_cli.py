@@ -280,7 +280,7 @@ COMMANDS = {
     "build": (["build"], "fmu.builder.content_of"),
     "run": (["run", REFERENCE], "scene.run_scene"),
     "run, choosing": (["run", REFERENCE, "--fidelity", "auto", "--error", "1 %"], "fidelity.trials.choose"),
-    "tradeoff": (["tradeoff", REFERENCE], "fidelity.tradeoff.measured_rows"),
+    "tradeoff": (["tradeoff", REFERENCE], "fidelity.trials.measured_rows"),
     "chart": (["chart", REFERENCE], "harness.chart.torque_converter_chart"),
     "export": (["export", REFERENCE], "export.systems.export"),
 }

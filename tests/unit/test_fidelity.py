@@ -19,8 +19,13 @@ from inertia_module.fidelity.levels import (
     print_levels,
     recommend,
 )
-from inertia_module.fidelity.tradeoff import measured_rows, with_worst
-from inertia_module.fidelity.trials import run_in_process, window_errors, window_means
+from inertia_module.fidelity.trials import (
+    measured_rows,
+    run_in_process,
+    window_errors,
+    window_means,
+    with_worst,
+)
 from inertia_module.harness.simulate import Result
 from inertia_module.scene import SceneError, read_scene, run_scene
 

@@ -298,8 +298,7 @@ def tradeoff(
     """
     from ..fidelity.levels import failure_lines, print_levels
     from ..fidelity.levels import recommend as choose_cheapest
-    from ..fidelity.tradeoff import leave_rows, measured_rows, with_worst
-    from ..fidelity.trials import trial_rows
+    from ..fidelity.trials import leave_rows, measured_rows, trial_rows, with_worst
 
     with progress_bar("measuring the trade") as progress:
         folder = folder_for(output, "tradeoff")
