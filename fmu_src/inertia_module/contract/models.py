@@ -178,13 +178,6 @@ class Model:
             values |= {name: f"{getattr(record, name):.16g}" for name in names}
         return text.format_map(values)
 
-    def known_at_start(self, output: str) -> frozenset[str]:
-        """Inputs and parameters an output depends on at initialisation."""
-        known = self.by_name[output].at_start
-        if known is not None:
-            return frozenset(known)
-        return frozenset(v.name for v in self.with_causality(INPUT, PARAMETER) if not v.idle)
-
 
 _P, _U, _Y = interface(variables.VARIABLES)
 _D = fields.constants(len(variables.MAP_KEY))  # type: ignore[no-untyped-call]

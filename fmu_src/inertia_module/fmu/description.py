@@ -8,6 +8,7 @@ from ..contract.variables import (
     BOOLEAN,
     DISPLAY_UNITS,
     ENUMERATIONS,
+    INPUT,
     INTEGER,
     LOCAL,
     OUTPUT,
@@ -64,11 +65,10 @@ def model_description(
     variables = model.variables if fmi == 2 else (*model.variables, TIME)
     # FMI 2.0 counts variables from 1, FMI 3.0 has their value references
     numbers = {variable.name: n for n, variable in enumerate(model.variables, 3 - fmi)}
-    at_start = {
-        output.name: " ".join(str(numbers[name]) for name in numbers if name in known)
-        for output in model.with_causality(OUTPUT)
-        for known in [model.known_at_start(output.name)]
-    }
+    at_start, given = {}, list(model.with_causality(INPUT, PARAMETER))
+    for output in model.with_causality(OUTPUT):
+        known = [one.name for one in given if not one.idle] if output.at_start is None else output.at_start
+        at_start[output.name] = " ".join(str(number) for name, number in numbers.items() if name in known)
     units, types = ({getattr(v, name) for v in variables} for name in ("unit", "enumeration"))
     tolerance = model.by_name["tolerance"].start if "tolerance" in model.by_name else None
     values = {
