@@ -134,10 +134,10 @@ def run_in_process(scene: Scene, progress: Progress | None = None) -> SceneRun:
     Raises:
         Refused: the module refuses its parameters, an input or a step.
     """
-    surroundings, values, inputs = start_of(scene)
+    values, inputs = start_of(scene)
     plant = Module().start(**values, **inputs)
     begin = plant.save()
-    loop = ClosedLoop(plant, surroundings, COMPUTED, scene.signal_units)
+    loop = ClosedLoop(plant, scene.surroundings, COMPUTED, scene.signal_units)
     began = time.perf_counter()
     record = loop.run(scene.run.stop_time, progress)
     loop_time, duration = time.perf_counter() - began, scene.run.stop_time

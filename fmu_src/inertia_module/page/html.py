@@ -149,7 +149,7 @@ def page_scene(scene: Scene, record: Result | None = None) -> dict[str, Any]:
         scene: whose fidelity is chosen. record: a run of it. An input that follows from what the module does
             becomes constant: its mean over the run to four digits, without a run its value at the start.
     """
-    _, parameters, inputs = start_of(scene)
+    parameters, inputs = start_of(scene)
     if record is not None:
         inputs |= {name: float(f"{record[name].mean():.4g}") for name in PLANT_INPUTS if name in record}
     signals = inputs | scene.drive.prescribed() | scene.load.prescribed()

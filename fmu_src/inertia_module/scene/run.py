@@ -317,23 +317,23 @@ class SceneResult:
         )
 
 
-def start_of(scene: Scene) -> tuple[Any, dict[str, float], dict[str, float]]:
-    """Start of a scene: its surroundings, connected; parameters, with the tolerance, and inputs of the FMU.
+def start_of(scene: Scene) -> tuple[dict[str, float], dict[str, float]]:
+    """Start of a scene: parameters, with the tolerance, and inputs of the FMU.
 
     Raises:
         SceneError: its fidelity is still to be chosen.
     """
     if scene.chooses_fidelity:
         raise SceneError("mechanism.fidelity must be chosen first (fidelity.trials.choose), is 'auto'")
-    values, surroundings = scene.parameters(), scene.surroundings
+    values = scene.parameters()
     if scene.accuracy.tolerance is not None:
         values["tolerance"] = scene.accuracy.tolerance
     speeds = {"omega_out": values.get("omega_out_start", 0.0)}
     omega1 = scene.drive.start_speed
     if omega1 is None:
-        return surroundings, values, initial_inputs(surroundings, speeds)
-    inputs = initial_inputs(surroundings, {**speeds, "input_speed": omega1})
-    return surroundings, values, {**inputs, "omega1": omega1}
+        return values, initial_inputs(scene.surroundings, speeds)
+    inputs = initial_inputs(scene.surroundings, {**speeds, "input_speed": omega1})
+    return values, {**inputs, "omega1": omega1}
 
 
 def scene_plan(scene: Scene) -> Plan:
@@ -346,15 +346,14 @@ def scene_plan(scene: Scene) -> Plan:
 
     if scene.chooses_fidelity:
         raise SceneError("mechanism.fidelity must be a fidelity by name for an export, is 'auto'")
-    surroundings, values, inputs = start_of(scene)
+    values, inputs = start_of(scene)
     for name in ("housing_stiffness", "freewheel_stiffness"):
         if values.get("fidelity") == ELASTIC and values.get(name, 0.0) > 0.0:
             raise SceneError(
                 f"mechanism.{name} must be 0 for an export, is {values[name]:g}: an elastic mechanism becomes"
                 " a rigid module and a shaft, and neither has freewheels that wind up"
             )
-    step = float(surroundings.dt)
-    return make_plan(scene.title, values, inputs, step, scene.run.stop_time)
+    return make_plan(scene.title, values, inputs, scene.run.communication_step, scene.run.stop_time)
 
 
 def run_scene(
@@ -375,9 +374,9 @@ def run_scene(
         FmuError: the FMU cannot be loaded, or refuses a value or a step.
         SceneError: its fidelity is still to be chosen.
     """
-    surroundings, values, inputs = start_of(scene)
+    values, inputs = start_of(scene)
     with Fmu(fmu_path, values, inputs, stop_time=scene.run.stop_time) as fmu:
-        found = _run_on(fmu, scene, surroundings, progress, also)
+        found = _run_on(fmu, scene, progress, also)
     return replace(found, remarks={**found.remarks, **above_stall(found.record, scene.parameters())})
 
 
@@ -417,11 +416,11 @@ class SceneRunner(Closing):
 
     def run(self, scene: Scene) -> SceneResult:
         """Run a scene; raises as run_scene."""
-        return _run_on(self.started(scene), scene, scene.surroundings)
+        return _run_on(self.started(scene), scene)
 
     def started(self, scene: Scene) -> Fmu:
         """The instance at the start of a scene; raises as run_scene."""
-        _, values, inputs = start_of(scene)
+        values, inputs = start_of(scene)
         self._fmu.restart({**values, **inputs})
         return self._fmu
 
@@ -431,10 +430,10 @@ class SceneRunner(Closing):
 
 
 def _run_on(
-    fmu: Fmu, scene: Scene, surroundings: Any, progress: Progress | None = None, also: Iterable[str] = ()
+    fmu: Fmu, scene: Scene, progress: Progress | None = None, also: Iterable[str] = ()
 ) -> SceneResult:
     """Run a scene with a started FMU."""
-    loop = ClosedLoop(fmu, surroundings, [*scene.run.outputs, *SUMMARISED, *also], scene.signal_units)
+    loop = ClosedLoop(fmu, scene.surroundings, [*scene.run.outputs, *SUMMARISED, *also], scene.signal_units)
     began = time.perf_counter()
     record = loop.run(scene.run.stop_time, progress)
     wall_time = time.perf_counter() - began
