@@ -12,7 +12,6 @@ from typing import Any
 from xml.sax.saxutils import escape
 
 from jinja2 import Environment, StrictUndefined
-from markupsafe import Markup
 
 from .. import __date__
 from ..common.files import content_hash
@@ -52,6 +51,10 @@ def filled(template: Path, values: Mapping[str, Any], write: Callable[[Any], str
     return environment.from_string(template.read_text(encoding="utf-8")).render(values)
 
 
+class Written(str):
+    """Text that is XML already."""
+
+
 def filled_xml(template: Path, values: Mapping[str, Any]) -> bytes:
     """An XML file of a template, what has a meaning in XML escaped.
 
@@ -59,13 +62,13 @@ def filled_xml(template: Path, values: Mapping[str, Any]) -> bytes:
     """
 
     def write(value: Any) -> str:
-        if isinstance(value, Markup):
+        if isinstance(value, Written):
             return value
         return escape(str(value), {'"': "&quot;", "\n": "&#10;", "\r": "&#13;", "\t": "&#09;"})
 
-    def attributes(items: Mapping[str, Any]) -> Markup:
+    def attributes(items: Mapping[str, Any]) -> Written:
         known = {name: write(value) for name, value in items.items() if value is not None}
-        return Markup("".join(f' {name}="{text}"' for name, text in known.items()))
+        return Written("".join(f' {name}="{text}"' for name, text in known.items()))
 
     return filled(template, {"attributes": attributes, **values}, write).encode()
 

@@ -84,7 +84,7 @@ def read_description(path: Path, validate: bool = True) -> Any:
     """
     from fmpy import read_model_description
 
-    from .loading import TYPES
+    from ..fmu.description import TYPES_3
 
     if path.is_dir():
         raise FmuError(f"{path} must be an FMU file, is a folder")
@@ -94,8 +94,9 @@ def read_description(path: Path, validate: bool = True) -> Any:
         description = read_model_description(str(path), validate=validate)
     except Exception as error:
         raise FmuError(f"{path} must be an FMU: {error}") from error
+    of_fmi_2 = {name: type_2 for type_2, name in TYPES_3.items()}
     for variable in description.modelVariables:
-        variable.type = TYPES.get(variable.type, variable.type)
+        variable.type = of_fmi_2.get(variable.type, variable.type)
     return description
 
 

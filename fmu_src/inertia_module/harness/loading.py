@@ -17,7 +17,7 @@ from ctypes import byref
 from dataclasses import dataclass, field
 from multiprocessing.util import Finalize
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from fmpy import extract, platform_tuple, simulate_fmu, supported_platforms
@@ -34,14 +34,8 @@ from fmpy.fmi3 import FMU3Slave
 from fmpy.logging import addLoggerProxy
 from fmpy.validation import validate_fmu
 
-from ..fmu.description import TYPES_3 as IN_FMI_3
-from .fmu import read_description
+from .fmu import Fmu, read_description
 
-if TYPE_CHECKING:
-    from .fmu import Fmu
-
-# types of FMI 2.0 by their names in FMI 3.0, where they have others
-TYPES = {name: of_fmi_2 for of_fmi_2, name in IN_FMI_3.items()}
 # status of a warning in FMI 2.0; above it are errors
 WARNING = 1
 
