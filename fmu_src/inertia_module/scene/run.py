@@ -295,7 +295,7 @@ class SceneResult:
         return name in self.record
 
     def to_csv(self, path: Path | str) -> Path:
-        """Write the table: see Result.to_csv."""
+        """Write the table to a path: see Result.to_csv."""
         return self.table.to_csv(path)
 
     def to_pandas(self) -> Any:
@@ -303,7 +303,7 @@ class SceneResult:
         return self.table.to_pandas()
 
     def plot(self, *names: str) -> Any:
-        """A matplotlib Figure of the table over time: see Result.plot."""
+        """A matplotlib Figure of the table, or columns of it by names, over time: see Result.plot."""
         return self.table.plot(*names)
 
     def _repr_png_(self) -> bytes:
