@@ -18,9 +18,9 @@ from inertia_module.cli.shared import (
     command,
     current_fmu,
     folder_for,
-    progress_bar,
-    write_figure,
 )
+from inertia_module.common.files import write_figure
+from inertia_module.common.terminal import progress_bar
 
 CAR_SCENE = Path("examples/urban.toml")
 app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)

@@ -16,8 +16,7 @@ from .compiling import CompilationUnavailable
 from .compiling import load as compiled
 from .contract.models import DRIVEN_SHAFT, INERTIA_MODULE, RECORD_OF, Model
 from .contract.records import record_type
-from .contract.variable import INPUT, OUTPUT, PARAMETER
-from .contract.variables import MAP_KEY, refused_parameters
+from .contract.variables import INPUT, MAP_KEY, OUTPUT, PARAMETER
 from .kernel import codes
 
 NO_STATE = "the state must be one saved by this build, is damaged or of another build"
@@ -196,7 +195,7 @@ class ModelInstance:
 
     def _prepare(self, values: Mapping[str, float | str]) -> None:
         self.set(**values)
-        refused = self._refused_parameters(self.parameters)
+        refused = self.model.refused(self.parameters)
         if refused:
             raise Refused("; ".join(refused))
         self.load_kernel()
@@ -264,16 +263,12 @@ class ModelInstance:
             raise Refused("the state must be one that can step, is one saved before the start")
         # a number used as an index or a choice must be one
         sound = all(bound.accepts(parts[bound.record].numbers[bound.place]) for bound in self.model.bounds)
-        if not sound or (started and self._refused_parameters(parts["p"])):
+        if not sound or (started and self.model.refused(parts["p"])):
             raise Refused(NO_STATE)
         self.load_kernel()
         self.started = started
         for record, part in zip(self._records, parts.values(), strict=False):
             record.numbers[:] = part.numbers
-
-    def _refused_parameters(self, parameters: Any) -> list[str]:
-        values = {name: getattr(parameters, name) for name in self.model.records[0]}
-        return refused_parameters(values, self.model.variables)
 
     def snapshot(self) -> dict[str, Any]:
         """All variables by name."""

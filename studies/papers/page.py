@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from inertia_module.contract import driven_shaft, variables
+from inertia_module.contract.models import DRIVEN_SHAFT, INERTIA_MODULE
 
 from . import karetin, lysenko, stelmashchuk
 from .engine import claims_of, words
@@ -22,7 +22,7 @@ def papers_page() -> str:
             name: f"`{name}` | {variable.unit} | " + variable.description.replace("|", r"\|")
             for name, variable in known.items()
         }
-        for fmu, known in (("fmu", variables.BY_NAME), ("shaft", driven_shaft.BY_NAME))
+        for fmu, known in (("fmu", INERTIA_MODULE.by_name), ("shaft", DRIVEN_SHAFT.by_name))
     }
     parts = [words("papers.md")]
     for name, paper in PAPERS.items():

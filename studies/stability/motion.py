@@ -8,8 +8,7 @@ from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any, Self
 
 from inertia_module.common.errors import Refused
-from inertia_module.contract.variable import LARGEST_STEP
-from inertia_module.contract.variables import BY_NAME, LOSSES
+from inertia_module.contract.variables import BY_NAME, LARGEST_STEP, LOSSES
 from inertia_module.fidelity.levels import Level
 from inertia_module.kernel.codes import AVERAGED, ELASTIC, EVENT, KINEMATIC, RIGID, TIMESTEPPING
 from inertia_module.memory import Module

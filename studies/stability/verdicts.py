@@ -25,7 +25,7 @@ from matplotlib.patches import Patch
 from inertia_module.common.colours import BLUE, GREEN, ORANGE, VERMILION
 from inertia_module.common.errors import did_you_mean
 from inertia_module.common.terminal import terminal
-from inertia_module.contract.variable import LARGEST_STEP
+from inertia_module.contract.variables import LARGEST_STEP
 from inertia_module.harness import results
 from inertia_module.harness.results import TableError
 from inertia_module.harness.simulate import Progress

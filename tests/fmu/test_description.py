@@ -7,17 +7,17 @@ from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
 from inertia_module.contract.models import DRIVEN_SHAFT, INERTIA_MODULE
-from inertia_module.contract.variable import (
+from inertia_module.contract.variables import (
     BOOLEAN,
     DISPLAY_UNITS,
     ENUMERATIONS,
     INPUT,
+    MAP_KEY,
     PARAMETER,
     REAL,
     UNITS,
     Group,
 )
-from inertia_module.contract.variables import MAP_KEY
 
 from .conftest import MODELS
 

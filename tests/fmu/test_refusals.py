@@ -13,7 +13,7 @@ from fmpy.fmi2 import FMU2Slave, fmi2Discard, fmi2LastSuccessfulTime, fmi2Termin
 
 from inertia_module.common.errors import Refused
 from inertia_module.contract.models import DRIVEN_SHAFT, INERTIA_MODULE
-from inertia_module.contract.variable import BOOLEAN, PARAMETER, REAL
+from inertia_module.contract.variables import BOOLEAN, PARAMETER, REAL
 from inertia_module.harness.fmu import Fmu, FmuError
 from inertia_module.harness.loading import messages_of_others
 from inertia_module.memory import Module

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from inertia_module.compiling.targets import LINUX_ARM
-from inertia_module.contract.variable import REAL
+from inertia_module.contract.variables import REAL
 
 from ..fmu.conftest import ELASTIC, R1, Instance
 from .conftest import FMUS, run

@@ -16,7 +16,7 @@ from inertia_module.fidelity.levels import (
     timestepping,
     write_rows,
 )
-from inertia_module.fidelity.tradeoff import front, slope, work_precision
+from inertia_module.fidelity.trials import front, slope, work_precision
 from inertia_module.harness.results import write_figure
 from studies import trade
 from studies.reference.geometry import Unavailable

@@ -8,8 +8,15 @@ import numpy as np
 import pytest
 
 from inertia_module import bridge, loops
-from inertia_module.contract.variable import DRIVE_ANGLE, LINK1_ANGLE, LOCAL, OUTPUT, SINCE_START
-from inertia_module.contract.variables import BY_NAME, with_causality
+from inertia_module.contract.variables import (
+    BY_NAME,
+    DRIVE_ANGLE,
+    LINK1_ANGLE,
+    LOCAL,
+    OUTPUT,
+    SINCE_START,
+    with_causality,
+)
 from inertia_module.harness.fmu import Fmu, FmuError
 from tests.system.programs import programs
 

@@ -19,8 +19,8 @@ from inertia_module.cli import app
 from inertia_module.cli.shared import show
 from inertia_module.common.terminal import progress, terminal
 from inertia_module.compiling import CompilationUnavailable, linking
-from inertia_module.fidelity.choice import print_levels
 from inertia_module.fidelity.levels import Row as Measured
+from inertia_module.fidelity.levels import print_levels
 from inertia_module.fmu import native_fmu
 from inertia_module.fmu.builder import FMUS
 from inertia_module.harness.results import Result
@@ -280,9 +280,9 @@ COMMANDS = {
     "build": (["build"], "fmu.builder.content_of"),
     "run": (["run", REFERENCE], "scene.run_scene"),
     "run, choosing": (["run", REFERENCE, "--fidelity", "auto", "--error", "1 %"], "fidelity.trials.choose"),
-    "tradeoff": (["tradeoff", REFERENCE], "fidelity.tradeoff.measured_rows"),
+    "tradeoff": (["tradeoff", REFERENCE], "fidelity.trials.measured_rows"),
     "chart": (["chart", REFERENCE], "harness.chart.torque_converter_chart"),
-    "export": (["export", REFERENCE], "export.writing.export"),
+    "export": (["export", REFERENCE], "export.systems.export"),
 }
 
 

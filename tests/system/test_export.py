@@ -15,8 +15,7 @@ from fmpy.ssp.ssd import read_ssd
 from fmpy.validation import validate_fmu
 from scenes import ELASTIC
 
-from inertia_module.export.systems import Plan, make_plan
-from inertia_module.export.writing import container, export
+from inertia_module.export.systems import Plan, container, export, make_plan
 from inertia_module.harness.fmu import Fmu
 from inertia_module.scene import load_scene
 from inertia_module.scene.keys import SceneError

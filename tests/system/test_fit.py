@@ -11,7 +11,7 @@ from inertia_module import jobs
 from inertia_module.cli import app
 from inertia_module.common.errors import Refused
 from inertia_module.harness.results import Result, read_columns, write_columns
-from inertia_module.jobs.measurement import Observer
+from inertia_module.jobs.fit import Observer
 from inertia_module.scene import load_scene, run_scene
 
 pytest.importorskip("lmfit")

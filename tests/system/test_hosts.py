@@ -10,8 +10,8 @@ from hosts import ACCUMULATED, FMPY, HOSTS, NANOSECONDS, HostFailed, Scene, run
 from scenes import PLANAR
 
 from inertia_module.contract.models import INERTIA_MODULE
-from inertia_module.contract.variable import ENUMERATION
-from inertia_module.export.writing import with_integers
+from inertia_module.contract.variables import ENUMERATION
+from inertia_module.export.systems import with_integers
 from inertia_module.fmu.builder import MODULE_FMU, SHAFT_FMU
 
 MODULE, SHAFT = MODULE_FMU.identifier, SHAFT_FMU.identifier

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from inertia_module.contract.variable import LOCAL, OUTPUT
-from inertia_module.contract.variables import with_causality
+from inertia_module.contract.variables import LOCAL, OUTPUT, with_causality
 from inertia_module.harness.fmu import Fmu, FmuError
 from tests.unit.scenes import DRIVEN, ELASTIC, SCENES
 

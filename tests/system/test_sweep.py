@@ -15,8 +15,7 @@ from inertia_module.jobs.axes import axes_of, grid
 from inertia_module.jobs.evaluation import Task, evaluate, summaries
 from inertia_module.jobs.workers import evaluations, pool
 from inertia_module.scene import load_scene, run_scene
-from inertia_module.scene.run import SceneRunner
-from inertia_module.scene.summary import Quantity
+from inertia_module.scene.run import Quantity, SceneRunner
 
 dask, cloudpickle = pytest.importorskip("dask"), pytest.importorskip("cloudpickle")
 Client = pytest.importorskip("distributed").Client

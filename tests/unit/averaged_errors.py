@@ -5,7 +5,7 @@ Run: python tests/unit/averaged_errors.py, for the table in docs/mechanics.md.
 
 from scenes import MECHANISMS
 
-from inertia_module.harness.steady import SteadyMachine
+from inertia_module.harness.chart import SteadyMachine
 from inertia_module.memory import Module
 
 REALISTIC = {

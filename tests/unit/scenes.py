@@ -5,8 +5,7 @@ from itertools import product
 
 import pytest
 
-from inertia_module.contract.variable import PARAMETER
-from inertia_module.contract.variables import with_causality
+from inertia_module.contract.variables import PARAMETER, with_causality
 from inertia_module.memory import Module
 from studies.reference.motion import Reference
 

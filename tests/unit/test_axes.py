@@ -8,7 +8,7 @@ import pytest
 from inertia_module.common.errors import Refused
 from inertia_module.harness.results import Result
 from inertia_module.jobs.axes import axes_of, free_keys, grid, of_shares, shares_sampled
-from inertia_module.jobs.measurement import measurement
+from inertia_module.jobs.fit import measurement
 from inertia_module.scene import read_scene
 
 SCENE = """

@@ -16,13 +16,13 @@ from inertia_module.figures.chart import chart_figure
 from inertia_module.harness.chart import (
     LARGEST_TORQUE_RATIO,
     RATIOS,
+    SteadyMachine,
     TorqueConverterChart,
     converter_table,
     efficiency_map,
     torque_converter_chart,
 )
 from inertia_module.harness.results import read_columns
-from inertia_module.harness.steady import SteadyMachine
 from inertia_module.memory import Refused
 
 PLANAR = MECHANISMS["planar"]

@@ -10,10 +10,22 @@ import pytest
 
 from inertia_module.contract.variables import BY_NAME, COMPUTED
 from inertia_module.fidelity import trials
-from inertia_module.fidelity.choice import NoneMeets, at_levels, print_levels, recommend
-from inertia_module.fidelity.levels import NOT_MODELLED, Row, event
-from inertia_module.fidelity.tradeoff import measured_rows, with_worst
-from inertia_module.fidelity.trials import run_in_process, window_errors, window_means
+from inertia_module.fidelity.levels import (
+    NOT_MODELLED,
+    NoneMeets,
+    Row,
+    at_levels,
+    event,
+    print_levels,
+    recommend,
+)
+from inertia_module.fidelity.trials import (
+    measured_rows,
+    run_in_process,
+    window_errors,
+    window_means,
+    with_worst,
+)
 from inertia_module.harness.simulate import Result
 from inertia_module.scene import SceneError, read_scene, run_scene
 

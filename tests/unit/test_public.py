@@ -17,7 +17,7 @@ from inertia_module.common.examples import example
 from inertia_module.contract.variables import BY_NAME
 from inertia_module.memory import Module
 from inertia_module.scene import SceneResult, load_scene
-from inertia_module.scene.summary import Quantity
+from inertia_module.scene.run import Quantity
 
 NAMES = sorted(PUBLIC)
 

@@ -6,8 +6,9 @@ import pytest
 from scenes import advanced, started
 
 from inertia_module.contract.models import DRIVEN_SHAFT, INERTIA_MODULE
-from inertia_module.contract.variable import (
+from inertia_module.contract.variables import (
     BOOLEAN,
+    BY_NAME,
     ENUMERATION,
     ENUMERATIONS,
     INPUT,
@@ -16,8 +17,8 @@ from inertia_module.contract.variable import (
     OUTPUT,
     PARAMETER,
     REAL,
+    with_causality,
 )
-from inertia_module.contract.variables import BY_NAME, with_causality
 from inertia_module.memory import NO_STATE, DrivenShaft, Module, Refused
 
 NO_NUMBERS = (math.nan, math.inf, -math.inf)

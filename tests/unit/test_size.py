@@ -5,7 +5,7 @@ import math
 import pytest
 
 from inertia_module.common.errors import Refused
-from inertia_module.jobs.named import Mechanism
+from inertia_module.jobs.spec import Mechanism
 from inertia_module.kernel.layout import imbalance
 from inertia_module.memory import Module
 

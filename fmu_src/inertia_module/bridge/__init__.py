@@ -1,13 +1,16 @@
 """Systems of python-control: FMUs in discrete time, the averaged module in continuous time."""
 
-from .averaged_system import TransientInertia, averaged_system
 from .fmu_system import FmuSystem, fmu_system
-from .margins import Margins, measured_margins, predicted_margins
 from .small_signal import (
+    Margins,
     SmallSignal,
+    TransientInertia,
     averaged_response,
+    averaged_system,
+    measured_margins,
     measured_response,
     operating_point,
+    predicted_margins,
     transient_inertia,
 )
 

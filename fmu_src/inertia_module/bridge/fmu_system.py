@@ -27,9 +27,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import did_you_mean, must_be
-from ..contract.driven_shaft import BY_NAME as OF_SHAFT
-from ..contract.variable import DRIVE_ANGLE, ENUMERATIONS, LINK1_ANGLE, SINCE_START
-from ..contract.variables import BY_NAME as OF_MODULE
+from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE
+from ..contract.variables import DRIVE_ANGLE, ENUMERATIONS, LINK1_ANGLE, SINCE_START
 from ..harness.fmu import Closing, Fmu, FmuError, RestartedFmu, as_names
 from ..kernel.codes import DRIVE_TORQUE
 
@@ -79,7 +78,7 @@ def _motion_of(fmu: Fmu) -> tuple[str, ...]:
 def _check_outputs(names: Sequence[str], motion: Sequence[str]) -> None:
     """Refuse outputs of a system that do not follow from its motion."""
     for name in names:
-        variable = OF_MODULE.get(name) or OF_SHAFT.get(name)
+        variable = INERTIA_MODULE.by_name.get(name) or DRIVEN_SHAFT.by_name.get(name)
         follows = variable.follows if variable is not None else ""
         if follows == SINCE_START:
             why = "is a sum since the start, which does not follow from the motion"
@@ -200,14 +199,14 @@ class FmuSystem(Closing):
 
     def __init__(self, stepper: _Motion | _Whole, **names: Any) -> None:
         self._fmu, self.start = stepper.fmu, stepper.start
-
-        def update(_: float, x: Any, u: Any, __: Any) -> Any:
-            return stepper.update(np.asarray(x, dtype=np.float64), np.asarray(u, dtype=np.float64))
-
-        def output(_: float, x: Any, __: Any, ___: Any) -> Any:
-            return stepper.output(np.asarray(x, dtype=np.float64))
-
-        self.system = ct.nlsys(update, output, states=stepper.names, **names)
+        self.system = ct.nlsys(
+            lambda _, x, u, __: stepper.update(
+                np.asarray(x, dtype=np.float64), np.asarray(u, dtype=np.float64)
+            ),
+            lambda _, x, __, ___: stepper.output(np.asarray(x, dtype=np.float64)),
+            states=stepper.names,
+            **names,
+        )
 
     def close(self) -> None:
         """Free the FMU; the system cannot be stepped after that."""

@@ -1,7 +1,18 @@
-"""Small-signal frequency response: of an FMU, measured, and of the linearised averaged module.
+"""Averaged module as a system; small-signal response and margins of stability, of it and of an FMU.
 
-Measured as on a test bed: a plant runs at constant inputs until it has settled, then a small sine is added to
-one input, and after the transient the sine of that frequency in the outputs is fitted.
+The averaged module is a continuous system of python-control, on the map the kernel itself has found:
+
+    J3 omega_out' = omega1^2 F(omega_out / |omega1|) - load_torque
+
+State omega_out. Every torque is that of fidelity averaged at this instant, computed by the kernel's own
+functions. Two things a differential equation cannot say. At lock-up (omega_out = omega1) the FMU holds the
+two together; here the torque drops to zero above ratio 1, and a solver would chatter there: it is for ratios
+below. And at constant inputs no torque has a part in omega1': give `omega1_rate` as a third input for it.
+omega1 is an input here. What a torque makes of it is one more equation around this system, with its input
+torque; of a module driven by torque there is the FMU itself (fmu_system).
+
+A response is measured as on a test bed: a plant runs at constant inputs until it has settled, then a small
+sine is added to one input, and after the transient the sine of that frequency in the outputs is fitted.
 
 - **Input.** The load torque is held over a step at its value at the middle of the step; omega1 goes linearly
   from sample to sample (by input derivatives: a native FMU is needed). Neither lags; the loss of amplitude,
@@ -12,25 +23,148 @@ one input, and after the transient the sine of that frequency in the outputs is 
   periods. The pulses are no multiple of the sine, but a record of N periods separates frequencies that
   differ by more than 2/N of it, and beyond that leakage falls with the cube of the distance. The step has to
   be so short that pulses do not alias: some 20 steps to a pulse.
+
+Margins of a loop around an FMU are predicted from its linearisation, and measured. Around the FMU stands a
+linear surrounding (controller, actuator, sensor). It works on deviations from an operating point, so one
+control.StateSpace says it all; the FMU is the full nonlinear plant. The loop is made worse where the plant
+is measured: the gain margin is the factor, the delay margin the delay, at which the motion after a kick no
+longer dies away. The phase margin is the delay margin times the crossover frequency.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections import deque
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import control as ct
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.signal import detrend
 
-from ..common.errors import must_be
+from ..common.errors import did_you_mean, must_be
+from ..contract.variables import BY_NAME
 from ..harness.fmu import Fmu, as_names
 from ..kernel import codes
+from ..kernel.averaged import balance as average_balance
+from ..kernel.averaged import legs as average_legs
+from ..kernel.averaged import outputs as average_outputs
+from ..kernel.averaged import rates as average_rates
+from ..kernel.averaged import run as average
 from ..memory import Module
-from .averaged_system import INPUT_RATE, INPUTS, QUASI_STEADY, TransientInertia, averaged_system
+
+# --- the averaged system ---
+
+INPUTS = ("omega1", "load_torque")
+INPUT_RATE = "omega1_rate"
+OUTPUTS = (
+    "omega_out",
+    "omega2",
+    "input_torque",
+    "mesh_torque",
+    "output_torque",
+    "housing_torque",
+    "torque_ripple",
+    "torque_peak",
+)
+
+
+class TransientInertia(NamedTuple):
+    """Inertias by which accelerations add to the mean output torque: + input * omega1' - output * omega_out'.
+
+    Attributes:
+        input, output: kg m2, at one speed ratio; transient_inertia finds them.
+    """
+
+    input: float
+    output: float
+
+
+QUASI_STEADY = TransientInertia(0.0, 0.0)
+
+
+def averaged_system(
+    parameters: Mapping[str, float | str] | None = None,
+    *,
+    inputs: str | Sequence[str] = INPUTS,
+    outputs: str | Sequence[str] = ("omega_out", "input_torque", "output_torque"),
+    transient: TransientInertia = QUASI_STEADY,
+    name: str = "averaged",
+    kernel: str = "auto",
+) -> Any:
+    """Make a continuous-time NonlinearIOSystem of the averaged module.
+
+    Args:
+        parameters: of the module by name, as in Module.set; fidelity is averaged whatever they say.
+        inputs: omega1, rad/s, load_torque, N.m, and if wanted omega1_rate, rad/s2 (else 0); all that are
+            wanted.
+        outputs: of omega_out, omega2, rad/s, input_torque, mesh_torque, output_torque, housing_torque,
+            torque_ripple (RMS), torque_peak, N.m.
+        transient: what accelerations add to the mean torque while it is driven; nothing in fidelity averaged.
+        name: of the system. kernel: as in Module.
+
+    Returns:
+        control.NonlinearIOSystem with the state omega_out, rad/s.
+
+    Raises:
+        Refused: the parameters cannot be, or there is no mean torque (a freewheel is missing).
+        ValueError: an unknown input or output, omega1 or load_torque missing, or drive = torque.
+    """
+    if BY_NAME["drive"].number((parameters or {}).get("drive", codes.DRIVE_SPEED)) != codes.DRIVE_SPEED:
+        raise ValueError("drive must be 0 (speed), is 1 (torque): omega1 is an input of the averaged system")
+    inputs, outputs = as_names(inputs), as_names(outputs)
+    known = (*INPUTS, INPUT_RATE)
+    for kind, names, allowed in (("input", inputs, known), ("output", outputs, OUTPUTS)):
+        for wanted in names:
+            if wanted not in allowed:
+                raise ValueError(f"{kind} {wanted} must be of this system {did_you_mean(wanted, allowed)}")
+    if not set(INPUTS) <= set(inputs):
+        raise ValueError(f"inputs must contain {' and '.join(INPUTS)}, are {', '.join(inputs)}")
+    module = Module(kernel).start(**{**(parameters or {}), "fidelity": float(codes.AVERAGED)})
+    d = module.derived
+    places = [list(inputs).index(wanted) if wanted in inputs else -1 for wanted in known]
+
+    def motion(omega_out: float, u: Any) -> tuple[Any, Any, float, float, float]:
+        """State, side of the map, omega1', rad/s2, mean output torque, N.m, omega_out', rad/s2."""
+        omega1, load, rate = (float(u[place]) if place >= 0 else 0.0 for place in places)
+        x = type(module.state)()
+        x.omega1, x.alpha1 = omega1, rate
+        # the shaft does not turn backwards: what a solver leaves below 0 is rest
+        x.omega3, x.load_torque = max(omega_out, 0.0), load
+        side = average_rates.side_at(d, omega1, rate)  # type: ignore[no-untyped-call]
+        leg = average_legs.choose_leg(d, side, x, omega1, rate)  # type: ignore[no-untyped-call]
+        torque, acceleration, _, _ = average.torque_at(d, side, x, leg, omega1, rate)  # type: ignore[no-untyped-call]
+        if leg == average_legs.SLIPPING and transient != QUASI_STEADY:
+            carried = load + d.b3 * x.omega3
+            driving = torque - carried + transient.input * rate
+            acceleration = driving / (d.J3 + transient.output)
+            torque = carried + d.J3 * acceleration
+        return x, side, rate, torque, acceleration
+
+    def update(_: float, state: Any, u: Any, __: Any) -> Any:
+        return np.array([motion(float(state[0]), u)[-1]])
+
+    def output(_: float, state: Any, u: Any, __: Any) -> Any:
+        omega_out, y = float(state[0]), type(module.outputs)()
+        x, side, rate, torque, acceleration = motion(omega_out, u)
+        omega1 = x.omega1
+        average.end_step(d, x, average_legs.RESTING, -1.0, omega1)  # type: ignore[no-untyped-call]
+        average_outputs.write_averaged(d, x, y)  # type: ignore[no-untyped-call]
+        values = {name: getattr(y, name) for name in OUTPUTS}
+        mesh = average_balance.mesh_share(d, side, x, omega1, torque)  # type: ignore[no-untyped-call]
+        taken = average_balance.mean_input_torque(d, side, x, omega1, rate, acceleration, torque)  # type: ignore[no-untyped-call]
+        values |= {"omega_out": omega_out, "omega2": x.omega2, "input_torque": taken}
+        housing = torque + d.b2 * x.omega2 - mesh
+        values |= {"output_torque": torque, "mesh_torque": mesh, "housing_torque": housing}
+        return np.array([values[wanted] for wanted in outputs])
+
+    return ct.nlsys(
+        update, output, inputs=list(inputs), outputs=list(outputs), states=["omega_out"], name=name, dt=0
+    )
+
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -328,3 +462,135 @@ def transient_inertia(
         gain = found[1] if excited == SPEED else found[1] / found[0]
         gains.append(float(gain.imag / turn))
     return TransientInertia(gains[0], -gains[1])
+
+
+# --- stability margins ---
+
+# frequencies at which a loop is looked at, and the lowest, as a share of the Nyquist frequency
+_POINTS = 4000
+_LOWEST = 1e-4
+# margins are looked for within these shares of the expected one, to this relative width
+_WITHIN, _SHARE = np.array([0.5, 2.0]), 0.02
+# periods of the expected crossover that a run lasts
+_PERIODS = 10.0
+# swings that the pulses leave, times this, count as settled
+_RIPPLE = 2.0
+
+
+@dataclass(frozen=True)
+class Margins:
+    """Margins of a loop: gain (factor), delay, s, and the crossover frequency, rad/s."""
+
+    gain: float
+    delay: float
+    crossover: float
+
+    @property
+    def phase(self) -> float:
+        """Phase margin, degrees."""
+        return math.degrees(self.delay * self.crossover)
+
+
+def predicted_margins(loop: Any) -> Margins:
+    """Compute the margins of a linear discrete-time loop (1 x 1, of negative feedback) by control.margin."""
+    step = float(loop.dt)
+    frequency = np.geomspace(_LOWEST, 0.999, _POINTS) * math.pi / step
+    response = loop(np.exp(1j * frequency * step))
+    gain, phase, _, crossover = ct.margin(ct.frd(response, frequency))
+    return Margins(float(gain), math.radians(phase) / float(crossover), float(crossover))
+
+
+def measured_margins(
+    fmu: Fmu,
+    surrounding: Any,
+    point: Mapping[str, float],
+    kick: Sequence[float],
+    expected: Margins,
+    *,
+    limits: tuple[float, float] = (-math.inf, math.inf),
+) -> Margins:
+    """Measure the margins of the loop around an FMU: it is made worse until a kick grows on, by bisection.
+
+    A loop counts as settled if its first measured signal swings less at the end than early on, or no more
+    than twice what the pulses leave in the loop as it is; as unstable also if it leaves the limits.
+
+    Args:
+        fmu: started at the operating point; it is left there.
+        surrounding: around it, of deviations: control.StateSpace in discrete time, inputs named as outputs of
+            the FMU and outputs as inputs of it, without direct feedthrough (D = 0).
+        point: values at the operating point of all signals between both.
+        kick: state of the surrounding at the start, shape (states,).
+        limits: of what the surrounding gives to the FMU.
+        expected: by predicted_margins; looked for from half to twice of them, to 2 %.
+
+    Returns:
+        The margins found, with the crossover expected.
+
+    Raises:
+        ValueError: a margin is not within half and twice of the expected one, the surrounding has direct
+            feedthrough, or a signal has no value in point.
+    """
+    if np.any(surrounding.D):
+        raise ValueError("a surrounding must have D = 0, has direct feedthrough")
+    measured, fed = list(surrounding.input_labels), list(surrounding.output_labels)
+    missing = [name for name in (*measured, *fed) if name not in point]
+    if missing:
+        raise ValueError(f"point must have {', '.join([*measured, *fed])}, is without {', '.join(missing)}")
+    a, b, c = (np.asarray(matrix) for matrix in (surrounding.A, surrounding.B, surrounding.C))
+    around, offset = np.array([point[name] for name in measured]), np.array([point[name] for name in fed])
+    step = float(surrounding.dt)
+    steps = round(_PERIODS * 2.0 * math.pi / expected.crossover / step)
+    begin = fmu.get_state()
+
+    def swings(factor: float = 1.0, delay: int = 0) -> tuple[float, float]:
+        """RMS of the second and the last quarter of a run, each about its mean and drift.
+
+        What is measured reaches the surrounding times the factor, late by delay steps. Infinite where what
+        the surrounding gives leaves the limits.
+        """
+        fmu.set_state(begin)
+        state, first = np.array(kick, dtype=float), np.empty(steps + 1)
+        under_way = deque([np.zeros(len(measured))] * delay)
+        for n in range(steps + 1):
+            deviation = np.array(fmu.read(measured)) - around
+            first[n] = deviation[0]
+            if n == steps:
+                break
+            values = (offset + c @ state).tolist()
+            if not all(limits[0] <= value <= limits[1] for value in values):
+                return 0.0, math.inf
+            fmu.set(**dict(zip(fed, values, strict=True)))
+            fmu.advance(step)
+            under_way.append(factor * deviation)
+            state = a @ state + b @ under_way.popleft()
+        quarter = first.size // 4
+        early, late = (first[n * quarter : (n + 1) * quarter] for n in (1, 3))
+        return float(np.std(detrend(early))), float(np.std(detrend(late)))
+
+    ripple = _RIPPLE * swings()[1]
+
+    def settles(factor: float = 1.0, delay: float = 0.0) -> bool:
+        early, late = swings(factor, round(delay))
+        return late < max(early, ripple)
+
+    try:
+        gain = _stability_limit(settles, *(expected.gain * _WITHIN))
+        late = _stability_limit(lambda delay: settles(delay=delay), *(expected.delay / step * _WITHIN))
+    finally:
+        fmu.set_state(begin)
+        fmu.free_state(begin)
+    return Margins(gain, late * step, expected.crossover)
+
+
+def _stability_limit(is_stable: Callable[[float], bool], low: float, high: float) -> float:
+    """Value between low (stable) and high (not) where stability ends, by bisection in the logarithm."""
+    for value, wanted in ((low, True), (high, False)):
+        if is_stable(value) != wanted:
+            raise ValueError(
+                f"limits must be a stable and an unstable one, are {low:g} and {high:g}: {value:g} is not"
+                f" {'stable' if wanted else 'unstable'}"
+            )
+    while high > low * (1.0 + _SHARE):
+        middle = math.sqrt(low * high)
+        low, high = (middle, high) if is_stable(middle) else (low, middle)
+    return math.sqrt(low * high)

@@ -14,7 +14,8 @@ import typer
 
 import inertia_module
 
-from ..common.files import BUILD_FOLDER, OUTPUT_FOLDER, write_atomically
+from ..common.files import BUILD_FOLDER, OUTPUT_FOLDER, write_atomically, write_figure, write_text
+from ..common.terminal import progress_bar, terminal
 from .shared import (
     Answer,
     Aside,
@@ -27,18 +28,15 @@ from .shared import (
     current_fmu,
     folder_for,
     load_scene,
-    progress_bar,
     quantity_of,
     share,
     speed_text,
     turning,
-    write_figure,
 )
 
 if TYPE_CHECKING:
-    from ..fidelity.choice import Choice
+    from ..fidelity.levels import Choice
     from ..scene import Scene
-    from ..scene.run import Outcome
 
 # name of the page of a scene
 PAGE = "page.html"
@@ -62,7 +60,6 @@ def build(context: typer.Context, output: OutputFolder = None) -> Answer:
     """
     from rich.text import Text
 
-    from ..common.terminal import terminal
     from ..fmu.builder import build as build_fmus
 
     with terminal().status("building") as status:
@@ -89,7 +86,7 @@ def check(fmu: Annotated[Path, typer.Argument(metavar="FILE.fmu", help="Any FMU 
     That is over its default experiment. FMI 2.0 or 3.0; an FMU with event mode is stepped once without
     and once with it.
     """
-    from ..harness.check import check_fmu
+    from ..harness.loading import check_fmu
 
     report = check_fmu(fmu)
 
@@ -110,7 +107,7 @@ def export(scene: SceneFile, output: OutputFolder = None, keys: Keys = None) -> 
     its shaft. Drive, load and controller stay here: their values at the start go along, as inputs of the
     module and its shaft.
     """
-    from ..export.writing import export as write
+    from ..export.systems import export as write
     from ..scene.run import scene_plan
 
     folder = folder_for(output, "export", scene.stem)
@@ -187,13 +184,11 @@ def run(
     from ..contract.variables import COMPUTED
     from ..figures.scenes import shaft_figure
     from ..fmu.builder import SHAFT_FMU
-    from ..harness.results import write_text
     from ..page.html import html_file, template
     from ..scene import ShaftScene, load_any_scene, run_shaft_scene
     from ..scene.keys import keys_of
 
     choice, page = None, None
-    result: Outcome
     folder = folder_for(output, scene.stem)
     read = load_any_scene(scene, keys_of(keys))
     if isinstance(read, ShaftScene):
@@ -201,17 +196,17 @@ def run(
             raise ValueError("--fidelity, --error and --view must come with a scene of the module")
         path = fmu or current_fmu(SHAFT_FMU)
         with progress_bar(read.title) as progress:
-            of_shaft = run_shaft_scene(read, path, progress)
-        result, figure = of_shaft, shaft_figure(of_shaft)
+            result = run_shaft_scene(read, path, progress)
+        figure = shaft_figure(result)
     else:
         if view:
             template()
         read, choice = _at_fidelity(read, fidelity, error)
         path = fmu or current_fmu()
         with progress_bar(read.title) as progress:
-            of_module = inertia_module.run_scene(read, path, progress, COMPUTED if view else ())
-        result, figure = of_module, inertia_module.scene_figure(of_module)
-        page = html_file(read, of_module) if view else None
+            result = inertia_module.run_scene(read, path, progress, COMPUTED if view else ())
+        figure = inertia_module.scene_figure(result)
+        page = html_file(read, result) if view else None
     chosen = {} if choice is None else {"fidelity_choice": choice.as_dict()}
     told = {"scene": str(scene), **result.as_dict(), **chosen}
     files = {
@@ -301,11 +296,9 @@ def tradeoff(
 
     Of each fidelity, method, tolerance or step, and communication step (out/tradeoff without -o).
     """
-    from ..fidelity.choice import print_levels
-    from ..fidelity.choice import recommend as choose_cheapest
-    from ..fidelity.levels import failure_lines
-    from ..fidelity.tradeoff import leave_rows, measured_rows, with_worst
-    from ..fidelity.trials import trial_rows
+    from ..fidelity.levels import failure_lines, print_levels
+    from ..fidelity.levels import recommend as choose_cheapest
+    from ..fidelity.trials import leave_rows, measured_rows, trial_rows, with_worst
 
     with progress_bar("measuring the trade") as progress:
         folder = folder_for(output, "tradeoff")

@@ -8,8 +8,7 @@ from __future__ import annotations
 import functools
 import inspect
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -19,11 +18,11 @@ import typer
 import inertia_module
 
 from ..common.files import OUTPUT_FOLDER, writable_folder
+from ..common.terminal import terminal
 from ..common.units import factor_between, split_quantity, to_si
 
 if TYPE_CHECKING:
     from ..fmu.native_fmu import NativeFmu
-    from ..harness.simulate import Progress
     from ..scene import Scene
 
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="Scene file.")]
@@ -69,8 +68,11 @@ def command(work: Callable[..., Answer]) -> Callable[..., None]:
 
     @functools.wraps(work)
     def run(as_json: bool, **options: Any) -> None:
-        with one_line_errors():
+        try:
             answer = work(**options)
+        except (ValueError, RuntimeError, OSError) as error:
+            typer.echo("error: " + " ".join(str(error).split()), err=True)
+            raise typer.Exit(1) from error
         listed = {name: str(file) for name, file in answer.files.items()}
         if as_json:
             typer.echo(json.dumps(answer.told | ({"files": listed} if listed else {})))
@@ -89,16 +91,6 @@ def command(work: Callable[..., Answer]) -> Callable[..., None]:
     )
     run.__annotations__ = {**work.__annotations__, "as_json": Json}
     return run
-
-
-@contextmanager
-def one_line_errors() -> Iterator[None]:
-    """Turn errors that a user can cause into one clear line and exit code 1."""
-    try:
-        yield
-    except (ValueError, RuntimeError, OSError) as error:
-        typer.echo("error: " + " ".join(str(error).split()), err=True)
-        raise typer.Exit(1) from error
 
 
 def folder_for(output: Path | None, *default: str) -> Path:
@@ -120,20 +112,6 @@ def load_scene(path: Path, keys: list[str] | None) -> Scene:
     return inertia_module.load_scene(path, keys_of(keys))
 
 
-def progress_bar(title: str) -> AbstractContextManager[Progress]:
-    """Show a progress bar: see harness.simulate."""
-    from ..harness.simulate import progress_bar as bar
-
-    return bar(title)
-
-
-def write_figure(path: Path, figure: Any) -> Path:
-    """Write a picture: see harness.results."""
-    from ..harness.results import write_figure as write
-
-    return write(path, figure)
-
-
 def show(one: Shown) -> None:
     """Print one of what an answer shows."""
     if isinstance(one, str):
@@ -143,8 +121,6 @@ def show(one: Shown) -> None:
         one()
         return
     from rich.table import Table
-
-    from ..common.terminal import terminal
 
     title, rows = one
     table = Table(title=title, title_justify="left", show_header=False)
@@ -162,8 +138,8 @@ def current_fmu(fmu: NativeFmu | None = None) -> Path:
 
 
 def quantity_of(option: str, text: str, unit: str, **limits: float) -> float:
-    """A quantity given on the command line, such as "2 s", in SI; limits: as of scene.fields.checked."""
-    from ..scene.fields import checked
+    """A quantity given on the command line, such as "2 s", in SI; limits: as of scene.keys.checked."""
+    from ..scene.keys import checked
 
     try:
         return checked(text, unit, **limits)
@@ -178,7 +154,7 @@ def share(option: str, text: str | None) -> float | None:
 
 def turning(text: str) -> float:
     """An input speed given on the command line, such as "3000 rpm", in rad/s; negative backwards."""
-    from ..contract.variable import LARGEST_SPEED
+    from ..contract.variables import LARGEST_SPEED
 
     allowed = f"a speed up to {LARGEST_SPEED:g} rad/s, not 0, such as '3000 rpm', is {text!r}"
     try:

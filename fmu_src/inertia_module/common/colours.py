@@ -1,4 +1,22 @@
-"""Colours that the colour-blind tell apart: Okabe and Ito (2008), Color Universal Design."""
+"""Look of all pictures: colours, and figures that a notebook shows by themselves.
+
+The colours are those that the colour-blind tell apart: Okabe and Ito (2008), Color Universal Design.
+"""
+
+from __future__ import annotations
+
+import io
+
+from matplotlib.figure import Figure
 
 BLACK, ORANGE, SKY, GREEN = "#222222", "#E69F00", "#56B4E9", "#009E73"
 BLUE, VERMILION, PURPLE, GREY = "#0072B2", "#D55E00", "#CC79A7", "#8A8A8A"
+
+
+class Picture(Figure):
+    """A matplotlib Figure that is its PNG in a notebook."""
+
+    def _repr_png_(self) -> bytes:
+        stream = io.BytesIO()
+        self.savefig(stream, format="png")
+        return stream.getvalue()

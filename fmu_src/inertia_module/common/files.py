@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import hashlib
+import io
 import os
 import sys
 import tempfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 PACKAGE_FOLDER = Path(__file__).parent.parent
 # of the working directory: where FMUs are built, and where results go
@@ -102,6 +104,26 @@ def write_atomically(path: Path, content: bytes) -> None:
     except BaseException:
         os.unlink(name)
         raise
+
+
+def write_text(path: Path, text: str) -> Path:
+    """Write a text file, whole or not at all."""
+    write_atomically(path, text.encode())
+    return path
+
+
+def write_figure(path: Path, figure: Any) -> Path:
+    """Write a matplotlib Figure in the format of the file's ending, whole or not at all.
+
+    The same figure gives the same bytes: no date, and names within an SVG that follow from what they name.
+    """
+    from matplotlib import rc_context
+
+    stream = io.BytesIO()
+    with rc_context({"svg.hashsalt": "inertia-module"}):
+        figure.savefig(stream, format=path.suffix.lstrip("."), metadata={"Date": None})
+    write_atomically(path, stream.getvalue())
+    return path
 
 
 def kept(name: str, make: Callable[[], bytes]) -> Path:

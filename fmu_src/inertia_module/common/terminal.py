@@ -1,9 +1,23 @@
-"""The terminal: where all messages and tables are printed, character for character."""
+"""The terminal: where all messages and tables are printed, character for character.
+
+Its library is imported when something is printed: help needs none.
+"""
 
 from __future__ import annotations
 
-from rich.console import Console
-from rich.progress import Progress, TextColumn
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rich import progress as rich_progress
+    from rich.console import Console
+
+# is told the share of some work that is done, 0 to 1
+Progress = Callable[[float], None]
+# work that takes longer than this, s, shows a bar
+PATIENCE = 2.0
 
 
 def terminal(width: int | None = None) -> Console:
@@ -12,11 +26,41 @@ def terminal(width: int | None = None) -> Console:
     Args:
         width: in columns; by default that of the terminal, or 80.
     """
+    from rich.console import Console
+
     return Console(markup=False, emoji=False, highlight=False, width=width)
 
 
-def progress() -> Progress:
+def progress() -> rich_progress.Progress:
     """A progress bar that shows titles as they are, and vanishes when it is done."""
+    from rich.progress import Progress, TextColumn
+
     _, *others = Progress.get_default_columns()
     title = TextColumn("{task.description}", markup=False)
     return Progress(title, *others, console=terminal(), transient=True)
+
+
+@contextmanager
+def progress_bar(title: str) -> Iterator[Progress]:
+    """A progress bar that appears once some work has taken more than PATIENCE seconds.
+
+    Yields:
+        A function to call with the share done (0 to 1).
+    """
+    started = time.monotonic()
+    bar = progress()
+    task = bar.add_task(title, total=1.0)
+    shown = False
+
+    def report(done: float) -> None:
+        nonlocal shown
+        if not shown and time.monotonic() - started > PATIENCE:
+            bar.start()
+            shown = True
+        bar.update(task, completed=done)
+
+    try:
+        yield report
+    finally:
+        if shown:
+            bar.stop()

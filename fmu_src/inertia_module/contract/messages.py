@@ -11,8 +11,7 @@ from collections.abc import Iterable, Mapping
 
 from ..common.errors import must_be
 from ..kernel import codes
-from .variable import INPUT, LARGEST_STEP, Group, Variable
-from .variables import VARIABLES, with_causality
+from .variables import INPUT, LARGEST_STEP, VARIABLES, Group, Variable, with_causality
 
 _STEPS = f"above 0 and at most {LARGEST_STEP:g} s"
 _ABANDONED = "communication step = {step} s is abandoned: "

@@ -7,15 +7,14 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, NamedTuple
 
-from ..common.errors import Named
+from ..common.errors import Named, must_be
 from ..common.files import content_hash, sources
 from ..kernel import codes, entry, fields
 from ..kernel.driven_shaft import entry as shaft_entry
 from ..kernel.driven_shaft import fields as shaft_fields
-from . import driven_shaft, messages, variables
+from . import messages, variables
 from .records import Field, place, size
-from .variable import INPUT, LOCAL, OUTPUT, PARAMETER, Variable
-from .variables import with_causality
+from .variables import INPUT, LOCAL, OUTPUT, PARAMETER, Variable, with_causality
 
 # which record of the kernel holds the variables of a causality
 RECORD_OF = {PARAMETER: 0, INPUT: 2, OUTPUT: 4, LOCAL: 4}
@@ -145,6 +144,16 @@ class Model:
         """Variables of these causalities, in the order of the table."""
         return with_causality(*causalities, table=self.variables)
 
+    def refused(self, parameters: Any) -> list[str]:
+        """One message for each parameter of a record that is out of its own range."""
+        numbers = ((one, getattr(parameters, one.name)) for one in self.with_causality(PARAMETER))
+        # start values are allowed, and most parameters have theirs
+        return [
+            must_be(one.name, one.allowed, number)
+            for one, number in numbers
+            if number != one.start and not one.accepts(number)
+        ]
+
     def explain(self, status: int, parameters: Any, inputs: Any, step: float) -> str:
         """The message for a status of the kernel, not OK.
 
@@ -168,13 +177,6 @@ class Model:
         for record, names in ((parameters, self.records[0]), (inputs, self.records[2])):
             values |= {name: f"{getattr(record, name):.16g}" for name in names}
         return text.format_map(values)
-
-    def known_at_start(self, output: str) -> frozenset[str]:
-        """Inputs and parameters an output depends on at initialisation."""
-        known = self.by_name[output].at_start
-        if known is not None:
-            return frozenset(known)
-        return frozenset(v.name for v in self.with_causality(INPUT, PARAMETER) if not v.idle)
 
 
 _P, _U, _Y = interface(variables.VARIABLES)
@@ -235,7 +237,7 @@ INERTIA_MODULE = Model(
     ),
 )
 
-_P, _U, _Y = interface(driven_shaft.VARIABLES)
+_P, _U, _Y = interface(variables.OF_SHAFT)
 
 DRIVEN_SHAFT = Model(
     name="DrivenShaft",
@@ -244,10 +246,10 @@ DRIVEN_SHAFT = Model(
         "Driven shaft: hub of given speed, elastic shaft with damping, driven mass with friction and"
         " balancer; the elastic output of the inertia module alone"
     ),
-    variables=driven_shaft.VARIABLES,
+    variables=variables.OF_SHAFT,
     call=shaft_entry.call,
     records=(_P, shaft_fields.CONSTANTS, _U, shaft_fields.STATE, _Y, shaft_fields.WORKSPACE),
-    messages=driven_shaft.MESSAGES,
+    messages=messages.of_inputs(variables.OF_SHAFT),
     traced=("omega_out", "twist"),
     terminals=(
         Terminal(

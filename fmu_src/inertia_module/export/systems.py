@@ -1,27 +1,50 @@
-"""Systems of FMUs: planned for a mechanism, and written in the files of SSP 1.0 and of OSP.
+"""Systems of FMUs: planned for a mechanism, and written in the files of SSP 1.0, of OSP and as one FMU.
 
 A plan is the module or, if its shaft is elastic, the rigid module and its shaft as two FMUs, wired, with the
 values of a scene. Of SSP (System Structure and Parameterization) it uses what OMSimulator, libcosim, Ecos and
 FMPy all read: each component has its own values, nothing is connected to the boundary of the system, and
-only wired inputs have connectors.
+only wired inputs have connectors. The one FMU is FMPy's container, a co-simulation host of its own.
 """
 
 from __future__ import annotations
 
+import io
+import tempfile
+import zipfile
 from collections.abc import Iterable, Mapping
-from typing import NamedTuple
-from xml.etree.ElementTree import Element, SubElement, register_namespace
+from pathlib import Path
+from typing import Any, NamedTuple
+from xml.etree import ElementTree
+
+import fmpy.container_fmu
+from fmpy import read_model_description
+from fmpy.container_fmu import write_configuration
+from fmpy.container_fmu.config import Component, Configuration, Connection
+from fmpy.model_description import (
+    BaseUnit,
+    CoSimulation,
+    DefaultExperiment,
+    ModelDescription,
+    ModelVariable,
+    Unit,
+    Unknown,
+    write_model_description,
+)
 
 from .. import __version__
+from ..common.files import write_atomically
 from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE, Model
-from ..contract.variable import PARAMETER, UNITS, Variable
-from ..fmu.archive import archive, generation_date, xml_text
-from ..fmu.builder import MODULE_FMU, SHAFT_FMU
+from ..contract.variables import PARAMETER, UNITS, Variable
+from ..fmu.archive import DESCRIPTION, archive, filled_xml, generation_date, guid_of
+from ..fmu.builder import MODULE_FMU, SHAFT_FMU, content_of
+from ..fmu.linking import Progress, join_for_mac
 from ..fmu.native_fmu import NativeFmu
-from ..harness.wires import Wire
+from ..harness.wires import Wire, check_wiring
 from ..kernel.codes import DRIVE_TORQUE, ELASTIC, RIGID
 
 MODULE, SHAFT = "module", "shaft"
+TEMPLATES = Path(__file__).parent / "templates"
+OSP_STRUCTURE = "OspSystemStructure.xml"
 # outputs worth a connector
 SHOWN = {
     MODULE: (
@@ -128,126 +151,202 @@ def typed(variable: Variable, value: float) -> tuple[str, str]:
 
 # --- SSP and OSP ---
 
-_BASE = "http://ssp-standard.org/SSP1/SystemStructure"
-SSD, SSV, SSC = f"{_BASE}Description", f"{_BASE}ParameterValues", f"{_BASE}Common"
-OSP = "http://opensimulationplatform.com/SSP/OSPAnnotations"
-# libcosim and Ecos know these prefixes, not their namespaces
-for _prefix, _namespace in (("ssd", SSD), ("ssv", SSV), ("ssc", SSC), ("osp", OSP)):
-    register_namespace(_prefix, _namespace)
-# one name for all parts: Ecos applies the sets of the name it is given
-VALUES = "initialValues"
-OSP_STRUCTURE, OSP_NAMESPACE = (
-    "OspSystemStructure.xml",
-    "http://opensimulationplatform.com/MSMI/OSPSystemStructure",
-)
-
 
 def osp_structure(plan: Plan) -> bytes:
     """OspSystemStructure.xml of a plan, for libcosim; its FMUs describe enumerations as Integers."""
-    root = Element("OspSystemStructure", xmlns=OSP_NAMESPACE, version="0.1")
-    SubElement(root, "StartTime").text = "0.0"
-    SubElement(root, "BaseStepSize").text = repr(plan.step)
-    SubElement(root, "Algorithm").text = "fixedStep"
-    simulators = SubElement(root, "Simulators")
-    for part in plan.parts:
-        simulator = SubElement(
-            simulators, "Simulator", name=part.name, source=part.fmu.file_name, stepSize=repr(plan.step)
-        )
-        initial = SubElement(simulator, "InitialValues")
-        for name, value in part.values.items():
-            kind, text = typed(part.variable(name), value)
-            entry = SubElement(initial, "InitialValue", variable=name)
-            SubElement(entry, kind, value=text)
-    connections = SubElement(root, "Connections")
-    for wire in plan.wires:
-        connection = SubElement(connections, "VariableConnection")
-        SubElement(connection, "Variable", simulator=wire.source, name=wire.output)
-        SubElement(connection, "Variable", simulator=wire.sink, name=wire.input)
-    return xml_text(root)
+    return filled_xml(TEMPLATES / OSP_STRUCTURE, {"plan": plan, "typed": typed})
 
 
 def ssp_file(plan: Plan, fmus: Mapping[str, bytes]) -> bytes:
     """The content of the .ssp file; fmus: contents by file name, enumerations described as Integers."""
-    files = {f"resources/{name}": content for name, content in fmus.items()}
-    files |= {_values_file(part): _values(part) for part in plan.parts}
-    return archive(files | {"SystemStructure.ssd": _structure(plan)})
-
-
-def _structure(plan: Plan) -> bytes:
-    """SystemStructure.ssd of a plan; its step is an annotation for libcosim."""
-    root = _head("SystemStructureDescription", SSD, plan.title)
-    system = SubElement(root, f"{{{SSD}}}System", name="system")
-    elements = SubElement(system, f"{{{SSD}}}Elements")
+    origin = {
+        "generationTool": f"inertia-module {__version__}",
+        "generationDateAndTime": generation_date(),
+    }
     wired = [end for w in plan.wires for end in ((w.source, w.output), (w.sink, w.input))]
-    # variables of a part that have a connector: those that are wired or shown
+    # variables that have a connector, by part and name: those that are wired or shown
     ends = list(dict.fromkeys([*wired, *plan.outputs]))
+    shown = _units(plan.part(owner).variable(name) for owner, name in ends)
+    files = {f"resources/{name}": content for name, content in fmus.items()}
     for part in plan.parts:
-        connected = [part.variable(name) for owner, name in ends if owner == part.name]
-        component = SubElement(
-            elements,
-            f"{{{SSD}}}Component",
-            name=part.name,
-            type="application/x-fmu-sharedlibrary",
-            source=f"resources/{part.fmu.file_name}",
-            implementation="CoSimulation",
+        units = _units(map(part.variable, part.values))
+        values = {"part": part, "typed": typed, "units": units, "origin": origin}
+        files[f"resources/{part.name}.ssv"] = filled_xml(TEMPLATES / "ParameterSet.ssv", values)
+    structure = {"plan": plan, "ends": ends, "units": shown, "origin": origin}
+    files["SystemStructure.ssd"] = filled_xml(TEMPLATES / "SystemStructure.ssd", structure)
+    return archive(files)
+
+
+def _units(variables: Iterable[Variable]) -> dict[str, dict[str, int]]:
+    """Units of variables, by their exponents of base units."""
+    return {name: UNITS[name] for name in sorted({variable.unit for variable in variables} - {""})}
+
+
+# --- container ---
+
+LIBRARY = "container_fmu"
+
+
+def _shown(plan: Plan) -> dict[tuple[str, str], Any]:
+    """The container's variables by part and name: values that no wire drives, then outputs."""
+    wired = {(wire.sink, wire.input) for wire in plan.wires}
+    values = {(part.name, name): value for part in plan.parts for name, value in part.values.items()}
+    ends = [end for end in values if end not in wired] + list(plan.outputs)
+    shown = {}
+    # its library counts from 1: its 0 is the time, which a description need not name
+    for number, (part, name) in enumerate(ends, 1):
+        variable, value = plan.part(part).variable(name), values.get((part, name))
+        kind, start = typed(variable, value or 0.0)
+        shown[part, name] = ModelVariable(
+            name=f"{part}.{name}",
+            valueReference=number,
+            type=kind,
+            causality=variable.causality,
+            variability=variable.variability,
+            description=variable.description,
+            unit=variable.unit or None,
+            start=None if value is None else start,
+            # unless told, FMPy writes true for every variable; FMI 2.0 allows it for inputs only
+            canHandleMultipleSetPerTimeInstant=False,
         )
-        connectors = SubElement(component, f"{{{SSD}}}Connectors")
-        for variable in connected:
-            kind = variable.causality
-            connector = SubElement(connectors, f"{{{SSD}}}Connector", name=variable.name, kind=kind)
-            SubElement(connector, f"{{{SSC}}}{variable.kind}", _unit(variable))
-        bindings = SubElement(component, f"{{{SSD}}}ParameterBindings")
-        binding = {"type": "application/x-ssp-parameter-set", "source": _values_file(part)}
-        SubElement(bindings, f"{{{SSD}}}ParameterBinding", binding)
-    if plan.wires:
-        connections = SubElement(system, f"{{{SSD}}}Connections")
-        for wire in plan.wires:
-            start = {"startElement": wire.source, "startConnector": wire.output}
-            end = {"endElement": wire.sink, "endConnector": wire.input}
-            SubElement(connections, f"{{{SSD}}}Connection", start | end)
-    _add_units(root, SSD, [plan.part(owner).variable(name) for owner, name in ends])
-    times = {"startTime": "0.0", "stopTime": repr(plan.stop_time)}
-    experiment = SubElement(root, f"{{{SSD}}}DefaultExperiment", times)
-    annotations = SubElement(experiment, f"{{{SSD}}}Annotations")
-    annotation = SubElement(annotations, f"{{{SSC}}}Annotation", type="com.opensimulationplatform")
-    algorithm = SubElement(annotation, f"{{{OSP}}}Algorithm")
-    SubElement(algorithm, f"{{{OSP}}}FixedStepAlgorithm", baseStepSize=repr(plan.step))
-    return xml_text(root)
+    return shown
 
 
-def _values_file(part: Part) -> str:
-    return f"resources/{part.name}.ssv"
-
-
-def _values(part: Part) -> bytes:
-    """The values of a part (SSV)."""
-    root = _head("ParameterSet", SSV, VALUES)
-    parameters = SubElement(root, f"{{{SSV}}}Parameters")
-    for name, value in part.values.items():
-        kind, text = typed(part.variable(name), value)
-        parameter = SubElement(parameters, f"{{{SSV}}}Parameter", name=name)
-        unit = _unit(part.variable(name)) if kind == "Real" else {}
-        SubElement(parameter, f"{{{SSV}}}{kind}", {"value": text, **unit})
-    _add_units(root, SSV, map(part.variable, part.values))
-    return xml_text(root)
-
-
-def _head(kind: str, namespace: str, name: str) -> Element:
-    return Element(
-        f"{{{namespace}}}{kind}",
-        version="1.0",
-        name=name,
+def _description(plan: Plan, shown: Mapping[tuple[str, str], Any], guid: str) -> Any:
+    unknowns = [Unknown(variable=shown[end]) for end in plan.outputs]
+    units = sorted({variable.unit for variable in shown.values()} - {None})
+    return ModelDescription(
+        fmiVersion="2.0",
+        modelName="container",
+        instantiationToken=guid,
+        description=plan.title,
         generationTool=f"inertia-module {__version__}",
         generationDateAndTime=generation_date(),
+        coSimulation=CoSimulation(modelIdentifier=LIBRARY, fixedInternalStepSize=plan.step),
+        defaultExperiment=DefaultExperiment(stopTime=str(plan.stop_time), stepSize=str(plan.step)),
+        unitDefinitions=[Unit(name=name, baseUnit=BaseUnit(**UNITS[name])) for name in units],
+        modelVariables=list(shown.values()),
+        outputs=unknowns,
+        initialUnknowns=unknowns,
     )
 
 
-def _unit(variable: Variable) -> dict[str, str]:
-    return {"unit": variable.unit} if variable.unit else {}
+def _texts(plan: Plan, fmus: Mapping[str, bytes]) -> dict[str, bytes]:
+    """Files that FMPy writes: the description, and the configuration for the container's library."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        components: dict[str, Any] = {}
+        inner: dict[tuple[str, ...], Any] = {}
+        for part in plan.parts:
+            path = folder / part.fmu.file_name
+            path.write_bytes(fmus[path.name])
+            found = read_model_description(str(path))
+            components[part.name] = Component(part.name, path, found)
+            inner |= {(part.name, variable.name): variable for variable in found.modelVariables}
+
+        def connector(*end: str) -> Any:
+            return ModelVariable(name=end[1], valueReference=inner[end].valueReference, type="Float64")
+
+        connections = [
+            Connection(
+                components[wire.source],
+                [connector(wire.source, wire.output)],
+                components[wire.sink],
+                [connector(wire.sink, wire.input)],
+            )
+            for wire in plan.wires
+        ]
+        shown = _shown(plan)
+        mappings = {variable: [(components[end[0]], inner[end])] for end, variable in shown.items()}
+        guid = guid_of({**fmus, "structure": osp_structure(plan)})
+        description = _description(plan, shown, guid)
+        told, configuration = folder / DESCRIPTION, folder / "container.json"
+        write_model_description(description, told)
+        parts = list(components.values())
+        write_configuration(Configuration(False, description, parts, connections, mappings), configuration)
+        return {
+            DESCRIPTION: told.read_bytes(),
+            f"resources/{configuration.name}": configuration.read_bytes(),
+        }
 
 
-def _add_units(root: Element, namespace: str, variables: Iterable[Variable]) -> None:
-    parent = SubElement(root, f"{{{namespace}}}Units")
-    for name in sorted({variable.unit for variable in variables} - {""}):
-        unit = SubElement(parent, f"{{{SSC}}}Unit", name=name)
-        SubElement(unit, f"{{{SSC}}}BaseUnit", {base: str(power) for base, power in UNITS[name].items()})
+def _libraries() -> dict[str, bytes]:
+    """FMPy's libraries of the container, by their path in an FMU; for macOS one for both processors."""
+    folder = Path(fmpy.container_fmu.__file__).parent / "binaries"
+    mac = [
+        (triple, (folder / name / f"{LIBRARY}.dylib").read_bytes())
+        for triple, name in (("x86_64", "x86_64-darwin"), ("arm64", "aarch64-darwin"))
+    ]
+    return {
+        f"binaries/linux64/{LIBRARY}.so": (folder / "x86_64-linux" / f"{LIBRARY}.so").read_bytes(),
+        f"binaries/win64/{LIBRARY}.dll": (folder / "x86_64-windows" / f"{LIBRARY}.dll").read_bytes(),
+        f"binaries/darwin64/{LIBRARY}.dylib": join_for_mac(mac),
+    }
+
+
+def container(plan: Plan, fmus: Mapping[str, bytes]) -> bytes:
+    """The content of an FMU around the FMUs of a plan; fmus: contents by file name.
+
+    Values of the parts are its start values, named part.variable; it steps its parts side by side (Jacobi)
+    at the step of the plan.
+    """
+    files = _texts(plan, fmus) | _libraries()
+    for file_name, content in fmus.items():
+        with zipfile.ZipFile(io.BytesIO(content)) as packed:
+            folder = f"resources/{Path(file_name).stem}"
+            files |= {f"{folder}/{name}": packed.read(name) for name in packed.namelist()}
+    return archive(files)
+
+
+def with_integers(fmu: bytes) -> bytes:
+    """Copy an FMU so that its enumerations are described as Integers: to the library inside that is the same.
+
+    libcosim and Ecos leave variables out that are enumerations, so there no fidelity could be set.
+
+    Args:
+        fmu: content of the file.
+    """
+    with zipfile.ZipFile(io.BytesIO(fmu)) as packed:
+        content = {name: packed.read(name) for name in packed.namelist()}
+    root = ElementTree.fromstring(content[DESCRIPTION])
+    for element in root.iterfind("ModelVariables/ScalarVariable/Enumeration"):
+        element.tag = "Integer"
+        del element.attrib["declaredType"]
+    content[DESCRIPTION] = ElementTree.tostring(root, xml_declaration=True, encoding="UTF-8")
+    return archive(content)
+
+
+def export(plan: Plan, folder: Path, progress: Progress = lambda stage: None) -> list[Path]:
+    """Write system.ssp, osp/ (structure and FMUs) and container.fmu into a folder.
+
+    Args:
+        plan: the system. folder: made if it is not there. progress: told each stage as it begins.
+
+    Returns:
+        Paths of the files.
+
+    Raises:
+        CompilationUnavailable: the native FMUs cannot be built here.
+        WiringError: the wires of the plan cannot work.
+    """
+    fmus = {}
+    for part in plan.parts:
+        progress(f"building {part.fmu.file_name}")
+        fmus[part.fmu.file_name] = with_integers(content_of(part.fmu, progress)[0])
+    given: dict[str, list[str]] = {}
+    for owner, name in plan.inputs:
+        given.setdefault(owner, []).append(name)
+    check_wiring(
+        {part.name: read_model_description(io.BytesIO(fmus[part.fmu.file_name])) for part in plan.parts},
+        plan.wires,
+        given,
+        plan.step,
+        parameters={part.name: part.values for part in plan.parts},
+    )
+    progress("packing the system")
+    files = {"system.ssp": ssp_file(plan, fmus), f"osp/{OSP_STRUCTURE}": osp_structure(plan)}
+    files |= {f"osp/{name}": content for name, content in fmus.items()}
+    files["container.fmu"] = container(plan, fmus)
+    for name, content in files.items():
+        write_atomically(folder / name, content)
+    return [folder / name for name in files]

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
 from ..common.colours import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
@@ -36,7 +35,17 @@ def chart_figure(
         parts = figure.subfigures(2, 1, squeeze=False, height_ratios=(2, 1))
         upper, below = parts[0, 0], parts[1, 0].subplots(1, len(maps), squeeze=False)
         for axes, (name, found) in zip(below.flat, maps.items(), strict=True):
-            _efficiency(axes, found, name)
+            # lines of equal efficiency
+            speeds = np.abs(found.omega1)
+            end = max(np.flatnonzero(found.efficiency.any(axis=0)), default=0) + 1
+            curves = found.speed_ratio, speeds, found.efficiency, LEVELS
+            filled = axes.contourf(*curves, cmap="viridis")
+            axes.clabel(axes.contour(*curves, colors="white", linewidths=0.6), fontsize=8)
+            axes.set_xlim(0.0, found.speed_ratio[min(end, found.speed_ratio.size - 1)])
+            axes.figure.colorbar(filled, ax=axes)
+            axes.set_title(f"efficiency of {name}", loc="left", fontsize=11)
+            axes.set_xlabel("speed ratio, output / input")
+            axes.set_ylabel("input speed [rad/s]")
     panels = upper.subplots(2, 2, sharex=True)
     ratio, output, taken, ripple = panels.flat
     for number, (name, chart) in enumerate(charts.items()):
@@ -68,17 +77,3 @@ def chart_figure(
     for axes in panels[1]:
         axes.set_xlabel("speed ratio, output / input")
     return figure
-
-
-def _efficiency(axes: Axes, found: EfficiencyMap, name: str) -> None:
-    """Lines of equal efficiency."""
-    speeds = np.abs(found.omega1)
-    end = max(np.flatnonzero(found.efficiency.any(axis=0)), default=0) + 1
-    filled = axes.contourf(found.speed_ratio, speeds, found.efficiency, LEVELS, cmap="viridis")
-    lines = axes.contour(found.speed_ratio, speeds, found.efficiency, LEVELS, colors="white", linewidths=0.6)
-    axes.clabel(lines, fontsize=8)
-    axes.set_xlim(0.0, found.speed_ratio[min(end, found.speed_ratio.size - 1)])
-    axes.figure.colorbar(filled, ax=axes)
-    axes.set_title(f"efficiency of {name}", loc="left", fontsize=11)
-    axes.set_xlabel("speed ratio, output / input")
-    axes.set_ylabel("input speed [rad/s]")

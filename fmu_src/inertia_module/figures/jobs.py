@@ -28,42 +28,35 @@ USUAL = ("efficiency", "omega_out_final", "output_torque_mean", "input_torque_me
 MOST = 3
 
 
-def shown_figures(sweep: SweepResult, figures: Sequence[str] = ()) -> list[str]:
-    """Choose the figures to show: those asked for, or of the usual ones at most MOST that vary.
-
-    Raises:
-        Refused: the sweep has no such figure.
-    """
-    if figures:
-        return [name for name in figures if sweep.figure(name).size]
-    varying = []
-    for name in dict.fromkeys(name for name in (*USUAL, *sweep.figures) if name in sweep.figures):
-        known = sweep.figure(name)[np.isfinite(sweep.figure(name))]
-        if known.size > 1 and float(np.ptp(known)) > 1e-9 * float(np.abs(known).max()):
-            varying.append(name)
-    return varying[:MOST]
-
-
 def sweep_figure(sweep: SweepResult, figures: Sequence[str] = ()) -> Figure:
     """Draw a sweep: curves over one key, maps over two, parallel coordinates over more.
 
     Args:
-        sweep: what it gave. figures: names of those to show, by default some that vary.
+        sweep: what it gave. figures: names of those to show, by default at most MOST that vary.
 
     Raises:
         Refused: the sweep has no such figure.
     """
-    names = shown_figures(sweep, figures)
+    names, known = list(figures), sweep.figures
+    for name in dict.fromkeys(name for name in (*USUAL, *known) if name in known and not figures):
+        values = sweep.figure(name)[np.isfinite(sweep.figure(name))]
+        varies = values.size > 1 and float(np.ptp(values)) > 1e-9 * float(np.abs(values).max())
+        names += [name] if varies and len(names) < MOST else []
+    names = [name for name in names if sweep.figure(name).size]
     if len(sweep.axes) > 2:
         return _parallel(sweep, names)
     rows = max(len(names), 1)
     picture = sheet(height=1.0 + 2.8 * rows, width=9.0)
     panels = picture.subplots(rows, 1, squeeze=False)[:, 0]
     for panel, name in zip(panels, names, strict=False):
-        if len(sweep.axes) == 1:
-            _curve(panel, sweep, name)
-        else:
+        if len(sweep.axes) > 1:
             _map(picture, panel, sweep, name)
+            continue
+        places, known = _values(sweep, sweep.axes[0])
+        order = np.argsort(places, kind="stable")
+        panel.plot(places[order], sweep.figure(name)[order], marker="o", markersize=3.5, linewidth=1.2)
+        dress(panel, titled(name, sweep.units.get(name, "")))
+        _scale(panel, sweep, sweep.axes[0], known, "x")
     return picture
 
 
@@ -83,15 +76,6 @@ def _scale(panel: Axes, sweep: SweepResult, axis: Axis, names: list[str], side: 
         getattr(panel, f"set_{side}ticks")(range(len(names)), names)
     elif axis.logarithmic:
         getattr(panel, f"set_{side}scale")("log")
-
-
-def _curve(panel: Axes, sweep: SweepResult, name: str) -> None:
-    (axis,) = sweep.axes
-    places, names = _values(sweep, axis)
-    order = np.argsort(places, kind="stable")
-    panel.plot(places[order], sweep.figure(name)[order], marker="o", markersize=3.5, linewidth=1.2)
-    dress(panel, titled(name, sweep.units.get(name, "")))
-    _scale(panel, sweep, axis, names, "x")
 
 
 def _map(picture: Figure, panel: Axes, sweep: SweepResult, name: str) -> None:
@@ -117,7 +101,13 @@ def _parallel(sweep: SweepResult, names: Sequence[str]) -> Figure:
     table = [values for _, values, _ in columns]
     titles = [titled(name, sweep.units.get(name, "")) for name, _, _ in columns]
     ends = [(float(np.nanmin(column)), float(np.nanmax(column))) for column in table]
-    shares = np.array([_share(column, *end) for column, end in zip(table, ends, strict=True)]).T
+    # places between the ends, 0 to 1
+    shares = np.array(
+        [
+            (column - low) / (high - low) if high > low else np.full(column.shape, 0.5)
+            for column, (low, high) in zip(table, ends, strict=True)
+        ]
+    ).T
     picture = sheet(height=5.5, width=2.2 + 1.8 * len(table))
     panel = picture.subplots()
     colours = colormaps["viridis"]
@@ -135,11 +125,6 @@ def _parallel(sweep: SweepResult, names: Sequence[str]) -> Figure:
     for side in panel.spines.values():
         side.set_visible(False)
     return picture
-
-
-def _share(values: Array, low: float, high: float) -> Array:
-    """Scale values to their place between the ends, 0 to 1."""
-    return (values - low) / (high - low) if high > low else np.full(values.shape, 0.5)
 
 
 # --- designs ---
@@ -270,8 +255,15 @@ def order_figure(found: Orders, title: str) -> Figure:
             left.annotate(f"{line.order:.4g}", place, ha="center", va="bottom", fontsize=9)
         left.set_ylim(0.0, 1.15 * float(amplitude.max()))
         dress(left, titled(name, unit))
-        _waterfall(right, found.order, over, found.waterfall[name], unit)
         right.set_ylabel(label)
+        if over.size < 2:
+            right.text(0.5, 0.5, "one window", ha="center", transform=right.transAxes)
+            continue
+        largest = float(found.waterfall[name].max())
+        norm = LogNorm(10.0**-DECADES * largest, largest, clip=True)
+        colours = {"norm": norm, "cmap": "viridis", "shading": "nearest"}
+        drawn = right.pcolormesh(found.order, over, found.waterfall[name], **colours)
+        figure.colorbar(drawn, ax=right, label=unit)
     # a little above the order up to which SHOWN of all that swings is found, of every signal
     shares = (np.cumsum(found.amplitude[name] ** 2) / np.sum(found.amplitude[name] ** 2) for name in names)
     last = max(int(np.searchsorted(share, SHOWN)) for share in shares)
@@ -279,13 +271,3 @@ def order_figure(found: Orders, title: str) -> Figure:
     for axes in panels[-1]:
         axes.set_xlabel(f"order, cycles a {BASES[found.of]}")
     return figure
-
-
-def _waterfall(axes: Axes, order: Array, over: Array, amplitude: Array, unit: str) -> None:
-    if over.size < 2:
-        axes.text(0.5, 0.5, "one window", ha="center", transform=axes.transAxes)
-        return
-    largest = float(amplitude.max())
-    norm = LogNorm(10.0**-DECADES * largest, largest, clip=True)
-    drawn = axes.pcolormesh(order, over, amplitude, norm=norm, cmap="viridis", shading="nearest")
-    axes.figure.colorbar(drawn, ax=axes, label=unit)

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from ..harness.picture import Picture
+from ..common.colours import Picture
 from ..scene.keys import MECHANISM
 
 # 1200 x 900 pixels

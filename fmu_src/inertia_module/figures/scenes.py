@@ -15,8 +15,7 @@ from ..contract.variables import LOSSES, LOST_TO
 from ..harness.simulate import Result
 from ..loops.cycles import KILOMETRE_PER_HOUR, Cycle
 from ..scene import SceneResult
-from ..scene.shaft import ShaftResult
-from ..scene.summary import TIME_TO, forces, input_speed, work
+from ..scene.run import TIME_TO, forces, input_speed, work
 from .panels import SIZE, SMOOTHING, Array, dress, headline, sheet, smooth
 
 PULSES_SHOWN = 4
@@ -28,6 +27,8 @@ MOST_SWITCHES = 1.1
 COLOURS = (VERMILION, ORANGE, PURPLE, SKY, BLUE)
 # largest share of the run over which its powers are averaged
 WINDOW = 1.0 / 8.0
+# what swings with the pulses: colours and labels
+IMBALANCE = (PURPLE, "imbalance")
 FORCES = {"satellite_force": (PURPLE, "on the satellite's bearing"), "shaking_force": (BLUE, "on the mount")}
 
 
@@ -89,10 +90,8 @@ def _pulse_panels(figure: Figure, result: SceneResult) -> None:
     table, numbers = result.record, result.summary
     first, shown = end_of_run(table)
     drawn: list[Callable[[Axes, Result, slice, bool], None]] = [_speeds, _torques]
-    if not FORCES.keys().isdisjoint(forces(table)):
-        drawn.append(_force_panel)
-    elif "imbalance_acceleration" in table:
-        drawn.append(_acceleration)
+    if not FORCES.keys().isdisjoint(forces(table)) or "imbalance_acceleration" in table:
+        drawn.append(_instant_panel)
     drawn += [_power_panel, _loss_panel] if losses(table) else []
     drawn.append(_energy_panel)
     figure.set_figheight(SIZE[1] * max(1.0, len(drawn) / MOST_PANELS))
@@ -156,14 +155,6 @@ def _torques(axes: Axes, table: Result, rows: slice, zoomed: bool) -> None:
     if "drive_torque" in table:
         axes.plot(time, table["drive_torque"][rows], color=BLUE, linewidth=1.5, label="drive")
     dress(axes, "torque [N·m]")
-
-
-def _acceleration(axes: Axes, table: Result, rows: slice, zoomed: bool) -> None:
-    """Magnitude at instants."""
-    acceleration = table["imbalance_acceleration"] / 1e3
-    plot_instants(axes, table, acceleration, rows, "imbalance", color=PURPLE, linewidth=0.9)
-    axes.set_ylim(bottom=0.0)
-    dress(axes, "acceleration [km/s²]")
 
 
 # --- energy, losses and forces ---
@@ -241,15 +232,16 @@ def _loss_panel(axes: Axes, table: Result, rows: slice, zoomed: bool) -> None:
     axes.set_ylim(bottom=min(axes.get_ylim()[0], 0.0))
 
 
-def _force_panel(axes: Axes, table: Result, rows: slice, zoomed: bool) -> None:
-    """Magnitudes of the forces that are recorded."""
-    found = {name: values for name, values in forces(table).items() if name in FORCES}
-    factor, unit = in_thousands("N", *found.values())
-    for name, values in found.items():
-        colour, label = FORCES[name]
+def _instant_panel(axes: Axes, table: Result, rows: slice, zoomed: bool) -> None:
+    """Magnitudes of the forces that are recorded, else of the acceleration of the imbalance."""
+    found = {FORCES[name]: values for name, values in forces(table).items() if name in FORCES}
+    what, factor, unit = "acceleration", 1e3, "km/s²"
+    if found:
+        what, (factor, unit) = "force", in_thousands("N", *found.values())
+    for (colour, label), values in (found or {IMBALANCE: table["imbalance_acceleration"]}).items():
         plot_instants(axes, table, values / factor, rows, label, color=colour, linewidth=0.9)
     axes.set_ylim(bottom=0.0)
-    dress(axes, f"force [{unit}]")
+    dress(axes, f"{what} [{unit}]")
 
 
 # --- driving ---
@@ -272,7 +264,11 @@ def _driving_panels(figure: Figure, result: SceneResult) -> None:
         f"{outside}error {numbers['tracking_error_rms']:.2f} km/h rms and"
         f" {numbers['tracking_error_maximum']:.2f} km/h at most",
     )
-    _module_speeds(panels[1], table)
+    label = "input ω1 (commanded)" if "omega1" in table else "input ω1"
+    panels[1].plot(table.time, input_speed(table), color=BLACK, linewidth=1.2, label=label)
+    panels[1].plot(table.time, table["omega_out"], color=VERMILION, linewidth=1.6, label="output shaft")
+    panels[1].set_ylim(bottom=0.0)
+    dress(panels[1], "speed [rad/s]")
     _mean_torques(panels[2], table)
     _energy_shares(panels[3], table)
     if lossy:
@@ -293,14 +289,6 @@ def _followed_speed(axes: Axes, table: Result, cycle: Cycle | None) -> None:
     axes.plot(table.time, table["vehicle_speed"] * scale, color=VERMILION, linewidth=1.6, label="vehicle")
     axes.set_ylim(bottom=0.0)
     dress(axes, "speed [km/h]")
-
-
-def _module_speeds(axes: Axes, table: Result) -> None:
-    label = "input ω1 (commanded)" if "omega1" in table else "input ω1"
-    axes.plot(table.time, input_speed(table), color=BLACK, linewidth=1.2, label=label)
-    axes.plot(table.time, table["omega_out"], color=VERMILION, linewidth=1.6, label="output shaft")
-    axes.set_ylim(bottom=0.0)
-    dress(axes, "speed [rad/s]")
 
 
 def _mean_torques(axes: Axes, table: Result) -> None:
@@ -338,7 +326,7 @@ def _energy_shares(axes: Axes, table: Result) -> None:
 # --- a shaft alone ---
 
 
-def shaft_figure(result: ShaftResult) -> Figure:
+def shaft_figure(result: SceneResult) -> Figure:
     """Draw speeds and accelerations of hub and driven mass, twist and energy, one below the other.
 
     Args:

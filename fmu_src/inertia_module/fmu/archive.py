@@ -5,14 +5,19 @@ from __future__ import annotations
 import io
 import os
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
-from xml.etree.ElementTree import Element, indent, tostring
+from pathlib import Path
+from typing import Any
+from xml.sax.saxutils import escape
+
+from jinja2 import Environment, StrictUndefined
 
 from .. import __date__
 from ..common.files import content_hash
 
 DESCRIPTION = "modelDescription.xml"
+TEMPLATES = Path(__file__).parent / "templates"
 # the earliest time a zip archive can hold
 _ZIP_TIME = (1980, 1, 1, 0, 0, 0)
 
@@ -30,11 +35,42 @@ def generation_date() -> str:
     return moment.strftime("%Y-%m-%dT%H:%M:%SZ")
 
 
-def xml_text(root: Element) -> bytes:
-    """An XML file, an element a line."""
-    indent(root)
-    text: bytes = tostring(root, encoding="UTF-8", xml_declaration=True)
-    return text + b"\n"
+def filled(template: Path, values: Mapping[str, Any], write: Callable[[Any], str] = str) -> str:
+    """Text of a template of Jinja.
+
+    Args:
+        template: its file. values: by name. write: makes text of a value.
+    """
+    environment = Environment(
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        undefined=StrictUndefined,
+        finalize=write,
+    )
+    return environment.from_string(template.read_text(encoding="utf-8")).render(values)
+
+
+class Written(str):
+    """Text that is XML already."""
+
+
+def filled_xml(template: Path, values: Mapping[str, Any]) -> bytes:
+    """An XML file of a template, what has a meaning in XML escaped.
+
+    It may call attributes, which writes those of a mapping that are not None.
+    """
+
+    def write(value: Any) -> str:
+        if isinstance(value, Written):
+            return value
+        return escape(str(value), {'"': "&quot;", "\n": "&#10;", "\r": "&#13;", "\t": "&#09;"})
+
+    def attributes(items: Mapping[str, Any]) -> Written:
+        known = {name: write(value) for name, value in items.items() if value is not None}
+        return Written("".join(f' {name}="{text}"' for name, text in known.items()))
+
+    return filled(template, {"attributes": attributes, **values}, write).encode()
 
 
 def archive(content: Mapping[str, bytes]) -> bytes:

@@ -9,12 +9,11 @@ import re
 from collections.abc import Iterable, Iterator
 from html import escape
 from pathlib import Path
-from string import Template
 from typing import NamedTuple
 
 from .. import __version__
 from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE, Model
-from ..contract.variable import (
+from ..contract.variables import (
     ENUMERATION,
     ENUMERATIONS,
     FIXED,
@@ -25,6 +24,7 @@ from ..contract.variable import (
     Group,
     Variable,
 )
+from .archive import TEMPLATES, filled
 
 # sections of the guides
 PICTURE, COMPUTES, COUPLING = "Picture", "What it computes", "How to couple it"
@@ -60,16 +60,14 @@ def inline(text: str) -> str:
     return re.sub(r"\*\*([^*]+)\*\*", r"<strong>\1</strong>", code)
 
 
-def blocks(section: str) -> Iterator[str]:
+def blocks(section: str) -> str:
     """HTML of the paragraphs and lists of a section: as much of Markdown as the guides use."""
+    lines = []
     for block in section.split("\n\n"):
-        if not _ITEM.match(block):
-            yield f"<p>{inline(block)}</p>"
-            continue
         kind = "ul" if block.startswith("-") else "ol"
-        yield f"<{kind}>"
-        yield from (f"<li>{inline(item.strip())}</li>" for item in _ITEM.split(block)[1:])
-        yield f"</{kind}>"
+        items = [f"<li>{inline(item.strip())}</li>" for item in _ITEM.split(block)[1:]]
+        lines += [f"<{kind}>", *items, f"</{kind}>"] if items else [f"<p>{inline(block)}</p>"]
+    return "\n".join(lines)
 
 
 def _cells(variable: Variable) -> tuple[str, ...]:
@@ -111,58 +109,26 @@ def flanges(model: Model) -> Table:
     return Table("Flanges", ["flange", "speed", "torque", "angle", "meaning"], rows)
 
 
-def _markdown(table: Table) -> Iterator[str]:
-    yield "| " + " | ".join(table.columns) + " |"
-    yield "|" + "---|" * len(table.columns)
-    yield from ("| " + " | ".join([f"`{name}`", *rest]) + " |" for name, *rest in table.rows)
-    yield ""
-
-
-def _model(model: Model) -> Iterator[str]:
-    yield from (f"## {model.title}", "", f"{model.description}.", "", guide(model.name)[COMPUTES], "")
-    for causality, found in tables(model):
-        yield from (f"### {causality}", "")
-        for table in found:
-            yield from (f"**{table.heading}**", "", *_markdown(table))
-    ends = flanges(model)
-    yield from (f"### {ends.heading}", "", *_markdown(ends))
-
-
 def variables_page() -> str:
     """docs/variables.md: the tables of variables of all models in Markdown."""
-    lines = ["# Variables", "", guide("all")[REFUSALS], ""]
-    for model in (INERTIA_MODULE, DRIVEN_SHAFT):
-        lines += _model(model)
-    return "\n".join(lines)
 
+    def chapters(model: Model) -> list[tuple[str, list[Table]]]:
+        return [*tables(model), ("Flanges", [flanges(model)])]
 
-def _html(table: Table) -> Iterator[str]:
-    yield "<table><tr>" + "".join(f"<th>{column}</th>" for column in table.columns) + "</tr>"
-    for name, *rest in table.rows:
-        cells = "".join(f"<td>{inline(cell)}</td>" for cell in rest)
-        yield f"<tr><td><code>{name}</code></td>{cells}</tr>"
-    yield "</table>"
+    values = {"models": (INERTIA_MODULE, DRIVEN_SHAFT), "chapters": chapters, "guide": guide}
+    values |= {"refusals": guide("all")[REFUSALS], "COMPUTES": COMPUTES}
+    return filled(TEMPLATES / "variables.md", values).rstrip("\n") + "\n"
 
 
 def index_page(model: Model, licences: Iterable[str]) -> str:
     """The page, whole in itself but for the picture and the licences beside it; licences: their names."""
     own, common = guide(model.name), guide("all")
-    head = {"title": model.title, "description": model.description, "caption": own[PICTURE]}
-    escaped = {key: escape(text) for key, text in head.items()}
-    parts = []
-    for heading, section in (
-        *((heading, own[heading]) for heading in (COMPUTES, COUPLING)),
-        *((heading, common[heading]) for heading in (ORDER, REFUSALS)),
-        (LIMITS, own[LIMITS]),
-    ):
-        parts += [f"<h2>{heading}</h2>", *blocks(section)]
-    ends = flanges(model)
-    parts += [f"<h2>{ends.heading}</h2>", *_html(ends)]
-    for causality, found in tables(model):
-        parts.append(f"<h2>{causality}</h2>")
-        for table in found:
-            parts += [f"<h3>{table.heading}</h3>", *_html(table)]
-    texts = ", ".join(f'<a href="licenses/{name}.txt">{name}.txt</a>' for name in licences)
-    page = Template((GUIDES / "page.html").read_text(encoding="utf-8"))
-    around = {"picture": MECHANISM, "version": __version__, "texts": texts}
-    return page.substitute(escaped, **around, body="\n".join(parts))
+    sections = [(heading, own[heading]) for heading in (COMPUTES, COUPLING)]
+    sections += [(heading, common[heading]) for heading in (ORDER, REFUSALS)]
+    values = {
+        **{"model": model, "caption": own[PICTURE], "picture": MECHANISM, "version": __version__},
+        **{"blocks": blocks, "inline": inline, "licences": list(licences)},
+        "sections": [*sections, (LIMITS, own[LIMITS])],
+        "chapters": [("Flanges", [flanges(model)]), *tables(model)],
+    }
+    return filled(TEMPLATES / "index.html", values)

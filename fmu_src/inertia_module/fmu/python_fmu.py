@@ -23,7 +23,7 @@ from ..compiling.load import SHIPPED
 from ..compiling.targets import LINUX64, WIN64
 from ..contract.models import Model
 from .archive import DESCRIPTION, archive, generation_date, guid_of
-from .description import PYTHON_CAPABILITIES, model_description
+from .description import model_description
 from .linking import Progress, link_front
 from .native_fmu import NativeFmu, accompanying_files, library
 from .native_fmu import guid as native_guid
@@ -141,7 +141,7 @@ def _accompanying_files(fmu: PythonFmu) -> dict[str, bytes]:
 
 
 def _description(fmu: PythonFmu, guid: str, date: str) -> bytes:
-    return model_description(fmu.model, fmu.identifier, guid, date, 2, PYTHON_CAPABILITIES)
+    return model_description(fmu.model, fmu.identifier, guid, date, python=True)
 
 
 def _guid(fmu: PythonFmu, files: Mapping[str, bytes]) -> str:

@@ -15,7 +15,7 @@ from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
 from ..common.errors import Refused, must_be
-from ..contract.variable import BOOLEAN, INPUT, PARAMETER, REAL, Variable
+from ..contract.variables import BOOLEAN, INPUT, PARAMETER, REAL, Variable
 from ..kernel import codes
 from ..memory import NO_STATE, ModelInstance, Module
 

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from string import Formatter
 
-from ..contract.models import Bound, Model
+from ..contract.models import Model
 from ..contract.records import place
-from ..contract.variable import INPUT, OUTPUT, PARAMETER, Variable
+from ..contract.variables import INPUT, OUTPUT, PARAMETER, Variable
 from ..kernel import codes
+from .archive import TEMPLATES, filled
 
-# the row of the time: no place in a record of the kernel, no rate
-_TIME = '    {"time", REAL, CLOCK, 0, -1, -1, -1, 0, 0, 0, 0.0, -HUGE_VAL, HUGE_VAL, 1.0, ""},'
 # of the state: how long the last step was, and whether it has stopped at a switch
 SWITCH_FIELDS = ("length", "switching")
 _ARRAYS = {PARAMETER: "PARAMETERS", INPUT: "INPUTS"}
@@ -68,7 +66,7 @@ def _variable(variable: Variable, model: Model) -> str:
         number(_small(variable)),
         quoted(variable.allowed if variable.causality == PARAMETER else ""),
     )
-    return f"    {{{', '.join(cells)}}},"
+    return f"{{{', '.join(cells)}}}"
 
 
 def _number_of(field: str | None, model: Model) -> tuple[str, int]:
@@ -83,19 +81,11 @@ def _number_of(field: str | None, model: Model) -> tuple[str, int]:
     return ("INPUT_NUMBER" if variable.causality == INPUT else "PARAMETER_NUMBER"), model.place(field)
 
 
-def _messages(name: str, texts: Mapping[int, str], model: Model) -> list[str]:
-    """An array of this name with the sentences by number, each in pieces (none, if there are none)."""
-    if not texts:
-        return []
-    lines = []
-    for number, text in texts.items():
-        lines.append(f"static const struct piece {name}_{number}[] = {{")
-        for before, field, _, _ in Formatter().parse(text):
-            kind, slot = _number_of(field, model)
-            lines.append(f"    {{{quoted(before)}, {kind}, {slot}}},")
-        lines += ['    {"", LAST_PIECE, 0},', "};", ""]
-    rows = [f"    {{{number}, {name}_{number}}}," for number in texts]
-    return [*lines, f"static const struct message {name}[] = {{", *rows, "};", ""]
+def _pieces(text: str, model: Model) -> list[str]:
+    """A sentence in pieces of text, each with the number that follows it."""
+    pieces = Formatter().parse(text)
+    numbers = [(before, *_number_of(field, model)) for before, field, _, _ in pieces]
+    return [f"{{{quoted(before)}, {kind}, {slot}}}" for before, kind, slot in numbers]
 
 
 def generated(model: Model, guid: str, fmi: int) -> dict[str, str]:
@@ -105,48 +95,17 @@ def generated(model: Model, guid: str, fmi: int) -> dict[str, str]:
         model: what they are of. guid: the one of modelDescription.xml. fmi: version of FMI, 2 or 3.
     """
     numbers = ", ".join(f"OPERATION_{name} = {getattr(codes, name)}" for name in OPERATIONS)
-    header = [
-        "/* Made from kernel/codes.py. */",
-        f"enum operation {{ {numbers} }};",
-        f"#define STATUS_OK {codes.OK}",
-        "",
-    ]
-    n_p, n_d, n_u, n_x, n_y, n_w = model.sizes
+    header = f"enum operation {{ {numbers} }};\n#define STATUS_OK {codes.OK}\n"
     references = {variable.name: n for n, variable in enumerate(model.variables)}
-    traced = ", ".join(str(references[name]) for name in model.traced)
-    discrete = [str(model.place(name)) for name in _discrete(model)]
-    length, switching = (place(model.records[3], name) if model.switches else -1 for name in SWITCH_FIELDS)
-    tolerance = model.place("tolerance") if "tolerance" in model.by_name else -1
-    bounds = model.bounds or (Bound("d", 0, 0),)  # C has no empty arrays
-    lines = [
-        f"/* Tables of {model.name}, made from its table of variables. */",
-        '#include "model.h"',
-        "",
-        "#include <math.h>",
-        "",
-        "static const struct variable variables[] = {",
-        *(_variable(variable, model) for variable in model.variables),
-        *([_TIME] if fmi == 3 else []),
-        "};",
-        "",
-    ]
-    lines += _messages("messages", model.messages, model) + _messages("warnings", model.warnings, model)
-    warnings = "warnings" if model.warnings else "NULL"
-    lines += [
-        f"static const int discrete[] = {{{', '.join(discrete or '0')}}};",
-        f"static const size_t traced[] = {{{traced}}};",
-        "",
-        "static const struct bound bounds[] = {",
-        *(f"    {{{_RECORDS[b.record]}, {b.place}, {number(b.most)}}}," for b in bounds),
-        "};",
-        "",
-        "const struct model model = {",
-        f"    {quoted(model.name)}, {quoted(guid)}, variables, {len(references) + fmi - 2},",
-        f"    {tolerance}, {length}, {switching},",
-        f"    {n_p}, {n_d}, {n_u}, {n_x}, {n_y}, {n_w},",
-        f"    messages, {len(model.messages)}, {warnings}, {len(model.warnings)},",
-        f"    discrete, {len(discrete)}, traced, {len(model.traced)}, bounds, {len(model.bounds)},",
-        "};",
-        "",
-    ]
-    return {"tables.c": "\n".join(lines), "codes.h": "\n".join(header)}
+    switch = [place(model.records[3], name) if model.switches else -1 for name in SWITCH_FIELDS]
+    values = {
+        **{"model": model, "guid": guid, "fmi": fmi, "row": _variable, "pieces": _pieces, "quoted": quoted},
+        **{"number": number, "records": _RECORDS, "bounds": model.bounds, "switch": switch},
+        "discrete": [model.place(name) for name in _discrete(model)],
+        "traced": [references[name] for name in model.traced],
+        "tolerance": model.place("tolerance") if "tolerance" in model.by_name else -1,
+    }
+    return {
+        "tables.c": filled(TEMPLATES / "tables.c", values),
+        "codes.h": f"/* Made from kernel/codes.py. */\n{header}",
+    }

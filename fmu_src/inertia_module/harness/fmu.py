@@ -73,36 +73,30 @@ def fmu_file(path: Path | str | None) -> Path:
     return current_fmu()
 
 
-def existing_fmu(path: Path) -> Path:
-    """The path, if there is a file.
-
-    Raises:
-        FmuError: there is none, or it is a folder.
-    """
-    if path.is_dir():
-        raise FmuError(f"{path} must be an FMU file, is a folder")
-    if not path.is_file():
-        raise FmuError(f"{path} must be an FMU file: there is no such file")
-    return path
-
-
-def read_description(path: Path) -> Any:
+def read_description(path: Path, validate: bool = True) -> Any:
     """Read the description of an FMU file by fmpy; types of variables by their names in FMI 2.0.
+
+    Args:
+        path: of the file. validate: whether what is against the standard is refused.
 
     Raises:
         FmuError: there is no such file, or it is no FMU.
     """
     from fmpy import read_model_description
 
-    from .loading import TYPES
+    from ..fmu.description import TYPES_3
 
-    existing_fmu(path)
+    if path.is_dir():
+        raise FmuError(f"{path} must be an FMU file, is a folder")
+    if not path.is_file():
+        raise FmuError(f"{path} must be an FMU file: there is no such file")
     try:
-        description = read_model_description(str(path))
+        description = read_model_description(str(path), validate=validate)
     except Exception as error:
         raise FmuError(f"{path} must be an FMU: {error}") from error
+    of_fmi_2 = {name: type_2 for type_2, name in TYPES_3.items()}
     for variable in description.modelVariables:
-        variable.type = TYPES.get(variable.type, variable.type)
+        variable.type = of_fmi_2.get(variable.type, variable.type)
     return description
 
 

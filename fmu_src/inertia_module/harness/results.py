@@ -17,11 +17,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..common.errors import Refused, did_you_mean
 from ..common.extras import library
-from ..common.files import write_atomically
+from ..common.files import write_figure, write_text
 from ..common.units import factor_between
 
 if TYPE_CHECKING:
-    from .picture import Picture
+    from ..common.colours import Picture
+
+__all__ = ["Result", "TableError", "write_figure", "write_text"]
 
 TIME = "time"
 # rows at either end of a table that a notebook shows
@@ -153,7 +155,7 @@ class Result:
         Raises:
             TableError: there is no such column.
         """
-        from .picture import Picture
+        from ..common.colours import Picture
 
         panels: dict[str, list[str]] = {}
         for name in names or self.names[1:]:
@@ -199,28 +201,9 @@ def _factor(name: str, unit: str, wanted: str) -> float:
         ) from None
 
 
-def _rows(path: Path | str) -> list[tuple[int, list[str]]]:
-    """Rows of a CSV file that are not empty, each with the number of its line."""
-    try:
-        text = Path(path).read_text(encoding="utf-8-sig")
-        heading = text.lstrip().partition("\n")[0]
-        reader = csv.reader(io.StringIO(text), delimiter=next((d for d in ";\t" if d in heading), ","))
-        return [(reader.line_num, row) for row in reader if any(cell.strip() for cell in row)]
-    except OSError as error:
-        raise TableError(f"{path} must be a CSV file: {error.strerror}") from error
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise TableError(f"{path} must be a CSV file in UTF-8: {error}") from error
-
-
 def heading(name: str, unit: str) -> str:
     """Heading of a column: its name and, in brackets, its unit, if it has one."""
     return f"{name} [{unit}]" if unit else name
-
-
-def _name_and_unit(text: str) -> tuple[str, str]:
-    """Name and unit ("" if there is none) of a column."""
-    found = _HEADING.match(text.strip())
-    return (text.strip(), "") if found is None else (found[1] or found[3] or "", found[2] or found[4] or "")
 
 
 def read_columns(path: Path | str) -> tuple[dict[str, list[float]], dict[str, str]]:
@@ -234,13 +217,23 @@ def read_columns(path: Path | str) -> tuple[dict[str, list[float]], dict[str, st
     Raises:
         TableError: the file is missing, empty, names a column twice or not, or a cell is not a number.
     """
-    rows = _rows(path)
+    try:
+        text = Path(path).read_text(encoding="utf-8-sig")
+        first = text.lstrip().partition("\n")[0]
+        reader = csv.reader(io.StringIO(text), delimiter=next((d for d in ";\t" if d in first), ","))
+        # those that are not empty, each with the number of its line
+        rows = [(reader.line_num, row) for row in reader if any(cell.strip() for cell in row)]
+    except OSError as error:
+        raise TableError(f"{path} must be a CSV file: {error.strerror}") from error
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise TableError(f"{path} must be a CSV file in UTF-8: {error}") from error
     if len(rows) < 2:
         raise TableError(
             f"{path} must have a heading row and at least one row of numbers, has {len(rows)} rows"
         )
-    headings = [_name_and_unit(cell) for cell in rows.pop(0)[1]]
-    names = [name for name, _ in headings]
+    parts = [(cell.strip(), _HEADING.match(cell.strip())) for cell in rows.pop(0)[1]]
+    names = [found[1] or found[3] or "" if found else cell for cell, found in parts]
+    units = [found[2] or found[4] or "" if found else "" for _, found in parts]
     for number, name in enumerate(names, 1):
         if not name or names.index(name) != number - 1:
             raise TableError(f"{path}: column {number} must have a name of its own, is {name!r}")
@@ -262,7 +255,7 @@ def read_columns(path: Path | str) -> tuple[dict[str, list[float]], dict[str, st
             if not math.isfinite(value):
                 raise TableError(f"{path} line {line}: {name} must be a finite number, is {cell!r}")
             values[name].append(value)
-    return values, {name: unit for name, unit in headings if unit}
+    return values, {name: unit for name, unit in zip(names, units, strict=True) if unit}
 
 
 def write_columns(
@@ -281,23 +274,3 @@ def write_rows(path: Path, headings: Iterable[str], rows: Iterable[Iterable[Any]
     writer.writerow(headings)
     writer.writerows(rows)
     return write_text(path, stream.getvalue())
-
-
-def write_text(path: Path, text: str) -> Path:
-    """Write a text file, whole or not at all."""
-    write_atomically(path, text.encode())
-    return path
-
-
-def write_figure(path: Path, figure: Any) -> Path:
-    """Write a matplotlib Figure in the format of the file's ending, whole or not at all.
-
-    The same figure gives the same bytes: no date, and names within an SVG that follow from what they name.
-    """
-    from matplotlib import rc_context
-
-    stream = io.BytesIO()
-    with rc_context({"svg.hashsalt": "inertia-module"}):
-        figure.savefig(stream, format=path.suffix.lstrip("."), metadata={"Date": None})
-    write_atomically(path, stream.getvalue())
-    return path

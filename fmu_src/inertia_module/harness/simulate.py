@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import math
-import time as clock
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,45 +12,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..common.errors import Refused, did_you_mean
+from ..common.terminal import Progress, progress_bar
 from ..common.units import split_quantity
 from .fmu import Fmu, FmuError, Plant, as_names, fmu_file, read_description
 from .results import TIME, Result, TableError
 
 __all__ = ["Fmu", "FmuError", "Plant", "Progress", "Result", "TableError", "drive", "progress_bar"]
 
-Progress = Callable[[float], None]
-# a run that takes longer than this, s, shows a bar
-PATIENCE = 2.0
 # steps between two reports of progress
 REPORT_STEPS = 50
-
-
-@contextlib.contextmanager
-def progress_bar(title: str) -> Iterator[Progress]:
-    """A progress bar that appears once a run has taken more than PATIENCE seconds.
-
-    Yields:
-        A function to call with the share done (0 to 1).
-    """
-    from ..common.terminal import progress
-
-    started = clock.monotonic()
-    bar = progress()
-    task = bar.add_task(title, total=1.0)
-    shown = False
-
-    def report(done: float) -> None:
-        nonlocal shown
-        if not shown and clock.monotonic() - started > PATIENCE:
-            bar.start()
-            shown = True
-        bar.update(task, completed=done)
-
-    try:
-        yield report
-    finally:
-        if shown:
-            bar.stop()
 
 
 def input_table(inputs: Result | Mapping[str, ArrayLike] | Path | str) -> Result:

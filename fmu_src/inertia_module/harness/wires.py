@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from ..common.errors import Refused, did_you_mean, must_be
-from ..contract.variable import ENUMERATIONS
+from ..contract.variables import ENUMERATIONS
 from ..kernel.codes import DRIVE_SPEED, DRIVE_TORQUE
 
 # inputs of the module without effect once it runs, by its parameter drive

@@ -13,11 +13,9 @@ from numpy.typing import NDArray
 
 from ..common.errors import Refused
 from ..common.units import parse_unit, split_quantity
-from ..contract.variable import INTEGER, REAL
-from ..contract.variables import BY_NAME
+from ..contract.variables import BY_NAME, INTEGER, REAL
 from ..scene import Scene, SceneError
-from ..scene.fields import unit_of
-from ..scene.keys import MECHANISM, full_name
+from ..scene.keys import MECHANISM, full_name, unit_of
 
 # values by key of the scene: numbers in SI units, or names
 Point = dict[str, float | str]

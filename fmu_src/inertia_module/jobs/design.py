@@ -12,20 +12,17 @@ from numpy.typing import NDArray
 
 from ..common.errors import did_you_mean
 from ..common.extras import library
-from ..common.files import OUTPUT_FOLDER
+from ..common.files import OUTPUT_FOLDER, write_text
+from ..common.terminal import Progress
 from ..harness.fmu import fmu_file
-from ..harness.results import write_text
-from ..harness.simulate import Progress
 from ..scene import SceneError
 from ..scene.keys import validated
 from ..scene.reading import scene_text
-from ..scene.run import SceneRunner
+from ..scene.run import TIME_TO, Quantity, SceneRunner
 from ..scene.schema import Scene
-from ..scene.summary import TIME_TO, Quantity
 from .axes import Point, of_shares, shares_sampled, unit_of_key
 from .evaluation import Evaluator, Figures, FiguresOf, Row, Task, summary_of, write_tables
-from .named import NAMED, Mechanism
-from .spec import LEVELS, Judge, Spec, absent, read_spec
+from .spec import LEVELS, NAMED, Judge, Mechanism, Spec, absent, read_spec
 
 # key of a point that is none of the scene: the fidelity it is run at
 LEVEL = "fidelity"

@@ -17,13 +17,12 @@ from typing import Any, NamedTuple
 from ..common.errors import Refused
 from ..common.extras import library
 from ..common.files import content_hash, writable_folder, write_atomically
+from ..common.terminal import Progress
 from ..harness.fmu import Closing
 from ..harness.results import heading, write_rows
-from ..harness.simulate import Progress
 from ..scene import Scene, load_scene
 from ..scene.keys import validated
-from ..scene.run import SceneRunner
-from ..scene.summary import Quantity
+from ..scene.run import Quantity, SceneRunner
 from .axes import Point
 
 Figures = dict[str, Quantity]

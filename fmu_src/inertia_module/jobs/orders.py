@@ -22,9 +22,11 @@ from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import CubicSpline
 
 from ..common.errors import Refused, must_be
+from ..common.files import write_text
+from ..common.terminal import Progress
 from ..contract.variables import BY_NAME
-from ..harness.results import write_columns, write_text
-from ..harness.simulate import Progress, Result, communication_points
+from ..harness.results import write_columns
+from ..harness.simulate import Result, communication_points
 from ..kernel.codes import AVERAGED
 from ..kernel.inertia import reduced_inertia
 from ..loops.sources import evaluate

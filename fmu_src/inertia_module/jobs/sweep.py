@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from ..common.errors import Refused, did_you_mean
 from ..common.files import OUTPUT_FOLDER
+from ..common.terminal import Progress
 from ..harness.fmu import fmu_file
 from ..harness.results import write_rows
-from ..harness.simulate import Progress
 from ..scene import Scene
-from ..scene.summary import time_to
+from ..scene.run import time_to
 from .axes import Axis, Point, axes_of, grid, of_shares, shares_sampled, unit_of_key
 from .evaluation import Evaluator, Row, Task, read, summaries, write_tables
 

@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from ..common.terminal import Progress
 from ..contract.variables import BY_NAME
 from ..harness.fmu import as_names
-from ..harness.simulate import Plant, Progress, Result, whole_steps
+from ..harness.simulate import Plant, Result, whole_steps
 from .sources import Signal, Sources
 
 PLANT_INPUTS = ("omega1", "load_torque", "drive_torque")

@@ -11,18 +11,17 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..common.errors import Refused, must_be
 from ..common.files import writable_folder
 from ..common.units import BOOLEANS
 from ..contract.models import INERTIA_MODULE, Model
-from ..contract.variable import BOOLEAN, ENUMERATIONS, INPUT, Variable
+from ..contract.variables import BOOLEAN, ENUMERATIONS, INPUT, Variable
 from ..fmu.builder import WEB_KERNEL, content_of
 from ..harness.results import Result
 from ..kernel import codes
 from ..loops.closed_loop import PLANT_INPUTS
-from ..loops.sources import Signal, Table
+from ..loops.sources import Table
 from ..scene import Scene, SceneResult
 from ..scene.run import start_of
 
@@ -150,7 +149,7 @@ def page_scene(scene: Scene, record: Result | None = None) -> dict[str, Any]:
         scene: whose fidelity is chosen. record: a run of it. An input that follows from what the module does
             becomes constant: its mean over the run to four digits, without a run its value at the start.
     """
-    _, parameters, inputs = start_of(scene)
+    parameters, inputs = start_of(scene)
     if record is not None:
         inputs |= {name: float(f"{record[name].mean():.4g}") for name in PLANT_INPUTS if name in record}
     signals = inputs | scene.drive.prescribed() | scene.load.prescribed()
@@ -159,7 +158,13 @@ def page_scene(scene: Scene, record: Result | None = None) -> dict[str, Any]:
         "title": scene.title,
         "description": scene.description.strip(),
         "parameters": parameters,
-        "inputs": {name: _as_input(signal) for name, signal in signals.items()},
+        # numbers, or points of straight lines (the type Input of page/src/run/signals.ts)
+        "inputs": {
+            name: {"times": signal.points.tolist(), "values": signal.values.tolist()}
+            if isinstance(signal, Table)
+            else float(signal)
+            for name, signal in signals.items()
+        },
         "step": scene.run.communication_step,
         "duration": scene.run.stop_time,
         "outputs": scene.run.outputs,
@@ -170,13 +175,6 @@ def page_scene(scene: Scene, record: Result | None = None) -> dict[str, Any]:
 def is_exact(scene: Scene) -> bool:
     """Tell whether the inputs follow from nothing that the module does: the page can run the scene itself."""
     return not scene.surroundings.input_labels
-
-
-def _as_input(signal: Signal) -> float | dict[str, list[float]]:
-    """A number, or points of straight lines (the type Input of page/src/run/signals.ts)."""
-    if isinstance(signal, Table):
-        return {"times": signal.points.tolist(), "values": signal.values.tolist()}
-    return float(signal)
 
 
 # --- a recorded run ---
@@ -192,22 +190,21 @@ def page_run(record: Result, warnings: tuple[str, ...] = ()) -> dict[str, Any]:
     """
     names = [name for name in record.names if name != "time"]
     stride = -(-len(record) * len(names) // MOST)
-    columns = np.stack([_every(record[name], stride, name) for name in names]).astype("<f4")
+    columns = []
+    for name in names:
+        # one row of so many: of means over a step the mean, of peaks the greatest since the row before
+        values = record[name]
+        columns.append(values[::stride].copy())
+        over = next((over for ending, over in OVER_ROWS.items() if name.endswith(ending)), None)
+        if over is not None:
+            last = 1 + stride * (columns[-1].size - 1)
+            columns[-1][1:] = over(values[1:last].reshape(-1, stride), axis=1)
     return {
         "names": names,
         "units": record.units,
         "step": float(record.time[1] - record.time[0]) * stride,
-        "rows": columns.shape[1],
+        "rows": columns[0].size,
         "every": stride,
-        "numbers": _packed(columns.tobytes()),
+        "numbers": _packed(np.stack(columns).astype("<f4").tobytes()),
         "warnings": list(warnings),
     }
-
-
-def _every(values: NDArray[np.float64], stride: int, name: str) -> NDArray[np.float64]:
-    """One row of so many: of means over a step the mean, of peaks the greatest since the row before."""
-    over = next((over for ending, over in OVER_ROWS.items() if name.endswith(ending)), None)
-    rows = values[::stride].copy()
-    if over is not None:
-        rows[1:] = over(values[1 : 1 + stride * (rows.size - 1)].reshape(-1, stride), axis=1)
-    return rows

@@ -12,10 +12,8 @@ from pydantic import BaseModel
 
 from ..common.errors import Refused
 from ..common.extras import library
-from ..contract.variable import INTEGER
-from ..contract.variables import BY_NAME
-from .fields import unit_of
-from .keys import SceneError, changed, validated
+from ..contract.variables import BY_NAME, INTEGER
+from .keys import SceneError, changed, unit_of, validated
 from .schema import Mechanism, Scene
 from .shaft import ShaftScene
 

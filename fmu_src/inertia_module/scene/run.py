@@ -1,40 +1,244 @@
-"""Running a scene: the FMU and what the scene has around it, to a table and a summary."""
+"""Running a scene: the FMU and what the scene has around it, to a table and a summary in some numbers."""
 
 from __future__ import annotations
 
 import base64
 import math
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import __version__
 from ..common.errors import Named, Refused
-from ..contract.variables import COMPUTED
+from ..common.terminal import Progress
+from ..contract.variables import LOCAL, LOSSES, OUTPUT
 from ..harness.fmu import Closing, RestartedFmu
 from ..harness.results import html_table
-from ..harness.simulate import Fmu, Progress, Result
+from ..harness.simulate import Fmu, Result
 from ..kernel.codes import ELASTIC
 from ..loops import ClosedLoop, initial_inputs
+from ..loops.cycles import KILOMETRE_PER_HOUR, Cycle
 from .keys import SceneError
 from .schema import Scene
-from .summary import SUMMARISED, Quantity, input_speed, summarise, unreached
 
 if TYPE_CHECKING:
     from ..export.systems import Plan
+
+
+# --- the summary: speeds, torques, energy, cost, and how well a cycle was followed ---
+
+# variables of the FMU that the summary and the figure need, whatever outputs the scene wants
+SUMMARISED = (
+    "omega2",
+    "omega_out",
+    "input_speed",
+    "input_torque_mean",
+    "output_torque_mean",
+    "energy_in",
+    "energy_out",
+    "energy_stored",
+    "energy_lost",
+    *LOSSES,
+    "energy_residual",
+    "contact_switches",
+    "rhs_evaluations",
+)
+
+
+# a time to a speed is called so and the speed; there is one only where the speed is reached
+TIME_TO = "time_to_"
+
+
+class Quantity(NamedTuple):
+    """One number of a summary.
+
+    Attributes:
+        value: in its unit. unit: "" for counts and ratios.
+    """
+
+    value: float
+    unit: str
+
+
+def _time_mean(table: Result, name: str) -> float:
+    """Mean of a step mean over the run: the value at a row is the mean over the step before it."""
+    steps = np.diff(table.time)
+    return float(table[name][1:] @ steps / steps.sum())
+
+
+def input_speed(table: Result) -> NDArray[np.float64]:
+    """Speed of link 1, rad/s: as the drive gives it, else what the drive's torque has made of it."""
+    return table["omega1"] if "omega1" in table else table["input_speed"]
+
+
+def energy(table: Result) -> dict[str, Quantity]:
+    """Energies since the start, losses by cause where there are any, efficiency, and how well they add up."""
+    last = table.last()
+    stored = last["energy_stored"] - float(table["energy_stored"][0])
+    scale = max(abs(last["energy_in"]), abs(last["energy_out"]), abs(stored))
+    # the share of all energy put in, by the drive, by a load that drives, by motion used up, that is not
+    # lost: what is still stored counts as kept; with a balancer that gives more than is lost there is none
+    put_in = max(last["energy_in"], 0.0) + max(-last["energy_out"], 0.0) + max(-stored, 0.0)
+    known = last["energy_lost"] >= 0.0 and put_in > 0.0
+    efficiency = {"efficiency": Quantity(1.0 - last["energy_lost"] / put_in, "")} if known else {}
+    return {
+        "energy_in": Quantity(last["energy_in"], "J"),
+        "energy_out": Quantity(last["energy_out"], "J"),
+        "energy_stored_gain": Quantity(stored, "J"),
+        "energy_lost": Quantity(last["energy_lost"], "J"),
+        **{name: Quantity(last[name], "J") for name in LOSSES if last.get(name)},
+        **efficiency,
+        "energy_residual": Quantity(last["energy_residual"], "J"),
+        "energy_residual_relative": Quantity(abs(last["energy_residual"]) / scale if scale else 0.0, ""),
+    }
+
+
+def forces(table: Result) -> dict[str, NDArray[np.float64]]:
+    """Magnitudes of the forces, N, and moments, N m, that are recorded and known: on bearing and mount.
+
+    Those that balance are left out: rounding leaves 1e-15 of what they are made of.
+    """
+    found = {"satellite_force": table["satellite_force"]} if "satellite_force" in table else {}
+    for name in ("shaking_force", "shaking_moment"):
+        parts = [f"{name}_{axis}" for axis in "xyz"]
+        if all(part in table for part in parts):
+            found[name] = np.sqrt(sum(table[part] ** 2 for part in parts))
+    largest = max((float(values.max()) for values in found.values()), default=0.0)
+    return {name: values for name, values in found.items() if values.max() > 1e-12 * largest}
+
+
+def _forces(table: Result) -> dict[str, Quantity]:
+    """Peak and RMS at the communication points; of the bearing the peak in between, where recorded."""
+    numbers: dict[str, Quantity] = {}
+    for name, values in forces(table).items():
+        unit = "N.m" if name == "shaking_moment" else "N"
+        numbers[f"{name}_peak"] = Quantity(float(values.max()), unit)
+        numbers[f"{name}_rms"] = Quantity(float(np.sqrt(np.mean(values**2))), unit)
+    if "satellite_force_peak" in table and table["satellite_force_peak"].any():
+        numbers["satellite_force_peak"] = Quantity(float(table["satellite_force_peak"].max()), "N")
+    return numbers
+
+
+def work(table: Result, torque: str) -> NDArray[np.float64]:
+    """Work of a torque on the load, held over each step, up to each row, J."""
+    mean_speed = 0.5 * (table["load_speed"][1:] + table["load_speed"][:-1])
+    done = table[torque][:-1] * mean_speed * np.diff(table.time)
+    return np.concatenate([[0.0], np.cumsum(done)])
+
+
+def time_to(speed: float) -> str:
+    """Name of the time to a speed, m/s."""
+    return f"{TIME_TO}{speed / KILOMETRE_PER_HOUR:.6g}_kmh"
+
+
+def _times_to(table: Result, speeds: Sequence[float]) -> dict[str, Quantity]:
+    """Time, s, to each speed, m/s, that is reached: since the car last stood, or the run began."""
+    found, vehicle_speed = {}, table["vehicle_speed"]
+    for speed in speeds:
+        reached = int(np.argmax(vehicle_speed >= speed))
+        if reached:  # 0 where it never is, or is from the start
+            around = slice(reached - 1, reached + 1)
+            stood = np.flatnonzero(vehicle_speed[:reached] <= 0.0)
+            begun = table.time[stood[-1] if stood.size else 0]
+            time = float(np.interp(speed, vehicle_speed[around], table.time[around]) - begun)
+            found[time_to(speed)] = Quantity(time, "s")
+    return found
+
+
+def unreached(table: Result, summary: Mapping[str, Quantity], speeds: Sequence[float]) -> dict[str, str]:
+    """Say why the summary has no time to some of the speeds, m/s, by the names of these times."""
+    found = {}
+    for speed in speeds:
+        if (name := time_to(speed)) not in summary:
+            begun, fastest = (
+                f"{value / KILOMETRE_PER_HOUR:.4g} km/h"
+                for value in (table["vehicle_speed"][0], table["vehicle_speed"].max())
+            )
+            passed = f"is none: the run begins at {begun}"
+            found[name] = (
+                passed if table["vehicle_speed"][0] >= speed else f"is not reached: {fastest} is the most"
+            )
+    return found
+
+
+def _vehicle(table: Result, times_to: Sequence[float]) -> dict[str, Quantity]:
+    parts = ("rolling", "drag", "slope", "brake")
+    energies = {f"energy_{part}": Quantity(float(work(table, f"{part}_torque")[-1]), "J") for part in parts}
+    speed = float(table["vehicle_speed"].max()) / KILOMETRE_PER_HOUR
+    return {
+        "distance": Quantity(float(table["distance"][-1]), "m"),
+        "vehicle_speed_maximum": Quantity(speed, "km/h"),
+        **_times_to(table, times_to),
+        **energies,
+    }
+
+
+def summarise(
+    table: Result,
+    measured: str | None,
+    cycle: Cycle | None,
+    wall_time: float,
+    times_to: Sequence[float] = (),
+) -> dict[str, Quantity]:
+    """Numbers of a run.
+
+    Args:
+        table: all of SUMMARISED, and the signals of the loop.
+        measured: name of the speed under control, or None. cycle: to be followed, or None.
+        wall_time: of the run, s. times_to: speeds of a vehicle to which the time is asked, m/s.
+    """
+    simulated = float(table.time[-1] - table.time[0])
+    summary = {
+        "simulated_time": Quantity(simulated, "s"),
+        "omega1_maximum": Quantity(float(input_speed(table).max()), "rad/s"),
+        "omega_out_maximum": Quantity(float(table["omega_out"].max()), "rad/s"),
+        "omega_out_final": Quantity(float(table["omega_out"][-1]), "rad/s"),
+        "input_torque_mean": Quantity(_time_mean(table, "input_torque_mean"), "N.m"),
+        "output_torque_mean": Quantity(_time_mean(table, "output_torque_mean"), "N.m"),
+        "output_torque_mean_maximum": Quantity(float(table["output_torque_mean"].max()), "N.m"),
+        # a pulse of the freewheels is some of these
+        "contact_switches": Quantity(float(table["contact_switches"][-1]), ""),
+        **energy(table),
+        **_forces(table),
+    }
+    if "vehicle_speed" in table:
+        summary |= _vehicle(table, times_to)
+    if measured is not None:
+        unit = table.units["reference"]
+        factor, shown = (KILOMETRE_PER_HOUR, "km/h") if unit == "m/s" else (1.0, unit)
+        error = (table[measured] - table["reference"]) / factor
+        summary["tracking_error_rms"] = Quantity(float(np.sqrt(np.mean(error**2))), shown)
+        summary["tracking_error_maximum"] = Quantity(float(np.abs(error).max()), shown)
+    if cycle is not None:
+        # each row counts for the step that it begins
+        lower, upper = cycle.tolerance_band(table.time)
+        speed = table["vehicle_speed"]
+        outside = ((speed < lower) | (speed > upper))[:-1]
+        seconds = float(np.sum(np.diff(table.time)[outside]))
+        summary["time_out_of_tolerance"] = Quantity(seconds, "s")
+        summary["share_out_of_tolerance"] = Quantity(100.0 * seconds / simulated, "%")
+    return {
+        **summary,
+        "rhs_evaluations": Quantity(float(table["rhs_evaluations"][-1]), ""),
+        "wall_time": Quantity(wall_time, "s"),
+        "real_time_factor": Quantity(simulated / wall_time, ""),
+    }
+
+
+# --- runs ---
 
 # of the speed of link 1: below it the output shaft rests
 RESTING = 1e-6
 
 
 @dataclass(frozen=True, kw_only=True)
-class Outcome:
-    """Result of a scene.
+class SceneResult:
+    """Result of a scene, of a module or of a driven shaft alone.
 
     Attributes:
         scene: as it was run. record: everything recorded: outputs wanted, outputs summarised, signals of the
@@ -42,9 +246,6 @@ class Outcome:
         remarks: what the numbers leave out, by name: a speed not reached, a load above stall.
         warnings: that the FMU logged.
     """
-
-    # what may be recorded without being wanted
-    RECORDED: ClassVar[frozenset[str]]
 
     scene: Any
     record: Result
@@ -55,7 +256,8 @@ class Outcome:
     @property
     def table(self) -> Result:
         """Wanted outputs and the signals of the loop, at each communication point."""
-        return self.record.without(self.RECORDED - set(self.scene.run.outputs))
+        computed = {one.name for one in self.scene.VARIABLES.values() if one.causality in (OUTPUT, LOCAL)}
+        return self.record.without(computed - set(self.scene.run.outputs))
 
     @property
     def summary(self) -> dict[str, float]:
@@ -93,7 +295,7 @@ class Outcome:
         return name in self.record
 
     def to_csv(self, path: Path | str) -> Path:
-        """Write the table: see Result.to_csv."""
+        """Write the table to a path: see Result.to_csv."""
         return self.table.to_csv(path)
 
     def to_pandas(self) -> Any:
@@ -101,7 +303,7 @@ class Outcome:
         return self.table.to_pandas()
 
     def plot(self, *names: str) -> Any:
-        """A matplotlib Figure of the table over time: see Result.plot."""
+        """A matplotlib Figure of the table, or columns of it by names, over time: see Result.plot."""
         return self.table.plot(*names)
 
     def _repr_png_(self) -> bytes:
@@ -115,36 +317,23 @@ class Outcome:
         )
 
 
-@dataclass(frozen=True, kw_only=True)
-class SceneResult(Outcome):
-    """Result of a scene of the module.
-
-    Attributes:
-        scene, record, quantities, remarks, warnings: see Outcome.
-    """
-
-    RECORDED: ClassVar = frozenset(COMPUTED)
-
-    scene: Scene
-
-
-def start_of(scene: Scene) -> tuple[Any, dict[str, float], dict[str, float]]:
-    """Start of a scene: its surroundings, connected; parameters, with the tolerance, and inputs of the FMU.
+def start_of(scene: Scene) -> tuple[dict[str, float], dict[str, float]]:
+    """Start of a scene: parameters, with the tolerance, and inputs of the FMU.
 
     Raises:
         SceneError: its fidelity is still to be chosen.
     """
     if scene.chooses_fidelity:
         raise SceneError("mechanism.fidelity must be chosen first (fidelity.trials.choose), is 'auto'")
-    values, surroundings = scene.parameters(), scene.surroundings
+    values = scene.parameters()
     if scene.accuracy.tolerance is not None:
         values["tolerance"] = scene.accuracy.tolerance
     speeds = {"omega_out": values.get("omega_out_start", 0.0)}
     omega1 = scene.drive.start_speed
     if omega1 is None:
-        return surroundings, values, initial_inputs(surroundings, speeds)
-    inputs = initial_inputs(surroundings, {**speeds, "input_speed": omega1})
-    return surroundings, values, {**inputs, "omega1": omega1}
+        return values, initial_inputs(scene.surroundings, speeds)
+    inputs = initial_inputs(scene.surroundings, {**speeds, "input_speed": omega1})
+    return values, {**inputs, "omega1": omega1}
 
 
 def scene_plan(scene: Scene) -> Plan:
@@ -157,15 +346,14 @@ def scene_plan(scene: Scene) -> Plan:
 
     if scene.chooses_fidelity:
         raise SceneError("mechanism.fidelity must be a fidelity by name for an export, is 'auto'")
-    surroundings, values, inputs = start_of(scene)
+    values, inputs = start_of(scene)
     for name in ("housing_stiffness", "freewheel_stiffness"):
         if values.get("fidelity") == ELASTIC and values.get(name, 0.0) > 0.0:
             raise SceneError(
                 f"mechanism.{name} must be 0 for an export, is {values[name]:g}: an elastic mechanism becomes"
                 " a rigid module and a shaft, and neither has freewheels that wind up"
             )
-    step = float(surroundings.dt)
-    return make_plan(scene.title, values, inputs, step, scene.run.stop_time)
+    return make_plan(scene.title, values, inputs, scene.run.communication_step, scene.run.stop_time)
 
 
 def run_scene(
@@ -186,9 +374,9 @@ def run_scene(
         FmuError: the FMU cannot be loaded, or refuses a value or a step.
         SceneError: its fidelity is still to be chosen.
     """
-    surroundings, values, inputs = start_of(scene)
+    values, inputs = start_of(scene)
     with Fmu(fmu_path, values, inputs, stop_time=scene.run.stop_time) as fmu:
-        found = _run_on(fmu, scene, surroundings, progress, also)
+        found = _run_on(fmu, scene, progress, also)
     return replace(found, remarks={**found.remarks, **above_stall(found.record, scene.parameters())})
 
 
@@ -200,7 +388,7 @@ def above_stall(record: Result, parameters: dict[str, float]) -> dict[str, str]:
     turns = abs(speed) * float(np.ptp(record.time)) / math.tau
     if braked or turns < 1.0 or record["omega_out"][end].min() > RESTING * abs(speed):
         return {}
-    from ..harness.steady import SteadyMachine  # brings scipy along
+    from ..harness.chart import SteadyMachine  # brings scipy along
 
     try:
         stall = SteadyMachine(parameters).at(speed, 0.0).output_torque
@@ -228,11 +416,11 @@ class SceneRunner(Closing):
 
     def run(self, scene: Scene) -> SceneResult:
         """Run a scene; raises as run_scene."""
-        return _run_on(self.started(scene), scene, scene.surroundings)
+        return _run_on(self.started(scene), scene)
 
     def started(self, scene: Scene) -> Fmu:
         """The instance at the start of a scene; raises as run_scene."""
-        _, values, inputs = start_of(scene)
+        values, inputs = start_of(scene)
         self._fmu.restart({**values, **inputs})
         return self._fmu
 
@@ -242,10 +430,10 @@ class SceneRunner(Closing):
 
 
 def _run_on(
-    fmu: Fmu, scene: Scene, surroundings: Any, progress: Progress | None = None, also: Iterable[str] = ()
+    fmu: Fmu, scene: Scene, progress: Progress | None = None, also: Iterable[str] = ()
 ) -> SceneResult:
     """Run a scene with a started FMU."""
-    loop = ClosedLoop(fmu, surroundings, [*scene.run.outputs, *SUMMARISED, *also], scene.signal_units)
+    loop = ClosedLoop(fmu, scene.surroundings, [*scene.run.outputs, *SUMMARISED, *also], scene.signal_units)
     began = time.perf_counter()
     record = loop.run(scene.run.stop_time, progress)
     wall_time = time.perf_counter() - began

@@ -10,17 +10,37 @@ from pydantic import BaseModel, Field, ValidationInfo, create_model, model_valid
 
 from .. import loops
 from ..common.errors import Refused, did_you_mean
-from ..contract.variable import ENUMERATIONS, LARGEST_STEP, OUTPUT, PARAMETER, Group
-from ..contract.variables import BY_NAME, COMPUTED, VARIABLES, with_causality
+from ..contract.variables import (
+    BY_NAME,
+    COMPUTED,
+    ENUMERATIONS,
+    LARGEST_STEP,
+    OUTPUT,
+    PARAMETER,
+    VARIABLES,
+    Group,
+    with_causality,
+)
 from ..harness.simulate import whole_steps
 from ..kernel.codes import DRIVE_TORQUE, ELASTIC
 from ..loops.cycles import Cycle
 from ..memory import Module
-from .controllers import Controller
-from .drives import Drive
-from .fields import AUTO, FIDELITY, Duration, Strict, fields_of, quantity
-from .keys import SceneError, changed, validated, without_files
-from .loads import SPEED_UNITS, VEHICLE_SPEED, Load, measured_speed
+from .keys import (
+    AUTO,
+    FIDELITY,
+    SPEED_UNITS,
+    VEHICLE_SPEED,
+    Duration,
+    SceneError,
+    Strict,
+    changed,
+    fields_of,
+    measured_speed,
+    quantity,
+    validated,
+    without_files,
+)
+from .parts import Controller, Drive, Load
 
 _TOLERANCE = BY_NAME["tolerance"]
 _OUTPUTS = tuple(variable.name for variable in with_causality(OUTPUT))
@@ -219,22 +239,18 @@ class Scene(Strict):
         scene = self.replaced(mechanism={FIDELITY: fidelity}, accuracy=asked)
         return scene.replaced(mechanism=at_fidelity(scene.given, scene.given[FIDELITY]))
 
-    def _shaft_inertia(self) -> float:
-        """Inertia of what the load hangs on without the load, kg.m2."""
-        name = self._carrying
-        return self.given.get(name, BY_NAME[name].start or 0.0)
-
     @property
-    def _carrying(self) -> str:
-        """Parameter of the inertia that a load hangs on: the driven mass where the shaft is elastic."""
-        elastic = self.given.get("fidelity") == ELASTIC
-        return "driven_inertia" if elastic else "output_inertia"
+    def _carrying(self) -> tuple[str, float]:
+        """Parameter of the inertia, kg.m2, that a load hangs on: the driven mass where that is elastic."""
+        name = "driven_inertia" if self.given.get("fidelity") == ELASTIC else "output_inertia"
+        return name, self.given.get(name, BY_NAME[name].start or 0.0)
 
     def parameters(self) -> dict[str, float]:
         """Parameters for the FMU, that of the drive too; a load coupled rigidly is in what it hangs on."""
         values = self.drive.driven(self.given)
         rigid = self.built_load.rigid_inertia
-        return {**values, self._carrying: self._shaft_inertia() + rigid} if rigid else values
+        name, own = self._carrying
+        return {**values, name: own + rigid} if rigid else values
 
     @model_validator(mode="after")
     def _check(self, info: ValidationInfo) -> Scene:
@@ -251,7 +267,7 @@ class Scene(Strict):
                 hint = did_you_mean(name, [*COMPUTED, *self.surroundings.output_labels])
                 raise SceneError(f"run.outputs must be computed by the scene, has {name!r} {hint}")
         try:
-            self.built_load.check_step(self._shaft_inertia())
+            self.built_load.check_step(self._carrying[1])
             turning = self.parameters().get("input_inertia", 0.0)
             self.drive.check_step(self.run.communication_step, turning)
         except ValueError as error:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, ClassVar, Literal
 
@@ -12,21 +11,19 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import BaseModel, Field, create_model, model_validator
 
 from ..common.errors import Refused, did_you_mean
-from ..contract.driven_shaft import BY_NAME, VARIABLES
-from ..contract.variable import LOCAL, OUTPUT, PARAMETER
-from ..contract.variables import with_causality
-from ..harness.simulate import Progress, Result, communication_points, drive
+from ..common.terminal import Progress
+from ..contract.models import DRIVEN_SHAFT
+from ..contract.variables import LOCAL, OUTPUT, PARAMETER
+from ..harness.simulate import Result, communication_points, drive
 from ..loops.sources import evaluate
 from ..memory import DrivenShaft
-from .fields import Duration, Strict, Tabulated, Times, fields_of, quantities, quantity
-from .keys import SceneError
-from .loads import TorqueLoad
-from .run import Outcome
+from .keys import Duration, SceneError, Strict, Tabulated, Times, fields_of, quantities, quantity
+from .parts import TorqueLoad
+from .run import Quantity, SceneResult, energy
 from .schema import Run
-from .summary import Quantity, energy
 
-_OUTPUTS = tuple(variable.name for variable in with_causality(OUTPUT, table=VARIABLES))
-_READABLE = tuple(variable.name for variable in with_causality(OUTPUT, LOCAL, table=VARIABLES))
+_OUTPUTS = tuple(variable.name for variable in DRIVEN_SHAFT.with_causality(OUTPUT))
+_READABLE = tuple(variable.name for variable in DRIVEN_SHAFT.with_causality(OUTPUT, LOCAL))
 _PEAKS = ("omega_out", "driven_acceleration", "shaft_torque", "twist")
 
 Array = NDArray[np.float64]
@@ -42,7 +39,7 @@ Shaft: type[BaseModel] = create_model(
     __doc__="Parameters of the driven shaft that differ from the defaults.",
     nu=(_Positive, None),
     Pi=(_NotNegative, None),
-    **fields_of(list(with_causality(PARAMETER, table=VARIABLES))),
+    **fields_of(list(DRIVEN_SHAFT.with_causality(PARAMETER))),
 )
 
 
@@ -108,7 +105,7 @@ class ShaftScene(Strict):
         drive, load: what turns the hub and hangs on the driven mass. run: how it is simulated.
     """
 
-    VARIABLES: ClassVar = BY_NAME
+    VARIABLES: ClassVar = DRIVEN_SHAFT.by_name
 
     title: str = "scene"
     description: str = ""
@@ -135,7 +132,7 @@ class ShaftScene(Strict):
         """
         given: BaseModel = self.shaft
         values: dict[str, float] = given.model_dump(exclude_none=True)
-        inertia = values.get("driven_inertia", BY_NAME["driven_inertia"].start or 0.0)
+        inertia = values.get("driven_inertia", DRIVEN_SHAFT.by_name["driven_inertia"].start or 0.0)
         for name, stands_for in (("nu", "shaft_stiffness"), ("Pi", "driven_friction")):
             criterion = values.pop(name, None)
             if criterion is None:
@@ -149,20 +146,10 @@ class ShaftScene(Strict):
         return values
 
 
-@dataclass(frozen=True, kw_only=True)
-class ShaftResult(Outcome):
-    """Result of a scene of a shaft; record: all outputs of the shaft and its inputs."""
-
-    RECORDED: ClassVar = frozenset(_READABLE)
-
-    scene: ShaftScene
-
-
 def _summary(table: Result, wall_time: float) -> dict[str, Quantity]:
-    simulated = float(table.time[-1])
-    peaks = {
-        f"{name}_peak": Quantity(float(np.abs(table[name]).max()), BY_NAME[name].unit) for name in _PEAKS
-    }
+    simulated, peaks = float(table.time[-1]), {}
+    for name in _PEAKS:
+        peaks[f"{name}_peak"] = Quantity(float(np.abs(table[name]).max()), table.units[name])
     return {
         "simulated_time": Quantity(simulated, "s"),
         **peaks,
@@ -172,7 +159,7 @@ def _summary(table: Result, wall_time: float) -> dict[str, Quantity]:
     }
 
 
-def run_shaft_scene(scene: ShaftScene, fmu_path: Path | str, progress: Progress | None = None) -> ShaftResult:
+def run_shaft_scene(scene: ShaftScene, fmu_path: Path | str, progress: Progress | None = None) -> SceneResult:
     """Run a scene with an FMU of the driven shaft.
 
     Args:
@@ -200,4 +187,4 @@ def run_shaft_scene(scene: ShaftScene, fmu_path: Path | str, progress: Progress 
         progress=progress,
     )
     quantities = _summary(record, time.perf_counter() - began)
-    return ShaftResult(scene=scene, record=record, quantities=quantities)
+    return SceneResult(scene=scene, record=record, quantities=quantities)

@@ -1,0 +1,550 @@
+"""The parts of a scene around its mechanism: [drive], [load], [controller].
+
+With a vehicle as load a controller controls the vehicle speed (m/s), with any other load omega_out (rad/s);
+bare numbers are in that unit.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Literal, Self
+
+import numpy as np
+from pydantic import BeforeValidator, Field, ValidationInfo, model_validator
+
+from .. import loops
+from ..common.errors import did_you_mean, must_be
+from ..contract.variables import LARGEST_SPEED
+from ..kernel.codes import DRIVE_SPEED, DRIVE_TORQUE
+from ..loops.cycles import CYCLES, KILOMETRE_PER_HOUR, Cycle
+from ..loops.sources import Signal, Table
+from .keys import (
+    SHAFT_SPEED,
+    SPEED_UNITS,
+    AngularSpeed,
+    ConstantOrTable,
+    Duration,
+    Strict,
+    Tabulated,
+    Time,
+    Times,
+    Torque,
+    checked,
+    quantities,
+    quantity,
+)
+
+# --- drives ---
+
+Turning = Annotated[float, quantity("rad/s", 0.0, LARGEST_SPEED)]
+
+
+class AnyDrive(Strict):
+    """A drive of link 1.
+
+    Attributes:
+        INPUT: of the module, which the drive gives. COMMANDED: it leaves that to [controller].
+    """
+
+    INPUT: ClassVar[str] = "omega1"
+    COMMANDED: ClassVar[bool] = False
+
+    @property
+    def mode(self) -> int:
+        """Value of the module's parameter drive."""
+        return DRIVE_SPEED if self.INPUT == "omega1" else DRIVE_TORQUE
+
+    @property
+    def start_speed(self) -> float | None:
+        """Speed of link 1 at the start, rad/s, of a drive that gives a torque."""
+        return None
+
+    def signal(self) -> Signal | None:
+        """The input, rad/s or N.m, constant or over time, if it follows from nothing the module does."""
+        given: Signal | None = getattr(self, self.INPUT, None)
+        return given
+
+    def prescribed(self) -> dict[str, Signal]:
+        """Inputs of the module that follow from nothing the module does, by name."""
+        signal = self.signal()
+        return {} if signal is None else {self.INPUT: signal}
+
+    def systems(self, step: float) -> list[Any]:
+        """Make the systems that give the inputs, of this step, s."""
+        return [loops.source(name, signal, step) for name, signal in self.prescribed().items()]
+
+    def driven(self, parameters: Mapping[str, float]) -> dict[str, float]:
+        """Parameters of the module with what its drive adds to them."""
+        return {**parameters} if self.mode == DRIVE_SPEED else {**parameters, "drive": float(DRIVE_TORQUE)}
+
+    def check_step(self, step: float, inertia: float) -> None:
+        """Refuse a step that is too long for the drive.
+
+        Args:
+            step: s. inertia: of all that turns with link 1, kg.m2.
+
+        Raises:
+            ValueError: the step is too long.
+        """
+
+
+class ConstantDrive(AnyDrive):
+    """Link 1 turns at constant speed."""
+
+    kind: Literal["constant"]
+    omega1: AngularSpeed
+
+
+class RampDrive(AnyDrive):
+    """The speed of link 1 changes linearly between two values and is held before and after."""
+
+    kind: Literal["ramp"]
+    initial: AngularSpeed
+    final: AngularSpeed
+    start: Time = 0.0
+    duration: Duration
+
+    def signal(self) -> Signal:
+        """Speed of link 1 over time, rad/s."""
+        return Table([self.start, self.start + self.duration], [self.initial, self.final])
+
+
+class TableDrive(Tabulated, AnyDrive):
+    """The speed of link 1 over time."""
+
+    kind: Literal["table"]
+    time: Times
+    omega1: Annotated[list[float], quantities("rad/s")]
+
+
+class ControlledDrive(AnyDrive):
+    """The speed of link 1 is what [controller] commands."""
+
+    COMMANDED: ClassVar[bool] = True
+
+    kind: Literal["controlled"]
+
+
+class TorqueDrive(AnyDrive):
+    """A torque on link 1, whose speed follows from it.
+
+    Attributes:
+        omega1: speed of link 1 at the start, rad/s.
+    """
+
+    INPUT: ClassVar[str] = "drive_torque"
+
+    omega1: AngularSpeed = 0.0
+
+    @property
+    def start_speed(self) -> float | None:
+        """Speed of link 1 at the start, rad/s."""
+        return self.omega1
+
+
+class ControlledTorque(TorqueDrive):
+    """The torque on link 1 is what [controller] commands."""
+
+    COMMANDED: ClassVar[bool] = True
+
+    kind: Literal["controlled_torque"]
+
+
+class ConstantTorque(TorqueDrive):
+    """A constant torque on link 1, N.m."""
+
+    kind: Literal["torque"]
+    drive_torque: Torque
+
+
+class TorqueTable(Tabulated, TorqueDrive):
+    """A torque on link 1 over time, s, N.m."""
+
+    kind: Literal["torque_table"]
+    time: Times
+    drive_torque: Annotated[list[float], quantities("N.m")]
+
+
+class TorqueOverSpeed(Tabulated):
+    """A torque over the speed of the engine, constant beyond the ends."""
+
+    speed: Annotated[list[float], quantities("rad/s")]
+    torque: Annotated[list[float], quantities("N.m", 0.0)]
+
+
+class ThrottleOverTime(Tabulated):
+    """The throttle over time, from 0, closed, to 1, full load."""
+
+    time: Times
+    throttle: Annotated[list[float], quantities("1", 0.0, 1.0)]
+
+
+class EngineGovernor(Strict):
+    """PI governors of the idle and of the top speed, with the same gains."""
+
+    idle: Turning
+    top_speed: Turning
+    proportional_gain: Annotated[float, quantity("N.m.s/rad", above=0.0)]
+    integral_gain: Annotated[float, quantity("N.m/rad", 0.0)] = 0.0
+
+    @model_validator(mode="after")
+    def _in_order(self) -> EngineGovernor:
+        if not self.idle < self.top_speed:
+            raise ValueError(must_be("idle", f"below top_speed = {self.top_speed:g} rad/s", self.idle))
+        return self
+
+
+class EngineDrive(ConstantOrTable, AnyDrive):
+    """An engine on link 1, whose speed follows from its torque.
+
+    The throttle shares out the torque between closed, -drag, and full load. Below the idle speed a governor
+    gives more, above the top speed another one less. The control unit samples the speed once a communication
+    step and holds the torque over it.
+
+    Attributes:
+        inertia: of the rotor and all that turns with it, besides mechanism.input_inertia, kg.m2.
+        full_load, drag: torque at full load, and against the motion with the throttle closed, N.m.
+        throttle, throttle_over_time: one of both, 0 to 1. omega1: at the start, rad/s, else the idle speed.
+    """
+
+    INPUT: ClassVar[str] = "drive_torque"
+    SIGNAL: ClassVar[str] = "throttle"
+
+    kind: Literal["engine"]
+    inertia: Annotated[float, quantity("kg.m2", above=0.0)]
+    full_load: TorqueOverSpeed
+    drag: TorqueOverSpeed | None = None
+    throttle: Annotated[float, quantity("1", 0.0, 1.0)] | None = None
+    throttle_over_time: ThrottleOverTime | None = None
+    governor: EngineGovernor
+    omega1: Turning | None = None
+
+    @property
+    def start_speed(self) -> float | None:
+        """Speed of link 1 at the start, rad/s."""
+        return self.governor.idle if self.omega1 is None else self.omega1
+
+    def torque_map(self) -> loops.EngineMap:
+        """Limits of the torque over the speed."""
+        full, drag = self.full_load, self.drag or TorqueOverSpeed(speed=[0.0], torque=[0.0])
+        speeds = np.union1d(full.speed, drag.speed)
+        both = (np.interp(speeds, table.speed, table.torque).tolist() for table in (full, drag))
+        return loops.EngineMap(tuple(speeds.tolist()), *map(tuple, both))
+
+    def driven(self, parameters: Mapping[str, float]) -> dict[str, float]:
+        """Parameters of the module, which carries the rotor of the engine."""
+        return loops.torque_driven(parameters, self.inertia)
+
+    def check_step(self, step: float, inertia: float) -> None:
+        """Refuse a step over which the torque held by the governor would turn the engine's error round."""
+        gain = self.governor.proportional_gain
+        if step * gain > inertia:
+            raise ValueError(
+                f"with drive.governor.proportional_gain = {gain:g} N.m.s/rad the step must be at most inertia"
+                f" over gain, {inertia / gain:g} s, is {step:g} s"
+            )
+
+    def systems(self, step: float) -> list[Any]:
+        """Make the source of the throttle, and the engine.
+
+        From throttle and input_speed, rad/s, to drive_torque, N.m; state: integrals of the governors.
+        """
+        import control as ct
+
+        limits, given = self.torque_map(), self.governor
+        governor = loops.Governor(given.proportional_gain, given.integral_gain, step)
+
+        def sample(x: Any, u: Any) -> tuple[float, float, float]:
+            """Torque and integrals: what the throttle asks for, raised to keep idle, cut at the top speed."""
+            throttle, speed = u
+            closed, full = limits.limits(speed)
+            asked = closed + throttle * (full - closed)
+            kept, idle = governor.sample(x[0], given.idle, speed, (asked, full))
+            torque, top = governor.sample(x[1], given.top_speed, speed, (closed, kept))
+            return torque, idle, top
+
+        engine = ct.nlsys(
+            lambda _, x, u, __: sample(x, u)[1:],
+            lambda _, x, u, __: sample(x, u)[:1],
+            inputs=["throttle", "input_speed"],
+            outputs=["drive_torque"],
+            states=["idle_integral", "top_integral"],
+            dt=step,
+            name="engine",
+        )
+        return [loops.source("throttle", self.one_signal(), step), engine]
+
+
+Drive = Annotated[
+    ConstantDrive
+    | RampDrive
+    | TableDrive
+    | ControlledDrive
+    | ConstantTorque
+    | TorqueTable
+    | ControlledTorque
+    | EngineDrive,
+    Field(discriminator="kind"),
+]
+
+
+# --- loads ---
+
+
+class Coupling(Strict):
+    """Elastic coupling between output shaft and load (without it they are rigid)."""
+
+    stiffness: Annotated[float, quantity("N.m/rad", above=0.0)]
+    damping: Annotated[float, quantity("N.m.s/rad", 0.0)] = 0.0
+
+
+def _coupling(table: Coupling | None) -> loops.Coupling | None:
+    return None if table is None else loops.Coupling(table.stiffness, table.damping)
+
+
+class TorqueOverTime(Tabulated):
+    """Torque over time."""
+
+    time: Times
+    torque: Annotated[list[float], quantities("N.m")]
+
+
+class SlopeOverDistance(Tabulated):
+    """Slope of the road, rise over run, over the way."""
+
+    distance: Annotated[list[float], quantities("m")]
+    slope: Annotated[list[float], quantities("1")]
+
+
+class AnyLoad(Strict, ABC):
+    """A load on the output shaft."""
+
+    def prescribed(self) -> dict[str, Signal]:
+        """Inputs of the module that follow from nothing the module does, by name."""
+        return {}
+
+    @abstractmethod
+    def build(self, step: float, one_way: bool) -> loops.Load:
+        """Make the load as a system of this step, s; one_way: the shaft cannot turn backwards."""
+
+
+class TorqueLoad(ConstantOrTable, AnyLoad):
+    """A torque on the output shaft that does not depend on the motion."""
+
+    SIGNAL: ClassVar[str] = "torque"
+
+    kind: Literal["torque"]
+    torque: Torque | None = None
+    torque_over_time: TorqueOverTime | None = None
+
+    def prescribed(self) -> dict[str, Signal]:
+        """Inputs of the module that follow from nothing the module does, by name."""
+        return {"load_torque": self.one_signal()}
+
+    def build(self, step: float, one_way: bool) -> loops.Load:
+        """Make the torque as a system."""
+        return loops.Load(loops.source("load_torque", self.one_signal(), step))
+
+
+class ShaftLoad(AnyLoad):
+    """A shaft with inertia, viscous friction and a torque against it."""
+
+    kind: Literal["shaft"]
+    inertia: Annotated[float, quantity("kg.m2", above=0.0)]
+    viscous_friction: Annotated[float, quantity("N.m.s/rad", 0.0)] = 0.0
+    torque: Torque = 0.0
+    coupling: Coupling | None = None
+
+    def build(self, step: float, one_way: bool) -> loops.Load:
+        """Make the shaft as a system."""
+        return loops.shaft_load(
+            step, self.inertia, self.viscous_friction, self.torque, _coupling(self.coupling)
+        )
+
+
+class VehicleLoad(AnyLoad):
+    """A vehicle on a road, behind a final drive.
+
+    Attributes:
+        times_to: speeds, m/s, to which the summary gives the time from standstill.
+    """
+
+    kind: Literal["vehicle"]
+    mass: Annotated[float, quantity("kg", above=0.0)]
+    wheel_radius: Annotated[float, quantity("m", above=0.0)]
+    final_drive: Annotated[float, quantity("1", above=0.0)]
+    rolling_resistance: Annotated[float, quantity("1", 0.0, 1.0)] = 0.01
+    drag_area: Annotated[float, quantity("m2", 0.0)] = 0.0
+    air_density: Annotated[float, quantity("kg/m3", 0.0)] = 1.2
+    slope: Annotated[float, quantity("1", -1.0, 1.0)] = 0.0
+    slope_over_distance: SlopeOverDistance | None = None
+    coupling: Coupling | None = None
+    times_to: Annotated[list[float], quantities("m/s", 0.0)] = Field(
+        default=[50.0 * KILOMETRE_PER_HOUR, 100.0 * KILOMETRE_PER_HOUR]
+    )
+
+    def build(self, step: float, one_way: bool) -> loops.Load:
+        """Make the vehicle as a system."""
+        table = self.slope_over_distance
+        return loops.vehicle_load(
+            step,
+            self.mass,
+            self.wheel_radius,
+            self.final_drive,
+            rolling_resistance=self.rolling_resistance,
+            drag_area=self.drag_area,
+            air_density=self.air_density,
+            slope=self.slope if table is None else table.signal(),
+            one_way=one_way,
+            coupling=_coupling(self.coupling),
+        )
+
+
+Load = Annotated[TorqueLoad | ShaftLoad | VehicleLoad, Field(discriminator="kind")]
+
+
+# --- controllers ---
+
+
+def _speed_unit(context: Any) -> str:
+    return SPEED_UNITS[(context or {}).get("measured", SHAFT_SPEED)]
+
+
+def _by_measured(vehicle_unit: str, shaft_unit: str, minimum: float | None = None) -> BeforeValidator:
+    """Validator of a quantity, or a list of them, whose unit depends on the speed that is controlled."""
+
+    def check(value: Any, info: ValidationInfo) -> Any:
+        unit = vehicle_unit if _speed_unit(info.context) == "m/s" else shaft_unit
+        if isinstance(value, list):
+            return [checked(item, unit, minimum) for item in value]
+        return checked(value, unit, minimum)
+
+    return BeforeValidator(check)
+
+
+class Reference(Strict, ABC):
+    """A wanted speed."""
+
+    def driving_cycle(self) -> Cycle | None:
+        """The driving cycle to be followed, if it is one."""
+        return None
+
+    @abstractmethod
+    def signal(self) -> Signal:
+        """The wanted speed, constant or over time."""
+
+
+class ConstantReference(Reference):
+    """One speed all the time."""
+
+    kind: Literal["constant"]
+    speed: Annotated[float, _by_measured("m/s", "rad/s")]
+
+    def signal(self) -> Signal:
+        """The speed."""
+        return self.speed
+
+
+class TableReference(Tabulated, Reference):
+    """A speed over time."""
+
+    kind: Literal["table"]
+    time: Times
+    speed: Annotated[list[float], _by_measured("m/s", "rad/s")]
+
+    @classmethod
+    def columns(cls, context: Any = None) -> dict[str, str]:
+        """Units of both columns: that of the speed follows from what hangs on the shaft."""
+        return {"time": "s", "speed": _speed_unit(context)}
+
+
+def _known_cycle(name: Any) -> str:
+    if name not in CYCLES:
+        raise ValueError(f"must be a driving cycle, is {name!r} {did_you_mean(name, CYCLES)}")
+    return str(name)
+
+
+class CycleReference(Reference):
+    """A driving cycle."""
+
+    kind: Literal["cycle"]
+    cycle: Annotated[str, BeforeValidator(_known_cycle)]
+
+    def driving_cycle(self) -> Cycle | None:
+        """The cycle itself."""
+        return CYCLES[self.cycle]
+
+    def signal(self) -> Signal:
+        """The speed over time, m/s."""
+        cycle = CYCLES[self.cycle]
+        return loops.Table(cycle.time, cycle.speed)
+
+
+class Brake(Strict):
+    """The driver's brake: a force in proportion to how much the vehicle is too fast."""
+
+    gain: Annotated[float, quantity("N.s/m", 0.0)]
+    maximum: Annotated[float, quantity("N", 0.0)]
+    margin: Annotated[float, quantity("m/s", 0.0)] = 0.0
+
+
+class PiController(Strict):
+    """PI controller of the speed that commands omega1, with limits and anti-windup.
+
+    Attributes:
+        COMMAND: the input of the module that it commands. DRIVE: kind of [drive] that leaves it to it.
+    """
+
+    COMMAND: ClassVar[str] = "omega1"
+    DRIVE: ClassVar[str] = "controlled"
+
+    kind: Literal["pi"]
+    proportional_gain: Annotated[float, _by_measured("rad/m", "1", 0.0)]
+    integral_gain: Annotated[float, _by_measured("rad/m/s", "1/s", 0.0)] = 0.0
+    feedforward: Annotated[float, _by_measured("rad/m", "1")] = 0.0
+    minimum: AngularSpeed = 0.0
+    maximum: AngularSpeed = LARGEST_SPEED
+    reference: Annotated[ConstantReference | TableReference | CycleReference, Field(discriminator="kind")]
+    brake: Brake | None = None
+
+    @model_validator(mode="after")
+    def _limits_in_order(self) -> Self:
+        if not self.minimum < self.maximum:
+            raise ValueError(must_be("minimum", f"below maximum = {self.maximum:g}", self.minimum))
+        return self
+
+    def build(self, step: float, measured: str) -> list[Any]:
+        """Make the systems of reference, controller and brake, of this step, s."""
+        systems = [
+            loops.source("reference", self.reference.signal(), step),
+            loops.pi_speed_controller(
+                step,
+                self.proportional_gain,
+                self.integral_gain,
+                (self.minimum, self.maximum),
+                feedforward=self.feedforward,
+                measured=measured,
+                command=self.COMMAND,
+            ),
+        ]
+        if self.brake is not None:
+            systems.append(loops.driver_brake(step, self.brake.gain, self.brake.maximum, self.brake.margin))
+        return systems
+
+
+class PiTorqueController(PiController):
+    """PI controller of the speed that commands drive_torque, within the limits of an engine or motor."""
+
+    COMMAND: ClassVar[str] = "drive_torque"
+    DRIVE: ClassVar[str] = "controlled_torque"
+
+    kind: Literal["pi_torque"]  # type: ignore[assignment]
+    proportional_gain: Annotated[float, _by_measured("N.s", "N.m.s/rad", 0.0)]
+    integral_gain: Annotated[float, _by_measured("N", "N.m/rad", 0.0)] = 0.0
+    feedforward: Annotated[float, _by_measured("N.s", "N.m.s/rad")] = 0.0
+    minimum: Torque
+    maximum: Torque
+
+
+Controller = Annotated[PiController | PiTorqueController, Field(discriminator="kind")]
