@@ -124,11 +124,71 @@ def test_journals_that_leave_no_pulse_take_the_output_up_to_link_1(compiled):
     assert module["energy_residual"] == pytest.approx(0.0, abs=1e-4 * module["energy_in"])
 
 
+def under_torque(kernel, values, fidelity, speed, torque, omega1=130.0):
+    """The module after it has settled under a torque on link 1, its output held at a speed, and 20 s more."""
+    held = {"drive": 1, "fidelity": fidelity, "output_inertia": 1e9, "load_torque": 0.0, "tolerance": 1e-7}
+    start = {"omega1": omega1, "omega_out_start": speed, "drive_torque": torque}
+    module = Module(kernel).start(**{**values, **held, **start})
+    module.advance(30.0)
+    angle = module["input_angle"] + math.tau * module["input_turns"]
+    module.advance(20.0)
+    turned = module["input_angle"] + math.tau * module["input_turns"] - angle
+    return module, turned / 20.0
+
+
+def agree_under_torque(kernel, values, speed, torque, bound):
+    (ours, omega1), (pulses, speed1) = (under_torque(kernel, values, f, speed, torque) for f in (1, 2))
+    assert omega1 == pytest.approx(speed1, rel=bound)
+    assert ours["output_torque_mean"] == pytest.approx(pulses["output_torque_mean"], rel=bound)
+    passed, taken = ours["output_torque_mean"] * speed, pulses["output_torque_mean"] * speed
+    assert passed / (torque * omega1) == pytest.approx(taken / (torque * speed1), abs=bound)
+    assert ours["mesh_torque_mean"] == pytest.approx(pulses["mesh_torque_mean"], abs=bound * torque)
+    return ours
+
+
+@pytest.mark.parametrize("mechanism", MECHANISMS)
+@pytest.mark.parametrize("inertia", [0.1, 1.0])
+@pytest.mark.parametrize("speed", [10.0, 50.0])
+def test_under_its_torque_link_1_and_the_output_are_those_of_the_pulses(compiled, mechanism, inertia, speed):
+    values = {**MECHANISMS[mechanism], **REALISTIC, "input_inertia": inertia}
+    agree_under_torque(compiled, values, speed, 12.0 if mechanism == "bevel" else 20.0, 0.01)
+
+
 @pytest.mark.parametrize("name", [*ALONE, "input_friction", "output_friction"])
-def test_losses_under_the_torque_of_link_1_are_refused(name):
-    value = ALONE.get(name, (0.03, ""))[0]
-    with pytest.raises(Refused, match=rf"drive = 1 \(torque\) losses must be off, are .*{name} = {value:g}"):
-        Module("plain").check(fidelity=1, drive=1, input_inertia=1.0, **{name: value})
+def test_each_loss_alone_under_the_torque_of_link_1_is_that_of_the_pulses(compiled, name):
+    value, cause = ALONE.get(name, (0.03, "viscous"))
+    shape = {} if name == "satellite_mesh_efficiency" else PLANAR
+    module = agree_under_torque(compiled, {**shape, name: value, "input_inertia": 0.5}, 20.0, 15.0, 0.005)
+    assert module[f"energy_lost_{cause}"] == module["energy_lost"] > 0.0
+
+
+def test_friction_of_a_light_link_1_is_that_of_its_swing(compiled):
+    values = {**PLANAR, "input_inertia": 0.003, "input_friction": 0.05}
+    agree_under_torque(compiled, values, 20.0, 15.0, 0.01)
+
+
+@pytest.mark.parametrize("mechanism", MECHANISMS)
+def test_long_steps_under_a_torque_with_losses_end_as_short_ones(compiled, mechanism):
+    values = {**MECHANISMS[mechanism], **REALISTIC, "drive": 1, "fidelity": 1, "input_inertia": 0.2}
+    values |= {"output_inertia": 1e4, "drive_torque": 12.0, "omega_out_start": 30.0}
+    ends = []
+    for step in (0.01, 1.0, 12.0):
+        module = Module(compiled).start(**values)
+        advanced(module, *[step] * round(12.0 / step))
+        assert module["energy_residual"] == pytest.approx(0.0, abs=1e-4 * module["energy_in"])
+        ends.append([module["input_speed"], module["omega_out"], module["energy_lost"]])
+    assert ends[1] == pytest.approx(ends[0], rel=1e-4)
+    assert ends[2] == pytest.approx(ends[0], rel=1e-4)
+
+
+@pytest.mark.parametrize("mechanism", MECHANISMS)
+def test_left_alone_with_its_friction_the_machine_comes_to_rest(compiled, mechanism):
+    values = {**MECHANISMS[mechanism], **REALISTIC, "drive": 1, "fidelity": 1, "input_inertia": 0.2}
+    module = Module(compiled).start(**values, omega1=100.0, drive_torque=0.0, load_torque=0.0)
+    stored = module["energy_stored"]
+    advanced(module, *[5.0] * 20)
+    assert abs(module["input_speed"]) + module["omega_out"] < 0.01
+    assert module["energy_lost"] == pytest.approx(stored, rel=1e-4)
 
 
 def test_the_continuous_system_is_the_module(compiled):

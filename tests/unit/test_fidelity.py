@@ -219,13 +219,9 @@ def test_a_scene_is_measured_in_longer_steps_too():
 
 
 WOUND = {"[drive]": "freewheel_stiffness = 2e3\n[drive]"}
-BY_TORQUE = {
-    '[drive]\nkind = "constant"': 'mesh_efficiency = 0.95\ninput_inertia = 0.2\n[drive]\nkind = "torque"',
-    'omega1 = "100 rad/s"': 'drive_torque = "20 N.m"\nomega1 = "100 rad/s"',
-}
 
 
-@pytest.mark.parametrize(("changes", "refusing"), [(WOUND, "elastic, timestepping"), (BY_TORQUE, "averaged")])
+@pytest.mark.parametrize(("changes", "refusing"), [(WOUND, "elastic, timestepping")])
 def test_level_that_refuses_the_losses_of_a_scene_is_not_chosen(changes, refusing):
     text = changed('"2 %"', '"100 %"')
     for old, new in changes.items():

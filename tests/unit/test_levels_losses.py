@@ -59,6 +59,6 @@ def test_every_parameter_is_told_at_every_level():
 def test_level_has_the_losses_that_the_page_tells(level):
     for name, cells in told().items():
         cell = cells[level.name]
-        assert found(level, name) == {"by speed": "yes"}.get(cell, cell), name
+        assert found(level, name) == cell, name
         if level.fidelity != KINEMATIC:
-            assert found(level, name, by_torque=True) == {"by speed": "refused"}.get(cell, cell), name
+            assert found(level, name, by_torque=True) == cell, name

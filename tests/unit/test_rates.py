@@ -13,7 +13,6 @@ from differences import assert_rates, difference
 from scenes import DRIVEN, ENGINE, LAYOUTS, SCENES, advanced, started
 
 from inertia_module.contract.records import record_type
-from inertia_module.kernel.averaged import falls, instants
 from inertia_module.kernel.codes import DRIVING, FREE, HELD, HELD_DRIVING
 from inertia_module.kernel.equations.choice import choose_states
 from inertia_module.kernel.equations.states import LOCKED, OPEN
@@ -179,37 +178,6 @@ def test_of_equals_the_mode_is_chosen_that_goes_on(chance, sign):
     rate = difference(lambda t: mesh_torque(d, d.k * x.omega1 * t, x.omega1, 0.0, 0.0))
     choose_states(d, x, 0.0)
     assert x.mode == (DRIVING if rate > 0.0 else HELD_DRIVING)
-
-
-@pytest.mark.parametrize("mode", [HELD, DRIVING, FREE])
-@pytest.mark.parametrize("direction", [1.0, -1.0])
-def test_speeds_and_guards_of_the_steady_motion(values, chance, direction, mode):
-    d = started("plain", {**values, **dict.fromkeys(FRICTION, 0.0)}).derived  # averaged: none
-    t = d.travel
-    t.direction, t.mode, t.omega3 = direction, mode, chance.uniform(0.1, 0.8)
-    t.prescribed = chance.uniform(-1.0, 1.0) if d.by_torque else 0.0
-    q, slip = chance.uniform(-7.0, 7.0), chance.uniform(1.0, 2.0)
-    omega2 = {HELD: 0.0, DRIVING: t.omega3, FREE: 0.3 * t.omega3}[mode]
-    if not d.by_torque:
-        slip = abs(direction - omega2)  # link 1 has the speed 1 where it is given
-    at = instants.instant(d, t, q, omega2 + direction * slip, omega2)
-
-    def there(angle):
-        time = angle / (d.k * slip)
-        speeds = at[0] + at[2] * time, at[1] + at[3] * time
-        return instants.instant(d, t, q + direction * angle, *speeds)
-
-    t.q = q
-    instants.take_integrals(d, t, *at[:2])
-    assert_rates(
-        [at[2] / (d.k * slip), at[3] / (d.k * slip)],
-        lambda angle: instants.instant_after(d, t, at, angle)[:2],
-        1e-4,
-    )
-    guards = (falls.LINK2_GUARD, falls.OUTPUT_GUARD) if mode == FREE else (falls.TORQUE_GUARD,)
-    for which in guards:
-        _, rate = falls.guard(d, t, which, at)
-        assert_rates(rate, lambda angle, which=which: falls.guard(d, t, which, there(angle))[0])
 
 
 @pytest.mark.parametrize("scene", ["bevel", "planar"])

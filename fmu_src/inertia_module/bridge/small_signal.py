@@ -51,7 +51,6 @@ from ..harness.fmu import Fmu, as_names
 from ..kernel import codes
 from ..kernel.averaged import balance as average_balance
 from ..kernel.averaged import legs as average_legs
-from ..kernel.averaged import outputs as average_outputs
 from ..kernel.averaged import rates as average_rates
 from ..kernel.averaged import run as average
 from ..memory import Module
@@ -152,9 +151,9 @@ def averaged_system(
         x, side, rate, torque, acceleration = motion(omega_out, u)
         omega1 = x.omega1
         average.end_step(d, x, average_legs.RESTING, -1.0, omega1)  # type: ignore[no-untyped-call]
-        average_outputs.write_averaged(d, x, y)  # type: ignore[no-untyped-call]
+        average.write_averaged(d, x, y)  # type: ignore[no-untyped-call]
         values = {name: getattr(y, name) for name in OUTPUTS}
-        mesh = average_balance.mesh_share(d, side, x, omega1, torque)  # type: ignore[no-untyped-call]
+        mesh = average_balance.mesh_share(d, side, x, omega1, omega1, torque)  # type: ignore[no-untyped-call]
         taken = average_balance.mean_input_torque(d, side, x, omega1, rate, acceleration, torque)  # type: ignore[no-untyped-call]
         values |= {"omega_out": omega_out, "omega2": x.omega2, "input_torque": taken}
         housing = torque + d.b2 * x.omega2 - mesh

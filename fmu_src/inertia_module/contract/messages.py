@@ -51,11 +51,6 @@ MESSAGES: Mapping[int, str] = {
         " {housing_freewheel} and {output_freewheel}: without both freewheels nothing rectifies the pulses"
         " and there is no mean torque"
     ),
-    codes.FRICTION_AVERAGED: (
-        f"with {named('fidelity')} (averaged) and {named('drive')} (torque) losses must be off, are"
-        f" {named(*_FRICTION, *_LOSSES)}:"
-        " fidelity 2 (rigid) has them, or drive 0 (speed)"
-    ),
     codes.WIND_UP_STEPPED: (
         f"with {named('method')} (timestepping) housing_stiffness and freewheel_stiffness must be 0, are"
         " {housing_stiffness} and {freewheel_stiffness}: only the event method winds freewheels up"

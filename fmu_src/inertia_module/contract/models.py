@@ -181,7 +181,7 @@ class Model:
 
 _P, _U, _Y = interface(variables.VARIABLES)
 _D = fields.constants(len(variables.MAP_KEY))  # type: ignore[no-untyped-call]
-_W = fields.workspace(_Y)  # type: ignore[no-untyped-call]
+_W = fields.workspace(_Y, len(variables.MAP_KEY))  # type: ignore[no-untyped-call]
 
 INERTIA_MODULE = Model(
     name="InertiaModule",

@@ -373,7 +373,7 @@ VARIABLES: tuple[Variable, ...] = (
     _tunable(Group.ELASTIC, "shaft_damping", "N.m.s/rad", 0.05, 0.0, 1e12, "damping d of the output shaft (elastic)", idle=True),
     _tunable(Group.ELASTIC, "driven_friction", "N.m.s/rad", 0.0, 0.0, 1e12, "viscous friction f of the driven mass (elastic)"),
     _tunable(Group.ELASTIC, "balancer", "1", 0.0, -10.0, 10.0, "gain beta of the balancer (elastic)"),
-    _tunable(Group.LOSSES, "input_friction", "N.m.s/rad", 0.0, 0.0, 1e3, "viscous friction b1 of link 1"),
+    _tunable(Group.LOSSES, "input_friction", "N.m.s/rad", 0.0, 0.0, 1e3, "viscous friction b1 of link 1", in_map=True),
     _tunable(Group.LOSSES, "drive_friction", "N.m.s/rad", 0.0, 0.0, 1e3, "viscous friction bq of all drives and satellites, as a torque against q", in_map=True),
     _tunable(Group.LOSSES, "link2_friction", "N.m.s/rad", 0.0, 0.0, 1e3, "viscous friction b2 of link 2", in_map=True),
     _tunable(Group.LOSSES, "output_friction", "N.m.s/rad", 0.0, 0.0, 1e3, "viscous friction b3 of the output shaft (hub if elastic)", in_map=True),

@@ -10,7 +10,6 @@ from .codes import (
     BAD_START_RIGID,
     DRIVE_TORQUE,
     ELASTIC,
-    FRICTION_AVERAGED,
     KINEMATIC,
     NO_INPUT_INERTIA,
     NO_RECTIFIER,
@@ -124,8 +123,9 @@ def derive_general(p, d):
     by_load = d.mesh_loss + d.satellite_loss + d.journal + d.weight + d.windage
     drag = d.housing_drag + d.housing_drag_viscous + d.output_drag + d.output_drag_viscous
     d.losses = 1.0 if by_load + drag + d.housing_stiffness + d.freewheel_stiffness > 0.0 else 0.0
+    d.averaged = 1.0 if p.fidelity == AVERAGED else 0.0
     d.lossy = 0.0
-    if p.fidelity == AVERAGED:
+    if d.averaged != 0.0:
         # its own equations; the weights' mean over turns of link 1 is nothing
         d.lossy = 1.0 if d.viscous + by_load - d.weight + drag > 0.0 else 0.0
         d.weight = 0.0
@@ -179,8 +179,8 @@ def derive(p, d):
         d: derived constants, written.
 
     Returns:
-        Status: OK, FRICTION_AVERAGED, WIND_UP_STEPPED, WINDAGE_STEPPED, PRESCRIBED, NO_INPUT_INERTIA,
-        NO_RECTIFIER, SINGULAR or a BAD_START code.
+        Status: OK, WIND_UP_STEPPED, WINDAGE_STEPPED, PRESCRIBED, NO_INPUT_INERTIA, NO_RECTIFIER, SINGULAR or
+        a BAD_START code.
     """
     d.planar = p.layout
     if p.layout != 0.0:
@@ -237,8 +237,6 @@ def derive(p, d):
         return WIND_UP_STEPPED
     if p.method == TIMESTEPPING and d.windage > 0.0:
         return WINDAGE_STEPPED
-    if d.lossy != 0.0 and d.by_torque != 0.0:
-        return FRICTION_AVERAGED
     if p.fidelity == AVERAGED and (d.housing == 0.0 or d.output == 0.0):
         return NO_RECTIFIER
     if singular:

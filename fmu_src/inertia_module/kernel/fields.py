@@ -76,20 +76,19 @@ STATE = (
 
 # averaged: over the speed ratio mean torque, mean speed of link 2 and the mean energy or, under its torque,
 # speed of link 1 (see averaged.torque_map): cubics from one knot to the next; while the map is built the
-# output speed of the motion it is of and the error of the interval that follows. With losses the power lost
-# by cause; torque, omega2 and losses once more at the six lower speeds of averaged.losses, and of links that
-# crawl (torque and losses by slowness and by its square, omega2 with the first)
+# error of the interval that follows, the torque of link 1, and how the motion begins. With losses the power
+# lost by cause; torque, omega2 and losses once more at the six lower speeds of averaged.torque_map, and of
+# links that crawl (torque and losses by slowness and by its square, omega2 with the first)
 SLOWER = (("torque", 4), ("omega2", 4), ("lost", CAUSES))
 KNOT = (
-    *("ratio", ("torque", 4), ("input", 4), ("omega2", 4), "ripple", "peak", "omega3", "error"),
+    *("ratio", ("torque", 4), ("input", 4), ("omega2", 4), "ripple", "peak", "error"),
+    *("drive", "begin_energy", "begin_omega2"),
     *(("lost", CAUSES), ("slower", SLOWER, 8)),
 )
-# one side of the map for each sign of omega1: where the torque ends, whether lock-up is reached there; with
-# losses the speed at which friction takes the stall torque
-SIDE = ("direction", "count", "end", "locks", "start", "slow", ("knots", KNOT, KNOTS))
-
-# the steady motion that a knot is of: torque of link 1, contact mode, drive angle; integrals while free
-TRAVEL = ("direction", "prescribed", "omega3", "mode", "q", "energy", "momentum")
+# one side of the map for each sign of omega1: where the torque ends, whether lock-up is reached there; where
+# a period begins and the largest momentum of link 2 at rest; with losses the speed at which friction takes
+# the stall torque
+SIDE = ("direction", "count", "end", "locks", "start", "thrown", "slow", ("knots", KNOT, KNOTS))
 
 # equations of motion: motion of an instant, torques of weights and air, what the air takes, accelerations,
 # torques; of the satellites journals and mesh, of links that stick together the torque at the drives that is
@@ -98,7 +97,7 @@ MACHINE = (
     *("q", "theta1", "omega1", "omega2", "omega3", "twist", "relative", "wound_housing", "wound_output"),
     *("weight1", "weight_q", "windage", "alpha1", "alpha2", "alpha3", "rate_relative"),
     *("drive", "mesh", "output", "housing", "journals", "spun", "torque", "flow_sign", "margin"),
-    # without losses: angular momentum and kinetic energy of links 1 and 2 and the imbalances
+    # angular momentum and kinetic energy of links 1 and 2 and the imbalances, but where links stick together
     *("momentum", "energy"),
     # signs of the loads of all satellites, as one number, and by these what each adds to spun
     *("spin_signs", ("spun_by", SATELLITES)),
@@ -117,18 +116,17 @@ CONSTANTS = (
     *("stiffness", "damping", "friction", "balancer", "b1", "bq", "b2", "b3", "viscous"),
     # what fidelity kinematic prescribes
     "ratio",
-    # whether fidelity averaged has losses
-    "lossy",
+    # whether it is fidelity averaged, with losses
+    *("averaged", "lossy"),
     # what only the general equations of motion know, and whether any of it is there (kernel.equations)
     *("losses", "mesh_loss", "satellite_loss", "journal", "weight", "number"),
     *("windage", "turn_across", "turn_along"),
     *("housing_drag", "housing_drag_viscous", "output_drag", "output_drag_viscous"),
     *("housing_stiffness", "housing_damping", "freewheel_stiffness", "freewheel_damping"),
     ("machine", MACHINE),
-    # averaged: the map, and sums while it is built
-    *("map_ready", "map_failed", "map_lock", "map_inertia", "map_evaluations"),
-    *("sum_time", "sum_torque", "sum_square", "sum_energy", "sum_omega1", "sum_omega2", "sum_peak"),
-    *(("sum_lost", CAUSES), ("travel", TRAVEL), ("forward", SIDE), ("backward", SIDE)),
+    # averaged: the map
+    *("map_ready", "map_lock", "map_inertia", "map_evaluations"),
+    *(("forward", SIDE), ("backward", SIDE)),
 )
 
 
@@ -183,12 +181,29 @@ WORKSPACE = (
     *("dragging", "drag_load", "drag_gain", "over_load", "over_gain", "holding", "lost_by_drag", "reversed"),
     # internal step of the averaged motion: both speeds at its end, its error, integrals of omega3, T omega3,
     # omega2 and, under its torque, omega1
-    *("next", "next_speed", "error", "turned3", "work", "turned2", "turned1", "lost3", "dragged"),
+    *("next", "next_speed", "error", "turned3", "work", "turned2", "turned1", "lost3", "lost", "dragged"),
+    # ... steady motion of a map: torque of link 1; at the beginning energy, over that of v = 1, and omega2
+    *("drive", "begin_energy", "begin_omega2", ("knot", KNOT)),
+    # ... and sums over it
+    *(
+        "sum_time",
+        "sum_torque",
+        "sum_square",
+        "sum_energy",
+        "sum_gain",
+        "sum_omega1",
+        "sum_omega2",
+        "sum_peak",
+    ),
+    ("sum_lost", CAUSES),
     # state at the beginning of the call, of two short steps for rates, of a part of a step
     *(("before", STATE), ("kept", STATE), ("part", STATE)),
 )
 
 
-def workspace(outputs):
-    """Fields of w; outputs: fields of y."""
-    return *WORKSPACE, ("outputs_0", outputs), ("outputs_1", outputs)
+def workspace(outputs, map_key):
+    """Fields of w; outputs: fields of y, map_key: see constants.
+
+    In held are the constants of the mechanism that a map is made of.
+    """
+    return *WORKSPACE, ("held", constants(map_key)), ("outputs_0", outputs), ("outputs_1", outputs)

@@ -5,7 +5,7 @@ A shell may leave the late ones until they are read.
 
 from .accumulate import lost_in_all
 from .audit import is_audited
-from .averaged.outputs import averaged_energy, write_averaged
+from .averaged.run import averaged_energy, write_averaged
 from .codes import (
     AVERAGED,
     ELASTIC,

@@ -4,7 +4,7 @@ import math
 
 from .accumulate import add, copy, lost_in_all, turn_output, wrap_drive_angle, wrap_input_angle
 from .audit import audit, is_audited
-from .averaged.jump import jump_averaged, takes_up_jump
+from .averaged.balance import jump_averaged, takes_up_jump
 from .averaged.legs import RESTING
 from .averaged.run import end_step, run_averaged, speed_at_start
 from .averaged.torque_map import build_map

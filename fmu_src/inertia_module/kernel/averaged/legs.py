@@ -9,7 +9,7 @@ import math
 
 from ..accumulate import add
 from ..output_shaft import slowed
-from .rates import torque_at_knot
+from .rates import SLOWEST, resistance, torque_at_knot
 
 # a torque or speed within this fraction of another is at it
 ROUNDING = 1e-12
@@ -40,15 +40,51 @@ def mean_acceleration(d, knot, rate):
     return knot.input[0] * rate if d.by_torque != 0.0 else rate
 
 
-def leg_rate(d, side, x, leg, alpha1):
+def leg_rate(d, side, x, leg, v, alpha1):
     """Rate of v in a leg, rad/s^2: alpha1 where the speed is given, else by the torque of link 1."""
     if d.by_torque == 0.0:
         return alpha1
+    resisting = 0.0
+    if d.lossy != 0.0:
+        speed = max(abs(v), side.slow / SLOWEST)
+        resisting, _, _ = resistance(side, x, speed, 0.0 if leg == RESTING else side.end * speed)
+        if leg == COASTING:
+            resisting += coasting_torque(d, side, x, speed) * side.end
     if leg == LOCKED:
         # J* v = (J* / end^2) end omega1: so much inertia turns with link 1 and the shaft
-        return side.end * (x.drive_torque - x.load_torque) / (d.map_inertia + side.end * side.end * d.J3)
+        driving = side.end * (x.drive_torque - x.load_torque - d.b3 * side.end * v)
+        return (driving - resisting) / (d.map_inertia + side.end * side.end * d.J3)
     share = side.knots[0].input[0] if leg == RESTING else last_knot(side).input[0]
-    return x.drive_torque * share / d.map_inertia
+    driving = x.drive_torque * share
+    if v == 0.0 and abs(driving) <= resisting:
+        return 0.0
+    return (driving - math.copysign(resisting, side.direction)) / d.map_inertia
+
+
+def mean_rate(d, side, x, leg, v, alpha1, h):
+    """Rate of v in the middle of a leg of h, rad/s^2."""
+    rate = leg_rate(d, side, x, leg, v, alpha1)
+    if d.by_torque == 0.0 or d.lossy == 0.0:
+        return rate
+    return leg_rate(d, side, x, leg, v + 0.5 * h * rate, alpha1)
+
+
+def even_time(d, side, x, leg, v, alpha1, h, tolerance):
+    """Time, at most h, in which losses under the torque of link 1 let v change as evenly as is allowed."""
+    if d.by_torque == 0.0 or d.lossy == 0.0:
+        return h
+    rate = leg_rate(d, side, x, leg, v, alpha1)
+    for _ in range(HALVINGS):
+        middle = leg_rate(d, side, x, leg, v + 0.5 * h * rate, alpha1)
+        again = leg_rate(d, side, x, leg, v + 0.5 * h * middle, alpha1)
+        end = leg_rate(d, side, x, leg, v + h * middle, alpha1)
+        x.step_evaluations += 1.0
+        error = h * (abs(again - middle) + abs(rate - 2.0 * middle + end) / 6.0)
+        allowed = tolerance * max(abs(v), abs(h * middle))
+        if not error > allowed:
+            break
+        h *= max(0.1, 0.8 * (allowed / error) ** (1.0 / 3.0))
+    return h
 
 
 def locked_torque(d, side, load, v, rate):
@@ -85,7 +121,7 @@ def can_lock(d, side, x, v, alpha1, load):
             return False
     elif x.omega3 != v or (side.locks == 0.0 and x.omega2 != v):
         return False  # (without locks the mean motion never comes up to link 1)
-    rate = leg_rate(d, side, x, LOCKED, alpha1)
+    rate = leg_rate(d, side, x, LOCKED, v, alpha1)
     torque = locked_torque(d, side, load, v, rate)
     most = most_locked_torque(d, side, v)
     if rate < 0.0 and torque >= most * (1.0 - ROUNDING):
@@ -97,7 +133,7 @@ def closing_in(d, side, x, v, alpha1):
     """How far a coasting shaft is beyond the end of the map, rad/s, how fast it slows and comes nearer."""
     speed = abs(v)
     slowing = (x.load_torque + d.b3 * x.omega3 - coasting_torque(d, side, x, speed)) / d.J3
-    closing = slowing + side.end * side.direction * leg_rate(d, side, x, COASTING, alpha1)
+    closing = slowing + side.end * side.direction * leg_rate(d, side, x, COASTING, v, alpha1)
     return x.omega3 - side.end * speed, slowing, closing
 
 
@@ -114,7 +150,7 @@ def choose_leg(d, side, x, v, alpha1):
         torque = stall * speed * speed
         if torque < load * (1.0 - ROUNDING) or stall == 0.0:
             return RESTING
-        growing = side.direction * leg_rate(d, side, x, RESTING, alpha1)
+        growing = side.direction * leg_rate(d, side, x, RESTING, v, alpha1)
         if torque <= load * (1.0 + ROUNDING) and growing <= 0.0:
             return RESTING
         return SLIPPING
@@ -174,7 +210,7 @@ def turn_input(d, side, x, w, leg, v, rate, h):
 
 def rest(d, side, x, w, v, alpha1, remaining):
     """Let the shaft rest, held by the housing. Returns (time, impulse of the output torque)."""
-    rate = leg_rate(d, side, x, RESTING, alpha1)
+    rate = mean_rate(d, side, x, RESTING, v, alpha1, remaining)
     h = time_at_rest(side, x.load_torque, v, rate, remaining)
     turn_input(d, side, x, w, RESTING, v, rate, h)
     w.turned3 = 0.0
@@ -186,7 +222,7 @@ def rest(d, side, x, w, v, alpha1, remaining):
 
 def turn_locked(d, side, x, w, v, alpha1, remaining):
     """Let the shaft turn with link 1. Returns (time, impulse of the output torque)."""
-    rate = leg_rate(d, side, x, LOCKED, alpha1)
+    rate = mean_rate(d, side, x, LOCKED, v, alpha1, remaining)
     ratio = lock_ratio(d, side)
     h = time_locked(d, side, x.load_torque, v, rate, remaining)
     torque = locked_torque(d, side, x.load_torque, v + 0.5 * rate * h, rate)
@@ -223,7 +259,7 @@ def coasting_works(d, side, x, w, speed, rate, slowing, change, h):
 def coast(d, side, x, w, v, alpha1, remaining):
     """Let the shaft coast until it comes down to where the map ends. Returns (time, impulse of the drag)."""
     speed = abs(v)
-    rate = leg_rate(d, side, x, COASTING, alpha1)
+    rate = mean_rate(d, side, x, COASTING, v, alpha1, remaining)
     gap, slowing, closing = closing_in(d, side, x, v, alpha1)
     arrives = closing > 0.0 and gap < closing * remaining
     h = gap / closing if arrives else remaining

@@ -177,22 +177,58 @@ def look_up_input(side, x, speed, omega3):
     return cubic_at(knot.input, s - knot.ratio)
 
 
+def lost_at_knot(knot, cause, w):
+    """Mean power that a cause takes at a knot, over the cube of the speed, and its slope in w times w."""
+    s = knot.slower
+    slower = s[0].lost[cause], s[1].lost[cause], s[2].lost[cause]
+    slowest = s[3].lost[cause], s[4].lost[cause], s[5].lost[cause]
+    return by_speed(knot.lost[cause], slower, slowest, (0.0, s[6].lost[cause], s[7].lost[cause]), w)
+
+
+def resistance(side, x, speed, omega3):
+    """Power that all losses but that of the output take over |v|, N m, and its slopes in |v| and omega3."""
+    s = ratio(omega3, speed)
+    n = find_knot(side, x, s)
+    here = side.knots[n]
+    after = side.knots[min(n + 1, int(side.count) - 1)]
+    width = after.ratio - here.ratio
+    w = slowness(side, speed) if side.slow != 0.0 else 0.0
+    first = first_w = last = last_w = 0.0
+    for cause in range(len(here.lost)):
+        lost, lost_w = lost_at_knot(here, cause, w)
+        first += lost
+        first_w += lost_w
+        lost, lost_w = lost_at_knot(after, cause, w)
+        last += lost
+        last_w += lost_w
+    slope = (last - first) / width if width > 0.0 else 0.0
+    t = s - here.ratio if width > 0.0 else 0.0
+    lost = first + t * slope
+    lost_w = first_w + t / width * (last_w - first_w) if width > 0.0 else first_w
+    return speed * speed * lost, speed * (2.0 * lost - s * slope - lost_w), speed * slope
+
+
 def flow(d, side, x, speed, speed_rate, omega3):
     """Rates of |v| and omega3 and of what is integrated besides, and how they change.
 
-        J* v' = M1 g - v F omega3        J3 omega3' = v^2 F - b3 omega3 - load
+        J* v' = M1 g - v F omega3 - losses / v        J3 omega3' = v^2 F - b3 omega3 - load
 
     Args:
         speed: |v|. speed_rate: its rate where the speed of link 1 is given, else without effect.
 
     Returns:
-        (v', omega3', the slopes of both in v and omega3, T, omega2, |omega1|, the rates of these five).
+        (v', omega3', the slopes of both in v and omega3, T, omega2, |omega1|, power lost by torque, the rates
+        of these six).
     """
+    at_rest = speed == 0.0 and omega3 == 0.0
+    if side.slow != 0.0 and d.by_torque != 0.0:
+        # friction and drag resist at rest too, and in a step tried beyond it
+        speed = max(speed, side.slow / SLOWEST)
     torque, torque1, part, part1, torque_w, part_w = look_up(side, x, speed, omega3)
     share, share1 = 1.0, 0.0
     if d.by_torque != 0.0:
         share, share1 = look_up_input(side, x, speed, omega3)
-        if speed == 0.0 and omega3 == 0.0:
+        if at_rest:
             # from rest the ratio is that of the accelerations, and stays
             start = max(-x.load_torque, 0.0) / d.J3
             growing = abs(x.drive_torque) / d.map_inertia
@@ -207,12 +243,20 @@ def flow(d, side, x, speed, speed_rate, omega3):
     rate = speed_rate
     own_by_speed = 0.0
     by_omega3 = 0.0
+    lost, lost_rate = 0.0, 0.0
     if d.by_torque != 0.0:
         drive = side.direction * x.drive_torque
-        rate = (drive * share - speed * torque * omega3) / d.map_inertia
+        taken, taken1, taken3 = 0.0, 0.0, 0.0
+        if d.lossy != 0.0:
+            taken, taken1, taken3 = resistance(side, x, speed, omega3)
+        rate = (drive * share - speed * torque * omega3 - taken) / d.map_inertia
         share_by_omega3 = share1 / speed if share1 != 0.0 else 0.0
-        own_by_speed = -(drive * s * share_by_omega3 + omega3 * (torque - s * torque1)) / d.map_inertia
-        by_omega3 = (drive * share_by_omega3 - speed * torque - omega3 * torque1) / d.map_inertia
+        # (the torque falls with the slowness too)
+        own_by_speed = omega3 * (torque - s * torque1 - torque_w) + taken1
+        own_by_speed = -(drive * s * share_by_omega3 + own_by_speed) / d.map_inertia
+        by_omega3 = (drive * share_by_omega3 - speed * torque - omega3 * torque1 - taken3) / d.map_inertia
+        lost = speed * taken
+        lost_rate = rate * taken + speed * (taken1 * rate + taken3 * rate3)
     part_rate = rate * (part - s * part1 - part_w) + rate3 * part1
     share_rate = rate * (share - s * share1) + rate3 * share1
     passed_rate = passed_by_speed * rate + passed_by_omega3 * rate3
@@ -223,6 +267,7 @@ def flow(d, side, x, speed, speed_rate, omega3):
         (passed, passed_rate),
         (speed * part, part_rate),
         (speed * share, share_rate),
+        (lost, lost_rate),
     )
 
 

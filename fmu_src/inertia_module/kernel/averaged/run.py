@@ -11,7 +11,7 @@ takes an integration.
 import math
 
 from ..accumulate import add, add_loss, wrap_drive_angle, wrap_input_angle
-from ..codes import DRIVING, FREE, FREEWHEEL, HELD_DRIVING, NOT_STEADY, OK, STEP_TOO_SMALL, TOO_MUCH_WORK
+from ..codes import DRIVING, FREE, FREEWHEEL, HELD_DRIVING, OK, STEP_TOO_SMALL, TOO_MUCH_WORK
 from ..output_shaft import turn
 from .balance import lose, mean_input_torque, mesh_share
 from .legs import (
@@ -23,13 +23,14 @@ from .legs import (
     closing_in,
     coast,
     coasting_torque,
+    even_time,
     last_knot,
     leg_rate,
     mean_acceleration,
     rest,
     turn_locked,
 )
-from .rates import energy_at, flow, input_speed, look_up_input, side_at
+from .rates import energy_at, flow, input_speed, look_up_input, ripple_at, side_at
 from .step import slip
 
 # legs and internal steps before a communication step is given up
@@ -45,7 +46,7 @@ STARTING = 1e-300
 def torque_at(d, side, x, leg, v, alpha1):
     """Mean output torque now, the acceleration of the output shaft, that of link 2 and that of link 1."""
     load = x.load_torque
-    rate = leg_rate(d, side, x, leg, alpha1)
+    rate = leg_rate(d, side, x, leg, v, alpha1)
     if leg == RESTING:
         return load, 0.0, 0.0, mean_acceleration(d, side.knots[0], rate)
     if leg == LOCKED:
@@ -71,7 +72,7 @@ def torques_at(d, side, x, leg, omega1, alpha1):
     x.omega3 = leg_speed(x, leg)
     torque, alpha3, _, _ = torque_at(d, side, x, leg, omega1, alpha1)
     mean = mean_input_torque(d, side, x, omega1, alpha1, alpha3, torque)
-    mesh = mesh_share(d, side, x, omega1, torque)
+    mesh = mesh_share(d, side, x, omega1, omega1, torque)
     x.omega3 = omega3
     return mean, mesh
 
@@ -144,10 +145,17 @@ def advance_leg(d, side, x, w, leg, v, alpha1, remaining):
         work = x.drive_torque * turned
         x.theta1, x.theta1_low = add(x.theta1, x.theta1_low, turned)
         wrap_input_angle(x)
-        if leg == SLIPPING and turned != 0.0:
-            x.mesh_impulse += h * w.work / turned
-    if leg == LOCKED and not prescribed:
-        x.mesh_impulse += impulse
+        mesh_work = w.work
+        if d.lossy != 0.0:
+            if leg == COASTING:
+                add_loss(x, FREEWHEEL, w.dragged)
+                mesh_work += w.dragged
+            if leg != SLIPPING:
+                energy1, _, _ = energy_at(d, side, x, end)
+                w.lost = max(work - mesh_work - (energy1 - energy0), 0.0)
+            mesh_work += lose(d, side, x, w, v, end, h, omega3)[1]
+        if turned != 0.0:
+            x.mesh_impulse += h * mesh_work / turned - d.b1 * turned
     x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, work)
     x.q, x.q_low = add(x.q, x.q_low, d.k * (turned - w.turned2))
     return h, end
@@ -192,8 +200,6 @@ def trend(d, x, alpha1):
 
 def run_averaged(d, x, w, h):
     """Advance the mean motion by h. Returns a status."""
-    if d.map_ready == 0.0:
-        return NOT_STEADY  # that of parameters tuned could not be found
     alpha1 = x.alpha1
     time = 0.0
     v = x.omega1 if d.by_torque == 0.0 else x.map_speed
@@ -203,12 +209,13 @@ def run_averaged(d, x, w, h):
         leg = choose_leg(d, side, x, v, alpha1)
         show_mode(x, leg)
         # a leg ends where v passes zero: the map is another there
-        rate = leg_rate(d, side, x, leg, alpha1)
+        rate = leg_rate(d, side, x, leg, v, alpha1)
         to_zero = -v / rate if v * rate < 0.0 and (leg != SLIPPING or d.by_torque == 0.0) else remaining
         cut = to_zero < remaining
         if cut:
             remaining = to_zero
-        passed, v = advance_leg(d, side, x, w, leg, v, alpha1, remaining)
+        even = remaining if leg == SLIPPING else even_time(d, side, x, leg, v, alpha1, remaining, w.tolerance)
+        passed, v = advance_leg(d, side, x, w, leg, v, alpha1, even)
         if passed < 0.0:
             return STEP_TOO_SMALL
         time += passed
@@ -243,3 +250,43 @@ def end_step(d, x, leg, v, end):
         x.omega2 = 0.0
     else:
         x.omega2 = flow(d, side, x, abs(end), 0.0, x.omega3)[4][0]
+
+
+def map_speed(d, x):
+    """The speed v that the map goes with: omega1, or under its torque that of the energy."""
+    return x.map_speed if d.by_torque != 0.0 else x.omega1
+
+
+def averaged_energy(d, x):
+    """Mean kinetic energy of the mechanism and the output shaft, J."""
+    v = map_speed(d, x)
+    energy, _, _ = energy_at(d, side_at(d, v, trend(d, x, x.alpha1)), x, v)
+    return energy + 0.5 * d.J3 * x.omega3 * x.omega3
+
+
+def write_averaged(d, x, y):
+    """Mean torques, ripple and peak at the present speeds. Returns the acceleration of link 2.
+
+    Of the mean output torque the mesh has its share, the housing takes the rest.
+    """
+    v = map_speed(d, x)
+    alpha1 = x.alpha1
+    side = side_at(d, v, trend(d, x, alpha1))
+    leg = choose_leg(d, side, x, v, alpha1)
+    omega3 = x.omega3
+    x.omega3 = leg_speed(x, leg)
+    torque, alpha3, alpha2, _ = torque_at(d, side, x, leg, v, alpha1)
+    mesh = mesh_share(d, side, x, v, x.omega1, torque)
+    y.input_torque = mean_input_torque(d, side, x, v, alpha1, alpha3, torque)
+    y.mesh_torque = mesh
+    y.output_torque = torque
+    y.output_acceleration = alpha3
+    y.housing_torque = torque + d.b2 * x.omega2 - mesh
+    ripple = 0.0
+    peak = abs(torque)
+    if leg != LOCKED and leg != RESTING:
+        ripple, peak = ripple_at(side, x, v)
+    x.omega3 = omega3
+    y.torque_ripple = ripple
+    y.torque_peak = peak
+    return alpha2

@@ -64,6 +64,7 @@ def finish_step(d, x, w, h, first, last, found_speed, found, implicit):
     w.next = found
     w.turned3 = integral(h, (x.omega3, first[1][0]), (found, last[1][0]), implicit)
     w.work = integral(h, with_product(x.omega3, first), with_product(found, last), implicit)
+    w.lost = integral(h, first[6], last[6], implicit)
     w.lost3 = 0.0
     if d.b3 != 0.0:
         middle = middle_speed(h, w.turned3, x.omega3, found)
@@ -163,13 +164,13 @@ def take_step(d, side, x, w, speed, speed_rate, h, first, allowed):
 
 def energy_residual(d, side, x, w, speed, fastest, allowed):
     """Energy residual of a step under a torque, relative to its tolerance: some errors of the speeds."""
-    passed_on = x.load_torque * w.turned3
+    passed_on = x.load_torque * w.turned3 + w.lost3
     gained = 0.5 * d.J3 * (w.next - x.omega3) * (w.next + x.omega3)
     square = fastest * fastest
     share = abs(w.work - passed_on - gained) / (d.J3 * square + abs(w.work) + abs(passed_on))
     put_in = side.direction * x.drive_torque * w.turned1
     gained = 0.5 * d.map_inertia * (w.next_speed - speed) * (w.next_speed + speed)
-    share += abs(put_in - w.work - gained) / (d.map_inertia * square + abs(put_in) + abs(w.work))
+    share += abs(put_in - w.work - w.lost - gained) / (d.map_inertia * square + abs(put_in) + abs(w.work))
     return share * fastest / (BALANCE * allowed)
 
 

@@ -9,6 +9,9 @@ A cubic is its four coefficients in the distance from its knot: value, slope, an
 UNKNOWN_ERROR = 1e300
 # what the input has and the speed of link 2 matter less than the torque
 OTHER_SHARE = 0.2
+# no interval is halved that is no wider, over the last ratio: where drag begins to act, at ratio 0, the
+# torque jumps
+NARROWEST = 2.5e-4
 
 
 def inner_slope(left, right, before, here, after):
@@ -81,19 +84,19 @@ def interpolate(here, after, h, t):
     return here[0] + t * (here[1] + t * (c2 + t * c3))
 
 
-def table_error(side, n, sigma, torque, input1, omega2):
-    """Error of the table at sigma, between knots n and n + 1, in units of the first knot's values."""
+def table_error(side, n, knot):
+    """Error of the table at this knot, between knots n and n + 1, in units of the first knot's values."""
     set_slopes(side, n)
     set_slopes(side, n + 1)
     first = side.knots[0]
     a = side.knots[n]
     b = side.knots[n + 1]
     h = b.ratio - a.ratio
-    t = sigma - a.ratio
-    error = abs(interpolate(a.torque, b.torque, h, t) - torque)
+    t = knot.ratio - a.ratio
+    error = abs(interpolate(a.torque, b.torque, h, t) - knot.torque[0])
     error = error / first.torque[0] if first.torque[0] > 0.0 else 0.0
-    error2 = OTHER_SHARE * abs(interpolate(a.omega2, b.omega2, h, t) - omega2)
-    error3 = OTHER_SHARE * abs(interpolate(a.input, b.input, h, t) - input1)
+    error2 = OTHER_SHARE * abs(interpolate(a.omega2, b.omega2, h, t) - knot.omega2[0])
+    error3 = OTHER_SHARE * abs(interpolate(a.input, b.input, h, t) - knot.input[0])
     error3 = error3 / first.input[0] if first.input[0] > 0.0 else 0.0
     return max(error, max(error2, error3))
 
@@ -116,22 +119,16 @@ def error_at_speeds(side, n, speeds):
     return error / side.knots[0].torque[0] if side.knots[0].torque[0] > 0.0 else 0.0
 
 
-def insert_knot(side, n, sigma, torque, input1, omega2, ripple, peak, error):
+def insert_knot(side, n, knot, error):
     """Insert a knot as number n; error is that of the table there before it."""
     count = int(side.count)
     for m in range(count, n, -1):
         side.knots[m] = side.knots[m - 1]
-    knot = side.knots[n]
-    knot.ratio = sigma
-    knot.torque[0] = torque
-    knot.input[0] = input1
-    knot.omega2[0] = omega2
-    knot.ripple = ripple
-    knot.peak = peak
+    side.knots[n] = knot
     # halving an interval at least halves its error
-    knot.error = 0.5 * error
+    side.knots[n].error = 0.5 * error
     if n > 0:
-        side.knots[n - 1].error = knot.error
+        side.knots[n - 1].error = 0.5 * error
     side.count = count + 1.0
 
 
@@ -139,8 +136,10 @@ def worst_interval(side):
     """(number of the knot before the worst interval, its error)."""
     worst = 0
     error = 0.0
-    for n in range(int(side.count) - 1):
-        if side.knots[n].error > error:
+    last = int(side.count) - 1
+    for n in range(last):
+        width = side.knots[n + 1].ratio - side.knots[n].ratio
+        if side.knots[n].error > error and width > NARROWEST * side.knots[last].ratio:
             worst = n
             error = side.knots[n].error
     return worst, error

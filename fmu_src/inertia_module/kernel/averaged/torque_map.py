@@ -1,11 +1,15 @@
 """Mean torque over speed ratio, found once: the map of fidelity averaged (docs/mechanics.md).
 
-Without gravity all scales with one speed v. With the speed of link 1 given that is omega1, and the mean
-output torque is v^2 F(s), s = omega3 / |v|, with one F for either sign. With its torque given omega1 swings
-within a pulse and the energy E of links 1, 2 and imbalances hardly changes: v is that of E = J* v^2 / 2, and
-the mean of omega1 is v g(s). The steady motion is found by motion.travel over one period of q, with the mean
-input torque that keeps E. It begins where link 2 surely rests: its angular momentum rises only in the
-housing, so where it could be largest link 2 is held if any torque is passed at all.
+Without friction and gravity all scales with one speed v. With the speed of link 1 given that is omega1, and
+the mean output torque is v^2 F(s), s = omega3 / |v|, with one F for either sign. With its torque given omega1
+swings within a pulse and the energy E of links 1, 2 and imbalances hardly changes: v is that of
+E = J* v^2 / 2, and the mean of omega1 is v g(s).
+
+To first order torque and losses, friction and drag scaled to the speed 1, are parabolas of 1 / |v|; here they
+are cubics through four speeds: without bound; that at which friction and drag would take the stall torque;
+3/2 of it and 3 times it. With less friction it is a parabola with one at 9 times it instead, for friction may
+end the driving. Down to a ninth of it what is left beside the friction of links that crawl is a cubic of
+log |v|. Friction of link 1 and of the output needs no map.
 
 With omega1 > 0 no torque is passed above ratio 1: the housing can only push forward, and its mean torque is
 Tc (1 - sigma).
@@ -13,217 +17,234 @@ Tc (1 - sigma).
 
 import math
 
-from ..codes import FREE, NOT_STEADY, OK
-from .instants import speeds_at, take_integrals
-from .largest import (
-    LARGEST_CYCLES,
+from ..accumulate import copy
+from ..codes import FREEWHEEL, MESH, NOT_STEADY, OK, VISCOUS
+from ..links import inertia_at_input
+from .steady import (
+    HEAD_START,
+    LEAST_ENERGY,
     LOCK,
     MOMENTUM,
+    MOST_EVALUATIONS,
+    NEAREST,
     THROWN,
     find_largest,
-    find_largest_anywhere,
-    go_to_part,
-    is_long,
-    parts_of_period,
-    period_of_map,
+    hold_output,
+    set_losses,
+    settle,
+    speed_of_sums,
 )
-from .losses import SLOWNESSES, crawl, set_losses, settle_losses, slow_speed
-from .map_key import is_map_of, mark_map
-from .motion import begin_travel, travel
 from .table import UNKNOWN_ERROR, error_at_speeds, finish_table, insert_knot, table_error, worst_interval
 
 # the map is refined until its error, in stall torques, is below this at the middle of each interval
 MAP_ERROR = 1e-4
 # ... under its torque, where the averaged motion itself is no better
 MAP_ERROR_BY_TORQUE = 5e-4
-# ... and with losses, where a knot costs four motions more
+# ... and with losses, where a knot costs six motions more
 LOSSY_MAP_ERROR = 2e-4
 # three or more
 FIRST_KNOTS = 9
 # the last ratio below lock-up
 LAST_SLIP = 1e-6
 # evaluations of the mechanism after which one sign of omega1 is refined no more
-MOST_EVALUATIONS = 1.5e6
-# the motion begins so much phase of the highest harmonic before, under a torque that moves where link 2 is
-# thrown
-HEAD_START = 0.5
-# rounds to find the input torque that keeps the energy, and what is left of it
-ROUNDS = 8
-KEPT = 1e-5
-# to find the fastest output, over the speed that link 1 begins with, that the drive gets past
+ENOUGH_EVALUATIONS = 1e7
+# the fastest output that the drive may get past under the torque of link 1, over that which it comes to rest
+# at, and how near it is looked for
 FASTEST = 1.2
-BISECTIONS = 14
+SHORTEST = 1e-4
 # share of the ratio in which the torque goes to zero at least, where the pulses fail at once
 RAMP = 0.02
+# slownesses (see rates) with motions of their own
+SLOWNESSES = (1.0 / 9.0, 1.0 / 3.0, 2.0 / 3.0, 1.0, 3.0, 9.0)
+# share of the largest torque that stands for a stall torque of nothing
+LEAST_STALL = 0.01
 
 
-def add_part(d, t, start, warm, length):
-    """Travel one part of the period from rest at start; the first angle warm is not counted.
+def slow_speed(p, d, stall):
+    """Input speed, rad/s, at which friction and drag would take the stall torque, stall omega1^2; 0: none."""
+    viscous = p.link2_friction + p.housing_drag_viscous + p.output_drag_viscous + d.k * d.k * p.drive_friction
+    if d.by_torque != 0.0:
+        viscous += p.input_friction
+    drag = p.housing_drag + p.output_drag
+    stall = max(stall, LEAST_STALL * d.F_by_speed)
+    if not stall > 0.0:
+        return 0.0
+    return (viscous + math.sqrt(viscous * viscous + 4.0 * stall * drag)) / (2.0 * stall)
 
-    Returns whether the drive gets through.
+
+def crawl(p, d, side, knot):
+    """Write the motion of links so slow that friction alone counts into the knot: omega2 is constant then.
+
+    Drags go with the square of the slowness, what is viscous goes with it.
     """
-    here = begin_travel(d, t, start)
-    if warm > 0.0:
-        through, here = travel(d, t, here, warm, False)
-        if not through:
-            return False
-    through, here = travel(d, t, here, length, True)
-    return through
+    set_losses(p, d, 1.0 / side.slow)
+    linear, square = knot.slower[len(SLOWNESSES)], knot.slower[len(SLOWNESSES) + 1]
+    ratio = knot.ratio
+    # of the mesh, over the slip
+    pulling = d.k * d.k * d.bq / (1.0 - d.mesh_loss)
+    driving = side.direction * pulling - (pulling + d.b2 + d.housing_drag_viscous) * ratio
+    overrun = side.direction * pulling + d.output_drag_viscous * ratio
+    ahead = d.output_drag - d.housing_drag
+    omega2 = 0.0
+    if ratio == 0.0:
+        linear.torque[0] = max(overrun, 0.0)
+        square.torque[0] = 0.0
+    elif ahead > 0.0 or (ahead == 0.0 and driving >= 0.0):
+        omega2 = ratio
+        linear.torque[0] = driving
+        square.torque[0] = -d.housing_drag
+    else:
+        if ahead == 0.0 and overrun > 0.0:
+            omega2 = overrun / (pulling + d.b2 + d.housing_drag_viscous + d.output_drag_viscous)
+        linear.torque[0] = -d.output_drag_viscous * (ratio - omega2)
+        square.torque[0] = -d.output_drag
+    linear.omega2[0] = omega2
+    square.omega2[0] = 0.0
+    for cause in range(len(linear.lost)):
+        linear.lost[cause] = square.lost[cause] = 0.0
+    slip = 1.0 - side.direction * omega2
+    over = ratio - omega2
+    linear.lost[VISCOUS] = d.b1 + d.bq * (d.k * slip) ** 2 + d.b2 * omega2 * omega2
+    linear.lost[MESH] = d.mesh_loss * pulling * slip * slip
+    linear.lost[FREEWHEEL] = d.housing_drag_viscous * omega2 * omega2 + d.output_drag_viscous * over * over
+    square.lost[FREEWHEEL] = d.housing_drag * omega2 + d.output_drag * over
 
 
-def head_start(d):
-    """Angle before that of the largest momentum where the motion begins, rad."""
-    return HEAD_START / d.harmonic if d.by_torque != 0.0 else 0.0
+def lock_losses(p, d, side, knot, last):
+    """Write what losses leave where links 1 and 2 turn together with the output: friction and drag.
 
-
-def add_period(d, t, side):
-    """Add the steady motion at the output speed t.omega3 to the sums, cleared before.
-
-    Returns whether the drive gets through.
+    Args:
+        last: the knot before, whose torque goes on.
     """
-    d.sum_time = 0.0
-    d.sum_torque = 0.0
-    d.sum_square = 0.0
-    d.sum_energy = 0.0
-    d.sum_omega1 = 0.0
-    d.sum_omega2 = 0.0
-    d.sum_peak = 0.0
-    direction = t.direction
-    if not is_long(d):
-        return add_part(d, t, side.start - direction * head_start(d), 0.0, period_of_map(d))
-    # half of the angle allowed goes to reach the steady motion
-    part, parts = parts_of_period(d, 0.5 * LARGEST_CYCLES)
-    phase = d.phase_b
-    through = True
-    for n in range(parts):
-        begin = go_to_part(d, phase, part, parts, n)
-        low = begin - part if direction > 0.0 else begin
-        start, _ = find_largest(d, t, MOMENTUM, low, part)
-        start -= direction * head_start(d)
-        through = through and add_part(d, t, start, direction * (begin - start), part)
-    d.phase_b = phase
-    return through
+    set_losses(p, d, 1.0 / side.slow if side.slow != 0.0 else 0.0)
+    square = knot.ratio * knot.ratio
+    for m in range(len(knot.slower)):
+        slower = knot.slower[m]
+        slower.torque[0] = last.slower[m].torque[0]
+        slower.omega2[0] = knot.ratio if m <= len(SLOWNESSES) else 0.0
+        # of links that crawl what goes with the slowness, and with its square
+        slow, slow2 = 1.0, 0.0
+        if m < len(SLOWNESSES):
+            slow, slow2 = SLOWNESSES[m], SLOWNESSES[m] * SLOWNESSES[m]
+        elif m > len(SLOWNESSES):
+            slow, slow2 = 0.0, 1.0
+        for cause in range(len(knot.lost)):
+            knot.lost[cause] = slower.lost[cause] = 0.0
+        slower.lost[VISCOUS] = slow * (d.b1 + d.b2) * square
+        slower.lost[FREEWHEEL] = slow * d.housing_drag_viscous * square + slow2 * d.housing_drag * knot.ratio
 
 
-def settle(d, t, side, omega3):
-    """Add the steady motion at this output speed, with the input torque that keeps its energy.
+def find_end(d, side):
+    """Speed ratios: up to which a steady motion is looked for, and above which no torque is passed.
 
-    Returns whether there is one.
+    Whether link 2 comes up to link 1 is left in the side.
     """
-    t.omega3 = omega3
-    t.prescribed = 0.0
+    locks = side.direction > 0.0 and -find_largest(d, side, NEAREST)[1] < LAST_SLIP * LAST_SLIP
+    side.locks = 1.0 if locks else 0.0
+    end = max(find_largest(d, side, THROWN)[1], 0.0)
+    # with losses link 2 may be faster than what it is thrown with
+    faster = d.lossy != 0.0 and side.direction > 0.0
     if d.by_torque == 0.0:
-        return add_period(d, t, side)
-    for _ in range(ROUNDS):
-        if not add_period(d, t, side):
-            return False
-        before = t.prescribed
-        t.prescribed = omega3 * d.sum_torque / d.sum_omega1
-        if abs(t.prescribed - before) <= KEPT * abs(t.prescribed):
-            break
+        end = 1.0 if locks or faster else end
+        return end, end
+    if faster and not locks:
+        end = max(end, 1.0)
+    # light as link 1 may be, the drive has to get past the output
+    return FASTEST * end if locks else end, end
+
+
+def add_knot(p, d, w, side, n, ratio):
+    """Find the knot at this ratio and insert it as number n. Returns whether there is a steady motion."""
+    held = ratio
+    if d.by_torque == 0.0 and side.direction > 0.0:
+        held = min(ratio, 1.0 - LAST_SLIP)
+    count = int(side.count)
+    knot = w.knot
+    foresee(w, side, n, held)
+    found = settle(p, w, side, held, 0.0)
+    if found:
+        # very nearly this one
+        knot.ratio = ratio / write_steady(d, w, knot)
+        found = n == 0 or knot.ratio > side.knots[n - 1].ratio
+        found = found and (n == count or knot.ratio < side.knots[n].ratio)
+    if found and side.slow != 0.0:
+        found = add_slower(p, d, w, side, knot, held)
+    if not found:
+        return False
+    error = table_error(side, n - 1, knot) if n < count else UNKNOWN_ERROR
+    insert_knot(side, n, knot, error)
+    if n < count and side.slow != 0.0:
+        error = 0.5 * error_at_speeds(side, n, len(SLOWNESSES) - 2)
+        side.knots[n].error = max(side.knots[n].error, error)
+        side.knots[n - 1].error = max(side.knots[n - 1].error, error)
     return True
 
 
-def speed_of_energy(d):
-    """The speed v that all scales with, of the motion in the sums, link 1 having begun with speed 1."""
-    if d.by_torque == 0.0:
-        return 1.0
-    return math.sqrt(2.0 * d.sum_energy / (d.sum_time * d.map_inertia))
-
-
-def find_end(d, t, side):
-    """Output speeds: up to which there is a steady motion, and above which no torque is passed.
-
-    Where it begins, and whether link 2 comes up to link 1, is left in the side.
-    """
-    t.prescribed = 0.0
-    phase = d.phase_b
-    side.start, d.phase_b, _ = find_largest_anywhere(d, t, MOMENTUM)
-    t.q = side.start
-    t.mode = FREE
-    take_integrals(d, t, t.direction, 0.0)
-    d.phase_b = phase
-    q, d.phase_b, end = find_largest_anywhere(d, t, THROWN)
-    square = speeds_at(d, t, q, t.energy, t.momentum)[2]
-    d.phase_b = phase
-    locks = t.direction > 0.0 and square < LAST_SLIP * LAST_SLIP
-    side.locks = 1.0 if locks else 0.0
-    if d.by_torque == 0.0:
-        # with losses link 2 may be faster than what it is thrown with
-        end = 1.0 if locks or (d.lossy != 0.0 and t.direction > 0.0) else max(end, 0.0)
-        return end, end
-    # light as link 1 may be, the drive has to get past the output: the torque that keeps the energy only
-    # helps
-    t.omega3 = max(end, 0.0)
-    end = t.omega3
-    if not locks and add_period(d, t, side):
-        return end, end
-    low = 0.0
-    high = FASTEST if locks else t.omega3
-    for _ in range(BISECTIONS):
-        t.omega3 = 0.5 * (low + high)
-        if add_period(d, t, side):
-            low = t.omega3
-        else:
-            high = t.omega3
-    return low, end
-
-
-def add_knot(p, d, w, side, n, omega3):
-    """Find the knot at this output speed and insert it as number n, where its ratio belongs there."""
-    locks = d.by_torque == 0.0 and side.locks != 0.0
-    fastest = 1.0 - LAST_SLIP if locks or (d.lossy != 0.0 and side.direction > 0.0) else omega3
-    held = min(omega3, fastest)
-    settle(d, d.travel, side, held)
-    v = speed_of_energy(d)
-    time = d.sum_time
-    ratio = omega3 / v
+def foresee(w, side, n, ratio):
+    """Take how the motion of knot n begins, and its torque of link 1, from the line through the next two."""
     count = int(side.count)
-    falls = n > 0 and ratio <= side.knots[n - 1].ratio
-    if falls or (n < count and ratio >= side.knots[n].ratio):
-        # behind a link 1 so light the ratio does not follow the speed of the output: the table goes past this
-        # one
-        side.knots[n - 1].error = 0.0
+    if count == 0:
         return
+    a = side.knots[n - 1 if n < count else max(n - 2, 0)]
+    b = side.knots[min(n, count - 1)]
+    t = (ratio - a.ratio) / (b.ratio - a.ratio) if b.ratio > a.ratio else 0.0
+    w.drive = a.drive + t * (b.drive - a.drive)
+    w.begin_energy = max(a.begin_energy + t * (b.begin_energy - a.begin_energy), LEAST_ENERGY)
+    w.begin_omega2 = max(a.begin_omega2 + t * (b.begin_omega2 - a.begin_omega2), 0.0)
+
+
+def write_steady(d, w, knot):
+    """Write the motion in the sums into the knot. Returns its speed v."""
+    v = speed_of_sums(d, w)
+    time = w.sum_time
+    knot.torque[0] = w.sum_torque / (time * v * v)
     # mean energy of links 1 and 2 without J1, or the mean speed of link 1
-    input1 = 2.0 * d.sum_energy / time - d.J1 if d.by_torque == 0.0 else abs(d.sum_omega1) / (time * v)
-    if d.lossy != 0.0:
-        settle_losses(p, d, w, side, held, 0.0)
-        time = d.sum_time
-    torque = d.sum_torque / (time * v * v)
-    variance = d.sum_square / (time * v**4) - torque * torque
-    omega2 = min(max(0.0, d.sum_omega2 / (time * v)), ratio)
-    error = table_error(side, n - 1, ratio, torque, input1, omega2) if n < count else UNKNOWN_ERROR
-    insert_knot(
-        side, n, ratio, torque, input1, omega2, math.sqrt(max(variance, 0.0)), d.sum_peak / (v * v), error
-    )
-    side.knots[n].omega3 = omega3
-    if d.lossy != 0.0:
-        add_losses(p, d, w, side, side.knots[n], held)
-        if n < count and side.slow != 0.0:
-            error = 0.5 * error_at_speeds(side, n, len(SLOWNESSES) - 2)
-            side.knots[n].error = max(side.knots[n].error, error)
-            side.knots[n - 1].error = max(side.knots[n - 1].error, error)
-
-
-def add_losses(p, d, w, side, knot, held):
-    """Find what losses leave at this knot, those without friction and drag being in the sums."""
+    knot.input[0] = 2.0 * w.sum_energy / time - d.J1
+    if d.by_torque != 0.0:
+        knot.input[0] = abs(w.sum_omega1) / (time * v)
+    knot.omega2[0] = max(0.0, w.sum_omega2 / (time * v))
+    variance = w.sum_square / (time * v**4) - knot.torque[0] * knot.torque[0]
+    knot.ripple = math.sqrt(max(variance, 0.0))
+    knot.drive, knot.begin_energy, knot.begin_omega2 = w.drive, w.begin_energy, w.begin_omega2
+    knot.peak = w.sum_peak / (v * v)
     for cause in range(len(knot.lost)):
-        knot.lost[cause] = d.sum_lost[cause] / d.sum_time
-    if side.slow == 0.0:
-        return
-    for m in range(len(SLOWNESSES)):
-        slower = knot.slower[m]
-        settle_losses(p, d, w, side, held, SLOWNESSES[m] / side.slow)
-        slower.torque[0] = d.sum_torque / d.sum_time
-        slower.omega2[0] = min(max(0.0, d.sum_omega2 / d.sum_time), knot.ratio)
-        for cause in range(len(knot.lost)):
-            slower.lost[cause] = d.sum_lost[cause] / d.sum_time
+        knot.lost[cause] = w.sum_lost[cause] / (time * v**3)
+    return v
+
+
+def add_slower(p, d, w, side, knot, held):
+    """Find what friction and drag leave at this knot. Returns whether there are all these steady motions."""
     crawl(p, d, side, knot)
+    before = growth = 0.0
+    for cause in range(len(knot.lost)):
+        growth += side.direction * knot.slower[len(SLOWNESSES)].lost[cause]
+    # under its torque links at the lowest speed crawl: whether there is a steady motion hangs on a hair
+    last = len(SLOWNESSES) - (1 if d.by_torque != 0.0 else 0)
+    for m in range(last):
+        slower = knot.slower[m]
+        given = w.drive
+        w.drive += growth * (SLOWNESSES[m] - before)
+        if not settle(p, w, side, held, SLOWNESSES[m] / side.slow):
+            return False
+        growth = (w.drive - given) / (SLOWNESSES[m] - before)
+        before = SLOWNESSES[m]
+        v = speed_of_sums(d, w)
+        slower.torque[0] = w.sum_torque / (w.sum_time * v * v)
+        slower.omega2[0] = min(max(0.0, w.sum_omega2 / (w.sum_time * v)), knot.ratio)
+        for cause in range(len(knot.lost)):
+            slower.lost[cause] = w.sum_lost[cause] / (w.sum_time * v**3)
+    for m in range(last, len(SLOWNESSES)):
+        slower, linear, square = knot.slower[m], knot.slower[m + 1], knot.slower[m + 2]
+        slow = SLOWNESSES[m]
+        slower.torque[0] = slow * (linear.torque[0] + slow * square.torque[0])
+        slower.omega2[0] = linear.omega2[0]
+        for cause in range(len(knot.lost)):
+            slower.lost[cause] = slow * (linear.lost[cause] + slow * square.lost[cause])
+    return True
 
 
-def end_map(d, side, end):
-    """End the map where no torque is passed any more, at the speed end, or in lock-up.
+def end_map(p, d, w, side, end):
+    """End the map where no torque is passed any more, at the ratio end, or in lock-up.
 
     From the last knot to there is no steady motion under the torque of link 1: the drive comes to rest in
     link 1, at the torque it had there; or the pulses fail that brought the energy of the next, and the torque
@@ -235,67 +256,133 @@ def end_map(d, side, end):
         if d.by_torque != 0.0:
             # there both turn alike, faster than link 1 on average before where it is light
             ratio = max(last.input[0], last.ratio * (1.0 + LAST_SLIP))
-            insert_knot(side, count, ratio, last.torque[0], ratio, ratio, last.ripple, last.peak, 0.0)
-    elif d.by_torque != 0.0 and last.torque[0] > MAP_ERROR * side.knots[0].torque[0]:
-        v = last.omega3 / last.ratio if last.ratio > 0.0 else 1.0
-        ratio = max(end / v, last.ratio * (1.0 + RAMP))
-        insert_knot(side, count, ratio, 0.0, last.input[0], last.omega2[0], 0.0, 0.0, 0.0)
+            knot = w.knot
+            copy(knot.numbers, last.numbers)
+            knot.ratio = knot.input[0] = knot.omega2[0] = ratio
+            lock_losses(p, d, side, knot, last)
+            insert_knot(side, count, knot, 0.0)
+    elif d.by_torque != 0.0 and d.lossy == 0.0 and last.torque[0] > MAP_ERROR * side.knots[0].torque[0]:
+        knot = w.knot
+        copy(knot.numbers, last.numbers)
+        knot.ratio = max(end, last.ratio * (1.0 + RAMP))
+        knot.torque[0] = knot.ripple = knot.peak = 0.0
+        insert_knot(side, count, knot, 0.0)
     elif d.lossy == 0.0:
         last.torque[0] = 0.0
         last.ripple = 0.0
         last.peak = 0.0
 
 
-def build_side(p, d, w, side, direction):
-    """Knots for one sign of omega1, refined where the table is worst."""
-    for n in range(len(side.numbers)):
-        side.numbers[n] = 0.0
-    t = d.travel
-    t.direction = direction
-    side.direction = direction
-    last_speed, end = find_end(d, t, side)
-    if d.map_inertia == 0.0:
-        settle(d, t, side, 0.0)
-        d.map_inertia = 2.0 * d.sum_energy * d.sum_time / (d.sum_omega1 * d.sum_omega1)
-    if d.lossy != 0.0:
-        settle(d, t, side, 0.0)
-        side.slow = slow_speed(p, d, d.sum_torque / d.sum_time)
-    allowed = MAP_ERROR if d.by_torque == 0.0 else MAP_ERROR_BY_TORQUE
-    if d.lossy != 0.0:
-        allowed = LOSSY_MAP_ERROR
-    last = FIRST_KNOTS - 1 if end > 0.0 else 0
-    for n in range(last + 1):
-        add_knot(p, d, w, side, int(side.count), n * last_speed / max(last, 1))
-    end_map(d, side, end)
+def add_first_knots(p, d, w, side, most):
+    """Find knots from ratio 0 up to the last one at which there is a steady motion, at most this one.
+
+    Returns:
+        Whether there are any, and where the speed of link 1 is given all.
+    """
+    if not add_knot(p, d, w, side, 0, 0.0):
+        return False
+    ratio = 0.0
+    step = most / (FIRST_KNOTS - 1)
+    while ratio < most and step > SHORTEST * most and 2.0 * side.count < len(side.knots):
+        following = ratio + step if ratio + 1.5 * step < most else most
+        if add_knot(p, d, w, side, int(side.count), following):
+            ratio = following
+        elif d.by_torque == 0.0:
+            return False
+        else:
+            step *= 0.5
+    return d.map_evaluations <= MOST_EVALUATIONS
+
+
+def power_at_speed(p, w, side):
+    """Torque of link 1, N m, that its losses take where the output rests and its speed, 1, is given."""
+    settle(p, w, side, 0.0, 0.0)
+    lost = 0.0
+    for cause in range(len(w.sum_lost)):
+        lost += w.sum_lost[cause]
+    return side.direction * lost / w.sum_time if w.sum_time > 0.0 else 0.0
+
+
+def build_side(p, d, w, side, by_torque, allowed):
+    """Find knots for one sign of omega1, refined where the table is worst.
+
+    Args:
+        d: constants of the mechanism held. side: of d, with its direction.
+        by_torque: whether the torque of link 1 is given. allowed: error of the table.
+
+    Returns:
+        Whether there are steady motions.
+    """
     d.map_evaluations = 0.0
-    while side.count < len(side.knots) and end > 0.0 and d.map_evaluations < MOST_EVALUATIONS:
+    # link 2 surely rests where its momentum is largest, if any torque is passed
+    start, side.thrown = find_largest(d, side, MOMENTUM)
+    side.start = start - side.direction * HEAD_START / d.harmonic
+    d.by_torque = 0.0
+    w.drive = power_at_speed(p, w, side) if by_torque != 0.0 else 0.0
+    d.by_torque = by_torque
+    w.begin_energy = 1.0
+    w.begin_omega2 = 0.0
+    if d.map_inertia == 0.0:
+        # that with which v is the mean of omega1 where the output rests; any energy shows it
+        d.map_inertia = inertia_at_input(d, side.start)
+        settle(p, w, side, 0.0, 0.0)
+        d.map_inertia = 2.0 * w.sum_energy * w.sum_time / (w.sum_omega1 * w.sum_omega1)
+    last_ratio, end = find_end(d, side)
+    if d.lossy != 0.0:
+        settle(p, w, side, 0.0, 0.0)
+        side.slow = slow_speed(p, d, w.sum_torque / (w.sum_time * speed_of_sums(d, w) ** 2))
+    if not add_first_knots(p, d, w, side, last_ratio):
+        return False
+    end_map(p, d, w, side, end)
+    while side.count < len(side.knots) and end > 0.0 and d.map_evaluations < ENOUGH_EVALUATIONS:
         n, error = worst_interval(side)
         if error < allowed:
             break
-        add_knot(p, d, w, side, n + 1, 0.5 * (side.knots[n].omega3 + side.knots[n + 1].omega3))
+        middle = 0.5 * (side.knots[n].ratio + side.knots[n + 1].ratio)
+        if not add_knot(p, d, w, side, n + 1, middle):
+            if by_torque == 0.0:
+                return False
+            side.knots[n].error = 0.0
     finish_table(side)
     side.end = side.knots[int(side.count) - 1].ratio
+    return True
+
+
+def is_map_of(p, d):
+    """Tell whether the map in d is that of these parameters: of the first numbers of p."""
+    for n in range(len(d.map_key)):
+        if d.map_key[n] != p.numbers[n]:
+            return False
+    return d.map_ready == 1.0
 
 
 def build_map(p, d, w):
     """Fill d with the map of these parameters, unless it is there; w: workspace.
 
     Returns:
-        Status: OK, or NOT_STEADY where no steady motion with losses is found.
+        Status: OK, or NOT_STEADY where no steady motion is found: d is as it was.
     """
     if is_map_of(p, d):
         return OK
-    d.map_ready = 0.0
-    d.map_failed = 0.0
-    d.map_inertia = 0.0
-    t = d.travel
-    _, _, lock = find_largest_anywhere(d, t, LOCK)
-    d.map_lock = max(0.5 * d.k * lock, 0.0)
-    set_losses(p, d, 0.0)
-    build_side(p, d, w, d.forward, 1.0)
-    build_side(p, d, w, d.backward, -1.0)
-    set_losses(p, d, 1.0)
-    if d.map_failed != 0.0:
+    allowed = MAP_ERROR if d.by_torque == 0.0 else MAP_ERROR_BY_TORQUE
+    if d.lossy != 0.0:
+        allowed = max(allowed, LOSSY_MAP_ERROR)
+    held = w.held
+    hold_output(d, w, allowed)
+    held.map_inertia = 0.0
+    held.map_lock = 0.5 * d.k * find_largest(held, held.forward, LOCK)[1]
+    for n in range(len(held.forward.numbers)):
+        held.forward.numbers[n] = held.backward.numbers[n] = 0.0
+    held.forward.direction = 1.0
+    held.backward.direction = -1.0
+    if not build_side(p, held, w, held.forward, d.by_torque, allowed):
         return NOT_STEADY
-    mark_map(p, d)
+    if not build_side(p, held, w, held.backward, d.by_torque, allowed):
+        return NOT_STEADY
+    d.map_lock, d.map_inertia, d.map_evaluations = held.map_lock, held.map_inertia, held.map_evaluations
+    copy(d.forward.numbers, held.forward.numbers)
+    copy(d.backward.numbers, held.backward.numbers)
+    for n in range(len(d.map_key)):
+        d.map_key[n] = p.numbers[n]
+    d.map_ready = 1.0
     return OK

@@ -146,11 +146,10 @@ def accelerate_links(d, x, m, prescribed, inertia, place, carried, resisting, fi
     m.alpha1 = alpha1
     m.alpha2 = alpha2
     m.drive = own1 * alpha1 + k * b * (alpha1 - alpha2) + rest1 + m.mesh
-    if not lossy:
-        m.momentum = own1 * m.omega1 + b * rate_q + d.J2 * m.omega2
-        m.energy = 0.5 * (own1 * m.omega1 * m.omega1 + d.J2 * m.omega2 * m.omega2)
-        m.energy += (b * m.omega1 + 0.5 * g * rate_q) * rate_q
-    else:
+    m.momentum = own1 * m.omega1 + b * rate_q + d.J2 * m.omega2
+    m.energy = 0.5 * (own1 * m.omega1 * m.omega1 + d.J2 * m.omega2 * m.omega2)
+    m.energy += (b * m.omega1 + 0.5 * g * rate_q) * rate_q
+    if lossy:
         m.flow_sign = flow
         m.journals = journals
         m.margin = sign * (m.omega1 - m.omega2)

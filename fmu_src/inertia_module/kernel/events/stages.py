@@ -70,7 +70,8 @@ def rates_of(d, x, w, n, lossy):
     rates.omega2 = m.alpha2
     rates.omega3 = m.alpha3
     rates.theta1 = m.omega1
-    rates.turned3 = m.omega3
+    # (in maps of fidelity averaged, where the output turns evenly, the energy takes its place)
+    rates.turned3 = m.omega3 if d.averaged == 0.0 else m.energy
     if d.elastic != 0.0:
         rates.turned3 -= m.relative
         rates.twist = m.relative
