@@ -264,7 +264,7 @@ def test_a_run_of_one_step_is_drawn(fmu, tmp_path):
 def test_examples_of_real_machines_have_every_loss_body_and_weight():
     names = [variable.name for variable in with_causality(PARAMETER)]
     lossy = names[names.index("input_friction") : names.index("gravity") + 1]
-    # what only the elastic output has, and what fixed steps have not
+    # what only the elastic output has, and what not all levels have
     lossy = [name for name in lossy if not name.endswith(("_stiffness", "_damping")) and name != "windage"]
     given = {name for example in REAL for name in load_scene(EXAMPLES / f"{example}.toml").parameters()}
     assert set(lossy) <= given

@@ -55,9 +55,9 @@ MESSAGES: Mapping[int, str] = {
         f"with {named('method')} (timestepping) housing_stiffness and freewheel_stiffness must be 0, are"
         " {housing_stiffness} and {freewheel_stiffness}: only the event method winds freewheels up"
     ),
-    codes.WINDAGE_STEPPED: (
-        f"with {named('method')} (timestepping) windage must be 0, is {{windage}}: only the event method has"
-        " drag of the air"
+    codes.NO_WINDAGE: (
+        f"with {named('fidelity', 'method')} windage must be 0, is {{windage}}: fidelity 0 (kinematic), 2 (rigid)"
+        " and 3 (elastic) have it, with method 0 (event)"
     ),
     codes.JAMMED: (
         f"the meshes jam with {named('link2_inertia', 'input_inertia', 'drive_inertia')}: mesh_efficiency and"

@@ -13,12 +13,12 @@ from .codes import (
     KINEMATIC,
     NO_INPUT_INERTIA,
     NO_RECTIFIER,
+    NO_WINDAGE,
     OK,
     PRESCRIBED,
     SINGULAR,
     TIMESTEPPING,
     WIND_UP_STEPPED,
-    WINDAGE_STEPPED,
 )
 
 TWO_PI = 6.283185307179586
@@ -179,7 +179,7 @@ def derive(p, d):
         d: derived constants, written.
 
     Returns:
-        Status: OK, WIND_UP_STEPPED, WINDAGE_STEPPED, PRESCRIBED, NO_INPUT_INERTIA, NO_RECTIFIER, SINGULAR or
+        Status: OK, WIND_UP_STEPPED, NO_WINDAGE, PRESCRIBED, NO_INPUT_INERTIA, NO_RECTIFIER, SINGULAR or
         a BAD_START code.
     """
     d.planar = p.layout
@@ -235,8 +235,8 @@ def derive(p, d):
         return OK
     if p.method == TIMESTEPPING and d.housing_stiffness + d.freewheel_stiffness > 0.0:
         return WIND_UP_STEPPED
-    if p.method == TIMESTEPPING and d.windage > 0.0:
-        return WINDAGE_STEPPED
+    if (p.method == TIMESTEPPING or p.fidelity == AVERAGED) and d.windage > 0.0:
+        return NO_WINDAGE
     if p.fidelity == AVERAGED and (d.housing == 0.0 or d.output == 0.0):
         return NO_RECTIFIER
     if singular:
