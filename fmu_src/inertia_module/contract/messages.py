@@ -56,8 +56,8 @@ MESSAGES: Mapping[int, str] = {
         " {housing_stiffness} and {freewheel_stiffness}: only the event method winds freewheels up"
     ),
     codes.NO_WINDAGE: (
-        f"with {named('fidelity', 'method')} windage must be 0, is {{windage}}: fidelity 0 (kinematic), 2 (rigid)"
-        " and 3 (elastic) have it, with method 0 (event)"
+        f"with {named('fidelity', 'method')} windage must be 0, is {{windage}}: fidelity 0 (kinematic),"
+        " 2 (rigid) and 3 (elastic) have it, with method 0 (event)"
     ),
     codes.JAMMED: (
         f"the meshes jam with {named('link2_inertia', 'input_inertia', 'drive_inertia')}: mesh_efficiency and"
