@@ -19,12 +19,12 @@ from inertia_module.fidelity.trials import kernel_time
 from inertia_module.harness.simulate import Progress, whole_steps
 from inertia_module.kernel.codes import AVERAGED, DRIVING, ELASTIC, EVENT, FREE, RIGID
 from inertia_module.kernel.layout import imbalance_in_fixed_frame
-from inertia_module.kernel.links import motion
 from inertia_module.memory import Module
 from inertia_module.scene.schema import at_fidelity, is_elastic
 
 from .reference.geometry import Array
 from .reference.motion import Reference
+from .stability.motion import solve_at
 
 # measure: what it is, unit ("" where it is relative)
 MEASURES: dict[str, tuple[str, str]] = {
@@ -234,13 +234,13 @@ def acceleration(case: Case, trajectory: Trajectory, modes: Array) -> Array:
     """
     if trajectory.acceleration is not None:
         return trajectory.acceleration
-    d = Module("plain").start(**at_fidelity(case.parameters, RIGID)).derived
-    k, omega1, found = d.k, case.omega1, []
+    module = Module("plain").start(**at_fidelity(case.parameters, RIGID))
+    d, omega1, found = module.derived, case.omega1, []
     for q, omega2, mode in zip(trajectory.drive_angle, trajectory.omega2, modes, strict=True):
-        carried = (d.J3, d.b3, case.load_torque, 0.0) if mode == DRIVING else (0.0, 0.0, 0.0, 0.0)
         held = mode not in (DRIVING, FREE)
-        _, alpha2, *_ = motion(d, q, omega1, omega2, 0.0, held, *carried)  # type: ignore[no-untyped-call]
-        place = (d, q, 0.0, omega1, 0.0, k * (omega1 - omega2), -k * alpha2, 0.0)
+        speeds = {"omega1": omega1, "omega2": omega2, "omega3": omega2}
+        alpha2 = solve_at(module, held, mode == DRIVING, case.load_torque, q=q, **speeds).alpha2
+        place = (d, q, 0.0, omega1, 0.0, d.k * (omega1 - omega2), -d.k * alpha2, 0.0)
         found.append(np.linalg.norm(imbalance_in_fixed_frame(*place)[6:]))  # type: ignore[no-untyped-call]
     return np.array(found)
 

@@ -11,10 +11,9 @@ from typing import Any
 
 from inertia_module.fidelity.levels import Level
 from inertia_module.kernel.codes import AVERAGED, TIMESTEPPING
-from inertia_module.kernel.links import torques
 from inertia_module.memory import Module
 
-from .motion import ELASTIC_LEVELS, LEVELS, Motion, Segment, imbalance_inertia
+from .motion import ELASTIC_LEVELS, LEVELS, Motion, Segment, imbalance_inertia, solve_at
 
 # what the fixed steps of timestepping and the torque map of averaged are trusted to, relative
 TIMESTEPPING_ACCURACY = 0.02
@@ -68,9 +67,14 @@ class Mechanism:
     load: float
 
     @functools.cached_property
+    def module(self) -> Module:
+        """A module at the ordinary speed."""
+        return Module("plain").start(**self.parameters, omega1=self.omega1)
+
+    @property
     def derived(self) -> Any:
         """The kernel's constants."""
-        return Module("plain").start(**self.parameters).derived
+        return self.module.derived
 
     @functools.cached_property
     def imbalance(self) -> float:
@@ -86,7 +90,7 @@ class Mechanism:
         d = self.derived
 
         def torque(q: float) -> float:
-            return float(torques(d, q, self.omega1, 0.0, 0.0, 0.0)[1])  # type: ignore[no-untyped-call]
+            return float(solve_at(self.module, True, False, q=q, omega1=self.omega1, omega2=0.0).mesh)
 
         count = 200 * int(d.period_turns)
         best, half = 0.5 * d.period, 0.5 * d.period

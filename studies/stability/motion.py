@@ -11,6 +11,8 @@ from inertia_module.common.errors import Refused
 from inertia_module.contract.variables import BY_NAME, LARGEST_STEP, LOSSES
 from inertia_module.fidelity.levels import Level
 from inertia_module.kernel.codes import AVERAGED, ELASTIC, EVENT, KINEMATIC, RIGID, TIMESTEPPING
+from inertia_module.kernel.equations.motion import evaluate
+from inertia_module.kernel.equations.states import LOCKED, OPEN
 from inertia_module.memory import Module
 
 from ..reference.geometry import shaft_frequency
@@ -147,6 +149,23 @@ class Motion:
             module.state.drive_turns += self.turns
             module.state.input_turns += self.turns
         return module
+
+
+def solve_at(module: Module, held: bool, driving: bool, load: float = 0.0, **motion: float) -> Any:
+    """Accelerations and torques of the kernel's equations at an instant, by the names of fields.MACHINE.
+
+    Args:
+        module: plain and started, without losses; alpha1 or drive_torque of its state is given.
+        held, driving: whether the freewheels to housing and output are locked. load: N.m.
+        motion: q, omega1, omega2, omega3.
+    """
+    x, machine = module.state, module.derived.machine
+    x.housing_state, x.output_state = (LOCKED if locked else OPEN for locked in (held, driving))
+    for name, value in motion.items():
+        setattr(machine, name, value)
+    prescribed = x.drive_torque if module.derived.by_torque else x.alpha1
+    evaluate(module.derived, x, prescribed, load, False)  # type: ignore[no-untyped-call]
+    return machine
 
 
 def imbalance_inertia(derived: Any) -> float:

@@ -74,7 +74,7 @@ def jump_input(d, x, jump, stiff):
     Returns:
         (P1, Pc): impulse of the input torque and on the output, N m s.
     """
-    i, _, _, b, _, g, _, _ = reduced_inertia(d, x.q)
+    i, _, b, _, g, _ = reduced_inertia(d, x.q)
     omega2 = x.omega2
     target = x.omega1 + jump
     geared = x.output_state == GEARED

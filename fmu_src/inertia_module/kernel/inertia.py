@@ -17,7 +17,7 @@ def reduced_inertia(d, q):
         q: drive angle, rad.
 
     Returns:
-        (I, I', I'', B, B', G, G', G''), kg m^2 and kg m^2 per rad of q to the power 1 and 2.
+        (I, I', B, B', G, G'), kg m^2 and kg m^2 per rad of q.
     """
     mass = d.mass
     if d.planar != 0.0:
@@ -29,7 +29,7 @@ def reduced_inertia(d, q):
         cosine *= swing
         own = mass * arm * arm + d.J16
         fixed = own + mass * centre * centre
-        return fixed - 2.0 * cosine, 2.0 * sine, 2.0 * cosine, own - cosine, sine, own, 0.0, 0.0
+        return fixed - 2.0 * cosine, 2.0 * sine, own - cosine, sine, own, 0.0
     s = d.s
     half = 0.5 * (s * q + d.phase_b)
     sin_a = 0.0
@@ -46,80 +46,33 @@ def reduced_inertia(d, q):
     spin = d.spin
     g = mass * (spin * sin_b * sin_b + pole * pole) + d.J16
     g1 = 2.0 * mass * s * sin_b * (spin * cos_b + pole * pole_arm)
-    swing = pole_arm * sin_b
-    g2 = (
-        2.0
-        * mass
-        * s
-        * s
-        * (spin * (cos_b * cos_b - sin_b * sin_b) + swing * swing + pole * pole_arm * cos_b)
-    )
-
     arm = d.arm
     z = d.axial - d.axial_cos * cos_b
     z1 = s * d.axial_cos * sin_b
-    z2 = s * s * d.axial_cos * cos_b
     radial = d.radial - d.radial_cos * cos_b
     tangential = -arm * sin_b
     radial1 = s * d.radial_cos * sin_b
     tangential1 = -s * arm * cos_b
-    radial2 = s * s * d.radial_cos * cos_b
-    tangential2 = s * s * arm * sin_b
     if d.paired == 0.0:
         i = mass * (0.5 * (radial * radial + tangential * tangential) + z * z)
         i1 = mass * (radial * radial1 + tangential * tangential1 + 2.0 * z * z1)
-        i2 = mass * (
-            radial1 * radial1
-            + radial * radial2
-            + tangential1 * tangential1
-            + tangential * tangential2
-            + 2.0 * (z1 * z1 + z * z2)
-        )
-        return i, i1, i2, 0.0, 0.0, g, g1, g2
+        return i, i1, 0.0, 0.0, g, g1
     y = radial * sin_a + tangential * cos_a
     y1 = (radial1 - tangential) * sin_a + (tangential1 + radial) * cos_a
-    y2 = (radial2 - 2.0 * tangential1 - radial) * sin_a + (tangential2 + 2.0 * radial1 - tangential) * cos_a
     i = mass * (y * y + z * z)
     i1 = 2.0 * mass * (y * y1 + z * z1)
-    i2 = 2.0 * mass * (y1 * y1 + y * y2 + z1 * z1 + z * z2)
     if d.bodies != 0.0:
         i += d.body_i * cos_a * cos_a
         i1 -= 2.0 * d.body_i * cos_a * sin_a
-        i2 -= 2.0 * d.body_i * (cos_a - sin_a) * (cos_a + sin_a)
     if d.single == 0.0:
-        return i, i1, i2, 0.0, 0.0, g, g1, g2
+        return i, i1, 0.0, 0.0, g, g1
+    z2 = s * s * d.axial_cos * cos_b
+    radial2 = s * s * d.radial_cos * cos_b
+    tangential2 = s * s * arm * sin_b
+    y2 = (radial2 - 2.0 * tangential1 - radial) * sin_a + (tangential2 + 2.0 * radial1 - tangential) * cos_a
     b = mass * (y * z1 - z * y1)
     b1 = mass * (y * z2 - z * y2)
     if d.bodies != 0.0:
         b += d.body_b * cos_a
         b1 -= d.body_b * sin_a
-    return i, i1, i2, b, b1, g, g1, g2
-
-
-def second_derivative_of_b(d, q):
-    """B'', kg m^2: only the rates of the accelerations of both links need it."""
-    if d.planar != 0.0:
-        _, cosine = sine_cosine(q)
-        return d.mass * d.radial * d.axial * cosine
-    if d.single == 0.0:
-        return 0.0
-    s = d.s
-    sin_b, sin_a, cos_b, cos_a = sines_cosines(s * q + d.phase_b, q + d.phase_a)
-    # y = R sin A + T cos A, z and their derivatives in q
-    radial = d.radial - d.radial_cos * cos_b
-    radial1 = s * d.radial_cos * sin_b
-    radial2 = s * s * d.radial_cos * cos_b
-    tangential = -d.arm * sin_b
-    tangential1 = -s * d.arm * cos_b
-    tangential2 = -s * s * tangential
-    y = radial * sin_a + tangential * cos_a
-    y1 = (radial1 - tangential) * sin_a + (tangential1 + radial) * cos_a
-    y2 = (radial2 - 2.0 * tangential1 - radial) * sin_a + (tangential2 + 2.0 * radial1 - tangential) * cos_a
-    y3 = (tangential - 3.0 * tangential2 - (s * s + 3.0) * radial1) * sin_a + (
-        3.0 * radial2 - (s * s + 3.0) * tangential1 - radial
-    ) * cos_a
-    z = d.axial - d.axial_cos * cos_b
-    z1 = s * d.axial_cos * sin_b
-    z2 = s * s * d.axial_cos * cos_b
-    second_derivative = d.mass * (y1 * z2 - y * s * s * z1 - z1 * y2 - z * y3)
-    return second_derivative - d.body_b * cos_a if d.bodies != 0.0 else second_derivative
+    return i, i1, b, b1, g, g1

@@ -118,7 +118,7 @@ def go_to_part(d, phase, part, parts, n):
 
 def momentum(d, direction, q):
     """Energy or momentum of links 1 and 2, link 2 at rest, that only what holds it raises, at the speed v."""
-    i, _, _, b, _, g, _, _ = reduced_inertia(d, q)
+    i, _, b, _, g, _ = reduced_inertia(d, q)
     if d.by_torque == 0.0:
         return direction * (i - d.k * d.k * g)
     # at constant energy
@@ -131,7 +131,7 @@ def thrown(d, side, q):
     Returns:
         (omega2, square of the slip, below 0 where it is not that slow), at the speed v.
     """
-    i, _, _, b, _, g, _, _ = reduced_inertia(d, q)
+    i, _, b, _, g, _ = reduced_inertia(d, q)
     k = d.k
     if d.by_torque == 0.0:
         # Jacobi's integral
@@ -250,7 +250,7 @@ def follow(d, x, w, length):
 
 def speed_of_energy(d, q, direction, omega2, energy):
     """Speed of link 1 with which links 1, 2 and imbalances have this energy."""
-    i, _, _, b, _, g, _, _ = reduced_inertia(d, q)
+    i, _, b, _, g, _ = reduced_inertia(d, q)
     phi = inertia_of_link1(d, i, b, g)
     coupled = direction * d.k * (b + d.k * g) * omega2
     left = 2.0 * energy - (d.J2 + d.k * d.k * g) * omega2 * omega2

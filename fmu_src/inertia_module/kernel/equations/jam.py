@@ -49,7 +49,7 @@ def jams_between(d, begin, length, count):
     """Tell whether they jam at one of so many angles of the drive from begin on, rad."""
     for n in range(int(count)):
         q = begin + length * n / count
-        i, _, _, b, _, g, _, _ = reduced_inertia(d, q)
+        i, _, b, _, g, _ = reduced_inertia(d, q)
         by_alpha1 = by_rate2 = 0.0
         if d.satellite_loss != 0.0:
             # at large accelerations: what they add to the loads of all satellites

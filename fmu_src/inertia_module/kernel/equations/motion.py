@@ -212,8 +212,7 @@ def equations(d, x, prescribed, load, fixed, lossy):
     if satellites_loaded and d.single != 0.0 and d.planar + d.bodies == 0.0:
         inertia = inertia_at(d, place)
     else:
-        i, i1, _, b, b1, g, g1, _ = reduced_inertia(d, m.q)
-        inertia = i, i1, b, b1, g, g1
+        inertia = reduced_inertia(d, m.q)
     if lossy:
         m.weight1 = m.weight_q = 0.0
         if d.weight != 0.0:

@@ -33,7 +33,7 @@ STOPPED = 1e-14
 def look_ahead(d, x, w, slip_angle):
     """End the step where link 1 has turned by this angle relative to link 2: I, I', B, G there."""
     w.far_angle = slip_angle
-    w.far_i, w.far_i1, _, w.far_b, _, w.far_g, _, _ = reduced_inertia(d, x.q + d.k * slip_angle)
+    w.far_i, w.far_i1, w.far_b, _, w.far_g, _ = reduced_inertia(d, x.q + d.k * slip_angle)
     x.step_evaluations += 1.0
     if d.weight != 0.0:
         weigh(d, x, w)
@@ -42,7 +42,7 @@ def look_ahead(d, x, w, slip_angle):
 
 def begin_here(d, x):
     """Take I, I', B, G where the drive is at the start; each step then leaves those at its end."""
-    x.i, x.i1, _, x.b, _, x.g, _, _ = reduced_inertia(d, x.q)
+    x.i, x.i1, x.b, _, x.g, _ = reduced_inertia(d, x.q)
 
 
 def end_at(x, w, part):
