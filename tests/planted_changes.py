@@ -74,7 +74,8 @@ SELECTION = {
     "driven_shaft/": "test_driven_shaft.py",
     "^shaft|rosenbrock": """
         test_elastic.py::test_slowest_rate_is_that_of_the_slowest_eigenvalue
-        test_elastic.py::test_the_twist_of_an_overdamped_shaft_follows_tolerance test_stiff.py
+        test_elastic.py::test_the_twist_of_an_overdamped_shaft_follows_tolerance
+        test_elastic.py::test_a_stiff_step_is_of_its_order_in_all_that_is_followed
     """,
     "general/|tableau|search|^links": f"""
         {CHECK_VALUES} test_methods.py test_rates.py
@@ -120,7 +121,7 @@ SELECTION = {
         {MEANS}
         test_elastic.py::test_the_work_of_the_balancer_is_in_the_audit
         test_rates.py::test_rates_of_the_outputs test_freewheels.py test_jumps.py
-        test_torque_driven.py::test_torque_with_a_rate_counts_by_its_mean_over_the_step
+        test_motions.py::test_torque_with_a_rate_counts_by_its_mean_over_the_step
         test_motions.py::test_means_are_the_momentum_they_give
         test_motions.py::test_energies_balance_and_freewheels_only_push[bevel-speed-kinematic-ideal]
         test_motions.py::test_many_steps_are_one[bevel-speed-timestepping-ideal]

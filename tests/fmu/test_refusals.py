@@ -183,15 +183,6 @@ def test_unknown_references_and_wrong_types_are_refused(instance):
     assert not instance.is_discarded(0.01)
 
 
-def test_state_of_something_else_is_refused(instance):
-    instance.start(omega1=100.0)
-    saved = instance.fmu.getFMUstate()
-    zeros = bytes(len(instance.fmu.serializeFMUstate(saved)))
-    assert "state" in instance.refusal(lambda: instance.restore(zeros))
-    instance.fmu.setFMUstate(saved)
-    assert not instance.is_discarded(0.01)
-
-
 @pytest.mark.parametrize("version", ["", "3"])
 def test_shaft_refuses_the_state_of_a_module(instances_of, version):
     foreign = instances_of(f"InertiaModule{version}").start(**R1).saved()

@@ -2,22 +2,15 @@
 
 import math
 
-import pytest
 from fmpy.fmi2 import fmi2Discard
 
 from inertia_module.contract.models import INERTIA_MODULE
-from inertia_module.harness.fmu import Fmu, FmuError
 from inertia_module.harness.simulate import drive
 
-from .conftest import LEVELS, R1, TUNED, sentence
+from .conftest import LEVELS, R1, sentence
 
 TUNABLE = [variable.name for variable in INERTIA_MODULE.variables if variable.is_tunable]
 START = {**R1, "drive_torque": 20.0}
-
-
-@pytest.fixture(params=["kinematic", "rigid", "timestepping", "elastic", "rigid, by torque"])
-def level(request):
-    return START | LEVELS[request.param]
 
 
 def tune(instance, **values):
@@ -30,14 +23,6 @@ def run(instance, *steps):
     for step in steps:
         instance.step(step)
     return instance.all_values()
-
-
-def test_parameter_tuned_before_the_first_step_acts_as_a_start_value(instances, level):
-    # but for the ratio: its change after the start is a jump of the speed
-    tuned = TUNED | {"kinematic_ratio": level.get("kinematic_ratio", 0.0)}
-    later = instances().start(**level)
-    tune(later, **tuned)
-    assert run(later, 0.01, 0.02) == run(instances().start(**(level | tuned)), 0.01, 0.02)
 
 
 def test_bad_value_is_discarded_with_a_sentence_and_nothing_changes(instances):
@@ -65,16 +50,6 @@ def test_parameters_that_do_not_go_together_are_discarded(instances):
     assert "link2_friction = 0.05" in said
     assert instance.all_values() == before == run(undisturbed, 0.1)
     assert run(instance, 0.1) == run(undisturbed, 0.1)
-
-
-def test_harness_sets_them_by_name_with_units(fmu_path):
-    with Fmu(fmu_path) as fmu:
-        fmu.advance(0.01)
-        fmu.set(load_torque=3.0, driven_friction="0.1 N.m.s/rad")
-        assert fmu.read(("load_torque", "driven_friction")) == (3.0, 0.1)
-        with pytest.raises(FmuError, match=r"^balancer must be between -10 and 10, is 11$"):
-            fmu.set(load_torque=5.0, driven_friction=0.2, balancer=11.0)
-        assert fmu.read(("load_torque", "driven_friction", "balancer")) == (3.0, 0.1, 0.0)
 
 
 def test_column_of_a_table_tunes_them(fmu_path):

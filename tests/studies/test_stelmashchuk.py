@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from inertia_module.memory import DrivenShaft
@@ -74,14 +74,6 @@ def test_closed_form_is_continuous_and_fulfils_equation_3(nu, Pi, beta):
         left = motion.acceleration + 2 * Pi * motion.velocity + nu**2 * motion.twist
         assert left == pytest.approx(beta * driving[2], abs=1e-12 * (1 + Pi + nu * 1e-2))
         assert motion.angle - motion.twist == pytest.approx(driving[0], abs=1e-15)
-
-
-@settings(max_examples=8)
-@given(st.floats(0.2, 200.0), st.floats(0.001, 0.9), st.floats(0.05, 4.0), st.sampled_from([1, 3]))
-def test_balancer_lowers_the_free_oscillation_by_nu_over_twice_pi(nu, share, kappa2, phase):
-    criteria = Criteria(nu, share * nu)
-    with_it, without = (free_oscillation(criteria, kappa2, beta, phase)[0] for beta in (1.0, 0.0))
-    assert with_it * nu == pytest.approx(without * 2 * criteria.Pi, rel=1e-6, abs=1e-9)
 
 
 def test_amplitude_is_that_of_the_envelope():

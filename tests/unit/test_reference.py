@@ -1,7 +1,8 @@
 """The kernel's machine does what the independent reference says, case by case of one table.
 
-Nothing of the kernel takes part in the reference (studies.reference: virtual work on its own geometry); it is
-itself held to closed forms in test_lossy.py. Angles, speeds, energies, torques and their means are compared.
+Nothing of the kernel takes part in the reference (studies.reference: virtual work on its own geometry).
+Angles, speeds, energies, torques and their means are compared. Closed forms of losses are in test_losses.py,
+other equations for them in tests/studies/test_lysenko.py.
 """
 
 from itertools import product
