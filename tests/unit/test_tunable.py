@@ -6,7 +6,6 @@ from scenes import DRIVEN, SCENES, advanced, parameters, reference, started
 
 from inertia_module.common.errors import Refused
 from inertia_module.contract.models import DRIVEN_SHAFT
-from inertia_module.kernel import codes
 from inertia_module.memory import DrivenShaft, Module
 from studies.reference.cases import OMEGA1, OMEGA2, OMEGA4
 
@@ -117,13 +116,3 @@ def test_what_does_not_go_together_is_refused_and_leaves_all_as_it_was(compiled)
     undisturbed = Module(compiled)
     undisturbed.restore(before)
     assert advanced(module, 0.1)["omega_out"] == advanced(undisturbed, 0.1)["omega_out"]
-
-
-def test_what_the_step_before_has_found_no_longer_holds(compiled):
-    module = advanced(started(compiled, SCENES["bevel"]), 0.02)
-    assert module.state.torques_continue == module.state.rates_cached == 1.0
-    module.set(**{name: module[name] for name in TUNED})
-    assert module.state.rates_cached == 1.0, "nothing has changed"
-    module.set(drive_friction=0.01)
-    assert module.state.torques_continue == module.state.rates_cached == 0.0
-    assert module.call(codes.OUTPUTS, 0.0) == codes.OK
