@@ -214,7 +214,7 @@ shaft.py: square / (half {+|-} math.sqrt
 general/rosenbrock.py: GAMMA = 0.2119375{6|7}319429014
 general/rosenbrock.py: -0.6610691{8|9}25249471
 general/rosenbrock.py: (rates[which] {-|+} start[which]) / apart
-general/rosenbrock.py: -2.36792510226{8|9}5204
+general/rosenbrock.py: -2.367925{1|2}022685204
 general/advance.py: value_low *= {0.5|1.0} if
 averaged/rates.py: - speed * torque {-|+} omega3 * torque1
 averaged/rates.py: share_rate = rate * (share {-|+} s * share1)
