@@ -130,6 +130,17 @@ def test_motion_torque_and_energies_are_exact(compiled, shaft, h):
     assert abs(found["energy_residual"]) <= 1e-14 * phase * energy
 
 
+@pytest.mark.parametrize("h", [1e-9, 5e-4, 0.1])
+def test_a_ramp_from_rest_is_exact_in_all_it_begins_with(compiled, h):
+    """Nothing larger hides what friction takes from the first twist."""
+    shaft = {"driven_inertia": 0.5, "shaft_stiffness": 400.0, "shaft_damping": 0.0, "driven_friction": 20.0}
+    model = DrivenShaft(compiled).start(**shaft)
+    model.set_rates(hub_speed=7.0)
+    model.advance(h)
+    for name, value in exact(*shaft.values(), 0.0, 0.0, 7.0, 0.0, 0.0, 0.0, h).items():
+        assert model[name] == pytest.approx(float(value), rel=1e-13, abs=0.0), name
+
+
 @pytest.mark.parametrize("damping", [0.05, 10.0, 300.0])
 def test_twist_and_torque_keep_their_digits_after_the_hub_ran_to_a_huge_speed_and_back(compiled, damping):
     """Balanced in full, the driven mass runs along: what is left between two huge speeds is small."""
