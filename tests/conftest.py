@@ -43,16 +43,6 @@ LONG_FILES = (
 ONLY_PLAIN = os.environ.get("INERTIA_MODULE_KERNEL") == "plain"
 
 
-@pytest.fixture(scope="session", params=["plain", "compiled"])
-def kernel(request):
-    """Both kernels in turn."""
-    if request.param == "plain":
-        return "plain"
-    if ONLY_PLAIN:
-        pytest.skip("the plain kernel alone was asked for")
-    return request.getfixturevalue("compiled")
-
-
 @pytest.fixture(scope="session")
 def compiled():
     """The fast kernel, for what would take the plain one too long."""

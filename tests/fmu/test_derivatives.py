@@ -176,30 +176,6 @@ def test_rate_of_the_output_speed_in_lock_up_is_what_the_load_brings(instances, 
     assert instance.rates("omega_out")[0] == pytest.approx(-load / carried, rel=0.05)
 
 
-def test_step_means_have_no_rate(instance):
-    instance.start(**START)
-    instance.step(0.01)
-    assert instance.rates("input_torque_mean", "output_torque_mean") == [0.0, 0.0]
-
-
-def test_given_rate_of_the_speed_beats_held_speed(instances):
-    def swept(h, with_rates):
-        instance = instances().start(tolerance=1e-9, omega1=50.0, load_torque=5.0)
-        for n in range(round(1.0 / h)):
-            instance.set(omega1=50.0 + 60.0 * n * h)
-            if with_rates:
-                instance.set_rates(omega1=60.0)
-            instance.step(h)
-        return instance.get("omega_out"), instance.get("energy_residual") / instance.get("energy_in")
-
-    fine, _ = swept(1e-3, True)
-    held, _ = swept(0.05, False)
-    sloped, residual = swept(0.05, True)
-    assert abs(sloped - fine) < 1e-6 * fine
-    assert abs(held - fine) > 1e3 * abs(sloped - fine)
-    assert abs(residual) < 1e-7
-
-
 @pytest.mark.fmi2
 @pytest.mark.parametrize("hold", [0, 1])
 def test_a_rate_holds_for_one_step_and_then_the_input_does_as_its_hold_says(instances, hold):

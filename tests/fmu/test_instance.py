@@ -196,3 +196,11 @@ def test_rates_of_inputs_are_refused_where_fmi_has_none(fmu_path):
         pytest.skip("FMI 2.0 has them")
     with Fmu(fmu_path, inputs=R1) as fmu, pytest.raises(FmuError, match="has no derivatives of inputs"):
         fmu.set_rates(omega1=1.0)
+
+
+def test_column_of_a_table_tunes_parameters(fmu_path):
+    table = {"time": [0.0, 0.049, 0.05, 0.1], **R1}
+    tuned = drive(fmu_path, {**table, "output_friction": [0.0, 0.0, 0.5, 0.5]}, 0.1, 0.01)["omega_out"]
+    plain = drive(fmu_path, table, 0.1, 0.01)["omega_out"]
+    assert tuned[:6].tolist() == plain[:6].tolist()
+    assert all(tuned[6:] < plain[6:])

@@ -1,9 +1,8 @@
-"""Numbers of the FMUs: check values, and in every scene at every level the bits of the model in memory.
+"""Numbers of the FMUs: in every scene at every level the bits of the model in memory.
 
-What the model computes is told by the unit tests, of the model in memory.
+What the model computes, check values, loads, balances and long runs among it, is told by the unit tests.
 """
 
-import math
 import shutil
 from functools import partial
 
@@ -13,70 +12,23 @@ from scenes import MECHANISMS
 
 from inertia_module.memory import DrivenShaft, Module
 
-from .conftest import BY_TORQUE, ELASTIC, LEVELS, R1, TUNED
+from .conftest import BY_TORQUE, LEVELS, R1, TUNED
 
-COLUMNS = (
-    "contact_mode", "omega2", "omega_out", "input_torque", "mesh_torque", "output_torque", "housing_torque", "q",
-    "output_torque_mean", "imbalance_acceleration",
-)  # fmt: skip
-CHECK_VALUES = {
-    0.01: (2, 0.969128517, 0.969128517, 163.43277665, 22.45225325, 22.32896361, 0, 0.995538603, 58.4564258, 2931.116196),
-    0.1: (0, 0, 3.447176379, -169.30697594, -95.49415258, 0, 95.49415258, 9.887230876, 27.2358819, 5285.153822),
-    1.0: (2, 17.968063040, 17.968063040, 15.48585376, 50.41231783, 50.01219587, 0, 93.434013810, 18.98403152, 1063.437762),
-}  # fmt: skip
 SCENES = {
-    "bevel": {},
-    "planar": MECHANISMS["planar"],
-    "two modules": {"modules": 2, "satellites": 2, "epsilon": 0.3, "gamma": 0.4},
-    "no housing freewheel": {"housing_freewheel": False},
-    "no freewheels": {"housing_freewheel": False, "output_freewheel": False},
-    "linear hold": {"input_hold": 1},
-    "gravity and friction": {"gravity": 9.81, "drive_friction": 0.01},
-    "bodies": {"satellite_inertia": 0.002, "satellite_transverse_inertia": 0.0015},
-    "heavy input": {"input_inertia": 0.1, "drive_inertia": 0.002, "a": 0.8, "b": 1.1, "c": 0.9},
+    "bevel": {
+        **{"modules": 2, "satellites": 2, "epsilon": 0.3, "gamma": 0.4, "a": 0.8, "b": 1.1, "c": 0.9},
+        **{"satellite_inertia": 0.002, "satellite_transverse_inertia": 0.0015},
+        **{"input_inertia": 0.1, "drive_inertia": 0.002},
+    },
+    "planar": MECHANISMS["planar"] | {"input_hold": 1},
+    "no freewheels": {
+        **{"housing_freewheel": False, "output_freewheel": False, "gravity": 9.81, "drive_friction": 0.01},
+    },
 }
-OF_PULSES = ("no housing freewheel", "no freewheels", "gravity and friction")
 SHAFTS = ({}, {"input_hold": 1, "balancer": 1.0, "driven_friction": 0.4})
 # steps of a drive
 COUNT = 12
 SPRUNG = {"driven_friction": 0.2, "balancer": 0.3}
-
-
-def angle(instance):
-    return instance.get("drive_angle") + 2 * math.pi * instance.get("drive_turns")
-
-
-@pytest.mark.parametrize("time", CHECK_VALUES)
-def test_scene_r1_gives_the_check_values(instance, time):
-    instance.start(tolerance=1e-9, **R1)
-    instance.step(time)
-    for name, expected in zip(COLUMNS, CHECK_VALUES[time], strict=True):
-        found = angle(instance) if name == "q" else instance.get(name)
-        assert found == pytest.approx(expected, rel=1e-6, abs=1e-12), name
-
-
-def test_planar_and_elastic_scenes_give_the_check_values(instances):
-    planar = instances().start(tolerance=1e-9, omega1=120.0, load_torque=8.0, **MECHANISMS["planar"])
-    planar.step(1.0)
-    assert planar.get("omega2") == pytest.approx(51.243199463, rel=1e-6)
-    assert planar.get("omega_out") == pytest.approx(51.243199463, rel=1e-6)
-    assert angle(planar) == pytest.approx(175.782853305, rel=1e-6)
-    elastic = instances().start(tolerance=1e-11, fidelity=3, **R1, **ELASTIC)
-    elastic.step(1.0)
-    assert elastic.get("omega_hub") == pytest.approx(3.908460340, rel=1e-8)
-    assert elastic.get("omega_out") == pytest.approx(16.766411224, rel=1e-9)
-    assert elastic.get("shaft_twist") == pytest.approx(-1.550114589e-3, rel=1e-6)
-
-
-@pytest.mark.parametrize(
-    "steps", [[1.0], [1 / 3] * 3, [0.01] * 100, [1e-4] * 10000, [1e-9, 0.25, 1e-4, 0.5 - 1e-4 - 1e-9, 0.25]]
-)
-def test_result_does_not_depend_on_the_communication_step(instance, steps):
-    instance.start(tolerance=1e-9, **R1)
-    for step in steps:
-        instance.step(step)
-    assert instance.get("omega_out") == pytest.approx(17.968063040, rel=3e-9)
-    assert instance.get("contact_switches") == 125
 
 
 def test_tolerance_of_the_experiment_wins_over_the_parameter(instances):
@@ -97,7 +49,7 @@ def test_shaft_accepts_the_tolerance_of_the_experiment_which_changes_nothing(ins
 
 
 def driven(target, first=0):
-    """Lengths of some uneven steps with inputs that change, and all values after each."""
+    """All values after each of some uneven steps with inputs that change."""
     rows = []
     for n in range(first, first + COUNT):
         if "hub_speed" in target.snapshot():
@@ -105,9 +57,8 @@ def driven(target, first=0):
         else:
             torques = {"load_torque": 10.0 - 1.5 * n, "drive_torque": 30.0 - 25.0 * (n % 3)}
             target.set(omega1=100.0 + 6.0 * (n % 4), **torques)
-        step = 0.004 + 0.007 * (n % 3)
-        target.advance(step)
-        rows.append((step, target.snapshot()))
+        target.advance(0.004 + 0.007 * (n % 3))
+        rows.append(target.snapshot())
     return rows
 
 
@@ -121,7 +72,7 @@ def check_bits_and_state(instances, memory, settings, tuned):
     assert rows == driven(memory), settings
     for one in (instance, memory):
         one.set(**tuned)
-    assert instance.snapshot() == memory.snapshot() == rows[-1][1] | tuned, settings
+    assert instance.snapshot() == memory.snapshot() == rows[-1] | tuned, settings
     kept = instance.fmu.getFMUstate()
     other.restore(instance.fmu.serializeFMUstate(kept))
     onwards = driven(memory, COUNT)
@@ -130,62 +81,24 @@ def check_bits_and_state(instances, memory, settings, tuned):
     assert driven(instance, COUNT) == onwards, settings
     assert driven(other, COUNT) == onwards, settings
     instance.fmu.freeFMUstate(kept)
-    return rows + onwards
-
-
-def check_balance(rows, share):
-    """The energy audit is within a share of the turnover."""
-    turnover = max(max(abs(row["energy_in"]), row["energy_stored"]) for _, row in rows)
-    assert abs(rows[-1][1]["energy_residual"]) < share * turnover
-
-
-def check_loads(rows):
-    """Loads agree with torques, masses and energies."""
-    lost = 0.0
-    for step, row in rows:
-        drive, mesh = row["input_torque"], row["mesh_torque"]
-        own = row["input_inertia"] * row["input_acceleration"]
-        scale = abs(drive) + abs(own) + abs(mesh)
-        if not row["gravity"]:
-            assert row["shaking_moment_x"] == pytest.approx(-(drive - own - mesh), abs=1e-11 * scale)
-        force = row["imbalance_mass"] * row["imbalance_acceleration"]
-        assert row["satellite_force"] == pytest.approx(force, rel=1e-15)
-        assert row["satellite_force_peak"] >= row["satellite_force"]
-        lost += step * row["loss_power_mean"]
-    assert lost == pytest.approx(rows[-1][1]["energy_lost"], rel=1e-12, abs=1e-15)
-    assert max(row["satellite_force_peak"] for _, row in rows) > rows[-1][1]["satellite_force"]
 
 
 @pytest.mark.parametrize("level", LEVELS.items(), ids=lambda level: level[0])
 @pytest.mark.parametrize("scene", SCENES)
 def test_fmu_is_the_module_in_memory_and_so_is_its_state(instances, scene, level):
     name, settings = level
-    if name.startswith("averaged") and scene in OF_PULSES:
+    if name.startswith("averaged") and scene == "no freewheels":
         pytest.skip("averaged takes both freewheels, and by torque no losses")
     start = {"tolerance": 1e-8, **R1, "drive_torque": 30.0, **SCENES[scene], **settings}
     tuned = SPRUNG if name.startswith("averaged") else TUNED  # a map with losses takes seconds
-    rows = check_bits_and_state(instances, Module(), start, tuned)
-    check_balance(rows, 0.05 if settings.get("method") else 1e-5)
-    if not name.startswith("averaged"):
-        check_loads(rows[:COUNT])
+    check_bits_and_state(instances, Module(), start, tuned)
 
 
 @pytest.mark.parametrize("identifier", ["DrivenShaft", "DrivenShaft3"])
 def test_fmu_is_the_shaft_in_memory_and_so_is_its_state(instances_of, identifier):
     for settings in SHAFTS:
-        rows = check_bits_and_state(
-            partial(instances_of, identifier), DrivenShaft(), settings, {"shaft_damping": 0.7, **SPRUNG}
-        )
-        check_balance(rows, 1e-9)
-
-
-def test_drift_over_a_long_run_stays_within_what_is_promised(instance):
-    memory = Module().start(tolerance=1e-9, **R1)
-    instance.start(tolerance=1e-9, **R1)
-    for one in (instance, memory):
-        for _ in range(10):
-            one.advance(1.0)
-    assert instance.all_values() == memory.snapshot()
+        make, tuned = partial(instances_of, identifier), {"shaft_damping": 0.7, **SPRUNG}
+        check_bits_and_state(make, DrivenShaft(), settings, tuned)
 
 
 @pytest.mark.parametrize(

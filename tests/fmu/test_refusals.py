@@ -18,7 +18,7 @@ from inertia_module.harness.fmu import Fmu, FmuError
 from inertia_module.harness.loading import messages_of_others
 from inertia_module.memory import Module
 
-from .conftest import R1, sentence
+from .conftest import LEVELS, R1, sentence
 
 # inputs, by torque too, and what they do not take
 GOOD = {INERTIA_MODULE: {**R1, "drive_torque": 20.0}, DRIVEN_SHAFT: {"hub_speed": 20.0, "load_torque": 3.0}}
@@ -160,6 +160,39 @@ def test_parameters_that_do_not_go_together_are_refused_by_the_sentence_of_the_m
     assert not instance.is_discarded(0.01)
 
 
+def tune(instance, **values):
+    """Set Real variables in one call."""
+    set_reals = instance.fmu.setFloat64 if instance.is_fmi3 else instance.fmu.setReal
+    set_reals([instance.references[name] for name in values], list(values.values()))
+
+
+def test_bad_value_of_a_tunable_parameter_is_discarded_and_nothing_changes(instances):
+    one, undisturbed = (instances().start(**GOOD[INERTIA_MODULE]) for _ in range(2))
+    for variable in (each for each in INERTIA_MODULE.variables if each.is_tunable):
+        name, before = variable.name, one.all_values()
+        for value in (math.nan, math.inf, variable.minimum - 1.0, variable.maximum * 2.0):
+            said = one.refusal(partial(tune, one, **{"omega1": 7.0, name: value}), fmi2Discard)
+            assert said == sentence(variable, value)
+            assert one.all_values() == before
+        tune(one, **{name: before[name]})  # no change
+        for each in (one, undisturbed):
+            each.step(0.01)
+        assert one.all_values() == undisturbed.all_values()
+
+
+def test_tunable_parameters_that_do_not_go_together_are_discarded(instances):
+    one, undisturbed = (
+        instances().start(**GOOD[INERTIA_MODULE], **LEVELS["averaged, by torque"]) for _ in range(2)
+    )
+    before = one.all_values()
+    said = one.refusal(partial(tune, one, omega1=50.0, balancer=0.3, windage=0.05), fmi2Discard)
+    assert said.startswith("with fidelity = 1 (averaged) and method = 0 (event) windage must be 0, is 0.05")
+    assert one.all_values() == before
+    for each in (one, undisturbed):
+        each.step(0.1)
+    assert one.all_values() == undisturbed.all_values()
+
+
 def test_outputs_cannot_be_set(instance):
     before = in_phase(instance, STEPPING).all_values()
     message = instance.refusal(lambda: instance.set(omega_out=77.0))
@@ -180,15 +213,6 @@ def test_unknown_references_and_wrong_types_are_refused(instance):
             f"a value reference must be that of a variable of type {kind} in modelDescription.xml,"
             f" is {reference}"
         )
-    assert not instance.is_discarded(0.01)
-
-
-def test_state_of_something_else_is_refused(instance):
-    instance.start(omega1=100.0)
-    saved = instance.fmu.getFMUstate()
-    zeros = bytes(len(instance.fmu.serializeFMUstate(saved)))
-    assert "state" in instance.refusal(lambda: instance.restore(zeros))
-    instance.fmu.setFMUstate(saved)
     assert not instance.is_discarded(0.01)
 
 

@@ -1,14 +1,12 @@
 """The commands of the studies, as they are run at the root of the project."""
 
 import contextlib
-import itertools
 import json
 from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
-from studies import coupling
 from studies.__main__ import app
 from studies.papers.figures import FIGURES
 from studies.stability.verdicts import Verdict
@@ -71,32 +69,6 @@ def test_stability_tries_random_motions_of_a_seed(tmp_path):
     printed = json.loads(command(*arguments, "--json", folder=tmp_path).stdout)
     assert printed["findings"] == []
     assert Path(printed["files"]["invariants"]).read_text() == written
-
-
-def test_stability_of_an_unknown_axis_is_refused_in_one_line(tmp_path):
-    done = command("stability", "--only", "weather", "-o", tmp_path / "map", folder=tmp_path)
-    assert done.exit_code == 1
-    assert done.stderr.startswith("error: axis must be one of the map, is weather (there are input speed")
-    assert not (tmp_path / "map").exists()
-
-
-def test_coupling_leaves_the_rows_of_a_part_and_its_picture(tmp_path, monkeypatch):
-    def measured(fmu_path, quick, progress):
-        # tests/system measures them
-        assert (fmu_path, quick) == ("its FMU", True)
-        steps = itertools.product(coupling.COUPLINGS, coupling.QUICK_STEPS)
-        return [coupling.Trial("planar", 0.5, name, step, True, *[0.1] * 5) for name, step in steps]
-
-    monkeypatch.setattr(coupling, "coupling_map", measured)
-    monkeypatch.setattr("studies.__main__.current_fmu", lambda: "its FMU")
-    done = command("coupling", "--quick", "-o", tmp_path, "--json", folder=tmp_path)
-    assert done.exit_code == 0, done.stderr
-    rows = json.loads(done.stdout)["rows"]["map"]
-    assert {(row["scheme"], row["step"]) for row in rows} >= {("torque-driven", 0.005)}
-    lines = (tmp_path / "coupling_map.csv").read_text().splitlines()
-    assert lines[0].startswith("case,ratio,scheme,step [s],")
-    assert len(lines) == 1 + len(rows)
-    assert (tmp_path / "coupling.png").stat().st_size > 1000
 
 
 def test_coupling_refuses_a_part_that_there_is_not(tmp_path):

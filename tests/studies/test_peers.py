@@ -1,7 +1,6 @@
 """Each peer integrates the same mechanism: it agrees with the kernel within its own error."""
 
 import functools
-import sys
 
 import numpy as np
 import pytest
@@ -56,13 +55,6 @@ def test_integrators_with_exact_events_follow_the_kernel_and_meet_the_same_event
     assert abs(found.energy_residual) < 1e-4
 
 
-def test_links_that_come_to_rest_together_do_so_exactly():
-    problem, state = integrators.Problem(CASES["R1"]), np.array([0.3, -1e-12, 1e-15])
-    problem.data[0][integrators.OUTPUT] = 1.0
-    problem.leave(state, integrators.HOUSING)
-    assert state.tolist() == [0.3, 0.0, 0.0]
-
-
 @both
 def test_a_tighter_tolerance_is_nearer_the_kernel_and_a_stiffer_clutch_slips_less(name):
     for errors in (
@@ -111,19 +103,6 @@ def test_a_case_that_is_not_for_them_is_refused_in_one_line(parameters):
         assert "\n" not in str(refused.value)
     with pytest.raises((Unavailable, NotInstalled), match=r"leaves one out|not installed"):
         integrators.simulate(CASES["no output freewheel"], 1e-6, "odeint", 1e4)
-
-
-@pytest.mark.parametrize(
-    ("module", "simulate", "settings"),
-    [
-        ("sksundae.cvode", integrators.simulate, (1e-6, "BDF", 1e4)),
-        ("mujoco", mujoco_model.simulate, (1e-3, "Euler")),
-    ],
-)
-def test_a_missing_library_is_named_with_what_to_install(module, simulate, settings, monkeypatch):
-    monkeypatch.setitem(sys.modules, module, None)
-    with pytest.raises(NotInstalled, match=r"not installed.*inertia-module\[peers\]"):
-        simulate(Case(stop_time=0.01, points=2), *settings)
 
 
 def test_every_peer_has_a_name_of_its_own_and_integrates_a_case_at_each_of_its_settings():

@@ -14,12 +14,13 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from fmpy import extract, read_model_description
-from fmpy.fmi2 import FMU2Slave
+from fmpy import read_model_description
 
-# how a host counts time: by adding the step up, or in whole nanoseconds, of which it takes the differences
-ACCUMULATED, NANOSECONDS = "accumulated", "nanoseconds"
-FMPY = "fmpy"
+from inertia_module.harness.system import Node, WiredFmus
+from inertia_module.harness.wires import Wire
+
+# given in the course of a run, where no wire gives them
+INPUTS = ("omega1", "load_torque", "drive_torque", "hub_speed")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -27,11 +28,9 @@ class Host:
     """What there is to know about a host.
 
     Attributes:
-        clock: how it counts time. packages: what it needs besides fmpy.
-        minds_errors: whether it stops when the FMU refuses something.
+        packages: what it needs besides fmpy. minds_errors: whether it stops when the FMU refuses something.
     """
 
-    clock: str
     packages: tuple[str, ...] = ()
     minds_errors: bool = True
 
@@ -42,10 +41,8 @@ class Host:
 
 
 HOSTS = {
-    "libcosim": Host(NANOSECONDS, ("libcosimpy",)),
-    "ecos": Host(
-        ACCUMULATED, ("ecospy", "tbb") if sys.platform == "linux" else ("ecospy",), minds_errors=False
-    ),
+    "libcosim": Host(("libcosimpy",)),
+    "ecos": Host(("ecospy", "tbb") if sys.platform == "linux" else ("ecospy",), minds_errors=False),
 }
 
 
@@ -72,12 +69,31 @@ class HostFailed(RuntimeError):
     """The host ended with an error: what it says."""
 
 
-def run(host, scenes, work, clock=ACCUMULATED):
+def looped(scene, folder):
+    """Outputs after each step, by 'instance.output', of the FMUs side by side in this process."""
+    task = Task.of(scene, folder)
+    nodes = {}
+    for model, values in scene.models.items():
+        inputs = {name: value for name, value in values.items() if name in INPUTS}
+        parameters = {name: value for name, value in values.items() if name not in INPUTS}
+        nodes[model] = Node(task.paths[model], parameters, inputs)
+    rows = []
+    with WiredFmus(nodes, [Wire(*connection) for connection in scene.connections], scene.step) as system:
+        for n in range(scene.steps):
+            for model, values in scene.changes.get(n, {}).items():
+                system.set(model, **values)
+            system.advance()
+            rows.append([system.fmus[model][name] for model, name in task.outputs])
+    names = [f"{model}.{name}" for model, name in task.outputs]
+    return dict(zip(names, np.transpose(rows), strict=True))
+
+
+def run(host, scenes, work):
     """Run scenes in a host, one after the other in one process.
 
     Args:
-        host: FMPY or one of HOSTS. scenes: by name, each with the folder of its FMUs.
-        work: folder for what the host leaves behind. clock: how FMPY is to count time.
+        host: one of HOSTS. scenes: by name, each with the folder of its FMUs.
+        work: folder for what the host leaves behind.
 
     Returns:
         By the name of the scene the outputs after each step, by 'instance.output'.
@@ -89,7 +105,7 @@ def run(host, scenes, work, clock=ACCUMULATED):
     for number, (name, (scene, folder)) in enumerate(scenes.items()):
         folders[name] = work / str(number)
         folders[name].mkdir(parents=True)
-        task = dataclasses.asdict(scene) | {"folder": str(folder), "clock": clock}
+        task = dataclasses.asdict(scene) | {"folder": str(folder)}
         (folders[name] / "task.json").write_text(json.dumps(task))
     done = subprocess.run(
         [sys.executable, __file__, host, *map(str, folders.values())],
@@ -119,17 +135,21 @@ class Task:
     """A scene in a folder.
 
     Attributes:
-        work: the folder. models, step, steps, connections, clock: as given.
+        work: the folder. models, step, steps, connections: as given.
         paths, descriptions, variables: of each instance; the variables by name.
         outputs: (instance, output) of all.
     """
 
-    def __init__(self, work):
+    @classmethod
+    def of(cls, scene, folder):
+        """A scene in this process."""
+        return cls(folder, dataclasses.asdict(scene) | {"folder": folder})
+
+    def __init__(self, work, given=None):
         self.work = Path(work)
-        given = json.loads((self.work / "task.json").read_text())
+        given = given or json.loads((self.work / "task.json").read_text())
         self.models, self.step, self.steps = given["models"], given["step"], given["steps"]
-        self.connections, self.clock = given["connections"], given["clock"]
-        self._changes = given["changes"]
+        self.connections, self._changes = given["connections"], given["changes"]
         folder = Path(given["folder"])
         self.paths = {model: folder / f"{model.split('_')[0]}.fmu" for model in self.models}
         self.descriptions = {model: read_model_description(str(path)) for model, path in self.paths.items()}
@@ -237,61 +257,6 @@ def in_libcosim(task):
     task.write(rows)
 
 
-def in_fmpy(task):
-    """The calls one by one, over FMPy: what the hosts are compared with."""
-
-    def assign(model, variable, value):
-        kind = {"Real": "Real", "Boolean": "Boolean"}.get(variable.type, "Integer")
-        getattr(slaves[model], f"set{kind}")([variable.valueReference], [value])
-
-    def pass_on():
-        """The outputs of all are read, then the inputs are set."""
-        values = [
-            slaves[model].getReal([task.reference(model, output)])[0]
-            for model, output, _, _ in task.connections
-        ]
-        for (_, _, model, name), value in zip(task.connections, values, strict=True):
-            assign(model, task.variables[model][name], value)
-
-    slaves = {}
-    for model, description in task.descriptions.items():
-        slaves[model] = FMU2Slave(
-            guid=description.guid,
-            unzipDirectory=extract(str(task.paths[model]), unzipdir=str(task.work / model)),
-            modelIdentifier=description.coSimulation.modelIdentifier,
-            instanceName=model,
-        )
-        slaves[model].instantiate()
-        slaves[model].setupExperiment(startTime=0.0)
-        slaves[model].enterInitializationMode()
-    for model, variable, value in task.values():
-        assign(model, variable, value)
-    for _ in slaves:
-        pass_on()
-    for slave in slaves.values():
-        slave.exitInitializationMode()
-    pass_on()
-    rows, time, nanoseconds = [], 0.0, round(task.step * 1e9)
-    for n in range(task.steps):
-        for model, variable, value in task.changes(n):
-            assign(model, variable, value)
-        step = task.step
-        if task.clock == NANOSECONDS:
-            time = n * nanoseconds / 1e9
-            step = (n + 1) * nanoseconds / 1e9 - time
-        for slave in slaves.values():
-            slave.doStep(currentCommunicationPoint=time, communicationStepSize=step)
-        time += step
-        pass_on()
-        rows.append([])
-        for model, name in task.outputs:
-            rows[-1] += slaves[model].getReal([task.reference(model, name)])
-    for slave in slaves.values():
-        slave.terminate()
-        slave.freeInstance()
-    task.write(rows)
-
-
 if __name__ == "__main__":
     for folder in sys.argv[2:]:
-        {"ecos": in_ecos, "libcosim": in_libcosim, FMPY: in_fmpy}[sys.argv[1]](Task(folder))
+        {"ecos": in_ecos, "libcosim": in_libcosim}[sys.argv[1]](Task(folder))

@@ -24,10 +24,6 @@ from inertia_module.fidelity.levels import print_levels
 from inertia_module.fmu import native_fmu
 from inertia_module.fmu.builder import FMUS
 from inertia_module.harness.results import Result
-from studies.coupling import Trial
-from studies.coupling import print_rows as print_coupling
-from studies.stability.verdicts import OUTCOMES, Cell, Row, read_rows
-from studies.stability.verdicts import print_rows as print_stability
 
 ROOT = Path(__file__).parents[2]
 REFERENCE = str(ROOT / "examples" / "reference.toml")
@@ -337,18 +333,11 @@ def levels(title, fidelity, setting):
     print_levels(title, [row], ["omega2"])
 
 
-def extremes():
-    cells = {name: Cell("degraded", -4, AWKWARD) for name in ("kinematic", "elastic, timestepping")}
-    print_stability([Row(AWKWARD, "1e-313 rad/s", "bevel", cells)])
-
-
 PRINTERS = {
     "summary": lambda: show((AWKWARD, {AWKWARD: "1"})),
     "value of a summary": lambda: show(("title", {"heading": AWKWARD})),
     "levels": lambda: levels(AWKWARD, "rigid", "x"),
     "setting": lambda: levels("R1", "peer", AWKWARD),
-    "stability": extremes,
-    "coupling": lambda: print_coupling("map", [Trial(AWKWARD, *[1.0] * 9)]),
     "message": lambda: terminal().print(AWKWARD),
 }
 
@@ -379,17 +368,3 @@ def test_help_of_a_command_has_every_letter(name):
 def test_help_is_short_too_and_says_in_whole_sentences_what_the_commands_do():
     assert command("-h").stdout == command("--help").stdout
     assert "..." not in command("-h").stdout.partition("Commands:")[2]
-
-
-def test_map_of_extremes_has_a_line_for_each_level_and_fits_the_terminal(capsys, monkeypatch):
-    monkeypatch.setenv("COLUMNS", "80")
-    rows = read_rows(ROOT / "docs" / "stability.csv")
-    cells = {name: Cell(outcome, 1) for name, outcome in zip(rows[0].cells, OUTCOMES, strict=False)}
-    print_stability([*rows, Row("all verdicts", "x", "bevel", cells)])
-    lines = capsys.readouterr().out.splitlines()
-    assert max(map(len, lines)) <= 80
-    assert not any("…" in line for line in lines)
-    axes = {row.axis for row in rows if "kinematic" in row.cells}
-    assert sum(line.startswith("kinematic ") for line in lines) == len(axes) + 1
-    exact = sum(cell.outcome == "exact" for row in rows for cell in row.cells.values())
-    assert lines[-1].startswith(f"{exact + 1} exact, ")

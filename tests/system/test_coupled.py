@@ -1,7 +1,6 @@
 """An engine in front of the FMU, by speed and by torque: limits, orders, energy, an independent reference."""
 
 import csv
-import dataclasses
 import math
 import re
 from functools import cache
@@ -27,6 +26,7 @@ from studies import coupling as study
 from studies.coupling import TORQUE, coupled_engine, course, planar, trial
 from tests.system.programs import DOCS, programs
 
+TABLE = DOCS / "coupling_map.csv"
 SAMPLE = 5e-3
 # kg.m2, nearly all of it on link 1, so that it does not change with the angle
 INTERFACE = 0.1
@@ -133,16 +133,6 @@ def test_the_engine_feels_the_whole_inertia_of_the_module_in_the_end(fmu_path, s
     assert felt == pytest.approx(INTERFACE, rel=1e-3)
 
 
-@pytest.mark.parametrize("step", [1e-4, 5e-3])
-def test_the_mean_torque_holds_the_jump_of_a_held_speed_and_the_torque_at_an_instant_does_not(fmu_path, step):
-    with Fmu(fmu_path, PURE_INERTIA, {"omega1": SPEED, "load_torque": 0.0}) as fmu:
-        fmu.set(omega1=SPEED + 2.0)
-        fmu.advance(step)
-        mean, instant = fmu.read(("input_torque_mean", "input_torque"))
-    assert mean * step == pytest.approx(2.0 * INTERFACE, rel=1e-6)
-    assert instant == pytest.approx(0.0, abs=1e-4)
-
-
 def test_interface_inertia_is_that_of_a_rolling_satellite():
     """Held wheel: the imbalance turns about the point of contact at (1 + k) omega1, r - l to r + l away."""
     turned = 3 * 0.3 * (1.0 + 0.1 / 0.06) ** 2
@@ -157,7 +147,7 @@ def test_interface_inertia_is_that_of_a_rolling_satellite():
 @pytest.mark.parametrize(
     "name, ratio, scheme, step, bound",
     [
-        *((name, 0.5, Scheme.IMPLICIT, 4e-5, 3e-6) for name in study.CASES),
+        *((name, 0.5, Scheme.IMPLICIT, 1e-4, 1.9e-5) for name in study.CASES),
         # by torque with steps that meet the samples
         *(("planar", 0.3, None, step, 1e-9) for step in (SAMPLE / 4, SAMPLE)),
         *(("bevel", 5.0, None, step, 1e-9) for step in (SAMPLE / 4, SAMPLE)),
@@ -183,11 +173,6 @@ def test_error_falls_with_the_order_of_the_scheme(fmu_path, name, order):
     expected = reference("planar", 0.3)
     errors = [trial(planar(0.3), name, step, expected, fmu_path).output_error for step in (1e-3, 2.5e-4)]
     assert math.log(errors[0] / errors[1]) / math.log(4.0) > 0.85 * order
-
-
-@pytest.mark.parametrize("name, step", [("planar", 2e-3), ("bevel", 4e-3)])
-def test_recommended_scheme_is_within_a_percent_at_a_tenth_of_a_pulse(fmu_path, name, step):
-    assert trial(study.CASES[name](0.5), "implicit ramp", step, reference(name, 0.5), fmu_path).worst < 0.01
 
 
 # --- momentum, energy, cost ---
@@ -237,32 +222,6 @@ def test_cost_counts_steps_that_were_taken_back(fmu_path):
         assert (ledger.steps, ledger.fmu_steps, ledger.cost) == (10, 20, 40)
 
 
-@pytest.mark.parametrize("name", ["InertiaModule.fmu", "InertiaModulePy.fmu"])
-@pytest.mark.parametrize(
-    "level",
-    [
-        {"fidelity": 1},
-        {"method": 1, "max_step": 1e-3},
-        {"fidelity": 3, "driven_inertia": 0.5, "shaft_stiffness": 4e3, "shaft_damping": 0.5},
-    ],
-    ids=["averaged", "timestepping", "elastic"],
-)
-def test_a_torque_drives_every_level_of_fidelity_of_either_fmu(built, level, name):
-    case = planar(0.5)
-    case = dataclasses.replace(case, parameters={**case.parameters, **level})
-    with coupled_engine(case, None, built / name) as coupled:
-        for _ in range(100):
-            coupled.advance(SAMPLE)
-        worked, given, residual, defect, speed = coupled.read(
-            ("engine_work_in", "energy_in", "energy_residual", "bond_defect", "omega_out")
-        )
-        assert worked == pytest.approx(given, rel=1e-9)
-        assert abs(defect) < 1e-9 * worked
-        assert abs(residual) < (0.02 if "method" in level else 1e-4) * worked
-        assert coupled.engine.speed == pytest.approx(case.speed, rel=0.2)
-        assert speed > 10.0
-
-
 def test_by_torque_angle_and_speed_of_the_engine_are_those_of_link_1_and_its_torque_keeps_its_map(fmu_path):
     case = planar(0.5)
     with coupled_engine(case, None, fmu_path) as coupled:
@@ -298,8 +257,14 @@ def test_a_plant_in_substeps_is_a_plant_in_steps(fmu_path):
 # --- the study and its page ---
 
 
-def test_quick_map_finds_the_torque_best_and_cheapest_and_leaves_its_rows(fmu_path, tmp_path):
+def test_quick_map_has_the_rows_of_the_page_and_finds_the_torque_best_and_cheapest(fmu_path, tmp_path):
     rows = study.coupling_map(fmu_path, quick=True)
+    told = {tuple(row[name] for name in ("case", "ratio", "scheme", "step")): row for row in read_rows(TABLE)}
+    for row in (row for row in rows if row.step == 1e-3):
+        of_page = told[row.case, f"{row.ratio:g}", row.scheme, f"{row.step:g}"]
+        assert of_page["stable"] == str(row.stable)
+        for column in ("speed_error", "output_error", "energy_error") if row.stable else ():
+            assert float(of_page[column]) == pytest.approx(getattr(row, column), rel=0.02, abs=1e-6)
     fine = sorted((row for row in rows if row.step < 2e-3), key=lambda row: row.worst)
     assert [row.scheme for row in fine] == [TORQUE, *reversed(SCHEMES)]
     found = {(row.scheme, row.step): row for row in rows}
@@ -339,7 +304,7 @@ PULSES = {"planar": 0.019, "bevel": 0.037}
 def test_recommended_steps_keep_within_a_percent_and_a_half_in_the_rows_of_the_page(scheme, share, ratio):
     rows = [
         row
-        for row in read_rows(DOCS / "coupling_map.csv")
+        for row in read_rows(TABLE)
         if row["scheme"] == scheme and float(row["ratio"]) <= ratio
         # to the step of the map next to it
         if float(row["step"]) <= 1.1 * share * PULSES[row["case"]]
@@ -348,21 +313,6 @@ def test_recommended_steps_keep_within_a_percent_and_a_half_in_the_rows_of_the_p
     for row in rows:
         worst = max(abs(float(row[f"{name}_error"])) for name in ("speed", "output", "energy"))
         assert worst < 0.015, row
-
-
-def test_rows_of_the_page_are_what_is_measured_now(fmu_path):
-    rows = {
-        (row["case"], float(row["ratio"]), row["scheme"], float(row["step"])): row
-        for row in read_rows(DOCS / "coupling_map.csv")
-    }
-    for case, ratio in (("planar", 0.5), ("bevel", 0.5)):
-        for name in study.COUPLINGS:
-            found = trial(study.CASES[case](ratio), name, 1e-3, reference(case, ratio), fmu_path)
-            row = rows[case, ratio, name, 1e-3]
-            assert row["stable"] == str(found.stable)
-            if found.stable:
-                for column in ("speed_error", "output_error", "energy_error"):
-                    assert float(row[column]) == pytest.approx(getattr(found, column), rel=0.02, abs=1e-6)
 
 
 def test_python_of_the_page_runs(built, tmp_path, monkeypatch, capsys):

@@ -1,13 +1,17 @@
-"""What is generated, and what the README promises."""
+"""Generated pages, the README, programs of docs/tools.md in each host, and the tutorial."""
 
 import re
 import runpy
+import shutil
 import subprocess
 import sys
 import tomllib
 from pathlib import Path
 
-from inertia_module.contract.models import DRIVEN_SHAFT, INERTIA_MODULE
+import pytest
+from fmpy import simulate_fmu
+
+from tests.system.programs import needs, printed, programs
 
 ROOT = Path(__file__).parents[2]
 
@@ -36,13 +40,6 @@ def test_a_page_of_figures_is_stale_once_a_figure_or_a_word_has_changed(monkeypa
         assert same_figures(shown, now) == same, (shown, now)
 
 
-def test_every_variable_is_in_the_documentation():
-    page = (ROOT / "docs" / "variables.md").read_text()
-    assert all(
-        f"| `{variable.name}` |" in page for variable in (*INERTIA_MODULE.variables, *DRIVEN_SHAFT.variables)
-    )
-
-
 def test_page_on_development_tells_the_floors_that_are_enforced():
     (contract, *_) = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"]
     enforced = [re.findall(r"inertia_module\.(\w+)", layer) for layer in contract["layers"]]
@@ -65,3 +62,72 @@ def test_python_of_the_readme_runs(built, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     exec(compile(code, "README.md", "exec"), {})
     assert "energy residual" in capsys.readouterr().out
+
+
+# --- what a reader runs ---
+
+
+PROGRAMS = programs("tools.md")
+PACKAGES = [re.search(r"^from (\w+)", program)[1] for program in PROGRAMS]
+# tolerance that a host gives where the parameter has another
+TOLERANCE = {"OMSimulator": 1e-4}
+
+
+def test_every_host_of_the_page_has_a_program():
+    assert sorted(PACKAGES) == ["OMSimulator", "ecospy", "fmpy", "fmpy", "libcosimpy"]
+
+
+@pytest.mark.parametrize("number", range(len(PROGRAMS)), ids=PACKAGES)
+def test_program_of_the_page_runs_the_module(number, built, tmp_path):
+    package = PACKAGES[number]
+    needs(package)
+    for name in ("InertiaModule.fmu", "InertiaModule3.fmu"):
+        shutil.copy(built / name, tmp_path)
+    expected = simulate_fmu(
+        str(built / "InertiaModule.fmu"),
+        stop_time=1.0,
+        output_interval=1e-3,
+        relative_tolerance=TOLERANCE.get(package),
+        start_values={"output_inertia": 0.4},
+        output=["omega_out"],
+    )
+    found = printed(PROGRAMS[number], tmp_path)
+    # stopped at its switches a step integrates otherwise
+    within = 1e-7 if "use_event_mode" in PROGRAMS[number] else 1e-9
+    assert found == pytest.approx(expected["omega_out"][-1], rel=within)
+
+
+def test_fmpy_gives_the_tolerance_that_the_fmu_proposes(built):
+    def ended(parameter, **given):
+        values = {"output_inertia": 0.4, "tolerance": parameter}
+        path, steps = str(built / "InertiaModule.fmu"), {"stop_time": 0.1, "output_interval": 1e-3}
+        return simulate_fmu(path, start_values=values, output=["omega_out"], **steps, **given)["omega_out"][
+            -1
+        ]
+
+    assert ended(1e-6) == ended(1e-2) == ended(1e-2, relative_tolerance=1e-6)
+    assert ended(1e-6) != ended(1e-6, relative_tolerance=1e-2)
+
+
+def test_tutorial_shows_pictures_and_tables(built, tmp_path):
+    nbformat = pytest.importorskip("nbformat", reason="nbformat is not installed")
+    client = pytest.importorskip("nbclient", reason="nbclient is not installed")
+    pytest.importorskip("pymoo", reason="pymoo is not installed")
+    (tmp_path / "build").symlink_to(built, target_is_directory=True)
+    notebook = nbformat.read(Path("examples/tutorial.ipynb"), as_version=4)
+    assert all(not cell.get("outputs") for cell in notebook.cells), "it is kept without outputs"
+    client.NotebookClient(
+        notebook, timeout=300, kernel_name="python3", resources={"metadata": {"path": str(tmp_path)}}
+    ).execute()
+    outputs = [output for cell in notebook.cells for output in cell.get("outputs", ())]
+    shown = [output["data"] for output in outputs if "data" in output]
+    assert sum("image/png" in data for data in shown) >= 5
+    assert "<table>" in shown[0]["text/html"]
+    assert "omega_out [rad/s]" in shown[1]["text/html"]
+    # it launches the car and finds the values of the rig
+    text = "".join(output.get("text", "") for output in outputs)
+    light, heavy = (float(speed) for speed in re.findall(r"kg: ([\d.]+) rad/s", text))
+    assert heavy > light
+    assert float(re.search(r"25 km/h after ([\d.]+) s", text)[1]) < 20.0
+    low, high = (float(n) for n in re.search(r"imbalance_mass = \S+ from (\S+) to (\S+)", text).groups())
+    assert low < 1.07 < high

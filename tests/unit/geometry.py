@@ -81,6 +81,6 @@ def direct_derivatives(p, q):
 
 
 def direct_sums(p, q):
-    """(I, I', I'', B, B', G, G', G'') summed over the imbalances, the drives with them."""
+    """(I, I', B, B', G, G') summed over the imbalances, the drives with them."""
     sums = direct_derivatives(p, q)
-    return np.array([*sums[0], *sums[1, :2], *sums[2]])
+    return sums[:, :2].ravel()

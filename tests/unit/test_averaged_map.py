@@ -15,8 +15,9 @@ from inertia_module.kernel.averaged.balance import input_inertia, mean_input_tor
 from inertia_module.kernel.averaged.rates import energy_at, flow, look_up, look_up_input
 from inertia_module.kernel.averaged.steady import hold_output, momentum, settle, speed_of_sums
 from inertia_module.kernel.averaged.table import finish_table, inner_slope
-from inertia_module.kernel.links import inertia_at_input, motion
+from inertia_module.kernel.links import inertia_at_input
 from inertia_module.memory import Module
+from studies.stability.motion import solve_at
 
 SHAPES = {
     **MECHANISMS,
@@ -88,11 +89,11 @@ def test_ripple_and_peak_are_those_of_the_rigid_motion(compiled, mechanism, sigm
 @pytest.mark.parametrize("drive", [{}, ENGINE], ids=["by speed", "by torque"])
 @pytest.mark.parametrize("direction", [1.0, -1.0])
 def test_momentum_while_link_2_is_held_changes_by_what_holds_it(mechanism, drive, direction):
-    d = started("plain", SHAPES[mechanism], drive).derived
-    q = 0.3
+    module = started("plain", SHAPES[mechanism], drive)
+    d, q = module.derived, 0.3
     # by its torque link 1 has the energy 1/2; by its speed, the drive takes as much again as the housing
     omega1 = direction / inertia_at_input(d, q) ** 0.5 if drive else direction
-    housing = -motion(d, q, omega1, 0.0, 0.0, True, 0.0, 0.0, 0.0, 0.0)[3]
+    housing = -solve_at(module, True, False, q=q, omega1=omega1, omega2=0.0).mesh
     rate = (1.0 if drive else 2.0) * housing / (d.k * omega1)
     assert_rates(rate, lambda angle: momentum(d, direction, q + angle))
 

@@ -7,7 +7,6 @@ import pytest
 from inertia_module import bridge
 from inertia_module.bridge.fmu_system import bytes_of, numbers_of
 from inertia_module.bridge.small_signal import fit_sine
-from inertia_module.harness.chart import torque_converter_chart
 from inertia_module.memory import Module
 
 PLANAR = {"layout": 1, "sun_radius": 0.1, "satellite_radius": 0.06, "eccentricity": 0.04}
@@ -34,30 +33,6 @@ def test_a_ramp_of_the_input_shows_in_the_input_torque_as_in_the_module(compiled
     ramped = system.output(0.0, [20.0], [100.0, 10.0, 50.0])
     assert ramped == pytest.approx([module["input_torque"]], rel=1e-6)
     assert ramped != pytest.approx(system.output(0.0, [20.0], [100.0, 10.0, 0.0]), rel=1e-2)
-
-
-def test_run_from_standstill_is_that_of_the_averaged_module(compiled):
-    module = Module(compiled).start(fidelity=1, omega1=100.0, load_torque=10.0, tolerance=1e-10)
-    module.advance(2.0)
-    system = bridge.averaged_system(outputs=("omega_out",), kernel=compiled)
-    time = np.linspace(0.0, 2.0, 21)
-    inputs = np.array([[100.0], [10.0]]) * np.ones(21)
-    run = ct.input_output_response(
-        system, time, inputs, [0.0], solve_ivp_kwargs={"rtol": 1e-10, "atol": 1e-10}
-    )
-    assert run.outputs[0, -1] == pytest.approx(module["omega_out"], rel=1e-8)
-
-
-def test_operating_point_carries_the_load_and_linearisation_has_the_slope_of_the_chart(compiled):
-    system = bridge.averaged_system(outputs=("omega_out", "output_torque"), kernel=compiled)
-    speed = bridge.operating_point(system, 100.0, 10.0)
-    assert system.output(0.0, [speed], [100.0, 10.0]) == pytest.approx([speed, 10.0])
-    linear = ct.linearize(system, [speed], [100.0, 10.0])
-    chart = torque_converter_chart({}, kernel=compiled)
-    ratios = [speed / 100.0 - 5e-3, speed / 100.0 + 5e-3]
-    low, high = np.interp(ratios, chart.speed_ratio, chart.output_torque)
-    assert linear.A[0, 0] == pytest.approx(100.0 * (high - low) / 1e-2 / 0.5, rel=0.02)
-    assert linear.B[0, 1] == pytest.approx(-1.0 / 0.5, rel=1e-6)
 
 
 def test_a_load_beyond_stall_holds_the_shaft_at_rest_and_has_no_operating_point(compiled):

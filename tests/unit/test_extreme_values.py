@@ -178,18 +178,6 @@ def test_mean_motion_from_standstill_with_the_shaft_ahead(compiled, scene, value
 # --- by speed ---
 
 
-@pytest.mark.parametrize("ratio", [1e-3, 1e-6, 1e-9, 1e-12])
-def test_light_imbalance_has_the_work_of_a_heavy_one_in_proportion(compiled, ratio):
-    # behind inertias that hardly move, all torques and works are those of the held mechanism times the mass
-    heavy = {"link2_inertia": 1e9, "output_inertia": 1e9, "omega1": 100.0, "load_torque": 0.0}
-    one = advanced(started(compiled, heavy, tolerance=1e-9, imbalance_mass=1.0), 0.5)
-    light = advanced(started(compiled, heavy, tolerance=1e-9, imbalance_mass=ratio), 0.5)
-    assert light["omega2"] == pytest.approx(ratio * one["omega2"], rel=1e-5)
-    assert light["energy_in"] == pytest.approx(ratio * one["energy_in"], rel=1e-5)
-    assert abs(light["energy_residual"]) < 1e-5 * abs(light["energy_stored"])
-    assert light["contact_switches"] == one["contact_switches"]
-
-
 @pytest.mark.parametrize("mass", [1e7, 1e8, 1e9])
 def test_spike_of_link_2_at_a_cusp_is_not_stepped_over(compiled, mass):
     # J2 is down to 5e-10 of the inertia of the imbalance: where that rests, link 2 darts

@@ -1,7 +1,6 @@
 """Levels of fidelity: measured for a scene, recommended, chosen where it says "auto", and printed."""
 
 import dataclasses
-import json
 import math
 from pathlib import Path
 
@@ -23,7 +22,6 @@ from inertia_module.fidelity.trials import (
     measured_rows,
     run_in_process,
     window_errors,
-    window_means,
     with_worst,
 )
 from inertia_module.harness.simulate import Result
@@ -128,11 +126,6 @@ def test_a_driven_mass_is_rigid_with_the_hub_where_there_is_no_shaft():
 
 
 # --- errors over windows ---
-
-
-def test_windows_take_in_what_is_left_over():
-    assert window_means(np.arange(7.0), 3) == pytest.approx([1.0, 4.5])
-    assert window_means(np.arange(2.0), 5) == pytest.approx([0.5])
 
 
 @pytest.mark.parametrize(
@@ -308,13 +301,6 @@ def test_it_says_what_why_and_what_the_next_would_cost():
     assert "not enough: rigid, event, tolerance 1: tolerance = 1 is refused" in text
     assert "next level: elastic, event, tolerance 1e-03: error 1e-05" in text
     assert "6 times as long" in text
-
-
-def test_it_can_be_written_for_machines():
-    found = json.loads(json.dumps(recommend(ROWS, 1e-2, ["omega_out"]).as_dict(), allow_nan=False))
-    assert found["chosen"]["fidelity"] == "averaged"
-    assert found["next"]["cost"] == 5.0
-    assert found["asked"] == {"error": 1e-2, "wanted": ["omega_out"]}
 
 
 @pytest.mark.parametrize(

@@ -165,17 +165,6 @@ def test_input_goes_on_as_over_the_last_step_where_it_is_held_so(compiled, layou
     assert module["input_speed"] == pytest.approx(93.0 + 3.0 * 0.01 / 0.02, rel=1e-14)
 
 
-@pytest.mark.parametrize("name", SCENES)
-@pytest.mark.parametrize("tolerance", [1e-2, 1e-3])
-def test_peak_of_a_pulse_that_ends_within_a_long_step_is_of_the_pulse_alone(compiled, name, tolerance):
-    long_steps = advanced(started(compiled, SCENES[name], tolerance=tolerance), 0.05)
-    fine, peak = started(compiled, SCENES[name]), 0.0
-    for _ in range(2000):
-        fine.advance(2.5e-5)
-        peak = max(peak, fine["output_torque"])
-    assert long_steps["torque_peak"] == pytest.approx(peak, rel=0.02)
-
-
 @pytest.mark.parametrize("alpha1", [0.0, 20.0, 100.0, -150.0, -200.0, -500.0])
 def test_constant_torque_over_a_part_of_the_mean_motion_has_its_impulse_at_any_ramp(alpha1):
     time, omega1, torque = 0.5, 50.0, 7.0

@@ -6,7 +6,19 @@ Their motion is held to the reference in test_reference.py, their invariants in 
 from itertools import product
 
 import pytest
-from scenes import ACCOUNTS, ALL_LOSSES, CAUSE, ELASTIC, LOSSES, SCENES, advanced, motions, passed, started
+from scenes import (
+    ACCOUNTS,
+    ALL_LOSSES,
+    CAUSE,
+    ELASTIC,
+    FREEWHEELS,
+    LOSSES,
+    SCENES,
+    advanced,
+    motions,
+    passed,
+    started,
+)
 
 from inertia_module.contract.variables import BY_NAME
 from inertia_module.kernel import codes
@@ -50,6 +62,26 @@ def test_drag_of_the_output_freewheel_slows_the_shaft_alone(compiled, holds, met
     if "housing_drag" in holds:
         assert module["omega2"] == 0.0
         assert module["housing_torque"] == pytest.approx(-2.0, rel=1e-12)
+
+
+def test_even_friction_takes_link_2_along_at_a_constant_rate_and_then_it_sticks(compiled):
+    # imbalances on the axes of their satellites: the journals rub evenly, whatever link 2 does
+    eta, friction, k, inertia = 0.8, 0.05 * 3 * 0.8 * 120.0**2 * 0.08, 0.05 / 0.03, 0.003 + 0.4
+    free = {**FREEWHEELS["no freewheel"], "eccentricity": 0.0, "journal_friction": 0.05}
+    module = started(compiled, SCENES["planar"], free, mesh_efficiency=eta, load_torque=0.0, tolerance=1e-10)
+    torque = k * friction / eta
+    stuck = inertia * 120.0 / torque
+    module.advance(0.5 * stuck)
+    assert module["omega_out"] == pytest.approx(60.0, rel=1e-9)
+    slipped = 90.0 * 0.5 * stuck
+    assert module["energy_lost_journal"] == pytest.approx(friction * k * slipped, rel=1e-9)
+    assert module["energy_lost_mesh"] == pytest.approx((1.0 - eta) * torque * slipped, rel=1e-9)
+    module.advance(stuck)
+    assert module["omega_out"] == module["omega2"] == 120.0
+    assert module["energy_lost"] == pytest.approx(0.5 * inertia * 120.0**2, rel=1e-9)
+    # and a brake that is stronger tears them apart: it slips as fast as the two differ
+    advanced(module, 0.1, load_torque=2.0 * torque)
+    assert module["omega_out"] == pytest.approx(120.0 - 0.1 * torque / inertia, rel=1e-9)
 
 
 def test_lock_up_ends_where_the_load_is_more_than_friction_holds(compiled):

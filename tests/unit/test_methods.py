@@ -6,7 +6,6 @@ from scenes import SCENES, started
 
 from inertia_module.contract.records import record_type
 from inertia_module.kernel import tableau
-from inertia_module.kernel.driven_shaft import propagator
 from inertia_module.kernel.events import advance, error, stages
 from inertia_module.kernel.fields import WORKSPACE
 
@@ -84,9 +83,3 @@ def test_error_grows_with_each_error_and_shrinks_with_what_is_allowed(pair):
         setattr(w.rates[5], name, kept + 1e3)
         assert error.step_error(d, x, w, 100.0) > 10.0 * whole
         setattr(w.rates[5], name, kept)
-
-
-@pytest.mark.parametrize("power", range(10))
-def test_gauss_rule_integrates_powers_up_to_its_order(power):
-    rates = np.array(powers(propagator.NODES, power))
-    assert rates @ np.array(propagator.WEIGHTS) == pytest.approx(1.0, abs=1e-14)

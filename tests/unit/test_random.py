@@ -241,16 +241,6 @@ def test_stopped_campaign_goes_on_behind_what_it_has_kept(tmp_path):
     assert campaign.run_random(4, SEED, tmp_path) == again[:4]
 
 
-def test_kept_outcome_is_the_same_outcome(tmp_path):
-    explained = Figure(0.1 + 0.2, math.inf, explained=True)
-    outcomes = [
-        Outcome(0, "averaged", Finding({"finite": Figure(0.0, 0.0), REFERENCE: explained}, long=True)),
-        Outcome(1, "kinematic", Finding(refused="it takes too long"), draw_motion(SEED, 3).as_dict()),
-    ]
-    (tmp_path / "kept").write_text("".join(outcome.as_line() for outcome in outcomes))
-    assert campaign.read_outcomes(tmp_path / "kept") == outcomes
-
-
 def test_rows_tell_the_figure_next_to_its_bound_or_furthest_over_it():
     figures = [
         Figure(1e-3, 1.0),

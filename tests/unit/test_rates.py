@@ -20,15 +20,10 @@ from inertia_module.kernel.events.advance import begin_step
 from inertia_module.kernel.events.guards import fit_guard, general_guard, is_exact
 from inertia_module.kernel.events.stages import exact_guard, make_inside, make_step
 from inertia_module.kernel.fields import WORKSPACE
-from inertia_module.kernel.inertia import reduced_inertia, second_derivative_of_b
-from inertia_module.kernel.links import (
-    inertia_at_output,
-    kinetic_energy,
-    motion,
-    prescribed_at_input,
-    torques,
-)
+from inertia_module.kernel.inertia import reduced_inertia
+from inertia_module.kernel.links import friction_power, inertia_at_output, kinetic_energy, prescribed_at_input
 from inertia_module.kernel.tableau import LONG
+from studies.stability.motion import solve_at
 
 MODES = [HELD, FREE, DRIVING, HELD_DRIVING]
 ELASTIC_OUTPUT = {"fidelity": 3, "shaft_damping": 0.3, "driven_friction": 0.2, "balancer": 0.4}
@@ -62,66 +57,43 @@ def random_motion(chance):
     return chance.uniform(-7.0, 7.0), *(chance.uniform(-2.0, 2.0) for _ in range(5))
 
 
-def accelerations(d, q, omega1, omega2, given, held, carried, friction, torque):
-    """Accelerations of both links, and their angular momentum."""
-    alpha1, alpha2, _, _, _, momentum, _ = motion(
-        d, q, omega1, omega2, given, held, carried, friction, torque, 0.0
-    )
-    return alpha1, alpha2, momentum
-
-
-def moved(d, q, omega1, omega2, given, held, carried, friction, torque):
-    """Where (q, omega1, omega2) are after a short time, with these accelerations."""
-    alpha1, alpha2, _ = accelerations(d, q, omega1, omega2, given, held, carried, friction, torque)
-    return lambda t: (q + d.k * (omega1 - omega2) * t, omega1 + alpha1 * t, omega2 + alpha2 * t)
-
-
-def mesh_torque(d, q, omega1, omega2, given):
-    """F: the mesh torque while link 2 keeps its speed, N m."""
-    alpha1, _, _ = accelerations(d, q, omega1, omega2, given, True, 0.0, 0.0, 0.0)
-    return torques(d, q, omega1, alpha1, omega2, 0.0)[1]
-
-
 def test_reduced_inertia(values, chance):
     d = started("plain", values).derived
     q = chance.uniform(-7.0, 7.0)
-    _, i1, i2, _, b1, _, g1, g2 = reduced_inertia(d, q)
-    sources = [0, 1, 3, 4, 5, 6]  # I, I', B, B', G, G'
-    rates = (i1, i2, b1, second_derivative_of_b(d, q), g1, g2)
-    assert_rates(rates, lambda t: [reduced_inertia(d, q + t)[n] for n in sources])
+    _, *rates = reduced_inertia(d, q)
+    assert_rates(rates[::2], lambda t: reduced_inertia(d, q + t)[::2])  # of I, B, G
 
 
-@pytest.mark.parametrize("carried", [0.0, 0.03])
-def test_acceleration_of_link_2(values, chance, carried):
-    d = started("plain", values).derived
-    *state, given, torque, torque_rate = random_motion(chance)
-    friction = carried
-    path = moved(d, *state, given, False, carried, friction, torque)
-    found = motion(d, *state, given, False, carried, friction, torque, torque_rate)
-    alpha1, alpha2, jerk2, _, _, momentum, energy = found
+@pytest.mark.parametrize("driving", [False, True], ids=["overrun", "driving"])
+@pytest.mark.parametrize("held", [False, True], ids=["free", "held"])
+def test_energy_and_momentum_change_by_the_torques(values, chance, held, driving):
+    module = started("plain", values)
+    d = module.derived
+    q, omega1, omega2, given, load, _ = random_motion(chance)
+    module.state.alpha1 = module.state.drive_torque = given
+    omega2 *= not held
 
-    def along(t):
-        return accelerations(d, *path(t), given, False, carried, friction, torque + torque_rate * t)
+    def at(t, alpha1=0.0, alpha2=0.0):
+        angle = q + d.k * (omega1 - omega2) * t
+        speeds = {"omega1": omega1 + alpha1 * t, "omega2": omega2 + alpha2 * t}
+        return solve_at(module, held, driving, load, q=angle, omega3=speeds["omega2"], **speeds)
 
-    assert (alpha1, alpha2, momentum) == pytest.approx(along(0.0), rel=1e-12)
-    assert energy == pytest.approx(kinetic_energy(d, *state, 0.0), rel=1e-12)
-    assert_rates(jerk2, lambda t: along(t)[1])
-
-
-def test_mesh_torque_of_a_link_2_kept_at_its_speed(values, chance):
-    d = started("plain", values).derived
-    *state, given, _, _ = random_motion(chance)
-    path = moved(d, *state, given, True, 0.0, 0.0, 0.0)
-    _, _, _, torque, rate, _, _ = motion(d, *state, given, True, 0.0, 0.0, 0.0, 0.0)
-    assert torque == pytest.approx(mesh_torque(d, *state, given), rel=1e-9, abs=1e-12)
-    assert_rates(rate, lambda t: mesh_torque(d, *path(t), given))
+    m = at(0.0)
+    alpha = m.alpha1, m.alpha2
+    assert m.energy == pytest.approx(kinetic_energy(d, q, omega1, omega2, 0.0), rel=1e-12)
+    on_link2 = m.output - m.housing + d.b2 * omega2
+    power = m.drive * omega1 - on_link2 * omega2 - friction_power(d, omega1, omega2, 0.0)
+    passed = m.drive - d.b1 * omega1 - on_link2
+    assert_rates((power, passed), lambda t: (at(t, *alpha).energy, at(t, *alpha).momentum))
 
 
 def test_inertia_at_the_output_is_torque_over_acceleration(values, chance):
-    d = started("plain", values).derived
-    *state, given, torque, _ = random_motion(chance)
-    found = -1.0 / inertia_at_output(d, state[0])
-    assert_rates(found, lambda more: accelerations(d, *state, given, False, 0.0, 0.0, torque + more)[1])
+    module = started("plain", values)
+    q, omega1, omega2, given, load, _ = random_motion(chance)
+    module.state.alpha1 = module.state.drive_torque = given
+    motion = {"q": q, "omega1": omega1, "omega2": omega2, "omega3": omega2}
+    found = -1.0 / (inertia_at_output(module.derived, q) + module.derived.J3)
+    assert_rates(found, lambda more: solve_at(module, False, True, load + more, **motion).alpha2)
 
 
 def in_mode(values, mode, chance):
@@ -175,7 +147,8 @@ def test_of_equals_the_mode_is_chosen_that_goes_on(chance, sign):
     x.q = 0.0
     x.omega1 = 100.0 * sign
     x.alpha1 = x.load_torque = 0.0
-    rate = difference(lambda t: mesh_torque(d, d.k * x.omega1 * t, x.omega1, 0.0, 0.0))
+    still = {"omega1": x.omega1, "omega2": 0.0}
+    rate = difference(lambda t: solve_at(module, True, False, q=d.k * x.omega1 * t, **still).mesh)
     choose_states(d, x, 0.0)
     assert x.mode == (DRIVING if rate > 0.0 else HELD_DRIVING)
 

@@ -266,16 +266,12 @@ open: omega1 = 100 =>
     drive.omega1 must be given, is missing
 open: kind = "constant"\nomega1 = 100 =>
     drive.kind must be one of 'constant', 'ramp' ... is missing
-open: constant => steady
-    drive.kind must be one of 'constant', 'ramp' ... is 'steady'
 empty + drive = 4\nload = 3\nrun = 2
     drive must be a table, is 4
 open: = 100 => = "100 m"
     drive.omega1 must be a number ... rad/s ... is '100 m'
 open: = 100 => = "9 knots"
     drive.omega1 must be a number ... is '9 knots': knots is an unknown unit
-open: = 100 => = "fast"
-    drive.omega1 must be a number ... is 'fast': it is not a number
 open: = 100 => = true
     drive.omega1 must be a number ... is True
 open: = 100 => = nan
@@ -288,16 +284,10 @@ empty + drive =
     the scene is no TOML: Invalid value
 torque: "12 Nm" => "12 N"
     drive.drive_torque must be ... N.m ... is '12 N'
-torque: "12 Nm" => nan
-    drive.drive_torque must be a number of at least ... is nan
-torque: "600 rpm" => "600 m/s"
-    drive.omega1 must be ... rad/s ... is '600 m/s'
 closed: mass = 900 => mass = -1
     load.mass must be a number above 0 in kg ... is -1
 closed: 36 km/h => 600 rpm
     controller.reference.speed must be a number in m/s ... is '600 rpm'
-commanded: "20 N.m" => "20 rad/s"
-    controller.maximum must be ... N.m ... is '20 rad/s'
 commanded: = 100 => = "20 rad/m"
     controller.proportional_gain must be ... N.s ... is '20 rad/m'
 closed + integral_gain = '1 rad/s'
@@ -306,28 +296,20 @@ engine: torque = ["20 N.m" => torque = ["-20 N.m"
     drive.full_load.torque ... at least 0 ... '-20 N.m'
 engine: "100 %"] => "110 %"]
     drive.throttle_over_time.throttle must be ... of at most 1, is '110 %'
-engine: times_to = ["25 km/h" => times_to = ["50 kg"
-    load.times_to must be ... m/s ... is '50 kg'
 open + [mechanism]\nshaft_angle = "200 deg"
     mechanism.shaft_angle ... 3.14 ... is '200 deg'
 open + [mechanism]\nz2 = 2.5
     mechanism.z2 must be a whole number between 1 and ... is 2.5
 open + [mechanism]\nlayout = "flat"
     mechanism.layout must be 0 (bevel) ... is 'flat'
-open + [mechanism]\nhousing_freewheel = 2
-    mechanism.housing_freewheel ... true or false, is 2
 open + [mechanism]\nlink2_inertia = 0
     mechanism: ... link2_inertia must be above 0 ... is 0
-open + [mechanism]\nmesh_efficiency = "120 %"
-    mechanism.mesh_efficiency ... is '120 %'
 torque: input_inertia = 0.2 =>
     mechanism: ... drive = 1 (torque) input_inertia ... above 0 ... is 0
 torque: input_inertia = 0.2 => input_inertia = 0.2\nfidelity = "kinematic"\nkinematic_ratio = 0.5
     mechanism: ... drive = 1 (torque) fidelity must be 1 (averaged) ... is 0
 open: kind = "constant"\nomega1 = 100 => kind = "table"\ntime = [0, 1, 1]\nomega1 = [1, 2, 3]
     drive: time, omega1: ... 1 comes after 1
-open: kind = "constant"\nomega1 = 100 => kind = "table"\ntime = [0, 1]\nomega1 = [1]
-    drive: time, omega1: ... 2 points and 1 values
 open: kind = "constant"\nomega1 = 100 => kind = "table"\nfile = "no.csv"
     drive: no.csv must be a CSV file
 open: kind = "constant"\nomega1 = 100 => kind = "table"\nfile = "no.csv"\ntime = [0]
@@ -356,8 +338,6 @@ torque: [mechanism] => [mechanism]\ndrive = "speed"
     with drive.kind = 'torque' mechanism.drive must be 'torque'
 open + [mechanism]\ndrive = "torque"
     with drive.kind = 'constant' mechanism.drive must be 'speed'
-engine: [mechanism] => [mechanism]\ndrive = "speed"
-    with drive.kind = 'engine' mechanism.drive must be 'torque'
 closed: kind = "constant", speed = "36 km/h" => kind = "cycle", cycle = "WLTC"
     controller.reference.cycle must be a driving cycle, is 'WLTC' (there are ECE R15)
 still + brake = { gain = 1, maximum = 1 }
@@ -382,12 +362,8 @@ auto: error = => tolerance = 1e-7\nerror =
     with mechanism.fidelity = 'auto' accuracy.tolerance must not be given, is 1e-07:
 auto: fidelity = => method = "event"\nfidelity =
     with mechanism.fidelity = 'auto' mechanism.method must not be given, is 0:
-auto: fidelity = => max_step = 1e-3\nfidelity =
-    with mechanism.fidelity = 'auto' mechanism.max_step must not be given, is 0.001:
 auto: "2 %" => "0 %"
     accuracy.error must be a number above 0 and of at most 1, is '0 %'
-auto: "2 %" => "2 m"
-    accuracy.error must be a number ..., is '2 m'
 auto: "0.1 s" => "0 s"
     accuracy.window must be a number above 0 in s, ..., is '0 s'
 auto: "auto" => "automatic"

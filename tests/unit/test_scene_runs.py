@@ -5,13 +5,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from inertia_module import loops
 from inertia_module.contract.variables import BY_NAME, LOSSES, PARAMETER, with_causality
 from inertia_module.fidelity.levels import all_levels
 from inertia_module.fidelity.trials import measure_scene, run_in_process
-from inertia_module.figures.scenes import losses, scene_figure
-from inertia_module.harness.chart import SteadyMachine
+from inertia_module.figures.chart import chart_figure
+from inertia_module.figures.scenes import end_of_run, losses, plot_all, scene_figure
+from inertia_module.harness.chart import SteadyMachine, torque_converter_chart
 from inertia_module.harness.fmu import Fmu
 from inertia_module.harness.results import Result
 from inertia_module.loops import Engine, EngineMap, Governor, TorqueDrivenEngine, torque_driven
@@ -423,3 +425,50 @@ def test_example_says_how_soon_the_car_is_up_to_speed(fmu):
     assert numbers["energy_residual_relative"] < 1e-7
     heading = scene_figure(result).axes[0].get_title(loc="left")
     assert f"25 km/h in {numbers['time_to_25_kmh']:.3g} s" in heading
+
+
+# --- pictures show the numbers that they name ---
+
+
+PULSES = np.tile([0.0, 0.0, 5.0, 9.0, 5.0], 6)
+LOCKED, COASTING = np.full(200, 3.0), np.zeros(200)
+
+
+@pytest.mark.parametrize(
+    "torque, shown",
+    [
+        (PULSES, "the last 4 pulses"),
+        (np.concatenate([PULSES, LOCKED[:8]]), "the last 4 pulses"),
+        (np.concatenate([PULSES, LOCKED]), "lock-up from 0.026 s on"),
+        (np.concatenate([PULSES, COASTING]), "no more pulses from 0.029 s on"),
+        (PULSES[:15], "the end"),
+        (LOCKED, "the end"),
+        (COASTING, "the end"),
+    ],
+)
+def test_close_up_is_called_what_it_is(torque, shown):
+    table = Result.from_columns({"time": 1e-3 * np.arange(torque.size), "output_torque_mean": torque})
+    first, heading = end_of_run(table)
+    assert heading == shown
+    if "pulses" in heading or "lock-up" in heading:
+        assert first == 11
+    assert 0 <= first < torque.size
+
+
+@pytest.mark.parametrize(("largest", "unit", "factor"), [(1999.0, "W", 1.0), (5000.0, "kW", 1e3)])
+def test_large_powers_are_drawn_in_thousands_and_say_so(largest, unit, factor):
+    axes, time = Figure().subplots(), np.arange(3.0)
+    power = np.array([1.0, -largest, 2.0])
+    assert plot_all(axes, time, {"in": (power, "black"), "lost": (0.1 * power, "red")}, "W") == unit
+    assert [line.get_label() for line in axes.lines] == ["in", "lost"]
+    assert axes.lines[0].get_ydata() == pytest.approx(power / factor)
+
+
+def test_chart_without_losses_multiplies_torque_by_what_the_speed_is_divided(compiled):
+    ratio, output, taken, _ = chart_figure({"ideal": torque_converter_chart({}, kernel=compiled)}).axes
+    speeds, ratios = ratio.lines[0].get_data()
+    assert ratios == pytest.approx(1.0 / speeds, rel=1e-9)
+    assert ratios.max() > 5.0
+    assert (ratio.lines[1].get_ydata() == 1.0).all()
+    torques = [axes.lines[0].get_ydata() for axes in (output, taken)]
+    assert torques[0] * output.lines[0].get_xdata() == pytest.approx(torques[1])
