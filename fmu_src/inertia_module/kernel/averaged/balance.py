@@ -10,7 +10,7 @@ from ..accumulate import add, add_loss
 from ..codes import VISCOUS
 from ..tableau import GAUSS, GAUSS_NODES, GAUSS_WEIGHTS
 from .legs import can_lock, coasting_torque, locked_torque, most_locked_torque
-from .rates import energy_at, find_knot, lost_at_knot, ratio, side_at, slowness
+from .rates import energy_at, find_knot, lost_at_knot, ratio, shares, side_at, slowness
 from .step import middle_speed
 
 # Simpson's rule
@@ -27,9 +27,8 @@ def lost_power(d, side, x, speed, cause):
     after = side.knots[min(n + 1, int(side.count) - 1)]
     width = after.ratio - here.ratio
     t = min((ratio(x.omega3, speed) - here.ratio) / width, 1.0) if width > 0.0 else 0.0
-    w = slowness(side, speed) if side.slow != 0.0 else 0.0
-    first, _ = lost_at_knot(here, cause, w)
-    last, _ = lost_at_knot(after, cause, w)
+    now, _ = shares(slowness(side, speed))
+    first, last = lost_at_knot(here, cause, now), lost_at_knot(after, cause, now)
     return speed * speed * speed * max(first + t * (last - first), 0.0)
 
 

@@ -13,6 +13,9 @@ SLOWEST = 1e6
 # lowest speed with a motion of its own, and its logarithm
 LAST = 9.0
 LOG_LAST = math.log(LAST)
+# places in the shares of links that crawl: what goes with the slowness, with its square; of the value without
+# friction; what stays of the speed of links that crawl
+CRAWLING, FAST, STAYS = 6, 8, 9
 
 
 def side_at(d, omega1, trend):
@@ -41,98 +44,71 @@ def cubic_at(cubic, t):
     return cubic[0] + t * (c1 + t * (c2 + t * c3)), c1 + t * (2.0 * c2 + 3.0 * t * c3)
 
 
-def by_speed(fast, slower, slowest, crawling, w):
-    """Value at w (see slowness), and its slope times w.
+def shares(w):
+    """Shares that values at some speeds have in that at w (see slowness), and how they change, times w.
 
-    Up to 1/3 a parabola, up to 1 a cubic. Slower, what is left beside the friction of links that
-    crawl goes with log w, and fades.
+    Up to 1/3 it is a parabola, up to 1 a cubic. Slower, what is left beside the friction of links that crawl
+    is a cubic of log w that goes on with the same slope, and then fades.
 
-    Args:
-        fast, slower, slowest: values at 0; 1/9, 1/3, 2/3; 1, 3, 9.
-        crawling: of links that crawl: what stays, and what goes with w and its square.
+    Returns:
+        Shares and slopes: six of the values at 1/9, 1/3, 2/3, 1, 3, 9, two of what links that crawl have with
+        w and its square, one of the value at 0, one of what stays of links that crawl.
     """
-    first, a, b = slower
-    c, third, last = slowest
-    first -= fast
-    a -= fast
-    b -= fast
-    c -= fast
     if w <= 1.0 / 3.0:
-        c2 = 13.5 * a - 40.5 * first
-        c1 = 9.0 * first - c2 / 9.0
-        return fast + w * (c1 + w * c2), w * (c1 + w * 2.0 * c2)
-    c1 = 9.0 * a - 4.5 * b + c
-    c2 = 18.0 * b - 22.5 * a - 4.5 * c
-    c3 = 13.5 * (a - b) + 4.5 * c
+        a, b = w * (13.5 - 40.5 * w), w * (13.5 * w - 1.5)
+        a_w, b_w = w * (13.5 - 81.0 * w), w * (27.0 * w - 1.5)
+        now = (a, b, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0 - a - b, 0.0)
+        return now, (a_w, b_w, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -a_w - b_w, 0.0)
     if w <= 1.0:
-        return fast + w * (c1 + w * (c2 + w * c3)), w * (c1 + w * (2.0 * c2 + w * 3.0 * c3))
-    stays, linear, square = crawling
-    friction = stays + w * (linear + w * square)
-    friction_w = w * (linear + 2.0 * w * square)
-    last -= stays + LAST * (linear + LAST * square)
+        a, a_w = w * (9.0 + w * (13.5 * w - 22.5)), w * (9.0 + w * (40.5 * w - 45.0))
+        b, b_w = w * (w * (18.0 - 13.5 * w) - 4.5), w * (w * (36.0 - 40.5 * w) - 4.5)
+        c, c_w = w * (1.0 + w * (4.5 * w - 4.5)), w * (1.0 + w * (13.5 * w - 9.0))
+        now = (0.0, a, b, c, 0.0, 0.0, 0.0, 0.0, 1.0 - a - b - c, 0.0)
+        return now, (0.0, a_w, b_w, c_w, 0.0, 0.0, 0.0, 0.0, -a_w - b_w - c_w, 0.0)
+    square = w * w
     if w >= LAST:
-        left = last * LAST / w
-        return friction + left, friction_w - left if w < SLOWEST else 0.0
-    first = fast + c - stays - linear - square
-    slope = LOG_LAST * (c1 + 2.0 * c2 + 3.0 * c3 - linear - 2.0 * square)
-    third -= stays + 3.0 * (linear + 3.0 * square) + first + 0.5 * slope
-    last -= first + slope
-    s2 = 8.0 * third - last
-    s3 = 2.0 * last - 8.0 * third
+        e = LAST / w
+        now = (0.0, 0.0, 0.0, 0.0, 0.0, e, w - LAST * e, square - LAST * LAST * e, 0.0, 1.0 - e)
+        if w >= SLOWEST:
+            return now, (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        return now, (0.0, 0.0, 0.0, 0.0, 0.0, -e, w + LAST * e, 2.0 * square + LAST * LAST * e, 0.0, e)
+    # a cubic of s by the values at 1, 3 and 9 and the slope at 1
     s = math.log(w) / LOG_LAST
-    left = first + s * (slope + s * (s2 + s * s3))
-    return friction + left, friction_w + (slope + s * (2.0 * s2 + s * 3.0 * s3)) / LOG_LAST
+    c, c_w = 1.0 + s * s * (6.0 * s - 7.0), s * (18.0 * s - 14.0) / LOG_LAST
+    slope, slope_w = LOG_LAST * s * (1.0 + s * (2.0 * s - 3.0)), 1.0 + s * (6.0 * s - 6.0)
+    d, d_w = 8.0 * s * s * (1.0 - s), s * (16.0 - 24.0 * s) / LOG_LAST
+    e, e_w = s * s * (2.0 * s - 1.0), s * (6.0 * s - 2.0) / LOG_LAST
+    crawl = w - c - slope - 3.0 * d - 9.0 * e
+    crawl_w = w - c_w - slope_w - 3.0 * d_w - 9.0 * e_w
+    crawl2 = square - c - 2.0 * slope - 9.0 * d - 81.0 * e
+    crawl2_w = 2.0 * square - c_w - 2.0 * slope_w - 9.0 * d_w - 81.0 * e_w
+    now = (0.0, 4.5 * slope, -9.0 * slope, c + 5.5 * slope, d, e, crawl, crawl2, -slope, 0.0)
+    change = 4.5 * slope_w, -9.0 * slope_w, c_w + 5.5 * slope_w
+    return now, (0.0, *change, d_w, e_w, crawl_w, crawl2_w, -slope_w, 0.0)
 
 
 def slowness(side, speed):
     """Speed at which friction takes the stall torque over this one, at most SLOWEST."""
+    if side.slow == 0.0:
+        return 0.0
     return side.slow / speed if SLOWEST * speed > side.slow else SLOWEST
 
 
 def torque_at_knot(side, knot, speed):
     """Mean output torque at a knot over the square of the speed, N m s^2."""
-    if side.slow == 0.0:
-        return knot.torque[0]
-    first, a, b, c, third, last, linear, square = torques_at_speeds(knot)
-    slower, slowest = (first[0], a[0], b[0]), (c[0], third[0], last[0])
-    return by_speed(knot.torque[0], slower, slowest, (0.0, linear[0], square[0]), slowness(side, speed))[0]
+    now, _ = shares(slowness(side, speed))
+    torque = now[FAST] * knot.torque[0]
+    for m in range(FAST):
+        torque += now[m] * knot.slower[m].torque[0]
+    return torque
 
 
-def torques_at_speeds(knot):
-    """Cubics of the torque at the lower speeds."""
-    s = knot.slower
-    t0, t1, t2, t3 = s[0].torque, s[1].torque, s[2].torque, s[3].torque
-    return t0, t1, t2, t3, s[4].torque, s[5].torque, s[6].torque, s[7].torque
-
-
-def omega2_at_speeds(knot):
-    """Cubics of the mean speed of link 2 at the lower speeds."""
-    s = knot.slower
-    w0, w1, w2, w3 = s[0].omega2, s[1].omega2, s[2].omega2, s[3].omega2
-    return w0, w1, w2, w3, s[4].omega2, s[5].omega2, s[6].omega2, s[7].omega2
-
-
-def cubics_at(fast, cubics, stays, t, w):
-    """Value of a cubic with its like at lower speeds, slope, and slope in w times w (see by_speed).
-
-    Args:
-        stays: whether the last but one is what stays of links that crawl, else it goes with w.
-    """
-    first, a, b, c, third, last, crawl, square = cubics
-    value, slope = cubic_at(fast, t)
-    first0, first1 = cubic_at(first, t)
-    a0, a1 = cubic_at(a, t)
-    b0, b1 = cubic_at(b, t)
-    c0, c1 = cubic_at(c, t)
-    third0, third1 = cubic_at(third, t)
-    last0, last1 = cubic_at(last, t)
-    crawl0, crawl1 = cubic_at(crawl, t)
-    square0, square1 = cubic_at(square, t)
-    crawling = (crawl0, 0.0, 0.0) if stays else (0.0, crawl0, square0)
-    crawling1 = (crawl1, 0.0, 0.0) if stays else (0.0, crawl1, square1)
-    value, value_w = by_speed(value, (first0, a0, b0), (c0, third0, last0), crawling, w)
-    slope, _ = by_speed(slope, (first1, a1, b1), (c1, third1, last1), crawling1, w)
-    return value, slope, value_w
+def lost_at_knot(knot, cause, now):
+    """Mean power that a cause takes at a knot, over the cube of the speed; now: shares (or their slopes)."""
+    lost = now[FAST] * knot.lost[cause]
+    for m in range(FAST):
+        lost += now[m] * knot.slower[m].lost[cause]
+    return lost
 
 
 def ratio(omega3, speed):
@@ -160,9 +136,19 @@ def look_up(side, x, speed, omega3):
     part, part1 = cubic_at(knot.omega2, t)
     torque_w, part_w = 0.0, 0.0
     if side.slow != 0.0:
-        w = slowness(side, speed)
-        torque, torque1, torque_w = cubics_at(knot.torque, torques_at_speeds(knot), False, t, w)
-        part, part1, part_w = cubics_at(knot.omega2, omega2_at_speeds(knot), True, t, w)
+        now, by_w = shares(slowness(side, speed))
+        torque, torque1, torque_w = now[FAST] * torque, now[FAST] * torque1, by_w[FAST] * torque
+        part, part1, part_w = now[FAST] * part, now[FAST] * part1, by_w[FAST] * part
+        for m in range(FAST):
+            value, slope = cubic_at(knot.slower[m].torque, t)
+            torque += now[m] * value
+            torque1 += now[m] * slope
+            torque_w += by_w[m] * value
+            value, slope = cubic_at(knot.slower[m].omega2, t)
+            n = STAYS if m == CRAWLING else m
+            part += now[n] * value
+            part1 += now[n] * slope
+            part_w += by_w[n] * value
     if beyond:
         return torque, 0.0, part, 0.0, torque_w, part_w
     return torque, torque1, part, part1, torque_w, part_w
@@ -177,14 +163,6 @@ def look_up_input(side, x, speed, omega3):
     return cubic_at(knot.input, s - knot.ratio)
 
 
-def lost_at_knot(knot, cause, w):
-    """Mean power that a cause takes at a knot, over the cube of the speed, and its slope in w times w."""
-    s = knot.slower
-    slower = s[0].lost[cause], s[1].lost[cause], s[2].lost[cause]
-    slowest = s[3].lost[cause], s[4].lost[cause], s[5].lost[cause]
-    return by_speed(knot.lost[cause], slower, slowest, (0.0, s[6].lost[cause], s[7].lost[cause]), w)
-
-
 def resistance(side, x, speed, omega3):
     """Power that all losses but that of the output take over |v|, N m, and its slopes in |v| and omega3."""
     s = ratio(omega3, speed)
@@ -192,15 +170,13 @@ def resistance(side, x, speed, omega3):
     here = side.knots[n]
     after = side.knots[min(n + 1, int(side.count) - 1)]
     width = after.ratio - here.ratio
-    w = slowness(side, speed) if side.slow != 0.0 else 0.0
+    now, by_w = shares(slowness(side, speed))
     first = first_w = last = last_w = 0.0
     for cause in range(len(here.lost)):
-        lost, lost_w = lost_at_knot(here, cause, w)
-        first += lost
-        first_w += lost_w
-        lost, lost_w = lost_at_knot(after, cause, w)
-        last += lost
-        last_w += lost_w
+        first += lost_at_knot(here, cause, now)
+        first_w += lost_at_knot(here, cause, by_w)
+        last += lost_at_knot(after, cause, now)
+        last_w += lost_at_knot(after, cause, by_w)
     slope = (last - first) / width if width > 0.0 else 0.0
     t = s - here.ratio if width > 0.0 else 0.0
     lost = first + t * slope

@@ -25,7 +25,7 @@ PERIODS = 60
 BACK = 1e-6
 NEAR = 1e-5
 # ... and until the input torque keeps the energy, by this share of it; and the mean of v^2 is 1 by twice that
-ROUNDS = 12
+ROUNDS = 24
 KEPT = 5e-5
 # ... found by moves so many times what is missing, at most
 LARGEST_MOVE = 4.0
