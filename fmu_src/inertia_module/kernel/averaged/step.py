@@ -162,15 +162,20 @@ def take_step(d, side, x, w, speed, speed_rate, h, first, allowed):
     x.step_evaluations += 1.0
 
 
-def energy_residual(d, side, x, w, speed, fastest, allowed):
-    """Energy residual of a step under a torque, relative to its tolerance: some errors of the speeds."""
-    passed_on = x.load_torque * w.turned3 + w.lost3
-    gained = 0.5 * d.J3 * (w.next - x.omega3) * (w.next + x.omega3)
+def energy_residual(d, side, x, w, speed, fastest, allowed, implicit):
+    """Energy residual of a step under a torque, relative to its tolerance: some errors of the speeds.
+
+    Of an implicit step it is that of link 1: a transient of the shaft that is damped out may miss much of the
+    little that it moves.
+    """
     square = fastest * fastest
-    share = abs(w.work - passed_on - gained) / (d.J3 * square + abs(w.work) + abs(passed_on))
     put_in = side.direction * x.drive_torque * w.turned1
     gained = 0.5 * d.map_inertia * (w.next_speed - speed) * (w.next_speed + speed)
-    share += abs(put_in - w.work - w.lost - gained) / (d.map_inertia * square + abs(put_in) + abs(w.work))
+    share = abs(put_in - w.work - w.lost - gained) / (d.map_inertia * square + abs(put_in) + abs(w.work))
+    if not implicit:
+        passed_on = x.load_torque * w.turned3 + w.lost3
+        gained = 0.5 * d.J3 * (w.next - x.omega3) * (w.next + x.omega3)
+        share += abs(w.work - passed_on - gained) / (d.J3 * square + abs(w.work) + abs(passed_on))
     return share * fastest / (BALANCE * allowed)
 
 
@@ -182,9 +187,10 @@ def take_accurate_step(d, side, x, w, speed, speed_rate, h, first, allowed, fast
     wanted = h
     for _ in range(TRIES):
         take_step(d, side, x, w, speed, speed_rate, h, first, allowed)
-        if d.by_torque != 0.0 and h * steepness(first) <= LARGEST_EXPLICIT:
-            # (a transient that an implicit step damps out may miss much of the little that it moves)
-            w.error = max(w.error, energy_residual(d, side, x, w, speed, fastest, allowed))
+        if d.by_torque != 0.0:
+            implicit = h * steepness(first) > LARGEST_EXPLICIT
+            residual = energy_residual(d, side, x, w, speed, fastest, allowed, implicit)
+            w.error = max(w.error, residual)
         if w.error <= 1.0:
             factor = min(5.0, 0.8 * w.error**-0.25) if w.error > 1e-4 else 5.0
             # a step cut short by the end of the communication step says little about longer ones
