@@ -8,6 +8,7 @@ from inertia_module.contract.records import record_type
 from inertia_module.kernel import tableau
 from inertia_module.kernel.events import advance, error, stages
 from inertia_module.kernel.fields import WORKSPACE
+from inertia_module.memory import Module
 
 # row of the first stage, last stage and order of each pair
 PAIRS = {"8(5,3)": (tableau.LONG, tableau.END, 8), "5(4)": (tableau.SHORT, tableau.SHORT_END, 5)}
@@ -83,3 +84,15 @@ def test_error_grows_with_each_error_and_shrinks_with_what_is_allowed(pair):
         setattr(w.rates[5], name, kept + 1e3)
         assert error.step_error(d, x, w, 100.0) > 10.0 * whole
         setattr(w.rates[5], name, kept)
+
+
+def test_the_few_stages_of_a_short_step_are_not_trusted_over_many_radians():
+    works = []
+    for tolerance, steps in ((1e-3, 6), (1e-9, 36)):
+        module = Module("plain").start(
+            tolerance=tolerance, imbalance_mass=0.01, output_inertia=50.0, omega1=100.0, load_torque=1e-3
+        )
+        for _ in range(steps):
+            module.advance(36.0 / (steps * module.derived.harmonic * module.derived.k * module["omega1"]))
+        works.append(module["energy_in"])
+    assert works[0] == pytest.approx(works[1], rel=3e-4)
