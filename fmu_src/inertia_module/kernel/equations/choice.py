@@ -28,44 +28,28 @@ NO_TORQUE = 1e-300
 AHEAD = 1e-4
 # share of the torques below which a violation is none
 ROUNDING = 1e-14
+# share by which a freewheel that overruns with its drag comes before one whose spring is relaxed
+RELAXED = 1e-12
 
 
-def worst_of_freewheel(state, drag, torque, speed, push, beyond):
+def worst_of_freewheel(state, drag, torque, speed, push, wound):
     """By how much a freewheel misses its condition, N m.
 
     A spring that is wound up is there: it settles on less than the drag, or lets go.
 
     Args:
-        push: torque that its slip accelerates with. beyond: the same where a relaxed spring holds the drag.
+        push: torque that its slip accelerates with. wound: of its spring, rad.
     """
     if state == OPEN:
         return -push if speed <= 0.0 else 0.0
     if state == LOCKED:
         return -torque - drag
-    return beyond
+    return push if wound == 0.0 and speed == 0.0 and drag == 0.0 else 0.0
 
 
-def is_relaxed(state, wound, speed):
-    """Tell whether a spring has carried nothing yet."""
-    return state == WOUND and wound == 0.0 and speed == 0.0
-
-
-def push_beyond_drag(d, x, prescribed, load):
-    """Torque that each freewheel would slip with if its relaxed spring held the drag, N m, else 0."""
-    m = d.machine
-    inertia = d.J2 + d.J3 + d.F_by_alpha1
-    housing = output = 0.0
-    if is_relaxed(x.housing_state, m.wound_housing, m.omega2):
-        m.wound_housing = -d.housing_drag / d.housing_stiffness
-        evaluate(d, x, prescribed, load, False)
-        m.wound_housing = 0.0
-        housing = inertia * m.alpha2
-    if is_relaxed(x.output_state, m.wound_output, m.omega3 - m.omega2):
-        m.wound_output = -d.output_drag / d.freewheel_stiffness
-        evaluate(d, x, prescribed, load, False)
-        m.wound_output = 0.0
-        output = inertia * (m.alpha3 - m.alpha2)
-    return housing, output
+def relaxed(state, drag, wound, speed):
+    """Violation of a spring that carries nothing yet: it holds only where the drag keeps it from slipping."""
+    return RELAXED if state == WOUND and drag > 0.0 and wound == 0.0 and speed == 0.0 else 0.0
 
 
 def torques_at(d, m, prescribed, load):
@@ -77,7 +61,6 @@ def torques_at(d, m, prescribed, load):
 def violation(d, x, prescribed, load):
     """By how much the states in x miss their conditions, as a share of the torques."""
     m = d.machine
-    beyond_housing, beyond_output = push_beyond_drag(d, x, prescribed, load)
     evaluate(d, x, prescribed, load, False)
     inertia = d.J2 + d.J3 + d.F_by_alpha1
     # behind a freewheel that overruns, or a shaft not twisted yet, links 1 and 2 feel no load
@@ -89,17 +72,15 @@ def violation(d, x, prescribed, load):
     elif x.slip_sign * (m.omega1 - m.omega2) <= 0.0 and is_rough(d):
         worst = -x.slip_sign * inertia * (m.alpha1 - m.alpha2)
     if d.housing != 0.0:
-        push = inertia * m.alpha2
-        missing = worst_of_freewheel(
-            x.housing_state, d.housing_drag, m.housing, m.omega2, push, beyond_housing
-        )
-        worst = max(worst, missing)
+        state, push, wound = x.housing_state, inertia * m.alpha2, m.wound_housing
+        worst = max(worst, worst_of_freewheel(state, d.housing_drag, m.housing, m.omega2, push, wound))
     worst = max(worst, 0.0) / (torques + NO_TORQUE)
+    worst = max(worst, relaxed(x.housing_state, d.housing_drag, m.wound_housing, m.omega2))
     if d.output != 0.0:
         slip = m.omega3 - m.omega2
-        push = inertia * (m.alpha3 - m.alpha2)
-        missing = worst_of_freewheel(x.output_state, d.output_drag, m.output, slip, push, beyond_output)
-        worst = max(worst, missing / (behind + NO_TORQUE))
+        state, push, wound = x.output_state, inertia * (m.alpha3 - m.alpha2), m.wound_output
+        missing = worst_of_freewheel(state, d.output_drag, m.output, slip, push, wound)
+        worst = max(worst, missing / (behind + NO_TORQUE), relaxed(state, d.output_drag, wound, slip))
     return worst
 
 
