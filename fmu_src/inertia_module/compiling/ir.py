@@ -219,4 +219,5 @@ def llvm_text(model: Model) -> str:
 
 if __name__ == "__main__":
     gc.disable()  # numba keeps nearly all it makes: a seventh of the time went into looking for what it drops
-    write_atomically(Path(sys.argv[2]), lzma.compress(translate(MODELS[sys.argv[1]]).encode()))
+    # a quarter larger than the best, in a tenth of its time
+    write_atomically(Path(sys.argv[2]), lzma.compress(translate(MODELS[sys.argv[1]]).encode(), preset=1))
