@@ -10,7 +10,7 @@ from ..accumulate import add, add_loss
 from ..codes import VISCOUS
 from ..tableau import GAUSS, GAUSS_NODES, GAUSS_WEIGHTS
 from .legs import can_lock, coasting_torque, locked_torque, most_locked_torque
-from .rates import energy_at, find_knot, lost_at_knot, ratio, shares, side_at, slowness
+from .rates import energy_at, lost_between, ratio, shares, side_at, slowness
 from .step import middle_speed
 
 # Simpson's rule
@@ -20,16 +20,11 @@ MIDDLE = 2.0 / 3.0
 SMALL_JUMP = 1e-3
 
 
-def lost_power(d, side, x, speed, cause):
+def lost_power(side, x, speed, cause):
     """Mean power that a cause takes from link 2 and what moves in it, by the map, W."""
-    n = find_knot(side, x, ratio(x.omega3, speed))
-    here = side.knots[n]
-    after = side.knots[min(n + 1, int(side.count) - 1)]
-    width = after.ratio - here.ratio
-    t = min((ratio(x.omega3, speed) - here.ratio) / width, 1.0) if width > 0.0 else 0.0
     now, _ = shares(slowness(side, speed))
-    first, last = lost_at_knot(here, cause, now), lost_at_knot(after, cause, now)
-    return speed * speed * speed * max(first + t * (last - first), 0.0)
+    lost, _ = lost_between(side, x, ratio(x.omega3, speed), cause, now)
+    return speed * speed * speed * max(lost, 0.0)
 
 
 def lost_torque(d, side, x, speed):
@@ -43,7 +38,7 @@ def lost_torque(d, side, x, speed):
     beyond = max(x.omega3 - side.end * speed, 0.0)
     inner = max(-coasting_torque(d, side, x, speed) * beyond, 0.0)
     for cause in range(len(x.lost)):
-        inner += lost_power(d, side, x, speed, cause)
+        inner += lost_power(side, x, speed, cause)
     return d.b1 * speed if d.by_torque == 0.0 else 0.0, inner / speed
 
 
@@ -95,7 +90,7 @@ def lose(d, side, x, w, v, end, h, omega3):
             own += weight * friction * speed * speed
             own_impulse += weight * friction * speed
             for cause in range(len(x.lost)):
-                lost = weight * lost_power(d, side, x, speed, cause)
+                lost = weight * lost_power(side, x, speed, cause)
                 if adding == 1:
                     add_loss(x, cause, lost)
                 inner += lost

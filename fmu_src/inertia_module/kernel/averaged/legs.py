@@ -112,6 +112,16 @@ def coasting_torque(d, side, x, speed):
     return torque_at_knot(side, last_knot(side), speed) * speed * speed - beyond
 
 
+def holds_lock(d, side, x, v, alpha1, load):
+    """Tell whether the drive, at rest in link 1, can hold the torque of a shaft that turns with it."""
+    rate = leg_rate(d, side, x, LOCKED, v, alpha1)
+    torque = locked_torque(d, side, load, v, rate)
+    most = most_locked_torque(d, side, v)
+    if rate < 0.0 and torque >= most * (1.0 - ROUNDING):
+        return False  # it is just being lost
+    return -d.output_drag <= torque <= most * (1.0 + ROUNDING)
+
+
 def can_lock(d, side, x, v, alpha1, load):
     """Tell whether the shaft turns with link 1 and the drive, at rest in it, can hold the torque it takes."""
     if v <= 0.0:
@@ -121,12 +131,7 @@ def can_lock(d, side, x, v, alpha1, load):
             return False
     elif x.omega3 != v or (side.locks == 0.0 and x.omega2 != v):
         return False  # (without locks the mean motion never comes up to link 1)
-    rate = leg_rate(d, side, x, LOCKED, v, alpha1)
-    torque = locked_torque(d, side, load, v, rate)
-    most = most_locked_torque(d, side, v)
-    if rate < 0.0 and torque >= most * (1.0 - ROUNDING):
-        return False  # it is just being lost
-    return -d.output_drag <= torque <= most * (1.0 + ROUNDING)
+    return holds_lock(d, side, x, v, alpha1, load)
 
 
 def closing_in(d, side, x, v, alpha1):
@@ -160,43 +165,36 @@ def choose_leg(d, side, x, v, alpha1):
     return SLIPPING
 
 
-def time_at_rest_with_losses(side, load, speed, growing, remaining):
-    """Time at rest where the stall torque grows otherwise than with the square of the speed."""
-    low, high = 0.0, remaining
-    end = speed + growing * high
-    if growing <= 0.0 or torque_at_knot(side, side.knots[0], end) * end * end <= load:
+def time_at_rest(side, load, v, rate, remaining):
+    """Time the shaft stays at rest: until the stall torque is up to the load."""
+    stall = side.knots[0]
+    end = abs(v + rate * remaining)
+    if side.direction * rate <= 0.0 or torque_at_knot(side, stall, end) * end * end <= load:
         return remaining
+    low, high = 0.0, remaining
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
-        end = speed + growing * middle
-        if torque_at_knot(side, side.knots[0], end) * end * end > load:
+        end = abs(v + rate * middle)
+        if torque_at_knot(side, stall, end) * end * end > load:
             high = middle
         else:
             low = middle
     return high
 
 
-def time_at_rest(side, load, v, rate, remaining):
-    """Time the shaft stays at rest: until the stall torque is up to the load."""
-    speed = abs(v)
-    growing = side.direction * rate
-    if side.slow != 0.0:
-        return time_at_rest_with_losses(side, load, speed, growing, remaining)
-    stall = torque_at_knot(side, side.knots[0], speed)
-    if growing <= 0.0 or stall * (speed + growing * remaining) ** 2 <= load or stall <= 0.0:
-        return remaining
-    return min(max((math.sqrt(load / stall) - speed) / growing, 0.0), remaining)
-
-
-def time_locked(d, side, load, v, rate, remaining):
+def time_locked(d, side, x, v, rate, alpha1, remaining):
     """Time lock-up holds while link 1 slows down."""
-    torque = locked_torque(d, side, load, v, rate)
-    if rate >= 0.0 or torque <= 0.0 or most_locked_torque(d, side, v + rate * remaining) >= torque:
+    load = x.load_torque
+    if rate >= 0.0 or holds_lock(d, side, x, v + rate * remaining, alpha1, load):
         return remaining
-    most = most_locked_torque(d, side, 1.0 if d.lossy == 0.0 else v)
-    if d.lossy != 0.0:
-        most = max(most, torque) / (v * v)
-    return min(max((v - math.sqrt(torque / most)) / -rate, 0.0), remaining)
+    low, high = 0.0, remaining
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        if holds_lock(d, side, x, v + rate * middle, alpha1, load):
+            low = middle
+        else:
+            high = middle
+    return high
 
 
 def turn_input(d, side, x, w, leg, v, rate, h):
@@ -224,7 +222,7 @@ def turn_locked(d, side, x, w, v, alpha1, remaining):
     """Let the shaft turn with link 1. Returns (time, impulse of the output torque)."""
     rate = mean_rate(d, side, x, LOCKED, v, alpha1, remaining)
     ratio = lock_ratio(d, side)
-    h = time_locked(d, side, x.load_torque, v, rate, remaining)
+    h = time_locked(d, side, x, v, rate, alpha1, remaining)
     torque = locked_torque(d, side, x.load_torque, v + 0.5 * rate * h, rate)
     turn_input(d, side, x, w, LOCKED, v, rate, h)
     w.turned3 = ratio * h * (v + 0.5 * rate * h)

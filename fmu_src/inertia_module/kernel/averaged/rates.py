@@ -111,6 +111,18 @@ def lost_at_knot(knot, cause, now):
     return lost
 
 
+def lost_between(side, x, s, cause, now):
+    """Mean power that a cause takes at a ratio, over the cube of the speed, and its slope (lost_at_knot)."""
+    n = find_knot(side, x, s)
+    here = side.knots[n]
+    lost = lost_at_knot(here, cause, now)
+    if n == int(side.count) - 1:
+        return lost, 0.0
+    after = side.knots[n + 1]
+    slope = (lost_at_knot(after, cause, now) - lost) / (after.ratio - here.ratio)
+    return lost + (s - here.ratio) * slope, slope
+
+
 def ratio(omega3, speed):
     """omega3 / |omega1|; where link 1 rests, 0 or beyond any map."""
     if omega3 <= 0.0:
@@ -166,21 +178,13 @@ def look_up_input(side, x, speed, omega3):
 def resistance(side, x, speed, omega3):
     """Power that all losses but that of the output take over |v|, N m, and its slopes in |v| and omega3."""
     s = ratio(omega3, speed)
-    n = find_knot(side, x, s)
-    here = side.knots[n]
-    after = side.knots[min(n + 1, int(side.count) - 1)]
-    width = after.ratio - here.ratio
     now, by_w = shares(slowness(side, speed))
-    first = first_w = last = last_w = 0.0
-    for cause in range(len(here.lost)):
-        first += lost_at_knot(here, cause, now)
-        first_w += lost_at_knot(here, cause, by_w)
-        last += lost_at_knot(after, cause, now)
-        last_w += lost_at_knot(after, cause, by_w)
-    slope = (last - first) / width if width > 0.0 else 0.0
-    t = s - here.ratio if width > 0.0 else 0.0
-    lost = first + t * slope
-    lost_w = first_w + t / width * (last_w - first_w) if width > 0.0 else first_w
+    lost = slope = lost_w = 0.0
+    for cause in range(len(side.knots[0].lost)):
+        own, own_slope = lost_between(side, x, s, cause, now)
+        lost += own
+        slope += own_slope
+        lost_w += lost_between(side, x, s, cause, by_w)[0]
     return speed * speed * lost, speed * (2.0 * lost - s * slope - lost_w), speed * slope
 
 

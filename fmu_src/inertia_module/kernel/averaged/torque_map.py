@@ -261,11 +261,16 @@ def end_map(p, d, w, side, end):
             knot.ratio = knot.input[0] = knot.omega2[0] = ratio
             lock_losses(p, d, side, knot, last)
             insert_knot(side, count, knot, 0.0)
-    elif d.by_torque != 0.0 and d.lossy == 0.0 and last.torque[0] > MAP_ERROR * side.knots[0].torque[0]:
+    elif d.by_torque != 0.0 and last.torque[0] > MAP_ERROR * side.knots[0].torque[0]:
         knot = w.knot
         copy(knot.numbers, last.numbers)
         knot.ratio = max(end, last.ratio * (1.0 + RAMP))
         knot.torque[0] = knot.ripple = knot.peak = 0.0
+        if side.slow != 0.0:
+            crawl(p, d, side, knot)
+            for m in range(len(SLOWNESSES)):
+                # drag alone is left
+                knot.slower[m].torque[0] = min(knot.slower[m].torque[0], 0.0)
         insert_knot(side, count, knot, 0.0)
     elif d.lossy == 0.0:
         last.torque[0] = 0.0
