@@ -123,6 +123,11 @@ FOUND = {
         "fidelity=3 housing_drag=3e-05 housing_stiffness=80000 output_drag=0.005 freewheel_stiffness=2000 | "
         "0.9 0 0"
     ),
+    "drag far above what links 1 and 2 feel yet": (
+        "fidelity=3 input_inertia=0.027226 drive=1 journal_friction=0.086692 housing_stiffness=7970.8 "
+        "output_drag=0.063638 output_drag_viscous=0.075144 freewheel_stiffness=6783.6 freewheel_damping=0 | "
+        "0.0040481 0 0.21144"
+    ),
     "rounding alone, in fixed steps": "imbalance_mass=0 method=1 | 8e-05 0 0 -300000",
 }
 

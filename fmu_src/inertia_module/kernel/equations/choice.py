@@ -63,24 +63,24 @@ def violation(d, x, prescribed, load):
     m = d.machine
     evaluate(d, x, prescribed, load, False)
     inertia = d.J2 + d.J3 + d.F_by_alpha1
-    # behind a freewheel that overruns, or a shaft not twisted yet, links 1 and 2 feel no load
-    torques = torques_at(d, m, prescribed, 0.0) + d.housing_drag + d.output_drag + inertia * abs(m.alpha2)
-    behind = torques + (abs(load) if d.elastic == 0.0 else 0.0) + inertia * abs(m.alpha3)
+    # each by what it feels: links 1 and 2 no load behind a freewheel that overruns or a shaft not twisted yet
+    torques = torques_at(d, m, prescribed, 0.0) + inertia * abs(m.alpha2) + NO_TORQUE
     worst = 0.0
     if x.slip_sign == 0.0:
-        worst = -d.k * m.margin
+        worst = max(-d.k * m.margin, 0.0) / torques
     elif x.slip_sign * (m.omega1 - m.omega2) <= 0.0 and is_rough(d):
-        worst = -x.slip_sign * inertia * (m.alpha1 - m.alpha2)
+        worst = max(-x.slip_sign * inertia * (m.alpha1 - m.alpha2), 0.0) / torques
+    torques += d.housing_drag + d.output_drag
     if d.housing != 0.0:
         state, push, wound = x.housing_state, inertia * m.alpha2, m.wound_housing
-        worst = max(worst, worst_of_freewheel(state, d.housing_drag, m.housing, m.omega2, push, wound))
-    worst = max(worst, 0.0) / (torques + NO_TORQUE)
-    worst = max(worst, relaxed(x.housing_state, d.housing_drag, m.wound_housing, m.omega2))
+        missing = worst_of_freewheel(state, d.housing_drag, m.housing, m.omega2, push, wound)
+        worst = max(worst, missing / torques, relaxed(state, d.housing_drag, wound, m.omega2))
     if d.output != 0.0:
+        torques += (abs(load) if d.elastic == 0.0 else 0.0) + inertia * abs(m.alpha3)
         slip = m.omega3 - m.omega2
         state, push, wound = x.output_state, inertia * (m.alpha3 - m.alpha2), m.wound_output
         missing = worst_of_freewheel(state, d.output_drag, m.output, slip, push, wound)
-        worst = max(worst, missing / (behind + NO_TORQUE), relaxed(state, d.output_drag, wound, slip))
+        worst = max(worst, missing / torques, relaxed(state, d.output_drag, wound, slip))
     return worst
 
 
