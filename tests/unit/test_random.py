@@ -163,7 +163,7 @@ def test_random_motions_hold_all_invariants(compiled, level, losses, monkeypatch
     assert compared >= 1 or level.method != EVENT or level.fidelity not in (RIGID, ELASTIC)
 
 
-@pytest.mark.parametrize("losses, digest", [(False, "b6ce0baa2cecf152"), (True, "ee8fcc9760b71cfb")])
+@pytest.mark.parametrize("losses, digest", [(False, "b6ce0baa2cecf152"), (True, "cd3e0c57d3de7b72")])
 def test_number_of_a_seed_is_the_motion_that_the_documentation_counts(losses, digest):
     drawn = [draw_motion(seed, number, losses) for seed in (1, 2) for number in range(200)]
     text = json.dumps([motion.as_dict() for motion in drawn])
