@@ -87,6 +87,13 @@ def test_energy_and_momentum_change_by_the_torques(values, chance, held, driving
     assert_rates((power, passed), lambda t: (at(t, *alpha).energy, at(t, *alpha).momentum))
 
 
+def test_links_that_stick_together_have_the_energy_of_their_motion():
+    module = started("plain", SCENES["bevel"], journal_friction=0.1)
+    module.state.slip_sign = 0.0
+    m = solve_at(module, False, False, q=0.3, omega1=50.0, omega2=50.0, omega3=60.0)
+    assert m.energy == pytest.approx(kinetic_energy(module.derived, 0.3, 50.0, 50.0, 0.0), rel=1e-12)
+
+
 def test_inertia_at_the_output_is_torque_over_acceleration(values, chance):
     module = started("plain", values)
     q, omega1, omega2, given, load, _ = random_motion(chance)

@@ -97,7 +97,7 @@ MACHINE = (
     *("q", "theta1", "omega1", "omega2", "omega3", "twist", "relative", "wound_housing", "wound_output"),
     *("weight1", "weight_q", "windage", "alpha1", "alpha2", "alpha3", "rate_relative"),
     *("drive", "mesh", "output", "housing", "journals", "spun", "torque", "flow_sign", "margin"),
-    # angular momentum and kinetic energy of links 1 and 2 and the imbalances, but where links stick together
+    # angular momentum and kinetic energy of links 1 and 2 and the imbalances
     *("momentum", "energy"),
     # signs of the loads of all satellites, as one number, and by these what each adds to spun
     *("spin_signs", ("spun_by", SATELLITES)),

@@ -8,7 +8,6 @@ w.turned3, w.work, w.turned2, w.turned1, w.lost3, and |v| at its end in w.next_s
 import math
 
 from ..accumulate import add
-from ..output_shaft import slowed
 from .rates import SLOWEST, resistance, torque_at_knot
 
 # a torque or speed within this fraction of another is at it
@@ -23,6 +22,24 @@ COASTING = 2
 SLIPPING = 3
 # a coasting shaft within this fraction of the end of the map is at it
 ARRIVED = 1e-9
+# below it the mean of an exponential is a series
+SERIES = 0.3
+
+
+def slowed(z):
+    """Means over 0 <= t <= 1 of exp(-z t), (1 - exp(-z)) / z, and its integral, (z - 1 + exp(-z)) / z^2."""
+    if z < SERIES:
+        # the first eight terms: to rounding
+        first = 1.0
+        second = 0.5
+        term = 1.0
+        for n in range(2, 10):
+            term *= -z / n
+            first += term
+            second += term / (n + 1.0)
+        return first, second
+    first = -math.expm1(-z) / z
+    return first, (1.0 - first) / z
 
 
 def last_knot(side):

@@ -10,9 +10,8 @@ takes an integration.
 
 import math
 
-from ..accumulate import add, add_loss, wrap_drive_angle, wrap_input_angle
+from ..accumulate import add, add_loss, turn_against, wrap_drive_angle, wrap_input_angle
 from ..codes import DRIVING, FREE, FREEWHEEL, HELD_DRIVING, OK, STEP_TOO_SMALL, TOO_MUCH_WORK
-from ..output_shaft import turn
 from .balance import lose, mean_input_torque, mesh_share
 from .legs import (
     COASTING,
@@ -113,7 +112,7 @@ def advance_leg(d, side, x, w, leg, v, alpha1, remaining):
             return -1.0, v
     end = v + alpha1 * h if prescribed else side.direction * w.next_speed
     x.output_impulse += impulse
-    turn(x, x.load_torque, w.turned3)
+    turn_against(x, x.load_torque, w.turned3)
     if prescribed:
         energy1, _, _ = energy_at(d, side, x, end)
         work = w.work + energy1 - energy0

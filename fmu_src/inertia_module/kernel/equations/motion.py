@@ -181,6 +181,8 @@ def stick_links(d, x, m, prescribed, inertia, place, carried, resisting):
     m.alpha1 = alpha
     m.alpha2 = alpha
     m.drive = (d.J1 + i) * alpha + rest1 + m.mesh
+    m.momentum = (d.J1 + i + d.J2) * omega1
+    m.energy = 0.5 * m.momentum * omega1
     needed = m.mesh / d.k - ideal
     m.margin = journals + m.spun + d.mesh_loss * abs(m.mesh) / d.k - abs(needed)
     if held and d.by_torque == 0.0 and prescribed != 0.0:

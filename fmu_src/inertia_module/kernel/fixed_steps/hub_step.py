@@ -1,10 +1,9 @@
 """The hub over a fixed step, with drag and the elastic shaft: the midpoint rule (docs/mechanics.md)."""
 
-from ..accumulate import add, add_loss
+from ..accumulate import add, add_loss, turn_against
 from ..codes import SHAFT, VISCOUS
 from ..impulse import push_driven_mass
 from ..links import inertia_of_link2
-from ..output_shaft import turn
 
 # what a torque of the shaft may change of the speed it acts on in a step that resolves it
 RESOLVED = 4.0
@@ -97,5 +96,5 @@ def turn_shaft(d, x, w, end3, h):
             x.relative = 0.0
             x.relative_low = 0.0
         push_driven_mass(d, x, end3 - w.end3, w.stiff != 0.0)
-    turn(x, w.load, h * mean4)
+    turn_against(x, w.load, h * mean4)
     x.omega3 = end3
