@@ -380,7 +380,7 @@ VARIABLES: tuple[Variable, ...] = (
     _parameter(Group.LOSSES, "mesh_efficiency", "1", 1.0, 0.1, 1.0, "efficiency of the mesh of link 2 with the drives, gears turning, link 1 at rest", in_map=True),
     _parameter(Group.LOSSES, "satellite_mesh_efficiency", "1", 1.0, 0.1, 1.0, "efficiency of the mesh of the satellites with wheel 17 (bevel)", in_map=True),
     _tunable(Group.LOSSES, "journal_friction", "m", 0.0, 0.0, 1e3, "coefficient of friction of a satellite's bearing times the radius of its journal", in_map=True),
-    _tunable(Group.LOSSES, "windage", "kg.m2", 0.0, 0.0, 1e3, "drag of the air on one satellite, as a torque over the square of its absolute angular speed"),
+    _tunable(Group.LOSSES, "windage", "kg.m2", 0.0, 0.0, 1e3, "drag of the air on one satellite, as a torque over the square of its absolute angular speed", nominal=1e-4),
     _tunable(Group.LOSSES, "housing_drag", "N.m", 0.0, 0.0, 1e9, "drag of the overrunning housing freewheel", in_map=True),
     _tunable(Group.LOSSES, "housing_drag_viscous", "N.m.s/rad", 0.0, 0.0, 1e3, "drag of the overrunning housing freewheel that grows with the speed of link 2, over that speed", in_map=True),
     _tunable(Group.LOSSES, "output_drag", "N.m", 0.0, 0.0, 1e9, "drag of the overrunning output freewheel", in_map=True),
