@@ -36,7 +36,7 @@ OF_MAP = {"wheel_radius", "z17", "epsilon", "link2_inertia", "satellites"}
 STARTS = {
     INERTIA_MODULE: [
         *({"fidelity": fidelity, "drive": drive} for fidelity in (1, 2, 3) for drive in (0, 1)),
-        *({"fidelity": 0}, {"layout": 1}, {"mesh_efficiency": 0.95, "housing_drag": 1.0}),
+        *({"fidelity": 0}, {"layout": 1, "windage": 1e-3}, {"mesh_efficiency": 0.95, "housing_drag": 1.0}),
     ],
     DRIVEN_SHAFT: [{}],
 }
