@@ -76,6 +76,11 @@ SELECTION = {
         test_elastic.py::test_the_twist_of_an_overdamped_shaft_follows_tolerance
         test_elastic.py::test_a_stiff_step_is_of_its_order_in_all_that_is_followed
     """,
+    "kinematic": f"""
+        {CHECK_VALUES} test_methods.py
+        test_losses.py::test_prescribed_motion_has_the_efficiency_of_planetary_gears
+        test_motions.py::test_means_are_the_momentum_they_give {MEANS}
+    """,
     "equations/|events/|tableau|^links": f"""
         {CHECK_VALUES} test_methods.py test_rates.py
         test_reference.py::test_losses_of_several_satellites_follow_the_tolerance
@@ -102,11 +107,6 @@ SELECTION = {
     "^(audit|step)": f"""
         test_audit.py {MEANS}
     """,
-    "kinematic": f"""
-        {CHECK_VALUES} test_methods.py
-        test_losses.py::test_prescribed_motion_has_the_efficiency_of_planetary_gears
-        test_motions.py::test_means_are_the_momentum_they_give {MEANS}
-    """,
     "^bodies": "test_multibody.py",
     "^(inertia|layout|derive|sine|accumulate|clearance)": f"""
         {CHECK_VALUES} test_clearance.py test_rates.py test_reduced_inertia.py
@@ -114,10 +114,6 @@ SELECTION = {
         test_angles.py::test_a_sum_keeps_what_rounding_has_lost
         test_angles.py::test_wrapped_angles_are_within_one_turn
         test_angles.py::test_link_2_held_by_its_freewheel_keeps_the_same_angles
-    """,
-    "^(links|tableau)": f"""
-        {CHECK_VALUES} test_reference.py::test_motion_is_that_of_the_reference test_rates.py
-        test_freewheels.py {MEANS} {DIPS}
     """,
     "": f"""
         {CHECK_VALUES} test_reference.py::test_motion_is_that_of_the_reference {LOADS} test_methods.py
