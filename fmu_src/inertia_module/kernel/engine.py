@@ -18,17 +18,23 @@ from .shaft import fastest_own_rate
 SHORTEST = 1e-9
 
 
-def accelerations_now(d, x):
-    """Accelerations of links 1 and 2 in the present mode, rad/s^2."""
+def solve_now(d, x):
+    """Accelerations and torques in the present mode, into d.machine."""
     if x.output_state == GEARED:
         prescribe(d, x, 0.0)
-        return d.machine.alpha1, d.machine.alpha2
+        return
     take_state(d, x)
     if x.rates_cached != 0.0:
         recall(d.machine, x.now)
     else:
         evaluate(d, x, prescribed_at_input(d, x), x.load_torque, False)
-    return d.machine.alpha1, d.machine.alpha2
+
+
+def follow_torque(d, x):
+    """Take over the acceleration of link 1 that its torque gives it now, where that is given."""
+    if d.by_torque != 0.0:
+        solve_now(d, x)
+        x.alpha1 = d.machine.alpha1
 
 
 def follow_parameters(p, d, x):
@@ -38,8 +44,7 @@ def follow_parameters(p, d, x):
         x.mode = DRIVING
     elif p.fidelity != AVERAGED:
         choose_states(d, x, 0.0)
-        if d.by_torque != 0.0:
-            x.alpha1, _ = accelerations_now(d, x)
+        follow_torque(d, x)
 
 
 def stop_here(x, time):
@@ -59,8 +64,7 @@ def switch_now(d, x):
     x.evaluations += x.step_evaluations - evaluations
     x.switching = 0.0
     x.torques_continue = 1.0
-    if d.by_torque != 0.0:
-        x.alpha1, _ = accelerations_now(d, x)
+    follow_torque(d, x)
 
 
 def run_events(d, x, w, h):

@@ -147,9 +147,9 @@ FOLLOWED = (
 WORKSPACE = (
     # whether a step ends at a switch; the tolerance that holds
     *("stops", "tolerance"),
-    # the step in hand: row of its pair in the table of weights and its last stage; torque or acceleration
-    # given at link 1, load, length, angular momentum and kinetic energy at its beginning
-    *("pair", "last", "prescribed", "load", "step", "momentum", "energy"),
+    # the step in hand: row of its pair in the table of weights; torque or acceleration given at link 1, load,
+    # length, angular momentum and kinetic energy at its beginning
+    *("pair", "prescribed", "load", "step", "momentum", "energy"),
     # rates at the stages, changes over the step and over a part of it of all that is followed, and the guards
     *(("rates", FOLLOWED, STAGES), ("change", FOLLOWED), ("inside", FOLLOWED)),
     ("watched", (("value", STAGES), ("rate", STAGES), ("dense", DENSE)), GUARDS + SATELLITES),

@@ -18,7 +18,7 @@ from .codes import (
     WINDAGE,
 )
 from .derive import TWO_PI
-from .engine import accelerations_now
+from .engine import solve_now
 from .equations.motion import stored_besides
 from .links import kinetic_energy
 from .loads import write_loads
@@ -39,9 +39,11 @@ def stored_energy(p, d, x):
     return stored + stored_in_shaft(d, x) if p.fidelity == ELASTIC else stored
 
 
-def write_general(d, x, y):
-    """Write the outputs by the general equations of motion."""
-    accelerations_now(d, x)
+def write_torques(p, d, x, y):
+    """Instantaneous torques in the present mode. Returns the acceleration of link 2."""
+    if p.fidelity == AVERAGED:
+        return write_averaged(d, x, y)
+    solve_now(d, x)
     m = d.machine
     y.output_acceleration = m.alpha3 - m.rate_relative
     y.input_torque = m.drive
@@ -49,13 +51,6 @@ def write_general(d, x, y):
     y.output_torque = m.output
     y.housing_torque = m.housing
     return m.alpha2
-
-
-def write_torques(p, d, x, y):
-    """Instantaneous torques in the present mode. Returns the acceleration of link 2."""
-    if p.fidelity == AVERAGED:
-        return write_averaged(d, x, y)
-    return write_general(d, x, y)
 
 
 def write_means(p, d, x, y):

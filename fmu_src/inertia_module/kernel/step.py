@@ -23,7 +23,7 @@ from .codes import (
     TIMESTEPPING,
 )
 from .derive import derive
-from .engine import accelerations_now, follow_parameters, run_events, switch_now
+from .engine import follow_parameters, follow_torque, run_events, switch_now
 from .equations.jam import jams
 from .events.kinematic import keep_ratio
 from .fixed_steps.timestepping import begin_here, run_timestepping
@@ -212,7 +212,7 @@ def run(p, d, u, x, w, h):
         turn_input(p, d, x, start1, x.length)
     else:
         if p.fidelity != AVERAGED:
-            x.alpha1, _ = accelerations_now(d, x)
+            follow_torque(d, x)
         x.input_impulse = x.drive_torque * x.length
     end(x, x.length, input_jump, output_jump)
     if not is_finite(x):

@@ -88,6 +88,13 @@ ROWS = (
 WEIGHTS = tuple(weight for row in ROWS for weight in (*row, *[0.0] * (STAGES - len(row))))
 
 
+def last_stage(pair):
+    """Number of the last stage of a pair; of a stiff step, of its parts."""
+    if pair == LONG:
+        return END
+    return SHORT_END if pair == SHORT else PARTS
+
+
 def weighed(row, count, values):
     """Sum of so many values at the stages with the weights of a row."""
     total = 0.0

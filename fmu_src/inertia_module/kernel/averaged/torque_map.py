@@ -193,22 +193,27 @@ def foresee(w, side, n, ratio):
     w.begin_omega2 = max(a.begin_omega2 + t * (b.begin_omega2 - a.begin_omega2), 0.0)
 
 
+def write_means(w, values, v):
+    """Write mean torque, speed of link 2 and losses of the motion in the sums, its speed v, into a knot."""
+    values.torque[0] = w.sum_torque / (w.sum_time * v * v)
+    values.omega2[0] = max(0.0, w.sum_omega2 / (w.sum_time * v))
+    for cause in range(len(values.lost)):
+        values.lost[cause] = w.sum_lost[cause] / (w.sum_time * v**3)
+
+
 def write_steady(d, w, knot):
     """Write the motion in the sums into the knot. Returns its speed v."""
     v = speed_of_sums(d, w)
     time = w.sum_time
-    knot.torque[0] = w.sum_torque / (time * v * v)
+    write_means(w, knot, v)
     # mean energy of links 1 and 2 without J1, or the mean speed of link 1
     knot.input[0] = 2.0 * w.sum_energy / time - d.J1
     if d.by_torque != 0.0:
         knot.input[0] = abs(w.sum_omega1) / (time * v)
-    knot.omega2[0] = max(0.0, w.sum_omega2 / (time * v))
     variance = w.sum_square / (time * v**4) - knot.torque[0] * knot.torque[0]
     knot.ripple = math.sqrt(max(variance, 0.0))
     knot.drive, knot.begin_energy, knot.begin_omega2 = w.drive, w.begin_energy, w.begin_omega2
     knot.peak = w.sum_peak / (v * v)
-    for cause in range(len(knot.lost)):
-        knot.lost[cause] = w.sum_lost[cause] / (time * v**3)
     return v
 
 
@@ -218,7 +223,7 @@ def add_slower(p, d, w, side, knot, held):
     before = growth = 0.0
     for cause in range(len(knot.lost)):
         growth += side.direction * knot.slower[len(SLOWNESSES)].lost[cause]
-    # under its torque links at the lowest speed crawl: whether there is a steady motion hangs on a hair
+    # under its torque links at the lowest speed crawl: rounding decides whether there is a steady motion
     last = len(SLOWNESSES) - (1 if d.by_torque != 0.0 else 0)
     for m in range(last):
         slower = knot.slower[m]
@@ -228,11 +233,8 @@ def add_slower(p, d, w, side, knot, held):
             return False
         growth = (w.drive - given) / (SLOWNESSES[m] - before)
         before = SLOWNESSES[m]
-        v = speed_of_sums(d, w)
-        slower.torque[0] = w.sum_torque / (w.sum_time * v * v)
-        slower.omega2[0] = min(max(0.0, w.sum_omega2 / (w.sum_time * v)), knot.ratio)
-        for cause in range(len(knot.lost)):
-            slower.lost[cause] = w.sum_lost[cause] / (w.sum_time * v**3)
+        write_means(w, slower, speed_of_sums(d, w))
+        slower.omega2[0] = min(slower.omega2[0], knot.ratio)
     for m in range(last, len(SLOWNESSES)):
         slower, linear, square = knot.slower[m], knot.slower[m + 1], knot.slower[m + 2]
         slow = SLOWNESSES[m]
@@ -308,12 +310,11 @@ def power_at_speed(p, w, side):
     return side.direction * lost / w.sum_time if w.sum_time > 0.0 else 0.0
 
 
-def build_side(p, d, w, side, by_torque, allowed):
+def build_side(p, d, w, side, allowed):
     """Find knots for one sign of omega1, refined where the table is worst.
 
     Args:
-        d: constants of the mechanism held. side: of d, with its direction.
-        by_torque: whether the torque of link 1 is given. allowed: error of the table.
+        d: constants of the mechanism held. side: of d, with its direction. allowed: error of the table.
 
     Returns:
         Whether there are steady motions.
@@ -322,6 +323,7 @@ def build_side(p, d, w, side, by_torque, allowed):
     # link 2 surely rests where its momentum is largest, if any torque is passed
     start, side.thrown = find_largest(d, side, MOMENTUM)
     side.start = start - side.direction * HEAD_START / d.harmonic
+    by_torque = d.by_torque
     d.by_torque = 0.0
     w.drive = power_at_speed(p, w, side) if by_torque != 0.0 else 0.0
     d.by_torque = by_torque
@@ -345,7 +347,7 @@ def build_side(p, d, w, side, by_torque, allowed):
             break
         middle = 0.5 * (side.knots[n].ratio + side.knots[n + 1].ratio)
         if not add_knot(p, d, w, side, n + 1, middle):
-            if by_torque == 0.0:
+            if d.by_torque == 0.0:
                 return False
             side.knots[n].error = 0.0
     finish_table(side)
@@ -380,9 +382,9 @@ def build_map(p, d, w):
         held.forward.numbers[n] = held.backward.numbers[n] = 0.0
     held.forward.direction = 1.0
     held.backward.direction = -1.0
-    if not build_side(p, held, w, held.forward, d.by_torque, allowed):
+    if not build_side(p, held, w, held.forward, allowed):
         return NOT_STEADY
-    if not build_side(p, held, w, held.backward, d.by_torque, allowed):
+    if not build_side(p, held, w, held.backward, allowed):
         return NOT_STEADY
     d.map_lock, d.map_inertia, d.map_evaluations = held.map_lock, held.map_inertia, held.map_evaluations
     copy(d.forward.numbers, held.forward.numbers)

@@ -7,7 +7,7 @@ from ..equations.motion import recall, take_state
 from ..equations.satellites import with_sign_changed
 from ..equations.states import LOCKED, OPEN, WOUND, is_wound
 from ..loads import INSIDE_PHASE, sample_load
-from ..tableau import LONG, NODES, PARTS, SHORT, THIRDS
+from ..tableau import LONG, NODES, PARTS, SHORT, THIRDS, last_stage
 from .guards import FLOW, HOUSING, OUTPUT, SLIP, SPIN, is_speed, value_and_rate
 from .rosenbrock import set_part
 from .search import end_at_event, first_event
@@ -80,7 +80,7 @@ def commit(d, x, w):
 def see_peak(x, w, sigma):
     """See the output torque at the stages up to this part of the step in hand; those beyond have none."""
     pair = int(w.pair)
-    for n in range(int(w.last) + 1):
+    for n in range(last_stage(pair) + 1):
         if NODES[pair + n] <= sigma:
             x.torque_peak = max(x.torque_peak, abs(w.rates[n].output))
 

@@ -16,6 +16,7 @@ from ..tableau import (
     dense_rate,
     dense_rate_fourth_bound,
     fit,
+    last_stage,
 )
 
 HOUSING = 0
@@ -100,7 +101,8 @@ def is_clear(x, w, which):
     """
     values = w.watched[which].value
     start = values[0]
-    pair, last = int(w.pair), int(w.last)
+    pair = int(w.pair)
+    last = last_stage(pair)
     if is_speed(x, which):
         rates = w.watched[which].rate
         lowest = highest = rates[0]

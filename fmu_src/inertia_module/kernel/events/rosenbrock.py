@@ -194,7 +194,7 @@ def solve_stage(d, w, stage, rates_at, count):
 def make_stiff_step(d, x, w, h):
     """All stages of the step h, and the changes of all that is followed."""
     w.step = h
-    w.pair, w.last = THIRDS, PARTS
+    w.pair = THIRDS
     count = how_many_solved(d)
     factorise(d, w, count)
     solve_stage(d, w, 0, 0, count)

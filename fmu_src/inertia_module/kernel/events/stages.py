@@ -7,7 +7,7 @@ from ..codes import FREEWHEEL, JOURNAL, MESH, SHAFT, VISCOUS, WINDAGE
 from ..equations.motion import equations, evaluate
 from ..equations.states import IDEAL, LOCKED, LOSSY, OPEN, WOUND
 from ..links import friction_power
-from ..tableau import END, NODES, SHORT, SHORT_END, STAGES, WEIGHTS, write_inside_weights
+from ..tableau import END, NODES, STAGES, WEIGHTS, last_stage, write_inside_weights
 from .guards import value_and_rate, watch
 
 # places in fields.FOLLOWED
@@ -184,8 +184,8 @@ def prescribe_link1(d, x, w, changes, h):
 def make_step(d, x, w, pair, h):
     """All stages of the step h by a pair (tableau.LONG or SHORT), and the changes of all that is followed."""
     w.step = h
-    last = SHORT_END if pair == SHORT else END
-    w.pair, w.last = pair, last
+    w.pair = pair
+    last = last_stage(pair)
     evaluate_stages(d, x, w, 1, last)
     row = pair + last
     for n in range(last):
