@@ -20,7 +20,7 @@ SHORT_PHASE = 1.0
 QUIET_PHASE = 2.0
 # phase of shaft and springs within a step from which on it is a stiff one, and its share of STEP_PHASE
 STIFF = 4.0
-STIFF_SHARE = 0.5
+STIFF_SHARE = 0.55
 # steps are often as long as is stable, and a little longer are tried in vain
 SAFETY = 0.8
 SHORT_SAFETY = 0.9
@@ -34,6 +34,8 @@ AFRESH = 0.5
 AFRESH_PHASE = 1.0
 # share of the allowed error that a step of the pair of order 5 may have: there are many of them
 SHORT_SHARE = 0.1
+# phase that a stiff step is thought to be good for where it was not: a swing takes its time to fade
+REFUSED = 0.5
 # how fast the longest step of a method is thought to grow while another one is used
 GROWTH = 1.05
 
@@ -138,7 +140,7 @@ def try_stiff_steps(d, x, w, limit):
     """
     own = fastest_own_rate(d, x)
     # so that they are tried again
-    x.stiff_phase = max(GROWTH * x.stiff_phase, AFRESH * STIFF) if x.stiff_phase > 0.0 else 0.1 * own * limit
+    x.stiff_phase = max(GROWTH * x.stiff_phase, REFUSED) if x.stiff_phase > 0.0 else 0.1 * own * limit
     phase = min(x.stiff_phase, own * min(limit, STIFF_SHARE * longest_step(d, x, w, 1e300)))
     if phase <= STIFF:
         return -1.0
@@ -154,5 +156,5 @@ def try_stiff_steps(d, x, w, limit):
             return fastest
         phase *= factor
         attempt += 1
-    x.stiff_phase = phase
+    x.stiff_phase = REFUSED
     return -1.0
