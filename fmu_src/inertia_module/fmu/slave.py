@@ -30,7 +30,7 @@ _PHASES = (INSTANTIATED, INITIALIZING, STEPPING, REFUSED, TERMINATED)
 HEAD_SIZE = 17
 # a step may end past the stop time by this share of it, or of a second, as in shell/stepping.c
 NEAR_STOP = 1e-5
-_UNKNOWN = Variable("unknown", "", "", "", "", "", None, None, None, "")
+_UNKNOWN = Variable("unknown", "", "", "", kind="")
 
 
 class PythonSlave(Fmi2Slave):  # type: ignore[misc]
