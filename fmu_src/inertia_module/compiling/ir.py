@@ -6,6 +6,7 @@ environment leaves nothing to chance: the same source gives the same text.
 
 from __future__ import annotations
 
+import ctypes
 import functools
 import gc
 import importlib
@@ -24,7 +25,7 @@ from typing import Any
 from .. import kernel
 from ..common.files import PACKAGE_FOLDER, cache_folder, content_hash, sources, write_atomically
 from ..contract.models import MODELS, Model
-from ..contract.records import Field, place, size
+from ..contract.records import record_type
 from . import CompilationUnavailable
 
 # order of numba's sets, and the processor it takes for the host: what the text would depend on
@@ -78,24 +79,21 @@ def jitted_kernel(entry: str = "entry", **options: Any) -> dict[str, types.Modul
     return modules
 
 
-def data_type(fields: tuple[Field, ...]) -> Any:
-    """NumPy's type of a record (see records.record_type), which numba takes."""
+def data_type(kind: Any) -> Any:
+    """NumPy's type, which numba takes, of a record (records.record_type), of doubles or records in a row."""
     import numpy
 
-    names, formats, offsets = [], [], []
-    for field in fields:
-        name, kind, *count = (field, 1) if isinstance(field, str) else field
-        inner = (numpy.float64, (kind,)) if isinstance(kind, int) else data_type(kind)
-        names.append(name)
-        formats.append(numpy.float64 if isinstance(field, str) else (inner, tuple(count)) if count else inner)
-        offsets.append(8 * place(fields, name))
-    numbers = size(fields)
+    if kind is ctypes.c_double:
+        return numpy.float64
+    if issubclass(kind, ctypes.Array):
+        return numpy.dtype((data_type(kind._type_), (kind._length_,)))
+    (_, inner), numbers = kind._fields_
+    members = [*inner._fields_, numbers]
     return numpy.dtype(
         {
-            "names": [*names, "numbers"],
-            "formats": [*formats, (numpy.float64, (numbers,))],
-            "offsets": [*offsets, 0],
-            "itemsize": 8 * numbers,
+            "names": [name for name, _ in members],
+            "formats": [data_type(member) for _, member in members],
+            "offsets": [getattr(kind, name).offset for name, _ in members],
         }
     )
 
@@ -121,7 +119,7 @@ def translate(model: Model) -> str:
             h,
         )
 
-    pointers = [nt.CPointer(numba.from_dtype(data_type(fields))) for fields in model.records]
+    pointers = [nt.CPointer(numba.from_dtype(data_type(record_type(fields)))) for fields in model.records]
     signature = nt.int64(nt.int64, *pointers, nt.float64)
     with lowered.only_lowered():
         function = numba.cfunc(signature, error_model="numpy")(entry)

@@ -30,21 +30,8 @@ FLAGS = ("-std=c99", "-O2", "-g0", "-fvisibility=hidden", "-fno-sanitize=all", "
 STACK_PROTECTOR = "-fstack-protector-strong"
 # functions of Windows' own C runtime, part of Windows 10 and later, that the shell needs
 RUNTIME = (
-    *(
-        "calloc",
-        "free",
-        "memchr",
-        "memcmp",
-        "memcpy",
-        "memmove",
-        "memset",
-        "strchr",
-        "strcmp",
-        "strcpy",
-        "strlen",
-    ),
-    *("strncmp", "strncpy", "strstr", "strtol"),
-    *("__stdio_common_vsprintf", "fmax", "fmin"),
+    *("calloc", "free", "memchr", "memcmp", "memcpy", "memmove", "memset", "strchr", "strcmp", "strcpy"),
+    *("strlen", "strncmp", "strncpy", "strstr", "strtol", "__stdio_common_vsprintf", "fmax", "fmin"),
 )
 
 

@@ -140,6 +140,7 @@ class Variable:
             events alone. kind: Real, Integer, Boolean or Enumeration.
         enumeration: name in ENUMERATIONS, or "".
         follows: what it depends on besides the speeds: SINCE_START, LINK1_ANGLE, DRIVE_ANGLE, or "".
+        of_step: whether it is a mean or a peak of the last step, which has no rate.
         late: whether the kernel's STEP_ONLY leaves it out, for it takes more work than some steps do.
         needs: parts of the model without which it means nothing; a fidelity that lacks one has it not.
         at_start: of an output, all that it depends on at initialisation; None: on all but what is idle.
@@ -160,6 +161,7 @@ class Variable:
     kind: str = REAL
     enumeration: str = ""
     follows: str = ""
+    of_step: bool = False
     late: bool = False
     needs: tuple[Need, ...] = ()
     at_start: tuple[str, ...] | None = None
@@ -244,24 +246,24 @@ VARIABLES: tuple[Variable, ...] = (
     _output("mesh_torque", Group.INSTANT, "N.m", "torque of the gear mesh on link 2 at this instant: M2", nominal=100.0, late=True, needs=(PULSES,)),
     _output("output_torque", Group.INSTANT, "N.m", "torque in the output freewheel at this instant: Tc, drives the output shaft", nominal=100.0, late=True, needs=(PULSES,)),
     _output("housing_torque", Group.INSTANT, "N.m", "torque in the housing freewheel at this instant: Th, holds link 2", nominal=100.0, late=True, needs=(PULSES,)),
-    _output("input_torque_mean", Group.MEANS, "N.m", "mean torque that drives the input shaft over the last communication step: M1, impulses included", nominal=100.0, at_start=()),
-    _output("output_torque_mean", Group.MEANS, "N.m", "mean torque in the output freewheel over the last communication step: Tc, impulses included", nominal=100.0, at_start=()),
+    _output("input_torque_mean", Group.MEANS, "N.m", "mean torque that drives the input shaft over the last communication step: M1, impulses included", nominal=100.0, of_step=True, at_start=()),
+    _output("output_torque_mean", Group.MEANS, "N.m", "mean torque in the output freewheel over the last communication step: Tc, impulses included", nominal=100.0, of_step=True, at_start=()),
     _output("imbalance_acceleration", Group.IMBALANCE, "m/s2", "magnitude of the absolute acceleration of imbalance 0 of module 0", nominal=1e3, minimum=0.0, follows=DRIVE_ANGLE, late=True, needs=(PHASE,)),
     _output("imbalance_acceleration_x", Group.IMBALANCE, "m/s2", "absolute acceleration of imbalance 0 of module 0 along the central axis Ox (fixed frame)", nominal=1e3, follows=DRIVE_ANGLE, late=True, needs=(PHASE,)),
     _output("imbalance_acceleration_y", Group.IMBALANCE, "m/s2", "absolute acceleration of imbalance 0 of module 0 along Oy (fixed frame)", nominal=1e3, follows=LINK1_ANGLE, late=True, needs=(PHASE,)),
     _output("imbalance_acceleration_z", Group.IMBALANCE, "m/s2", "absolute acceleration of imbalance 0 of module 0 along Oz (fixed frame)", nominal=1e3, follows=LINK1_ANGLE, late=True, needs=(PHASE,)),
     _output("input_speed", Group.MOTION, "rad/s", "speed of the input shaft at this instant: what omega1 has come to, or drive_torque has made of it", nominal=100.0, at_start=("omega1",)),
-    _output("mesh_torque_mean", Group.MEANS, "N.m", "mean torque of the gear mesh on link 2 over the last communication step: M2, impulses included", nominal=100.0, late=True, at_start=()),
-    _output("housing_torque_mean", Group.MEANS, "N.m", "mean torque in the housing freewheel over the last communication step: Th, impulses included", nominal=100.0, late=True, at_start=()),
+    _output("mesh_torque_mean", Group.MEANS, "N.m", "mean torque of the gear mesh on link 2 over the last communication step: M2, impulses included", nominal=100.0, of_step=True, late=True, at_start=()),
+    _output("housing_torque_mean", Group.MEANS, "N.m", "mean torque in the housing freewheel over the last communication step: Th, impulses included", nominal=100.0, of_step=True, late=True, at_start=()),
     _output("input_acceleration", Group.MOTION, "rad/s2", "acceleration of the input shaft at this instant, jumps of omega1 apart", nominal=1e3, late=True, needs=(PULSES,)),
     _output("output_acceleration", Group.MOTION, "rad/s2", "acceleration of the output shaft (driven mass if elastic) at this instant", nominal=1e3, late=True, needs=(SOLVED, PULSES)),
     _output("output_angle", Group.MOTION, "rad", "angle of the output shaft (driven mass if elastic) since the start without output_turns whole turns", nominal=1.0, minimum=0.0, follows=SINCE_START, needs=(SOLVED,), at_start=()),
     _output("output_turns", Group.MOTION, "1", "whole turns of the output shaft taken off output_angle", follows=SINCE_START, needs=(SOLVED,), at_start=()),
     _output("input_flange_angle", Group.MOTION, "rad", "angle of the input flange, phi1 of link 1, since the start, whole turns included", nominal=1.0, follows=SINCE_START, at_start=()),
     _output("output_flange_angle", Group.MOTION, "rad", "angle of the output flange, phi2 of the output shaft (driven mass if elastic), since the start, whole turns included", nominal=1.0, follows=SINCE_START, needs=(SOLVED,), at_start=()),
-    _output("loss_power_mean", Group.ENERGY, "W", "mean power lost over the last communication step: energy_lost gained over its length", nominal=1e3, late=True, at_start=()),
+    _output("loss_power_mean", Group.ENERGY, "W", "mean power lost over the last communication step: energy_lost gained over its length", nominal=1e3, of_step=True, late=True, at_start=()),
     _output("satellite_force", Group.IMBALANCE, "N", "force of imbalance 0 on the bearing of its satellite, m |a|, at this instant", nominal=1e3, minimum=0.0, follows=DRIVE_ANGLE, late=True, needs=(PHASE,)),
-    _output("satellite_force_peak", Group.IMBALANCE, "N", "largest satellite_force seen over the last communication step", nominal=1e3, minimum=0.0, follows=DRIVE_ANGLE, late=True, needs=(PHASE,)),
+    _output("satellite_force_peak", Group.IMBALANCE, "N", "largest satellite_force seen over the last communication step", nominal=1e3, minimum=0.0, of_step=True, follows=DRIVE_ANGLE, late=True, needs=(PHASE,)),
     _output("shaking_force_x", Group.IMBALANCE, "N", "force of all imbalances on the mount along the central axis Ox (fixed frame)", nominal=1e3, follows=DRIVE_ANGLE, late=True, needs=(PHASE,)),
     _output("shaking_force_y", Group.IMBALANCE, "N", "force of all imbalances on the mount along Oy", nominal=1e3, follows=LINK1_ANGLE, late=True, needs=(PHASE,)),
     _output("shaking_force_z", Group.IMBALANCE, "N", "force of all imbalances on the mount along Oz", nominal=1e3, follows=LINK1_ANGLE, late=True, needs=(PHASE,)),
@@ -292,8 +294,8 @@ VARIABLES: tuple[Variable, ...] = (
     _local("energy_lost_freewheel", Group.ENERGY, "J", "part of energy_lost that drag and wind-up of the freewheels took", nominal=1e3, follows=SINCE_START),
     _local("energy_lost_windage", Group.ENERGY, "J", "part of energy_lost that the air about the satellites took", nominal=1e3, follows=SINCE_START),
     _local("energy_residual", Group.ENERGY, "J", "energy audit: in - out - lost - gain of stored, the error of the integration", nominal=1.0, follows=SINCE_START, late=True),
-    _local("torque_ripple", Group.RIPPLE, "N.m", "ripple of the output torque over the last communication step: RMS of Tc about its mean, impulses apart", nominal=100.0, minimum=0.0, late=True, needs=(PULSES,)),
-    _local("torque_peak", Group.RIPPLE, "N.m", "largest magnitude of the output torque Tc over the last communication step, impulses apart", nominal=100.0, minimum=0.0, late=True, needs=(PULSES,)),
+    _local("torque_ripple", Group.RIPPLE, "N.m", "ripple of the output torque over the last communication step: RMS of Tc about its mean, impulses apart", nominal=100.0, minimum=0.0, of_step=True, late=True, needs=(PULSES,)),
+    _local("torque_peak", Group.RIPPLE, "N.m", "largest magnitude of the output torque Tc over the last communication step, impulses apart", nominal=100.0, minimum=0.0, of_step=True, late=True, needs=(PULSES,)),
     _local("contact_switches", Group.FREEWHEELS, "1", "changes of the contact mode since the start", minimum=0.0, variability="discrete", follows=SINCE_START, needs=(PULSES,)),
     _local("rhs_evaluations", Group.FREEWHEELS, "1", "evaluations of the mechanism since the start: the cost", minimum=0.0, follows=SINCE_START),
     _parameter("layout", Group.LAYOUT, "", "layout of the differential", 0, 0, 1, kind=ENUMERATION, enumeration="Layout", in_map=True),
@@ -394,7 +396,7 @@ OF_SHAFT: tuple[Variable, ...] = (
     _as_in_module("omega1", "speed of the hub, where the shaft is driven", name="hub_speed", start=0.0),
     _as_in_module("load_torque", "torque of the load on the driven mass, positive against positive speed", start=0.0),
     _output("shaft_torque", Group.INSTANT, "N.m", "torque of spring and damper at this instant: Ts, drives the driven mass, brakes the hub", nominal=100.0, at_start=("hub_speed", "shaft_stiffness", "shaft_damping", "omega_out_start", "twist_start")),
-    _output("shaft_torque_mean", Group.MEANS, "N.m", "mean torque of spring and damper over the last communication step: Ts", nominal=100.0, at_start=()),
+    _output("shaft_torque_mean", Group.MEANS, "N.m", "mean torque of spring and damper over the last communication step: Ts", nominal=100.0, of_step=True, at_start=()),
     _as_in_module("omega_out", "speed omega4 of the driven mass", at_start=("omega_out_start",)),
     _output("driven_acceleration", Group.MOTION, "rad/s2", "angular acceleration of the driven mass at this instant", nominal=100.0),
     _output("twist", Group.MOTION, "rad", "twist of the shaft: angle of the hub less that of the driven mass", nominal=1e-2, at_start=("twist_start",)),
@@ -411,4 +413,38 @@ OF_SHAFT: tuple[Variable, ...] = (
     _as_in_module("input_hold", "speed of the hub between communication points", idle=True),
     _as_in_module("omega_out_start", "speed of the driven mass at the start"),
     _parameter("twist_start", Group.START, "rad", "twist of the shaft at the start", 0.0, -1e6, 1e6),
+)  # fmt: skip
+
+# --- flanges ---
+
+# what a positive torque at a flange does at positive speed: brings energy into the model, or takes it out
+INFLOW, OUTFLOW = "inflow", "outflow"
+
+
+class Terminal(NamedTuple):
+    """A rotating flange where models are connected: its speed and its torque, of which one is an input.
+
+    Attributes:
+        name, description: for people. speed, torque: names of variables. flow: INFLOW or OUTFLOW.
+        angle: name of the variable, or "".
+    """
+
+    name: str
+    description: str
+    speed: str
+    torque: str
+    flow: str
+    angle: str = ""
+
+
+TERMINALS: tuple[Terminal, ...] = (
+    Terminal("input_flange", "input shaft, its speed given (drive = speed): the torque it takes from the shaft in front", "omega1", "input_torque_mean", INFLOW, "input_flange_angle"),
+    Terminal("input_flange_by_torque", "input shaft, its torque given (drive = torque)", "input_speed", "drive_torque", INFLOW, "input_flange_angle"),
+    Terminal("output_flange", "output shaft (driven mass if elastic): the torque that the shaft behind takes from it is given", "omega_out", "load_torque", OUTFLOW, "output_flange_angle"),
+    Terminal("load", "the output flange for a load that needs no angle, as the driven shaft has it", "omega_out", "load_torque", OUTFLOW),
+)  # fmt: skip
+
+TERMINALS_OF_SHAFT: tuple[Terminal, ...] = (
+    Terminal("hub", "hub of the shaft, its speed given: the torque it takes from the shaft in front", "hub_speed", "shaft_torque_mean", INFLOW),
+    Terminal("load", "driven mass: the torque that the load takes from it is given", "omega_out", "load_torque", OUTFLOW),
 )  # fmt: skip
