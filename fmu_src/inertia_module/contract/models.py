@@ -14,7 +14,7 @@ from ..kernel.driven_shaft import entry as shaft_entry
 from ..kernel.driven_shaft import fields as shaft_fields
 from . import messages, variables
 from .records import Field, place, size
-from .variables import INPUT, LOCAL, OUTPUT, PARAMETER, Variable, with_causality
+from .variables import INPUT, LOCAL, OUTPUT, PARAMETER, Terminal, Variable, with_causality
 
 # which record of the kernel holds the variables of a causality
 RECORD_OF = {PARAMETER: 0, INPUT: 2, OUTPUT: 4, LOCAL: 4}
@@ -76,7 +76,7 @@ class Model:
     records: tuple[tuple[Field, ...], ...]
     messages: Mapping[int, str]
     traced: tuple[str, ...]
-    terminals: tuple[variables.Terminal, ...]
+    terminals: tuple[Terminal, ...]
     bounds: tuple[Bound, ...] = ()
     warnings: Mapping[int, str] = field(default_factory=dict)
 
