@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes
 import os
-import struct
 import threading
 import warnings
 from collections.abc import Callable, Mapping, Sequence
@@ -233,8 +232,10 @@ class ModelInstance:
 
     def save(self) -> bytes:
         """Serialise the state bit for bit: kind of model, started or not, build, records."""
-        head = self.model.name.encode() + struct.pack("<?", self.started) + self.model.source_hash.encode()
-        return head + b"".join(bytes(record) for record in self._records[:5])
+        return self._head(self.started) + b"".join(bytes(record) for record in self._records[:5])
+
+    def _head(self, started: bool) -> bytes:
+        return f"{self.model.name}{int(started)}{self.model.source_hash}".encode()
 
     def restore(self, saved: bytes, must_be_started: bool = False) -> None:
         """Take over a state of save.
@@ -245,16 +246,15 @@ class ModelInstance:
         Raises:
             Refused: it is not one, is damaged or of another build; nothing is changed.
         """
-        kind, build = self.model.name.encode(), self.model.source_hash.encode()
-        start = len(kind) + 1 + len(build)
+        start = len(self._head(False))
         size = start + sum(ctypes.sizeof(record) for record in self._records[:5])
         if len(saved) != size:
             raise Refused(
                 f"the state must be one saved by this build, of {size} bytes, is of {len(saved)} bytes"
             )
-        if not saved.startswith(kind) or saved[len(kind) + 1 : start] != build:
+        started = saved.startswith(self._head(True))
+        if not started and not saved.startswith(self._head(False)):
             raise Refused(NO_STATE)
-        started = saved[len(kind)] != 0
         parts = {}
         for name, record in zip("pduxy", self._records, strict=False):
             parts[name] = type(record).from_buffer_copy(saved, start)

@@ -101,7 +101,6 @@ def all_levels(elastic: bool, kinematic: bool = True, few: bool = False) -> Iter
 _HEADS = ("fidelity", "method", "setting", "communication_step [s]")
 _COSTS = {
     "wall_time_per_second [s]": "wall_time",
-    "loop_time_per_second [s]": "loop_time",
     "rhs_evaluations": "evaluations",
     "contact_switches": "switches",
 }
@@ -120,7 +119,6 @@ class Row:
         communication_step: s. errors: by name, NaN where nothing is known.
         wall_time: s per simulated second, of the integration alone. evaluations: of the right-hand side.
         switches: counted, NaN where they are not. failure: why there is nothing measured, else "".
-        loop_time: s per simulated second of the module with what is around it, NaN where there is nothing.
     """
 
     fidelity: str
@@ -132,7 +130,6 @@ class Row:
     evaluations: float = math.nan
     switches: float = math.nan
     failure: str = ""
-    loop_time: float = math.nan
 
     @property
     def level(self) -> str:
