@@ -60,14 +60,8 @@ from ..memory import Module
 INPUTS = ("omega1", "load_torque")
 INPUT_RATE = "omega1_rate"
 OUTPUTS = (
-    "omega_out",
-    "omega2",
-    "input_torque",
-    "mesh_torque",
-    "output_torque",
-    "housing_torque",
-    "torque_ripple",
-    "torque_peak",
+    *("omega_out", "omega2", "input_torque", "mesh_torque", "output_torque", "housing_torque"),
+    *("torque_ripple", "torque_peak"),
 )
 
 

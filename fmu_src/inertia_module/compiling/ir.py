@@ -125,40 +125,27 @@ def translate(model: Model) -> str:
         function = numba.cfunc(signature, error_model="numpy")(entry)
         text: str = function.inspect_llvm()
     text = for_any_processor(text.replace(function.native_name, model.symbol))
-    return without_target(lowered.optimised(text, model.symbol))
-
-
-def without_target(ir: str) -> str:
-    """Without the lines that name a processor and a system."""
-    return re.sub(r"^target (datalayout|triple) = .*\n", "", ir, flags=re.M)
+    return lowered.optimised(text, model.symbol)
 
 
 def for_any_processor(ir: str) -> str:
-    """Without the target, and with numba's error path trapping.
+    """Text without processor and system, numba's error path trapping, and arrays that do not overlap.
 
-    The kernel raises nothing and allocates nothing, so that path is never taken.
+    The kernel raises nothing and allocates nothing, so that path is never taken. A store to one of p, d, u,
+    x, y, w leaves the others.
     """
-    ir = without_target(ir)
-    ir = re.sub(
-        r"^declare ([^@\n]*)@((?:numba|Py|_Py)\w*)\(([^)]*)\)[^\n]*$",
-        lambda found: (
-            f"define internal {found[1]}@{found[2]}({found[3].replace('immarg', '')}) {{\n"
-            "  call void @llvm.trap()\n  unreachable\n}"
-        ),
-        ir,
-        flags=re.M,
-    )
-    ir = re.sub(r"^@(Py\w+) = external global i8.*$", r"@\1 = internal global i8 0", ir, flags=re.M)
-    return without_aliases(ir) + "\ndeclare void @llvm.trap()\n"
 
+    def trapping(found: re.Match[str]) -> str:
+        head = f"define internal {found[1]}@{found[2]}({found[3].replace('immarg', '')})"
+        return f"{head} {{\n  call void @llvm.trap()\n  unreachable\n}}"
 
-def without_aliases(ir: str) -> str:
-    """Tell that no two of the arrays p, d, u, x, y, w overlap: a store to one leaves the others."""
-
-    def marked(head: re.Match[str]) -> str:
+    def apart(head: re.Match[str]) -> str:
         return re.sub(r"\bptr ((?:[\w()]+ )*%arg\.[pduxyw]\b)", r"ptr noalias \1", head[0])
 
-    return re.sub(r"^define .*$", marked, ir, flags=re.M)
+    ir = re.sub(r"^target (datalayout|triple) = .*\n", "", ir, flags=re.M)
+    ir = re.sub(r"^declare ([^@\n]*)@((?:numba|Py|_Py)\w*)\(([^)]*)\)[^\n]*$", trapping, ir, flags=re.M)
+    ir = re.sub(r"^@(Py\w+) = external global i8.*$", r"@\1 = internal global i8 0", ir, flags=re.M)
+    return re.sub(r"^define .*$", apart, ir, flags=re.M) + "\ndeclare void @llvm.trap()\n"
 
 
 def tool_versions(*packages: str) -> dict[str, bytes]:

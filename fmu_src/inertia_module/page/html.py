@@ -16,6 +16,7 @@ from ..common.errors import Refused, must_be
 from ..common.files import writable_folder
 from ..common.units import BOOLEANS
 from ..contract.models import INERTIA_MODULE, Model
+from ..contract.records import size
 from ..contract.variables import BOOLEAN, ENUMERATIONS, INPUT, Variable
 from ..fmu.builder import WEB_KERNEL, content_of
 from ..harness.results import Result
@@ -106,7 +107,7 @@ def page_tables(model: Model) -> dict[str, Any]:
     """Tables of a model for the page (the interface Tables of page/src/kernel/tables.ts), ready for JSON."""
     return {
         "symbol": model.symbol,
-        "sizes": list(model.sizes),
+        "sizes": [size(record) for record in model.records],
         "operations": {name: getattr(codes, name) for name in OPERATIONS},
         "ok": codes.OK,
         "variables": [_variable(variable, model) for variable in model.variables],
