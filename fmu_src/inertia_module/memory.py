@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import ctypes
 import os
-import threading
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any, ClassVar, Self
 
 from .common.errors import Refused, did_you_mean, must_be
@@ -24,9 +23,11 @@ MOST_MAPS = 64
 # what the kernel's build_map writes and is to find again
 _OF_MAP = ("map_ready", "map_key", "map_lock", "map_inertia", "map_evaluations", "forward", "backward")
 
-_lock = threading.Lock()
-# records of derived constants by the parameters the map depends on, the oldest first
-_maps: dict[tuple[float, ...], Any] = {}
+
+@lru_cache(MOST_MAPS)
+def _map_of(key: tuple[float, ...]) -> list[Any]:
+    """Constants with the map of parameters, those of MAP_KEY: none yet, or one record, to be replaced."""
+    return []
 
 
 def choose_kernel(kernel: str, model: Model = INERTIA_MODULE) -> tuple[Callable[..., int] | None, str]:
@@ -298,17 +299,12 @@ class Module(ModelInstance):
         if self.parameters.fidelity != codes.AVERAGED:
             super()._begin()
             return
-        key = tuple(getattr(self.parameters, name) for name in MAP_KEY)
-        with _lock:
-            kept = _maps.get(key)
-        for name in _OF_MAP if kept is not None else ():
-            setattr(self.derived, name, getattr(kept, name))
+        kept = _map_of(tuple(getattr(self.parameters, name) for name in MAP_KEY))
+        for known in kept[:]:
+            for name in _OF_MAP:
+                setattr(self.derived, name, getattr(known, name))
         super()._begin()
-        with _lock:
-            _maps.pop(key, None)
-            _maps[key] = type(self.derived).from_buffer_copy(self.derived)
-            while len(_maps) > MOST_MAPS:
-                del _maps[next(iter(_maps))]
+        kept[:] = [type(self.derived).from_buffer_copy(self.derived)]
 
 
 class DrivenShaft(ModelInstance):

@@ -13,7 +13,7 @@ from ..kernel import codes, entry, fields
 from ..kernel.driven_shaft import entry as shaft_entry
 from ..kernel.driven_shaft import fields as shaft_fields
 from . import messages, variables
-from .records import Field, place
+from .records import Field, place, size
 from .variables import INPUT, LOCAL, OUTPUT, PARAMETER, Terminal, Variable, with_causality
 
 # which record of the kernel holds the variables of a causality
@@ -94,6 +94,11 @@ class Model:
     def symbol(self) -> str:
         """Name of its kernel in machine code."""
         return f"inertia_module_{self.module.replace('.', '_')}"
+
+    @property
+    def sizes(self) -> tuple[int, ...]:
+        """Doubles in p, d, u, x, y and w."""
+        return tuple(size(record) for record in self.records)
 
     @property
     def source(self) -> dict[str, bytes]:

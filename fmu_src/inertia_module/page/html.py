@@ -16,7 +16,6 @@ from ..common.errors import Refused, must_be
 from ..common.files import writable_folder
 from ..common.units import BOOLEANS
 from ..contract.models import INERTIA_MODULE, Model
-from ..contract.records import size
 from ..contract.variables import BOOLEAN, ENUMERATIONS, INPUT, Variable
 from ..fmu.builder import WEB_KERNEL, content_of
 from ..harness.results import Result
@@ -107,7 +106,7 @@ def page_tables(model: Model) -> dict[str, Any]:
     """Tables of a model for the page (the interface Tables of page/src/kernel/tables.ts), ready for JSON."""
     return {
         "symbol": model.symbol,
-        "sizes": [size(record) for record in model.records],
+        "sizes": list(model.sizes),
         "operations": {name: getattr(codes, name) for name in OPERATIONS},
         "ok": codes.OK,
         "variables": [_variable(variable, model) for variable in model.variables],
