@@ -139,7 +139,7 @@ class ModelInstance:
         self._write(numbers)
         status = self.call(codes.TUNE, 0.0) if tuned else codes.OK
         if status != codes.OK:
-            reason = self.model.explain(status, self.parameters, self.inputs, 0.0)
+            reason = self.explain(status, 0.0)
             self._write(before)
             self.call(codes.CHECK, 0.0)
             raise Refused(reason)
@@ -215,12 +215,23 @@ class ModelInstance:
 
     def _check(self, status: int, step_size: float) -> None:
         if status != codes.OK:
-            raise Refused(self.model.explain(status, self.parameters, self.inputs, step_size))
+            raise Refused(self.explain(status, step_size))
 
     def warnings(self) -> list[str]:
         """Warnings of what cannot be built though its parameters are accepted: a sentence each."""
         found = self.call(codes.WARN, 0.0) if self.model.warnings else 0
-        return self.model.warn(found, self.parameters, self.inputs)
+        return [self._filled(text, 0.0) for number, text in self.model.warnings.items() if found & number]
+
+    def explain(self, status: int, step_size: float) -> str:
+        """Sentence for a status of the kernel, not OK, after a communication step, s."""
+        return self._filled(self.model.messages[status], step_size)
+
+    def _filled(self, text: str, step_size: float) -> str:
+        """A sentence with the values in their places."""
+        values = {"step": f"{step_size:.16g}"}
+        for record, names in ((self.parameters, self.model.records[0]), (self.inputs, self.model.records[2])):
+            values |= {name: f"{getattr(record, name):.16g}" for name in names}
+        return text.format_map(values)
 
     def __getitem__(self, name: str) -> float:
         """Value of any variable by its name."""

@@ -134,30 +134,6 @@ class Model:
             if number != one.start and not one.accepts(number)
         ]
 
-    def explain(self, status: int, parameters: Any, inputs: Any, step: float) -> str:
-        """The message for a status of the kernel, not OK.
-
-        Args:
-            status: what the kernel answered. parameters, inputs: records. step: communication step, s.
-        """
-        return self._filled(self.messages[status], parameters, inputs, step)
-
-    def warn(self, found: int, parameters: Any, inputs: Any) -> list[str]:
-        """The sentences for a sum of warnings of the kernel.
-
-        Args:
-            found: what the kernel answered. parameters, inputs: records.
-        """
-        texts = [text for number, text in self.warnings.items() if found & number]
-        return [self._filled(text, parameters, inputs, 0.0) for text in texts]
-
-    def _filled(self, text: str, parameters: Any, inputs: Any, step: float) -> str:
-        """A sentence with the values in their places."""
-        values = {"step": f"{step:.16g}"}
-        for record, names in ((parameters, self.records[0]), (inputs, self.records[2])):
-            values |= {name: f"{getattr(record, name):.16g}" for name in names}
-        return text.format_map(values)
-
 
 _P, _U, _Y = interface(variables.VARIABLES)
 _D = fields.constants(len(variables.MAP_KEY))  # type: ignore[no-untyped-call]

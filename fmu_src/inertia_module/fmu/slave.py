@@ -166,7 +166,7 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
             if status == codes.BAD_STEP and not math.isfinite(current_time):
                 message = must_be("communication point", "a finite number of seconds", current_time)
             else:
-                message = instance.model.explain(status, instance.parameters, instance.inputs, step_size)
+                message = instance.explain(status, step_size)
             self._say(message, Fmi2Status.discard)
         except Exception as error:
             self._refuse(f"internal error: {type(error).__name__}: {error}")
