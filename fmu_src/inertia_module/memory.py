@@ -132,7 +132,7 @@ class ModelInstance:
             Refused: a tuned parameter out of its range, alone or with others; nothing is changed.
         """
         changed = [name for name, number in numbers.items() if self.started and number != self[name]]
-        tuned = [name for name in changed if self._record(name) is self.parameters]
+        tuned = [name for name in changed if self.record(name) is self.parameters]
         for name in tuned:
             self.model.by_name[name].number(numbers[name])
         before = {name: self[name] for name in numbers}
@@ -146,9 +146,9 @@ class ModelInstance:
 
     def _write(self, numbers: Mapping[str, float]) -> None:
         for name, number in numbers.items():
-            setattr(self._record(name), name, number)
+            setattr(self.record(name), name, number)
 
-    def _record(self, name: str) -> Any:
+    def record(self, name: str) -> Any:
         """The record that holds a variable."""
         return self._records[RECORD_OF[self.model.by_name[name].causality]]
 
@@ -235,7 +235,7 @@ class ModelInstance:
 
     def __getitem__(self, name: str) -> float:
         """Value of any variable by its name."""
-        value: float = getattr(self._record(name), name)
+        value: float = getattr(self.record(name), name)
         return value
 
     def read(self, names: Sequence[str]) -> tuple[float, ...]:

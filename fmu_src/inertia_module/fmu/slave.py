@@ -47,12 +47,10 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
         self._stop_time = math.inf
         # in initialization mode: whether the outputs follow from the values set
         self._calculated = False
-        instance = self._instance
-        arrays = {INPUT: instance.inputs, PARAMETER: instance.parameters}
         # value reference -> numbers of its record, and place there
         self._places: list[tuple[Any, int]] = [
-            (arrays.get(variable.causality, instance.outputs).numbers, instance.model.place(variable.name))
-            for variable in self._variables
+            (self._instance.record(one.name).numbers, self._instance.model.place(one.name))
+            for one in self._variables
         ]
         self._reals = {
             reference: place
