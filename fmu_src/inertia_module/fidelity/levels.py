@@ -16,7 +16,7 @@ from typing import Any
 from ..common.terminal import Progress
 from ..contract.variables import ENUMERATIONS, VARIABLES
 from ..harness import results
-from ..kernel.codes import AVERAGED, ELASTIC, EVENT, KINEMATIC, RIGID, TIMESTEPPING
+from ..kernel.codes import AVERAGED, ELASTIC, EVENT, RIGID, TIMESTEPPING
 
 FIDELITIES = {number: name for name, number, _ in ENUMERATIONS["Fidelity"]}
 METHODS = {number: name for name, number, _ in ENUMERATIONS["Method"]}
@@ -79,15 +79,13 @@ _FEW_TOLERANCES = (1e-3, 1e-5, 1e-7, 1e-9)
 _FEW_STEPS = (1e-2, 1e-3, 1e-4)
 
 
-def all_levels(elastic: bool, kinematic: bool = True, few: bool = False) -> Iterator[Level]:
-    """Yield the levels to measure, from coarse to fine.
+def all_levels(elastic: bool, few: bool = False) -> Iterator[Level]:
+    """Yield the levels to measure, from coarse to fine, without prescribed motion.
 
     Args:
-        elastic: there are parameters of an elastic output. kinematic: that one too.
+        elastic: there are parameters of an elastic output.
         few: fewer tolerances and steps, for long scenes.
     """
-    if kinematic:
-        yield Level(KINEMATIC, EVENT, "prescribed ratio")
     yield Level(AVERAGED, EVENT, "map")
     for fidelity in (RIGID, ELASTIC) if elastic else (RIGID,):
         for step in _FEW_STEPS if few else STEPS:

@@ -271,7 +271,7 @@ def measurement_file(scene: Scene) -> Path:
 
 def candidates(scene: Scene) -> list[Level]:
     """List the levels that are tried for a scene."""
-    return list(all_levels(is_elastic(scene.given), kinematic=False, few=True))
+    return list(all_levels(is_elastic(scene.given), few=True))
 
 
 def trial_rows(scene: Scene, progress: Progress | None = None) -> list[Row]:
@@ -397,7 +397,7 @@ def measured_rows(scene: Scene, progress: Progress | None = None) -> list[Row]:
     """
     longer = (factor * scene.run.communication_step for factor in _LONGER)
     steps = [step for step in longer if whole_steps(scene.run.stop_time, step)]
-    levels = list(all_levels(is_elastic(scene.given), kinematic=False))
+    levels = list(all_levels(is_elastic(scene.given)))
     return measure_scene(scene, levels, steps, progress)
 
 
