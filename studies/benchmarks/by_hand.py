@@ -13,7 +13,7 @@ import time
 from functools import partial
 from pathlib import Path
 
-from inertia_module.compiling.linking import compiler
+from inertia_module.compiling.linking import COMPILER
 from inertia_module.fidelity.trials import kernel_time
 from inertia_module.memory import Module
 from studies.benchmarks.figures import R1
@@ -45,7 +45,7 @@ class ByHand:
 
     def __init__(self, folder):
         path = Path(folder) / "by_hand.so"
-        command = [*compiler(), "cc", *FLAGS, "-shared", "-fPIC", str(SOURCE), "-o", str(path), "-lm"]
+        command = [*COMPILER, "cc", *FLAGS, "-shared", "-fPIC", str(SOURCE), "-o", str(path), "-lm"]
         subprocess.run(command, check=True)
         self.library = ctypes.CDLL(str(path))
         derived = Module("plain").start(**R1).derived

@@ -13,7 +13,7 @@ from typing import NamedTuple
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 
-from inertia_module.compiling.linking import compiler
+from inertia_module.compiling.linking import COMPILER
 from inertia_module.fmu.linking import header_folder
 from studies.benchmarks.figures import R1
 
@@ -45,7 +45,7 @@ class Timed(NamedTuple):
 
 
 def compile_c(source, target, *options):
-    command = [*compiler(), "cc", "-std=gnu99", "-O2", "-fno-sanitize=all", "-Wall", "-Wextra", "-Werror"]
+    command = [*COMPILER, "cc", "-std=gnu99", "-O2", "-fno-sanitize=all", "-Wall", "-Wextra", "-Werror"]
     files = ["-isystem", str(header_folder()), "-o", str(target), str(source)]
     subprocess.run([*command, *files, *options], check=True)
 

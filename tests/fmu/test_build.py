@@ -1,5 +1,6 @@
 import shutil
 import zipfile
+from importlib import metadata
 from pathlib import Path
 
 import pytest
@@ -7,7 +8,7 @@ import pytest
 from inertia_module.compiling import CompilationUnavailable, targets
 from inertia_module.compiling import ir as llvm_text
 from inertia_module.compiling.targets import LINUX_ARM
-from inertia_module.fmu import builder, linking, native_fmu, python_fmu
+from inertia_module.fmu import builder, native_fmu, python_fmu
 from inertia_module.fmu.archive import DESCRIPTION, archive
 
 from .test_python_fmu import drive
@@ -122,10 +123,14 @@ def test_build_says_what_it_is_doing(tmp_path, monkeypatch):
 
 
 def test_without_a_c_compiler_the_python_fmu_is_built_and_the_rest_is_skipped(tmp_path, monkeypatch):
-    real = linking.importlib.util.find_spec
-    monkeypatch.setattr(
-        linking.importlib.util, "find_spec", lambda name: None if name == "ziglang" else real(name)
-    )
+    real = metadata.version
+
+    def version(name):
+        if name == "ziglang":
+            raise metadata.PackageNotFoundError(name)
+        return real(name)
+
+    monkeypatch.setattr(metadata, "version", version)
     built = builder.build(tmp_path)
     assert [path.name for path in built.paths] == ["InertiaModulePy.fmu"]
     assert {"InertiaModule.fmu", "DrivenShaft.fmu"} <= set(built.skipped)

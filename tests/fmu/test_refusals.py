@@ -443,7 +443,7 @@ def test_check_passes_warnings_on_without_a_problem(built, tmp_path):
         for name in old.namelist():
             content = old.read(name)
             # the start value is now one that cannot be built
-            new.writestr(name, content.replace(b'"satellites", "", 1,', b'"satellites", "", 6,'))
+            new.writestr(name, content.replace(b'evenly spread", 1,', b'evenly spread", 6,'))
     # in a process of its own: pythonfmu shares the code of FMUs that were loaded before
     command = [sys.executable, "-m", "inertia_module", "check", str(path)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)

@@ -10,8 +10,7 @@ import pytest
 
 from inertia_module.common.files import PACKAGE_FOLDER, cache_folder
 from inertia_module.compiling import CompilationUnavailable
-from inertia_module.compiling.ir import llvm_text
-from inertia_module.compiling.linking import compiler
+from inertia_module.compiling.ir import llvm_text, tool_versions
 from inertia_module.compiling.targets import TARGETS
 from inertia_module.contract.models import DRIVEN_SHAFT
 from inertia_module.fmu.builder import FMUS, SHAFT_FMU, WEB_KERNEL, build
@@ -122,7 +121,7 @@ TOOLS = {
 def tools():
     """What it takes to compile."""
     try:
-        compiler()
+        tool_versions("ziglang")
         llvm_text(DRIVEN_SHAFT)
     except CompilationUnavailable as reason:
         pytest.skip(str(reason))

@@ -18,7 +18,7 @@ from inertia_module import __version__
 from inertia_module.cli import app
 from inertia_module.cli.shared import show
 from inertia_module.common.terminal import progress, terminal
-from inertia_module.compiling import CompilationUnavailable, linking
+from inertia_module.compiling import CompilationUnavailable
 from inertia_module.fidelity.levels import Row as Measured
 from inertia_module.fidelity.levels import print_levels
 from inertia_module.fmu import native_fmu
@@ -84,11 +84,10 @@ def test_build_leaves_the_fmus_in_build_and_tells_machines(tmp_path):
 def test_build_without_a_compiler_fails_and_names_the_extra(monkeypatch, tmp_path):
     missing = "ziglang is not installed; it comes with the extra inertia-module[fast]"
 
-    def compiler():
+    def tool_versions(*names):
         raise CompilationUnavailable(missing)
 
-    for module in (linking, native_fmu):
-        monkeypatch.setattr(module, "compiler", compiler)
+    monkeypatch.setattr(native_fmu, "tool_versions", tool_versions)
     done = command("build", "-o", tmp_path)
     assert done.exit_code == 1
     assert f"InertiaModule.fmu: {missing}" in done.stderr

@@ -9,13 +9,14 @@ from matplotlib.figure import Figure
 
 from inertia_module import loops
 from inertia_module.contract.variables import BY_NAME, LOSSES, PARAMETER, with_causality
-from inertia_module.fidelity.levels import all_levels
+from inertia_module.fidelity.levels import Level
 from inertia_module.fidelity.trials import measure_scene, run_in_process
 from inertia_module.figures.chart import chart_figure
 from inertia_module.figures.scenes import end_of_run, losses, plot_all, scene_figure
 from inertia_module.harness.chart import SteadyMachine, torque_converter_chart
 from inertia_module.harness.fmu import Fmu
 from inertia_module.harness.results import Result
+from inertia_module.kernel.codes import EVENT, KINEMATIC
 from inertia_module.loops import Engine, EngineMap, Governor, TorqueDrivenEngine, torque_driven
 from inertia_module.loops.cycles import ELEMENTARY_URBAN_CYCLE as CYCLE
 from inertia_module.scene import load_scene, read_scene, run_scene
@@ -310,8 +311,7 @@ def test_run_by_torque_tells_the_speed_and_the_torque_and_draws_both(fmu):
 
 
 def test_levels_that_no_torque_can_drive_say_so():
-    (kinematic,) = (level for level in all_levels(False) if level.name == "kinematic")
-    (row,) = measure_scene(scene(**RISING), [kinematic])
+    (row,) = measure_scene(scene(**RISING), [Level(KINEMATIC, EVENT)])
     assert "fidelity must be 1 (averaged), 2 (rigid) or 3 (elastic), is 0" in row.failure
     assert "drive = 1" in row.failure
 

@@ -1,15 +1,19 @@
 """Surroundings of an FMU, stepped together with it.
 
 Loads, controllers and sources are systems of python-control, which closed_loop.py connects. An engine is
-coupled to the module by coupled.py; docs/coupling.md tells what its schemes are worth.
+coupled to the module by engine.py; docs/coupling.md tells what its schemes are worth.
 """
 
 from .closed_loop import ClosedLoop, connect, initial_inputs
 from .controllers import driver_brake, pi_speed_controller
-from .coupled import (
+from .engine import (
     SCHEMES,
     CoupledEngine,
+    Engine,
+    EngineMap,
     EnginePlant,
+    EngineState,
+    Governor,
     InterfaceInertia,
     Ledger,
     Scheme,
@@ -17,7 +21,6 @@ from .coupled import (
     interface_inertia,
     torque_driven,
 )
-from .engine import Engine, EngineMap, EngineState, Governor
 from .loads import Coupling, Load, shaft_load, vehicle_load
 from .sources import Table, source
 
