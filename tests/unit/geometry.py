@@ -26,16 +26,19 @@ def position(p, q, satellite=0):
     return positions(p, np.array([q]), satellite)[0]
 
 
-def places(p, q, satellite):
-    """Positions of all point masses of one satellite, a row each; q may be complex."""
-    return np.array([r[0] for _, r in masses(p, np.array([q]), satellite)])
+def circle(radius=0.5, points=32):
+    return radius * np.exp(2j * np.pi * np.arange(points) / points)
+
+
+def coefficients(samples, around, terms):
+    """Taylor coefficients from values on a circle by Cauchy's integral: exact to rounding."""
+    return np.array([np.tensordot(around**-n, samples, 1).real / len(around) for n in range(terms)])
 
 
 def taylor(function, at, terms=4, radius=0.5, points=32):
-    """Taylor coefficients of an analytic function by Cauchy's integral: exact to rounding."""
-    circle = np.exp(2j * np.pi * np.arange(points) / points)
-    samples = np.array([function(at + radius * point) for point in circle])
-    return np.array([np.tensordot(circle**-n, samples, 1).real / points / radius**n for n in range(terms)])
+    """Taylor coefficients of an analytic function."""
+    around = circle(radius, points)
+    return coefficients(np.array([function(at + point) for point in around]), around, terms)
 
 
 def series_rate(series):
@@ -57,10 +60,9 @@ def direct_derivatives(p, q):
     """I, B and G (rows) and their first two derivatives, summed over the imbalances, gears and drives."""
     sums = np.zeros((3, 3))
     for satellite in range(p["satellites"]):
-        weights, _ = zip(*masses(p, np.array([q]), satellite), strict=True)
-        path = taylor(lambda q, satellite=satellite: places(p, q, satellite), q, terms=5)
-        for mass, r in zip(weights, np.moveaxis(path, 1, 0), strict=True):
-            (_, y, z), (x1, y1, z1) = r.T, series_rate(r).T
+        for mass, places in masses(p, q + circle(), satellite):
+            path = coefficients(places, circle(), 5)
+            (_, y, z), (x1, y1, z1) = path.T, series_rate(path).T
             sums += (
                 mass
                 * p["modules"]

@@ -46,11 +46,6 @@ REFERENCE_VALUES = {
 REFERENCE_ANGLES = {0.01: 0.995538603, 0.1: 9.887230876, 1.0: 93.434013810}
 
 
-@pytest.fixture(params=SCENES)
-def scene(request):
-    return request.param
-
-
 @pytest.mark.parametrize("time", REFERENCE_VALUES)
 def test_reference_scene_has_its_check_values(compiled, time):
     module = advanced(started(compiled, SCENES["bevel"], tolerance=1e-9), time)
@@ -79,7 +74,7 @@ def test_reference_scene_switches_125_times_in_its_first_second(compiled):
 
 def test_error_falls_in_proportion_to_tolerance_and_stays_within_three_in_any_steps(compiled, scene):
     def speed(tolerance, step=DURATION):
-        module = started(compiled, SCENES[scene], tolerance=tolerance)
+        module = started(compiled, scene, tolerance=tolerance)
         return advanced(module, *[step] * round(DURATION / step))["omega_out"]
 
     exact = speed(1e-13)
@@ -93,9 +88,9 @@ def test_error_falls_in_proportion_to_tolerance_and_stays_within_three_in_any_st
 
 def test_linear_input_hold_converges_to_the_smooth_input(compiled, scene):
     def final_speed(step):
-        module = started(compiled, SCENES[scene], input_hold=1, tolerance=1e-10)
+        module = started(compiled, scene, input_hold=1, tolerance=1e-10)
         for n in range(round(0.5 / step)):
-            advanced(module, step, omega1=SCENES[scene]["omega1"] * (1.0 + 0.2 * math.sin(6.0 * n * step)))
+            advanced(module, step, omega1=scene["omega1"] * (1.0 + 0.2 * math.sin(6.0 * n * step)))
         return module["omega_out"]
 
     exact = final_speed(1e-4)

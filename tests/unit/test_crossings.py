@@ -13,11 +13,6 @@ from inertia_module.kernel import fields
 from inertia_module.kernel.events.error import step_error
 
 
-@pytest.fixture(scope="module", params=SCENES)
-def scene(request):
-    return SCENES[request.param]
-
-
 def first_pulse(compiled, scene, speed, tolerance=1e-10):
     """The unloaded shaft at this speed while link 2 makes its first pulse."""
     quiet = {"load_torque": 0.0, "drive_angle_start": 0.5, "omega_out_start": speed}

@@ -7,15 +7,10 @@ import pytest
 from geometry import direct_sums, ratio
 from hypothesis import given
 from hypothesis import strategies as st
-from scenes import SCENES, advanced, parameters, started
+from scenes import advanced, parameters, started
 
 MOMENT = 1e-13  # s: too short for anything but the jump
 SPEEDS = st.floats(-200.0, 200.0)
-
-
-@pytest.fixture(scope="module", params=SCENES)
-def scene(request):
-    return SCENES[request.param]
 
 
 def brute_force(p, q, jump, omega2, omega3):
