@@ -7,6 +7,7 @@ import math
 
 import pytest
 from faulty import faulty, raising, showing
+from scenes import mechanism
 
 from inertia_module.common.errors import Refused
 from inertia_module.kernel.codes import ELASTIC, EVENT, RIGID
@@ -177,9 +178,8 @@ def motions(level, count, losses=False):
 @pytest.mark.parametrize("found", FOUND)
 def test_what_was_found_stays_mended(compiled, found):
     parameters, _, segments = FOUND[found].partition(" | ")
-    values = {name: float(value) for name, value in (part.split("=") for part in parameters.split())}
     parts = [[float(number) for number in one.split()] for one in segments.split(";")]
-    motion = Motion(values, tuple(Segment(*part[:5], *map(int, part[5:])) for part in parts))
+    motion = Motion(mechanism(parameters), tuple(Segment(*part[:5], *map(int, part[5:])) for part in parts))
     finding = examine(motion, lambda: Module(compiled))
     assert not finding.failed, finding.figures
     assert not finding.refused
