@@ -119,7 +119,8 @@ SELECTION = {
         {CHECK_VALUES} test_reference.py::test_motion_is_that_of_the_reference {LOADS} test_methods.py
         {MEANS}
         test_elastic.py::test_the_work_of_the_balancer_is_in_the_audit
-        test_rates.py::test_rates_of_the_outputs test_freewheels.py test_jumps.py
+        test_rates.py::test_rates_of_the_outputs test_freewheels.py
+        test_reference.py::test_speeds_and_impulses_after_a_jump_solve_the_complementarity_problem
         test_motions.py::test_torque_with_a_rate_counts_by_its_mean_over_the_step
         test_motions.py::test_means_are_the_momentum_they_give
         test_motions.py::test_energies_balance_and_freewheels_only_push[bevel-speed-kinematic-ideal]

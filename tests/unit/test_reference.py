@@ -8,6 +8,9 @@ other equations for them in tests/studies/test_lysenko.py.
 from itertools import product
 
 import pytest
+from geometry import direct_sums, ratio
+from hypothesis import given
+from hypothesis import strategies as st
 from scenes import (
     ALL_LOSSES,
     DRIVEN,
@@ -87,8 +90,8 @@ def held_to(found, exact, accuracy):
 
 def cases():
     """Freewheels and friction in every layout, drive and output; losses and gears in some of them."""
-    for layout, (drive, given), (output, shaft) in product(SCENES, DRIVES.items(), OUTPUTS.items()):
-        name, values = f"{layout}-{drive}-{output}", given[layout] | shaft
+    for layout, (drive, driven), (output, shaft) in product(SCENES, DRIVES.items(), OUTPUTS.items()):
+        name, values = f"{layout}-{drive}-{output}", driven[layout] | shaft
         yield name, values
         yield f"{name}-friction", values | LOSSES["viscous"] | {"driven_friction": 0.0, "balancer": 0.0}
         for freewheels in ("no housing freewheel", "no output freewheel", "no freewheel"):
@@ -106,8 +109,8 @@ def cases():
     for n, (gears, own) in enumerate(SATELLITES.items()):
         for layout, drive, shaft in (combinations[n], combinations[-1 - n]):
             yield f"{layout}-{gears}-{n}", drive[layout] | shaft | own | {"drive_angle_start": 0.7}
-    for layout, (drive, given) in product(SCENES, DRIVES.items()):
-        values = given[layout] | {"windage": 1e-3, "satellites": 2 if drive == "torque" else 1}
+    for layout, (drive, driven) in product(SCENES, DRIVES.items()):
+        values = driven[layout] | {"windage": 1e-3, "satellites": 2 if drive == "torque" else 1}
         yield f"{layout}-{drive}-windage", values
         yield f"{layout}-{drive}-windage-and-all", values | SHAFT | ALL_LOSSES
     for losses, loss in LOSSES.items():
@@ -251,3 +254,57 @@ def test_links_part_at_the_same_instant_at_any_tolerance(compiled):
     for tolerance in (1e-7, 1e-9, 1e-11):
         module = advanced(started(compiled, values, tolerance=tolerance), time)
         assert module["input_speed"] - module["omega2"] == pytest.approx(slip, rel=1e-2), tolerance
+
+
+# --- a jump of the input speed is an impulse, shared out by the 2 x 2 complementarity problem ---
+
+
+MOMENT = 1e-13  # s: too short for anything but the jump
+SPEEDS = st.floats(-200.0, 200.0)
+
+
+@pytest.mark.parametrize("output", [True, False], ids=["output freewheel", "rigid with the shaft"])
+@pytest.mark.parametrize("housing", [True, False], ids=["housing freewheel", "no housing freewheel"])
+@given(
+    omega1=SPEEDS,
+    target=SPEEDS,
+    omega2=st.one_of(st.just(0.0), SPEEDS),
+    slip=st.one_of(st.just(0.0), st.floats(0.0, 50.0)),
+    q=st.floats(-10.0, 10.0),
+    inertia=st.sampled_from([0.0, 0.003]),
+)
+def test_speeds_and_impulses_after_a_jump_solve_the_complementarity_problem(
+    compiled, scene, housing, output, omega1, target, omega2, slip, q, inertia
+):
+    omega2 = abs(omega2) if housing else omega2
+    values = {**scene, "omega1": omega1, "drive_inertia": inertia, "input_inertia": 0.01}
+    values |= {"housing_freewheel": housing, "output_freewheel": output, "drive_angle_start": q}
+    values |= {"omega2_start": omega2, "omega_out_start": omega2 + (slip if output else 0.0)}
+    module, exact = started(compiled, values), reference(values)
+    omega3, stored, change = module["omega_out"], module["energy_stored"], target - omega1
+    exact.turn(target)
+    advanced(module, MOMENT, omega1=target)
+    end2, end3 = exact.state[[OMEGA2, OMEGA4]]
+    (i, _, b, _, g, _), k = direct_sums(exact.machine.p, q), ratio(exact.machine.p)
+    slipped = k * (change - (end2 - omega2))
+    driven = (0.01 + i) * change + b * slipped + k * (b * change + g * slipped)
+    found = [module[name] for name in ("omega2", "omega_out")]
+    found += [module[f"{name}_torque_mean"] * MOMENT for name in ("output", "input")]
+    expected = [end2, end3, module["output_inertia"] * (end3 - omega3), driven]
+    assert found == pytest.approx(expected, rel=1e-7, abs=1e-6)
+    # a speed is zero within rounding of the fastest one
+    fastest = max(abs(omega1), abs(target), abs(omega2), abs(omega3))
+    turnover = stored + abs(module["energy_in"]) + module["output_inertia"] * fastest**2
+    assert abs(module["energy_residual"]) <= 1e-12 * turnover + 1e-20
+    assert module["energy_lost"] == 0.0
+
+
+@given(jump=st.floats(1.0, 100.0), parts=st.integers(2, 50))
+def test_jump_in_parts_ends_as_the_whole_jump(compiled, scene, jump, parts):
+    one, many = (advanced(started(compiled, scene), 0.0043) for _ in range(2))
+    target = one["omega1"] + jump
+    advanced(one, MOMENT, omega1=target)
+    for part in range(1, parts + 1):
+        advanced(many, MOMENT, omega1=target - jump * (1.0 - part / parts))
+    assert many["omega2"] == pytest.approx(one["omega2"], rel=1e-6, abs=1e-6)
+    assert many["omega_out"] == pytest.approx(one["omega_out"], rel=1e-6, abs=1e-6)
