@@ -189,6 +189,7 @@ step.py: h * (start1 + {0.5|1.0} * x.alpha1
 inputs.py: torque + {0.5|1.0} * h * rate
 inputs.py: slope = (speed {-|+} x.held_input)
 rates.py: begin) * {4.0|2.0} - (y
+clearance.py: 2.0 * s * cosine {+|-} s * s
 events/advance.py: change.theta1 {-|+} change.q / d.k)
 events/step_size.py: safety * error ** ({-|}1.0 / order)
 events/advance.py: if which == {HOUSING|OUTPUT}:\n        x.omega2 = 0.0

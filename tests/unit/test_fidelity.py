@@ -13,6 +13,7 @@ from inertia_module.fidelity.levels import (
     NOT_MODELLED,
     NoneMeets,
     Row,
+    all_levels,
     at_levels,
     event,
     print_levels,
@@ -199,7 +200,9 @@ def test_another_mechanism_and_broken_measurements_are_measured_anew():
     assert trials.trial_rows(short)
 
 
-def test_a_scene_is_measured_in_longer_steps_too():
+def test_a_scene_is_measured_in_longer_steps_too(monkeypatch):
+    levels = list(all_levels(False, kinematic=False))[::6]
+    monkeypatch.setattr(trials, "all_levels", lambda *_, **__: levels)
     short = scene().replaced(run={"stop_time": 0.05})
     rows = with_worst(measured_rows(short), short.run.outputs)
     assert {row.communication_step for row in rows} == {0.005, 0.05}
