@@ -121,6 +121,7 @@ SELECTION = {
         test_elastic.py::test_the_work_of_the_balancer_is_in_the_audit
         test_rates.py::test_rates_of_the_outputs test_freewheels.py
         test_reference.py::test_speeds_and_impulses_after_a_jump_solve_the_complementarity_problem
+        test_tunable.py::test_jump_of_the_prescribed_ratio_is_an_impulse
         test_motions.py::test_torque_with_a_rate_counts_by_its_mean_over_the_step
         test_motions.py::test_means_are_the_momentum_they_give
         test_motions.py::test_energies_balance_and_freewheels_only_push[bevel-speed-kinematic-ideal]
