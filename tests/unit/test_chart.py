@@ -15,6 +15,7 @@ from inertia_module.cli import app
 from inertia_module.figures.chart import chart_figure
 from inertia_module.harness.chart import (
     LARGEST_TORQUE_RATIO,
+    MAP_SPEEDS,
     RATIOS,
     SteadyMachine,
     TorqueConverterChart,
@@ -219,6 +220,13 @@ def test_where_nothing_comes_out_the_efficiency_is_zero_and_the_chart_ends(compi
     assert SteadyMachine(parameters, compiled).at(50.0, 0.9).efficiency == 0.0
 
 
+@pytest.fixture
+def few_speeds(monkeypatch):
+    """Maps of three speeds."""
+    monkeypatch.setattr("inertia_module.harness.chart.MAP_SPEEDS", MAP_SPEEDS[[0, 3, 7]])
+
+
+@pytest.mark.usefixtures("few_speeds")
 def test_map_has_more_efficiency_at_speed_where_friction_is_viscous_and_agrees_with_the_chart(compiled):
     told = []
     parameters = {**PLANAR, "input_friction": 0.01}
@@ -319,6 +327,7 @@ def test_command_refuses_a_speed_that_is_none(tmp_path):
         assert not (tmp_path / "x").exists()
 
 
+@pytest.mark.usefixtures("few_speeds")
 def test_command_compares_scenes_and_draws_a_map_of_a_machine_with_losses_only(compiled, tmp_path):
     assert compiled
     planar, scene = Path("examples/planar.toml"), tmp_path / "rubbed.toml"
