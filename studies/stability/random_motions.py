@@ -71,6 +71,14 @@ COMPARED = ("input_speed", "omega2", "omega_hub", "omega_out", "energy_stored")
 FACTOR = 4.0  # whose powers are exact
 AS_SPEED = ("omega2_start", "omega_out_start", *FRICTIONS, "housing_drag_viscous", "output_drag_viscous")
 AS_TORQUE = ("housing_drag", "output_drag", "gravity")
+# parts of Run.shares by what is told of them
+REGAINED = "lost energy regained"
+BREACHES = {
+    "0 <= omega2 <= omega3": "reversal",
+    "Th, Tc >= 0": "pull",
+    "torque or slip is 0": "slipping",
+    REGAINED: "regained",
+}
 # without losses virtual work is Lagrange's equations: so kept outcomes call it
 REFERENCE, VIRTUAL_WORK, STEPS = "Lagrange's equations", "virtual work", "long and short steps"
 # parameters that make the difference
@@ -112,13 +120,8 @@ def of_one_run(motion: Motion, found: Run, make: Make) -> Figures:
         name, energy, accuracy = "energy from nowhere", found.gained, TIMESTEPPING_ACCURACY
     beyond = relative(max(energy - rounding, 0.0), found.energy)
     figures[name] = Figure(beyond, energy_bound(accuracy))
-    if motion.level.fidelity in (RIGID, ELASTIC):
-        figures["0 <= omega2 <= omega3"] = Figure(relative(found.reversal, found.speed), BREACH)
-        figures["Th, Tc >= 0"] = Figure(relative(found.pull, found.torque), BREACH)
-        power = relative(found.slipping, found.speed * found.torque)
-        figures["torque or slip is 0"] = Figure(power, BREACH)
-    figures["lost energy regained"] = Figure(relative(found.regained, found.energy), BREACH)
-    return figures
+    breaches = BREACHES if motion.level.fidelity in (RIGID, ELASTIC) else {REGAINED: BREACHES[REGAINED]}
+    return figures | {told: Figure(found.shares[part], BREACH) for told, part in breaches.items()}
 
 
 def of_steps(motion: Motion, found: Run, make: Make) -> Figures:
