@@ -529,20 +529,18 @@ def rows_of(outcomes: Sequence[Outcome]) -> list[tuple[Any, ...]]:
     for level in sorted({outcome.level for outcome in outcomes}):
         here = [outcome for outcome in outcomes if outcome.level == level]
         for name in dict.fromkeys(name for one in here for name in one.finding.figures):
-            figures = [(one.finding.figures[name], one.number) for one in here if name in one.finding.figures]
-            told = [(figure, number) for figure, number in figures if figure.bound < SENSITIVE]
-            explained = sum(figure.explained for figure, _ in told)
-            failed = sum(not figure.holds for figure, _ in told)
+            figures = {one.number: one.finding.figures[name] for one in here if name in one.finding.figures}
+            told = {number: figure for number, figure in figures.items() if figure.bound < SENSITIVE}
+            explained = sum(figure.explained for figure in told.values())
+            failed = sum(not figure.holds for figure in told.values())
             where: tuple[Any, ...] = "", "", ""
             if told:
-                worst, number = max(told, key=lambda one: one[0].value / max(one[0].bound, 1e-300))
+                number, worst = max(told.items(), key=lambda one: one[1].value / max(one[1].bound, 1e-300))
                 where = f"{worst.value:.0e}", f"{worst.bound:.0e}", number
-            counts = len(figures), explained, len(figures) - len(told), failed
-            rows.append((level, name, *counts, *where))
-        long = [one.number for one in here if one.finding.long]
-        refused = [one.number for one in here if one.finding.refused]
-        for name, numbers in ((SHORT, long), (TAKEN, refused)):
-            rows.append((level, name, len(here), 0, 0, len(numbers), "", "", numbers[0] if numbers else ""))
+            rows.append((level, name, len(figures), explained, len(figures) - len(told), failed, *where))
+        for name, part in ((SHORT, "long"), (TAKEN, "refused")):
+            numbers = [one.number for one in here if getattr(one.finding, part)]
+            rows.append((level, name, len(here), 0, 0, len(numbers), "", "", *(numbers[:1] or [""])))
     return rows
 
 
@@ -553,12 +551,12 @@ def findings(outcomes: Iterable[Outcome]) -> list[dict[str, Any]]:
         if one.reproducer:
             kinds.setdefault((one.level, one.finding.causes[0]), []).append(one)
     told = []
-    for (level, what), (first, *others) in kinds.items():
-        failed = [(name, first.finding.figures[name]) for name in first.finding.failed]
-        sentences = [f"{name}: {figure.value:.1e}, bound {figure.bound:.0e}" for name, figure in failed]
-        sentence = "; ".join(sentences) or first.finding.refused
+    for (level, what), found in kinds.items():
+        first, figures = found[0], found[0].finding.figures.items()
+        missed = [f"{name}: {one.value:.1e}, bound {one.bound:.0e}" for name, one in figures if not one.holds]
+        sentence = "; ".join(missed) or first.finding.refused
         where = {"number": first.number, "sentence": sentence, "reproducer": first.reproducer}
-        told.append({"level": level, "what": what, "count": 1 + len(others), **where})
+        told.append({"level": level, "what": what, "count": len(found), **where})
     return told
 
 
