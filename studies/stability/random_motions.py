@@ -540,7 +540,7 @@ def rows_of(outcomes: Sequence[Outcome]) -> list[tuple[Any, ...]]:
             rows.append((level, name, len(figures), explained, len(figures) - len(told), failed, *where))
         for name, part in ((SHORT, "long"), (TAKEN, "refused")):
             numbers = [one.number for one in here if getattr(one.finding, part)]
-            rows.append((level, name, len(here), 0, 0, len(numbers), "", "", *(numbers[:1] or [""])))
+            rows.append((level, name, len(here), 0, 0, len(numbers), "", "", numbers[0] if numbers else ""))
     return rows
 
 
