@@ -85,13 +85,10 @@ def statements(text: str) -> int:
 
 def room(name: str, places: Iterable[Path], budget: int) -> Room:
     """Count the Python files that are, or are below, some places."""
-    files = [
-        path for place in places for path in ([place] if place.is_file() else sorted(place.rglob("*.py")))
-    ]
+    files = (path for place in places for path in ([place] if place.is_file() else place.rglob("*.py")))
     texts = [path.read_text(encoding="utf-8") for path in files]
-    return Room(
-        name, len(texts), sum(text.count("\n") for text in texts), sum(map(statements, texts)), budget
-    )
+    lines = sum(text.count("\n") for text in texts)
+    return Room(name, len(texts), lines, sum(map(statements, texts)), budget)
 
 
 def house() -> list[Room]:
@@ -135,17 +132,8 @@ def picture(houses: Mapping[str, Mapping[str, int]]) -> Figure:
     return figure
 
 
-def lines_before() -> dict[str, int]:
-    """Lines of each room in the house that BEFORE keeps."""
-    with BEFORE.open(encoding="utf-8", newline="") as rows:
-        return {row["room"]: int(row["lines"]) for row in csv.DictReader(rows)}
-
-
 def main(
     draw: Annotated[Path | None, typer.Option("--picture", metavar="FILE", help="Draw it too.")] = None,
-    keep: Annotated[
-        Path | None, typer.Option("--keep", metavar="FILE.csv", help="Write it as a table.")
-    ] = None,
 ) -> None:
     """Print folder, files, lines, statements and budget of each room."""
     from inertia_module.harness.results import write_figure
@@ -158,9 +146,10 @@ def main(
             f"{found.name:28}{found.files:7}{found.lines:8}{found.statements:12}{found.budget:8}{over}"
         )
     if draw is not None:
-        parts = {"before": lines_before(), "now": {found.name: found.lines for found in rooms}}
-        budgets = {found.name: found.budget for found in rooms}
-        write_figure(draw, picture({**parts, "as it shall be": budgets}))
+        with BEFORE.open(encoding="utf-8", newline="") as rows:
+            before = {row["room"]: int(row["lines"]) for row in csv.DictReader(rows)}
+        now, budgets = ({one.name: getattr(one, size) for one in rooms} for size in ("lines", "budget"))
+        write_figure(draw, picture({"before": before, "now": now, "as it shall be": budgets}))
 
 
 if __name__ == "__main__":
