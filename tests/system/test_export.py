@@ -89,7 +89,7 @@ def program(reader):
 @pytest.mark.parametrize("reader", READERS)
 def test_documented_program_runs_the_ssp_file_to_the_numbers_of_a_plain_loop(reader, exported):
     needs(reader)
-    found = printed(program(reader), exported.folder)
+    (found,) = printed(program(reader), exported.folder)
     expected = exported.looped(READERS[reader])["module.omega_out"]
     assert abs(expected) > 1.0  # not at rest, where all agree
     if reader == "fmpy" and exported.name == "turning at the start":
@@ -101,7 +101,7 @@ def test_documented_program_runs_the_ssp_file_to_the_numbers_of_a_plain_loop(rea
         for theirs, ours in OSP_FILE.items():
             assert theirs in source
             source = source.replace(theirs, ours)
-        assert printed(source, exported.folder) == pytest.approx(expected, rel=1e-9)
+        assert printed(source, exported.folder) == pytest.approx([expected], rel=1e-9)
 
 
 def test_container_runs_to_the_numbers_of_a_plain_loop(exported):

@@ -91,7 +91,7 @@ def test_program_of_the_page_runs_the_module(number, built, tmp_path):
         start_values={"output_inertia": 0.4},
         output=["omega_out"],
     )
-    found = printed(PROGRAMS[number], tmp_path)
+    (found,) = printed(PROGRAMS[number], tmp_path)
     # stopped at its switches a step integrates otherwise
     within = 1e-7 if "use_event_mode" in PROGRAMS[number] else 1e-9
     assert found == pytest.approx(expected["omega_out"][-1], rel=within)
