@@ -3,7 +3,6 @@
 import os
 import shutil
 import signal
-import struct
 import subprocess
 import sys
 import zipfile
@@ -30,12 +29,6 @@ PAPERS = {
     3: DOCUMENTATION | {"modelDescription.xml", "terminalsAndIcons/terminalsAndIcons.xml"} | ICONS,
 }
 LARGEST = 1_200_000
-# how a library for a processor begins: ELF and PE tell the number of it
-ELF, PE = {"x86_64": 0x3E, "aarch64": 0xB7}, {"x86_64": 0x8664, "aarch64": 0xAA64}
-FUNCTIONS = {
-    2: (b"fmi2Instantiate", b"fmi2DoStep", b"fmi2GetReal", b"fmi2SetFMUstate"),
-    3: (b"fmi3InstantiateCoSimulation", b"fmi3DoStep", b"fmi3GetFloat64", b"fmi3SetFMUState"),
-}
 
 
 def content_of(path):
@@ -77,27 +70,6 @@ def test_python_fmu_holds_its_source_and_the_compiled_kernel(built):
     inside = {name.split("/", 2)[2] for name in content if name.startswith("resources/inertia_module_")}
     libraries = {f"{SHIPPED.name}/{name}" for name in ("linux64.so", "win64.dll")}
     assert inside == bundled_files().keys() | libraries
-
-
-@pytest.mark.parametrize("target", TARGETS, ids=lambda target: target.label)
-@pytest.mark.parametrize("fmu", NATIVE, ids=lambda fmu: fmu.identifier)
-def test_native_library_is_of_its_platform(fmu, opened, target):
-    library = (opened(fmu.identifier)[1] / library_path(fmu, target)).read_bytes()
-    processor = target.compiler.split("-", 1)[0]
-    if target.suffix == ".so":
-        assert library[:4] == b"\x7fELF"
-        assert struct.unpack_from("<H", library, 18)[0] == ELF[processor]
-    elif target.suffix == ".dll":
-        assert library[:2] == b"MZ"
-        (head,) = struct.unpack_from("<I", library, 60)
-        assert library[head : head + 4] == b"PE\0\0"
-        assert struct.unpack_from("<H", library, head + 4)[0] == PE[processor]
-    elif fmu.fmi == 3:
-        assert library[:4] == b"\xcf\xfa\xed\xfe"  # a file for each processor
-    else:
-        assert struct.unpack_from(">II", library) == (0xCAFEBABE, 2)  # one file for two processors
-    for function in FUNCTIONS[fmu.fmi]:
-        assert function in library
 
 
 # --- documentation and pictures, as a host shows them ---

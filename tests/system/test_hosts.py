@@ -1,4 +1,4 @@
-"""libcosim and Ecos beyond the programs of the documentation: several instances, inputs that change, refusals.
+"""libcosim and Ecos beyond the documented programs: several instances, inputs that change, refusals.
 
 Those programs run the FMUs and systems of them in these hosts and others (test_pages, test_export).
 """
