@@ -1,13 +1,14 @@
 import shutil
+import sys
 import zipfile
+from importlib import metadata
 from pathlib import Path
 
 import pytest
 
 from inertia_module.compiling import CompilationUnavailable, targets
-from inertia_module.compiling import ir as llvm_text
 from inertia_module.compiling.targets import LINUX_ARM
-from inertia_module.fmu import builder, linking, native_fmu, python_fmu
+from inertia_module.fmu import builder, native_fmu, python_fmu
 from inertia_module.fmu.archive import DESCRIPTION, archive
 
 from .test_python_fmu import drive
@@ -29,26 +30,23 @@ def test_interrupted_build_leaves_the_old_files_and_no_others(built, tmp_path, m
         assert sorted(tmp_path.iterdir()) == sorted(paths)
 
 
-@pytest.fixture
-def module_fmu(built, tmp_path):
-    """A copy of the native FMU of the module, to be spoilt."""
-    return Path(shutil.copy(built / builder.MODULE_FMU.file_name, tmp_path))
+def repacked(change):
+    """Change of a file: an FMU packed anew, with what another change makes of its content by name."""
 
+    def changed(path):
+        with zipfile.ZipFile(path) as packed:
+            content = {name: packed.read(name) for name in packed.namelist()}
+        path.write_bytes(archive(change(content)))
 
-def repacked(path, change):
-    """Pack an FMU anew, with the content by name that change makes of its own."""
-    with zipfile.ZipFile(path) as packed:
-        content = {name: packed.read(name) for name in packed.namelist()}
-    path.write_bytes(archive(change(content)))
+    return changed
 
 
 def without(name):
-    return lambda content: {other: content[other] for other in content if other != name}
+    return repacked(lambda content: {other: content[other] for other in content if other != name})
 
 
 def of_another_guid(content):
-    description = content[DESCRIPTION].replace(b'guid="{', b'guid="{0')
-    return content | {DESCRIPTION: description}
+    return content | {DESCRIPTION: content[DESCRIPTION].replace(b'guid="{', b'guid="{0')}
 
 
 @pytest.mark.parametrize("fmu", builder.FMUS, ids=lambda fmu: fmu.identifier)
@@ -63,20 +61,22 @@ def test_fmu_just_built_is_current_whatever_the_date_and_nothing_is_packed_to_fi
 
 @pytest.mark.parametrize(
     "change",
-    [of_another_guid, without(DESCRIPTION), without("binaries/linux64/InertiaModule.so")],
-    ids=["of another build", "without a description", "without a platform"],
+    [
+        repacked(of_another_guid),
+        without(DESCRIPTION),
+        without("binaries/linux64/InertiaModule.so"),
+        lambda path: path.write_bytes(path.read_bytes()[:1000]),
+        Path.unlink,
+        lambda path: shutil.copy(path.with_name("another.fmu"), path),
+    ],
+    ids=["another build", "no description", "a platform less", "cut short", "missing", "another model"],
 )
-def test_fmu_that_is_not_as_it_would_be_built_now_is_not_current(module_fmu, change):
-    assert builder.is_current(module_fmu, builder.MODULE_FMU)
-    repacked(module_fmu, change)
-    assert not builder.is_current(module_fmu, builder.MODULE_FMU)
-
-
-def test_file_that_is_cut_short_or_missing_is_not_current(module_fmu):
-    module_fmu.write_bytes(module_fmu.read_bytes()[:1000])
-    assert not builder.is_current(module_fmu, builder.MODULE_FMU)
-    module_fmu.unlink()
-    assert not builder.is_current(module_fmu, builder.MODULE_FMU)
+def test_fmu_that_is_not_as_it_would_be_built_now_is_not_current(built, tmp_path, change):
+    path = Path(shutil.copy(built / builder.MODULE_FMU.file_name, tmp_path))
+    shutil.copy(built / builder.SHAFT_FMU.file_name, tmp_path / "another.fmu")
+    assert builder.is_current(path, builder.MODULE_FMU)
+    change(path)
+    assert not builder.is_current(path, builder.MODULE_FMU)
 
 
 def test_python_fmu_of_another_source_is_not_current(built, monkeypatch):
@@ -84,10 +84,6 @@ def test_python_fmu_of_another_source_is_not_current(built, monkeypatch):
     changed = files | {"contract/messages.py": b"# another build\n" + files["contract/messages.py"]}
     monkeypatch.setattr(python_fmu, "bundled_files", lambda: changed)
     assert not builder.is_current(path, builder.PYTHON_FMU)
-
-
-def test_fmu_of_one_model_is_not_that_of_another(built):
-    assert not builder.is_current(built / builder.SHAFT_FMU.file_name, builder.MODULE_FMU)
 
 
 @pytest.mark.parametrize(
@@ -121,24 +117,24 @@ def test_build_says_what_it_is_doing(tmp_path, monkeypatch):
     ]
 
 
-def test_without_a_c_compiler_the_python_fmu_is_built_and_the_rest_is_skipped(tmp_path, monkeypatch):
-    real = linking.importlib.util.find_spec
-    monkeypatch.setattr(
-        linking.importlib.util, "find_spec", lambda name: None if name == "ziglang" else real(name)
-    )
+@pytest.mark.parametrize("missing", ["ziglang", "numba"])
+def test_without_a_tool_the_python_fmu_is_built_and_the_rest_is_skipped_with_the_reason(
+    tmp_path, monkeypatch, missing
+):
+    def installed(name):
+        if name == missing:
+            raise metadata.PackageNotFoundError(name)
+        return version(name)
+
+    version = metadata.version
+    monkeypatch.setattr(metadata, "version", installed)
+    monkeypatch.setitem(sys.modules, missing, None)  # so it is not found
     built = builder.build(tmp_path)
     assert [path.name for path in built.paths] == ["InertiaModulePy.fmu"]
     assert {"InertiaModule.fmu", "DrivenShaft.fmu"} <= set(built.skipped)
-    assert all("ziglang is not installed" in reason for reason in built.skipped.values())
+    assert all(f"{missing} is not installed" in reason for reason in built.skipped.values())
     message, _ = drive(built.paths[0])
     assert message.startswith("the kernel is plain Python, for there is no compiled one")
-
-
-def test_without_numba_the_reason_is_named(tmp_path, monkeypatch):
-    monkeypatch.setattr(llvm_text, "NEEDED", ("numba_that_is_not_there", "llvmlite"))
-    built = builder.build(tmp_path)
-    assert [path.name for path in built.paths] == ["InertiaModulePy.fmu"]
-    assert "numba_that_is_not_there is not installed" in built.skipped["InertiaModule.fmu"]
 
 
 def test_a_platform_that_fails_is_skipped_and_the_others_are_built(tmp_path, monkeypatch):
