@@ -1,6 +1,5 @@
 """FMI 3.0: the results of FMI 2.0, and what is new: events, intermediate updates, adjoint derivatives."""
 
-import fmpy
 import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
@@ -266,14 +265,3 @@ def test_what_is_not_offered_is_refused_by_name(instance):
         lambda: fmu.fmi3EvaluateDiscreteStates(fmu.component)
     )
     assert "a value for each of 1 references" in instance.refusal(lambda: fmu.getFloat64([0], nValues=2))
-
-
-@pytest.mark.parametrize("modes", [{}, {"use_event_mode": True}, {"early_return_allowed": True}])
-def test_fmpy_runs_it_with_and_without_events(fmu_path, modes):
-    names = ["omega_out", "contact_switches"]
-    found = fmpy.simulate_fmu(str(fmu_path), stop_time=0.2, output_interval=1e-3, output=names, **modes)
-    plain = fmpy.simulate_fmu(str(fmu_path), stop_time=0.2, output_interval=1e-3, output=names)
-    assert found["omega_out"][-1] == pytest.approx(plain["omega_out"][-1], rel=1e-9)
-    switches = np.count_nonzero(np.diff(plain["contact_switches"]))
-    extra = {"early_return_allowed": plain["contact_switches"][-1], "use_event_mode": switches}
-    assert len(found) == len(plain) + sum(extra[mode] for mode in modes)
