@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 from inertia_module.cli import app
 from inertia_module.page.html import TEMPLATE
-from tests.system.chromium import DESK, FLAGS, REFERENCE, Opened
+from tests.system.chromium import FLAGS, REFERENCE, SMALL, Opened
 
 
 @pytest.fixture(scope="session")
@@ -60,14 +60,14 @@ def opened(browser, written):
 @pytest.fixture(scope="session")
 def still(browser, written):
     """The page of scene R1, not moving: opened once, for what it computes."""
-    with browser.new_page(viewport=DESK, reduced_motion="reduce") as page:
+    with browser.new_page(viewport=SMALL, reduced_motion="reduce") as page:
         yield Opened(page, written(REFERENCE))
 
 
 @pytest.fixture
 def page(still):
     """The page of scene R1, loaded anew: at rest, with nothing changed."""
-    still.page.set_viewport_size(DESK)
+    still.page.set_viewport_size(SMALL)
     still.errors.clear()
     return still.at("")
 

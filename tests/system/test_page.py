@@ -71,7 +71,6 @@ def test_slider_changes_the_run_to_what_simulate_gives(page):
 def test_every_scene_of_the_page_is_accepted(page):
     names = page.page.evaluate(SCENES)
     assert len(names) >= 8
-    page.page.set_viewport_size({"width": 640, "height": 480})  # drawn without a graphics card
     for name in names:
         page.page.get_by_label("Scene", exact=True).select_option(name)
         page.page.wait_for_function("name => inertiaModule.state().settings.scene === name", arg=name)
@@ -83,7 +82,6 @@ def test_every_scene_of_the_page_is_accepted(page):
 
 def test_imbalance_is_drawn_where_the_kernel_has_it(page):
     """The picture is built of turned groups, its arrows by the page's own formulas."""
-    page.page.set_viewport_size({"width": 640, "height": 480})
     askew = "reference&satellites=2&epsilon=0.4&gamma=-0.7&shaft_angle=1.2"
     for scene in (askew, "planar", "real-bevel", "elastic"):
         page.at(f"#scene={scene}")
@@ -106,10 +104,11 @@ def test_clock_curves_and_switches_agree(page):
     told = [float(text.replace("−", "-").split()[0]) for text in page.page.evaluate(LEGEND)]
     assert told == pytest.approx(values, abs=0.01)
     # the cursor of the curves stands there, and a press on them goes there
-    over = page.page.locator(".panel:first-child .u-over").bounding_box()
+    curves = page.page.locator(".panel:first-child .u-over")
+    over = curves.bounding_box()
     mark = page.page.locator(".panel:first-child .mark").bounding_box()
     assert mark["x"] + mark["width"] / 2 - over["x"] == pytest.approx(time * over["width"], abs=2)
-    page.page.mouse.click(over["x"] + 0.75 * over["width"], over["y"] + 20)
+    curves.click(position={"x": 0.75 * over["width"], "y": 20})
     assert page.state("time") == pytest.approx(0.75, abs=0.01)
     # steps go from switch to switch, and a pulse is repeated
     scrub(page, "0")
@@ -128,13 +127,13 @@ def test_clock_curves_and_switches_agree(page):
 
 def test_link_restores_the_state_and_names_what_it_says_wrongly(page):
     set_field(page, "load_torque", "4.5")
+    page.settled()  # places of the slider are shares of the run as far as it is
     page.page.get_by_label("cut-away").uncheck()
     page.page.get_by_label("Path of the imbalance").select_option("fixed")
     scrub(page, "2500")
     page.page.wait_for_function(
         "location.hash.includes('t=0.25') && location.hash.includes('load_torque=4.5')"
     )
-    page.settled()
     link, output = page.page.evaluate("location.hash"), page.shown("omega_out")
     page.at(link)
     assert page.state("time") == pytest.approx(0.25)
