@@ -1,4 +1,4 @@
-"""Programs that the documentation shows, run as they stand."""
+"""Commands, and programs that the documentation shows, run as they stand."""
 
 import contextlib
 import importlib.metadata
@@ -11,9 +11,25 @@ import sys
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
+
+from inertia_module.cli import app
 
 DOCS = Path(__file__).parents[2] / "docs"
 BESIDE_ECOS = "tbb"  # on Linux, whose libtbb.so.12 it looks for among the libraries of the system
+
+
+def command(*arguments, folder=None):
+    """Run a command in this process, in a folder."""
+    with contextlib.chdir(folder or Path.cwd()):
+        return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+
+def left(*arguments):
+    """What a command says, which must have done its work."""
+    done = command(*arguments)
+    assert done.exit_code == 0, done.output
+    return done.stdout
 
 
 def programs(page):

@@ -8,10 +8,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
 
 from inertia_module import __version__
-from inertia_module.cli import app
 from inertia_module.common.errors import Refused
 from inertia_module.common.examples import example, examples
 from inertia_module.common.files import cache_folder
@@ -21,12 +19,9 @@ from inertia_module.fmu import builder
 from inertia_module.memory import Module, choose_kernel
 from inertia_module.scene import SceneError, load_scene
 from inertia_module.scene.keys import keys_of
+from tests.system.programs import command, left
 
 ROOT = Path(__file__).parents[2]
-
-
-def command(*arguments):
-    return CliRunner().invoke(app, [*map(str, arguments)])
 
 
 def test_version_is_that_of_the_package_the_changelog_and_the_citation():
@@ -66,7 +61,7 @@ def test_new_copies_an_example_with_what_belongs_to_it_and_tells_the_next_comman
     assert f"{files[0]} must be a new file, is there already" in command("new", name).stderr
 
 
-def test_new_overwrites_nothing_and_tells_machines_what_it_has_left(folder):
+def test_new_overwrites_nothing_and_tells_machines_what_it_has_left_and_people_what_comes_before(folder):
     told = command("new", "fit_rig", "-o", "here/rig.toml").stdout.splitlines()[-1]
     assert told.startswith("next: inertia-module fit here/rig.csv here/rig.toml --free imbalance_mass=0.5:2")
     Path("here/rig.toml").unlink()
@@ -74,15 +69,13 @@ def test_new_overwrites_nothing_and_tells_machines_what_it_has_left(folder):
     assert again.exit_code == 1
     assert "rig.csv must be a new file, is there already" in again.stderr
     assert not Path("here/rig.toml").exists()
-    assert json.loads(command("new", "planar", "-o", "other.toml", "--json").stdout) == {
-        "files": ["other.toml"]
-    }
-
-
-def test_new_tells_what_comes_before(folder):
-    install = "next: pip install 'inertia-module[jobs,notebook]' jupyterlab\n"
-    assert install in command("new", "tutorial").stdout
-    assert "next: inertia-module build\n" in command("new", "two_fmus").stdout
+    told = json.loads(left("new", "planar", "-o", "other.toml", "--json"))
+    assert told == {"files": ["other.toml"]}
+    for name, before in (
+        ("tutorial", "pip install 'inertia-module[jobs,notebook]' jupyterlab"),
+        ("two_fmus", "inertia-module build"),
+    ):
+        assert f"next: {before}\n" in command("new", name).stdout
 
 
 def test_all_scenes_programs_and_the_notebook_are_examples():
@@ -94,39 +87,26 @@ def test_all_scenes_programs_and_the_notebook_are_examples():
         example("plenary")
 
 
-def test_keys_are_set_as_in_a_scene_file():
+def test_keys_are_set_as_in_a_scene_file_on_the_command_line_too(fmu, tmp_path):
     given = ["imbalance_mass=1.5 kg", "drive.omega1=50 rad/s", "satellites=2", 'run.outputs=["omega2"]']
     scene = load_scene(example("planar"), keys_of(given))
-    assert scene.parameters()["imbalance_mass"] == 1.5
-    assert scene.parameters()["satellites"] == 2
-    assert scene.drive.omega1 == 50.0
-    assert scene.run.outputs == ["omega2"]
-    whole_table = load_scene(example("planar"), {"mechanism": scene.tables["mechanism"]})
-    assert whole_table.mechanism == scene.mechanism
-
-
-@pytest.mark.parametrize(
-    ("given", "sentence"),
-    [
+    found = scene.parameters()
+    assert (found["imbalance_mass"], found["satellites"]) == (1.5, 2)
+    assert (scene.drive.omega1, scene.run.outputs) == (50.0, ["omega2"])
+    assert (
+        load_scene(example("planar"), {"mechanism": scene.tables["mechanism"]}).mechanism == scene.mechanism
+    )
+    for given, sentence in (
         ("imbalance_mass", r"what is set must be given as KEY=VALUE, is 'imbalance_mass'"),
         (
             "imbalance_mas=1",
             r"planar.toml: mechanism.imbalance_mas = 1: .* \(did you mean imbalance_mass\?\)",
         ),
-    ],
-)
-def test_what_cannot_be_set_is_refused_in_a_sentence(given, sentence):
-    with pytest.raises(SceneError, match=sentence):
-        load_scene(example("planar"), keys_of([given]))
-
-
-def test_set_reaches_the_run(built, tmp_path):
-    done = command(
-        *("run", example("planar"), "--set", "run.stop_time=20 ms", "--set", "drive.omega1=60 rad/s"),
-        *("--fmu", built / "InertiaModule.fmu", "-o", tmp_path, "--json"),
-    )
-    assert done.exit_code == 0, done.stderr
-    summary = json.loads(done.stdout)["summary"]
+    ):
+        with pytest.raises(SceneError, match=sentence):
+            load_scene(example("planar"), keys_of([given]))
+    options = ("--set", "run.stop_time=20 ms", "--set", "drive.omega1=60 rad/s", "--fmu", fmu, "--json")
+    summary = json.loads(left("run", example("planar"), *options, "-o", tmp_path))["summary"]
     assert summary["simulated_time"] == pytest.approx(0.02)
     assert summary["omega1_maximum"] == 60.0
 
