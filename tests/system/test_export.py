@@ -3,7 +3,10 @@
 import contextlib
 import functools
 import io
+import json
 import re
+import subprocess
+import sys
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -16,7 +19,10 @@ from fmpy.validation import validate_fmu
 from scenes import ELASTIC
 
 from inertia_module.export.systems import Plan, container, export, make_plan
+from inertia_module.fmu.builder import FMUS
 from inertia_module.harness.fmu import Fmu
+from inertia_module.harness.system import Node, WiredFmus
+from inertia_module.harness.wires import Wire
 from inertia_module.scene import load_scene
 from inertia_module.scene.keys import SceneError
 from inertia_module.scene.run import scene_plan
@@ -189,3 +195,73 @@ def test_scenes_are_exported_with_their_mechanism_drive_and_start():
     assert (values["layout"], values["omega1"], plan.step) == (1.0, 120.0, 5e-4)
     with pytest.raises(SceneError, match="fidelity must be a fidelity by name for an export, is 'auto'"):
         scene_plan(scene.with_fidelity("auto", 0.01))
+
+
+# --- the FMU Manipulation Toolbox, another's: its checker, and its container, a host of FMI 2.0 and 3.0 ---
+
+TOOLBOX = "fmu_manipulation_toolbox"
+
+
+def tool(name, *arguments, folder):
+    """What one of the tools says."""
+    command = [sys.executable, "-m", f"{TOOLBOX}.cli.{name}", *map(str, arguments)]
+    done = subprocess.run(command, capture_output=True, text=True, errors="replace", cwd=folder, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout + done.stderr
+
+
+@pytest.mark.parametrize("fmu", FMUS, ids=lambda fmu: fmu.identifier)
+def test_checker_has_nothing_to_say(fmu, built, tmp_path):
+    needs(TOOLBOX)
+    said = tool("fmutool", "-input", built / fmu.file_name, "-check", folder=tmp_path)
+    assert "seems to be compliant with FMI-" in said
+    assert "No semantic error" in said
+    assert not [line for line in said.splitlines() if line.startswith(("WARNING", "ERROR", "CRITICAL"))]
+
+
+@pytest.mark.parametrize(
+    "fmi, module, shaft",
+    [
+        (2, "InertiaModule", "DrivenShaft"),
+        (3, "InertiaModule3", "DrivenShaft3"),
+        (3, "InertiaModule", "DrivenShaft3"),
+    ],
+)
+def test_container_gives_the_bits_of_module_and_shaft_side_by_side(built, tmp_path, fmi, module, shaft):
+    needs(TOOLBOX)
+    paths = {"module": built / f"{module}.fmu", "shaft": built / f"{shaft}.fmu"}
+    names = {model: path.name for model, path in paths.items()}
+    seam = (
+        ("module", "omega_out", "shaft", "hub_speed"),
+        ("shaft", "shaft_torque_mean", "module", "load_torque"),
+    )
+    container = {
+        "name": "container.fmu",
+        "fmu": list(names.values()),
+        "link": [[names[a], output, names[b], given] for a, output, b, given in seam],
+        "input": [["omega1", names["module"], "omega1"], ["load", names["shaft"], "load_torque"]],
+        "output": [[names["module"], "omega_out", "hub"], [names["shaft"], "omega_out", "driven"]],
+        "start": [[names["module"], "output_inertia", 0.02]],
+        "step_size": STEP,
+        **dict.fromkeys(("auto_link", "auto_input", "auto_output"), False),
+    }
+    (tmp_path / "container.json").write_text(json.dumps(container))
+    for path in paths.values():
+        (tmp_path / path.name).symlink_to(path)
+    tool("fmucontainer", "-container", "container.json", "-fmu-directory", ".", "-fmi", fmi, folder=tmp_path)
+    found = simulate_fmu(
+        str(tmp_path / "container.fmu"),
+        stop_time=0.2,
+        output_interval=STEP,
+        start_values={"omega1": 100.0, "load": 10.0},
+        output=["hub", "driven"],
+    )[-1]
+    nodes = {
+        "module": Node(paths["module"], {"output_inertia": 0.02}, {"omega1": 100.0}),
+        "shaft": Node(paths["shaft"], {}, {"load_torque": 10.0}),
+    }
+    with WiredFmus(nodes, [Wire(*wire) for wire in seam], STEP) as system:
+        for _ in range(200):
+            system.advance()
+        expected = [system.fmus[name]["omega_out"] for name in names]
+    assert [found["hub"], found["driven"]] == expected
