@@ -49,7 +49,7 @@ def opened(browser, written):
     """A function that opens the page of a scene file, with options of Playwright's new_page."""
     with contextlib.ExitStack() as pages:
         yield lambda scene, **options: Opened(
-            pages.enter_context(browser.new_page(**options)), written(scene)
+            pages.enter_context(browser.new_page(**{"viewport": SMALL, **options})), written(scene)
         )
 
 

@@ -18,11 +18,10 @@ from fmpy.ssp.ssd import read_ssd
 from fmpy.validation import validate_fmu
 from scenes import ELASTIC
 
+from inertia_module.contract.variables import REAL
 from inertia_module.export.systems import Plan, container, export, make_plan
 from inertia_module.fmu.builder import FMUS
 from inertia_module.harness.fmu import Fmu
-from inertia_module.harness.system import Node, WiredFmus
-from inertia_module.harness.wires import Wire
 from inertia_module.scene import load_scene
 from inertia_module.scene.keys import SceneError
 from inertia_module.scene.run import scene_plan
@@ -229,39 +228,28 @@ def test_checker_has_nothing_to_say(fmu, built, tmp_path):
 )
 def test_container_gives_the_bits_of_module_and_shaft_side_by_side(built, tmp_path, fmi, module, shaft):
     needs(TOOLBOX)
-    paths = {"module": built / f"{module}.fmu", "shaft": built / f"{shaft}.fmu"}
-    names = {model: path.name for model, path in paths.items()}
-    seam = (
-        ("module", "omega_out", "shaft", "hub_speed"),
-        ("shaft", "shaft_torque_mean", "module", "load_torque"),
-    )
+    plan = make_plan("elastic", ELASTIC, INPUTS, STEP, STOP)
+    files = {part.name: part.fmu.file_name for part in plan.parts}
+    (tmp_path / "osp").mkdir()
+    for file, name in zip(files.values(), (module, shaft), strict=True):
+        (tmp_path / "osp" / file).symlink_to(built / f"{name}.fmu")
     container = {
         "name": "container.fmu",
-        "fmu": list(names.values()),
-        "link": [[names[a], output, names[b], given] for a, output, b, given in seam],
-        "input": [["omega1", names["module"], "omega1"], ["load", names["shaft"], "load_torque"]],
-        "output": [[names["module"], "omega_out", "hub"], [names["shaft"], "omega_out", "driven"]],
-        "start": [[names["module"], "output_inertia", 0.02]],
+        "fmu": list(files.values()),
+        "link": [[files[a], output, files[b], given] for a, output, b, given in plan.wires],
+        "output": [[files[part], name, f"{part}.{name}"] for part, name in plan.outputs],
+        "start": [
+            [files[part.name], name, value if part.variable(name).kind == REAL else int(value)]
+            for part in plan.parts
+            for name, value in part.values.items()
+        ],
+        "input": [],
         "step_size": STEP,
         **dict.fromkeys(("auto_link", "auto_input", "auto_output"), False),
     }
-    (tmp_path / "container.json").write_text(json.dumps(container))
-    for path in paths.values():
-        (tmp_path / path.name).symlink_to(path)
-    tool("fmucontainer", "-container", "container.json", "-fmu-directory", ".", "-fmi", fmi, folder=tmp_path)
-    found = simulate_fmu(
-        str(tmp_path / "container.fmu"),
-        stop_time=0.2,
-        output_interval=STEP,
-        start_values={"omega1": 100.0, "load": 10.0},
-        output=["hub", "driven"],
-    )[-1]
-    nodes = {
-        "module": Node(paths["module"], {"output_inertia": 0.02}, {"omega1": 100.0}),
-        "shaft": Node(paths["shaft"], {}, {"load_torque": 10.0}),
-    }
-    with WiredFmus(nodes, [Wire(*wire) for wire in seam], STEP) as system:
-        for _ in range(200):
-            system.advance()
-        expected = [system.fmus[name]["omega_out"] for name in names]
-    assert [found["hub"], found["driven"]] == expected
+    (tmp_path / "osp" / "container.json").write_text(json.dumps(container))
+    options = ("-container", "container.json", "-fmu-directory", ".", "-fmi", fmi)
+    tool("fmucontainer", *options, folder=tmp_path / "osp")
+    found = simulate_fmu(str(tmp_path / "osp" / "container.fmu"), **RUN)[-1]
+    expected = looped(plan, tmp_path)
+    assert {name: found[name] for name in expected} == expected

@@ -278,7 +278,6 @@ def test_axe_finds_no_serious_fault(sized):
             for node in fault["nodes"]
         ]
         assert serious == [], scheme
-        sized.keep_picture(f"{sized.page.viewport_size['width']}-{scheme}")
 
 
 def test_first_picture_and_frames_are_quick(browser, written):

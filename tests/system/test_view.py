@@ -41,7 +41,6 @@ def check_page(page):
     page.page.wait_for_timeout(500)
     assert (page.errors, page.requests) == ([], [])
     assert page.path.stat().st_size < MOST_BYTES
-    page.keep_picture(page.path.stem)
 
 
 def table_of(scene, fmu, folder):
@@ -78,7 +77,6 @@ def test_a_run_too_coarse_for_its_pulses_shows_means_and_dots_in_place_of_curves
     (now,) = re.findall(r"torques: mean of a step.*mesh torque, M2\s+(\S+)", table, re.S)
     assert told == now
     assert float(now.replace("−", "-")) == pytest.approx(mean, abs=0.01)
-    page.keep_picture("coarse")
     page.page.get_by_label("Scene", exact=True).select_option("reference")
     page.settled()
     assert "mean" not in page.page.locator(".panel .legend").nth(1).inner_text()
