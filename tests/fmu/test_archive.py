@@ -20,6 +20,7 @@ from inertia_module.fmu.builder import FMUS, PYTHON_FMU
 from inertia_module.fmu.native_fmu import library_path
 from inertia_module.fmu.python_fmu import bundled_files
 from inertia_module.harness.fmu import Fmu, FmuError
+from tests.system.programs import process
 
 FLAVOURS = [fmu.identifier for fmu in FMUS]
 NATIVE = [fmu for fmu in FMUS if fmu is not PYTHON_FMU]
@@ -121,7 +122,7 @@ def test_icon_is_a_square_with_the_machine_in_colours(unpacked, description):
 
 
 def test_pictures_are_what_the_code_draws(tmp_path):
-    subprocess.run([sys.executable, ROOT / "docs" / "make_icons.py", tmp_path], check=True)
+    process(ROOT / "docs" / "make_icons.py", tmp_path)
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(
         path.name for path in PICTURES.iterdir()
     )
@@ -210,9 +211,7 @@ def test_an_fmu_built_anew_is_seen(built, tmp_path):
 def test_instances_that_nobody_closes_leave_nothing_when_their_process_ends(end, module, temporary, built):
     code, status = ENDS[end]
     other = f"other = {str(built / 'DrivenShaft.fmu')!r}; "
-    command = [sys.executable, "-c", FORGOTTEN.format(path=str(module)) + other + code]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == status, done.stderr
+    process("-c", FORGOTTEN.format(path=str(module)) + other + code, statuses=(status,))
     assert not list(temporary.iterdir())
 
 

@@ -1,7 +1,6 @@
 import json
 import os
 import shutil
-import subprocess
 import sys
 import zipfile
 from importlib import metadata
@@ -16,6 +15,7 @@ from inertia_module.fmu import builder, native_fmu, python_fmu
 from inertia_module.fmu.archive import DESCRIPTION, archive
 from inertia_module.fmu.builder import FMUS, SHAFT_FMU, WEB_KERNEL, build
 from inertia_module.fmu.native_fmu import guid
+from tests.system.programs import process
 
 from .test_archive import content_of
 from .test_python_fmu import drive
@@ -238,15 +238,7 @@ def elsewhere(folder, *arguments, **environment):
     other |= {"TMPDIR": str(temporary), "TZ": "Asia/Tokyo", "LANG": "tr_TR.UTF-8", "PYTHONHASHSEED": "7"}
     other |= {"INERTIA_MODULE_CACHE": str(cache_folder().absolute()), "NUMBA_OPT": "1"}
     other |= {"PYTHONPATH": str(PACKAGE_FOLDER.parent)}
-    done = subprocess.run(
-        [sys.executable, *arguments],
-        env=os.environ | other | environment,
-        cwd=home,
-        capture_output=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr.decode(errors="replace")
-    return done.stdout
+    return process(*arguments, folder=home, **(other | environment)).stdout
 
 
 def test_files_are_the_same_whoever_builds_them_wherever_and_tell_no_path_and_no_user(built, tmp_path):

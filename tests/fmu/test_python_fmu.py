@@ -2,9 +2,6 @@
 
 import ctypes
 import math
-import os
-import subprocess
-import sys
 from functools import partial
 from operator import attrgetter
 from unittest.mock import Mock
@@ -17,6 +14,7 @@ from inertia_module.fmu.slave import HEAD_SIZE
 from inertia_module.harness.fmu import Fmu
 from inertia_module.harness.loading import callbacks_of, messages_of_others
 from inertia_module.memory import Module
+from tests.system.programs import process
 
 from .conftest import R1
 
@@ -42,10 +40,7 @@ os._exit(0)
 def drive(path, blocked=(), **environment):
     """Lines that a process prints that runs the FMU, some modules not installed; a crash fails the test."""
     code = DRIVE.format(path=str(path), blocked=list(blocked))
-    done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True, env=os.environ | environment
-    )
-    return done.stdout.splitlines()
+    return process("-c", code, **environment).stdout.splitlines()
 
 
 def test_it_runs_the_compiled_kernel_it_brings_along_or_plain_python_when_asked_to(fmu_path, tmp_path):
@@ -80,10 +75,7 @@ def test_a_state_is_saved_when_the_folder_of_an_earlier_instance_is_gone(fmu_pat
         "        kept = fmu.save() if _ else b''\n"
         "print(len(kept) > 1000)\n"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", program, str(fmu_path)], capture_output=True, text=True, check=False
-    )
-    assert done.stdout == "True\n", done.stderr
+    assert process("-c", program, fmu_path).stdout == "True\n"
 
 
 def test_two_different_builds_live_in_one_process(monkeypatch, tmp_path, fmu_path):

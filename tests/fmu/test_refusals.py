@@ -3,8 +3,6 @@
 import ctypes
 import math
 import re
-import subprocess
-import sys
 import zipfile
 from functools import partial
 
@@ -18,6 +16,7 @@ from inertia_module.contract.variables import BOOLEAN, PARAMETER, REAL
 from inertia_module.harness.fmu import Fmu, FmuError
 from inertia_module.harness.loading import messages_of_others
 from inertia_module.memory import Module
+from tests.system.programs import process
 
 from .conftest import LEVELS, R1, sentence
 
@@ -425,9 +424,7 @@ def test_check_passes_warnings_on_without_a_problem(built, tmp_path):
             # the start value is now one that cannot be built
             new.writestr(name, content.replace(b'"satellites", "", 1,', b'"satellites", "", 6,'))
     # in a process of its own: pythonfmu shares the code of FMUs that were loaded before
-    command = [sys.executable, "-m", "inertia_module", "check", str(path)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
+    done = process("-m", "inertia_module", "check", path)
     (warning,) = Module("plain").start(satellites=6).warnings()
     assert done.stderr == f"warning: {warning}\n"
     assert "no problems found" in done.stdout

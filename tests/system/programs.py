@@ -32,6 +32,21 @@ def left(*arguments):
     return done.stdout
 
 
+def process(*arguments, statuses=(0,), folder=None, **environment):
+    """Run Python with these arguments, to one of these statuses; its output is text."""
+    done = subprocess.run(
+        [sys.executable, *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        errors="replace",
+        cwd=folder,
+        env=os.environ | environment,
+        check=False,
+    )
+    assert done.returncode in statuses, done.stdout + done.stderr
+    return done
+
+
 def programs(page):
     """The programs in Python of a page."""
     return re.findall(r"```python\n(.*?)```", (DOCS / page).read_text(), re.DOTALL)
@@ -43,15 +58,13 @@ def printed(source, folder):
     Raises:
         AssertionError: it fails; with what it says.
     """
-    environment = dict(os.environ)
+    environment = {}
     with contextlib.suppress(importlib.metadata.PackageNotFoundError):
         libraries = [file for file in importlib.metadata.files(BESIDE_ECOS) if "libtbb.so" in file.name]
         folders = {str(file.locate().resolve().parent) for file in libraries}
         environment["LD_LIBRARY_PATH"] = os.pathsep.join(folders)
-    command = [sys.executable, "-c", source]
-    done = subprocess.run(command, capture_output=True, text=True, cwd=folder, env=environment, check=False)
     # Ecos now and then crashes as it closes, after its numbers are out
-    assert done.returncode in (0, -signal.SIGSEGV), done.stdout + done.stderr
+    done = process("-c", source, statuses=(0, -signal.SIGSEGV), folder=folder, **environment)
     return [float(number) for number in done.stdout.splitlines()[-1].split()]
 
 

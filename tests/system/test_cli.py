@@ -3,7 +3,6 @@
 import importlib
 import json
 import os
-import subprocess
 import sys
 import zipfile
 from pathlib import Path
@@ -22,16 +21,15 @@ from inertia_module.fidelity.levels import print_levels
 from inertia_module.fmu import native_fmu
 from inertia_module.fmu.builder import FMUS
 from inertia_module.harness.results import Result
-from tests.system.programs import command
+from tests.system.programs import command, process
 
 ROOT = Path(__file__).parents[2]
 REFERENCE = str(ROOT / "examples" / "reference.toml")
 
 
-def process(*arguments, folder):
+def own_process(*arguments, folder):
     """A command as a process of its own."""
-    words = [sys.executable, "-m", "inertia_module", *map(str, arguments)]
-    done = subprocess.run(words, capture_output=True, text=True, cwd=folder, check=False)
+    done = process("-m", "inertia_module", *arguments, statuses=(0, 1), folder=folder)
     done.exit_code = done.returncode
     return done
 
@@ -93,7 +91,7 @@ def test_build_without_a_compiler_fails_and_names_the_extra(monkeypatch, tmp_pat
 
 
 def test_run_builds_the_fmu_it_needs_and_leaves_table_summary_and_plot(scene, tmp_path):
-    done = process("run", scene, "-o", tmp_path / "out", folder=tmp_path)
+    done = own_process("run", scene, "-o", tmp_path / "out", folder=tmp_path)
     assert done.exit_code == 0, done.stderr
     assert (tmp_path / "build" / "InertiaModule.fmu").is_file()
     table = (tmp_path / "out" / "table.csv").read_text().splitlines()
@@ -152,7 +150,7 @@ def test_tradeoff_of_a_scene_for_machines(scene, tmp_path):
     [
         ("InertiaModule", command),
         ("InertiaModule3", command),
-        ("InertiaModulePy", process),  # that of a Python FMU is left in a way of its own
+        ("InertiaModulePy", own_process),  # that of a Python FMU is left in a way of its own
         ("DrivenShaft3", command),
     ],
 )
@@ -247,7 +245,7 @@ def test_what_cannot_be_is_one_line_and_leaves_nothing(workshop, scene, tmp_path
 @pytest.mark.parametrize(
     "run, arguments, words",
     [
-        (process, ("check", "nothing.fmu"), "nothing.fmu"),
+        (own_process, ("check", "nothing.fmu"), "nothing.fmu"),
         (command, ("run", "nothing.toml", "-o", "a/b"), "nothing.toml"),
         (command, ("check", "."), "error: . must be an FMU file, is a folder\n"),
         (

@@ -5,8 +5,6 @@ import functools
 import io
 import json
 import re
-import subprocess
-import sys
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -25,7 +23,7 @@ from inertia_module.harness.fmu import Fmu
 from inertia_module.scene import load_scene
 from inertia_module.scene.keys import SceneError
 from inertia_module.scene.run import scene_plan
-from tests.system.programs import needs, printed, programs
+from tests.system.programs import needs, printed, process, programs
 
 ROOT = Path(__file__).parents[2]
 BY_TORQUE = {"drive": 1.0, "input_inertia": 0.3}
@@ -203,9 +201,7 @@ TOOLBOX = "fmu_manipulation_toolbox"
 
 def tool(name, *arguments, folder):
     """What one of the tools says."""
-    command = [sys.executable, "-m", f"{TOOLBOX}.cli.{name}", *map(str, arguments)]
-    done = subprocess.run(command, capture_output=True, text=True, errors="replace", cwd=folder, check=False)
-    assert done.returncode == 0, done.stdout + done.stderr
+    done = process("-m", f"{TOOLBOX}.cli.{name}", *arguments, folder=folder)
     return done.stdout + done.stderr
 
 

@@ -19,7 +19,7 @@ from inertia_module.fmu import builder
 from inertia_module.memory import Module, choose_kernel
 from inertia_module.scene import SceneError, load_scene
 from inertia_module.scene.keys import keys_of
-from tests.system.programs import command, left
+from tests.system.programs import command, left, process
 
 ROOT = Path(__file__).parents[2]
 
@@ -111,14 +111,13 @@ def test_keys_are_set_as_in_a_scene_file_on_the_command_line_too(fmu, tmp_path):
     assert summary["omega1_maximum"] == 60.0
 
 
-def test_scene_without_a_loop_runs_without_python_control(built):
+def test_scene_without_a_loop_runs_without_python_control(fmu):
     code = (
         "import sys; from inertia_module import load_scene, run_scene, scene_figure;"
         "scene_figure(run_scene(load_scene(sys.argv[1], {'run.stop_time': '10 ms'}), sys.argv[2]));"
         "print(sorted({'control', 'scipy'} & set(sys.modules)))"
     )
-    command = [sys.executable, "-c", code, example("planar"), built / "InertiaModule.fmu"]
-    assert subprocess.run(command, capture_output=True, text=True, check=True).stdout == "[]\n"
+    assert process("-c", code, example("planar"), fmu).stdout == "[]\n"
 
 
 def test_kernel_of_a_wheel_is_that_of_its_native_fmu_and_gives_the_same_bits(
@@ -151,9 +150,7 @@ print(module["omega2"])
 
 
 def test_compiled_kernel_loads_where_memory_is_far_apart(compiled):
-    done = subprocess.run([sys.executable, "-c", FAR_APART], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    assert float(done.stdout) == pytest.approx(0.969128517, abs=1e-7)
+    assert float(process("-c", FAR_APART).stdout) == pytest.approx(0.969128517, abs=1e-7)
 
 
 def test_processes_that_link_at_once_leave_one_whole_library(tmp_path, monkeypatch, compiled):

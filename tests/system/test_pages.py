@@ -3,27 +3,19 @@
 import re
 import runpy
 import shutil
-import subprocess
-import sys
 import tomllib
 from pathlib import Path
 
 import pytest
 from fmpy import simulate_fmu
 
-from tests.system.programs import needs, printed, programs
+from tests.system.programs import needs, printed, process, programs
 
 ROOT = Path(__file__).parents[2]
 
 
 def test_generated_pages_are_up_to_date():
-    done = subprocess.run(
-        [sys.executable, ROOT / "docs" / "make_pages.py", "--check"],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
+    process(ROOT / "docs" / "make_pages.py", "--check")
 
 
 def test_a_page_of_figures_is_stale_once_a_figure_or_a_word_has_changed(monkeypatch):
