@@ -1,7 +1,7 @@
 """Examples by name, keys set on the command line, the version, and the kernel that a wheel brings along."""
 
-import importlib.util
 import json
+import runpy
 import shutil
 import subprocess
 import sys
@@ -193,40 +193,34 @@ def test_fmu_that_cannot_be_built_is_an_error(tmp_path, monkeypatch):
         builder.current_fmu(builder.MODULE_FMU, tmp_path)
 
 
-@pytest.fixture
-def forced_into_a_wheel(tmp_path):
-    """What the build of a wheel puts into it from a folder: path, and place in the wheel."""
+def test_clone_is_installed_without_what_was_built_in_it_and_an_sdist_makes_a_complete_wheel_or_none(
+    tmp_path, built
+):
     pytest.importorskip("hatchling")
-    spec = importlib.util.spec_from_file_location("hatch_build", ROOT / "hatch_build.py")
-    hooks = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(hooks)
+    hook = runpy.run_path(str(ROOT / "hatch_build.py"))["ReadyMade"]
 
-    def forced(version="standard"):
+    def forced(folder, version="standard"):
+        """Places in a wheel of what its build puts into it from a folder."""
         data = {"force_include": {}}
-        hooks.ReadyMade(str(tmp_path), {}, None, None, "", "wheel").initialize(version, data)
+        hook(str(folder), {}, None, None, "", "wheel").initialize(version, data)
         return set(data["force_include"].values())
 
-    return forced
-
-
-def test_clone_is_installed_without_what_was_built_in_it(forced_into_a_wheel, tmp_path):
-    (tmp_path / "build").mkdir()
-    (tmp_path / "build" / "InertiaModule.fmu").write_bytes(b"of an older source")
-    assert forced_into_a_wheel() == {"inertia_module/examples"}
-    assert forced_into_a_wheel("editable") == set()
-
-
-def test_sdist_makes_a_complete_wheel_or_none(forced_into_a_wheel, tmp_path, built):
-    (tmp_path / "PKG-INFO").touch()
+    clone, sdist = tmp_path / "clone", tmp_path / "sdist"
+    (clone / "build").mkdir(parents=True)
+    (clone / "build" / "InertiaModule.fmu").write_bytes(b"of an older source")
+    assert forced(clone) == {"inertia_module/examples"}
+    assert forced(clone, "editable") == set()
+    page = sdist / "fmu_src" / "inertia_module" / "page"
+    page.mkdir(parents=True)
+    (sdist / "PKG-INFO").touch()
     with pytest.raises(
         FileNotFoundError, match=r"make dist builds what a wheel needs: build/InertiaModule.fmu"
     ):
-        forced_into_a_wheel()
-    (tmp_path / "build").symlink_to(built)
-    (tmp_path / "fmu_src" / "inertia_module" / "page").mkdir(parents=True)
-    (tmp_path / "fmu_src" / "inertia_module" / "page" / "template.html").touch()
+        forced(sdist)
+    (sdist / "build").symlink_to(built)
+    (page / "template.html").touch()
     ready = {f"inertia_module/ready/{path.name}" for path in built.iterdir() if path.is_file()}
-    assert forced_into_a_wheel() == ready | {"inertia_module/examples"}
+    assert forced(sdist) == ready | {"inertia_module/examples"}
 
 
 def test_an_empty_name_of_a_cache_folder_counts_as_none(monkeypatch):
