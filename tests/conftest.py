@@ -20,6 +20,7 @@ LONG = frozenset(
         "test_forged_states_reach_no_memory_beyond_their_own",
         "test_imbalance_is_drawn_where_the_kernel_has_it",
         "test_intervals_are_as_wide_as_the_values_scatter",
+        "test_kernel_alone_is_linked_for_every_platform",
         "test_level_has_the_losses_that_the_page_tells[averaged]",
         "test_first_picture_and_frames_are_quick",
         "test_no_thread_touches_what_another_uses",

@@ -161,21 +161,15 @@ def test_parameters_that_do_not_go_together_are_refused_by_the_sentence_of_the_m
     assert not instance.is_discarded(0.01)
 
 
-def tune(instance, **values):
-    """Set Real variables in one call."""
-    set_reals = instance.fmu.setFloat64 if instance.is_fmi3 else instance.fmu.setReal
-    set_reals([instance.references[name] for name in values], list(values.values()))
-
-
 def test_bad_value_of_a_tunable_parameter_is_discarded_and_nothing_changes(instances):
     one, undisturbed = (instances().start(**GOOD[INERTIA_MODULE]) for _ in range(2))
     for variable in (each for each in INERTIA_MODULE.variables if each.is_tunable):
         name, before = variable.name, one.all_values()
         for value in (math.nan, math.inf, variable.minimum - 1.0, variable.maximum * 2.0):
-            said = one.refusal(partial(tune, one, **{"omega1": 7.0, name: value}), fmi2Discard)
+            said = one.refusal(partial(one.set, **{"omega1": 7.0, name: value}), fmi2Discard)
             assert said == sentence(variable, value)
             assert one.all_values() == before
-        tune(one, **{name: before[name]})  # no change
+        one.set(**{name: before[name]})  # no change
         for each in (one, undisturbed):
             each.step(0.01)
         assert one.all_values() == undisturbed.all_values()
@@ -186,7 +180,7 @@ def test_tunable_parameters_that_do_not_go_together_are_discarded(instances):
         instances().start(**GOOD[INERTIA_MODULE], **LEVELS["averaged, by torque"]) for _ in range(2)
     )
     before = one.all_values()
-    said = one.refusal(partial(tune, one, omega1=50.0, balancer=0.3, windage=0.05), fmi2Discard)
+    said = one.refusal(partial(one.set, omega1=50.0, balancer=0.3, windage=0.05), fmi2Discard)
     assert said.startswith("with fidelity = 1, method = 0 windage must be 0, is 0.05: fidelity 0 (kinematic)")
     assert one.all_values() == before
     for each in (one, undisturbed):
