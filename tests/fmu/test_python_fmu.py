@@ -13,7 +13,7 @@ from inertia_module.fmu import builder, python_fmu
 from inertia_module.fmu.slave import HEAD_SIZE
 from inertia_module.harness.fmu import Fmu
 from inertia_module.harness.loading import callbacks_of, messages_of_others
-from inertia_module.memory import Module
+from inertia_module.memory import NO_STATE, Module
 from tests.system.programs import process
 
 from .conftest import R1
@@ -179,11 +179,11 @@ def test_a_forged_number_of_a_state_is_no_index_and_no_choice(instance):
 def test_a_state_with_a_forged_head_or_from_before_the_start_is_refused_and_nothing_is_lost(instances):
     fresh, running = instances(), instances().start(omega1=100.0)
     for state, byte, value, words in (
-        *((running.saved(), *forged, "state") for forged in ((0, 5), (0, 255), (17, 200), (20, 255))),
+        *((running.saved(), *forged, NO_STATE) for forged in ((0, 5), (0, 255), (17, 200), (20, 255))),
         (fresh.saved(), 0, 2, "is one saved before the start"),  # as if it were initialised
     ):
         changed = bytes([*state[:byte], value, *state[byte + 1 :]])
-        assert words in running.refusal(partial(running.restore, changed))
+        assert running.refusal(partial(running.restore, changed)).endswith(words)
         assert not running.is_discarded(0.1)
 
 

@@ -257,6 +257,7 @@ def test_in_initialization_mode_outputs_follow_the_inputs_and_what_is_refused_ca
     said = instance.refusal(lambda: instance.get("mesh_torque"), fmi2Discard)
     assert said == "imbalance_mass must be between 0 and 1000000000 kg, is -1"
     instance.set(imbalance_mass=1.0)
+    assert instance.get("mesh_torque") == torques[1]
     instance.fmu.exitInitializationMode()
     assert (instance.get("mesh_torque"), instance.get("omega_out")) == (torques[1], 1.0)
     assert not instance.is_discarded(0.01)
