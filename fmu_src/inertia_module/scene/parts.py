@@ -17,7 +17,7 @@ from .. import loops
 from ..common.errors import did_you_mean, must_be
 from ..contract.variables import LARGEST_SPEED
 from ..kernel.codes import DRIVE_SPEED, DRIVE_TORQUE
-from ..loops.cycles import CYCLES, KILOMETRE_PER_HOUR, Cycle
+from ..loops.cycles import CYCLES, KILOMETRE_PER_HOUR
 from ..loops.sources import Signal, Table
 from .keys import (
     SHAFT_SPEED,
@@ -423,19 +423,7 @@ def _by_measured(vehicle_unit: str, shaft_unit: str, minimum: float | None = Non
     return BeforeValidator(check)
 
 
-class Reference(Strict, ABC):
-    """A wanted speed."""
-
-    def driving_cycle(self) -> Cycle | None:
-        """The driving cycle to be followed, if it is one."""
-        return None
-
-    @abstractmethod
-    def signal(self) -> Signal:
-        """The wanted speed, constant or over time."""
-
-
-class ConstantReference(Reference):
+class ConstantReference(Strict):
     """One speed all the time."""
 
     kind: Literal["constant"]
@@ -446,7 +434,7 @@ class ConstantReference(Reference):
         return self.speed
 
 
-class TableReference(Tabulated, Reference):
+class TableReference(Tabulated):
     """A speed over time."""
 
     kind: Literal["table"]
@@ -465,20 +453,15 @@ def _known_cycle(name: Any) -> str:
     return str(name)
 
 
-class CycleReference(Reference):
+class CycleReference(Strict):
     """A driving cycle."""
 
     kind: Literal["cycle"]
     cycle: Annotated[str, BeforeValidator(_known_cycle)]
 
-    def driving_cycle(self) -> Cycle | None:
-        """The cycle itself."""
-        return CYCLES[self.cycle]
-
     def signal(self) -> Signal:
         """The speed over time, m/s."""
-        cycle = CYCLES[self.cycle]
-        return loops.Table(cycle.time, cycle.speed)
+        return loops.Table(CYCLES[self.cycle].time, CYCLES[self.cycle].speed)
 
 
 class Brake(Strict):

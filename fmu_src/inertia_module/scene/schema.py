@@ -23,7 +23,7 @@ from ..contract.variables import (
 )
 from ..harness.simulate import whole_steps
 from ..kernel.codes import DRIVE_TORQUE, ELASTIC
-from ..loops.cycles import Cycle
+from ..loops.cycles import CYCLES, Cycle
 from ..memory import Module
 from .keys import (
     AUTO,
@@ -119,7 +119,7 @@ class Scene(Strict):
 
     title: str = "scene"
     description: str = ""
-    mechanism: Mechanism = Field(default_factory=Mechanism)  # type: ignore[valid-type]
+    mechanism: Mechanism = Mechanism()  # type: ignore[valid-type]
     drive: Drive
     load: Load
     controller: Controller | None = None
@@ -139,7 +139,7 @@ class Scene(Strict):
     @property
     def cycle(self) -> Cycle | None:
         """The driving cycle that is to be followed, if any."""
-        return self.controller.reference.driving_cycle() if self.controller else None
+        return CYCLES.get(getattr(self.controller.reference, "cycle", "")) if self.controller else None
 
     @property
     def signal_units(self) -> dict[str, str]:
