@@ -72,8 +72,10 @@ class InUnit(BeforeValidator):
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
         schema = BeforeValidator.__get_pydantic_core_schema__(self, source, handler)
-        schema["serialization"] = plain_serializer_function_ser_schema(self.written, when_used="json")
-        return schema
+        return {
+            **schema,
+            "serialization": plain_serializer_function_ser_schema(self.written, when_used="json"),
+        }
 
     def written(self, value: Any) -> Any:
         """A value as in a scene file, digit for digit: an item by its name, a whole number as one."""

@@ -18,7 +18,7 @@ from ..common.errors import did_you_mean, must_be
 from ..contract.variables import LARGEST_SPEED
 from ..kernel.codes import DRIVE_SPEED, DRIVE_TORQUE
 from ..loops.cycles import CYCLES, KILOMETRE_PER_HOUR
-from ..loops.sources import Signal, Table
+from ..loops.sources import Signal, Table, sampled
 from .keys import (
     SHAFT_SPEED,
     SPEED_UNITS,
@@ -250,29 +250,20 @@ class EngineDrive(ConstantOrTable, AnyDrive):
 
         From throttle and input_speed, rad/s, to drive_torque, N.m; state: integrals of the governors.
         """
-        import control as ct
-
         limits, given = self.torque_map(), self.governor
         governor = loops.Governor(given.proportional_gain, given.integral_gain, step)
 
-        def sample(x: Any, u: Any) -> tuple[float, float, float]:
+        def law(_: float, x: Any, u: Any) -> tuple[list[float], list[float]]:
             """Torque and integrals: what the throttle asks for, raised to keep idle, cut at the top speed."""
             throttle, speed = u
             closed, full = limits.limits(speed)
             asked = closed + throttle * (full - closed)
             kept, idle = governor.sample(x[0], given.idle, speed, (asked, full))
             torque, top = governor.sample(x[1], given.top_speed, speed, (closed, kept))
-            return torque, idle, top
+            return [torque], [idle, top]
 
-        engine = ct.nlsys(
-            lambda _, x, u, __: sample(x, u)[1:],
-            lambda _, x, u, __: sample(x, u)[:1],
-            inputs=["throttle", "input_speed"],
-            outputs=["drive_torque"],
-            states=["idle_integral", "top_integral"],
-            dt=step,
-            name="engine",
-        )
+        signals, integrals = ["throttle", "input_speed"], ["idle_integral", "top_integral"]
+        engine = sampled("engine", step, signals, ["drive_torque"], law, integrals)
         return [loops.source("throttle", self.one_signal(), step), engine]
 
 

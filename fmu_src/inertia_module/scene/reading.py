@@ -99,7 +99,8 @@ def load_any_scene(path: Path | str, keys: Mapping[str, Any] | None = None) -> S
     """
 
     def read(tables: dict[str, Any], folder: Path) -> Scene | ShaftScene:
-        return validated(ShaftScene if "shaft" in tables else Scene, tables, folder)
+        model: type[Scene | ShaftScene] = ShaftScene if "shaft" in tables else Scene
+        return validated(model, tables, folder)
 
     return load_tables(path, keys, read)
 
