@@ -7,6 +7,8 @@ from typing import Any
 from .engine import Governor
 from .sources import sampled
 
+__all__ = ["driver_brake", "pi_speed_controller"]
+
 
 def pi_speed_controller(
     step: float,

@@ -22,6 +22,18 @@ from ..kernel.links import inertia_at_input
 from ..memory import Module
 from .engine import Engine, EngineState, LoadTorque
 
+__all__ = [
+    "SCHEMES",
+    "CoupledEngine",
+    "EnginePlant",
+    "InterfaceInertia",
+    "Ledger",
+    "Scheme",
+    "TorqueDrivenEngine",
+    "interface_inertia",
+    "torque_driven",
+]
+
 # a step has no need to be made again where the speeds at its end agree to this, relative
 _AGREEMENT = 1e-11
 # least inertia that a directional derivative may give, in engine inertias

@@ -15,6 +15,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+__all__ = ["Engine", "EngineMap", "EngineState", "Governor"]
+
 # of a sample time: the end of a step this close to a sample is at the sample
 _ROUNDING = 1e-9
 

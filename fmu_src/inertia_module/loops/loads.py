@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 
 from .sources import Signal, evaluate, sampled
 
+__all__ = ["Coupling", "Load", "shaft_load", "vehicle_load"]
+
 Array = NDArray[np.float64]
 
 STANDARD_GRAVITY = 9.80665

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+__all__ = ["Table", "source"]
+
 
 class Table:
     """A quantity given at points, linear in between; beyond the ends the end values are held.
