@@ -17,7 +17,7 @@ import sys
 import tomllib
 import webbrowser
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -55,6 +55,10 @@ Keys = Annotated[
     typer.Option("--set", metavar="KEY=VALUE", help="Instead of the scene's: load.torque='8 N.m'; repeat."),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object for machines.")]
+
+
+# prints a line to the error output: stages of a build, among others
+aside = partial(typer.echo, err=True)
 
 
 class Aside(str):
@@ -151,7 +155,7 @@ def current_fmu(fmu: NativeFmu | None = None) -> Path:
     from .fmu.builder import MODULE_FMU
     from .fmu.builder import current_fmu as current
 
-    return current(fmu or MODULE_FMU, progress=lambda stage: typer.echo(stage, err=True))
+    return current(fmu or MODULE_FMU, progress=aside)
 
 
 def quantity_of(option: str, text: str, unit: str, **limits: float) -> float:
@@ -205,23 +209,14 @@ Workers = Annotated[
 
 
 @command
-def build(context: typer.Context, output: OutputFolder = None) -> Answer:
+def build(output: OutputFolder = None) -> Answer:
     """Build the FMUs and the kernel for pages.
 
     Each is whole or not there (in build/ without -o). Exit code 1 if one is skipped.
     """
-    from rich.text import Text
-
     from .fmu.builder import build as build_fmus
 
-    with terminal().status("building") as status:
-
-        def stage(text: str) -> None:
-            status.update(Text(text))
-            if not context.params["as_json"]:
-                typer.echo(text)
-
-        built = build_fmus(output or BUILD_FOLDER, stage)
+    built = build_fmus(output or BUILD_FOLDER, aside)
     fmus = [str(path) for path in built.paths if path.suffix == ".fmu"]
     kernels = [str(path) for path in built.paths if path.suffix != ".fmu"]
 
@@ -246,9 +241,7 @@ def check(fmu: Annotated[Path, typer.Argument(metavar="FILE.fmu", help="Any FMU 
     shown += [Aside(f"warning: {warning}") for warning in report.warnings]
     shown += [f"problem: {problem}" for problem in report.problems]
     shown.append(f"{len(report.problems) or 'no'} problems found")
-    found = {"facts": report.facts, "problems": report.problems, "warnings": report.warnings}
-    told = {"fmu": str(fmu), **found, "outputs": report.outputs}
-    return Answer(told, shown, failed=bool(report.problems))
+    return Answer({"fmu": str(fmu), **asdict(report)}, shown, failed=bool(report.problems))
 
 
 @command
@@ -263,7 +256,7 @@ def export(scene: SceneFile, output: OutputFolder = None, keys: Keys = None) -> 
     from .scene.run import scene_plan
 
     folder = folder_for(output, "export", scene.stem)
-    paths = write(scene_plan(load_scene(scene, keys)), folder, lambda stage: typer.echo(stage, err=True))
+    paths = write(scene_plan(load_scene(scene, keys)), folder, aside)
 
     shown = [f"wrote {path} ({path.stat().st_size / 1024:.0f} kB)" for path in paths]
     return Answer({"files": [str(path) for path in paths]}, shown)

@@ -377,19 +377,10 @@ class VehicleLoad(AnyLoad):
 
     def build(self, step: float, one_way: bool) -> loops.Load:
         """Make the vehicle as a system."""
-        table = self.slope_over_distance
-        return loops.vehicle_load(
-            step,
-            self.mass,
-            self.wheel_radius,
-            self.final_drive,
-            rolling_resistance=self.rolling_resistance,
-            drag_area=self.drag_area,
-            air_density=self.air_density,
-            slope=self.slope if table is None else table.signal(),
-            one_way=one_way,
-            coupling=_coupling(self.coupling),
-        )
+        table, coupling = self.slope_over_distance, _coupling(self.coupling)
+        own = self.model_dump(exclude={"kind", "slope", "slope_over_distance", "coupling", "times_to"})
+        slope = self.slope if table is None else table.signal()
+        return loops.vehicle_load(step, **own, slope=slope, one_way=one_way, coupling=coupling)
 
 
 Load = Annotated[TorqueLoad | ShaftLoad | VehicleLoad, Field(discriminator="kind")]

@@ -22,12 +22,10 @@ from .parts import TorqueLoad
 from .run import Quantity, SceneResult, energy
 from .schema import Run
 
-_OUTPUTS = tuple(variable.name for variable in DRIVEN_SHAFT.with_causality(OUTPUT))
 _READABLE = tuple(variable.name for variable in DRIVEN_SHAFT.with_causality(OUTPUT, LOCAL))
 _PEAKS = ("omega_out", "driven_acceleration", "shaft_torque", "twist")
 
 Array = NDArray[np.float64]
-
 
 _Positive = Annotated[float, quantity("1", above=0.0)] | None
 _NotNegative = Annotated[float, quantity("1", 0.0)] | None
@@ -86,7 +84,9 @@ class HubTable(Tabulated):
 class ShaftRun(Run):
     """Length of the run, its steps, and the outputs it records."""
 
-    outputs: list[str] = Field(default=list(_OUTPUTS), min_length=1)
+    outputs: list[str] = Field(
+        default=[one.name for one in DRIVEN_SHAFT.with_causality(OUTPUT)], min_length=1
+    )
 
 
 class ShaftScene(Strict):
