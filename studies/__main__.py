@@ -13,7 +13,7 @@ from typing import Annotated, Any
 
 import typer
 
-from inertia_module.cli.shared import (
+from inertia_module.cli import (
     Answer,
     OutputFolder,
     command,

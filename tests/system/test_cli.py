@@ -12,8 +12,7 @@ from typer.main import get_command
 from typer.testing import CliRunner
 
 from inertia_module import __version__
-from inertia_module.cli import app
-from inertia_module.cli.shared import show
+from inertia_module.cli import app, show
 from inertia_module.common.terminal import progress, terminal
 from inertia_module.compiling import CompilationUnavailable
 from inertia_module.fidelity.levels import Row as Measured

@@ -30,6 +30,22 @@ from ..kernel.codes import DRIVE_SPEED, DRIVE_TORQUE
 from ..kernel.links import inertia_at_input
 from ..memory import Module
 
+__all__ = [
+    "SCHEMES",
+    "CoupledEngine",
+    "Engine",
+    "EngineMap",
+    "EnginePlant",
+    "EngineState",
+    "Governor",
+    "InterfaceInertia",
+    "Ledger",
+    "Scheme",
+    "TorqueDrivenEngine",
+    "interface_inertia",
+    "torque_driven",
+]
+
 # --- the engine ---
 
 # of a sample time: the end of a step this close to a sample is at the sample
